@@ -1,0 +1,26 @@
+# SPDX-FileCopyrightText: Palpate contributors
+# SPDX-License-Identifier: Apache-2.0
+
+# palpate_add_module(name HEADERS ... SOURCES ... PUBLIC ... PRIVATE ...)
+# One folder, one shared library palpate::<name>, one installable component.
+# Shared, so that what a library uses inside never reaches the build of its users.
+function(palpate_add_module name)
+  cmake_parse_arguments(ARG "" "" "HEADERS;SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  list(TRANSFORM ARG_HEADERS PREPEND include/)
+  list(TRANSFORM ARG_SOURCES PREPEND src/)
+  add_library(palpate_${name} SHARED ${ARG_SOURCES})
+  add_library(palpate::${name} ALIAS palpate_${name})
+  target_sources(palpate_${name} PUBLIC FILE_SET HEADERS BASE_DIRS include FILES ${ARG_HEADERS})
+  target_include_directories(palpate_${name} PRIVATE src)
+  target_compile_features(palpate_${name} PUBLIC cxx_std_20)
+  target_link_libraries(palpate_${name} PUBLIC ${ARG_PUBLIC}
+                        PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:palpate_warnings>)
+  set_target_properties(palpate_${name} PROPERTIES
+    EXPORT_NAME ${name} VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}
+    VERIFY_INTERFACE_HEADER_SETS ON)
+  install(TARGETS palpate_${name} EXPORT palpate_${name}
+          LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT ${name}
+          FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT ${name})
+  install(EXPORT palpate_${name} NAMESPACE palpate:: FILE palpate_${name}.cmake
+          DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/palpate COMPONENT ${name})
+endfunction()

@@ -1,0 +1,37 @@
+# SPDX-FileCopyrightText: Palpate contributors
+# SPDX-License-Identifier: Apache-2.0
+# Compiler, linker and warnings, for the whole project.
+option(PALPATE_WARNINGS_AS_ERRORS "Treat warnings in Palpate's own code as errors" OFF)
+
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+
+if(PROJECT_IS_TOP_LEVEL)
+  if(NOT CMAKE_BUILD_TYPE)
+    set(CMAKE_BUILD_TYPE Release CACHE STRING "Build type" FORCE)
+  endif()
+  set(CMAKE_CXX_FLAGS_RELEASE "-O3 -DNDEBUG" CACHE STRING "Release flags" FORCE)
+  find_program(CCACHE_PROGRAM ccache)
+  if(CCACHE_PROGRAM AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+    set(CMAKE_CXX_COMPILER_LAUNCHER ${CCACHE_PROGRAM})
+  endif()
+  # The package files of PCL name many libraries that nothing here calls.
+  add_link_options(-Wl,--as-needed)
+  find_program(MOLD_PROGRAM mold)
+  if(MOLD_PROGRAM)
+    add_link_options(-fuse-ld=mold)
+  endif()
+  # Results must not depend on which clone of a function the processor picks: no fused multiply-add.
+  add_compile_options(-ffp-contract=off)
+  if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+    add_compile_options($<$<CONFIG:Release>:-march=x86-64-v2>)
+  endif()
+endif()
+
+# Linked privately by every target of ours; never reaches a user's build.
+add_library(palpate_warnings INTERFACE)
+target_compile_options(palpate_warnings INTERFACE
+  -Wall -Wextra -Wshadow -Wconversion -Wdouble-promotion
+  $<$<BOOL:${PALPATE_WARNINGS_AS_ERRORS}>:-Werror>)

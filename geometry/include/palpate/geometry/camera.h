@@ -1,0 +1,37 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+
+namespace palpate::geometry {
+
+/// A pinhole camera (or projector) with the lens distortion of Brown and Conrady, as in OpenCV.
+///
+/// Frame: X right, Y down, Z out of the lens. Pixel centres are at whole numbers, (0, 0) top left.
+struct Camera {
+  int width = 0;   ///< px
+  int height = 0;  ///< px
+  double fx = 0;   ///< px, > 0
+  double fy = 0;   ///< px, > 0
+  double cx = 0;   ///< px
+  double cy = 0;   ///< px
+  /// k1 k2 p1 p2 k3 k4 k5 k6, zero where absent.
+  std::array<double, 8> distortion{};
+};
+
+/// \throws InvalidInput naming `what` unless size and focal lengths are positive and all is finite.
+void check_camera(const Camera& camera, const char* what);
+
+/// Normalised image coordinates (x / z, y / z) to the pixel where the lens shows them.
+[[nodiscard]] Eigen::Vector2d distort(const Camera& camera, const Eigen::Vector2d& normalized);
+
+/// Pixel to normalised image coordinates: the inverse of `distort`, by Newton's method to rounding.
+/// NaN where the lens model cannot be inverted (far outside the image).
+[[nodiscard]] Eigen::Vector2d undistort(const Camera& camera, const Eigen::Vector2d& pixel);
+
+/// `undistort` of every pixel centre: 2 x (width * height), row after row.
+[[nodiscard]] Eigen::Matrix2Xd pixel_rays(const Camera& camera);
+
+}  // namespace palpate::geometry

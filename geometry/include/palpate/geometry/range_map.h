@@ -1,0 +1,34 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+
+#include "palpate/geometry/camera.h"
+
+namespace palpate::geometry {
+
+/// rows x cols, row 0 at the top, row after row in memory as in an image.
+using ImageF = Eigen::Array<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+/// Depth on the raw pixel grid of one camera.
+struct RangeMap {
+  ImageF z;       ///< [mm] depth along the optical axis, not along the ray; NaN = unknown
+  Camera camera;  ///< of the same size as `z`
+};
+
+/// Lifts each pixel to its point, 3 x (rows * cols), row after row, camera frame [mm]; NaN where the
+/// depth is unknown.
+/// \throws InvalidInput unless the camera is valid and of the size of `z`.
+[[nodiscard]] Eigen::Matrix3Xd back_project(const RangeMap& map);
+
+/// Reads the depths of a range map: TIFF, one float32 channel, mm. Values that are not finite or not
+/// positive become NaN.
+/// \throws FileError if the file is missing, truncated, or of another type.
+[[nodiscard]] ImageF read_depth_tiff(const std::filesystem::path& path);
+
+/// Writes depths as a float32 TIFF (deflate). \throws OutputError.
+void write_depth_tiff(const std::filesystem::path& path, const ImageF& z);
+
+}  // namespace palpate::geometry
