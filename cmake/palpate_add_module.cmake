@@ -16,7 +16,7 @@ function(palpate_add_module name)
   target_link_libraries(palpate_${name} PUBLIC ${ARG_PUBLIC}
                         PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:palpate_warnings>)
   set_target_properties(palpate_${name} PROPERTIES
-    EXPORT_NAME ${name} VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}
+    EXPORT_NAME ${name} INSTALL_RPATH "$ORIGIN" VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}
     VERIFY_INTERFACE_HEADER_SETS ON)
   install(TARGETS palpate_${name} EXPORT palpate_${name}
           LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT ${name}

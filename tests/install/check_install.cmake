@@ -1,0 +1,61 @@
+# SPDX-FileCopyrightText: Palpate contributors
+# SPDX-License-Identifier: Apache-2.0
+# Installs, then configures, builds and runs the consumer beside this file for several choices of components.
+
+function(run)
+  execute_process(COMMAND ${ARGV} RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  if(NOT status EQUAL 0)
+    message(FATAL_ERROR "failed (${status}): ${ARGV}\n${output}")
+  endif()
+  set(output "${output}" PARENT_SCOPE)
+endfunction()
+
+function(configure_consumer build_dir prefix components)
+  execute_process(
+    COMMAND ${CMAKE_COMMAND} -G Ninja -S ${CONSUMER_DIR} -B ${build_dir} -DCMAKE_BUILD_TYPE=Release
+            -DCMAKE_CXX_FLAGS=${CXX_FLAGS} -DCMAKE_PREFIX_PATH=${prefix} "-DCOMPONENTS=${components}"
+            # Whoever asks for these would not find them:
+            -DCMAKE_DISABLE_FIND_PACKAGE_VTK=ON -DCMAKE_DISABLE_FIND_PACKAGE_PCL=ON
+            -DCMAKE_DISABLE_FIND_PACKAGE_assimp=ON -DCMAKE_DISABLE_FIND_PACKAGE_embree=ON
+            -DCMAKE_DISABLE_FIND_PACKAGE_SQLite3=ON -DCMAKE_DISABLE_FIND_PACKAGE_PkgConfig=ON
+    RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  set(status ${status} PARENT_SCOPE)
+  set(output "${output}" PARENT_SCOPE)
+endfunction()
+
+file(REMOVE_RECURSE ${SCRATCH_DIR})
+
+# 1. Only geometry is installed: it is enough for a user of geometry.
+set(prefix ${SCRATCH_DIR}/geometry_only)
+run(${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${prefix} --component geometry)
+configure_consumer(${SCRATCH_DIR}/consumer ${prefix} geometry)
+if(NOT status EQUAL 0)
+  message(FATAL_ERROR "the consumer of geometry does not configure:\n${output}")
+endif()
+run(${CMAKE_COMMAND} --build ${SCRATCH_DIR}/consumer)
+run(${SCRATCH_DIR}/consumer/consumer)
+if(NOT output MATCHES "12 triangles, 1.000 mm away")
+  message(FATAL_ERROR "the consumer printed: ${output}")
+endif()
+run(ldd ${SCRATCH_DIR}/consumer/consumer)
+if(output MATCHES "lib(ipopt|vtk|sqlite3|opencv)[^ ]*")
+  message(FATAL_ERROR "a user of geometry needs ${CMAKE_MATCH_0} at run time:\n${output}")
+endif()
+
+# 2. A component that is not installed, or does not exist, is named.
+configure_consumer(${SCRATCH_DIR}/absent ${prefix} "geometry;haptics")
+if(status EQUAL 0 OR NOT output MATCHES "'haptics' is not.installed")
+  message(FATAL_ERROR "a component that is not installed is not named:\n${output}")
+endif()
+configure_consumer(${SCRATCH_DIR}/misspelt ${prefix} "geometri")
+if(status EQUAL 0 OR NOT output MATCHES "no component 'geometri'" OR NOT output MATCHES "geometry;sensing;probing;haptics")
+  message(FATAL_ERROR "a misspelt component is not named:\n${output}")
+endif()
+
+# 3. Everything is installed: every component is found.
+set(prefix ${SCRATCH_DIR}/all)
+run(${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${prefix})
+configure_consumer(${SCRATCH_DIR}/all_components ${prefix} "geometry;sensing;probing;haptics")
+if(NOT status EQUAL 0)
+  message(FATAL_ERROR "not every component is found after a full install:\n${output}")
+endif()
