@@ -15,6 +15,7 @@
 
 #include "input_file.h"
 #include "obj.h"
+#include "off.h"
 #include "palpate/error.h"
 #include "palpate/output_file.h"
 #include "pcd.h"
@@ -89,6 +90,7 @@ PolygonMesh read_polygons(const fs::path& path) {
   const std::string extension = lower_extension(path);
   if (extension == ".ply") return read_ply(path);
   if (extension == ".obj") return read_obj(path);
+  if (extension == ".off") return read_off(path);
   return read_with_assimp(path);
 }
 

@@ -109,7 +109,6 @@ void fill_stream(const fs::path& path, const fs::path& temporary,
   errno = 0;
   try {
     write(stream);
-    stream.flush();
   } catch (const std::ios_base::failure&) {
     if (!stream.bad()) throw;
   }

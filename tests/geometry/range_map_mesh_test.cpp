@@ -137,6 +137,24 @@ TEST(RangeMapMesh, TwoPlanesOneBeforeTheOtherAreSeparate) {
   }
 }
 
+TEST(RangeMapMesh, AStepIsMeasuredAgainstTheNearerSide) {
+  const Camera camera = camera_of(80.3);
+  const double limit = 600.1 * RangeMapMeshOptions{}.max_depth_step;
+  for (const bool near_on_the_left : {false, true})
+    for (const bool near_on_top : {false, true})
+      for (const double step : {0.999 * limit, 1.001 * limit}) {
+        const RangeMap map = seen(camera, [&](const Eigen::Vector3d& ray) {
+          const bool near = (ray.x() < 0) == near_on_the_left && (ray.y() < 0) == near_on_top;
+          return near ? 600.1 : 600.1 + step;
+        });
+        const Eigen::Index triangles = mesh_range_map(map).mesh.triangles.cols();
+        if (step < limit)
+          EXPECT_EQ(triangles, 2 * cells(camera));
+        else
+          EXPECT_LT(triangles, 2 * cells(camera));
+      }
+}
+
 TEST(RangeMapMesh, PixelsBetweenTwoSurfacesBelongToNeither) {
   const Camera camera = camera_of(603.7);
   // Between 600 and 660 stand one or two columns of pixels that saw both.
