@@ -140,8 +140,8 @@ Eigen::Vector2d distort(const Camera& camera, const Eigen::Vector2d& normalized)
 }
 
 Eigen::Vector2d undistort(const Camera& camera, const Eigen::Vector2d& pixel) {
+  if (!has_distortion(camera)) return to_normalized(camera, pixel);
   const Eigen::Vector2d distorted = to_normalized(camera, pixel);
-  if (!has_distortion(camera)) return distorted;
   return undistort_normalized(camera, distorted, fixed_point_start(camera, distorted));
 }
 

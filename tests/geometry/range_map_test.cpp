@@ -13,6 +13,7 @@
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "palpate/error.h"
@@ -225,6 +226,23 @@ TEST(RangeMap, KeepsTheOldFileWhenTheDiskIsFull) {
   EXPECT_THROWS_MESSAGE(write_depth_tiff(folder / "z.tiff", z), OutputError, "unchanged");
   EXPECT_EQ(read_text(folder / "z.tiff"), old);
   EXPECT_EQ(folder.entries(), 1);
+}
+
+TEST(RangeMap, ThreadsReadAndWriteSideBySideAndErrorsStayWithTheirFile) {
+  const ScratchFolder folder;
+  write_text(folder / "text.tiff", "depth,1,2,3\n");
+  std::vector<std::thread> threads;
+  for (int thread = 0; thread < 4; ++thread)
+    threads.emplace_back([&folder, thread] {
+      const ImageF z = awkward_image(31 + thread, 17);
+      const fs::path path = folder / ("z" + std::to_string(thread) + ".tiff");
+      for (int repeat = 0; repeat < 20; ++repeat) {
+        write_depth_tiff(path, z);
+        EXPECT_TRUE(same_bits(read_depth_tiff(path), z));
+        EXPECT_THROW(static_cast<void>(read_depth_tiff(folder / "text.tiff")), FileError);
+      }
+    });
+  for (std::thread& thread : threads) thread.join();
 }
 
 TEST(RangeMap, RefusesToWriteNothing) {

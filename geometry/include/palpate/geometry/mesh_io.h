@@ -15,8 +15,8 @@ namespace palpate::geometry {
 /// STL, glTF and whatever else assimp knows have the precision of float; the parts of a scene are
 /// put together as it places them; and where no two triangles share a vertex (STL), corners at
 /// exactly the same place become one. Some damage in those assimp may mend without a word.
-/// \throws FileError if the file is missing, truncated, empty, not a mesh, or holds a bad index or a
-/// vertex that is not finite.
+/// \throws FileError if the file is missing, truncated, empty, not a mesh, or holds a bad index or
+/// a vertex that is not finite.
 [[nodiscard]] TriangleMesh read_mesh(const std::filesystem::path& path);
 
 /// Reads points, 3 x N [mm]: PCD (text, binary or compressed) or the vertices of any mesh file.
