@@ -9,19 +9,23 @@
 namespace palpate {
 
 /// Writes a file so that a reader sees the old content or the whole new one, never a part:
-/// `write` fills a temporary beside `path`, which is then renamed onto it.
-/// Missing parent folders are made.
-/// \throws OutputError if the disk is full or the folder read-only; `path` is then as it was.
+/// `write` fills a temporary beside `path`, which is then renamed onto it. The stream is binary,
+/// in the classic locale, and throws when the disk is full, so `write` need not check it.
+/// Missing parent folders are made; a symbolic link is written through; the permissions of a file
+/// that is replaced are kept. What `write` throws passes through.
+/// \throws InvalidInput if `path` is a folder or a device; OutputError if the disk is full or the
+/// folder read-only. `path` is then as it was and the temporary is gone.
 void write_file(const std::filesystem::path& path, const std::function<void(std::ostream&)>& write);
 
 /// The same for libraries that insist on opening the file themselves: `write` gets the path of the
-/// temporary (with the extension of `path`) and must have closed it when it returns.
+/// temporary (with the extension of `path`), must throw if it cannot write, and must have closed
+/// the file when it returns.
 void write_file_by_path(const std::filesystem::path& path,
                         const std::function<void(const std::filesystem::path&)>& write);
 
-/// The same for a folder: `write` fills a temporary folder beside `path`, which then takes its place.
-/// A folder that is already there is replaced only if it is empty or holds `marker`, the file by
-/// which a folder of this kind is recognised.
+/// The same for a folder: `write` fills a temporary folder beside `path`, which then takes its
+/// place. A folder that is already there is replaced, with all that is in it, only if it is empty
+/// or holds `marker` (relative to it), the file by which a folder of this kind is recognised.
 /// \throws InvalidInput if `path` is something else; OutputError if it cannot be written.
 void write_folder(const std::filesystem::path& path, const std::filesystem::path& marker,
                   const std::function<void(const std::filesystem::path&)>& write);

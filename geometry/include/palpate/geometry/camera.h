@@ -7,7 +7,11 @@
 
 namespace palpate::geometry {
 
-/// A pinhole camera (or projector) with the lens distortion of Brown and Conrady, as in OpenCV.
+/// A pinhole camera (or projector) with the lens distortion of Brown and Conrady, as in OpenCV:
+///
+///     x' = x (1 + k1 r^2 + k2 r^4 + k3 r^6) / (1 + k4 r^2 + k5 r^4 + k6 r^6)
+///          + 2 p1 x y + p2 (r^2 + 2 x^2)                  u = fx x' + cx
+///     y' = y (the same factor) + p1 (r^2 + 2 y^2) + 2 p2 x y    v = fy y' + cy
 ///
 /// Frame: X right, Y down, Z out of the lens. Pixel centres are at whole numbers, (0, 0) top left.
 struct Camera {
@@ -24,14 +28,16 @@ struct Camera {
 /// \throws InvalidInput naming `what` unless size and focal lengths are positive and all is finite.
 void check_camera(const Camera& camera, const char* what);
 
-/// Normalised image coordinates (x / z, y / z) to the pixel where the lens shows them.
+/// Normalised image coordinates (x / z, y / z) to the pixel where the lens shows them. Beyond the
+/// image the model may fold back: see `undistort`.
 [[nodiscard]] Eigen::Vector2d distort(const Camera& camera, const Eigen::Vector2d& normalized);
 
 /// Pixel to normalised image coordinates: the inverse of `distort`, by Newton's method to rounding.
-/// NaN where the lens model cannot be inverted (far outside the image).
+/// NaN where the lens model cannot be inverted: no place is shown there, or only one beyond a fold.
 [[nodiscard]] Eigen::Vector2d undistort(const Camera& camera, const Eigen::Vector2d& pixel);
 
 /// `undistort` of every pixel centre: 2 x (width * height), row after row.
+/// \throws InvalidInput on a bad camera.
 [[nodiscard]] Eigen::Matrix2Xd pixel_rays(const Camera& camera);
 
 }  // namespace palpate::geometry

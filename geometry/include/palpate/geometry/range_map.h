@@ -18,17 +18,18 @@ struct RangeMap {
   Camera camera;  ///< of the same size as `z`
 };
 
-/// Lifts each pixel to its point, 3 x (rows * cols), row after row, camera frame [mm]; NaN where the
-/// depth is unknown.
+/// Lifts each pixel to its point, 3 x (rows * cols), row after row, camera frame [mm]; NaN where
+/// the depth, or the ray of the pixel, is unknown.
 /// \throws InvalidInput unless the camera is valid and of the size of `z`.
 [[nodiscard]] Eigen::Matrix3Xd back_project(const RangeMap& map);
 
-/// Reads the depths of a range map: TIFF, one float32 channel, mm. Values that are not finite or not
-/// positive become NaN.
+/// Reads the depths of a range map: TIFF, one float32 channel, mm; strips or tiles, any compression
+/// of libtiff, either byte order. Values that are not finite or not positive become NaN.
 /// \throws FileError if the file is missing, truncated, or of another type.
 [[nodiscard]] ImageF read_depth_tiff(const std::filesystem::path& path);
 
-/// Writes depths as a float32 TIFF (deflate). \throws OutputError.
+/// Writes depths as a float32 TIFF (deflate), bit for bit; safe from several threads at once.
+/// \throws InvalidInput if there are no pixels; OutputError.
 void write_depth_tiff(const std::filesystem::path& path, const ImageF& z);
 
 }  // namespace palpate::geometry

@@ -1,0 +1,215 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/output_file.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <ostream>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "palpate/error.h"
+#include "scratch_folder.h"
+
+namespace palpate::geometry {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kRoom = 10000;  // bytes on the disk that is full
+const std::string kBig(10 * kRoom, 'x');
+
+auto text(const std::string& content) {
+  return [content](std::ostream& stream) { stream << content; };
+}
+
+TEST(WriteFile, MakesTheFileAndItsFolders) {
+  const ScratchFolder folder;
+  write_file(folder / "a/b/result.txt", text("new\n"));
+  EXPECT_EQ(read_text(folder / "a/b/result.txt"), "new\n");
+  EXPECT_EQ(folder.entries(), 1);
+}
+
+TEST(WriteFile, ShowsTheOldContentUntilTheNewOneIsWhole) {
+  const ScratchFolder folder;
+  write_text(folder / "result.txt", "old");
+  write_file(folder / "result.txt", [&](std::ostream& stream) {
+    stream << "half" << std::flush;
+    EXPECT_EQ(read_text(folder / "result.txt"), "old");
+    stream << " and half";
+  });
+  EXPECT_EQ(read_text(folder / "result.txt"), "half and half");
+}
+
+TEST(WriteFile, KeepsTheOldFileWhenTheWriterThrows) {
+  const ScratchFolder folder;
+  write_text(folder / "result.txt", "old");
+  EXPECT_THROW(write_file(folder / "result.txt",
+                          [](std::ostream& stream) {
+                            stream << "half";
+                            throw std::out_of_range("of the writer");
+                          }),
+               std::out_of_range);
+  EXPECT_EQ(read_text(folder / "result.txt"), "old");
+  EXPECT_EQ(folder.entries(), 1);
+}
+
+TEST(WriteFile, KeepsTheOldFileWhenTheDiskIsFull) {
+  const ScratchFolder folder;
+  write_text(folder / "result.txt", "old");
+  {
+    const FullDisk disk(kRoom);
+    EXPECT_THROWS_MESSAGE(write_file(folder / "result.txt", text(kBig)), OutputError, "unchanged");
+  }
+  EXPECT_EQ(read_text(folder / "result.txt"), "old");
+  EXPECT_EQ(folder.entries(), 1);
+}
+
+TEST(WriteFile, SeesAFullDiskEvenIfOnlyTheLastBufferFindsNoRoom) {
+  const ScratchFolder folder;
+  const FullDisk disk(10);  // less than the stream buffers: nothing fails before the flush
+  EXPECT_THROWS_MESSAGE(write_file(folder / "result.txt", text("eleven bytes")), OutputError,
+                        "result.txt");
+  EXPECT_EQ(folder.entries(), 0);
+}
+
+TEST(WriteFile, StopsTheWriterAtTheFirstByteThatFindsNoRoom) {
+  const ScratchFolder folder;
+  const FullDisk disk(kRoom);
+  int calls = 0;
+  EXPECT_THROW(write_file(folder / "result.txt",
+                          [&](std::ostream& stream) {
+                            for (; calls < 100; ++calls) stream << kBig;
+                          }),
+               OutputError);
+  EXPECT_LT(calls, 2);
+}
+
+TEST(WriteFile, WritesThroughSymbolicLinks) {
+  const ScratchFolder folder;
+  fs::create_directory(folder / "elsewhere");
+  fs::create_symlink("elsewhere/result.txt", folder / "second");
+  fs::create_symlink("second", folder / "first");
+  for (const std::string content : {"made", "replaced"}) {
+    write_file(folder / "first", text(content));
+    EXPECT_TRUE(fs::is_symlink(folder / "first"));
+    EXPECT_TRUE(fs::is_symlink(folder / "second"));
+    EXPECT_EQ(read_text(folder / "elsewhere/result.txt"), content);
+  }
+}
+
+TEST(WriteFile, RefusesACircleOfLinks) {
+  const ScratchFolder folder;
+  fs::create_symlink("b", folder / "a");
+  fs::create_symlink("a", folder / "b");
+  EXPECT_THROWS_MESSAGE(write_file(folder / "a", text("")), OutputError, "circle");
+}
+
+TEST(WriteFile, KeepsThePermissionsOfTheFileItReplaces) {
+  const ScratchFolder folder;
+  write_text(folder / "result.txt", "old");
+  fs::permissions(folder / "result.txt", fs::perms{0640});
+  write_file(folder / "result.txt", text("new"));
+  EXPECT_EQ(fs::status(folder / "result.txt").permissions(), fs::perms{0640});
+}
+
+TEST(WriteFile, RefusesAFolderADeviceAndAFileAsParent) {
+  const ScratchFolder folder;
+  write_text(folder / "file", "old");
+  EXPECT_THROWS_MESSAGE(write_file(folder.path(), text("")), InvalidInput, "name of a file");
+  EXPECT_THROWS_MESSAGE(write_file("/dev/null", text("")), InvalidInput, "regular file");
+  EXPECT_THROWS_MESSAGE(write_file(folder / "file/result.txt", text("")), OutputError,
+                        "file/result.txt");
+  EXPECT_EQ(read_text(folder / "file"), "old");
+}
+
+TEST(WriteFile, GivesEachThreadATemporaryOfItsOwn) {
+  const ScratchFolder folder;
+  std::vector<std::thread> threads;
+  for (char letter = 'a'; letter < 'i'; ++letter)
+    threads.emplace_back([&folder, letter] {
+      for (int repeat = 0; repeat < 20; ++repeat)
+        write_file(folder / "result.txt", text(std::string(kRoom, letter)));
+    });
+  for (std::thread& thread : threads) thread.join();
+  const std::string content = read_text(folder / "result.txt");
+  EXPECT_EQ(content, std::string(kRoom, content.front()));
+  EXPECT_EQ(folder.entries(), 1);
+}
+
+TEST(WriteFileByPath, KeepsTheExtensionAndRemovesWhatTheWriterLeft) {
+  const ScratchFolder folder;
+  write_file_by_path(folder / "result.ply", [&](const fs::path& temporary) {
+    EXPECT_EQ(temporary.extension(), ".ply");
+    EXPECT_EQ(temporary.parent_path(), folder.path());
+    write_text(temporary, "new");
+  });
+  EXPECT_EQ(read_text(folder / "result.ply"), "new");
+  EXPECT_THROW(write_file_by_path(folder / "result.ply",
+                                  [](const fs::path& temporary) {
+                                    write_text(temporary, "half");
+                                    throw OutputError("of the library");
+                                  }),
+               OutputError);
+  EXPECT_EQ(read_text(folder / "result.ply"), "new");
+  EXPECT_EQ(folder.entries(), 1);
+}
+
+TEST(WriteFileByPath, ReportsAWriterThatWroteNothing) {
+  const ScratchFolder folder;
+  EXPECT_THROW(write_file_by_path(folder / "result.ply", [](const fs::path&) {}), OutputError);
+}
+
+TEST(WriteFolder, MakesReplacesAndRemovesOldFiles) {
+  const ScratchFolder folder;
+  write_folder(folder / "model/", "field.json", [](const fs::path& temporary) {
+    write_text(temporary / "field.json", "1");
+    write_text(temporary / "old", "1");
+  });
+  write_folder(folder / "model", "field.json",
+               [](const fs::path& temporary) { write_text(temporary / "field.json", "2"); });
+  EXPECT_EQ(read_text(folder / "model/field.json"), "2");
+  EXPECT_FALSE(fs::exists(folder / "model/old"));
+  EXPECT_EQ(folder.entries(), 1);
+}
+
+TEST(WriteFolder, KeepsTheOldFolderWhenTheWriterThrows) {
+  const ScratchFolder folder;
+  fs::create_directory(folder / "model");
+  write_text(folder / "model/field.json", "old");
+  EXPECT_THROW(write_folder(folder / "model", "field.json",
+                            [](const fs::path& temporary) {
+                              write_text(temporary / "field.json", "half");
+                              throw OutputError("disk full");
+                            }),
+               OutputError);
+  EXPECT_EQ(read_text(folder / "model/field.json"), "old");
+  EXPECT_EQ(folder.entries(), 1);
+}
+
+TEST(WriteFolder, ReplacesAnEmptyFolderBehindALink) {
+  const ScratchFolder folder;
+  fs::create_directory(folder / "empty");
+  fs::create_symlink("empty", folder / "link");
+  write_folder(folder / "link", "field.json",
+               [](const fs::path& temporary) { write_text(temporary / "field.json", "new"); });
+  EXPECT_TRUE(fs::is_symlink(folder / "link"));
+  EXPECT_EQ(read_text(folder / "empty/field.json"), "new");
+}
+
+TEST(WriteFolder, RefusesAFolderOfAnotherKindBeforeItWritesAnything) {
+  const ScratchFolder folder;
+  write_text(folder / "precious", "old");
+  const auto fail = [](const fs::path&) { FAIL() << "the writer was called"; };
+  EXPECT_THROWS_MESSAGE(write_folder(folder.path(), "field.json", fail), InvalidInput,
+                        "new or an empty folder");
+  EXPECT_THROWS_MESSAGE(write_folder(folder / "precious", "field.json", fail), InvalidInput,
+                        "is a file");
+  EXPECT_EQ(read_text(folder / "precious"), "old");
+}
+
+}  // namespace
+}  // namespace palpate::geometry
