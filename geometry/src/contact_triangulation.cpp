@@ -6,13 +6,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <compare>
 #include <functional>
 #include <limits>
 #include <map>
 #include <numeric>
 #include <set>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -30,7 +30,6 @@ constexpr double kSamePlace = 1e-9;
 struct Meeting {
   double radius;                ///< [mm] distance from the place of meeting to the contacts
   std::array<int, 3> contacts;  ///< in the surface's sense of rotation, the lowest first
-  auto operator<=>(const Meeting&) const = default;
 };
 
 void check_apart(const Eigen::Matrix3Xd& places, double diagonal) {
@@ -52,7 +51,7 @@ void check_apart(const Eigen::Matrix3Xd& places, double diagonal) {
 
 /// The lowest label first, without changing the sense of rotation.
 std::array<int, 3> lowest_first(std::array<int, 3> labels) {
-  std::ranges::rotate(labels, std::ranges::min_element(labels));
+  std::rotate(labels.begin(), std::ranges::min_element(labels), labels.end());
   return labels;
 }
 
@@ -68,7 +67,9 @@ std::vector<Meeting> find_meetings(const TriangleMesh& surface, const GeodesicDi
     if (labels[0] < 0 || !all_differ) continue;
     meetings.push_back({.radius = geodesic.distance(corners).maxCoeff(), .contacts = labels});
   }
-  std::ranges::sort(meetings);
+  std::ranges::sort(meetings, {}, [](const Meeting& meeting) {
+    return std::tie(meeting.radius, meeting.contacts);
+  });
   return meetings;
 }
 
