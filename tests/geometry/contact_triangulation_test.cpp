@@ -271,7 +271,7 @@ TEST(TriangulateContacts, IsAManifoldHoweverFewContactsThereAre) {
   for (const TriangleMesh& surface : surfaces) {
     std::uniform_int_distribution<int> any(0, static_cast<int>(surface.triangles.cols()) - 1);
     for (const int count : {3, 4, 5, 6, 8, 12, 20, 50, 150}) {
-      for (int trial = 0; trial < 8; ++trial) {
+      for (int trial = 0; trial < 3; ++trial) {
         std::set<int> triangles;
         while (static_cast<int>(triangles.size()) < count) triangles.insert(any(random));
         std::vector<SurfacePoint> contacts;
@@ -290,7 +290,7 @@ TEST(TriangulateContacts, IsAManifoldHoweverFewContactsThereAre) {
       }
     }
   }
-  EXPECT_GT(triangulated, 150);
+  EXPECT_GT(triangulated, 55);
 }
 
 TEST(TriangulateContacts, ListsContactsInNoTriangle) {
