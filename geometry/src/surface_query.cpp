@@ -307,7 +307,7 @@ std::optional<SegmentHit> SurfaceQuery::first_hit(const Eigen::Vector3d& start,
   const Eigen::Vector3d local_start = impl_->surface.to_local(start);
   const Eigen::Vector3d local_end = impl_->surface.to_local(end);
   if (!local_start.allFinite() || !local_end.allFinite()) return std::nullopt;
-  if (const auto hit = impl_->touch(local_start, 0)) return hit;
+  if (auto hit = impl_->touch(local_start, 0)) return hit;
   const Clip clip = clip_to_cube(local_start, local_end);
   const Eigen::Vector3d along = local_end - local_start;
   const Eigen::Vector3d from = clip.begin > 0 ? local_start + clip.begin * along : local_start;

@@ -24,7 +24,7 @@ Eigen::Vector3d scaled_area_vector(const Eigen::Vector3d& a, const Eigen::Vector
   const double length = std::max((b - a).cwiseAbs().maxCoeff(), (c - a).cwiseAbs().maxCoeff());
   const Eigen::Vector3d ab = (b - a) / length;
   const Eigen::Vector3d ac = (c - a) / length;
-  const Eigen::Vector3d normal = ab.cross(ac);
+  Eigen::Vector3d normal = ab.cross(ac);
   if (normal.norm() > kMinSine * ab.norm() * ac.norm()) return normal;
   return Eigen::Vector3d::Constant(kNan);
 }

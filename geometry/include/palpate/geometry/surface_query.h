@@ -44,7 +44,8 @@ class SurfaceQuery {
   /// The first crossing on the way from `start` to `end`, from either side of the surface; none if
   /// there is no crossing or an end is not finite. An end on the surface, within the rounding of
   /// its coordinates, is a crossing (so a segment without length hits iff it is on the surface); a
-  /// segment within the plane of a triangle crosses it only with its ends.
+  /// segment within the plane of a triangle crosses it only with its ends. A segment 1e15 times as
+  /// long as the mesh is lost in its own rounding and may miss it.
   [[nodiscard]] std::optional<SegmentHit> first_hit(const Eigen::Vector3d& start,
                                                     const Eigen::Vector3d& end) const noexcept;
 
