@@ -75,4 +75,24 @@ Demodulated resample(const Demodulated& signal, const ChannelShift& shift, doubl
   return out;
 }
 
+Combined combine_channels(const std::vector<Demodulated>& channels, const ChromaticModel& model,
+                          double carrier) {
+  Combined combined{channels[0].re, channels[0].im, {}};
+  if (channels.size() == 1) return combined;
+  std::array<Plane, 2> re;
+  std::array<Plane, 2> im;
+  for (std::size_t i = 0; i < 2; ++i) {
+    const ChannelModel& channel = model.channels[i];
+    const Demodulated moved = resample(channels[i + 1], channel.shift, carrier);
+    re[i] = moved.re * channel.cosine - moved.im * channel.sine;
+    im[i] = moved.re * channel.sine + moved.im * channel.cosine;
+    combined.re += re[i];
+    combined.im += im[i];
+  }
+  const Plane norm = combined.re.square() + combined.im.square();
+  combined.shares.red = (re[0] * combined.re + im[0] * combined.im) / norm;
+  combined.shares.blue = (re[1] * combined.re + im[1] * combined.im) / norm;
+  return combined;
+}
+
 }  // namespace palpate::sensing

@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
+#include <vector>
+
 #include "demodulation.h"
 #include "palpate/sensing/pattern.h"
 #include "palpate/sensing/rig.h"
@@ -36,5 +39,36 @@ struct ChannelShift {
 /// being taken out and put back.
 [[nodiscard]] Demodulated resample(const Demodulated& signal, const ChannelShift& shift,
                                    double carrier);
+
+/// How a channel other than green is brought to green.
+struct ChannelModel {
+  ChannelShift shift;
+  ChromaticLag lag;
+  Plane cosine;  ///< of the lag at each pixel's expected projector pixel
+  Plane sine;
+};
+
+/// Red and blue, and the projector pixel along the axis at which their lags were taken.
+struct ChromaticModel {
+  Plane expected_pixel;
+  std::array<ChannelModel, 2> channels;
+};
+
+/// What part of the sum of all channels comes from red and from blue: Re(channel conj(sum)) /
+/// |sum|^2. Nothing in a frame of one channel.
+struct ChannelShares {
+  Plane red;
+  Plane blue;
+};
+
+/// The sinusoid of all channels as green sees it. Each is weighted by its own modulation, so a
+/// stripe that lacks a channel lacks nothing else.
+struct Combined {
+  Plane re;
+  Plane im;
+  ChannelShares shares;
+};
+[[nodiscard]] Combined combine_channels(const std::vector<Demodulated>& channels,
+                                        const ChromaticModel& model, double carrier);
 
 }  // namespace palpate::sensing

@@ -3,46 +3,48 @@
 #include "palpate/sensing/decode.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <string>
 #include <vector>
 
-#include "carrier.h"
-#include "chromatic.h"
 #include "demodulation.h"
 #include "hue.h"
 #include "hue_classifier.h"
 #include "palpate/error.h"
-#include "phase_offset.h"
 #include "phase_variance.h"
 #include "planes.h"
+#include "plausibility.h"
+#include "sensor_model.h"
 #include "stripe_transitions.h"
-#include "triangulation.h"
 #include "unwrapping.h"
 
 namespace palpate::sensing {
 namespace {
 
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
-constexpr double kTurn = 2 * std::numbers::pi;
+
+/// Known neighbours whose phases differ by more than this belong to different surfaces [rad]: the
+/// limit of what wrapped differences can show is pi.
+constexpr double kBreak = 2;
+/// How far across the sinusoid a break reaches [px]: half the width of `smooth_rows`.
+constexpr int kBreakColumns = 2;
 
 void check_options(const DecodeOptions& options) {
   const auto require = [](bool good, const char* name, const char* range) {
     if (!good) throw InvalidInput(std::string("DecodeOptions: ") + name + " must lie in " + range);
   };
-  const auto fraction = [](double value) { return value > 0 && value < 1; };
+  const auto below = [](double value, double limit) { return value > 0 && value < limit; };
   const auto positive = [](double value) { return value > 0 && std::isfinite(value); };
-  require(fraction(options.min_signal), "min_signal", "(0, 1)");
-  require(fraction(options.min_modulation), "min_modulation", "(0, 1)");
-  require(fraction(options.min_contrast), "min_contrast", "(0, 1)");
-  require(options.min_hue_step > 0 && options.min_hue_step < std::numbers::pi, "min_hue_step",
-          "(0, pi)");
+  require(below(options.min_signal, 1), "min_signal", "(0, 1)");
+  require(below(options.min_modulation, 1), "min_modulation", "(0, 1)");
+  require(below(options.min_contrast, 1), "min_contrast", "(0, 1)");
+  require(below(options.min_hue_step, std::numbers::pi), "min_hue_step", "(0, pi)");
   require(options.color_window_px >= 1, "color_window_px", "[1, infinity)");
-  require(fraction(options.min_color_score), "min_color_score", "(0, 1)");
+  require(below(options.min_color_score, 1), "min_color_score", "(0, 1)");
   require(positive(options.max_phase_variance), "max_phase_variance", "(0, infinity)");
+  require(below(options.max_phase_step, std::numbers::pi), "max_phase_step", "(0, pi)");
   require(options.min_agreement > 0.5 && options.min_agreement <= 1, "min_agreement", "(0.5, 1]");
   require(positive(options.max_sensitivity), "max_sensitivity", "(0, infinity)");
 }
@@ -58,272 +60,201 @@ void check_anchor(const Anchor& anchor, const geometry::Camera& camera) {
   }
 }
 
-}  // namespace
-
-struct Decoder::Impl {
-  Impl(const Rig& the_rig, const Pattern& the_pattern, const TrainedColors& colors,
-       const DecodeOptions& the_options);
-
-  /// The sinusoid of all channels, compensated and added; the share of each in its direction.
-  struct Combined {
-    Plane re;
-    Plane im;
-    Plane red_share;  ///< Re(red conj(sum)) / |sum|^2
-    Plane blue_share;
-  };
-
-  [[nodiscard]] Combined combine(std::vector<Demodulated>& channels) const;
-  [[nodiscard]] Mask find_modulated(const Combined& combined,
-                                    const std::vector<Demodulated>& channels,
-                                    const Mask& lit) const;
-  [[nodiscard]] Plane hue_plane(const std::vector<Demodulated>& channels) const;
-  [[nodiscard]] std::vector<PhaseGuess> guesses(const std::vector<Transition>& transitions) const;
-  [[nodiscard]] PhaseGuess anchor_guess() const;
-  [[nodiscard]] float depth_at(long row, long column, double phase, const Combined& combined) const;
-  [[nodiscard]] DecodeResult decode(const cv::Mat& frame) const;
-
-  [[nodiscard]] Eigen::Vector3d direction(long row, long column) const {
-    return directions.col(row * columns + column);
-  }
-  /// Absolute phase, the carrier taken out, of a projector pixel seen on a row.
-  [[nodiscard]] double phase_of(double pixel, long row) const {
-    return kTurn * pixel / pattern.period + pattern.phase -
-           carrier.along * static_cast<double>(row);
-  }
-
-  Rig rig;
-  Pattern pattern;
-  DecodeOptions options;
-  Triangulation triangulation;
-  Carrier carrier;
-  DemodulationFilter filter;
-  long rows = 0;     ///< of the working image
-  long columns = 0;  ///< of the working image
-  Eigen::Matrix3Xd
-      directions;  ///< of the rays, in projector coordinates, in the order of the working image
-  std::optional<HueClassifier> classifier;
-  std::array<ChromaticLag, 2> lags;    ///< red, blue
-  std::array<ChannelShift, 2> shifts;  ///< red, blue
-  Plane expected_pixel;                ///< along the axis, at the carrier's depth
-  std::array<Plane, 2> lag_cosine;     ///< of the lag there
-  std::array<Plane, 2> lag_sine;
-};
-
-Decoder::Impl::Impl(const Rig& the_rig, const Pattern& the_pattern, const TrainedColors& colors,
-                    const DecodeOptions& the_options)
-    : rig((check_rig(the_rig, "rig"), the_rig)),
-      pattern((check_pattern(the_pattern, "pattern"), the_pattern)),
-      options((check_options(the_options), the_options)),
-      triangulation(rig),
-      carrier(expected_carrier(rig, pattern)),
-      filter(make_filter(carrier.along)) {
-  if (pattern.stripes.size() < 2 && !options.anchor) {
-    throw InvalidInput(
-        "pattern: has no stripes to find depths from; an anchor (a pixel and its depth) "
-        "is needed");
-  }
-  if (options.anchor) check_anchor(*options.anchor, rig.camera);
-  if (pattern.stripes.size() >= 2) classifier.emplace(pattern, colors);
-  rows = carrier.transposed ? rig.camera.width : rig.camera.height;
-  columns = carrier.transposed ? rig.camera.height : rig.camera.width;
-  const Eigen::Matrix2Xd rays = geometry::pixel_rays(rig.camera);
-  directions.resize(3, rows * columns);
-  for (long row = 0; row < rows; ++row) {
-    for (long column = 0; column < columns; ++column) {
-      const long ray = carrier.transposed ? column * rows + row : row * columns + column;
-      directions.col(row * columns + column) = triangulation.direction(rays.col(ray));
-    }
-  }
-  expected_pixel.resize(rows, columns);
-  const int axis = pattern.axis == Axis::x ? 0 : 1;
-  for (long row = 0; row < rows; ++row) {
-    for (long column = 0; column < columns; ++column) {
-      expected_pixel(row, column) =
-          static_cast<float>(triangulation.project(direction(row, column), carrier.z)[axis]);
-    }
-  }
-  const ChromaticShift* const channel[] = {&rig.red, &rig.blue};
-  for (std::size_t i = 0; i < 2; ++i) {
-    lags[i] = chromatic_lag(*channel[i], rig.projector, pattern);
-    shifts[i] = channel_shift(rig.camera, channel[i]->alpha, rays, carrier.transposed);
-    const Plane lag =
-        expected_pixel * static_cast<float>(lags[i].slope) + static_cast<float>(lags[i].offset);
-    lag_cosine[i] = lag.cos();
-    lag_sine[i] = lag.sin();
-  }
-}
-
-Decoder::Impl::Combined Decoder::Impl::combine(std::vector<Demodulated>& channels) const {
-  for (Demodulated& channel : channels) smooth_rows(channel);
-  Combined combined{channels[0].re, channels[0].im, {}, {}};
-  if (channels.size() == 1) return combined;
-  std::array<Plane, 2> re;
-  std::array<Plane, 2> im;
-  for (std::size_t i = 0; i < 2; ++i) {
-    const Demodulated moved = resample(channels[i + 1], shifts[i], carrier.along);
-    re[i] = moved.re * lag_cosine[i] - moved.im * lag_sine[i];
-    im[i] = moved.re * lag_sine[i] + moved.im * lag_cosine[i];
-    combined.re += re[i];
-    combined.im += im[i];
-  }
-  const Plane norm = combined.re.square() + combined.im.square();
-  combined.red_share = (re[0] * combined.re + im[0] * combined.im) / norm;
-  combined.blue_share = (re[1] * combined.re + im[1] * combined.im) / norm;
-  return combined;
-}
-
-Mask Decoder::Impl::find_modulated(const Combined& combined,
-                                   const std::vector<Demodulated>& channels,
-                                   const Mask& lit) const {
+/// Where the sinusoid is strong enough for its phase to mean something.
+Mask find_modulated(const Combined& combined, const std::vector<Demodulated>& channels,
+                    const Mask& lit, bool colored, const DecodeOptions& options,
+                    const Pattern& pattern) {
   Plane mean = channels[0].mean;
-  if (channels.size() == 3) {
-    const Plane sum = channels[0].mean + channels[1].mean + channels[2].mean;
-    mean = sum;
-    if (classifier) mean -= 3 * channels[0].mean.min(channels[1].mean).min(channels[2].mean);
-  }
+  if (channels.size() == 3) mean += channels[1].mean + channels[2].mean;
+  // Light that all channels share is not the projector's: each stripe lacks at least one.
+  if (colored) mean -= 3 * channels[0].mean.min(channels[1].mean).min(channels[2].mean);
   const Plane amplitude = 2 * (combined.re.square() + combined.im.square()).sqrt();
   const auto contrast = static_cast<float>(options.min_contrast * pattern.amplitude / pattern.mean);
-  return lit * ((amplitude >= static_cast<float>(options.min_modulation)) &&
-                (amplitude >= contrast * mean))
-                   .cast<std::uint8_t>();
+  const auto least = static_cast<float>(options.min_modulation);
+  return lit * (amplitude >= least && amplitude >= contrast * mean).cast<std::uint8_t>();
 }
 
-Plane Decoder::Impl::hue_plane(const std::vector<Demodulated>& channels) const {
-  Plane hue(rows, columns);
+/// Hue of the light averaged over the sinusoid.
+Plane hue_plane(const std::vector<Demodulated>& channels) {
+  const Plane& green = channels[0].mean;
+  const Plane& red = channels[1].mean;
+  const Plane& blue = channels[2].mean;
+  Plane hue(green.rows(), green.cols());
   for (long i = 0; i < hue.size(); ++i) {
-    hue.data()[i] =
-        hue_of(channels[1].mean.data()[i], channels[0].mean.data()[i], channels[2].mean.data()[i])
-            .angle;
+    hue.data()[i] = hue_of(red.data()[i], green.data()[i], blue.data()[i]).angle;
   }
   return hue;
 }
 
-std::vector<PhaseGuess> Decoder::Impl::guesses(const std::vector<Transition>& transitions) const {
-  const Axis stripe_axis = pattern.axis == Axis::x ? Axis::y : Axis::x;
-  const int axis = pattern.axis == Axis::x ? 0 : 1;
+Plane wrapped_phase(const Combined& combined) {
+  Plane phase(combined.re.rows(), combined.re.cols());
+  for (long i = 0; i < phase.size(); ++i) {
+    phase.data()[i] = std::atan2(combined.im.data()[i], combined.re.data()[i]);
+  }
+  return phase;
+}
+
+/// Absolute phases, and where they are known.
+struct AbsolutePhase {
+  Plane phase;
+  Mask known;
+};
+
+AbsolutePhase add_offsets(const Regions& regions,
+                          const std::vector<std::optional<double>>& offsets) {
+  AbsolutePhase absolute{regions.phase, Mask::Zero(regions.phase.rows(), regions.phase.cols())};
+  for (long i = 0; i < regions.label.size(); ++i) {
+    const int label = regions.label.data()[i];
+    if (label < 0 || !offsets[static_cast<std::size_t>(label)]) continue;
+    absolute.phase.data()[i] += static_cast<float>(*offsets[static_cast<std::size_t>(label)]);
+    absolute.known.data()[i] = 1;
+  }
+  return absolute;
+}
+
+}  // namespace
+
+struct Decoder::Impl {
+  Impl(const Rig& rig, const Pattern& pattern, const TrainedColors& colors,
+       const DecodeOptions& the_options);
+
+  void check_frame(const cv::Mat& frame) const;
+  [[nodiscard]] std::vector<PhaseGuess> guesses(const Plane& hue, const Mask& lit) const;
+  [[nodiscard]] std::vector<std::optional<double>> anchor_offsets(const Regions& regions) const;
+  [[nodiscard]] Plane depths(const AbsolutePhase& absolute, const ChannelShares& shares,
+                             const Plane& hue) const;
+  [[nodiscard]] DecodeResult decode(const cv::Mat& frame) const;
+
+  DecodeOptions options;
+  SensorModel model;
+  DemodulationFilter filter;
+  std::optional<HueClassifier> classifier;  ///< iff the pattern has stripes
+};
+
+Decoder::Impl::Impl(const Rig& rig, const Pattern& pattern, const TrainedColors& colors,
+                    const DecodeOptions& the_options)
+    : options((check_options(the_options), the_options)),
+      model(rig, pattern),
+      filter(make_filter(model.carrier().along)) {
+  if (pattern.stripe_edges.empty() && !options.anchor) {
+    throw InvalidInput(
+        "pattern: has no stripes to find depths from; an anchor (a pixel and its depth) is needed");
+  }
+  if (options.anchor) check_anchor(*options.anchor, rig.camera);
+  if (!pattern.stripe_edges.empty()) classifier.emplace(pattern, colors);
+}
+
+void Decoder::Impl::check_frame(const cv::Mat& frame) const {
+  const geometry::Camera& camera = model.rig().camera;
+  if (frame.cols != camera.width || frame.rows != camera.height) {
+    throw InvalidInput("frame: is " + std::to_string(frame.cols) + " x " +
+                       std::to_string(frame.rows) + " px, the rig's camera has " +
+                       std::to_string(camera.width) + " x " + std::to_string(camera.height));
+  }
+  if (classifier && frame.channels() != 3) {
+    throw InvalidInput("frame: has " + std::to_string(frame.channels()) +
+                       " channels; the pattern's coloured stripes need three");
+  }
+}
+
+std::vector<PhaseGuess> Decoder::Impl::guesses(const Plane& hue, const Mask& lit) const {
+  const auto transitions = find_transitions(hue, lit, model.pattern(), *classifier,
+                                            {.min_hue_step = options.min_hue_step,
+                                             .window_px = options.color_window_px,
+                                             .min_color_score = options.min_color_score,
+                                             .reversed = model.carrier().stripes_reversed});
   std::vector<PhaseGuess> result;
   for (const Transition& transition : transitions) {
     const int column = static_cast<int>(std::lround(transition.column));
-    const Eigen::Vector3d ray = direction(transition.row, column);
-    const double edge = pattern.stripe_edges[static_cast<std::size_t>(transition.edge)];
-    const double z = triangulation.depth(ray, stripe_axis, edge);
-    const Eigen::Vector2d pixel = triangulation.project(ray, z);
-    if (!triangulation.on_panel(pixel)) continue;
-    result.push_back({transition.row, column, phase_of(pixel[axis], transition.row),
-                      static_cast<double>(transition.score), transition.edge});
+    const auto phase = model.phase_at_edge(transition.row, column, transition.edge);
+    if (!phase) continue;
+    result.push_back(
+        {transition.row, column, *phase, static_cast<double>(transition.score), transition.edge});
   }
   return result;
 }
 
-PhaseGuess Decoder::Impl::anchor_guess() const {
+std::vector<std::optional<double>> Decoder::Impl::anchor_offsets(const Regions& regions) const {
   const int u = static_cast<int>(std::lround(options.anchor->u_px));
   const int v = static_cast<int>(std::lround(options.anchor->v_px));
-  const int row = carrier.transposed ? u : v;
-  const int column = carrier.transposed ? v : u;
-  const Eigen::Vector2d pixel = triangulation.project(direction(row, column), options.anchor->z);
-  return {row, column, phase_of(pixel[pattern.axis == Axis::x ? 0 : 1], row), 1, 0};
+  PhaseGuess guess{.row = v, .column = u, .score = 1};
+  if (model.carrier().transposed) std::swap(guess.row, guess.column);
+  const auto phase = model.phase_at_depth(guess.row, guess.column, options.anchor->z);
+  if (!phase) return std::vector<std::optional<double>>(static_cast<std::size_t>(regions.count));
+  guess.phase = *phase;
+  return anchored_offsets(regions, guess, filter.radius);
 }
 
-float Decoder::Impl::depth_at(long row, long column, double phase, const Combined& combined) const {
-  const double per_pixel = kTurn / pattern.period;
-  double pixel = (phase + carrier.along * static_cast<double>(row) - pattern.phase) / per_pixel;
-  if (combined.red_share.size() > 0) {
-    // The lags were taken at the carrier's depth; now the projector pixel is known.
-    const double moved = pixel - static_cast<double>(expected_pixel(row, column));
-    pixel += moved *
-             (static_cast<double>(combined.red_share(row, column)) * lags[0].slope +
-              static_cast<double>(combined.blue_share(row, column)) * lags[1].slope) /
-             per_pixel;
+Plane Decoder::Impl::depths(const AbsolutePhase& absolute, const ChannelShares& shares,
+                            const Plane& hue) const {
+  Plane depth = Plane::Constant(model.rows(), model.columns(), kUnknown);
+  Plane stripe_pixel = depth;
+  const int across = model.pattern().axis == Axis::x ? 1 : 0;
+  for (long row = 0; row < model.rows(); ++row) {
+    for (long column = 0; column < model.columns(); ++column) {
+      if (absolute.known(row, column) == 0) continue;
+      const auto phase = static_cast<double>(absolute.phase(row, column));
+      const auto surface = model.surface_at(row, column, phase, shares, options.max_sensitivity);
+      if (!surface) continue;
+      depth(row, column) = static_cast<float>(surface->z);
+      stripe_pixel(row, column) = static_cast<float>(surface->pixel[across]);
+    }
   }
-  const Eigen::Vector3d ray = direction(row, column);
-  const double z = triangulation.depth(ray, pattern.axis, pixel);
-  if (!triangulation.on_panel(triangulation.project(ray, z))) return kUnknown;
-  const double phase_per_mm = per_pixel * triangulation.slope(ray, pattern.axis, z);
-  return std::abs(phase_per_mm) * options.max_sensitivity * z >= 1 ? static_cast<float>(z)
-                                                                   : kUnknown;
+  if (classifier) {
+    const Mask wrong = contradicting_colors(stripe_pixel, hue, model.pattern(), *classifier,
+                                            options.min_agreement);
+    depth = (wrong != 0).select(kUnknown, depth);
+  }
+  return depth;
 }
 
 DecodeResult Decoder::Impl::decode(const cv::Mat& frame) const {
-  if (frame.cols != rig.camera.width || frame.rows != rig.camera.height) {
-    throw InvalidInput("frame: is " + std::to_string(frame.cols) + " x " +
-                       std::to_string(frame.rows) + " px, the rig's camera has " +
-                       std::to_string(rig.camera.width) + " x " +
-                       std::to_string(rig.camera.height));
-  }
-  const std::vector<Plane> channels = split_frame(frame, carrier.transposed);
-  if (classifier && channels.size() != 3) {
-    throw InvalidInput("frame: has one channel; the pattern's coloured stripes need three");
-  }
-  DecodeResult result;
-  const Plane light = projector_light(channels, classifier.has_value(), (filter.radius + 1) / 2);
+  check_frame(frame);
+  const bool colored = classifier.has_value();
+  const std::vector<Plane> channels = split_frame(frame, model.carrier().transposed);
+  const Plane light = projector_light(channels, colored, (filter.radius + 1) / 2);
   const Mask lit = (light >= static_cast<float>(options.min_signal)).cast<std::uint8_t>();
   std::vector<Demodulated> demodulated = demodulate(channels, lit, filter);
-  const Combined combined = combine(demodulated);
-  const Mask modulated = find_modulated(combined, demodulated, lit);
+  for (Demodulated& channel : demodulated) smooth_rows(channel);
+  const Combined combined = combine_channels(demodulated, model.chromatic(), model.carrier().along);
+  const Mask modulated =
+      find_modulated(combined, demodulated, lit, colored, options, model.pattern());
 
-  Plane wrapped(rows, columns);
-  for (long i = 0; i < wrapped.size(); ++i) {
-    wrapped.data()[i] = std::atan2(combined.im.data()[i], combined.re.data()[i]);
-  }
+  const FloodLimits limits{options.max_phase_variance, options.max_phase_step};
+  const Plane wrapped = wrapped_phase(combined);
   const Plane variance = phase_variance(wrapped, modulated);
-  Regions regions = grow_regions(wrapped, variance, options.max_phase_variance, 1.5);
-  std::vector<PhaseGuess> all_guesses;
+  Regions regions = grow_regions(wrapped, variance, limits);
+  std::vector<std::optional<double>> offsets;
   Plane hue;
-  if (classifier) {
+  DecodeResult result;
+  if (colored) {
     hue = hue_plane(demodulated);
-    const auto transitions = find_transitions(hue, lit, pattern, *classifier,
-                                              {.min_hue_step = options.min_hue_step,
-                                               .window_px = options.color_window_px,
-                                               .min_color_score = options.min_color_score,
-                                               .reversed = carrier.stripes_reversed});
-    result.transitions = static_cast<int>(transitions.size());
-    all_guesses = guesses(transitions);
-    split_regions(wrapped, variance, options.max_phase_variance, 1.5,
-                  find_markers(regions, all_guesses), regions);
+    const std::vector<PhaseGuess> all = guesses(hue, lit);
+    split_regions(wrapped, variance, limits, find_markers(regions, all), regions);
+    offsets = region_offsets(regions, all, options.min_agreement);
+    result.transitions = static_cast<int>(all.size());
+  } else {
+    offsets = anchor_offsets(regions);
   }
-  std::vector<std::optional<double>> offsets =
-      region_offsets(regions, all_guesses, options.min_agreement);
-  if (options.anchor) {
-    const PhaseGuess guess = anchor_guess();
-    const int label = regions.label(guess.row, guess.column);
-    if (label >= 0) {
-      offsets[static_cast<std::size_t>(label)] =
-          kTurn *
-          std::round((guess.phase - static_cast<double>(regions.phase(guess.row, guess.column))) /
-                     kTurn);
-    }
-  }
-  Plane phase = regions.phase;
-  Mask known = Mask::Zero(rows, columns);
-  for (long i = 0; i < phase.size(); ++i) {
-    const int label = regions.label.data()[i];
-    if (label < 0 || !offsets[static_cast<std::size_t>(label)]) continue;
-    known.data()[i] = 1;
-    phase.data()[i] += static_cast<float>(*offsets[static_cast<std::size_t>(label)]);
-  }
-  result.regions = regions.count;
-  for (const auto& offset : offsets) result.unresolved_regions += offset ? 0 : 1;
+  AbsolutePhase absolute = add_offsets(regions, offsets);
+  const Mask resolved = absolute.known;
+  absolute.known *= eroded(eroded(lit));
+  absolute.known *=
+      1 - near_breaks(absolute.phase, absolute.known, kBreak, {filter.radius / 2, kBreakColumns});
+  const Plane depth = depths(absolute, combined.shares, hue);
 
-  result.range.camera = rig.camera;
-  result.range.z = geometry::ImageF::Constant(rig.camera.height, rig.camera.width, kUnknown);
-  for (long row = 0; row < rows; ++row) {
-    for (long column = 0; column < columns; ++column) {
-      if (modulated(row, column) == 0) {
-        ++result.unlit;
-        continue;
-      }
-      if (known(row, column) == 0) {
-        ++result.unresolved;
-        continue;
-      }
-      const float z = depth_at(row, column, static_cast<double>(phase(row, column)), combined);
-      if (!(z > 0)) {
-        ++result.rejected;
-        continue;
-      }
-      ++result.reconstructed;
-      (carrier.transposed ? result.range.z(column, row) : result.range.z(row, column)) = z;
-    }
+  result.regions = regions.count;
+  result.unresolved_regions =
+      static_cast<int>(std::count(offsets.begin(), offsets.end(), std::nullopt));
+  result.unlit = (modulated == 0).count();
+  result.unresolved = (modulated != 0 && resolved == 0).count();
+  result.reconstructed = (depth > 0).count();
+  result.rejected = depth.size() - result.unlit - result.unresolved - result.reconstructed;
+  result.range.camera = model.rig().camera;
+  if (model.carrier().transposed) {
+    result.range.z = depth.transpose();
+  } else {
+    result.range.z = depth;
   }
   return result;
 }

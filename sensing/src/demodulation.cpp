@@ -19,6 +19,10 @@ namespace {
 /// this.
 constexpr double kLeastPivot = 0.05;
 
+/// And so much of the window's weight: where less is left, the pixel lies so far off the middle of
+/// what is that a slope of the brightness or of the phase passes for a phase.
+constexpr double kLeastWeight = 0.85;
+
 /// Adds the pixels k rows above and below: even and odd part of the window.
 PALPATE_HOT_LOOP void add_rows(const float* above, const float* below, long columns, float weight,
                                float cosine, float sine, float* mean, float* re, float* im) {
@@ -133,13 +137,14 @@ void fit_cut_window(const std::vector<Plane>& channels, const Mask& mask, const 
   }
   const double total = normal(0, 0);
   const Eigen::LDLT<Eigen::Matrix3d> solver(normal / total);
+  const bool centered = total >= kLeastWeight;
   const bool determined = total > 0 && solver.vectorD().minCoeff() > kLeastPivot;
   for (std::size_t i = 0; i < channels.size(); ++i) {
     const Eigen::Vector3d fit =
         determined ? Eigen::Vector3d(solver.solve(right[i] / total)) : Eigen::Vector3d::Zero();
     out[i].mean(row, column) = static_cast<float>(fit[0]);
-    out[i].re(row, column) = static_cast<float>(fit[1] / 2);
-    out[i].im(row, column) = static_cast<float>(fit[2] / 2);
+    out[i].re(row, column) = centered ? static_cast<float>(fit[1] / 2) : 0;
+    out[i].im(row, column) = centered ? static_cast<float>(fit[2] / 2) : 0;
   }
 }
 

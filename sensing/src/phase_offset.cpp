@@ -112,4 +112,30 @@ std::vector<std::optional<double>> region_offsets(const Regions& regions,
   return offsets;
 }
 
+std::vector<std::optional<double>> anchored_offsets(const Regions& regions,
+                                                    const PhaseGuess& anchor, long reach) {
+  std::vector<std::optional<double>> offsets(static_cast<std::size_t>(regions.count));
+  const long bottom = std::min(regions.label.rows() - 1, anchor.row + reach);
+  const long right = std::min(regions.label.cols() - 1, anchor.column + reach);
+  std::optional<PhaseGuess> nearest;
+  long nearest_square = 0;
+  for (long row = std::max<long>(0, anchor.row - reach); row <= bottom; ++row) {
+    for (long column = std::max<long>(0, anchor.column - reach); column <= right; ++column) {
+      if (regions.label(row, column) < 0) continue;
+      const long down = row - anchor.row;
+      const long across = column - anchor.column;
+      const long square = down * down + across * across;
+      if (nearest && square >= nearest_square) continue;
+      nearest_square = square;
+      nearest = anchor;
+      nearest->row = static_cast<int>(row);
+      nearest->column = static_cast<int>(column);
+    }
+  }
+  if (!nearest) return offsets;
+  const auto label = static_cast<std::size_t>(regions.label(nearest->row, nearest->column));
+  offsets[label] = kTurn * std::round(turns_of(regions, *nearest));
+  return offsets;
+}
+
 }  // namespace palpate::sensing

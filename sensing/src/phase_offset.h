@@ -30,4 +30,11 @@ struct PhaseGuess {
 [[nodiscard]] std::vector<std::optional<double>> region_offsets(
     const Regions& regions, const std::vector<PhaseGuess>& guesses, double min_agreement);
 
+/// The same from one known phase, for a pattern without stripes: gives the region of the pixel
+/// nearest to the guess, at most `reach` px away in row and column, its offset. All other regions
+/// stay without.
+[[nodiscard]] std::vector<std::optional<double>> anchored_offsets(const Regions& regions,
+                                                                  const PhaseGuess& anchor,
+                                                                  long reach);
+
 }  // namespace palpate::sensing

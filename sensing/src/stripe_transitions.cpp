@@ -31,6 +31,9 @@ class EdgeTable {
   std::vector<int> edges_;
 };
 
+/// Shorter windows say too little of a colour [px].
+constexpr int kLeastWindow = 3;
+
 struct WindowColor {
   int color = 0;
   float score = 0;  ///< mean probability, in [0, 1]
@@ -45,10 +48,6 @@ WindowColor window_color(const float* hues, int length, const HueClassifier& cla
   }
   const auto best = std::max_element(sums.begin(), sums.end());
   return {static_cast<int>(best - sums.begin()), *best / static_cast<float>(length)};
-}
-
-bool all_lit(const std::uint8_t* lit, int length) {
-  return std::all_of(lit, lit + length, [](std::uint8_t value) { return value != 0; });
 }
 
 class Scanline {
@@ -82,9 +81,18 @@ class Scanline {
     }
     return moment / total;
   }
+  /// How many pixels from `column` on, going by `direction`, are lit and of one hue, up to `most`.
+  [[nodiscard]] int run(int column, int direction, int most) const {
+    int length = 0;
+    while (length < most && column >= 0 && column < columns_ && lit_[column] != 0) {
+      ++length;
+      const int next = column + direction;
+      if (next < 0 || next >= columns_ || step(std::min(column, next)) >= min_step_) break;
+      column = next;
+    }
+    return length;
+  }
   [[nodiscard]] const float* hues() const { return hues_; }
-  [[nodiscard]] const std::uint8_t* lit() const { return lit_; }
-  [[nodiscard]] int columns() const { return columns_; }
 
  private:
   const float* hues_;
@@ -99,18 +107,17 @@ std::vector<Transition> find_transitions(const Plane& hue, const Mask& lit, cons
                                          const HueClassifier& classifier,
                                          const TransitionOptions& options) {
   const EdgeTable edges(pattern);
-  const int window = options.window_px;
+
   const auto min_score = static_cast<float>(options.min_color_score);
   std::vector<Transition> result;
   for (int row = 0; row < hue.rows(); ++row) {
     const Scanline line(hue, lit, row, options.min_hue_step);
     for (auto [first, last] = line.next_group(0); last > first;
          std::tie(first, last) = line.next_group(last)) {
-      const int left_begin = first - window + 1;
-      if (left_begin < 0 || last + window > line.columns()) continue;
-      if (!all_lit(line.lit() + left_begin, window) || !all_lit(line.lit() + last, window))
-        continue;
-      WindowColor left = window_color(line.hues() + left_begin, window, classifier);
+      const int window =
+          std::min(line.run(first, -1, options.window_px), line.run(last, 1, options.window_px));
+      if (window < std::min(kLeastWindow, options.window_px)) continue;
+      WindowColor left = window_color(line.hues() + first - window + 1, window, classifier);
       WindowColor right = window_color(line.hues() + last, window, classifier);
       if (left.score < min_score || right.score < min_score) continue;
       if (options.reversed) std::swap(left, right);

@@ -50,14 +50,14 @@ class VarianceQueue {
 /// The flood: from a pixel to those of its four neighbours that are free and near enough in phase.
 class Flood {
  public:
-  Flood(const Plane& wrapped, const Plane& variance, double max_variance, double max_step)
+  Flood(const Plane& wrapped, const Plane& variance, const FloodLimits& limits)
       : wrapped_(wrapped.data()),
         variance_(variance.data()),
         rows_(static_cast<int>(wrapped.rows())),
         columns_(static_cast<int>(wrapped.cols())),
-        max_variance_(static_cast<float>(max_variance)),
-        max_step_(static_cast<float>(max_step)),
-        queue_(max_variance) {}
+        max_variance_(static_cast<float>(limits.max_variance)),
+        max_step_(static_cast<float>(limits.max_step)),
+        queue_(limits.max_variance) {}
 
   [[nodiscard]] bool smooth(int pixel) const { return variance_[pixel] <= max_variance_; }
   void start(int pixel) { queue_.push(pixel, variance_[pixel]); }
@@ -93,13 +93,12 @@ class Flood {
 
 }  // namespace
 
-Regions grow_regions(const Plane& wrapped, const Plane& variance, double max_variance,
-                     double max_step) {
+Regions grow_regions(const Plane& wrapped, const Plane& variance, const FloodLimits& limits) {
   Regions regions{Labels::Constant(wrapped.rows(), wrapped.cols(), -1), wrapped, 0};
   int* label = regions.label.data();
   float* phase = regions.phase.data();
-  Flood flood(wrapped, variance, max_variance, max_step);
-  VarianceQueue seeds(max_variance);
+  Flood flood(wrapped, variance, limits);
+  VarianceQueue seeds(limits.max_variance);
   for (int pixel = 0; pixel < wrapped.size(); ++pixel) {
     if (flood.smooth(pixel)) seeds.push(pixel, variance.data()[pixel]);
   }
@@ -117,8 +116,8 @@ Regions grow_regions(const Plane& wrapped, const Plane& variance, double max_var
   return regions;
 }
 
-void split_regions(const Plane& wrapped, const Plane& variance, double max_variance,
-                   double max_step, const std::vector<Marker>& markers, Regions& regions) {
+void split_regions(const Plane& wrapped, const Plane& variance, const FloodLimits& limits,
+                   const std::vector<Marker>& markers, Regions& regions) {
   // The parts of a region: its markers' turns and the labels they get. The first part keeps the
   // label.
   std::vector<std::map<int, int>> parts(static_cast<std::size_t>(regions.count));
@@ -129,7 +128,7 @@ void split_regions(const Plane& wrapped, const Plane& variance, double max_varia
       of_region[marker.turns] = regions.count++;
     }
   }
-  Flood flood(wrapped, variance, max_variance, max_step);
+  Flood flood(wrapped, variance, limits);
   const Labels before = regions.label;
   Mask done = Mask::Zero(wrapped.rows(), wrapped.cols());
   for (const Marker& marker : markers) {

@@ -11,6 +11,12 @@ namespace palpate::sensing {
 
 using Labels = Eigen::Array<int, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
+/// What a region may go through.
+struct FloodLimits {
+  double max_variance = 0;  ///< pixels with at most this phase variance [rad^2]
+  double max_step = 0;      ///< steps of the phase of at most this [rad], < pi
+};
+
 /// Smooth regions of the phase, each unwrapped up to a multiple of 2 pi of its own.
 struct Regions {
   Labels label;  ///< 0 ... count - 1, or -1
@@ -22,8 +28,8 @@ struct Regions {
 /// pixel at the border (thesis 3.3.5), through pixels with a variance of at most `max_variance` and
 /// phase steps of at most `max_step`. \param wrapped phase [rad]; pixels outside the mask have
 /// infinite variance.
-[[nodiscard]] Regions grow_regions(const Plane& wrapped, const Plane& variance, double max_variance,
-                                   double max_step);
+[[nodiscard]] Regions grow_regions(const Plane& wrapped, const Plane& variance,
+                                   const FloodLimits& limits);
 
 /// A place in a region where the multiple of 2 pi is known that its unwrapped phase lacks.
 struct Marker {
@@ -36,7 +42,7 @@ struct Marker {
 /// once, in the order of variance, so that the parts meet where the phase is least smooth; parts of
 /// one region with the same number of turns share a label. The limits are those the regions were
 /// grown with.
-void split_regions(const Plane& wrapped, const Plane& variance, double max_variance,
-                   double max_step, const std::vector<Marker>& markers, Regions& regions);
+void split_regions(const Plane& wrapped, const Plane& variance, const FloodLimits& limits,
+                   const std::vector<Marker>& markers, Regions& regions);
 
 }  // namespace palpate::sensing

@@ -22,22 +22,29 @@ struct Anchor {
 };
 
 struct DecodeOptions {
-  double min_signal = 0.02;      ///< lit iff projector light >= min_signal of full scale; in (0, 1)
-  double min_modulation = 0.01;  ///< keep iff the sinusoid's amplitude >= min_modulation of full
-                                 ///< scale ; in (0, 1)
-  double min_contrast =
-      0.3;  ///< and amplitude / mean >= min_contrast times the pattern's; in (0, 1)
-  double min_hue_step =
-      0.08;  ///< a stripe edge iff the hue changes by >= this a pixel [rad]; in (0, pi)
-  int color_window_px = 5;  ///< pixels on each side of an edge that name its colours; >= 1
-  double min_color_score =
-      0.7;  ///< trust a side iff the mean probability of its colour >= this; in (0, 1)
-  double max_phase_variance =
-      0.03;  ///< regions hold pixels with phase variance <= this [rad^2]; > 0
-  double min_agreement =
-      0.7;  ///< accept an offset iff this share of the guesses agrees; in (0.5, 1]
-  double max_sensitivity = 0.1;  ///< keep iff |dz / dphase| <= this times z per rad; > 0
-  std::optional<Anchor> anchor;  ///< needed iff the pattern has no stripes
+  /// A pixel is lit iff the projector's light >= min_signal of full scale; in (0, 1).
+  double min_signal = 0.02;
+  /// Its phase is measured iff the sinusoid's amplitude >= min_modulation of full scale; in (0, 1)
+  /// ...
+  double min_modulation = 0.01;
+  /// ... and amplitude / mean >= min_contrast times that of the pattern; in (0, 1).
+  double min_contrast = 0.3;
+  /// A stripe edge is where the hue changes by >= min_hue_step a pixel [rad]; in (0, pi).
+  double min_hue_step = 0.08;
+  /// Its colours are named by so many pixels on each side, fewer where a stripe is narrow; >= 1.
+  int color_window_px = 5;
+  /// A side is trusted iff the mean probability of its colour >= min_color_score; in (0, 1).
+  double min_color_score = 0.7;
+  /// Smooth regions hold pixels with a phase variance <= max_phase_variance [rad^2]; > 0.
+  double max_phase_variance = 0.01;
+  /// They are split where the phase steps by > max_phase_step a pixel [rad]; in (0, pi).
+  double max_phase_step = 1.5;
+  /// An offset, and the colours around a depth, are accepted iff this share agrees; in (0.5, 1].
+  double min_agreement = 0.8;
+  /// A depth is kept iff |dz / dphase| <= max_sensitivity * z per rad; > 0.
+  double max_sensitivity = 0.1;
+  /// Needed iff the pattern has no stripes: the region around it is reconstructed.
+  std::optional<Anchor> anchor;
 };
 
 /// Depths of one frame, and what became of its pixels: reconstructed + unlit + unresolved +
