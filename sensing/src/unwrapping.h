@@ -25,9 +25,8 @@ struct Regions {
 };
 
 /// Grows regions from the smoothest pixel that belongs to none yet, always on to the smoothest
-/// pixel at the border (thesis 3.3.5), through pixels with a variance of at most `max_variance` and
-/// phase steps of at most `max_step`. \param wrapped phase [rad]; pixels outside the mask have
-/// infinite variance.
+/// pixel at the border (thesis 3.3.5), within the limits.
+/// \param wrapped phase [rad]; pixels outside the mask have infinite variance.
 [[nodiscard]] Regions grow_regions(const Plane& wrapped, const Plane& variance,
                                    const FloodLimits& limits);
 

@@ -24,8 +24,7 @@ struct Anchor {
 struct DecodeOptions {
   /// A pixel is lit iff the projector's light >= min_signal of full scale; in (0, 1).
   double min_signal = 0.02;
-  /// Its phase is measured iff the sinusoid's amplitude >= min_modulation of full scale; in (0, 1)
-  /// ...
+  /// Its phase counts iff the sinusoid's amplitude >= min_modulation of full scale; in (0, 1) ...
   double min_modulation = 0.01;
   /// ... and amplitude / mean >= min_contrast times that of the pattern; in (0, 1).
   double min_contrast = 0.3;
@@ -44,20 +43,20 @@ struct DecodeOptions {
   /// A depth is kept iff |dz / dphase| <= max_sensitivity * z per rad; > 0.
   double max_sensitivity = 0.1;
   /// Needed iff the pattern has no stripes: the region around it is reconstructed.
-  std::optional<Anchor> anchor;
+  std::optional<Anchor> anchor = {};
 };
 
 /// Depths of one frame, and what became of its pixels: reconstructed + unlit + unresolved +
 /// rejected = all.
 struct DecodeResult {
   geometry::RangeMap range;
-  int transitions = 0;         ///< stripe edges that were found and named
+  int transitions = 0;         ///< stripe edges that were found and named, over all scanlines
   int regions = 0;             ///< smooth regions of the phase
-  int unresolved_regions = 0;  ///< regions whose offset stayed unknown or whose guesses disagree
+  int unresolved_regions = 0;  ///< regions without enough guesses, or whose guesses disagree
   long reconstructed = 0;      ///< pixels with a depth
-  long unlit = 0;              ///< pixels without enough projector light or modulation
-  long unresolved = 0;         ///< lit pixels that no region with a known offset reaches
-  long rejected = 0;  ///< pixels whose depth failed a check: colour, depth step, sensitivity
+  long unlit = 0;  ///< pixels without enough projector light, modulation or room for the window
+  long unresolved = 0;  ///< other pixels in no smooth region, or in one without a known offset
+  long rejected = 0;    ///< pixels that failed a check: border, phase break, colour, sensitivity
 };
 
 /// Turns single frames into depths (thesis 3.3), for one rig, pattern and set of trained colours.

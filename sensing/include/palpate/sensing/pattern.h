@@ -23,14 +23,14 @@ enum class Axis { x, y };
 /// The stripes follow each other along the other axis. A pattern without stripes has neither
 /// `colors` nor `stripes` nor `stripe_edges`.
 struct Pattern {
-  std::vector<PatternColor> colors;
-  std::vector<int> stripes;  ///< indices into `colors`, in the order of rising projector pixels
-  std::vector<double> stripe_edges;  ///< px; edge i lies between stripes i and i + 1
-  Axis axis = Axis::y;               ///< along which the sinusoid varies
-  double period = 0;                 ///< px, > 0
-  double phase = 0;                  ///< rad
-  double mean = 0.5;                 ///< in [0, 1]
-  double amplitude = 0.5;            ///< > 0, and v stays within [0, 1]
+  std::vector<PatternColor> colors{};
+  std::vector<int> stripes{};  ///< indices into `colors`, in the order of rising projector pixels
+  std::vector<double> stripe_edges{};  ///< px; edge i lies between stripes i and i + 1
+  Axis axis = Axis::y;                 ///< along which the sinusoid varies
+  double period = 0;                   ///< px, > 0
+  double phase = 0;                    ///< rad
+  double mean = 0.5;                   ///< in [0, 1]
+  double amplitude = 0.5;              ///< > 0, and v stays within [0, 1]
 };
 
 /// \throws InvalidInput, beginning with `what`, unless: all is finite and in range; there are both
