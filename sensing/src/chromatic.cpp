@@ -20,11 +20,12 @@ ChromaticLag chromatic_lag(const ChromaticShift& shift, const geometry::Camera& 
 }
 
 ChannelShift channel_shift(const geometry::Camera& camera, double alpha,
-                           const Eigen::Matrix2Xd& rays, bool transposed) {
-  if (alpha == 1) return {};
+                           const Eigen::Matrix2Xd& rays, const Carrier& carrier) {
+  const bool transposed = carrier.transposed;
+  if (alpha == 1 || camera.width < 2 || camera.height < 2) return {};
   const long rows = transposed ? camera.width : camera.height;
   const long columns = transposed ? camera.height : camera.width;
-  ChannelShift shift{Plane(rows, columns), Plane(rows, columns)};
+  ChannelShift shift{Plane(rows, columns), Plane(rows, columns), {}, {}};
   for (int v = 0; v < camera.height; ++v) {
     for (int u = 0; u < camera.width; ++u) {
       const Eigen::Vector2d ray = rays.col(static_cast<long>(v) * camera.width + u) / alpha;
@@ -36,20 +37,21 @@ ChannelShift channel_shift(const geometry::Camera& camera, double alpha,
       shift.rows(row, column) = transposed ? move.x() : move.y();
     }
   }
+  const Plane turn = shift.rows * static_cast<float>(carrier.along);
+  shift.cosine = turn.cos();
+  shift.sine = turn.sin();
   return shift;
 }
 
-Demodulated resample(const Demodulated& signal, const ChannelShift& shift, double carrier) {
+Demodulated resample(const Demodulated& signal, const ChannelShift& shift) {
   if (shift.none()) return signal;
   const long rows = signal.re.rows();
   const long columns = signal.re.cols();
   Demodulated out{Plane::Zero(rows, columns), Plane::Zero(rows, columns), signal.mean};
-  const auto frequency = static_cast<float>(carrier);
   for (long row = 0; row < rows; ++row) {
     for (long column = 0; column < columns; ++column) {
-      const float move = shift.rows(row, column);
       const float x = static_cast<float>(column) + shift.columns(row, column);
-      const float y = static_cast<float>(row) + move;
+      const float y = static_cast<float>(row) + shift.rows(row, column);
       if (!(x > -1 && y > -1 && x < static_cast<float>(columns) && y < static_cast<float>(rows)))
         continue;
       const auto left =
@@ -66,8 +68,8 @@ Demodulated resample(const Demodulated& signal, const ChannelShift& shift, doubl
       };
       const float re = blend(signal.re);
       const float im = blend(signal.im);
-      const float cosine = std::cos(frequency * move);
-      const float sine = std::sin(frequency * move);
+      const float cosine = shift.cosine(row, column);
+      const float sine = shift.sine(row, column);
       out.re(row, column) = re * cosine - im * sine;
       out.im(row, column) = re * sine + im * cosine;
     }
@@ -75,15 +77,14 @@ Demodulated resample(const Demodulated& signal, const ChannelShift& shift, doubl
   return out;
 }
 
-Combined combine_channels(const std::vector<Demodulated>& channels, const ChromaticModel& model,
-                          double carrier) {
+Combined combine_channels(const std::vector<Demodulated>& channels, const ChromaticModel& model) {
   Combined combined{channels[0].re, channels[0].im, {}};
   if (channels.size() == 1) return combined;
   std::array<Plane, 2> re;
   std::array<Plane, 2> im;
   for (std::size_t i = 0; i < 2; ++i) {
     const ChannelModel& channel = model.channels[i];
-    const Demodulated moved = resample(channels[i + 1], channel.shift, carrier);
+    const Demodulated moved = resample(channels[i + 1], channel.shift);
     re[i] = moved.re * channel.cosine - moved.im * channel.sine;
     im[i] = moved.re * channel.sine + moved.im * channel.cosine;
     combined.re += re[i];

@@ -5,6 +5,7 @@
 #include <array>
 #include <vector>
 
+#include "carrier.h"
 #include "demodulation.h"
 #include "palpate/sensing/pattern.h"
 #include "palpate/sensing/rig.h"
@@ -29,16 +30,17 @@ struct ChromaticLag {
 struct ChannelShift {
   Plane columns;  ///< px, to be added to green's column
   Plane rows;     ///< px
+  Plane cosine;   ///< of the carrier over `rows`
+  Plane sine;
   [[nodiscard]] bool none() const { return columns.size() == 0; }
 };
-/// Nothing if alpha is one.
+/// Nothing if alpha is one, or the image too small to interpolate in.
 [[nodiscard]] ChannelShift channel_shift(const geometry::Camera& camera, double alpha,
-                                         const Eigen::Matrix2Xd& rays, bool transposed);
+                                         const Eigen::Matrix2Xd& rays, const Carrier& carrier);
 
 /// The channel's signal where green sees it: bilinear on re and im, which vary slowly, the carrier
 /// being taken out and put back.
-[[nodiscard]] Demodulated resample(const Demodulated& signal, const ChannelShift& shift,
-                                   double carrier);
+[[nodiscard]] Demodulated resample(const Demodulated& signal, const ChannelShift& shift);
 
 /// How a channel other than green is brought to green.
 struct ChannelModel {
@@ -69,6 +71,6 @@ struct Combined {
   ChannelShares shares;
 };
 [[nodiscard]] Combined combine_channels(const std::vector<Demodulated>& channels,
-                                        const ChromaticModel& model, double carrier);
+                                        const ChromaticModel& model);
 
 }  // namespace palpate::sensing

@@ -216,7 +216,7 @@ DecodeResult Decoder::Impl::decode(const cv::Mat& frame) const {
   const Mask lit = (light >= static_cast<float>(options.min_signal)).cast<std::uint8_t>();
   std::vector<Demodulated> demodulated = demodulate(channels, lit, filter);
   for (Demodulated& channel : demodulated) smooth_rows(channel);
-  const Combined combined = combine_channels(demodulated, model.chromatic(), model.carrier().along);
+  const Combined combined = combine_channels(demodulated, model.chromatic());
   const Mask modulated =
       find_modulated(combined, demodulated, lit, colored, options, model.pattern());
 

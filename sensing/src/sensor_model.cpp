@@ -44,7 +44,7 @@ void SensorModel::prepare_chromatic(const Eigen::Matrix2Xd& rays) {
   for (std::size_t i = 0; i < 2; ++i) {
     ChannelModel& channel = chromatic_.channels[i];
     channel.lag = chromatic_lag(*shifts[i], rig_.projector, pattern_);
-    channel.shift = channel_shift(rig_.camera, shifts[i]->alpha, rays, carrier_.transposed);
+    channel.shift = channel_shift(rig_.camera, shifts[i]->alpha, rays, carrier_);
     const Plane lag =
         expected * static_cast<float>(channel.lag.slope) + static_cast<float>(channel.lag.offset);
     channel.cosine = lag.cos();

@@ -36,7 +36,7 @@ TEST(Chromatic, NoShiftMeansNoLagAndNoResampling) {
   const ChromaticLag lag = chromatic_lag({}, rig.projector, make_pattern(Axis::y, 10, 1024));
   EXPECT_EQ(lag.slope, 0);
   EXPECT_EQ(lag.offset, 0);
-  EXPECT_TRUE(channel_shift(rig.camera, 1, geometry::pixel_rays(rig.camera), false).none());
+  EXPECT_TRUE(channel_shift(rig.camera, 1, geometry::pixel_rays(rig.camera), {}).none());
 }
 
 TEST(Chromatic, ResamplingBringsARescaledChannelBack) {
@@ -57,8 +57,9 @@ TEST(Chromatic, ResamplingBringsARescaledChannelBack) {
   for (const bool transposed : {false, true}) {
     geometry::Camera shown = camera;
     if (transposed) std::swap(shown.width, shown.height), std::swap(shown.cx, shown.cy);
-    const ChannelShift shift = channel_shift(shown, alpha, geometry::pixel_rays(shown), transposed);
-    const Demodulated moved = resample(channel, shift, carrier);
+    const ChannelShift shift = channel_shift(shown, alpha, geometry::pixel_rays(shown),
+                                             {.transposed = transposed, .along = carrier});
+    const Demodulated moved = resample(channel, shift);
     for (long row = 2; row < 78; ++row) {
       // Bilinear interpolation of a phase that turns by 0.017 rad a pixel.
       EXPECT_NEAR(std::atan2(moved.im(row, 15), moved.re(row, 15)), phase, 1e-4) << row;
@@ -75,7 +76,7 @@ TEST(Chromatic, SharesSumToOneWithGreen) {
   }
   const std::vector<Demodulated> channels = {
       {3 * one, one, one}, {one, 2 * one, one}, {0 * one, one, one}};
-  const Combined combined = combine_channels(channels, model, 0.8);
+  const Combined combined = combine_channels(channels, model);
   EXPECT_EQ(combined.re(2, 2), 4);
   EXPECT_EQ(combined.im(2, 2), 4);
   EXPECT_FLOAT_EQ(combined.shares.red(2, 2), (1 * 4 + 2 * 4) / 32.0F);
