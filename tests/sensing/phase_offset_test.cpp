@@ -35,8 +35,8 @@ std::vector<PhaseGuess> operator+(std::vector<PhaseGuess> a, const std::vector<P
 }
 
 TEST(PhaseOffset, IsTheRoundedWeightedMedianOfEachRegion) {
-  const auto guesses =
-      column_of(3, 0, 8, -2.2) + column_of(5, 0, 3, 7.1) + column_of(15, 0, 6, 4.3);
+  const auto guesses = column_of(3, 0, 8, -2.2) + column_of(5, 0, 1, 7.1) + column_of(5, 3, 2, -9) +
+                       column_of(15, 0, 6, 4.3);
   const auto offsets = region_offsets(two_regions(), guesses, kMinAgreement);
   ASSERT_EQ(offsets.size(), 2U);
   EXPECT_DOUBLE_EQ(offsets[0].value(), -2 * kTurn);

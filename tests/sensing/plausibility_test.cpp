@@ -29,6 +29,12 @@ TEST(Plausibility, ABreakReachesAsFarAsTheWindowMixes) {
   for (long column = 0; column < 20; ++column) {
     EXPECT_EQ(marked(6, column) != 0, column >= 7 && column <= 11) << column;
   }
+  Plane stairs = Plane::Zero(12, 20);
+  stairs.bottomRows(6) = -3;
+  const Mask across = near_breaks(stairs, Mask::Ones(12, 20), 2, {.rows = 3, .columns = 2});
+  for (long row = 0; row < 12; ++row) {
+    EXPECT_EQ(across(row, 10) != 0, row >= 2 && row <= 8) << row;
+  }
   EXPECT_TRUE((near_breaks(phase, Mask::Ones(12, 20), 3.1, {.rows = 3, .columns = 2}) == 0).all());
   Mask known = Mask::Ones(12, 20);
   known.middleCols(9, 1) = 0;
