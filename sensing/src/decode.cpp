@@ -230,7 +230,10 @@ DecodeResult Decoder::Impl::decode(const cv::Mat& frame) const {
   if (colored) {
     hue = hue_plane(demodulated);
     const std::vector<PhaseGuess> all = guesses(hue, lit);
-    split_regions(wrapped, variance, limits, find_markers(regions, all), regions);
+    std::vector<Marker> markers = find_markers(regions, all);
+    const std::vector<Marker> unproven = mark_unproven_cores(wrapped, variance, limits, markers);
+    markers.insert(markers.end(), unproven.begin(), unproven.end());
+    split_regions(wrapped, variance, limits, markers, regions);
     offsets = region_offsets(regions, all, options.min_agreement);
     result.transitions = static_cast<int>(all.size());
   } else {

@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <vector>
 
 #include "hue.h"
+#include "plausibility.h"
 
 namespace palpate::sensing {
 namespace {
@@ -91,6 +93,15 @@ class Flood {
   VarianceQueue queue_;
 };
 
+/// Half the width of the necks that are cut [px]: three erosions.
+constexpr int kNeckErosions = 3;
+
+/// A core of fewer pixels may lie between two stripe edges.
+constexpr int kLeastCorePixels = 300;
+
+/// Turns of the first unproven core; far from any real number.
+constexpr int kUnknownTurns = 1000000;
+
 }  // namespace
 
 Regions grow_regions(const Plane& wrapped, const Plane& variance, const FloodLimits& limits) {
@@ -144,6 +155,33 @@ void split_regions(const Plane& wrapped, const Plane& variance, const FloodLimit
         regions.label.data()[pixel] = regions.label.data()[from];
         done.data()[pixel] = 1;
       });
+}
+
+std::vector<Marker> mark_unproven_cores(const Plane& wrapped, const Plane& variance,
+                                        const FloodLimits& limits,
+                                        const std::vector<Marker>& markers) {
+  Mask inner = (variance <= static_cast<float>(limits.max_variance)).cast<std::uint8_t>();
+  for (int i = 0; i < kNeckErosions; ++i) inner = eroded(inner);
+  const Plane inner_variance =
+      (inner != 0).select(variance, std::numeric_limits<float>::infinity());
+  const Regions cores = grow_regions(wrapped, inner_variance, limits);
+  std::vector<int> pixels(static_cast<std::size_t>(cores.count), 0);
+  std::vector<bool> proven(static_cast<std::size_t>(cores.count), false);
+  for (long i = 0; i < cores.label.size(); ++i) {
+    if (cores.label.data()[i] >= 0) ++pixels[static_cast<std::size_t>(cores.label.data()[i])];
+  }
+  for (const Marker& marker : markers) {
+    const int core = cores.label.data()[marker.pixel];
+    if (core >= 0) proven[static_cast<std::size_t>(core)] = true;
+  }
+  std::vector<Marker> result;
+  for (int i = 0; i < static_cast<int>(cores.label.size()); ++i) {
+    const int core = cores.label.data()[i];
+    if (core < 0 || proven[static_cast<std::size_t>(core)]) continue;
+    if (pixels[static_cast<std::size_t>(core)] < kLeastCorePixels) continue;
+    result.push_back({i, kUnknownTurns + core});
+  }
+  return result;
 }
 
 }  // namespace palpate::sensing

@@ -44,4 +44,13 @@ struct Marker {
 void split_regions(const Plane& wrapped, const Plane& variance, const FloodLimits& limits,
                    const std::vector<Marker>& markers, Regions& regions);
 
+/// Markers of unknown turns (each core has a number of its own) on every pixel of the cores in
+/// which no marker lies: a core is what hangs together of the regions once all necks narrower than
+/// seven pixels are cut, and is large enough for a stripe edge to be expected in it. The part of a
+/// region behind such a neck may be another surface; without a stripe edge of its own its depth
+/// must stay unknown.
+[[nodiscard]] std::vector<Marker> mark_unproven_cores(const Plane& wrapped, const Plane& variance,
+                                                      const FloodLimits& limits,
+                                                      const std::vector<Marker>& markers);
+
 }  // namespace palpate::sensing

@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
+#include <numbers>
 
 #include "hue.h"
 #include "phase_variance.h"
@@ -91,6 +93,36 @@ TEST(Unwrapping, AgreeingMarkersLeaveARegionWhole) {
   split_regions(step.wrapped, step.variance, kLimits, {{5, 2}, {40 * 20 + 35, 2}}, regions);
   EXPECT_EQ(regions.count, 1);
   EXPECT_TRUE((regions.label == 0).all());
+}
+
+TEST(Unwrapping, WhatHangsOnByANarrowNeckNeedsAMarkerOfItsOwn) {
+  const Plane wrapped_phase = Plane::Zero(40, 80);
+  const Marker left{40 / 2 * 80 + 10, 3};
+  const Marker right{40 / 2 * 80 + 70, 4};
+  for (const long neck : {5L, 9L}) {
+    // Two squares of 30 pixels, joined by a neck.
+    Plane variance = Plane::Constant(40, 80, std::numeric_limits<float>::infinity());
+    variance.block(5, 5, 30, 30) = 0;
+    variance.block(5, 45, 30, 30) = 0;
+    variance.block(20 - neck / 2, 35, neck, 10) = 0;
+    Regions regions = grow_regions(wrapped_phase, variance, kLimits);
+    ASSERT_EQ(regions.count, 1);
+    EXPECT_TRUE(mark_unproven_cores(wrapped_phase, variance, kLimits, {left, right}).empty());
+    std::vector<Marker> markers = mark_unproven_cores(wrapped_phase, variance, kLimits, {left});
+    EXPECT_EQ(markers.empty(), neck == 9);
+    markers.push_back(left);
+    split_regions(wrapped_phase, variance, kLimits, markers, regions);
+    EXPECT_EQ(regions.label(20, 10) == regions.label(20, 70), neck == 9);
+  }
+}
+
+TEST(Unwrapping, ASmallPatchMayLieBetweenTwoStripeEdges) {
+  const Plane wrapped_phase = Plane::Zero(40, 40);
+  Plane variance = Plane::Constant(40, 40, std::numeric_limits<float>::infinity());
+  variance.block(5, 5, 20, 20) = 0;  // 14 x 14 pixels are left of it
+  EXPECT_TRUE(mark_unproven_cores(wrapped_phase, variance, kLimits, {}).empty());
+  variance.block(5, 5, 30, 30) = 0;
+  EXPECT_EQ(mark_unproven_cores(wrapped_phase, variance, kLimits, {}).size(), 24U * 24U);
 }
 
 }  // namespace
