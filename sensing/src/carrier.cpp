@@ -31,8 +31,10 @@ Carrier expected_carrier(const Rig& rig, const Pattern& pattern) {
   for (int step = 0; step < kDepths; ++step) {
     const double z = baseline * std::pow(kFarthestBaselines, step / (kDepths - 1.0));
     for (int place = 0; place < kPlaces * kPlaces; ++place) {
-      const Eigen::Vector2d pixel((place % kPlaces + 0.5) / kPlaces * rig.camera.width,
-                                  (place / kPlaces + 0.5) / kPlaces * rig.camera.height);
+      const int across = place % kPlaces;
+      const int down = place / kPlaces;
+      const Eigen::Vector2d pixel((across + 0.5) / kPlaces * rig.camera.width,
+                                  (down + 0.5) / kPlaces * rig.camera.height);
       const auto projected = [&](double du, double dv) {
         const Eigen::Vector2d ray =
             geometry::undistort(rig.camera, pixel + Eigen::Vector2d(du, dv));

@@ -108,6 +108,7 @@ std::vector<std::optional<double>> region_offsets(const Regions& regions,
     votes[static_cast<std::size_t>(label)].push_back({turns_of(regions, guess), guess.score});
   }
   std::vector<std::optional<double>> offsets;
+  offsets.reserve(votes.size());
   for (auto& list : votes) offsets.push_back(offset_of(list, min_agreement));
   return offsets;
 }

@@ -13,7 +13,9 @@ namespace palpate::sensing {
 namespace {
 
 /// Where the channels of an image in BGR order go: green first, then red and blue.
-constexpr int kPlaneOfChannel[] = {2, 0, 1};
+constexpr int plane_of_channel(int channel, int channels) {
+  return channels == 1 ? 0 : (channel + 2) % 3;
+}
 
 template <typename T>
 void split(const cv::Mat& frame, float scale, std::vector<Plane>& planes) {
@@ -21,8 +23,8 @@ void split(const cv::Mat& frame, float scale, std::vector<Plane>& planes) {
   for (int row = 0; row < frame.rows; ++row) {
     const T* values = frame.ptr<T>(row);
     for (int channel = 0; channel < channels; ++channel) {
-      float* out =
-          &planes[static_cast<std::size_t>(channels == 1 ? 0 : kPlaneOfChannel[channel])](row, 0);
+      const auto plane = static_cast<std::size_t>(plane_of_channel(channel, channels));
+      float* out = &planes[plane](row, 0);
       for (int column = 0; column < frame.cols; ++column) {
         out[column] = scale * static_cast<float>(values[column * channels + channel]);
       }

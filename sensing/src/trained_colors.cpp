@@ -124,6 +124,7 @@ TrainedColors train_colors_from_folders(const std::vector<std::filesystem::path>
   std::map<std::string, std::vector<cv::Mat>> by_name;
   for (const auto& folder : folders) add_folder(folder, by_name);
   std::vector<NamedImages> images;
+  images.reserve(by_name.size());
   for (auto& [name, list] : by_name) images.push_back({name, std::move(list)});
   return train_colors(images, options);
 }
