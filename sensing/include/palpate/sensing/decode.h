@@ -1,0 +1,89 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <opencv2/core/mat.hpp>
+#include <optional>
+
+#include "palpate/geometry/range_map.h"
+#include "palpate/sensing/pattern.h"
+#include "palpate/sensing/rig.h"
+#include "palpate/sensing/trained_colors.h"
+
+namespace palpate::sensing {
+
+/// One camera pixel whose depth is known; it stands in for the stripes of a pattern that has none.
+struct Anchor {
+  double u_px = 0;  ///< column
+  double v_px = 0;  ///< row
+  double z = 0;     ///< depth, > 0
+};
+
+struct DecodeOptions {
+  /// A pixel is lit iff the projector's light >= min_signal of full scale; in (0, 1).
+  double min_signal = 0.02;
+  /// Its phase counts iff the sinusoid's amplitude >= min_modulation of full scale; in (0, 1) ...
+  double min_modulation = 0.01;
+  /// ... and amplitude / mean >= min_contrast times that of the pattern; in (0, 1).
+  double min_contrast = 0.3;
+  /// A stripe edge is where the hue changes by >= min_hue_step a pixel [rad]; in (0, pi).
+  double min_hue_step = 0.08;
+  /// Its colours are named by so many pixels on each side, fewer where a stripe is narrow; >= 1.
+  int color_window_px = 5;
+  /// A side is trusted iff the mean probability of its colour >= min_color_score; in (0, 1).
+  double min_color_score = 0.7;
+  /// Smooth regions hold pixels with a phase variance <= max_phase_variance [rad^2]; > 0.
+  double max_phase_variance = 0.01;
+  /// They are split where the phase steps by > max_phase_step a pixel [rad]; in (0, pi).
+  double max_phase_step = 1.5;
+  /// An offset, and the colours around a depth, are accepted iff this share agrees; in (0.5, 1].
+  double min_agreement = 0.8;
+  /// A depth is kept iff |dz / dphase| <= max_sensitivity * z per rad; > 0.
+  double max_sensitivity = 0.1;
+  /// Needed iff the pattern has no stripes: the region around it is reconstructed.
+  std::optional<Anchor> anchor = {};
+};
+
+/// Depths of one frame, and what became of its pixels: reconstructed + unlit + unresolved +
+/// rejected = all.
+struct DecodeResult {
+  geometry::RangeMap range;
+  int transitions = 0;         ///< stripe edges that were found and named, over all scanlines
+  int regions = 0;             ///< smooth regions of the phase
+  int unresolved_regions = 0;  ///< regions without enough guesses, or whose guesses disagree
+  long reconstructed = 0;      ///< pixels with a depth
+  long unlit = 0;  ///< pixels without enough projector light, modulation or room for the window
+  long unresolved = 0;  ///< other pixels in no smooth region, or in one without a known offset
+  long rejected = 0;    ///< pixels that failed a check: border, phase break, colour, sensitivity
+};
+
+/// Turns single frames into depths (thesis 3.3), for one rig, pattern and set of trained colours.
+///
+/// Differs from the thesis: any pose of the projector (depths are ray-plane intersections; R = I
+/// gives Eqs. 3.2 and 3.11), lens distortion of both lenses, complex demodulation, regions grown by
+/// phase variance instead of snakes, and a check of every depth against the stripe colour it
+/// implies. The constructor prepares what does not depend on the frame; `decode` may run in several
+/// threads.
+class Decoder {
+ public:
+  /// \throws InvalidInput if rig or pattern are not valid, an option is outside its range, a colour
+  /// of the pattern was never trained, or the pattern has neither stripes nor an anchor.
+  Decoder(const Rig& rig, const Pattern& pattern, const TrainedColors& colors,
+          const DecodeOptions& options = {});
+  ~Decoder();
+  Decoder(Decoder&&) noexcept;
+  Decoder& operator=(Decoder&&) noexcept;
+
+  /// `frame`: 8 or 16 bit, linear in the light, 1 or 3 channels (BGR), of the camera's size. A
+  /// frame without any projector light gives a range map of NaN, not an error. \throws InvalidInput
+  /// on a frame of another size or type, or of one channel where the pattern has coloured stripes.
+  [[nodiscard]] DecodeResult decode(const cv::Mat& frame) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace palpate::sensing

@@ -1,0 +1,274 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/sensing/decode.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "demodulation.h"
+#include "hue.h"
+#include "hue_classifier.h"
+#include "palpate/error.h"
+#include "phase_variance.h"
+#include "planes.h"
+#include "plausibility.h"
+#include "sensor_model.h"
+#include "stripe_transitions.h"
+#include "unwrapping.h"
+
+namespace palpate::sensing {
+namespace {
+
+constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+
+/// Known neighbours whose phases differ by more than this belong to different surfaces [rad]: the
+/// limit of what wrapped differences can show is pi.
+constexpr double kBreak = 2;
+/// How far across the sinusoid a break reaches [px]: half the width of `smooth_rows`.
+constexpr int kBreakColumns = 2;
+
+void check_options(const DecodeOptions& options) {
+  const auto require = [](bool good, const char* name, const char* range) {
+    if (!good) throw InvalidInput(std::string("DecodeOptions: ") + name + " must lie in " + range);
+  };
+  const auto below = [](double value, double limit) { return value > 0 && value < limit; };
+  const auto positive = [](double value) { return value > 0 && std::isfinite(value); };
+  require(below(options.min_signal, 1), "min_signal", "(0, 1)");
+  require(below(options.min_modulation, 1), "min_modulation", "(0, 1)");
+  require(below(options.min_contrast, 1), "min_contrast", "(0, 1)");
+  require(below(options.min_hue_step, std::numbers::pi), "min_hue_step", "(0, pi)");
+  require(options.color_window_px >= 1, "color_window_px", "[1, infinity)");
+  require(below(options.min_color_score, 1), "min_color_score", "(0, 1)");
+  require(positive(options.max_phase_variance), "max_phase_variance", "(0, infinity)");
+  require(below(options.max_phase_step, std::numbers::pi), "max_phase_step", "(0, pi)");
+  require(options.min_agreement > 0.5 && options.min_agreement <= 1, "min_agreement", "(0.5, 1]");
+  require(positive(options.max_sensitivity), "max_sensitivity", "(0, infinity)");
+}
+
+void check_anchor(const Anchor& anchor, const geometry::Camera& camera) {
+  const bool inside = anchor.u_px > -0.5 && anchor.u_px < camera.width - 0.5 &&
+                      anchor.v_px > -0.5 && anchor.v_px < camera.height - 0.5;
+  if (!inside || !(anchor.z > 0) || !std::isfinite(anchor.z)) {
+    throw InvalidInput("anchor " + std::to_string(anchor.u_px) + ", " +
+                       std::to_string(anchor.v_px) + ", " + std::to_string(anchor.z) +
+                       ": a pixel of the " + std::to_string(camera.width) + " x " +
+                       std::to_string(camera.height) + " image and a depth > 0 are expected");
+  }
+}
+
+/// Where the sinusoid is strong enough for its phase to mean something.
+Mask find_modulated(const Combined& combined, const std::vector<Demodulated>& channels,
+                    const Mask& lit, bool colored, const DecodeOptions& options,
+                    const Pattern& pattern) {
+  Plane mean = channels[0].mean;
+  if (channels.size() == 3) mean += channels[1].mean + channels[2].mean;
+  // Light that all channels share is not the projector's: each stripe lacks at least one.
+  if (colored) mean -= 3 * channels[0].mean.min(channels[1].mean).min(channels[2].mean);
+  const Plane amplitude = 2 * (combined.re.square() + combined.im.square()).sqrt();
+  const auto contrast = static_cast<float>(options.min_contrast * pattern.amplitude / pattern.mean);
+  const auto least = static_cast<float>(options.min_modulation);
+  return lit * (amplitude >= least && amplitude >= contrast * mean).cast<std::uint8_t>();
+}
+
+/// Hue of the light averaged over the sinusoid.
+Plane hue_plane(const std::vector<Demodulated>& channels) {
+  const Plane& green = channels[0].mean;
+  const Plane& red = channels[1].mean;
+  const Plane& blue = channels[2].mean;
+  Plane hue(green.rows(), green.cols());
+  for (long i = 0; i < hue.size(); ++i) {
+    hue.data()[i] = hue_of(red.data()[i], green.data()[i], blue.data()[i]).angle;
+  }
+  return hue;
+}
+
+Plane wrapped_phase(const Combined& combined) {
+  Plane phase(combined.re.rows(), combined.re.cols());
+  for (long i = 0; i < phase.size(); ++i) {
+    phase.data()[i] = std::atan2(combined.im.data()[i], combined.re.data()[i]);
+  }
+  return phase;
+}
+
+/// Absolute phases, and where they are known.
+struct AbsolutePhase {
+  Plane phase;
+  Mask known;
+};
+
+AbsolutePhase add_offsets(const Regions& regions,
+                          const std::vector<std::optional<double>>& offsets) {
+  AbsolutePhase absolute{regions.phase, Mask::Zero(regions.phase.rows(), regions.phase.cols())};
+  for (long i = 0; i < regions.label.size(); ++i) {
+    const int label = regions.label.data()[i];
+    if (label < 0 || !offsets[static_cast<std::size_t>(label)]) continue;
+    absolute.phase.data()[i] += static_cast<float>(*offsets[static_cast<std::size_t>(label)]);
+    absolute.known.data()[i] = 1;
+  }
+  return absolute;
+}
+
+}  // namespace
+
+struct Decoder::Impl {
+  Impl(const Rig& rig, const Pattern& pattern, const TrainedColors& colors,
+       const DecodeOptions& the_options);
+
+  void check_frame(const cv::Mat& frame) const;
+  [[nodiscard]] std::vector<PhaseGuess> guesses(const Plane& hue, const Mask& lit) const;
+  [[nodiscard]] std::vector<std::optional<double>> anchor_offsets(const Regions& regions) const;
+  [[nodiscard]] Plane depths(const AbsolutePhase& absolute, const ChannelShares& shares,
+                             const Plane& hue) const;
+  [[nodiscard]] DecodeResult decode(const cv::Mat& frame) const;
+
+  DecodeOptions options;
+  SensorModel model;
+  DemodulationFilter filter;
+  std::optional<HueClassifier> classifier;  ///< iff the pattern has stripes
+};
+
+Decoder::Impl::Impl(const Rig& rig, const Pattern& pattern, const TrainedColors& colors,
+                    const DecodeOptions& the_options)
+    : options((check_options(the_options), the_options)),
+      model(rig, pattern),
+      filter(make_filter(model.carrier().along)) {
+  if (pattern.stripe_edges.empty() && !options.anchor) {
+    throw InvalidInput(
+        "pattern: has no stripes to find depths from; an anchor (a pixel and its depth) is needed");
+  }
+  if (options.anchor) check_anchor(*options.anchor, rig.camera);
+  if (!pattern.stripe_edges.empty()) classifier.emplace(pattern, colors);
+}
+
+void Decoder::Impl::check_frame(const cv::Mat& frame) const {
+  const geometry::Camera& camera = model.rig().camera;
+  if (frame.cols != camera.width || frame.rows != camera.height) {
+    throw InvalidInput("frame: is " + std::to_string(frame.cols) + " x " +
+                       std::to_string(frame.rows) + " px, the rig's camera has " +
+                       std::to_string(camera.width) + " x " + std::to_string(camera.height));
+  }
+  if (classifier && frame.channels() != 3) {
+    throw InvalidInput("frame: has " + std::to_string(frame.channels()) +
+                       " channels; the pattern's coloured stripes need three");
+  }
+}
+
+std::vector<PhaseGuess> Decoder::Impl::guesses(const Plane& hue, const Mask& lit) const {
+  const auto transitions = find_transitions(hue, lit, model.pattern(), *classifier,
+                                            {.min_hue_step = options.min_hue_step,
+                                             .window_px = options.color_window_px,
+                                             .min_color_score = options.min_color_score,
+                                             .reversed = model.carrier().stripes_reversed});
+  std::vector<PhaseGuess> result;
+  for (const Transition& transition : transitions) {
+    const int column = static_cast<int>(std::lround(transition.column));
+    const auto phase = model.phase_at_edge(transition.row, column, transition.edge);
+    if (!phase) continue;
+    result.push_back(
+        {transition.row, column, *phase, static_cast<double>(transition.score), transition.edge});
+  }
+  return result;
+}
+
+std::vector<std::optional<double>> Decoder::Impl::anchor_offsets(const Regions& regions) const {
+  const int u = static_cast<int>(std::lround(options.anchor->u_px));
+  const int v = static_cast<int>(std::lround(options.anchor->v_px));
+  PhaseGuess guess{.row = v, .column = u, .score = 1};
+  if (model.carrier().transposed) std::swap(guess.row, guess.column);
+  const auto phase = model.phase_at_depth(guess.row, guess.column, options.anchor->z);
+  if (!phase) return std::vector<std::optional<double>>(static_cast<std::size_t>(regions.count));
+  guess.phase = *phase;
+  return anchored_offsets(regions, guess, filter.radius);
+}
+
+Plane Decoder::Impl::depths(const AbsolutePhase& absolute, const ChannelShares& shares,
+                            const Plane& hue) const {
+  Plane depth = Plane::Constant(model.rows(), model.columns(), kUnknown);
+  Plane stripe_pixel = depth;
+  const int across = model.pattern().axis == Axis::x ? 1 : 0;
+  for (long row = 0; row < model.rows(); ++row) {
+    for (long column = 0; column < model.columns(); ++column) {
+      if (absolute.known(row, column) == 0) continue;
+      const auto phase = static_cast<double>(absolute.phase(row, column));
+      const auto surface = model.surface_at(row, column, phase, shares, options.max_sensitivity);
+      if (!surface) continue;
+      depth(row, column) = static_cast<float>(surface->z);
+      stripe_pixel(row, column) = static_cast<float>(surface->pixel[across]);
+    }
+  }
+  if (classifier) {
+    const Mask wrong = contradicting_colors(stripe_pixel, hue, model.pattern(), *classifier,
+                                            options.min_agreement);
+    depth = (wrong != 0).select(kUnknown, depth);
+  }
+  return depth;
+}
+
+DecodeResult Decoder::Impl::decode(const cv::Mat& frame) const {
+  check_frame(frame);
+  const bool colored = classifier.has_value();
+  const std::vector<Plane> channels = split_frame(frame, model.carrier().transposed);
+  const Plane light = projector_light(channels, colored, (filter.radius + 1) / 2);
+  const Mask lit = (light >= static_cast<float>(options.min_signal)).cast<std::uint8_t>();
+  std::vector<Demodulated> demodulated = demodulate(channels, lit, filter);
+  for (Demodulated& channel : demodulated) smooth_rows(channel);
+  const Combined combined = combine_channels(demodulated, model.chromatic());
+  const Mask modulated =
+      find_modulated(combined, demodulated, lit, colored, options, model.pattern());
+
+  const FloodLimits limits{options.max_phase_variance, options.max_phase_step};
+  const Plane wrapped = wrapped_phase(combined);
+  const Plane variance = phase_variance(wrapped, modulated);
+  Regions regions = grow_regions(wrapped, variance, limits);
+  std::vector<std::optional<double>> offsets;
+  Plane hue;
+  DecodeResult result;
+  if (colored) {
+    hue = hue_plane(demodulated);
+    const std::vector<PhaseGuess> all = guesses(hue, lit);
+    std::vector<Marker> markers = find_markers(regions, all);
+    const std::vector<Marker> unproven = mark_unproven_cores(wrapped, variance, limits, markers);
+    markers.insert(markers.end(), unproven.begin(), unproven.end());
+    split_regions(wrapped, variance, limits, markers, regions);
+    offsets = region_offsets(regions, all, options.min_agreement);
+    result.transitions = static_cast<int>(all.size());
+  } else {
+    offsets = anchor_offsets(regions);
+  }
+  AbsolutePhase absolute = add_offsets(regions, offsets);
+  const Mask resolved = absolute.known;
+  absolute.known *= eroded(eroded(lit));
+  absolute.known *=
+      1 - near_breaks(absolute.phase, absolute.known, kBreak, {filter.radius / 2, kBreakColumns});
+  const Plane depth = depths(absolute, combined.shares, hue);
+
+  result.regions = regions.count;
+  result.unresolved_regions =
+      static_cast<int>(std::count(offsets.begin(), offsets.end(), std::nullopt));
+  result.unlit = (modulated == 0).count();
+  result.unresolved = (modulated != 0 && resolved == 0).count();
+  result.reconstructed = (depth > 0).count();
+  result.rejected = depth.size() - result.unlit - result.unresolved - result.reconstructed;
+  result.range.camera = model.rig().camera;
+  if (model.carrier().transposed) {
+    result.range.z = depth.transpose();
+  } else {
+    result.range.z = depth;
+  }
+  return result;
+}
+
+Decoder::Decoder(const Rig& rig, const Pattern& pattern, const TrainedColors& colors,
+                 const DecodeOptions& options)
+    : impl_(std::make_unique<Impl>(rig, pattern, colors, options)) {}
+Decoder::~Decoder() = default;
+Decoder::Decoder(Decoder&&) noexcept = default;
+Decoder& Decoder::operator=(Decoder&&) noexcept = default;
+
+DecodeResult Decoder::decode(const cv::Mat& frame) const { return impl_->decode(frame); }
+
+}  // namespace palpate::sensing

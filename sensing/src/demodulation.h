@@ -1,0 +1,43 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "planes.h"
+
+namespace palpate::sensing {
+
+/// A window over a column and the sinusoid that is sought in it.
+struct DemodulationFilter {
+  int radius = 0;      ///< px; the window holds 2 radius + 1 pixels
+  double carrier = 0;  ///< [rad/px]
+  std::vector<float>
+      weight;  ///< of the pixel k rows away, k = 0 ... radius; the whole window sums to 1
+};
+
+/// A Hann window two periods long: light that does not vary, and the second harmonic of the
+/// sinusoid, fall on zeros of its spectrum.
+[[nodiscard]] DemodulationFilter make_filter(double carrier);
+
+/// The sinusoid found around each pixel: v(row + k) = mean + Re(2 (re + i im) exp(i carrier (row +
+/// k))). What is not known is zero.
+struct Demodulated {
+  Plane re;
+  Plane im;
+  Plane mean;
+};
+
+/// Weighted least squares of mean and sinusoid in the window around each pixel of the mask, from
+/// pixels of the mask alone (thesis 3.3.3, in its complex form). Away from the mask's borders that
+/// is multiplication by exp(-i carrier row) and a low-pass; at the borders it keeps the step of
+/// brightness out of the phase.
+[[nodiscard]] std::vector<Demodulated> demodulate(const std::vector<Plane>& channels,
+                                                  const Mask& mask,
+                                                  const DemodulationFilter& filter);
+
+/// Averages re and im along the rows: binomial weights over five pixels, those outside the mask
+/// being zero.
+void smooth_rows(Demodulated& signal);
+
+}  // namespace palpate::sensing

@@ -1,0 +1,43 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/sensing/depth_image.h"
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <opencv2/core.hpp>
+#include <string>
+
+#include "palpate/error.h"
+#include "palpate/sensing/frame.h"
+
+namespace palpate::sensing {
+
+geometry::RangeMap read_depth_image(const std::filesystem::path& path, double mm_per_unit,
+                                    const geometry::Camera& camera) {
+  geometry::check_camera(camera, "read_depth_image: camera");
+  if (!(mm_per_unit > 0) || !std::isfinite(mm_per_unit)) {
+    throw InvalidInput("read_depth_image: mm_per_unit is " + std::to_string(mm_per_unit) +
+                       "; a finite number > 0 is expected");
+  }
+  const cv::Mat image = read_frame(path);
+  if (image.type() != CV_16UC1) {
+    throw FileError(path.string() + ": a depth image has 16 bit and one channel");
+  }
+  if (image.cols != camera.width || image.rows != camera.height) {
+    throw FileError(path.string() + ": is " + std::to_string(image.cols) + " x " +
+                    std::to_string(image.rows) + ", the camera " + std::to_string(camera.width) +
+                    " x " + std::to_string(camera.height) + " px");
+  }
+  geometry::RangeMap map{geometry::ImageF(image.rows, image.cols), camera};
+  for (int row = 0; row < image.rows; ++row) {
+    const auto* units = image.ptr<std::uint16_t>(row);
+    for (int column = 0; column < image.cols; ++column) {
+      map.z(row, column) = units[column] == 0 ? std::numeric_limits<float>::quiet_NaN()
+                                              : static_cast<float>(units[column] * mm_per_unit);
+    }
+  }
+  return map;
+}
+
+}  // namespace palpate::sensing

@@ -1,0 +1,38 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "palpate/sensing/pattern.h"
+#include "palpate/sensing/trained_colors.h"
+
+namespace palpate::sensing {
+
+/// Bayesian classifier of hues: one Gaussian a colour (thesis 3.3.2, Eq. 3.4 with sigma^2 the
+/// variance).
+class HueClassifier {
+ public:
+  /// Probabilities are tabulated at so many hues around the circle.
+  static constexpr int kSteps = 1024;
+
+  /// \throws InvalidInput if a colour of the pattern was not trained.
+  HueClassifier(const Pattern& pattern, const TrainedColors& trained);
+
+  [[nodiscard]] int colors() const { return colors_; }
+  /// Probability of each colour of the pattern (in its order) given the hue [rad, in [0, 2 pi)]:
+  /// its density divided by the sum of all.
+  [[nodiscard]] const float* probabilities(float hue) const;
+  /// Index of the most probable colour.
+  [[nodiscard]] int best(float hue) const;
+
+ private:
+  [[nodiscard]] static std::size_t step_of(float hue);
+
+  int colors_ = 0;
+  std::vector<float> table_;  ///< kSteps x colors
+  std::vector<int> best_;     ///< kSteps
+};
+
+}  // namespace palpate::sensing

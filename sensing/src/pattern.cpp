@@ -1,0 +1,124 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/sensing/pattern.h"
+
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include "palpate/error.h"
+#include "storage_file.h"
+
+namespace palpate::sensing {
+namespace {
+
+/// mean +- amplitude may leave [0, 1] by this much: the rounding of decimal numbers in a file.
+constexpr double kRangeTolerance = 1e-9;
+
+std::string at(const char* list, std::size_t index) {
+  return std::string(list) + "[" + std::to_string(index) + "]";
+}
+
+void check_colors(const Pattern& pattern, const std::string& what) {
+  std::set<std::string> names;
+  for (std::size_t i = 0; i < pattern.colors.size(); ++i) {
+    const PatternColor& color = pattern.colors[i];
+    if (color.name.empty() || !names.insert(color.name).second) {
+      throw InvalidInput(what + ": " + at("colors", i) + ": the name is empty or appears twice: '" +
+                         color.name + "'");
+    }
+    if (!((color.rgb.array() >= 0) && (color.rgb.array() <= 1)).all() ||
+        color.rgb.minCoeff() == color.rgb.maxCoeff()) {
+      throw InvalidInput(what + ": " + at("colors", i) +
+                         ": rgb must lie in [0, 1] and not be grey");
+    }
+  }
+}
+
+void check_stripes(const Pattern& pattern, const std::string& what) {
+  const auto& stripes = pattern.stripes;
+  const auto& edges = pattern.stripe_edges;
+  if (pattern.colors.empty() != stripes.empty()) {
+    throw InvalidInput(what + ": has " +
+                       (stripes.empty() ? "colors but no stripes" : "stripes but no colors") +
+                       "; both or neither are expected");
+  }
+  if (edges.size() + (stripes.empty() ? 0 : 1) != stripes.size()) {
+    throw InvalidInput(what + ": stripe_edges_px: " + std::to_string(edges.size()) + " edges for " +
+                       std::to_string(stripes.size()) + " stripes; one less is expected");
+  }
+  std::set<std::pair<int, int>> pairs;
+  for (std::size_t i = 0; i < stripes.size(); ++i) {
+    if (stripes[i] < 0 || stripes[i] >= static_cast<int>(pattern.colors.size())) {
+      throw InvalidInput(what + ": " + at("stripes", i) + ": no colour " +
+                         std::to_string(stripes[i]));
+    }
+    if (i == 0) continue;
+    if (stripes[i] == stripes[i - 1]) {
+      throw InvalidInput(what + ": " + at("stripes", i) + ": the same colour as its neighbour");
+    }
+    if (!pairs.insert({stripes[i - 1], stripes[i]}).second) {
+      throw InvalidInput(what + ": " + at("stripes", i) +
+                         ": this pair of neighbours appears before; a transition must be unique");
+    }
+    if (!std::isfinite(edges[i - 1]) || (i > 1 && !(edges[i - 1] > edges[i - 2]))) {
+      throw InvalidInput(what + ": " + at("stripe_edges_px", i - 1) + ": the edges must rise");
+    }
+  }
+}
+
+}  // namespace
+
+void check_pattern(const Pattern& pattern, const std::string& what) {
+  if (!(pattern.period > 0) || !std::isfinite(pattern.period)) {
+    throw InvalidInput(what + ": period_px: must be > 0 and finite");
+  }
+  if (!std::isfinite(pattern.phase)) throw InvalidInput(what + ": phase: must be finite");
+  if (!(pattern.amplitude > 0) || !(pattern.mean - pattern.amplitude >= -kRangeTolerance) ||
+      !(pattern.mean + pattern.amplitude <= 1 + kRangeTolerance)) {
+    throw InvalidInput(what +
+                       ": mean, amplitude: amplitude must be > 0 and mean +- amplitude in [0, 1]");
+  }
+  check_colors(pattern, what);
+  check_stripes(pattern, what);
+}
+
+Pattern read_pattern(const std::filesystem::path& path) {
+  const StorageFile file(path);
+  const cv::FileNode root = file.root();
+  const auto number = [&](const char* key) { return file.number(file.child(root, key), key); };
+  Pattern pattern;
+  if (!root["colors"].empty()) {
+    for (const cv::FileNode& item : file.items(root["colors"], "colors")) {
+      const std::string key = at("colors", pattern.colors.size());
+      const auto rgb = file.numbers(file.child(item, "rgb", key + "."), key + ".rgb");
+      if (rgb.size() != 3) file.fail(key + ".rgb", "three values are expected");
+      pattern.colors.push_back({file.text(file.child(item, "name", key + "."), key + ".name"),
+                                Eigen::Vector3d(rgb[0], rgb[1], rgb[2])});
+    }
+  }
+  if (!root["stripes"].empty()) {
+    for (const cv::FileNode& item : file.items(root["stripes"], "stripes")) {
+      const std::string key = at("stripes", pattern.stripes.size());
+      pattern.stripes.push_back(static_cast<int>(file.whole_number(item, key)));
+    }
+  }
+  if (!root["stripe_edges_px"].empty()) {
+    pattern.stripe_edges = file.numbers(root["stripe_edges_px"], "stripe_edges_px");
+  }
+  const std::string axis = file.text(file.child(root, "axis"), "axis");
+  if (axis != "x" && axis != "y") file.fail("axis", "x or y is expected, not '" + axis + "'");
+  pattern.axis = axis == "x" ? Axis::x : Axis::y;
+  pattern.period = number("period_px");
+  pattern.phase = number("phase");
+  pattern.mean = number("mean");
+  pattern.amplitude = number("amplitude");
+  try {
+    check_pattern(pattern, path.string());
+  } catch (const InvalidInput& error) {
+    throw FileError(error.what());
+  }
+  return pattern;
+}
+
+}  // namespace palpate::sensing

@@ -1,0 +1,15 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "planes.h"
+
+namespace palpate::sensing {
+
+/// How unevenly the phase changes around each pixel [rad^2] (the phase derivative variance of
+/// Ghiglia and Pritt): the variance of the wrapped differences to the right and downwards over 3 x
+/// 3 pixels, the two added. A slope has none, however steep; a depth step has much. Pairs that
+/// leave the mask do not count; pixels outside it get infinity.
+[[nodiscard]] Plane phase_variance(const Plane& wrapped, const Mask& mask);
+
+}  // namespace palpate::sensing

@@ -1,0 +1,87 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "chromatic.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "synthetic_scene.h"
+
+namespace palpate::sensing {
+namespace {
+
+TEST(Chromatic, LagAgreesWithTheErratumOfEquation3_16) {
+  const Rig rig = make_rig(false);
+  Pattern pattern = make_pattern(Axis::y, 10, 1024);
+  pattern.phase = 0;
+  geometry::Camera projector = rig.projector;
+  projector.cy = 0;  // the thesis counts the phase from the optical axis
+  const ChromaticShift red{.alpha = 0.998, .beta = 1.003, .gamma = 4e-4};
+  const double omega = 2 * std::numbers::pi * projector.fy / pattern.period;
+  const double y_red = 0.0713;
+  const double y_panel = 0.21;
+  const double theta_red = omega * (y_red - y_panel);
+  // theta(alpha y_r) = beta theta_r(y_r) + omega ((alpha - beta) y_r - gamma)
+  const double theta = red.beta * theta_red + omega * ((red.alpha - red.beta) * y_red - red.gamma);
+  const double phase_green = omega * red.alpha * y_red - theta;
+  const double pixel = projector.fy * (red.beta * y_panel + red.gamma);
+  EXPECT_NEAR(omega * y_panel + chromatic_lag(red, projector, pattern).at(pixel), phase_green,
+              1e-9);
+}
+
+TEST(Chromatic, NoShiftMeansNoLagAndNoResampling) {
+  const Rig rig = make_rig(false);
+  const ChromaticLag lag = chromatic_lag({}, rig.projector, make_pattern(Axis::y, 10, 1024));
+  EXPECT_EQ(lag.slope, 0);
+  EXPECT_EQ(lag.offset, 0);
+  EXPECT_TRUE(channel_shift(rig.camera, 1, geometry::pixel_rays(rig.camera), {}).none());
+}
+
+TEST(Chromatic, ResamplingBringsARescaledChannelBack) {
+  const geometry::Camera camera{
+      .width = 30, .height = 80, .fx = 500, .fy = 500, .cx = 14.5, .cy = 39.5};
+  const double alpha = 1.02;
+  const double carrier = 0.86;
+  const double phase = 0.3;
+  // Green shows cos(carrier v + phase); the channel shows at c + (v - c) / alpha what green shows
+  // at v.
+  Demodulated channel{Plane(80, 30), Plane(80, 30), Plane::Zero(80, 30)};
+  for (long row = 0; row < 80; ++row) {
+    const double green_row = camera.cy + alpha * (static_cast<double>(row) - camera.cy);
+    const double baseband = carrier * (green_row - static_cast<double>(row)) + phase;
+    channel.re.row(row) = static_cast<float>(std::cos(baseband));
+    channel.im.row(row) = static_cast<float>(std::sin(baseband));
+  }
+  for (const bool transposed : {false, true}) {
+    geometry::Camera shown = camera;
+    if (transposed) std::swap(shown.width, shown.height), std::swap(shown.cx, shown.cy);
+    const ChannelShift shift = channel_shift(shown, alpha, geometry::pixel_rays(shown),
+                                             {.transposed = transposed, .along = carrier});
+    const Demodulated moved = resample(channel, shift);
+    for (long row = 2; row < 78; ++row) {
+      // Bilinear interpolation of a phase that turns by 0.017 rad a pixel.
+      EXPECT_NEAR(std::atan2(moved.im(row, 15), moved.re(row, 15)), phase, 1e-4) << row;
+    }
+  }
+}
+
+TEST(Chromatic, SharesSumToOneWithGreen) {
+  const Plane one = Plane::Constant(4, 5, 1.0F);
+  ChromaticModel model;
+  for (ChannelModel& channel : model.channels) {
+    channel.cosine = one;
+    channel.sine = 0 * one;
+  }
+  const std::vector<Demodulated> channels = {
+      {3 * one, one, one}, {one, 2 * one, one}, {0 * one, one, one}};
+  const Combined combined = combine_channels(channels, model);
+  EXPECT_EQ(combined.re(2, 2), 4);
+  EXPECT_EQ(combined.im(2, 2), 4);
+  EXPECT_FLOAT_EQ(combined.shares.red(2, 2), (1 * 4 + 2 * 4) / 32.0F);
+  EXPECT_FLOAT_EQ(combined.shares.blue(2, 2), 4 / 32.0F);
+}
+
+}  // namespace
+}  // namespace palpate::sensing

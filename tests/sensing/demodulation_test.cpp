@@ -1,0 +1,102 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "demodulation.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+namespace palpate::sensing {
+namespace {
+
+constexpr double kPeriod = 7.3;
+constexpr double kCarrier = 2 * std::numbers::pi / kPeriod;
+constexpr long kRows = 60;
+constexpr long kColumns = 9;
+/// Sums of 15 products of floats near 1.
+constexpr double kRounding = 3e-6;
+
+Plane wave(double mean, double amplitude, double frequency, double phase) {
+  Plane image(kRows, kColumns);
+  for (long row = 0; row < kRows; ++row) {
+    image.row(row) = static_cast<float>(
+        mean + amplitude * std::cos(frequency * static_cast<double>(row) + phase));
+  }
+  return image;
+}
+
+Mask everywhere() { return Mask::Ones(kRows, kColumns); }
+
+std::complex<double> at(const Demodulated& signal, long row, long column = 4) {
+  return {static_cast<double>(signal.re(row, column)), static_cast<double>(signal.im(row, column))};
+}
+
+TEST(Demodulation, FindsMeanAmplitudeAndPhaseExactly) {
+  const auto out = demodulate({wave(0.5, 0.3, kCarrier, 1.1), wave(0.2, 0.1, kCarrier, -2)},
+                              everywhere(), make_filter(kCarrier));
+  for (long row = 3; row < kRows - 3; ++row) {
+    EXPECT_NEAR(std::abs(at(out[0], row) - std::polar(0.15, 1.1)), 0, kRounding) << row;
+    EXPECT_NEAR(std::abs(at(out[1], row) - std::polar(0.05, -2.0)), 0, kRounding) << row;
+    EXPECT_NEAR(out[0].mean(row, 4), 0.5, kRounding) << row;
+  }
+}
+
+TEST(Demodulation, AnotherFrequencyDoesNotBiasThePhase) {
+  // A surface that slopes: 15 % higher frequency. What is left comes from the mirror frequency.
+  const double frequency = 1.15 * kCarrier;
+  const auto out =
+      demodulate({wave(0.5, 0.3, frequency, 0.4)}, everywhere(), make_filter(kCarrier));
+  for (long row = 10; row < kRows - 10; ++row) {
+    const double expected = (frequency - kCarrier) * static_cast<double>(row) + 0.4;
+    EXPECT_NEAR(std::arg(at(out[0], row) * std::polar(1.0, -expected)), 0, 0.02) << row;
+  }
+}
+
+TEST(Demodulation, TheSecondHarmonicOfAGammaCurveIsSuppressed) {
+  const Plane image = wave(0.5, 0.3, kCarrier, 0.4) + wave(0, 0.1, 2 * kCarrier, 1.9);
+  const auto out = demodulate({image}, everywhere(), make_filter(kCarrier));
+  for (long row = 10; row < kRows - 10; ++row) EXPECT_NEAR(std::arg(at(out[0], row)), 0.4, 0.005);
+}
+
+TEST(Demodulation, WhatLiesOutsideTheMaskDoesNotMatter) {
+  Plane image = wave(0.5, 0.3, kCarrier, 1.1);
+  Mask mask = everywhere();
+  mask.topRows(20) = 0;
+  image.topRows(20) = 7;
+  mask.bottomRows(15) = 0;
+  image.bottomRows(15) = 0;
+  const auto out = demodulate({image}, mask, make_filter(kCarrier));
+  int measured = 0;
+  for (long row = 20; row < kRows - 15; ++row) {
+    if (at(out[0], row) == 0.0) continue;
+    ++measured;
+    EXPECT_NEAR(std::abs(at(out[0], row) - std::polar(0.15, 1.1)), 0, kRounding) << row;
+  }
+  EXPECT_EQ(measured, 25 - 2 * 3);
+  EXPECT_EQ(at(out[0], 19), 0.0);
+}
+
+TEST(Demodulation, TooLittleOfAPeriodIsNotMeasured) {
+  Mask mask = Mask::Zero(kRows, kColumns);
+  mask.middleRows(30, 3) = 1;
+  const auto out = demodulate({wave(0.5, 0.3, kCarrier, 1.1)}, mask, make_filter(kCarrier));
+  for (long row = 30; row < 33; ++row) EXPECT_EQ(at(out[0], row), 0.0);
+}
+
+TEST(Demodulation, SmoothingAveragesAlongRowsOnly) {
+  const Plane zero = Plane::Zero(3, 9);
+  Demodulated signal{zero, zero, zero};
+  signal.re(1, 4) = 16;
+  smooth_rows(signal);
+  const float expected[] = {0, 0, 1, 4, 6, 4, 1, 0, 0};
+  for (long column = 0; column < 9; ++column) {
+    EXPECT_EQ(signal.re(1, column), expected[column]);
+    EXPECT_EQ(signal.re(0, column), 0);
+    EXPECT_EQ(signal.im(1, column), 0);
+  }
+}
+
+}  // namespace
+}  // namespace palpate::sensing

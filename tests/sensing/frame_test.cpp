@@ -1,0 +1,69 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/sensing/frame.h"
+
+#include <gtest/gtest.h>
+
+#include <opencv2/imgcodecs.hpp>
+
+#include "palpate/error.h"
+#include "test_files.h"
+
+namespace palpate::sensing {
+namespace {
+
+cv::Mat ramp(int type) {
+  cv::Mat image(40, 60, type);
+  cv::randu(image, 0, image.depth() == CV_8U ? 255 : 65535);
+  return image;
+}
+
+TEST(Frame, ReadsWhatWasWritten) {
+  const TemporaryFolder folder;
+  for (const int type : {CV_8UC1, CV_8UC3, CV_16UC1, CV_16UC3}) {
+    for (const char* name : {"frame.png", "frame.tiff"}) {
+      const cv::Mat image = ramp(type);
+      cv::imwrite((folder / name).string(), image);
+      const cv::Mat again = read_frame(folder / name);
+      ASSERT_EQ(again.type(), type) << name;
+      EXPECT_EQ(cv::norm(image, again, cv::NORM_INF), 0) << name;
+    }
+  }
+}
+
+TEST(Frame, RefusesTruncatedFilesOfEveryLengthInSilence) {
+  const TemporaryFolder folder;
+  for (const char* name : {"frame.png", "frame.tiff"}) {
+    cv::imwrite((folder / name).string(), ramp(CV_8UC3));
+    const std::string bytes = bytes_of(folder / name);
+    testing::internal::CaptureStderr();
+    for (std::size_t length = 0; length < bytes.size(); length += 97) {
+      EXPECT_THROW((void)read_frame(folder.write("cut.bin", bytes.substr(0, length))), FileError)
+          << name << " cut to " << length << " of " << bytes.size();
+    }
+    EXPECT_EQ(testing::internal::GetCapturedStderr(), "") << name;
+  }
+}
+
+TEST(Frame, RefusesADamagedFile) {
+  const TemporaryFolder folder;
+  cv::imwrite((folder / "frame.png").string(), ramp(CV_8UC3));
+  std::string bytes = bytes_of(folder / "frame.png");
+  bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);
+  const auto path = folder.write("damaged.png", bytes);
+  const std::string message = message_of<FileError>([&] { (void)read_frame(path); });
+  EXPECT_NE(message.find("damaged.png"), std::string::npos);
+  EXPECT_NE(message.find("checksum"), std::string::npos);
+}
+
+TEST(Frame, RefusesMissingEmptyAndForeignFiles) {
+  const TemporaryFolder folder;
+  EXPECT_THROW((void)read_frame(folder / "none.png"), FileError);
+  EXPECT_THROW((void)read_frame(folder.path()), FileError);
+  EXPECT_THROW((void)read_frame(folder.write("empty.png", "")), FileError);
+  EXPECT_THROW((void)read_frame(demo_path("rig.yaml")), FileError);
+  EXPECT_THROW((void)read_frame(demo_path("truth/duck.tiff")), FileError);  // floating point
+}
+
+}  // namespace
+}  // namespace palpate::sensing

@@ -1,0 +1,74 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/sensing/pattern.h"
+
+#include <gtest/gtest.h>
+
+#include "palpate/error.h"
+#include "test_files.h"
+
+namespace palpate::sensing {
+namespace {
+
+TEST(Pattern, ReadsTheBundledPattern) {
+  const Pattern pattern = read_pattern(demo_path("pattern.yaml"));
+  ASSERT_EQ(pattern.colors.size(), 6U);
+  EXPECT_EQ(pattern.colors[5].name, "M");
+  EXPECT_EQ(pattern.colors[5].rgb, Eigen::Vector3d(1, 0, 1));
+  ASSERT_EQ(pattern.stripes.size(), 31U);
+  EXPECT_EQ(pattern.stripes[1], 5);
+  EXPECT_EQ(pattern.stripe_edges[15], 528.5);
+  EXPECT_EQ(pattern.axis, Axis::y);
+  EXPECT_EQ(pattern.period, 10);
+  EXPECT_EQ(pattern.phase, 0);
+  EXPECT_EQ(pattern.mean, 0.575);
+  EXPECT_EQ(pattern.amplitude, 0.425);
+}
+
+TEST(Pattern, MayHaveNoStripes) {
+  const TemporaryFolder folder;
+  const Pattern pattern = read_pattern(folder.write(
+      "p.yaml", "%YAML:1.0\n---\naxis: x\nperiod_px: 60\nphase: 1.5\nmean: 0.5\namplitude: 0.5\n"));
+  EXPECT_TRUE(pattern.stripes.empty());
+  EXPECT_EQ(pattern.axis, Axis::x);
+  EXPECT_EQ(pattern.period, 60);
+}
+
+TEST(Pattern, RefusesWrongFilesAndNamesTheKey) {
+  const TemporaryFolder folder;
+  const std::string text = bytes_of(demo_path("pattern.yaml"));
+  const auto refused_for = [&](const std::string& from, const std::string& to,
+                               const std::string& key) {
+    const auto path = folder.write("bad_pattern.yaml", replaced(text, from, to));
+    const std::string message = message_of<FileError>([&] { (void)read_pattern(path); });
+    return message.find("bad_pattern.yaml") != std::string::npos &&
+           message.find(key) != std::string::npos;
+  };
+  EXPECT_TRUE(refused_for("period_px: 10.0", "period_px: 0.0", "period_px"));
+  EXPECT_TRUE(refused_for("period_px: 10.0", "period_px: -10.0", "period_px"));
+  EXPECT_TRUE(refused_for("period_px: 10.0", "period_px: .Inf", "period_px"));
+  EXPECT_TRUE(refused_for("period_px: 10.0", "period_px: ten", "period_px"));
+  EXPECT_TRUE(refused_for("axis: y", "axis: z", "axis"));
+  EXPECT_TRUE(refused_for("amplitude: 0.425", "amplitude: 0.525", "amplitude"));
+  EXPECT_TRUE(refused_for("phase", "phaze", "phase"));
+  EXPECT_TRUE(refused_for("stripes: [ 0, 5", "stripes: [ 0, 6", "stripes[1]"));
+  EXPECT_TRUE(refused_for("stripes: [ 0, 5", "stripes: [ 5, 5", "stripes[1]"));
+  EXPECT_TRUE(refused_for("stripes: [ 0, 5, 4, 0, 4", "stripes: [ 0, 5, 0, 5, 4", "stripes[3]"));
+  EXPECT_TRUE(refused_for("stripes: [ 0, 5", "stripes: [ 0.5, 5", "stripes[0]"));
+  EXPECT_TRUE(refused_for("[ 32.5, 65.5", "[ 65.5, 32.5", "stripe_edges_px[1]"));
+  EXPECT_TRUE(refused_for("[ 32.5, ", "[ ", "stripe_edges_px"));
+  EXPECT_TRUE(refused_for("name: Y", "name: R", "colors[1]"));
+  EXPECT_TRUE(refused_for("rgb: [ 1, 1, 0 ]", "rgb: [ 1, 1, 1 ]", "colors[1]"));
+  EXPECT_TRUE(refused_for("rgb: [ 1, 1, 0 ]", "rgb: [ 1, 1 ]", "colors[1].rgb"));
+  EXPECT_TRUE(refused_for("stripes: [", "stripez: [", "colors but no stripes"));
+}
+
+TEST(Pattern, RefusesMissingAndForeignFiles) {
+  const TemporaryFolder folder;
+  EXPECT_THROW((void)read_pattern(folder / "none.yaml"), FileError);
+  EXPECT_THROW((void)read_pattern(folder.write("empty.yaml", "")), FileError);
+  EXPECT_THROW((void)read_pattern(demo_path("rig.yaml")), FileError);
+}
+
+}  // namespace
+}  // namespace palpate::sensing

@@ -1,0 +1,144 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/sensing/rig.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "palpate/error.h"
+#include "test_files.h"
+
+namespace palpate::sensing {
+namespace {
+
+Rig awkward_rig() {
+  Rig rig;
+  rig.camera = {.width = 641, .height = 479, .fx = 1100.1, .fy = 1099.7, .cx = 319.3, .cy = 240.9};
+  rig.camera.distortion = {0.1, -0.2, 1e-3, -2e-3, 0.3, 0.01, 0.02, -0.03};
+  rig.projector = {
+      .width = 1024, .height = 768, .fx = 1500.3, .fy = 1499.1, .cx = 511.7, .cy = 1.0 / 3};
+  rig.T_projector_camera.linear() =
+      Eigen::AngleAxisd(0.3, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+  rig.T_projector_camera.translation() = Eigen::Vector3d(150.1, -20.0 / 3, 1e-7);
+  rig.red = {.alpha = 0.999, .beta = 1.0006, .gamma = 2e-4};
+  rig.blue = {.alpha = 1.0014, .beta = 0.999, .gamma = -1.5e-4};
+  return rig;
+}
+
+void expect_same_camera(const geometry::Camera& a, const geometry::Camera& b) {
+  EXPECT_EQ(a.width, b.width);
+  EXPECT_EQ(a.height, b.height);
+  EXPECT_EQ(a.fx, b.fx);
+  EXPECT_EQ(a.fy, b.fy);
+  EXPECT_EQ(a.cx, b.cx);
+  EXPECT_EQ(a.cy, b.cy);
+  EXPECT_EQ(a.distortion, b.distortion);
+}
+
+TEST(Rig, SurvivesWritingAndReadingExactly) {
+  const TemporaryFolder folder;
+  const Rig rig = awkward_rig();
+  write_rig(folder / "rig.yaml", rig);
+  const Rig again = read_rig(folder / "rig.yaml");
+  expect_same_camera(rig.camera, again.camera);
+  expect_same_camera(rig.projector, again.projector);
+  EXPECT_EQ(rig.T_projector_camera.matrix(), again.T_projector_camera.matrix());
+  EXPECT_EQ(rig.red.alpha, again.red.alpha);
+  EXPECT_EQ(rig.red.gamma, again.red.gamma);
+  EXPECT_EQ(rig.blue.beta, again.blue.beta);
+}
+
+TEST(Rig, ReadsTheBundledRigs) {
+  const Rig rig = read_rig(demo_path("rig.yaml"));
+  EXPECT_EQ(rig.camera.width, 640);
+  EXPECT_EQ(rig.camera.fx, 1100.0);
+  EXPECT_EQ(rig.projector.cx, 200.0);
+  EXPECT_EQ(rig.T_projector_camera.translation(), Eigen::Vector3d(150, 165, -20));
+  EXPECT_EQ(rig.blue.alpha, 1.0014);
+  const Rig verging = read_rig(demo_path("verging/rig.yaml"));
+  EXPECT_DOUBLE_EQ(verging.T_projector_camera.linear()(0, 1), 0.03402700477637864);
+}
+
+TEST(Rig, ChromaticShiftAbsentMeansNone) {
+  const TemporaryFolder folder;
+  const std::string text = bytes_of(demo_path("rig.yaml"));
+  const Rig rig = read_rig(folder.write("rig.yaml", text.substr(0, text.find("chromatic:"))));
+  EXPECT_EQ(rig.red.alpha, 1);
+  EXPECT_EQ(rig.blue.beta, 1);
+  EXPECT_EQ(rig.blue.gamma, 0);
+}
+
+TEST(Rig, TakesDistortionsOfZeroFourFiveAndEightCoefficients) {
+  const TemporaryFolder folder;
+  const std::string text = bytes_of(demo_path("rig.yaml"));
+  const std::string five = "rows: 1\n   cols: 5\n   dt: d\n   data: [ 0.0, 0.0, 0.0, 0.0, 0.0 ]";
+  ASSERT_NE(text.find(five), std::string::npos);
+  const auto read_with = [&](int count, const std::string& data) {
+    return read_rig(
+        folder.write("rig.yaml", replaced(text, five,
+                                          "rows: 1\n   cols: " + std::to_string(count) +
+                                              "\n   dt: d\n   data: [ " + data + " ]")));
+  };
+  EXPECT_EQ(read_with(4, "1., 2., 3., 4.").camera.distortion[3], 4);
+  EXPECT_EQ(read_with(8, "1., 2., 3., 4., 5., 6., 7., 8.").camera.distortion[7], 8);
+  EXPECT_EQ(read_rig(folder.write("rig.yaml", replaced(text, "!!opencv-matrix\n   " + five, "[]")))
+                .camera.distortion[0],
+            0);
+  EXPECT_THROW((void)read_with(6, "1., 2., 3., 4., 5., 6."), FileError);
+}
+
+TEST(Rig, RefusesWrongFilesAndNamesTheKey) {
+  const TemporaryFolder folder;
+  const std::string text = bytes_of(demo_path("rig.yaml"));
+  const auto refusal = [&](const std::string& from, const std::string& to) {
+    const auto path = folder.write("bad_rig.yaml", replaced(text, from, to));
+    const std::string message = message_of<FileError>([&] { (void)read_rig(path); });
+    EXPECT_NE(message.find("bad_rig.yaml"), std::string::npos) << from << " -> " << to;
+    return message;
+  };
+  EXPECT_NE(refusal("camera_size: [ 640, 480 ]", "camera_size: [ 640 ]").find("camera_size"),
+            std::string::npos);
+  EXPECT_NE(refusal("[ 640, 480 ]", "[ 640, -480 ]").find("camera_size"), std::string::npos);
+  EXPECT_NE(refusal("projector_matrix", "projector_matrux").find("projector_matrix"),
+            std::string::npos);
+  EXPECT_NE(refusal("1100.0, 0.0, 319.5", "1100.0, 0.5, 319.5").find("camera_matrix"),
+            std::string::npos);
+  EXPECT_NE(refusal("1100.0, 0.0, 319.5", "-1100.0, 0.0, 319.5").find("camera_matrix"),
+            std::string::npos);
+  EXPECT_NE(refusal("1500.0", ".NaN").find("projector_matrix"), std::string::npos);
+  EXPECT_NE(refusal("150.0, 165.0", ".Inf, 165.0").find("t: "), std::string::npos);
+  EXPECT_NE(
+      refusal("data: [ 1.0, 0.0, 0.0, 0.0, 1.0", "data: [ 1.0, 0.0, 0.1, 0.0, 1.0").find("R: "),
+      std::string::npos);
+  EXPECT_NE(
+      refusal("data: [ 1.0, 0.0, 0.0, 0.0, 1.0", "data: [ -1.0, 0.0, 0.0, 0.0, 1.0").find("R: "),
+      std::string::npos);
+  EXPECT_NE(refusal("150.0, 165.0, -20.0", "0.0, 0.0, 0.0").find("t: "), std::string::npos);
+  EXPECT_NE(refusal("alpha: 0.999", "alpha: -0.999").find("chromatic.red"), std::string::npos);
+  EXPECT_NE(refusal("gamma: 0.0002", "gama: 0.0002").find("chromatic.red.gamma"),
+            std::string::npos);
+}
+
+TEST(Rig, RefusesMissingEmptyAndForeignFiles) {
+  const TemporaryFolder folder;
+  EXPECT_THROW((void)read_rig(folder / "none.yaml"), FileError);
+  EXPECT_THROW((void)read_rig(folder.path()), FileError);
+  EXPECT_THROW((void)read_rig(folder.write("empty.yaml", "")), FileError);
+  EXPECT_THROW((void)read_rig(folder.write("text.yaml", "hello")), FileError);
+  EXPECT_THROW((void)read_rig(demo_path("frames/duck.png")), FileError);
+  const std::string text = bytes_of(demo_path("rig.yaml"));
+  EXPECT_THROW((void)read_rig(folder.write("cut.yaml", text.substr(0, text.size() / 2))),
+               FileError);
+}
+
+TEST(Rig, RefusesToWriteAnInvalidRig) {
+  const TemporaryFolder folder;
+  Rig rig = awkward_rig();
+  rig.T_projector_camera.translation().y() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(write_rig(folder / "rig.yaml", rig), InvalidInput);
+  EXPECT_FALSE(std::filesystem::exists(folder / "rig.yaml"));
+}
+
+}  // namespace
+}  // namespace palpate::sensing
