@@ -28,7 +28,7 @@ struct Sample {
   Eigen::Vector3d b = Eigen::Vector3d::Zero();
   bool on_friction_boundary = false;  ///< the largest tangential force in its direction that held
   bool slipped = false;
-  std::string range_map;  ///< file of the deformed surface, or empty
+  std::string range_map = {};  ///< file of the deformed surface, or empty
   double time = 0;        ///< [s] since the acquisition began; >= 0
 };
 
