@@ -1,0 +1,134 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/geometry/triangle_mesh.h"
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "palpate/error.h"
+
+namespace palpate::geometry {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+/// A triangle has an area iff |ab x ac| > kMinSine |ab| |ac|: below it rounding decides the normal.
+constexpr double kMinSine = 8 * std::numeric_limits<double>::epsilon();
+
+/// Twice the area vector in units of the square of the longest coordinate difference, so that
+/// neither huge nor tiny triangles leave the range of double; NaN for a triangle without area.
+Eigen::Vector3d scaled_area_vector(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
+                                   const Eigen::Vector3d& c) {
+  const double length = std::max((b - a).cwiseAbs().maxCoeff(), (c - a).cwiseAbs().maxCoeff());
+  const Eigen::Vector3d ab = (b - a) / length;
+  const Eigen::Vector3d ac = (c - a) / length;
+  const Eigen::Vector3d normal = ab.cross(ac);
+  if (normal.norm() > kMinSine * ab.norm() * ac.norm()) return normal;
+  return Eigen::Vector3d::Constant(kNan);
+}
+
+/// Angle between two edges; unlike the arc cosine it is accurate for all angles.
+double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
+
+}  // namespace
+
+void check_mesh(const TriangleMesh& mesh, const char* what) {
+  const auto refuse = [what](const std::string& reason) {
+    throw InvalidInput(std::string(what) + ": " + reason);
+  };
+  if (mesh.triangles.cols() == 0) refuse("the mesh has no triangles; at least one is needed");
+  for (Eigen::Index v = 0; v < mesh.vertices.cols(); ++v) {
+    if (!mesh.vertices.col(v).allFinite()) {
+      refuse("vertex " + std::to_string(v) + " is not finite; remove it and its triangles");
+    }
+  }
+  const Eigen::Index vertex_count = mesh.vertices.cols();
+  for (Eigen::Index t = 0; t < mesh.triangles.cols(); ++t) {
+    const Eigen::Vector3i corners = mesh.triangles.col(t);
+    for (const int corner : corners) {
+      if (corner < 0 || corner >= vertex_count) {
+        refuse("triangle " + std::to_string(t) + " names vertex " + std::to_string(corner) +
+               "; the mesh has vertices 0 to " + std::to_string(vertex_count - 1));
+      }
+    }
+    if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]) {
+      refuse("triangle " + std::to_string(t) + " names a vertex twice (" +
+             std::to_string(corners[0]) + ", " + std::to_string(corners[1]) + ", " +
+             std::to_string(corners[2]) + "); its three vertices must differ");
+    }
+  }
+}
+
+void check_surface_point(const TriangleMesh& mesh, const SurfacePoint& point, const char* what) {
+  const auto refuse = [what](const std::string& reason) {
+    throw InvalidInput(std::string(what) + ": " + reason);
+  };
+  if (point.triangle < 0 || point.triangle >= mesh.triangles.cols()) {
+    refuse("triangle " + std::to_string(point.triangle) + " is not one of the mesh's 0 to " +
+           std::to_string(mesh.triangles.cols() - 1));
+  }
+  // Written so that NaN is refused.
+  const bool inside = (point.barycentric.array() >= -kBarycentricTolerance).all() &&
+                      std::abs(point.barycentric.sum() - 1) <= kBarycentricTolerance;
+  if (!inside) {
+    refuse("barycentric coordinates (" + std::to_string(point.barycentric[0]) + ", " +
+           std::to_string(point.barycentric[1]) + ", " + std::to_string(point.barycentric[2]) +
+           ") must be >= 0 and sum to 1");
+  }
+}
+
+Eigen::Vector3d position(const TriangleMesh& mesh, const SurfacePoint& point) {
+  const Eigen::Vector3i corners = mesh.triangles.col(point.triangle);
+  // Relative to one corner: far from the origin the weighted sum of the corners would lose digits.
+  const Eigen::Vector3d a = mesh.vertices.col(corners[0]);
+  return a + (point.barycentric[1] * (mesh.vertices.col(corners[1]) - a) +
+              point.barycentric[2] * (mesh.vertices.col(corners[2]) - a));
+}
+
+Eigen::Matrix3Xd triangle_normals(const TriangleMesh& mesh) {
+  Eigen::Matrix3Xd normals(3, mesh.triangles.cols());
+  for (Eigen::Index t = 0; t < mesh.triangles.cols(); ++t) {
+    const Eigen::Vector3i corners = mesh.triangles.col(t);
+    normals.col(t) =
+        scaled_area_vector(mesh.vertices.col(corners[0]), mesh.vertices.col(corners[1]),
+                           mesh.vertices.col(corners[2]))
+            .normalized();
+  }
+  return normals;
+}
+
+Eigen::Matrix3Xd vertex_normals(const TriangleMesh& mesh) {
+  const Eigen::Matrix3Xd of_triangles = triangle_normals(mesh);
+  Eigen::Matrix3Xd sums = Eigen::Matrix3Xd::Zero(3, mesh.vertices.cols());
+  for (Eigen::Index t = 0; t < mesh.triangles.cols(); ++t) {
+    if (!of_triangles.col(t).allFinite()) continue;
+    const Eigen::Vector3i corners = mesh.triangles.col(t);
+    for (int k = 0; k < 3; ++k) {
+      const Eigen::Vector3d apex = mesh.vertices.col(corners[k]);
+      const Eigen::Vector3d to_next = mesh.vertices.col(corners[(k + 1) % 3]) - apex;
+      const Eigen::Vector3d to_last = mesh.vertices.col(corners[(k + 2) % 3]) - apex;
+      const double angle = angle_between(to_next.stableNormalized(), to_last.stableNormalized());
+      sums.col(corners[k]) += angle * of_triangles.col(t);
+    }
+  }
+  for (Eigen::Index v = 0; v < sums.cols(); ++v) {
+    const double length = sums.col(v).norm();
+    if (length > 0) {
+      sums.col(v) /= length;
+    } else {
+      sums.col(v).setConstant(kNan);
+    }
+  }
+  return sums;
+}
+
+double bounding_diagonal(const TriangleMesh& mesh) {
+  if (mesh.vertices.cols() == 0) return 0;
+  return (mesh.vertices.rowwise().maxCoeff() - mesh.vertices.rowwise().minCoeff()).norm();
+}
+
+}  // namespace palpate::geometry

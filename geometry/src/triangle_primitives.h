@@ -1,0 +1,50 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <limits>
+
+namespace palpate::geometry {
+
+/// The three corners of a triangle.
+using Corners = std::array<Eigen::Vector3d, 3>;
+
+/// The nearest point of one triangle.
+struct Nearest {
+  double squared_distance = std::numeric_limits<double>::infinity();
+  Eigen::Vector3d barycentric = Eigen::Vector3d::Zero();  ///< >= 0, sums to 1
+};
+
+/// Nearest point of a triangle, which may be a needle or have no area. The distance is that to the
+/// point named by `barycentric`; infinite if its square is beyond the range of double.
+[[nodiscard]] Nearest nearest_on_triangle(const Eigen::Vector3d& point, const Corners& corners);
+
+/// A segment in the form of Woop, Benthin and Wald 2013: axis 2 is the one along which it runs
+/// most, a shear makes it run along that axis alone. Neighbouring triangles see their common edge
+/// with exactly opposite signs, so no segment slips through between them. Pre: the ends differ.
+class ShearedSegment {
+ public:
+  ShearedSegment(const Eigen::Vector3d& start, const Eigen::Vector3d& end);
+  [[nodiscard]] Eigen::Vector3d shear(const Eigen::Vector3d& point) const;
+  [[nodiscard]] double length() const { return length_; }  ///< signed, along axis 2
+
+ private:
+  Eigen::Vector3d start_;
+  std::array<int, 3> axis_;
+  double length_;
+  double shear_0_;
+  double shear_1_;
+};
+
+/// Where a segment crosses a triangle.
+struct Crossing {
+  double fraction = std::numeric_limits<double>::infinity();  ///< in [0, 1]; infinity = nowhere
+  Eigen::Vector3d barycentric = Eigen::Vector3d::Zero();      ///< >= 0, sums to 1
+};
+
+/// Crossing from either side, border included; none if the segment lies in the triangle's plane.
+[[nodiscard]] Crossing cross_triangle(const ShearedSegment& segment, const Corners& corners);
+
+}  // namespace palpate::geometry

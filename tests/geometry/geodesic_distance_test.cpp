@@ -1,0 +1,306 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/geometry/geodesic_distance.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "palpate/error.h"
+#include "test_surfaces.h"
+
+namespace palpate::geometry {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// A way of some hundred triangles, each some tens of operations; relative to the distance.
+constexpr double kRounding = 1e-11;
+
+/// What the march promises on a smooth, well sampled surface, away from the source; relative.
+constexpr double kMeanError = 0.0025;
+constexpr double kMaxError = 0.015;
+
+GeodesicDistance from_one(const TriangleMesh& mesh, const SurfacePoint& source) {
+  return geodesic_distance(mesh, std::vector<SurfacePoint>{source});
+}
+
+/// Errors relative to true distances, of the vertices further from the source than `near`.
+struct Errors {
+  double mean = 0;
+  double max = 0;
+};
+Errors compare(const Eigen::VectorXd& measured, const Eigen::VectorXd& truth, double near) {
+  Errors errors;
+  int count = 0;
+  for (Eigen::Index v = 0; v < truth.size(); ++v) {
+    if (truth[v] <= near) continue;
+    const double error = std::abs(measured[v] - truth[v]) / truth[v];
+    errors.max = std::max(errors.max, error);
+    errors.mean += error;
+    ++count;
+  }
+  errors.mean /= count;
+  return errors;
+}
+
+Eigen::VectorXd straight_distances(const TriangleMesh& mesh, const SurfacePoint& source) {
+  return (mesh.vertices.colwise() - position(mesh, source)).colwise().norm();
+}
+
+TEST(GeodesicDistance, OnAFlatSheetIsTheStraightOneFromFacesEdgesAndVertices) {
+  const TriangleMesh sheet = test::flat_sheet(37, 23, 1.3);
+  for (const Vector3d& barycentric :
+       {Vector3d(0.2, 0.3, 0.5), Vector3d(0.4, 0, 0.6), Vector3d(0, 1, 0)}) {
+    const SurfacePoint source{.triangle = 777, .barycentric = barycentric};
+    const GeodesicDistance geodesic = from_one(sheet, source);
+    const Eigen::VectorXd truth = straight_distances(sheet, source);
+    EXPECT_LT((geodesic.distance - truth).cwiseAbs().maxCoeff(), kRounding * truth.maxCoeff());
+    EXPECT_TRUE((geodesic.label.array() == 0).all());
+  }
+}
+
+TEST(GeodesicDistance, IsExactOnLongObtuseTriangles) {
+  TriangleMesh sheet = test::flat_sheet(40, 30, 1.3);
+  sheet.vertices.row(0) = 20 * sheet.vertices.row(0) + 13 * sheet.vertices.row(1);
+  const SurfacePoint source{.triangle = 1001, .barycentric = {0.2, 0.3, 0.5}};
+  const Eigen::VectorXd truth = straight_distances(sheet, source);
+  EXPECT_LT((from_one(sheet, source).distance - truth).cwiseAbs().maxCoeff(),
+            kRounding * truth.maxCoeff());
+}
+
+TEST(GeodesicDistance, OnACylinderIsThatOfTheUnrolledSheet) {
+  constexpr double kRadius = 20;
+  constexpr int kColumns = 32;  // half way round
+  constexpr double kSpacing = std::numbers::pi * kRadius / kColumns;
+  const TriangleMesh flat = test::flat_sheet(kColumns, 60, kSpacing);
+  TriangleMesh rolled = flat;
+  for (Eigen::Index v = 0; v < flat.vertices.cols(); ++v) {
+    const double angle = flat.vertices(0, v) / kRadius;
+    rolled.vertices.col(v) << kRadius * std::cos(angle), kRadius * std::sin(angle),
+        flat.vertices(1, v);
+  }
+  const SurfacePoint source{.triangle = 1234, .barycentric = {0.2, 0.3, 0.5}};
+  const Errors errors =
+      compare(from_one(rolled, source).distance, straight_distances(flat, source), 2 * kSpacing);
+  EXPECT_LT(errors.mean, 0.2 * kMeanError);
+  EXPECT_LT(errors.max, 0.2 * kMaxError);
+}
+
+TEST(GeodesicDistance, OnASphereIsThatOfGreatCircles) {
+  constexpr double kRadius = 50;
+  double last_mean = 0.01;
+  for (const int levels : {3, 4, 5}) {
+    const TriangleMesh sphere = test::icosphere(levels, kRadius);
+    const SurfacePoint source{.triangle = 7, .barycentric = {0.2, 0.3, 0.5}};
+    const Vector3d pole = position(sphere, source).normalized();
+    Eigen::VectorXd truth(sphere.vertices.cols());
+    for (Eigen::Index v = 0; v < truth.size(); ++v) {
+      const Vector3d p = sphere.vertices.col(v).normalized();
+      truth[v] = kRadius * std::atan2(pole.cross(p).norm(), pole.dot(p));
+    }
+    const Errors errors = compare(from_one(sphere, source).distance, truth, 4);
+    EXPECT_LT(errors.mean, 0.6 * last_mean);
+    last_mean = errors.mean;
+    if (levels < 5) continue;
+    EXPECT_LT(errors.mean, kMeanError);
+    EXPECT_LT(errors.max, kMaxError);
+  }
+}
+
+/// A square plate with a square hole in its middle third.
+TriangleMesh plate_with_hole(int cells, double spacing) {
+  TriangleMesh plate = test::flat_sheet(3 * cells, 3 * cells, spacing);
+  const auto in_hole = [&](const Eigen::Vector3i& t) {
+    const Vector3d centre =
+        (plate.vertices.col(t[0]) + plate.vertices.col(t[1]) + plate.vertices.col(t[2])) / 3;
+    const Vector3d cell = centre / (cells * spacing);
+    return cell.x() > 1 && cell.x() < 2 && cell.y() > 1 && cell.y() < 2;
+  };
+  Eigen::Index kept = 0;
+  for (Eigen::Index t = 0; t < plate.triangles.cols(); ++t) {
+    const Eigen::Vector3i corners = plate.triangles.col(t);
+    if (!in_hole(corners)) plate.triangles.col(kept++) = corners;
+  }
+  plate.triangles.conservativeResize(3, kept);
+  return plate;
+}
+
+TEST(GeodesicDistance, GoesRoundAHole) {
+  constexpr int kCells = 10;
+  constexpr double kSpacing = 0.7;
+  const TriangleMesh plate = plate_with_hole(kCells, kSpacing);
+  // From the middle of the left border to the middle of the right one, past the hole's corners.
+  const int row = 3 * kCells + 1;
+  const int left = row * (3 * kCells / 2);
+  const int right = left + 3 * kCells;
+  int triangle = 0;
+  while ((plate.triangles.col(triangle).array() != left).all()) ++triangle;
+  const Vector3d barycentric =
+      (plate.triangles.col(triangle).array() == left).cast<double>().matrix();
+  const double side = kCells * kSpacing;
+  const double truth = side + 2 * std::hypot(side, side / 2);
+  const GeodesicDistance geodesic =
+      from_one(plate, {.triangle = triangle, .barycentric = barycentric});
+  EXPECT_NEAR(geodesic.distance[right], truth, kMaxError * truth);
+  EXPECT_GE(geodesic.distance[right], truth * (1 - kRounding));
+}
+
+TEST(GeodesicDistance, LabelsOfManySourcesOnAFlatSheetAreTheNearestSources) {
+  const TriangleMesh sheet = test::flat_sheet(60, 50, 1.1);
+  std::mt19937 random(5);
+  std::uniform_int_distribution<int> any(0, static_cast<int>(sheet.triangles.cols()) - 1);
+  std::vector<SurfacePoint> sources;
+  for (int i = 0; i < 40; ++i) {
+    sources.push_back({.triangle = any(random), .barycentric = {0.2, 0.3, 0.5}});
+  }
+  const GeodesicDistance geodesic = geodesic_distance(sheet, sources);
+  for (Eigen::Index v = 0; v < sheet.vertices.cols(); ++v) {
+    double nearest = kInfinity;
+    for (const SurfacePoint& source : sources) {
+      nearest = std::min(nearest, (position(sheet, source) - sheet.vertices.col(v)).norm());
+    }
+    const SurfacePoint& labelled = sources[static_cast<size_t>(geodesic.label[v])];
+    EXPECT_NEAR(geodesic.distance[v], nearest, kRounding * 100);
+    EXPECT_NEAR((position(sheet, labelled) - sheet.vertices.col(v)).norm(), nearest,
+                1e-8 * nearest);
+  }
+}
+
+TEST(GeodesicDistance, OfManySourcesIsTheLeastOfTheDistancesOfEach) {
+  const TriangleMesh bumpy = test::height_field(60, 50, 1.0, [](double x, double y) {
+    return 5 * std::sin(x / 7) * std::cos(y / 9) + std::sin(x / 2.3 + y / 3.1);
+  });
+  std::vector<SurfacePoint> sources;
+  for (const int t : {37, 1234, 2222, 3131, 4545, 5678}) {
+    sources.push_back({.triangle = t, .barycentric = {0.3, 0.3, 0.4}});
+  }
+  const GeodesicDistance together = geodesic_distance(bumpy, sources);
+  Eigen::VectorXd least = Eigen::VectorXd::Constant(bumpy.vertices.cols(), kInfinity);
+  for (const SurfacePoint& source : sources) {
+    least = least.cwiseMin(from_one(bumpy, source).distance);
+  }
+  EXPECT_LT(((together.distance - least).array() / (1 + least.array())).abs().maxCoeff(), 1e-6);
+}
+
+TEST(GeodesicDistance, SymmetricSourcesGetSymmetricLabels) {
+  // An even number of columns makes the alternating diagonals symmetric about the middle one.
+  constexpr int kCols = 40;
+  const TriangleMesh mesh = test::height_field(kCols, 30, 1.0, [](double x, double y) {
+    return 3 * std::cos((x - kCols / 2.0) / 5) * std::cos(y / 6);
+  });
+  const auto at_vertex = [&mesh](int vertex) {
+    int t = 0;
+    while ((mesh.triangles.col(t).array() != vertex).all()) ++t;
+    const Vector3d barycentric = (mesh.triangles.col(t).array() == vertex).cast<double>().matrix();
+    return SurfacePoint{.triangle = t, .barycentric = barycentric};
+  };
+  const int row = 15 * (kCols + 1);
+  const std::vector<SurfacePoint> sources = {at_vertex(row + 8), at_vertex(row + kCols - 8)};
+  const GeodesicDistance geodesic = geodesic_distance(mesh, sources);
+  for (int v = 0; v < mesh.vertices.cols(); ++v) {
+    const int c = v % (kCols + 1);
+    const int mirrored = v - c + (kCols - c);
+    EXPECT_NEAR(geodesic.distance[v], geodesic.distance[mirrored], kRounding * 50);
+    // On the axis it is a tie, which goes to the first source.
+    const int expected = c == kCols / 2 ? 0 : 1 - geodesic.label[mirrored];
+    EXPECT_EQ(geodesic.label[v], expected) << v;
+  }
+}
+
+TEST(GeodesicDistance, TiesGoToTheLowestSource) {
+  const TriangleMesh sheet = test::flat_sheet(10, 10, 0.7);
+  const SurfacePoint source{.triangle = 55, .barycentric = {0.2, 0.3, 0.5}};
+  const GeodesicDistance geodesic =
+      geodesic_distance(sheet, std::vector<SurfacePoint>{source, source});
+  EXPECT_TRUE((geodesic.label.array() == 0).all());
+}
+
+TEST(GeodesicDistance, DoesNotReachADisconnectedPart) {
+  TriangleMesh two = test::flat_sheet(4, 4, 1);
+  const Eigen::Index vertices = two.vertices.cols();
+  const Eigen::Index triangles = two.triangles.cols();
+  two.vertices.conservativeResize(3, 2 * vertices + 1);
+  two.vertices.middleCols(vertices, vertices) =
+      two.vertices.leftCols(vertices).colwise() + Vector3d(0, 0, 0.01);
+  two.vertices.col(2 * vertices).setZero();  // in no triangle
+  two.triangles.conservativeResize(3, 2 * triangles);
+  two.triangles.rightCols(triangles) =
+      two.triangles.leftCols(triangles).array() + static_cast<int>(vertices);
+  const GeodesicDistance geodesic = from_one(two, {.triangle = 3, .barycentric = {1, 0, 0}});
+  EXPECT_TRUE(geodesic.distance.head(vertices).allFinite());
+  EXPECT_TRUE((geodesic.distance.tail(vertices + 1).array() == kInfinity).all());
+  EXPECT_TRUE((geodesic.label.tail(vertices + 1).array() == -1).all());
+}
+
+TEST(GeodesicDistance, StopsAtTheRadius) {
+  TriangleMesh sheet = test::flat_sheet(30, 30, 1.3);
+  sheet.vertices.row(0) += 2.6 * sheet.vertices.row(1);
+  const SurfacePoint source{.triangle = 901, .barycentric = {0.2, 0.3, 0.5}};
+  const Eigen::VectorXd truth = straight_distances(sheet, source);
+  const GeodesicDistance geodesic =
+      geodesic_distance(sheet, std::vector<SurfacePoint>{source}, {.stop_radius = 9.1});
+  for (Eigen::Index v = 0; v < truth.size(); ++v) {
+    if (truth[v] <= 9.1) {
+      EXPECT_NEAR(geodesic.distance[v], truth[v], kRounding * 10);
+    } else {
+      EXPECT_EQ(geodesic.distance[v], kInfinity);
+      EXPECT_EQ(geodesic.label[v], -1);
+    }
+  }
+}
+
+TEST(GeodesicDistance, ScalesExactlyWithTheUnitOfLength) {
+  const TriangleMesh sphere = test::icosphere(3, 10.7);
+  const std::vector<SurfacePoint> sources = {{7, {0.2, 0.3, 0.5}}, {901, {0.2, 0.3, 0.5}}};
+  const GeodesicDistance expected = geodesic_distance(sphere, sources);
+  for (const double factor : {0x1p-20, 0x1p20}) {
+    const GeodesicDistance scaled = geodesic_distance(test::scaled(sphere, factor), sources);
+    EXPECT_EQ(scaled.distance, factor * expected.distance);
+    EXPECT_EQ(scaled.label, expected.label);
+  }
+}
+
+TEST(GeodesicDistance, PassesTrianglesWithoutArea) {
+  TriangleMesh strip = test::flat_sheet(6, 2, 1);
+  // The third column of vertices falls upon the second.
+  for (int r = 0; r < 3; ++r) strip.vertices(0, 7 * r + 2) = 1;
+  const GeodesicDistance geodesic = from_one(strip, {.triangle = 0, .barycentric = {1, 0, 0}});
+  for (Eigen::Index v = 0; v < strip.vertices.cols(); ++v) {
+    const double truth = strip.vertices.col(v).norm();
+    EXPECT_GE(geodesic.distance[v], truth * (1 - kRounding));
+    EXPECT_LE(geodesic.distance[v], 1.1 * truth);
+  }
+}
+
+std::string refusal(const TriangleMesh& mesh, const std::vector<SurfacePoint>& sources,
+                    const GeodesicOptions& options = {}) {
+  try {
+    (void)geodesic_distance(mesh, sources, options);
+  } catch (const InvalidInput& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(GeodesicDistance, RefusesBadInputAndNamesIt) {
+  const TriangleMesh sheet = test::flat_sheet(2, 2, 1);
+  const SurfacePoint good{.triangle = 0, .barycentric = {1, 0, 0}};
+  EXPECT_NE(refusal({}, {good}).find("no triangles"), std::string::npos);
+  EXPECT_NE(refusal(sheet, {}).find("no source"), std::string::npos);
+  EXPECT_NE(refusal(sheet, {good, {.triangle = 8, .barycentric = {1, 0, 0}}}).find("source 1"),
+            std::string::npos);
+  EXPECT_NE(refusal(sheet, {{.triangle = 0, .barycentric = {1, 1, 0}}}).find("source 0"),
+            std::string::npos);
+  for (const double radius : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()}) {
+    EXPECT_NE(refusal(sheet, {good}, {.stop_radius = radius}).find("stop_radius"),
+              std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace palpate::geometry
