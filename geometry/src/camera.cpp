@@ -16,9 +16,9 @@
 namespace palpate::geometry {
 namespace {
 
-// Newton's method squares the error in every step: after a step of at most this (relative to
-// 1 + the length of the coordinates) what is left is far below rounding.
-constexpr double kMaxLastStep = 1e-10;
+// Newton's method squares the error in every step: after a step of at most this (relative to the
+// length of the homogeneous coordinates) what is left is rounding.
+constexpr double kMaxLastStep = 1e-8;
 constexpr int kMaxNewtonSteps = 20;
 // Fixed-point steps bring the start near enough for every lens whose image is not folded.
 constexpr int kFixedPointSteps = 2;
@@ -46,8 +46,9 @@ Distortion distort_normalized(const Camera& camera, const Eigen::Vector2d& p) {
   const double denominator = 1 + r2 * (k4 + r2 * (k5 + r2 * k6));
   const double numerator_slope = k1 + r2 * (2 * k2 + r2 * 3 * k3);  // d / d r2
   const double denominator_slope = k4 + r2 * (2 * k5 + r2 * 3 * k6);
-  const double radial = numerator / denominator;
-  const double radial_slope = (numerator_slope - radial * denominator_slope) / denominator;
+  const double scale = 1 / denominator;
+  const double radial = numerator * scale;
+  const double radial_slope = (numerator_slope - radial * denominator_slope) * scale;
 
   Distortion result;
   result.radial = denominator > 0 ? radial : -1;
@@ -62,29 +63,52 @@ Distortion distort_normalized(const Camera& camera, const Eigen::Vector2d& p) {
 /// Whether the lens maps a neighbourhood of `p` one to one and without a mirror image.
 bool invertible(const Distortion& at) { return at.radial > 0 && at.jacobian.determinant() > 0; }
 
-Eigen::Vector2d undistort_normalized(const Camera& camera, const Eigen::Vector2d& distorted) {
-  const Eigen::Vector2d none = Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
+/// Whether the lens surely has no fold between the axis and `p`: its Jacobian there differs from
+/// the identity by less than 1 (in the spectral norm), as the sum of the norms of its terms does.
+bool surely_unfolded(const Camera& camera, const Eigen::Vector2d& p) {
+  const auto& [k1, k2, p1, p2, k3, k4, k5, k6] = camera.distortion;
+  if (k4 != 0 || k5 != 0 || k6 != 0) return false;
+  const double r2 = p.squaredNorm();
+  const double radial = r2 * (3 * std::abs(k1) + r2 * (5 * std::abs(k2) + r2 * 7 * std::abs(k3)));
+  return radial + 8 * (std::abs(p1) + std::abs(p2)) * std::sqrt(r2) < 1;
+}
+
+/// Beyond a fold the lens model shows another place at the same pixel; only the one that is joined
+/// to the axis without a fold is real.
+bool unfolded(const Camera& camera, const Eigen::Vector2d& p) {
+  if (surely_unfolded(camera, p)) return true;
+  for (int test = 1; test <= kFoldTests; ++test) {
+    const double fraction = static_cast<double>(test) / kFoldTests;
+    if (!invertible(distort_normalized(camera, fraction * p))) return false;
+  }
+  return true;
+}
+
+/// A place near the one that the lens shows at `distorted`.
+Eigen::Vector2d fixed_point_start(const Camera& camera, const Eigen::Vector2d& distorted) {
   Eigen::Vector2d p = distorted;
   for (int step = 0; step < kFixedPointSteps; ++step) {
     const Distortion at = distort_normalized(camera, p);
     if (!(at.radial > 0)) break;
     p += (distorted - at.value) / at.radial;
   }
-  bool converged = false;
-  for (int step = 0; step < kMaxNewtonSteps && !converged; ++step) {
+  return p;
+}
+
+/// The place that the lens shows at `distorted`, searched from `start`; NaN if there is none.
+Eigen::Vector2d undistort_normalized(const Camera& camera, const Eigen::Vector2d& distorted,
+                                     const Eigen::Vector2d& start) {
+  Eigen::Vector2d p = start;
+  for (int step = 0; step < kMaxNewtonSteps; ++step) {
     const Distortion at = distort_normalized(camera, p);
     const Eigen::Vector2d move = at.jacobian.inverse() * (distorted - at.value);
     p += move;
-    converged = move.norm() <= kMaxLastStep * (1 + p.norm());
+    if (!p.allFinite()) break;
+    if (move.squaredNorm() > kMaxLastStep * kMaxLastStep * (1 + p.squaredNorm())) continue;
+    if (unfolded(camera, p)) return p;
+    break;
   }
-  if (!converged) return none;
-  // Beyond a fold the lens model shows another place at the same pixel; only the one that is joined
-  // to the axis without a fold is real.
-  for (int test = 1; test <= kFoldTests; ++test) {
-    const double fraction = static_cast<double>(test) / kFoldTests;
-    if (!invertible(distort_normalized(camera, fraction * p))) return none;
-  }
-  return p;
+  return Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
 }
 
 Eigen::Vector2d to_normalized(const Camera& camera, const Eigen::Vector2d& pixel) {
@@ -117,17 +141,30 @@ Eigen::Vector2d distort(const Camera& camera, const Eigen::Vector2d& normalized)
 
 Eigen::Vector2d undistort(const Camera& camera, const Eigen::Vector2d& pixel) {
   const Eigen::Vector2d distorted = to_normalized(camera, pixel);
-  return has_distortion(camera) ? undistort_normalized(camera, distorted) : distorted;
+  if (!has_distortion(camera)) return distorted;
+  return undistort_normalized(camera, distorted, fixed_point_start(camera, distorted));
 }
 
 Eigen::Matrix2Xd pixel_rays(const Camera& camera) {
   check_camera(camera, "camera");
   const Eigen::Index width = camera.width;
   Eigen::Matrix2Xd rays(2, width * camera.height);
-  tbb::parallel_for(tbb::blocked_range<int>(0, camera.height), [&](const auto& rows) {
-    for (int row = rows.begin(); row < rows.end(); ++row)
-      for (int col = 0; col < camera.width; ++col)
-        rays.col(row * width + col) = undistort(camera, {col, row});
+  const bool distorted = has_distortion(camera);
+  const auto fill = [&](int row, int col) {
+    const Eigen::Index i = row * width + col;
+    rays.col(i) = to_normalized(camera, {col, row});
+    if (!distorted) return;
+    // The two rays above tell this one so well that Newton's method is done in two steps; unlike
+    // those on the left, they are long known when the processor gets here.
+    Eigen::Vector2d ray = Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
+    if (row > 1)
+      ray = undistort_normalized(camera, rays.col(i),
+                                 2 * rays.col(i - width) - rays.col(i - 2 * width));
+    rays.col(i) = ray.hasNaN() ? undistort(camera, {col, row}) : ray;
+  };
+  tbb::parallel_for(tbb::blocked_range<int>(0, camera.width), [&](const auto& cols) {
+    for (int row = 0; row < camera.height; ++row)
+      for (int col = cols.begin(); col < cols.end(); ++col) fill(row, col);
   });
   return rays;
 }

@@ -18,14 +18,13 @@ struct RangeMap {
   Camera camera;  ///< of the same size as `z`
 };
 
-/// Lifts each pixel to its point, 3 x (rows * cols), row after row, camera frame [mm]; NaN where the
-/// depth is unknown.
-/// \throws InvalidInput unless the camera is valid and of the size of `z`.
+/// Lifts each pixel to its point, 3 x (rows * cols), row after row, camera frame [mm]; NaN where
+/// the depth is unknown. \throws InvalidInput unless the camera is valid and of the size of `z`.
 [[nodiscard]] Eigen::Matrix3Xd back_project(const RangeMap& map);
 
-/// Reads the depths of a range map: TIFF, one float32 channel, mm. Values that are not finite or not
-/// positive become NaN.
-/// \throws FileError if the file is missing, truncated, or of another type.
+/// Reads the depths of a range map: TIFF, one float32 channel, mm. Values that are not finite or
+/// not positive become NaN. \throws FileError if the file is missing, truncated, or of another
+/// type.
 [[nodiscard]] ImageF read_depth_tiff(const std::filesystem::path& path);
 
 /// Writes depths as a float32 TIFF (deflate). \throws OutputError.

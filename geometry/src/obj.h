@@ -1,0 +1,21 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <iosfwd>
+
+#include "polygon_mesh.h"
+
+namespace palpate::geometry {
+
+/// Reads the vertices and faces of a Wavefront OBJ; what else it holds (normals, textures, groups,
+/// materials) is skipped. Assimp is not used as it keeps coordinates in float only and gives every
+/// corner of every face a vertex of its own.
+/// \throws FileError naming the line if a vertex or a face is wrong.
+[[nodiscard]] PolygonMesh read_obj(const std::filesystem::path& path);
+
+/// Writes text with as many digits as it takes to read back the same numbers.
+void write_obj(std::ostream& stream, const TriangleMesh& mesh);
+
+}  // namespace palpate::geometry

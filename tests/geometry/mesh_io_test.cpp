@@ -1,0 +1,196 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/geometry/mesh_io.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <limits>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "palpate/error.h"
+#include "scratch_folder.h"
+#include "test_surfaces.h"
+
+namespace palpate::geometry {
+namespace {
+
+/// Coordinates with all bits of the mantissa in use.
+TriangleMesh awkward_mesh() {
+  TriangleMesh mesh = test::icosphere(2, 100.1);
+  mesh.vertices.colwise() += Eigen::Vector3d(1e-7 / 3, 1e6 / 3, -0.1);
+  return mesh;
+}
+
+/// A unit tetrahedron's faces, counter-clockwise from outside.
+const std::vector<Eigen::Vector3d> kCorners{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+const std::vector<Eigen::Vector3i> kFaces{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
+
+/// Of the solid a closed mesh encloses; positive if its triangles face outwards.
+double volume(const TriangleMesh& mesh) {
+  double sum = 0;
+  for (Eigen::Index i = 0; i < mesh.triangles.cols(); ++i) {
+    const auto corner = [&](int k) { return mesh.vertices.col(mesh.triangles(k, i)); };
+    sum += corner(0).dot(corner(1).cross(corner(2))) / 6;
+  }
+  return sum;
+}
+
+std::string stl_text() {
+  std::ostringstream text;
+  text << std::fixed << "solid tetrahedron\n";
+  for (const Eigen::Vector3i& face : kFaces) {
+    text << " facet normal 0 0 0\n  outer loop\n";
+    for (const int corner : face)
+      text << "   vertex " << kCorners[static_cast<std::size_t>(corner)].transpose() << "\n";
+    text << "  endloop\n endfacet\n";
+  }
+  text << "endsolid tetrahedron\n";
+  return text.str();
+}
+
+std::string stl_binary() {
+  std::string bytes(80, ' ');
+  const auto put = [&](auto value) {
+    const auto raw = std::bit_cast<std::array<char, sizeof(value)>>(value);
+    bytes.append(raw.data(), raw.size());
+  };
+  put(static_cast<std::uint32_t>(kFaces.size()));
+  for (const Eigen::Vector3i& face : kFaces) {
+    for (int i = 0; i < 3; ++i) put(0.0F);
+    for (const int corner : face)
+      for (const double x : kCorners[static_cast<std::size_t>(corner)]) put(static_cast<float>(x));
+    put(std::uint16_t{0});
+  }
+  return bytes;
+}
+
+const std::string kOff =
+    "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n";
+
+TEST(MeshIo, RoundTripsEveryBitOfPlyAndObj) {
+  const ScratchFolder folder;
+  const TriangleMesh mesh = awkward_mesh();
+  for (const char* name : {"mesh.ply", "mesh.obj", "MESH.PLY"}) {
+    write_mesh(folder / name, mesh);
+    const TriangleMesh read = read_mesh(folder / name);
+    EXPECT_EQ(read.vertices, mesh.vertices) << name;
+    EXPECT_EQ(read.triangles, mesh.triangles) << name;
+    EXPECT_EQ(read_points(folder / name), mesh.vertices) << name;
+  }
+}
+
+TEST(MeshIo, CornersAtOnePlaceBecomeOneVertexWhereTheFormatSharesNone) {
+  const ScratchFolder folder;
+  for (const std::string& content : {stl_text(), stl_binary()}) {
+    write_text(folder / "mesh.stl", content);
+    const TriangleMesh mesh = read_mesh(folder / "mesh.stl");
+    EXPECT_EQ(mesh.vertices.cols(), 4);
+    EXPECT_EQ(mesh.triangles.cols(), 4);
+    EXPECT_NEAR(volume(mesh), 1.0 / 6, 1e-15);
+  }
+}
+
+TEST(MeshIo, NearCornersStayApart) {
+  const ScratchFolder folder;
+  std::string text = stl_text();
+  text.replace(text.find("0.000000"), 8, "0.000001");
+  write_text(folder / "mesh.stl", text);
+  EXPECT_EQ(read_mesh(folder / "mesh.stl").vertices.cols(), 5);
+}
+
+TEST(MeshIo, ReadsOffWithItsVerticesInOrder) {
+  const ScratchFolder folder;
+  write_text(folder / "mesh.off", kOff);
+  const TriangleMesh mesh = read_mesh(folder / "mesh.off");
+  ASSERT_EQ(mesh.vertices.cols(), 4);
+  for (int i = 0; i < 4; ++i)
+    EXPECT_EQ(mesh.vertices.col(i), kCorners[static_cast<std::size_t>(i)]);
+  EXPECT_NEAR(volume(mesh), 1.0 / 6, 1e-15);
+}
+
+TEST(MeshIo, PutsThePartsOfASceneWhereItPlacesThem) {
+  const ScratchFolder folder;
+  // One tetrahedron twice: moved by 10 in x, and mirrored in z, which turns its faces inside out.
+  std::string bytes;
+  for (const Eigen::Vector3d& corner : kCorners)
+    for (const double x : corner) {
+      const auto raw = std::bit_cast<std::array<char, 4>>(static_cast<float>(x));
+      bytes.append(raw.data(), raw.size());
+    }
+  for (const Eigen::Vector3i& face : kFaces)
+    for (const int corner : face) bytes += {static_cast<char>(corner), '\0'};
+  write_text(folder / "mesh.bin", bytes);
+  write_text(folder / "mesh.gltf", R"({"asset": {"version": "2.0"}, "scene": 0,
+    "scenes": [{"nodes": [0, 1]}],
+    "nodes": [{"mesh": 0, "translation": [10, 0, 0]}, {"mesh": 0, "scale": [1, 1, -1]}],
+    "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+    "buffers": [{"uri": "mesh.bin", "byteLength": 72}],
+    "bufferViews": [{"buffer": 0, "byteLength": 48}, {"buffer": 0, "byteOffset": 48, "byteLength": 24}],
+    "accessors": [
+      {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 1]},
+      {"bufferView": 1, "componentType": 5123, "count": 12, "type": "SCALAR"}]})");
+  const TriangleMesh mesh = read_mesh(folder / "mesh.gltf");
+  EXPECT_EQ(mesh.triangles.cols(), 8);
+  EXPECT_EQ(mesh.vertices.cols(), 8);
+  EXPECT_EQ(mesh.vertices.row(0).maxCoeff(), 11);
+  EXPECT_EQ(mesh.vertices.row(2).minCoeff(), -1);
+  EXPECT_NEAR(volume(mesh), 2.0 / 6, 1e-14);
+}
+
+TEST(MeshIo, RefusesWhatIsMissingEmptyGarbageOrOfAnotherKind) {
+  const ScratchFolder folder;
+  for (const char* ending : {".ply", ".obj", ".stl", ".off", ".pcd"}) {
+    const std::string name = std::string("mesh") + ending;
+    EXPECT_THROWS_MESSAGE(static_cast<void>(read_points(folder / name)), FileError,
+                          name + ": no such file");
+    write_text(folder / name, "");
+    EXPECT_THROWS_MESSAGE(static_cast<void>(read_points(folder / name)), FileError,
+                          name + ": is empty");
+    write_text(folder / name, "a letter\nto a friend\n");
+    EXPECT_THROWS_MESSAGE(static_cast<void>(read_points(folder / name)), FileError, name);
+    EXPECT_THROWS_MESSAGE(static_cast<void>(read_mesh(folder / name)), FileError, name);
+  }
+  write_text(folder / "mesh.txt", kOff);
+  EXPECT_THROWS_MESSAGE(static_cast<void>(read_mesh(folder / "mesh.txt")), FileError,
+                        ".ply, .obj, .stl, .off or .glb is");
+  EXPECT_THROWS_MESSAGE(static_cast<void>(read_mesh(folder.path())), FileError, "no such file");
+}
+
+TEST(MeshIo, RefusesWhatAssimpFindsDamaged) {
+  const ScratchFolder folder;
+  const std::string binary = stl_binary();
+  write_text(folder / "mesh.stl", binary.substr(0, binary.size() - 60));
+  EXPECT_THROW(static_cast<void>(read_mesh(folder / "mesh.stl")), FileError);
+  write_text(folder / "mesh.off", kOff.substr(0, kOff.find("3 1 2 3")));
+  EXPECT_THROW(static_cast<void>(read_mesh(folder / "mesh.off")), FileError);
+}
+
+TEST(MeshIo, RefusesToWriteAnotherFormatOrABadMesh) {
+  const ScratchFolder folder;
+  EXPECT_THROWS_MESSAGE(write_mesh(folder / "mesh.stl", awkward_mesh()), InvalidInput,
+                        "as .ply or .obj, not as \".stl\"");
+  TriangleMesh mesh = awkward_mesh();
+  mesh.vertices(1, 3) = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROWS_MESSAGE(write_mesh(folder / "mesh.ply", mesh), InvalidInput,
+                        "vertex 3 is not finite");
+  EXPECT_EQ(folder.entries(), 0);
+}
+
+TEST(MeshIo, KeepsTheOldFileWhenTheDiskIsFull) {
+  const ScratchFolder folder;
+  for (const char* name : {"mesh.ply", "mesh.obj"}) {
+    write_text(folder / name, "old");
+    const FullDisk disk(100);
+    EXPECT_THROWS_MESSAGE(write_mesh(folder / name, awkward_mesh()), OutputError, name);
+    EXPECT_EQ(read_text(folder / name), "old");
+  }
+  EXPECT_EQ(folder.entries(), 2);
+}
+
+}  // namespace
+}  // namespace palpate::geometry

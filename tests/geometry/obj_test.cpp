@@ -1,0 +1,56 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "palpate/error.h"
+#include "palpate/geometry/mesh_io.h"
+#include "scratch_folder.h"
+
+namespace palpate::geometry {
+namespace {
+
+TriangleMesh read(const std::string& content) {
+  const ScratchFolder folder;
+  write_text(folder / "mesh.obj", content);
+  return read_mesh(folder / "mesh.obj");
+}
+
+const std::string kVertices = "# a square\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1.1\n";
+
+TEST(Obj, ReadsEveryWayToNameACorner) {
+  for (const char* face : {"f 1 2 3", "f 1/1 2/2 3/3", "f 1//7 2//7 3//7", "f 1/4/7 2/5/7 3/6/7",
+                           "f -4 -3 -2", "  f\t1 2 3  # a comment", "f 1 \\\n 2 3", "f 1 2 3\r"}) {
+    const TriangleMesh mesh = read(kVertices + face + "\n");
+    EXPECT_EQ(mesh.vertices.cols(), 4) << face;
+    ASSERT_EQ(mesh.triangles.cols(), 1) << face;
+    EXPECT_EQ(mesh.triangles.col(0), Eigen::Vector3i(0, 1, 2)) << face;
+  }
+}
+
+TEST(Obj, SkipsWhatIsNoGeometryAndKeepsDoubles) {
+  const TriangleMesh mesh = read(
+      "mtllib none.mtl\no thing\nvn 0 0 1\nvt 0 0\nv 1000.0000000000001 0 1 0.5 0.5 0.5\n"
+      "v 1 0 1\nv 1 1 1\ng a\nusemtl b\ns 1\nf 1 2 3\nl 1 2\n");
+  EXPECT_EQ(mesh.vertices(0, 0), 1000.0000000000001);
+  EXPECT_EQ(mesh.triangles.cols(), 1);
+}
+
+TEST(Obj, RefusesWithTheLine) {
+  const auto refuse = [](const std::string& content, const std::string& words) {
+    EXPECT_THROWS_MESSAGE(static_cast<void>(read(content)), FileError, words);
+  };
+  refuse(kVertices + "f 1 2 5\n", "line 6: \"5\" is not a vertex; 4 came before");
+  refuse(kVertices + "f 1 2 0\n", "line 6");
+  refuse(kVertices + "f 1 2 -5\n", "line 6");
+  refuse(kVertices + "f 1 \\\n2 \\\n3\nf 1 2 x\n", "line 9: \"x\"");
+  refuse(kVertices + "f 1 2\n", "line 6: a face needs at least 3 corners, not 2");
+  refuse("v 0 0\n", "line 1: a vertex needs three numbers");
+  refuse("v 0 0 1e\n", "not \"1e\"");
+  refuse(kVertices, "no triangle");
+  refuse("a letter\nto a friend\n", "not an OBJ file");
+}
+
+}  // namespace
+}  // namespace palpate::geometry
