@@ -24,7 +24,7 @@ constexpr double kMaxCenter = 5;
 // The stiffness at zero is kept >= kStiffnessMargin, in units of force / extent: above what the
 // solver leaves of a constraint, so that the result is semi-definite in floating point too.
 constexpr double kStiffnessMargin = 1e-5;
-constexpr double kTolerance = 1e-6;  // of Ipopt, on quantities scaled to 1
+constexpr double kTolerance = 1e-5;  // of Ipopt, on quantities scaled to 1
 constexpr int kMaxIterations = 300;
 
 // K = margin I + C C^T with C lower triangular says that K is positive definite, by equalities that

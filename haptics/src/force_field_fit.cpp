@@ -32,6 +32,8 @@ constexpr std::array<double, 4> kStartMultiples = {1, -1, 2, -2};
 constexpr int kMinStarts = 2;
 constexpr int kMaxStarts = 4;
 constexpr double kStartSpacing = 0.5;
+// Cost of weights where starts are chosen, as a fraction of the data's force.
+constexpr double kRidge = 1e-3;
 // Relative error below which a fit is exact: some rounding errors.
 constexpr double kExact = 1e-9;
 
@@ -83,42 +85,22 @@ std::vector<Eigen::Index> canonical_order(const Eigen::Ref<const Eigen::Matrix3X
   return order;
 }
 
-// 3N values of one base with weight 1 at all displacements.
-Eigen::VectorXd base_forces(const FieldObjective& objective, const Eigen::Vector3d& center) {
-  const ForceField base{center, Eigen::VectorXd::Ones(1), objective.epsilon};
-  Eigen::VectorXd result(objective.forces.size());
-  for (Eigen::Index i = 0; i < objective.forces.cols(); ++i) {
-    result.segment<3>(3 * i) = force(base, objective.displacements.col(i));
-  }
-  return result;
-}
-
 // A field with bases where they are and one more at each of some places, best ones first by linear
 // least squares (thesis 5.3.1.2: "a starting point ...").
 class Starts {
  public:
   Starts(const FieldObjective& objective, const ForceField& field)
-      : objective_(objective), field_(field), target_(objective.forces.reshaped()) {
+      : objective_(objective), field_(field) {
     const Eigen::Index old = field.weights.size();
-    const double count = static_cast<double>(objective.forces.cols());
-    // The last rows keep the weights from cancelling each other where the data cannot tell.
-    matrix_ = Eigen::MatrixXd::Zero(target_.size() + old + 1, old + 1);
-    matrix_.bottomRows(old + 1).diagonal().setConstant(kRidge * std::sqrt(count));
-    for (Eigen::Index k = 0; k < old; ++k) {
-      matrix_.col(k).head(target_.size()) = base_forces(objective, field.centers.col(k));
-    }
-    target_.conservativeResizeLike(Eigen::VectorXd::Zero(matrix_.rows()));
-    for (const double multiple : kStartMultiples) {
-      for (Eigen::Index i = 0; i < objective.displacements.cols(); ++i) {
-        add(multiple * objective.displacements.col(i));
-      }
-    }
-    std::stable_sort(places_.begin(), places_.end(),
-                     [](const Place& l, const Place& r) { return l.error < r.error; });
+    matrix_.resize(objective.forces.size() + old + 1, old + 1);
+    for (Eigen::Index k = 0; k < old; ++k) matrix_.col(k) = column(field.centers.col(k), k);
+    target_ = Eigen::VectorXd::Zero(matrix_.rows());
+    target_.head(objective.forces.size()) = objective.forces.reshaped();
+    rank_places();
   }
 
-  /// The n-th best, far from those before; false if there is none.
-  bool select(int n, ForceField& start) {
+  /// The n-th best, far from those before; none if there are no more.
+  [[nodiscard]] std::optional<ForceField> select(int n) {
     std::vector<Eigen::Vector3d> chosen;
     for (const Place& place : places_) {
       const auto near = [&](const Eigen::Vector3d& other) {
@@ -126,33 +108,56 @@ class Starts {
       };
       if (std::any_of(chosen.begin(), chosen.end(), near)) continue;
       chosen.push_back(place.center);
-      if (static_cast<int>(chosen.size()) <= n) continue;
-      const Eigen::Index old = field_.weights.size();
-      start.epsilon = field_.epsilon;
-      start.centers.resize(3, old + 1);
-      start.centers << field_.centers, place.center;
-      solve(place.center, start.weights);
-      return true;
+      if (static_cast<int>(chosen.size()) > n) return with_base_at(place.center);
     }
-    return false;
+    return std::nullopt;
   }
 
  private:
-  static constexpr double kRidge = 1e-3;
   struct Place {
-    double error;
+    double gain;  // by which the squared error falls
     Eigen::Vector3d center;
   };
 
-  double solve(const Eigen::Vector3d& center, Eigen::VectorXd& weights) {
-    matrix_.col(matrix_.cols() - 1).head(objective_.forces.size()) =
-        base_forces(objective_, center);
-    weights = matrix_.colPivHouseholderQr().solve(target_);
-    return (matrix_ * weights - target_).squaredNorm();
+  // Forces of one base with weight 1 at all displacements; below them a row for each weight keeps
+  // the weights from cancelling each other where the data cannot tell.
+  [[nodiscard]] Eigen::VectorXd column(const Eigen::Vector3d& center, Eigen::Index base) const {
+    const ForceField one{center, Eigen::VectorXd::Ones(1), objective_.epsilon};
+    Eigen::VectorXd result = Eigen::VectorXd::Zero(matrix_.rows());
+    for (Eigen::Index i = 0; i < objective_.forces.cols(); ++i) {
+      result.segment<3>(3 * i) = force(one, objective_.displacements.col(i));
+    }
+    result[objective_.forces.size() + base] =
+        kRidge * std::sqrt(static_cast<double>(objective_.forces.cols()));
+    return result;
   }
-  void add(const Eigen::Vector3d& center) {
-    Eigen::VectorXd weights;
-    places_.push_back({solve(center, weights), center});
+
+  // One more column lowers the squared error by its part across the others.
+  void rank_places() {
+    const Eigen::Index old = field_.weights.size();
+    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(matrix_.leftCols(old));
+    const Eigen::MatrixXd q = qr.householderQ() * Eigen::MatrixXd::Identity(matrix_.rows(), old);
+    const Eigen::VectorXd residual = target_ - q * (q.transpose() * target_);
+    for (const double multiple : kStartMultiples) {
+      for (Eigen::Index i = 0; i < objective_.displacements.cols(); ++i) {
+        const Eigen::Vector3d center = multiple * objective_.displacements.col(i);
+        Eigen::VectorXd across = column(center, old);
+        across -= q * (q.transpose() * across);
+        const double part = residual.dot(across);
+        places_.push_back({part * part / across.squaredNorm(), center});
+      }
+    }
+    std::stable_sort(places_.begin(), places_.end(),
+                     [](const Place& l, const Place& r) { return l.gain > r.gain; });
+  }
+
+  [[nodiscard]] ForceField with_base_at(const Eigen::Vector3d& center) {
+    const Eigen::Index old = field_.weights.size();
+    matrix_.col(old) = column(center, old);
+    ForceField field{Eigen::Matrix3Xd(3, old + 1), matrix_.colPivHouseholderQr().solve(target_),
+                     objective_.epsilon};
+    field.centers << field_.centers, center;
+    return field;
   }
 
   const FieldObjective& objective_;
@@ -196,10 +201,11 @@ Step add_base(const FieldObjective& objective, const ForceField& field, double c
               int& iterations) {
   Starts starts(objective, field);
   Step best;
-  ForceField start;
-  for (int n = 0; n < kMaxStarts && starts.select(n, start); ++n) {
+  for (int n = 0; n < kMaxStarts; ++n) {
     if (n >= kMinStarts && best.criterion < criterion) break;
-    const FieldSolution solution = solve_field(objective, to_parameters(start));
+    const std::optional<ForceField> start = starts.select(n);
+    if (!start) break;
+    const FieldSolution solution = solve_field(objective, to_parameters(*start));
     iterations += solution.iterations;
     if (!solution.parameters.allFinite()) continue;
     ForceField found = to_field(solution.parameters, objective.epsilon);
