@@ -10,13 +10,15 @@
 namespace palpate::haptics {
 namespace {
 
+bool is_rotation(const Eigen::Matrix3d& matrix) {
+  const Eigen::Matrix3d product = matrix.transpose() * matrix;
+  return (product - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() <= kFrameTolerance &&
+         matrix.determinant() > 0;
+}
+
 void check_contact(const ContactModel& contact, const std::string& name) {
   if (!contact.position.allFinite()) throw InvalidInput(name + ": its position is not finite");
-  const Eigen::Matrix3d product = contact.frame.transpose() * contact.frame;
-  const bool rotation =
-      (product - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() <= kFrameTolerance &&
-      contact.frame.determinant() > 0;
-  if (!rotation) {
+  if (!is_rotation(contact.frame)) {
     throw InvalidInput(name + ": its frame must hold three orthogonal unit axes, right-handed");
   }
   if (!(std::abs(contact.friction_axis.norm() - 1) <= kFrameTolerance)) {
@@ -42,8 +44,9 @@ void check_model(const Model& model) {
                                          " (entry " + std::to_string(i) + ")");
   }
   geometry::check_mesh(contact_mesh(model), "the model's triangles of contacts");
-  if (!model.T_surface_acquisition.matrix().allFinite()) {
-    throw InvalidInput("the model's registration is not finite");
+  if (!is_rotation(model.T_surface_acquisition.linear()) ||
+      !model.T_surface_acquisition.translation().allFinite()) {
+    throw InvalidInput("the model's registration must be a rotation and a finite translation");
   }
 }
 

@@ -40,6 +40,8 @@ TEST(CheckModel, NamesWhatIsWrong) {
               AllOf(HasSubstr("contact 13"), HasSubstr("epsilon")));
   EXPECT_THAT(refused_after([](Model& m) { m.triangles(1, 1) = 4; }), HasSubstr("triangle"));
   EXPECT_THAT(refused_after([](Model& m) { m.triangles.resize(3, 0); }), HasSubstr("triangle"));
+  EXPECT_THAT(refused_after([](Model& m) { m.T_surface_acquisition.linear() *= 2; }),
+              HasSubstr("registration"));
   EXPECT_THAT(refused_after([](Model& m) { m.surface.triangles.resize(3, 0); }),
               HasSubstr("surface"));
 }
