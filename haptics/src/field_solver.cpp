@@ -205,7 +205,8 @@ FieldSolution solve_field(const FieldObjective& objective,
   options->SetStringValue("nlp_scaling_method", "none");
   options->SetNumericValue("tol", kTolerance);
   options->SetIntegerValue("max_iter", kMaxIterations);
-  application->Initialize();
+  application->Initialize(
+      "");  // not from an ipopt.opt that happens to lie in the working directory
   application->OptimizeTNLP(program);
   FieldSolution solution = program->solution();
   if (Ipopt::IsValid(application->Statistics())) {
