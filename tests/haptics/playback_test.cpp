@@ -95,7 +95,8 @@ TEST(Playback, IgnoresASurfaceThatIsEnteredFromBehind) {
   LoopState state;
   EXPECT_EQ(playback.step({0, 0, 710}, state).state, ContactState::free);
   EXPECT_EQ(playback.step({0, 0, 690}, state).state, ContactState::free);
-  EXPECT_EQ(state.proxy.position.z(), 690);  // it passed through, and was not stopped at the surface
+  EXPECT_EQ(state.proxy.position.z(),
+            690);  // it passed through, and was not stopped at the surface
   EXPECT_EQ(playback.step({0, 0, 701}, state).state, ContactState::stick);
 }
 

@@ -29,7 +29,7 @@ struct Sample {
   bool on_friction_boundary = false;  ///< the largest tangential force in its direction that held
   bool slipped = false;
   std::string range_map = {};  ///< file of the deformed surface, or empty
-  double time = 0;        ///< [s] since the acquisition began; >= 0
+  double time = 0;             ///< [s] since the acquisition began; >= 0
 };
 
 /// All that an arm measured of one object.
