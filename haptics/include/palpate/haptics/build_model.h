@@ -1,0 +1,65 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "palpate/geometry/triangle_mesh.h"
+#include "palpate/haptics/force_field_fit.h"
+#include "palpate/haptics/friction_cone.h"
+#include "palpate/haptics/model.h"
+#include "palpate/probing/acquisition.h"
+
+namespace palpate::haptics {
+
+struct BuildOptions {
+  FitOptions fit;
+  /// [mm] the contacts lie on the surface already, and are not moved, iff the root mean square of
+  /// their distances is <= this; >= 0
+  double on_surface = 0.2;
+  double max_distance = 2;  ///< [mm] from the surface, of each contact once in place; >= 0
+  double max_motion = 5;    ///< [mm] of any contact by the registration; >= 0
+  /// Called after each contact with the number of those done and of all, from one thread at a time.
+  std::function<void(int done, int total)> progress = {};
+};
+
+enum class RegistrationOutcome {
+  not_needed,    ///< the contacts lie on the surface already
+  accepted,      ///< they were moved onto it, rigidly
+  too_far,       ///< the motion exceeds max_motion: not moved
+  not_converged  ///< not moved
+};
+
+/// "not_needed", "accepted", ...
+[[nodiscard]] const char* to_string(RegistrationOutcome outcome);
+
+struct ContactReport {
+  long long id = 0;
+  double distance = 0;  ///< [mm] to the surface, once in place, before it was put on it
+  FitResult fit;        ///< in the world frame
+  ConeFit cone;         ///< of the forces on the friction boundary, world frame
+};
+
+struct BuildResult {
+  Model model;
+  std::vector<ContactReport> contacts;     ///< in the order of the model's contacts
+  std::vector<long long> without_samples;  ///< ids of contacts that were left out for that
+  std::vector<long long> isolated;  ///< ids of contacts in no triangle: they have no influence
+  RegistrationOutcome registration = RegistrationOutcome::not_needed;
+  double distance_rms = 0;  ///< [mm] of the contacts to the surface as given
+  bool surface_flipped =
+      false;  ///< the surface's triangles were turned over to agree with the normals
+};
+
+/// Makes a model of measurements: contacts are registered to the surface and put on it,
+/// triangulated (thesis 5.3.2.1), and at each a force field and a friction cone are fitted, in
+/// parallel; the result does not depend on the number of threads. A displacement counts from the
+/// contact as measured. \throws InvalidInput on a bad acquisition, surface or option, a contact
+/// further than max_distance
+///         from the surface or with its normal into it, or fewer than three contacts with samples.
+[[nodiscard]] BuildResult build_model(const probing::Acquisition& acquisition,
+                                      const geometry::TriangleMesh& surface,
+                                      const BuildOptions& options = {});
+
+}  // namespace palpate::haptics

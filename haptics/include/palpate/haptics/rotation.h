@@ -1,0 +1,32 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+
+namespace palpate::haptics {
+
+/// Rotation matrix exp(B) of a rotation vector [rad], B its skew matrix (Rodrigues, Eq 5.13, with
+/// the series near zero). Real-time safe.
+[[nodiscard]] Eigen::Matrix3d rotation_exp(const Eigen::Vector3d& rotation_vector) noexcept;
+
+/// Rotation vector of a rotation matrix (Eq 5.12), length in [0, pi]; accurate near 0 and near pi,
+/// where either of the two opposite vectors may come. Real-time safe.
+[[nodiscard]] Eigen::Vector3d rotation_log(const Eigen::Matrix3d& rotation) noexcept;
+
+/// Smallest rotation that turns the direction `from` into the direction `to` (not zero, any
+/// length). Opposite directions: half a turn about some axis across them.
+[[nodiscard]] Eigen::Matrix3d rotation_between(const Eigen::Vector3d& from,
+                                               const Eigen::Vector3d& to) noexcept;
+
+/// Weighted mean R of three rotations: sum_k weights[k] log(R^T R_k) = 0 (Karcher mean).
+///
+/// In place of Eq 5.11, whose logarithms at the identity depend on the choice of the world frame.
+/// Weights are >= 0 with sum 1. Neither the order of the rotations nor the frame matters; rotations
+/// with weight zero do not. Unique if the rotations lie within half a turn of each other. Real-time
+/// safe.
+[[nodiscard]] Eigen::Matrix3d blend_rotations(const std::array<Eigen::Matrix3d, 3>& rotations,
+                                              const Eigen::Vector3d& weights) noexcept;
+
+}  // namespace palpate::haptics

@@ -1,0 +1,262 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/haptics/build_model.h"
+
+#include <tbb/parallel_for.h>
+
+#include <cmath>
+#include <mutex>
+#include <string>
+
+#include "palpate/error.h"
+#include "palpate/geometry/contact_triangulation.h"
+#include "palpate/geometry/registration.h"
+#include "palpate/geometry/surface_query.h"
+#include "palpate/haptics/realignment.h"
+#include "palpate/haptics/rotation.h"
+
+namespace palpate::haptics {
+namespace {
+
+using geometry::ClosestPoint;
+using geometry::SurfaceQuery;
+
+// The friction axis of the displacements is believed where its cosine with the axis of the friction
+// cone is at least this (60 degrees); the cone's axis is used instead.
+constexpr double kMinAxisCosine = 0.5;
+
+void check_options(const BuildOptions& options) {
+  const auto check = [](double value, const char* name) {
+    if (value >= 0) return;
+    throw InvalidInput(std::string("build_model(): ") + name + " is " + std::to_string(value) +
+                       " mm; it must be >= 0");
+  };
+  check(options.on_surface, "on_surface");
+  check(options.max_distance, "max_distance");
+  check(options.max_motion, "max_motion");
+}
+
+// Contacts that have samples; the others are named in the result.
+std::vector<probing::Contact> probed_contacts(const probing::Acquisition& acquisition,
+                                              BuildResult& result) {
+  std::vector<probing::Contact> contacts;
+  for (const probing::Contact& contact : acquisition.contacts) {
+    if (realign(contact, acquisition.samples).forces.cols() > 0) {
+      contacts.push_back(contact);
+    } else {
+      result.without_samples.push_back(contact.id);
+    }
+  }
+  if (contacts.size() < 3) {
+    throw InvalidInput("build_model(): only " + std::to_string(contacts.size()) + " of " +
+                       std::to_string(acquisition.contacts.size()) +
+                       " contacts have samples; at least three are needed");
+  }
+  return contacts;
+}
+
+Eigen::Matrix3Xd positions(const std::vector<probing::Contact>& contacts) {
+  Eigen::Matrix3Xd points(3, static_cast<Eigen::Index>(contacts.size()));
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    points.col(static_cast<Eigen::Index>(i)) = contacts[i].position;
+  }
+  return points;
+}
+
+double distance_rms(const Eigen::Matrix3Xd& points, const SurfaceQuery& query) {
+  double sum = 0;
+  for (const auto& point : points.colwise()) {
+    const double distance = query.closest_point(point).distance;
+    sum += distance * distance;
+  }
+  return std::sqrt(sum / static_cast<double>(points.cols()));
+}
+
+// Finds out whether and how the acquisition moves onto the surface.
+void register_contacts(const Eigen::Matrix3Xd& points, const geometry::TriangleMesh& surface,
+                       const SurfaceQuery& query, const BuildOptions& options,
+                       BuildResult& result) {
+  result.distance_rms = distance_rms(points, query);
+  result.registration = RegistrationOutcome::not_needed;
+  if (result.distance_rms <= options.on_surface) return;
+  const geometry::Registration found = geometry::register_points(points, surface);
+  const bool all_paired = found.pairs == static_cast<int>(points.cols());
+  if (found.stop != geometry::RegistrationStop::converged || !all_paired) {
+    result.registration = RegistrationOutcome::not_converged;
+    return;
+  }
+  const Eigen::Matrix3Xd moved = found.T_target_source * points;
+  if ((moved - points).colwise().norm().maxCoeff() > options.max_motion) {
+    result.registration = RegistrationOutcome::too_far;
+    return;
+  }
+  result.registration = RegistrationOutcome::accepted;
+  result.model.T_surface_acquisition = found.T_target_source;
+}
+
+// Turns the surface over if it is seen from inside at most contacts.
+void orient_surface(const std::vector<ClosestPoint>& places,
+                    const std::vector<probing::Contact>& contacts, BuildResult& result) {
+  const Eigen::Matrix3Xd normals = geometry::triangle_normals(result.model.surface);
+  const auto agrees = [&](std::size_t i) {
+    const Eigen::Vector3d outwards =
+        result.model.T_surface_acquisition.linear() * contacts[i].normal;
+    return normals.col(places[i].at.triangle).dot(outwards) > 0;
+  };
+  std::size_t agreeing = 0;
+  for (std::size_t i = 0; i < contacts.size(); ++i) agreeing += agrees(i) ? 1 : 0;
+  result.surface_flipped = 2 * agreeing < contacts.size();
+  if (result.surface_flipped) {
+    result.model.surface.triangles.row(1).swap(result.model.surface.triangles.row(2));
+  }
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    if (agrees(i) != result.surface_flipped) continue;
+    throw InvalidInput("build_model(): the normal of contact " + std::to_string(contacts[i].id) +
+                       " points into the surface, those of most others out of it; normals must "
+                       "point out of the object");
+  }
+}
+
+std::vector<ClosestPoint> place_contacts(const std::vector<probing::Contact>& contacts,
+                                         const SurfaceQuery& query, const BuildOptions& options,
+                                         const BuildResult& result) {
+  std::vector<ClosestPoint> places;
+  for (const probing::Contact& contact : contacts) {
+    places.push_back(query.closest_point(result.model.T_surface_acquisition * contact.position));
+    if (places.back().distance <= options.max_distance) continue;
+    throw InvalidInput("build_model(): contact " + std::to_string(contact.id) + " is " +
+                       std::to_string(places.back().distance) +
+                       " mm from the surface (registration: " + to_string(result.registration) +
+                       "); at most " + std::to_string(options.max_distance) +
+                       " mm are allowed. Check that contacts and surface belong together and are "
+                       "in one frame, or allow more");
+  }
+  return places;
+}
+
+// Everything that is learnt at one contact; the frame is left to be chosen with the others.
+void fit_contact(const probing::Contact& contact, const probing::Acquisition& acquisition,
+                 const FitOptions& options, ContactModel& model, ContactReport& report) {
+  const ForceSamples samples = realign(contact, acquisition.samples);
+  report.fit = fit_force_field(samples.displacements, samples.forces, options);
+  report.cone = fit_cone(boundary_forces(contact, acquisition.samples));
+  model.samples = static_cast<int>(samples.forces.cols());
+  model.rms = report.fit.rms;
+  model.fit_stop = to_string(report.fit.stop);
+  model.field = report.fit.field;
+  const bool measured =
+      report.cone.stop == ConeStop::converged && report.cone.cone.axis.dot(contact.normal) < 0;
+  const Eigen::Vector3d pressing =
+      measured ? report.cone.cone.axis : Eigen::Vector3d(-contact.normal.normalized());
+  model.frame.col(2) = pressing;
+  model.friction_source = measured ? FrictionSource::samples : FrictionSource::none;
+  model.friction = measured ? report.cone.cone.slope : 0;
+  const std::optional<Eigen::Vector3d> axis = friction_axis(contact, acquisition.samples);
+  model.friction_axis = axis && axis->dot(pressing) >= kMinAxisCosine ? *axis : pressing;
+}
+
+void fit_contacts(const std::vector<probing::Contact>& contacts,
+                  const probing::Acquisition& acquisition, const BuildOptions& options,
+                  BuildResult& result) {
+  const int total = static_cast<int>(contacts.size());
+  std::mutex reporting;
+  int done = 0;
+  tbb::parallel_for(std::size_t{0}, contacts.size(), [&](std::size_t i) {
+    fit_contact(contacts[i], acquisition, options.fit, result.model.contacts[i],
+                result.contacts[i]);
+    if (!options.progress) return;
+    const std::lock_guard lock(reporting);
+    options.progress(++done, total);
+  });
+}
+
+// Turns what was fitted in the frame of the acquisition into frames of the contacts. All x axes
+// come from one by the smallest turn from the mean pressing direction, so that neighbours agree on
+// them.
+void choose_frames(Model& model) {
+  const Eigen::Matrix3d to_surface = model.T_surface_acquisition.linear();
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const ContactModel& contact : model.contacts) mean += contact.frame.col(2);
+  // A closed object may press from all sides: then any direction will do.
+  if (!(mean.norm() > 0)) mean = model.contacts.front().frame.col(2);
+  const Eigen::Matrix3d mean_frame = rotation_between(Eigen::Vector3d::UnitZ(), mean);
+  for (ContactModel& contact : model.contacts) {
+    const Eigen::Matrix3d frame = rotation_between(mean, contact.frame.col(2)) * mean_frame;
+    contact.field.centers = frame.transpose() * contact.field.centers;
+    contact.frame = to_surface * frame;
+    contact.friction_axis = (to_surface * contact.friction_axis).normalized();
+  }
+}
+
+void fill_in_friction(Model& model) {
+  double sum = 0;
+  int measured = 0;
+  for (const ContactModel& contact : model.contacts) {
+    if (contact.friction_source != FrictionSource::samples) continue;
+    sum += contact.friction;
+    ++measured;
+  }
+  if (measured == 0) return;
+  for (ContactModel& contact : model.contacts) {
+    if (contact.friction_source == FrictionSource::samples) continue;
+    contact.friction = sum / measured;
+    contact.friction_source = FrictionSource::other_contacts;
+  }
+}
+
+}  // namespace
+
+const char* to_string(RegistrationOutcome outcome) {
+  switch (outcome) {
+    case RegistrationOutcome::not_needed:
+      return "not_needed";
+    case RegistrationOutcome::accepted:
+      return "accepted";
+    case RegistrationOutcome::too_far:
+      return "too_far";
+    case RegistrationOutcome::not_converged:
+      return "not_converged";
+  }
+  return "unknown";
+}
+
+BuildResult build_model(const probing::Acquisition& acquisition,
+                        const geometry::TriangleMesh& surface, const BuildOptions& options) {
+  check_options(options);
+  probing::check_acquisition(acquisition);
+  BuildResult result;
+  const std::vector<probing::Contact> contacts = probed_contacts(acquisition, result);
+  const SurfaceQuery query(surface);
+  result.model.surface = surface;
+  register_contacts(positions(contacts), surface, query, options, result);
+  const std::vector<ClosestPoint> places = place_contacts(contacts, query, options, result);
+  orient_surface(places, contacts, result);
+
+  result.model.contacts.resize(contacts.size());
+  result.contacts.resize(contacts.size());
+  std::vector<geometry::SurfacePoint> points;
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    result.model.contacts[i].id = result.contacts[i].id = contacts[i].id;
+    result.model.contacts[i].position = places[i].position;
+    result.contacts[i].distance = places[i].distance;
+    points.push_back(places[i].at);
+  }
+  // The triangulation is oriented as the surface: after it was turned over. A surface point that
+  // was found before names the same triangle with two corners exchanged.
+  if (result.surface_flipped) {
+    for (geometry::SurfacePoint& point : points)
+      std::swap(point.barycentric[1], point.barycentric[2]);
+  }
+  const geometry::ContactTriangulation triangulation =
+      geometry::triangulate_contacts(result.model.surface, points);
+  result.model.triangles = triangulation.mesh.triangles;
+  for (const int i : triangulation.isolated) {
+    result.isolated.push_back(contacts[static_cast<std::size_t>(i)].id);
+  }
+  fit_contacts(contacts, acquisition, options, result);
+  choose_frames(result.model);
+  fill_in_friction(result.model);
+  return result;
+}
+
+}  // namespace palpate::haptics

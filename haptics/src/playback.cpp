@@ -1,0 +1,82 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/haptics/playback.h"
+
+namespace palpate::haptics {
+namespace {
+
+// How far outside the surface a contact looks at the tool, as a fraction of the surface's diagonal:
+// far above rounding (1e-16), far below what a user can feel.
+constexpr double kOffsetRatio = 1e-9;
+
+Command no_force(const Eigen::Vector3d& tool) {
+  return {Eigen::Vector3d::Zero(), tool, ContactState::free};
+}
+
+}  // namespace
+
+Playback::Playback(const Model& model)
+    : surface_(model.surface),
+      normals_(geometry::triangle_normals(model.surface)),
+      offset_(kOffsetRatio * geometry::bounding_diagonal(model.surface)),
+      field_(model) {}
+
+// Whether the tool is behind the surface on its way from the proxy, and the contact if it is.
+bool Playback::touches(const LoopState& state, const Eigen::Vector3d& tool,
+                       TouchPoint& contact) const noexcept {
+  const bool touched = state.contact_state != ContactState::free;
+  const Eigen::Vector3d start =
+      touched ? Eigen::Vector3d(state.proxy.position + offset_ * state.proxy.normal)
+              : state.proxy.position;
+  const std::optional<geometry::SegmentHit> hit = surface_.first_hit(start, tool);
+  if (!hit) return false;
+  const Eigen::Vector3d normal = normals_.col(hit->at.triangle);
+  // From inside, or a triangle without area (NaN): no contact.
+  if (!((tool - start).dot(normal) < 0)) return false;
+  contact = touched ? state.proxy : TouchPoint{hit->position, normal, hit->at.triangle};
+  return true;
+}
+
+Command Playback::step(const Eigen::Vector3d& tool, LoopState& state) const noexcept {
+  if (!tool.allFinite()) {
+    state = {};
+    return no_force(Eigen::Vector3d::Zero());
+  }
+  TouchPoint contact;
+  if (!state.has_proxy || !touches(state, tool, contact)) {
+    state = {ContactState::free, true, {tool, Eigen::Vector3d::Zero(), -1}};
+    return no_force(tool);
+  }
+  ContactState contact_state = ContactState::stick;
+  Blend at = field_.blend(contact.position);
+  Eigen::Vector3d force = field_.force(at, tool - contact.position);
+  if (friction_parts(at, force).excess > 0) {
+    contact_state = ContactState::slip;
+    contact = slip_contact(field_, surface_, normals_, contact, tool);
+    at = field_.blend(contact.position);
+    force = field_.force(at, tool - contact.position);
+  }
+  const bool pulls = friction_parts(at, force).normal < 0;
+  if (pulls || !force.allFinite()) {
+    // Outside the surface, so that a tool that is still behind it touches again.
+    state = {ContactState::free, true, contact};
+    state.proxy.position += offset_ * contact.normal;
+    return no_force(tool);
+  }
+  state = {contact_state, true, contact};
+  return {-force, contact.position, contact_state};
+}
+
+std::vector<TracePoint> play(const Playback& playback,
+                             std::span<const TrajectoryPoint> trajectory) {
+  std::vector<TracePoint> trace;
+  trace.reserve(trajectory.size());
+  LoopState state;
+  for (const TrajectoryPoint& point : trajectory) {
+    const Command command = playback.step(point.tool, state);
+    trace.push_back({point.time, point.tool, command.contact, command.force, command.state});
+  }
+  return trace;
+}
+
+}  // namespace palpate::haptics

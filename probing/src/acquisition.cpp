@@ -1,0 +1,102 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/probing/acquisition.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <unordered_set>
+
+#include "palpate/error.h"
+
+namespace palpate::probing {
+namespace {
+
+std::string contact_name(const Contact& contact) { return "contact " + std::to_string(contact.id); }
+std::string sample_name(const Sample& sample) { return "sample " + std::to_string(sample.id); }
+
+void check_contact(const Contact& contact) {
+  if (!contact.position.allFinite()) {
+    throw InvalidInput(
+        contact_name(contact) +
+        ": its position x,y,z is not finite; measure it again or leave the contact out");
+  }
+  if (!contact.normal.allFinite() || std::abs(contact.normal.norm() - 1) > kUnitLengthTolerance) {
+    throw InvalidInput(contact_name(contact) + ": its normal nx,ny,nz has length " +
+                       std::to_string(contact.normal.norm()) +
+                       "; it must be a unit vector that points out of the object");
+  }
+}
+
+// Sorted along x, two contacts at one place are near each other in the order.
+void check_places(const std::vector<Contact>& contacts) {
+  Eigen::Vector3d low = contacts.front().position, high = low;
+  for (const Contact& contact : contacts) {
+    low = low.cwiseMin(contact.position);
+    high = high.cwiseMax(contact.position);
+  }
+  const double tolerance = kSamePlaceTolerance * (high - low).norm();
+  std::vector<std::size_t> order(contacts.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) {
+    return contacts[i].position.x() < contacts[j].position.x();
+  });
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const Contact& first = contacts[order[i]];
+    for (std::size_t j = i + 1; j < order.size(); ++j) {
+      const Contact& second = contacts[order[j]];
+      if (second.position.x() - first.position.x() > tolerance) break;
+      if ((second.position - first.position).norm() > tolerance) continue;
+      throw InvalidInput(
+          "contacts " + std::to_string(std::min(first.id, second.id)) + " and " +
+          std::to_string(std::max(first.id, second.id)) +
+          " are at one place; give their samples to one of them and remove the other");
+    }
+  }
+}
+
+void check_sample(const Sample& sample, const std::unordered_set<long long>& contacts) {
+  if (!contacts.contains(sample.contact)) {
+    throw InvalidInput(sample_name(sample) + ": there is no contact " +
+                       std::to_string(sample.contact) + "; add the contact or remove the sample");
+  }
+  if (!sample.force.allFinite() || !sample.a.allFinite() || !sample.b.allFinite()) {
+    throw InvalidInput(sample_name(sample) + " (contact " + std::to_string(sample.contact) +
+                       "): its force p or its positions a, b are not finite; remove the sample");
+  }
+  if (!(sample.time >= 0) || std::isinf(sample.time)) {
+    throw InvalidInput(sample_name(sample) + ": time is " + std::to_string(sample.time) +
+                       " s; it must be >= 0, counted from the beginning of the acquisition");
+  }
+  if (sample.slipped && sample.on_friction_boundary) {
+    throw InvalidInput(
+        sample_name(sample) +
+        ": marked both slipped and on_friction_boundary; a sample on the boundary is "
+        "one that still held");
+  }
+}
+
+}  // namespace
+
+void check_acquisition(const Acquisition& acquisition) {
+  if (acquisition.contacts.empty()) {
+    throw InvalidInput("the acquisition has no contact; at least one is needed");
+  }
+  std::unordered_set<long long> contacts;
+  for (const Contact& contact : acquisition.contacts) {
+    if (!contacts.insert(contact.id).second) {
+      throw InvalidInput(contact_name(contact) + " is there twice; ids must be unique");
+    }
+    check_contact(contact);
+  }
+  check_places(acquisition.contacts);
+  std::unordered_set<long long> samples;
+  for (const Sample& sample : acquisition.samples) {
+    if (!samples.insert(sample.id).second) {
+      throw InvalidInput(sample_name(sample) + " is there twice; ids must be unique");
+    }
+    check_sample(sample, contacts);
+  }
+}
+
+}  // namespace palpate::probing

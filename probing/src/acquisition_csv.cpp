@@ -1,0 +1,112 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/probing/acquisition_csv.h"
+
+#include <array>
+#include <ostream>
+#include <string_view>
+
+#include "palpate/error.h"
+#include "palpate/output_file.h"
+#include "palpate/probing/csv.h"
+
+namespace palpate::probing {
+namespace {
+
+constexpr std::array<std::string_view, 7> kContactColumns = {"id", "x", "y", "z", "nx", "ny", "nz"};
+constexpr std::array<std::string_view, 16> kSampleColumns = {"id",
+                                                             "contact",
+                                                             "group_id",
+                                                             "px",
+                                                             "py",
+                                                             "pz",
+                                                             "ax",
+                                                             "ay",
+                                                             "az",
+                                                             "bx",
+                                                             "by",
+                                                             "bz",
+                                                             "on_friction_boundary",
+                                                             "slipped",
+                                                             "range_map",
+                                                             "time"};
+
+Eigen::Vector3d vector(const CsvTable& table, std::size_t row, std::size_t column) {
+  return {table.number(row, column), table.number(row, column + 1), table.number(row, column + 2)};
+}
+
+std::vector<Contact> read_contacts(const std::filesystem::path& path) {
+  const CsvTable table(path, kContactColumns);
+  std::vector<Contact> contacts(table.rows());
+  for (std::size_t row = 0; row < table.rows(); ++row) {
+    contacts[row] = {table.integer(row, 0), vector(table, row, 1), vector(table, row, 4)};
+  }
+  return contacts;
+}
+
+std::vector<Sample> read_samples(const std::filesystem::path& path) {
+  const CsvTable table(path, kSampleColumns);
+  std::vector<Sample> samples(table.rows());
+  for (std::size_t row = 0; row < table.rows(); ++row) {
+    samples[row] = {.id = table.integer(row, 0),
+                    .contact = table.integer(row, 1),
+                    .group = table.integer(row, 2),
+                    .force = vector(table, row, 3),
+                    .a = vector(table, row, 6),
+                    .b = vector(table, row, 9),
+                    .on_friction_boundary = table.flag(row, 12),
+                    .slipped = table.flag(row, 13),
+                    .range_map = table.text(row, 14),
+                    .time = table.number(row, 15)};
+  }
+  return samples;
+}
+
+void write_vector(std::ostream& out, const Eigen::Vector3d& v) {
+  for (const double value : v) out << ',' << to_text(value);
+}
+
+void write_contacts(std::ostream& out, const std::vector<Contact>& contacts) {
+  write_csv_header(out, kContactColumns);
+  for (const Contact& contact : contacts) {
+    out << to_text(contact.id);
+    write_vector(out, contact.position);
+    write_vector(out, contact.normal);
+    out << '\n';
+  }
+}
+
+void write_samples(std::ostream& out, const std::vector<Sample>& samples) {
+  write_csv_header(out, kSampleColumns);
+  for (const Sample& sample : samples) {
+    out << to_text(sample.id) << ',' << to_text(sample.contact) << ',' << to_text(sample.group);
+    write_vector(out, sample.force);
+    write_vector(out, sample.a);
+    write_vector(out, sample.b);
+    out << ',' << sample.on_friction_boundary << ',' << sample.slipped << ','
+        << to_cell(sample.range_map) << ',' << to_text(sample.time) << '\n';
+  }
+}
+
+}  // namespace
+
+Acquisition read_acquisition_csv(const std::filesystem::path& contacts,
+                                 const std::filesystem::path& samples) {
+  Acquisition acquisition{read_contacts(contacts), read_samples(samples), {}};
+  try {
+    check_acquisition(acquisition);
+  } catch (const InvalidInput& error) {
+    throw FileError(contacts.string() + " and " + samples.string() + ": " + error.what());
+  }
+  return acquisition;
+}
+
+void write_acquisition_csv(const Acquisition& acquisition, const std::filesystem::path& contacts,
+                           const std::filesystem::path& samples) {
+  check_acquisition(acquisition);
+  for (const Sample& sample : acquisition.samples) static_cast<void>(to_cell(sample.range_map));
+  write_file(contacts, [&](std::ostream& out) { write_contacts(out, acquisition.contacts); });
+  write_file(samples, [&](std::ostream& out) { write_samples(out, acquisition.samples); });
+}
+
+}  // namespace palpate::probing

@@ -1,0 +1,102 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/haptics/blended_field.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sheet_model.h"
+
+namespace palpate::haptics {
+namespace {
+
+constexpr double kTolerance = 1e-12;  // a hundred operations on values of order 1 to 1000
+const Eigen::Vector3d kDisplacement(1.1, -0.7, 2.3);
+
+TEST(BlendedField, AtAContactIsItsOwnField) {
+  const Model model = uneven_model();
+  const BlendedField field(model);
+  for (const ContactModel& contact : model.contacts) {
+    const Eigen::Vector3d expected =
+        contact.frame * force(contact.field, contact.frame.transpose() * kDisplacement);
+    EXPECT_LT((field.force(contact.position, kDisplacement) - expected).norm(), kTolerance);
+    EXPECT_NEAR(field.blend(contact.position).friction, contact.friction, kTolerance);
+    EXPECT_LT((field.blend(contact.position).friction_axis - contact.friction_axis).norm(),
+              kTolerance);
+  }
+}
+
+TEST(BlendedField, BlendsLinearlyBetweenContactsInTheBlendedFrame) {
+  Model model = uneven_model();
+  for (ContactModel& contact : model.contacts) contact.frame = some_rotation();
+  const BlendedField field(model);
+  // On the edge from contact 0 to contact 1, three tenths of the way.
+  const Eigen::Vector3d place = 0.7 * model.contacts[0].position + 0.3 * model.contacts[1].position;
+  const Eigen::Vector3d local = some_rotation().transpose() * kDisplacement;
+  const Eigen::Vector3d expected = some_rotation() * (0.7 * force(model.contacts[0].field, local) +
+                                                      0.3 * force(model.contacts[1].field, local));
+  EXPECT_LT((field.force(place, kDisplacement) - expected).norm(), kTolerance);
+  EXPECT_NEAR(field.blend(place).friction, 0.7 * 0.4 + 0.3 * 0.5, kTolerance);
+}
+
+TEST(BlendedField, IsZeroAtZeroDisplacementAndContinuousAcrossTriangles) {
+  const BlendedField field(uneven_model());
+  EXPECT_EQ(field.force({3, 4, 700}, Eigen::Vector3d::Zero()), Eigen::Vector3d::Zero());
+  // The diagonal between the two triangles runs through (x, -x).
+  const double step = 1e-7;
+  const Eigen::Vector3d below = field.force({10 - step, -10 - step, 700}, kDisplacement);
+  const Eigen::Vector3d above = field.force({10 + step, -10 + step, 700}, kDisplacement);
+  EXPECT_LT((above - below).norm(), 1e-6);
+  EXPECT_GT((above - below).norm(), 0);
+}
+
+TEST(BlendedField, MovesWithTheWorld) {
+  const Eigen::Isometry3d motion = some_motion();
+  const BlendedField field(uneven_model()), elsewhere(moved(uneven_model(), motion));
+  const Eigen::Matrix3Xd places = random_points(30, 40);
+  for (const auto& offset : places.colwise()) {
+    const Eigen::Vector3d place(offset.x(), offset.y(), 700);
+    const Eigen::Vector3d expected = motion.linear() * field.force(place, kDisplacement);
+    EXPECT_LT((elsewhere.force(motion * place, motion.linear() * kDisplacement) - expected).norm(),
+              1e-9);
+  }
+}
+
+TEST(BlendedField, DoesNotDependOnACommonTurnOfTheLocalAxes) {
+  Model model = uneven_model();
+  const BlendedField field(model);
+  for (ContactModel& contact : model.contacts) {
+    contact.frame = contact.frame * some_rotation();
+    contact.field.centers = some_rotation().transpose() * contact.field.centers;
+  }
+  const BlendedField turned(model);
+  EXPECT_LT(
+      (turned.force({7, 11, 700}, kDisplacement) - field.force({7, 11, 700}, kDisplacement)).norm(),
+      kTolerance);
+}
+
+TEST(BlendedField, GivesNoForceForWhatIsNotFinite) {
+  const BlendedField field(uneven_model());
+  const Eigen::Vector3d nan = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
+  EXPECT_EQ(field.force(nan, kDisplacement), Eigen::Vector3d::Zero());
+  EXPECT_EQ(field.force({0, 0, 700}, nan), Eigen::Vector3d::Zero());
+  EXPECT_TRUE(field.force({1e6, -1e6, 1e6}, {1e12, 0, 1e12}).allFinite());
+}
+
+TEST(FrictionParts, SplitAForceAlongAndAcrossTheAxis) {
+  Blend at;
+  at.friction = 0.5;
+  const FrictionParts parts = friction_parts(at, {3, 4, 6});
+  EXPECT_EQ(parts.normal, 6);
+  EXPECT_EQ(parts.tangential, 5);
+  EXPECT_EQ(parts.excess, 2);
+}
+
+TEST(BlendedField, RefusesABadModel) {
+  Model model = uneven_model();
+  model.contacts[0].field.epsilon = -1;
+  EXPECT_THAT(refusal([&] { return BlendedField(model); }), testing::HasSubstr("epsilon"));
+}
+
+}  // namespace
+}  // namespace palpate::haptics

@@ -1,0 +1,143 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/haptics/build_model.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include "palpate/haptics/blended_field.h"
+#include "synthetic_acquisition.h"
+
+namespace palpate::haptics {
+namespace {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+const BuildOptions kQuick{.fit = {.accuracy = 0.01, .max_bases = 2, .epsilon = 20}};
+
+Eigen::Vector3d spring_force(const Eigen::Vector3d& d) { return 9 * d / std::hypot(d.norm(), 20); }
+
+TEST(BuildModel, LearnsTheSpringAndTheFrictionEverywhere) {
+  const BuildResult result = build_model(flat_acquisition(0.6), flat_surface(), kQuick);
+  EXPECT_EQ(result.registration, RegistrationOutcome::not_needed);
+  EXPECT_TRUE(result.isolated.empty());
+  EXPECT_FALSE(result.surface_flipped);
+  ASSERT_EQ(result.model.contacts.size(), 9u);
+  EXPECT_NO_THROW(check_model(result.model));
+  for (const ContactModel& contact : result.model.contacts) {
+    EXPECT_NEAR(contact.friction, 0.6, 1e-6);
+    EXPECT_EQ(contact.friction_source, FrictionSource::samples);
+    EXPECT_LT((contact.frame.col(2) - Eigen::Vector3d::UnitZ()).norm(), 1e-6);
+    EXPECT_LE(contact.rms, 0.01);
+    EXPECT_EQ(contact.samples, 3 * (1 + 16));
+  }
+  const BlendedField field(result.model);
+  const Eigen::Vector3d displacement(1, -0.7, 4);
+  EXPECT_LT((field.force({7, -13, 700}, displacement) - spring_force(displacement)).norm(), 0.02);
+}
+
+TEST(BuildModel, IsTheSameForAnyNumberOfThreads) {
+  BuildResult results[2];
+  for (std::size_t i = 0; i < 2; ++i) {
+    const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, i == 0 ? 1 : 4);
+    results[i] = build_model(flat_acquisition(), flat_surface(), kQuick);
+  }
+  for (std::size_t i = 0; i < 9; ++i) {
+    EXPECT_EQ(results[0].model.contacts[i].field.centers,
+              results[1].model.contacts[i].field.centers);
+    EXPECT_EQ(results[0].model.contacts[i].field.weights,
+              results[1].model.contacts[i].field.weights);
+    EXPECT_EQ(results[0].model.contacts[i].frame, results[1].model.contacts[i].frame);
+  }
+}
+
+TEST(BuildModel, ReportsProgressToTheEnd) {
+  BuildOptions options = kQuick;
+  std::vector<int> done;
+  options.progress = [&](int now, int total) {
+    EXPECT_EQ(total, 9);
+    done.push_back(now);
+  };
+  static_cast<void>(build_model(flat_acquisition(), flat_surface(), options));
+  EXPECT_THAT(done, ElementsAre(1, 2, 3, 4, 5, 6, 7, 8, 9));
+}
+
+TEST(BuildModel, RegistersAnAcquisitionThatIsOffTheSurface) {
+  const Eigen::Vector3d offset(0, 0, 1.5);
+  probing::Acquisition acquisition = flat_acquisition();
+  for (probing::Contact& contact : acquisition.contacts) contact.position += offset;
+  for (probing::Sample& sample : acquisition.samples) {
+    sample.a += offset;
+    sample.b += offset;
+  }
+  const BuildResult result = build_model(acquisition, flat_surface(), kQuick);
+  EXPECT_EQ(result.registration, RegistrationOutcome::accepted);
+  EXPECT_NEAR(result.distance_rms, 1.5, 1e-9);
+  // The iterations end at the rounding of single precision.
+  EXPECT_LT((result.model.T_surface_acquisition.translation() + offset).norm(), 1e-2);
+  EXPECT_LT((result.model.contacts[0].position - Eigen::Vector3d(-30, -30, 700)).norm(), 1e-2);
+  const Eigen::Vector3d displacement(1, -0.7, 4);
+  EXPECT_LT(
+      (BlendedField(result.model).force({7, -13, 700}, displacement) - spring_force(displacement))
+          .norm(),
+      0.1);
+}
+
+TEST(BuildModel, RefusesAContactOffTheSurface) {
+  probing::Acquisition acquisition = flat_acquisition();
+  acquisition.contacts[4].position.z() -= 3;
+  EXPECT_THAT(
+      refusal([&] { return build_model(acquisition, flat_surface(), kQuick); }),
+      AllOf(HasSubstr("contact 24"), HasSubstr("from the surface"), HasSubstr("at most 2")));
+  acquisition = flat_acquisition();
+  for (probing::Contact& contact : acquisition.contacts) contact.position.z() += 10;
+  EXPECT_THAT(refusal([&] { return build_model(acquisition, flat_surface(), kQuick); }),
+              HasSubstr("too_far"));
+}
+
+TEST(BuildModel, TurnsTheSurfaceOverIfItIsSeenFromInside) {
+  geometry::TriangleMesh surface = flat_surface();
+  surface.triangles.row(0).swap(surface.triangles.row(1));
+  const BuildResult result = build_model(flat_acquisition(), surface, kQuick);
+  EXPECT_TRUE(result.surface_flipped);
+  EXPECT_LT(geometry::triangle_normals(result.model.surface)(2, 0), 0);
+  EXPECT_LT(geometry::triangle_normals(contact_mesh(result.model)).row(2).maxCoeff(), 0);
+  probing::Acquisition acquisition = flat_acquisition();
+  acquisition.contacts[3].normal *= -1;
+  EXPECT_THAT(refusal([&] { return build_model(acquisition, flat_surface(), kQuick); }),
+              HasSubstr("contact 23"));
+}
+
+TEST(BuildModel, LeavesOutContactsWithoutSamplesAndBorrowsFriction) {
+  probing::Acquisition acquisition = flat_acquisition(0.6);
+  std::erase_if(acquisition.samples, [](const probing::Sample& s) { return s.contact == 24; });
+  for (probing::Sample& sample : acquisition.samples) {
+    if (sample.contact == 20) sample.on_friction_boundary = false;
+  }
+  const BuildResult result = build_model(acquisition, flat_surface(), kQuick);
+  EXPECT_THAT(result.without_samples, ElementsAre(24));
+  EXPECT_EQ(result.model.contacts.size(), 8u);
+  EXPECT_EQ(result.model.contacts[0].friction_source, FrictionSource::other_contacts);
+  EXPECT_NEAR(result.model.contacts[0].friction, 0.6, 1e-6);
+  EXPECT_EQ(result.contacts[0].cone.stop, ConeStop::not_determined);
+  acquisition.samples.clear();
+  EXPECT_THAT(refusal([&] { return build_model(acquisition, flat_surface(), kQuick); }),
+              HasSubstr("at least three"));
+}
+
+TEST(BuildModel, RefusesBadOptionsAndAcquisitions) {
+  BuildOptions options = kQuick;
+  options.max_distance = -1;
+  EXPECT_THAT(refusal([&] { return build_model(flat_acquisition(), flat_surface(), options); }),
+              HasSubstr("max_distance"));
+  probing::Acquisition acquisition = flat_acquisition();
+  acquisition.contacts[1].position = acquisition.contacts[0].position;
+  EXPECT_THAT(refusal([&] { return build_model(acquisition, flat_surface(), kQuick); }),
+              HasSubstr("at one place"));
+}
+
+}  // namespace
+}  // namespace palpate::haptics

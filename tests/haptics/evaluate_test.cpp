@@ -1,0 +1,69 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/haptics/evaluate.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "palpate/haptics/build_model.h"
+#include "synthetic_acquisition.h"
+
+namespace palpate::haptics {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(EvaluateQueries, SumsUpTheLengthsOfTheErrors) {
+  const Model model = sheet_model();
+  std::vector<Query> queries;
+  for (int i = 1; i <= 10; ++i) {
+    const Eigen::Vector3d displacement(0.1 * i, 0, 3);
+    const Eigen::Vector3d truth = 4 * displacement / std::hypot(displacement.norm(), 10);
+    queries.push_back(
+        {{1.0 * i, 2, 700}, displacement, truth + Eigen::Vector3d(0, 0.6 * i, -0.8 * i)});
+  }
+  const QueryErrors errors = evaluate_queries(model, queries);  // 1, 2, ..., 10
+  EXPECT_EQ(errors.count, 10);
+  EXPECT_NEAR(errors.rms, std::sqrt(38.5), 1e-9);
+  EXPECT_NEAR(errors.median, 5, 1e-9);
+  EXPECT_NEAR(errors.p90, 9, 1e-9);
+  EXPECT_THAT(refusal([&] { return evaluate_queries(model, {}); }), HasSubstr("no query"));
+}
+
+TEST(LeaveOneOut, PredictsAnObjectThatIsTheSameEverywhere) {
+  const probing::Acquisition acquisition = flat_acquisition();
+  const Model model = build_model(acquisition, flat_surface(),
+                                  {.fit = {.accuracy = 0.01, .max_bases = 2, .epsilon = 20}})
+                          .model;
+  const LeaveOneOut errors = leave_one_out(model, acquisition);
+  ASSERT_EQ(errors.per_contact.size(), 9u);
+  EXPECT_EQ(errors.per_contact[3].contact, 23);
+  EXPECT_EQ(errors.per_contact[3].samples, 51);
+  for (const ContactError& error : errors.per_contact) EXPECT_LT(error.rms, 0.1);
+  EXPECT_GT(errors.rms, 0);
+}
+
+TEST(LeaveOneOut, DoesNotUseTheContactItPredicts) {
+  const probing::Acquisition acquisition = flat_acquisition();
+  Model model = sheet_model();  // contacts 10 to 13
+  model.contacts[0].id = 20;
+  for (std::size_t i = 1; i < 4; ++i) model.contacts[i].id = 20 + static_cast<long long>(i);
+  const LeaveOneOut before = leave_one_out(model, acquisition);
+  model.contacts[0].field.weights *= 100;
+  const LeaveOneOut after = leave_one_out(model, acquisition);
+  EXPECT_EQ(after.per_contact[0].rms, before.per_contact[0].rms);
+  EXPECT_GT(after.per_contact[1].rms, 2 * before.per_contact[1].rms);
+}
+
+TEST(LeaveOneOut, RefusesAnotherAcquisitionAndTooFewContacts) {
+  Model model = sheet_model();
+  EXPECT_THAT(refusal([&] { return leave_one_out(model, flat_acquisition()); }),
+              HasSubstr("contact 1"));
+  model.contacts.pop_back();
+  model.triangles.conservativeResize(3, 1);
+  EXPECT_THAT(refusal([&] { return leave_one_out(model, flat_acquisition()); }),
+              HasSubstr("at least four"));
+}
+
+}  // namespace
+}  // namespace palpate::haptics

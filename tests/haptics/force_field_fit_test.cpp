@@ -1,0 +1,156 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/haptics/force_field_fit.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <limits>
+
+#include "haptics_testing.h"
+
+namespace palpate::haptics {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+double smallest_stiffness(const ForceField& field) {
+  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(stiffness(field, Eigen::Vector3d::Zero()))
+      .eigenvalues()[0];
+}
+
+// Largest difference of two fields where there are data.
+double distance(const ForceField& left, const ForceField& right, const Eigen::Matrix3Xd& places) {
+  return (forces_at(left, places) - forces_at(right, places)).colwise().norm().maxCoeff();
+}
+
+TEST(FitForceField, RecoversOneBase) {
+  const ForceField truth{Eigen::Vector3d(1.2, -0.4, 2), Eigen::VectorXd::Constant(1, 3.3), 4.5};
+  const Eigen::Matrix3Xd places = random_points(60, 8);
+  const FitResult fit =
+      fit_force_field(places, forces_at(truth, places), {.accuracy = 1e-3, .epsilon = 4.5});
+  EXPECT_EQ(fit.stop, FitStop::accurate);
+  ASSERT_EQ(fit.field.weights.size(), 1);
+  // The solver stops at 1e-6 of the data's scale.
+  EXPECT_LT((fit.field.centers - truth.centers).norm(), 1e-3);
+  EXPECT_NEAR(fit.field.weights[0], 3.3, 1e-3);
+}
+
+TEST(FitForceField, RecoversAFieldInItsSpan) {
+  const ForceField truth = some_field();
+  const Eigen::Matrix3Xd places = random_points(100, 6), others = random_points(50, 5, 9);
+  const Eigen::Matrix3Xd forces = forces_at(truth, places);
+  const FitResult fit =
+      fit_force_field(places, forces, {.accuracy = 0.01, .epsilon = truth.epsilon});
+  EXPECT_EQ(fit.stop, FitStop::accurate);
+  EXPECT_LT(fit.rms, 0.01);
+  EXPECT_LT(distance(fit.field, truth, others), 0.05);
+  const Eigen::Matrix3Xd residual = forces_at(fit.field, places) - forces;
+  EXPECT_NEAR(fit.rms, std::sqrt(residual.colwise().squaredNorm().mean()), 1e-12);
+}
+
+TEST(FitForceField, StaysStableWhereTheDataAreNot) {
+  // Near zero the object pulls the tool along x: a negative spring that no passive object has.
+  const Eigen::Matrix3Xd places = random_points(80, 2);
+  Eigen::Matrix3Xd forces = 0.5 * places;
+  forces.row(0) *= -1;
+  const FitResult fit = fit_force_field(places, forces, {.max_bases = 4});
+  EXPECT_GE(fit.smallest_stiffness, 0);
+  EXPECT_GE(smallest_stiffness(fit.field), 0);
+  EXPECT_TRUE(fit.field.weights.allFinite());
+  // The other axes are not given up for it.
+  EXPECT_NEAR(force(fit.field, {0, 1, 0}).y(), 0.5, 0.15);
+}
+
+TEST(FitForceField, DoesNotDependOnTheOrderOfSamples) {
+  const Eigen::Matrix3Xd places = random_points(50, 6);
+  const Eigen::Matrix3Xd forces = forces_at(some_field(), places);
+  const FitResult fit = fit_force_field(places, forces, {.max_bases = 2});
+  const FitResult reversed =
+      fit_force_field(places.rowwise().reverse(), forces.rowwise().reverse(), {.max_bases = 2});
+  EXPECT_EQ(fit.field.centers, reversed.field.centers);
+  EXPECT_EQ(fit.field.weights, reversed.field.weights);
+}
+
+TEST(FitForceField, ScalesExactlyWithTheUnits) {
+  const Eigen::Matrix3Xd places = random_points(50, 6);
+  const Eigen::Matrix3Xd forces = forces_at(some_field(), places);
+  const FitResult fit = fit_force_field(places, forces, {.accuracy = 0x1p-6, .max_bases = 3});
+  for (const double length : {0x1p-10, 0x1p10}) {
+    for (const double newton : {0x1p-30, 0x1p10}) {
+      const FitResult scaled = fit_force_field(length * places, newton * forces,
+                                               {.accuracy = newton * 0x1p-6, .max_bases = 3});
+      EXPECT_EQ(scaled.field.centers, length * fit.field.centers);
+      EXPECT_EQ(scaled.field.weights, newton * fit.field.weights);
+      EXPECT_EQ(scaled.rms, newton * fit.rms);
+      EXPECT_EQ(scaled.iterations, fit.iterations);
+    }
+  }
+}
+
+TEST(FitForceField, TurnsWithTheFrame) {
+  const Eigen::Matrix3d turn = some_rotation();
+  const ForceField truth{Eigen::Vector3d(1.2, -0.4, 2), Eigen::VectorXd::Constant(1, 3.3), 4.5};
+  const Eigen::Matrix3Xd places = random_points(60, 8);
+  const Eigen::Matrix3Xd forces = forces_at(truth, places);
+  const FitOptions options{.accuracy = 0.2, .max_bases = 3};  // epsilon is not the truth's
+  const FitResult fit = fit_force_field(places, forces, options);
+  const FitResult turned = fit_force_field(turn * places, turn * forces, options);
+  const Eigen::Matrix3Xd expected = turn * forces_at(fit.field, places);
+  // The solver stops at 1e-6 of the data's scale of 3 N.
+  EXPECT_LT((forces_at(turned.field, turn * places) - expected).colwise().norm().maxCoeff(), 1e-2);
+  EXPECT_NEAR(turned.rms, fit.rms, 1e-3);
+}
+
+TEST(FitForceField, SurvivesPoorData) {
+  const Eigen::Matrix3Xd one = Eigen::Vector3d(0.3, 0.1, 2.2);
+  const Eigen::Matrix3Xd alike = one.replicate(1, 9);
+  Eigen::Matrix3Xd line(3, 9);
+  for (int i = 0; i < 9; ++i) line.col(i) = i * one;
+  for (const Eigen::Matrix3Xd& places : {one, alike, line}) {
+    const FitResult fit = fit_force_field(places, 0.5 * places);
+    EXPECT_LT(fit.rms, 0.1) << places.cols();
+    EXPECT_GE(smallest_stiffness(fit.field), 0);
+    EXPECT_TRUE(force(fit.field, {5, 5, 5}).allFinite());
+  }
+}
+
+TEST(FitForceField, SaysWhenTheDataDoNotDetermineAField) {
+  const Eigen::Matrix3Xd zero = Eigen::Matrix3Xd::Zero(3, 5), some = random_points(5, 1);
+  const FitResult rigid = fit_force_field(zero, some);
+  EXPECT_EQ(rigid.stop, FitStop::not_determined);
+  EXPECT_GT(rigid.rms, 0);
+  EXPECT_EQ(force(rigid.field, {1, 2, 3}), Eigen::Vector3d::Zero());
+  const FitResult nothing = fit_force_field(some, zero);
+  EXPECT_EQ(nothing.stop, FitStop::accurate);
+  EXPECT_EQ(force(nothing.field, {1, 2, 3}), Eigen::Vector3d::Zero());
+}
+
+TEST(FitForceField, FitsForcesOfANanonewton) {
+  const Eigen::Matrix3Xd places = random_points(40, 5);
+  const FitResult fit = fit_force_field(places, 1e-9 * places, {.accuracy = 1e-10});
+  EXPECT_LE(fit.rms, 1e-10);
+}
+
+TEST(FitForceField, RefusesWhatItCannotUse) {
+  Eigen::Matrix3Xd places = random_points(5, 1);
+  const Eigen::Matrix3Xd forces = places;
+  EXPECT_THAT(refusal([&] { return fit_force_field(places.leftCols(0), forces.leftCols(0)); }),
+              HasSubstr("at least one"));
+  EXPECT_THAT(refusal([&] { return fit_force_field(places.leftCols(4), forces); }),
+              HasSubstr("4 displacements and 5"));
+  EXPECT_THAT(refusal([&] { return fit_force_field(places, forces, {.accuracy = kNaN}); }),
+              HasSubstr("accuracy"));
+  EXPECT_THAT(refusal([&] { return fit_force_field(places, forces, {.max_bases = 0}); }),
+              HasSubstr("max_bases"));
+  EXPECT_THAT(refusal([&] { return fit_force_field(places, forces, {.epsilon = -1}); }),
+              HasSubstr("epsilon"));
+  places(1, 3) = kNaN;
+  EXPECT_THAT(refusal([&] { return fit_force_field(places, forces); }), HasSubstr("sample 3"));
+}
+
+}  // namespace
+}  // namespace palpate::haptics

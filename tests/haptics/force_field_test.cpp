@@ -1,0 +1,109 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/haptics/force_field.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "haptics_testing.h"
+
+namespace palpate::haptics {
+namespace {
+
+// Central differences with step h: truncation h^2, rounding 1e-16 / h.
+constexpr double kStep = 1e-5;
+constexpr double kDifferenceTolerance = 1e-8;
+
+TEST(ForceField, IsExactlyZeroAtZeroDisplacement) {
+  EXPECT_EQ(force(some_field(), Eigen::Vector3d::Zero()), Eigen::Vector3d::Zero());
+  EXPECT_EQ(potential(some_field(), Eigen::Vector3d::Zero()), 0);
+}
+
+TEST(ForceField, OneCentredBaseIsASofteningSpring) {
+  const ForceField spring{Eigen::Vector3d::Zero(), Eigen::VectorXd::Constant(1, 2.5), 4};
+  // f = w r / sqrt(r^2 + eps^2), p = w (sqrt(r^2 + eps^2) - eps)
+  EXPECT_NEAR(force(spring, {0, 3, 0}).y(), 2.5 * 3 / 5, 1e-15);
+  EXPECT_NEAR(potential(spring, {0, 3, 0}), 2.5 * (5 - 4), 1e-14);
+  EXPECT_TRUE(stiffness(spring, {0, 0, 0}).isApprox(2.5 / 4 * Eigen::Matrix3d::Identity(), 1e-15));
+}
+
+TEST(ForceField, ForceIsTheGradientOfThePotential) {
+  const ForceField field = some_field();
+  const Eigen::Matrix3Xd points = random_points(20, 6);
+  for (const auto& x : points.colwise()) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const Eigen::Vector3d h = kStep * Eigen::Vector3d::Unit(axis);
+      const double slope = (potential(field, x + h) - potential(field, x - h)) / (2 * kStep);
+      EXPECT_NEAR(force(field, x)[axis], slope, kDifferenceTolerance);
+      const Eigen::Vector3d column = (force(field, x + h) - force(field, x - h)) / (2 * kStep);
+      EXPECT_LT((stiffness(field, x).col(axis) - column).norm(), kDifferenceTolerance);
+    }
+  }
+}
+
+TEST(ForceField, StiffnessAtZeroIsThePrintedMatrix) {
+  ForceField field = some_field();
+  field.epsilon = 1;  // as printed in Eq 5.9
+  Eigen::Matrix3d printed = Eigen::Matrix3d::Zero();
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    const Eigen::Vector3d g = field.centers.col(k);
+    Eigen::Matrix3d m;
+    m << g.y() * g.y() + g.z() * g.z() + 1, -g.x() * g.y(), -g.x() * g.z(),  //
+        -g.x() * g.y(), g.x() * g.x() + g.z() * g.z() + 1, -g.y() * g.z(),   //
+        -g.x() * g.z(), -g.y() * g.z(), g.x() * g.x() + g.y() * g.y() + 1;
+    printed += field.weights[k] / std::pow(g.squaredNorm() + 1, 1.5) * m;
+  }
+  EXPECT_TRUE(stiffness(field, Eigen::Vector3d::Zero()).isApprox(printed, 1e-14));
+}
+
+TEST(ForceField, ScalesWithTheUnitsExactly) {
+  ForceField scaled = some_field();
+  scaled.centers *= 0x1p10;
+  scaled.epsilon *= 0x1p10;
+  scaled.weights *= 0x1p-7;
+  const Eigen::Vector3d x(0.7, 1.3, -2.1);
+  EXPECT_EQ(force(scaled, 0x1p10 * x), 0x1p-7 * force(some_field(), x));
+  EXPECT_EQ(potential(scaled, 0x1p10 * x), 0x1p3 * potential(some_field(), x));
+}
+
+TEST(ForceField, StaysBoundedFarAway) {
+  const Eigen::Vector3d far = force(some_field(), {1e9, -1e9, 1e9});
+  EXPECT_LE(far.norm(), 2 * some_field().weights.cwiseAbs().sum());
+}
+
+TEST(ForceField, SmallDisplacementsKeepTheirEnergy) {
+  const Eigen::Vector3d x(1e-9, -2e-9, 1e-9);
+  const double quadratic = 0.5 * x.dot(stiffness(some_field(), Eigen::Vector3d::Zero()) * x);
+  // Linear terms of about 1e-9 cancel to 1e-18: what is left has a relative error of about 1e-7.
+  EXPECT_NEAR(potential(some_field(), x) / quadratic, 1, 1e-5);
+}
+
+TEST(ForceField, RefusesWhatIsNoField) {
+  ForceField field = some_field();
+  EXPECT_NO_THROW(check_force_field(field, "f"));
+  field.epsilon = 0;
+  EXPECT_THAT(refusal([&] {
+                check_force_field(field, "f");
+                return 0;
+              }),
+              testing::HasSubstr("epsilon"));
+  field = some_field();
+  field.centers(1, 2) = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(refusal([&] {
+                check_force_field(field, "f");
+                return 0;
+              }),
+              testing::HasSubstr("base 2"));
+  field = some_field();
+  field.weights.conservativeResize(2);
+  EXPECT_THAT(refusal([&] {
+                check_force_field(field, "f");
+                return 0;
+              }),
+              testing::HasSubstr("2 weights"));
+}
+
+}  // namespace
+}  // namespace palpate::haptics

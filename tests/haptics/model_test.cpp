@@ -1,0 +1,50 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/haptics/model.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sheet_model.h"
+
+namespace palpate::haptics {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+template <typename Change>
+std::string refused_after(Change&& change) {
+  Model model = sheet_model();
+  change(model);
+  return refusal([&] { check_model(model); });
+}
+
+TEST(CheckModel, AcceptsAModel) { EXPECT_NO_THROW(check_model(sheet_model())); }
+
+TEST(CheckModel, NamesWhatIsWrong) {
+  EXPECT_THAT(refused_after([](Model& m) { m.contacts.resize(2); }), HasSubstr("at least three"));
+  EXPECT_THAT(refused_after([](Model& m) { m.contacts[2].frame(0, 0) = 1.1; }),
+              AllOf(HasSubstr("contact 12"), HasSubstr("frame")));
+  EXPECT_THAT(refused_after([](Model& m) { m.contacts[2].frame.col(0) *= -1; }),
+              AllOf(HasSubstr("contact 12"), HasSubstr("right-handed")));
+  EXPECT_THAT(refused_after([](Model& m) { m.contacts[1].friction = -0.1; }),
+              AllOf(HasSubstr("contact 11"), HasSubstr(">= 0")));
+  EXPECT_THAT(refused_after([](Model& m) { m.contacts[1].friction_axis *= 2; }),
+              AllOf(HasSubstr("contact 11"), HasSubstr("unit")));
+  EXPECT_THAT(refused_after([](Model& m) {
+                m.contacts[3].position.x() = std::numeric_limits<double>::quiet_NaN();
+              }),
+              HasSubstr("contact 13"));
+  EXPECT_THAT(refused_after([](Model& m) { m.contacts[3].field.epsilon = 0; }),
+              AllOf(HasSubstr("contact 13"), HasSubstr("epsilon")));
+  EXPECT_THAT(refused_after([](Model& m) { m.triangles(1, 1) = 4; }), HasSubstr("triangle"));
+  EXPECT_THAT(refused_after([](Model& m) { m.triangles.resize(3, 0); }), HasSubstr("triangle"));
+  EXPECT_THAT(refused_after([](Model& m) { m.T_surface_acquisition.linear() *= 2; }),
+              HasSubstr("registration"));
+  EXPECT_THAT(refused_after([](Model& m) { m.surface.triangles.resize(3, 0); }),
+              HasSubstr("surface"));
+}
+
+}  // namespace
+}  // namespace palpate::haptics

@@ -1,0 +1,61 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/haptics/trajectory_csv.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "haptics_testing.h"
+
+namespace palpate::haptics {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+TEST(TrajectoryCsv, ReadsTrajectoriesAndQueries) {
+  const std::filesystem::path folder = scratch_folder();
+  write_text(folder / "t.csv", "x,y,z,t\n1,2,3,0\n4,5,6,0.5\n");
+  const std::vector<TrajectoryPoint> trajectory = read_trajectory(folder / "t.csv");
+  ASSERT_EQ(trajectory.size(), 2u);
+  EXPECT_EQ(trajectory[1].time, 0.5);
+  EXPECT_EQ(trajectory[1].tool, Eigen::Vector3d(4, 5, 6));
+  write_text(folder / "q.csv", "cx,cy,cz,dx,dy,dz,fx,fy,fz\n1,2,3,4,5,6,7,8,9");
+  const std::vector<Query> queries = read_queries(folder / "q.csv");
+  ASSERT_EQ(queries.size(), 1u);
+  EXPECT_EQ(queries[0].contact, Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(queries[0].displacement, Eigen::Vector3d(4, 5, 6));
+  EXPECT_EQ(queries[0].force, Eigen::Vector3d(7, 8, 9));
+}
+
+TEST(TrajectoryCsv, RefusesEmptyTablesAndTimesOutOfOrder) {
+  const std::filesystem::path folder = scratch_folder();
+  write_text(folder / "t.csv", "t,x,y,z\n");
+  EXPECT_THAT(refusal([&] { return read_trajectory(folder / "t.csv"); }),
+              HasSubstr("no line of numbers"));
+  write_text(folder / "t.csv", "t,x,y,z\n0,1,2,3\n1,1,2,3\n1,1,2,3\n");
+  EXPECT_THAT(refusal([&] { return read_trajectory(folder / "t.csv"); }),
+              AllOf(HasSubstr("line 4"), HasSubstr("'t'")));
+  write_text(folder / "t.csv", "t,x,y,z\n0,1,nan,3\n");
+  EXPECT_THAT(refusal([&] { return read_trajectory(folder / "t.csv"); }),
+              AllOf(HasSubstr("line 2"), HasSubstr("'y'")));
+  write_text(folder / "q.csv", "cx,cy,cz,dx,dy,dz,fx,fy,fz\n");
+  EXPECT_THAT(refusal([&] { return read_queries(folder / "q.csv"); }), HasSubstr("q.csv"));
+}
+
+TEST(TrajectoryCsv, WritesTheTraceToTheLastDigit) {
+  const std::filesystem::path path = scratch_folder() / "trace.csv";
+  const std::vector<TracePoint> trace = {
+      {0, {1, 2, 3}, {4, 5, 6}, {0.1, -1e-300, 0}, ContactState::stick},
+      {0.001, {1, 2, 3}, {1, 2, 3}, {0, 0, 0}, ContactState::free},
+      {0.002, {1, 2, 3}, {1, 2, 3}, {0, 0, 0}, ContactState::slip}};
+  write_trace(path, trace);
+  EXPECT_EQ(read_text(path),
+            "t,x,y,z,cx,cy,cz,fx,fy,fz,state\n"
+            "0,1,2,3,4,5,6,0.1,-1e-300,0,stick\n"
+            "0.001,1,2,3,1,2,3,0,0,0,free\n"
+            "0.002,1,2,3,1,2,3,0,0,0,slip\n");
+}
+
+}  // namespace
+}  // namespace palpate::haptics

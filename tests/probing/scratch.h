@@ -1,0 +1,84 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include "palpate/error.h"
+#include "palpate/probing/acquisition.h"
+
+namespace palpate::probing {
+
+/// A folder of this test alone, empty at first.
+inline std::filesystem::path scratch_folder() {
+  const testing::TestInfo* test = testing::UnitTest::GetInstance()->current_test_info();
+  const std::filesystem::path folder = std::filesystem::temp_directory_path() /
+                                       "palpate_probing_test" /
+                                       (std::string(test->test_suite_name()) + "." + test->name());
+  std::filesystem::remove_all(folder);
+  std::filesystem::create_directories(folder);
+  return folder;
+}
+
+inline void write_text(const std::filesystem::path& path, const std::string& text) {
+  std::ofstream(path, std::ios::binary) << text;
+}
+
+inline std::string read_text(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+
+/// The message of the FileError or InvalidInput that `call` throws.
+template <typename Call>
+std::string refusal(Call&& call) {
+  try {
+    static_cast<void>(call());
+  } catch (const InvalidInput& error) {
+    return error.what();
+  }
+  ADD_FAILURE() << "nothing was refused";
+  return {};
+}
+
+/// Two contacts, three samples, numbers that decimal digits cannot hold exactly.
+inline Acquisition small_acquisition() {
+  Acquisition acquisition;
+  acquisition.contacts = {{3, {0.1, -1.0 / 3, 700.7}, {0, 0.6, -0.8}},
+                          {8, {10.3, 2, 701}, {0, 0, -1}}};
+  acquisition.samples = {
+      {1, 3, 0, {0.1, 0.2, 1e-17}, {1, 2, 3}, {4, 5, 6}, true, false, "", 0},
+      {2, 3, 0, {0.3, 0.2, 1.1}, {1, 2, 3}, {4, 5, 6}, false, true, "range/7, left.tiff", 12.1},
+      {7, 8, 1, {-0.3, 0.2, 2.0 / 3}, {1, 2, 3}, {4, 5, 1e300}, false, false, "", 24.2}};
+  return acquisition;
+}
+
+inline void expect_same(const Acquisition& left, const Acquisition& right) {
+  ASSERT_EQ(left.contacts.size(), right.contacts.size());
+  ASSERT_EQ(left.samples.size(), right.samples.size());
+  for (std::size_t i = 0; i < left.contacts.size(); ++i) {
+    EXPECT_EQ(left.contacts[i].id, right.contacts[i].id);
+    EXPECT_EQ(left.contacts[i].position, right.contacts[i].position);
+    EXPECT_EQ(left.contacts[i].normal, right.contacts[i].normal);
+  }
+  for (std::size_t i = 0; i < left.samples.size(); ++i) {
+    const Sample &l = left.samples[i], &r = right.samples[i];
+    EXPECT_EQ(l.id, r.id);
+    EXPECT_EQ(l.contact, r.contact);
+    EXPECT_EQ(l.group, r.group);
+    EXPECT_EQ(l.force, r.force);
+    EXPECT_EQ(l.a, r.a);
+    EXPECT_EQ(l.b, r.b);
+    EXPECT_EQ(l.on_friction_boundary, r.on_friction_boundary);
+    EXPECT_EQ(l.slipped, r.slipped);
+    EXPECT_EQ(l.range_map, r.range_map);
+    EXPECT_EQ(l.time, r.time);
+  }
+}
+
+}  // namespace palpate::probing
