@@ -1,0 +1,97 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vtkNew.h>
+#include <vtkSmartPointer.h>
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "color_map.h"
+#include "offscreen_display.h"
+
+class vtkRenderer;
+class vtkRenderWindow;
+class vtkStringOutputWindow;
+class vtkOutputWindow;
+
+namespace palpate::pictures {
+
+/// A part of a picture, px from its lower left corner.
+struct Box {
+  double x = 0;
+  double y = 0;
+  double width = 0;
+  double height = 0;
+};
+
+/// Opaque pixels, the lowest row first.
+struct Pixels {
+  int width = 0;
+  int height = 0;
+  std::vector<Rgb> colors;
+};
+
+enum class Align { low, middle, high };
+
+struct TextStyle {
+  int size = 16;
+  Rgb color = {40, 40, 40};
+  Align across = Align::middle;
+  Align up = Align::middle;
+  bool bold = false;
+  bool upwards = false;  ///< runs from below to above
+};
+
+/// A white picture that flat drawings and 3-D panels are put on, then written as PNG.
+///
+/// Coordinates are px, (0, 0) in the lower left corner. What is drawn later lies above; flat
+/// drawings lie above the 3-D panels.
+class Canvas {
+ public:
+  static constexpr int kWidth = 1200;
+
+  /// `title` stands at the top, `subtitle` (may be empty) below it in grey.
+  /// \throws OutputError if there is no display to draw on.
+  Canvas(int height, const std::string& title, const std::string& subtitle);
+  ~Canvas();
+  Canvas(const Canvas&) = delete;
+  Canvas& operator=(const Canvas&) = delete;
+
+  /// The highest y below the title.
+  [[nodiscard]] double top() const { return top_; }
+
+  void add_text(const Eigen::Vector2d& at, const std::string& text, const TextStyle& style = {});
+  /// The size on the picture, px.
+  [[nodiscard]] Eigen::Vector2d text_size(const std::string& text,
+                                          const TextStyle& style = {}) const;
+  /// One line through all points; where one is not finite the line is broken.
+  void add_line(const Eigen::Ref<const Eigen::Matrix2Xd>& points, const Rgb& color,
+                double width = 1);
+  void add_markers(const Eigen::Ref<const Eigen::Matrix2Xd>& centers, const Rgb& color,
+                   double size);
+  void add_rectangle(const Box& box, const Rgb& color);
+  void add_outline(const Box& box);
+  /// A scale bar with its meaning above it; `at` is its left end.
+  void add_bar(const Eigen::Vector2d& at, double length, const std::string& text);
+  void add_pixels(const Eigen::Vector2d& lower_left, const Pixels& pixels);
+  /// A panel for 3-D actors.
+  [[nodiscard]] vtkRenderer* add_panel(const Box& box);
+
+  /// \throws OutputError if it cannot be drawn or written; the file is then as it was.
+  void write(const std::filesystem::path& png);
+
+ private:
+  OffscreenDisplay display_;  // first: the window goes before its connection
+  vtkSmartPointer<vtkOutputWindow> previous_messages_;
+  vtkNew<vtkStringOutputWindow> messages_;
+  vtkSmartPointer<vtkRenderWindow> window_;
+  vtkNew<vtkRenderer> flat_;
+  int height_;
+  double top_;
+};
+
+}  // namespace palpate::pictures

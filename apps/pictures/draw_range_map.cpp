@@ -1,0 +1,60 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/pictures/draw_range_map.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "false_color_image.h"
+#include "input_checks.h"
+#include "ticks.h"
+
+namespace palpate::pictures {
+namespace {
+
+/// Of the depths at each end that the colours need not tell apart.
+constexpr double kTail = 0.005;
+
+/// [mm] half of the scale of a map that is at one depth throughout.
+constexpr double kFlatHalfScale = 0.5;
+
+std::pair<double, double> color_span(std::vector<float> depths) {
+  const auto tail = static_cast<std::ptrdiff_t>(kTail * static_cast<double>(depths.size()));
+  const auto near = depths.begin() + tail;
+  const auto far = depths.end() - 1 - tail;
+  std::nth_element(depths.begin(), near, depths.end());
+  const double low = static_cast<double>(*near);
+  std::nth_element(depths.begin(), far, depths.end());
+  const double high = static_cast<double>(*far);
+  // Wide enough for ticks that the numbers can tell apart.
+  const double middle = (low + high) / 2;
+  return high - low < 1e-6 * std::abs(middle)
+             ? std::pair(middle - kFlatHalfScale, middle + kFlatHalfScale)
+             : std::pair(low, high);
+}
+
+}  // namespace
+
+void draw_range_map(const std::filesystem::path& png, const geometry::RangeMap& map,
+                    const std::string& title) {
+  check_image(map.z, "range map");
+  std::vector<float> depths;
+  for (const float z : map.z.reshaped<Eigen::RowMajor>()) {
+    if (std::isfinite(z)) {
+      depths.push_back(z);
+    }
+  }
+  const auto [nearest, farthest] = std::minmax_element(depths.begin(), depths.end());
+  const double known =
+      100.0 * static_cast<double>(depths.size()) / static_cast<double>(map.z.size());
+  const std::string subtitle = std::to_string(map.z.cols()) + " x " + std::to_string(map.z.rows()) +
+                               " pixels, " + format_value(known, 0.1) + " % known, " +
+                               format_value(static_cast<double>(*nearest), 0.1) + " to " +
+                               format_value(static_cast<double>(*farthest), 0.1) + " mm";
+  const auto [low, high] = color_span(std::move(depths));
+  draw_false_color(png, map.z, {low, high, ColorMap::sequential, "depth (mm)"}, title, subtitle);
+}
+
+}  // namespace palpate::pictures

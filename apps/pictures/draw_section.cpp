@@ -1,0 +1,49 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/pictures/draw_section.h"
+
+#include <array>
+#include <vector>
+
+#include "canvas.h"
+#include "chart.h"
+#include "input_checks.h"
+
+namespace palpate::pictures {
+namespace {
+
+constexpr int kHeight = 700;
+constexpr double kLegendHeight = 44;  ///< px
+constexpr double kMargin = 24;        ///< px
+constexpr std::array<Rgb, 6> kColors{kBlue, kVermilion, kGreen, kPurple, kOrange, kBlack};
+
+}  // namespace
+
+void draw_section(const std::filesystem::path& png, std::span<const SectionSeries> series,
+                  const std::string& title, const SectionLabels& labels) {
+  require(!series.empty(), "series", "there is none: at least one line is needed");
+  Axis x{kEmptySpan, labels.x};
+  Axis y{kEmptySpan, labels.y};
+  std::vector<LegendEntry> legend;
+  for (const SectionSeries& one : series) {
+    check_count(one.y.size(), one.x.size(), ("series '" + one.name + "': y").c_str());
+    check_some_finite(one.x, ("series '" + one.name + "': x").c_str());
+    check_some_finite(one.y, ("series '" + one.name + "': y").c_str());
+    x.span.include(one.x);
+    y.span.include(one.y);
+    legend.push_back({one.name, kColors[legend.size() % kColors.size()]});
+  }
+  y.span.pad();
+  Canvas canvas(kHeight, title, "");
+  const double top = canvas.top() - kLegendHeight;
+  add_legend(canvas, {Canvas::kWidth / 2.0, canvas.top() - kLegendHeight / 2},
+             Canvas::kWidth - 2 * kMargin, legend);
+  Chart chart(canvas, {kMargin, kMargin, Canvas::kWidth - 2 * kMargin, top - kMargin}, x, y);
+  chart.add_axes();
+  for (std::size_t index = 0; index < series.size(); ++index) {
+    chart.add_line(series[index].x, series[index].y, legend[index].color, 2);
+  }
+  canvas.write(png);
+}
+
+}  // namespace palpate::pictures

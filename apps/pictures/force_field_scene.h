@@ -1,0 +1,30 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+
+#include "canvas.h"
+#include "palpate/pictures/draw_force_field.h"
+
+namespace palpate::pictures {
+
+inline constexpr Rgb kStickingColor = kBlue;
+inline constexpr Rgb kBoundaryColor = kVermilion;
+inline constexpr Rgb kFittedColor = kBlack;
+inline constexpr Rgb kConeColor = kOrange;
+inline constexpr Rgb kPlaneColor{170, 170, 170};
+
+/// The samples of one contact with what the fit says about them.
+struct FittedSamples {
+  const ContactSamples& samples;
+  Eigen::Matrix3Xd fitted;  ///< [N] 3 x N
+  Eigen::Vector3d axis;     ///< of the friction cone, unit
+  double friction_coefficient = 0;
+};
+
+/// Draws them in space on a part of the canvas.
+/// \return [mm] width of the cells of the grid on the plane of the surface.
+double add_force_field_scene(Canvas& canvas, const Box& box, const FittedSamples& contact);
+
+}  // namespace palpate::pictures

@@ -1,0 +1,19 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "palpate/geometry/range_map.h"
+
+namespace palpate::pictures {
+
+/// Draws the depths of a range map in false colour as a PNG of 1200 x 900 px: near is blue, far is
+/// yellow, unknown (NaN) is light grey. The colours span the depths but for the nearest and the
+/// farthest 0.5 %, so that a few wrong pixels do not hide the shape. Works without a display.
+/// \throws InvalidInput if the map is empty or holds no finite depth; OutputError.
+void draw_range_map(const std::filesystem::path& png, const geometry::RangeMap& map,
+                    const std::string& title);
+
+}  // namespace palpate::pictures

@@ -1,0 +1,31 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <mutex>
+
+namespace palpate::pictures {
+
+/// A connection to an X server on which VTK draws without showing anything.
+///
+/// Where DISPLAY names a server with OpenGL, it is that one. Otherwise (a server, a container, CI)
+/// the first connection of the process starts Debian's Xvfb, which draws in memory. That one ends
+/// with the process, however the process ends. Pictures are drawn one at a time: a second thread
+/// waits until the first gives its connection back.
+class OffscreenDisplay {
+ public:
+  /// \throws OutputError saying what to install if there is no server and none can be started.
+  OffscreenDisplay();
+  ~OffscreenDisplay();
+  OffscreenDisplay(const OffscreenDisplay&) = delete;
+  OffscreenDisplay& operator=(const OffscreenDisplay&) = delete;
+
+  /// The Display* of Xlib, as vtkWindow::SetDisplayId takes it.
+  [[nodiscard]] void* handle() const noexcept { return connection_; }
+
+ private:
+  std::unique_lock<std::mutex> turn_;
+  void* connection_ = nullptr;
+};
+
+}  // namespace palpate::pictures
