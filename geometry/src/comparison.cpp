@@ -1,0 +1,108 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/geometry/comparison.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "palpate/error.h"
+#include "palpate/geometry/surface_query.h"
+
+namespace palpate::geometry {
+namespace {
+
+/// The value below which a fraction of the sorted values lies, linear between neighbours.
+double quantile(const std::vector<double>& sorted, double fraction) {
+  const double place = fraction * static_cast<double>(sorted.size() - 1);
+  const auto below = static_cast<std::size_t>(place);
+  const std::size_t above = std::min(below + 1, sorted.size() - 1);
+  const double t = place - static_cast<double>(below);
+  return (1 - t) * sorted[below] + t * sorted[above];
+}
+
+void check_same_size(const char* function, Eigen::Index rows, Eigen::Index cols,
+                     const ImageF& reference) {
+  if (rows == reference.rows() && cols == reference.cols()) return;
+  throw InvalidInput(std::string(function) + ": the maps have different sizes, " +
+                     std::to_string(cols) + " x " + std::to_string(rows) + " and " +
+                     std::to_string(reference.cols()) + " x " + std::to_string(reference.rows()) +
+                     " pixels. Compare maps of one camera.");
+}
+
+}  // namespace
+
+ErrorStatistics error_statistics(std::vector<double> errors) {
+  std::erase_if(errors, [](double e) { return !std::isfinite(e); });
+  if (errors.empty()) {
+    constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+    return {.count = 0, .rms = nan, .median = nan, .p90 = nan, .max = nan};
+  }
+  for (double& e : errors) e = std::abs(e);
+  std::sort(errors.begin(),
+            errors.end());  // before the sum: the order of the errors does not matter
+  double sum_of_squares = 0;
+  for (const double e : errors) sum_of_squares += e * e;
+  return {.count = static_cast<long>(errors.size()),
+          .rms = std::sqrt(sum_of_squares / static_cast<double>(errors.size())),
+          .median = quantile(errors, 0.5),
+          .p90 = quantile(errors, 0.9),
+          .max = errors.back()};
+}
+
+ImageF depth_difference(const ImageF& measured, const ImageF& reference) {
+  check_same_size("depth_difference()", measured.rows(), measured.cols(), reference);
+  return measured - reference;
+}
+
+RangeMapScore score_range_map(
+    const ImageF& measured, const ImageF& truth,
+    const Eigen::Ref<const Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>&
+        measurable,
+    double max_error) {
+  check_same_size("score_range_map()", measured.rows(), measured.cols(), truth);
+  check_same_size("score_range_map()", measurable.rows(), measurable.cols(), truth);
+  std::vector<double> errors, distances;
+  long known = 0, wrong = 0, found = 0, wanted = 0;
+  for (Eigen::Index i = 0; i < truth.size(); ++i) {
+    const bool has_depth = std::isfinite(measured.data()[i]);
+    const bool has_truth = std::isfinite(truth.data()[i]);
+    const double error =
+        static_cast<double>(measured.data()[i]) - static_cast<double>(truth.data()[i]);
+    if (has_depth) {
+      ++known;
+      if (!has_truth || std::abs(error) > max_error) ++wrong;
+      if (has_truth) {
+        errors.push_back(error);
+        distances.push_back(static_cast<double>(truth.data()[i]));
+      }
+    }
+    if (measurable(i / truth.cols(), i % truth.cols())) {
+      ++wanted;
+      if (has_depth) ++found;
+    }
+  }
+  return {.error = error_statistics(std::move(errors)),
+          .distance = error_statistics(std::move(distances)).median,
+          .reconstructed = static_cast<double>(found) / static_cast<double>(wanted),
+          .wrong = static_cast<double>(wrong) / static_cast<double>(known)};
+}
+
+Eigen::VectorXd distances_to_surface(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
+                                     const TriangleMesh& surface) {
+  const SurfaceQuery query(surface);
+  const Eigen::Matrix3Xd normals = triangle_normals(surface);
+  Eigen::VectorXd distances(points.cols());
+  for (Eigen::Index i = 0; i < points.cols(); ++i) {
+    const ClosestPoint closest = query.closest_point(points.col(i));
+    distances(i) = closest.distance;
+    if (closest.at.triangle >= 0 &&
+        normals.col(closest.at.triangle).dot(points.col(i) - closest.position) < 0) {
+      distances(i) = -closest.distance;
+    }
+  }
+  return distances;
+}
+
+}  // namespace palpate::geometry
