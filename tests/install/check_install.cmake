@@ -43,8 +43,8 @@ if(output MATCHES "lib(ipopt|vtk|sqlite3|opencv)[^ ]*")
 endif()
 
 # 2. A component that is not installed, or does not exist, is named.
-configure_consumer(${SCRATCH_DIR}/absent ${prefix} "geometry;haptics")
-if(status EQUAL 0 OR NOT output MATCHES "'haptics' is not.installed")
+configure_consumer(${SCRATCH_DIR}/absent ${prefix} "geometry;probing")
+if(status EQUAL 0 OR NOT output MATCHES "'probing' is not.installed")
   message(FATAL_ERROR "a component that is not installed is not named:\n${output}")
 endif()
 configure_consumer(${SCRATCH_DIR}/misspelt ${prefix} "geometri")
