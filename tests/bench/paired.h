@@ -1,0 +1,34 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <benchmark/benchmark.h>
+
+#include <chrono>
+
+namespace palpate::bench {
+
+inline double seconds(auto&& work) {
+  const auto start = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// Times ours and a peer in turns, the order changing every time, and reports ours [ms], the peer's
+/// [ms] and their ratio (< 1: ours is faster).
+void run_paired(benchmark::State& state, auto&& ours, auto&& peer) {
+  double ours_total = 0, peer_total = 0;
+  bool ours_first = true;
+  for (auto _ : state) {
+    if (ours_first) ours_total += seconds(ours);
+    peer_total += seconds(peer);
+    if (!ours_first) ours_total += seconds(ours);
+    ours_first = !ours_first;
+  }
+  const auto runs = static_cast<double>(state.iterations());
+  state.counters["ours_ms"] = 1e3 * ours_total / runs;
+  state.counters["peer_ms"] = 1e3 * peer_total / runs;
+  state.counters["ours/peer"] = ours_total / peer_total;
+}
+
+}  // namespace palpate::bench
