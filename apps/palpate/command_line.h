@@ -1,0 +1,33 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+namespace palpate::apps {
+
+/// What every command understands.
+struct Settings {
+  bool json = false;  ///< print one JSON object with the figures instead of prose
+};
+
+/// Prints a result: the figures as one JSON object, or the prose.
+void print(const Settings& settings, const nlohmann::ordered_json& figures,
+           const std::string& prose);
+
+// Each adds one subcommand, whose callback does the work and throws what goes wrong.
+void add_calibrate(CLI::App& app, const Settings& settings);
+void add_compare(CLI::App& app, const Settings& settings);
+void add_decode(CLI::App& app, const Settings& settings);
+void add_demo(CLI::App& app, const Settings& settings);
+void add_evaluate(CLI::App& app, const Settings& settings);
+void add_export(CLI::App& app, const Settings& settings);
+void add_fit(CLI::App& app, const Settings& settings);
+void add_info(CLI::App& app, const Settings& settings);
+void add_mesh(CLI::App& app, const Settings& settings);
+void add_play(CLI::App& app, const Settings& settings);
+void add_probe(CLI::App& app, const Settings& settings);
+
+}  // namespace palpate::apps

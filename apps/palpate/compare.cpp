@@ -1,0 +1,164 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <limits>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "command_line.h"
+#include "inputs.h"
+#include "palpate/error.h"
+#include "palpate/geometry/comparison.h"
+#include "palpate/geometry/cross_section.h"
+#include "palpate/geometry/mesh_io.h"
+#include "palpate/geometry/range_map_mesh.h"
+#include "palpate/geometry/registration.h"
+#include "palpate/pictures/draw_differences.h"
+#include "palpate/pictures/draw_section.h"
+
+namespace palpate::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct CompareCall {
+  fs::path a, b, rig, section, picture;
+  bool align = false;
+  double section_y = 0;
+};
+
+geometry::TriangleMesh load_surface(const fs::path& path, const fs::path& rig) {
+  if (is_range_map(path)) return geometry::mesh_range_map(load_range_map(path, rig)).mesh;
+  return geometry::read_mesh(path);
+}
+
+/// A cross-section as one series of a chart: depth over X, a gap between its lines.
+pictures::SectionSeries section_series(const std::string& name, const geometry::TriangleMesh& mesh,
+                                       double y) {
+  const std::vector<geometry::Polyline> lines = geometry::cross_section(mesh, y);
+  if (lines.empty()) {
+    throw InvalidInput(fmt::format("{}: the plane Y = {} mm does not meet this surface.", name, y));
+  }
+  std::vector<double> x, z;
+  for (const geometry::Polyline& line : lines) {
+    x.insert(x.end(), line.row(0).begin(), line.row(0).end());
+    z.insert(z.end(), line.row(2).begin(), line.row(2).end());
+    x.push_back(std::numeric_limits<double>::quiet_NaN());
+    z.push_back(std::numeric_limits<double>::quiet_NaN());
+  }
+  const auto size = static_cast<Eigen::Index>(x.size());
+  return {.name = name,
+          .x = Eigen::Map<const Eigen::VectorXd>(x.data(), size),
+          .y = Eigen::Map<const Eigen::VectorXd>(z.data(), size)};
+}
+
+nlohmann::ordered_json to_json(const geometry::ErrorStatistics& s) {
+  return {{"count", s.count}, {"rms", s.rms}, {"median", s.median}, {"p90", s.p90}, {"max", s.max}};
+}
+
+std::string to_words(const geometry::ErrorStatistics& s) {
+  return fmt::format(
+      "RMS {:.3f} mm, median {:.3f} mm, 90 % within {:.3f} mm, largest {:.3f} mm ({} places)",
+      s.rms, s.median, s.p90, s.max, s.count);
+}
+
+/// Two range maps of one camera: depth against depth, pixel by pixel.
+void compare_pixels(const Settings& settings, const CompareCall& call) {
+  const geometry::ImageF a = geometry::read_depth_tiff(call.a);
+  const geometry::ImageF b = geometry::read_depth_tiff(call.b);
+  const geometry::ImageF difference = geometry::depth_difference(a, b);
+  const geometry::ErrorStatistics statistics =
+      geometry::error_statistics({difference.data(), difference.data() + difference.size()});
+  const long known_in_b = (b == b).count();
+  if (!call.picture.empty()) {
+    pictures::draw_differences(call.picture, difference,
+                               call.a.filename().string() + " minus " + call.b.filename().string(),
+                               statistics.p90);
+  }
+  nlohmann::ordered_json figures = to_json(statistics);
+  figures["known_in_b"] = known_in_b;
+  print(settings, figures,
+        "Depth of A minus depth of B, pixel by pixel: " + to_words(statistics) +
+            fmt::format(
+                "; {:.1f} % of the pixels known in B are known in both.",
+                100.0 * static_cast<double>(statistics.count) / static_cast<double>(known_in_b)));
+}
+
+/// Anything else: distance of A's vertices from B's surface.
+void compare_surfaces(const Settings& settings, const CompareCall& call) {
+  geometry::TriangleMesh a = load_surface(call.a, call.rig);
+  const geometry::TriangleMesh b = load_surface(call.b, call.rig);
+  nlohmann::ordered_json figures;
+  std::string prose;
+  if (call.align) {
+    const geometry::Registration found = geometry::register_points(a.vertices, b);
+    if (found.stop != geometry::RegistrationStop::converged) {
+      throw SolverError(
+          call.a.string() + " could not be aligned with " + call.b.string() +
+          ": the registration did not converge. Bring the surfaces closer to each other first.");
+    }
+    a.vertices = found.T_target_source * a.vertices;
+    const Eigen::AngleAxisd turn(found.T_target_source.linear());
+    figures["aligned"] = {{"rotation", turn.angle()},
+                          {"translation", found.T_target_source.translation().norm()}};
+    prose = fmt::format("A was turned by {:.4f} rad and moved by {:.3f} mm onto B.\n", turn.angle(),
+                        found.T_target_source.translation().norm());
+  }
+  const Eigen::VectorXd distances = geometry::distances_to_surface(a.vertices, b);
+  const geometry::ErrorStatistics statistics =
+      geometry::error_statistics({distances.begin(), distances.end()});
+  if (!call.section.empty()) {
+    const std::vector<pictures::SectionSeries> series = {
+        section_series(call.a.filename().string(), a, call.section_y),
+        section_series(call.b.filename().string(), b, call.section_y)};
+    pictures::draw_section(call.section, series,
+                           fmt::format("Cross-section at Y = {} mm", call.section_y),
+                           {.x = "X [mm]", .y = "Z [mm]"});
+  }
+  figures.update(to_json(statistics));
+  print(settings, figures,
+        prose + "Distance of A's vertices from the surface of B: " + to_words(statistics));
+}
+
+}  // namespace
+
+void add_compare(CLI::App& app, const Settings& settings) {
+  auto call = std::make_shared<CompareCall>();
+  CLI::App* command = app.add_subcommand("compare", "How far two range maps or surfaces lie apart");
+  command->add_option("A", call->a, "Range map or mesh")->required();
+  command->add_option("B", call->b, "Range map or mesh to compare with")->required();
+  command->add_option("--rig", call->rig, "Rig of the range maps (default: rig.yaml beside them)");
+  command->add_flag("--align", call->align,
+                    "Move A rigidly onto B first (iterated closest points)");
+  CLI::Option* section =
+      command
+          ->add_option("--section", call->section,
+                       "Draw the cross-sections of both (PNG; section.png unless a name is given)")
+          ->expected(0, 1);
+  command->add_option("--section-y", call->section_y, "Where to cut: Y [mm]")
+      ->capture_default_str()
+      ->needs(section);
+  command->add_option("--picture", call->picture, "Two range maps: draw their differences (PNG)")
+      ->excludes("--align");
+  command->footer(
+      "Two range maps of one camera are compared pixel by pixel, unless --align or --section is "
+      "given;\n"
+      "all else by the distance of A's vertices from B's surface.\n"
+      "Examples:\n  palpate compare range/000000.tiff truth.tiff --picture differences.png\n"
+      "  palpate compare scan.ply reference.ply --align --section section.png");
+  command->callback([call, section, &settings] {
+    if (section->count() > 0 && call->section.empty()) call->section = "section.png";
+    const bool pixels =
+        is_range_map(call->a) && is_range_map(call->b) && !call->align && call->section.empty();
+    if (!pixels && !call->picture.empty()) {
+      throw InvalidInput(
+          "--picture draws the differences of two range maps pixel by pixel: pass two range maps "
+          "and no --section.");
+    }
+    pixels ? compare_pixels(settings, *call) : compare_surfaces(settings, *call);
+  });
+}
+
+}  // namespace palpate::apps

@@ -1,0 +1,119 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "command_line.h"
+#include "model_pictures.h"
+#include "palpate/geometry/comparison.h"
+#include "palpate/geometry/mesh_io.h"
+#include "palpate/haptics/build_model.h"
+#include "palpate/haptics/model_io.h"
+#include "palpate/probing/acquisition_store.h"
+#include "progress.h"
+
+namespace palpate::apps {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+struct FitCall {
+  fs::path acquisition, surface, output, pictures;
+  haptics::FitOptions fit;
+};
+
+void warn(const haptics::BuildResult& built) {
+  for (const long long id : built.without_samples)
+    spdlog::warn("contact {} has no samples and is left out.", id);
+  for (const long long id : built.isolated) {
+    spdlog::warn(
+        "contact {} lies in no triangle of the contacts and has no influence; probe more around "
+        "it.",
+        id);
+  }
+  if (built.surface_flipped)
+    spdlog::warn("the surface's triangles were turned over to face the contacts' normals.");
+}
+
+void draw(const FitCall& call, const haptics::Model& model,
+          const probing::Acquisition& acquisition) {
+  draw_model_contacts(call.pictures / "contacts.png", model,
+                      "Contacts, their Voronoi cells and triangulation");
+  const auto worst = std::max_element(model.contacts.begin(), model.contacts.end(),
+                                      [](const auto& a, const auto& b) { return a.rms < b.rms; });
+  draw_contact_field(call.pictures / fmt::format("contact_{}.png", worst->id), model, acquisition,
+                     static_cast<std::size_t>(worst - model.contacts.begin()));
+}
+
+void fit(const Settings& settings, const FitCall& call) {
+  const probing::Acquisition acquisition = probing::read_acquisition(call.acquisition);
+  const geometry::TriangleMesh surface = geometry::read_mesh(call.surface);
+  Progress progress("fitting");
+  haptics::BuildResult built = haptics::build_model(
+      acquisition, surface,
+      {.fit = call.fit, .progress = [&](int done, int total) { progress.show(done, total); }});
+  built.model.made["acquisition"] = call.acquisition.filename().string();
+  built.model.made["surface"] = call.surface.filename().string();
+  haptics::write_model(call.output, built.model);
+  warn(built);
+  if (!call.pictures.empty()) draw(call, built.model, acquisition);
+
+  Json per_contact = Json::array();
+  std::vector<double> rms;
+  std::string prose;
+  for (std::size_t i = 0; i < built.contacts.size(); ++i) {
+    const haptics::ContactModel& contact = built.model.contacts[i];
+    rms.push_back(contact.rms);
+    const auto bases = contact.field.weights.size();
+    per_contact.push_back({{"contact", contact.id},
+                           {"rms", contact.rms},
+                           {"bases", bases},
+                           {"friction", contact.friction},
+                           {"samples", contact.samples},
+                           {"stop", contact.fit_stop}});
+    prose += fmt::format(
+        "  contact {}: RMS {:.4f} N with {} bases from {} samples, friction {:.3f}, {}\n",
+        contact.id, contact.rms, bases, contact.samples, contact.friction, contact.fit_stop);
+  }
+  const geometry::ErrorStatistics statistics = geometry::error_statistics(rms);
+  print(settings,
+        {{"contacts", built.contacts.size()},
+         {"triangles", built.model.triangles.cols()},
+         {"registration", haptics::to_string(built.registration)},
+         {"rms", {{"median", statistics.median}, {"p90", statistics.p90}, {"max", statistics.max}}},
+         {"per_contact", per_contact},
+         {"file", call.output.string()}},
+        prose + fmt::format("{} contacts in {} triangles; RMS of a contact {:.4f} N in the median, "
+                            "at most {:.4f} N. Written to {}",
+                            built.contacts.size(), built.model.triangles.cols(), statistics.median,
+                            statistics.max, call.output.string()));
+}
+
+}  // namespace
+
+void add_fit(CLI::App& app, const Settings& settings) {
+  auto call = std::make_shared<FitCall>();
+  CLI::App* command = app.add_subcommand("fit", "Measurements and a surface become a model");
+  command->add_option("ACQUISITION", call->acquisition, "Measurements (acquisition.db)")
+      ->required();
+  command->add_option("SURFACE", call->surface, "Undeformed surface (mesh)")->required();
+  command->add_option("-o,--output", call->output, "Model folder to write")->required();
+  command
+      ->add_option("--accuracy", call->fit.accuracy,
+                   "Add bases to a contact's field until its RMS is this small [N]")
+      ->capture_default_str();
+  command->add_option("--max-bases", call->fit.max_bases, "Use at most so many")
+      ->capture_default_str();
+  command->add_option("--pictures", call->pictures,
+                      "Folder for pictures: the contacts, and the contact that fits worst");
+  command->footer("Example:\n  palpate fit acquisition.db surface.ply -o model/");
+  command->callback([call, &settings] { fit(settings, *call); });
+}
+
+}  // namespace palpate::apps

@@ -1,0 +1,219 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <opencv2/core/mat.hpp>
+
+#include "command_line.h"
+#include "inputs.h"
+#include "palpate/error.h"
+#include "palpate/geometry/comparison.h"
+#include "palpate/geometry/mesh_io.h"
+#include "palpate/haptics/model_io.h"
+#include "palpate/probing/acquisition_store.h"
+#include "palpate/sensing/frame.h"
+#include "palpate/sensing/pattern.h"
+#include "palpate/sensing/rig.h"
+#include "palpate/sensing/trained_colors.h"
+
+namespace palpate::apps {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+/// What a file is, in numbers and in words.
+struct Description {
+  Json figures;
+  std::string prose;
+};
+
+Description describe_range_map(const fs::path& path) {
+  const geometry::ImageF z = geometry::read_depth_tiff(path);
+  const geometry::ErrorStatistics depth =
+      geometry::error_statistics({z.data(), z.data() + z.size()});
+  return {{{"kind", "range map"},
+           {"width", z.cols()},
+           {"height", z.rows()},
+           {"pixels", depth.count},
+           {"median", depth.median},
+           {"max", depth.max}},
+          fmt::format("range map, {} x {} px; depth known at {} ({:.1f} %), median {:.1f} mm, "
+                      "farthest {:.1f} mm",
+                      z.cols(), z.rows(), depth.count,
+                      100.0 * static_cast<double>(depth.count) / static_cast<double>(z.size()),
+                      depth.median, depth.max)};
+}
+
+Description describe_image(const fs::path& path) {
+  const cv::Mat image = sensing::read_frame(path);
+  const int bits = image.depth() == CV_8U ? 8 : 16;
+  return {{{"kind", "image"},
+           {"width", image.cols},
+           {"height", image.rows},
+           {"channels", image.channels()},
+           {"bits", bits}},
+          fmt::format("image, {} x {} px, {} channel(s) of {} bit", image.cols, image.rows,
+                      image.channels(), bits)};
+}
+
+Description describe_mesh(const fs::path& path) {
+  const geometry::TriangleMesh mesh = geometry::read_mesh(path);
+  const Eigen::Vector3d low = mesh.vertices.rowwise().minCoeff();
+  const Eigen::Vector3d high = mesh.vertices.rowwise().maxCoeff();
+  return {{{"kind", "mesh"},
+           {"vertices", mesh.vertices.cols()},
+           {"triangles", mesh.triangles.cols()},
+           {"min", {low.x(), low.y(), low.z()}},
+           {"max", {high.x(), high.y(), high.z()}}},
+          fmt::format("mesh, {} vertices, {} triangles; X {:.1f} to {:.1f}, Y {:.1f} to {:.1f}, Z "
+                      "{:.1f} to {:.1f} mm",
+                      mesh.vertices.cols(), mesh.triangles.cols(), low.x(), high.x(), low.y(),
+                      high.y(), low.z(), high.z())};
+}
+
+Description describe_points(const fs::path& path) {
+  const Eigen::Matrix3Xd points = geometry::read_points(path);
+  const auto known = (points.array() == points.array()).colwise().all().count();
+  return {{{"kind", "points"}, {"points", points.cols()}, {"known", known}},
+          fmt::format("point cloud, {} points, {} of them known", points.cols(), known)};
+}
+
+Description describe_acquisition(const fs::path& path) {
+  const probing::Acquisition acquisition = probing::read_acquisition(path);
+  const auto slipped = std::count_if(acquisition.samples.begin(), acquisition.samples.end(),
+                                     [](const auto& s) { return s.slipped; });
+  const auto boundary = std::count_if(acquisition.samples.begin(), acquisition.samples.end(),
+                                      [](const auto& s) { return s.on_friction_boundary; });
+  return {{{"kind", "acquisition"},
+           {"contacts", acquisition.contacts.size()},
+           {"samples", acquisition.samples.size()},
+           {"slipped", slipped},
+           {"on_friction_boundary", boundary}},
+          fmt::format(
+              "acquisition, {} contacts, {} samples; {} slipped, {} lie on the friction boundary",
+              acquisition.contacts.size(), acquisition.samples.size(), slipped, boundary)};
+}
+
+Description describe_model(const fs::path& path) {
+  const haptics::Model model = haptics::read_model(path);
+  return {
+      {{"kind", "model"},
+       {"contacts", model.contacts.size()},
+       {"triangles", model.triangles.cols()},
+       {"surface_vertices", model.surface.vertices.cols()}},
+      fmt::format("model, {} contacts in {} triangles, on a surface of {} vertices",
+                  model.contacts.size(), model.triangles.cols(), model.surface.vertices.cols())};
+}
+
+Description describe_rig(const fs::path& path) {
+  const sensing::Rig rig = sensing::read_rig(path);
+  const double baseline = rig.T_projector_camera.translation().norm();
+  return {
+      {{"kind", "rig"},
+       {"camera_size", {rig.camera.width, rig.camera.height}},
+       {"projector_size", {rig.projector.width, rig.projector.height}},
+       {"baseline", baseline}},
+      fmt::format("rig, camera {} x {} px, projector {} x {} px, {:.1f} mm apart", rig.camera.width,
+                  rig.camera.height, rig.projector.width, rig.projector.height, baseline)};
+}
+
+Description describe_pattern(const fs::path& path) {
+  const sensing::Pattern pattern = sensing::read_pattern(path);
+  return {{{"kind", "pattern"},
+           {"colors", pattern.colors.size()},
+           {"stripes", pattern.stripes.size()},
+           {"period_px", pattern.period}},
+          fmt::format("pattern, {} stripes of {} colours, a sinusoid of {} px along {}",
+                      pattern.stripes.size(), pattern.colors.size(), pattern.period,
+                      pattern.axis == sensing::Axis::x ? "x" : "y")};
+}
+
+Description describe_colors(const fs::path& path) {
+  const sensing::TrainedColors trained = sensing::read_trained_colors(path);
+  return {{{"kind", "trained colors"}, {"colors", trained.colors.size()}},
+          fmt::format("trained colours, {} of them", trained.colors.size())};
+}
+
+std::string read_text(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  if (!in) throw FileError(path.string() + ": cannot be opened.");
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+Description describe_yaml(const fs::path& path) {
+  const std::string text = read_text(path);
+  if (text.find("camera_matrix") != std::string::npos) return describe_rig(path);
+  if (text.find("period_px") != std::string::npos) return describe_pattern(path);
+  if (text.find("variance") != std::string::npos) return describe_colors(path);
+  throw FileError(path.string() +
+                  ": neither a rig (camera_matrix), nor a pattern (period_px), nor trained colours "
+                  "(variance).");
+}
+
+Description describe_csv(const fs::path& path) {
+  const std::string text = read_text(path);
+  const std::string header = text.substr(0, text.find_first_of("\r\n"));
+  const auto lines =
+      std::count(text.begin(), text.end(), '\n') + (text.empty() || text.back() == '\n' ? 0 : 1);
+  const std::pair<const char*, const char*> kinds[] = {{"id,x,y,z,nx,ny,nz", "contacts"},
+                                                       {"id,contact,group_id", "samples"},
+                                                       {"cx,cy,cz,dx,dy,dz,fx,fy,fz", "queries"},
+                                                       {"t,x,y,z,cx,cy,cz,fx,fy,fz,state", "trace"},
+                                                       {"t,x,y,z", "trajectory"}};
+  for (const auto& [start, kind] : kinds) {
+    if (header.starts_with(start)) {
+      return {{{"kind", kind}, {"rows", lines - 1}},
+              fmt::format("{}, {} rows: {}", kind, lines - 1, header)};
+    }
+  }
+  return {{{"kind", "table"}, {"rows", lines - 1}},
+          fmt::format("a table unknown to Palpate, {} rows: {}", lines - 1, header)};
+}
+
+Description describe_folder(const fs::path& path) {
+  if (fs::exists(path / "field.json") || fs::exists(path / "field.cbor"))
+    return describe_model(path);
+  const std::vector<fs::path> files = list_frames({path});
+  const auto maps = std::count_if(files.begin(), files.end(), is_range_map);
+  return {{{"kind", "folder"},
+           {"range_maps", maps},
+           {"images", static_cast<long>(files.size()) - maps}},
+          fmt::format("folder of {} range maps and {} images", maps,
+                      static_cast<long>(files.size()) - maps)};
+}
+
+Description describe(const fs::path& path) {
+  if (!fs::exists(path)) throw FileError(path.string() + ": there is no such file or folder.");
+  if (fs::is_directory(path)) return describe_folder(path);
+  const std::string extension = path.extension().string();
+  if (is_range_map(path)) return describe_range_map(path);
+  if (extension == ".db") return describe_acquisition(path);
+  if (extension == ".yaml" || extension == ".yml") return describe_yaml(path);
+  if (extension == ".csv") return describe_csv(path);
+  if (extension == ".pcd") return describe_points(path);
+  if (path.filename() == "field.json" || path.filename() == "field.cbor")
+    return describe_model(path.parent_path());
+  if (is_image(path)) return describe_image(path);
+  return describe_mesh(path);
+}
+
+}  // namespace
+
+void add_info(CLI::App& app, const Settings& settings) {
+  auto path = std::make_shared<fs::path>();
+  CLI::App* command = app.add_subcommand("info", "What a file is, in words and numbers");
+  command->add_option("FILE", *path, "Any file or folder that Palpate reads or writes")->required();
+  command->footer("Example:\n  palpate info model/");
+  command->callback([path, &settings] {
+    const Description description = describe(*path);
+    print(settings, description.figures, path->string() + ": " + description.prose);
+  });
+}
+
+}  // namespace palpate::apps

@@ -1,0 +1,75 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "inputs.h"
+
+#include <algorithm>
+#include <cctype>
+#include <string>
+
+#include "palpate/error.h"
+#include "palpate/sensing/rig.h"
+
+namespace palpate::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string lower_extension(const fs::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension;
+}
+
+}  // namespace
+
+std::vector<fs::path> list_frames(const std::vector<fs::path>& paths) {
+  std::vector<fs::path> frames;
+  for (const fs::path& path : paths) {
+    if (!fs::exists(path)) throw FileError(path.string() + ": there is no such file or folder.");
+    if (!fs::is_directory(path)) {
+      frames.push_back(path);
+      continue;
+    }
+    std::vector<fs::path> in_folder;
+    for (const fs::directory_entry& entry : fs::directory_iterator(path)) {
+      if (entry.is_regular_file() && is_image(entry.path())) in_folder.push_back(entry.path());
+    }
+    if (in_folder.empty()) {
+      throw FileError(path.string() + ": there is no image in this folder (png or tiff).");
+    }
+    std::sort(in_folder.begin(), in_folder.end());
+    frames.insert(frames.end(), in_folder.begin(), in_folder.end());
+  }
+  return frames;
+}
+
+geometry::RangeMap load_range_map(const fs::path& path, const fs::path& rig) {
+  const fs::path beside = path.parent_path() / "rig.yaml";
+  if (rig.empty() && !fs::exists(beside)) {
+    throw FileError(
+        beside.string() +
+        ": missing. A range map needs its camera: put the rig beside it, or pass --rig.");
+  }
+  geometry::RangeMap map{.z = geometry::read_depth_tiff(path),
+                         .camera = sensing::read_rig(rig.empty() ? beside : rig).camera};
+  if (map.z.cols() != map.camera.width || map.z.rows() != map.camera.height) {
+    throw InvalidInput(
+        path.string() + ": " + std::to_string(map.z.cols()) + " x " + std::to_string(map.z.rows()) +
+        " pixels, but the camera of " + (rig.empty() ? beside : rig).string() + " has " +
+        std::to_string(map.camera.width) + " x " + std::to_string(map.camera.height) +
+        ". Pass the rig this map was made with.");
+  }
+  return map;
+}
+
+bool is_image(const fs::path& path) {
+  return lower_extension(path) == ".png" || is_range_map(path);
+}
+
+bool is_range_map(const fs::path& path) {
+  const std::string extension = lower_extension(path);
+  return extension == ".tiff" || extension == ".tif";
+}
+
+}  // namespace palpate::apps

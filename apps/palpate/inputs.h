@@ -1,0 +1,28 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "palpate/geometry/range_map.h"
+#include "palpate/geometry/triangle_mesh.h"
+
+namespace palpate::apps {
+
+/// The images among `paths`, where a folder stands for all images in it, by name; each folder's in
+/// the order of their names. \throws FileError for a path that does not exist, or when there is no
+/// image at all.
+[[nodiscard]] std::vector<std::filesystem::path> list_frames(
+    const std::vector<std::filesystem::path>& paths);
+
+/// A range map (TIFF) with the camera of `rig`, or, when that is empty, of the rig.yaml beside it.
+/// \throws FileError if either is missing or broken; InvalidInput if their sizes differ.
+[[nodiscard]] geometry::RangeMap load_range_map(const std::filesystem::path& path,
+                                                const std::filesystem::path& rig);
+
+/// What `path` is, by its ending.
+[[nodiscard]] bool is_range_map(const std::filesystem::path& path);
+[[nodiscard]] bool is_image(const std::filesystem::path& path);
+
+}  // namespace palpate::apps

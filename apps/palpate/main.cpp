@@ -1,0 +1,93 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+#include <tbb/global_control.h>
+
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "command_line.h"
+#include "palpate/error.h"
+#include "progress.h"
+
+namespace palpate::apps {
+namespace {
+
+constexpr int kDone = 0;
+constexpr int kWorkFailed = 1;
+constexpr int kWrongCall = 2;
+constexpr int kInterrupted = 130;  // what a shell expects after Ctrl-C
+
+int run(int argc, char** argv) {
+  CLI::App app("Palpate turns real deformable objects into models that can be seen and felt.",
+               "palpate");
+  app.footer("Start with:  palpate demo\nEach command explains itself:  palpate COMMAND --help");
+  app.set_version_flag("--version", PALPATE_VERSION);
+  app.require_subcommand(1);
+  app.fallthrough();
+
+  Settings settings;
+  int threads = 0;
+  int verbosity = 0;
+  app.add_flag("--json", settings.json, "Print one JSON object with the figures instead of prose");
+  app.add_option("--threads", threads, "Number of threads (default: all cores)")
+      ->check(CLI::PositiveNumber);
+  app.add_flag("-v", verbosity, "Say what is being done; -vv says more");
+
+  std::optional<tbb::global_control> limit;
+  app.parse_complete_callback([&] {
+    if (threads > 0)
+      limit.emplace(tbb::global_control::max_allowed_parallelism,
+                    static_cast<std::size_t>(threads));
+    spdlog::set_level(verbosity == 0   ? spdlog::level::warn
+                      : verbosity == 1 ? spdlog::level::info
+                                       : spdlog::level::debug);
+  });
+
+  add_demo(app, settings);
+  add_calibrate(app, settings);
+  add_decode(app, settings);
+  add_mesh(app, settings);
+  add_compare(app, settings);
+  add_probe(app, settings);
+  add_fit(app, settings);
+  add_evaluate(app, settings);
+  add_play(app, settings);
+  add_export(app, settings);
+  add_info(app, settings);
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? kDone : kWrongCall;
+  }
+  std::cout.flush();
+  if (!std::cout)
+    throw OutputError("standard output cannot be written: the results are incomplete.");
+  return kDone;
+}
+
+}  // namespace
+}  // namespace palpate::apps
+
+int main(int argc, char** argv) {
+  using namespace palpate;
+  using namespace palpate::apps;
+  spdlog::set_default_logger(spdlog::stderr_color_mt("palpate"));
+  spdlog::set_pattern("%n: %v");
+  watch_for_interrupt();
+  try {
+    return run(argc, argv);
+  } catch (const InvalidInput& e) {
+    spdlog::critical("{}", e.what());
+    return kWrongCall;
+  } catch (const Interrupted&) {
+    spdlog::critical("interrupted; files that were finished are kept, no other was changed");
+    return kInterrupted;
+  } catch (const std::exception& e) {
+    spdlog::critical("{}", e.what());
+    return kWorkFailed;
+  }
+}

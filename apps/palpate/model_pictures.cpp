@@ -1,0 +1,82 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "model_pictures.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "palpate/geometry/contact_triangulation.h"
+#include "palpate/haptics/realignment.h"
+#include "palpate/pictures/draw_contacts.h"
+#include "palpate/pictures/draw_force_field.h"
+#include "palpate/pictures/draw_forces.h"
+
+namespace palpate::apps {
+
+namespace fs = std::filesystem;
+
+void draw_model_contacts(const fs::path& png, const haptics::Model& model,
+                         const std::string& title) {
+  const geometry::SurfaceQuery surface(model.surface);
+  std::vector<geometry::SurfacePoint> places;
+  for (const haptics::ContactModel& contact : model.contacts) {
+    places.push_back(surface.closest_point(contact.position).at);
+  }
+  const geometry::ContactTriangulation cells =
+      geometry::triangulate_contacts(model.surface, places);
+  pictures::draw_contacts(png, model.surface, cells.surface_labels, haptics::contact_mesh(model),
+                          title);
+}
+
+void draw_contact_field(const fs::path& png, const haptics::Model& model,
+                        const probing::Acquisition& acquisition, std::size_t contact) {
+  const haptics::ContactModel& fitted = model.contacts.at(contact);
+  const auto measured = std::find_if(acquisition.contacts.begin(), acquisition.contacts.end(),
+                                     [&](const probing::Contact& c) { return c.id == fitted.id; });
+  const haptics::ForceSamples held = haptics::realign(*measured, acquisition.samples);
+
+  // Realignment moves a displacement a little: a sample on the boundary is the nearest one to it.
+  std::vector<bool> on_boundary(static_cast<std::size_t>(held.displacements.cols()), false);
+  for (const probing::Sample& sample : acquisition.samples) {
+    if (sample.contact != fitted.id || !sample.on_friction_boundary) continue;
+    const Eigen::Vector3d displacement = sample.b - measured->position;
+    Eigen::Index nearest = 0;
+    (held.displacements.colwise() - displacement).colwise().norm().minCoeff(&nearest);
+    on_boundary[static_cast<std::size_t>(nearest)] = true;
+  }
+
+  const Eigen::Matrix3d to_local = fitted.frame.transpose() * model.T_surface_acquisition.linear();
+  pictures::draw_force_field(
+      png,
+      {.displacements = to_local * held.displacements,
+       .forces = to_local * held.forces,
+       .on_boundary = on_boundary},
+      {.field =
+           [&](const Eigen::Vector3d& displacement) {
+             return haptics::force(fitted.field, displacement);
+           },
+       .friction_axis = Eigen::Vector3d::UnitZ(),
+       .friction_coefficient = fitted.friction},
+      fmt::format(
+          "Contact {}: measured and fitted forces, RMS {:.3f} N, friction coefficient {:.2f}",
+          fitted.id, fitted.rms, fitted.friction));
+}
+
+void draw_trace(const fs::path& png, std::span<const haptics::TracePoint> trace,
+                const std::string& title) {
+  const auto count = static_cast<Eigen::Index>(trace.size());
+  Eigen::VectorXd times(count);
+  Eigen::Matrix3Xd forces(3, count);
+  Eigen::VectorXi states(count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const haptics::TracePoint& point = trace[static_cast<std::size_t>(i)];
+    times(i) = point.time;
+    forces.col(i) = point.force;
+    states(i) = static_cast<int>(point.state);
+  }
+  pictures::draw_forces(png, times, forces, states, title);
+}
+
+}  // namespace palpate::apps

@@ -1,0 +1,28 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+
+#include "palpate/haptics/model.h"
+#include "palpate/haptics/trajectory_csv.h"
+#include "palpate/probing/acquisition.h"
+
+namespace palpate::apps {
+
+/// Draws a model's surface, the geodesic Voronoi cells of its contacts, and their triangulation.
+void draw_model_contacts(const std::filesystem::path& png, const haptics::Model& model,
+                         const std::string& title);
+
+/// Draws the realigned samples of one contact (an index) with its field and friction cone, in the
+/// contact's local frame.
+void draw_contact_field(const std::filesystem::path& png, const haptics::Model& model,
+                        const probing::Acquisition& acquisition, std::size_t contact);
+
+/// Draws the forces of a played trace.
+void draw_trace(const std::filesystem::path& png, std::span<const haptics::TracePoint> trace,
+                const std::string& title);
+
+}  // namespace palpate::apps

@@ -1,0 +1,289 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+// What a user can get wrong, through the command: a clear message, the right exit status, nothing
+// overwritten.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <regex>
+#include <string>
+#include <vector>
+
+#include "run_palpate.h"
+
+namespace palpate::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kWorkFailed = 1;
+constexpr int kWrongCall = 2;
+
+std::string demo(const std::string& name) { return (demo_data() / name).string(); }
+
+class BadInput : public testing::Test {
+ protected:
+  /// The call is refused with status 2 and a message in which `place` is found; `kept` stays as it
+  /// was.
+  void expect_refused(const std::vector<std::string>& arguments, const std::string& place) {
+    const CommandResult result = run_palpate(arguments);
+    EXPECT_EQ(result.status, kWrongCall) << result.out << result.err;
+    EXPECT_NE(result.err.find(place), std::string::npos)
+        << "no '" << place << "' in: " << result.err;
+    EXPECT_TRUE(result.out.empty()) << result.out;
+    EXPECT_EQ(read_text(kept), "kept") << "an old result was overwritten";
+  }
+
+  /// A copy of a bundled file with one text replaced.
+  std::string changed(const std::string& name, const std::string& from, const std::string& to) {
+    std::string text = read_text(demo_data() / name);
+    const auto at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    text.replace(at, from.size(), to);
+    return written(fs::path(name).filename().string(), text);
+  }
+
+  std::string written(const std::string& name, const std::string& text) {
+    write_text(scratch / name, text);
+    return scratch / name;
+  }
+
+  /// The first half of a bundled file.
+  std::string truncated(const std::string& name) {
+    const std::string text = read_text(demo_data() / name);
+    return written(fs::path(name).filename().string(), text.substr(0, text.size() / 2));
+  }
+
+  std::vector<std::string> decode_call(const std::string& frame, const std::string& rig,
+                                       const std::string& pattern, const std::string& colors) {
+    return {"decode", frame,      "--rig", rig,  "--pattern",
+            pattern,  "--colors", colors,  "-o", scratch / "range"};
+  }
+
+  void train() {
+    const CommandResult result =
+        run_palpate({"calibrate", "colors", demo("training"), "-o", scratch / "colors.yaml"});
+    ASSERT_EQ(result.status, 0) << result.err;
+  }
+
+  void SetUp() override {
+    fs::create_directories(scratch.path() / "range");
+    kept = scratch / "range/000000.tiff";
+    write_text(kept, "kept");
+  }
+
+  ScratchFolder scratch;
+  std::string kept;
+};
+
+TEST_F(BadInput, NoCommandOrAnUnknownOneIsAWrongCall) {
+  EXPECT_EQ(run_palpate({}).status, kWrongCall);
+  EXPECT_EQ(run_palpate({"decoed"}).status, kWrongCall);
+  EXPECT_EQ(run_palpate({"decode", "--no-such-option"}).status, kWrongCall);
+  EXPECT_EQ(run_palpate({"--help"}).status, 0);
+}
+
+TEST_F(BadInput, EveryCommandShowsAnExample) {
+  for (const std::vector<std::string>& command :
+       std::vector<std::vector<std::string>>{{"demo"},
+                                             {"calibrate", "colors"},
+                                             {"decode"},
+                                             {"mesh"},
+                                             {"compare"},
+                                             {"probe", "import"},
+                                             {"probe", "export"},
+                                             {"fit"},
+                                             {"evaluate"},
+                                             {"play"},
+                                             {"export"},
+                                             {"info"}}) {
+    std::vector<std::string> call = command;
+    call.emplace_back("--help");
+    const CommandResult result = run_palpate(call);
+    EXPECT_EQ(result.status, 0);
+    EXPECT_NE(result.out.find("Example"), std::string::npos) << command.front();
+  }
+}
+
+TEST_F(BadInput, FramesThatAreMissingEmptyOrTruncated) {
+  train();
+  const auto call = [&](const std::string& frame) {
+    return decode_call(frame, demo("rig.yaml"), demo("pattern.yaml"), scratch / "colors.yaml");
+  };
+  expect_refused(call(scratch / "nothing.png"), "nothing.png");
+  fs::create_directory(scratch.path() / "empty");
+  expect_refused(call(scratch / "empty"), "empty");
+  expect_refused(call(written("void.png", "")), "void.png");
+  expect_refused(call(truncated("frames/duck.png")), "duck.png");
+  expect_refused(call(written("text.png", "this is not an image")), "text.png");
+}
+
+TEST_F(BadInput, ABrokenFrameAmongOthersDoesNotStopThem) {
+  train();
+  fs::remove(kept);
+  fs::create_directory(scratch.path() / "frames");
+  fs::copy(demo("frames/duck.png"), scratch / "frames/1.png");
+  write_text(scratch / "frames/0.png", "this is not an image");
+  const CommandResult result = run_palpate(decode_call(
+      scratch / "frames", demo("rig.yaml"), demo("pattern.yaml"), scratch / "colors.yaml"));
+  EXPECT_EQ(result.status, kWorkFailed);
+  EXPECT_NE(result.err.find("0.png"), std::string::npos);
+  EXPECT_TRUE(fs::exists(scratch / "range/000001.tiff"));
+  EXPECT_FALSE(fs::exists(scratch / "range/000000.tiff"));
+}
+
+TEST_F(BadInput, ARigForAnotherImageSize) {
+  train();
+  const std::string rig =
+      changed("rig.yaml", "camera_size: [ 640, 480 ]", "camera_size: [ 800, 600 ]");
+  expect_refused(
+      decode_call(demo("frames/duck.png"), rig, demo("pattern.yaml"), scratch / "colors.yaml"),
+      "800");
+}
+
+TEST_F(BadInput, ARigWithNumbersThatCannotBe) {
+  train();
+  for (const auto& [from, to] :
+       std::vector<std::pair<std::string, std::string>>{{"1100.0", ".nan"},
+                                                        {"1100.0", "-1100.0"},
+                                                        {"1100.0", ".inf"},
+                                                        {"camera_matrix", "camera_matrics"}}) {
+    expect_refused(decode_call(demo("frames/duck.png"), changed("rig.yaml", from, to),
+                               demo("pattern.yaml"), scratch / "colors.yaml"),
+                   "rig.yaml");
+  }
+  expect_refused(decode_call(demo("frames/duck.png"), truncated("rig.yaml"), demo("pattern.yaml"),
+                             scratch / "colors.yaml"),
+                 "rig.yaml");
+}
+
+TEST_F(BadInput, AColourThatWasNeverSeenInTraining) {
+  train();
+  const std::string pattern = changed("pattern.yaml", "name: M", "name: Pink");
+  expect_refused(
+      decode_call(demo("frames/duck.png"), demo("rig.yaml"), pattern, scratch / "colors.yaml"),
+      "Pink");
+}
+
+TEST_F(BadInput, APatternWithoutStripesNeedsAnAnchor) {
+  const std::string pattern = written(
+      "sine.yaml",
+      "%YAML:1.0\n---\naxis: y\nperiod_px: 10.0\nphase: 0.0\nmean: 0.575\namplitude: 0.425\n");
+  expect_refused({"decode", demo("frames/duck.png"), "--rig", demo("rig.yaml"), "--pattern",
+                  pattern, "-o", scratch / "range"},
+                 "anchor");
+}
+
+TEST_F(BadInput, ADepthImageWithoutAPositiveScaleOrACamera) {
+  const std::string hand = demo("depth_camera/hand.png");
+  const std::string camera = "476.007,476.007,313.683,242.755";
+  for (const std::string scale : {"-0.125", "0", "nan"}) {
+    expect_refused(
+        {"mesh", hand, "--scale", scale, "--intrinsics", camera, "-o", scratch / "hand.ply"},
+        "scale");
+  }
+  expect_refused({"mesh", hand, "--scale", "0.125", "-o", scratch / "hand.ply"}, "intrinsics");
+  expect_refused({"mesh", hand, "--scale", "0.125", "--intrinsics", "-476,476,313,242", "-o",
+                  scratch / "hand.ply"},
+                 "camera");
+  expect_refused(
+      {"mesh", hand, "--scale", "0.125", "--intrinsics", camera, "-o", scratch / "hand.stl"},
+      "stl");
+  EXPECT_FALSE(fs::exists(scratch / "hand.ply"));
+}
+
+TEST_F(BadInput, AnEightBitImageIsNoDepthImage) {
+  expect_refused({"mesh", demo("frames/duck.png"), "--scale", "1", "--intrinsics",
+                  "500,500,320,240", "-o", scratch / "x.ply"},
+                 "duck.png");
+}
+
+TEST_F(BadInput, RangeMapsThatAreDamagedOrWithoutARig) {
+  expect_refused(
+      {"mesh", truncated("truth/duck.tiff"), "--rig", demo("rig.yaml"), "-o", scratch / "x.ply"},
+      "duck.tiff");
+  expect_refused({"mesh", demo("truth/duck.tiff"), "-o", scratch / "x.ply"}, "rig.yaml");
+  expect_refused(
+      {"compare", demo("truth/duck.tiff"), scratch / "nothing.tiff", "--rig", demo("rig.yaml")},
+      "nothing.tiff");
+}
+
+TEST_F(BadInput, MeasurementsThatCannotBe) {
+  const std::string contacts = demo("sheet/contacts.csv");
+  const std::string samples = demo("sheet/samples.csv");
+  const std::string header = "id,x,y,z,nx,ny,nz\n";
+  const auto import_contacts = [&](const std::string& text, const std::string& place) {
+    expect_refused(
+        {"probe", "import", written("contacts.csv", text), samples, "-o", scratch / "a.db"}, place);
+  };
+  import_contacts("", "contacts.csv");
+  import_contacts("id,x,y\n0,1,2\n", "z");
+  import_contacts(header + "0,1,2,nan,0,0,-1\n", "contacts.csv");
+  import_contacts(header + "0,1,2,3,0,0,-1\n1,1,2,3,0,0,-1\n", "1");  // two at one place
+  import_contacts(header + "0,1,2,3,0,0,-1\n0,4,5,6,0,0,-1\n", "0");  // one id twice
+  import_contacts(header + "0,1,2,3,0,0,-1\n", "contact");            // samples without contact
+  expect_refused(
+      {"probe", "import", contacts, truncated("sheet/samples.csv"), "-o", scratch / "a.db"},
+      "samples.csv");
+  expect_refused({"probe", "import", contacts, changed("sheet/samples.csv", "0.149662", "inf"),
+                  "-o", scratch / "a.db"},
+                 "samples.csv");
+  EXPECT_FALSE(fs::exists(scratch / "a.db"));
+}
+
+TEST_F(BadInput, StoresAndModelsThatAreNone) {
+  const std::string surface = demo("sheet/surface.ply");
+  expect_refused({"fit", scratch / "nothing.db", surface, "-o", scratch / "model"}, "nothing.db");
+  expect_refused({"fit", written("text.db", "not a database"), surface, "-o", scratch / "model"},
+                 "text.db");
+  ASSERT_EQ(run_palpate({"probe", "import", demo("sheet/contacts.csv"), demo("sheet/samples.csv"),
+                         "-o", scratch / "a.db"})
+                .status,
+            0);
+  expect_refused({"fit", scratch / "a.db", truncated("sheet/surface.ply"), "-o", scratch / "model"},
+                 "surface.ply");
+  expect_refused({"fit", scratch / "a.db", surface, "-o", scratch / "range"},
+                 "range");  // a folder that is no model
+  expect_refused({"evaluate", scratch.path().string(), "--queries", demo("sheet/queries.csv")},
+                 "field.json");
+  expect_refused({"play", scratch / "nothing", "--trajectory", demo("trajectory.csv")}, "nothing");
+  EXPECT_FALSE(fs::exists(scratch / "model"));
+}
+
+TEST_F(BadInput, AContactOffTheSurface) {
+  const std::string contacts = changed("sheet/contacts.csv", "699.093", "399.093");
+  ASSERT_EQ(
+      run_palpate({"probe", "import", contacts, demo("sheet/samples.csv"), "-o", scratch / "a.db"})
+          .status,
+      0);
+  expect_refused({"fit", scratch / "a.db", demo("sheet/surface.ply"), "-o", scratch / "model"},
+                 "contact 0");
+}
+
+TEST_F(BadInput, AFullDiskIsAFailureThatLeavesTheOldResult) {
+  const std::string store = written("a.db", "kept");
+  const CommandResult result = run_palpate(
+      {"probe", "import", demo("sheet/contacts.csv"), demo("sheet/samples.csv"), "-o", store},
+      {.max_file_size = 100000});
+  EXPECT_EQ(result.status, kWorkFailed) << result.err;
+  EXPECT_NE(result.err.find("a.db"), std::string::npos) << result.err;
+  EXPECT_EQ(read_text(store), "kept");
+  const CommandResult mesh = run_palpate(
+      {"mesh", demo("truth/plane.tiff"), "--rig", demo("rig.yaml"), "-o", scratch / "x.ply"},
+      {.max_file_size = 100000});
+  EXPECT_EQ(mesh.status, kWorkFailed) << mesh.err;
+  for (const fs::directory_entry& entry : fs::directory_iterator(scratch.path())) {
+    EXPECT_EQ(entry.path().string().find(".tmp-"), std::string::npos)
+        << entry.path() << " was left behind";
+  }
+}
+
+TEST_F(BadInput, AnOutputThatCannotBeMadeIsAFailure) {
+  const CommandResult result = run_palpate(
+      {"mesh", demo("truth/plane.tiff"), "--rig", demo("rig.yaml"), "-o", kept + "/x.ply"});
+  EXPECT_EQ(result.status, kWorkFailed) << result.err;
+  EXPECT_EQ(read_text(kept), "kept");
+}
+
+}  // namespace
+}  // namespace palpate::apps

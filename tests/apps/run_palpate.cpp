@@ -1,0 +1,80 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "run_palpate.h"
+
+#include <fcntl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <stdexcept>
+
+namespace palpate::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// In the child: limits, redirections, and the program itself.
+[[noreturn]] void become_palpate(const std::vector<std::string>& arguments,
+                                 const CommandOptions& options, const std::string& out,
+                                 const std::string& err) {
+  dup2(open(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), STDOUT_FILENO);
+  dup2(open(err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), STDERR_FILENO);
+  dup2(open("/dev/null", O_RDONLY), STDIN_FILENO);
+  if (options.max_file_size) {
+    signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit{*options.max_file_size, *options.max_file_size};
+    setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  std::vector<char*> argv;
+  std::string program = PALPATE_COMMAND;
+  argv.push_back(program.data());
+  for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
+  argv.push_back(nullptr);
+  execv(PALPATE_COMMAND, argv.data());
+  _exit(127);
+}
+
+}  // namespace
+
+CommandResult run_palpate(const std::vector<std::string>& arguments,
+                          const CommandOptions& options) {
+  const ScratchFolder scratch;
+  const std::string out = scratch / "out", err = scratch / "err";
+  const pid_t child = fork();
+  if (child < 0) throw std::runtime_error("fork failed");
+  if (child == 0) become_palpate(arguments, options, out, err);
+  int status = 0;
+  waitpid(child, &status, 0);
+  return {.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status),
+          .out = read_text(out),
+          .err = read_text(err)};
+}
+
+fs::path demo_data() { return fs::path(PALPATE_SOURCE_DIR) / "demo"; }
+
+ScratchFolder::ScratchFolder() {
+  std::string name = (fs::temp_directory_path() / "palpate-test-XXXXXX").string();
+  if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("cannot make a temporary folder");
+  path_ = name;
+}
+
+ScratchFolder::~ScratchFolder() { fs::remove_all(path_); }
+
+std::string read_text(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  if (!in) throw std::runtime_error("cannot read " + path.string());
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+void write_text(const fs::path& path, const std::string& text) {
+  std::ofstream out(path, std::ios::binary);
+  out << text;
+  if (!out.flush()) throw std::runtime_error("cannot write " + path.string());
+}
+
+}  // namespace palpate::apps

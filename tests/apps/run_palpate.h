@@ -1,0 +1,49 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace palpate::apps {
+
+struct CommandResult {
+  int status = -1;  ///< exit status; 128 + n after signal n
+  std::string out;
+  std::string err;
+};
+
+struct CommandOptions {
+  /// No file may grow beyond this [bytes]: to the program it is a disk that is full.
+  std::optional<unsigned long> max_file_size;
+};
+
+/// Runs the `palpate` of this build and waits for it.
+CommandResult run_palpate(const std::vector<std::string>& arguments,
+                          const CommandOptions& options = {});
+
+/// The bundled data.
+std::filesystem::path demo_data();
+
+/// A folder of its own for one test, removed at the end.
+class ScratchFolder {
+ public:
+  ScratchFolder();
+  ~ScratchFolder();
+  ScratchFolder(const ScratchFolder&) = delete;
+  ScratchFolder& operator=(const ScratchFolder&) = delete;
+
+  /// A path in the folder.
+  std::string operator/(const std::string& name) const { return (path_ / name).string(); }
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+std::string read_text(const std::filesystem::path& path);
+void write_text(const std::filesystem::path& path, const std::string& text);
+
+}  // namespace palpate::apps

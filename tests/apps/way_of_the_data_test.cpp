@@ -1,0 +1,133 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+// The whole way through the command, as the README shows it.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "run_palpate.h"
+
+namespace palpate::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Runs with --json, expects success, returns the figures.
+nlohmann::json figures(std::vector<std::string> arguments) {
+  arguments.emplace_back("--json");
+  const CommandResult result = run_palpate(arguments);
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_TRUE(result.err.empty()) << result.err;
+  return nlohmann::json::parse(result.out);
+}
+
+class WayOfTheData : public testing::Test {
+ protected:
+  std::string demo(const std::string& name) const { return (demo_data() / name).string(); }
+
+  /// Trains the colours and decodes the bundled frames into range/.
+  nlohmann::json decode(std::vector<std::string> more = {}) {
+    figures({"calibrate", "colors", demo("training"), "-o", scratch / "colors.yaml"});
+    std::vector<std::string> call = {
+        "decode",    demo("frames"),       "--rig",    demo("rig.yaml"),
+        "--pattern", demo("pattern.yaml"), "--colors", scratch / "colors.yaml",
+        "-o",        scratch / "range"};
+    call.insert(call.end(), more.begin(), more.end());
+    return figures(call);
+  }
+
+  nlohmann::json fit(const std::string& set) {
+    figures({"probe", "import", demo(set + "/contacts.csv"), demo(set + "/samples.csv"), "-o",
+             scratch / "acquisition.db"});
+    return figures(
+        {"fit", scratch / "acquisition.db", demo(set + "/surface.ply"), "-o", scratch / "model"});
+  }
+
+  ScratchFolder scratch;
+};
+
+TEST_F(WayOfTheData, FramesBecomeRangeMapsThatAgreeWithTheTruth) {
+  const nlohmann::json decoded = decode({"--meshes", "obj"});
+  EXPECT_EQ(decoded["decoded"], 4);
+  const std::vector<std::string> names = {"duck", "flag_a", "flag_b",
+                                          "plane"};  // in the order of the frames
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const std::string map = scratch / ("range/00000" + std::to_string(i) + ".tiff");
+    const nlohmann::json difference =
+        figures({"compare", map, demo("truth/" + names[i] + ".tiff")});
+    const double distance = decoded["per_frame"][i]["median_depth"];
+    EXPECT_LT(difference["median"], 0.001 * distance) << names[i];
+    EXPECT_TRUE(fs::exists(scratch / ("range/00000" + std::to_string(i) + ".obj")));
+  }
+  EXPECT_TRUE(fs::exists(scratch / "range/rig.yaml"));
+}
+
+TEST_F(WayOfTheData, ARangeMapBecomesAMeshThatLiesOnIt) {
+  decode();
+  figures({"mesh", scratch / "range/000000.tiff", "-o", scratch / "surface.ply"});
+  const nlohmann::json distance =
+      figures({"compare", scratch / "surface.ply", scratch / "range/000000.tiff"});
+  EXPECT_LT(distance["max"], 1e-3);  // mm: the mesh's vertices are the map's points
+}
+
+TEST_F(WayOfTheData, ADepthImageBecomesAMesh) {
+  const nlohmann::json mesh =
+      figures({"mesh", demo("depth_camera/hand.png"), "--scale", "0.125", "--intrinsics",
+               "476.007,476.007,313.683,242.755", "-o", scratch / "hand.ply"});
+  EXPECT_GT(mesh["triangles"], 100000);
+}
+
+TEST_F(WayOfTheData, MeasurementsSurviveTheStoreUnchanged) {
+  figures({"probe", "import", demo("sheet/contacts.csv"), demo("sheet/samples.csv"), "-o",
+           scratch / "a.db"});
+  figures({"probe", "export", scratch / "a.db", "-o", scratch / "csv"});
+  figures({"probe", "import", scratch / "csv/contacts.csv", scratch / "csv/samples.csv", "-o",
+           scratch / "b.db"});
+  figures({"probe", "export", scratch / "b.db", "-o", scratch / "again"});
+  EXPECT_EQ(read_text(scratch / "csv/samples.csv"), read_text(scratch / "again/samples.csv"));
+  EXPECT_EQ(read_text(scratch / "csv/contacts.csv"), read_text(demo_data() / "sheet/contacts.csv"));
+}
+
+TEST_F(WayOfTheData, MeasurementsBecomeAModelThatAnswersQueries) {
+  const nlohmann::json model = fit("sheet");
+  EXPECT_EQ(model["contacts"], 46);
+  const nlohmann::json errors =
+      figures({"evaluate", scratch / "model", "--queries", demo("sheet/queries.csv"),
+               "--leave-one-out", scratch / "acquisition.db"});
+  EXPECT_EQ(errors["queries"]["count"], 400);
+  EXPECT_LT(errors["queries"]["median"], 0.33);  // N: a tenth of the largest force
+  EXPECT_EQ(errors["leave_one_out"]["per_contact"].size(), 46u);
+}
+
+TEST_F(WayOfTheData, APlayedTraceIsTheSameOnEveryRunAndForEveryNumberOfThreads) {
+  fit("sheet_block");
+  const std::string model = scratch / "model";
+  figures({"play", model, "--trajectory", demo("trajectory.csv"), "--record", scratch / "one.csv"});
+  figures({"fit", scratch / "acquisition.db", demo("sheet_block/surface.ply"), "-o",
+           scratch / "again", "--threads", "1"});
+  figures({"play", scratch / "again", "--trajectory", demo("trajectory.csv"), "--record",
+           scratch / "two.csv"});
+  const std::string trace = read_text(scratch / "one.csv");
+  EXPECT_EQ(trace, read_text(scratch / "two.csv"));
+  EXPECT_EQ(trace.find("nan"), std::string::npos);
+  EXPECT_EQ(trace.find("inf"), std::string::npos);
+  EXPECT_NE(trace.find("stick"), std::string::npos);
+  EXPECT_NE(trace.find("slip"), std::string::npos);
+}
+
+TEST_F(WayOfTheData, EveryFileExplainsItself) {
+  decode();
+  fit("sheet");
+  for (const std::string& file :
+       {demo("rig.yaml"), demo("pattern.yaml"), scratch / "colors.yaml",
+        scratch / "range/000000.tiff", demo("frames/duck.png"), demo("sheet/surface.ply"),
+        scratch / "acquisition.db", scratch / "model", demo("sheet/contacts.csv"),
+        demo("sheet/samples.csv"), demo("sheet/queries.csv"), demo("trajectory.csv")}) {
+    EXPECT_FALSE(figures({"info", file})["kind"].get<std::string>().empty()) << file;
+  }
+}
+
+}  // namespace
+}  // namespace palpate::apps
