@@ -8,7 +8,8 @@
 namespace palpate::apps {
 
 /// The first half of the demo: training images and frames become range maps, meshes and pictures
-/// below `output`, measured against the truth. \return the figures, one entry a frame.
+/// below `output`, measured against the truth.
+/// \return the figures, one entry a frame.
 [[nodiscard]] nlohmann::ordered_json demo_seeing(const std::filesystem::path& data,
                                                  const std::filesystem::path& output);
 

@@ -25,7 +25,8 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// Thread-safe. \throws Interrupted after Ctrl-C.
+  /// Thread-safe.
+  /// \throws Interrupted after Ctrl-C.
   void show(int done, int total);
 
  private:

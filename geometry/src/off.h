@@ -9,8 +9,8 @@
 namespace palpate::geometry {
 
 /// Reads text OFF; colours, normals and texture coordinates behind the coordinates are skipped.
-/// Assimp is not used as it replaces a bad index by a good one without a word. \throws FileError
-/// naming the line if a vertex or a face is wrong, or if the file is truncated.
+/// Assimp is not used as it replaces a bad index by a good one without a word.
+/// \throws FileError naming the line if a vertex or a face is wrong, or if the file is truncated.
 [[nodiscard]] PolygonMesh read_off(const std::filesystem::path& path);
 
 }  // namespace palpate::geometry

@@ -24,8 +24,8 @@ struct Reach {
 
 /// Marks the pixels around which the stripe colours contradict the depths: among the pixels nearby
 /// that are well inside a stripe, less than `min_agreement` have the hue of the stripe that their
-/// depth implies. \param stripe_pixel projector pixel across the stripes that the depth implies;
-/// NaN if unknown.
+/// depth implies.
+/// \param stripe_pixel projector pixel across the stripes that the depth implies; NaN if unknown.
 [[nodiscard]] Mask contradicting_colors(const Plane& stripe_pixel, const Plane& hue,
                                         const Pattern& pattern, const HueClassifier& classifier,
                                         double min_agreement);

@@ -26,8 +26,8 @@ struct TransitionOptions {
 
 /// Finds and names the stripe transitions of all scanlines (thesis 3.3.2). Consecutive pixels whose
 /// hue changes fast form one transition; the windows that name its colours lie on either side of
-/// it, of the same length, which is shorter than wished for where a stripe is narrow. \param hue
-/// [rad], in [0, 2 pi).
+/// it, of the same length, which is shorter than wished for where a stripe is narrow.
+/// \param hue [rad], in [0, 2 pi).
 [[nodiscard]] std::vector<Transition> find_transitions(const Plane& hue, const Mask& lit,
                                                        const Pattern& pattern,
                                                        const HueClassifier& classifier,

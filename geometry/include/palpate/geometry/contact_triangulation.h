@@ -31,7 +31,7 @@ struct ContactTriangulation {
 /// that exclude each other the one whose cells meet nearest to its contacts stays. Cells that would
 /// meet beyond the border of the surface give none, so contacts need some surface around them.
 /// \throws InvalidInput on a bad mesh, fewer than three contacts, two at one place (within 1e-9 of
-///         the surface's diagonal), one not on the surface, or when no three cells meet.
+/// the surface's diagonal), one not on the surface, or when no three cells meet.
 [[nodiscard]] ContactTriangulation triangulate_contacts(const TriangleMesh& surface,
                                                         std::span<const SurfacePoint> contacts);
 

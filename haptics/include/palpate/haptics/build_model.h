@@ -55,9 +55,10 @@ struct BuildResult {
 /// Makes a model of measurements: contacts are registered to the surface and put on it,
 /// triangulated (thesis 5.3.2.1), and at each a force field and a friction cone are fitted, in
 /// parallel; the result does not depend on the number of threads. A displacement counts from the
-/// contact as measured. \throws InvalidInput on a bad acquisition, surface or option, a contact
-/// further than max_distance
-///         from the surface or with its normal into it, or fewer than three contacts with samples.
+/// contact as measured.
+/// \throws InvalidInput on a bad acquisition, surface or option, a contact further than
+/// max_distance from the surface or with its normal into it, or fewer than three contacts with
+/// samples.
 [[nodiscard]] BuildResult build_model(const probing::Acquisition& acquisition,
                                       const geometry::TriangleMesh& surface,
                                       const BuildOptions& options = {});

@@ -41,9 +41,9 @@ struct FitResult {
 ///
 /// Bases are added one by one. Each starts where it alone lowers the linear least squares most,
 /// among the displacements and their multiples by -1, 2 and -2; then all are moved (Ipopt). The
-/// result does not depend on the order of the samples, on units, or on threads. \throws
-/// InvalidInput on no sample, sizes that differ, a sample that is not finite (naming its
-///         index), or an option out of its range.
+/// result does not depend on the order of the samples, on units, or on threads.
+/// \throws InvalidInput on no sample, sizes that differ, a sample that is not finite (naming its
+/// index), or an option out of its range.
 [[nodiscard]] FitResult fit_force_field(const Eigen::Ref<const Eigen::Matrix3Xd>& displacements,
                                         const Eigen::Ref<const Eigen::Matrix3Xd>& forces,
                                         const FitOptions& options = {});

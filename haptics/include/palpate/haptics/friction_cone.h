@@ -33,8 +33,8 @@ struct ConeFit {
 
 /// Fits a circular cone to vectors that lie on it, 3 x N (thesis 5.4.1): least squares of the
 /// signed distance cos(angle) |v_T| - sin(angle) v.axis of Eq 5.14, with a Huber loss against
-/// outliers. In place of Eq 5.15 the axis moves in the tangent plane of the mean direction. \throws
-/// InvalidInput if a vector is not finite, naming its index.
+/// outliers. In place of Eq 5.15 the axis moves in the tangent plane of the mean direction.
+/// \throws InvalidInput if a vector is not finite, naming its index.
 [[nodiscard]] ConeFit fit_cone(const Eigen::Ref<const Eigen::Matrix3Xd>& vectors);
 
 /// Forces on the friction boundary of one contact, 3 x N [N], of the tool on the object.

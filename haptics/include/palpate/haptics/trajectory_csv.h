@@ -41,11 +41,13 @@ struct Query {
 /// \throws FileError naming line and column; also if there is no row.
 [[nodiscard]] std::vector<TrajectoryPoint> read_trajectory(const std::filesystem::path& path);
 
-/// Reads a CSV file with the columns `cx,cy,cz,dx,dy,dz,fx,fy,fz`. \throws FileError as above.
+/// Reads a CSV file with the columns `cx,cy,cz,dx,dy,dz,fx,fy,fz`.
+/// \throws FileError as above.
 [[nodiscard]] std::vector<Query> read_queries(const std::filesystem::path& path);
 
 /// Writes a CSV file with the columns `t,x,y,z,cx,cy,cz,fx,fy,fz,state`; `fx,fy,fz` is the force on
-/// the user. Numbers read back exactly. \throws OutputError.
+/// the user. Numbers read back exactly.
+/// \throws OutputError.
 void write_trace(const std::filesystem::path& path, std::span<const TracePoint> trace);
 
 }  // namespace palpate::haptics

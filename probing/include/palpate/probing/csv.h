@@ -21,8 +21,7 @@ namespace palpate::probing {
 class CsvTable {
  public:
   /// \throws FileError if the file is missing or empty, one of `columns` is missing or named twice,
-  /// or
-  ///         a line has more or fewer cells than the first.
+  /// or a line has more or fewer cells than the first.
   CsvTable(const std::filesystem::path& path, std::span<const std::string_view> columns);
 
   [[nodiscard]] std::size_t rows() const { return lines_.size(); }

@@ -39,8 +39,8 @@ struct Pattern {
 void check_pattern(const Pattern& pattern, const std::string& what);
 
 /// Reads a pattern (OpenCV FileStorage: `colors`, `stripes`, `stripe_edges_px`, `axis`,
-/// `period_px`, `phase`, `mean`, `amplitude`). \throws FileError naming the file and the key if
-/// something is missing or inconsistent.
+/// `period_px`, `phase`, `mean`, `amplitude`).
+/// \throws FileError naming the file and the key if something is missing or inconsistent.
 [[nodiscard]] Pattern read_pattern(const std::filesystem::path& path);
 
 }  // namespace palpate::sensing

@@ -39,8 +39,9 @@ void check_rig(const Rig& rig, const std::string& what);
 
 /// Reads a rig (OpenCV FileStorage: `camera_size`, `camera_matrix`, `camera_distortion`, the same
 /// for `projector`, `R`, `t`, and optionally `chromatic`). A distortion has 0, 4, 5 or 8
-/// coefficients. \throws FileError naming the file and the key if something is missing, of the
-/// wrong shape, not finite, or R is not a rotation.
+/// coefficients.
+/// \throws FileError naming the file and the key if something is missing, of the wrong shape, not
+/// finite, or R is not a rotation.
 [[nodiscard]] Rig read_rig(const std::filesystem::path& path);
 
 /// Writes a rig as `read_rig` reads it; every number survives exactly.

@@ -52,7 +52,8 @@ struct TrainingOptions {
 /// \throws FileError naming the file and the place.
 [[nodiscard]] TrainedColors read_trained_colors(const std::filesystem::path& path);
 
-/// Writes trained colours as `read_trained_colors` reads them. \throws OutputError.
+/// Writes trained colours as `read_trained_colors` reads them.
+/// \throws OutputError.
 void write_trained_colors(const std::filesystem::path& path, const TrainedColors& colors);
 
 }  // namespace palpate::sensing

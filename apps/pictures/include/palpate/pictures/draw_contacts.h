@@ -14,9 +14,9 @@ namespace palpate::pictures {
 /// cells in soft colours (neighbours differ, no cell is light grey), the edges of the triangulation
 /// above the surface, each contact with its number. `labels`: Voronoi cell of each vertex of the
 /// surface, -1 = none. `contact_mesh`: the contacts as vertices, and their triangles (there may be
-/// none). Works without a display. \throws InvalidInput if a mesh is not valid, or labels do not
-/// fit the surface or the contacts;
-///         OutputError.
+/// none). Works without a display.
+/// \throws InvalidInput if a mesh is not valid, or labels do not fit the surface or the contacts;
+/// OutputError.
 void draw_contacts(const std::filesystem::path& png, const geometry::TriangleMesh& surface,
                    const Eigen::Ref<const Eigen::VectorXi>& labels,
                    const geometry::TriangleMesh& contact_mesh, const std::string& title);

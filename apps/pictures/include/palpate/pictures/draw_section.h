@@ -22,9 +22,9 @@ struct SectionLabels {
 };
 
 /// Draws lines over one another as a PNG of 1200 x 700 px: cross-sections of surfaces, for one. Up
-/// to six colours, then they repeat. Works without a display. \throws InvalidInput naming the
-/// series if there is none, if x and y differ in size, or if nothing is
-///         finite; OutputError.
+/// to six colours, then they repeat. Works without a display.
+/// \throws InvalidInput naming the series if there is none, if x and y differ in size, or if
+/// nothing is finite; OutputError.
 void draw_section(const std::filesystem::path& png, std::span<const SectionSeries> series,
                   const std::string& title, const SectionLabels& labels = {});
 
