@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
+#include "file_testing.h"
 #include "palpate/error.h"
-#include "scratch_folder.h"
 #include "test_surfaces.h"
 
 namespace palpate::geometry {

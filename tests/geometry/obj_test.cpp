@@ -4,9 +4,9 @@
 
 #include <string>
 
+#include "file_testing.h"
 #include "palpate/error.h"
 #include "palpate/geometry/mesh_io.h"
-#include "scratch_folder.h"
 
 namespace palpate::geometry {
 namespace {

@@ -11,8 +11,8 @@
 #include <thread>
 #include <vector>
 
+#include "file_testing.h"
 #include "palpate/error.h"
-#include "scratch_folder.h"
 
 namespace palpate::geometry {
 namespace {

@@ -13,9 +13,9 @@
 #include <utility>
 #include <vector>
 
+#include "file_testing.h"
 #include "palpate/error.h"
 #include "palpate/geometry/mesh_io.h"
-#include "scratch_folder.h"
 
 namespace palpate::geometry {
 namespace {

@@ -7,9 +7,9 @@
 #include <sstream>
 #include <vector>
 
+#include "file_testing.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/triangle_mesh.h"
-#include "scratch_folder.h"
 
 namespace palpate::geometry {
 namespace {

@@ -15,8 +15,8 @@
 #include <random>
 #include <string>
 
+#include "file_testing.h"
 #include "palpate/error.h"
-#include "scratch_folder.h"
 
 namespace palpate::geometry {
 namespace {

@@ -6,36 +6,15 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <numbers>
 #include <random>
 #include <string>
 
 #include "palpate/error.h"
 #include "palpate/haptics/force_field.h"
+#include "scratch_folder.h"
 
 namespace palpate::haptics {
-
-/// A folder of this test alone, empty at first.
-inline std::filesystem::path scratch_folder() {
-  const testing::TestInfo* test = testing::UnitTest::GetInstance()->current_test_info();
-  const std::filesystem::path folder = std::filesystem::current_path() / "scratch" /
-                                       (std::string(test->test_suite_name()) + "." + test->name());
-  std::filesystem::remove_all(folder);
-  std::filesystem::create_directories(folder);
-  return folder;
-}
-
-inline std::string read_text(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-}
-
-inline void write_text(const std::filesystem::path& path, const std::string& text) {
-  std::ofstream(path, std::ios::binary) << text;
-}
 
 /// The message of the InvalidInput (or FileError) that `call` throws.
 template <typename Call>

@@ -65,7 +65,8 @@ bool is_valid(const json& document) {
 // What reading says after the document of a good model was changed.
 template <typename Change>
 std::string refused_after(Change&& change) {
-  const std::filesystem::path folder = scratch_folder() / "model";
+  const ScratchFolder scratch;
+  const std::filesystem::path folder = scratch / "model";
   write_model(folder, some_model());
   json document = json::parse(read_text(folder / "field.json"));
   change(document);
@@ -74,14 +75,16 @@ std::string refused_after(Change&& change) {
 }
 
 TEST(ModelIo, ReadsBackExactlyWhatWasWritten) {
-  const std::filesystem::path folder = scratch_folder() / "new" / "model";
+  const ScratchFolder scratch;
+  const std::filesystem::path folder = scratch / "new" / "model";
   write_model(folder, some_model());
   write_model(folder, some_model());
   expect_same(read_model(folder), some_model());
 }
 
 TEST(ModelIo, ReadsTheSameDocumentInCbor) {
-  const std::filesystem::path folder = scratch_folder() / "model";
+  const ScratchFolder scratch;
+  const std::filesystem::path folder = scratch / "model";
   write_model(folder, some_model());
   const std::vector<std::uint8_t> bytes =
       json::to_cbor(json::parse(read_text(folder / "field.json")));
@@ -95,7 +98,8 @@ TEST(ModelIo, ReadsTheSameDocumentInCbor) {
 }
 
 TEST(ModelIo, WritesWhatTheSchemaDescribes) {
-  const std::filesystem::path folder = scratch_folder() / "model";
+  const ScratchFolder scratch;
+  const std::filesystem::path folder = scratch / "model";
   write_model(folder, some_model());
   const json document = json::parse(read_text(folder / "field.json"));
   EXPECT_TRUE(is_valid(document));
@@ -117,7 +121,8 @@ TEST(ModelIo, WritesWhatTheSchemaDescribes) {
 
 // The formula in the schema's description, evaluated on the document alone.
 TEST(ModelIo, TheDocumentAloneGivesTheForces) {
-  const std::filesystem::path folder = scratch_folder() / "model";
+  const ScratchFolder scratch;
+  const std::filesystem::path folder = scratch / "model";
   write_model(folder, some_model());
   const json contact = json::parse(read_text(folder / "field.json"))["contacts"][3];
   const Eigen::Vector3d displacement(1.2, -0.7, 2.5);
@@ -161,7 +166,8 @@ TEST(ModelIo, NamesThePlaceAndWhatIsRight) {
 }
 
 TEST(ModelIo, RefusesMissingEmptyAndTruncatedFiles) {
-  const std::filesystem::path folder = scratch_folder() / "model";
+  const ScratchFolder scratch;
+  const std::filesystem::path folder = scratch / "model";
   EXPECT_THAT(refusal([&] { return read_model(folder); }), HasSubstr("no such folder"));
   std::filesystem::create_directories(folder);
   EXPECT_THAT(refusal([&] { return read_model(folder); }),
@@ -178,13 +184,14 @@ TEST(ModelIo, RefusesMissingEmptyAndTruncatedFiles) {
 }
 
 TEST(ModelIo, KeepsWhatIsThereIfTheModelIsWrongOrTheFolderIsAnother) {
-  const std::filesystem::path folder = scratch_folder() / "model";
+  const ScratchFolder scratch;
+  const std::filesystem::path folder = scratch / "model";
   write_model(folder, some_model());
   Model wrong = some_model();
   wrong.contacts[0].friction = -1;
   EXPECT_THROW(write_model(folder, wrong), InvalidInput);
   expect_same(read_model(folder), some_model());
-  const std::filesystem::path other = scratch_folder() / "other";
+  const std::filesystem::path other = scratch / "other";
   std::filesystem::create_directories(other);
   write_text(other / "letter.txt", "dear");
   EXPECT_THROW(write_model(other, some_model()), InvalidInput);

@@ -14,7 +14,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 
 TEST(TrajectoryCsv, ReadsTrajectoriesAndQueries) {
-  const std::filesystem::path folder = scratch_folder();
+  const ScratchFolder folder;
   write_text(folder / "t.csv", "x,y,z,t\n1,2,3,0\n4,5,6,0.5\n");
   const std::vector<TrajectoryPoint> trajectory = read_trajectory(folder / "t.csv");
   ASSERT_EQ(trajectory.size(), 2u);
@@ -29,7 +29,7 @@ TEST(TrajectoryCsv, ReadsTrajectoriesAndQueries) {
 }
 
 TEST(TrajectoryCsv, RefusesEmptyTablesAndTimesOutOfOrder) {
-  const std::filesystem::path folder = scratch_folder();
+  const ScratchFolder folder;
   write_text(folder / "t.csv", "t,x,y,z\n");
   EXPECT_THAT(refusal([&] { return read_trajectory(folder / "t.csv"); }),
               HasSubstr("no line of numbers"));
@@ -44,7 +44,8 @@ TEST(TrajectoryCsv, RefusesEmptyTablesAndTimesOutOfOrder) {
 }
 
 TEST(TrajectoryCsv, WritesTheTraceToTheLastDigit) {
-  const std::filesystem::path path = scratch_folder() / "trace.csv";
+  const ScratchFolder scratch;
+  const std::filesystem::path path = scratch / "trace.csv";
   const std::vector<TracePoint> trace = {
       {0, {1, 2, 3}, {4, 5, 6}, {0.1, -1e-300, 0}, ContactState::stick},
       {0.001, {1, 2, 3}, {1, 2, 3}, {0, 0, 0}, ContactState::free},

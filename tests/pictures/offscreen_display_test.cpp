@@ -107,7 +107,7 @@ TEST(OffscreenDisplay, SaysWhatToInstallWhereThereIsNoServer) {
 }
 
 TEST(OffscreenDisplay, SaysWhereTheServerDoesNotStart) {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   std::filesystem::create_symlink("/bin/false", folder / "Xvfb");
   const std::string output = use_display("", "PATH=" + (folder / "").string());
   EXPECT_NE(output.find("does not start"), std::string::npos) << output;

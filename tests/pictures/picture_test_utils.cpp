@@ -7,8 +7,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <opencv2/imgcodecs.hpp>
 
 #include "palpate/error.h"
@@ -35,22 +33,10 @@ class NoDesktop : public testing::Environment {
 
 const testing::Environment* const kNoDesktop = testing::AddGlobalTestEnvironment(new NoDesktop);
 
-std::string read_bytes(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
 }  // namespace
 
-TemporaryFolder::TemporaryFolder() {
-  std::string name = (std::filesystem::temp_directory_path() / "palpate_pictures_XXXXXX").string();
-  path_ = mkdtemp(name.data());
-}
-
-TemporaryFolder::~TemporaryFolder() { std::filesystem::remove_all(path_); }
-
 cv::Mat3b draw_picture(const std::function<void(const std::filesystem::path&)>& draw) {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   const std::filesystem::path png = folder / "picture.png";
   testing::internal::CaptureStderr();
   try {
@@ -68,30 +54,30 @@ cv::Mat3b draw_picture(const std::function<void(const std::filesystem::path&)>& 
 }
 
 void expect_same_again(const std::function<void(const std::filesystem::path&)>& draw) {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   draw(folder / "one.png");
   draw(folder / "other.png");
-  EXPECT_GT(read_bytes(folder / "one.png").size(), 1000U);
-  EXPECT_TRUE(read_bytes(folder / "one.png") == read_bytes(folder / "other.png"));
+  EXPECT_GT(read_text(folder / "one.png").size(), 1000U);
+  EXPECT_TRUE(read_text(folder / "one.png") == read_text(folder / "other.png"));
 }
 
 void expect_refused(const std::function<void(const std::filesystem::path&)>& draw,
                     const std::string& words) {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   try {
     draw(folder / "refused.png");
     ADD_FAILURE() << "nothing thrown where '" << words << "' was expected";
   } catch (const InvalidInput& error) {
     EXPECT_NE(std::string(error.what()).find(words), std::string::npos) << error.what();
   }
-  EXPECT_TRUE(folder.empty());
+  EXPECT_TRUE(folder.entries() == 0);
 }
 
 void expect_unwritable(const std::function<void(const std::filesystem::path&)>& draw) {
-  const TemporaryFolder folder;
-  std::ofstream(folder / "file") << "not a folder";
+  const ScratchFolder folder;
+  write_text(folder / "file", "not a folder");
   EXPECT_THROW(draw(folder / "file" / "picture.png"), OutputError);
-  EXPECT_EQ(read_bytes(folder / "file"), "not a folder");
+  EXPECT_EQ(read_text(folder / "file"), "not a folder");
 }
 
 Rgb pixel(const cv::Mat3b& picture, int x, int y) {

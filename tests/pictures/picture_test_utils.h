@@ -10,29 +10,15 @@
 
 #include "color_map.h"
 #include "palpate/geometry/triangle_mesh.h"
+#include "scratch_folder.h"
 
 namespace palpate::pictures {
 
 /// A part of a picture, px, (0, 0) in the upper left corner.
 using Region = cv::Rect;
 
-/// A folder of its own that goes with the object.
-class TemporaryFolder {
- public:
-  TemporaryFolder();
-  ~TemporaryFolder();
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  [[nodiscard]] std::filesystem::path operator/(const std::string& name) const {
-    return path_ / name;
-  }
-  [[nodiscard]] bool empty() const { return std::filesystem::is_empty(path_); }
-
- private:
-  std::filesystem::path path_;
-};
-
-/// Draws into a temporary file; fails if something is printed. \return the picture, RGB.
+/// Draws into a temporary file; fails if something is printed.
+/// \return the picture, RGB.
 [[nodiscard]] cv::Mat3b draw_picture(const std::function<void(const std::filesystem::path&)>& draw);
 
 /// Expects two files that are the same byte by byte.

@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "scratch.h"
+#include "probing_testing.h"
 
 namespace palpate::probing {
 namespace {
@@ -16,7 +16,7 @@ using testing::HasSubstr;
 const std::filesystem::path kSheet = std::filesystem::path(PALPATE_SOURCE_DIR) / "demo" / "sheet";
 
 TEST(AcquisitionCsv, ReadsBackExactlyWhatWasWritten) {
-  const std::filesystem::path folder = scratch_folder();
+  const ScratchFolder folder;
   write_acquisition_csv(small_acquisition(), folder / "c.csv", folder / "s.csv");
   expect_same(read_acquisition_csv(folder / "c.csv", folder / "s.csv"), small_acquisition());
 }
@@ -30,7 +30,7 @@ TEST(AcquisitionCsv, ReadsTheBundledSheet) {
 }
 
 TEST(AcquisitionCsv, NamesTheFileAndTheRecordThatIsWrong) {
-  const std::filesystem::path folder = scratch_folder();
+  const ScratchFolder folder;
   write_acquisition_csv(small_acquisition(), folder / "c.csv", folder / "s.csv");
   std::string text = read_text(folder / "s.csv");
   text.replace(text.find("\n2,3,"), 5, "\n2,9,");
@@ -42,7 +42,7 @@ TEST(AcquisitionCsv, NamesTheFileAndTheRecordThatIsWrong) {
 }
 
 TEST(AcquisitionCsv, RefusesEveryFileThatIsCutInsideALine) {
-  const std::filesystem::path folder = scratch_folder();
+  const ScratchFolder folder;
   write_acquisition_csv(small_acquisition(), folder / "c.csv", folder / "s.csv");
   const std::string text = read_text(folder / "s.csv");
   const std::size_t last_line = text.rfind('\n', text.size() - 2);
@@ -55,7 +55,7 @@ TEST(AcquisitionCsv, RefusesEveryFileThatIsCutInsideALine) {
 }
 
 TEST(AcquisitionCsv, WritesNothingIfTheAcquisitionIsWrong) {
-  const std::filesystem::path folder = scratch_folder();
+  const ScratchFolder folder;
   write_text(folder / "c.csv", "old");
   Acquisition acquisition = small_acquisition();
   acquisition.samples[0].range_map = "two\nlines";

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <sqlite3.h>
 
-#include "scratch.h"
+#include "probing_testing.h"
 
 namespace palpate::probing {
 namespace {
@@ -28,14 +28,16 @@ std::string refused(const std::filesystem::path& path) {
 
 // What reading says after `sql` has changed a good database.
 std::string refused_after(const char* sql) {
-  const std::filesystem::path path = scratch_folder() / "a.db";
+  const ScratchFolder scratch;
+  const std::filesystem::path path = scratch / "a.db";
   write_acquisition(path, small_acquisition());
   execute(path, sql);
   return refused(path);
 }
 
 TEST(AcquisitionStore, ReadsBackExactlyWhatWasWritten) {
-  const std::filesystem::path path = scratch_folder() / "new" / "a.db";
+  const ScratchFolder scratch;
+  const std::filesystem::path path = scratch / "new" / "a.db";
   Acquisition acquisition = small_acquisition();
   acquisition.meta = {{"arm", "it's \"new\""}, {"unit", "mm"}};
   write_acquisition(path, acquisition);
@@ -46,7 +48,8 @@ TEST(AcquisitionStore, ReadsBackExactlyWhatWasWritten) {
 }
 
 TEST(AcquisitionStore, ReadsDatabasesThatOtherToolsMade) {
-  const std::filesystem::path path = scratch_folder() / "a.db";
+  const ScratchFolder scratch;
+  const std::filesystem::path path = scratch / "a.db";
   execute(path,
           "CREATE TABLE contact(note, nz, ny, nx, z, y, x, id);"
           "CREATE TABLE sample(id, contact, group_id, px, py, pz, ax, ay, az, bx, by, bz,"
@@ -62,7 +65,7 @@ TEST(AcquisitionStore, ReadsDatabasesThatOtherToolsMade) {
 }
 
 TEST(AcquisitionStore, RefusesFilesThatAreNoSuchDatabase) {
-  const std::filesystem::path folder = scratch_folder();
+  const ScratchFolder folder;
   EXPECT_THAT(refused(folder / "none.db"), AllOf(HasSubstr("none.db"), HasSubstr("no such file")));
   EXPECT_FALSE(std::filesystem::exists(folder / "none.db"));
   write_text(folder / "empty.db", "");
@@ -72,7 +75,8 @@ TEST(AcquisitionStore, RefusesFilesThatAreNoSuchDatabase) {
 }
 
 TEST(AcquisitionStore, RefusesATruncatedDatabaseWhereverItIsCut) {
-  const std::filesystem::path path = scratch_folder() / "a.db";
+  const ScratchFolder scratch;
+  const std::filesystem::path path = scratch / "a.db";
   write_acquisition(path, small_acquisition());
   const std::string whole = read_text(path);
   for (std::size_t length = 1; length < whole.size(); length += 997) {
@@ -101,7 +105,8 @@ TEST(AcquisitionStore, NamesTheRowThatIsWrong) {
 }
 
 TEST(AcquisitionStore, KeepsTheOldFileIfTheAcquisitionIsWrong) {
-  const std::filesystem::path path = scratch_folder() / "a.db";
+  const ScratchFolder scratch;
+  const std::filesystem::path path = scratch / "a.db";
   write_acquisition(path, small_acquisition());
   const std::string before = read_text(path);
   EXPECT_THROW(write_acquisition(path, {}), InvalidInput);

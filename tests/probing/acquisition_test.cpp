@@ -7,7 +7,7 @@
 
 #include <limits>
 
-#include "scratch.h"
+#include "probing_testing.h"
 
 namespace palpate::probing {
 namespace {

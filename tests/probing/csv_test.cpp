@@ -8,7 +8,7 @@
 #include <array>
 #include <limits>
 
-#include "scratch.h"
+#include "probing_testing.h"
 
 namespace palpate::probing {
 namespace {
@@ -19,7 +19,8 @@ using testing::HasSubstr;
 constexpr std::array<std::string_view, 2> kColumns = {"b", "a"};
 
 CsvTable table_of(const std::string& text) {
-  const std::filesystem::path path = scratch_folder() / "t.csv";
+  const ScratchFolder scratch;
+  const std::filesystem::path path = scratch / "t.csv";
   write_text(path, text);
   return {path, kColumns};
 }
@@ -86,7 +87,8 @@ TEST(Csv, RefusesWhatIsNotSuchATable) {
   EXPECT_THAT(refused("a,b\n\"1,2\n"), AllOf(HasSubstr("line 2"), HasSubstr("quote")));
   EXPECT_THAT(refused(std::string("\x89PNG\r\n\0\1\2,", 10)), HasSubstr("no column"));
   EXPECT_THAT(refused("a,b\n\x01\x02" + std::string(100, 'x') + ",2\n"), HasSubstr("'??xxx"));
-  EXPECT_THAT(refusal([] { CsvTable(scratch_folder() / "none.csv", kColumns); }),
+  const ScratchFolder folder;
+  EXPECT_THAT(refusal([&] { CsvTable(folder / "none.csv", kColumns); }),
               AllOf(HasSubstr("none.csv"), HasSubstr("no such file")));
 }
 

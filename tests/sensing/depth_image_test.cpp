@@ -20,7 +20,7 @@ geometry::Camera camera_of(int width, int height) {
 }
 
 TEST(DepthImage, ScalesUnitsAndKeepsUnknownApart) {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   cv::Mat image = (cv::Mat_<ushort>(2, 3) << 0, 1, 2, 3, 65535, 8);
   cv::imwrite((folder / "d.png").string(), image);
   const geometry::RangeMap map = read_depth_image(folder / "d.png", 0.125, camera_of(3, 2));
@@ -40,7 +40,7 @@ TEST(DepthImage, ReadsTheBundledHand) {
 }
 
 TEST(DepthImage, RefusesWrongTypeSizeAndScale) {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   cv::imwrite((folder / "d16.png").string(), cv::Mat(2, 3, CV_16UC1, cv::Scalar(7)));
   cv::imwrite((folder / "d8.png").string(), cv::Mat(2, 3, CV_8UC1, cv::Scalar(7)));
   cv::imwrite((folder / "color.png").string(), cv::Mat(2, 3, CV_16UC3, cv::Scalar(7, 7, 7)));

@@ -19,7 +19,7 @@ cv::Mat ramp(int type) {
 }
 
 TEST(Frame, ReadsWhatWasWritten) {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   for (const int type : {CV_8UC1, CV_8UC3, CV_16UC1, CV_16UC3}) {
     for (const char* name : {"frame.png", "frame.tiff"}) {
       const cv::Mat image = ramp(type);
@@ -32,13 +32,13 @@ TEST(Frame, ReadsWhatWasWritten) {
 }
 
 TEST(Frame, RefusesTruncatedFilesOfEveryLengthInSilence) {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   for (const char* name : {"frame.png", "frame.tiff"}) {
     cv::imwrite((folder / name).string(), ramp(CV_8UC3));
-    const std::string bytes = bytes_of(folder / name);
+    const std::string bytes = read_text(folder / name);
     testing::internal::CaptureStderr();
     for (std::size_t length = 0; length < bytes.size(); length += 97) {
-      EXPECT_THROW((void)read_frame(folder.write("cut.bin", bytes.substr(0, length))), FileError)
+      EXPECT_THROW((void)read_frame(written(folder, "cut.bin", bytes.substr(0, length))), FileError)
           << name << " cut to " << length << " of " << bytes.size();
     }
     EXPECT_EQ(testing::internal::GetCapturedStderr(), "") << name;
@@ -46,21 +46,21 @@ TEST(Frame, RefusesTruncatedFilesOfEveryLengthInSilence) {
 }
 
 TEST(Frame, RefusesADamagedFile) {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   cv::imwrite((folder / "frame.png").string(), ramp(CV_8UC3));
-  std::string bytes = bytes_of(folder / "frame.png");
+  std::string bytes = read_text(folder / "frame.png");
   bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);
-  const auto path = folder.write("damaged.png", bytes);
+  const auto path = written(folder, "damaged.png", bytes);
   const std::string message = message_of<FileError>([&] { (void)read_frame(path); });
   EXPECT_NE(message.find("damaged.png"), std::string::npos);
   EXPECT_NE(message.find("checksum"), std::string::npos);
 }
 
 TEST(Frame, RefusesMissingEmptyAndForeignFiles) {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   EXPECT_THROW((void)read_frame(folder / "none.png"), FileError);
   EXPECT_THROW((void)read_frame(folder.path()), FileError);
-  EXPECT_THROW((void)read_frame(folder.write("empty.png", "")), FileError);
+  EXPECT_THROW((void)read_frame(written(folder, "empty.png", "")), FileError);
   EXPECT_THROW((void)read_frame(demo_path("rig.yaml")), FileError);
   EXPECT_THROW((void)read_frame(demo_path("truth/duck.tiff")), FileError);  // floating point
 }

@@ -26,20 +26,21 @@ TEST(Pattern, ReadsTheBundledPattern) {
 }
 
 TEST(Pattern, MayHaveNoStripes) {
-  const TemporaryFolder folder;
-  const Pattern pattern = read_pattern(folder.write(
-      "p.yaml", "%YAML:1.0\n---\naxis: x\nperiod_px: 60\nphase: 1.5\nmean: 0.5\namplitude: 0.5\n"));
+  const ScratchFolder folder;
+  const Pattern pattern = read_pattern(
+      written(folder, "p.yaml",
+              "%YAML:1.0\n---\naxis: x\nperiod_px: 60\nphase: 1.5\nmean: 0.5\namplitude: 0.5\n"));
   EXPECT_TRUE(pattern.stripes.empty());
   EXPECT_EQ(pattern.axis, Axis::x);
   EXPECT_EQ(pattern.period, 60);
 }
 
 TEST(Pattern, RefusesWrongFilesAndNamesTheKey) {
-  const TemporaryFolder folder;
-  const std::string text = bytes_of(demo_path("pattern.yaml"));
+  const ScratchFolder folder;
+  const std::string text = read_text(demo_path("pattern.yaml"));
   const auto refused_for = [&](const std::string& from, const std::string& to,
                                const std::string& key) {
-    const auto path = folder.write("bad_pattern.yaml", replaced(text, from, to));
+    const auto path = written(folder, "bad_pattern.yaml", replaced(text, from, to));
     const std::string message = message_of<FileError>([&] { (void)read_pattern(path); });
     return message.find("bad_pattern.yaml") != std::string::npos &&
            message.find(key) != std::string::npos;
@@ -64,9 +65,9 @@ TEST(Pattern, RefusesWrongFilesAndNamesTheKey) {
 }
 
 TEST(Pattern, RefusesMissingAndForeignFiles) {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   EXPECT_THROW((void)read_pattern(folder / "none.yaml"), FileError);
-  EXPECT_THROW((void)read_pattern(folder.write("empty.yaml", "")), FileError);
+  EXPECT_THROW((void)read_pattern(written(folder, "empty.yaml", "")), FileError);
   EXPECT_THROW((void)read_pattern(demo_path("rig.yaml")), FileError);
 }
 

@@ -10,12 +10,12 @@ namespace palpate::sensing {
 namespace {
 
 TEST(PngCheck, FindsNothingInWholeFiles) {
-  EXPECT_EQ(find_png_damage(bytes_of(demo_path("frames/duck.png"))), "");
-  EXPECT_EQ(find_png_damage(bytes_of(demo_path("truth/duck_id.png"))), "");
+  EXPECT_EQ(find_png_damage(read_text(demo_path("frames/duck.png"))), "");
+  EXPECT_EQ(find_png_damage(read_text(demo_path("truth/duck_id.png"))), "");
 }
 
 TEST(PngCheck, FindsTruncationAndChangedBytes) {
-  const std::string whole = bytes_of(demo_path("truth/duck_lit.png"));
+  const std::string whole = read_text(demo_path("truth/duck_lit.png"));
   for (std::size_t length = 0; length < whole.size(); length += 101) {
     EXPECT_NE(find_png_damage(whole.substr(0, length)), "") << length;
   }
@@ -28,7 +28,7 @@ TEST(PngCheck, FindsTruncationAndChangedBytes) {
 }
 
 TEST(PngCheck, AChunkLongerThanAnyFileIsTruncation) {
-  std::string huge = bytes_of(demo_path("truth/duck_lit.png"));
+  std::string huge = read_text(demo_path("truth/duck_lit.png"));
   for (std::size_t i = 8; i < 12; ++i) huge[i] = '\xFF';
   EXPECT_NE(find_png_damage(huge).find("truncated"), std::string::npos);
 }

@@ -37,7 +37,7 @@ void expect_same_camera(const geometry::Camera& a, const geometry::Camera& b) {
 }
 
 TEST(Rig, SurvivesWritingAndReadingExactly) {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   const Rig rig = awkward_rig();
   write_rig(folder / "rig.yaml", rig);
   const Rig again = read_rig(folder / "rig.yaml");
@@ -61,38 +61,39 @@ TEST(Rig, ReadsTheBundledRigs) {
 }
 
 TEST(Rig, ChromaticShiftAbsentMeansNone) {
-  const TemporaryFolder folder;
-  const std::string text = bytes_of(demo_path("rig.yaml"));
-  const Rig rig = read_rig(folder.write("rig.yaml", text.substr(0, text.find("chromatic:"))));
+  const ScratchFolder folder;
+  const std::string text = read_text(demo_path("rig.yaml"));
+  const Rig rig = read_rig(written(folder, "rig.yaml", text.substr(0, text.find("chromatic:"))));
   EXPECT_EQ(rig.red.alpha, 1);
   EXPECT_EQ(rig.blue.beta, 1);
   EXPECT_EQ(rig.blue.gamma, 0);
 }
 
 TEST(Rig, TakesDistortionsOfZeroFourFiveAndEightCoefficients) {
-  const TemporaryFolder folder;
-  const std::string text = bytes_of(demo_path("rig.yaml"));
+  const ScratchFolder folder;
+  const std::string text = read_text(demo_path("rig.yaml"));
   const std::string five = "rows: 1\n   cols: 5\n   dt: d\n   data: [ 0.0, 0.0, 0.0, 0.0, 0.0 ]";
   ASSERT_NE(text.find(five), std::string::npos);
   const auto read_with = [&](int count, const std::string& data) {
-    return read_rig(
-        folder.write("rig.yaml", replaced(text, five,
-                                          "rows: 1\n   cols: " + std::to_string(count) +
-                                              "\n   dt: d\n   data: [ " + data + " ]")));
+    return read_rig(written(folder, "rig.yaml",
+                            replaced(text, five,
+                                     "rows: 1\n   cols: " + std::to_string(count) +
+                                         "\n   dt: d\n   data: [ " + data + " ]")));
   };
   EXPECT_EQ(read_with(4, "1., 2., 3., 4.").camera.distortion[3], 4);
   EXPECT_EQ(read_with(8, "1., 2., 3., 4., 5., 6., 7., 8.").camera.distortion[7], 8);
-  EXPECT_EQ(read_rig(folder.write("rig.yaml", replaced(text, "!!opencv-matrix\n   " + five, "[]")))
-                .camera.distortion[0],
-            0);
+  EXPECT_EQ(
+      read_rig(written(folder, "rig.yaml", replaced(text, "!!opencv-matrix\n   " + five, "[]")))
+          .camera.distortion[0],
+      0);
   EXPECT_THROW((void)read_with(6, "1., 2., 3., 4., 5., 6."), FileError);
 }
 
 TEST(Rig, RefusesWrongFilesAndNamesTheKey) {
-  const TemporaryFolder folder;
-  const std::string text = bytes_of(demo_path("rig.yaml"));
+  const ScratchFolder folder;
+  const std::string text = read_text(demo_path("rig.yaml"));
   const auto refusal = [&](const std::string& from, const std::string& to) {
-    const auto path = folder.write("bad_rig.yaml", replaced(text, from, to));
+    const auto path = written(folder, "bad_rig.yaml", replaced(text, from, to));
     const std::string message = message_of<FileError>([&] { (void)read_rig(path); });
     EXPECT_NE(message.find("bad_rig.yaml"), std::string::npos) << from << " -> " << to;
     return message;
@@ -121,19 +122,19 @@ TEST(Rig, RefusesWrongFilesAndNamesTheKey) {
 }
 
 TEST(Rig, RefusesMissingEmptyAndForeignFiles) {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   EXPECT_THROW((void)read_rig(folder / "none.yaml"), FileError);
   EXPECT_THROW((void)read_rig(folder.path()), FileError);
-  EXPECT_THROW((void)read_rig(folder.write("empty.yaml", "")), FileError);
-  EXPECT_THROW((void)read_rig(folder.write("text.yaml", "hello")), FileError);
+  EXPECT_THROW((void)read_rig(written(folder, "empty.yaml", "")), FileError);
+  EXPECT_THROW((void)read_rig(written(folder, "text.yaml", "hello")), FileError);
   EXPECT_THROW((void)read_rig(demo_path("frames/duck.png")), FileError);
-  const std::string text = bytes_of(demo_path("rig.yaml"));
-  EXPECT_THROW((void)read_rig(folder.write("cut.yaml", text.substr(0, text.size() / 2))),
+  const std::string text = read_text(demo_path("rig.yaml"));
+  EXPECT_THROW((void)read_rig(written(folder, "cut.yaml", text.substr(0, text.size() / 2))),
                FileError);
 }
 
 TEST(Rig, RefusesToWriteAnInvalidRig) {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   Rig rig = awkward_rig();
   rig.T_projector_camera.translation().y() = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(write_rig(folder / "rig.yaml", rig), InvalidInput);

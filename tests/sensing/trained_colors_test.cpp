@@ -77,7 +77,7 @@ TEST(TrainedColors, BundledColoursLieNearTheirNominalHues) {
 }
 
 TEST(TrainedColors, SurviveWritingAndReadingExactly) {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   const TrainedColors colors{{{"R", 1.0 / 3, 1e-3 / 7, 12345}, {"dark blue", 4.1, 0, 100}}};
   write_trained_colors(folder / "colors.yaml", colors);
   const TrainedColors again = read_trained_colors(folder / "colors.yaml");
@@ -91,12 +91,12 @@ TEST(TrainedColors, SurviveWritingAndReadingExactly) {
 }
 
 TEST(TrainedColors, FoldersCountTogetherAndOtherFilesAreLeftOut) {
-  const TemporaryFolder first;
-  const TemporaryFolder second;
+  const ScratchFolder first;
+  const ScratchFolder second;
   cv::imwrite((first / "R_flat.png").string(), reddish({0.1}));
   cv::imwrite((first / "white_flat.png").string(), reddish({0.9}));
   cv::imwrite((first / "projector_off.png").string(), reddish({0.9}));
-  first.write("R_notes.txt", "not an image");
+  write_text(first / "R_notes.txt", "not an image");
   cv::imwrite((second / "R_sin.png").string(), reddish({0.3}));
   const TrainedColors colors = train_colors_from_folders({first.path(), second.path()});
   ASSERT_EQ(colors.colors.size(), 1U);
@@ -105,7 +105,7 @@ TEST(TrainedColors, FoldersCountTogetherAndOtherFilesAreLeftOut) {
 }
 
 TEST(TrainedColors, RefuseWrongInput) {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   const cv::Mat dark(50, 50, CV_8UC3, cv::Scalar(0, 0, 3));
   EXPECT_THROW((void)train_colors({}), InvalidInput);
   EXPECT_NE(message_of<InvalidInput>([&] {
@@ -118,14 +118,14 @@ TEST(TrainedColors, RefuseWrongInput) {
   EXPECT_THROW((void)train_colors({{"R", {reddish({0.1})}}}, {.min_saturation = -1}), InvalidInput);
   EXPECT_THROW((void)train_colors_from_folder(folder / "none"), FileError);
   EXPECT_THROW((void)train_colors_from_folder(folder.path()), FileError);
-  folder.write("R_flat.png", "no image");
+  written(folder, "R_flat.png", "no image");
   EXPECT_THROW((void)train_colors_from_folder(folder.path()), FileError);
 }
 
 TEST(TrainedColors, RefuseWrongFiles) {
-  const TemporaryFolder folder;
+  const ScratchFolder folder;
   const auto refused = [&](const std::string& colors) {
-    const auto path = folder.write("c.yaml", "%YAML:1.0\n---\ncolors:\n" + colors);
+    const auto path = written(folder, "c.yaml", "%YAML:1.0\n---\ncolors:\n" + colors);
     return !message_of<FileError>([&] { (void)read_trained_colors(path); }).empty();
   };
   EXPECT_FALSE(refused("   - { name: R, mean: 0.1, variance: 0.1, pixels: 10 }\n"));

@@ -4,43 +4,15 @@
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>
-#include <unistd.h>
 
 #include <csignal>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
+#include <exception>
 #include <string>
+#include <typeinfo>
+
+#include "scratch_folder.h"
 
 namespace palpate::geometry {
-
-/// A folder of one test, removed with all that is in it.
-class ScratchFolder {
- public:
-  ScratchFolder() {
-    const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-    path_ = std::filesystem::temp_directory_path() /
-            ("palpate-" + std::to_string(::getpid()) + "-" + test->name());
-    std::filesystem::create_directories(path_);
-  }
-  ~ScratchFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  ScratchFolder(const ScratchFolder&) = delete;
-  ScratchFolder& operator=(const ScratchFolder&) = delete;
-  [[nodiscard]] std::filesystem::path operator/(const std::string& name) const {
-    return path_ / name;
-  }
-  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-  /// How many files and folders lie in it: shows whether a temporary was left behind.
-  [[nodiscard]] std::ptrdiff_t entries() const {
-    return std::distance(std::filesystem::directory_iterator(path_), {});
-  }
-
- private:
-  std::filesystem::path path_;
-};
 
 /// While it lives, no file of this process can grow beyond `bytes`: the next write fails as it
 /// would on a full disk, only with another reason.
@@ -62,15 +34,6 @@ class FullDisk {
   rlimit limit_{};
   void (*handler_)(int);
 };
-
-inline std::string read_text(const std::filesystem::path& path) {
-  std::ifstream stream(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
-inline void write_text(const std::filesystem::path& path, const std::string& text) {
-  std::ofstream(path, std::ios::binary) << text;
-}
 
 /// Checks that `statement` throws `Exception` (not one derived from it) and that its message has
 /// `words`: what it tells the user to do.
