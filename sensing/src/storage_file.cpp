@@ -3,7 +3,10 @@
 #include "storage_file.h"
 
 #include <cmath>
+#include <cstdint>
 #include <fstream>
+#include <mutex>
+#include <opencv2/core/utils/logger.hpp>
 #include <sstream>
 #include <utility>
 
@@ -28,7 +31,32 @@ cv::FileStorage open_storage(const std::filesystem::path& path) {
       "keys and values is expected");
 }
 
+/// The log level of OpenCV while somebody wants it silent.
+struct Silence {
+  std::mutex mutex;
+  int wanted_by = 0;
+  cv::utils::logging::LogLevel before = cv::utils::logging::LOG_LEVEL_SILENT;
+};
+
+Silence& silence() {
+  static Silence the_silence;
+  return the_silence;
+}
+
 }  // namespace
+
+QuietOpenCv::QuietOpenCv() {
+  Silence& shared = silence();
+  const std::lock_guard lock(shared.mutex);
+  if (shared.wanted_by++ > 0) return;
+  shared.before = cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
+}
+
+QuietOpenCv::~QuietOpenCv() {
+  Silence& shared = silence();
+  const std::lock_guard lock(shared.mutex);
+  if (--shared.wanted_by == 0) cv::utils::logging::setLogLevel(shared.before);
+}
 
 std::string read_bytes(const std::filesystem::path& path) {
   std::error_code error;
@@ -36,14 +64,13 @@ std::string read_bytes(const std::filesystem::path& path) {
   if (!std::filesystem::is_regular_file(path, error)) {
     throw FileError(path.string() + ": not a file");
   }
+  const std::uintmax_t size = std::filesystem::file_size(path, error);
+  if (!error && size == 0) throw FileError(path.string() + ": the file is empty");
   std::ifstream stream(path, std::ios::binary);
   std::ostringstream bytes;
-  bytes << stream.rdbuf();
-  std::string result = std::move(bytes).str();
-  if (!stream)
-    throw FileError(path.string() +
-                    (result.empty() ? ": the file is empty or unreadable" : ": cannot be read"));
-  return result;
+  // Fails if the file cannot be opened, or breaks off.
+  if (!stream || !(bytes << stream.rdbuf())) throw FileError(path.string() + ": cannot be read");
+  return std::move(bytes).str();
 }
 
 StorageFile::StorageFile(std::filesystem::path path)

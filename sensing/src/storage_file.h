@@ -4,25 +4,23 @@
 
 #include <filesystem>
 #include <opencv2/core.hpp>
-#include <opencv2/core/utils/logger.hpp>
 #include <string>
 #include <vector>
 
 namespace palpate::sensing {
 
-/// The bytes of a file. \throws FileError if it is missing, not a file, or empty.
+/// The bytes of a file.
+/// \throws FileError if it is missing, not a file, or empty.
 [[nodiscard]] std::string read_bytes(const std::filesystem::path& path);
 
-/// Keeps OpenCV from writing to the terminal while it lives.
+/// Keeps OpenCV from writing to the terminal while one lives, in whatever thread: OpenCV has one
+/// log level for the process, which is what it was again when the last one is gone.
 class QuietOpenCv {
  public:
-  QuietOpenCv() : before_(cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT)) {}
-  ~QuietOpenCv() { cv::utils::logging::setLogLevel(before_); }
+  QuietOpenCv();
+  ~QuietOpenCv();
   QuietOpenCv(const QuietOpenCv&) = delete;
   QuietOpenCv& operator=(const QuietOpenCv&) = delete;
-
- private:
-  cv::utils::logging::LogLevel before_;
 };
 
 /// An OpenCV FileStorage file for reading, with messages that name the file and the key.
