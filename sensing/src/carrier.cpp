@@ -4,7 +4,7 @@
 
 #include <cmath>
 #include <numbers>
-#include <utility>
+#include <string>
 
 #include "palpate/error.h"
 #include "triangulation.h"
@@ -18,6 +18,20 @@ constexpr double kFarthestBaselines = 20;
 constexpr int kDepths = 30;
 /// And so many places along each side of the camera image.
 constexpr int kPlaces = 9;
+
+/// Shorter periods than this [camera px] are lost between the pixels (Nyquist).
+constexpr double kLeastPeriod = 2;
+
+/// Refuses a sinusoid of which the camera sees no period, or cannot tell one from the next.
+void check_period(const Carrier& carrier, const Pattern& pattern, const geometry::Camera& camera) {
+  const double period = 2 * std::numbers::pi / std::abs(carrier.along);
+  const int length = carrier.transposed ? camera.width : camera.height;
+  if (period >= kLeastPeriod && period <= length) return;
+  throw InvalidInput("pattern: period_px: " + std::to_string(pattern.period) +
+                     " projector pixels appear as about " + std::to_string(period) +
+                     " px in the camera's image; 2 to " + std::to_string(length) +
+                     " px can be decoded");
+}
 
 }  // namespace
 
@@ -59,11 +73,13 @@ Carrier expected_carrier(const Rig& rig, const Pattern& pattern) {
   const Eigen::Vector2d phase = 2 * std::numbers::pi / pattern.period * gradient.row(row);
   const Eigen::Vector2d stripes = gradient.row(1 - row);
   const bool transposed = std::abs(phase.x()) > std::abs(phase.y());
-  return {.transposed = transposed,
-          .along = transposed ? phase.x() : phase.y(),
-          .across = transposed ? phase.y() : phase.x(),
-          .z = std::exp(log_z / count),
-          .stripes_reversed = (transposed ? stripes.y() : stripes.x()) < 0};
+  const Carrier carrier{.transposed = transposed,
+                        .along = transposed ? phase.x() : phase.y(),
+                        .across = transposed ? phase.y() : phase.x(),
+                        .z = std::exp(log_z / count),
+                        .stripes_reversed = (transposed ? stripes.y() : stripes.x()) < 0};
+  check_period(carrier, pattern, rig.camera);
+  return carrier;
 }
 
 }  // namespace palpate::sensing

@@ -20,7 +20,9 @@ struct Carrier {
 };
 
 /// Averages over surfaces facing the camera, over the camera's image, and over the depths at which
-/// the projector lights what the camera sees. \throws InvalidInput if there is no such depth.
+/// the projector lights what the camera sees.
+/// \throws InvalidInput if there is no such depth, or if the sinusoid's period is shorter than two
+/// camera pixels or longer than the image.
 [[nodiscard]] Carrier expected_carrier(const Rig& rig, const Pattern& pattern);
 
 }  // namespace palpate::sensing

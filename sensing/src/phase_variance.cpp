@@ -65,8 +65,9 @@ PALPATE_HOT_LOOP void add_variance(const float* count, const float* sum, const f
 Plane phase_variance(const Plane& wrapped, const Mask& mask) {
   const long rows = wrapped.rows();
   const long columns = wrapped.cols();
+  if (rows < 3 || columns < 3)  // no 3 x 3 pixels: nothing is known of any
+    return Plane::Constant(rows, columns, std::numeric_limits<float>::infinity());
   Plane variance = Plane::Zero(rows, columns);
-  if (rows < 3 || columns < 3) return variance;
   for (const long step : {1L, columns}) {
     Moments moments(wrapped);
     const long last_row = step == 1 ? rows : rows - 1;

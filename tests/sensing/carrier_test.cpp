@@ -8,6 +8,7 @@
 
 #include "palpate/error.h"
 #include "synthetic_scene.h"
+#include "test_files.h"
 
 namespace palpate::sensing {
 namespace {
@@ -56,6 +57,16 @@ TEST(Carrier, ViewsThatDoNotOverlapAreRefused) {
   rig.T_projector_camera.linear() =
       Eigen::AngleAxisd(std::numbers::pi, Eigen::Vector3d::UnitY()).toRotationMatrix();
   EXPECT_THROW((void)expected_carrier(rig, make_pattern(Axis::y, 10, 1024)), InvalidInput);
+}
+
+TEST(Carrier, APeriodThatTheCameraCannotSeeIsRefused) {
+  for (const double period : {0.01, 1e3, 1e12, 1e300}) {
+    EXPECT_NE(message_of<InvalidInput>([&] {
+                (void)expected_carrier(level_rig(), make_pattern(Axis::y, period, 1024));
+              }).find("period_px"),
+              std::string::npos)
+        << period;
+  }
 }
 
 }  // namespace

@@ -53,5 +53,10 @@ TEST(PhaseVariance, WhatLiesOutsideTheMaskDoesNotCount) {
   EXPECT_TRUE(std::isinf(variance(6, 4)));
 }
 
+TEST(PhaseVariance, IsUnknownInAnImageWithoutThreeRowsOrColumns) {
+  EXPECT_TRUE(phase_variance(ramp(2, 15, 0.2, 0.1), Mask::Ones(2, 15)).isInf().all());
+  EXPECT_TRUE(phase_variance(ramp(12, 2, 0.2, 0.1), Mask::Ones(12, 2)).isInf().all());
+}
+
 }  // namespace
 }  // namespace palpate::sensing

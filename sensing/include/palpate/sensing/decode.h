@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <filesystem>
 #include <memory>
 #include <opencv2/core/mat.hpp>
 #include <optional>
@@ -69,7 +68,9 @@ struct DecodeResult {
 class Decoder {
  public:
   /// \throws InvalidInput if rig or pattern are not valid, an option is outside its range, a colour
-  /// of the pattern was never trained, or the pattern has neither stripes nor an anchor.
+  /// of the pattern was never trained, the pattern has neither stripes nor an anchor, or the camera
+  /// cannot see its sinusoid: the views do not overlap, or a period is below 2 px or above the
+  /// image.
   Decoder(const Rig& rig, const Pattern& pattern, const TrainedColors& colors,
           const DecodeOptions& options = {});
   ~Decoder();
@@ -77,8 +78,9 @@ class Decoder {
   Decoder& operator=(Decoder&&) noexcept;
 
   /// `frame`: 8 or 16 bit, linear in the light, 1 or 3 channels (BGR), of the camera's size. A
-  /// frame without any projector light gives a range map of NaN, not an error. \throws InvalidInput
-  /// on a frame of another size or type, or of one channel where the pattern has coloured stripes.
+  /// frame without any projector light gives a range map of NaN, not an error.
+  /// \throws InvalidInput on a frame of another size or type, or of one channel where the pattern
+  /// has coloured stripes.
   [[nodiscard]] DecodeResult decode(const cv::Mat& frame) const;
 
  private:
