@@ -8,6 +8,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <string>
 
@@ -24,6 +25,9 @@ constexpr int kMaxNewtonSteps = 20;
 constexpr int kFixedPointSteps = 2;
 // The lens is tested for folds at so many places between the axis and the solution.
 constexpr int kFoldTests = 4;
+
+// More pixels are no camera's: pixels are counted in int, and each costs some 100 bytes.
+constexpr std::int64_t kMaxPixels = std::int64_t{1} << 28;
 
 bool has_distortion(const Camera& camera) {
   return std::any_of(camera.distortion.begin(), camera.distortion.end(),
@@ -122,6 +126,9 @@ void check_camera(const Camera& camera, const char* what) {
   if (camera.width <= 0 || camera.height <= 0)
     throw InvalidInput(name + ": size is " + std::to_string(camera.width) + " x " +
                        std::to_string(camera.height) + " px; both must be positive");
+  if (std::int64_t{camera.width} * camera.height > kMaxPixels)
+    throw InvalidInput(name + ": size is " + std::to_string(camera.width) + " x " +
+                       std::to_string(camera.height) + " px; at most 2^28 pixels can be used");
   if (!std::isfinite(camera.fx) || !std::isfinite(camera.fy) || camera.fx <= 0 || camera.fy <= 0)
     throw InvalidInput(name + ": focal lengths are " + std::to_string(camera.fx) + ", " +
                        std::to_string(camera.fy) + " px; both must be positive and finite");

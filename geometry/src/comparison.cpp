@@ -63,6 +63,9 @@ RangeMapScore score_range_map(
     double max_error) {
   check_same_size("score_range_map()", measured.rows(), measured.cols(), truth);
   check_same_size("score_range_map()", measurable.rows(), measurable.cols(), truth);
+  if (!(max_error > 0))
+    throw InvalidInput("score_range_map(): max_error is " + std::to_string(max_error) +
+                       " mm; it must be > 0");
   std::vector<double> errors, distances;
   long known = 0, wrong = 0, found = 0, wanted = 0;
   for (Eigen::Index i = 0; i < truth.size(); ++i) {

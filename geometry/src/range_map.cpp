@@ -14,7 +14,7 @@
 #include <limits>
 #include <memory>
 #include <string>
-#include <vector>
+#include <system_error>
 
 #include "palpate/error.h"
 #include "palpate/output_file.h"
@@ -180,7 +180,8 @@ Eigen::Matrix3Xd back_project(const RangeMap& map) {
 }
 
 ImageF read_depth_tiff(const fs::path& path) {
-  if (!fs::is_regular_file(path))
+  std::error_code error;
+  if (!fs::is_regular_file(path, error))
     throw FileError(path.string() + ": no such file; a range map is a TIFF file");
   TiffMessage message;
   const TiffFile file = open_tiff(path, "rm", message);

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "file_testing.h"
 #include "palpate/error.h"
-#include "scratch_folder.h"
 
 namespace palpate::geometry {
 namespace {
@@ -140,6 +140,7 @@ TEST(Camera, RefusesABadCameraByName) {
   EXPECT_NO_THROW(check_camera(pinhole(), "the projector"));
   check([](Camera& camera) { camera.width = 0; }, "the projector: size is 0 x 480 px");
   check([](Camera& camera) { camera.height = -1; }, "must be positive");
+  check([](Camera& camera) { camera.width = camera.height = 100000; }, "at most 2^28");
   check([](Camera& camera) { camera.fx = -600; }, "focal lengths");
   check([&](Camera& camera) { camera.fy = nan; }, "focal lengths");
   check([&](Camera& camera) { camera.cx = nan; }, "principal point");

@@ -94,5 +94,12 @@ TEST(DistancesToSurface, ArePositiveOnTheSideOfTheNormals) {
   EXPECT_TRUE(std::isnan(distances(3)));
 }
 
+TEST(RangeMapScore, RefusesAnErrorThatNothingCanBeBelow) {
+  const ImageF z = ImageF::Constant(2, 3, 700);
+  const Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> all = z > 0;
+  EXPECT_THROW((void)score_range_map(z, z, all, 0), InvalidInput);
+  EXPECT_THROW((void)score_range_map(z, z, all, kNaN), InvalidInput);
+}
+
 }  // namespace
 }  // namespace palpate::geometry

@@ -25,7 +25,7 @@ struct Camera {
   std::array<double, 8> distortion{};
 };
 
-/// \throws InvalidInput naming `what` unless size and focal lengths are positive and all is finite.
+/// \throws InvalidInput naming `what` unless fx, fy, size are > 0 (<= 2^28 px) and all is finite.
 void check_camera(const Camera& camera, const char* what);
 
 /// Normalised image coordinates (x / z, y / z) to the pixel where the lens shows them. Beyond the

@@ -27,16 +27,18 @@ struct ErrorStatistics {
 
 /// How a measured range map stands against a known truth.
 struct RangeMapScore {
-  ErrorStatistics error;     ///< [mm] depth errors where both are known
-  double distance = 0;       ///< [mm] median true depth there
-  double reconstructed = 0;  ///< fraction of the pixels of `measurable` that have a depth
-  double wrong = 0;          ///< fraction of the pixels with a depth that are off by more than
-                             ///< `max_error`, or lie where nothing is
+  ErrorStatistics error;  ///< [mm] depth errors where both are known
+  double distance = 0;    ///< [mm] median true depth there
+  /// Fraction of the pixels of `measurable` that have a depth; NaN if there are none.
+  double reconstructed = 0;
+  /// Fraction of the pixels with a depth that are off by more than `max_error`, or lie where
+  /// nothing is; NaN if there are none.
+  double wrong = 0;
 };
 
 /// \param measurable  non-zero where a sensor can measure: visible to the camera and lit.
 /// \param max_error   [mm] beyond it a pixel counts as wrong; > 0.
-/// \throws InvalidInput unless all have the same size.
+/// \throws InvalidInput unless all have the same size and max_error > 0.
 [[nodiscard]] RangeMapScore score_range_map(
     const ImageF& measured, const ImageF& truth,
     const Eigen::Ref<const Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>&
@@ -44,8 +46,8 @@ struct RangeMapScore {
     double max_error);
 
 /// Signed distance [mm] of each point (3 x N) from a surface: positive on the side that the
-/// surface's normals point to. NaN for a point that is not finite. \throws InvalidInput if
-/// `surface` is not a valid mesh.
+/// surface's normals point to. NaN for a point that is not finite.
+/// \throws InvalidInput if `surface` is not a valid mesh.
 [[nodiscard]] Eigen::VectorXd distances_to_surface(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
                                                    const TriangleMesh& surface);
 
