@@ -7,8 +7,11 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "palpate/error.h"
+#include "palpate/geometry/comparison.h"
 #include "palpate/geometry/contact_triangulation.h"
 #include "palpate/geometry/surface_query.h"
 #include "palpate/haptics/blended_field.h"
@@ -16,18 +19,6 @@
 
 namespace palpate::haptics {
 namespace {
-
-// Smallest value with at least `fraction` of all values <= it; `sorted` is not empty.
-double quantile(const std::vector<double>& sorted, double fraction) {
-  const double rank = std::ceil(fraction * static_cast<double>(sorted.size()));
-  return sorted[static_cast<std::size_t>(std::max(rank, 1.0)) - 1];
-}
-
-double root_mean_square(const std::vector<double>& values) {
-  double sum = 0;
-  for (const double value : values) sum += value * value;
-  return std::sqrt(sum / static_cast<double>(values.size()));
-}
 
 std::vector<geometry::SurfacePoint> surface_points(const Model& model) {
   const geometry::SurfaceQuery query(model.surface);
@@ -73,12 +64,15 @@ QueryErrors evaluate_queries(const Model& model, std::span<const Query> queries)
     throw InvalidInput("evaluate_queries(): there is no query; pass at least one");
   const BlendedField field(model);
   std::vector<double> errors;
-  for (const Query& query : queries) {
+  for (std::size_t i = 0; i < queries.size(); ++i) {
+    const Query& query = queries[i];
+    if (!query.contact.allFinite() || !query.displacement.allFinite() || !query.force.allFinite())
+      throw InvalidInput("evaluate_queries(): query " + std::to_string(i) +
+                         " is not finite; leave it out");
     errors.push_back((field.force(query.contact, query.displacement) - query.force).norm());
   }
-  std::sort(errors.begin(), errors.end());
-  return {static_cast<int>(errors.size()), root_mean_square(errors), quantile(errors, 0.5),
-          quantile(errors, 0.9)};
+  const geometry::ErrorStatistics statistics = geometry::error_statistics(std::move(errors));
+  return {static_cast<int>(statistics.count), statistics.rms, statistics.median, statistics.p90};
 }
 
 LeaveOneOut leave_one_out(const Model& model, const probing::Acquisition& acquisition) {
@@ -101,7 +95,8 @@ LeaveOneOut leave_one_out(const Model& model, const probing::Acquisition& acquis
       errors.push_back(
           (field.force(at, samples.displacements.col(s)) - samples.forces.col(s)).norm());
     }
-    result.per_contact[i] = {contact.id, root_mean_square(errors), static_cast<int>(errors.size())};
+    const geometry::ErrorStatistics statistics = geometry::error_statistics(std::move(errors));
+    result.per_contact[i] = {contact.id, statistics.rms, static_cast<int>(statistics.count)};
   });
   double sum = 0, count = 0;
   for (const ContactError& error : result.per_contact) {

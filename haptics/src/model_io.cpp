@@ -250,8 +250,10 @@ void write_model(const std::filesystem::path& folder, const Model& model) {
   write_folder(folder, kDocument, [&](const std::filesystem::path& temporary) {
     geometry::write_mesh(temporary / kSurface, model.surface);
     constexpr int kIndent = 1;
-    write_file(temporary / kDocument,
-               [&](std::ostream& out) { out << to_json(model).dump(kIndent) << '\n'; });
+    // JSON is UTF-8; the name of a file in `made` may be anything.
+    const std::string document =
+        to_json(model).dump(kIndent, ' ', false, json::error_handler_t::replace);
+    write_file(temporary / kDocument, [&](std::ostream& out) { out << document << '\n'; });
   });
 }
 

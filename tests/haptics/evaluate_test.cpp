@@ -25,9 +25,11 @@ TEST(EvaluateQueries, SumsUpTheLengthsOfTheErrors) {
   const QueryErrors errors = evaluate_queries(model, queries);  // 1, 2, ..., 10
   EXPECT_EQ(errors.count, 10);
   EXPECT_NEAR(errors.rms, std::sqrt(38.5), 1e-9);
-  EXPECT_NEAR(errors.median, 5, 1e-9);
-  EXPECT_NEAR(errors.p90, 9, 1e-9);
+  EXPECT_NEAR(errors.median, 5.5, 1e-9);
+  EXPECT_NEAR(errors.p90, 9.1, 1e-9);
   EXPECT_THAT(refusal([&] { return evaluate_queries(model, {}); }), HasSubstr("no query"));
+  queries[3].force.y() = std::nan("");
+  EXPECT_THAT(refusal([&] { return evaluate_queries(model, queries); }), HasSubstr("query 3"));
 }
 
 TEST(LeaveOneOut, PredictsAnObjectThatIsTheSameEverywhere) {

@@ -183,6 +183,14 @@ TEST(ModelIo, RefusesMissingEmptyAndTruncatedFiles) {
   EXPECT_THAT(refusal([&] { return read_model(folder); }), HasSubstr("surface.ply"));
 }
 
+TEST(ModelIo, WritesTheNameOfAFileThatIsNotUtf8) {
+  const ScratchFolder scratch;
+  Model model = some_model();
+  model.made["acquisition"] = "messung_\xE9.db";
+  write_model(scratch / "model", model);
+  EXPECT_EQ(read_model(scratch / "model").made.at("acquisition"), "messung_\xEF\xBF\xBD.db");
+}
+
 TEST(ModelIo, KeepsWhatIsThereIfTheModelIsWrongOrTheFolderIsAnother) {
   const ScratchFolder scratch;
   const std::filesystem::path folder = scratch / "model";

@@ -15,12 +15,13 @@ namespace palpate::haptics {
 struct QueryErrors {
   int count = 0;
   double rms = 0;     ///< sqrt(mean |error|^2)
-  double median = 0;  ///< half of the errors are <= this
-  double p90 = 0;     ///< nine tenths of the errors are <= this
+  double median = 0;  ///< of the lengths; quantiles are linear between neighbours
+  double p90 = 0;
 };
 
 /// Compares a model with forces known at places of its surface.
-/// \throws InvalidInput if there is no query or `check_model` refuses.
+/// \throws InvalidInput if there is no query, one is not finite (naming its index), or
+/// `check_model` refuses.
 [[nodiscard]] QueryErrors evaluate_queries(const Model& model, std::span<const Query> queries);
 
 struct ContactError {
@@ -35,9 +36,9 @@ struct LeaveOneOut {
 };
 
 /// Predicts each contact's samples from the others (thesis 5.3.3): the model without that contact,
-/// its triangulation made anew on the surface, against the contact's realigned samples. \throws
-/// InvalidInput if a contact of the model has no samples in the acquisition, the model has fewer
-///         than four contacts, or `check_model` refuses.
+/// its triangulation made anew on the surface, against the contact's realigned samples.
+/// \throws InvalidInput if a contact of the model has no samples in the acquisition, the model has
+/// fewer than four contacts, or `check_model` refuses.
 [[nodiscard]] LeaveOneOut leave_one_out(const Model& model,
                                         const probing::Acquisition& acquisition);
 

@@ -45,7 +45,7 @@ struct Model {
   Eigen::Matrix3Xi triangles;          ///< 3 x T indices of contacts, oriented as the surface
   /// Moves the acquisition onto the surface; the contacts here are moved already.
   Eigen::Isometry3d T_surface_acquisition = Eigen::Isometry3d::Identity();
-  std::map<std::string, std::string> made;  ///< how: sources, options, program
+  std::map<std::string, std::string> made;  ///< how: sources, options, program; UTF-8
 };
 
 /// A frame is orthonormal and an axis is a unit vector iff no entry of F^T F, or of its length, is
