@@ -36,9 +36,9 @@ void check_input(const ContactSamples& samples, const ContactFit& fit) {
   require(static_cast<bool>(fit.field), "field", "there is none");
   require(fit.friction_axis.allFinite() && fit.friction_axis.norm() > 0, "friction axis",
           "a finite direction is needed");
-  require(std::isfinite(fit.friction_coefficient) && fit.friction_coefficient > 0,
+  require(std::isfinite(fit.friction_coefficient) && fit.friction_coefficient >= 0,
           "friction coefficient",
-          "is " + std::to_string(fit.friction_coefficient) + ": a number above 0 is needed");
+          "is " + std::to_string(fit.friction_coefficient) + ": a number of at least 0 is needed");
 }
 
 FittedSamples evaluate(const ContactSamples& samples, const ContactFit& fit) {
@@ -91,7 +91,10 @@ void add_friction_chart(Canvas& canvas, const Box& box, const FittedSamples& con
                       on_boundary ? kBoundaryColor : kStickingColor,
                       on_boundary ? kMarkerSize + 2 : kMarkerSize);
   }
-  const double end = std::min(x.span.high, y.span.high / contact.friction_coefficient);
+  // Without friction the line lies on the axis, as far as it goes.
+  const double end = contact.friction_coefficient > 0
+                         ? std::min(x.span.high, y.span.high / contact.friction_coefficient)
+                         : x.span.high;
   chart.add_line(Eigen::Vector2d(0, end), Eigen::Vector2d(0, end * contact.friction_coefficient),
                  kConeColor, 3);
 }

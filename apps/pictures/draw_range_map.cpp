@@ -17,7 +17,11 @@ namespace {
 /// Of the depths at each end that the colours need not tell apart.
 constexpr double kTail = 0.005;
 
-/// [mm] half of the scale of a map that is at one depth throughout.
+/// A map is at one depth throughout iff its depths span less than this fraction of it: ticks could
+/// not be told apart by their numbers.
+constexpr double kFlat = 1e-6;
+
+/// [mm] half of the scale of such a map.
 constexpr double kFlatHalfScale = 0.5;
 
 std::pair<double, double> color_span(std::vector<float> depths) {
@@ -28,9 +32,8 @@ std::pair<double, double> color_span(std::vector<float> depths) {
   const double low = static_cast<double>(*near);
   std::nth_element(depths.begin(), far, depths.end());
   const double high = static_cast<double>(*far);
-  // Wide enough for ticks that the numbers can tell apart.
   const double middle = (low + high) / 2;
-  return high - low < 1e-6 * std::abs(middle)
+  return high - low < kFlat * std::abs(middle)
              ? std::pair(middle - kFlatHalfScale, middle + kFlatHalfScale)
              : std::pair(low, high);
 }

@@ -200,7 +200,7 @@ double add_force_field_scene(Canvas& canvas, const Box& box, const FittedSamples
   view.add(arrow_actor(contact, scale, false));
   view.add(arrow_actor(contact, scale, true));
   view.add(line_actor(fitted, kFittedColor, kFittedWidth));
-  view.add(cone_actor(contact, scale));
+  if (contact.friction_coefficient > 0) view.add(cone_actor(contact, scale));
   Eigen::Matrix3Xd axis_line(3, 2);
   axis_line << Eigen::Vector3d::Zero(), contact.axis * std::max(depths.maxCoeff(), 0.0);
   view.add(line_actor(axis_line, kConeColor, kAxisWidth));

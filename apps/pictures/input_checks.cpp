@@ -21,11 +21,13 @@ void check_surface(const geometry::TriangleMesh& mesh, const char* what) {
   require(mesh.triangles.cols() > 0, what, "has no triangle: there is nothing to draw");
   for (Eigen::Index triangle = 0; triangle < mesh.triangles.cols(); ++triangle) {
     for (const int vertex : mesh.triangles.col(triangle)) {
+      const bool exists = vertex >= 0 && vertex < mesh.vertices.cols();
+      if (exists && mesh.vertices.col(vertex).allFinite()) continue;
       const std::string place =
           "triangle " + std::to_string(triangle) + " names vertex " + std::to_string(vertex);
-      require(vertex >= 0 && vertex < mesh.vertices.cols(), what,
+      require(exists, what,
               place + ": one of the " + std::to_string(mesh.vertices.cols()) + " is needed");
-      require(mesh.vertices.col(vertex).allFinite(), what, place + ", which is not finite");
+      require(false, what, place + ", which is not finite");
     }
   }
 }

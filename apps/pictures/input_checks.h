@@ -16,9 +16,10 @@ void require(bool holds, const char* what, const std::string& reason);
 /// \throws InvalidInput naming `what` if the image is empty or holds no finite value.
 void check_image(const geometry::ImageF& image, const char* what);
 
+/// Unlike `geometry::check_mesh` it lets pass what a picture can bear: vertices of no triangle that
+/// are not finite, triangles that name a vertex twice.
 /// \throws InvalidInput naming `what` unless it has a triangle and each of its triangles joins
-/// vertices
-///         that exist and are finite.
+/// vertices that exist and are finite.
 void check_surface(const geometry::TriangleMesh& mesh, const char* what);
 
 /// \throws InvalidInput naming `what` if it has `got` and not `wanted` entries.

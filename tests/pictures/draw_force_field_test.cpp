@@ -103,6 +103,17 @@ TEST(DrawForceField, ConeLineHasTheSlopeOfTheFrictionCoefficient) {
   EXPECT_GT(center_of(lower).y(), center_of(line).y() + 20);
 }
 
+TEST(DrawForceField, DrawsAContactWithoutFriction) {
+  Contact contact;
+  contact.fit.friction_coefficient = 0;
+  const Region with_axis(775, 170, 400, 250);
+  const cv::Mat1b line = mask_of(draw(contact), kOrange, 40, with_axis);
+  EXPECT_GT(cv::countNonZero(line), 500);
+  cv::Mat1b rows;
+  cv::reduce(line, rows, 1, cv::REDUCE_MAX);
+  EXPECT_LT(cv::countNonZero(rows), 8);  // px high: it lies on the axis
+}
+
 TEST(DrawForceField, ShowsWhetherTheFitIsGood) {
   Contact contact;
   const int on_line = count(draw(contact), kBlack, kFitChart);
@@ -150,8 +161,8 @@ TEST(DrawForceField, RefusesInputThatDoesNotFit) {
   contact.fit.friction_axis.setZero();
   expect_refused(attempt, "friction axis");
   contact = {};
-  contact.fit.friction_coefficient = 0;
-  expect_refused(attempt, "friction coefficient: is 0");
+  contact.fit.friction_coefficient = -0.5;
+  expect_refused(attempt, "friction coefficient: is -0.5");
 }
 
 TEST(DrawForceField, GivesTheSameBytesAgain) {
