@@ -9,7 +9,9 @@ namespace palpate::apps {
 
 void print(const Settings& settings, const nlohmann::ordered_json& figures,
            const std::string& prose) {
-  std::cout << (settings.json ? figures.dump(2) : prose) << '\n';
+  // The name of a file need not be UTF-8, as JSON must be.
+  constexpr auto kReplace = nlohmann::ordered_json::error_handler_t::replace;
+  std::cout << (settings.json ? figures.dump(2, ' ', false, kReplace) : prose) << '\n';
 }
 
 }  // namespace palpate::apps

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -64,6 +65,9 @@ std::string to_words(const geometry::ErrorStatistics& s) {
       s.rms, s.median, s.p90, s.max, s.count);
 }
 
+/// [mm] The scale of a picture of differences goes at least so far, also where there are none.
+constexpr double kLeastScale = 1e-3;
+
 /// Two range maps of one camera: depth against depth, pixel by pixel.
 void compare_pixels(const Settings& settings, const CompareCall& call) {
   const geometry::ImageF a = geometry::read_depth_tiff(call.a);
@@ -71,11 +75,15 @@ void compare_pixels(const Settings& settings, const CompareCall& call) {
   const geometry::ImageF difference = geometry::depth_difference(a, b);
   const geometry::ErrorStatistics statistics =
       geometry::error_statistics({difference.data(), difference.data() + difference.size()});
+  if (statistics.count == 0) {
+    throw InvalidInput(call.a.string() + " and " + call.b.string() +
+                       ": no pixel is known in both; there is nothing to compare.");
+  }
   const long known_in_b = (b == b).count();
   if (!call.picture.empty()) {
     pictures::draw_differences(call.picture, difference,
                                call.a.filename().string() + " minus " + call.b.filename().string(),
-                               statistics.p90);
+                               std::max(statistics.p90, kLeastScale));
   }
   nlohmann::ordered_json figures = to_json(statistics);
   figures["known_in_b"] = known_in_b;

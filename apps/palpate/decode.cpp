@@ -21,6 +21,7 @@
 #include "palpate/geometry/range_map_mesh.h"
 #include "palpate/output_file.h"
 #include "palpate/pictures/draw_range_map.h"
+#include "palpate/probing/csv.h"
 #include "palpate/sensing/decode.h"
 #include "palpate/sensing/frame.h"
 #include "palpate/sensing/pattern.h"
@@ -60,6 +61,12 @@ Outcome decode_one(const sensing::Decoder& decoder, const DecodeCall& call, std:
   const std::chrono::duration<double, std::milli> elapsed =
       std::chrono::steady_clock::now() - start;
 
+  spdlog::info(
+      "{}: {} stripe edges, {} regions ({} without an offset); {} pixels reconstructed, {} unlit, "
+      "{} "
+      "unresolved, {} rejected",
+      call.frames[number].string(), result.transitions, result.regions, result.unresolved_regions,
+      result.reconstructed, result.unlit, result.unresolved, result.rejected);
   geometry::write_depth_tiff(numbered(call.output, number, ".tiff"), result.range.z);
   if (!call.meshes.empty()) {
     const geometry::RangeMapMesh surface = geometry::mesh_range_map(result.range);
@@ -98,7 +105,8 @@ void write_frame_list(const DecodeCall& call) {
   write_file(call.output / "frames.csv", [&](std::ostream& out) {
     out << "range_map,frame\n";
     for (std::size_t i = 0; i < call.frames.size(); ++i) {
-      out << numbered({}, i, ".tiff").string() << ',' << call.frames[i].filename().string() << '\n';
+      out << numbered({}, i, ".tiff").string() << ','
+          << probing::to_cell(call.frames[i].filename().string()) << '\n';
     }
   });
 }

@@ -6,7 +6,9 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 #include <string>
+#include <vector>
 
+#include "palpate/error.h"
 #include "palpate/geometry/comparison.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/range_map_mesh.h"
@@ -35,6 +37,10 @@ Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> measurable(
     const DemoFrame& frame) {
   const cv::Mat id = sensing::read_frame(frame.truth.string() + "_id.png");
   const cv::Mat lit = sensing::read_frame(frame.truth.string() + "_lit.png");
+  if (id.type() != CV_8UC1 || lit.type() != CV_8UC1 || id.size() != lit.size()) {
+    throw FileError(frame.truth.string() +
+                    "_id.png and _lit.png: two 8-bit images of one channel and size are needed.");
+  }
   Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> mask(id.rows, id.cols);
   for (int v = 0; v < id.rows; ++v) {
     for (int u = 0; u < id.cols; ++u) {

@@ -28,7 +28,9 @@ struct FitCall {
   haptics::FitOptions fit;
 };
 
-void warn(const haptics::BuildResult& built) {
+void tell(const haptics::BuildResult& built) {
+  spdlog::info("the contacts lie {:.3f} mm from the surface (RMS); registration: {}",
+               built.distance_rms, haptics::to_string(built.registration));
   for (const long long id : built.without_samples)
     spdlog::warn("contact {} has no samples and is left out.", id);
   for (const long long id : built.isolated) {
@@ -51,17 +53,22 @@ void draw(const FitCall& call, const haptics::Model& model,
                      static_cast<std::size_t>(worst - model.contacts.begin()));
 }
 
+haptics::BuildResult build(const probing::Acquisition& acquisition,
+                           const geometry::TriangleMesh& surface, const haptics::FitOptions& fit) {
+  Progress progress("fitting");  // its bar goes before anything is printed
+  return haptics::build_model(
+      acquisition, surface,
+      {.fit = fit, .progress = [&](int done, int total) { progress.show(done, total); }});
+}
+
 void fit(const Settings& settings, const FitCall& call) {
   const probing::Acquisition acquisition = probing::read_acquisition(call.acquisition);
   const geometry::TriangleMesh surface = geometry::read_mesh(call.surface);
-  Progress progress("fitting");
-  haptics::BuildResult built = haptics::build_model(
-      acquisition, surface,
-      {.fit = call.fit, .progress = [&](int done, int total) { progress.show(done, total); }});
+  haptics::BuildResult built = build(acquisition, surface, call.fit);
   built.model.made["acquisition"] = call.acquisition.filename().string();
   built.model.made["surface"] = call.surface.filename().string();
   haptics::write_model(call.output, built.model);
-  warn(built);
+  tell(built);
   if (!call.pictures.empty()) draw(call, built.model, acquisition);
 
   Json per_contact = Json::array();

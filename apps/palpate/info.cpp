@@ -177,7 +177,8 @@ Description describe_csv(const fs::path& path) {
 }
 
 Description describe_folder(const fs::path& path) {
-  if (fs::exists(path / "field.json") || fs::exists(path / "field.cbor"))
+  std::error_code ignored;
+  if (fs::exists(path / "field.json", ignored) || fs::exists(path / "field.cbor", ignored))
     return describe_model(path);
   const std::vector<fs::path> files = list_frames({path});
   const auto maps = std::count_if(files.begin(), files.end(), is_range_map);
@@ -189,8 +190,7 @@ Description describe_folder(const fs::path& path) {
 }
 
 Description describe(const fs::path& path) {
-  if (!fs::exists(path)) throw FileError(path.string() + ": there is no such file or folder.");
-  if (fs::is_directory(path)) return describe_folder(path);
+  if (is_folder(path)) return describe_folder(path);
   const std::string extension = path.extension().string();
   if (is_range_map(path)) return describe_range_map(path);
   if (extension == ".db") return describe_acquisition(path);

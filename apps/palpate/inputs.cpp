@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cctype>
 #include <string>
+#include <system_error>
 
 #include "palpate/error.h"
 #include "palpate/sensing/rig.h"
@@ -26,15 +27,20 @@ std::string lower_extension(const fs::path& path) {
 std::vector<fs::path> list_frames(const std::vector<fs::path>& paths) {
   std::vector<fs::path> frames;
   for (const fs::path& path : paths) {
-    if (!fs::exists(path)) throw FileError(path.string() + ": there is no such file or folder.");
-    if (!fs::is_directory(path)) {
+    if (!is_folder(path)) {
       frames.push_back(path);
       continue;
     }
+    std::error_code error;
     std::vector<fs::path> in_folder;
-    for (const fs::directory_entry& entry : fs::directory_iterator(path)) {
-      if (entry.is_regular_file() && is_image(entry.path())) in_folder.push_back(entry.path());
+    for (fs::directory_iterator entry(path, error); entry != fs::directory_iterator();
+         entry.increment(error)) {
+      std::error_code ignored;  // what cannot be looked at is no frame
+      if (entry->is_regular_file(ignored) && is_image(entry->path()))
+        in_folder.push_back(entry->path());
     }
+    if (error)
+      throw FileError(path.string() + ": this folder cannot be read: " + error.message() + ".");
     if (in_folder.empty()) {
       throw FileError(path.string() + ": there is no image in this folder (png or tiff).");
     }
@@ -46,7 +52,8 @@ std::vector<fs::path> list_frames(const std::vector<fs::path>& paths) {
 
 geometry::RangeMap load_range_map(const fs::path& path, const fs::path& rig) {
   const fs::path beside = path.parent_path() / "rig.yaml";
-  if (rig.empty() && !fs::exists(beside)) {
+  std::error_code ignored;
+  if (rig.empty() && !fs::exists(beside, ignored)) {
     throw FileError(
         beside.string() +
         ": missing. A range map needs its camera: put the rig beside it, or pass --rig.");
@@ -61,6 +68,15 @@ geometry::RangeMap load_range_map(const fs::path& path, const fs::path& rig) {
         ". Pass the rig this map was made with.");
   }
   return map;
+}
+
+bool is_folder(const fs::path& path) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (status.type() == fs::file_type::not_found)
+    throw FileError(path.string() + ": there is no such file or folder.");
+  if (error) throw FileError(path.string() + ": cannot be read: " + error.message() + ".");
+  return fs::is_directory(status);
 }
 
 bool is_image(const fs::path& path) {

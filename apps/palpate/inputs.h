@@ -11,8 +11,8 @@
 namespace palpate::apps {
 
 /// The images among `paths`, where a folder stands for all images in it, by name; each folder's in
-/// the order of their names. \throws FileError for a path that does not exist, or when there is no
-/// image at all.
+/// the order of their names.
+/// \throws FileError for a path that does not exist, or when there is no image at all.
 [[nodiscard]] std::vector<std::filesystem::path> list_frames(
     const std::vector<std::filesystem::path>& paths);
 
@@ -20,6 +20,10 @@ namespace palpate::apps {
 /// \throws FileError if either is missing or broken; InvalidInput if their sizes differ.
 [[nodiscard]] geometry::RangeMap load_range_map(const std::filesystem::path& path,
                                                 const std::filesystem::path& rig);
+
+/// Whether `path` is a folder.
+/// \throws FileError if there is nothing, or it cannot be looked at.
+[[nodiscard]] bool is_folder(const std::filesystem::path& path);
 
 /// What `path` is, by its ending.
 [[nodiscard]] bool is_range_map(const std::filesystem::path& path);

@@ -118,6 +118,17 @@ TEST_F(BadInput, FramesThatAreMissingEmptyOrTruncated) {
   expect_refused(call(written("text.png", "this is not an image")), "text.png");
 }
 
+TEST_F(BadInput, PathsThatCannotBeLookedAt) {
+  const std::string too_long = scratch / std::string(300, 'x');
+  for (const std::string command : {"info", "decode"}) {
+    std::vector<std::string> call = {command, too_long};
+    if (command == "decode") call = decode_call(too_long, demo("rig.yaml"), "p.yaml", "c.yaml");
+    expect_refused(call, too_long + ": cannot be read: File name too long");
+  }
+  expect_refused({"mesh", too_long + ".tiff", "--rig", demo("rig.yaml"), "-o", scratch / "x.ply"},
+                 too_long + ".tiff: no such file");
+}
+
 TEST_F(BadInput, ABrokenFrameAmongOthersDoesNotStopThem) {
   train();
   fs::remove(kept);

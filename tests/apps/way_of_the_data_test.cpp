@@ -64,6 +64,20 @@ TEST_F(WayOfTheData, FramesBecomeRangeMapsThatAgreeWithTheTruth) {
   EXPECT_TRUE(fs::exists(scratch / "range/rig.yaml"));
 }
 
+TEST_F(WayOfTheData, ARangeMapComparedWithItselfHasNoDifferenceAndAPicture) {
+  const nlohmann::json difference =
+      figures({"compare", demo("truth/duck.tiff"), demo("truth/duck.tiff"), "--picture",
+               scratch / "differences.png"});
+  EXPECT_EQ(difference["max"], 0);
+  EXPECT_TRUE(fs::exists(scratch / "differences.png"));
+}
+
+TEST_F(WayOfTheData, NamesOfFilesNeedNotBeUtf8) {
+  EXPECT_EQ(figures({"mesh", demo("truth/duck.tiff"), "--rig", demo("rig.yaml"), "-o",
+                     scratch / "duck_\xE9.ply"})["file"],
+            scratch / "duck_\xEF\xBF\xBD.ply");
+}
+
 TEST_F(WayOfTheData, ARangeMapBecomesAMeshThatLiesOnIt) {
   decode();
   figures({"mesh", scratch / "range/000000.tiff", "-o", scratch / "surface.ply"});
