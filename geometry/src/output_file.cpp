@@ -4,6 +4,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <fstream>
@@ -85,14 +86,19 @@ void check_replaceable_file(const fs::path& path, const fs::path& place) {
     throw InvalidInput(path.string() + ": is not a regular file; give the name of a file");
 }
 
-void check_replaceable_folder(const fs::path& path, const fs::path& place, const fs::path& marker) {
+void check_replaceable_folder(const fs::path& path, const fs::path& place,
+                              const std::vector<fs::path>& entries) {
   const fs::file_status status = fs::status(place);
   if (!fs::exists(status)) return;
   if (!fs::is_directory(status))
     throw InvalidInput(path.string() + ": is a file; give the name of a folder");
-  if (!fs::is_empty(place) && !fs::exists(place / marker))
-    throw InvalidInput(path.string() + ": holds files but no " + marker.string() +
-                       ", so it is not replaced; give a new or an empty folder");
+  for (const fs::directory_entry& entry : fs::directory_iterator(place)) {
+    const fs::path name = entry.path().filename();
+    if (std::find(entries.begin(), entries.end(), name) != entries.end()) continue;
+    throw InvalidInput(
+        path.string() + ": holds " + name.string() +
+        ", which would be lost, so it is not replaced; give a new or an empty folder");
+  }
 }
 
 void fill_stream(const fs::path& path, const fs::path& temporary,
@@ -157,11 +163,15 @@ void write_file(const fs::path& path, const std::function<void(std::ostream&)>& 
   write_file_by_path(path, [&](const fs::path& temporary) { fill_stream(path, temporary, write); });
 }
 
-void write_folder(const fs::path& path, const fs::path& marker,
+void check_replaceable(const fs::path& path, const std::vector<fs::path>& entries) {
+  on_file_system(path, [&] { check_replaceable_folder(path, replaced_place(path), entries); });
+}
+
+void write_folder(const fs::path& path, const std::vector<fs::path>& entries,
                   const std::function<void(const fs::path&)>& write) {
   const fs::path place = on_file_system(path, [&] {
     fs::path resolved = replaced_place(path);
-    check_replaceable_folder(path, resolved, marker);
+    check_replaceable_folder(path, resolved, entries);
     fs::create_directories(resolved.parent_path());
     return resolved;
   });

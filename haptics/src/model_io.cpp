@@ -245,9 +245,13 @@ Model read_model(const std::filesystem::path& folder) {
   }
 }
 
+std::vector<std::filesystem::path> model_entries() {
+  return {kSurface, kDocument, kBinaryDocument};
+}
+
 void write_model(const std::filesystem::path& folder, const Model& model) {
   check_model(model);
-  write_folder(folder, kDocument, [&](const std::filesystem::path& temporary) {
+  write_folder(folder, model_entries(), [&](const std::filesystem::path& temporary) {
     geometry::write_mesh(temporary / kSurface, model.surface);
     constexpr int kIndent = 1;
     // JSON is UTF-8; the name of a file in `made` may be anything.

@@ -163,13 +163,15 @@ TEST(WriteFileByPath, ReportsAWriterThatWroteNothing) {
   EXPECT_THROW(write_file_by_path(folder / "result.ply", [](const fs::path&) {}), OutputError);
 }
 
+const std::vector<fs::path> kEntries = {"field.json", "old"};
+
 TEST(WriteFolder, MakesReplacesAndRemovesOldFiles) {
   const ScratchFolder folder;
-  write_folder(folder / "model/", "field.json", [](const fs::path& temporary) {
+  write_folder(folder / "model/", kEntries, [](const fs::path& temporary) {
     write_text(temporary / "field.json", "1");
     write_text(temporary / "old", "1");
   });
-  write_folder(folder / "model", "field.json",
+  write_folder(folder / "model", kEntries,
                [](const fs::path& temporary) { write_text(temporary / "field.json", "2"); });
   EXPECT_EQ(read_text(folder / "model/field.json"), "2");
   EXPECT_FALSE(fs::exists(folder / "model/old"));
@@ -180,7 +182,7 @@ TEST(WriteFolder, KeepsTheOldFolderWhenTheWriterThrows) {
   const ScratchFolder folder;
   fs::create_directory(folder / "model");
   write_text(folder / "model/field.json", "old");
-  EXPECT_THROW(write_folder(folder / "model", "field.json",
+  EXPECT_THROW(write_folder(folder / "model", kEntries,
                             [](const fs::path& temporary) {
                               write_text(temporary / "field.json", "half");
                               throw OutputError("disk full");
@@ -194,19 +196,32 @@ TEST(WriteFolder, ReplacesAnEmptyFolderBehindALink) {
   const ScratchFolder folder;
   fs::create_directory(folder / "empty");
   fs::create_symlink("empty", folder / "link");
-  write_folder(folder / "link", "field.json",
+  write_folder(folder / "link", kEntries,
                [](const fs::path& temporary) { write_text(temporary / "field.json", "new"); });
   EXPECT_TRUE(fs::is_symlink(folder / "link"));
   EXPECT_EQ(read_text(folder / "empty/field.json"), "new");
+}
+
+TEST(WriteFolder, NeverRemovesWhatSomebodyElsePutThere) {
+  const ScratchFolder folder;
+  fs::create_directory(folder / "model");
+  write_text(folder / "model/field.json", "old");
+  write_text(folder / "model/measurements.db", "precious");
+  const auto fail = [](const fs::path&) { FAIL() << "the writer was called"; };
+  EXPECT_THROWS_MESSAGE(write_folder(folder / "model", kEntries, fail), InvalidInput,
+                        "measurements.db");
+  EXPECT_THROWS_MESSAGE(check_replaceable(folder / "model", kEntries), InvalidInput,
+                        "measurements.db");
+  EXPECT_EQ(read_text(folder / "model/measurements.db"), "precious");
 }
 
 TEST(WriteFolder, RefusesAFolderOfAnotherKindBeforeItWritesAnything) {
   const ScratchFolder folder;
   write_text(folder / "precious", "old");
   const auto fail = [](const fs::path&) { FAIL() << "the writer was called"; };
-  EXPECT_THROWS_MESSAGE(write_folder(folder.path(), "field.json", fail), InvalidInput,
+  EXPECT_THROWS_MESSAGE(write_folder(folder.path(), kEntries, fail), InvalidInput,
                         "new or an empty folder");
-  EXPECT_THROWS_MESSAGE(write_folder(folder / "precious", "field.json", fail), InvalidInput,
+  EXPECT_THROWS_MESSAGE(write_folder(folder / "precious", kEntries, fail), InvalidInput,
                         "is a file");
   EXPECT_EQ(read_text(folder / "precious"), "old");
 }

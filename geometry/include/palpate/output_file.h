@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <iosfwd>
+#include <vector>
 
 namespace palpate {
 
@@ -24,10 +25,18 @@ void write_file_by_path(const std::filesystem::path& path,
                         const std::function<void(const std::filesystem::path&)>& write);
 
 /// The same for a folder: `write` fills a temporary folder beside `path`, which then takes its
-/// place. A folder that is already there is replaced, with all that is in it, only if it is empty
-/// or holds `marker` (relative to it), the file by which a folder of this kind is recognised.
-/// \throws InvalidInput if `path` is something else; OutputError if it cannot be written.
-void write_folder(const std::filesystem::path& path, const std::filesystem::path& marker,
+/// place. A folder that is already there is replaced only if all it holds is among `entries`, the
+/// names in a folder of this kind: nothing that somebody else put there is ever removed.
+/// \throws InvalidInput as `check_replaceable`, before `write` is called; OutputError if it cannot
+/// be
+///         written.
+void write_folder(const std::filesystem::path& path,
+                  const std::vector<std::filesystem::path>& entries,
                   const std::function<void(const std::filesystem::path&)>& write);
+
+/// What `write_folder` checks first; for those who have much to do before they write.
+/// \throws InvalidInput if `path` is no folder, or holds something that is not among `entries`.
+void check_replaceable(const std::filesystem::path& path,
+                       const std::vector<std::filesystem::path>& entries);
 
 }  // namespace palpate

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <vector>
 
 #include "palpate/haptics/model.h"
 
@@ -14,10 +15,14 @@ namespace palpate::haptics {
 /// `check_model` refuses; it names the file, the JSON pointer and what would be right.
 [[nodiscard]] Model read_model(const std::filesystem::path& folder);
 
-/// Writes such a folder as a whole; numbers read back exactly, bytes that are not UTF-8 as U+FFFD.
-/// A folder that is there already is replaced only if it is empty or holds a `field.json`. \throws
-/// InvalidInput if `check_model` refuses or the folder is something else, before anything is
-/// written; OutputError.
+/// Names of what `write_model` may replace in a folder (see `check_replaceable`).
+[[nodiscard]] std::vector<std::filesystem::path> model_entries();
+
+/// Writes such a folder as a whole; numbers read back exactly. A folder that is there already is
+/// replaced only if it holds nothing but `model_entries`.
+/// \throws InvalidInput if `check_model` refuses or the folder holds something else, before
+/// anything
+///         is written; OutputError.
 void write_model(const std::filesystem::path& folder, const Model& model);
 
 }  // namespace palpate::haptics
