@@ -70,6 +70,9 @@ QueryErrors evaluate_queries(const Model& model, std::span<const Query> queries)
       throw InvalidInput("evaluate_queries(): query " + std::to_string(i) +
                          " is not finite; leave it out");
     errors.push_back((field.force(query.contact, query.displacement) - query.force).norm());
+    if (!std::isfinite(errors.back()))
+      throw SolverError("evaluate_queries(): the model's force at query " + std::to_string(i) +
+                        " is not finite; the model is broken");
   }
   const geometry::ErrorStatistics statistics = geometry::error_statistics(std::move(errors));
   return {static_cast<int>(statistics.count), statistics.rms, statistics.median, statistics.p90};
