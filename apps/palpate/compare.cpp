@@ -158,6 +158,7 @@ void add_compare(CLI::App& app, const Settings& settings) {
       "  palpate compare scan.ply reference.ply --align --section section.png");
   command->callback([call, section, &settings] {
     if (section->count() > 0 && call->section.empty()) call->section = "section.png";
+    check_outputs({call->a, call->b}, {call->section, call->picture});
     const bool pixels =
         is_range_map(call->a) && is_range_map(call->b) && !call->align && call->section.empty();
     if (!pixels && !call->picture.empty()) {

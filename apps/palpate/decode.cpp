@@ -54,10 +54,19 @@ fs::path numbered(const fs::path& folder, std::size_t number, const std::string&
   return folder / fmt::format("{:06}{}", number, extension);
 }
 
+sensing::DecodeResult decode_frame(const sensing::Decoder& decoder, const cv::Mat& frame,
+                                   const fs::path& path) {
+  try {
+    return decoder.decode(frame);
+  } catch (const InvalidInput& wrong) {
+    throw InvalidInput(path.string() + ": " + wrong.what());
+  }
+}
+
 Outcome decode_one(const sensing::Decoder& decoder, const DecodeCall& call, std::size_t number) {
   const cv::Mat frame = sensing::read_frame(call.frames[number]);
   const auto start = std::chrono::steady_clock::now();
-  const sensing::DecodeResult result = decoder.decode(frame);
+  const sensing::DecodeResult result = decode_frame(decoder, frame, call.frames[number]);
   const std::chrono::duration<double, std::milli> elapsed =
       std::chrono::steady_clock::now() - start;
 
@@ -68,13 +77,12 @@ Outcome decode_one(const sensing::Decoder& decoder, const DecodeCall& call, std:
       call.frames[number].string(), result.transitions, result.regions, result.unresolved_regions,
       result.reconstructed, result.unlit, result.unresolved, result.rejected);
   geometry::write_depth_tiff(numbered(call.output, number, ".tiff"), result.range.z);
-  if (!call.meshes.empty()) {
+  if (result.reconstructed == 0) {
+    spdlog::warn("{}: nothing could be reconstructed.", call.frames[number].string());
+  } else if (!call.meshes.empty()) {
     const geometry::RangeMapMesh surface = geometry::mesh_range_map(result.range);
     if (surface.mesh.triangles.cols() > 0) {
       geometry::write_mesh(numbered(call.output, number, "." + call.meshes), surface.mesh);
-    } else {
-      spdlog::warn("{}: nothing could be reconstructed; there is no mesh.",
-                   call.frames[number].string());
     }
   }
   std::vector<double> depths(result.range.z.data(), result.range.z.data() + result.range.z.size());
@@ -100,11 +108,12 @@ std::vector<Outcome> decode_all(const sensing::Decoder& decoder, const DecodeCal
   return outcomes;
 }
 
-/// Which frame became which range map.
-void write_frame_list(const DecodeCall& call) {
+/// Which frame became which range map; a broken frame became none.
+void write_frame_list(const DecodeCall& call, const std::vector<Outcome>& outcomes) {
   write_file(call.output / "frames.csv", [&](std::ostream& out) {
     out << "range_map,frame\n";
     for (std::size_t i = 0; i < call.frames.size(); ++i) {
+      if (!outcomes[i].error.empty()) continue;
       out << numbered({}, i, ".tiff").string() << ','
           << probing::to_cell(call.frames[i].filename().string()) << '\n';
     }
@@ -146,6 +155,10 @@ void report(const Settings& settings, const DecodeCall& call,
 
 void decode(const Settings& settings, DecodeCall call) {
   call.frames = list_frames(call.frames);
+  for (const fs::path& frame : call.frames) {
+    // Range maps and pictures could bear the names of frames.
+    check_outputs({fs::absolute(frame).parent_path()}, {call.output});
+  }
   const sensing::Rig rig = sensing::read_rig(call.rig);
   const sensing::Pattern pattern = sensing::read_pattern(call.pattern);
   sensing::TrainedColors colors;
@@ -159,8 +172,11 @@ void decode(const Settings& settings, DecodeCall call) {
   const auto broken = std::count_if(outcomes.begin(), outcomes.end(),
                                     [](const Outcome& o) { return !o.error.empty(); });
   if (broken == static_cast<long>(outcomes.size())) throw FileError(outcomes.front().error);
-  sensing::write_rig(call.output / "rig.yaml", rig);
-  write_frame_list(call);
+  // A rig that lies there already is kept as it was written.
+  if (fs::weakly_canonical(call.rig) != fs::weakly_canonical(call.output / "rig.yaml")) {
+    sensing::write_rig(call.output / "rig.yaml", rig);
+  }
+  write_frame_list(call, outcomes);
   if (call.pictures) {
     for (std::size_t i = 0; i < outcomes.size(); ++i) {
       if (outcomes[i].pixels == 0) continue;

@@ -9,11 +9,13 @@
 #include <vector>
 
 #include "command_line.h"
+#include "inputs.h"
 #include "model_pictures.h"
 #include "palpate/geometry/comparison.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/haptics/build_model.h"
 #include "palpate/haptics/model_io.h"
+#include "palpate/output_file.h"
 #include "palpate/probing/acquisition_store.h"
 #include "progress.h"
 
@@ -39,6 +41,12 @@ void tell(const haptics::BuildResult& built) {
         "it.",
         id);
   }
+  for (const haptics::ContactModel& contact : built.model.contacts) {
+    if (contact.friction_source == haptics::FrictionSource::none) {
+      spdlog::warn("no contact has samples that determine its friction: the model has none.");
+      break;
+    }
+  }
   if (built.surface_flipped)
     spdlog::warn("the surface's triangles were turned over to face the contacts' normals.");
 }
@@ -62,6 +70,8 @@ haptics::BuildResult build(const probing::Acquisition& acquisition,
 }
 
 void fit(const Settings& settings, const FitCall& call) {
+  check_outputs({call.acquisition, call.surface}, {call.output, call.pictures});
+  check_replaceable(call.output, haptics::model_entries());
   const probing::Acquisition acquisition = probing::read_acquisition(call.acquisition);
   const geometry::TriangleMesh surface = geometry::read_mesh(call.surface);
   haptics::BuildResult built = build(acquisition, surface, call.fit);

@@ -159,6 +159,7 @@ Description describe_yaml(const fs::path& path) {
 Description describe_csv(const fs::path& path) {
   const std::string text = read_text(path);
   const std::string header = text.substr(0, text.find_first_of("\r\n"));
+  if (text.empty()) throw FileError(path.string() + ": is empty.");
   const auto lines =
       std::count(text.begin(), text.end(), '\n') + (text.empty() || text.back() == '\n' ? 0 : 1);
   const std::pair<const char*, const char*> kinds[] = {{"id,x,y,z,nx,ny,nz", "contacts"},

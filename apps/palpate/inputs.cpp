@@ -22,6 +22,13 @@ std::string lower_extension(const fs::path& path) {
   return extension;
 }
 
+/// Where a path leads; a path that cannot be looked at is left for its reader or writer to refuse.
+fs::path place_of(const fs::path& path) {
+  std::error_code cannot_look;
+  const fs::path place = fs::weakly_canonical(path, cannot_look);
+  return cannot_look ? path : place;
+}
+
 }  // namespace
 
 std::vector<fs::path> list_frames(const std::vector<fs::path>& paths) {
@@ -77,6 +84,21 @@ bool is_folder(const fs::path& path) {
     throw FileError(path.string() + ": there is no such file or folder.");
   if (error) throw FileError(path.string() + ": cannot be read: " + error.message() + ".");
   return fs::is_directory(status);
+}
+
+void check_outputs(const std::vector<fs::path>& inputs, const std::vector<fs::path>& outputs) {
+  std::vector<fs::path> taken;
+  for (const fs::path& input : inputs) taken.push_back(place_of(input));
+  for (const fs::path& output : outputs) {
+    if (output.empty()) continue;
+    const fs::path place = place_of(output);
+    if (std::find(taken.begin(), taken.end(), place) != taken.end()) {
+      throw InvalidInput(output.string() +
+                         ": is already used in this call; nothing is written over what is read, or "
+                         "twice. Give this output another name.");
+    }
+    taken.push_back(place);
+  }
 }
 
 bool is_image(const fs::path& path) {

@@ -25,6 +25,13 @@ namespace palpate::apps {
 /// \throws FileError if there is nothing, or it cannot be looked at.
 [[nodiscard]] bool is_folder(const std::filesystem::path& path);
 
+/// Refuses to write over what is read.
+/// \throws InvalidInput if one of `outputs` is the same file or folder as one of `inputs` or as
+/// another
+///         of `outputs`. Empty paths stand for options that were not given.
+void check_outputs(const std::vector<std::filesystem::path>& inputs,
+                   const std::vector<std::filesystem::path>& outputs);
+
 /// What `path` is, by its ending.
 [[nodiscard]] bool is_range_map(const std::filesystem::path& path);
 [[nodiscard]] bool is_image(const std::filesystem::path& path);

@@ -77,7 +77,6 @@ int main(int argc, char** argv) {
   using namespace palpate::apps;
   spdlog::set_default_logger(spdlog::stderr_color_mt("palpate"));
   spdlog::set_pattern("%n: %v");
-  watch_for_interrupt();
   try {
     return run(argc, argv);
   } catch (const InvalidInput& e) {

@@ -46,6 +46,7 @@ geometry::RangeMap load(const MeshCall& call) {
 }
 
 void mesh(const Settings& settings, const MeshCall& call) {
+  check_outputs({call.range}, {call.output, call.picture});
   const geometry::RangeMap map = load(call);
   const geometry::RangeMapMesh surface = geometry::mesh_range_map(map);
   if (surface.mesh.triangles.cols() == 0)

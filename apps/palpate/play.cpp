@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "command_line.h"
+#include "inputs.h"
 #include "model_pictures.h"
 #include "palpate/haptics/model_io.h"
 #include "palpate/haptics/playback.h"
@@ -24,6 +25,7 @@ struct PlayCall {
 };
 
 void play(const Settings& settings, const PlayCall& call) {
+  check_outputs({call.trajectory, call.model}, {call.record, call.picture});
   const std::vector<haptics::TrajectoryPoint> trajectory =
       haptics::read_trajectory(call.trajectory);
   const haptics::Playback playback(haptics::read_model(call.model));

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "command_line.h"
+#include "inputs.h"
 #include "palpate/probing/acquisition_csv.h"
 #include "palpate/probing/acquisition_store.h"
 
@@ -29,6 +30,7 @@ void report(const Settings& settings, const probing::Acquisition& acquisition,
 }
 
 void import_csv(const Settings& settings, const ProbeCall& call) {
+  check_outputs({call.contacts, call.samples}, {call.output});
   const probing::Acquisition acquisition =
       probing::read_acquisition_csv(call.contacts, call.samples);
   probing::write_acquisition(call.output, acquisition);

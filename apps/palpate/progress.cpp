@@ -16,22 +16,27 @@ volatile std::sig_atomic_t interrupted = 0;
 constexpr int kBarWidth = 40;                        // characters
 constexpr auto kPatience = std::chrono::seconds(1);  // shorter work shows no bar
 
-}  // namespace
-
 void watch_for_interrupt() {
   // A second Ctrl-C kills at once.
   struct sigaction action = {};
   action.sa_handler = [](int) { interrupted = 1; };
   action.sa_flags = static_cast<int>(SA_RESETHAND);
   sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
 }
+
+}  // namespace
 
 Progress::Progress(std::string what)
     : what_(std::move(what)),
       terminal_(isatty(STDERR_FILENO) != 0),
-      start_(std::chrono::steady_clock::now()) {}
+      start_(std::chrono::steady_clock::now()) {
+  watch_for_interrupt();
+}
 
 Progress::~Progress() {
+  std::signal(SIGINT, SIG_DFL);
+  std::signal(SIGTERM, SIG_DFL);
   if (shown_) std::fputs("\r\x1b[K", stderr);
 }
 

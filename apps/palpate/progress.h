@@ -11,12 +11,9 @@ namespace palpate::apps {
 /// Thrown by `Progress` after Ctrl-C, so that everything on the way out is cleaned up.
 struct Interrupted {};
 
-/// Makes Ctrl-C set a mark that `Progress` sees, instead of killing the process in the middle of a
-/// file.
-void watch_for_interrupt();
-
 /// A progress bar on standard error, shown only on a terminal and only when the work takes more
-/// than a second.
+/// than a second. While there is one, Ctrl-C and SIGTERM do not kill the process in the middle of a
+/// file: the next `show` throws. One at a time.
 class Progress {
  public:
   /// `what` in plain words, such as "decoding".
@@ -26,7 +23,7 @@ class Progress {
   Progress& operator=(const Progress&) = delete;
 
   /// Thread-safe.
-  /// \throws Interrupted after Ctrl-C.
+  /// \throws Interrupted after Ctrl-C or SIGTERM.
   void show(int done, int total);
 
  private:

@@ -271,6 +271,37 @@ TEST_F(BadInput, AContactOffTheSurface) {
                  "contact 0");
 }
 
+TEST_F(BadInput, NothingIsWrittenOverWhatIsRead) {
+  const std::string contacts = written("contacts.csv", read_text(demo("sheet/contacts.csv")));
+  const std::string samples = demo("sheet/samples.csv");
+  expect_refused({"probe", "import", contacts, samples, "-o", contacts}, "contacts.csv");
+  EXPECT_EQ(read_text(contacts), read_text(demo("sheet/contacts.csv")));
+
+  train();
+  fs::create_directory(scratch.path() / "cap");
+  fs::copy(demo("frames/duck.png"), scratch / "cap/000000.png");
+  expect_refused(
+      {"decode", scratch / "cap", "--rig", demo("rig.yaml"), "--pattern", demo("pattern.yaml"),
+       "--colors", scratch / "colors.yaml", "-o", scratch / "cap", "--pictures"},
+      "cap");
+  EXPECT_EQ(read_text(scratch / "cap/000000.png"), read_text(demo("frames/duck.png")));
+
+  fs::create_directory(scratch.path() / "work");
+  ASSERT_EQ(run_palpate({"probe", "import", contacts, samples, "-o", scratch / "work/a.db"}).status,
+            0);
+  write_text(scratch / "work/field.json", "an older model");
+  expect_refused({"fit", scratch / "work/a.db", demo("sheet/surface.ply"), "-o", scratch / "work"},
+                 "a.db");
+  EXPECT_TRUE(fs::exists(scratch / "work/a.db"));
+}
+
+TEST_F(BadInput, AFrameThatDoesNotFitTheRigIsNamed) {
+  train();
+  expect_refused(decode_call(demo("truth/duck_id.png"), demo("rig.yaml"), demo("pattern.yaml"),
+                             scratch / "colors.yaml"),
+                 "duck_id.png");
+}
+
 TEST_F(BadInput, AFullDiskIsAFailureThatLeavesTheOldResult) {
   const std::string store = written("a.db", "kept");
   const CommandResult result = run_palpate(
