@@ -177,7 +177,16 @@ void write_folder(const fs::path& path, const std::vector<fs::path>& entries,
   });
   const Temporary temporary(temporary_beside(place));
   on_file_system(path, [&] { fs::create_directory(temporary.path()); });
-  write(temporary.path());
+  try {
+    write(temporary.path());
+  } catch (const OutputError& error) {
+    // The user knows the folder, not the temporary.
+    std::string message = error.what();
+    const std::string name = temporary.path().string();
+    if (const auto at = message.find(name); at != std::string::npos)
+      message.replace(at, name.size(), path.string());
+    throw OutputError(message);
+  }
   on_file_system(path, [&] { swap_in(temporary.path(), place); });
 }
 

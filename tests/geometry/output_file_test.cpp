@@ -202,6 +202,18 @@ TEST(WriteFolder, ReplacesAnEmptyFolderBehindALink) {
   EXPECT_EQ(read_text(folder / "empty/field.json"), "new");
 }
 
+TEST(WriteFolder, NamesTheFolderThatTheUserKnowsWhenTheDiskIsFull) {
+  const ScratchFolder folder;
+  const fs::path model = folder / "model";
+  EXPECT_THROWS_MESSAGE(write_folder(model, kEntries,
+                                     [](const fs::path& temporary) {
+                                       write_file(temporary / "field.json", [](std::ostream& out) {
+                                         out.setstate(std::ios::badbit);
+                                       });
+                                     }),
+                        OutputError, (model / "field.json").string());
+}
+
 TEST(WriteFolder, NeverRemovesWhatSomebodyElsePutThere) {
   const ScratchFolder folder;
   fs::create_directory(folder / "model");
