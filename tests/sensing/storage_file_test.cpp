@@ -4,10 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <opencv2/core/utils/logger.hpp>
 #include <optional>
 #include <thread>
-#include <vector>
 
 namespace palpate::sensing {
 namespace {
@@ -28,9 +28,9 @@ TEST(QuietOpenCv, LeavesTheLogLevelAsItWasWhateverTheOrderInWhichTheyGo) {
 
 TEST(QuietOpenCv, WorksInSeveralThreadsAtOnce) {
   const auto before = getLogLevel();
-  std::vector<std::thread> threads;
-  for (int i = 0; i < 4; ++i) {
-    threads.emplace_back([] {
+  std::array<std::thread, 4> threads;
+  for (std::thread& thread : threads) {
+    thread = std::thread([] {
       for (int round = 0; round < 1000; ++round) const QuietOpenCv quiet;
     });
   }
