@@ -13,6 +13,8 @@ function(palpate_add_module name)
   target_sources(palpate_${name} PUBLIC FILE_SET HEADERS BASE_DIRS include FILES ${ARG_HEADERS})
   target_include_directories(palpate_${name} PRIVATE src)
   target_compile_features(palpate_${name} PUBLIC cxx_std_20)
+  # Results must not depend on which clone of a function the processor picks: no fused multiply-add.
+  target_compile_options(palpate_${name} PRIVATE -ffp-contract=off)
   target_link_libraries(palpate_${name} PUBLIC ${ARG_PUBLIC}
                         PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:palpate_warnings>)
   set_target_properties(palpate_${name} PROPERTIES

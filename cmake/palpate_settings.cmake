@@ -23,8 +23,6 @@ if(PROJECT_IS_TOP_LEVEL)
   if(MOLD_PROGRAM)
     add_link_options(-fuse-ld=mold)
   endif()
-  # Results must not depend on which clone of a function the processor picks: no fused multiply-add.
-  add_compile_options(-ffp-contract=off)
   if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
     add_compile_options($<$<CONFIG:Release>:-march=x86-64-v2>)
   endif()
