@@ -21,7 +21,8 @@ constexpr int kMinVectors = 5;  // three unknowns and something to check them wi
 // value of their spread. A half circle has about 0.19.
 constexpr double kMinSpread = 0.1;
 constexpr int kMaxIterations = 100;
-constexpr double kSettled = 1e-10;  // [rad] last change of axis and angle
+constexpr double kFirstDamping = 1e-3;  // of the mean curvature of the squares; adapts from there
+constexpr double kSettled = 1e-10;      // [rad] last change of axis and angle
 // Huber's threshold in standard deviations: 95 % efficient on normal errors (Huber 1981).
 constexpr double kHuber = 1.345;
 constexpr double kDeviationToSigma = 1.4826;  // median absolute deviation of normal errors
@@ -89,7 +90,7 @@ double huber_cost(const std::vector<double>& values, double threshold) {
 // Levenberg-Marquardt on iteratively reweighted squares; false if it did not settle.
 bool minimise(const Eigen::Ref<const Eigen::Matrix3Xd>& vectors, double threshold,
               Parameters& cone) {
-  double damping = 1e-3, cost = huber_cost(distances(vectors, cone), threshold);
+  double damping = kFirstDamping, cost = huber_cost(distances(vectors, cone), threshold);
   for (int i = 0; i < kMaxIterations; ++i) {
     Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
     Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
