@@ -32,4 +32,9 @@ struct SolverError : Error {
   using Error::Error;
 };
 
+/// Something this build of the library was made without; the message names the build option.
+struct Unavailable : Error {
+  using Error::Error;
+};
+
 }  // namespace palpate
