@@ -1,16 +1,19 @@
 # SPDX-FileCopyrightText: Palpate contributors
 # SPDX-License-Identifier: Apache-2.0
 
-# palpate_add_module(name HEADERS ... SOURCES ... PUBLIC ... PRIVATE ...)
+# palpate_add_module(name HEADERS ... CONVERTERS ... SOURCES ... PUBLIC ... PRIVATE ...)
 # One folder, one shared library palpate::<name>, one installable component.
+# CONVERTERS are headers for users of another library: installed, but they compile only where that library is linked.
 # Shared, so that what a library uses inside never reaches the build of its users.
 function(palpate_add_module name)
-  cmake_parse_arguments(ARG "" "" "HEADERS;SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "HEADERS;CONVERTERS;SOURCES;PUBLIC;PRIVATE" ${ARGN})
   list(TRANSFORM ARG_HEADERS PREPEND include/)
+  list(TRANSFORM ARG_CONVERTERS PREPEND include/)
   list(TRANSFORM ARG_SOURCES PREPEND src/)
   add_library(palpate_${name} SHARED ${ARG_SOURCES})
   add_library(palpate::${name} ALIAS palpate_${name})
-  target_sources(palpate_${name} PUBLIC FILE_SET HEADERS BASE_DIRS include FILES ${ARG_HEADERS})
+  target_sources(palpate_${name} PUBLIC FILE_SET HEADERS BASE_DIRS include FILES ${ARG_HEADERS}
+                 PUBLIC FILE_SET converters TYPE HEADERS BASE_DIRS include FILES ${ARG_CONVERTERS})
   target_include_directories(palpate_${name} PRIVATE src)
   target_compile_features(palpate_${name} PUBLIC cxx_std_20)
   # Results must not depend on which clone of a function the processor picks: no fused multiply-add.
@@ -19,10 +22,11 @@ function(palpate_add_module name)
                         PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:palpate_warnings>)
   set_target_properties(palpate_${name} PROPERTIES
     EXPORT_NAME ${name} INSTALL_RPATH "$ORIGIN" VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}
-    VERIFY_INTERFACE_HEADER_SETS ON)
+    VERIFY_INTERFACE_HEADER_SETS ON INTERFACE_HEADER_SETS_TO_VERIFY HEADERS)
   install(TARGETS palpate_${name} EXPORT palpate_${name}
           LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT ${name}
-          FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT ${name})
+          FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT ${name}
+          FILE_SET converters DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT ${name})
   install(EXPORT palpate_${name} NAMESPACE palpate:: FILE palpate_${name}.cmake
           DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/palpate COMPONENT ${name})
 endfunction()

@@ -1,0 +1,125 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include <CGAL/Simple_cartesian.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "mesh_corpus.h"
+#include "palpate/error.h"
+#include "palpate/geometry/cgal_mesh.h"
+#include "palpate/geometry/eigen_views.h"
+#include "palpate/geometry/pcl_cloud.h"
+#include "test_surfaces.h"
+
+namespace palpate::geometry {
+namespace {
+
+using Point = CGAL::Simple_cartesian<double>::Point_3;
+
+std::string refusal(auto&& call) {
+  try {
+    call();
+  } catch (const InvalidInput& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(EigenViews, RowsLookAtTheSameMemoryAsColumns) {
+  TriangleMesh mesh = test::icosphere(1, 10.1);
+  auto rows = as_rows(mesh.vertices);
+  ASSERT_EQ(rows.rows(), mesh.vertices.cols());
+  EXPECT_EQ(rows.data(), mesh.vertices.data());
+  EXPECT_EQ(rows(7, 2), mesh.vertices(2, 7));
+  rows(7, 2) = 0.7;
+  EXPECT_EQ(mesh.vertices(2, 7), 0.7);
+  const Rows3<double> copy = rows;
+  EXPECT_EQ(as_columns(copy), mesh.vertices);
+  EXPECT_EQ(as_columns(copy).data(), copy.data());
+  EXPECT_EQ(as_rows(std::as_const(mesh.triangles)).row(3), mesh.triangles.col(3).transpose());
+}
+
+TEST(EigenViews, AListOfPointsIsAMatrixOfColumns) {
+  const std::vector<Eigen::Vector3d> list = {{0.1, 0.2, 0.3}, {1000.1, 0.7, -4.4}};
+  const auto columns = as_columns(list);
+  EXPECT_EQ(columns.data(), list.front().data());
+  EXPECT_EQ(columns.col(1), list[1]);
+  EXPECT_EQ(as_columns(std::vector<Eigen::Vector3d>()).cols(), 0);
+}
+
+TEST(CgalMesh, ARoundTripKeepsEveryNumberAndTheOrder) {
+  for (const TriangleMesh& mesh :
+       {test::bumpy(3000, 0.25), test::glove(9), test::torus(20, 7, 30.1, 4.7)}) {
+    const TriangleMesh back = from_surface_mesh(to_surface_mesh<Point>(mesh));
+    EXPECT_EQ(back.vertices, mesh.vertices);
+    // CGAL may begin a face at another of its corners.
+    ASSERT_EQ(back.triangles.cols(), mesh.triangles.cols());
+    for (Eigen::Index t = 0; t < mesh.triangles.cols(); ++t) {
+      Eigen::Vector3i turned = back.triangles.col(t);
+      for (int turn = 0; turn < 2 && turned != mesh.triangles.col(t); ++turn)
+        turned = Eigen::Vector3i(turned[1], turned[2], turned[0]);
+      EXPECT_EQ(turned, mesh.triangles.col(t));
+    }
+  }
+}
+
+TEST(CgalMesh, RemovedVerticesAreLeftOut) {
+  auto surface = to_surface_mesh<Point>(test::flat_sheet(2, 1, 1.5));
+  surface.remove_face(*surface.faces().begin());
+  surface.remove_vertex(surface.add_vertex(Point(9, 9, 9)));
+  EXPECT_EQ(from_surface_mesh(surface).triangles.cols(), 3);
+  EXPECT_EQ(from_surface_mesh(surface).vertices.cols(), 6);
+}
+
+TEST(CgalMesh, WhatIsNotManifoldIsNamed) {
+  TriangleMesh mesh = test::flat_sheet(1, 1, 1.5);
+  mesh.triangles.col(1).reverseInPlace();
+  EXPECT_NE(refusal([&] { (void)to_surface_mesh<Point>(mesh); }).find("triangle 1"),
+            std::string::npos);
+}
+
+TEST(CgalMesh, AQuadrangleIsNamed) {
+  CGAL::Surface_mesh<Point> surface;
+  const auto a = surface.add_vertex(Point(0, 0, 0));
+  const auto b = surface.add_vertex(Point(1, 0, 0));
+  const auto c = surface.add_vertex(Point(1, 1, 0));
+  const auto d = surface.add_vertex(Point(0, 1, 0));
+  surface.add_face(a, b, c, d);
+  EXPECT_NE(refusal([&] { (void)from_surface_mesh(surface); }).find("face 0 has 4 corners"),
+            std::string::npos);
+}
+
+TEST(PclCloud, ARoundTripKeepsPointsToTheRoundingOfFloat) {
+  const TriangleMesh mesh = test::glove(9);
+  const TriangleMesh back = from_polygon_mesh(to_polygon_mesh(mesh));
+  EXPECT_EQ(back.triangles, mesh.triangles);
+  EXPECT_EQ(back.vertices, mesh.vertices.cast<float>().cast<double>());
+}
+
+TEST(PclCloud, ARangeMapBecomesAnOrganisedCloud) {
+  RangeMap map;
+  map.camera = {.width = 3, .height = 2, .fx = 100, .fy = 100, .cx = 1, .cy = 0.5};
+  map.z = ImageF::Constant(2, 3, 700.1F);
+  map.z(1, 2) = std::numeric_limits<float>::quiet_NaN();
+  const auto cloud = to_point_cloud(map);
+  EXPECT_EQ(cloud.width, 3U);
+  EXPECT_EQ(cloud.height, 2U);
+  EXPECT_FALSE(cloud.is_dense);
+  EXPECT_FLOAT_EQ(cloud.at(0, 1).x, -7.001F);
+  EXPECT_TRUE(std::isnan(cloud.at(2, 1).z));
+}
+
+TEST(PclCloud, AQuadrangleIsNamed) {
+  pcl::PolygonMesh polygons = to_polygon_mesh(test::flat_sheet(1, 1, 1.5));
+  polygons.polygons[1].vertices.push_back(0);
+  EXPECT_NE(refusal([&] { (void)from_polygon_mesh(polygons); }).find("polygon 1 has 4 corners"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace palpate::geometry
