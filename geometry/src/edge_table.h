@@ -1,0 +1,61 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <span>
+#include <vector>
+
+namespace palpate::geometry {
+
+/// A side of a triangle as it lies on an edge of a mesh that may be broken.
+struct EdgeSide {
+  int low = -1;         ///< the end with the lower vertex index
+  int high = -1;        ///< the other end
+  int half_edge = -1;   ///< 3 t + k: from corner k of triangle t to its corner (k + 1) % 3
+  bool upwards = true;  ///< runs from `low` to `high`
+
+  [[nodiscard]] int triangle() const { return half_edge / 3; }
+  /// The corner (3 t + k) at `low`, and that at `high`.
+  [[nodiscard]] int low_corner() const { return upwards ? half_edge : next_corner(); }
+  [[nodiscard]] int high_corner() const { return upwards ? next_corner() : half_edge; }
+
+ private:
+  [[nodiscard]] int next_corner() const { return half_edge - half_edge % 3 + (half_edge + 1) % 3; }
+};
+
+/// The sides of those triangles for which `use` holds, edge by edge in ascending order, those of
+/// one edge in the order of their half-edges. Pre: the triangles in use name vertices.
+[[nodiscard]] std::vector<EdgeSide> sort_sides(const Eigen::Matrix3Xi& triangles,
+                                               const std::vector<bool>& use);
+
+/// Calls `visit(std::span<const EdgeSide>)` with the sides of each edge.
+void for_each_edge(const std::vector<EdgeSide>& sides, auto&& visit) {
+  for (auto first = sides.begin(); first != sides.end();) {
+    const auto last = std::find_if(first, sides.end(), [&](const EdgeSide& s) {
+      return s.low != first->low || s.high != first->high;
+    });
+    visit(std::span<const EdgeSide>(first, last));
+    first = last;
+  }
+}
+
+/// Triangles in use that have the same three vertices as an earlier one, ascending.
+[[nodiscard]] std::vector<int> repeated_triangles(const Eigen::Matrix3Xi& triangles,
+                                                  const std::vector<bool>& use);
+
+/// Corners of triangles (3 t + k) joined into classes, each named by its least corner.
+class CornerClasses {
+ public:
+  explicit CornerClasses(Eigen::Index corner_count);
+  /// Joins what two sides of one edge have at its ends.
+  void join(const EdgeSide& a, const EdgeSide& b);
+  [[nodiscard]] int find(int corner);
+
+ private:
+  void join(int a, int b);
+  std::vector<int> parent_;
+};
+
+}  // namespace palpate::geometry

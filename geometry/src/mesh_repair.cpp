@@ -1,0 +1,304 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/geometry/mesh_repair.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <span>
+#include <utility>
+
+#include "edge_table.h"
+#include "palpate/error.h"
+
+namespace palpate::geometry {
+namespace {
+
+/// A chain of vertices in line needs one round of flips for each of its triangles at most; what is
+/// left after as many is folded onto itself.
+constexpr int kFlipRounds = 16;
+
+using Pair = std::pair<EdgeSide, EdgeSide>;
+
+class Repair {
+ public:
+  explicit Repair(const TriangleMesh& mesh)
+      : input_(mesh), triangles_(mesh.triangles), use_(count(mesh), true), place_(weld()) {}
+
+  RepairedMesh run() {
+    drop_broken_corners();
+    for (int round = 0; round < kFlipRounds && flip_flat(); ++round) {
+    }
+    drop_repeated();
+    const std::vector<Pair> pairs = pair_sides();
+    turn(pairs);
+    rebuild(pairs);
+    return std::move(result_);
+  }
+
+ private:
+  static size_t count(const TriangleMesh& mesh) {
+    return static_cast<size_t>(mesh.triangles.cols());
+  }
+
+  void drop(int t) {
+    use_[static_cast<size_t>(t)] = false;
+    ++result_.removed_triangles;
+  }
+
+  [[nodiscard]] Eigen::Vector3d at(int vertex) const { return input_.vertices.col(vertex); }
+
+  /// The first vertex at the same place; itself if it is not finite.
+  [[nodiscard]] std::vector<int> weld() const {
+    std::vector<int> order(static_cast<size_t>(input_.vertices.cols()));
+    std::iota(order.begin(), order.end(), 0);
+    std::vector<int> place = order;
+    std::erase_if(order, [&](int v) { return !at(v).allFinite(); });
+    const auto key = [&](int v) { return std::array{at(v).x(), at(v).y(), at(v).z()}; };
+    std::sort(order.begin(), order.end(),
+              [&](int a, int b) { return std::pair(key(a), a) < std::pair(key(b), b); });
+    for (size_t i = 1; i < order.size(); ++i) {
+      if (key(order[i]) == key(order[i - 1])) {
+        place[static_cast<size_t>(order[i])] = place[static_cast<size_t>(order[i - 1])];
+      }
+    }
+    return place;
+  }
+
+  void drop_broken_corners() {
+    for (int t = 0; t < triangles_.cols(); ++t) {
+      auto corners = triangles_.col(t);
+      const bool sound = corners.minCoeff() >= 0 && corners.maxCoeff() < input_.vertices.cols() &&
+                         input_.vertices(Eigen::all, corners).allFinite();
+      if (sound) {
+        for (int& corner : corners) corner = place_[static_cast<size_t>(corner)];
+      }
+      if (!sound || corners[0] == corners[1] || corners[1] == corners[2] ||
+          corners[2] == corners[0]) {
+        drop(t);
+      }
+    }
+  }
+
+  /// Triangles without area whose vertices are in line: each gives its longest side's neighbour its
+  /// middle vertex, or goes if there is none. Returns whether anything changed.
+  bool flip_flat() {
+    const std::vector<int> flat = find_flat();
+    if (flat.empty()) return false;
+    std::vector<bool> is_flat(use_.size());
+    for (const int t : flat) is_flat[static_cast<size_t>(t)] = true;
+    std::vector<bool> touched(use_.size());
+    bool changed = false;
+    for_each_edge(sort_sides(triangles_, use_), [&](std::span<const EdgeSide> sides) {
+      for (const EdgeSide& side : sides) {
+        const int t = side.triangle();
+        if (!is_flat[static_cast<size_t>(t)] || touched[static_cast<size_t>(t)] ||
+            !is_longest(side)) {
+          continue;
+        }
+        const auto other = std::find_if(sides.begin(), sides.end(), [&](const EdgeSide& s) {
+          return !is_flat[static_cast<size_t>(s.triangle())] &&
+                 !touched[static_cast<size_t>(s.triangle())];
+        });
+        if (other != sides.end()) {
+          flip(side, *other);
+          touched[static_cast<size_t>(t)] = true;
+          touched[static_cast<size_t>(other->triangle())] = true;
+          changed = true;
+        } else if (sides.size() == 1) {
+          drop(t);
+          touched[static_cast<size_t>(t)] = true;
+          changed = true;
+        }
+      }
+    });
+    return changed;
+  }
+
+  [[nodiscard]] std::vector<int> find_flat() const {
+    TriangleMesh used;
+    used.vertices = input_.vertices;
+    std::vector<int> original;
+    for (int t = 0; t < triangles_.cols(); ++t) {
+      if (use_[static_cast<size_t>(t)]) original.push_back(t);
+    }
+    used.triangles = triangles_(Eigen::all, original);
+    const Eigen::Matrix3Xd normals = triangle_normals(used);
+    std::vector<int> flat;
+    for (size_t i = 0; i < original.size(); ++i) {
+      if (!normals.col(static_cast<Eigen::Index>(i)).allFinite()) flat.push_back(original[i]);
+    }
+    return flat;
+  }
+
+  [[nodiscard]] bool is_longest(const EdgeSide& side) const {
+    const double length = (at(side.high) - at(side.low)).squaredNorm();
+    const Eigen::Vector3d apex = at(apex_of(side));
+    return length > (apex - at(side.low)).squaredNorm() &&
+           length > (apex - at(side.high)).squaredNorm();
+  }
+
+  [[nodiscard]] int apex_of(const EdgeSide& side) const {
+    return triangles_((side.half_edge + 2) % 3, side.triangle());
+  }
+
+  /// The two triangles exchange the diagonal of their quadrangle; both run round as `other` did.
+  void flip(const EdgeSide& flat, const EdgeSide& other) {
+    const int from = triangles_(other.half_edge % 3, other.triangle());
+    const int to = triangles_((other.half_edge + 1) % 3, other.triangle());
+    const int apex = apex_of(other);
+    const int middle = apex_of(flat);
+    triangles_.col(other.triangle()) << from, middle, apex;
+    triangles_.col(flat.triangle()) << middle, to, apex;
+    ++result_.flipped_edges;
+  }
+
+  void drop_repeated() {
+    for (int t = 0; t < triangles_.cols(); ++t) {
+      const auto corners = triangles_.col(t);
+      if (use_[static_cast<size_t>(t)] &&
+          (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0])) {
+        drop(t);
+      }
+    }
+    for (const int t : repeated_triangles(triangles_, use_)) drop(t);
+  }
+
+  /// From the edge into the triangle, at right angles to the edge.
+  [[nodiscard]] Eigen::Vector3d into_triangle(const EdgeSide& side) const {
+    const Eigen::Vector3d along = (at(side.high) - at(side.low)).stableNormalized();
+    const Eigen::Vector3d to_apex = at(apex_of(side)) - at(side.low);
+    return (to_apex - along.dot(to_apex) * along).stableNormalized();
+  }
+
+  /// Which two sides of each edge are joined.
+  std::vector<Pair> pair_sides() {
+    std::vector<Pair> pairs;
+    for_each_edge(sort_sides(triangles_, use_), [&](std::span<const EdgeSide> sides) {
+      std::vector<EdgeSide> left(sides.begin(), sides.end());
+      if (left.size() > 2) ++result_.cut_edges;
+      while (left.size() >= 2) {
+        std::pair<size_t, size_t> best = {0, 1};
+        double straightest = std::numeric_limits<double>::infinity();
+        for (size_t i = 0; i < left.size(); ++i) {
+          for (size_t j = i + 1; j < left.size(); ++j) {
+            const double cosine = into_triangle(left[i]).dot(into_triangle(left[j]));
+            if (cosine < straightest) {
+              straightest = cosine;
+              best = {i, j};
+            }
+          }
+        }
+        pairs.emplace_back(left[best.first], left[best.second]);
+        left.erase(left.begin() + static_cast<std::ptrdiff_t>(best.second));
+        left.erase(left.begin() + static_cast<std::ptrdiff_t>(best.first));
+      }
+    });
+    return pairs;
+  }
+
+  [[nodiscard]] double area(int t) const {
+    const Eigen::Vector3d a = at(triangles_(0, t));
+    return (at(triangles_(1, t)) - a).cross(at(triangles_(2, t)) - a).norm() / 2;
+  }
+
+  /// Turns the smaller area of each connected surface, so that joined triangles agree.
+  void turn(const std::vector<Pair>& pairs) {
+    std::vector<std::vector<std::pair<int, bool>>> neighbors(use_.size());  // and: runs against
+    for (const auto& [a, b] : pairs) {
+      const bool against = a.upwards == b.upwards;
+      neighbors[static_cast<size_t>(a.triangle())].emplace_back(b.triangle(), against);
+      neighbors[static_cast<size_t>(b.triangle())].emplace_back(a.triangle(), against);
+    }
+    turned_.assign(use_.size(), false);
+    std::vector<bool> seen(use_.size());
+    for (int seed = 0; seed < triangles_.cols(); ++seed) {
+      if (!use_[static_cast<size_t>(seed)] || seen[static_cast<size_t>(seed)]) continue;
+      std::vector<int> surface = {seed};
+      seen[static_cast<size_t>(seed)] = true;
+      double excess = 0;  // [mm^2] of what runs as the seed does
+      for (size_t i = 0; i < surface.size(); ++i) {
+        const auto t = static_cast<size_t>(surface[i]);
+        excess += (turned_[t] ? -1 : 1) * area(surface[i]);
+        for (const auto& [next, against] : neighbors[t]) {
+          if (seen[static_cast<size_t>(next)]) continue;
+          seen[static_cast<size_t>(next)] = true;
+          turned_[static_cast<size_t>(next)] = turned_[t] != against;
+          surface.push_back(next);
+        }
+      }
+      for (const int t : surface) {
+        const auto i = static_cast<size_t>(t);
+        if (excess < 0) turned_[i] = !turned_[i];
+        if (turned_[i]) ++result_.turned_triangles;
+      }
+    }
+  }
+
+  /// One vertex for each fan of joined triangles.
+  void rebuild(const std::vector<Pair>& pairs) {
+    CornerClasses fans(triangles_.size());
+    for (const auto& [a, b] : pairs) {
+      const bool a_upwards = a.upwards != turned_[static_cast<size_t>(a.triangle())];
+      const bool b_upwards = b.upwards != turned_[static_cast<size_t>(b.triangle())];
+      if (a_upwards != b_upwards) {
+        fans.join(a, b);
+      } else {
+        ++result_.cut_edges;  // a one-sided surface
+      }
+    }
+    std::vector<std::pair<int, int>> vertices;  // input vertex, fan
+    for (int corner = 0; corner < triangles_.size(); ++corner) {
+      if (use_[static_cast<size_t>(corner / 3)] && fans.find(corner) == corner)
+        vertices.emplace_back(triangles_(corner % 3, corner / 3), corner);
+    }
+    if (vertices.empty())
+      throw InvalidInput("mesh: no triangle can be kept: each is broken or without area");
+    std::sort(vertices.begin(), vertices.end());
+    std::vector<int> index_of_fan(static_cast<size_t>(triangles_.size()), -1);
+    result_.mesh.vertices.resize(3, static_cast<Eigen::Index>(vertices.size()));
+    for (size_t v = 0; v < vertices.size(); ++v) {
+      index_of_fan[static_cast<size_t>(vertices[v].second)] = static_cast<int>(v);
+      result_.mesh.vertices.col(static_cast<Eigen::Index>(v)) = at(vertices[v].first);
+      result_.vertex_source.push_back(vertices[v].first);
+    }
+    Eigen::Index kept = 0;
+    result_.mesh.triangles.resize(3, triangles_.cols() - result_.removed_triangles);
+    for (int t = 0; t < triangles_.cols(); ++t) {
+      if (!use_[static_cast<size_t>(t)]) continue;
+      auto corners = result_.mesh.triangles.col(kept++);
+      for (int k = 0; k < 3; ++k)
+        corners[k] = index_of_fan[static_cast<size_t>(fans.find(3 * t + k))];
+      if (turned_[static_cast<size_t>(t)]) std::swap(corners[1], corners[2]);
+    }
+    count_vertices();
+  }
+
+  void count_vertices() {
+    std::vector<bool> kept(place_.size());
+    for (const int v : result_.vertex_source) kept[static_cast<size_t>(v)] = true;
+    for (size_t v = 0; v < place_.size(); ++v) {
+      if (place_[v] != static_cast<int>(v)) {
+        ++result_.welded_vertices;
+      } else if (!kept[v]) {
+        ++result_.removed_vertices;
+      }
+    }
+  }
+
+  const TriangleMesh& input_;
+  Eigen::Matrix3Xi triangles_;
+  std::vector<bool> use_;
+  std::vector<int> place_;  ///< of each vertex: the first one at its place
+  std::vector<bool> turned_;
+  RepairedMesh result_;
+};
+
+}  // namespace
+
+RepairedMesh repair_mesh(const TriangleMesh& mesh) { return Repair(mesh).run(); }
+
+}  // namespace palpate::geometry

@@ -1,0 +1,170 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/geometry/mesh_repair.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <numeric>
+#include <random>
+#include <set>
+
+#include "broken_meshes.h"
+#include "mesh_corpus.h"
+#include "palpate/error.h"
+#include "palpate/geometry/mesh_topology.h"
+
+namespace palpate::geometry {
+namespace {
+
+/// Oriented, manifold, and without a triangle that has no area.
+void expect_sound(const TriangleMesh& mesh, const std::string& name) {
+  EXPECT_NO_THROW((void)opposite_half_edges(mesh)) << name;
+  for (const MeshDefect& defect : find_defects(mesh))
+    EXPECT_EQ(defect.kind, DefectKind::triangle_needle) << name << ": " << describe(defect);
+}
+
+double area(const TriangleMesh& mesh) {
+  double sum = 0;
+  for (const auto& t : mesh.triangles.colwise()) {
+    const Eigen::Matrix3d corners = mesh.vertices(Eigen::all, t);
+    sum += (corners.col(1) - corners.col(0)).cross(corners.col(2) - corners.col(0)).norm() / 2;
+  }
+  return sum;
+}
+
+/// Positive for a closed surface whose triangles run round counter-clockwise seen from outside.
+double volume(const TriangleMesh& mesh) {
+  double sum = 0;
+  for (const auto& t : mesh.triangles.colwise())
+    sum += Eigen::Matrix3d(mesh.vertices(Eigen::all, t)).determinant() / 6;
+  return sum;
+}
+
+TEST(MeshRepair, AMeshWithoutDefectsComesBackAsItWas) {
+  for (const TriangleMesh& mesh : {test::bumpy(5000, 0.25), test::glove(6), test::closed_sheet(),
+                                   test::torus(30, 9, 30.1, 4.7)}) {
+    const RepairedMesh repaired = repair_mesh(mesh);
+    EXPECT_EQ(repaired.mesh.vertices, mesh.vertices);
+    EXPECT_EQ(repaired.mesh.triangles, mesh.triangles);
+    EXPECT_EQ(repaired.removed_triangles + repaired.turned_triangles + repaired.cut_edges, 0);
+  }
+}
+
+TEST(MeshRepair, EachBrokenMeshIsMendedAndKeepsWhatWasSound) {
+  for (const test::BrokenMesh& broken : test::broken_meshes()) {
+    const RepairedMesh repaired = repair_mesh(broken.mesh);
+    expect_sound(repaired.mesh, broken.name);
+    // At most the triangles around one vertex go.
+    EXPECT_GE(repaired.mesh.triangles.cols(), broken.mesh.triangles.cols() - 6) << broken.name;
+    ASSERT_EQ(repaired.vertex_source.size(), static_cast<size_t>(repaired.mesh.vertices.cols()));
+    for (Eigen::Index v = 0; v < repaired.mesh.vertices.cols(); ++v) {
+      EXPECT_EQ(repaired.mesh.vertices.col(v),
+                broken.mesh.vertices.col(repaired.vertex_source[static_cast<size_t>(v)]));
+    }
+  }
+}
+
+TEST(MeshRepair, TrianglesTurnedAtRandomRunRoundAgainAsMostOfThemDid) {
+  std::mt19937 random(5);
+  TriangleMesh mesh = test::glove(6);
+  const double right = volume(mesh);
+  int turned = 0;
+  for (auto t : mesh.triangles.colwise()) {
+    if (random() % 3 != 0) continue;
+    t.reverseInPlace();
+    ++turned;
+  }
+  const RepairedMesh repaired = repair_mesh(mesh);
+  expect_sound(repaired.mesh, "glove");
+  EXPECT_EQ(repaired.turned_triangles, turned);
+  EXPECT_NEAR(volume(repaired.mesh), right, 1e-9 * right);
+}
+
+TEST(MeshRepair, ATriangleSoupIsSewnTogether) {
+  const TriangleMesh whole = test::icosphere(3, 10.1);
+  TriangleMesh soup;
+  soup.vertices.resize(3, whole.triangles.size());
+  soup.triangles.resize(3, whole.triangles.cols());
+  for (int i = 0; i < whole.triangles.size(); ++i) {
+    soup.vertices.col(i) = whole.vertices.col(whole.triangles(i % 3, i / 3));
+    soup.triangles(i % 3, i / 3) = i;
+  }
+  const RepairedMesh repaired = repair_mesh(soup);
+  EXPECT_EQ(repaired.mesh.vertices.cols(), whole.vertices.cols());
+  EXPECT_EQ((opposite_half_edges(repaired.mesh).array() < 0).count(), 0);
+  EXPECT_EQ(repaired.welded_vertices, soup.vertices.cols() - whole.vertices.cols());
+}
+
+TEST(MeshRepair, ATJunctionIsClosedByFlippingItsFlatTriangle) {
+  // A square of two triangles; the border of the lower one has a vertex in its middle that only a
+  // flat triangle joins to it.
+  TriangleMesh mesh;
+  mesh.vertices.resize(3, 6);
+  mesh.vertices << 0, 2, 2, 0, 1, 1, 0, 0, 2, 2, 0, -1, 0, 0, 0, 0, 0, 0;
+  mesh.triangles.resize(3, 5);
+  mesh.triangles << 0, 0, 1, 0, 4, 1, 2, 0, 5, 5, 2, 3, 4, 4, 1;
+  const RepairedMesh repaired = repair_mesh(mesh);
+  expect_sound(repaired.mesh, "T junction");
+  EXPECT_EQ(repaired.flipped_edges, 1);
+  EXPECT_EQ(repaired.removed_triangles, 0);
+  EXPECT_DOUBLE_EQ(area(repaired.mesh), area(mesh));
+  EXPECT_EQ((opposite_half_edges(repaired.mesh).array() < 0).count(), 5);
+}
+
+TEST(MeshRepair, AFinIsCutOffAndTheSheetStaysWhole) {
+  for (const test::BrokenMesh& broken : test::broken_meshes()) {
+    if (broken.kind != DefectKind::edge_overfull) continue;
+    const RepairedMesh repaired = repair_mesh(broken.mesh);
+    EXPECT_EQ(repaired.cut_edges, 1);
+    EXPECT_EQ(repaired.mesh.triangles.cols(), broken.mesh.triangles.cols());
+    EXPECT_EQ(repaired.mesh.vertices.cols(), broken.mesh.vertices.cols() + 2);
+    // The outline of the sheet of 4 x 3 squares, and that of the fin.
+    EXPECT_EQ((opposite_half_edges(repaired.mesh).array() < 0).count(), 14 + 3);
+  }
+}
+
+TEST(MeshRepair, AMobiusStripIsCutOnce) {
+  constexpr int kLength = 20;
+  TriangleMesh strip;
+  strip.vertices.resize(3, 2 * kLength);
+  strip.triangles.resize(3, 2 * kLength);
+  for (int i = 0; i < kLength; ++i) {
+    const double u = 2 * std::numbers::pi * i / kLength;
+    for (int side = 0; side < 2; ++side) {
+      const double w = side == 0 ? -1.3 : 1.3;
+      strip.vertices.col(2 * i + side) << (10 + w * std::cos(u / 2)) * std::cos(u),
+          (10 + w * std::cos(u / 2)) * std::sin(u), w * std::sin(u / 2);
+    }
+    const bool last = i + 1 == kLength;
+    const int c = last ? 1 : 2 * i + 2;
+    const int d = last ? 0 : 2 * i + 3;
+    strip.triangles.col(2 * i) << 2 * i, c, d;
+    strip.triangles.col(2 * i + 1) << 2 * i, d, 2 * i + 1;
+  }
+  const RepairedMesh repaired = repair_mesh(strip);
+  expect_sound(repaired.mesh, "strip");
+  EXPECT_EQ(repaired.cut_edges, 1);
+  EXPECT_EQ(repaired.mesh.triangles.cols(), strip.triangles.cols());
+}
+
+TEST(MeshRepair, RandomTrianglesBecomeManifold) {
+  std::mt19937 random(3);
+  for (int run = 0; run < 50; ++run) {
+    TriangleMesh mesh = test::icosphere(1, 10);
+    for (int& corner : mesh.triangles.reshaped()) {
+      if (random() % 4 == 0) corner = static_cast<int>(random() % 44) - 1;
+    }
+    expect_sound(repair_mesh(mesh).mesh, "run " + std::to_string(run));
+  }
+}
+
+TEST(MeshRepair, RefusesWhenNothingCanBeKept) {
+  TriangleMesh mesh = test::flat_sheet(1, 1, 1);
+  mesh.vertices.row(0).setConstant(std::numeric_limits<double>::quiet_NaN());
+  EXPECT_THROW((void)repair_mesh(mesh), InvalidInput);
+  EXPECT_THROW((void)repair_mesh({}), InvalidInput);
+}
+
+}  // namespace
+}  // namespace palpate::geometry
