@@ -10,6 +10,7 @@
 #include <tuple>
 #include <vector>
 
+#include "exact_geodesic_distance.h"
 #include "palpate/error.h"
 
 namespace palpate::geometry {
@@ -224,6 +225,9 @@ GeodesicDistance geodesic_distance(const TriangleMesh& mesh, std::span<const Sur
   for (size_t i = 0; i < sources.size(); ++i) {
     const std::string what = "geodesic_distance: source " + std::to_string(i);
     check_surface_point(mesh, sources[i], what.c_str());
+  }
+  if (options.method == GeodesicMethod::exact) {
+    return exact_geodesic_distance(mesh, sources, options.stop_radius);
   }
   March march(mesh, options.stop_radius);
   for (size_t i = 0; i < sources.size(); ++i) march.start(sources[i], static_cast<int>(i));

@@ -1,0 +1,199 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "exact_geodesic_distance.h"
+
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Surface_mesh.h>
+#include <CGAL/Surface_mesh_shortest_path.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "palpate/error.h"
+#include "palpate/geometry/mesh_topology.h"
+
+namespace palpate::geometry {
+namespace {
+
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using CgalMesh = CGAL::Surface_mesh<Kernel::Point_3>;
+using Traits = CGAL::Surface_mesh_shortest_path_traits<Kernel, CgalMesh>;
+using ShortestPath = CGAL::Surface_mesh_shortest_path<Traits>;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// A triangle is out of reach iff it is further than the radius by more than this fraction of both
+/// and its size: above the rounding of the few operations that measure it.
+constexpr double kReachRounding = 1e-12;
+
+void refuse_triangles_without_area(const TriangleMesh& mesh) {
+  const Eigen::Matrix3Xd normals = triangle_normals(mesh);
+  for (Eigen::Index t = 0; t < normals.cols(); ++t) {
+    if (normals.col(t).allFinite()) continue;
+    throw InvalidInput("geodesic_distance: triangle " + std::to_string(t) +
+                       " has no area, which GeodesicMethod::exact cannot pass; remove it or use "
+                       "GeodesicMethod::fast_marching");
+  }
+}
+
+/// Which triangles a way of at most `radius` can touch: it stays in the balls about its sources.
+std::vector<bool> within_reach(const TriangleMesh& mesh, std::span<const SurfacePoint> sources,
+                               double radius) {
+  std::vector<bool> reached(static_cast<size_t>(mesh.triangles.cols()), radius == kInfinity);
+  if (radius == kInfinity) return reached;
+  Eigen::Matrix3Xd from(3, static_cast<Eigen::Index>(sources.size()));
+  for (size_t i = 0; i < sources.size(); ++i) {
+    from.col(static_cast<Eigen::Index>(i)) = position(mesh, sources[i]);
+  }
+  for (Eigen::Index t = 0; t < mesh.triangles.cols(); ++t) {
+    const Eigen::Matrix3d corners = mesh.vertices(Eigen::all, mesh.triangles.col(t));
+    const Eigen::Vector3d centre = corners.rowwise().mean();
+    const double size = (corners.colwise() - centre).colwise().norm().maxCoeff();
+    const double nearest = (from.colwise() - centre).colwise().norm().minCoeff();
+    reached[static_cast<size_t>(t)] = nearest <= (radius + size) * (1 + kReachRounding);
+  }
+  return reached;
+}
+
+/// Vertices are moved by up to this fraction of the mean length of the edges. Where ways tie
+/// exactly, as through the vertices of a flat grid, CGAL's rounding may drop all of them (the
+/// answer is then percents too long); in general position it is good to twelve digits.
+constexpr double kOutOfTies = 1e-9;
+
+double mean_edge_length(const TriangleMesh& mesh) {
+  double sum = 0;
+  for (const auto& corners : mesh.triangles.colwise()) {
+    for (int k = 0; k < 3; ++k) {
+      sum += (mesh.vertices.col(corners[(k + 1) % 3]) - mesh.vertices.col(corners[k])).norm();
+    }
+  }
+  return sum / static_cast<double>(mesh.triangles.size());
+}
+
+/// The vertices a little out of place, always in the same way.
+Eigen::Matrix3Xd in_general_position(const TriangleMesh& mesh) {
+  std::mt19937 random(1);
+  const double largest = kOutOfTies * mean_edge_length(mesh);
+  Eigen::Matrix3Xd vertices = mesh.vertices;
+  for (double& coordinate : vertices.reshaped()) {
+    const double fraction = static_cast<double>(random()) / std::mt19937::max();  // in [0, 1]
+    coordinate += largest * (2 * fraction - 1);
+  }
+  return vertices;
+}
+
+/// The triangles of a mesh that are within reach, with those vertices only that they use.
+struct Part {
+  CgalMesh mesh;
+  std::vector<CGAL::SM_Vertex_index> vertex;  ///< of ours; invalid where no triangle uses it
+  std::vector<CGAL::SM_Face_index> face;      ///< of ours; invalid where out of reach
+};
+
+Part reachable_part(const TriangleMesh& mesh, const std::vector<bool>& reached) {
+  Part part{
+      .mesh = {},
+      .vertex = std::vector(static_cast<size_t>(mesh.vertices.cols()), CgalMesh::null_vertex()),
+      .face = std::vector(reached.size(), CgalMesh::null_face())};
+  const Eigen::Matrix3Xd vertices = in_general_position(mesh);
+  for (size_t t = 0; t < reached.size(); ++t) {
+    if (!reached[t]) continue;
+    std::array<CGAL::SM_Vertex_index, 3> corners;
+    for (int k = 0; k < 3; ++k) {
+      const int v = mesh.triangles(k, static_cast<Eigen::Index>(t));
+      CGAL::SM_Vertex_index& vertex = part.vertex[static_cast<size_t>(v)];
+      if (vertex == CgalMesh::null_vertex()) {
+        const Eigen::Vector3d p = vertices.col(v);
+        vertex = part.mesh.add_vertex(Kernel::Point_3(p.x(), p.y(), p.z()));
+      }
+      corners[static_cast<size_t>(k)] = vertex;
+    }
+    part.face[t] = part.mesh.add_face(corners[0], corners[1], corners[2]);
+    if (part.face[t] == CgalMesh::null_face()) {
+      throw InvalidInput(
+          "geodesic_distance: triangle " + std::to_string(t) +
+          " meets others at a vertex alone, without a common edge; "
+          "GeodesicMethod::exact needs a manifold: give it a vertex of its own, or use "
+          "GeodesicMethod::fast_marching");
+    }
+  }
+  return part;
+}
+
+/// A place on a face in CGAL's terms: barycentric coordinates belong to the corners in the order of
+/// the face's half-edge.
+ShortestPath::Face_location face_location(const TriangleMesh& mesh, const Part& part,
+                                          const SurfacePoint& place) {
+  const CGAL::SM_Face_index face = part.face[static_cast<size_t>(place.triangle)];
+  const CGAL::SM_Vertex_index first = part.mesh.source(part.mesh.halfedge(face));
+  int k = 0;
+  while (part.vertex[static_cast<size_t>(mesh.triangles(k, place.triangle))] != first) ++k;
+  const Eigen::Vector3d& weights = place.barycentric;
+  return {face, {weights[k], weights[(k + 1) % 3], weights[(k + 2) % 3]}};
+}
+
+/// The same place without the tolerated rounding below zero.
+SurfacePoint rounded(const SurfacePoint& place) {
+  const Eigen::Vector3d weights = place.barycentric.cwiseMax(0);
+  return {.triangle = place.triangle, .barycentric = weights / weights.sum()};
+}
+
+/// What stands for zero on an edge: not zero, and nowhere felt.
+constexpr double kAlmostZero = std::numeric_limits<double>::min();
+
+/// Where CGAL is to start for one source. CGAL 5.5 mistakes the ends of an edge that a source is on
+/// (it takes the weight of one for the distance from it), so a place on an edge becomes one in each
+/// of the two triangles there.
+std::vector<SurfacePoint> starts(const Eigen::Matrix3Xi& opposite, const SurfacePoint& source) {
+  SurfacePoint start = rounded(source);
+  if ((start.barycentric.array() > 0).count() != 2) return {start};
+  Eigen::Index apex = 0;
+  start.barycentric.minCoeff(&apex);
+  start.barycentric[apex] = kAlmostZero;
+  const int across = opposite((apex + 1) % 3, start.triangle);
+  if (across < 0) return {start};
+  // Corner k of the other triangle is where this one has corner apex + 2.
+  const int k = across % 3;
+  SurfacePoint other{.triangle = across / 3};
+  other.barycentric[k] = start.barycentric[(apex + 2) % 3];
+  other.barycentric[(k + 1) % 3] = start.barycentric[(apex + 1) % 3];
+  other.barycentric[(k + 2) % 3] = kAlmostZero;
+  return {start, other};
+}
+
+}  // namespace
+
+GeodesicDistance exact_geodesic_distance(const TriangleMesh& mesh,
+                                         std::span<const SurfacePoint> sources,
+                                         double stop_radius) {
+  const Eigen::Matrix3Xi opposite = opposite_half_edges(mesh);
+  refuse_triangles_without_area(mesh);
+  const Part part = reachable_part(mesh, within_reach(mesh, sources, stop_radius));
+  ShortestPath shortest(part.mesh);
+  std::unordered_map<const ShortestPath::Face_location*, int> label_of;
+  for (size_t i = 0; i < sources.size(); ++i) {
+    for (const SurfacePoint& start : starts(opposite, sources[i])) {
+      label_of[&*shortest.add_source_point(face_location(mesh, part, start))] = static_cast<int>(i);
+    }
+  }
+  shortest.build_sequence_tree();
+  GeodesicDistance geodesic{.distance = Eigen::VectorXd::Constant(mesh.vertices.cols(), kInfinity),
+                            .label = Eigen::VectorXi::Constant(mesh.vertices.cols(), -1)};
+  for (Eigen::Index v = 0; v < mesh.vertices.cols(); ++v) {
+    const CGAL::SM_Vertex_index vertex = part.vertex[static_cast<size_t>(v)];
+    if (vertex == CgalMesh::null_vertex()) continue;
+    const auto [distance, source] = shortest.shortest_distance_to_source_points(vertex);
+    // Negative: not reached.
+    if (!(distance >= 0 && distance <= stop_radius)) continue;
+    geodesic.distance[v] = distance;
+    geodesic.label[v] = label_of.at(&*source);
+  }
+  return geodesic;
+}
+
+}  // namespace palpate::geometry

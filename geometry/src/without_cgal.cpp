@@ -1,0 +1,25 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+// Takes the place of the sources in cgal/ in a build without them.
+#include <string>
+
+#include "exact_geodesic_distance.h"
+#include "palpate/error.h"
+
+namespace palpate::geometry {
+namespace {
+
+[[noreturn]] void refuse(const std::string& what) {
+  throw Unavailable(what +
+                    " needs CGAL, which this build of the library was made without; build it with "
+                    "-DPALPATE_CGAL=ON");
+}
+
+}  // namespace
+
+GeodesicDistance exact_geodesic_distance(const TriangleMesh&, std::span<const SurfacePoint>,
+                                         double) {
+  refuse("geodesic_distance: GeodesicMethod::exact");
+}
+
+}  // namespace palpate::geometry

@@ -1,0 +1,293 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <map>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "mesh_corpus.h"
+#include "palpate/error.h"
+#include "palpate/geometry/geodesic_distance.h"
+#include "test_surfaces.h"
+
+namespace palpate::geometry {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// What the header promises; relative to the distance and the mean length of the edges.
+constexpr double kAccuracy = 1e-8;
+
+GeodesicDistance exact(const TriangleMesh& mesh, const std::vector<SurfacePoint>& sources,
+                       double stop_radius = kInfinity) {
+  return geodesic_distance(mesh, sources,
+                           {.method = GeodesicMethod::exact, .stop_radius = stop_radius});
+}
+
+class ExactGeodesicDistance : public testing::Test {
+ protected:
+  /// A build without CGAL says so, and has nothing more to test.
+  void SetUp() override {
+    try {
+      (void)exact(test::flat_sheet(1, 1, 1), {{.triangle = 0, .barycentric = {1, 0, 0}}});
+    } catch (const Unavailable& error) {
+      EXPECT_NE(std::string(error.what()).find("PALPATE_CGAL"), std::string::npos);
+      GTEST_SKIP() << error.what();
+    }
+  }
+};
+
+/// Largest error relative to the true distance and the mean edge.
+double largest_error(const TriangleMesh& mesh, const Eigen::VectorXd& measured,
+                     const Eigen::VectorXd& truth) {
+  double edges = 0;
+  for (const auto& corners : mesh.triangles.colwise()) {
+    for (int k = 0; k < 3; ++k) {
+      edges += (mesh.vertices.col(corners[k]) - mesh.vertices.col(corners[(k + 1) % 3])).norm();
+    }
+  }
+  const double mean_edge = edges / static_cast<double>(mesh.triangles.size());
+  return ((measured - truth).array().abs() / (truth.array() + mean_edge)).maxCoeff();
+}
+
+Eigen::VectorXd straight_distances(const TriangleMesh& mesh, const SurfacePoint& source) {
+  return (mesh.vertices.colwise() - position(mesh, source)).colwise().norm();
+}
+
+TEST_F(ExactGeodesicDistance, OnAFlatSheetIsTheStraightOneFromFacesEdgesAndVertices) {
+  // Straight ways run through many vertices here: the ties must not upset it.
+  for (const double shear : {0.0, 2.0, 13.0}) {  // 13: long obtuse triangles
+    TriangleMesh sheet = test::flat_sheet(29, 19, 1.3);
+    sheet.vertices.row(0) += shear * sheet.vertices.row(1);
+    for (const Vector3d& barycentric :
+         {Vector3d(0.2, 0.3, 0.5), Vector3d(0.4, 0, 0.6), Vector3d(0.3, 0.7, 0),
+          Vector3d(0, 0.1, 0.9), Vector3d(1e-9, 0.4, 0.6 - 1e-9), Vector3d(0, 1, 0)}) {
+      for (const int triangle : {0, 555}) {  // at the border and inside
+        const SurfacePoint source{.triangle = triangle, .barycentric = barycentric};
+        EXPECT_LT(largest_error(sheet, exact(sheet, {source}).distance,
+                                straight_distances(sheet, source)),
+                  kAccuracy);
+      }
+    }
+  }
+}
+
+/// A regular tetrahedron of edge 1, each face cut into `n` x `n` triangles; and where its vertices
+/// are when it rolls over the plane. All its images there are +-p plus twice the lattice of its
+/// corners, so that the length of the shortest way is that of the shortest straight line between
+/// images.
+struct RolledTetrahedron {
+  TriangleMesh mesh;
+  Eigen::Matrix2Xd rolled;
+};
+
+RolledTetrahedron tetrahedron(int n) {
+  const std::array<Vector3d, 4> corners = {Vector3d(1, 1, 1), Vector3d(1, -1, -1),
+                                           Vector3d(-1, 1, -1), Vector3d(-1, -1, 1)};
+  // Turned outwards; with places of the three corners on the lattice whose cell has a corner of
+  // each name. Its basis is (1, 0) and (1/2, sqrt(3)/2).
+  struct Face {
+    std::array<size_t, 3> corners;
+    std::array<Eigen::Vector2d, 3> lattice;
+  };
+  const std::array<Face, 4> faces = {{{{0, 1, 2}, {{{0, 0}, {1, 0}, {0, 1}}}},
+                                      {{3, 2, 1}, {{{1, 1}, {0, 1}, {1, 0}}}},
+                                      {{1, 0, 3}, {{{1, 0}, {0, 0}, {1, -1}}}},
+                                      {{0, 2, 3}, {{{0, 0}, {0, 1}, {-1, 1}}}}}};
+  const Eigen::Matrix2d basis{{1, 0.5}, {0, std::sqrt(0.75)}};
+  std::map<std::array<int, 4>, int> vertex_of;
+  std::vector<Vector3d> vertices;
+  std::vector<Eigen::Vector2d> rolled;
+  std::vector<Eigen::Vector3i> triangles;
+  for (const Face& face : faces) {
+    const auto vertex = [&](int i, int j) {
+      const std::array<int, 3> weights = {n - i - j, i, j};
+      std::array<int, 4> name{};
+      Vector3d at = Vector3d::Zero();
+      Eigen::Vector2d lattice = Eigen::Vector2d::Zero();
+      for (size_t k = 0; k < 3; ++k) {
+        name[face.corners[k]] = weights[k];
+        at += weights[k] * corners[face.corners[k]] / (n * std::sqrt(8));
+        lattice += weights[k] * face.lattice[k] / n;
+      }
+      const auto [place, is_new] = vertex_of.try_emplace(name, static_cast<int>(vertices.size()));
+      if (is_new) {
+        vertices.push_back(at);
+        rolled.emplace_back(basis * lattice);
+      }
+      return place->second;
+    };
+    for (int i = 0; i < n; ++i) {
+      for (int j = 0; i + j < n; ++j) {
+        triangles.emplace_back(vertex(i, j), vertex(i + 1, j), vertex(i, j + 1));
+        if (i + j + 1 == n) continue;
+        triangles.emplace_back(vertex(i + 1, j), vertex(i + 1, j + 1), vertex(i, j + 1));
+      }
+    }
+  }
+  RolledTetrahedron result;
+  result.mesh.vertices.resize(3, static_cast<Eigen::Index>(vertices.size()));
+  result.rolled.resize(2, static_cast<Eigen::Index>(vertices.size()));
+  for (size_t v = 0; v < vertices.size(); ++v) {
+    result.mesh.vertices.col(static_cast<Eigen::Index>(v)) = vertices[v];
+    result.rolled.col(static_cast<Eigen::Index>(v)) = rolled[v];
+  }
+  result.mesh.triangles.resize(3, static_cast<Eigen::Index>(triangles.size()));
+  for (size_t t = 0; t < triangles.size(); ++t) {
+    result.mesh.triangles.col(static_cast<Eigen::Index>(t)) = triangles[t];
+  }
+  return result;
+}
+
+TEST_F(ExactGeodesicDistance, OnATetrahedronIsThatOfItsUnfoldings) {
+  const RolledTetrahedron solid = tetrahedron(7);
+  for (const SurfacePoint& source :
+       {SurfacePoint{0, {0.2, 0.3, 0.5}}, SurfacePoint{17, {0.2, 0.3, 0.5}},
+        SurfacePoint{17, {0.3, 0.7, 0}}}) {
+    // All triangles of one face lie together in the plane, apart from those at a fold.
+    Eigen::Vector2d from = Eigen::Vector2d::Zero();
+    for (int k = 0; k < 3; ++k) {
+      from += source.barycentric[k] * solid.rolled.col(solid.mesh.triangles(k, source.triangle));
+    }
+    const GeodesicDistance geodesic = exact(solid.mesh, {source});
+    for (Eigen::Index v = 0; v < geodesic.distance.size(); ++v) {
+      double truth = kInfinity;
+      for (const double sign : {-1.0, 1.0}) {
+        for (int i = -3; i <= 3; ++i) {
+          for (int j = -3; j <= 3; ++j) {
+            const Eigen::Vector2d image =
+                sign * solid.rolled.col(v) + Eigen::Vector2d(2 * i + j, 2 * j * std::sqrt(0.75));
+            truth = std::min(truth, (image - from).norm());
+          }
+        }
+      }
+      EXPECT_NEAR(geodesic.distance[v], truth, kAccuracy) << v;
+    }
+  }
+}
+
+TEST_F(ExactGeodesicDistance, IsTheSameBackwards) {
+  for (const TriangleMesh& mesh : {test::bumpy(1500, 2.0), test::glove(9.0)}) {
+    std::mt19937 random(7);
+    std::uniform_int_distribution<int> any(0, static_cast<int>(mesh.triangles.cols()) - 1);
+    std::vector<SurfacePoint> places;
+    std::vector<int> vertices;
+    for (int i = 0; i < 8; ++i) {
+      places.push_back({.triangle = any(random), .barycentric = {0, 1, 0}});
+      vertices.push_back(mesh.triangles(1, places.back().triangle));
+    }
+    Eigen::MatrixXd distances(8, 8);
+    for (int i = 0; i < 8; ++i) {
+      distances.col(i) = exact(mesh, {places[static_cast<size_t>(i)]}).distance(vertices);
+    }
+    EXPECT_LT((distances - distances.transpose()).cwiseAbs().maxCoeff(),
+              kAccuracy * distances.maxCoeff());
+  }
+}
+
+TEST_F(ExactGeodesicDistance, OfManySourcesIsTheLeastOfTheDistancesOfEach) {
+  const TriangleMesh mesh = test::bumpy(2000, 0.25);
+  std::vector<SurfacePoint> sources;
+  for (const int t : {37, 400, 777, 1100, 1501, 1800}) {
+    sources.push_back({.triangle = t, .barycentric = {0.3, 0.3, 0.4}});
+  }
+  const GeodesicDistance together = exact(mesh, sources);
+  Eigen::MatrixXd each(mesh.vertices.cols(), 6);
+  for (int i = 0; i < 6; ++i) each.col(i) = exact(mesh, {sources[static_cast<size_t>(i)]}).distance;
+  EXPECT_LT(largest_error(mesh, together.distance, each.rowwise().minCoeff()), kAccuracy);
+  for (Eigen::Index v = 0; v < mesh.vertices.cols(); ++v) {
+    EXPECT_NEAR(each(v, together.label[v]), together.distance[v], kAccuracy * together.distance[v]);
+  }
+}
+
+TEST_F(ExactGeodesicDistance, StopsAtTheRadius) {
+  const TriangleMesh mesh = test::glove(9.0);
+  const std::vector<SurfacePoint> sources = {{37, {0.2, 0.3, 0.5}}, {800, {0.2, 0.3, 0.5}}};
+  constexpr double kRadius = 43.7;
+  const GeodesicDistance whole = exact(mesh, sources);
+  const GeodesicDistance part = exact(mesh, sources, kRadius);
+  int beyond = 0;
+  for (Eigen::Index v = 0; v < mesh.vertices.cols(); ++v) {
+    if (whole.distance[v] <= kRadius) {
+      EXPECT_NEAR(part.distance[v], whole.distance[v], kAccuracy * kRadius);
+      EXPECT_EQ(part.label[v], whole.label[v]);
+    } else {
+      ++beyond;
+      EXPECT_EQ(part.distance[v], kInfinity);
+      EXPECT_EQ(part.label[v], -1);
+    }
+  }
+  EXPECT_GT(beyond, 10);
+  EXPECT_LT(beyond, mesh.vertices.cols() - 10);
+}
+
+TEST_F(ExactGeodesicDistance, PassesWhereSheetsMeetAtOneVertexOfTheirBorders) {
+  TriangleMesh bow_tie;
+  bow_tie.vertices.resize(3, 6);
+  bow_tie.vertices << 0, 2, 2, -2, -2, 9,  //
+      0, 1, -1, 1, -1, 9,                  //
+      0, 0, 0, 0, 0, 9;                    // the last is in no triangle
+  bow_tie.triangles.resize(3, 2);
+  bow_tie.triangles << 0, 0, 2, 3, 1, 4;
+  const GeodesicDistance geodesic = exact(bow_tie, {{.triangle = 0, .barycentric = {0, 1, 0}}});
+  EXPECT_NEAR(geodesic.distance[3], 2 * std::sqrt(5), kAccuracy);
+  EXPECT_NEAR(geodesic.distance[4], 2 * std::sqrt(5), kAccuracy);
+  EXPECT_EQ(geodesic.distance[5], kInfinity);
+  EXPECT_EQ(geodesic.label[5], -1);
+}
+
+TEST_F(ExactGeodesicDistance, ScalesExactlyWithTheUnitOfLengthAndMovesAlong) {
+  const TriangleMesh mesh = test::bumpy(1000, 0.25);
+  const std::vector<SurfacePoint> sources = {{7, {0.2, 0.3, 0.5}}, {901, {0.2, 0.3, 0.5}}};
+  const GeodesicDistance expected = exact(mesh, sources);
+  for (const double factor : {0x1p-20, 0x1p20}) {
+    const GeodesicDistance scaled = exact(test::scaled(mesh, factor), sources);
+    EXPECT_EQ(scaled.distance, factor * expected.distance);
+    EXPECT_EQ(scaled.label, expected.label);
+  }
+  Eigen::Isometry3d motion(Eigen::AngleAxisd(1.1, Vector3d(0.3, 0.5, -0.7).normalized()));
+  motion.pretranslate(Vector3d(100.1, -20.7, 3.3));
+  EXPECT_LT(
+      largest_error(mesh, exact(test::moved(mesh, motion), sources).distance, expected.distance),
+      kAccuracy);
+}
+
+std::string refusal(const TriangleMesh& mesh) {
+  try {
+    (void)exact(mesh, {{.triangle = 0, .barycentric = {1, 0, 0}}});
+  } catch (const InvalidInput& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST_F(ExactGeodesicDistance, RefusesWhatIsNoManifoldOrHasNoArea) {
+  TriangleMesh flat = test::flat_sheet(3, 3, 1);
+  flat.vertices(0, 5) = 2;  // onto vertex 6, its neighbour
+  EXPECT_NE(refusal(flat).find("has no area"), std::string::npos);
+
+  TriangleMesh turned = test::flat_sheet(3, 3, 1);
+  turned.triangles.col(4).reverseInPlace();
+  EXPECT_NE(refusal(turned).find("turned over"), std::string::npos);
+
+  // Two closed tetrahedra that share one vertex.
+  TriangleMesh twins;
+  twins.vertices.resize(3, 7);
+  twins.vertices << 0, 1, 0, 0, -1, 0, 0,  //
+      0, 0, 1, 0, 0, -1, 0,                //
+      0, 0, 0, 1, 0, 0, -1;
+  twins.triangles.resize(3, 8);
+  twins.triangles << 0, 0, 0, 1, 0, 0, 0, 4,  //
+      2, 1, 3, 2, 5, 4, 6, 5,                 //
+      1, 3, 2, 3, 4, 6, 5, 6;
+  EXPECT_NE(refusal(twins).find("at a vertex alone"), std::string::npos) << refusal(twins);
+}
+
+}  // namespace
+}  // namespace palpate::geometry
