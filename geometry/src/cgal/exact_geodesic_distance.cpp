@@ -7,7 +7,6 @@
 #include <CGAL/Surface_mesh_shortest_path.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -16,6 +15,7 @@
 #include <vector>
 
 #include "palpate/error.h"
+#include "palpate/geometry/cgal_mesh.h"
 #include "palpate/geometry/mesh_topology.h"
 
 namespace palpate::geometry {
@@ -42,21 +42,25 @@ void refuse_triangles_without_area(const TriangleMesh& mesh) {
   }
 }
 
-/// Which triangles a way of at most `radius` can touch: it stays in the balls about its sources.
-std::vector<bool> within_reach(const TriangleMesh& mesh, std::span<const SurfacePoint> sources,
-                               double radius) {
-  std::vector<bool> reached(static_cast<size_t>(mesh.triangles.cols()), radius == kInfinity);
-  if (radius == kInfinity) return reached;
+/// The triangles that a way of at most `radius` can touch: it stays in the balls about its sources.
+std::vector<int> within_reach(const TriangleMesh& mesh, std::span<const SurfacePoint> sources,
+                              double radius) {
   Eigen::Matrix3Xd from(3, static_cast<Eigen::Index>(sources.size()));
   for (size_t i = 0; i < sources.size(); ++i) {
     from.col(static_cast<Eigen::Index>(i)) = position(mesh, sources[i]);
   }
-  for (Eigen::Index t = 0; t < mesh.triangles.cols(); ++t) {
+  std::vector<int> reached;
+  reached.reserve(static_cast<size_t>(mesh.triangles.cols()));
+  for (int t = 0; t < mesh.triangles.cols(); ++t) {
+    if (radius == kInfinity) {
+      reached.push_back(t);
+      continue;
+    }
     const Eigen::Matrix3d corners = mesh.vertices(Eigen::all, mesh.triangles.col(t));
     const Eigen::Vector3d centre = corners.rowwise().mean();
     const double size = (corners.colwise() - centre).colwise().norm().maxCoeff();
     const double nearest = (from.colwise() - centre).colwise().norm().minCoeff();
-    reached[static_cast<size_t>(t)] = nearest <= (radius + size) * (1 + kReachRounding);
+    if (nearest <= (radius + size) * (1 + kReachRounding)) reached.push_back(t);
   }
   return reached;
 }
@@ -88,39 +92,23 @@ Eigen::Matrix3Xd in_general_position(const TriangleMesh& mesh) {
   return vertices;
 }
 
-/// The triangles of a mesh that are within reach, with those vertices only that they use.
+/// What CGAL works on: our vertices, and those of our triangles that are within reach.
 struct Part {
   CgalMesh mesh;
-  std::vector<CGAL::SM_Vertex_index> vertex;  ///< of ours; invalid where no triangle uses it
-  std::vector<CGAL::SM_Face_index> face;      ///< of ours; invalid where out of reach
+  std::vector<int> face_of;  ///< T; -1 = out of reach
 };
 
-Part reachable_part(const TriangleMesh& mesh, const std::vector<bool>& reached) {
-  Part part{
-      .mesh = {},
-      .vertex = std::vector(static_cast<size_t>(mesh.vertices.cols()), CgalMesh::null_vertex()),
-      .face = std::vector(reached.size(), CgalMesh::null_face())};
-  const Eigen::Matrix3Xd vertices = in_general_position(mesh);
-  for (size_t t = 0; t < reached.size(); ++t) {
-    if (!reached[t]) continue;
-    std::array<CGAL::SM_Vertex_index, 3> corners;
-    for (int k = 0; k < 3; ++k) {
-      const int v = mesh.triangles(k, static_cast<Eigen::Index>(t));
-      CGAL::SM_Vertex_index& vertex = part.vertex[static_cast<size_t>(v)];
-      if (vertex == CgalMesh::null_vertex()) {
-        const Eigen::Vector3d p = vertices.col(v);
-        vertex = part.mesh.add_vertex(Kernel::Point_3(p.x(), p.y(), p.z()));
-      }
-      corners[static_cast<size_t>(k)] = vertex;
-    }
-    part.face[t] = part.mesh.add_face(corners[0], corners[1], corners[2]);
-    if (part.face[t] == CgalMesh::null_face()) {
-      throw InvalidInput(
-          "geodesic_distance: triangle " + std::to_string(t) +
-          " meets others at a vertex alone, without a common edge; "
-          "GeodesicMethod::exact needs a manifold: give it a vertex of its own, or use "
-          "GeodesicMethod::fast_marching");
-    }
+Part reachable_part(const TriangleMesh& mesh, std::span<const SurfacePoint> sources,
+                    double radius) {
+  // All of it is refused or none, whatever the radius.
+  (void)to_surface_mesh<Kernel::Point_3>(mesh);
+  const std::vector<int> reached = within_reach(mesh, sources, radius);
+  const TriangleMesh reached_mesh{.vertices = in_general_position(mesh),
+                                  .triangles = mesh.triangles(Eigen::all, reached)};
+  Part part{.mesh = to_surface_mesh<Kernel::Point_3>(reached_mesh),
+            .face_of = std::vector(static_cast<size_t>(mesh.triangles.cols()), -1)};
+  for (size_t i = 0; i < reached.size(); ++i) {
+    part.face_of[static_cast<size_t>(reached[i])] = static_cast<int>(i);
   }
   return part;
 }
@@ -129,10 +117,11 @@ Part reachable_part(const TriangleMesh& mesh, const std::vector<bool>& reached) 
 /// the face's half-edge.
 ShortestPath::Face_location face_location(const TriangleMesh& mesh, const Part& part,
                                           const SurfacePoint& place) {
-  const CGAL::SM_Face_index face = part.face[static_cast<size_t>(place.triangle)];
-  const CGAL::SM_Vertex_index first = part.mesh.source(part.mesh.halfedge(face));
+  const CgalMesh::Face_index face(
+      static_cast<CgalMesh::size_type>(part.face_of[static_cast<size_t>(place.triangle)]));
+  const CgalMesh::Vertex_index first = part.mesh.source(part.mesh.halfedge(face));
   int k = 0;
-  while (part.vertex[static_cast<size_t>(mesh.triangles(k, place.triangle))] != first) ++k;
+  while (mesh.triangles(k, place.triangle) != static_cast<int>(first.idx())) ++k;
   const Eigen::Vector3d& weights = place.barycentric;
   return {face, {weights[k], weights[(k + 1) % 3], weights[(k + 2) % 3]}};
 }
@@ -173,7 +162,7 @@ GeodesicDistance exact_geodesic_distance(const TriangleMesh& mesh,
                                          double stop_radius) {
   const Eigen::Matrix3Xi opposite = opposite_half_edges(mesh);
   refuse_triangles_without_area(mesh);
-  const Part part = reachable_part(mesh, within_reach(mesh, sources, stop_radius));
+  const Part part = reachable_part(mesh, sources, stop_radius);
   ShortestPath shortest(part.mesh);
   std::unordered_map<const ShortestPath::Face_location*, int> label_of;
   for (size_t i = 0; i < sources.size(); ++i) {
@@ -185,8 +174,7 @@ GeodesicDistance exact_geodesic_distance(const TriangleMesh& mesh,
   GeodesicDistance geodesic{.distance = Eigen::VectorXd::Constant(mesh.vertices.cols(), kInfinity),
                             .label = Eigen::VectorXi::Constant(mesh.vertices.cols(), -1)};
   for (Eigen::Index v = 0; v < mesh.vertices.cols(); ++v) {
-    const CGAL::SM_Vertex_index vertex = part.vertex[static_cast<size_t>(v)];
-    if (vertex == CgalMesh::null_vertex()) continue;
+    const CgalMesh::Vertex_index vertex(static_cast<CgalMesh::size_type>(v));
     const auto [distance, source] = shortest.shortest_distance_to_source_points(vertex);
     // Negative: not reached.
     if (!(distance >= 0 && distance <= stop_radius)) continue;
