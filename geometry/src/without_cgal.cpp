@@ -5,6 +5,7 @@
 
 #include "exact_geodesic_distance.h"
 #include "palpate/error.h"
+#include "palpate/geometry/hole_filling.h"
 
 namespace palpate::geometry {
 namespace {
@@ -21,5 +22,7 @@ GeodesicDistance exact_geodesic_distance(const TriangleMesh&, std::span<const Su
                                          double) {
   refuse("geodesic_distance: GeodesicMethod::exact");
 }
+
+FilledMesh fill_holes(const TriangleMesh&, const HoleFillingOptions&) { refuse("fill_holes"); }
 
 }  // namespace palpate::geometry

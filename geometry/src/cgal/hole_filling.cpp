@@ -1,0 +1,71 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/geometry/hole_filling.h"
+
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Polygon_mesh_processing/border.h>
+#include <CGAL/Polygon_mesh_processing/triangulate_hole.h>
+
+#include <iterator>
+#include <string>
+#include <vector>
+
+#include "palpate/error.h"
+#include "palpate/geometry/cgal_mesh.h"
+
+namespace palpate::geometry {
+namespace {
+
+namespace pmp = CGAL::Polygon_mesh_processing;
+// CGAL looks for patches in a Delaunay tetrahedralisation, which needs exact predicates.
+using Point = CGAL::Exact_predicates_inexact_constructions_kernel::Point_3;
+using Surface = CGAL::Surface_mesh<Point>;
+
+/// [mm] diagonal of the bounding box of a border loop.
+double diameter(const Surface& surface, Surface::Halfedge_index border) {
+  CGAL::Bbox_3 box;
+  for (const auto h : CGAL::halfedges_around_face(border, surface))
+    box += surface.point(surface.target(h)).bbox();
+  return Eigen::Vector3d(box.x_span(), box.y_span(), box.z_span()).norm();
+}
+
+bool fill(Surface& surface, Surface::Halfedge_index border) {
+  std::vector<Surface::Face_index> faces;
+  std::vector<Surface::Vertex_index> vertices;
+  try {
+    pmp::triangulate_refine_and_fair_hole(surface, border, std::back_inserter(faces),
+                                          std::back_inserter(vertices));
+  } catch (const CGAL::Failure_exception& failure) {
+    const Point& rim = surface.point(surface.target(border));
+    throw SolverError("the hole at (" + std::to_string(rim.x()) + ", " + std::to_string(rim.y()) +
+                      ", " + std::to_string(rim.z()) +
+                      ") mm could not be filled: " + failure.what());
+  }
+  return !faces.empty();
+}
+
+}  // namespace
+
+FilledMesh fill_holes(const TriangleMesh& mesh, const HoleFillingOptions& options) {
+  if (!(options.max_diameter > 0)) {
+    throw InvalidInput("max_diameter: is " + std::to_string(options.max_diameter) +
+                       "; holes to fill are at most that wide, in mm, so it must be > 0");
+  }
+  Surface surface = to_surface_mesh<Point>(mesh);
+  std::vector<Surface::Halfedge_index> loops;
+  pmp::extract_boundary_cycles(surface, std::back_inserter(loops));
+  FilledMesh result;
+  for (const auto border : loops) {
+    if (diameter(surface, border) <= options.max_diameter && fill(surface, border)) {
+      ++result.filled;
+    } else {
+      ++result.left;
+    }
+  }
+  result.mesh = from_surface_mesh(surface);
+  // CGAL may begin a triangle at another of its corners.
+  result.mesh.triangles.leftCols(mesh.triangles.cols()) = mesh.triangles;
+  return result;
+}
+
+}  // namespace palpate::geometry

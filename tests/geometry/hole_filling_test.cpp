@@ -1,0 +1,111 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/geometry/hole_filling.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <vector>
+
+#include "mesh_corpus.h"
+#include "palpate/error.h"
+#include "palpate/geometry/mesh_defects.h"
+#include "palpate/geometry/mesh_topology.h"
+#include "test_surfaces.h"
+
+namespace palpate::geometry {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// The mesh without the triangles whose centre is within `radius` of a place.
+TriangleMesh with_hole(const TriangleMesh& mesh, const Eigen::Vector3d& at, double radius) {
+  std::vector<int> kept;
+  for (int t = 0; t < mesh.triangles.cols(); ++t) {
+    const Eigen::Matrix3d corners = mesh.vertices(Eigen::all, mesh.triangles.col(t));
+    if ((corners.rowwise().mean() - at).norm() > radius) kept.push_back(t);
+  }
+  return {mesh.vertices, mesh.triangles(Eigen::all, kept)};
+}
+
+long border_edges(const TriangleMesh& mesh) {
+  return (opposite_half_edges(mesh).array() < 0).count();
+}
+
+class HoleFilling : public testing::Test {
+ protected:
+  void SetUp() override {
+    try {
+      (void)fill_holes(test::flat_sheet(1, 1, 1), {.max_diameter = 1});
+    } catch (const Unavailable& error) {
+      GTEST_SKIP() << error.what();
+    }
+  }
+};
+
+TEST_F(HoleFilling, APatchOnASphereFollowsTheSphere) {
+  const double radius = 30.1;
+  const TriangleMesh open = with_hole(test::icosphere(4, radius), {0, 0, radius}, 8.0);
+  ASSERT_GT(border_edges(open), 0);
+  const FilledMesh filled = fill_holes(open, {.max_diameter = 25});
+  EXPECT_EQ(filled.filled, 1);
+  EXPECT_EQ(filled.left, 0);
+  EXPECT_EQ(border_edges(filled.mesh), 0);
+  // A flat lid would lie 1.1 mm below the top.
+  const Eigen::VectorXd radii = filled.mesh.vertices.colwise().norm();
+  EXPECT_LT((radii.array() - radius).abs().maxCoeff(), 0.1);
+  EXPECT_GT(filled.mesh.vertices.cols(), open.vertices.cols());
+}
+
+TEST_F(HoleFilling, WhatWasThereKeepsItsPlaceAndOrder) {
+  const TriangleMesh open = test::bumpy(4000, 0.25);
+  const FilledMesh filled = fill_holes(open, {.max_diameter = 200});
+  EXPECT_EQ(filled.mesh.vertices.leftCols(open.vertices.cols()), open.vertices);
+  EXPECT_EQ(filled.mesh.triangles.leftCols(open.triangles.cols()), open.triangles);
+}
+
+TEST_F(HoleFilling, OnlyHolesUpToTheSizeAreFilled) {
+  // Holes of about 64 and 43 px radius in 640 px, 600 mm away: 110 and 70 mm wide; and the outline.
+  const TriangleMesh open = test::bumpy(4000);
+  EXPECT_EQ(fill_holes(open, {.max_diameter = 20}).filled, 0);
+  EXPECT_EQ(fill_holes(open, {.max_diameter = 20}).left, 3);
+  EXPECT_EQ(fill_holes(open, {.max_diameter = 200}).filled, 2);
+  const FilledMesh closed = fill_holes(open, {.max_diameter = kInfinity});
+  EXPECT_EQ(closed.filled, 3);
+  EXPECT_EQ(border_edges(closed.mesh), 0);
+}
+
+TEST_F(HoleFilling, TheResultHasNoDefects) {
+  for (const MeshDefect& defect :
+       find_defects(fill_holes(test::bumpy(4000, 0.25), {.max_diameter = 200}).mesh)) {
+    EXPECT_EQ(defect.kind, DefectKind::triangle_needle) << describe(defect);
+  }
+}
+
+TEST_F(HoleFilling, AFlatHoleIsFilledFlat) {
+  const TriangleMesh open = with_hole(test::flat_sheet(20, 20, 1.3), {13, 13, 0}, 5.0);
+  const FilledMesh filled = fill_holes(open, {.max_diameter = 20});
+  ASSERT_EQ(filled.filled, 1);
+  EXPECT_LT(filled.mesh.vertices.row(2).cwiseAbs().maxCoeff(), 1e-9);
+}
+
+TEST_F(HoleFilling, AScaleByAPowerOfTwoScalesTheResult) {
+  const TriangleMesh open = with_hole(test::icosphere(3, 30.1), {0, 0, 30.1}, 8.0);
+  const FilledMesh filled = fill_holes(open, {.max_diameter = 25});
+  const FilledMesh scaled = fill_holes(test::scaled(open, 0.125), {.max_diameter = 25 * 0.125});
+  ASSERT_EQ(scaled.mesh.triangles, filled.mesh.triangles);
+  EXPECT_LT((scaled.mesh.vertices / 0.125 - filled.mesh.vertices).cwiseAbs().maxCoeff(), 1e-9);
+}
+
+TEST_F(HoleFilling, RefusesAnUnsetDiameterAndAMeshThatIsNotManifold) {
+  const TriangleMesh sheet = test::flat_sheet(2, 2, 1);
+  EXPECT_THROW((void)fill_holes(sheet, {}), InvalidInput);
+  EXPECT_THROW((void)fill_holes(sheet, {.max_diameter = std::nan("")}), InvalidInput);
+  TriangleMesh turned = sheet;
+  turned.triangles.col(1).reverseInPlace();
+  EXPECT_THROW((void)fill_holes(turned, {.max_diameter = 1}), InvalidInput);
+  EXPECT_THROW((void)fill_holes({}, {.max_diameter = 1}), InvalidInput);
+}
+
+}  // namespace
+}  // namespace palpate::geometry
