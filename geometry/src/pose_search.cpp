@@ -16,9 +16,9 @@ namespace {
 /// [rad] largest distance between neighbouring rotations of the starts along each axis.
 constexpr double kRotationStep = 25 * std::numbers::pi / 180;
 
-/// The minima are about so wide that a finer shift of the start changes nothing: fraction of the
+/// Largest distance between neighbouring shifts of the starts along each axis: fraction of the
 /// diagonal.
-constexpr double kShiftStep = 0.05;
+constexpr double kShiftStep = 0.1;
 
 /// Rounds of the search: steps of each candidate, and the part of the candidates that is kept for
 /// the next.
@@ -35,31 +35,39 @@ constexpr double kStay = 0.05;
 /// Poses are the same if the points lie within so many cells, on average.
 constexpr double kSamePose = 2;
 
-/// The rotation vectors k * step, k whole numbers, within `range`.
-std::vector<Eigen::Matrix3d> lattice_rotations(double range) {
-  const int reach = static_cast<int>(std::ceil(range / kRotationStep));
+/// The vectors k * step, k whole numbers, within `range`, where step divides `range` and is at most
+/// `largest_step`.
+std::vector<Eigen::Vector3d> lattice(double range, double largest_step) {
+  const int reach = static_cast<int>(std::ceil(range / largest_step));
   const double step = reach > 0 ? range / reach : 0;
-  std::vector<Eigen::Matrix3d> rotations;
+  std::vector<Eigen::Vector3d> vectors;
   for (int x = -reach; x <= reach; ++x) {
     for (int y = -reach; y <= reach; ++y) {
       for (int z = -reach; z <= reach; ++z) {
-        const int squared = x * x + y * y + z * z;
-        if (squared > reach * reach) continue;
-        const Eigen::Vector3d vector(x, y, z);
-        rotations.emplace_back(
-            squared == 0
-                ? Eigen::Matrix3d(Eigen::Matrix3d::Identity())
-                : Eigen::AngleAxisd(step * vector.norm(), vector.normalized()).toRotationMatrix());
+        if (x * x + y * y + z * z <= reach * reach)
+          vectors.push_back(step * Eigen::Vector3d(x, y, z));
       }
     }
   }
-  return rotations;
+  return vectors;
 }
 
-std::vector<Eigen::Vector3d> start_shifts(const Eigen::Vector3d& to_centroid, double range) {
-  std::vector<Eigen::Vector3d> shifts = {Eigen::Vector3d::Zero()};
-  if (!(range > 0) || !(to_centroid.norm() > 0)) return shifts;
-  shifts.emplace_back(to_centroid * std::min(1.0, range / to_centroid.norm()));
+Eigen::Matrix3d rotation_of(const Eigen::Vector3d& vector) {
+  const double angle = vector.norm();
+  if (!(angle > 0)) return Eigen::Matrix3d::Identity();
+  return Eigen::AngleAxisd(angle, vector / angle).toRotationMatrix();
+}
+
+/// Of the points' centroid, which lies `to_centroid` from the target's.
+std::vector<Eigen::Vector3d> start_shifts(const Eigen::Vector3d& to_centroid, double range,
+                                          double diagonal) {
+  std::vector<Eigen::Vector3d> shifts =
+      std::isfinite(range) ? lattice(std::min(range, diagonal / 2), kShiftStep * diagonal)
+                           : lattice(0, 1);
+  const double distance = to_centroid.norm();
+  if (range > 0 && distance > 0) {
+    shifts.emplace_back(to_centroid * std::min(1.0, range / distance));
+  }
   return shifts;
 }
 
@@ -117,8 +125,9 @@ PoseSearch search_poses(const RegistrationTarget::Impl& target, const Eigen::Mat
   const Eigen::Vector3d centroid = points.rowwise().mean();
   std::vector<PoseCandidate> candidates;
   for (const Eigen::Vector3d& shift :
-       start_shifts(target.grid.centroid() - centroid, range.translation)) {
-    for (const Eigen::Matrix3d& rotation : lattice_rotations(range.rotation)) {
+       start_shifts(target.grid.centroid() - centroid, range.translation, target.diagonal)) {
+    for (const Eigen::Vector3d& turn : lattice(range.rotation, kRotationStep)) {
+      const Eigen::Matrix3d rotation = rotation_of(turn);
       PoseCandidate start;
       start.motion.linear() = rotation;
       start.motion.translation() = centroid + shift - rotation * centroid;

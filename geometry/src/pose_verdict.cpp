@@ -35,14 +35,19 @@ constexpr double kTrialLength = 0.05;
 /// fraction of its length (root mean square): a relief of 18 degrees holds.
 constexpr double kWeakGain = 0.3;
 
-/// A trial does not change the fit iff the median distance grows by at most this fraction of the
-/// trial's length, or of itself.
+/// A motion is free iff at its trial the median distance grows by at most this fraction of the
+/// trial's length.
 constexpr double kFreeGrowth = 0.02;
-constexpr double kFreeRatio = 1.2;
+
+/// Where the median distance is a larger fraction of the trial's length than this, the fit is too
+/// poor to tell.
+constexpr double kFreeMedian = 0.25;
 
 /// A pose stands out iff at every trial, and at every other minimum, the median distance is at
-/// least so many times as large.
+/// least c (1 + (f / spare)^2) times as large, where spare is the number of inliers beyond six: a
+/// few points fit a wrong place too, once one has looked at many.
 constexpr double kContrast = 2;
+constexpr double kFew = 20;
 
 constexpr Eigen::Index kTrialPoints = 200;
 
@@ -94,8 +99,6 @@ std::string describe(const Eigen::Vector3d& rotation, const Eigen::Vector3d& tra
 Matrix6d pose_covariance(const RigidProblem& problem, const std::vector<Vector6d>& free,
                          double variance, double diagonal, double scale) {
   // A free motion is as uncertain as the target is large.
-  Matrix6d information = problem.planes;
-  if (variance > 0) information /= variance;
   const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(problem.planes);
   const double least = 1 / (diagonal * diagonal);
   Matrix6d covariance = Matrix6d::Zero();
@@ -118,7 +121,7 @@ struct Verdict {
 };
 
 Verdict decide(const SettledPose& pose, const std::vector<Trial>& trials, double least,
-               const RegistrationOptions& options, const Registration& result) {
+               double scale, const RegistrationOptions& options, const Registration& result) {
   using enum RegistrationVerdict;
   if (!pose.converged) {
     return {not_converged,
@@ -147,16 +150,18 @@ Verdict decide(const SettledPose& pose, const std::vector<Trial>& trials, double
     }
     return {slides, "the surface does not fix " + motions};
   }
-  if (result.runner_up < kContrast * std::max(result.median, least)) {
+  const double few = kFew / (result.inliers - fixed);
+  const double outstanding = kContrast * (1 + few * few) * std::max(result.median, least);
+  if (result.runner_up < outstanding) {
     return {ambiguous, fmt::format("another pose fits nearly as well: median distance {:.3g} mm, "
                                    "here {:.3g} mm",
                                    result.runner_up, result.median)};
   }
   for (const Trial& trial : trials) {
-    if (trial.median >= kContrast * pose.deviation / deviation_of_median(1)) continue;
+    if (trial.median / scale >= outstanding) continue;
     return {poor_fit, fmt::format("the points fit hardly better than a little beside: median "
-                                  "distance {:.3g} mm",
-                                  result.median)};
+                                  "distance {:.3g} mm, there {:.3g} mm",
+                                  result.median, trial.median / scale)};
   }
   return {accepted,
           fmt::format("{:.0f} % of the points lie on the surface within {:.3g} mm (RMS), and "
@@ -197,7 +202,7 @@ void judge(const RegistrationTarget::Impl& target, const Eigen::Matrix3Xd& point
     const double median = quantile(distances, 0.5);
     const double length = kTrialLength * problem.radius;
     for (const Trial& trial : trials) {
-      if (trial.median > kFreeRatio * median + kFreeGrowth * length) continue;
+      if (trial.median > median + kFreeGrowth * length || median > kFreeMedian * length) continue;
       FreeMotion motion;
       motion.rotation = kTrialLength * trial.motion.head<3>();
       motion.translation = length * trial.motion.tail<3>() / target.scale;
@@ -209,9 +214,8 @@ void judge(const RegistrationTarget::Impl& target, const Eigen::Matrix3Xd& point
   }
   const double variance = squares / std::max(1, result.inliers - 6);
   result.covariance = pose_covariance(problem, free, variance, target.diagonal, target.scale);
-  for (Trial& trial : trials) trial.median /= 1;
-  const Verdict verdict =
-      decide(pose, trials, kLeastLength * target.diagonal / target.scale, options, result);
+  const Verdict verdict = decide(pose, trials, kLeastLength * target.diagonal / target.scale,
+                                 target.scale, options, result);
   result.verdict = verdict.verdict;
   result.reason = verdict.reason;
 }

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "palpate/error.h"
 #include "pose_search.h"
@@ -20,7 +21,7 @@ constexpr int kMinPoints = 3;
 
 /// Points are enough to search with, and to settle candidates with.
 constexpr Eigen::Index kSearchPoints = 200;
-constexpr Eigen::Index kCandidatePoints = 1000;
+constexpr Eigen::Index kCandidatePoints = 300;
 constexpr int kCandidateSteps = 12;
 
 /// Candidates are settled on the surface itself iff their score on the coarse map is at most so
@@ -77,30 +78,53 @@ Eigen::Matrix3Xd finite_points(const Eigen::Ref<const Eigen::Matrix3Xd>& points)
   return finite;
 }
 
-/// Steps to the planes of the triangles.
+/// What the steps make small: the mean of Tukey's loss, 0 for a pair that fits and 1 beyond the
+/// cut-off.
+double mean_loss(const Eigen::VectorXd& distances, double deviation) {
+  double sum = 0;
+  for (const double distance : distances) {
+    sum += 1 - std::pow(tukey_weight(distance, deviation), 1.5);
+  }
+  return sum / static_cast<double>(distances.size());
+}
+
+/// Steps to the planes of the triangles. A step that does not make the loss smaller is halved, so
+/// the steps end also where facets with noise would send them to and fro.
 SettledPose settle(const RegistrationTarget::Impl& target, const Eigen::Matrix3Xd& points,
                    const Eigen::Isometry3d& start, double fraction, int max_iterations) {
   SettledPose pose{.motion = start, .pairing = {}};
   Eigen::Matrix3Xd moved = start * points;
   pose.pairing = target.pair(moved);
-  while (true) {
-    pose.deviation = inlier_deviation(target, pose.pairing.distances, fraction);
-    if (pose.iterations == max_iterations) return pose;
+  pose.deviation = inlier_deviation(target, pose.pairing.distances, fraction);
+  while (pose.iterations < max_iterations) {
     const RigidProblem problem = rigid_problem(moved, pose.pairing, pose.deviation);
     if (problem.used < kMinPoints) return pose;
-    const Vector6d x = solve(problem, kStay);
+    Vector6d x = solve(problem, kStay);
     if (!x.allFinite()) return pose;
-    ++pose.iterations;
     const double mean_error =
         quantile(pose.pairing.distances, 0.5) / std::sqrt(static_cast<double>(points.cols()));
-    if (x.norm() <= std::max(kConverged, kOfMeanError * mean_error)) {
-      pose.converged = true;
-      return pose;
+    const double least_step = std::max(kConverged, kOfMeanError * mean_error);
+    const double loss = mean_loss(pose.pairing.distances, pose.deviation);
+    for (bool descends = false; !descends; x /= 2) {
+      if (x.norm() <= least_step) {
+        pose.converged = true;
+        return pose;
+      }
+      if (pose.iterations++ == max_iterations) return pose;
+      const Eigen::Isometry3d motion = to_motion(x, problem) * pose.motion;
+      const Eigen::Matrix3Xd tried = motion * points;
+      Pairing pairing = target.pair(tried);
+      descends = mean_loss(pairing.distances, pose.deviation) < loss;
+      if (!descends) continue;
+      pose.motion = motion;
+      pose.pairing = std::move(pairing);
+      moved = tried;
     }
-    pose.motion = to_motion(x, problem) * pose.motion;
-    moved = pose.motion * points;
-    pose.pairing = target.pair(moved);
+    // Never more than before: a loss that changes its shape for ever has no minimum.
+    pose.deviation =
+        std::min(pose.deviation, inlier_deviation(target, pose.pairing.distances, fraction));
   }
+  return pose;
 }
 
 /// Steps of PCL's to the vertices.

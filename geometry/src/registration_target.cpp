@@ -18,8 +18,8 @@ namespace {
 /// Points to one task.
 constexpr Eigen::Index kGrain = 64;
 
-/// On the coarse map a point is beside the surface iff its surfel is further than two cells and
-/// less than this part of the way to it is along the normal.
+/// A point whose way to the surface ends at the border (on the coarse map: is longer than two
+/// cells) lies beside the surface iff less than this part of the way is along the normal.
 constexpr double kAlongNormal = 0.7;
 
 Eigen::Vector3d box_centre(const TriangleMesh& mesh) {

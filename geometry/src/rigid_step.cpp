@@ -72,6 +72,7 @@ RigidProblem rigid_problem(const Eigen::Matrix3Xd& points, const Pairing& pairin
   RigidProblem problem;
   problem.centre = points.rowwise().mean();
   problem.radius = std::sqrt((points.colwise() - problem.centre).colwise().squaredNorm().mean());
+  if (!(problem.radius > 0)) problem.radius = 1;  // all in one place: turns move nothing
   const Eigen::Index blocks = (points.cols() + kBlock - 1) / kBlock;
   if (blocks == 1) {
     add_pairs(points, pairing, deviation, 0, points.cols(), problem);
@@ -96,7 +97,10 @@ RigidProblem rigid_problem(const Eigen::Matrix3Xd& points, const Pairing& pairin
 
 Vector6d solve(const RigidProblem& problem, double stay) {
   // The normal equations square the condition number, which `stay` bounds.
-  const Matrix6d equations = problem.planes + stay * problem.points;
+  Matrix6d equations = problem.planes + stay * problem.points;
+  // Points on a line can turn about it without being moved.
+  constexpr double kIdle = 1e-6;
+  equations.diagonal().array() += kIdle * stay * problem.weight;
   return equations.ldlt().solve(-problem.slope);
 }
 
