@@ -26,7 +26,7 @@ constexpr double kInlierDeviations = 3;
 
 /// The pose needs so many more inliers than the surface fixes degrees of freedom: with fewer,
 /// points of anything fit.
-constexpr int kSpareInliers = 6;
+constexpr int kSpareInliers = 10;
 
 /// Motions are tried that move the points by this fraction of their radius (root mean square).
 constexpr double kTrialLength = 0.05;
@@ -95,20 +95,24 @@ std::string describe(const Eigen::Vector3d& rotation, const Eigen::Vector3d& tra
   return "a turn about " + direction(rotation) + " with a shift along " + direction(translation);
 }
 
-/// In the world's units: the turn in radians, the shift in mm.
+/// In the world's units: the turn in radians, the shift in mm. A motion that is not fixed is as
+/// uncertain as the target is large.
 Matrix6d pose_covariance(const RigidProblem& problem, const std::vector<Vector6d>& free,
                          double variance, double diagonal, double scale) {
-  // A free motion is as uncertain as the target is large.
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(problem.planes);
-  const double least = 1 / (diagonal * diagonal);
+  Matrix6d fixed = Matrix6d::Identity();  // projects onto what is fixed
+  for (const Vector6d& motion : free) {
+    const Vector6d unit = (fixed * motion).normalized();
+    fixed -= unit * unit.transpose();
+  }
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(fixed * problem.planes * fixed);
   Matrix6d covariance = Matrix6d::Zero();
   for (int k = 0; k < 6; ++k) {
     const Vector6d direction = solver.eigenvectors().col(k);
-    const double eigenvalue = std::max(solver.eigenvalues()[k], 0.0);
-    covariance += std::min(variance / eigenvalue, 1 / least) * direction * direction.transpose();
-  }
-  for (const Vector6d& motion : free) {
-    covariance += motion.normalized() * motion.normalized().transpose() / least;
+    const double eigenvalue = solver.eigenvalues()[k];
+    const bool is_fixed = eigenvalue * diagonal * diagonal > variance &&
+                          eigenvalue > kLeastLength * kLeastLength * problem.weight;
+    covariance += (is_fixed ? variance / eigenvalue : diagonal * diagonal) * direction *
+                  direction.transpose();
   }
   Vector6d unit;
   unit << Eigen::Vector3d::Constant(1 / problem.radius), Eigen::Vector3d::Constant(1 / scale);

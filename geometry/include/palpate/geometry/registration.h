@@ -33,9 +33,10 @@ struct RegistrationOptions {
   /// [rad] how far about the points' centroid the start may be turned from the truth; in [0, pi].
   /// Poses that turn further are not looked for, nor missed by the verdict.
   double search_rotation = std::numbers::pi / 4;
-  /// [mm] how far the start may have moved the points' centroid from its true place; >= 0. Beyond
-  /// some 5 % of the target's diagonal the search relies on the points' being spread over all of
-  /// the target. With this and `search_rotation` = 0 there is no search.
+  /// [mm] how far from its true place the start may have put the points' centroid; >= 0. Infinity:
+  /// unknown, but the points are spread over the target, or begin within 10 % of its diagonal.
+  /// Points of a part of it that begin further away need a finite bound, and time that grows with
+  /// its cube. With this and `search_rotation` = 0 there is no search.
   double search_translation = std::numeric_limits<double>::infinity();
   /// Fraction of the points that lie on the target if they belong to it; in (0, 1]. Fewer are not
   /// accepted; at least half of these must fit for the pose to be found.
@@ -49,8 +50,8 @@ enum class RegistrationVerdict {
   accepted,
   /// The steps had not settled after `max_iterations`, or lost the surface.
   not_converged,
-  /// Fewer than six points more on the surface than the pose has degrees of freedom that the
-  /// surface fixes.
+  /// Fewer than ten points more on the surface than the pose has degrees of freedom that the
+  /// surface fixes: so few fit anywhere.
   too_few_points,
   little_overlap,  ///< less than `min_overlap`
   slides,          ///< on a plate, a sphere, a cylinder: see `free_motions`
@@ -109,9 +110,11 @@ class RegistrationTarget {
 /// settles the best by iterated closest points (Besl and McKay 1992), and judges the result. The
 /// same input gives the same result whatever the number of threads.
 ///
-/// The starts are `T_target_source_start`, and the same shifted so that the points' centroid meets
-/// the surface's (no further than `search_translation`), each turned about the centroid by the
-/// rotation vectors of a cubic lattice within `search_rotation`.
+/// The starts are `T_target_source_start`, the same shifted so that the points' centroid meets the
+/// surface's (no further than `search_translation`), and, if `search_translation` is finite,
+/// shifted by a cubic lattice of a tenth of the target's diagonal within it (and within half the
+/// diagonal); each turned about the centroid by the rotation vectors of a cubic lattice of at most
+/// 25 degrees within `search_rotation`.
 ///
 /// `points` is 3 x N [mm]; points that are not finite are left out.
 /// \throws InvalidInput on fewer than three finite points, or an option out of range.
