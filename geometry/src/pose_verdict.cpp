@@ -29,7 +29,7 @@ constexpr double kInlierDeviations = 3;
 constexpr int kSpareInliers = 10;
 
 /// Motions are tried that move the points by this fraction of their radius (root mean square).
-constexpr double kTrialLength = 0.05;
+constexpr double kTrialLength = 0.1;
 
 /// A motion is weak, and tried, iff it changes the distances to the planes by less than this
 /// fraction of its length (root mean square): a relief of 18 degrees holds.
@@ -127,7 +127,8 @@ struct Verdict {
 Verdict decide(const SettledPose& pose, const std::vector<Trial>& trials, double least,
                double scale, const RegistrationOptions& options, const Registration& result) {
   using enum RegistrationVerdict;
-  if (!pose.converged) {
+  // Where the points slide the steps are small and many: the verdict names the cause.
+  if (!pose.converged && result.free_motions.empty()) {
     return {not_converged,
             fmt::format("the steps had not settled after {} iterations{}", pose.iterations,
                         result.inliers < 3 ? ": no surface near the points" : "")};

@@ -25,6 +25,7 @@ using Eigen::Vector3d;
 using test::bumpy_surface;
 using test::kDegree;
 using test::largest_distance;
+using test::part_of_bumpy_surface;
 using test::points_on;
 using test::random_motion;
 
@@ -127,7 +128,7 @@ TEST(RegisterPoints, SearchesForThePlaceOfAPartOnRequest) {
     if ((truth.col(i) - Vector3d(25, 25, 0)).norm() < 25) truth.col(count++) = truth.col(i).eval();
   }
   truth.conservativeResize(3, count);
-  const Matrix3Xd moved = Eigen::Translation3d(40, 20, -15) * truth;
+  const Matrix3Xd moved = truth.colwise() + Vector3d(40, 20, -15);
   const Registration found =
       register_points(moved, surface, {.search_rotation = 10 * kDegree, .search_translation = 60});
   EXPECT_EQ(found.verdict, RegistrationVerdict::accepted) << found.reason;
@@ -135,19 +136,9 @@ TEST(RegisterPoints, SearchesForThePlaceOfAPartOnRequest) {
 }
 
 TEST(RegisterPoints, OfScansThatOverlapInPartPutsTheCommonPartInPlace) {
-  const TriangleMesh whole = bumpy_surface();
-  const auto part = [&](double from, double to) {
-    TriangleMesh scan = whole;
-    Eigen::Index count = 0;
-    for (Eigen::Index t = 0; t < whole.triangles.cols(); ++t) {
-      const double x = whole.vertices(0, whole.triangles(0, t));
-      if (x >= from && x <= to) scan.triangles.col(count++) = whole.triangles.col(t);
-    }
-    scan.triangles.conservativeResize(3, count);
-    return scan;
-  };
-  const TriangleMesh left = part(0, 70);
-  const Matrix3Xd truth = points_on(part(25, 105), 1500, 27);  // 56 % of it lie on the left
+  const TriangleMesh left = part_of_bumpy_surface(0, 70);
+  const Matrix3Xd truth =
+      points_on(part_of_bumpy_surface(25, 105), 1500, 27);  // 56 % of it lie on the left
   const Isometry3d off = Eigen::Translation3d(3, -4, 5) * Eigen::AngleAxisd(0.1, Vector3d::UnitX());
   const Matrix3Xd moved = off * truth;
   const Registration found =

@@ -23,6 +23,18 @@ inline TriangleMesh bumpy_surface() {
   });
 }
 
+/// Its triangles that begin within a range of x [mm].
+inline TriangleMesh part_of_bumpy_surface(double from, double to) {
+  TriangleMesh part = bumpy_surface();
+  Eigen::Index count = 0;
+  for (Eigen::Index t = 0; t < part.triangles.cols(); ++t) {
+    const double x = part.vertices(0, part.triangles(0, t));
+    if (x >= from && x <= to) part.triangles.col(count++) = part.triangles.col(t).eval();
+  }
+  part.triangles.conservativeResize(3, count);
+  return part;
+}
+
 inline Eigen::Matrix3Xd points_on(const TriangleMesh& mesh, int count, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_int_distribution<int> any(0, static_cast<int>(mesh.triangles.cols()) - 1);
