@@ -26,7 +26,7 @@ struct Round {
   int steps;
   double kept;
 };
-constexpr std::array<Round, 3> kRounds = {{{4, 0.5}, {4, 0.5}, {8, 1}}};
+constexpr std::array<Round, 3> kRounds = {{{2, 0.34}, {4, 0.5}, {6, 1}}};
 constexpr size_t kLeastKept = 12;
 
 /// How strongly points are kept from moving along the surface: far from it its planes mislead.

@@ -25,7 +25,7 @@ constexpr Eigen::Index kCandidatePoints = 300;
 constexpr int kCandidateSteps = 12;
 
 /// Candidates are settled on the surface itself iff their score on the coarse map is at most so
-/// many times the best (scores below half a cell count as equal), and no more than so many.
+/// many times the best, or a quarter of a cell, and no more than so many.
 constexpr double kRival = 3;
 constexpr size_t kMaxRivals = 6;
 
@@ -154,7 +154,7 @@ struct Choice {
 Choice choose(const RegistrationTarget::Impl& target, const Eigen::Matrix3Xd& points,
               const PoseSearch& search, double fraction) {
   const double cell = target.grid.cell_size();
-  const double bound = kRival * std::max(search.candidates.front().score, cell / 2);
+  const double bound = std::max(kRival * search.candidates.front().score, cell / 4);
   const Eigen::Matrix3Xd some = spread_subset(points, kCandidatePoints);
   std::vector<PoseCandidate> settled;
   std::vector<double> medians;
