@@ -27,6 +27,7 @@ struct Round {
   double kept;
 };
 constexpr std::array<Round, 3> kRounds = {{{2, 0.34}, {4, 0.5}, {6, 1}}};
+/// Never fewer are kept.
 constexpr size_t kLeastKept = 12;
 
 /// How strongly points are kept from moving along the surface: far from it its planes mislead.
