@@ -6,6 +6,7 @@
 #include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <vector>
 
 #include "command_line.h"
@@ -27,6 +28,8 @@ namespace fs = std::filesystem;
 struct CompareCall {
   fs::path a, b, rig, section, picture;
   bool align = false;
+  double search_rotation_deg = 45;
+  double search_translation = std::numeric_limits<double>::infinity();
   double section_y = 0;
 };
 
@@ -94,6 +97,22 @@ void compare_pixels(const Settings& settings, const CompareCall& call) {
                 100.0 * static_cast<double>(statistics.count) / static_cast<double>(known_in_b)));
 }
 
+/// Where A lies on B. A pose that is not accepted is no ground to compare on: that is an error.
+geometry::Registration align(const CompareCall& call, const geometry::TriangleMesh& a,
+                             const geometry::TriangleMesh& b) {
+  constexpr double kDegree = std::numbers::pi / 180;
+  geometry::Registration found =
+      geometry::register_points(a.vertices, b,
+                                {.search_rotation = call.search_rotation_deg * kDegree,
+                                 .search_translation = call.search_translation});
+  if (found.verdict == geometry::RegistrationVerdict::accepted) return found;
+  throw SolverError(fmt::format(
+      "{} could not be aligned with {}: {}: {}. Bring the surfaces closer to each other, and say "
+      "how "
+      "near they are with --search-rotation and --search-translation.",
+      call.a.string(), call.b.string(), geometry::to_string(found.verdict), found.reason));
+}
+
 /// Anything else: distance of A's vertices from B's surface.
 void compare_surfaces(const Settings& settings, const CompareCall& call) {
   geometry::TriangleMesh a = load_surface(call.a, call.rig);
@@ -101,18 +120,19 @@ void compare_surfaces(const Settings& settings, const CompareCall& call) {
   nlohmann::ordered_json figures;
   std::string prose;
   if (call.align) {
-    const geometry::Registration found = geometry::register_points(a.vertices, b);
-    if (found.stop != geometry::RegistrationStop::converged) {
-      throw SolverError(
-          call.a.string() + " could not be aligned with " + call.b.string() +
-          ": the registration did not converge. Bring the surfaces closer to each other first.");
-    }
+    const geometry::Registration found = align(call, a, b);
     a.vertices = found.T_target_source * a.vertices;
     const Eigen::AngleAxisd turn(found.T_target_source.linear());
     figures["aligned"] = {{"rotation", turn.angle()},
-                          {"translation", found.T_target_source.translation().norm()}};
-    prose = fmt::format("A was turned by {:.4f} rad and moved by {:.3f} mm onto B.\n", turn.angle(),
-                        found.T_target_source.translation().norm());
+                          {"translation", found.T_target_source.translation().norm()},
+                          {"verdict", geometry::to_string(found.verdict)},
+                          {"reason", found.reason},
+                          {"rms", found.rms},
+                          {"median", found.median},
+                          {"overlap", found.overlap},
+                          {"starts", found.starts}};
+    prose = fmt::format("A was turned by {:.4f} rad and moved by {:.3f} mm onto B; accepted: {}.\n",
+                        turn.angle(), found.T_target_source.translation().norm(), found.reason);
   }
   const Eigen::VectorXd distances = geometry::distances_to_surface(a.vertices, b);
   const geometry::ErrorStatistics statistics =
@@ -138,8 +158,21 @@ void add_compare(CLI::App& app, const Settings& settings) {
   command->add_option("A", call->a, "Range map or mesh")->required();
   command->add_option("B", call->b, "Range map or mesh to compare with")->required();
   command->add_option("--rig", call->rig, "Rig of the range maps (default: rig.yaml beside them)");
-  command->add_flag("--align", call->align,
-                    "Move A rigidly onto B first (iterated closest points)");
+  CLI::Option* align = command->add_flag(
+      "--align", call->align,
+      "Move A rigidly onto B first; it is an error (exit status 1) if no pose can be relied on");
+  command
+      ->add_option("--search-rotation", call->search_rotation_deg,
+                   "With --align: by how much A may be turned [degrees]")
+      ->check(CLI::Range(0.0, 180.0))
+      ->capture_default_str()
+      ->needs(align);
+  command
+      ->add_option("--search-translation", call->search_translation,
+                   "With --align: how far A's centroid may be from its place [mm]; unless given, A "
+                   "covers B or is near its place")
+      ->check(CLI::NonNegativeNumber)
+      ->needs(align);
   CLI::Option* section =
       command
           ->add_option("--section", call->section,

@@ -2,134 +2,65 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/geometry/registration.h"
 
-#include <pcl/point_cloud.h>
-#include <pcl/point_types.h>
-#include <pcl/registration/transformation_estimation_point_to_plane_lls.h>
-#include <pcl/registration/transformation_estimation_svd.h>
-#include <tbb/parallel_for.h>
+#include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
-#include <limits>
-#include <string>
-#include <vector>
+#include <utility>
 
 #include "palpate/error.h"
-#include "palpate/geometry/surface_query.h"
-
-// PCL estimates each step, in single precision on points in the local frame: the target centred on
-// its bounding box and scaled by a power of two to about [-1, 1]. Foot points and poses are in
-// double.
+#include "pose_search.h"
+#include "pose_verdict.h"
+#include "registration_pcl.h"
+#include "registration_target.h"
 
 namespace palpate::geometry {
 namespace {
 
-using Point = pcl::PointNormal;
-using Cloud = pcl::PointCloud<Point>;
+constexpr int kMinPoints = 3;
 
-/// The pose has converged iff a step changes it by at most this (rotation in rad plus translation
-/// in the local frame): the rounding of PCL's points.
-constexpr double kConverged = 4 * static_cast<double>(std::numeric_limits<float>::epsilon());
+/// Points are enough to search with, and to settle candidates with.
+constexpr Eigen::Index kSearchPoints = 200;
+constexpr Eigen::Index kCandidatePoints = 300;
+constexpr int kCandidateSteps = 12;
 
-/// Steps to the foot points go before steps to their planes until one changes the pose by at most
-/// this (as above): far from the surface its planes mislead.
-constexpr double kNear = 0.02;
+/// Candidates are settled on the surface itself iff their score on the coarse map is at most so
+/// many times the best, or a quarter of a cell, and no more than so many.
+constexpr double kRival = 3;
+constexpr size_t kMaxRivals = 6;
 
-/// The planes fix the pose iff the least eigenvalue of their equations is above this fraction of
-/// the largest. Otherwise the points would slide (a plate, a sphere), and steps go to the foot
-/// points.
-constexpr double kFixed = 1e-6;
+/// Candidates fit equally well iff their scores differ by no more than this factor (or rounding);
+/// of these the one is taken that moves the points least.
+constexpr double kEqualScore = 1.2;
 
-constexpr int kMinPairs = 3;
+/// As `kStay` of the search, but near the surface.
+constexpr double kStay = 1e-3;
 
-/// Points and their foot points on the target.
-struct Pairs {
-  Cloud points;               ///< local frame
-  Cloud feet;                 ///< local frame, with the target's normals
-  double sum_of_squares = 0;  ///< [mm^2] of the distances
-  bool planes_fix_pose = false;
-};
+/// A step is the last iff it moves the points by at most this (local frame), or by a hundredth of
+/// the error that their distances leave in their mean.
+constexpr double kConverged = 1e-10;
+constexpr double kOfMeanError = 0.01;
 
-class Target {
- public:
-  Target(const TriangleMesh& mesh, double max_distance)
-      : query_(mesh), normals_(triangle_normals(mesh)), max_distance_(max_distance) {
-    const Eigen::Vector3d lower = mesh.vertices.rowwise().minCoeff();
-    const Eigen::Vector3d upper = mesh.vertices.rowwise().maxCoeff();
-    centre_ = (lower + upper) / 2;
-    const double half_extent = (upper - lower).maxCoeff() / 2;
-    scale_ = half_extent > 0 ? std::ldexp(1.0, -std::ilogb(half_extent) - 1) : 1.0;
+void check_options(const RegistrationOptions& o) {
+  const auto refuse = [](const char* name, double value, const char* rule) {
+    throw InvalidInput(fmt::format("register_points: {} is {}; it must be {}", name, value, rule));
+  };
+  if (o.max_iterations < 1) refuse("max_iterations", o.max_iterations, ">= 1");
+  if (!(o.search_rotation >= 0 && o.search_rotation <= std::numbers::pi)) {
+    refuse("search_rotation", o.search_rotation, "in [0, pi]");
   }
-
-  /// Pairs of the points that have a foot point near enough on a triangle with a normal.
-  [[nodiscard]] Pairs pair(const Eigen::Matrix3Xd& points) const {
-    std::vector<ClosestPoint> closest(static_cast<size_t>(points.cols()));
-    tbb::parallel_for(size_t{0}, closest.size(), [&](size_t i) {
-      closest[i] = query_.closest_point(points.col(static_cast<Eigen::Index>(i)));
-    });
-    Pairs pairs;
-    Eigen::Matrix<double, 6, 6> equations = Eigen::Matrix<double, 6, 6>::Zero();
-    for (size_t i = 0; i < closest.size(); ++i) {
-      if (!(closest[i].distance <= max_distance_)) continue;
-      const Eigen::Vector3d normal = normals_.col(closest[i].at.triangle);
-      if (!normal.allFinite()) continue;
-      const Eigen::Vector3d foot = to_local(closest[i].position);
-      pairs.points.push_back(to_point(to_local(points.col(static_cast<Eigen::Index>(i))), normal));
-      pairs.feet.push_back(to_point(foot, normal));
-      pairs.sum_of_squares += closest[i].distance * closest[i].distance;
-      Eigen::Vector<double, 6> row;
-      row << foot.cross(normal), normal;
-      equations += row * row.transpose();
-    }
-    const Eigen::Vector<double, 6> eigenvalues =
-        Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>>(equations,
-                                                                   Eigen::EigenvaluesOnly)
-            .eigenvalues();
-    pairs.planes_fix_pose = eigenvalues[0] > kFixed * eigenvalues[5];
-    return pairs;
+  if (!(o.search_translation >= 0)) refuse("search_translation", o.search_translation, ">= 0");
+  if (!(o.min_overlap > 0 && o.min_overlap <= 1)) {
+    refuse("min_overlap", o.min_overlap, "in (0, 1]");
   }
-
-  /// A motion of the local frame as one of the world.
-  [[nodiscard]] Eigen::Isometry3d to_world(const Eigen::Isometry3d& motion) const {
-    Eigen::Isometry3d world = motion;
-    world.translation() = centre_ + motion.translation() / scale_ - motion.linear() * centre_;
-    return world;
+  if (!(o.max_rms > 0)) refuse("max_rms", o.max_rms, "> 0");
+  const Eigen::Isometry3d& start = o.T_target_source_start;
+  constexpr double kRotation = 1e-6;  // six decimals, as text files carry them, pass
+  if (!start.matrix().allFinite() || !start.linear().isUnitary(kRotation) ||
+      !(start.linear().determinant() > 0)) {
+    throw InvalidInput(
+        "register_points: T_target_source_start is not a rotation and a finite shift");
   }
-
- private:
-  [[nodiscard]] Eigen::Vector3d to_local(const Eigen::Vector3d& world) const {
-    return (world - centre_) * scale_;
-  }
-  static Point to_point(const Eigen::Vector3d& place, const Eigen::Vector3d& normal) {
-    Point point;
-    point.getVector3fMap() = place.cast<float>();
-    point.getNormalVector3fMap() = normal.cast<float>();
-    return point;
-  }
-
-  SurfaceQuery query_;
-  Eigen::Matrix3Xd normals_;  ///< of the triangles
-  double max_distance_;       ///< [mm]
-  Eigen::Vector3d centre_;
-  double scale_;  ///< local = (world - centre) * scale
-};
-
-/// The motion of the local frame that brings the points nearest to the feet, or to their planes.
-Eigen::Isometry3d estimate_motion(const Pairs& pairs, bool to_planes) {
-  Eigen::Matrix4d matrix = Eigen::Matrix4d::Identity();
-  if (to_planes) {
-    const pcl::registration::TransformationEstimationPointToPlaneLLS<Point, Point, double> planes;
-    planes.estimateRigidTransformation(pairs.points, pairs.feet, matrix);
-  } else {
-    const pcl::registration::TransformationEstimationSVD<Point, Point, double> feet;
-    feet.estimateRigidTransformation(pairs.points, pairs.feet, matrix);
-  }
-  Eigen::Isometry3d motion;
-  motion.linear() = Eigen::Quaterniond(Eigen::Matrix3d(matrix.topLeftCorner<3, 3>()))
-                        .normalized()
-                        .toRotationMatrix();
-  motion.translation() = matrix.topRightCorner<3, 1>();
-  return motion;
 }
 
 Eigen::Matrix3Xd finite_points(const Eigen::Ref<const Eigen::Matrix3Xd>& points) {
@@ -139,56 +70,180 @@ Eigen::Matrix3Xd finite_points(const Eigen::Ref<const Eigen::Matrix3Xd>& points)
     if (point.allFinite()) finite.col(count++) = point;
   }
   finite.conservativeResize(3, count);
+  if (count < kMinPoints) {
+    throw InvalidInput(
+        fmt::format("register_points: {} of the {} points are finite; at least three are needed",
+                    count, points.cols()));
+  }
   return finite;
 }
 
-void check_options(const RegistrationOptions& options) {
-  if (options.max_iterations < 1) {
-    throw InvalidInput("register_points: max_iterations is " +
-                       std::to_string(options.max_iterations) + "; it must be >= 1");
+/// What the steps make small: the mean of Tukey's loss, 0 for a pair that fits and 1 beyond the
+/// cut-off.
+double mean_loss(const Eigen::VectorXd& distances, double deviation) {
+  double sum = 0;
+  for (const double distance : distances) {
+    sum += 1 - std::pow(tukey_weight(distance, deviation), 1.5);
   }
-  if (!(options.max_correspondence > 0)) {
-    throw InvalidInput("register_points: max_correspondence is " +
-                       std::to_string(options.max_correspondence) +
-                       " of the target's diagonal; it must be > 0");
+  return sum / static_cast<double>(distances.size());
+}
+
+/// Steps to the planes of the triangles. A step that does not make the loss smaller is halved, so
+/// the steps end also where facets with noise would send them to and fro.
+SettledPose settle(const RegistrationTarget::Impl& target, const Eigen::Matrix3Xd& points,
+                   const Eigen::Isometry3d& start, double fraction, int max_iterations) {
+  SettledPose pose{.motion = start, .pairing = {}};
+  Eigen::Matrix3Xd moved = start * points;
+  pose.pairing = target.pair(moved);
+  pose.deviation = inlier_deviation(target, pose.pairing.distances, fraction);
+  while (pose.iterations < max_iterations) {
+    const RigidProblem problem = rigid_problem(moved, pose.pairing, pose.deviation);
+    if (problem.used < kMinPoints) return pose;
+    Vector6d x = solve(problem, kStay);
+    if (!x.allFinite()) return pose;
+    const double mean_error =
+        quantile(pose.pairing.distances, 0.5) / std::sqrt(static_cast<double>(points.cols()));
+    const double least_step = std::max(kConverged, kOfMeanError * mean_error);
+    const double loss = mean_loss(pose.pairing.distances, pose.deviation);
+    for (bool descends = false; !descends; x /= 2) {
+      if (x.norm() <= least_step) {
+        pose.converged = true;
+        return pose;
+      }
+      if (pose.iterations++ == max_iterations) return pose;
+      const Eigen::Isometry3d motion = to_motion(x, problem) * pose.motion;
+      const Eigen::Matrix3Xd tried = motion * points;
+      Pairing pairing = target.pair(tried);
+      descends = mean_loss(pairing.distances, pose.deviation) < loss;
+      if (!descends) continue;
+      pose.motion = motion;
+      pose.pairing = std::move(pairing);
+      moved = tried;
+    }
+    // Never more than before: a loss that changes its shape for ever has no minimum.
+    pose.deviation =
+        std::min(pose.deviation, inlier_deviation(target, pose.pairing.distances, fraction));
   }
+  return pose;
+}
+
+/// Steps of PCL's to the vertices.
+SettledPose settle_with_pcl(const RegistrationTarget::Impl& target, const Eigen::Matrix3Xd& points,
+                            const Eigen::Isometry3d& start, const RegistrationOptions& options) {
+  const Eigen::Matrix3Xd moved = start * points;
+  const double deviation =
+      inlier_deviation(target, target.pair(moved).distances, options.min_overlap);
+  // A vertex is further than the surface by up to the length of a side.
+  const double max_distance = 5 * deviation + 2 * target.grid.cell_size();
+  const VertexCloud::Outcome outcome =
+      target.vertex_cloud().align(moved, options.method, max_distance, options.max_iterations);
+  SettledPose pose{.motion = outcome.motion * start, .pairing = {}};
+  pose.converged = outcome.converged;
+  pose.iterations = outcome.iterations;
+  pose.pairing = target.pair(pose.motion * points);
+  pose.deviation = inlier_deviation(target, pose.pairing.distances, options.min_overlap);
+  return pose;
+}
+
+struct Choice {
+  Eigen::Isometry3d best = Eigen::Isometry3d::Identity();
+  double runner_up = std::numeric_limits<double>::quiet_NaN();  ///< its median distance
+};
+
+/// Settles the promising candidates on the surface itself and takes the best.
+Choice choose(const RegistrationTarget::Impl& target, const Eigen::Matrix3Xd& points,
+              const PoseSearch& search, double fraction) {
+  const double cell = target.grid.cell_size();
+  const double bound = std::max(kRival * search.candidates.front().score, cell / 4);
+  const Eigen::Matrix3Xd some = spread_subset(points, kCandidatePoints);
+  std::vector<PoseCandidate> settled;
+  std::vector<double> medians;
+  Choice choice;
+  const auto note_runner_up = [&](double median) {
+    choice.runner_up = std::fmin(choice.runner_up, median);
+  };
+  for (const PoseCandidate& candidate : search.candidates) {
+    if (candidate.score > bound || settled.size() == kMaxRivals) break;
+    const SettledPose pose = settle(target, some, candidate.motion, fraction, kCandidateSteps);
+    settled.push_back({pose.motion, quantile(pose.pairing.distances, fraction)});
+    medians.push_back(quantile(pose.pairing.distances, 0.5));
+  }
+  double least = settled.front().score;
+  for (const PoseCandidate& pose : settled) least = std::min(least, pose.score);
+  size_t best = 0;
+  double least_motion = std::numeric_limits<double>::infinity();
+  for (size_t i = 0; i < settled.size(); ++i) {
+    if (settled[i].score > kEqualScore * least + kConverged) continue;
+    const double motion = mean_displacement(settled[i].motion, Eigen::Isometry3d::Identity(), some);
+    if (motion < least_motion) {
+      least_motion = motion;
+      best = i;
+    }
+  }
+  choice.best = settled[best].motion;
+  for (size_t i = 0; i < search.candidates.size(); ++i) {
+    const bool is_settled = i < settled.size();
+    const PoseCandidate& other = is_settled ? settled[i] : search.candidates[i];
+    if (mean_displacement(other.motion, choice.best, some) < 2 * cell) continue;
+    note_runner_up(is_settled ? medians[i] : other.score);
+  }
+  return choice;
 }
 
 }  // namespace
 
 Registration register_points(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
-                             const TriangleMesh& target, const RegistrationOptions& options) {
+                             const RegistrationTarget& target, const RegistrationOptions& options) {
   check_options(options);
-  check_mesh(target, "register_points: the target");
-  const Eigen::Matrix3Xd source = finite_points(points);
-  if (source.cols() < kMinPairs) {
-    throw InvalidInput("register_points: " + std::to_string(source.cols()) + " of the " +
-                       std::to_string(points.cols()) +
-                       " points are finite; at least three are needed");
-  }
-  const Target surface(target, options.max_correspondence * bounding_diagonal(target));
+  const RegistrationTarget::Impl& surface = target.impl();
+  Eigen::Matrix3Xd source = options.T_target_source_start * finite_points(points);
+  source = (source.colwise() - surface.centre) * surface.scale;
 
   Registration result;
-  bool is_near = false;
-  Pairs pairs = surface.pair(source);
-  for (int i = 0; i < options.max_iterations; ++i) {
-    if (pairs.points.size() < kMinPairs) {
-      result.stop = RegistrationStop::too_few_pairs;
-      break;
-    }
-    const Eigen::Isometry3d motion = estimate_motion(pairs, is_near && pairs.planes_fix_pose);
-    result.T_target_source = surface.to_world(motion) * result.T_target_source;
-    pairs = surface.pair(result.T_target_source * source);
-    const double change = Eigen::AngleAxisd(motion.linear()).angle() + motion.translation().norm();
-    if (is_near && change <= kConverged) {
-      result.stop = RegistrationStop::converged;
-      break;
-    }
-    is_near = is_near || change <= kNear;
+  const SearchRange range{.rotation = options.search_rotation,
+                          .translation = options.search_translation * surface.scale,
+                          .quantile = options.min_overlap};
+  Choice choice;
+  result.starts = 1;
+  if (range.rotation > 0 || range.translation > 0) {
+    const PoseSearch search = search_poses(surface, spread_subset(source, kSearchPoints), range);
+    result.starts = search.starts;
+    choice = choose(surface, source, search, options.min_overlap);
   }
-  result.pairs = static_cast<int>(pairs.points.size());
-  result.rms = std::sqrt(pairs.sum_of_squares / result.pairs);
+  const SettledPose pose =
+      options.method == RegistrationMethod::point_to_triangle
+          ? settle(surface, source, choice.best, options.min_overlap, options.max_iterations)
+          : settle_with_pcl(surface, source, choice.best, options);
+  result.T_target_source = surface.to_world(pose.motion) * options.T_target_source_start;
+  result.iterations = pose.iterations;
+  judge(surface, source, pose, choice.runner_up, options, result);
   return result;
+}
+
+Registration register_points(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
+                             const TriangleMesh& target, const RegistrationOptions& options) {
+  check_options(options);
+  return register_points(points, RegistrationTarget(target), options);
+}
+
+const char* to_string(RegistrationVerdict verdict) {
+  switch (verdict) {
+    case RegistrationVerdict::accepted:
+      return "accepted";
+    case RegistrationVerdict::not_converged:
+      return "not_converged";
+    case RegistrationVerdict::too_few_points:
+      return "too_few_points";
+    case RegistrationVerdict::little_overlap:
+      return "little_overlap";
+    case RegistrationVerdict::slides:
+      return "slides";
+    case RegistrationVerdict::ambiguous:
+      return "ambiguous";
+    case RegistrationVerdict::poor_fit:
+      return "poor_fit";
+  }
+  return "unknown";
 }
 
 }  // namespace palpate::geometry

@@ -79,9 +79,13 @@ void register_contacts(const Eigen::Matrix3Xd& points, const geometry::TriangleM
   result.distance_rms = distance_rms(points, query);
   result.registration = RegistrationOutcome::not_needed;
   if (result.distance_rms <= options.on_surface) return;
-  const geometry::Registration found = geometry::register_points(points, surface);
-  const bool all_paired = found.pairs == static_cast<int>(points.cols());
-  if (found.stop != geometry::RegistrationStop::converged || !all_paired) {
+  // From where they are, without a search: contacts are not meant to move far. For the same reason
+  // the verdict does not count but for the steps' end: a few contacts on a plate are too few and
+  // slide, yet move no further than the surface wants, at most `max_motion`, and each is checked to
+  // be on the surface then.
+  const geometry::Registration found = geometry::register_points(
+      points, surface, {.search_rotation = 0, .search_translation = 0, .min_overlap = 1});
+  if (found.verdict == geometry::RegistrationVerdict::not_converged) {
     result.registration = RegistrationOutcome::not_converged;
     return;
   }

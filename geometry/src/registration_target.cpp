@@ -1,0 +1,180 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "registration_target.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "palpate/error.h"
+#include "registration_pcl.h"
+
+namespace palpate::geometry {
+namespace {
+
+/// Points to one task.
+constexpr Eigen::Index kGrain = 64;
+
+/// A point whose way to the surface ends at the border (on the coarse map: is longer than two
+/// cells) lies beside the surface iff less than this part of the way is along the normal.
+constexpr double kAlongNormal = 0.7;
+
+Eigen::Vector3d box_centre(const TriangleMesh& mesh) {
+  return mesh.vertices.rowwise().minCoeff() / 2 + mesh.vertices.rowwise().maxCoeff() / 2;
+}
+
+double unit_scale(const TriangleMesh& mesh) {
+  const double half_extent =
+      (mesh.vertices.rowwise().maxCoeff() / 2 - mesh.vertices.rowwise().minCoeff() / 2).maxCoeff();
+  // Not beyond the range in which the scale and its inverse are normal numbers.
+  constexpr int kMaxExponent = 1000;
+  const int exponent = half_extent > 0 ? std::ilogb(half_extent) + 1 : 0;
+  return std::ldexp(1.0, -std::clamp(exponent, -kMaxExponent, kMaxExponent));
+}
+
+TriangleMesh localised(TriangleMesh mesh, const Eigen::Vector3d& centre, double scale) {
+  mesh.vertices = (mesh.vertices.colwise() - centre) * scale;
+  return mesh;
+}
+
+const TriangleMesh& checked(const TriangleMesh& mesh) {
+  check_mesh(mesh, "register_points: the target");
+  if (!(triangle_normals(mesh).array() == triangle_normals(mesh).array()).any()) {
+    throw InvalidInput(
+        "register_points: the target: no triangle has an area; a surface is needed to register to");
+  }
+  return mesh;
+}
+
+}  // namespace
+
+RegistrationTarget::Impl::Impl(const TriangleMesh& surface)
+    : centre(box_centre(checked(surface))),
+      scale(unit_scale(surface)),
+      mesh(localised(surface, centre, scale)),
+      diagonal(bounding_diagonal(mesh)),
+      normals(triangle_normals(mesh)),
+      query(mesh),
+      grid(mesh) {
+  find_border();
+}
+
+RegistrationTarget::Impl::~Impl() = default;
+
+void RegistrationTarget::Impl::find_border() {
+  const auto vertex_count = static_cast<size_t>(mesh.vertices.cols());
+  const auto sides = static_cast<size_t>(3 * mesh.triangles.cols());
+  const auto ends = [&](size_t side) {
+    const auto t = static_cast<Eigen::Index>(side / 3);
+    const auto k = static_cast<Eigen::Index>(side % 3);
+    return std::minmax({mesh.triangles(k, t), mesh.triangles((k + 1) % 3, t)});
+  };
+  // Sides sorted by their lower vertex; few share it.
+  std::vector<size_t> first(vertex_count + 1, 0);
+  for (size_t side = 0; side < sides; ++side) ++first[static_cast<size_t>(ends(side).first) + 1];
+  for (size_t v = 0; v < vertex_count; ++v) first[v + 1] += first[v];
+  std::vector<size_t> sorted(sides);
+  std::vector<size_t> next(first.begin(), first.end() - 1);
+  for (size_t side = 0; side < sides; ++side) {
+    sorted[next[static_cast<size_t>(ends(side).first)]++] = side;
+  }
+  border_sides_.assign(sides, false);
+  border_vertices_.assign(vertex_count, false);
+  for (size_t v = 0; v < vertex_count; ++v) {
+    const auto begin = sorted.begin() + static_cast<std::ptrdiff_t>(first[v]);
+    const auto end = sorted.begin() + static_cast<std::ptrdiff_t>(first[v + 1]);
+    std::sort(begin, end, [&](size_t a, size_t b) { return ends(a).second < ends(b).second; });
+    for (auto side = begin; side != end;) {
+      const int to = ends(*side).second;
+      const auto after =
+          std::find_if(side, end, [&](size_t other) { return ends(other).second != to; });
+      if (after - side == 1) {
+        border_sides_[*side] = true;
+        border_vertices_[v] = true;
+        border_vertices_[static_cast<size_t>(to)] = true;
+      }
+      side = after;
+    }
+  }
+}
+
+bool RegistrationTarget::Impl::is_on_border(const SurfacePoint& foot) const {
+  for (int k = 0; k < 3; ++k) {
+    if (foot.barycentric[(k + 2) % 3] > 0) continue;
+    if (border_sides_[static_cast<size_t>(3 * foot.triangle + k)]) return true;
+    // At a corner of this side the border may belong to other triangles.
+    for (const int corner : {k, (k + 1) % 3}) {
+      if (foot.barycentric[corner] == 1 &&
+          border_vertices_[static_cast<size_t>(mesh.triangles(corner, foot.triangle))]) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+Pairing RegistrationTarget::Impl::pair(const Eigen::Matrix3Xd& points) const {
+  Pairing pairing;
+  pairing.resize(points.cols());
+  tbb::parallel_for(tbb::blocked_range<Eigen::Index>(0, points.cols(), kGrain),
+                    [&](const tbb::blocked_range<Eigen::Index>& range) {
+                      for (Eigen::Index i = range.begin(); i < range.end(); ++i) {
+                        const ClosestPoint closest = query.closest_point(points.col(i));
+                        pairing.feet.col(i) = closest.position;
+                        pairing.distances[i] = closest.distance;
+                        if (closest.at.triangle < 0) {  // so far away that the distance overflows
+                          pairing.distances[i] = std::numeric_limits<double>::infinity();
+                          pairing.usable[i] = false;
+                          continue;
+                        }
+                        pairing.normals.col(i) = normals.col(closest.at.triangle);
+                        pairing.usable[i] =
+                            pairing.normals.col(i).allFinite() && !is_on_border(closest.at);
+                      }
+                    });
+  return pairing;
+}
+
+void RegistrationTarget::Impl::pair_coarsely(const Eigen::Matrix3Xd& points,
+                                             Pairing& pairing) const {
+  for (Eigen::Index i = 0; i < points.cols(); ++i) {
+    const Surfel& surfel = grid.nearest(points.col(i));
+    const Eigen::Vector3d foot = surfel.position.cast<double>();
+    const Eigen::Vector3d normal = surfel.normal.cast<double>();
+    const Eigen::Vector3d way = points.col(i) - foot;
+    const double along = std::abs(normal.dot(way));
+    const double distance = way.norm();
+    const bool is_far = distance > 2 * grid.cell_size();
+    pairing.feet.col(i) = foot;
+    pairing.normals.col(i) = normal;
+    // Near by, the surfel's plane is a better surface than its middle.
+    pairing.distances[i] = is_far ? distance : along;
+    pairing.usable[i] = !is_far || along > kAlongNormal * distance;
+  }
+}
+
+const VertexCloud& RegistrationTarget::Impl::vertex_cloud() const {
+  std::call_once(cloud_made_, [this] { cloud_ = std::make_unique<const VertexCloud>(mesh); });
+  return *cloud_;
+}
+
+Eigen::Isometry3d RegistrationTarget::Impl::to_local(const Eigen::Isometry3d& world) const {
+  Eigen::Isometry3d local = world;
+  local.translation() = (world * centre - centre) * scale;
+  return local;
+}
+
+Eigen::Isometry3d RegistrationTarget::Impl::to_world(const Eigen::Isometry3d& local) const {
+  Eigen::Isometry3d world = local;
+  world.translation() = centre + local.translation() / scale - local.linear() * centre;
+  return world;
+}
+
+RegistrationTarget::RegistrationTarget(const TriangleMesh& mesh)
+    : impl_(std::make_shared<const Impl>(mesh)) {}
+
+}  // namespace palpate::geometry
