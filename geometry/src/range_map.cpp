@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/geometry/range_map.h"
 
+#include <tbb/parallel_for.h>
 #include <tiffio.h>
 
 #include <Eigen/Geometry>
@@ -174,8 +175,11 @@ Eigen::Matrix3Xd back_project(const RangeMap& map) {
                        std::to_string(map.camera.height) + " px");
   const Eigen::Matrix2Xd rays = pixel_rays(map.camera);
   Eigen::Matrix3Xd points(3, rays.cols());
-  for (Eigen::Index i = 0; i < points.cols(); ++i)
-    points.col(i) = static_cast<double>(map.z.data()[i]) * rays.col(i).homogeneous();
+  const Eigen::Index width = map.z.cols();
+  tbb::parallel_for(Eigen::Index{0}, map.z.rows(), [&](Eigen::Index row) {
+    for (Eigen::Index i = row * width; i < (row + 1) * width; ++i)
+      points.col(i) = static_cast<double>(map.z.data()[i]) * rays.col(i).homogeneous();
+  });
   return points;
 }
 

@@ -2,9 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/geometry/range_map_mesh.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
+#include <atomic>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -15,6 +18,11 @@
 
 namespace palpate::geometry {
 namespace {
+
+constexpr int kUnused = -1;
+// Rows of cells, and vertices, that one thread works on at a time.
+constexpr Eigen::Index kRowsPerBand = 16;
+constexpr Eigen::Index kGrain = 8192;
 
 void check_options(const RangeMapMeshOptions& options) {
   if (!(options.max_depth_step > 0) || !std::isfinite(options.max_depth_step))
@@ -36,11 +44,12 @@ class DepthSteps {
         stride_(z.cols() + 2),
         inverse_depth_(static_cast<std::size_t>((z.rows() + 2) * stride_),
                        std::numeric_limits<double>::quiet_NaN()) {
-    for (Eigen::Index row = 0; row < z.rows(); ++row)
+    tbb::parallel_for(Eigen::Index{0}, z.rows(), [&](Eigen::Index row) {
       for (Eigen::Index col = 0; col < z.cols(); ++col) {
         const double depth = static_cast<double>(z(row, col));
         if (depth > 0 && std::isfinite(depth)) *at(row, col) = 1 / depth;
       }
+    });
   }
 
   /// Whether the surface goes on from a pixel to the one on its right, or below it.
@@ -98,19 +107,19 @@ bool well_seen(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::
   return towards > 0 && towards >= min_cosine * std::sqrt(normal.squaredNorm() * ray.squaredNorm());
 }
 
-/// Joins the pixels of a map into triangles of pixel numbers (row * cols + col).
-std::vector<Eigen::Vector3i> join_pixels(const RangeMap& map, const Eigen::Matrix3Xd& points,
-                                         const RangeMapMeshOptions& options) {
-  const DepthSteps steps(map.z, options.max_depth_step);
-  const double min_cosine = std::cos(options.max_incidence);
-  const Eigen::Index cols = map.z.cols();
-  std::vector<Eigen::Vector3i> triangles;
-  triangles.reserve(static_cast<std::size_t>(2 * map.z.size()));
+/// Triangles of pixel numbers (row * cols + col).
+using PixelTriangles = std::vector<Eigen::Vector3i>;
+
+/// Joins the pixels of the rows from `first` to `last` into triangles.
+PixelTriangles join_rows(const Eigen::Matrix3Xd& points, const DepthSteps& steps, double min_cosine,
+                         Eigen::Index cols, Eigen::Index first, Eigen::Index last) {
+  PixelTriangles triangles;
+  triangles.reserve(static_cast<std::size_t>(2 * cols * (last - first)));
   const auto add = [&](int a, int b, int c) {
     if (well_seen(points.col(a), points.col(b), points.col(c), min_cosine))
       triangles.emplace_back(a, b, c);
   };
-  for (Eigen::Index row = 0; row + 1 < map.z.rows(); ++row) {
+  for (Eigen::Index row = first; row < last; ++row) {
     bool left = steps.joined_below(row, 0);
     for (Eigen::Index col = 0; col + 1 < cols; ++col) {
       // a b
@@ -140,31 +149,76 @@ std::vector<Eigen::Vector3i> join_pixels(const RangeMap& map, const Eigen::Matri
   return triangles;
 }
 
+/// Joins the pixels of a map; each entry has the triangles of kRowsPerBand rows of cells.
+std::vector<PixelTriangles> join_pixels(const RangeMap& map, const Eigen::Matrix3Xd& points,
+                                        const RangeMapMeshOptions& options) {
+  const DepthSteps steps(map.z, options.max_depth_step);
+  const double min_cosine = std::cos(options.max_incidence);
+  const Eigen::Index rows_of_cells = map.z.rows() - 1;
+  const Eigen::Index bands = (rows_of_cells + kRowsPerBand - 1) / kRowsPerBand;
+  std::vector<PixelTriangles> triangles(static_cast<std::size_t>(bands));
+  tbb::parallel_for(Eigen::Index{0}, bands, [&](Eigen::Index band) {
+    const Eigen::Index first = band * kRowsPerBand;
+    triangles[static_cast<std::size_t>(band)] =
+        join_rows(points, steps, min_cosine, map.z.cols(), first,
+                  std::min(first + kRowsPerBand, rows_of_cells));
+  });
+  return triangles;
+}
+
+/// Numbers the pixels that have a triangle, in ascending order; the others get kUnused.
+std::vector<int> number_vertices(const std::vector<PixelTriangles>& bands, std::size_t pixels) {
+  std::vector<int> vertex(pixels, kUnused);
+  tbb::parallel_for(std::size_t{0}, bands.size(), [&](std::size_t band) {
+    for (const Eigen::Vector3i& triangle : bands[band]) {
+      for (const int pixel : triangle) {
+        // Atomic, because neighbouring bands share a row of pixels.
+        std::atomic_ref(vertex[static_cast<std::size_t>(pixel)])
+            .store(0, std::memory_order_relaxed);
+      }
+    }
+  });
+  int count = 0;
+  for (int& number : vertex) {
+    if (number != kUnused) number = count++;
+  }
+  return vertex;
+}
+
 }  // namespace
 
 RangeMapMesh mesh_range_map(const RangeMap& map, const RangeMapMeshOptions& options) {
   check_options(options);
   const Eigen::Matrix3Xd points = back_project(map);
-  const std::vector<Eigen::Vector3i> triangles = join_pixels(map, points, options);
+  const std::vector<PixelTriangles> bands = join_pixels(map, points, options);
+  const std::vector<int> vertex = number_vertices(bands, static_cast<std::size_t>(map.z.size()));
 
-  constexpr int kUnused = -1;
-  std::vector<int> vertex(static_cast<std::size_t>(map.z.size()), kUnused);
-  for (const Eigen::Vector3i& triangle : triangles)
-    for (const int pixel : triangle) vertex[static_cast<std::size_t>(pixel)] = 0;
   RangeMapMesh result;
+  result.width = map.camera.width;
+  result.height = map.camera.height;
   for (std::size_t pixel = 0; pixel < vertex.size(); ++pixel) {
-    if (vertex[pixel] == kUnused) continue;
-    vertex[pixel] = static_cast<int>(result.pixel.size());
-    result.pixel.push_back(static_cast<int>(pixel));
+    if (vertex[pixel] != kUnused) result.pixel.push_back(static_cast<int>(pixel));
   }
   result.mesh.vertices.resize(3, static_cast<Eigen::Index>(result.pixel.size()));
-  for (Eigen::Index i = 0; i < result.mesh.vertices.cols(); ++i)
-    result.mesh.vertices.col(i) = points.col(result.pixel[static_cast<std::size_t>(i)]);
-  result.mesh.triangles.resize(3, static_cast<Eigen::Index>(triangles.size()));
-  for (Eigen::Index i = 0; i < result.mesh.triangles.cols(); ++i)
-    for (int corner = 0; corner < 3; ++corner)
-      result.mesh.triangles(corner, i) =
-          vertex[static_cast<std::size_t>(triangles[static_cast<std::size_t>(i)][corner])];
+  tbb::parallel_for(tbb::blocked_range<Eigen::Index>(0, result.mesh.vertices.cols(), kGrain),
+                    [&](const auto& range) {
+                      for (Eigen::Index i = range.begin(); i < range.end(); ++i)
+                        result.mesh.vertices.col(i) =
+                            points.col(result.pixel[static_cast<std::size_t>(i)]);
+                    });
+
+  std::vector<Eigen::Index> first(bands.size() + 1, 0);
+  for (std::size_t band = 0; band < bands.size(); ++band)
+    first[band + 1] = first[band] + static_cast<Eigen::Index>(bands[band].size());
+  result.mesh.triangles.resize(3, first.back());
+  tbb::parallel_for(std::size_t{0}, bands.size(), [&](std::size_t band) {
+    Eigen::Index t = first[band];
+    for (const Eigen::Vector3i& triangle : bands[band]) {
+      for (int corner = 0; corner < 3; ++corner)
+        result.mesh.triangles(corner, t) = vertex[static_cast<std::size_t>(triangle[corner])];
+      ++t;
+    }
+  });
   return result;
 }
 
