@@ -12,6 +12,7 @@
 #include <string>
 
 #include "palpate/error.h"
+#include "pixel_rays.h"
 
 namespace palpate::geometry {
 namespace {
@@ -148,7 +149,8 @@ Eigen::Vector2d to_normalized(const Camera& camera, const Eigen::Vector2d& pixel
 
 /// Rays of `kLanes` pixels from (row, col) on. The rays above tell these so well that one step of
 /// Newton's method is enough.
-void continue_rays(const Camera& camera, int row, int col, Eigen::Matrix2Xd& rays) {
+void continue_rays(const Camera& camera, int row, int col,
+                   Eigen::Ref<Eigen::Matrix2Xd, 0, Eigen::OuterStride<>> rays) {
   const Eigen::Index first = Eigen::Index{row} * camera.width + col;
   const auto above = [&](int rows, int axis) -> Lanes<kLanes> {
     return rays.row(axis).segment<kLanes>(first - Eigen::Index{rows} * camera.width).transpose();
@@ -206,9 +208,8 @@ Eigen::Vector2d undistort(const Camera& camera, const Eigen::Vector2d& pixel) {
   return Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
 }
 
-Eigen::Matrix2Xd pixel_rays(const Camera& camera) {
-  check_camera(camera, "camera");
-  Eigen::Matrix2Xd rays(2, Eigen::Index{camera.width} * camera.height);
+void fill_pixel_rays(const Camera& camera,
+                     Eigen::Ref<Eigen::Matrix2Xd, 0, Eigen::OuterStride<>> rays) {
   const bool distorted = has_distortion(camera);
   tbb::parallel_for(tbb::blocked_range<int>(0, camera.width, kLanes), [&](const auto& cols) {
     for (int row = 0; row < camera.height; ++row) {
@@ -221,6 +222,12 @@ Eigen::Matrix2Xd pixel_rays(const Camera& camera) {
       }
     }
   });
+}
+
+Eigen::Matrix2Xd pixel_rays(const Camera& camera) {
+  check_camera(camera, "camera");
+  Eigen::Matrix2Xd rays(2, Eigen::Index{camera.width} * camera.height);
+  fill_pixel_rays(camera, rays);
   return rays;
 }
 

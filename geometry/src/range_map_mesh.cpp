@@ -2,27 +2,23 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/geometry/range_map_mesh.h"
 
-#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <atomic>
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <string>
 
 #include "palpate/error.h"
 
 namespace palpate::geometry {
 namespace {
-
-constexpr int kUnused = -1;
-// Rows of cells, and vertices, that one thread works on at a time.
-constexpr Eigen::Index kRowsPerBand = 16;
-constexpr Eigen::Index kGrain = 8192;
 
 void check_options(const RangeMapMeshOptions& options) {
   if (!(options.max_depth_step > 0) || !std::isfinite(options.max_depth_step))
@@ -107,82 +103,158 @@ bool well_seen(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::
   return towards > 0 && towards >= min_cosine * std::sqrt(normal.squaredNorm() * ray.squaredNorm());
 }
 
-/// Triangles of pixel numbers (row * cols + col).
-using PixelTriangles = std::vector<Eigen::Vector3i>;
+/// Which triangles a cell of four pixels has, as bits:
+///
+///     a b     falling diagonal (a d): first (a c d), second (a d b)
+///     c d     rising diagonal (b c):  first (a c b), second (b c d)
+using Cell = std::uint8_t;
+constexpr Cell kFirst = 1;
+constexpr Cell kSecond = 2;
+constexpr Cell kRising = 4;
 
-/// Joins the pixels of the rows from `first` to `last` into triangles.
-PixelTriangles join_rows(const Eigen::Matrix3Xd& points, const DepthSteps& steps, double min_cosine,
-                         Eigen::Index cols, Eigen::Index first, Eigen::Index last) {
-  PixelTriangles triangles;
-  triangles.reserve(static_cast<std::size_t>(2 * cols * (last - first)));
-  const auto add = [&](int a, int b, int c) {
-    if (well_seen(points.col(a), points.col(b), points.col(c), min_cosine))
-      triangles.emplace_back(a, b, c);
-  };
-  for (Eigen::Index row = first; row < last; ++row) {
-    bool left = steps.joined_below(row, 0);
-    for (Eigen::Index col = 0; col + 1 < cols; ++col) {
-      // a b
-      // c d
-      const int a = static_cast<int>(row * cols + col);
-      const int b = a + 1;
-      const int c = a + static_cast<int>(cols);
-      const int d = c + 1;
-      const bool right = steps.joined_below(row, col + 1);
-      const bool top = steps.joined_right(row, col);
-      const bool bottom = steps.joined_right(row + 1, col);
-      const double falling =
-          (points.col(a) - points.col(d)).squaredNorm();  // NaN if one is unknown
-      const double rising = (points.col(b) - points.col(c)).squaredNorm();
-      if (std::isnan(rising) || falling <= rising) {
-        if (steps.joined_falling(row, col)) {
-          if (left && bottom) add(a, c, d);
-          if (top && right) add(a, d, b);
-        }
-      } else if (steps.joined_rising(row, col)) {
-        if (left && top) add(a, c, b);
-        if (bottom && right) add(b, c, d);
-      }
-      left = right;
-    }
-  }
-  return triangles;
+/// The corners of a cell by number: a b c d.
+using Corners = std::array<int, 3>;
+constexpr std::array<std::array<Corners, 2>, 2> kTriangles = {
+    {{{{0, 2, 3}, {0, 3, 1}}}, {{{0, 2, 1}, {1, 2, 3}}}}};  // [rising][second]
+
+/// Calls `visit` with the corners of each triangle of a cell.
+template <typename Visit>
+void for_each_triangle(Cell cell, const Visit& visit) {
+  const auto& [first, second] = kTriangles[(cell & kRising) != 0 ? 1 : 0];
+  if ((cell & kFirst) != 0) visit(first);
+  if ((cell & kSecond) != 0) visit(second);
 }
 
-/// Joins the pixels of a map; each entry has the triangles of kRowsPerBand rows of cells.
-std::vector<PixelTriangles> join_pixels(const RangeMap& map, const Eigen::Matrix3Xd& points,
-                                        const RangeMapMeshOptions& options) {
+/// The corners of each cell that are in a triangle, corner k as bit k.
+constexpr std::array<unsigned, 8> kUsedCorners = {0, 0b1101, 0b1011, 0b1111,
+                                                  0, 0b0111, 0b1110, 0b1111};
+
+bool has_corner(Cell cell, unsigned corner) { return (kUsedCorners[cell] >> corner & 1U) != 0; }
+
+/// One byte a cell.
+using Cells = Eigen::Array<Cell, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+/// The triangles of one row of cells.
+void join_row(const Eigen::Matrix3Xd& points, const DepthSteps& steps, double min_cosine,
+              Eigen::Index row, Cells& cells) {
+  const Eigen::Index width = cells.cols() + 1;
+  bool left = steps.joined_below(row, 0);
+  for (Eigen::Index col = 0; col < cells.cols(); ++col) {
+    const Eigen::Index a = row * width + col;
+    const std::array<Eigen::Index, 4> pixel = {a, a + 1, a + width, a + width + 1};
+    const auto point = [&](int corner) {
+      return points.col(pixel[static_cast<std::size_t>(corner)]);
+    };
+    const auto seen = [&](const Corners& corners) {
+      return well_seen(point(corners[0]), point(corners[1]), point(corners[2]), min_cosine);
+    };
+    const bool right = steps.joined_below(row, col + 1);
+    const bool top = steps.joined_right(row, col);
+    const bool bottom = steps.joined_right(row + 1, col);
+    const double falling = (point(0) - point(3)).squaredNorm();  // NaN if one is unknown
+    const double rising = (point(1) - point(2)).squaredNorm();
+    Cell cell = 0;
+    if (std::isnan(rising) || falling <= rising) {
+      if (steps.joined_falling(row, col)) {
+        if (left && bottom && seen(kTriangles[0][0])) cell |= kFirst;
+        if (top && right && seen(kTriangles[0][1])) cell |= kSecond;
+      }
+    } else if (steps.joined_rising(row, col)) {
+      cell = kRising;
+      if (left && top && seen(kTriangles[1][0])) cell |= kFirst;
+      if (bottom && right && seen(kTriangles[1][1])) cell |= kSecond;
+    }
+    cells(row, col) = cell;
+    left = right;
+  }
+}
+
+Cells join_pixels(const RangeMap& map, const Eigen::Matrix3Xd& points,
+                  const RangeMapMeshOptions& options) {
   const DepthSteps steps(map.z, options.max_depth_step);
   const double min_cosine = std::cos(options.max_incidence);
-  const Eigen::Index rows_of_cells = map.z.rows() - 1;
-  const Eigen::Index bands = (rows_of_cells + kRowsPerBand - 1) / kRowsPerBand;
-  std::vector<PixelTriangles> triangles(static_cast<std::size_t>(bands));
-  tbb::parallel_for(Eigen::Index{0}, bands, [&](Eigen::Index band) {
-    const Eigen::Index first = band * kRowsPerBand;
-    triangles[static_cast<std::size_t>(band)] =
-        join_rows(points, steps, min_cosine, map.z.cols(), first,
-                  std::min(first + kRowsPerBand, rows_of_cells));
-  });
-  return triangles;
+  Cells cells(map.z.rows() - 1, map.z.cols() - 1);
+  tbb::parallel_for(Eigen::Index{0}, cells.rows(),
+                    [&](Eigen::Index row) { join_row(points, steps, min_cosine, row, cells); });
+  return cells;
 }
 
-/// Numbers the pixels that have a triangle, in ascending order; the others get kUnused.
-std::vector<int> number_vertices(const std::vector<PixelTriangles>& bands, std::size_t pixels) {
-  std::vector<int> vertex(pixels, kUnused);
-  tbb::parallel_for(std::size_t{0}, bands.size(), [&](std::size_t band) {
-    for (const Eigen::Vector3i& triangle : bands[band]) {
-      for (const int pixel : triangle) {
-        // Atomic, because neighbouring bands share a row of pixels.
-        std::atomic_ref(vertex[static_cast<std::size_t>(pixel)])
-            .store(0, std::memory_order_relaxed);
-      }
+/// Whether a pixel is a corner of a triangle of one of the cells around it.
+bool is_used(const Cells& cells, Eigen::Index row, Eigen::Index col) {
+  const bool above = row > 0;
+  const bool below = row < cells.rows();
+  const bool before = col > 0;
+  const bool after = col < cells.cols();
+  return (below && after && has_corner(cells(row, col), 0)) ||
+         (below && before && has_corner(cells(row, col - 1), 1)) ||
+         (above && after && has_corner(cells(row - 1, col), 2)) ||
+         (above && before && has_corner(cells(row - 1, col - 1), 3));
+}
+
+/// Where the items of each row start when `count(row)` items of all rows lie one after the other,
+/// and at the end how many there are.
+template <typename Count>
+std::vector<Eigen::Index> row_starts(Eigen::Index rows, const Count& count) {
+  std::vector<Eigen::Index> starts(static_cast<std::size_t>(rows + 1), 0);
+  tbb::parallel_for(Eigen::Index{0}, rows, [&](Eigen::Index row) {
+    starts[static_cast<std::size_t>(row + 1)] = count(row);
+  });
+  std::partial_sum(starts.begin(), starts.end(), starts.begin());
+  return starts;
+}
+
+/// Numbers the pixels that have a triangle, row after row: pixel and point of each vertex, and
+/// returned is the vertex of each such pixel.
+std::vector<int> take_vertices(const Cells& cells, const Eigen::Matrix3Xd& points,
+                               RangeMapMesh& result) {
+  constexpr int kUnused = -1;
+  const Eigen::Index width = cells.cols() + 1;
+  std::vector<int> vertex(static_cast<std::size_t>(points.cols()), kUnused);
+  const auto starts = row_starts(cells.rows() + 1, [&](Eigen::Index row) {
+    Eigen::Index count = 0;
+    for (Eigen::Index col = 0; col < width; ++col) {
+      if (!is_used(cells, row, col)) continue;
+      vertex[static_cast<std::size_t>(row * width + col)] = static_cast<int>(count);
+      ++count;
+    }
+    return count;
+  });
+  result.pixel.resize(static_cast<std::size_t>(starts.back()));
+  result.mesh.vertices.resize(3, starts.back());
+  tbb::parallel_for(Eigen::Index{0}, cells.rows() + 1, [&](Eigen::Index row) {
+    const auto start = static_cast<int>(starts[static_cast<std::size_t>(row)]);
+    for (Eigen::Index pixel = row * width; pixel < (row + 1) * width; ++pixel) {
+      int& number = vertex[static_cast<std::size_t>(pixel)];
+      if (number == kUnused) continue;
+      number += start;
+      result.pixel[static_cast<std::size_t>(number)] = static_cast<int>(pixel);
+      result.mesh.vertices.col(number) = points.col(pixel);
     }
   });
-  int count = 0;
-  for (int& number : vertex) {
-    if (number != kUnused) number = count++;
-  }
   return vertex;
+}
+
+void take_triangles(const Cells& cells, const std::vector<int>& vertex, RangeMapMesh& result) {
+  const Eigen::Index width = cells.cols() + 1;
+  const auto starts = row_starts(cells.rows(), [&](Eigen::Index row) {
+    Eigen::Index count = 0;
+    for (const Cell cell : cells.row(row)) count += (cell & kFirst) + (cell & kSecond) / kSecond;
+    return count;
+  });
+  result.mesh.triangles.resize(3, starts.back());
+  tbb::parallel_for(Eigen::Index{0}, cells.rows(), [&](Eigen::Index row) {
+    Eigen::Index triangle = starts[static_cast<std::size_t>(row)];
+    for (Eigen::Index col = 0; col < cells.cols(); ++col) {
+      const auto of_corner = [&](int corner) {
+        return vertex[static_cast<std::size_t>((row + corner / 2) * width + col + corner % 2)];
+      };
+      for_each_triangle(cells(row, col), [&](const Corners& corners) {
+        result.mesh.triangles.col(triangle) << of_corner(corners[0]), of_corner(corners[1]),
+            of_corner(corners[2]);
+        ++triangle;
+      });
+    }
+  });
 }
 
 }  // namespace
@@ -190,35 +262,12 @@ std::vector<int> number_vertices(const std::vector<PixelTriangles>& bands, std::
 RangeMapMesh mesh_range_map(const RangeMap& map, const RangeMapMeshOptions& options) {
   check_options(options);
   const Eigen::Matrix3Xd points = back_project(map);
-  const std::vector<PixelTriangles> bands = join_pixels(map, points, options);
-  const std::vector<int> vertex = number_vertices(bands, static_cast<std::size_t>(map.z.size()));
-
+  const Cells cells = join_pixels(map, points, options);
   RangeMapMesh result;
   result.width = map.camera.width;
   result.height = map.camera.height;
-  for (std::size_t pixel = 0; pixel < vertex.size(); ++pixel) {
-    if (vertex[pixel] != kUnused) result.pixel.push_back(static_cast<int>(pixel));
-  }
-  result.mesh.vertices.resize(3, static_cast<Eigen::Index>(result.pixel.size()));
-  tbb::parallel_for(tbb::blocked_range<Eigen::Index>(0, result.mesh.vertices.cols(), kGrain),
-                    [&](const auto& range) {
-                      for (Eigen::Index i = range.begin(); i < range.end(); ++i)
-                        result.mesh.vertices.col(i) =
-                            points.col(result.pixel[static_cast<std::size_t>(i)]);
-                    });
-
-  std::vector<Eigen::Index> first(bands.size() + 1, 0);
-  for (std::size_t band = 0; band < bands.size(); ++band)
-    first[band + 1] = first[band] + static_cast<Eigen::Index>(bands[band].size());
-  result.mesh.triangles.resize(3, first.back());
-  tbb::parallel_for(std::size_t{0}, bands.size(), [&](std::size_t band) {
-    Eigen::Index t = first[band];
-    for (const Eigen::Vector3i& triangle : bands[band]) {
-      for (int corner = 0; corner < 3; ++corner)
-        result.mesh.triangles(corner, t) = vertex[static_cast<std::size_t>(triangle[corner])];
-      ++t;
-    }
-  });
+  const std::vector<int> vertex = take_vertices(cells, points, result);
+  take_triangles(cells, vertex, result);
   return result;
 }
 
