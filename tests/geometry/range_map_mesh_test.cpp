@@ -72,6 +72,7 @@ TEST(RangeMapMesh, APlaneIsWholeInItsPlaceAndFacesTheCamera) {
     const Plane plane{700.1, tilt};
     const RangeMap map = seen(camera_of(603.7), plane);
     const auto [mesh, pixel, width, height] = mesh_range_map(map);
+    EXPECT_EQ(Eigen::Vector2i(width, height), Eigen::Vector2i(61, 47));
     EXPECT_EQ(mesh.triangles.cols(), 2 * cells(map.camera));
     ASSERT_EQ(mesh.vertices.cols(), map.z.size());
     for (Eigen::Index i = 0; i < mesh.vertices.cols(); ++i) {

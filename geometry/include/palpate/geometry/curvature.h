@@ -16,14 +16,15 @@ struct VertexCurvature {
   Eigen::VectorXd gaussian;  ///< K [1/mm^2]; 1/r^2 on a sphere, < 0 on a saddle
 };
 
-/// Curvature after Meyer, Desbrun, Schroeder and Barr 2003: with the mixed Voronoi area A of vertex
-/// i,
+/// Curvature after Rusinkiewicz 2004: in each triangle the symmetric tensor S that best fits
+/// n_j - n_i = S (x_j - x_i) on its three edges, with the vertex normals n; at a vertex the mean
+/// over its triangles, turned into its tangent plane and weighted by their share of its Voronoi
+/// area (Meyer et al. 2003, sec. 3.3). H is half the trace of S, K the product of its two
+/// eigenvalues.
 ///
-///     H = n_i . sum_j (cot a_ij + cot b_ij) (x_i - x_j) / (4 A),    K = (2 pi - sum of angles) / A
-///
-/// where n_i is the vertex normal, a_ij and b_ij are the angles opposite to the edge ij. It sees
-/// one ring of triangles: noise e on the vertices becomes some 4 e / h^2 at spacing h, so measured
-/// surfaces are smoothed first (`smooth`). \throws InvalidInput as `opposite_half_edges`.
+/// It sees two rings of triangles. Noise e on the vertices at spacing h becomes an error of the
+/// order of e / h^2: measured surfaces are smoothed first (`smooth`). \throws InvalidInput as
+/// `opposite_half_edges`.
 [[nodiscard]] VertexCurvature vertex_curvature(const TriangleMesh& mesh);
 
 }  // namespace palpate::geometry
