@@ -3,6 +3,7 @@
 // The whole way through the command, as the README shows it.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -104,13 +105,15 @@ TEST(CrossSection, TurnsWithTheMesh) {
 }
 
 TEST(CrossSection, OnAPlaneAcrossXLinesRunAlongY) {
-  const TriangleMesh mesh = test::flat_sheet(7, 4, 1.5);
-  for (const double sign : {-1.0, 1.0}) {
-    const auto lines = cross_section(mesh, {.point = {2.2, 0, 0}, .normal = {sign * 2, 0, 0}});
+  TriangleMesh mesh = test::flat_sheet(7, 4, 1.5);
+  for (const double sign : {1.0, -1.0}) {  // turned by half a circle, the vertices come from above
+    mesh.vertices.topRows<2>() *= sign;
+    const auto lines =
+        cross_section(mesh, {.point = {sign * 2.2, 0, 0}, .normal = {sign * 2, 0, 0}});
     ASSERT_EQ(lines.size(), 1u);
-    EXPECT_NEAR(lines[0](1, 0), 0, 1e-12);
-    EXPECT_NEAR(lines[0](1, lines[0].cols() - 1), 6, 1e-12);
-    EXPECT_LT((lines[0].row(0).array() - 2.2).abs().maxCoeff(), 1e-12);
+    EXPECT_NEAR(lines[0](1, 0), std::min(0.0, sign * 6), 1e-12);
+    EXPECT_NEAR(lines[0](1, lines[0].cols() - 1), std::max(0.0, sign * 6), 1e-12);
+    EXPECT_LT((lines[0].row(0).array() - sign * 2.2).abs().maxCoeff(), 1e-12);
   }
 }
 
