@@ -14,6 +14,8 @@
 #include "palpate/error.h"
 #include "palpate/geometry/comparison.h"
 #include "palpate/geometry/mesh_io.h"
+#include "palpate/geometry/mesh_measures.h"
+#include "palpate/geometry/mesh_topology.h"
 #include "palpate/haptics/model_io.h"
 #include "palpate/probing/acquisition_store.h"
 #include "palpate/sensing/frame.h"
@@ -62,19 +64,51 @@ Description describe_image(const fs::path& path) {
                       image.channels(), bits)};
 }
 
+/// Area, volume and topology of a mesh, or why they cannot be told.
+Description describe_surface(const geometry::TriangleMesh& mesh) {
+  try {
+    const double area = geometry::surface_area(mesh);
+    const std::size_t loops = geometry::boundary_loops(mesh).size();
+    const int components = geometry::connected_components(mesh).count;
+    const int euler = geometry::euler_characteristic(mesh);
+    Description surface = {
+        {{"area", area},
+         {"volume", nullptr},
+         {"components", components},
+         {"boundary_loops", loops},
+         {"euler_characteristic", euler}},
+        fmt::format(
+            "area {:.1f} mm^2, {} component(s), {} boundary loop(s), Euler characteristic {}", area,
+            components, loops, euler)};
+    if (loops == 0) {
+      const double volume = geometry::enclosed_volume(mesh);
+      surface.figures["volume"] = volume;
+      surface.prose += fmt::format(", volume {:.1f} mm^3", volume);
+    }
+    return surface;
+  } catch (const InvalidInput& refused) {
+    return {{{"not_a_surface", refused.what()}},
+            fmt::format("no area or topology, since it is not a surface: {}", refused.what())};
+  }
+}
+
 Description describe_mesh(const fs::path& path) {
   const geometry::TriangleMesh mesh = geometry::read_mesh(path);
   const Eigen::Vector3d low = mesh.vertices.rowwise().minCoeff();
   const Eigen::Vector3d high = mesh.vertices.rowwise().maxCoeff();
-  return {{{"kind", "mesh"},
-           {"vertices", mesh.vertices.cols()},
-           {"triangles", mesh.triangles.cols()},
-           {"min", {low.x(), low.y(), low.z()}},
-           {"max", {high.x(), high.y(), high.z()}}},
-          fmt::format("mesh, {} vertices, {} triangles; X {:.1f} to {:.1f}, Y {:.1f} to {:.1f}, Z "
-                      "{:.1f} to {:.1f} mm",
-                      mesh.vertices.cols(), mesh.triangles.cols(), low.x(), high.x(), low.y(),
-                      high.y(), low.z(), high.z())};
+  const Description surface = describe_surface(mesh);
+  Description result = {
+      {{"kind", "mesh"},
+       {"vertices", mesh.vertices.cols()},
+       {"triangles", mesh.triangles.cols()},
+       {"min", {low.x(), low.y(), low.z()}},
+       {"max", {high.x(), high.y(), high.z()}}},
+      fmt::format("mesh, {} vertices, {} triangles; X {:.1f} to {:.1f}, Y {:.1f} to {:.1f}, Z "
+                  "{:.1f} to {:.1f} mm; {}",
+                  mesh.vertices.cols(), mesh.triangles.cols(), low.x(), high.x(), low.y(), high.y(),
+                  low.z(), high.z(), surface.prose)};
+  result.figures.update(surface.figures);
+  return result;
 }
 
 Description describe_points(const fs::path& path) {

@@ -10,6 +10,7 @@
 #include "palpate/error.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/range_map_mesh.h"
+#include "palpate/geometry/smoothing.h"
 #include "palpate/pictures/draw_mesh.h"
 #include "palpate/sensing/depth_image.h"
 #include "palpate/sensing/frame.h"
@@ -22,6 +23,7 @@ namespace fs = std::filesystem;
 struct MeshCall {
   fs::path range, output, rig, picture;
   double scale = 0;
+  int smooth = 0;
   std::vector<double> intrinsics;
 };
 
@@ -48,9 +50,10 @@ geometry::RangeMap load(const MeshCall& call) {
 void mesh(const Settings& settings, const MeshCall& call) {
   check_outputs({call.range}, {call.output, call.picture});
   const geometry::RangeMap map = load(call);
-  const geometry::RangeMapMesh surface = geometry::mesh_range_map(map);
+  geometry::RangeMapMesh surface = geometry::mesh_range_map(map);
   if (surface.mesh.triangles.cols() == 0)
     throw InvalidInput(call.range.string() + ": no two neighbouring pixels have a depth.");
+  if (call.smooth > 0) surface.mesh = geometry::smooth(surface.mesh, {.iterations = call.smooth});
   geometry::write_mesh(call.output, surface.mesh);
   if (!call.picture.empty())
     pictures::draw_mesh(call.picture, surface.mesh, call.range.filename().string());
@@ -80,6 +83,10 @@ void add_mesh(CLI::App& app, const Settings& settings) {
       ->add_option("--intrinsics", call->intrinsics, "Depth image: fx,fy,cx,cy of its camera [px]")
       ->expected(4)
       ->delimiter(',');
+  command
+      ->add_option("--smooth", call->smooth,
+                   "Iterations of smoothing without shrinking (Taubin); 20 take most noise")
+      ->check(CLI::NonNegativeNumber);
   command->add_option("--picture", call->picture, "Also draw the mesh (PNG)");
   command->footer(
       "Examples:\n  palpate mesh range/000000.tiff -o surface.ply\n"

@@ -6,6 +6,8 @@
 #include <map>
 #include <utility>
 
+#include "palpate/error.h"
+
 namespace palpate::geometry {
 namespace {
 
@@ -13,15 +15,15 @@ namespace {
 using Edge = std::pair<int, int>;
 
 /// Which crossed edges a triangle joins.
-std::map<Edge, std::vector<Edge>> crossings(const TriangleMesh& mesh, double y) {
+std::map<Edge, std::vector<Edge>> crossings(const TriangleMesh& mesh,
+                                            const Eigen::VectorXd& height) {
   std::map<Edge, std::vector<Edge>> neighbors;
   for (Eigen::Index t = 0; t < mesh.triangles.cols(); ++t) {
     std::vector<Edge> crossed;
     for (int i = 0; i < 3; ++i) {
       const int a = mesh.triangles(i, t);
       const int b = mesh.triangles((i + 1) % 3, t);
-      if ((mesh.vertices(1, a) < y) != (mesh.vertices(1, b) < y))
-        crossed.emplace_back(std::minmax(a, b));
+      if ((height[a] < 0) != (height[b] < 0)) crossed.emplace_back(std::minmax(a, b));
     }
     if (crossed.size() == 2) {
       neighbors[crossed[0]].push_back(crossed[1]);
@@ -31,10 +33,11 @@ std::map<Edge, std::vector<Edge>> crossings(const TriangleMesh& mesh, double y) 
   return neighbors;
 }
 
-Eigen::Vector3d crossing_point(const TriangleMesh& mesh, double y, const Edge& edge) {
+Eigen::Vector3d crossing_point(const TriangleMesh& mesh, const Eigen::VectorXd& height,
+                               const Edge& edge) {
   const Eigen::Vector3d a = mesh.vertices.col(edge.first);
   const Eigen::Vector3d b = mesh.vertices.col(edge.second);
-  const double t = (y - a.y()) / (b.y() - a.y());
+  const double t = height[edge.first] / (height[edge.first] - height[edge.second]);
   return (1 - t) * a + t * b;
 }
 
@@ -56,33 +59,48 @@ std::vector<Edge> take_line(std::map<Edge, std::vector<Edge>>& neighbors, Edge s
   }
 }
 
-Polyline to_polyline(const TriangleMesh& mesh, double y, const std::vector<Edge>& edges) {
+Polyline to_polyline(const TriangleMesh& mesh, const Eigen::VectorXd& height, int axis,
+                     const std::vector<Edge>& edges) {
   Polyline line(3, static_cast<Eigen::Index>(edges.size()));
   for (Eigen::Index i = 0; i < line.cols(); ++i) {
-    line.col(i) = crossing_point(mesh, y, edges[static_cast<std::size_t>(i)]);
+    line.col(i) = crossing_point(mesh, height, edges[static_cast<std::size_t>(i)]);
   }
-  if (line(0, 0) > line(0, line.cols() - 1)) line.rowwise().reverseInPlace();
+  if (line(axis, 0) > line(axis, line.cols() - 1)) line.rowwise().reverseInPlace();
   return line;
 }
 
 }  // namespace
 
-std::vector<Polyline> cross_section(const TriangleMesh& mesh, double y) {
+std::vector<Polyline> cross_section(const TriangleMesh& mesh, const Plane& plane) {
   check_mesh(mesh, "cross_section(): mesh");
-  std::map<Edge, std::vector<Edge>> neighbors = crossings(mesh, y);
+  if (!plane.point.allFinite() || !plane.normal.allFinite() || plane.normal.isZero(0))
+    throw InvalidInput(
+        "cross_section(): plane: its point and normal must be finite, and the normal not zero");
+  const Eigen::VectorXd height = (mesh.vertices.colwise() - plane.point).transpose() *
+                                 plane.normal.stableNormalized();  // [mm] above the plane
+  Eigen::Index along_normal = 0;
+  plane.normal.cwiseAbs().maxCoeff(&along_normal);
+  const int axis = along_normal == 0 ? 1 : 0;  // along which the lines are ordered
+  std::map<Edge, std::vector<Edge>> neighbors = crossings(mesh, height);
   std::vector<Edge> ends;
   for (const auto& [edge, joined] : neighbors) {
     if (joined.size() == 1) ends.push_back(edge);
   }
   std::vector<Polyline> lines;
   for (const Edge& end : ends) {  // open lines first; what then remains is closed
-    if (neighbors.contains(end)) lines.push_back(to_polyline(mesh, y, take_line(neighbors, end)));
+    if (neighbors.contains(end))
+      lines.push_back(to_polyline(mesh, height, axis, take_line(neighbors, end)));
   }
   while (!neighbors.empty())
-    lines.push_back(to_polyline(mesh, y, take_line(neighbors, neighbors.begin()->first)));
+    lines.push_back(
+        to_polyline(mesh, height, axis, take_line(neighbors, neighbors.begin()->first)));
   std::sort(lines.begin(), lines.end(),
-            [](const Polyline& a, const Polyline& b) { return a(0, 0) < b(0, 0); });
+            [axis](const Polyline& a, const Polyline& b) { return a(axis, 0) < b(axis, 0); });
   return lines;
+}
+
+std::vector<Polyline> cross_section(const TriangleMesh& mesh, double y) {
+  return cross_section(mesh, Plane{.point = {0, y, 0}, .normal = {0, 1, 0}});
 }
 
 }  // namespace palpate::geometry

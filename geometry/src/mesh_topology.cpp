@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/geometry/mesh_topology.h"
 
+#include <algorithm>
 #include <string>
+#include <utility>
 
 #include "palpate/error.h"
 
@@ -42,6 +44,60 @@ Eigen::Matrix3Xi opposite_half_edges(const TriangleMesh& mesh) {
     opposite(h % 3, h / 3) = other;
   }
   return opposite;
+}
+
+std::vector<std::vector<int>> boundary_loops(const TriangleMesh& mesh) {
+  const Eigen::Matrix3Xi opposite = opposite_half_edges(mesh);
+  const auto next = [](int h) { return h % 3 == 2 ? h - 2 : h + 1; };
+  std::vector<bool> done(static_cast<std::size_t>(opposite.size()), false);
+  std::vector<std::vector<int>> loops;
+  for (int start = 0; start < opposite.size(); ++start) {
+    if (opposite(start % 3, start / 3) != kNone || done[static_cast<std::size_t>(start)]) continue;
+    std::vector<int> loop;
+    for (int h = start; !done[static_cast<std::size_t>(h)];) {
+      done[static_cast<std::size_t>(h)] = true;
+      loop.push_back(mesh.triangles(h % 3, h / 3));
+      // Around the vertex at the end of h, through the triangles that hang together there.
+      h = next(h);
+      while (opposite(h % 3, h / 3) != kNone) h = next(opposite(h % 3, h / 3));
+    }
+    std::rotate(loop.begin(), std::min_element(loop.begin(), loop.end()), loop.end());
+    loops.push_back(std::move(loop));
+  }
+  std::sort(loops.begin(), loops.end());
+  return loops;
+}
+
+ConnectedComponents connected_components(const TriangleMesh& mesh) {
+  const Eigen::Matrix3Xi opposite = opposite_half_edges(mesh);
+  ConnectedComponents result{Eigen::VectorXi::Constant(opposite.cols(), kNone), 0};
+  std::vector<int> open;
+  for (int first = 0; first < opposite.cols(); ++first) {
+    if (result.component[first] != kNone) continue;
+    result.component[first] = result.count;
+    open.push_back(first);
+    while (!open.empty()) {
+      const int triangle = open.back();
+      open.pop_back();
+      for (const int other : opposite.col(triangle)) {
+        if (other == kNone || result.component[other / 3] != kNone) continue;
+        result.component[other / 3] = result.count;
+        open.push_back(other / 3);
+      }
+    }
+    ++result.count;
+  }
+  return result;
+}
+
+int euler_characteristic(const TriangleMesh& mesh) {
+  const Eigen::Matrix3Xi opposite = opposite_half_edges(mesh);
+  std::vector<bool> used(static_cast<std::size_t>(mesh.vertices.cols()), false);
+  for (const int vertex : mesh.triangles.reshaped()) used[static_cast<std::size_t>(vertex)] = true;
+  const auto vertices = std::count(used.begin(), used.end(), true);
+  const Eigen::Index border = (opposite.array() == kNone).count();
+  const Eigen::Index edges = border + (opposite.size() - border) / 2;
+  return static_cast<int>(vertices - edges + mesh.triangles.cols());
 }
 
 }  // namespace palpate::geometry

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/geometry/range_map.h"
 
+#include <tbb/parallel_for.h>
 #include <tiffio.h>
 
 #include <Eigen/Geometry>
@@ -18,6 +19,7 @@
 
 #include "palpate/error.h"
 #include "palpate/output_file.h"
+#include "pixel_rays.h"
 
 namespace palpate::geometry {
 namespace {
@@ -172,10 +174,15 @@ Eigen::Matrix3Xd back_project(const RangeMap& map) {
                        std::to_string(map.z.rows()) + " px, but the camera is " +
                        std::to_string(map.camera.width) + " x " +
                        std::to_string(map.camera.height) + " px");
-  const Eigen::Matrix2Xd rays = pixel_rays(map.camera);
-  Eigen::Matrix3Xd points(3, rays.cols());
-  for (Eigen::Index i = 0; i < points.cols(); ++i)
-    points.col(i) = static_cast<double>(map.z.data()[i]) * rays.col(i).homogeneous();
+  Eigen::Matrix3Xd points(3, map.z.size());
+  fill_pixel_rays(map.camera, points.topRows<2>());
+  const Eigen::Index width = map.z.cols();
+  tbb::parallel_for(Eigen::Index{0}, map.z.rows(), [&](Eigen::Index row) {
+    for (Eigen::Index i = row * width; i < (row + 1) * width; ++i) {
+      const auto z = static_cast<double>(map.z.data()[i]);
+      points.col(i) << z * points(0, i), z * points(1, i), z;
+    }
+  });
   return points;
 }
 

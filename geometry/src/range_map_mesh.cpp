@@ -2,13 +2,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/geometry/range_map_mesh.h"
 
+#include <tbb/parallel_for.h>
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <string>
 
 #include "palpate/error.h"
@@ -36,11 +40,12 @@ class DepthSteps {
         stride_(z.cols() + 2),
         inverse_depth_(static_cast<std::size_t>((z.rows() + 2) * stride_),
                        std::numeric_limits<double>::quiet_NaN()) {
-    for (Eigen::Index row = 0; row < z.rows(); ++row)
+    tbb::parallel_for(Eigen::Index{0}, z.rows(), [&](Eigen::Index row) {
       for (Eigen::Index col = 0; col < z.cols(); ++col) {
         const double depth = static_cast<double>(z(row, col));
         if (depth > 0 && std::isfinite(depth)) *at(row, col) = 1 / depth;
       }
+    });
   }
 
   /// Whether the surface goes on from a pixel to the one on its right, or below it.
@@ -98,46 +103,158 @@ bool well_seen(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::
   return towards > 0 && towards >= min_cosine * std::sqrt(normal.squaredNorm() * ray.squaredNorm());
 }
 
-/// Joins the pixels of a map into triangles of pixel numbers (row * cols + col).
-std::vector<Eigen::Vector3i> join_pixels(const RangeMap& map, const Eigen::Matrix3Xd& points,
-                                         const RangeMapMeshOptions& options) {
+/// Which triangles a cell of four pixels has, as bits:
+///
+///     a b     falling diagonal (a d): first (a c d), second (a d b)
+///     c d     rising diagonal (b c):  first (a c b), second (b c d)
+using Cell = std::uint8_t;
+constexpr Cell kFirst = 1;
+constexpr Cell kSecond = 2;
+constexpr Cell kRising = 4;
+
+/// The corners of a cell by number: a b c d.
+using Corners = std::array<int, 3>;
+constexpr std::array<std::array<Corners, 2>, 2> kTriangles = {
+    {{{{0, 2, 3}, {0, 3, 1}}}, {{{0, 2, 1}, {1, 2, 3}}}}};  // [rising][second]
+
+/// Calls `visit` with the corners of each triangle of a cell.
+template <typename Visit>
+void for_each_triangle(Cell cell, const Visit& visit) {
+  const auto& [first, second] = kTriangles[(cell & kRising) != 0 ? 1 : 0];
+  if ((cell & kFirst) != 0) visit(first);
+  if ((cell & kSecond) != 0) visit(second);
+}
+
+/// The corners of each cell that are in a triangle, corner k as bit k.
+constexpr std::array<unsigned, 8> kUsedCorners = {0, 0b1101, 0b1011, 0b1111,
+                                                  0, 0b0111, 0b1110, 0b1111};
+
+bool has_corner(Cell cell, unsigned corner) { return (kUsedCorners[cell] >> corner & 1U) != 0; }
+
+/// One byte a cell.
+using Cells = Eigen::Array<Cell, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+/// The triangles of one row of cells.
+void join_row(const Eigen::Matrix3Xd& points, const DepthSteps& steps, double min_cosine,
+              Eigen::Index row, Cells& cells) {
+  const Eigen::Index width = cells.cols() + 1;
+  bool left = steps.joined_below(row, 0);
+  for (Eigen::Index col = 0; col < cells.cols(); ++col) {
+    const Eigen::Index a = row * width + col;
+    const std::array<Eigen::Index, 4> pixel = {a, a + 1, a + width, a + width + 1};
+    const auto point = [&](int corner) {
+      return points.col(pixel[static_cast<std::size_t>(corner)]);
+    };
+    const auto seen = [&](const Corners& corners) {
+      return well_seen(point(corners[0]), point(corners[1]), point(corners[2]), min_cosine);
+    };
+    const bool right = steps.joined_below(row, col + 1);
+    const bool top = steps.joined_right(row, col);
+    const bool bottom = steps.joined_right(row + 1, col);
+    const double falling = (point(0) - point(3)).squaredNorm();  // NaN if one is unknown
+    const double rising = (point(1) - point(2)).squaredNorm();
+    Cell cell = 0;
+    if (std::isnan(rising) || falling <= rising) {
+      if (steps.joined_falling(row, col)) {
+        if (left && bottom && seen(kTriangles[0][0])) cell |= kFirst;
+        if (top && right && seen(kTriangles[0][1])) cell |= kSecond;
+      }
+    } else if (steps.joined_rising(row, col)) {
+      cell = kRising;
+      if (left && top && seen(kTriangles[1][0])) cell |= kFirst;
+      if (bottom && right && seen(kTriangles[1][1])) cell |= kSecond;
+    }
+    cells(row, col) = cell;
+    left = right;
+  }
+}
+
+Cells join_pixels(const RangeMap& map, const Eigen::Matrix3Xd& points,
+                  const RangeMapMeshOptions& options) {
   const DepthSteps steps(map.z, options.max_depth_step);
   const double min_cosine = std::cos(options.max_incidence);
-  const Eigen::Index cols = map.z.cols();
-  std::vector<Eigen::Vector3i> triangles;
-  triangles.reserve(static_cast<std::size_t>(2 * map.z.size()));
-  const auto add = [&](int a, int b, int c) {
-    if (well_seen(points.col(a), points.col(b), points.col(c), min_cosine))
-      triangles.emplace_back(a, b, c);
-  };
-  for (Eigen::Index row = 0; row + 1 < map.z.rows(); ++row) {
-    bool left = steps.joined_below(row, 0);
-    for (Eigen::Index col = 0; col + 1 < cols; ++col) {
-      // a b
-      // c d
-      const int a = static_cast<int>(row * cols + col);
-      const int b = a + 1;
-      const int c = a + static_cast<int>(cols);
-      const int d = c + 1;
-      const bool right = steps.joined_below(row, col + 1);
-      const bool top = steps.joined_right(row, col);
-      const bool bottom = steps.joined_right(row + 1, col);
-      const double falling =
-          (points.col(a) - points.col(d)).squaredNorm();  // NaN if one is unknown
-      const double rising = (points.col(b) - points.col(c)).squaredNorm();
-      if (std::isnan(rising) || falling <= rising) {
-        if (steps.joined_falling(row, col)) {
-          if (left && bottom) add(a, c, d);
-          if (top && right) add(a, d, b);
-        }
-      } else if (steps.joined_rising(row, col)) {
-        if (left && top) add(a, c, b);
-        if (bottom && right) add(b, c, d);
-      }
-      left = right;
+  Cells cells(map.z.rows() - 1, map.z.cols() - 1);
+  tbb::parallel_for(Eigen::Index{0}, cells.rows(),
+                    [&](Eigen::Index row) { join_row(points, steps, min_cosine, row, cells); });
+  return cells;
+}
+
+/// Whether a pixel is a corner of a triangle of one of the cells around it.
+bool is_used(const Cells& cells, Eigen::Index row, Eigen::Index col) {
+  const bool above = row > 0;
+  const bool below = row < cells.rows();
+  const bool before = col > 0;
+  const bool after = col < cells.cols();
+  return (below && after && has_corner(cells(row, col), 0)) ||
+         (below && before && has_corner(cells(row, col - 1), 1)) ||
+         (above && after && has_corner(cells(row - 1, col), 2)) ||
+         (above && before && has_corner(cells(row - 1, col - 1), 3));
+}
+
+/// Where the items of each row start when `count(row)` items of all rows lie one after the other,
+/// and at the end how many there are.
+template <typename Count>
+std::vector<Eigen::Index> row_starts(Eigen::Index rows, const Count& count) {
+  std::vector<Eigen::Index> starts(static_cast<std::size_t>(rows + 1), 0);
+  tbb::parallel_for(Eigen::Index{0}, rows, [&](Eigen::Index row) {
+    starts[static_cast<std::size_t>(row + 1)] = count(row);
+  });
+  std::partial_sum(starts.begin(), starts.end(), starts.begin());
+  return starts;
+}
+
+/// Numbers the pixels that have a triangle, row after row: pixel and point of each vertex, and
+/// returned is the vertex of each such pixel.
+std::vector<int> take_vertices(const Cells& cells, const Eigen::Matrix3Xd& points,
+                               RangeMapMesh& result) {
+  constexpr int kUnused = -1;
+  const Eigen::Index width = cells.cols() + 1;
+  std::vector<int> vertex(static_cast<std::size_t>(points.cols()), kUnused);
+  const auto starts = row_starts(cells.rows() + 1, [&](Eigen::Index row) {
+    Eigen::Index count = 0;
+    for (Eigen::Index col = 0; col < width; ++col) {
+      if (!is_used(cells, row, col)) continue;
+      vertex[static_cast<std::size_t>(row * width + col)] = static_cast<int>(count);
+      ++count;
     }
-  }
-  return triangles;
+    return count;
+  });
+  result.pixel.resize(static_cast<std::size_t>(starts.back()));
+  result.mesh.vertices.resize(3, starts.back());
+  tbb::parallel_for(Eigen::Index{0}, cells.rows() + 1, [&](Eigen::Index row) {
+    const auto start = static_cast<int>(starts[static_cast<std::size_t>(row)]);
+    for (Eigen::Index pixel = row * width; pixel < (row + 1) * width; ++pixel) {
+      int& number = vertex[static_cast<std::size_t>(pixel)];
+      if (number == kUnused) continue;
+      number += start;
+      result.pixel[static_cast<std::size_t>(number)] = static_cast<int>(pixel);
+      result.mesh.vertices.col(number) = points.col(pixel);
+    }
+  });
+  return vertex;
+}
+
+void take_triangles(const Cells& cells, const std::vector<int>& vertex, RangeMapMesh& result) {
+  const Eigen::Index width = cells.cols() + 1;
+  const auto starts = row_starts(cells.rows(), [&](Eigen::Index row) {
+    Eigen::Index count = 0;
+    for (const Cell cell : cells.row(row)) count += (cell & kFirst) + (cell & kSecond) / kSecond;
+    return count;
+  });
+  result.mesh.triangles.resize(3, starts.back());
+  tbb::parallel_for(Eigen::Index{0}, cells.rows(), [&](Eigen::Index row) {
+    Eigen::Index triangle = starts[static_cast<std::size_t>(row)];
+    for (Eigen::Index col = 0; col < cells.cols(); ++col) {
+      const auto of_corner = [&](int corner) {
+        return vertex[static_cast<std::size_t>((row + corner / 2) * width + col + corner % 2)];
+      };
+      for_each_triangle(cells(row, col), [&](const Corners& corners) {
+        result.mesh.triangles.col(triangle) << of_corner(corners[0]), of_corner(corners[1]),
+            of_corner(corners[2]);
+        ++triangle;
+      });
+    }
+  });
 }
 
 }  // namespace
@@ -145,26 +262,12 @@ std::vector<Eigen::Vector3i> join_pixels(const RangeMap& map, const Eigen::Matri
 RangeMapMesh mesh_range_map(const RangeMap& map, const RangeMapMeshOptions& options) {
   check_options(options);
   const Eigen::Matrix3Xd points = back_project(map);
-  const std::vector<Eigen::Vector3i> triangles = join_pixels(map, points, options);
-
-  constexpr int kUnused = -1;
-  std::vector<int> vertex(static_cast<std::size_t>(map.z.size()), kUnused);
-  for (const Eigen::Vector3i& triangle : triangles)
-    for (const int pixel : triangle) vertex[static_cast<std::size_t>(pixel)] = 0;
+  const Cells cells = join_pixels(map, points, options);
   RangeMapMesh result;
-  for (std::size_t pixel = 0; pixel < vertex.size(); ++pixel) {
-    if (vertex[pixel] == kUnused) continue;
-    vertex[pixel] = static_cast<int>(result.pixel.size());
-    result.pixel.push_back(static_cast<int>(pixel));
-  }
-  result.mesh.vertices.resize(3, static_cast<Eigen::Index>(result.pixel.size()));
-  for (Eigen::Index i = 0; i < result.mesh.vertices.cols(); ++i)
-    result.mesh.vertices.col(i) = points.col(result.pixel[static_cast<std::size_t>(i)]);
-  result.mesh.triangles.resize(3, static_cast<Eigen::Index>(triangles.size()));
-  for (Eigen::Index i = 0; i < result.mesh.triangles.cols(); ++i)
-    for (int corner = 0; corner < 3; ++corner)
-      result.mesh.triangles(corner, i) =
-          vertex[static_cast<std::size_t>(triangles[static_cast<std::size_t>(i)][corner])];
+  result.width = map.camera.width;
+  result.height = map.camera.height;
+  const std::vector<int> vertex = take_vertices(cells, points, result);
+  take_triangles(cells, vertex, result);
   return result;
 }
 

@@ -3,6 +3,7 @@
 // The whole way through the command, as the README shows it.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -141,6 +142,37 @@ TEST_F(WayOfTheData, EveryFileExplainsItself) {
         demo("sheet/samples.csv"), demo("sheet/queries.csv"), demo("trajectory.csv")}) {
     EXPECT_FALSE(figures({"info", file})["kind"].get<std::string>().empty()) << file;
   }
+}
+
+TEST_F(WayOfTheData, InfoMeasuresAMesh) {
+  // A tetrahedron with three edges of 6 mm along the axes.
+  write_text(scratch / "closed.off",
+             "OFF\n4 4 0\n0 0 0\n6 0 0\n0 6 0\n0 0 6\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n");
+  const auto closed = figures({"info", scratch / "closed.off"});
+  EXPECT_NEAR(closed["volume"].get<double>(), 36, 1e-9);
+  EXPECT_NEAR(closed["area"].get<double>(), 54 + 18 * std::sqrt(3), 1e-9);
+  EXPECT_EQ(closed["euler_characteristic"], 2);
+  const auto open = figures({"info", demo("sheet/surface.ply")});
+  EXPECT_TRUE(open["volume"].is_null());
+  EXPECT_EQ(open["components"], 1);
+  EXPECT_EQ(open["boundary_loops"], 1);
+  // Two triangles one of which is turned over.
+  write_text(scratch / "turned.off", "OFF\n4 2 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n3 0 3 2\n");
+  EXPECT_NE(figures({"info", scratch / "turned.off"})["not_a_surface"].get<std::string>().find(
+                "triangles 0 and 1"),
+            std::string::npos);
+}
+
+TEST_F(WayOfTheData, MeshSmoothsIfAsked) {
+  decode();
+  const auto area = [&](const std::string& iterations) {
+    figures(
+        {"mesh", scratch / "range/000000.tiff", "-o", scratch / "s.ply", "--smooth", iterations});
+    return figures({"info", scratch / "s.ply"})["area"].get<double>();
+  };
+  const double rough = area("0");
+  EXPECT_LT(area("20"), rough);  // noise adds area
+  EXPECT_GT(area("20"), 0.7 * rough);
 }
 
 }  // namespace

@@ -4,10 +4,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "palpate/error.h"
+#include "test_surfaces.h"
 
 namespace palpate::geometry {
 namespace {
@@ -73,6 +76,53 @@ TEST(CrossSection, ThroughARowOfVerticesIsStillWhole) {
   const auto lines = cross_section(tube(10, 30, 12, 3), 10);
   ASSERT_EQ(lines.size(), 1u);
   EXPECT_NEAR(length(lines[0]), 2 * 12 * 10 * std::sin(std::numbers::pi / 12), 1e-10);
+}
+
+TEST(CrossSection, ATiltedPlaneCutsACircleOutOfASphere) {
+  const Plane plane{.point = {3.1, -2.2, 1.7}, .normal = Eigen::Vector3d(2, 3, 6) / 7};
+  const double radius = 30.1;
+  const double height = plane.point.dot(plane.normal);
+  const auto lines = cross_section(test::icosphere(5, radius), plane);
+  ASSERT_EQ(lines.size(), 1u);
+  EXPECT_EQ(lines[0].col(0), lines[0].col(lines[0].cols() - 1));
+  EXPECT_LT((plane.normal.transpose() * (lines[0].colwise() - plane.point)).cwiseAbs().maxCoeff(),
+            1e-12);
+  EXPECT_NEAR(length(lines[0]), 2 * std::numbers::pi * std::sqrt(radius * radius - height * height),
+              0.1);
+}
+
+TEST(CrossSection, TurnsWithTheMesh) {
+  const TriangleMesh mesh = tube(10, 30, 40, 7);
+  const Eigen::Isometry3d T = Eigen::Translation3d(100.1, -70.3, 35.7) *
+                              Eigen::AngleAxisd(0.7, Eigen::Vector3d(0.48, 0.6, 0.64));
+  const auto lines = cross_section(mesh, 11.3);
+  const auto turned =
+      cross_section(test::moved(mesh, T),
+                    {.point = T * Eigen::Vector3d(3, 11.3, -8), .normal = 2.5 * T.linear().col(1)});
+  ASSERT_EQ(turned.size(), 1u);
+  ASSERT_EQ(turned[0].cols(), lines[0].cols());
+  EXPECT_NEAR(length(turned[0]), length(lines[0]), 1e-10);
+}
+
+TEST(CrossSection, OnAPlaneAcrossXLinesRunAlongY) {
+  TriangleMesh mesh = test::flat_sheet(7, 4, 1.5);
+  for (const double sign : {1.0, -1.0}) {  // turned by half a circle, the vertices come from above
+    mesh.vertices.topRows<2>() *= sign;
+    const auto lines =
+        cross_section(mesh, {.point = {sign * 2.2, 0, 0}, .normal = {sign * 2, 0, 0}});
+    ASSERT_EQ(lines.size(), 1u);
+    EXPECT_NEAR(lines[0](1, 0), std::min(0.0, sign * 6), 1e-12);
+    EXPECT_NEAR(lines[0](1, lines[0].cols() - 1), std::max(0.0, sign * 6), 1e-12);
+    EXPECT_LT((lines[0].row(0).array() - sign * 2.2).abs().maxCoeff(), 1e-12);
+  }
+}
+
+TEST(CrossSection, RefusesAPlaneWithoutNormalOrPlace) {
+  const TriangleMesh mesh = test::flat_sheet(7, 4, 1.5);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW((void)cross_section(mesh, {.normal = {0, 0, 0}}), InvalidInput);
+  EXPECT_THROW((void)cross_section(mesh, {.normal = {0, nan, 0}}), InvalidInput);
+  EXPECT_THROW((void)cross_section(mesh, {.point = {0, nan, 0}}), InvalidInput);
 }
 
 TEST(CrossSection, BesideTheMeshIsEmpty) {

@@ -4,7 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <string>
+#include <vector>
 
 #include "mesh_corpus.h"
 #include "palpate/error.h"
@@ -31,16 +33,89 @@ Eigen::Vector2i count_edges(const TriangleMesh& mesh) {
   return border_and_inner;
 }
 
+/// Both meshes as one, not joined.
+TriangleMesh beside(const TriangleMesh& a, const TriangleMesh& b) {
+  TriangleMesh both;
+  both.vertices.resize(3, a.vertices.cols() + b.vertices.cols());
+  both.vertices << a.vertices, b.vertices;
+  both.triangles.resize(3, a.triangles.cols() + b.triangles.cols());
+  both.triangles << a.triangles,
+      (b.triangles.array() + static_cast<int>(a.vertices.cols())).matrix();
+  return both;
+}
+
+/// Two triangles that share one vertex.
+TriangleMesh bow_tie() {
+  TriangleMesh mesh;
+  mesh.vertices.resize(3, 5);
+  mesh.vertices << 0, -1, -1, 1, 1, 0, 1, -1, -1, 1, 0, 0, 0, 0, 0;
+  mesh.triangles.resize(3, 2);
+  mesh.triangles << 0, 0, 1, 3, 2, 4;
+  return mesh;
+}
+
 TEST(MeshTopology, EulersFormulaHoldsOnClosedSurfaces) {
-  const auto euler_characteristic = [](const TriangleMesh& mesh) {
-    const Eigen::Vector2i edges = count_edges(mesh);
-    EXPECT_EQ(edges[0], 0);
-    return mesh.vertices.cols() - edges[1] + mesh.triangles.cols();
+  const auto check = [](const TriangleMesh& mesh, int expected) {
+    EXPECT_EQ(count_edges(mesh)[0], 0);
+    EXPECT_EQ(euler_characteristic(mesh), expected);
+    EXPECT_TRUE(boundary_loops(mesh).empty());
+    EXPECT_EQ(connected_components(mesh).count, 1);
   };
-  EXPECT_EQ(euler_characteristic(test::icosphere(3, 10)), 2);
-  EXPECT_EQ(euler_characteristic(test::glove()), 2);
-  EXPECT_EQ(euler_characteristic(test::closed_sheet()), 2);
-  EXPECT_EQ(euler_characteristic(test::torus(40, 9, 30, 5)), 0);
+  check(test::icosphere(3, 10), 2);
+  check(test::glove(), 2);
+  check(test::closed_sheet(), 2);
+  check(test::torus(40, 9, 30, 5), 0);
+}
+
+TEST(MeshTopology, ASheetWithTwoHolesHasThreeLoops) {
+  const TriangleMesh mesh = test::bumpy(5000);
+  const auto loops = boundary_loops(mesh);
+  ASSERT_EQ(loops.size(), 3u);
+  EXPECT_EQ(euler_characteristic(mesh), 2 - 3);
+  std::size_t length = 0;
+  for (const auto& loop : loops) {
+    length += loop.size();
+    EXPECT_EQ(loop.front(), *std::min_element(loop.begin(), loop.end()));
+    // Twice the area that it goes around, seen along the optical axis, from the camera's side.
+    double turn = 0;
+    for (std::size_t i = 0; i < loop.size(); ++i) {
+      const Eigen::Vector3d a = mesh.vertices.col(loop[i]);
+      const Eigen::Vector3d b = mesh.vertices.col(loop[(i + 1) % loop.size()]);
+      turn += a.y() / a.z() * b.x() / b.z() - a.x() / a.z() * b.y() / b.z();
+    }
+    EXPECT_EQ(turn > 0, &loop == &loops.front());  // the outline starts at vertex 0
+  }
+  EXPECT_EQ(static_cast<int>(length), count_edges(mesh)[0]);
+}
+
+TEST(MeshTopology, ALoopRunsWithTheSurfaceOnItsLeftFromItsSmallestVertex) {
+  TriangleMesh mesh = test::flat_sheet(2, 1, 1.5);
+  const std::vector<std::vector<int>> outline = {{0, 1, 2, 5, 4, 3}};
+  EXPECT_EQ(boundary_loops(mesh), outline);
+  mesh.triangles.rowwise().reverseInPlace();  // the order of triangles means nothing
+  EXPECT_EQ(boundary_loops(mesh), outline);
+}
+
+TEST(MeshTopology, PartsThatTouchInAVertexAreTwo) {
+  const std::vector<std::vector<int>> loops = {{0, 1, 2}, {0, 3, 4}};
+  EXPECT_EQ(boundary_loops(bow_tie()), loops);
+  EXPECT_EQ(connected_components(bow_tie()).component, Eigen::Vector2i(0, 1));
+}
+
+TEST(MeshTopology, ComponentsAreNumberedByTheirFirstTriangle) {
+  const TriangleMesh mesh = beside(test::icosphere(1, 10), test::flat_sheet(3, 2, 1.5));
+  const ConnectedComponents components = connected_components(mesh);
+  EXPECT_EQ(components.count, 2);
+  EXPECT_EQ(components.component.head(80), Eigen::VectorXi::Zero(80));
+  EXPECT_EQ(components.component.tail(12), Eigen::VectorXi::Ones(12));
+  EXPECT_EQ(euler_characteristic(mesh), 2 + 1);
+}
+
+TEST(MeshTopology, AVertexWithoutTriangleDoesNotCount) {
+  TriangleMesh mesh = test::icosphere(1, 10);
+  mesh.vertices.conservativeResize(3, mesh.vertices.cols() + 1);
+  mesh.vertices.rightCols<1>().setZero();
+  EXPECT_EQ(euler_characteristic(mesh), 2);
 }
 
 TEST(MeshTopology, ASheetHasItsOutlineAsBorder) {

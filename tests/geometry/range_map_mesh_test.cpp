@@ -71,7 +71,8 @@ TEST(RangeMapMesh, APlaneIsWholeInItsPlaceAndFacesTheCamera) {
   for (const double tilt : {0.0, 0.5, -1.1}) {
     const Plane plane{700.1, tilt};
     const RangeMap map = seen(camera_of(603.7), plane);
-    const auto [mesh, pixel] = mesh_range_map(map);
+    const auto [mesh, pixel, width, height] = mesh_range_map(map);
+    EXPECT_EQ(Eigen::Vector2i(width, height), Eigen::Vector2i(61, 47));
     EXPECT_EQ(mesh.triangles.cols(), 2 * cells(map.camera));
     ASSERT_EQ(mesh.vertices.cols(), map.z.size());
     for (Eigen::Index i = 0; i < mesh.vertices.cols(); ++i) {
@@ -94,7 +95,7 @@ TEST(RangeMapMesh, LensDistortionIsTakenIntoAccount) {
   camera.distortion = {-0.21, 0.04, 0.003, -0.002};
   const Plane plane{700.1, 0.4};
   const RangeMap map = seen(camera, plane);
-  const auto [mesh, pixel] = mesh_range_map(map);
+  const auto [mesh, pixel, width, height] = mesh_range_map(map);
   ASSERT_EQ(mesh.vertices.cols(), map.z.size());
   for (Eigen::Index i = 0; i < mesh.vertices.cols(); ++i) {
     const Eigen::Vector3d vertex = mesh.vertices.col(i);
@@ -184,7 +185,7 @@ TEST(RangeMapMesh, ASphereBeforeAPlaneHasNoWeb) {
     const double root = b * b - (center.squaredNorm() - radius * radius) / ray.squaredNorm();
     return root > 0 ? b - std::sqrt(root) : 530.1;
   });
-  const auto [mesh, pixel] = mesh_range_map(map);
+  const auto [mesh, pixel, width, height] = mesh_range_map(map);
   int sphere = 0;
   int plane = 0;
   for (Eigen::Index i = 0; i < mesh.triangles.cols(); ++i) {
@@ -209,7 +210,7 @@ TEST(RangeMapMesh, CutsWhereTheSurfaceIsGrazed) {
   // The rays of this camera are up to 0.06 rad off its axis.
   EXPECT_EQ(mesh_range_map(map, {.max_incidence = 1.27}).mesh.triangles.cols(), all);
   EXPECT_EQ(mesh_range_map(map, {.max_incidence = 1.13}).mesh.triangles.cols(), 0);
-  const auto [mesh, pixel] = mesh_range_map(map, {.max_incidence = 1.2});
+  const auto [mesh, pixel, width, height] = mesh_range_map(map, {.max_incidence = 1.2});
   EXPECT_GT(mesh.triangles.cols(), all / 4);
   EXPECT_LT(mesh.triangles.cols(), all * 3 / 4);
   const Eigen::Matrix3Xd normals = triangle_normals(mesh);
@@ -225,7 +226,7 @@ TEST(RangeMapMesh, ThreeKnownCornersGiveOneTriangle) {
   for (const double unknown : {kNaN, 0.0, -3.0, std::numeric_limits<double>::infinity()}) {
     RangeMap map = seen(camera, Plane{700.1, 0.3});
     map.z(20, 30) = static_cast<float>(unknown);
-    const auto [mesh, pixel] = mesh_range_map(map);
+    const auto [mesh, pixel, width, height] = mesh_range_map(map);
     EXPECT_EQ(mesh.triangles.cols(), 2 * cells(camera) - 4);
     EXPECT_EQ(mesh.vertices.cols(), map.z.size() - 1);
   }
@@ -236,7 +237,7 @@ TEST(RangeMapMesh, APixelWithoutATriangleGivesNoVertex) {
   RangeMap map = seen(camera, [](const Eigen::Vector3d&) { return kNaN; });
   map.z(5, 5) = map.z(5, 6) = 700.1F;  // a pair
   map.z(30, 40) = map.z(31, 40) = map.z(31, 41) = 700.1F;
-  const auto [mesh, pixel] = mesh_range_map(map);
+  const auto [mesh, pixel, width, height] = mesh_range_map(map);
   EXPECT_EQ(mesh.triangles.cols(), 1);
   EXPECT_EQ(pixel, (std::vector<int>{30 * 61 + 40, 31 * 61 + 40, 31 * 61 + 41}));
 }
@@ -269,7 +270,7 @@ TEST(RangeMapMesh, DoesNotDependOnTheUnitOfLength) {
   const RangeMap map = seen(camera, [&](const Eigen::Vector3d& ray) {
     return Plane{ray.x() < 0 ? 600.1 : 615.1, 0.8}(ray) + noise(random);
   });
-  const auto [mesh, pixel] = mesh_range_map(map);
+  const auto [mesh, pixel, width, height] = mesh_range_map(map);
   EXPECT_GT(mesh.triangles.cols(), cells(camera) / 4);
   EXPECT_LT(mesh.triangles.cols(), 2 * cells(camera) - 100);
   for (const float scale : {0x1p-20F, 0x1p-10F, 0x1p10F, 0x1p20F}) {
@@ -298,7 +299,7 @@ TEST(RangeMapMesh, ARealHandIsNotJoinedToTheTorsoBehindIt) {
       for (int col = 0; col < map.z.cols(); ++col)
         map.z(row, col) =
             0.125F * static_cast<float>(image.at<std::uint16_t>(row * step, col * step));
-    const auto [mesh, pixel] = mesh_range_map(map);
+    const auto [mesh, pixel, width, height] = mesh_range_map(map);
     for (Eigen::Index i = 0; i < mesh.triangles.cols(); ++i) EXPECT_LT(depth_range(mesh, i), 30);
     const auto known = static_cast<double>((map.z > 0).count());
     EXPECT_GT(static_cast<double>(mesh.vertices.cols()), (step == 1 ? 0.999 : 0.99) * known);
@@ -313,7 +314,7 @@ TEST(RangeMapMesh, RenderedObjectsStayWholeAndApart) {
         {.width = 640, .height = 480, .fx = 1100, .fy = 1100, .cx = 319.5, .cy = 239.5}};
     const cv::Mat id = cv::imread(path.string() + "_id.png", cv::IMREAD_GRAYSCALE);
     ASSERT_EQ(id.size(), cv::Size(640, 480));
-    const auto [mesh, pixel] = mesh_range_map(map);
+    const auto [mesh, pixel, width, height] = mesh_range_map(map);
     EXPECT_GT(static_cast<double>(mesh.vertices.cols()),
               0.995 * static_cast<double>((map.z > 0).count()))
         << name;

@@ -20,19 +20,31 @@
 /// Meshes as users bring them: range maps with noise and holes, gloves, thin closed shapes.
 namespace palpate::geometry::test {
 
+/// [mm] depth of `bumpy` at s in [0, 1] from left to right and t in [0, 0.75] downwards.
+inline double bumpy_depth(double s, double t) {
+  constexpr double pi = std::numbers::pi;
+  const auto bell = [](double x, double y, double width) {
+    return std::exp(-(x * x + y * y) / (2 * width * width));
+  };
+  return 700 - (60 * bell(s - 0.5, t - 0.375, 0.18) +
+                12 * std::sin(6 * pi * s + 0.7) * std::cos(5 * pi * t) +
+                4 * std::sin(22 * pi * s) * std::sin(18 * pi * t));
+}
+
+/// Whether (s, t) lies in one of the two holes of `bumpy`.
+inline bool in_bumpy_hole(double s, double t) {
+  return std::hypot(s - 0.25, t - 0.25) < 0.06 || std::hypot(s - 0.75, t - 0.5) < 0.04;
+}
+
 /// A range map of about `triangle_count` triangles: a bump, waves and ripples 640..720 mm before a
 /// pinhole camera, two circular holes, each cell cut along its shorter diagonal, and uniform noise
 /// of +-`noise` mm on the depth.
 inline TriangleMesh bumpy(int triangle_count, double noise = 0, unsigned seed = 1) {
-  constexpr double pi = std::numbers::pi;
   const int rows = static_cast<int>(std::lround(std::sqrt(0.375 * triangle_count))) + 1;
   const int cols = static_cast<int>(std::lround((rows - 1) / 0.75)) + 1;
   const double focal_length = 1.2 * cols;
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> uniform(-noise, noise);
-  const auto bell = [](double x, double y, double width) {
-    return std::exp(-(x * x + y * y) / (2 * width * width));
-  };
   std::vector<Eigen::Vector3d> points(static_cast<size_t>(rows * cols));
   std::vector<bool> hole(points.size());
   for (int v = 0; v < rows; ++v) {
@@ -40,14 +52,10 @@ inline TriangleMesh bumpy(int triangle_count, double noise = 0, unsigned seed = 
       const auto i = static_cast<size_t>(v * cols + u);
       const double s = static_cast<double>(u) / (cols - 1);
       const double t = 0.75 * v / (rows - 1);
-      const double z = 700 -
-                       (60 * bell(s - 0.5, t - 0.375, 0.18) +
-                        12 * std::sin(6 * pi * s + 0.7) * std::cos(5 * pi * t) +
-                        4 * std::sin(22 * pi * s) * std::sin(18 * pi * t)) +
-                       (noise > 0 ? uniform(random) : 0);
+      const double z = bumpy_depth(s, t) + (noise > 0 ? uniform(random) : 0);
       points[i] = {(u - (cols - 1) / 2.0) / focal_length * z,
                    (v - (rows - 1) / 2.0) / focal_length * z, z};
-      hole[i] = std::hypot(s - 0.25, t - 0.25) < 0.06 || std::hypot(s - 0.75, t - 0.5) < 0.04;
+      hole[i] = in_bumpy_hole(s, t);
     }
   }
   std::vector<Eigen::Vector3i> triangles;

@@ -21,7 +21,9 @@ struct RangeMapMeshOptions {
 
 struct RangeMapMesh {
   TriangleMesh mesh;       ///< camera frame [mm]; normals point towards the camera
-  std::vector<int> pixel;  ///< row * cols + col of each vertex, ascending
+  std::vector<int> pixel;  ///< row * width + col of each vertex, ascending
+  int width = 0;           ///< [px] of the range map
+  int height = 0;          ///< [px]
 };
 
 /// Joins neighbouring pixels into triangles, two a cell of four pixels, along the shorter diagonal,

@@ -1,0 +1,15 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+
+#include "palpate/geometry/camera.h"
+
+namespace palpate::geometry {
+
+/// `pixel_rays` into memory that is there already, 2 x (width * height). Pre: the camera is valid.
+void fill_pixel_rays(const Camera& camera,
+                     Eigen::Ref<Eigen::Matrix2Xd, 0, Eigen::OuterStride<>> rays);
+
+}  // namespace palpate::geometry

@@ -1,0 +1,106 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/geometry/smoothing.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Core>
+#include <numeric>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "palpate/error.h"
+#include "palpate/geometry/mesh_topology.h"
+
+namespace palpate::geometry {
+namespace {
+
+constexpr double kMaxLambda = 0.6;
+// Vertices that one thread works on at a time.
+constexpr Eigen::Index kGrain = 4096;
+
+void check_options(const SmoothingOptions& options) {
+  if (options.iterations < 0)
+    throw InvalidInput("iterations is " + std::to_string(options.iterations) +
+                       "; a number of at least 0 is needed");
+  if (!(options.lambda > 0 && options.lambda <= kMaxLambda))
+    throw InvalidInput("lambda is " + std::to_string(options.lambda) +
+                       "; a number above 0 and up to 0.6 is needed");
+  if (!(options.pass_band > 0 && options.pass_band < 1))
+    throw InvalidInput("pass_band is " + std::to_string(options.pass_band) +
+                       "; a number above 0 and below 1 is needed");
+}
+
+/// The vertices that each vertex is drawn to, one list after the other.
+struct Neighbors {
+  std::vector<int> start;  ///< of each vertex, and the end
+  std::vector<int> vertex;
+};
+
+Neighbors list_neighbors(const TriangleMesh& mesh, bool keep_border) {
+  const Eigen::Matrix3Xi opposite = opposite_half_edges(mesh);
+  const auto from = [&](int h) { return mesh.triangles(h % 3, h / 3); };
+  const auto to = [&](int h) { return mesh.triangles((h + 1) % 3, h / 3); };
+  const auto at_border = [&](int h) { return opposite(h % 3, h / 3) < 0; };
+  std::vector<bool> border(static_cast<std::size_t>(mesh.vertices.cols()), false);
+  for (int h = 0; h < opposite.size(); ++h) {
+    if (at_border(h)) border[static_cast<std::size_t>(from(h))] = true;
+  }
+  // Every edge that leaves an inner vertex does so as a half-edge.
+  const auto visit_pairs = [&](const auto& visit) {
+    for (int h = 0; h < opposite.size(); ++h) {
+      if (!border[static_cast<std::size_t>(from(h))]) {
+        visit(from(h), to(h));
+      }
+      if (at_border(h) && !keep_border) {
+        visit(from(h), to(h));
+        visit(to(h), from(h));
+      }
+    }
+  };
+  Neighbors neighbors;
+  neighbors.start.assign(static_cast<std::size_t>(mesh.vertices.cols()) + 1, 0);
+  visit_pairs([&](int vertex, int) { ++neighbors.start[static_cast<std::size_t>(vertex) + 1]; });
+  std::partial_sum(neighbors.start.begin(), neighbors.start.end(), neighbors.start.begin());
+  neighbors.vertex.resize(static_cast<std::size_t>(neighbors.start.back()));
+  std::vector<int> place = neighbors.start;
+  visit_pairs([&](int vertex, int other) {
+    neighbors.vertex[static_cast<std::size_t>(place[static_cast<std::size_t>(vertex)]++)] = other;
+  });
+  return neighbors;
+}
+
+/// x + factor (mean of the neighbours - x) for every vertex.
+void move_to_mean(const Neighbors& neighbors, const Eigen::Matrix3Xd& x, double factor,
+                  Eigen::Matrix3Xd& moved) {
+  tbb::parallel_for(tbb::blocked_range<Eigen::Index>(0, x.cols(), kGrain), [&](const auto& range) {
+    for (Eigen::Index i = range.begin(); i < range.end(); ++i) {
+      const int first = neighbors.start[static_cast<std::size_t>(i)];
+      const int last = neighbors.start[static_cast<std::size_t>(i) + 1];
+      Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+      for (int k = first; k < last; ++k)
+        sum += x.col(neighbors.vertex[static_cast<std::size_t>(k)]) - x.col(i);
+      moved.col(i) = x.col(i);
+      if (last > first) moved.col(i) += factor / (last - first) * sum;
+    }
+  });
+}
+
+}  // namespace
+
+TriangleMesh smooth(const TriangleMesh& mesh, const SmoothingOptions& options) {
+  check_options(options);
+  const Neighbors neighbors = list_neighbors(mesh, options.keep_border);
+  const double mu = 1 / (options.pass_band - 1 / options.lambda);
+  TriangleMesh result = mesh;
+  Eigen::Matrix3Xd shrunk(3, mesh.vertices.cols());
+  for (int i = 0; i < options.iterations; ++i) {
+    move_to_mean(neighbors, result.vertices, options.lambda, shrunk);
+    move_to_mean(neighbors, shrunk, mu, result.vertices);
+  }
+  return result;
+}
+
+}  // namespace palpate::geometry
