@@ -5,9 +5,11 @@
 #include <gtest/gtest.h>
 
 #include <numbers>
+#include <random>
 #include <string>
 #include <vector>
 
+#include "mesh_corpus.h"
 #include "palpate/error.h"
 #include "test_surfaces.h"
 
@@ -110,6 +112,84 @@ TEST(GeodesicDistance, OnASphereIsThatOfGreatCircles) {
     EXPECT_LT(errors.mean, kMeanError);
     EXPECT_LT(errors.max, kMaxError);
   }
+}
+
+TEST(GeodesicDistance, OnAConeIsThatOfItsUnrolledSector) {
+  // A sector of 3 rad closed to a cone: its apex is sharp, and ways go round it on either side.
+  constexpr int kAround = 90;
+  constexpr int kRings = 40;
+  constexpr double kSector = 3;
+  constexpr double kSlant = 50;
+  const double slope = kSector / (2 * std::numbers::pi);  // radius over slant height
+  TriangleMesh cone;
+  cone.vertices.resize(3, kAround * kRings + 1);
+  cone.vertices.col(kAround * kRings).setZero();
+  Eigen::Matrix2Xd polar(2, cone.vertices.cols());  // slant height, angle on the sector
+  polar.col(kAround * kRings).setZero();
+  std::vector<Eigen::Vector3i> triangles;
+  for (int ring = 0; ring < kRings; ++ring) {
+    for (int i = 0; i < kAround; ++i) {
+      const int v = ring * kAround + i;
+      const int right = ring * kAround + (i + 1) % kAround;
+      polar.col(v) << kSlant * (ring + 1) / kRings, kSector * i / kAround;
+      const double angle = 2 * std::numbers::pi * i / kAround;
+      cone.vertices.col(v) =
+          polar(0, v) *
+          Vector3d(slope * std::cos(angle), slope * std::sin(angle), std::sqrt(1 - slope * slope));
+      if (ring == 0) {
+        triangles.emplace_back(kAround * kRings, v, right);
+      } else {
+        triangles.emplace_back(v - kAround, v, right);
+        triangles.emplace_back(v - kAround, right, right - kAround);
+      }
+    }
+  }
+  cone.triangles.resize(3, static_cast<Eigen::Index>(triangles.size()));
+  for (size_t t = 0; t < triangles.size(); ++t) {
+    cone.triangles.col(static_cast<Eigen::Index>(t)) = triangles[t];
+  }
+  const int source = 25 * kAround;  // at angle 0
+  int triangle = 0;
+  while ((cone.triangles.col(triangle).array() != source).all()) ++triangle;
+  const Vector3d corner = (cone.triangles.col(triangle).array() == source).cast<double>();
+  Eigen::VectorXd truth(cone.vertices.cols());
+  for (Eigen::Index v = 0; v < truth.size(); ++v) {
+    const double turn = std::min(polar(1, v), kSector - polar(1, v));
+    const double r = polar(0, source);
+    truth[v] = std::sqrt(r * r + polar(0, v) * polar(0, v) - 2 * r * polar(0, v) * std::cos(turn));
+  }
+  const Errors errors =
+      compare(from_one(cone, {.triangle = triangle, .barycentric = corner}).distance, truth, 4);
+  EXPECT_LT(errors.mean, kMeanError);
+  EXPECT_LT(errors.max, kMaxError);
+}
+
+TEST(GeodesicDistance, IsNearlyTheSameBackwards) {
+  const TriangleMesh mesh = test::bumpy(8000, 0.25);
+  std::vector<GeodesicDistance> from;
+  std::vector<int> vertices;
+  for (const int t : {37, 1500, 3333, 5001, 7600}) {
+    from.push_back(from_one(mesh, {.triangle = t, .barycentric = {0, 0, 1}}));
+    vertices.push_back(mesh.triangles(2, t));
+  }
+  for (size_t i = 0; i < from.size(); ++i) {
+    for (size_t j = 0; j < i; ++j) {
+      const double there = from[i].distance[vertices[j]];
+      EXPECT_NEAR(there, from[j].distance[vertices[i]], 2 * kMaxError * there);
+    }
+  }
+}
+
+TEST(GeodesicDistance, MovesAlongWithTheMesh) {
+  const TriangleMesh mesh = test::bumpy(3000, 0.25);
+  const std::vector<SurfacePoint> sources = {{7, {0.2, 0.3, 0.5}}, {901, {0.2, 0.3, 0.5}}};
+  Eigen::Isometry3d motion(Eigen::AngleAxisd(1.1, Vector3d(0.3, 0.5, -0.7).normalized()));
+  motion.pretranslate(Vector3d(100.1, -20.7, 3.3));
+  const GeodesicDistance expected = geodesic_distance(mesh, sources);
+  const GeodesicDistance moved = geodesic_distance(test::moved(mesh, motion), sources);
+  // Rounding may decide which of two triangles a wave goes through, which differs by little.
+  EXPECT_LT(compare(moved.distance, expected.distance, 0).max, 1e-6);
+  EXPECT_EQ(moved.label, expected.label);
 }
 
 /// A square plate with a square hole in its middle third.
@@ -296,6 +376,12 @@ TEST(GeodesicDistance, RefusesBadInputAndNamesIt) {
             std::string::npos);
   EXPECT_NE(refusal(sheet, {{.triangle = 0, .barycentric = {1, 1, 0}}}).find("source 0"),
             std::string::npos);
+  TriangleMesh broken = sheet;
+  broken.vertices(1, 3) = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_NE(refusal(broken, {good}).find("vertex 3 is not finite"), std::string::npos);
+  EXPECT_NE(
+      refusal(sheet, {{0, {1, std::numeric_limits<double>::quiet_NaN(), 0}}}).find("source 0"),
+      std::string::npos);
   for (const double radius : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()}) {
     EXPECT_NE(refusal(sheet, {good}, {.stop_radius = radius}).find("stop_radius"),
               std::string::npos);

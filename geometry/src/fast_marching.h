@@ -1,0 +1,17 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+
+#include "palpate/geometry/geodesic_distance.h"
+
+namespace palpate::geometry {
+
+/// What geodesic_distance answers with GeodesicMethod::fast_marching. Pre: mesh, sources and radius
+/// are checked.
+[[nodiscard]] GeodesicDistance fast_marching_distance(const TriangleMesh& mesh,
+                                                      std::span<const SurfacePoint> sources,
+                                                      double stop_radius);
+
+}  // namespace palpate::geometry
