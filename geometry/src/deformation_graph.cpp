@@ -1,0 +1,258 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/geometry/deformation_graph.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <numeric>
+#include <queue>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "palpate/error.h"
+
+namespace palpate::geometry {
+namespace {
+
+constexpr int kInfluences = DeformationGraph::kInfluences;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// The edges at each vertex, with their lengths.
+class EdgeLists {
+ public:
+  explicit EdgeLists(const TriangleMesh& mesh)
+      : first_(static_cast<std::size_t>(mesh.vertices.cols()) + 1, 0) {
+    std::vector<std::pair<int, int>> edges;
+    edges.reserve(static_cast<std::size_t>(2 * mesh.triangles.size()));
+    for (const auto& corners : mesh.triangles.colwise()) {
+      for (int k = 0; k < 3; ++k) {
+        edges.emplace_back(corners[k], corners[(k + 1) % 3]);
+        edges.emplace_back(corners[(k + 1) % 3], corners[k]);
+      }
+    }
+    std::ranges::sort(edges);
+    edges.erase(std::ranges::unique(edges).begin(), edges.end());
+    for (const auto& [from, to] : edges) {
+      ++first_[static_cast<std::size_t>(from) + 1];
+      ends_.push_back({to, (mesh.vertices.col(to) - mesh.vertices.col(from)).norm()});
+    }
+    std::partial_sum(first_.begin(), first_.end(), first_.begin());
+  }
+
+  struct End {
+    int vertex;
+    double length;
+  };
+  [[nodiscard]] std::span<const End> at(int vertex) const {
+    const auto v = static_cast<std::size_t>(vertex);
+    return std::span(ends_).subspan(first_[v], first_[v + 1] - first_[v]);
+  }
+  [[nodiscard]] bool is_loose(int vertex) const { return at(vertex).empty(); }
+
+ private:
+  std::vector<std::size_t> first_;
+  std::vector<End> ends_;
+};
+
+/// A way to a vertex. The shortest goes first; the rest makes the order unique.
+struct Way {
+  double length;
+  int vertex;
+  int node;
+  bool operator>(const Way& other) const {
+    return std::tie(length, node, vertex) > std::tie(other.length, other.node, other.vertex);
+  }
+};
+using Ways = std::priority_queue<Way, std::vector<Way>, std::greater<>>;
+
+/// Farthest-point sampling: each new node is the vertex that is farthest from all before, or, first
+/// of all, one that none of them can reach. Returns vertices.
+std::vector<int> choose_nodes(const EdgeLists& edges, Eigen::Index vertex_count, int wanted) {
+  std::vector<double> distance(static_cast<std::size_t>(vertex_count), kInfinity);
+  const auto at = [&](int v) -> double& { return distance[static_cast<std::size_t>(v)]; };
+  // The farthest vertex; entries that are out of date are put back with their true distance.
+  std::priority_queue<std::pair<double, int>> farthest;
+  for (int v = static_cast<int>(vertex_count) - 1; v >= 0; --v) {
+    if (!edges.is_loose(v)) farthest.emplace(kInfinity, -v);  // of equals the lowest index
+  }
+  std::vector<int> nodes;
+  while (!farthest.empty()) {
+    const auto [known, negative] = farthest.top();
+    const int node = -negative;
+    farthest.pop();
+    if (at(node) < known) {
+      if (at(node) > 0) farthest.emplace(at(node), negative);
+      continue;
+    }
+    if (static_cast<int>(nodes.size()) >= wanted && known < kInfinity) break;
+    nodes.push_back(node);
+    at(node) = 0;
+    Ways ways;
+    ways.push({0, node, 0});
+    while (!ways.empty()) {
+      const Way way = ways.top();
+      ways.pop();
+      if (way.length > at(way.vertex)) continue;
+      for (const auto& [vertex, length] : edges.at(way.vertex)) {
+        const double through = way.length + length;
+        if (through >= at(vertex)) continue;
+        at(vertex) = through;
+        ways.push({through, vertex, 0});
+      }
+    }
+  }
+  return nodes;
+}
+
+/// The nodes nearest to a vertex, one more than move it, nearest first.
+struct Nearest {
+  std::array<double, kInfluences + 1> distance;
+  std::array<int, kInfluences + 1> node;
+  int count = 0;
+  [[nodiscard]] bool has(int wanted) const {
+    return std::find(node.begin(), node.begin() + count, wanted) != node.begin() + count;
+  }
+};
+
+/// Dijkstra's shortest paths from all nodes at once; a vertex passes on the first few that come.
+std::vector<Nearest> nearest_nodes(const EdgeLists& edges, Eigen::Index vertex_count,
+                                   const std::vector<int>& nodes) {
+  std::vector<Nearest> nearest(static_cast<std::size_t>(vertex_count));
+  Ways ways;
+  for (int i = 0; i < static_cast<int>(nodes.size()); ++i) {
+    ways.push({0, nodes[static_cast<std::size_t>(i)], i});
+  }
+  const auto wants = [&](int vertex, int node) {
+    const Nearest& here = nearest[static_cast<std::size_t>(vertex)];
+    return here.count <= kInfluences && !here.has(node);
+  };
+  while (!ways.empty()) {
+    const Way way = ways.top();
+    ways.pop();
+    if (!wants(way.vertex, way.node)) continue;
+    Nearest& here = nearest[static_cast<std::size_t>(way.vertex)];
+    here.distance[static_cast<std::size_t>(here.count)] = way.length;
+    here.node[static_cast<std::size_t>(here.count++)] = way.node;
+    for (const auto& [vertex, length] : edges.at(way.vertex)) {
+      if (wants(vertex, way.node)) ways.push({way.length + length, vertex, way.node});
+    }
+  }
+  return nearest;
+}
+
+/// w = (1 - d / d_last)^2, d_last to the first node that has no influence (Sumner et al., eq. 5),
+/// or, where the piece of surface has fewer nodes, so far that the last of them counts half.
+void weigh(const Nearest& nearest, DeformationGraph::Influences::ColXpr influences,
+           DeformationGraph::Weights::ColXpr weights) {
+  const int count = std::min(nearest.count, kInfluences);
+  const double last = nearest.count > kInfluences
+                          ? nearest.distance[kInfluences]
+                          : 2 * nearest.distance[static_cast<std::size_t>(count - 1)];
+  std::array<std::pair<int, double>, kInfluences> of_nodes;
+  double sum = 0;
+  for (int k = 0; k < kInfluences; ++k) {
+    const auto i = static_cast<std::size_t>(std::min(k, count - 1));
+    double weight = 0;
+    if (k < count) {
+      const double fraction = last > 0 ? 1 - nearest.distance[i] / last : 1;
+      weight = fraction * fraction;
+    }
+    of_nodes[static_cast<std::size_t>(k)] = {nearest.node[i], weight};
+    sum += weight;
+  }
+  if (!(sum > 0)) {  // the vertex is as far from all
+    for (int k = 0; k < count; ++k) of_nodes[static_cast<std::size_t>(k)].second = 1;
+    sum = count;
+  }
+  std::ranges::sort(of_nodes);
+  for (int k = 0; k < kInfluences; ++k) {
+    influences[k] = of_nodes[static_cast<std::size_t>(k)].first;
+    weights[k] = of_nodes[static_cast<std::size_t>(k)].second / sum;
+  }
+}
+
+Eigen::Matrix2Xi node_pairs(const DeformationGraph::Influences& influences,
+                            const DeformationGraph::Weights& weights) {
+  std::vector<std::pair<int, int>> pairs;
+  std::pair<int, int> last{-1, -1};
+  for (Eigen::Index v = 0; v < influences.cols(); ++v) {
+    for (int i = 0; i < kInfluences; ++i) {
+      for (int j = i + 1; j < kInfluences; ++j) {
+        if (weights(i, v) == 0 || weights(j, v) == 0) continue;
+        const std::pair<int, int> pair{influences(i, v), influences(j, v)};
+        if (pair != last) pairs.push_back(pair);
+        last = pair;
+      }
+    }
+  }
+  std::ranges::sort(pairs);
+  pairs.erase(std::ranges::unique(pairs).begin(), pairs.end());
+  Eigen::Matrix2Xi edges(2, static_cast<Eigen::Index>(pairs.size()));
+  for (std::size_t e = 0; e < pairs.size(); ++e) {
+    edges.col(static_cast<Eigen::Index>(e)) << pairs[e].first, pairs[e].second;
+  }
+  return edges;
+}
+
+}  // namespace
+
+DeformationGraph::DeformationGraph(TriangleMesh mesh, const DeformationGraphOptions& options)
+    : mesh_(std::move(mesh)) {
+  if (options.nodes < 1) {
+    throw InvalidInput("DeformationGraph: nodes is " + std::to_string(options.nodes) +
+                       "; it must be >= 1");
+  }
+  check_mesh(mesh_, "DeformationGraph");
+  normals_ = vertex_normals(mesh_);
+  const EdgeLists edge_lists(mesh_);
+  const Eigen::Index vertex_count = mesh_.vertices.cols();
+  const std::vector<int> node_vertices = choose_nodes(edge_lists, vertex_count, options.nodes);
+  nodes_ = mesh_.vertices(Eigen::all, node_vertices);
+
+  const std::vector<Nearest> nearest = nearest_nodes(edge_lists, vertex_count, node_vertices);
+  influences_.resize(kInfluences, vertex_count);
+  weights_.resize(kInfluences, vertex_count);
+  for (Eigen::Index v = 0; v < vertex_count; ++v) {
+    if (edge_lists.is_loose(static_cast<int>(v))) {
+      Eigen::Index node = 0;
+      (nodes_.colwise() - mesh_.vertices.col(v)).colwise().squaredNorm().minCoeff(&node);
+      influences_.col(v).setConstant(static_cast<int>(node));
+      weights_.col(v) << 1, Eigen::Vector<double, kInfluences - 1>::Zero();
+    } else {
+      weigh(nearest[static_cast<std::size_t>(v)], influences_.col(v), weights_.col(v));
+    }
+  }
+  edges_ = node_pairs(influences_, weights_);
+  for (const auto& edge : edges_.colwise()) {
+    spacing_ += (nodes_.col(edge[1]) - nodes_.col(edge[0])).norm();
+  }
+  spacing_ =
+      edges_.cols() > 0 ? spacing_ / static_cast<double>(edges_.cols()) : bounding_diagonal(mesh_);
+}
+
+Eigen::Matrix3Xd deformed_vertices(const DeformationGraph& graph,
+                                   std::span<const Eigen::Isometry3d> node_motions) {
+  if (node_motions.size() != static_cast<std::size_t>(graph.nodes().cols())) {
+    throw InvalidInput("deformed_vertices: " + std::to_string(node_motions.size()) +
+                       " node motions were given, the graph has " +
+                       std::to_string(graph.nodes().cols()) + " nodes; pass one for each");
+  }
+  Eigen::Matrix3Xd vertices(3, graph.mesh().vertices.cols());
+  tbb::parallel_for(Eigen::Index{0}, vertices.cols(), [&](Eigen::Index v) {
+    const Eigen::Vector3d rest = graph.mesh().vertices.col(v);
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (int k = 0; k < kInfluences; ++k) {
+      const auto node = static_cast<std::size_t>(graph.influences()(k, v));
+      sum += graph.weights()(k, v) * (node_motions[node] * rest);
+    }
+    vertices.col(v) = sum;
+  });
+  return vertices;
+}
+
+}  // namespace palpate::geometry
