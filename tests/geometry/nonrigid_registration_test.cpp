@@ -127,6 +127,8 @@ TEST(RegisterDeformed, ToleratesNoiseHolesAndATool) {
   hidden.flip();
   EXPECT_LT(errors(found.vertices, moved.vertices, hidden).rms, 1.5);
   // Under the tool nothing is measured of the surface; it has followed by most of the dent.
+  const double gate = NonRigidOptions{}.min_correspondence * bounding_diagonal(rest_mesh());
+  double least_confident = 1;
   long behind = 0;
   long named = 0;
   for (std::size_t v = 0; v < before_tool.size(); ++v) {
@@ -135,6 +137,13 @@ TEST(RegisterDeformed, ToleratesNoiseHolesAndATool) {
     EXPECT_EQ(on_map, found.sight[v] == VertexSight::seen);
     EXPECT_EQ(on_map, found.pixel[v] >= 0);
     EXPECT_EQ(on_map, found.confidence[i] > 0);
+    if (on_map) {
+      // Tukey's biweight of the distance from the plane, which is at most that along the ray.
+      const double along_ray = (found.measured.col(i) - found.vertices.col(i)).norm();
+      const double fraction = std::min(1.0, along_ray / gate);
+      EXPECT_GE(found.confidence[i], std::pow(1 - fraction * fraction, 2) - 1e-12);
+      least_confident = std::min(least_confident, found.confidence[i]);
+    }
     if (before_tool[v] || (moved.vertices.col(i) - tip).norm() < 30) continue;
     ++behind;
     named += found.sight[v] == VertexSight::occluded || found.sight[v] == VertexSight::hole ||
@@ -142,6 +151,7 @@ TEST(RegisterDeformed, ToleratesNoiseHolesAndATool) {
                  ? 1
                  : 0;
   }
+  EXPECT_LT(least_confident, 0.95);
   EXPECT_GT(behind, 50);
   EXPECT_GT(named, 0.85 * static_cast<double>(behind));
 }
