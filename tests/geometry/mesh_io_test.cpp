@@ -129,9 +129,9 @@ TEST(MeshIo, PutsThePartsOfASceneWhereItPlacesThem) {
   const TriangleMesh mesh = read_mesh(folder / "mesh.gltf");
   EXPECT_EQ(mesh.triangles.cols(), 8);
   EXPECT_EQ(mesh.vertices.cols(), 8);
-  EXPECT_EQ(mesh.vertices.row(0).maxCoeff(), 22);
-  EXPECT_EQ(mesh.vertices.row(2).minCoeff(), -1);
-  EXPECT_NEAR(volume(mesh), 9.0 / 6, 1e-12);
+  EXPECT_EQ(mesh.vertices.row(0).maxCoeff(), 22000);  // glTF is in metres
+  EXPECT_EQ(mesh.vertices.row(2).minCoeff(), -1000);
+  EXPECT_NEAR(volume(mesh), 9e9 / 6, 1e-3);
 }
 
 TEST(MeshIo, RefusesWhatIsMissingEmptyGarbageOrOfAnotherKind) {
@@ -162,8 +162,8 @@ TEST(MeshIo, RefusesWhatAssimpFindsDamaged) {
 
 TEST(MeshIo, RefusesToWriteAnotherFormatOrABadMesh) {
   const ScratchFolder folder;
-  EXPECT_THROWS_MESSAGE(write_mesh(folder / "mesh.stl", awkward_mesh()), InvalidInput,
-                        "as .ply or .obj, not as \".stl\"");
+  EXPECT_THROWS_MESSAGE(write_mesh(folder / "mesh.off", awkward_mesh()), InvalidInput,
+                        "as .ply, .obj or .stl, not as \".off\"");
   TriangleMesh mesh = awkward_mesh();
   mesh.vertices(1, 3) = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROWS_MESSAGE(write_mesh(folder / "mesh.ply", mesh), InvalidInput,

@@ -18,11 +18,12 @@ TriangleMesh read(const std::string& content) {
 }
 
 const std::string kVertices = "# a square\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1.1\n";
+const std::string kNormals = "vn 0 0 1\nvn 0 0.6 0.8\n";
 
 TEST(Obj, ReadsEveryWayToNameACorner) {
-  for (const char* face : {"f 1 2 3", "f 1/1 2/2 3/3", "f 1//7 2//7 3//7", "f 1/4/7 2/5/7 3/6/7",
+  for (const char* face : {"f 1 2 3", "f 1/1 2/2 3/3", "f 1//1 2//1 3//2", "f 1/4/1 2/5/-1 3/6/-2",
                            "f -4 -3 -2", "  f\t1 2 3  # a comment", "f 1 \\\n 2 3", "f 1 2 3\r"}) {
-    const TriangleMesh mesh = read(kVertices + face + "\n");
+    const TriangleMesh mesh = read(kVertices + kNormals + face + "\n");
     EXPECT_EQ(mesh.vertices.cols(), 4) << face;
     ASSERT_EQ(mesh.triangles.cols(), 1) << face;
     EXPECT_EQ(mesh.triangles.col(0), Eigen::Vector3i(0, 1, 2)) << face;
@@ -45,6 +46,8 @@ TEST(Obj, RefusesWithTheLine) {
   refuse(kVertices + "f 1 2 0\n", "line 6");
   refuse(kVertices + "f 1 2 -5\n", "line 6");
   refuse(kVertices + "f 1 \\\n2 \\\n3\nf 1 2 x\n", "line 9: \"x\"");
+  refuse(kVertices + kNormals + "f 1//1 2//1 3//3\n", "line 8: \"3\" is not a normal; 2 came");
+  refuse(kVertices + "vn 0 0\n", "line 6: a normal needs three numbers, not 2");
   refuse(kVertices + "f 1 2\n", "line 6: a face needs at least 3 corners, not 2");
   refuse("v 0 0\n", "line 1: a vertex needs three numbers");
   refuse("v 0 0 1e\n", "not \"1e\"");

@@ -142,8 +142,12 @@ TEST(Ply, AHugeCountTakesNoMemory) {
   }
   expect_refused(replaced(kSquare, "vertex 4", "vertex 99999999999999999999"),
                  "line 3 of the header");
-  expect_refused(replaced(kSquare, "4 0 1 2 3", "2000000000 0 1 2 3"), "the file ends here");
-  expect_refused(replaced(kSquare, "4 0 1 2 3", "-4 0 1 2 3"), "impossible size");
+  expect_refused(replaced(kSquare, "4 0 1 2 3", "250 0 1 2 3"), "the file ends here");
+  expect_refused(replaced(kSquare, "4 0 1 2 3", "2000000000 0 1 2 3"),
+                 "\"2000000000\" is not a number of type uchar");
+  const std::string wide = replaced(kSquare, "list uchar", "list int");
+  expect_refused(replaced(wide, "4 0 1 2 3", "2000000000 0 1 2 3"), "the file ends here");
+  expect_refused(replaced(wide, "4 0 1 2 3", "-4 0 1 2 3"), "impossible size -4");
 }
 
 TEST(Ply, RefusesABadIndexByFaceAndCorner) {
@@ -151,7 +155,7 @@ TEST(Ply, RefusesABadIndexByFaceAndCorner) {
                  "face 0, corner 3: there is no vertex 4; the file has 4");
   expect_refused(replaced(kSquare, "4 0 1 2 3", "4 0 1 -2 3"), "corner 2: there is no vertex -2");
   expect_refused(replaced(kSquare, "4 0 1 2 3", "4 0 1.5 2 3"),
-                 "corner 1 is not the number of a vertex");
+                 "line 14: \"1.5\" is not a number of type int for property vertex_indices");
   expect_refused(replaced(kSquare, "4 0 1 2 3", "2 0 1"), "has 2 corners; at least 3");
 }
 
