@@ -10,6 +10,7 @@
 #include <set>
 #include <type_traits>
 
+#include "input_file.h"
 #include "palpate/error.h"
 
 namespace palpate::geometry {
@@ -130,12 +131,9 @@ void check_attributes(const Attributes& attributes, Eigen::Index elements, const
     const auto refuse = [&](const std::string& reason) {
       throw InvalidInput(std::string(what) + ": attribute \"" + attribute.name + "\" " + reason);
     };
-    // Behind ~ come the bytes of UTF-8, which are let through.
-    const bool is_word = !attribute.name.empty() &&
-                         std::none_of(attribute.name.begin(), attribute.name.end(), [](char c) {
-                           return static_cast<unsigned char>(c) <= ' ' || c == '\x7f';
-                         });
-    if (!is_word) refuse("needs a name that is one word");
+    std::string_view rest = attribute.name;
+    if (attribute.name.empty() || next_word(rest) != attribute.name)
+      refuse("needs a name that is one word");
     if (!names.insert(attribute.name).second) refuse("is there twice");
     std::size_t numbers = attribute.list_sizes.empty() ? number_count(attribute.values) : 0;
     for (const int size : attribute.list_sizes) {

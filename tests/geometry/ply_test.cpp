@@ -128,7 +128,7 @@ TEST(Ply, RefusesEveryTruncation) {
   const ScratchFolder folder;
   for (const std::string& whole : {rich_binary(std::endian::little), rich_binary(std::endian::big)})
     for (std::size_t size = 0; size < whole.size(); ++size) {
-      write_text(folder / "mesh.ply", whole.substr(0, size));
+      overwrite(folder / "mesh.ply", whole.substr(0, size));
       EXPECT_THROW(static_cast<void>(read_mesh(folder / "mesh.ply")), FileError) << size;
     }
 }
