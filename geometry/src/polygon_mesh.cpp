@@ -201,6 +201,7 @@ void join_corners(PolygonMesh& mesh) {
     if (is_new) vertices.push_back(vertex);
     joined.push_back(place->second);
   }
+  if (vertices.size() == mesh.vertices.size()) return;  // no two are at one place
   mesh.vertices = std::move(vertices);
   mesh.corners = std::move(joined);
   mesh.vertex_attributes.clear();

@@ -36,7 +36,8 @@ struct PolygonMesh {
 
 /// A format that lists the corners of every face anew loses which faces are neighbours. Exactly
 /// equal places tell it again; near ones are left alone, as only the user can say what near is.
-/// Does nothing if vertices are shared already, or one is not finite. Drops vertex attributes.
+/// Does nothing if vertices are shared already, or one is not finite. Where corners become one,
+/// vertex attributes are dropped.
 void join_corners(PolygonMesh& mesh);
 
 }  // namespace palpate::geometry

@@ -75,6 +75,22 @@ std::string gltf() {
 "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}]})";
 }
 
+/// The same as one binary file: a header and two chunks, each with its length.
+std::string glb() {
+  std::string json = R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[
+{"mesh":0}],"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],"buffers":[{"byteLength":36}],
+"bufferViews":[{"buffer":0,"byteLength":36}],
+"accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}]})";
+  json.resize((json.size() + 3) / 4 * 4, ' ');
+  const auto word = [](std::size_t number) {
+    return std::string{static_cast<char>(number), static_cast<char>(number >> 8), '\0', '\0'};
+  };
+  std::string corners(36, '\0');
+  for (const std::size_t one : {12U, 28U}) corners.replace(one, 4, std::string("\0\0\x80\x3f", 4));
+  return "glTF" + word(2) + word(28 + json.size() + 36) + word(json.size()) + "JSON" + json +
+         word(36) + std::string("BIN\0", 4) + corners;
+}
+
 std::vector<Sample> samples() {
   const MeshFile file = small_file();
   const std::string strips =
@@ -95,7 +111,8 @@ std::vector<Sample> samples() {
           {".pcd", pcd(Encoding::binary)},
           {".pcd", pcd(Encoding::text), false},
           {".pcd", compressed_pcd()},
-          {".gltf", gltf()}};
+          {".gltf", gltf()},
+          {".glb", glb()}};
 }
 
 /// Runs `read`, which either gives something that `check` finds sound, or refuses with the file's
@@ -206,7 +223,7 @@ std::string damaged(std::string content, std::mt19937& random) {
 }
 
 TEST(BrokenFiles, RandomDamageIsRefusedOrHarmlessAndTakesLittleMemory) {
-  constexpr int kRounds = 500;
+  constexpr int kRounds = 1000;
   const ScratchFolder folder;
   std::mt19937 random(20);
   for (const Sample& sample : samples()) {

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <string>
@@ -83,6 +84,42 @@ TEST(MeshIo, PutsThePartsOfASceneWhereItPlacesThem) {
   EXPECT_EQ(mesh.vertices.row(0).maxCoeff(), 22000);  // glTF is in metres
   EXPECT_EQ(mesh.vertices.row(2).minCoeff(), -1000);
   EXPECT_NEAR(volume(mesh), 9e9 / 6, 1e-3);
+}
+
+/// One triangle with normals and colours, stretched along z.
+const std::string kColoredGltf = R"({"asset": {"version": "2.0"}, "scene": 0,
+    "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0, "scale": [1, 1, 2]}],
+    "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "NORMAL": 1, "COLOR_0": 2}}]}],
+    "buffers": [{"uri": "mesh.bin", "byteLength": 120}],
+    "bufferViews": [{"buffer": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 36, "byteLength": 36},
+      {"buffer": 0, "byteOffset": 72, "byteLength": 48}],
+    "accessors": [
+      {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"},
+      {"bufferView": 1, "componentType": 5126, "count": 3, "type": "VEC3"},
+      {"bufferView": 2, "componentType": 5126, "count": 3, "type": "VEC4"}]})";
+
+TEST(MeshIo, KeepsTheNormalsAndColorsOfAScene) {
+  const ScratchFolder folder;
+  std::string bytes;
+  const auto put = [&](std::initializer_list<float> numbers) {
+    for (const float number : numbers) {
+      const auto raw = std::bit_cast<std::array<char, 4>>(number);
+      bytes.append(raw.data(), raw.size());
+    }
+  };
+  // In the plane x = z, and so are its normals of (-1 0 1); stretched twofold, it is 2 x = z.
+  put({0, 0, 0, 1, 0, 1, 0, 1, 0});
+  for (int i = 0; i < 3; ++i) put({-std::sqrt(0.5F), 0, std::sqrt(0.5F)});
+  for (int i = 0; i < 3; ++i) put({1, 0.25, 0, 0.5});
+  write_text(folder / "mesh.bin", bytes);
+  write_text(folder / "mesh.gltf", kColoredGltf);
+  const MeshFile file = read_mesh_file(folder / "mesh.gltf");
+  EXPECT_EQ(file.unit.source, UnitSource::declared);
+  EXPECT_EQ(file.mesh.vertices.col(1), Eigen::Vector3d(1000, 0, 2000));
+  ASSERT_TRUE(normals(file.vertex_attributes));
+  EXPECT_LE((*normals(file.vertex_attributes) - vertex_normals(file.mesh)).norm(), 1e-6);  // float
+  ASSERT_TRUE(colors(file.vertex_attributes));
+  EXPECT_EQ(colors(file.vertex_attributes)->col(2), Eigen::Vector4d(1, 0.25, 0, 0.5));
 }
 
 TEST(MeshIo, RefusesWhatIsMissingEmptyGarbageOrOfAnotherKind) {

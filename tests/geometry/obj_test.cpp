@@ -7,6 +7,7 @@
 #include "file_testing.h"
 #include "palpate/error.h"
 #include "palpate/geometry/mesh_io.h"
+#include "random_mesh_file.h"
 
 namespace palpate::geometry {
 namespace {
@@ -36,6 +37,61 @@ TEST(Obj, SkipsWhatIsNoGeometryAndKeepsDoubles) {
       "v 1 0 1\nv 1 1 1\ng a\nusemtl b\ns 1\nf 1 2 3\nl 1 2\n");
   EXPECT_EQ(mesh.vertices(0, 0), 1000.0000000000001);
   EXPECT_EQ(mesh.triangles.cols(), 1);
+}
+
+MeshFile read_file(const std::string& content) {
+  const ScratchFolder folder;
+  write_text(folder / "mesh.obj", content);
+  return read_mesh_file(folder / "mesh.obj");
+}
+
+TEST(Obj, NormalsAreKeptWhereEveryVertexHasOne) {
+  const std::string two = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nvn 0 0 1\nvn 0 0.6 0.8\nvn 0 0 1\n";
+  const MeshFile file = read_file(two + "f 1//1 2//2 3/1/1\nf 2//2 4//1 3//3\n");
+  Eigen::Matrix3Xd expected(3, 4);
+  expected << 0, 0, 0, 0, 0, 0.6, 0, 0, 1, 0.8, 1, 1;
+  ASSERT_TRUE(normals(file.vertex_attributes));
+  EXPECT_EQ(*normals(file.vertex_attributes), expected);
+  EXPECT_FALSE(normals(read_file(two + "f 1//1 2//2 3//1\nf 2//1 4//1 3//3\n").vertex_attributes));
+  EXPECT_FALSE(normals(read_file(two + "f 1//1 2//2 3//1\n").vertex_attributes));
+  EXPECT_FALSE(normals(read_file(two + "f 1 2 3 4\n").vertex_attributes));
+}
+
+TEST(Obj, ColorsAreKeptWhereEveryVertexHasOne) {
+  const std::string faces = "f 1 2 3\n";
+  const MeshFile file = read_file("v 0 0 0 1 0 0\nv 1 0 0 0 0.1 0 # red\nv 0 1 0 0 0 1\n" + faces);
+  ASSERT_TRUE(colors(file.vertex_attributes));
+  EXPECT_EQ(colors(file.vertex_attributes)->col(1), Eigen::Vector4d(0, 0.1, 0, 1));
+  EXPECT_TRUE(
+      read_file("v 0 0 0 1 0 0\nv 1 0 0\nv 0 1 0 0 0 1\n" + faces).vertex_attributes.empty());
+  EXPECT_TRUE(read_file("v 0 0 0 1\nv 1 0 0 1\nv 0 1 0 1\n" + faces).vertex_attributes.empty());
+}
+
+TEST(Obj, NormalsColorsAndCommentsComeBack) {
+  const ScratchFolder folder;
+  MeshFile file = random_mesh_file(2);
+  file.triangle_attributes.clear();
+  file.vertex_attributes.clear();
+  const Eigen::Index vertices = file.mesh.vertices.cols();
+  std::mt19937_64 random(7);
+  set_normals(file.vertex_attributes, random_points(vertices, random));
+  for (const char* channel : {"red", "green", "blue"})
+    set_attribute(file.vertex_attributes, {channel, std::vector<double>(42, 0.1), {}});
+  write_mesh_file(folder / "mesh.obj", file);
+  expect_same(read_mesh_file(folder / "mesh.obj"), file);
+  // Bytes become numbers from 0 to 1, from which they can be told again.
+  Eigen::Matrix3Xd bytes = Eigen::Matrix3Xd::NullaryExpr(
+      3, vertices, [&] { return static_cast<double>(random() % 256) / 255; });
+  set_colors(file.vertex_attributes, bytes);
+  write_mesh_file(folder / "mesh.obj", file);
+  EXPECT_EQ(colors(read_mesh_file(folder / "mesh.obj").vertex_attributes)->topRows<3>(), bytes);
+}
+
+TEST(Obj, PointsHaveTheirNormalsInOrder) {
+  const ScratchFolder folder;
+  write_text(folder / "a.obj", "v 0 0 0\nvn 0 0 1\nv 1 0 0\nvn 1 0 0\n");
+  EXPECT_EQ(normals(read_point_cloud(folder / "a.obj").attributes)->col(1),
+            Eigen::Vector3d(1, 0, 0));
 }
 
 TEST(Obj, RefusesWithTheLine) {
