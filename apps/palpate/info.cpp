@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <fstream>
@@ -26,6 +27,11 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
+
+struct InfoCall {
+  fs::path path;
+  geometry::ReadOptions meshes;
+};
 
 /// What a file is, in numbers and in words.
 struct Description {
@@ -62,26 +68,73 @@ Description describe_image(const fs::path& path) {
                       image.channels(), bits)};
 }
 
-Description describe_mesh(const fs::path& path) {
-  const geometry::TriangleMesh mesh = geometry::read_mesh(path);
+std::vector<std::string> names_of(const geometry::Attributes& attributes) {
+  std::vector<std::string> names;
+  for (const geometry::Attribute& attribute : attributes) names.push_back(attribute.name);
+  return names;
+}
+
+std::string in_words(const char* what, const geometry::Attributes& attributes) {
+  return attributes.empty()
+             ? std::string()
+             : fmt::format("; of each {}: {}", what, fmt::join(names_of(attributes), " "));
+}
+
+const char* name_of(geometry::UnitSource source) {
+  switch (source) {
+    case geometry::UnitSource::stated:
+      return "stated";
+    case geometry::UnitSource::declared:
+      return "declared";
+    case geometry::UnitSource::assumed:
+      break;
+  }
+  return "assumed";
+}
+
+std::string in_words(const geometry::FileUnit& unit) {
+  return fmt::format("; its unit is {} mm, as {}", unit.length,
+                     unit.source == geometry::UnitSource::stated     ? "--unit says"
+                     : unit.source == geometry::UnitSource::declared ? "it declares"
+                                                                     : "it declares none (--unit)");
+}
+
+Description describe_mesh(const fs::path& path, const geometry::ReadOptions& options) {
+  const geometry::MeshFile file = geometry::read_mesh_file(path, options);
+  const geometry::TriangleMesh& mesh = file.mesh;
   const Eigen::Vector3d low = mesh.vertices.rowwise().minCoeff();
   const Eigen::Vector3d high = mesh.vertices.rowwise().maxCoeff();
   return {{{"kind", "mesh"},
            {"vertices", mesh.vertices.cols()},
            {"triangles", mesh.triangles.cols()},
            {"min", {low.x(), low.y(), low.z()}},
-           {"max", {high.x(), high.y(), high.z()}}},
+           {"max", {high.x(), high.y(), high.z()}},
+           {"unit", file.unit.length},
+           {"unit_source", name_of(file.unit.source)},
+           {"vertex_attributes", names_of(file.vertex_attributes)},
+           {"triangle_attributes", names_of(file.triangle_attributes)}},
           fmt::format("mesh, {} vertices, {} triangles; X {:.1f} to {:.1f}, Y {:.1f} to {:.1f}, Z "
                       "{:.1f} to {:.1f} mm",
                       mesh.vertices.cols(), mesh.triangles.cols(), low.x(), high.x(), low.y(),
-                      high.y(), low.z(), high.z())};
+                      high.y(), low.z(), high.z()) +
+              in_words(file.unit) + in_words("vertex", file.vertex_attributes) +
+              in_words("triangle", file.triangle_attributes)};
 }
 
-Description describe_points(const fs::path& path) {
-  const Eigen::Matrix3Xd points = geometry::read_points(path);
-  const auto known = (points.array() == points.array()).colwise().all().count();
-  return {{{"kind", "points"}, {"points", points.cols()}, {"known", known}},
-          fmt::format("point cloud, {} points, {} of them known", points.cols(), known)};
+Description describe_points(const fs::path& path, const geometry::ReadOptions& options) {
+  const geometry::PointCloud cloud = geometry::read_point_cloud(path, options);
+  const auto known = (cloud.points.array() == cloud.points.array()).colwise().all().count();
+  return {{{"kind", "points"},
+           {"points", cloud.points.cols()},
+           {"known", known},
+           {"width", cloud.width},
+           {"height", cloud.height},
+           {"unit", cloud.unit.length},
+           {"unit_source", name_of(cloud.unit.source)},
+           {"attributes", names_of(cloud.attributes)}},
+          fmt::format("point cloud, {} x {} points, {} of them known", cloud.width, cloud.height,
+                      known) +
+              in_words(cloud.unit) + in_words("point", cloud.attributes)};
 }
 
 Description describe_acquisition(const fs::path& path) {
@@ -190,30 +243,32 @@ Description describe_folder(const fs::path& path) {
                       static_cast<long>(files.size()) - maps)};
 }
 
-Description describe(const fs::path& path) {
+Description describe(const fs::path& path, const geometry::ReadOptions& options) {
   if (is_folder(path)) return describe_folder(path);
   const std::string extension = path.extension().string();
   if (is_range_map(path)) return describe_range_map(path);
   if (extension == ".db") return describe_acquisition(path);
   if (extension == ".yaml" || extension == ".yml") return describe_yaml(path);
   if (extension == ".csv") return describe_csv(path);
-  if (extension == ".pcd") return describe_points(path);
+  if (extension == ".pcd") return describe_points(path, options);
   if (path.filename() == "field.json" || path.filename() == "field.cbor")
     return describe_model(path.parent_path());
   if (is_image(path)) return describe_image(path);
-  return describe_mesh(path);
+  return describe_mesh(path, options);
 }
 
 }  // namespace
 
 void add_info(CLI::App& app, const Settings& settings) {
-  auto path = std::make_shared<fs::path>();
+  auto call = std::make_shared<InfoCall>();
   CLI::App* command = app.add_subcommand("info", "What a file is, in words and numbers");
-  command->add_option("FILE", *path, "Any file or folder that Palpate reads or writes")->required();
+  command->add_option("FILE", call->path, "Any file or folder that Palpate reads or writes")
+      ->required();
+  add_unit_option(*command, call->meshes);
   command->footer("Example:\n  palpate info model/");
-  command->callback([path, &settings] {
-    const Description description = describe(*path);
-    print(settings, description.figures, path->string() + ": " + description.prose);
+  command->callback([call, &settings] {
+    const Description description = describe(call->path, call->meshes);
+    print(settings, description.figures, call->path.string() + ": " + description.prose);
   });
 }
 

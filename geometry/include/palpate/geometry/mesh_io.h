@@ -42,7 +42,7 @@ struct MeshFile {
 };
 
 /// What a file of points holds. Points of a depth camera are organised: the point of column u and
-/// row v is number v * width + u.
+/// row v is number v * width + u, as `back_project` gives them.
 struct PointCloud {
   Eigen::Matrix3Xd points;  ///< [mm] 3 x N; NaN where unknown
   Eigen::Index width = 0;   ///< width * height = N
