@@ -84,13 +84,19 @@ class Body {
   }
 
   void read_rows(Attributes& columns) {
-    for (Attribute& column : columns) reserve(column);
+    Attributes sizes;  // of the list that is read now, in the type of its count
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      const PlyProperty& property = element_->properties[i];
+      sizes.push_back({"size of list " + property.name,
+                       no_values(property.list_size.value_or(Scalar::uint8)),
+                       {}});
+      reserve(columns[i]);
+    }
     for (row_ = 0; row_ < element_->count; ++row_)
       for (std::size_t i = 0; i < columns.size(); ++i) {
-        const PlyProperty& property = element_->properties[i];
         std::size_t count = 1;
-        if (property.list_size) {
-          count = next_list_size(property);
+        if (element_->properties[i].list_size) {
+          count = next_list_size(sizes[i]);
           columns[i].list_sizes.push_back(static_cast<int>(count));
         }
         append(columns[i], count);
@@ -117,13 +123,17 @@ class Body {
     rest_.remove_prefix(count * step);
   }
 
-  std::size_t next_list_size(const PlyProperty& list) {
-    Attribute size{"size of list " + list.name, no_values(*list.list_size), {}};
+  std::size_t next_list_size(Attribute& size) {
     append(size, 1);
-    const double count = std::visit([](const auto& n) { return double(n.front()); }, size.values);
-    if (!(count >= 0 && count <= std::numeric_limits<int>::max()))
-      fail("property " + list.name + " is a list of impossible size " +
-           std::to_string(static_cast<std::int64_t>(count)));
+    const auto count = std::visit(
+        [](auto& numbers) {
+          const auto number = static_cast<std::int64_t>(numbers.back());
+          numbers.clear();
+          return number;
+        },
+        size.values);
+    if (count < 0 || count > std::numeric_limits<int>::max())
+      fail(size.name + " is " + std::to_string(count) + ", which is impossible");
     return static_cast<std::size_t>(count);
   }
 

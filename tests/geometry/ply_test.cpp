@@ -147,7 +147,8 @@ TEST(Ply, AHugeCountTakesNoMemory) {
                  "\"2000000000\" is not a number of type uchar");
   const std::string wide = replaced(kSquare, "list uchar", "list int");
   expect_refused(replaced(wide, "4 0 1 2 3", "2000000000 0 1 2 3"), "the file ends here");
-  expect_refused(replaced(wide, "4 0 1 2 3", "-4 0 1 2 3"), "impossible size -4");
+  expect_refused(replaced(wide, "4 0 1 2 3", "-4 0 1 2 3"),
+                 "size of list vertex_indices is -4, which is impossible");
 }
 
 TEST(Ply, RefusesABadIndexByFaceAndCorner) {
