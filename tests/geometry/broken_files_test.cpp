@@ -18,6 +18,10 @@
 #include "palpate/geometry/mesh_io.h"
 #include "random_mesh_file.h"
 
+// Assimp forgets some of what it read where it gives up on a damaged glTF.
+// NOLINTNEXTLINE(bugprone-reserved-identifier): LeakSanitizer calls it by this name.
+extern "C" const char* __lsan_default_suppressions() { return "leak:libassimp"; }
+
 namespace palpate::geometry {
 namespace {
 
@@ -27,7 +31,11 @@ struct Sample {
   std::string ending;
   std::string content;
   bool whole = true;  ///< no part of it is a file of its own
+  int rounds = 2000;  ///< of random damage
 };
+
+/// Assimp sets up its readers of all formats anew for each file, which takes a millisecond.
+constexpr int kAssimpRounds = 200;
 
 MeshFile small_file() {
   MeshFile file;
@@ -111,8 +119,8 @@ std::vector<Sample> samples() {
           {".pcd", pcd(Encoding::binary)},
           {".pcd", pcd(Encoding::text), false},
           {".pcd", compressed_pcd()},
-          {".gltf", gltf()},
-          {".glb", glb()}};
+          {".gltf", gltf(), true, kAssimpRounds},
+          {".glb", glb(), true, kAssimpRounds}};
 }
 
 /// Runs `read`, which either gives something that `check` finds sound, or refuses with the file's
@@ -223,20 +231,19 @@ std::string damaged(std::string content, std::mt19937& random) {
 }
 
 TEST(BrokenFiles, RandomDamageIsRefusedOrHarmlessAndTakesLittleMemory) {
-  constexpr int kRounds = 1000;
   const ScratchFolder folder;
   std::mt19937 random(20);
   for (const Sample& sample : samples()) {
     const fs::path path = folder / ("a" + sample.ending);
     int refused = 0;
     const SmallMemory limit(kLittleMemory);
-    for (int i = 0; i < kRounds; ++i) {
+    for (int i = 0; i < sample.rounds; ++i) {
       const std::string content = damaged(sample.content, random);
       overwrite(path, content);
       refused += is_read(path) ? 0 : 1;
       if (::testing::Test::HasFailure()) FAIL() << sample.ending << "\n" << content;
     }
-    EXPECT_GT(refused, kRounds / 20) << sample.ending;
+    EXPECT_GT(refused, sample.rounds / 20) << sample.ending;
   }
 }
 
