@@ -14,4 +14,11 @@ void print(const Settings& settings, const nlohmann::ordered_json& figures,
   std::cout << (settings.json ? figures.dump(2, ' ', false, kReplace) : prose) << '\n';
 }
 
+void add_unit_option(CLI::App& command, geometry::ReadOptions& options) {
+  command.add_option_function<std::string>(
+      "--unit", [&options](const std::string& name) { options.unit = geometry::unit_length(name); },
+      "Unit of the meshes' coordinates: um, mm, cm, m or in (default: what a file declares, or "
+      "mm)");
+}
+
 }  // namespace palpate::apps

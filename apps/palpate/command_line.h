@@ -6,6 +6,8 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
+#include "palpate/geometry/mesh_io.h"
+
 namespace palpate::apps {
 
 /// What every command understands.
@@ -16,6 +18,9 @@ struct Settings {
 /// Prints a result: the figures as one JSON object, or the prose.
 void print(const Settings& settings, const nlohmann::ordered_json& figures,
            const std::string& prose);
+
+/// Adds --unit: what one unit of the coordinates is in the meshes that a command reads.
+void add_unit_option(CLI::App& command, geometry::ReadOptions& options);
 
 // Each adds one subcommand, whose callback does the work and throws what goes wrong.
 void add_calibrate(CLI::App& app, const Settings& settings);

@@ -31,11 +31,12 @@ struct CompareCall {
   double search_rotation_deg = 45;
   double search_translation = std::numeric_limits<double>::infinity();
   double section_y = 0;
+  geometry::ReadOptions meshes;
 };
 
-geometry::TriangleMesh load_surface(const fs::path& path, const fs::path& rig) {
-  if (is_range_map(path)) return geometry::mesh_range_map(load_range_map(path, rig)).mesh;
-  return geometry::read_mesh(path);
+geometry::TriangleMesh load_surface(const fs::path& path, const CompareCall& call) {
+  if (is_range_map(path)) return geometry::mesh_range_map(load_range_map(path, call.rig)).mesh;
+  return geometry::read_mesh(path, call.meshes);
 }
 
 /// A cross-section as one series of a chart: depth over X, a gap between its lines.
@@ -108,15 +109,14 @@ geometry::Registration align(const CompareCall& call, const geometry::TriangleMe
   if (found.verdict == geometry::RegistrationVerdict::accepted) return found;
   throw SolverError(fmt::format(
       "{} could not be aligned with {}: {}: {}. Bring the surfaces closer to each other, and say "
-      "how "
-      "near they are with --search-rotation and --search-translation.",
+      "how near they are with --search-rotation and --search-translation.",
       call.a.string(), call.b.string(), geometry::to_string(found.verdict), found.reason));
 }
 
 /// Anything else: distance of A's vertices from B's surface.
 void compare_surfaces(const Settings& settings, const CompareCall& call) {
-  geometry::TriangleMesh a = load_surface(call.a, call.rig);
-  const geometry::TriangleMesh b = load_surface(call.b, call.rig);
+  geometry::TriangleMesh a = load_surface(call.a, call);
+  const geometry::TriangleMesh b = load_surface(call.b, call);
   nlohmann::ordered_json figures;
   std::string prose;
   if (call.align) {
@@ -158,6 +158,7 @@ void add_compare(CLI::App& app, const Settings& settings) {
   command->add_option("A", call->a, "Range map or mesh")->required();
   command->add_option("B", call->b, "Range map or mesh to compare with")->required();
   command->add_option("--rig", call->rig, "Rig of the range maps (default: rig.yaml beside them)");
+  add_unit_option(*command, call->meshes);
   CLI::Option* align = command->add_flag(
       "--align", call->align,
       "Move A rigidly onto B first; it is an error (exit status 1) if no pose can be relied on");

@@ -210,7 +210,7 @@ void add_decode(CLI::App& app, const Settings& settings) {
       ->delimiter(',');
   command->add_option("-o,--output", call->output, "Folder for the range maps")->required();
   command->add_option("--meshes", call->meshes, "Also write each as a mesh")
-      ->check(CLI::IsMember({"ply", "obj"}));
+      ->check(CLI::IsMember({"ply", "obj", "stl"}));
   command->add_flag("--pictures", call->pictures, "Also draw each in false colour (PNG)");
   command->footer(
       "Frames are numbered in the order of their names: 000000.tiff is the first; frames.csv lists "

@@ -28,6 +28,7 @@ using Json = nlohmann::ordered_json;
 struct FitCall {
   fs::path acquisition, surface, output, pictures;
   haptics::FitOptions fit;
+  geometry::ReadOptions meshes;
 };
 
 void tell(const haptics::BuildResult& built) {
@@ -73,7 +74,7 @@ void fit(const Settings& settings, const FitCall& call) {
   check_outputs({call.acquisition, call.surface}, {call.output, call.pictures});
   check_replaceable(call.output, haptics::model_entries());
   const probing::Acquisition acquisition = probing::read_acquisition(call.acquisition);
-  const geometry::TriangleMesh surface = geometry::read_mesh(call.surface);
+  const geometry::TriangleMesh surface = geometry::read_mesh(call.surface, call.meshes);
   haptics::BuildResult built = build(acquisition, surface, call.fit);
   built.model.made["acquisition"] = call.acquisition.filename().string();
   built.model.made["surface"] = call.surface.filename().string();
@@ -120,6 +121,7 @@ void add_fit(CLI::App& app, const Settings& settings) {
   command->add_option("ACQUISITION", call->acquisition, "Measurements (acquisition.db)")
       ->required();
   command->add_option("SURFACE", call->surface, "Undeformed surface (mesh)")->required();
+  add_unit_option(*command, call->meshes);
   command->add_option("-o,--output", call->output, "Model folder to write")->required();
   command
       ->add_option("--accuracy", call->fit.accuracy,

@@ -10,12 +10,11 @@
 #include <opencv2/core/mat.hpp>
 
 #include "command_line.h"
+#include "describe_mesh.h"
 #include "inputs.h"
 #include "palpate/error.h"
 #include "palpate/geometry/comparison.h"
 #include "palpate/geometry/mesh_io.h"
-#include "palpate/geometry/mesh_measures.h"
-#include "palpate/geometry/mesh_topology.h"
 #include "palpate/haptics/model_io.h"
 #include "palpate/probing/acquisition_store.h"
 #include "palpate/sensing/frame.h"
@@ -27,12 +26,10 @@ namespace palpate::apps {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
 
-/// What a file is, in numbers and in words.
-struct Description {
-  Json figures;
-  std::string prose;
+struct InfoCall {
+  fs::path path;
+  geometry::ReadOptions meshes;
 };
 
 Description describe_range_map(const fs::path& path) {
@@ -62,60 +59,6 @@ Description describe_image(const fs::path& path) {
            {"bits", bits}},
           fmt::format("image, {} x {} px, {} channel(s) of {} bit", image.cols, image.rows,
                       image.channels(), bits)};
-}
-
-/// Area, volume and topology of a mesh, or why they cannot be told.
-Description describe_surface(const geometry::TriangleMesh& mesh) {
-  try {
-    const double area = geometry::surface_area(mesh);
-    const std::size_t loops = geometry::boundary_loops(mesh).size();
-    const int components = geometry::connected_components(mesh).count;
-    const int euler = geometry::euler_characteristic(mesh);
-    Description surface = {
-        {{"area", area},
-         {"volume", nullptr},
-         {"components", components},
-         {"boundary_loops", loops},
-         {"euler_characteristic", euler}},
-        fmt::format(
-            "area {:.1f} mm^2, {} component(s), {} boundary loop(s), Euler characteristic {}", area,
-            components, loops, euler)};
-    if (loops == 0) {
-      const double volume = geometry::enclosed_volume(mesh);
-      surface.figures["volume"] = volume;
-      surface.prose += fmt::format(", volume {:.1f} mm^3", volume);
-    }
-    return surface;
-  } catch (const InvalidInput& refused) {
-    return {{{"not_a_surface", refused.what()}},
-            fmt::format("no area or topology, since it is not a surface: {}", refused.what())};
-  }
-}
-
-Description describe_mesh(const fs::path& path) {
-  const geometry::TriangleMesh mesh = geometry::read_mesh(path);
-  const Eigen::Vector3d low = mesh.vertices.rowwise().minCoeff();
-  const Eigen::Vector3d high = mesh.vertices.rowwise().maxCoeff();
-  const Description surface = describe_surface(mesh);
-  Description result = {
-      {{"kind", "mesh"},
-       {"vertices", mesh.vertices.cols()},
-       {"triangles", mesh.triangles.cols()},
-       {"min", {low.x(), low.y(), low.z()}},
-       {"max", {high.x(), high.y(), high.z()}}},
-      fmt::format("mesh, {} vertices, {} triangles; X {:.1f} to {:.1f}, Y {:.1f} to {:.1f}, Z "
-                  "{:.1f} to {:.1f} mm; {}",
-                  mesh.vertices.cols(), mesh.triangles.cols(), low.x(), high.x(), low.y(), high.y(),
-                  low.z(), high.z(), surface.prose)};
-  result.figures.update(surface.figures);
-  return result;
-}
-
-Description describe_points(const fs::path& path) {
-  const Eigen::Matrix3Xd points = geometry::read_points(path);
-  const auto known = (points.array() == points.array()).colwise().all().count();
-  return {{{"kind", "points"}, {"points", points.cols()}, {"known", known}},
-          fmt::format("point cloud, {} points, {} of them known", points.cols(), known)};
 }
 
 Description describe_acquisition(const fs::path& path) {
@@ -224,30 +167,32 @@ Description describe_folder(const fs::path& path) {
                       static_cast<long>(files.size()) - maps)};
 }
 
-Description describe(const fs::path& path) {
+Description describe(const fs::path& path, const geometry::ReadOptions& options) {
   if (is_folder(path)) return describe_folder(path);
   const std::string extension = path.extension().string();
   if (is_range_map(path)) return describe_range_map(path);
   if (extension == ".db") return describe_acquisition(path);
   if (extension == ".yaml" || extension == ".yml") return describe_yaml(path);
   if (extension == ".csv") return describe_csv(path);
-  if (extension == ".pcd") return describe_points(path);
+  if (extension == ".pcd") return describe_points(path, options);
   if (path.filename() == "field.json" || path.filename() == "field.cbor")
     return describe_model(path.parent_path());
   if (is_image(path)) return describe_image(path);
-  return describe_mesh(path);
+  return describe_mesh(path, options);
 }
 
 }  // namespace
 
 void add_info(CLI::App& app, const Settings& settings) {
-  auto path = std::make_shared<fs::path>();
+  auto call = std::make_shared<InfoCall>();
   CLI::App* command = app.add_subcommand("info", "What a file is, in words and numbers");
-  command->add_option("FILE", *path, "Any file or folder that Palpate reads or writes")->required();
+  command->add_option("FILE", call->path, "Any file or folder that Palpate reads or writes")
+      ->required();
+  add_unit_option(*command, call->meshes);
   command->footer("Example:\n  palpate info model/");
-  command->callback([path, &settings] {
-    const Description description = describe(*path);
-    print(settings, description.figures, path->string() + ": " + description.prose);
+  command->callback([call, &settings] {
+    const Description description = describe(call->path, call->meshes);
+    print(settings, description.figures, call->path.string() + ": " + description.prose);
   });
 }
 

@@ -76,7 +76,7 @@ void add_mesh(CLI::App& app, const Settings& settings) {
       "mesh", "A range map, or the depth image of another camera, becomes a mesh");
   command->add_option("RANGE", call->range, "Range map (TIFF), or depth image (16-bit PNG)")
       ->required();
-  command->add_option("-o,--output", call->output, "Mesh to write: .ply or .obj")->required();
+  command->add_option("-o,--output", call->output, "Mesh to write: .ply, .obj or .stl")->required();
   command->add_option("--rig", call->rig, "Rig of the range map (default: rig.yaml beside it)");
   command->add_option("--scale", call->scale, "Depth image: mm that one unit stands for");
   command

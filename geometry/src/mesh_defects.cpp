@@ -152,6 +152,32 @@ const char* words(DefectKind kind) {
 
 std::vector<MeshDefect> find_defects(const TriangleMesh& mesh) { return Search(mesh).found(); }
 
+const char* to_string(DefectKind kind) {
+  switch (kind) {
+    case DefectKind::infinite_vertex:
+      return "infinite_vertex";
+    case DefectKind::corner_out_of_range:
+      return "corner_out_of_range";
+    case DefectKind::corner_repeated:
+      return "corner_repeated";
+    case DefectKind::triangle_repeated:
+      return "triangle_repeated";
+    case DefectKind::triangle_turned:
+      return "triangle_turned";
+    case DefectKind::edge_overfull:
+      return "edge_overfull";
+    case DefectKind::vertex_pinched:
+      return "vertex_pinched";
+    case DefectKind::vertex_isolated:
+      return "vertex_isolated";
+    case DefectKind::triangle_flat:
+      return "triangle_flat";
+    case DefectKind::triangle_needle:
+      return "triangle_needle";
+  }
+  return "";
+}
+
 std::string describe(const MeshDefect& defect) {
   std::string text = words(defect.kind);
   text += ": " + std::to_string(defect.elements.size()) + " (";

@@ -14,9 +14,10 @@
 #include <string_view>
 #include <vector>
 
-#include "binary_scalar.h"
 #include "input_file.h"
 #include "palpate/error.h"
+#include "pcd_fields.h"
+#include "scalar_type.h"
 
 namespace palpate::geometry {
 namespace {
@@ -25,6 +26,9 @@ namespace fs = std::filesystem;
 
 // LZF writes 3 bytes for at most 264 that it repeats.
 constexpr std::uint64_t kMaxCompression = 264 / 3;
+
+// Fields of this name hold nothing; there may be several.
+constexpr std::string_view kPadding = "_";
 
 struct Field {
   std::string name;
@@ -35,11 +39,14 @@ struct Field {
 
 struct Header {
   std::vector<Field> fields;
+  std::uint64_t width = 0;
+  std::uint64_t height = 1;
   std::uint64_t points = 0;
   std::uint64_t values = 0;       ///< numbers a point
   std::uint64_t point_bytes = 0;  ///< bytes a point, where it is not text
   std::string_view data;          ///< ascii, binary or binary_compressed
-  std::size_t size = 0;           ///< bytes of the header
+  std::vector<std::string> comments;
+  std::size_t size = 0;  ///< bytes of the header
 };
 
 std::optional<Scalar> scalar_of(std::string_view kind, std::uint64_t bytes) {
@@ -87,6 +94,9 @@ void take_fields(const Lines& lines, const std::string& file, Header& header) {
                     ": FIELDS, SIZE, TYPE and COUNT of the PCD header must have as many words");
   for (std::size_t i = 0; i < fields; ++i) {
     Field field{.name = std::string(lines.fields[i])};
+    if (field.name != kPadding &&
+        std::count(lines.fields.begin(), lines.fields.end(), lines.fields[i]) != 1)
+      throw FileError(file + ": field " + field.name + " is there twice");
     const std::uint64_t bytes = whole_number(file, "SIZE", lines.size[i], 8);
     const std::optional<Scalar> type = scalar_of(lines.type[i], bytes);
     if (!type)
@@ -109,13 +119,20 @@ void take_point_count(const Lines& lines, const std::string& file, Header& heade
                ? otherwise
                : whole_number(file, keyword, words[0], std::numeric_limits<std::uint32_t>::max());
   };
-  const std::uint64_t width = one("WIDTH", lines.width, 0);
-  const std::uint64_t height = one("HEIGHT", lines.height, 1);
-  header.points = one("POINTS", lines.points, width * height);
-  if (!lines.width.empty() && width * height != header.points)
+  header.width = one("WIDTH", lines.width, one("POINTS", lines.points, 0));
+  header.height = one("HEIGHT", lines.height, 1);
+  header.points = one("POINTS", lines.points, header.width * header.height);
+  if (header.width * header.height != header.points)
     throw FileError(file + ": POINTS is " + std::to_string(header.points) +
-                    ", but WIDTH x HEIGHT is " + std::to_string(width) + " x " +
-                    std::to_string(height));
+                    ", but WIDTH x HEIGHT is " + std::to_string(header.width) + " x " +
+                    std::to_string(header.height));
+}
+
+/// Takes over a line that is a comment; the first one of every file names the format.
+void take_comment(std::string_view line, Header& header) {
+  if (!line.starts_with('#')) return;
+  line.remove_prefix(line.starts_with("# ") ? 2 : 1);
+  if (!line.starts_with(".PCD")) header.comments.emplace_back(line);
 }
 
 Header parse_header(std::string_view content, const std::string& file) {
@@ -124,6 +141,7 @@ Header parse_header(std::string_view content, const std::string& file) {
   std::string_view rest = content;
   while (!rest.empty() && lines.data.empty()) {
     std::string_view line = next_line(rest);
+    take_comment(line, header);
     if (std::vector<std::string_view>* words = lines.find(next_word(line)))
       for (std::string_view word = next_word(line); !word.empty(); word = next_word(line))
         words->push_back(word);
@@ -137,70 +155,70 @@ Header parse_header(std::string_view content, const std::string& file) {
   return header;
 }
 
-/// x, y and z among the fields.
-std::array<const Field*, 3> coordinates(const Header& header, const std::string& file) {
-  std::array<const Field*, 3> axes{};
-  const std::array<const char*, 3> names{"x", "y", "z"};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    for (const Field& field : header.fields)
-      if (field.name == names[axis] && field.count == 1) axes[axis] = &field;
-    if (axes[axis] == nullptr)
-      throw FileError(file + ": has no field " + names[axis] + " of COUNT 1");
-  }
-  return axes;
-}
-
 FileError truncated(const std::string& file, std::uint64_t present, std::uint64_t points) {
   return FileError(file + ": holds " + std::to_string(present) + " of " + std::to_string(points) +
                    " points; it is truncated or its header is wrong");
 }
 
-Eigen::Matrix3Xd read_text(std::string_view body, const Header& header, const std::string& file) {
-  const std::array<const Field*, 3> axes = coordinates(header, file);
+/// One empty column a field.
+Attributes make_columns(const Header& header, bool text) {
+  Attributes columns;
+  for (const Field& field : header.fields) {
+    // A coordinate in a text may have more digits than its type can hold.
+    const bool coordinate = field.name == "x" || field.name == "y" || field.name == "z";
+    columns.push_back(
+        {field.name, no_values(text && coordinate ? Scalar::float64 : field.type), {}});
+    if (field.count != 1)
+      columns.back().list_sizes.assign(header.points, static_cast<int>(field.count));
+    std::visit([&](auto& numbers) { numbers.reserve(header.points * field.count); },
+               columns.back().values);
+  }
+  return columns;
+}
+
+Attributes read_text(std::string_view body, const Header& header, const std::string& file) {
   // A number takes a digit and a blank, but for the last blank.
   if (header.points > (body.size() + 1) / (2 * header.values))
     throw truncated(file, (body.size() + 1) / (2 * header.values), header.points);
-  Eigen::Matrix3Xd points(3, static_cast<Eigen::Index>(header.points));
-  for (Eigen::Index i = 0; i < points.cols(); ++i)
-    for (const Field& field : header.fields)
-      for (std::uint64_t k = 0; k < field.count; ++k) {
+  Attributes columns = make_columns(header, true);
+  for (std::uint64_t point = 0; point < header.points; ++point)
+    for (std::size_t i = 0; i < columns.size(); ++i)
+      for (std::uint64_t k = 0; k < header.fields[i].count; ++k) {
         const std::string_view word = next_word(body);
-        if (word.empty()) throw truncated(file, static_cast<std::uint64_t>(i), header.points);
-        for (std::size_t axis = 0; axis < 3; ++axis) {
-          if (axes[axis] != &field) continue;
-          const std::optional<double> number = parse_number<double>(word);
-          if (!number)
-            throw FileError(file + ": point " + std::to_string(i) + ", field " + field.name + ": " +
-                            quoted(word) + " is not a number");
-          points(static_cast<Eigen::Index>(axis), i) = *number;
-        }
+        if (word.empty()) throw truncated(file, point, header.points);
+        if (columns[i].name != kPadding && !append_parsed(columns[i].values, word))
+          throw FileError(file + ": point " + std::to_string(point) + ", field " + columns[i].name +
+                          ": " + quoted(word) + " is not a number of its type");
       }
-  return points;
+  return columns;
 }
 
 /// Points one after the other (`by_field` false), or first all of the first field and so on.
-Eigen::Matrix3Xd unpack(std::string_view body, const Header& header, const std::string& file,
-                        bool by_field) {
-  const std::array<const Field*, 3> axes = coordinates(header, file);
-  Eigen::Matrix3Xd points(3, static_cast<Eigen::Index>(header.points));
-  for (int axis = 0; axis < 3; ++axis) {
-    const Field& field = *axes[static_cast<std::size_t>(axis)];
+Attributes unpack(std::string_view body, const Header& header, bool by_field) {
+  Attributes columns = make_columns(header, false);
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    const Field& field = header.fields[i];
+    if (field.name == kPadding) continue;
     const std::uint64_t first = by_field ? field.offset * header.points : field.offset;
-    const std::uint64_t step = by_field ? size_of(field.type) : header.point_bytes;
-    for (std::uint64_t i = 0; i < header.points; ++i)
-      points(axis, static_cast<Eigen::Index>(i)) =
-          load(field.type, std::endian::little, body.data() + first + i * step);
+    const std::uint64_t bytes = size_of(field.type);
+    const std::uint64_t step = by_field ? bytes * field.count : header.point_bytes;
+    if (field.count == 1) {
+      append_loaded(columns[i].values, std::endian::little, body.data() + first, header.points,
+                    step);
+      continue;
+    }
+    for (std::uint64_t point = 0; point < header.points; ++point)
+      append_loaded(columns[i].values, std::endian::little, body.data() + first + point * step,
+                    field.count, bytes);
   }
-  return points;
+  return columns;
 }
 
-Eigen::Matrix3Xd read_compressed(std::string_view body, const Header& header,
-                                 const std::string& file) {
+Attributes read_compressed(std::string_view body, const Header& header, const std::string& file) {
   constexpr std::size_t kSizes = 8;  // two uint32 in front: bytes compressed and uncompressed
   if (body.size() < kSizes) throw truncated(file, 0, header.points);
   const auto size_at = [&](std::size_t offset) {
-    return static_cast<std::uint64_t>(
-        load(Scalar::uint32, std::endian::little, body.data() + offset));
+    return std::uint64_t{load<std::uint32_t>(std::endian::little, body.data() + offset)};
   };
   const std::uint64_t compressed = size_at(0);
   const std::uint64_t size = size_at(4);
@@ -218,18 +236,10 @@ Eigen::Matrix3Xd read_compressed(std::string_view body, const Header& header,
   if (lzf_decompress(body.data() + kSizes, static_cast<unsigned>(compressed), points.data(),
                      static_cast<unsigned>(size)) != size)
     throw FileError(file + ": its compressed part is damaged");
-  return unpack(points, header, file, true);
+  return unpack(points, header, true);
 }
 
-}  // namespace
-
-Eigen::Matrix3Xd read_pcd(const fs::path& path) {
-  const std::string content = read_input_file(path);
-  const std::string file = path.string();
-  const Header header = parse_header(content, file);
-  const std::string_view body = std::string_view(content).substr(header.size);
-  static_cast<void>(coordinates(header, file));
-  if (header.points == 0) throw FileError(file + ": holds no points");
+Attributes read_columns(std::string_view body, const Header& header, const std::string& file) {
   if (header.data == "ascii") return read_text(body, header, file);
   if (header.data == "binary_compressed") return read_compressed(body, header, file);
   if (header.data != "binary")
@@ -237,7 +247,38 @@ Eigen::Matrix3Xd read_pcd(const fs::path& path) {
                     "; ascii, binary or binary_compressed is needed");
   if (header.points > body.size() / header.point_bytes)
     throw truncated(file, body.size() / header.point_bytes, header.points);
-  return unpack(body, header, file, false);
+  return unpack(body, header, false);
+}
+
+void check_coordinates(const Header& header, const std::string& file) {
+  for (const char* name : {"x", "y", "z"})
+    if (std::none_of(header.fields.begin(), header.fields.end(),
+                     [&](const Field& field) { return field.name == name && field.count == 1; }))
+      throw FileError(file + ": has no field " + name + " of COUNT 1");
+}
+
+}  // namespace
+
+PointCloud read_pcd(const fs::path& path) {
+  const std::string content = read_input_file(path);
+  const std::string file = path.string();
+  Header header = parse_header(content, file);
+  check_coordinates(header, file);
+  if (header.points == 0) throw FileError(file + ": holds no points");
+  Attributes columns = read_columns(std::string_view(content).substr(header.size), header, file);
+  PointCloud cloud;
+  cloud.points.resize(3, static_cast<Eigen::Index>(header.points));
+  cloud.width = static_cast<Eigen::Index>(header.width);
+  cloud.height = static_cast<Eigen::Index>(header.height);
+  for (Eigen::Index axis = 0; axis < 3; ++axis)
+    cloud.points.row(axis) = scalars(columns, std::string(1, "xyz"[axis]))->transpose();
+  std::erase_if(columns, [](const Attribute& column) {
+    return column.name == kPadding || column.name == "x" || column.name == "y" ||
+           column.name == "z";
+  });
+  cloud.attributes = from_pcd_fields(std::move(columns));
+  cloud.comments = std::move(header.comments);
+  return cloud;
 }
 
 }  // namespace palpate::geometry

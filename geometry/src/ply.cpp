@@ -3,164 +3,148 @@
 #include "ply.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <optional>
-#include <ostream>
+#include <span>
 #include <string>
 #include <string_view>
 
-#include "binary_scalar.h"
 #include "input_file.h"
 #include "palpate/error.h"
+#include "ply_header.h"
+#include "scalar_type.h"
 
 namespace palpate::geometry {
 namespace {
 
 namespace fs = std::filesystem;
 
-struct Property {
-  std::string name;
-  Scalar type = Scalar::float32;
-  std::optional<Scalar> list_size;  ///< type of the count, if it is a list
-};
-
-struct Element {
-  std::string name;
-  std::uint64_t count = 0;
-  std::vector<Property> properties;
-};
-
-struct Header {
-  bool text = false;
-  std::endian order = std::endian::little;
-  std::vector<Element> elements;
-  std::size_t size = 0;  ///< bytes
-};
-
-std::optional<Scalar> scalar_of(std::string_view name) {
-  struct Name {
-    std::string_view old_name, new_name;
-    Scalar type;
-  };
-  static constexpr std::array<Name, 8> kNames{{{"char", "int8", Scalar::int8},
-                                               {"uchar", "uint8", Scalar::uint8},
-                                               {"short", "int16", Scalar::int16},
-                                               {"ushort", "uint16", Scalar::uint16},
-                                               {"int", "int32", Scalar::int32},
-                                               {"uint", "uint32", Scalar::uint32},
-                                               {"float", "float32", Scalar::float32},
-                                               {"double", "float64", Scalar::float64}}};
-  for (const Name& known : kNames)
-    if (name == known.old_name || name == known.new_name) return known.type;
-  return std::nullopt;
-}
-
-/// One line `property ...` without its first word; nullopt if it is not understood.
-std::optional<Property> parse_property(std::string_view words) {
-  Property property;
-  std::string_view type = next_word(words);
-  if (type == "list") {
-    property.list_size = scalar_of(next_word(words));
-    if (!property.list_size || *property.list_size == Scalar::float32 ||
-        *property.list_size == Scalar::float64)
-      return std::nullopt;
-    type = next_word(words);
-  }
-  const std::optional<Scalar> scalar = scalar_of(type);
-  property.name = next_word(words);
-  if (!scalar || property.name.empty()) return std::nullopt;
-  property.type = *scalar;
-  return property;
-}
-
-/// Takes over one line of the header; false if it is not understood.
-bool parse_header_line(std::string_view line, Header& header) {
-  const std::string_view keyword = next_word(line);
-  if (keyword.empty() || keyword == "comment" || keyword == "obj_info") return true;
-  if (keyword == "format") {
-    const std::string_view format = next_word(line);
-    header.text = format == "ascii";
-    header.order = format == "binary_big_endian" ? std::endian::big : std::endian::little;
-    return header.text || format == "binary_big_endian" || format == "binary_little_endian";
-  }
-  if (keyword == "element") {
-    const std::string_view name = next_word(line);
-    const auto count = parse_number<std::uint64_t>(next_word(line));
-    if (count) header.elements.push_back({std::string(name), *count, {}});
-    return count.has_value();
-  }
-  if (keyword == "property" && !header.elements.empty()) {
-    const std::optional<Property> property = parse_property(line);
-    if (property) header.elements.back().properties.push_back(*property);
-    return property.has_value();
-  }
-  return false;
-}
-
-Header parse_header(std::string_view content, const std::string& file) {
-  std::string_view rest = content;
-  if (next_line(rest) != "ply")
-    throw FileError(file + ": is not a PLY file; its first line must be \"ply\"");
-  Header header;
-  bool has_format = false;
-  while (!rest.empty()) {
-    const std::size_t offset = content.size() - rest.size();
-    const std::string_view line = next_line(rest);
-    header.size = content.size() - rest.size();
-    if (line == "end_header") {
-      if (!has_format) throw FileError(file + ": its header has no line \"format ...\"");
-      return header;
-    }
-    if (!parse_header_line(line, header))
-      throw FileError(file + ": line " + std::to_string(line_number(content, offset)) +
-                      " of the header is not understood: " + quoted(line));
-    has_format = has_format || line.starts_with("format");
-  }
-  throw FileError(file + ": its header has no line \"end_header\"; the file is truncated");
-}
-
 /// Reads the numbers behind the header one after the other, text or binary.
 class Body {
  public:
-  Body(std::string_view content, const Header& header, std::string file)
+  Body(std::string_view content, const PlyHeader& header, std::string file)
       : content_(content),
         rest_(content.substr(header.size)),
         text_(header.text),
         order_(header.order),
         file_(std::move(file)) {}
 
-  /// Names the row that is read now, for messages.
-  void enter(const Element& element, std::uint64_t row) {
+  /// All rows of the element that comes next, one attribute a property.
+  Attributes read(const PlyElement& element) {
     element_ = &element;
-    row_ = row;
+    row_ = 0;
+    Attributes columns;
+    for (const PlyProperty& property : element.properties)
+      columns.push_back({property.name, no_values(column_type(property)), {}});
+    if (columns.empty()) return columns;
+    check_count();
+    const bool has_lists = std::any_of(element.properties.begin(), element.properties.end(),
+                                       [](const auto& p) { return p.list_size.has_value(); });
+    if (text_ || has_lists)
+      read_rows(columns);
+    else
+      read_table(columns);
+    return columns;
   }
 
-  /// Before memory is taken for `count` numbers: they can only be there if the file is long enough.
-  void expect(std::uint64_t count, Scalar type) const {
-    // In a text each takes a digit and a blank, but for the last blank.
-    if (count > (text_ ? rest_.size() / 2 + 1 : rest_.size() / size_of(type))) fail_truncated();
+ private:
+  /// A coordinate in a text may have more digits than its type can hold.
+  [[nodiscard]] Scalar column_type(const PlyProperty& property) const {
+    const bool coordinate = element_->name == "vertex" && property.name.size() == 1 &&
+                            std::string_view("xyz").find(property.name) != std::string_view::npos;
+    return text_ && coordinate && !property.list_size ? Scalar::float64 : property.type;
   }
 
-  double next(Scalar type) {
-    if (text_) return next_in_text();
-    if (rest_.size() < size_of(type)) fail_truncated();
-    const double value = load(type, order_, rest_.data());
-    rest_.remove_prefix(size_of(type));
-    return value;
+  /// Before memory is taken: the file must be long enough for as many rows with empty lists.
+  void check_count() const {
+    std::uint64_t row = 0;  // bytes; in a text a number takes a digit and a blank
+    for (const PlyProperty& property : element_->properties)
+      row += text_ ? 2 : size_of(property.list_size.value_or(property.type));
+    const std::uint64_t room = (rest_.size() + (text_ ? 1 : 0)) / row;  // the last may lack a blank
+    if (element_->count > room)
+      throw FileError(file_ + ": holds at most " + std::to_string(room) + " of " +
+                      std::to_string(element_->count) + " rows of element " + element_->name +
+                      "; it is truncated or its header is wrong");
   }
 
-  std::uint64_t next_list_size(const Property& list) {
-    const double size = next(*list.list_size);
-    // Text may say anything, also what no integer type holds.
-    if (!(size >= 0 && size <= std::numeric_limits<int>::max() && size == std::floor(size)))
-      fail("property " + list.name + " is a list of impossible size " + std::to_string(size));
-    const auto count = static_cast<std::uint64_t>(size);
-    expect(count, list.type);
-    return count;
+  /// Binary rows of one length: column by column.
+  void read_table(Attributes& columns) {
+    std::size_t row_bytes = 0;
+    for (const Attribute& column : columns) row_bytes += size_of(type_of(column.values));
+    std::size_t offset = 0;
+    for (Attribute& column : columns) {
+      reserve(column);
+      append_loaded(column.values, order_, rest_.data() + offset, element_->count, row_bytes);
+      offset += size_of(type_of(column.values));
+    }
+    rest_.remove_prefix(row_bytes * element_->count);
+  }
+
+  void read_rows(Attributes& columns) {
+    Attributes sizes;  // of the list that is read now, in the type of its count
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      const PlyProperty& property = element_->properties[i];
+      sizes.push_back({"size of list " + property.name,
+                       no_values(property.list_size.value_or(Scalar::uint8)),
+                       {}});
+      reserve(columns[i]);
+    }
+    for (row_ = 0; row_ < element_->count; ++row_)
+      for (std::size_t i = 0; i < columns.size(); ++i) {
+        std::size_t count = 1;
+        if (element_->properties[i].list_size) {
+          count = next_list_size(sizes[i]);
+          columns[i].list_sizes.push_back(static_cast<int>(count));
+        }
+        append(columns[i], count);
+      }
+  }
+
+  void reserve(Attribute& column) const {
+    std::visit([&](auto& numbers) { numbers.reserve(element_->count); }, column.values);
+  }
+
+  void append(Attribute& column, std::size_t count) {
+    if (text_) {
+      for (std::size_t i = 0; i < count; ++i) {
+        const std::string_view word = next_number_word();
+        if (!append_parsed(column.values, word))
+          fail(line() + ": " + quoted(word) + " is not a number of type " +
+               std::string(ply_name(type_of(column.values))) + " for property " + column.name);
+      }
+      return;
+    }
+    const std::size_t step = size_of(type_of(column.values));
+    if (count > rest_.size() / step) fail_truncated();
+    append_loaded(column.values, order_, rest_.data(), count, step);
+    rest_.remove_prefix(count * step);
+  }
+
+  std::size_t next_list_size(Attribute& size) {
+    append(size, 1);
+    const auto count = std::visit(
+        [](auto& numbers) {
+          const auto number = static_cast<std::int64_t>(numbers.back());
+          numbers.clear();
+          return number;
+        },
+        size.values);
+    if (count < 0 || count > std::numeric_limits<int>::max())
+      fail(size.name + " is " + std::to_string(count) + ", which is impossible");
+    return static_cast<std::size_t>(count);
+  }
+
+  std::string_view next_number_word() {
+    const std::string_view word = next_word(rest_);
+    if (word.empty()) fail_truncated();
+    return word;
+  }
+
+  [[nodiscard]] std::string line() const {
+    return "line " + std::to_string(line_number(content_, content_.size() - rest_.size()));
   }
 
   [[noreturn]] void fail(const std::string& reason) const {
@@ -173,99 +157,79 @@ class Body {
          " are whole); it is truncated or its header is wrong");
   }
 
- private:
-  double next_in_text() {
-    const std::string_view word = next_word(rest_);
-    if (word.empty()) fail_truncated();
-    const std::optional<double> number = parse_number<double>(word);
-    if (!number)
-      fail("line " + std::to_string(line_number(content_, content_.size() - rest_.size())) + ": " +
-           quoted(word) + " is not a number");
-    return *number;
-  }
-
   std::string_view content_;
   std::string_view rest_;
   bool text_;
   std::endian order_;
   std::string file_;
-  const Element* element_ = nullptr;
+  const PlyElement* element_ = nullptr;
   std::uint64_t row_ = 0;
 };
 
-/// Bytes that a row of a binary file takes at least: its lists may be empty.
-std::uint64_t min_row_bytes(const Element& element) {
-  std::uint64_t bytes = 0;
-  for (const Property& property : element.properties)
-    bytes += size_of(property.list_size.value_or(property.type));
-  return bytes;
-}
-
-void check_count(const Element& element, const Header& header, std::size_t file_size,
-                 const std::string& file) {
-  const std::uint64_t row = header.text ? 2 * element.properties.size() : min_row_bytes(element);
-  const std::uint64_t room = file_size - header.size + 1;  // the last line may lack its end
-  if (row > 0 && element.count > room / row)
-    throw FileError(file + ": holds at most " + std::to_string(room / row) + " of " +
-                    std::to_string(element.count) + " rows of element " + element.name +
-                    "; it is truncated or its header is wrong");
-}
-
-void skip(Body& body, const Property& property) {
-  const std::uint64_t count = property.list_size ? body.next_list_size(property) : 1;
-  for (std::uint64_t i = 0; i < count; ++i) body.next(property.type);
-}
-
-void read_vertices(Body& body, const Element& element, const std::string& file, PolygonMesh& mesh) {
-  std::vector<int> axes;  // of each property; -1: skipped
-  for (const Property& property : element.properties) {
-    const std::size_t axis = std::string_view("xyz").find(property.name);
-    const bool coordinate = property.name.size() == 1 && axis < 3 && !property.list_size;
-    axes.push_back(coordinate ? static_cast<int>(axis) : -1);
+void take_vertices(Attributes columns, const std::string& file, PolygonMesh& mesh) {
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    const std::string name(1, "xyz"[axis]);
+    const std::optional<Eigen::VectorXd> coordinates = scalars(columns, name);
+    if (!coordinates) throw FileError(file + ": element vertex needs one property " + name);
+    mesh.vertices.resize(static_cast<std::size_t>(coordinates->size()));
+    for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
+      mesh.vertices[i][axis] = (*coordinates)[static_cast<Eigen::Index>(i)];
+    std::erase_if(columns, [&](const Attribute& column) { return column.name == name; });
   }
-  for (int axis = 0; axis < 3; ++axis)
-    if (std::count(axes.begin(), axes.end(), axis) != 1)
-      throw FileError(file + ": element vertex needs one property " + "xyz"[axis]);
-  mesh.vertices.reserve(element.count);
-  for (std::uint64_t row = 0; row < element.count; ++row) {
-    body.enter(element, row);
-    Eigen::Vector3d vertex;
-    for (std::size_t i = 0; i < axes.size(); ++i)
-      if (axes[i] < 0)
-        skip(body, element.properties[i]);
-      else
-        vertex[axes[i]] = body.next(element.properties[i].type);
-    mesh.vertices.push_back(vertex);
+  mesh.vertex_attributes = std::move(columns);
+}
+
+bool is_polygon(const std::string& name) {
+  return name == "vertex_indices" || name == "vertex_index";
+}
+
+/// Takes the vertex indices of a row out of its columns.
+Attribute take_indices(Attributes& columns, const PlyElement& element, const std::string& file) {
+  const auto& properties = element.properties;
+  const auto found = std::find_if(properties.begin(), properties.end(),
+                                  [](const auto& property) { return is_polygon(property.name); });
+  if (found == properties.end() || !found->list_size || !is_integer(found->type) ||
+      std::count_if(properties.begin(), properties.end(),
+                    [](const auto& property) { return is_polygon(property.name); }) != 1)
+    throw FileError(file + ": element " + element.name +
+                    " needs one list vertex_indices of integers");
+  const auto column = columns.begin() + (found - properties.begin());
+  Attribute indices = std::move(*column);
+  columns.erase(column);
+  return indices;
+}
+
+std::vector<std::int64_t> whole_numbers(const AttributeValues& values) {
+  return std::visit(
+      [](const auto& numbers) {
+        std::vector<std::int64_t> result;
+        result.reserve(numbers.size());
+        for (const auto number : numbers) result.push_back(static_cast<std::int64_t>(number));
+        return result;
+      },
+      values);
+}
+
+/// Every vertex of a strip but the first two makes a triangle with the two before it; every other
+/// one is turned round so that all face one way. -1 starts a new strip.
+void take_strip(std::span<const std::int64_t> strip, PolygonMesh& mesh) {
+  std::size_t first = 0;
+  for (std::size_t i = 0; i < strip.size(); ++i) {
+    if (strip[i] == -1) first = i + 1;
+    if (i < first + 2) continue;
+    const bool turned = (i - first) % 2 == 1;
+    mesh.corners.insert(mesh.corners.end(),
+                        {strip[turned ? i - 1 : i - 2], strip[turned ? i - 2 : i - 1], strip[i]});
+    mesh.sizes.push_back(3);
   }
 }
 
-void read_polygon(Body& body, const Property& list, PolygonMesh& mesh) {
-  const std::uint64_t size = body.next_list_size(list);
-  for (std::uint64_t i = 0; i < size; ++i) {
-    const double index = body.next(list.type);
-    if (index != std::floor(index) || std::abs(index) > std::numeric_limits<std::int32_t>::max())
-      body.fail("corner " + std::to_string(i) + " is not the number of a vertex");
-    mesh.corners.push_back(static_cast<std::int64_t>(index));
-  }
-  mesh.sizes.push_back(static_cast<int>(size));
-}
-
-void read_faces(Body& body, const Element& element, const std::string& file, PolygonMesh& mesh) {
-  const auto is_polygon = [](const Property& property) {
-    return property.list_size && property.type != Scalar::float32 &&
-           property.type != Scalar::float64 &&
-           (property.name == "vertex_indices" || property.name == "vertex_index");
-  };
-  if (std::count_if(element.properties.begin(), element.properties.end(), is_polygon) != 1)
-    throw FileError(file + ": element face needs one list vertex_indices of integers");
-  mesh.sizes.reserve(element.count);
-  for (std::uint64_t row = 0; row < element.count; ++row) {
-    body.enter(element, row);
-    for (const Property& property : element.properties)
-      if (is_polygon(property))
-        read_polygon(body, property, mesh);
-      else
-        skip(body, property);
+void take_strips(const Attribute& strips, PolygonMesh& mesh) {
+  const std::vector<std::int64_t> indices = whole_numbers(strips.values);
+  std::span<const std::int64_t> rest = indices;
+  for (const int size : strips.list_sizes) {
+    take_strip(rest.first(static_cast<std::size_t>(size)), mesh);
+    rest = rest.subspan(static_cast<std::size_t>(size));
   }
 }
 
@@ -274,38 +238,29 @@ void read_faces(Body& body, const Element& element, const std::string& file, Pol
 PolygonMesh read_ply(const fs::path& path) {
   const std::string content = read_input_file(path);
   const std::string file = path.string();
-  const Header header = parse_header(content, file);
+  PlyHeader header = parse_ply_header(content, file);
   Body body(content, header, file);
   PolygonMesh mesh;
-  for (const Element& element : header.elements) {
-    check_count(element, header, content.size(), file);
+  mesh.comments = std::move(header.comments);
+  Attribute strips;
+  for (const PlyElement& element : header.elements) {
+    Attributes columns = body.read(element);
     if (element.name == "vertex") {
-      read_vertices(body, element, file, mesh);
+      take_vertices(std::move(columns), file, mesh);
     } else if (element.name == "face" && element.count > 0) {
-      read_faces(body, element, file, mesh);
-    } else if (!element.properties.empty()) {
-      for (std::uint64_t row = 0; row < element.count; ++row) {
-        body.enter(element, row);
-        for (const Property& property : element.properties) skip(body, property);
-      }
+      const Attribute polygons = take_indices(columns, element, file);
+      mesh.corners = whole_numbers(polygons.values);
+      mesh.sizes = polygons.list_sizes;
+      mesh.face_attributes = std::move(columns);
+    } else if (element.name == "tristrips" && element.count > 0) {
+      strips = take_indices(columns, element, file);
     }
   }
-  return mesh;
-}
-
-void write_ply(std::ostream& stream, const TriangleMesh& mesh) {
-  std::string bytes = "ply\nformat binary_little_endian 1.0\nelement vertex " +
-                      std::to_string(mesh.vertices.cols()) +
-                      "\nproperty double x\nproperty double y\nproperty double z\nelement face " +
-                      std::to_string(mesh.triangles.cols()) +
-                      "\nproperty list uchar int vertex_indices\nend_header\n";
-  for (const double coordinate : mesh.vertices.reshaped()) append_little_endian(bytes, coordinate);
-  for (Eigen::Index i = 0; i < mesh.triangles.cols(); ++i) {
-    bytes += '\3';
-    for (int corner = 0; corner < 3; ++corner)
-      append_little_endian(bytes, mesh.triangles(corner, i));
+  if (!strips.list_sizes.empty()) {
+    mesh.face_attributes.clear();
+    take_strips(strips, mesh);
   }
-  stream.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  return mesh;
 }
 
 }  // namespace palpate::geometry

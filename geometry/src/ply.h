@@ -9,13 +9,17 @@
 
 namespace palpate::geometry {
 
-/// Reads PLY: text or binary of either byte order, coordinates and indices of any type. Elements
-/// and properties other than `vertex` x y z and `face` vertex_indices (or vertex_index) are
-/// skipped. Assimp is not used as it keeps coordinates in float only.
+/// Reads PLY: text or binary of either byte order, coordinates and indices of any type. All
+/// properties of vertices and faces are kept; elements other than vertex, face and tristrips are
+/// skipped. Beside tristrips, attributes of faces are skipped too. Assimp is not used as it keeps
+/// coordinates in float only.
 /// \throws FileError if the file is missing, truncated (saying how much of it is there) or wrong.
 [[nodiscard]] PolygonMesh read_ply(const std::filesystem::path& path);
 
-/// Writes binary PLY, least significant byte first, float64 coordinates.
-void write_ply(std::ostream& stream, const TriangleMesh& mesh);
+/// Writes coordinates and the attributes in their types; no faces if there are no triangles.
+/// \throws InvalidInput naming `what` if an attribute has a name of PLY's own, or a type that PLY
+/// does not know.
+void write_ply(std::ostream& stream, const MeshFile& file, const WriteOptions& options,
+               const char* what);
 
 }  // namespace palpate::geometry

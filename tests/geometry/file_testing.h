@@ -7,6 +7,7 @@
 
 #include <csignal>
 #include <exception>
+#include <filesystem>
 #include <string>
 #include <typeinfo>
 
@@ -34,6 +35,13 @@ class FullDisk {
   rlimit limit_{};
   void (*handler_)(int);
 };
+
+/// Overwrites a file that is there already. It is removed first: ext4 would write every one that
+/// was cut off to the disk at once, which takes a millisecond.
+inline void overwrite(const std::filesystem::path& path, const std::string& text) {
+  std::filesystem::remove(path);
+  write_text(path, text);
+}
 
 /// Checks that `statement` throws `Exception` (not one derived from it) and that its message has
 /// `words`: what it tells the user to do.

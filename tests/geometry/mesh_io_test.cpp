@@ -6,9 +6,9 @@
 
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <limits>
-#include <sstream>
 #include <string>
 #include <vector>
 
@@ -40,35 +40,6 @@ double volume(const TriangleMesh& mesh) {
   return sum;
 }
 
-std::string stl_text() {
-  std::ostringstream text;
-  text << std::fixed << "solid tetrahedron\n";
-  for (const Eigen::Vector3i& face : kFaces) {
-    text << " facet normal 0 0 0\n  outer loop\n";
-    for (const int corner : face)
-      text << "   vertex " << kCorners[static_cast<std::size_t>(corner)].transpose() << "\n";
-    text << "  endloop\n endfacet\n";
-  }
-  text << "endsolid tetrahedron\n";
-  return text.str();
-}
-
-std::string stl_binary() {
-  std::string bytes(80, ' ');
-  const auto put = [&](auto value) {
-    const auto raw = std::bit_cast<std::array<char, sizeof(value)>>(value);
-    bytes.append(raw.data(), raw.size());
-  };
-  put(static_cast<std::uint32_t>(kFaces.size()));
-  for (const Eigen::Vector3i& face : kFaces) {
-    for (int i = 0; i < 3; ++i) put(0.0F);
-    for (const int corner : face)
-      for (const double x : kCorners[static_cast<std::size_t>(corner)]) put(static_cast<float>(x));
-    put(std::uint16_t{0});
-  }
-  return bytes;
-}
-
 const std::string kOff =
     "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n";
 
@@ -82,25 +53,6 @@ TEST(MeshIo, RoundTripsEveryBitOfPlyAndObj) {
     EXPECT_EQ(read.triangles, mesh.triangles) << name;
     EXPECT_EQ(read_points(folder / name), mesh.vertices) << name;
   }
-}
-
-TEST(MeshIo, CornersAtOnePlaceBecomeOneVertexWhereTheFormatSharesNone) {
-  const ScratchFolder folder;
-  for (const std::string& content : {stl_text(), stl_binary()}) {
-    write_text(folder / "mesh.stl", content);
-    const TriangleMesh mesh = read_mesh(folder / "mesh.stl");
-    EXPECT_EQ(mesh.vertices.cols(), 4);
-    EXPECT_EQ(mesh.triangles.cols(), 4);
-    EXPECT_NEAR(volume(mesh), 1.0 / 6, 1e-15);
-  }
-}
-
-TEST(MeshIo, NearCornersStayApart) {
-  const ScratchFolder folder;
-  std::string text = stl_text();
-  text.replace(text.find("0.000000"), 8, "0.000001");
-  write_text(folder / "mesh.stl", text);
-  EXPECT_EQ(read_mesh(folder / "mesh.stl").vertices.cols(), 5);
 }
 
 TEST(MeshIo, PutsThePartsOfASceneWhereItPlacesThem) {
@@ -129,9 +81,45 @@ TEST(MeshIo, PutsThePartsOfASceneWhereItPlacesThem) {
   const TriangleMesh mesh = read_mesh(folder / "mesh.gltf");
   EXPECT_EQ(mesh.triangles.cols(), 8);
   EXPECT_EQ(mesh.vertices.cols(), 8);
-  EXPECT_EQ(mesh.vertices.row(0).maxCoeff(), 22);
-  EXPECT_EQ(mesh.vertices.row(2).minCoeff(), -1);
-  EXPECT_NEAR(volume(mesh), 9.0 / 6, 1e-12);
+  EXPECT_EQ(mesh.vertices.row(0).maxCoeff(), 22000);  // glTF is in metres
+  EXPECT_EQ(mesh.vertices.row(2).minCoeff(), -1000);
+  EXPECT_NEAR(volume(mesh), 9e9 / 6, 1e-3);
+}
+
+/// One triangle with normals and colours, stretched along z.
+const std::string kColoredGltf = R"({"asset": {"version": "2.0"}, "scene": 0,
+    "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0, "scale": [1, 1, 2]}],
+    "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "NORMAL": 1, "COLOR_0": 2}}]}],
+    "buffers": [{"uri": "mesh.bin", "byteLength": 120}],
+    "bufferViews": [{"buffer": 0, "byteLength": 36}, {"buffer": 0, "byteOffset": 36, "byteLength": 36},
+      {"buffer": 0, "byteOffset": 72, "byteLength": 48}],
+    "accessors": [
+      {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"},
+      {"bufferView": 1, "componentType": 5126, "count": 3, "type": "VEC3"},
+      {"bufferView": 2, "componentType": 5126, "count": 3, "type": "VEC4"}]})";
+
+TEST(MeshIo, KeepsTheNormalsAndColorsOfAScene) {
+  const ScratchFolder folder;
+  std::string bytes;
+  const auto put = [&](std::initializer_list<float> numbers) {
+    for (const float number : numbers) {
+      const auto raw = std::bit_cast<std::array<char, 4>>(number);
+      bytes.append(raw.data(), raw.size());
+    }
+  };
+  // In the plane x = z, and so are its normals of (-1 0 1); stretched twofold, it is 2 x = z.
+  put({0, 0, 0, 1, 0, 1, 0, 1, 0});
+  for (int i = 0; i < 3; ++i) put({-std::sqrt(0.5F), 0, std::sqrt(0.5F)});
+  for (int i = 0; i < 3; ++i) put({1, 0.25, 0, 0.5});
+  write_text(folder / "mesh.bin", bytes);
+  write_text(folder / "mesh.gltf", kColoredGltf);
+  const MeshFile file = read_mesh_file(folder / "mesh.gltf");
+  EXPECT_EQ(file.unit.source, UnitSource::declared);
+  EXPECT_EQ(file.mesh.vertices.col(1), Eigen::Vector3d(1000, 0, 2000));
+  ASSERT_TRUE(normals(file.vertex_attributes));
+  EXPECT_LE((*normals(file.vertex_attributes) - vertex_normals(file.mesh)).norm(), 1e-6);  // float
+  ASSERT_TRUE(colors(file.vertex_attributes));
+  EXPECT_EQ(colors(file.vertex_attributes)->col(2), Eigen::Vector4d(1, 0.25, 0, 0.5));
 }
 
 TEST(MeshIo, RefusesWhatIsMissingEmptyGarbageOrOfAnotherKind) {
@@ -155,15 +143,15 @@ TEST(MeshIo, RefusesWhatIsMissingEmptyGarbageOrOfAnotherKind) {
 
 TEST(MeshIo, RefusesWhatAssimpFindsDamaged) {
   const ScratchFolder folder;
-  const std::string binary = stl_binary();
-  write_text(folder / "mesh.stl", binary.substr(0, binary.size() - 60));
-  EXPECT_THROW(static_cast<void>(read_mesh(folder / "mesh.stl")), FileError);
+  write_text(folder / "mesh.glb", "glTF" + std::string(60, '\1'));
+  EXPECT_THROWS_MESSAGE(static_cast<void>(read_mesh(folder / "mesh.glb")), FileError,
+                        "is damaged or truncated");
 }
 
 TEST(MeshIo, RefusesToWriteAnotherFormatOrABadMesh) {
   const ScratchFolder folder;
-  EXPECT_THROWS_MESSAGE(write_mesh(folder / "mesh.stl", awkward_mesh()), InvalidInput,
-                        "as .ply or .obj, not as \".stl\"");
+  EXPECT_THROWS_MESSAGE(write_mesh(folder / "mesh.off", awkward_mesh()), InvalidInput,
+                        "as .ply, .obj or .stl, not as \".off\"");
   TriangleMesh mesh = awkward_mesh();
   mesh.vertices(1, 3) = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROWS_MESSAGE(write_mesh(folder / "mesh.ply", mesh), InvalidInput,

@@ -2,7 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <string>
+#include <variant>
+#include <vector>
 
 #include "file_testing.h"
 #include "palpate/error.h"
@@ -40,6 +43,24 @@ TEST(Off, ReadsPolygonsAndKeepsDoublesAndOrder) {
     ASSERT_EQ(mesh.triangles.cols(), 3);
     EXPECT_EQ(mesh.triangles.col(2), Eigen::Vector3i(0, 2, 1));
   }
+}
+
+TEST(Off, KeepsTheColorsAndNormalsThatItAnnounces) {
+  const ScratchFolder folder;
+  const auto attributes = [&](const std::string& content) {
+    write_text(folder / "mesh.off", content + "3 0 1 2\n");
+    return read_mesh_file(folder / "mesh.off").vertex_attributes;
+  };
+  const Attributes both = attributes(
+      "CNOFF\n3 1 0\n0 0 0 0 0 1 255 0 7\n1 0 0 0 0.6 0.8 9 0 7\n0 1 0 0 0 1 1 1 1 # white\n");
+  EXPECT_EQ(normals(both)->col(1), Eigen::Vector3d(0, 0.6, 0.8));
+  EXPECT_EQ(colors(both)->col(0), Eigen::Vector4d(1, 0, 7.0 / 255, 1));
+  EXPECT_TRUE(std::holds_alternative<std::vector<std::uint8_t>>(both.back().values));
+  const Attributes alpha = attributes(
+      "STCOFF\n3 1 0\n0 0 0 1 0 0 0.5 8 9\n1 0 0 1 0 0 0.5 8 9\n0 1 0 1 0.25 0 0.5 8 9\n");
+  EXPECT_EQ(colors(alpha)->col(2), Eigen::Vector4d(1, 0.25, 0, 0.5));
+  // Nothing where a vertex lacks what was announced.
+  EXPECT_TRUE(attributes("COFF\n3 1 0\n0 0 0 1 0 0\n1 0 0\n0 1 0 1 0 0\n").empty());
 }
 
 TEST(Off, RefusesWithThePlace) {

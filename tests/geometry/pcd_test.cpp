@@ -126,7 +126,7 @@ TEST(Pcd, CountAndHeightMayBeLeftOut) {
 TEST(Pcd, RefusesEveryTruncation) {
   const ScratchFolder folder;
   const auto refuse = [&](const std::string& part) {
-    write_text(folder / "points.pcd", part);
+    overwrite(folder / "points.pcd", part);
     EXPECT_THROW(static_cast<void>(read_points(folder / "points.pcd")), FileError) << part.size();
   };
   for (const std::string& whole : {binary(), header("binary_compressed") + compressed_part()})

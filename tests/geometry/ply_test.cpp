@@ -128,7 +128,7 @@ TEST(Ply, RefusesEveryTruncation) {
   const ScratchFolder folder;
   for (const std::string& whole : {rich_binary(std::endian::little), rich_binary(std::endian::big)})
     for (std::size_t size = 0; size < whole.size(); ++size) {
-      write_text(folder / "mesh.ply", whole.substr(0, size));
+      overwrite(folder / "mesh.ply", whole.substr(0, size));
       EXPECT_THROW(static_cast<void>(read_mesh(folder / "mesh.ply")), FileError) << size;
     }
 }
@@ -142,8 +142,13 @@ TEST(Ply, AHugeCountTakesNoMemory) {
   }
   expect_refused(replaced(kSquare, "vertex 4", "vertex 99999999999999999999"),
                  "line 3 of the header");
-  expect_refused(replaced(kSquare, "4 0 1 2 3", "2000000000 0 1 2 3"), "the file ends here");
-  expect_refused(replaced(kSquare, "4 0 1 2 3", "-4 0 1 2 3"), "impossible size");
+  expect_refused(replaced(kSquare, "4 0 1 2 3", "250 0 1 2 3"), "the file ends here");
+  expect_refused(replaced(kSquare, "4 0 1 2 3", "2000000000 0 1 2 3"),
+                 "\"2000000000\" is not a number of type uchar");
+  const std::string wide = replaced(kSquare, "list uchar", "list int");
+  expect_refused(replaced(wide, "4 0 1 2 3", "2000000000 0 1 2 3"), "the file ends here");
+  expect_refused(replaced(wide, "4 0 1 2 3", "-4 0 1 2 3"),
+                 "size of list vertex_indices is -4, which is impossible");
 }
 
 TEST(Ply, RefusesABadIndexByFaceAndCorner) {
@@ -151,7 +156,7 @@ TEST(Ply, RefusesABadIndexByFaceAndCorner) {
                  "face 0, corner 3: there is no vertex 4; the file has 4");
   expect_refused(replaced(kSquare, "4 0 1 2 3", "4 0 1 -2 3"), "corner 2: there is no vertex -2");
   expect_refused(replaced(kSquare, "4 0 1 2 3", "4 0 1.5 2 3"),
-                 "corner 1 is not the number of a vertex");
+                 "line 14: \"1.5\" is not a number of type int for property vertex_indices");
   expect_refused(replaced(kSquare, "4 0 1 2 3", "2 0 1"), "has 2 corners; at least 3");
 }
 
@@ -167,6 +172,94 @@ TEST(Ply, RefusesWhatIsNoPlyOrNoSurface) {
   expect_refused(replaced(kSquare, "1 1 0.1", "1 nan 0.1"),
                  "vertex 2 (counted from 0) is not finite");
   expect_refused(kTextVertices + "end_header\n0 0 1 1 0 1 1 1 1 0 1 1", "no triangle");
+}
+
+/// A strip of five vertices, a new start, and one triangle; the first has been repeated as some do
+/// to change the side.
+std::string strips(const std::string& type) {
+  return replaced(kTextVertices, "vertex 4", "vertex 5") +
+         "property uchar red\nelement tristrips 2\nproperty list int " + type +
+         " vertex_indices\nend_header\n0 0 0 1\n1 0 0 2\n0 1 0 3\n1 1 0 4\n0 2 0 5\n"
+         "9 0 1 2 3 4 -1 2 1 0\n4 0 0 1 2\n";
+}
+
+TEST(Ply, StripsBecomeTrianglesThatFaceOneWay) {
+  const ScratchFolder folder;
+  for (const char* type : {"int", "short"}) {
+    write_text(folder / "mesh.ply", strips(type));
+    const MeshFile file = read_mesh_file(folder / "mesh.ply");
+    Eigen::Matrix3Xi expected(3, 5);
+    // 0 1 2 3 4 climbs a band counter-clockwise; 2 1 0 is the first triangle from the other side;
+    // of 0 0 1 2 the first triangle has no area, and the second is the odd one of its strip.
+    expected << 0, 2, 2, 2, 1,  //
+        1, 1, 3, 1, 0,          //
+        2, 3, 4, 0, 2;
+    EXPECT_EQ(file.mesh.triangles, expected) << file.mesh.triangles;
+    EXPECT_EQ(*scalars(file.vertex_attributes, "red"),
+              (Eigen::VectorXd(5) << 1, 2, 3, 4, 5).finished());
+    EXPECT_EQ(triangle_normals(file.mesh).row(2).head(3), Eigen::RowVector3d(1, 1, 1));
+  }
+  expect_refused(replaced(strips("int"), "-1 2 1 0", "-2 2 1 0"), "there is no vertex -2");
+  expect_refused(replaced(strips("int"), "-1 2 1 0", "-1 2 1 5"), "there is no vertex 5");
+}
+
+TEST(Ply, KeepsEveryPropertyAndComment) {
+  const ScratchFolder folder;
+  for (const std::endian order : {std::endian::little, std::endian::big}) {
+    write_text(folder / "mesh.ply", rich_binary(order));
+    const MeshFile file = read_mesh_file(folder / "mesh.ply");
+    ASSERT_EQ(file.vertex_attributes.size(), 2U);  // but for x, y and z
+    EXPECT_EQ(file.vertex_attributes[0].name, "quality");
+    EXPECT_EQ(std::get<std::vector<std::uint8_t>>(file.vertex_attributes[0].values),
+              std::vector<std::uint8_t>(3, 7));
+    EXPECT_EQ(file.vertex_attributes[1].list_sizes, std::vector<int>(3, 2));
+    EXPECT_EQ(std::get<std::vector<std::int8_t>>(file.vertex_attributes[1].values),
+              std::vector<std::int8_t>(6, 1));
+    ASSERT_EQ(file.triangle_attributes.size(), 1U);
+    EXPECT_EQ(*scalars(file.triangle_attributes, "area"), Eigen::VectorXd::Constant(1, 3));
+    EXPECT_EQ(file.comments, (std::vector<std::string>{"made by a test", "none"}));
+  }
+}
+
+TEST(Ply, NumbersMayBeWrittenInOtherWays) {
+  const ScratchFolder folder;
+  write_text(folder / "points.ply", kTextVertices +
+                                        "property uchar red\nproperty float w\nend_header\n"
+                                        "0 0 0 255.0 1e-50\n0 0 0 2e2 -nan\n0 0 0 +7 INF\n"
+                                        "0 0 0 0x 1\n");
+  EXPECT_THROWS_MESSAGE(static_cast<void>(read_points(folder / "points.ply")), FileError,
+                        "line 13: \"0x\" is not a number of type uchar for property red");
+  write_text(folder / "points.ply", replaced(read_text(folder / "points.ply"), "0x", "0"));
+  const PointCloud cloud = read_point_cloud(folder / "points.ply");
+  EXPECT_EQ(*scalars(cloud.attributes, "red"), Eigen::Vector4d(255, 200, 7, 0));
+  EXPECT_EQ((*scalars(cloud.attributes, "w"))[0], 0);
+  EXPECT_EQ((*scalars(cloud.attributes, "w"))[2], std::numeric_limits<double>::infinity());
+  for (const char* wrong : {"256", "-1", "0.5", "nan"}) {
+    write_text(folder / "wrong.ply", replaced(read_text(folder / "points.ply"), "255.0", wrong));
+    EXPECT_THROWS_MESSAGE(static_cast<void>(read_points(folder / "wrong.ply")), FileError,
+                          "is not a number of type uchar");
+  }
+}
+
+TEST(Ply, LinesOfAHeaderMayEndInEveryWay) {
+  const ScratchFolder folder;
+  for (const std::string end : {"\n", "\r\n", "\r"}) {
+    std::string content;
+    for (const char c : kSquare) content += c == '\n' ? end : std::string(1, c);
+    write_text(folder / "mesh.ply", content);
+    EXPECT_EQ(read_mesh(folder / "mesh.ply").triangles.cols(), 2);
+  }
+}
+
+TEST(Ply, RefusesWhatIsThereTwice) {
+  expect_refused(replaced(kSquare, "float y\n", "float y\nproperty int y\n"),
+                 "line 6 of the header");
+  expect_refused(replaced(kSquare, "end_header", "element vertex 0\nend_header"),
+                 "line 9 of the header");
+  expect_refused(
+      replaced(replaced(kSquare, "end_header", "property list uchar int vertex_index\nend_header"),
+               "4 0 1 2 3", "4 0 1 2 3 3 0 1 2"),
+      "needs one list vertex_indices");
 }
 
 TEST(Ply, PointsNeedNoFacesAndMayBeUnknown) {

@@ -92,6 +92,25 @@ TEST(PolygonMesh, APolygonThatCrossesItselfStillEnds) {
   EXPECT_EQ(triangulated({{0, 0}, {3, 3}, {3, 0}, {0, 3}, {1, 5}}).triangles.cols(), 3);
 }
 
+TEST(PolygonMesh, AttributesGoAlongToTheTrianglesOfTheirFace) {
+  const ScratchFolder folder;
+  const std::string vertices =
+      "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\n"
+      "property float z\nelement face 3\nproperty list uchar int vertex_indices\n"
+      "property int id\nproperty list uchar float tags\nend_header\n"
+      "0 0 0\n1 0 0\n1 1 0\n0 1 0\n-1 0.5 0\n";
+  // A face without area, a square and a triangle: as many triangles as faces, but not the faces.
+  write_text(folder / "mesh.ply",
+             vertices + "3 0 1 1 10 1 0.1\n4 0 1 2 3 11 2 0.2 0.3\n3 0 3 4 12 0\n");
+  const MeshFile file = read_mesh_file(folder / "mesh.ply");
+  ASSERT_EQ(file.mesh.triangles.cols(), 3);
+  EXPECT_EQ(*scalars(file.triangle_attributes, "id"), Eigen::Vector3d(11, 11, 12));
+  const Attribute* tags = find_attribute(file.triangle_attributes, "tags");
+  EXPECT_EQ(tags->list_sizes, (std::vector<int>{2, 2, 0}));
+  EXPECT_EQ(std::get<std::vector<float>>(tags->values),
+            (std::vector<float>{0.2F, 0.3F, 0.2F, 0.3F}));
+}
+
 TEST(PolygonMesh, ATriangleThatUsesAVertexTwiceIsLeftOut) {
   const ScratchFolder folder;
   write_text(folder / "mesh.obj", "v 0 0 1\nv 1 0 1\nv 1 1 1\nf 1 2 2\nf 1 2 3\n");

@@ -38,6 +38,9 @@ struct MeshDefect {
 /// them.
 [[nodiscard]] std::vector<MeshDefect> find_defects(const TriangleMesh& mesh);
 
+/// The kind's name as in the enumeration.
+[[nodiscard]] const char* to_string(DefectKind kind);
+
 /// In words: how many, what, and the first few by index.
 [[nodiscard]] std::string describe(const MeshDefect& defect);
 
