@@ -3,7 +3,10 @@
 // Rays, many queries at once, and meshes that move.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
+#include <random>
 #include <string>
 #include <vector>
 
