@@ -71,6 +71,15 @@ Eigen::Vector3d ShearedSegment::shear(const Eigen::Vector3d& point) const {
   return {q[axis_[0]] - shear_0_ * q[axis_[2]], q[axis_[1]] - shear_1_ * q[axis_[2]], q[axis_[2]]};
 }
 
+Eigen::Vector3d ShearedSegment::direction() const {
+  const double sign = length_ < 0 ? -1 : 1;
+  Eigen::Vector3d direction;
+  direction[axis_[0]] = sign * shear_0_;
+  direction[axis_[1]] = sign * shear_1_;
+  direction[axis_[2]] = sign;
+  return direction;
+}
+
 Crossing cross_triangle(const ShearedSegment& segment, const Corners& corners) {
   const Eigen::Vector3d a = segment.shear(corners[0]);
   const Eigen::Vector3d b = segment.shear(corners[1]);

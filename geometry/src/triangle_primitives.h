@@ -28,7 +28,12 @@ class ShearedSegment {
  public:
   ShearedSegment(const Eigen::Vector3d& start, const Eigen::Vector3d& end);
   [[nodiscard]] Eigen::Vector3d shear(const Eigen::Vector3d& point) const;
-  [[nodiscard]] double length() const { return length_; }  ///< signed, along axis 2
+  [[nodiscard]] double length() const { return length_; }                 ///< signed, along axis 2
+  [[nodiscard]] const std::array<int, 3>& axis() const { return axis_; }  ///< their new order
+  [[nodiscard]] double shear_0() const { return shear_0_; }
+  [[nodiscard]] double shear_1() const { return shear_1_; }
+  /// From start to end, 1 or -1 along axis 2.
+  [[nodiscard]] Eigen::Vector3d direction() const;
 
  private:
   Eigen::Vector3d start_;

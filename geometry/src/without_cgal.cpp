@@ -6,6 +6,7 @@
 #include "exact_geodesic_distance.h"
 #include "palpate/error.h"
 #include "palpate/geometry/hole_filling.h"
+#include "poisson_surface.h"
 
 namespace palpate::geometry {
 namespace {
@@ -24,5 +25,9 @@ GeodesicDistance exact_geodesic_distance(const TriangleMesh&, std::span<const Su
 }
 
 FilledMesh fill_holes(const TriangleMesh&, const HoleFillingOptions&) { refuse("fill_holes"); }
+
+TriangleMesh poisson_surface(const Eigen::Matrix3Xd&, const Eigen::Matrix3Xd&, double) {
+  refuse("merge_scans");
+}
 
 }  // namespace palpate::geometry

@@ -1,0 +1,137 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/geometry/merge_scans.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "palpate/error.h"
+#include "palpate/geometry/surface_query.h"
+#include "poisson_surface.h"
+
+namespace palpate::geometry {
+namespace {
+
+void check(std::span<const Scan> scans, const MergeScansOptions& options) {
+  if (!(options.reach > 0)) {
+    throw InvalidInput("merge_scans: reach is " + std::to_string(options.reach) +
+                       ", but must be > 0");
+  }
+  if (scans.empty()) throw InvalidInput("merge_scans: there is no scan");
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    const std::string name = "merge_scans: scan " + std::to_string(i);
+    check_mesh(scans[i].mesh, name.c_str());
+    if (!scans[i].T_object_scan.matrix().allFinite()) {
+      throw InvalidInput(name + " has a pose that is not finite");
+    }
+  }
+}
+
+std::vector<TriangleMesh> in_frame_of_object(std::span<const Scan> scans) {
+  std::vector<TriangleMesh> meshes;
+  for (const Scan& scan : scans) {
+    meshes.push_back(
+        {.vertices = scan.T_object_scan * scan.mesh.vertices, .triangles = scan.mesh.triangles});
+  }
+  return meshes;
+}
+
+double median_edge_length(const std::vector<TriangleMesh>& meshes) {
+  std::vector<double> lengths;
+  for (const TriangleMesh& mesh : meshes) {
+    for (const auto& t : mesh.triangles.colwise()) {
+      for (int k = 0; k < 3; ++k) {
+        lengths.push_back((mesh.vertices.col(t[k]) - mesh.vertices.col(t[(k + 1) % 3])).norm());
+      }
+    }
+  }
+  const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
+  std::nth_element(lengths.begin(), middle, lengths.end());
+  return *middle;
+}
+
+/// Points of all scans, each with its normal.
+struct OrientedPoints {
+  Eigen::Matrix3Xd points;
+  Eigen::Matrix3Xd normals;
+};
+
+OrientedPoints points_with_normals(const std::vector<TriangleMesh>& meshes) {
+  Eigen::Index count = 0;
+  for (const TriangleMesh& mesh : meshes) count += mesh.vertices.cols();
+  OrientedPoints all{.points = Eigen::Matrix3Xd(3, count), .normals = Eigen::Matrix3Xd(3, count)};
+  Eigen::Index next = 0;
+  for (const TriangleMesh& mesh : meshes) {
+    const Eigen::Matrix3Xd normals = vertex_normals(mesh);
+    for (Eigen::Index v = 0; v < normals.cols(); ++v) {
+      if (!normals.col(v).allFinite()) continue;
+      all.points.col(next) = mesh.vertices.col(v);
+      all.normals.col(next++) = normals.col(v);
+    }
+  }
+  all.points.conservativeResize(3, next);
+  all.normals.conservativeResize(3, next);
+  return all;
+}
+
+/// The triangles whose corners are all kept, and the vertices they use.
+TriangleMesh cut_out(const TriangleMesh& mesh, const std::vector<bool>& keep) {
+  std::vector<int> index(keep.size(), -1);
+  TriangleMesh rest{.vertices = Eigen::Matrix3Xd(3, mesh.vertices.cols()),
+                    .triangles = Eigen::Matrix3Xi(3, mesh.triangles.cols())};
+  int vertices = 0;
+  Eigen::Index triangles = 0;
+  for (const auto& t : mesh.triangles.colwise()) {
+    const auto kept = [&](int v) { return keep[static_cast<std::size_t>(v)]; };
+    if (!kept(t[0]) || !kept(t[1]) || !kept(t[2])) continue;
+    for (int k = 0; k < 3; ++k) {
+      int& place = index[static_cast<std::size_t>(t[k])];
+      if (place < 0) {
+        place = vertices++;
+        rest.vertices.col(place) = mesh.vertices.col(t[k]);
+      }
+      rest.triangles(k, triangles) = place;
+    }
+    ++triangles;
+  }
+  rest.vertices.conservativeResize(3, vertices);
+  rest.triangles.conservativeResize(3, triangles);
+  return rest;
+}
+
+/// Which vertices are within `distance` of a scan.
+std::vector<bool> near_scans(const TriangleMesh& mesh, const std::vector<TriangleMesh>& scans,
+                             double distance) {
+  std::vector<bool> near(static_cast<std::size_t>(mesh.vertices.cols()), false);
+  for (const TriangleMesh& scan : scans) {
+    const ClosestPoints closest = closest_points(SurfaceQuery(scan), mesh.vertices);
+    for (std::size_t v = 0; v < near.size(); ++v) {
+      if (closest.distances[static_cast<Eigen::Index>(v)] <= distance) near[v] = true;
+    }
+  }
+  return near;
+}
+
+}  // namespace
+
+MergedScans merge_scans(std::span<const Scan> scans, const MergeScansOptions& options) {
+  check(scans, options);
+  const std::vector<TriangleMesh> meshes = in_frame_of_object(scans);
+  MergedScans merged{.mesh = {}, .spacing = median_edge_length(meshes)};
+  if (!(merged.spacing > 0)) {
+    throw InvalidInput("merge_scans: the median edge of the scans has no length");
+  }
+  const OrientedPoints all = points_with_normals(meshes);
+  if (all.points.cols() == 0) {
+    throw InvalidInput("merge_scans: no vertex of the scans has a normal");
+  }
+  merged.points = static_cast<int>(all.points.cols());
+  const TriangleMesh closed = poisson_surface(all.points, all.normals, merged.spacing);
+  merged.mesh = cut_out(closed, near_scans(closed, meshes, options.reach * merged.spacing));
+  merged.trimmed = static_cast<int>(closed.triangles.cols() - merged.mesh.triangles.cols());
+  return merged;
+}
+
+}  // namespace palpate::geometry
