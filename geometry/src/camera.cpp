@@ -218,7 +218,8 @@ void fill_pixel_rays(const Camera& camera,
         for (; col + kLanes <= cols.end(); col += kLanes) continue_rays(camera, row, col, rays);
       }
       for (; col < cols.end(); ++col) {
-        rays.col(Eigen::Index{row} * camera.width + col) = undistort(camera, {col, row});
+        rays.col(Eigen::Index{row} * camera.width + col) =
+            distorted ? undistort(camera, {col, row}) : to_normalized(camera, {col, row});
       }
     }
   });
