@@ -200,7 +200,7 @@ Eigen::Vector2d distort(const Camera& camera, const Eigen::Vector2d& normalized)
 }
 
 Eigen::Vector2d undistort(const Camera& camera, const Eigen::Vector2d& pixel) {
-  const Eigen::Vector2d normalized = to_normalized(camera, pixel);
+  Eigen::Vector2d normalized = to_normalized(camera, pixel);
   if (!has_distortion(camera)) return normalized;
   const Points<1> distorted = {normalized.row(0), normalized.row(1)};
   Points<1> p = fixed_point_start(camera, distorted);
@@ -218,7 +218,8 @@ void fill_pixel_rays(const Camera& camera,
         for (; col + kLanes <= cols.end(); col += kLanes) continue_rays(camera, row, col, rays);
       }
       for (; col < cols.end(); ++col) {
-        rays.col(Eigen::Index{row} * camera.width + col) = undistort(camera, {col, row});
+        rays.col(Eigen::Index{row} * camera.width + col) =
+            distorted ? undistort(camera, {col, row}) : to_normalized(camera, {col, row});
       }
     }
   });

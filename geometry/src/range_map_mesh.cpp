@@ -131,15 +131,16 @@ constexpr std::array<unsigned, 8> kUsedCorners = {0, 0b1101, 0b1011, 0b1111,
 
 bool has_corner(Cell cell, unsigned corner) { return (kUsedCorners[cell] >> corner & 1U) != 0; }
 
-/// One byte a cell.
+/// The cell with pixel (row, col) as its corner d; with a frame of empty cells all around, so that
+/// every pixel has four.
 using Cells = Eigen::Array<Cell, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 /// The triangles of one row of cells.
 void join_row(const Eigen::Matrix3Xd& points, const DepthSteps& steps, double min_cosine,
               Eigen::Index row, Cells& cells) {
-  const Eigen::Index width = cells.cols() + 1;
+  const Eigen::Index width = cells.cols() - 1;
   bool left = steps.joined_below(row, 0);
-  for (Eigen::Index col = 0; col < cells.cols(); ++col) {
+  for (Eigen::Index col = 0; col + 1 < width; ++col) {
     const Eigen::Index a = row * width + col;
     const std::array<Eigen::Index, 4> pixel = {a, a + 1, a + width, a + width + 1};
     const auto point = [&](int corner) {
@@ -164,7 +165,7 @@ void join_row(const Eigen::Matrix3Xd& points, const DepthSteps& steps, double mi
       if (left && top && seen(kTriangles[1][0])) cell |= kFirst;
       if (bottom && right && seen(kTriangles[1][1])) cell |= kSecond;
     }
-    cells(row, col) = cell;
+    cells(row + 1, col + 1) = cell;
     left = right;
   }
 }
@@ -173,22 +174,16 @@ Cells join_pixels(const RangeMap& map, const Eigen::Matrix3Xd& points,
                   const RangeMapMeshOptions& options) {
   const DepthSteps steps(map.z, options.max_depth_step);
   const double min_cosine = std::cos(options.max_incidence);
-  Cells cells(map.z.rows() - 1, map.z.cols() - 1);
-  tbb::parallel_for(Eigen::Index{0}, cells.rows(),
+  Cells cells = Cells::Zero(map.z.rows() + 1, map.z.cols() + 1);
+  tbb::parallel_for(Eigen::Index{0}, map.z.rows() - 1,
                     [&](Eigen::Index row) { join_row(points, steps, min_cosine, row, cells); });
   return cells;
 }
 
 /// Whether a pixel is a corner of a triangle of one of the cells around it.
 bool is_used(const Cells& cells, Eigen::Index row, Eigen::Index col) {
-  const bool above = row > 0;
-  const bool below = row < cells.rows();
-  const bool before = col > 0;
-  const bool after = col < cells.cols();
-  return (below && after && has_corner(cells(row, col), 0)) ||
-         (below && before && has_corner(cells(row, col - 1), 1)) ||
-         (above && after && has_corner(cells(row - 1, col), 2)) ||
-         (above && before && has_corner(cells(row - 1, col - 1), 3));
+  return has_corner(cells(row + 1, col + 1), 0) || has_corner(cells(row + 1, col), 1) ||
+         has_corner(cells(row, col + 1), 2) || has_corner(cells(row, col), 3);
 }
 
 /// Where the items of each row start when `count(row)` items of all rows lie one after the other,
@@ -208,9 +203,9 @@ std::vector<Eigen::Index> row_starts(Eigen::Index rows, const Count& count) {
 std::vector<int> take_vertices(const Cells& cells, const Eigen::Matrix3Xd& points,
                                RangeMapMesh& result) {
   constexpr int kUnused = -1;
-  const Eigen::Index width = cells.cols() + 1;
+  const Eigen::Index width = cells.cols() - 1;
   std::vector<int> vertex(static_cast<std::size_t>(points.cols()), kUnused);
-  const auto starts = row_starts(cells.rows() + 1, [&](Eigen::Index row) {
+  const auto starts = row_starts(cells.rows() - 1, [&](Eigen::Index row) {
     Eigen::Index count = 0;
     for (Eigen::Index col = 0; col < width; ++col) {
       if (!is_used(cells, row, col)) continue;
@@ -221,7 +216,7 @@ std::vector<int> take_vertices(const Cells& cells, const Eigen::Matrix3Xd& point
   });
   result.pixel.resize(static_cast<std::size_t>(starts.back()));
   result.mesh.vertices.resize(3, starts.back());
-  tbb::parallel_for(Eigen::Index{0}, cells.rows() + 1, [&](Eigen::Index row) {
+  tbb::parallel_for(Eigen::Index{0}, cells.rows() - 1, [&](Eigen::Index row) {
     const auto start = static_cast<int>(starts[static_cast<std::size_t>(row)]);
     for (Eigen::Index pixel = row * width; pixel < (row + 1) * width; ++pixel) {
       int& number = vertex[static_cast<std::size_t>(pixel)];
@@ -235,22 +230,26 @@ std::vector<int> take_vertices(const Cells& cells, const Eigen::Matrix3Xd& point
 }
 
 void take_triangles(const Cells& cells, const std::vector<int>& vertex, RangeMapMesh& result) {
-  const Eigen::Index width = cells.cols() + 1;
-  const auto starts = row_starts(cells.rows(), [&](Eigen::Index row) {
+  const Eigen::Index width = cells.cols() - 1;
+  const Eigen::Index rows_of_cells = cells.rows() - 2;
+  const auto starts = row_starts(rows_of_cells, [&](Eigen::Index row) {
     Eigen::Index count = 0;
-    for (const Cell cell : cells.row(row)) count += (cell & kFirst) + (cell & kSecond) / kSecond;
+    for (const Cell cell : cells.row(row + 1))
+      count += (cell & kFirst) + (cell & kSecond) / kSecond;
     return count;
   });
   result.mesh.triangles.resize(3, starts.back());
-  tbb::parallel_for(Eigen::Index{0}, cells.rows(), [&](Eigen::Index row) {
+  tbb::parallel_for(Eigen::Index{0}, rows_of_cells, [&](Eigen::Index row) {
     Eigen::Index triangle = starts[static_cast<std::size_t>(row)];
-    for (Eigen::Index col = 0; col < cells.cols(); ++col) {
-      const auto of_corner = [&](int corner) {
-        return vertex[static_cast<std::size_t>((row + corner / 2) * width + col + corner % 2)];
-      };
-      for_each_triangle(cells(row, col), [&](const Corners& corners) {
-        result.mesh.triangles.col(triangle) << of_corner(corners[0]), of_corner(corners[1]),
-            of_corner(corners[2]);
+    for (Eigen::Index col = 0; col + 1 < width; ++col) {
+      const auto a = static_cast<std::size_t>(row * width + col);
+      const auto below = static_cast<std::size_t>(width);
+      const std::array<int, 4> corner = {vertex[a], vertex[a + 1], vertex[a + below],
+                                         vertex[a + below + 1]};
+      for_each_triangle(cells(row + 1, col + 1), [&](const Corners& corners) {
+        for (int k = 0; k < 3; ++k)
+          result.mesh.triangles(k, triangle) =
+              corner[static_cast<std::size_t>(corners[static_cast<std::size_t>(k)])];
         ++triangle;
       });
     }
