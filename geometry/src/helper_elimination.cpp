@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <numbers>
@@ -188,6 +189,17 @@ class ContactTriangles {
            !normal_of_side_.contains({c, a});
   }
 
+  /// An angle is larger than those at the rim may be.
+  [[nodiscard]] bool is_flat(const std::array<int, 3>& corners) const {
+    for (size_t k = 0; k < 3; ++k) {
+      const Vector3d apex = places_.col(corners[k]);
+      const Vector3d a = places_.col(corners[(k + 1) % 3]) - apex;
+      const Vector3d b = places_.col(corners[(k + 2) % 3]) - apex;
+      if (!(std::atan2(a.cross(b).norm(), a.dot(b)) < kLargestRimAngle)) return true;
+    }
+    return false;
+  }
+
   [[nodiscard]] bool folds_back(const std::array<int, 3>& corners) const {
     const Vector3d own = normal(corners);
     for (size_t k = 0; k < 3; ++k) {
@@ -272,6 +284,7 @@ std::vector<std::array<int, 3>> triangles_of_contacts(const IntrinsicTriangulati
       is_own = is_own && contact_of_id[id] >= 0;
       corners[static_cast<size_t>(k)] = rows[id].front().contact;
     }
+    std::ranges::rotate(corners, std::ranges::min_element(corners));
     if (is_own && result.fits(corners)) {
       result.add(corners);
     } else {
@@ -281,9 +294,12 @@ std::vector<std::array<int, 3>> triangles_of_contacts(const IntrinsicTriangulati
   }
   std::ranges::sort(candidates);
   for (const auto& [size, corners] : candidates) {
-    if (result.fits(corners) && !result.folds_back(corners)) result.add(corners);
+    if (!result.fits(corners) || result.is_flat(corners) || result.folds_back(corners)) continue;
+    result.add(corners);
   }
-  return result.triangles();
+  std::vector<std::array<int, 3>> triangles = result.triangles();
+  std::ranges::sort(triangles);
+  return triangles;
 }
 
 }  // namespace palpate::geometry
