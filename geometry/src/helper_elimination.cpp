@@ -29,6 +29,9 @@ constexpr int kMaxAdded = 2000;
 /// [rad]: in flatter ones weights would change from one contact to another within a small height.
 constexpr double kLargestRimAngle = 150 * std::numbers::pi / 180;
 
+/// A triangle has an area iff its largest angle is below this [rad].
+constexpr double kLargestAngle = 179.9 * std::numbers::pi / 180;
+
 /// Neighbours are folded onto each other iff the cosine between their normals is at most this: 150
 /// degrees.
 constexpr double kFoldedBack = -0.866;
@@ -189,13 +192,16 @@ class ContactTriangles {
            !normal_of_side_.contains({c, a});
   }
 
-  /// An angle is larger than those at the rim may be.
-  [[nodiscard]] bool is_flat(const std::array<int, 3>& corners) const {
+  /// An angle is larger than those at the rim may be; a contact that is in no triangle yet takes
+  /// flatter ones too.
+  [[nodiscard]] bool is_too_flat(const std::array<int, 3>& corners, bool for_single) const {
+    const bool is_single = std::ranges::any_of(corners, [&](int c) { return !used_.contains(c); });
+    const double largest = for_single && is_single ? kLargestAngle : kLargestRimAngle;
     for (size_t k = 0; k < 3; ++k) {
       const Vector3d apex = places_.col(corners[k]);
       const Vector3d a = places_.col(corners[(k + 1) % 3]) - apex;
       const Vector3d b = places_.col(corners[(k + 2) % 3]) - apex;
-      if (!(std::atan2(a.cross(b).norm(), a.dot(b)) < kLargestRimAngle)) return true;
+      if (!(std::atan2(a.cross(b).norm(), a.dot(b)) < largest)) return true;
     }
     return false;
   }
@@ -212,6 +218,7 @@ class ContactTriangles {
   void add(const std::array<int, 3>& corners) {
     triangles_.push_back(corners);
     known_.insert(ascending(corners));
+    used_.insert(corners.begin(), corners.end());
     for (size_t k = 0; k < 3; ++k) {
       normal_of_side_[{corners[k], corners[(k + 1) % 3]}] = normal(corners);
     }
@@ -227,6 +234,7 @@ class ContactTriangles {
   const Eigen::Matrix3Xd& places_;
   std::vector<std::array<int, 3>> triangles_;
   std::set<std::array<int, 3>> known_;  // corners in ascending order
+  std::set<int> used_;                  // corners
   std::map<std::pair<int, int>, Vector3d> normal_of_side_;
 };
 
@@ -293,9 +301,11 @@ std::vector<std::array<int, 3>> triangles_of_contacts(const IntrinsicTriangulati
     }
   }
   std::ranges::sort(candidates);
-  for (const auto& [size, corners] : candidates) {
-    if (!result.fits(corners) || result.is_flat(corners) || result.folds_back(corners)) continue;
-    result.add(corners);
+  for (const bool for_single : {false, true}) {
+    for (const auto& [size, corners] : candidates) {
+      if (!result.fits(corners) || result.is_too_flat(corners, for_single)) continue;
+      if (!result.folds_back(corners)) result.add(corners);
+    }
   }
   std::vector<std::array<int, 3>> triangles = result.triangles();
   std::ranges::sort(triangles);

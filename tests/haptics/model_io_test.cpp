@@ -24,6 +24,8 @@ void expect_same(const Model& left, const Model& right) {
   EXPECT_EQ(left.surface.vertices, right.surface.vertices);
   EXPECT_EQ(left.surface.triangles, right.surface.triangles);
   EXPECT_EQ(left.triangles, right.triangles);
+  EXPECT_EQ(left.surface_weights.contacts, right.surface_weights.contacts);
+  EXPECT_EQ(left.surface_weights.weights, right.surface_weights.weights);
   EXPECT_EQ(left.made, right.made);
   EXPECT_EQ(left.T_surface_acquisition.matrix(), right.T_surface_acquisition.matrix());
   ASSERT_EQ(left.contacts.size(), right.contacts.size());
@@ -49,6 +51,7 @@ Model some_model() {
   model.T_surface_acquisition = some_motion();
   model.contacts[1].friction_source = FrictionSource::other_contacts;
   model.contacts[2].field = {Eigen::Matrix3Xd(3, 0), Eigen::VectorXd(0), 1};
+  model.surface_weights = geometry::project_weights(model.surface, contact_mesh(model));
   return model;
 }
 
