@@ -75,7 +75,7 @@ std::optional<double> flattening_stretch(const Star& star) {
   double stretch = 1;
   for (int i = 0; i < kMaxIterations; ++i) {
     const double excess = angle_sum(star, stretch) - star.full_angle;
-    if (!(std::abs(excess) > kFlat)) return stretch;
+    if (std::abs(excess) <= kFlat) return stretch;
     // The sum of angles grows with the stretch.
     (excess > 0 ? high : low) = stretch;
     double slope = 0;
@@ -243,7 +243,8 @@ class Coarsening {
                               r.squaredNorm() * cross(p, q)) /
                              area;
         if (!(power < best_power)) continue;
-        if (are_joined(ring_[(i + ring_.size() - 1) % ring_.size()], ring_[(i + 1) % ring_.size()])) {
+        if (are_joined(ring_[(i + ring_.size() - 1) % ring_.size()],
+                       ring_[(i + 1) % ring_.size()])) {
           continue;
         }
         best_power = power;

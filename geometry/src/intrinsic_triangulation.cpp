@@ -19,8 +19,8 @@ using Eigen::Vector3d;
 /// once edges are lengthened. Large against rounding, small against what anybody measures.
 constexpr double kMollification = 1e-6;
 
-/// An edge is flipped iff the angles opposite to it exceed pi by more than rounding: relative to
-/// the terms whose sum decides.
+/// An edge is flipped iff the angles opposite to it exceed pi by more than rounding, so that
+/// flipping ends: relative to squares of sides times areas.
 constexpr double kDelaunayRounding = 1e-12;
 
 /// A quadrilateral is strictly convex iff its diagonals cross at least this fraction of the
@@ -178,9 +178,11 @@ bool IntrinsicTriangulation::is_delaunay(int h) const {
   const double cosine = a * a + (b - l) * (b + l);
   const double other_cosine = c * c + (d - l) * (d + l);
   if (cosine >= 0 && other_cosine >= 0) return true;
-  const double term = cosine * area_of_lengths(l, c, d);
-  const double other_term = other_cosine * area_of_lengths(l, a, b);
-  return term + other_term >= -kDelaunayRounding * (std::abs(term) + std::abs(other_term));
+  const double area = area_of_lengths(l, a, b);
+  const double other_area = area_of_lengths(l, c, d);
+  // Right angles opposite to each other leave rounding of the squares, however it falls.
+  const double size = (a * a + b * b + l * l) * other_area + (c * c + d * d + l * l) * area;
+  return cosine * other_area + other_cosine * area >= -kDelaunayRounding * size;
 }
 
 //       c                c

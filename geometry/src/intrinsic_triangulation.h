@@ -29,6 +29,9 @@ class IntrinsicTriangulation {
   explicit IntrinsicTriangulation(const TriangleMesh& mesh);
 
   static constexpr int kNone = -1;
+  /// Flipping to Delaunay takes a few flips an edge; should rounding ever drive it in circles, it
+  /// gives up after this many.
+  static constexpr size_t kFlipsPerEdge = 100;
   static int next(int h) { return h % 3 == 2 ? h - 2 : h + 1; }
   static int previous(int h) { return h % 3 == 0 ? h + 2 : h - 1; }
 
@@ -89,18 +92,21 @@ class IntrinsicTriangulation {
   /// quadrilateral is not strictly convex or the edge has one triangle only.
   bool flip(int h);
   /// Flips until every edge is Delaunay, beginning with the given ones and following what a flip
-  /// affects (Lawson 1977); `may_flip` can forbid some.
+  /// affects (Lawson 1977); `may_flip` can forbid some. It ends in any case.
   template <typename MayFlip>
   void flip_to_delaunay(std::vector<int>& half_edges, const MayFlip& may_flip) {
-    while (!half_edges.empty()) {
+    size_t left = kFlipsPerEdge * (half_edges.size() + kFlipsPerEdge);
+    while (!half_edges.empty() && left > 0) {
       const int h = half_edges.back();
       half_edges.pop_back();
       if (!is_alive(h / 3) || opposite(h) == kNone || is_delaunay(h) || !may_flip(h)) continue;
       const int t = h / 3;
       const int other = opposite(h) / 3;
       if (!flip(h)) continue;
+      --left;
       half_edges.insert(half_edges.end(), {3 * t + 1, 3 * t + 2, 3 * other + 1, 3 * other + 2});
     }
+    half_edges.clear();
   }
   void flip_to_delaunay(std::vector<int>& half_edges) {
     flip_to_delaunay(half_edges, [](int) { return true; });

@@ -21,6 +21,7 @@ using nlohmann::json;
 constexpr const char* kFormat = "palpate-model";
 constexpr int kVersion = 1;
 constexpr const char* kSurface = "surface.ply";
+constexpr const char* kContacts = "contacts.ply";
 constexpr const char* kDocument = "field.json";
 constexpr const char* kBinaryDocument = "field.cbor";
 constexpr std::array<const char*, 3> kFrictionSources = {"samples", "other_contacts", "none"};
@@ -289,13 +290,17 @@ Model read_model(const std::filesystem::path& folder) {
 }
 
 std::vector<std::filesystem::path> model_entries() {
-  return {kSurface, kDocument, kBinaryDocument};
+  return {kSurface, kContacts, kDocument, kBinaryDocument};
 }
 
 void write_model(const std::filesystem::path& folder, const Model& model) {
   check_model(model);
   write_folder(folder, model_entries(), [&](const std::filesystem::path& temporary) {
     geometry::write_mesh(temporary / kSurface, model.surface);
+    // For other programs' eyes: it says what the document says.
+    if (model.triangles.cols() > 0) {
+      geometry::write_mesh(temporary / kContacts, contact_mesh(model));
+    }
     constexpr int kIndent = 1;
     // JSON is UTF-8; the name of a file in `made` may be anything.
     const std::string document =

@@ -11,6 +11,7 @@
 #include <valijson/schema_parser.hpp>
 #include <valijson/validator.hpp>
 
+#include "palpate/geometry/mesh_io.h"
 #include "sheet_model.h"
 
 namespace palpate::haptics {
@@ -85,6 +86,14 @@ TEST(ModelIo, ReadsBackExactlyWhatWasWritten) {
   expect_same(read_model(folder), some_model());
 }
 
+TEST(ModelIo, SavesTheTriangulationAsAMeshToo) {
+  const ScratchFolder scratch;
+  write_model(scratch / "model", some_model());
+  const geometry::TriangleMesh mesh = geometry::read_mesh(scratch / "model" / "contacts.ply");
+  EXPECT_EQ(mesh.vertices, contact_mesh(some_model()).vertices);
+  EXPECT_EQ(mesh.triangles, some_model().triangles);
+}
+
 TEST(ModelIo, ReadsTheSameDocumentInCbor) {
   const ScratchFolder scratch;
   const std::filesystem::path folder = scratch / "model";
@@ -109,7 +118,8 @@ TEST(ModelIo, WritesWhatTheSchemaDescribes) {
   // The schema does look: each of these is refused.
   for (const char* pointer :
        {"/version", "/contacts/1/position/2", "/contacts/0/friction/source",
-        "/contacts/2/field/epsilon", "/triangles/0/1", "/registration/rotation/0"}) {
+        "/contacts/2/field/epsilon", "/triangles/0/1", "/registration/rotation/0",
+        "/surface_weights/contacts/4", "/surface_weights/weights/4"}) {
     json broken = document;
     broken[json::json_pointer(pointer)] = -1.5;
     const bool still_a_number = std::string(pointer) == "/contacts/1/position/2";
@@ -161,6 +171,12 @@ TEST(ModelIo, NamesThePlaceAndWhatIsRight) {
               HasSubstr("/contacts/0/friction/source"));
   EXPECT_THAT(refused_after([](json& d) { d["triangles"][0][1] = 99; }),
               AllOf(HasSubstr("field.json"), HasSubstr("99")));
+  EXPECT_THAT(refused_after([](json& d) { d["surface_weights"]["contacts"].push_back(0); }),
+              AllOf(HasSubstr("/surface_weights"), HasSubstr("for each vertex")));
+  EXPECT_THAT(refused_after([](json& d) { d["surface_weights"]["contacts"][7] = -2; }),
+              HasSubstr("/surface_weights/contacts/7"));
+  EXPECT_THAT(refused_after([](json& d) { d["surface_weights"]["weights"][0] = 7; }),
+              HasSubstr("vertex 0"));
   EXPECT_THAT(refused_after([](json& d) { d["triangles"][0][1] = 1e300; }),
               HasSubstr("/triangles/0/1"));
   EXPECT_THAT(refused_after([](json& d) { d["contacts"][3]["friction"]["coefficient"] = -1; }),

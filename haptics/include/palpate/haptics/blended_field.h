@@ -13,10 +13,10 @@ namespace palpate::haptics {
 
 /// What the model says at one place of the surface, whatever the displacement.
 struct Blend {
-  geometry::ContactWeights contacts;  ///< none: no such place, or nothing known there
   Eigen::Matrix3d frame = Eigen::Matrix3d::Identity();       ///< blended R_c; z presses inwards
   Eigen::Vector3d friction_axis = Eigen::Vector3d::UnitZ();  ///< unit, world
   double friction = 0;
+  geometry::ContactWeights contacts;  ///< none: no such place, or nothing known there
 };
 
 /// The force field at any place of the surface: Eq 5.10 in blended frames (thesis 5.3.2.2).
