@@ -4,6 +4,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <functional>
 #include <limits>
 #include <string>
 #include <tuple>
@@ -81,6 +82,14 @@ void check_weights(const TriangleMesh& surface, const SurfaceWeights& weights) {
                      "; pass the weights that were made for this surface");
 }
 
+/// None if the weights say nothing.
+ContactWeights normalised(ContactWeights weights, double sum) {
+  if (!(sum > 0 && sum < std::numeric_limits<double>::infinity())) return {};
+  const double factor = 1 / sum;
+  for (int i = 0; i < weights.count; ++i) weights.weights[static_cast<size_t>(i)] *= factor;
+  return weights;
+}
+
 }  // namespace
 
 ContactLocator::ContactLocator(const TriangleMesh& surface, std::span<const SurfacePoint> contacts,
@@ -88,13 +97,17 @@ ContactLocator::ContactLocator(const TriangleMesh& surface, std::span<const Surf
   check_mesh(surface, "ContactLocator");
   check_weights(surface, weights);
   for (Eigen::Index v = 0; v < surface.vertices.cols(); ++v) {
-    Row& row = rows_.emplace_back();
+    // In one order, so that most neighbours have the same contacts at the same places.
+    std::array<std::pair<int, double>, 3> entries;
     for (int k = 0; k < 3; ++k) {
       const int contact = weights.contacts(k, v);
       const bool counts = contact >= 0 && weights.weights(k, v) > 0;
-      row.contacts[static_cast<size_t>(k)] = counts ? contact : -1;
-      row.weights[static_cast<size_t>(k)] = counts ? weights.weights(k, v) : 0;
+      entries[static_cast<size_t>(k)] =
+          counts ? std::pair(contact, weights.weights(k, v)) : std::pair(-1, 0.0);
     }
+    std::ranges::sort(entries, std::greater{});
+    Row& row = rows_.emplace_back();
+    for (size_t k = 0; k < 3; ++k) std::tie(row.contacts[k], row.weights[k]) = entries[k];
   }
   for (const auto& corners : surface.triangles.colwise()) {
     triangles_.push_back({.rows = {corners[0], corners[1], corners[2]}, .first_piece = -1});
@@ -179,9 +192,22 @@ ContactWeights ContactLocator::locate(const SurfacePoint& at) const noexcept {
       rows = pieces_[i].rows;
     }
   }
+  const Row& a = rows_[static_cast<size_t>(rows[0])];
+  const Row& b = rows_[static_cast<size_t>(rows[1])];
+  const Row& c = rows_[static_cast<size_t>(rows[2])];
+  barycentric = barycentric.cwiseMax(0);  // negative by rounding only
   double sum = 0;
+  if (a.contacts == b.contacts && b.contacts == c.contacts) {
+    for (size_t k = 0; k < 3 && a.contacts[k] >= 0; ++k) {
+      result.contacts[k] = a.contacts[k];
+      result.weights[k] = barycentric[0] * a.weights[k] + barycentric[1] * b.weights[k] +
+                          barycentric[2] * c.weights[k];
+      sum += result.weights[k];
+      ++result.count;
+    }
+    return normalised(result, sum);
+  }
   for (int corner = 0; corner < 3; ++corner) {
-    // Negative by rounding only.
     const double share = barycentric[corner];
     if (!(share > 0)) continue;
     const Row& row = rows_[static_cast<size_t>(rows[static_cast<size_t>(corner)])];
@@ -197,9 +223,7 @@ ContactWeights ContactLocator::locate(const SurfacePoint& at) const noexcept {
       result.weights[static_cast<size_t>(i)] += weight;
     }
   }
-  if (!(sum > 0 && sum < std::numeric_limits<double>::infinity())) return {};
-  for (int i = 0; i < result.count; ++i) result.weights[static_cast<size_t>(i)] /= sum;
-  return result;
+  return normalised(result, sum);
 }
 
 }  // namespace palpate::geometry

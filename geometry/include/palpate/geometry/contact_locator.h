@@ -19,7 +19,7 @@ struct ContactWeights {
   static constexpr int kMaxCount = 9;
   int count = 0;                            ///< 0 = no contact has influence, or no such place
   std::array<int, kMaxCount> contacts{};    ///< the first `count`: all different
-  std::array<double, kMaxCount> weights{};  ///< the first `count`: > 0, sum to 1
+  std::array<double, kMaxCount> weights{};  ///< the first `count`: >= 0, sum to 1
 };
 
 /// Weights of contacts at any place of the surface, linear in each of its triangles between the
