@@ -29,6 +29,9 @@ constexpr int kMaxAdded = 2000;
 /// [rad]: in flatter ones weights would change from one contact to another within a small height.
 constexpr double kLargestRimAngle = 150 * std::numbers::pi / 180;
 
+/// A tracked point becomes a helper iff none of its barycentric coordinates is larger.
+constexpr double kLargestCoordinate = 0.9;
+
 /// A triangle has an area iff its largest angle is below this [rad].
 constexpr double kLargestAngle = 179.9 * std::numbers::pi / 180;
 
@@ -77,7 +80,7 @@ std::vector<int> ambiguous_edges(const IntrinsicTriangulation& surface) {
 }
 
 /// The tracked point of the two triangles at an edge that is nearest to its middle; kNone if there
-/// is none.
+/// is none within a quarter of its length.
 int point_near_middle(const IntrinsicTriangulation& surface, int edge) {
   int best = kNone;
   double nearest = std::numeric_limits<double>::infinity();
@@ -92,7 +95,9 @@ int point_near_middle(const IntrinsicTriangulation& surface, int edge) {
       const Vector3d& at = surface.barycentric(id);
       const Vector2d place = at[(k + 1) % 3] * Vector2d(l, 0) + at[(k + 2) % 3] * apex;
       const double distance = (place - Vector2d(l / 2, 0)).squaredNorm();
-      if (!(std::tie(distance, id) < std::tie(nearest, best))) continue;
+      // One that is at a corner would give an edge without length.
+      const bool is_apart = at.maxCoeff() < kLargestCoordinate && distance < l * l / 16;
+      if (!is_apart || !(std::tie(distance, id) < std::tie(nearest, best))) continue;
       nearest = distance;
       best = id;
     }
