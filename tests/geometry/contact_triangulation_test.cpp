@@ -13,7 +13,6 @@
 #include "mesh_corpus.h"
 #include "palpate/error.h"
 #include "palpate/geometry/mesh_io.h"
-#include "palpate/geometry/mesh_topology.h"
 #include "test_surfaces.h"
 
 namespace palpate::geometry {
@@ -22,37 +21,13 @@ namespace {
 using Eigen::Vector3d;
 using test::check_manifold;
 using test::Counts;
+using test::euler_characteristic;
 using test::jittered_grid;
 using test::nearest_places;
+using test::random_contacts;
 
 /// Weights: some tens of operations on values of the order of one, after a chain of flips.
 constexpr double kRounding = 1e-9;
-
-/// Contacts in different triangles at random: in faces, on edges and at vertices in turn.
-std::vector<SurfacePoint> random_contacts(const TriangleMesh& surface, int count, unsigned seed) {
-  std::mt19937 random(seed);
-  std::uniform_int_distribution<int> any(0, static_cast<int>(surface.triangles.cols()) - 1);
-  std::uniform_real_distribution<double> part(0.05, 0.95);
-  std::vector<SurfacePoint> contacts;
-  std::set<int> vertices;  // of triangles in use: no two contacts share one
-  while (static_cast<int>(contacts.size()) < count) {
-    const int t = any(random);
-    const Eigen::Vector3i corners = surface.triangles.col(t);
-    const bool is_free = std::ranges::none_of(corners, [&](int v) { return vertices.contains(v); });
-    const bool is_crowded = 8 * count > surface.triangles.cols();
-    if (!is_free && !is_crowded) continue;
-    if (is_crowded && !vertices.insert(-1 - t).second) continue;
-    vertices.insert(corners.begin(), corners.end());
-    const double s = part(random);
-    const double r = part(random);
-    const size_t kind = is_crowded ? 0 : contacts.size() % 3;
-    contacts.push_back({.triangle = t,
-                        .barycentric = kind == 0   ? Vector3d(1 - s, s * (1 - r), s * r)
-                                       : kind == 1 ? Vector3d(1 - s, 0, s)
-                                                   : Vector3d(0, 1, 0)});
-  }
-  return contacts;
-}
 
 /// The parts of the surface that have a contact, as the weights say.
 TriangleMesh parts_with_contacts(const TriangleMesh& surface, const SurfaceWeights& weights) {
@@ -65,34 +40,6 @@ TriangleMesh parts_with_contacts(const TriangleMesh& surface, const SurfaceWeigh
   }
   parts.triangles.conservativeResize(3, kept);
   return parts;
-}
-
-/// V - E + F with a vertex for each fan of triangles.
-int euler_characteristic(const TriangleMesh& mesh) {
-  const Eigen::Matrix3Xi opposite = opposite_half_edges(mesh);
-  const auto half_edges = static_cast<int>(mesh.triangles.size());
-  std::vector<bool> visited(static_cast<size_t>(half_edges), false);
-  int fans = 0;
-  int edges = 0;
-  const auto next_out = [&](int h) {  // counter-clockwise
-    const int last = 3 * (h / 3) + (h + 2) % 3;
-    return opposite(last % 3, last / 3);
-  };
-  const auto is_first = [&](int h) { return opposite(h % 3, h / 3) < 0; };
-  const auto walk = [&](int h) {
-    ++fans;
-    for (; h >= 0 && !visited[static_cast<size_t>(h)]; h = next_out(h)) {
-      visited[static_cast<size_t>(h)] = true;
-    }
-  };
-  for (int h = 0; h < half_edges; ++h) {
-    if (opposite(h % 3, h / 3) < h) ++edges;
-    if (is_first(h)) walk(h);
-  }
-  for (int h = 0; h < half_edges; ++h) {
-    if (!visited[static_cast<size_t>(h)]) walk(h);
-  }
-  return fans - edges + static_cast<int>(mesh.triangles.cols());
 }
 
 double angle_opposite(const IntrinsicDelaunay& intrinsic, int h) {
