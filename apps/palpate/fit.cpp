@@ -38,8 +38,8 @@ void tell(const haptics::BuildResult& built) {
     spdlog::warn("contact {} has no samples and is left out.", id);
   for (const long long id : built.isolated) {
     spdlog::warn(
-        "contact {} lies in no triangle of the contacts and has no influence; probe more around "
-        "it.",
+        "contact {} lies in no triangle of contacts: there are too few around it; probe more "
+        "there.",
         id);
   }
   for (const haptics::ContactModel& contact : built.model.contacts) {

@@ -19,15 +19,12 @@ namespace fs = std::filesystem;
 
 void draw_model_contacts(const fs::path& png, const haptics::Model& model,
                          const std::string& title) {
-  const geometry::SurfaceQuery surface(model.surface);
-  std::vector<geometry::SurfacePoint> places;
-  for (const haptics::ContactModel& contact : model.contacts) {
-    places.push_back(surface.closest_point(contact.position).at);
-  }
-  const geometry::ContactTriangulation cells =
-      geometry::triangulate_contacts(model.surface, places);
-  pictures::draw_contacts(png, model.surface, cells.surface_labels, haptics::contact_mesh(model),
-                          title);
+  // Every place belongs to the contact with the largest weight there.
+  const geometry::TriangleMesh contacts = haptics::contact_mesh(model);
+  const geometry::SurfaceWeights weights = model.surface_weights.contacts.cols() > 0
+                                               ? model.surface_weights
+                                               : geometry::project_weights(model.surface, contacts);
+  pictures::draw_contacts(png, model.surface, weights.contacts.row(0).transpose(), contacts, title);
 }
 
 void draw_contact_field(const fs::path& png, const haptics::Model& model,

@@ -2,22 +2,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/geometry/contact_triangulation.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <functional>
-#include <limits>
 #include <map>
 #include <numeric>
 #include <set>
 #include <string>
-#include <tuple>
 #include <utility>
-#include <vector>
 
+#include "coarse_triangulation.h"
 #include "palpate/error.h"
-#include "palpate/geometry/geodesic_distance.h"
+#include "palpate/geometry/surface_query.h"
 
 namespace palpate::geometry {
 namespace {
@@ -25,12 +21,6 @@ namespace {
 /// Two contacts are at one place iff they are no further apart than this fraction of the surface's
 /// bounding diagonal: far above rounding, far below what an arm can repeat.
 constexpr double kSamePlace = 1e-9;
-
-/// Three cells that meet: what may become a triangle.
-struct Meeting {
-  double radius;                ///< [mm] distance from the place of meeting to the contacts
-  std::array<int, 3> contacts;  ///< in the surface's sense of rotation, the lowest first
-};
 
 void check_apart(const Eigen::Matrix3Xd& places, double diagonal) {
   const double tolerance = kSamePlace * diagonal;
@@ -49,92 +39,7 @@ void check_apart(const Eigen::Matrix3Xd& places, double diagonal) {
   }
 }
 
-/// The lowest label first, without changing the sense of rotation.
-std::array<int, 3> lowest_first(std::array<int, 3> labels) {
-  std::rotate(labels.begin(), std::ranges::min_element(labels), labels.end());
-  return labels;
-}
-
-/// Every place where three cells meet, the nearest to its contacts first: there the surface is
-/// sampled best.
-std::vector<Meeting> find_meetings(const TriangleMesh& surface, const GeodesicDistance& geodesic) {
-  std::vector<Meeting> meetings;
-  for (const Eigen::Vector3i corners : surface.triangles.colwise()) {
-    const std::array<int, 3> labels = lowest_first(
-        {geodesic.label[corners[0]], geodesic.label[corners[1]], geodesic.label[corners[2]]});
-    const bool all_differ =
-        labels[0] != labels[1] && labels[1] != labels[2] && labels[2] != labels[0];
-    if (labels[0] < 0 || !all_differ) continue;
-    meetings.push_back({.radius = geodesic.distance(corners).maxCoeff(), .contacts = labels});
-  }
-  std::ranges::sort(meetings, {}, [](const Meeting& meeting) {
-    return std::tie(meeting.radius, meeting.contacts);
-  });
-  return meetings;
-}
-
-/// Half the straight distance from each contact to its nearest neighbour: a disk inside its cell.
-Eigen::VectorXd disk_radii(const Eigen::Matrix3Xd& places) {
-  Eigen::VectorXd radii(places.cols());
-  for (Eigen::Index i = 0; i < places.cols(); ++i) {
-    Eigen::VectorXd squared = (places.colwise() - places.col(i)).colwise().squaredNorm();
-    squared[i] = std::numeric_limits<double>::infinity();
-    radii[i] = std::sqrt(squared.minCoeff()) / 2;
-  }
-  return radii;
-}
-
-/// Unit normals at the contacts, 3 x contacts: means over the contact's triangle and over a disk,
-/// in which the roughness of the surface averages out.
-Eigen::Matrix3Xd contact_normals(const TriangleMesh& surface, const GeodesicDistance& geodesic,
-                                 std::span<const SurfacePoint> contacts,
-                                 const Eigen::VectorXd& radii) {
-  Eigen::Matrix3Xd normals = Eigen::Matrix3Xd::Zero(3, radii.size());
-  const auto area = [&surface](Eigen::Index t) -> Eigen::Vector3d {
-    const Eigen::Vector3i corners = surface.triangles.col(t);
-    const Eigen::Vector3d a = surface.vertices.col(corners[0]);
-    return (surface.vertices.col(corners[1]) - a).cross(surface.vertices.col(corners[2]) - a);
-  };
-  for (size_t i = 0; i < contacts.size(); ++i) {
-    normals.col(static_cast<Eigen::Index>(i)) = area(contacts[i].triangle);
-  }
-  for (Eigen::Index t = 0; t < surface.triangles.cols(); ++t) {
-    for (const int corner : surface.triangles.col(t)) {
-      const int label = geodesic.label[corner];
-      if (label >= 0 && geodesic.distance[corner] <= radii[label]) normals.col(label) += area(t);
-    }
-  }
-  return normals.colwise().normalized();
-}
-
-/// The triangle is turned over against the surface at its contacts, or has no area. On a closed
-/// surface that is touched on one side only, such are the cells that meet behind it.
-bool folds_over(const std::array<int, 3>& contacts, const Eigen::Matrix3Xd& places,
-                const Eigen::Matrix3Xd& normals) {
-  const auto& [a, b, c] = contacts;
-  const Eigen::Vector3d ab = places.col(b) - places.col(a);
-  const Eigen::Vector3d ac = places.col(c) - places.col(a);
-  return ab.cross(ac).dot(normals.col(a) + normals.col(b) + normals.col(c)) <= 0;
-}
-
 using Triangles = std::vector<std::array<int, 3>>;
-
-/// Triangles such that every edge has at most one on each side.
-Triangles keep_edges_manifold(const std::vector<Meeting>& meetings, const Eigen::Matrix3Xd& places,
-                              const Eigen::Matrix3Xd& normals) {
-  Triangles triangles;
-  std::set<std::pair<int, int>> sides;
-  for (const Meeting& meeting : meetings) {
-    const auto& [a, b, c] = meeting.contacts;
-    const std::array<std::pair<int, int>, 3> own = {{{a, b}, {b, c}, {c, a}}};
-    const bool taken =
-        std::ranges::any_of(own, [&sides](const auto& side) { return sides.contains(side); });
-    if (taken || folds_over(meeting.contacts, places, normals)) continue;
-    sides.insert(own.begin(), own.end());
-    triangles.push_back(meeting.contacts);
-  }
-  return triangles;
-}
 
 /// A vertex's triangles in fans, each of triangles that follow one another across edges at the
 /// vertex; positions in `triangles`. In a manifold there is one.
@@ -193,7 +98,8 @@ Triangles keep_vertices_manifold(Triangles triangles, int vertex_count) {
 }  // namespace
 
 ContactTriangulation triangulate_contacts(const TriangleMesh& surface,
-                                          std::span<const SurfacePoint> contacts) {
+                                          std::span<const SurfacePoint> contacts,
+                                          const ContactTriangulationOptions& options) {
   check_mesh(surface, "triangulate_contacts");
   if (contacts.size() < 3) {
     throw InvalidInput("triangulate_contacts: got " + std::to_string(contacts.size()) +
@@ -208,20 +114,19 @@ ContactTriangulation triangulate_contacts(const TriangleMesh& surface,
   }
   check_apart(result.mesh.vertices, bounding_diagonal(surface));
 
-  GeodesicDistance geodesic = geodesic_distance(surface, contacts);
-  const Eigen::Matrix3Xd& places = result.mesh.vertices;
-  const Eigen::Matrix3Xd normals = contact_normals(surface, geodesic, contacts, disk_radii(places));
+  const bool by_dual = options.method == ContactTriangulationMethod::voronoi_dual;
+  TrianglesOfContacts found = by_dual
+                                  ? voronoi_dual(surface, contacts, result.mesh.vertices)
+                                  : coarsen_to_contacts(surface, contacts, result.mesh.vertices);
   const Triangles triangles =
-      keep_vertices_manifold(keep_edges_manifold(find_meetings(surface, geodesic), places, normals),
-                             static_cast<int>(contacts.size()));
-  if (triangles.empty()) {
+      keep_vertices_manifold(std::move(found.triangles), static_cast<int>(contacts.size()));
+  if (by_dual && triangles.empty()) {
     throw InvalidInput(
         "triangulate_contacts: nowhere on the surface do the cells of three of the " +
         std::to_string(contacts.size()) +
         " contacts meet; contacts on one line, on separate parts or closer together "
         "than the surface's vertices give no triangle");
   }
-  result.surface_labels = std::move(geodesic.label);
   result.mesh.triangles.resize(3, static_cast<Eigen::Index>(triangles.size()));
   std::vector<bool> used(contacts.size(), false);
   for (size_t t = 0; t < triangles.size(); ++t) {
@@ -234,16 +139,29 @@ ContactTriangulation triangulate_contacts(const TriangleMesh& surface,
   for (size_t i = 0; i < used.size(); ++i) {
     if (!used[i]) result.isolated.push_back(static_cast<int>(i));
   }
+  result.weights = by_dual ? project_weights(surface, result.mesh) : std::move(found.weights);
+  result.surface_labels = std::move(found.surface_labels);
+  result.intrinsic = std::move(found.intrinsic);
   return result;
 }
 
-ContactLocator::ContactLocator(const TriangleMesh& contact_mesh)
-    : triangles_(contact_mesh.triangles), query_(contact_mesh) {}
-
-ContactWeights ContactLocator::locate(const Eigen::Vector3d& point) const noexcept {
-  const SurfacePoint at = query_.closest_point(point).at;
-  if (at.triangle < 0) return {};
-  return {.contacts = triangles_.col(at.triangle), .weights = at.barycentric};
+SurfaceWeights project_weights(const TriangleMesh& surface, const TriangleMesh& contact_mesh) {
+  const SurfaceQuery query(contact_mesh);
+  SurfaceWeights result{.contacts = Eigen::Matrix3Xi::Constant(3, surface.vertices.cols(), -1),
+                        .weights = Eigen::Matrix3Xd::Zero(3, surface.vertices.cols())};
+  for (Eigen::Index v = 0; v < surface.vertices.cols(); ++v) {
+    const SurfacePoint at = query.closest_point(surface.vertices.col(v)).at;
+    if (at.triangle < 0) continue;
+    std::array<int, 3> order = {0, 1, 2};
+    std::ranges::stable_sort(order, std::greater{}, [&](int k) { return at.barycentric[k]; });
+    for (int k = 0; k < 3; ++k) {
+      const int corner = order[static_cast<size_t>(k)];
+      if (!(at.barycentric[corner] > 0)) continue;
+      result.contacts(k, v) = contact_mesh.triangles(corner, at.triangle);
+      result.weights(k, v) = at.barycentric[corner];
+    }
+  }
+  return result;
 }
 
 }  // namespace palpate::geometry

@@ -3,6 +3,7 @@
 #include "palpate/haptics/blended_field.h"
 
 #include <array>
+#include <vector>
 
 #include "palpate/haptics/rotation.h"
 
@@ -14,26 +15,49 @@ const Model& checked(const Model& model) {
   return model;
 }
 
+geometry::ContactLocator make_locator(const Model& model, const geometry::SurfaceQuery& surface) {
+  const bool has_weights = model.surface_weights.contacts.cols() > 0;
+  std::vector<bool> counts(model.contacts.size(), has_weights);
+  for (const int contact : model.triangles.reshaped()) {
+    counts[static_cast<std::size_t>(contact)] = true;
+  }
+  // A contact in no triangle has no influence where weights come from triangles.
+  std::vector<geometry::SurfacePoint> places;
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    places.push_back(counts[i] ? surface.closest_point(model.contacts[i].position).at
+                               : geometry::SurfacePoint{});
+  }
+  return {model.surface, places,
+          has_weights ? model.surface_weights
+                      : geometry::project_weights(model.surface, contact_mesh(model))};
+}
+
 }  // namespace
 
 BlendedField::BlendedField(const Model& model)
-    : contacts_(checked(model).contacts), locator_(contact_mesh(model)) {}
+    : contacts_(checked(model).contacts),
+      surface_(model.surface),
+      locator_(make_locator(model, surface_)) {}
 
 Blend BlendedField::blend(const Eigen::Vector3d& contact) const noexcept {
-  const geometry::ContactWeights place = locator_.locate(contact);
+  return blend(surface_.closest_point(contact).at);
+}
+
+Blend BlendedField::blend(const geometry::SurfacePoint& contact) const noexcept {
   Blend result;
-  if ((place.contacts.array() < 0).any()) return result;
-  result.contacts = place.contacts;
-  result.weights = place.weights;
-  std::array<Eigen::Matrix3d, 3> frames;
+  result.contacts = locator_.locate(contact);
+  const auto count = static_cast<std::size_t>(result.contacts.count);
+  if (count == 0) return result;
+  std::array<Eigen::Matrix3d, geometry::ContactWeights::kMaxCount> frames;
   Eigen::Vector3d axis = Eigen::Vector3d::Zero();
-  for (int k = 0; k < 3; ++k) {
-    const ContactModel& neighbour = contacts_[static_cast<std::size_t>(place.contacts[k])];
-    frames[static_cast<std::size_t>(k)] = neighbour.frame;
-    axis += place.weights[k] * neighbour.friction_axis;
-    result.friction += place.weights[k] * neighbour.friction;
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto i = static_cast<std::size_t>(result.contacts.contacts[k]);
+    const double weight = result.contacts.weights[k];
+    frames[k] = contacts_[i].frame;
+    axis += weight * contacts_[i].friction_axis;
+    result.friction += weight * contacts_[i].friction;
   }
-  result.frame = blend_rotations(frames, place.weights);
+  result.frame = blend_rotations({frames.data(), count}, {result.contacts.weights.data(), count});
   // Axes of neighbours may cancel each other only if they are opposite.
   result.friction_axis = axis.norm() > 0 ? Eigen::Vector3d(axis.normalized()) : result.frame.col(2);
   return result;
@@ -42,12 +66,11 @@ Blend BlendedField::blend(const Eigen::Vector3d& contact) const noexcept {
 Eigen::Vector3d BlendedField::force(const Blend& at,
                                     const Eigen::Vector3d& displacement) const noexcept {
   Eigen::Vector3d local = Eigen::Vector3d::Zero();
-  if (at.contacts[0] < 0 || !displacement.allFinite()) return local;
+  if (!displacement.allFinite()) return local;
   const Eigen::Vector3d local_displacement = at.frame.transpose() * displacement;
-  for (int k = 0; k < 3; ++k) {
-    if (at.weights[k] == 0) continue;
-    const ContactModel& neighbour = contacts_[static_cast<std::size_t>(at.contacts[k])];
-    local += at.weights[k] * haptics::force(neighbour.field, local_displacement);
+  for (std::size_t k = 0; k < static_cast<std::size_t>(at.contacts.count); ++k) {
+    const auto i = static_cast<std::size_t>(at.contacts.contacts[k]);
+    local += at.contacts.weights[k] * haptics::force(contacts_[i].field, local_displacement);
   }
   return at.frame * local;
 }

@@ -251,9 +251,10 @@ BuildResult build_model(const probing::Acquisition& acquisition,
     for (geometry::SurfacePoint& point : points)
       std::swap(point.barycentric[1], point.barycentric[2]);
   }
-  const geometry::ContactTriangulation triangulation =
+  geometry::ContactTriangulation triangulation =
       geometry::triangulate_contacts(result.model.surface, points);
-  result.model.triangles = triangulation.mesh.triangles;
+  result.model.triangles = std::move(triangulation.mesh.triangles);
+  result.model.surface_weights = std::move(triangulation.weights);
   for (const int i : triangulation.isolated) {
     result.isolated.push_back(contacts[static_cast<std::size_t>(i)].id);
   }

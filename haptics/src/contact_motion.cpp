@@ -31,16 +31,17 @@ Eigen::Vector3d travel(const Blend& at, const TouchPoint& contact, const Eigen::
 
 }  // namespace
 
-TouchPoint slip_contact(const BlendedField& field, const geometry::SurfaceQuery& surface,
-                        const Eigen::Matrix3Xd& normals, const TouchPoint& contact,
-                        const Eigen::Vector3d& tool) noexcept {
-  const Eigen::Vector3d line = travel(field.blend(contact.position), contact, tool);
+TouchPoint slip_contact(const BlendedField& field, const Eigen::Matrix3Xd& normals,
+                        const TouchPoint& contact, const Eigen::Vector3d& tool) noexcept {
+  const Eigen::Vector3d line = travel(field.blend(contact.at), contact, tool);
   if (!line.allFinite()) return contact;
-  const auto place = [&](double t) { return surface.closest_point(contact.position + t * line); };
+  const auto place = [&](double t) {
+    return field.surface().closest_point(contact.position + t * line);
+  };
   const auto excess = [&](double t) {
-    const Eigen::Vector3d position = place(t).position;
-    const Blend at = field.blend(position);
-    return friction_parts(at, field.force(at, tool - position)).excess;
+    const geometry::ClosestPoint candidate = place(t);
+    const Blend at = field.blend(candidate.at);
+    return friction_parts(at, field.force(at, tool - candidate.position)).excess;
   };
   const auto h = [&](double t) {
     const double value = excess(t);
@@ -58,7 +59,7 @@ TouchPoint slip_contact(const BlendedField& field, const geometry::SurfaceQuery&
   const geometry::ClosestPoint found = place(t);
   if (found.at.triangle < 0) return contact;
   const Eigen::Vector3d normal = normals.col(found.at.triangle);
-  return {found.position, normal.allFinite() ? normal : contact.normal, found.at.triangle};
+  return {found.position, normal.allFinite() ? normal : contact.normal, found.at};
 }
 
 }  // namespace palpate::haptics

@@ -53,7 +53,10 @@ Model without_contact(const Model& model, std::vector<geometry::SurfacePoint> po
   Model rest = model;
   rest.contacts.erase(rest.contacts.begin() + static_cast<std::ptrdiff_t>(i));
   points.erase(points.begin() + static_cast<std::ptrdiff_t>(i));
-  rest.triangles = geometry::triangulate_contacts(model.surface, points).mesh.triangles;
+  geometry::ContactTriangulation triangulation =
+      geometry::triangulate_contacts(model.surface, points);
+  rest.triangles = std::move(triangulation.mesh.triangles);
+  rest.surface_weights = std::move(triangulation.weights);
   return rest;
 }
 

@@ -31,6 +31,28 @@ void check_contact(const ContactModel& contact, const std::string& name) {
   check_force_field(contact.field, name.c_str());
 }
 
+void check_weights(const Model& model) {
+  const geometry::SurfaceWeights& given = model.surface_weights;
+  const Eigen::Index count = model.surface.vertices.cols();
+  if (given.contacts.cols() != count || given.weights.cols() != count) {
+    throw InvalidInput("the model has weights for " + std::to_string(given.contacts.cols()) +
+                       " vertices, its surface has " + std::to_string(count));
+  }
+  for (Eigen::Index v = 0; v < count; ++v) {
+    const std::string name = "the weights at vertex " + std::to_string(v) + " of the surface";
+    for (const int contact : given.contacts.col(v)) {
+      if (contact >= -1 && contact < static_cast<int>(model.contacts.size())) continue;
+      throw InvalidInput(name + " name contact " + std::to_string(contact) +
+                         "; expected -1 (none) to " + std::to_string(model.contacts.size() - 1));
+    }
+    // Written so that NaN is refused.
+    const bool is_none = given.contacts(0, v) < 0;
+    const double error = std::abs(given.weights.col(v).sum() - (is_none ? 0 : 1));
+    if (given.weights.col(v).minCoeff() >= 0 && error <= geometry::kBarycentricTolerance) continue;
+    throw InvalidInput(name + " must be >= 0 and sum to 1, or to 0 where no contact has influence");
+  }
+}
+
 }  // namespace
 
 void check_model(const Model& model) {
@@ -43,7 +65,10 @@ void check_model(const Model& model) {
     check_contact(model.contacts[i], "contact " + std::to_string(model.contacts[i].id) +
                                          " (entry " + std::to_string(i) + ")");
   }
-  geometry::check_mesh(contact_mesh(model), "the model's triangles of contacts");
+  if (model.surface_weights.contacts.cols() > 0) check_weights(model);
+  if (model.triangles.cols() > 0 || model.surface_weights.contacts.cols() == 0) {
+    geometry::check_mesh(contact_mesh(model), "the model's triangles of contacts");
+  }
   if (!is_rotation(model.T_surface_acquisition.linear()) ||
       !model.T_surface_acquisition.translation().allFinite()) {
     throw InvalidInput("the model's registration must be a rotation and a finite translation");

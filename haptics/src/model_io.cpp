@@ -21,6 +21,7 @@ using nlohmann::json;
 constexpr const char* kFormat = "palpate-model";
 constexpr int kVersion = 1;
 constexpr const char* kSurface = "surface.ply";
+constexpr const char* kContacts = "contacts.ply";
 constexpr const char* kDocument = "field.json";
 constexpr const char* kBinaryDocument = "field.cbor";
 constexpr std::array<const char*, 3> kFrictionSources = {"samples", "other_contacts", "none"};
@@ -48,22 +49,36 @@ json to_json(const ContactModel& contact) {
       {"fit", {{"samples", contact.samples}, {"rms", contact.rms}, {"stop", contact.fit_stop}}}};
 }
 
+json to_json(const geometry::SurfaceWeights& weights) {
+  json contacts = json::array(), values = json::array();
+  for (Eigen::Index i = 0; i < weights.contacts.size(); ++i) {
+    contacts.push_back(weights.contacts.data()[i]);
+    values.push_back(weights.weights.data()[i]);
+  }
+  return {{"contacts", contacts}, {"weights", values}};
+}
+
 json to_json(const Model& model) {
   json contacts = json::array(), triangles = json::array(), rows = json::array();
   for (const ContactModel& contact : model.contacts) contacts.push_back(to_json(contact));
   for (const auto& t : model.triangles.colwise()) triangles.push_back({t[0], t[1], t[2]});
   const Eigen::Matrix3d rotation = model.T_surface_acquisition.linear();
   for (int row = 0; row < 3; ++row) rows.push_back(to_json(Eigen::Vector3d(rotation.row(row))));
-  return {{"format", kFormat},
-          {"version", kVersion},
-          {"units", {{"length", "mm"}, {"force", "N"}}},
-          {"surface", kSurface},
-          {"contacts", contacts},
-          {"triangles", triangles},
-          {"registration",
-           {{"rotation", rows},
-            {"translation", to_json(Eigen::Vector3d(model.T_surface_acquisition.translation()))}}},
-          {"made", model.made}};
+  json document = {
+      {"format", kFormat},
+      {"version", kVersion},
+      {"units", {{"length", "mm"}, {"force", "N"}}},
+      {"surface", kSurface},
+      {"contacts", contacts},
+      {"triangles", triangles},
+      {"registration",
+       {{"rotation", rows},
+        {"translation", to_json(Eigen::Vector3d(model.T_surface_acquisition.translation()))}}},
+      {"made", model.made}};
+  if (model.surface_weights.contacts.cols() > 0) {
+    document["surface_weights"] = to_json(model.surface_weights);
+  }
+  return document;
 }
 
 /// One value of the document, which knows where it stands.
@@ -76,6 +91,9 @@ class Node {
     const auto found = value_.find(key);
     if (found == value_.end()) refuse(std::string("an object with the member \"") + key + "\"");
     return {*found, pointer_ + "/" + key};
+  }
+  [[nodiscard]] bool has(const char* key) const {
+    return value_.is_object() && value_.contains(key);
   }
   [[nodiscard]] std::vector<Node> items() const {
     if (!value_.is_array()) refuse("an array");
@@ -92,6 +110,12 @@ class Node {
   [[nodiscard]] long long integer() const {
     if (!value_.is_number_integer()) refuse("a whole number");
     return value_.get<long long>();
+  }
+  [[nodiscard]] int contact_or_none() const {
+    const long long value = integer();
+    if (value < -1 || value > std::numeric_limits<int>::max())
+      refuse("a whole number from -1 to 2147483647");
+    return static_cast<int>(value);
   }
   [[nodiscard]] int small_integer() const {
     const long long value = integer();
@@ -175,6 +199,23 @@ ContactModel to_contact(const Node& node) {
   return contact;
 }
 
+geometry::SurfaceWeights to_weights(const Node& node) {
+  const std::vector<Node> contacts = node.at("contacts").items(),
+                          weights = node.at("weights").items();
+  if (contacts.size() != weights.size() || contacts.size() % 3 != 0) {
+    node.refuse("three contacts and three weights for each vertex of the surface");
+  }
+  geometry::SurfaceWeights result;
+  const auto count = static_cast<Eigen::Index>(contacts.size() / 3);
+  result.contacts.resize(3, count);
+  result.weights.resize(3, count);
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    result.contacts.data()[i] = contacts[i].contact_or_none();
+    result.weights.data()[i] = weights[i].number();
+  }
+  return result;
+}
+
 Model to_model(const Node& document) {
   if (document.at("format").text() != kFormat) {
     document.at("format").refuse(std::string("\"") + kFormat + "\"");
@@ -195,6 +236,9 @@ Model to_model(const Node& document) {
       model.triangles(c, static_cast<Eigen::Index>(t)) =
           corners[static_cast<std::size_t>(c)].small_integer();
     }
+  }
+  if (document.has("surface_weights")) {
+    model.surface_weights = to_weights(document.at("surface_weights"));
   }
   const Node registration = document.at("registration");
   model.T_surface_acquisition.linear() = registration.at("rotation").rows();
@@ -246,13 +290,17 @@ Model read_model(const std::filesystem::path& folder) {
 }
 
 std::vector<std::filesystem::path> model_entries() {
-  return {kSurface, kDocument, kBinaryDocument};
+  return {kSurface, kContacts, kDocument, kBinaryDocument};
 }
 
 void write_model(const std::filesystem::path& folder, const Model& model) {
   check_model(model);
   write_folder(folder, model_entries(), [&](const std::filesystem::path& temporary) {
     geometry::write_mesh(temporary / kSurface, model.surface);
+    // For other programs' eyes: it says what the document says.
+    if (model.triangles.cols() > 0) {
+      geometry::write_mesh(temporary / kContacts, contact_mesh(model));
+    }
     constexpr int kIndent = 1;
     // JSON is UTF-8; the name of a file in `made` may be anything.
     const std::string document =

@@ -16,8 +16,7 @@ Command no_force(const Eigen::Vector3d& tool) {
 }  // namespace
 
 Playback::Playback(const Model& model)
-    : surface_(model.surface),
-      normals_(geometry::triangle_normals(model.surface)),
+    : normals_(geometry::triangle_normals(model.surface)),
       offset_(kOffsetRatio * geometry::bounding_diagonal(model.surface)),
       field_(model) {}
 
@@ -28,12 +27,12 @@ bool Playback::touches(const LoopState& state, const Eigen::Vector3d& tool,
   const Eigen::Vector3d start =
       touched ? Eigen::Vector3d(state.proxy.position + offset_ * state.proxy.normal)
               : state.proxy.position;
-  const std::optional<geometry::SegmentHit> hit = surface_.first_hit(start, tool);
+  const std::optional<geometry::SegmentHit> hit = field_.surface().first_hit(start, tool);
   if (!hit) return false;
   const Eigen::Vector3d normal = normals_.col(hit->at.triangle);
   // From inside, or a triangle without area (NaN): no contact.
   if (!((tool - start).dot(normal) < 0)) return false;
-  contact = touched ? state.proxy : TouchPoint{hit->position, normal, hit->at.triangle};
+  contact = touched ? state.proxy : TouchPoint{hit->position, normal, hit->at};
   return true;
 }
 
@@ -44,16 +43,16 @@ Command Playback::step(const Eigen::Vector3d& tool, LoopState& state) const noex
   }
   TouchPoint contact;
   if (!state.has_proxy || !touches(state, tool, contact)) {
-    state = {ContactState::free, true, {tool, Eigen::Vector3d::Zero(), -1}};
+    state = {ContactState::free, true, {tool, Eigen::Vector3d::Zero(), {}}};
     return no_force(tool);
   }
   ContactState contact_state = ContactState::stick;
-  Blend at = field_.blend(contact.position);
+  Blend at = field_.blend(contact.at);
   Eigen::Vector3d force = field_.force(at, tool - contact.position);
   if (friction_parts(at, force).excess > 0) {
     contact_state = ContactState::slip;
-    contact = slip_contact(field_, surface_, normals_, contact, tool);
-    at = field_.blend(contact.position);
+    contact = slip_contact(field_, normals_, contact, tool);
+    at = field_.blend(contact.at);
     force = field_.force(at, tool - contact.position);
   }
   const bool pulls = friction_parts(at, force).normal < 0;

@@ -3,6 +3,7 @@
 #include "palpate/haptics/rotation.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 
 namespace palpate::haptics {
@@ -47,15 +48,14 @@ Eigen::Matrix3d rotation_between(const Eigen::Vector3d& from, const Eigen::Vecto
   return Eigen::Quaterniond::FromTwoVectors(from, to).toRotationMatrix();
 }
 
-Eigen::Matrix3d blend_rotations(const std::array<Eigen::Matrix3d, 3>& rotations,
-                                const Eigen::Vector3d& weights) noexcept {
-  Eigen::Index heaviest = 0;
-  weights.maxCoeff(&heaviest);
+Eigen::Matrix3d blend_rotations(std::span<const Eigen::Matrix3d> rotations,
+                                std::span<const double> weights) noexcept {
+  const auto heaviest = std::ranges::max_element(weights) - weights.begin();
   Eigen::Matrix3d mean = rotations[static_cast<std::size_t>(heaviest)];
   for (int i = 0; i < kMaxIterations; ++i) {
     Eigen::Vector3d step = Eigen::Vector3d::Zero();
-    for (std::size_t k = 0; k < 3; ++k) {
-      const double weight = weights[static_cast<Eigen::Index>(k)];
+    for (std::size_t k = 0; k < rotations.size(); ++k) {
+      const double weight = weights[k];
       if (weight > 0) step += weight * rotation_log(mean.transpose() * rotations[k]);
     }
     mean = mean * rotation_exp(step);

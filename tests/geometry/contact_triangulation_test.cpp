@@ -4,321 +4,341 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <array>
-#include <limits>
-#include <map>
-#include <set>
+#include <cmath>
+#include <numbers>
+#include <numeric>
 #include <string>
-#include <vector>
 
+#include "contact_testing.h"
+#include "mesh_corpus.h"
 #include "palpate/error.h"
-#include "palpate/geometry/geodesic_distance.h"
+#include "palpate/geometry/mesh_io.h"
 #include "test_surfaces.h"
 
 namespace palpate::geometry {
 namespace {
 
-using Eigen::Vector2d;
 using Eigen::Vector3d;
+using test::check_manifold;
+using test::Counts;
+using test::euler_characteristic;
+using test::jittered_grid;
+using test::nearest_places;
+using test::random_contacts;
 
-/// Weights: some tens of operations on values of the order of one, in triangles that may be
-/// slivers.
-constexpr double kRounding = 1e-10;
+/// Weights: some tens of operations on values of the order of one, after a chain of flips.
+constexpr double kRounding = 1e-9;
 
-std::array<int, 3> sorted_corners(const Eigen::Vector3i& triangle) {
-  std::array<int, 3> corners = {triangle[0], triangle[1], triangle[2]};
-  std::ranges::sort(corners);
-  return corners;
-}
-
-std::vector<SurfacePoint> nearest_places(const TriangleMesh& surface,
-                                         const std::vector<Vector3d>& points) {
-  const SurfaceQuery query(surface);
-  std::vector<SurfacePoint> places;
-  for (const Vector3d& point : points) places.push_back(query.closest_point(point).at);
-  return places;
-}
-
-/// Points of a grid, each moved at random by up to `jitter` of the spacing.
-std::vector<Vector3d> jittered_grid(int cols, int rows, double spacing, double jitter) {
-  std::mt19937 random(17);
-  std::uniform_real_distribution<double> shift(-jitter * spacing, jitter * spacing);
-  std::vector<Vector3d> points;
-  for (int r = 0; r < rows; ++r) {
-    for (int c = 0; c < cols; ++c) {
-      points.emplace_back((c + 1) * spacing + shift(random), (r + 1) * spacing + shift(random), 0);
-    }
+/// The parts of the surface that have a contact, as the weights say.
+TriangleMesh parts_with_contacts(const TriangleMesh& surface, const SurfaceWeights& weights) {
+  TriangleMesh parts = surface;
+  Eigen::Index kept = 0;
+  for (const Eigen::Vector3i t : surface.triangles.colwise()) {
+    const bool has_contact =
+        std::ranges::all_of(t, [&](int corner) { return weights.contacts(0, corner) >= 0; });
+    if (has_contact) parts.triangles.col(kept++) = t;
   }
-  return points;
+  parts.triangles.conservativeResize(3, kept);
+  return parts;
 }
 
-struct Counts {
-  int vertices = 0;
-  int edges = 0;
-  int faces = 0;
-  [[nodiscard]] int euler() const { return vertices - edges + faces; }
+double angle_opposite(const IntrinsicDelaunay& intrinsic, int h) {
+  const double a = intrinsic.lengths((h + 1) % 3, h / 3);
+  const double b = intrinsic.lengths((h + 2) % 3, h / 3);
+  const double c = intrinsic.lengths(h % 3, h / 3);
+  return std::acos(std::clamp((a * a + b * b - c * c) / (2 * a * b), -1.0, 1.0));
+}
+
+/// Gluing, the same length on both sides, corners that agree, and the Delaunay property.
+void check_intrinsic(const IntrinsicDelaunay& intrinsic) {
+  // The arc cosine of angles near pi loses half of the digits.
+  constexpr double kAngleRounding = 1e-6;
+  const auto corner = [&](int h) { return intrinsic.triangles(h % 3, h / 3); };
+  const auto next = [](int h) { return h % 3 == 2 ? h - 2 : h + 1; };
+  for (int h = 0; h < static_cast<int>(intrinsic.triangles.size()); ++h) {
+    const int o = intrinsic.opposite(h % 3, h / 3);
+    ASSERT_GT(intrinsic.lengths(h % 3, h / 3), 0);
+    if (o < 0) continue;
+    ASSERT_EQ(intrinsic.opposite(o % 3, o / 3), h);
+    ASSERT_EQ(corner(o), corner(next(h)));
+    ASSERT_EQ(intrinsic.lengths(o % 3, o / 3), intrinsic.lengths(h % 3, h / 3));
+    EXPECT_LE(angle_opposite(intrinsic, h) + angle_opposite(intrinsic, o),
+              std::numbers::pi + kAngleRounding);
+  }
+}
+
+void check_weights(const TriangleMesh& surface, const SurfaceWeights& weights) {
+  ASSERT_EQ(weights.contacts.cols(), surface.vertices.cols());
+  for (Eigen::Index v = 0; v < weights.contacts.cols(); ++v) {
+    EXPECT_GE(weights.weights.col(v).minCoeff(), 0);
+    EXPECT_NEAR(weights.weights.col(v).sum(), weights.contacts(0, v) < 0 ? 0 : 1, kRounding);
+  }
+}
+
+struct Corpus {
+  const char* name;
+  TriangleMesh mesh;
 };
 
-/// Counts what is in use, after checking that the mesh is an oriented manifold with border: no
-/// triangle twice, no side of an edge twice, and the edges opposite to a vertex form one chain.
-Counts check_manifold(const TriangleMesh& mesh) {
-  std::set<std::pair<int, int>> sides;
-  std::set<std::pair<int, int>> edges;
-  std::set<std::array<int, 3>> faces;
-  std::map<int, std::vector<std::pair<int, int>>> links;
-  for (const Eigen::Vector3i t : mesh.triangles.colwise()) {
-    EXPECT_TRUE(faces.insert(sorted_corners(t)).second) << "a triangle twice";
-    for (int k = 0; k < 3; ++k) {
-      const int a = t[k];
-      const int b = t[(k + 1) % 3];
-      EXPECT_TRUE(sides.emplace(a, b).second) << "edge " << a << " " << b;
-      edges.insert(std::minmax(a, b));
-      links[t[(k + 2) % 3]].emplace_back(a, b);
-    }
-  }
-  for (auto& [vertex, link] : links) {
-    std::set<int> reached = {link.front().first};
-    for (size_t pass = 0; pass < link.size(); ++pass) {
-      for (const auto& [a, b] : link) {
-        if (reached.contains(a) || reached.contains(b)) reached.insert({a, b});
+std::vector<Corpus> corpus() {
+  return {{"range map with noise and holes", test::bumpy(9000, 0.25)},
+          {"glove", test::glove(4.3)},
+          {"thin closed sheet", test::closed_sheet(45, 30)},
+          {"thin torus", test::torus(120, 20, 50, 2)},
+          {"torus of triangular section", test::torus(800, 3, 50, 1)},
+          {"sphere", test::icosphere(4, 30)},
+          {"hand", read_mesh(PALPATE_SOURCE_DIR "/meshes/hand.ply")}};
+}
+
+TEST(TriangulateContacts, IsADelaunayTriangulationOfTheSurfaceWhateverItsShape) {
+  for (const Corpus& surface : corpus()) {
+    for (const int count : {3, 4, 10, 50, 200, 1000}) {
+      SCOPED_TRACE(std::string(surface.name) + ", " + std::to_string(count) + " contacts");
+      const std::vector<SurfacePoint> contacts = random_contacts(surface.mesh, count, 3);
+      const ContactTriangulation result = triangulate_contacts(surface.mesh, contacts);
+      check_intrinsic(result.intrinsic);
+      check_weights(surface.mesh, result.weights);
+      check_manifold(result.mesh);
+      // By corners alone it is a triangulation too, of the same kind of surface.
+      const Counts counts =
+          check_manifold({.vertices = {}, .triangles = result.intrinsic.triangles});
+      EXPECT_EQ(counts.vertices, count + static_cast<int>(result.intrinsic.helpers.cols()));
+      EXPECT_EQ(counts.euler(),
+                euler_characteristic(parts_with_contacts(surface.mesh, result.weights)));
+      for (size_t i = 0; i < contacts.size(); ++i) {
+        int corner = 0;
+        if (contacts[i].barycentric.maxCoeff(&corner) < 1) continue;
+        const int v = surface.mesh.triangles(corner, contacts[i].triangle);
+        EXPECT_EQ(result.weights.contacts(0, v), static_cast<int>(i));
+        EXPECT_NEAR(result.weights.weights(0, v), 1, kRounding);
       }
     }
-    for (const auto& [a, b] : link) EXPECT_TRUE(reached.contains(a)) << "two fans at " << vertex;
   }
-  return {.vertices = static_cast<int>(links.size()),
-          .edges = static_cast<int>(edges.size()),
-          .faces = static_cast<int>(faces.size())};
 }
 
-struct Circle {
-  Vector2d centre;
-  double radius;
-};
-Circle circumcircle(const Vector2d& a, const Vector2d& b, const Vector2d& c) {
-  Eigen::Matrix2d sides;
-  sides << (b - a).transpose(), (c - a).transpose();
-  const Vector2d centre =
-      a + sides.fullPivLu().solve(Vector2d((b - a).squaredNorm(), (c - a).squaredNorm()) / 2);
-  return {.centre = centre, .radius = (centre - a).norm()};
-}
-
-double nearest_other(const Eigen::Matrix3Xd& places, const std::array<int, 3>& corners,
-                     const Vector2d& centre) {
-  double nearest = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < places.cols(); ++i) {
-    if (std::ranges::find(corners, i) != corners.end()) continue;
-    nearest = std::min(nearest, (places.col(i).head<2>() - centre).norm());
+TEST(TriangulateContacts, OfManyContactsOnClosedSurfacesIsClosedToo) {
+  const std::vector<Corpus> closed = {{"glove", test::glove(4.3)},
+                                      {"thin torus", test::torus(240, 20, 50, 2)},
+                                      {"sphere", test::icosphere(4, 30)}};
+  for (const Corpus& surface : closed) {
+    SCOPED_TRACE(surface.name);
+    const ContactTriangulation result =
+        triangulate_contacts(surface.mesh, random_contacts(surface.mesh, 800, 5));
+    EXPECT_TRUE(result.isolated.empty());
+    const Counts counts = check_manifold(result.mesh);
+    EXPECT_EQ(counts.vertices, 800);
+    if (result.intrinsic.helpers.cols() == 0) {
+      EXPECT_EQ(counts.euler(), euler_characteristic(surface.mesh));
+    }
   }
-  return nearest;
 }
 
-TEST(TriangulateContacts, OnAFlatSheetIsThePlanarDelaunayTriangulation) {
-  constexpr double kSpacing = 0.5;
-  constexpr double kWidth = 140 * kSpacing;
-  constexpr double kHeight = 100 * kSpacing;
-  const TriangleMesh sheet = test::flat_sheet(140, 100, kSpacing);
-  const ContactTriangulation result =
+TEST(TriangulateContacts, LeavesNoContactOutWhereTheVoronoiDualDoes) {
+  const TriangleMesh glove = test::glove(4.3);
+  size_t isolated = 0;
+  size_t isolated_by_dual = 0;
+  for (const unsigned seed : {1, 2, 3}) {
+    const std::vector<SurfacePoint> contacts = random_contacts(glove, 100, seed);
+    isolated += triangulate_contacts(glove, contacts).isolated.size();
+    isolated_by_dual +=
+        triangulate_contacts(glove, contacts, {.method = ContactTriangulationMethod::voronoi_dual})
+            .isolated.size();
+  }
+  EXPECT_EQ(isolated, 0);
+  EXPECT_GT(isolated_by_dual, 0);
+}
+
+class OnAFlatSheet : public ::testing::Test {
+ protected:
+  static constexpr double kWidth = 70;
+  static constexpr double kHeight = 50;
+  TriangleMesh sheet = test::flat_sheet(140, 100, 0.5);
+  ContactTriangulation contacts =
       triangulate_contacts(sheet, nearest_places(sheet, jittered_grid(8, 6, 7.3, 0.4)));
-  const Eigen::Matrix3Xd& places = result.mesh.vertices;
-  EXPECT_TRUE(result.isolated.empty());
+};
 
-  // The cells are known at the vertices of the sheet only.
-  constexpr double kResolution = 2 * kSpacing;
+TEST_F(OnAFlatSheet, IsThePlanarDelaunayTriangulation) {
+  const Eigen::Matrix3Xd& places = contacts.mesh.vertices;
+  EXPECT_TRUE(contacts.isolated.empty());
   std::set<std::array<int, 3>> found;
-  for (const Eigen::Vector3i t : result.mesh.triangles.colwise()) {
-    const std::array<int, 3> corners = sorted_corners(t);
-    found.insert(corners);
-    const Circle circle = circumcircle(places.col(t[0]).head<2>(), places.col(t[1]).head<2>(),
-                                       places.col(t[2]).head<2>());
-    EXPECT_GT(nearest_other(places, corners, circle.centre), circle.radius - kResolution);
-    EXPECT_GT((places.col(t[1]) - places.col(t[0])).cross(places.col(t[2]) - places.col(t[0])).z(),
-              0);
+  for (const Eigen::Vector3i t : contacts.mesh.triangles.colwise()) {
+    found.insert(test::sorted_corners(t));
   }
   int expected = 0;
   const int count = static_cast<int>(places.cols());
   for (int a = 0; a < count; ++a) {
     for (int b = a + 1; b < count; ++b) {
       for (int c = b + 1; c < count; ++c) {
-        const Circle circle =
-            circumcircle(places.col(a).head<2>(), places.col(b).head<2>(), places.col(c).head<2>());
-        const bool on_sheet = circle.centre.x() > kResolution && circle.centre.y() > kResolution &&
-                              circle.centre.x() < kWidth - kResolution &&
-                              circle.centre.y() < kHeight - kResolution;
+        const test::Circle circle = test::circumcircle(
+            places.col(a).head<2>(), places.col(b).head<2>(), places.col(c).head<2>());
+        const double x = circle.centre.x();
+        const double y = circle.centre.y();
+        // Helpers on the border are sites too.
+        if (std::min({x, y, kWidth - x, kHeight - y}) < circle.radius) continue;
         const std::array<int, 3> corners = {a, b, c};
-        if (!on_sheet ||
-            nearest_other(places, corners, circle.centre) < circle.radius + kResolution) {
-          continue;
-        }
-        ++expected;
-        EXPECT_TRUE(found.contains(corners)) << a << " " << b << " " << c;
+        const bool is_delaunay =
+            test::nearest_other(places, corners, circle.centre) > circle.radius;
+        expected += is_delaunay ? 1 : 0;
+        EXPECT_EQ(found.contains(corners), is_delaunay) << a << " " << b << " " << c;
       }
     }
   }
-  EXPECT_GT(expected, 30);
+  EXPECT_GT(expected, 50);
 }
 
-TEST(TriangulateContacts, OfARegularGridIsADiskWithoutGaps) {
-  // Every four neighbours are on one circle: which diagonal is taken is rounding, that there is one
-  // is not.
-  const TriangleMesh sheet = test::flat_sheet(80, 60, 1.1);
-  for (const double jitter : {0.0, 1e-12, 1e-3, 0.2}) {
-    const ContactTriangulation result =
-        triangulate_contacts(sheet, nearest_places(sheet, jittered_grid(7, 5, 11, jitter)));
-    const Counts counts = check_manifold(result.mesh);
-    EXPECT_EQ(counts.vertices, 35);
-    EXPECT_EQ(counts.euler(), 1);
-    EXPECT_GE(counts.faces, 48);
-    EXPECT_TRUE(result.isolated.empty());
-  }
-}
-
-TEST(TriangulateContacts, OnASphereIsClosed) {
-  const TriangleMesh sphere = test::icosphere(4, 30);
-  const ContactTriangulation result =
-      triangulate_contacts(sphere, nearest_places(sphere, [] {
-                             const TriangleMesh coarse = test::icosphere(1, 30);
-                             std::vector<Vector3d> points;
-                             for (const auto& v : coarse.vertices.colwise()) points.push_back(v);
-                             return points;
-                           }()));
-  const Counts counts = check_manifold(result.mesh);
-  EXPECT_EQ(counts.vertices, 42);
-  EXPECT_EQ(counts.faces, 80);
-  EXPECT_EQ(counts.euler(), 2);
-  const Eigen::Matrix3Xd normals = triangle_normals(result.mesh);
-  for (Eigen::Index t = 0; t < normals.cols(); ++t) {
-    EXPECT_GT(normals.col(t).dot(result.mesh.vertices.col(result.mesh.triangles(0, t))), 0);
-  }
-}
-
-TEST(TriangulateContacts, OnASphereIsClosedForContactsAtRandomToo) {
-  const TriangleMesh sphere = test::icosphere(4, 30);
-  std::mt19937 random(29);
-  std::uniform_int_distribution<int> any(0, static_cast<int>(sphere.triangles.cols()) - 1);
-  for (int trial = 0; trial < 20; ++trial) {
-    // Apart by several edges of the surface, which are about 2 mm long.
-    std::vector<SurfacePoint> contacts;
-    while (contacts.size() < 40) {
-      const SurfacePoint candidate{.triangle = any(random), .barycentric = {0.2, 0.3, 0.5}};
-      const bool apart = std::ranges::all_of(contacts, [&](const SurfacePoint& other) {
-        return (position(sphere, other) - position(sphere, candidate)).norm() > 6;
-      });
-      if (apart) contacts.push_back(candidate);
+TEST_F(OnAFlatSheet, WeightsReproduceLinearFunctionsBetweenContacts) {
+  int inside = 0;
+  for (Eigen::Index v = 0; v < sheet.vertices.cols(); ++v) {
+    const Vector3d p = sheet.vertices.col(v);
+    // Within the outermost contacts, wherever those were moved to.
+    constexpr double kOutermost = 1.4 * 7.3;
+    const double border = std::min({p.x(), p.y(), 9 * 7.3 - p.x(), 7 * 7.3 - p.y()});
+    if (border < kOutermost) continue;
+    ++inside;
+    Vector3d reproduced = Vector3d::Zero();
+    for (int k = 0; k < 3; ++k) {
+      if (contacts.weights.contacts(k, v) < 0) continue;
+      reproduced += contacts.weights.weights(k, v) *
+                    contacts.mesh.vertices.col(contacts.weights.contacts(k, v));
     }
-    const ContactTriangulation result = triangulate_contacts(sphere, contacts);
-    const Counts counts = check_manifold(result.mesh);
-    EXPECT_EQ(counts.vertices, 40);
-    EXPECT_EQ(counts.euler(), 2);
+    EXPECT_LT((reproduced - p).norm(), kWidth * kRounding);
   }
+  EXPECT_GT(inside, 5000);
 }
 
-TEST(TriangulateContacts, OfOneSideOfAClosedSurfaceIsOpen) {
-  // Behind the sphere the cells meet again; the triangles there would be a lid through its inside.
-  const TriangleMesh sphere = test::icosphere(4, 30);
-  std::vector<Vector3d> cap;
-  for (const Vector3d& p : jittered_grid(4, 4, 7, 0.2))
-    cap.emplace_back(p.x() - 17, p.y() - 17, 25);
-  const ContactTriangulation result = triangulate_contacts(sphere, nearest_places(sphere, cap));
-  const Counts counts = check_manifold(result.mesh);
-  EXPECT_EQ(counts.vertices, 16);
-  EXPECT_EQ(counts.euler(), 1);
-  // A lid would point down; slivers at the border may be steep.
-  EXPECT_GT(triangle_normals(result.mesh).row(2).minCoeff(), -0.5);
-  const ContactTriangulation three = triangulate_contacts(
-      sphere, nearest_places(sphere, {{10, 0.3, 25}, {-9, 9, 25}, {-8, -9, 25}}));
-  EXPECT_EQ(three.mesh.triangles, Eigen::Vector3i(0, 1, 2));
-}
-
-TEST(TriangulateContacts, LabelsAreTheCellsOfTheContacts) {
-  const TriangleMesh sheet = test::flat_sheet(40, 30, 1);
-  const std::vector<SurfacePoint> contacts = nearest_places(sheet, jittered_grid(4, 3, 8, 0.3));
-  const ContactTriangulation result = triangulate_contacts(sheet, contacts);
-  EXPECT_EQ(result.surface_labels, geodesic_distance(sheet, contacts).label);
-}
-
-/// A closed tube about the z axis: a glove's finger without its tip.
-TriangleMesh tube(int around, int along, double radius, double spacing) {
-  TriangleMesh mesh;
-  mesh.vertices.resize(3, around * (along + 1));
-  for (int r = 0; r <= along; ++r) {
-    for (int c = 0; c < around; ++c) {
-      const double angle = 2 * std::numbers::pi * c / around;
-      mesh.vertices.col(r * around + c) << radius * std::cos(angle), radius * std::sin(angle),
-          r * spacing;
+/// The largest difference of any contact's weight between two neighbouring vertices.
+double largest_jump(const TriangleMesh& surface, const SurfaceWeights& weights) {
+  double largest = 0;
+  const auto weight = [&](int v, int contact) {
+    for (int k = 0; k < 3; ++k) {
+      if (weights.contacts(k, v) == contact) return weights.weights(k, v);
     }
-  }
-  mesh.triangles.resize(3, 2 * around * along);
-  for (int r = 0; r < along; ++r) {
-    for (int c = 0; c < around; ++c) {
-      const int a = r * around + c;
-      const int b = r * around + (c + 1) % around;
-      mesh.triangles.col(2 * a) << a, b, b + around;
-      mesh.triangles.col(2 * a + 1) << a, b + around, a + around;
-    }
-  }
-  return mesh;
-}
-
-TEST(TriangulateContacts, IsAManifoldHoweverFewContactsThereAre) {
-  std::vector<TriangleMesh> surfaces = {test::icosphere(3, 20), tube(40, 60, 8, 1.3),
-                                        test::height_field(60, 50, 1, [](double x, double y) {
-                                          return 12 * std::sin(x / 4) * std::cos(y / 5) +
-                                                 3 * std::sin(x * y);
-                                        })};
-  std::mt19937 random(23);
-  int triangulated = 0;
-  for (const TriangleMesh& surface : surfaces) {
-    std::uniform_int_distribution<int> any(0, static_cast<int>(surface.triangles.cols()) - 1);
-    for (const int count : {3, 4, 5, 6, 8, 12, 20, 50, 150}) {
-      for (int trial = 0; trial < 3; ++trial) {
-        std::set<int> triangles;
-        while (static_cast<int>(triangles.size()) < count) triangles.insert(any(random));
-        std::vector<SurfacePoint> contacts;
-        for (const int t : triangles) {
-          contacts.push_back({.triangle = t, .barycentric = {0.2, 0.3, 0.5}});
-        }
-        try {
-          const ContactTriangulation result = triangulate_contacts(surface, contacts);
-          const Counts counts = check_manifold(result.mesh);
-          EXPECT_EQ(counts.vertices + static_cast<int>(result.isolated.size()), count);
-          ++triangulated;
-        } catch (const InvalidInput& error) {
-          EXPECT_NE(std::string(error.what()).find("nowhere on the surface"), std::string::npos);
-          EXPECT_LT(count, 12);
-        }
+    return 0.0;
+  };
+  for (const Eigen::Vector3i t : surface.triangles.colwise()) {
+    for (int k = 0; k < 3; ++k) {
+      for (int j = 0; j < 3; ++j) {
+        const int contact = weights.contacts(j, t[k]);
+        largest =
+            std::max(largest, std::abs(weights.weights(j, t[k]) - weight(t[(k + 1) % 3], contact)));
       }
     }
   }
-  EXPECT_GT(triangulated, 55);
+  return largest;
 }
 
-TEST(TriangulateContacts, ListsContactsInNoTriangle) {
-  TriangleMesh two = test::flat_sheet(20, 20, 1);
-  const Eigen::Index vertices = two.vertices.cols();
-  const Eigen::Index triangles = two.triangles.cols();
-  two.vertices.conservativeResize(3, 2 * vertices);
-  two.vertices.rightCols(vertices) = two.vertices.leftCols(vertices).colwise() + Vector3d(0, 0, 5);
-  two.triangles.conservativeResize(3, 2 * triangles);
-  two.triangles.rightCols(triangles) =
-      two.triangles.leftCols(triangles).array() + static_cast<int>(vertices);
-  const ContactTriangulation result = triangulate_contacts(
-      two, nearest_places(two, {{5, 5, 0}, {9, 9, 5}, {15, 5.5, 0}, {9.3, 15, 0}}));
-  EXPECT_EQ(result.isolated, std::vector<int>{1});
-  EXPECT_EQ(result.mesh.triangles.cols(), 1);
-  EXPECT_EQ(result.mesh.triangles.col(0), Eigen::Vector3i(0, 2, 3));
+TEST(TriangulateContacts, WeightsJumpLessTheFinerTheSurfaceIs) {
+  const TriangleMesh corners = test::icosphere(1, 30);
+  std::vector<Vector3d> points;
+  for (const auto& v : corners.vertices.colwise()) points.emplace_back(v + Vector3d(0.7, 0.3, 0.2));
+  double coarser = 1;
+  for (const int levels : {4, 5, 6}) {
+    const TriangleMesh sphere = test::icosphere(levels, 30);
+    const double jump =
+        largest_jump(sphere, triangulate_contacts(sphere, nearest_places(sphere, points)).weights);
+    EXPECT_LT(jump, 0.65 * coarser) << levels;
+    coarser = jump;
+  }
+  // An open surface, where helpers at the border have a part in it.
+  coarser = 1;
+  for (const int cells : {40, 80, 160}) {
+    const TriangleMesh sheet = test::height_field(
+        cells, cells, 80.0 / cells,
+        [](double x, double y) { return 6 * std::sin(x / 11) * std::sin(y / 13); });
+    const double jump = largest_jump(
+        sheet,
+        triangulate_contacts(sheet, nearest_places(sheet, jittered_grid(4, 4, 16, 0.2))).weights);
+    EXPECT_LT(jump, 0.7 * coarser) << cells;
+    coarser = jump;
+  }
 }
 
 TEST(TriangulateContacts, DoesNotDependOnTheUnitOfLength) {
-  const TriangleMesh sheet = test::height_field(
-      50, 40, 1, [](double x, double y) { return 4 * std::sin(x / 6) * std::sin(y / 7); });
-  const std::vector<SurfacePoint> contacts = nearest_places(sheet, jittered_grid(6, 5, 7, 0.3));
-  const ContactTriangulation expected = triangulate_contacts(sheet, contacts);
+  const TriangleMesh surface = test::bumpy(2000, 0.25);
+  const std::vector<SurfacePoint> contacts = random_contacts(surface, 40, 7);
+  const ContactTriangulation expected = triangulate_contacts(surface, contacts);
   for (const double factor : {0x1p-20, 0x1p20}) {
-    const ContactTriangulation scaled = triangulate_contacts(test::scaled(sheet, factor), contacts);
+    const ContactTriangulation scaled =
+        triangulate_contacts(test::scaled(surface, factor), contacts);
     EXPECT_EQ(scaled.mesh.triangles, expected.mesh.triangles);
-    EXPECT_EQ(scaled.surface_labels, expected.surface_labels);
+    EXPECT_EQ(scaled.weights.contacts, expected.weights.contacts);
+    EXPECT_EQ(scaled.weights.weights, expected.weights.weights);
+    EXPECT_EQ(scaled.intrinsic.lengths, factor * expected.intrinsic.lengths);
   }
+}
+
+/// Two meshes side by side.
+TriangleMesh joined(const TriangleMesh& a, const TriangleMesh& b) {
+  TriangleMesh both;
+  both.vertices.resize(3, a.vertices.cols() + b.vertices.cols());
+  both.vertices << a.vertices, b.vertices;
+  both.triangles.resize(3, a.triangles.cols() + b.triangles.cols());
+  both.triangles << a.triangles, b.triangles.array() + static_cast<int>(a.vertices.cols());
+  return both;
+}
+
+TEST(TriangulateContacts, KeepsPartsApart) {
+  TriangleMesh second = test::flat_sheet(20, 20, 1);
+  TriangleMesh third = second;
+  second.vertices.row(2).array() += 5;
+  third.vertices.row(2).array() += 10;
+  const TriangleMesh first = test::flat_sheet(20, 20, 1);
+  const TriangleMesh three = joined(joined(first, second), third);
+  const ContactTriangulation result = triangulate_contacts(
+      three, nearest_places(three, {{5, 5, 0}, {9, 9, 5}, {15, 5.5, 0}, {9.3, 15, 0}}));
+  EXPECT_EQ(result.isolated, std::vector<int>{1});
+  EXPECT_EQ(result.mesh.triangles, Eigen::Vector3i(0, 2, 3));
+  for (Eigen::Index v = 0; v < three.vertices.cols(); ++v) {
+    const double z = three.vertices(2, v);
+    if (z == 5) {  // its only contact
+      EXPECT_EQ(result.weights.contacts.col(v), Eigen::Vector3i(1, -1, -1));
+      EXPECT_EQ(result.weights.weights(0, v), 1);
+    } else {
+      EXPECT_EQ(result.weights.contacts(0, v) < 0, z == 10);
+      EXPECT_FALSE((result.weights.contacts.col(v).array() == 1).any());
+    }
+    EXPECT_EQ(result.surface_labels[v], result.weights.contacts(0, v));
+  }
+}
+
+TEST(TriangulateContacts, CopesWithSheetsThatTouchInAVertex) {
+  const TriangleMesh first = test::flat_sheet(12, 12, 1);
+  TriangleMesh second = first;
+  second.vertices.topRows(2).array() += 12;
+  TriangleMesh both = joined(first, second);
+  // The last vertex of the first is the first of the second.
+  const int shared = static_cast<int>(first.vertices.cols()) - 1;
+  both.triangles = (both.triangles.array() == shared + 1).select(shared, both.triangles);
+  const ContactTriangulation result = triangulate_contacts(
+      both, nearest_places(
+                both, {{3, 3, 0}, {9, 4, 0}, {5, 9, 0}, {15, 16, 0}, {20, 15, 0}, {17, 21, 0}}));
+  EXPECT_TRUE(result.isolated.empty());
+  check_intrinsic(result.intrinsic);
+  EXPECT_EQ(result.mesh.triangles.cols(), 2);
+  EXPECT_GT(result.weights.contacts(2, shared), -1);
+  EXPECT_NEAR(result.weights.weights.col(shared).sum(), 1, kRounding);
+}
+
+TEST(TriangulateContacts, CopesWithTrianglesWithoutArea) {
+  TriangleMesh sheet = test::flat_sheet(30, 20, 1);
+  // Every seventh vertex onto its neighbour.
+  for (Eigen::Index v = 40; v + 40 < sheet.vertices.cols(); v += 7) {
+    sheet.vertices.col(v) = sheet.vertices.col(v + 1);
+  }
+  const std::vector<SurfacePoint> contacts = nearest_places(sheet, jittered_grid(6, 4, 4, 0.3));
+  const ContactTriangulation result = triangulate_contacts(sheet, contacts);
+  check_intrinsic(result.intrinsic);
+  check_weights(sheet, result.weights);
+  EXPECT_TRUE(result.isolated.empty());
+}
+
+TEST(TriangulateContacts, TakesManyContactsInOneTriangleAndAlongEdges) {
+  const TriangleMesh sheet = test::flat_sheet(2, 2, 50);
+  const ContactTriangulation result =
+      triangulate_contacts(sheet, nearest_places(sheet, jittered_grid(9, 9, 10, 0)));
+  EXPECT_TRUE(result.isolated.empty());
+  EXPECT_EQ(check_manifold(result.mesh).euler(), 1);
+  EXPECT_EQ(result.mesh.triangles.cols(), 128);
 }
 
 std::string refusal(const TriangleMesh& surface, const std::vector<SurfacePoint>& contacts) {
@@ -330,97 +350,29 @@ std::string refusal(const TriangleMesh& surface, const std::vector<SurfacePoint>
   return "accepted";
 }
 
-TEST(TriangulateContacts, RefusesBadInputAndNamesIt) {
+TEST(TriangulateContacts, AcceptsContactsOnOneLine) {
   const TriangleMesh sheet = test::flat_sheet(20, 20, 1);
+  const ContactTriangulation result = triangulate_contacts(
+      sheet, nearest_places(sheet, {{3, 10, 0}, {8, 10, 0}, {12, 10, 0}, {17, 10, 0}}));
+  check_weights(sheet, result.weights);
+  EXPECT_GE(result.weights.contacts.row(0).minCoeff(), 0);
+}
+
+TEST(TriangulateContacts, RefusesBadInputAndNamesIt) {
+  TriangleMesh sheet = test::flat_sheet(20, 20, 1);
   std::vector<SurfacePoint> contacts =
       nearest_places(sheet, {{5, 5, 0}, {15, 5, 0}, {10, 15, 0}, {5, 15, 0}});
   EXPECT_EQ(refusal(sheet, contacts), "accepted");
   EXPECT_NE(refusal({}, contacts).find("no triangles"), std::string::npos);
   EXPECT_NE(refusal(sheet, {contacts[0], contacts[1]}).find("got 2 contacts"), std::string::npos);
-  contacts[3] = contacts[1];
-  EXPECT_NE(refusal(sheet, contacts).find("contacts 1 and 3 are at the same place"),
+  std::vector<SurfacePoint> twice = contacts;
+  twice[3] = twice[1];
+  EXPECT_NE(refusal(sheet, twice).find("contacts 1 and 3 are at the same place"),
             std::string::npos);
-  contacts[3].triangle = 800;
-  EXPECT_NE(refusal(sheet, contacts).find("contact 3"), std::string::npos);
-  const std::vector<SurfacePoint> in_line =
-      nearest_places(sheet, {{3, 10, 0}, {8, 10, 0}, {12, 10, 0}, {17, 10, 0}});
-  EXPECT_NE(refusal(sheet, in_line).find("nowhere on the surface"), std::string::npos);
-}
-
-class OnASheet : public ::testing::Test {
- protected:
-  TriangleMesh sheet = test::flat_sheet(80, 60, 1);
-  ContactTriangulation contacts =
-      triangulate_contacts(sheet, nearest_places(sheet, jittered_grid(7, 5, 9.7, 0.3)));
-  ContactLocator locator{contacts.mesh};
-
-  [[nodiscard]] Eigen::VectorXd all_weights(const Vector3d& point) const {
-    const ContactWeights found = locator.locate(point);
-    Eigen::VectorXd weights = Eigen::VectorXd::Zero(contacts.mesh.vertices.cols());
-    for (int k = 0; k < 3; ++k) weights[found.contacts[k]] += found.weights[k];
-    return weights;
-  }
-};
-
-using ContactLocatorTest = OnASheet;
-
-TEST_F(ContactLocatorTest, WeightsReproduceLinearFunctionsAndSumToOne) {
-  std::mt19937 random(3);
-  std::uniform_real_distribution<double> x(16, 60);
-  std::uniform_real_distribution<double> y(16, 42);
-  for (int i = 0; i < 2000; ++i) {
-    const Vector3d p(x(random), y(random), 0);
-    const Eigen::VectorXd weights = all_weights(p);
-    EXPECT_GE(weights.minCoeff(), 0);
-    EXPECT_NEAR(weights.sum(), 1, kRounding);
-    EXPECT_LT((contacts.mesh.vertices * weights - p).norm(), 60 * kRounding);
-  }
-}
-
-TEST_F(ContactLocatorTest, TheWeightOfAContactAtItsOwnPlaceIsOne) {
-  for (Eigen::Index i = 0; i < contacts.mesh.vertices.cols(); ++i) {
-    EXPECT_NEAR(all_weights(contacts.mesh.vertices.col(i))[i], 1, kRounding);
-  }
-}
-
-TEST_F(ContactLocatorTest, WeightsDoNotJumpBetweenTriangles) {
-  std::mt19937 random(4);
-  std::uniform_real_distribution<double> x(16, 60);
-  std::uniform_real_distribution<double> y(16, 42);
-  constexpr double kStep = 1e-6;
-  // The steepest weight rises from 0 to 1 over the lowest height of a triangle; none is below this.
-  constexpr double kLowestHeight = 0.5;
-  for (int i = 0; i < 100; ++i) {
-    const Vector3d a(x(random), y(random), 0.3);
-    const Vector3d b(x(random), y(random), -0.2);
-    for (int k = 0; k < 100; ++k) {
-      const Vector3d p = a + k / 100.0 * (b - a);
-      const Eigen::VectorXd change =
-          all_weights(p + kStep * Vector3d(0.6, 0.8, 0)) - all_weights(p);
-      EXPECT_LT(change.cwiseAbs().maxCoeff(), kStep / kLowestHeight);
-    }
-  }
-  // Right across every edge.
-  for (const Eigen::Vector3i t : contacts.mesh.triangles.colwise()) {
-    const Vector3d middle =
-        0.3 * contacts.mesh.vertices.col(t[0]) + 0.7 * contacts.mesh.vertices.col(t[1]);
-    const Vector3d across = (contacts.mesh.vertices.col(t[2]) - middle).normalized();
-    const Eigen::VectorXd change =
-        all_weights(middle + kStep * across) - all_weights(middle - kStep * across);
-    EXPECT_LT(change.cwiseAbs().maxCoeff(), 2 * kStep / kLowestHeight);
-  }
-}
-
-TEST_F(ContactLocatorTest, WeightsAreHeldBeyondTheBorder) {
-  const Eigen::VectorXd at_corner = all_weights({-5, -7, 0});
-  EXPECT_NEAR(at_corner[0], 1, kRounding);
-  EXPECT_EQ(all_weights({-500, -700, 3}), at_corner);
-}
-
-TEST_F(ContactLocatorTest, SaysSoWhenThePlaceIsNotFinite) {
-  const ContactWeights found = locator.locate({0, std::numeric_limits<double>::quiet_NaN(), 0});
-  EXPECT_EQ(found.contacts, Eigen::Vector3i(-1, -1, -1));
-  EXPECT_EQ(found.weights, Vector3d(0, 0, 0));
+  twice[3].triangle = 800;
+  EXPECT_NE(refusal(sheet, twice).find("contact 3"), std::string::npos);
+  sheet.triangles.col(7).reverseInPlace();
+  EXPECT_NE(refusal(sheet, contacts).find("both run along the edge"), std::string::npos);
 }
 
 }  // namespace

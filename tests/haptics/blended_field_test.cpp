@@ -39,6 +39,25 @@ TEST(BlendedField, BlendsLinearlyBetweenContactsInTheBlendedFrame) {
   EXPECT_NEAR(field.blend(place).friction, 0.7 * 0.4 + 0.3 * 0.5, kTolerance);
 }
 
+TEST(BlendedField, TakesTheWeightsOfTheSurfaceWhereThereAreSome) {
+  Model model = uneven_model();
+  model.surface_weights = geometry::project_weights(model.surface, contact_mesh(model));
+  const geometry::SurfacePoint place{.triangle = 40, .barycentric = {0.2, 0.3, 0.5}};
+  const BlendedField projected(model);
+  // Contact 2 alone around the place: its field, and no triangles are needed.
+  for (const int corner : model.surface.triangles.col(place.triangle)) {
+    model.surface_weights.contacts.col(corner) << 2, -1, -1;
+    model.surface_weights.weights.col(corner) << 1, 0, 0;
+  }
+  model.triangles.resize(3, 0);
+  const BlendedField field(model);
+  const ContactModel& contact = model.contacts[2];
+  const Eigen::Vector3d expected =
+      contact.frame * force(contact.field, contact.frame.transpose() * kDisplacement);
+  EXPECT_LT((field.force(field.blend(place), kDisplacement) - expected).norm(), kTolerance);
+  EXPECT_GT((projected.force(projected.blend(place), kDisplacement) - expected).norm(), 1e-3);
+}
+
 TEST(BlendedField, IsZeroAtZeroDisplacementAndContinuousAcrossTriangles) {
   const BlendedField field(uneven_model());
   EXPECT_EQ(field.force({3, 4, 700}, Eigen::Vector3d::Zero()), Eigen::Vector3d::Zero());

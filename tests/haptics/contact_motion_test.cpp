@@ -11,9 +11,8 @@ namespace {
 
 TouchPoint slip(const Model& model, const Eigen::Vector3d& contact, const Eigen::Vector3d& tool) {
   const BlendedField field(model);
-  const geometry::SurfaceQuery surface(model.surface);
-  return slip_contact(field, surface, geometry::triangle_normals(model.surface),
-                      {contact, {0, 0, -1}, 0}, tool);
+  return slip_contact(field, geometry::triangle_normals(model.surface),
+                      {contact, {0, 0, -1}, field.surface().closest_point(contact).at}, tool);
 }
 
 // Force along the displacement, axis along the normal: the tool must come to lie on the cone of
@@ -25,7 +24,7 @@ TEST(SlipContact, LetsAnIsotropicContactTrailByFrictionTimesDepth) {
     EXPECT_NEAR(found.position.x(), 15 - friction * 6, 2e-3) << friction;
     EXPECT_NEAR(found.position.y(), 2, 1e-9);
     EXPECT_NEAR(found.position.z(), 700, 1e-12);
-    EXPECT_GE(found.triangle, 0);
+    EXPECT_GE(found.at.triangle, 0);
     EXPECT_EQ(found.normal, Eigen::Vector3d(0, 0, -1));
   }
 }

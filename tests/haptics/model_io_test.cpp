@@ -11,6 +11,7 @@
 #include <valijson/schema_parser.hpp>
 #include <valijson/validator.hpp>
 
+#include "palpate/geometry/mesh_io.h"
 #include "sheet_model.h"
 
 namespace palpate::haptics {
@@ -24,6 +25,8 @@ void expect_same(const Model& left, const Model& right) {
   EXPECT_EQ(left.surface.vertices, right.surface.vertices);
   EXPECT_EQ(left.surface.triangles, right.surface.triangles);
   EXPECT_EQ(left.triangles, right.triangles);
+  EXPECT_EQ(left.surface_weights.contacts, right.surface_weights.contacts);
+  EXPECT_EQ(left.surface_weights.weights, right.surface_weights.weights);
   EXPECT_EQ(left.made, right.made);
   EXPECT_EQ(left.T_surface_acquisition.matrix(), right.T_surface_acquisition.matrix());
   ASSERT_EQ(left.contacts.size(), right.contacts.size());
@@ -49,6 +52,7 @@ Model some_model() {
   model.T_surface_acquisition = some_motion();
   model.contacts[1].friction_source = FrictionSource::other_contacts;
   model.contacts[2].field = {Eigen::Matrix3Xd(3, 0), Eigen::VectorXd(0), 1};
+  model.surface_weights = geometry::project_weights(model.surface, contact_mesh(model));
   return model;
 }
 
@@ -82,6 +86,14 @@ TEST(ModelIo, ReadsBackExactlyWhatWasWritten) {
   expect_same(read_model(folder), some_model());
 }
 
+TEST(ModelIo, SavesTheTriangulationAsAMeshToo) {
+  const ScratchFolder scratch;
+  write_model(scratch / "model", some_model());
+  const geometry::TriangleMesh mesh = geometry::read_mesh(scratch / "model" / "contacts.ply");
+  EXPECT_EQ(mesh.vertices, contact_mesh(some_model()).vertices);
+  EXPECT_EQ(mesh.triangles, some_model().triangles);
+}
+
 TEST(ModelIo, ReadsTheSameDocumentInCbor) {
   const ScratchFolder scratch;
   const std::filesystem::path folder = scratch / "model";
@@ -106,7 +118,8 @@ TEST(ModelIo, WritesWhatTheSchemaDescribes) {
   // The schema does look: each of these is refused.
   for (const char* pointer :
        {"/version", "/contacts/1/position/2", "/contacts/0/friction/source",
-        "/contacts/2/field/epsilon", "/triangles/0/1", "/registration/rotation/0"}) {
+        "/contacts/2/field/epsilon", "/triangles/0/1", "/registration/rotation/0",
+        "/surface_weights/contacts/4", "/surface_weights/weights/4"}) {
     json broken = document;
     broken[json::json_pointer(pointer)] = -1.5;
     const bool still_a_number = std::string(pointer) == "/contacts/1/position/2";
@@ -158,6 +171,12 @@ TEST(ModelIo, NamesThePlaceAndWhatIsRight) {
               HasSubstr("/contacts/0/friction/source"));
   EXPECT_THAT(refused_after([](json& d) { d["triangles"][0][1] = 99; }),
               AllOf(HasSubstr("field.json"), HasSubstr("99")));
+  EXPECT_THAT(refused_after([](json& d) { d["surface_weights"]["contacts"].push_back(0); }),
+              AllOf(HasSubstr("/surface_weights"), HasSubstr("for each vertex")));
+  EXPECT_THAT(refused_after([](json& d) { d["surface_weights"]["contacts"][7] = -2; }),
+              HasSubstr("/surface_weights/contacts/7"));
+  EXPECT_THAT(refused_after([](json& d) { d["surface_weights"]["weights"][0] = 7; }),
+              HasSubstr("vertex 0"));
   EXPECT_THAT(refused_after([](json& d) { d["triangles"][0][1] = 1e300; }),
               HasSubstr("/triangles/0/1"));
   EXPECT_THAT(refused_after([](json& d) { d["contacts"][3]["friction"]["coefficient"] = -1; }),

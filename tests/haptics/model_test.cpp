@@ -40,6 +40,22 @@ TEST(CheckModel, NamesWhatIsWrong) {
               AllOf(HasSubstr("contact 13"), HasSubstr("epsilon")));
   EXPECT_THAT(refused_after([](Model& m) { m.triangles(1, 1) = 4; }), HasSubstr("triangle"));
   EXPECT_THAT(refused_after([](Model& m) { m.triangles.resize(3, 0); }), HasSubstr("triangle"));
+  const auto with_weights = [](auto change) {
+    return refused_after([&](Model& m) {
+      m.surface_weights = geometry::project_weights(m.surface, contact_mesh(m));
+      change(m.surface_weights);
+    });
+  };
+  EXPECT_THAT(with_weights([](geometry::SurfaceWeights& w) { w.contacts.resize(3, 2); }),
+              AllOf(HasSubstr("2 vertices"), HasSubstr("121")));
+  EXPECT_THAT(with_weights([](geometry::SurfaceWeights& w) { w.contacts(1, 7) = 4; }),
+              AllOf(HasSubstr("vertex 7"), HasSubstr("contact 4"), HasSubstr("-1 (none) to 3")));
+  EXPECT_THAT(with_weights([](geometry::SurfaceWeights& w) { w.weights(0, 8) += 0.1; }),
+              AllOf(HasSubstr("vertex 8"), HasSubstr("sum to 1")));
+  EXPECT_THAT(with_weights([](geometry::SurfaceWeights& w) {
+                w.weights(0, 9) = std::numeric_limits<double>::quiet_NaN();
+              }),
+              HasSubstr("vertex 9"));
   EXPECT_THAT(refused_after([](Model& m) { m.T_surface_acquisition.linear() *= 2; }),
               HasSubstr("registration"));
   EXPECT_THAT(refused_after([](Model& m) { m.surface.triangles.resize(3, 0); }),

@@ -48,12 +48,12 @@ std::array<Eigen::Matrix3d, 3> some_frames() {
 
 TEST(BlendRotations, SolvesTheEquationOfTheMean) {
   const std::array<Eigen::Matrix3d, 3> frames = some_frames();
-  const Eigen::Vector3d weights(0.5, 0.2, 0.3);
+  const std::array weights = {0.5, 0.2, 0.3};
   const Eigen::Matrix3d mean = blend_rotations(frames, weights);
   EXPECT_LT((mean.transpose() * mean - Eigen::Matrix3d::Identity()).norm(), kTolerance);
   Eigen::Vector3d balance = Eigen::Vector3d::Zero();
   for (std::size_t k = 0; k < 3; ++k) {
-    balance += weights[static_cast<Eigen::Index>(k)] * rotation_log(mean.transpose() * frames[k]);
+    balance += weights[k] * rotation_log(mean.transpose() * frames[k]);
   }
   EXPECT_LT(balance.norm(), kTolerance);
 }
@@ -62,12 +62,13 @@ TEST(BlendRotations, HalfWayIsHalfTheTurn) {
   const Eigen::Matrix3d start = some_rotation();
   const Eigen::Vector3d turn(0.4, -0.9, 0.5);
   const Eigen::Matrix3d mean =
-      blend_rotations({start, start * rotation_exp(turn), start}, {0.5, 0.5, 0});
+      blend_rotations(std::array<Eigen::Matrix3d, 3>{start, start * rotation_exp(turn), start},
+                      std::array{0.5, 0.5, 0.0});
   EXPECT_LT((mean - start * rotation_exp(turn / 2)).norm(), kTolerance);
 }
 
 TEST(BlendRotations, TurnsWithTheWorldAndWithTheLocalAxes) {
-  const Eigen::Vector3d weights(0.5, 0.2, 0.3);
+  const std::array weights = {0.5, 0.2, 0.3};
   const Eigen::Matrix3d mean = blend_rotations(some_frames(), weights);
   const Eigen::Matrix3d turn = some_rotation();
   std::array<Eigen::Matrix3d, 3> world = some_frames(), local = some_frames();
@@ -79,15 +80,18 @@ TEST(BlendRotations, TurnsWithTheWorldAndWithTheLocalAxes) {
 
 TEST(BlendRotations, DoesNotDependOnWhichComesFirst) {
   const auto [a, b, c] = some_frames();
-  const Eigen::Matrix3d mean = blend_rotations({a, b, c}, {0.4, 0.25, 0.35});
-  EXPECT_LT((blend_rotations({c, a, b}, {0.35, 0.4, 0.25}) - mean).norm(), kTolerance);
+  const Eigen::Matrix3d mean = blend_rotations(std::array{a, b, c}, std::array{0.4, 0.25, 0.35});
+  EXPECT_LT((blend_rotations(std::array{c, a, b}, std::array{0.35, 0.4, 0.25}) - mean).norm(),
+            kTolerance);
 }
 
 TEST(BlendRotations, AtACornerIsThatFrameWhateverTheOthers) {
   const auto [a, b, c] = some_frames();
   const Eigen::Matrix3d unknown =
       Eigen::Matrix3d::Constant(std::numeric_limits<double>::quiet_NaN());
-  EXPECT_LT((blend_rotations({unknown, b, unknown}, {0, 1, 0}) - b).norm(), kTolerance);
+  EXPECT_LT(
+      (blend_rotations(std::array{unknown, b, unknown}, std::array{0.0, 1.0, 0.0}) - b).norm(),
+      kTolerance);
 }
 
 }  // namespace

@@ -45,7 +45,7 @@ struct BuildResult {
   Model model;
   std::vector<ContactReport> contacts;     ///< in the order of the model's contacts
   std::vector<long long> without_samples;  ///< ids of contacts that were left out for that
-  std::vector<long long> isolated;  ///< ids of contacts in no triangle: they have no influence
+  std::vector<long long> isolated;         ///< ids of contacts in no triangle of contacts
   RegistrationOutcome registration = RegistrationOutcome::not_needed;
   double distance_rms = 0;  ///< [mm] of the contacts to the surface as given
   bool surface_flipped =

@@ -13,7 +13,7 @@ namespace palpate::haptics {
 struct TouchPoint {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< [mm]
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();    ///< unit, outwards, of the surface there
-  int triangle = -1;                                   ///< of the surface
+  geometry::SurfacePoint at;                           ///< the same on the surface
 };
 
 /// Where a contact that does not hold slips to (thesis 5.4.2).
@@ -23,9 +23,8 @@ struct TouchPoint {
 /// (t = 1), to the least h(t) = (|f_T| - mu f_N)^2 (Eq 5.18 with the norm), by Brent's method with
 /// a bounded number of evaluations. The new contact is put on the surface by its nearest point.
 /// `normals` are those of the surface's triangles, 3 x T. Real-time safe.
-[[nodiscard]] TouchPoint slip_contact(const BlendedField& field,
-                                      const geometry::SurfaceQuery& surface,
-                                      const Eigen::Matrix3Xd& normals, const TouchPoint& contact,
+[[nodiscard]] TouchPoint slip_contact(const BlendedField& field, const Eigen::Matrix3Xd& normals,
+                                      const TouchPoint& contact,
                                       const Eigen::Vector3d& tool) noexcept;
 
 }  // namespace palpate::haptics

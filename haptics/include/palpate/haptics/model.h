@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "palpate/geometry/contact_triangulation.h"
 #include "palpate/geometry/triangle_mesh.h"
 #include "palpate/haptics/force_field.h"
 
@@ -43,6 +44,9 @@ struct Model {
   geometry::TriangleMesh surface;  ///< undeformed, triangles counter-clockwise seen from outside
   std::vector<ContactModel> contacts;  ///< at least three
   Eigen::Matrix3Xi triangles;          ///< 3 x T indices of contacts, oriented as the surface
+  /// Of the contacts at each vertex of the surface. Without any (no columns) they are those of the
+  /// nearest points of the triangles, of which there must be some then.
+  geometry::SurfaceWeights surface_weights;
   /// Moves the acquisition onto the surface; the contacts here are moved already.
   Eigen::Isometry3d T_surface_acquisition = Eigen::Isometry3d::Identity();
   std::map<std::string, std::string> made;  ///< how: sources, options, program; UTF-8

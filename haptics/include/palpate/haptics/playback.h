@@ -48,7 +48,6 @@ class Playback {
   [[nodiscard]] Command step(const Eigen::Vector3d& tool, LoopState& state) const noexcept;
 
  private:
-  geometry::SurfaceQuery surface_;
   Eigen::Matrix3Xd normals_;  // of the surface's triangles
   double offset_;             // [mm] from which a contact looks at the tool, outside the surface
   BlendedField field_;

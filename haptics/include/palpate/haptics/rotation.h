@@ -3,7 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <array>
+#include <span>
 
 namespace palpate::haptics {
 
@@ -20,13 +20,13 @@ namespace palpate::haptics {
 [[nodiscard]] Eigen::Matrix3d rotation_between(const Eigen::Vector3d& from,
                                                const Eigen::Vector3d& to) noexcept;
 
-/// Weighted mean R of three rotations: sum_k weights[k] log(R^T R_k) = 0 (Karcher mean).
+/// Weighted mean R of rotations: sum_k weights[k] log(R^T R_k) = 0 (Karcher mean).
 ///
 /// In place of Eq 5.11, whose logarithms at the identity depend on the choice of the world frame.
-/// Weights are >= 0 with sum 1. Neither the order of the rotations nor the frame matters; rotations
-/// with weight zero do not. Unique if the rotations lie within half a turn of each other. Real-time
-/// safe.
-[[nodiscard]] Eigen::Matrix3d blend_rotations(const std::array<Eigen::Matrix3d, 3>& rotations,
-                                              const Eigen::Vector3d& weights) noexcept;
+/// As many weights as rotations, >= 0 with sum 1. Neither the order of the rotations nor the frame
+/// matters; rotations with weight zero do not. Unique if the rotations lie within half a turn of
+/// each other. Real-time safe.
+[[nodiscard]] Eigen::Matrix3d blend_rotations(std::span<const Eigen::Matrix3d> rotations,
+                                              std::span<const double> weights) noexcept;
 
 }  // namespace palpate::haptics
