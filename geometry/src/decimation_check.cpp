@@ -1,0 +1,170 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "decimation_check.h"
+
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+namespace palpate::geometry {
+namespace {
+
+/// One side of a triangle, its edge as the pair of its vertices in ascending order.
+struct Side {
+  std::pair<int, int> edge;
+  int half_edge;
+};
+
+int next_in_triangle(int half_edge) { return half_edge % 3 == 2 ? half_edge - 2 : half_edge + 1; }
+
+int root(std::vector<int>& parent, int i) {
+  while (parent[static_cast<std::size_t>(i)] != i) {
+    parent[static_cast<std::size_t>(i)] =
+        parent[static_cast<std::size_t>(parent[static_cast<std::size_t>(i)])];
+    i = parent[static_cast<std::size_t>(i)];
+  }
+  return i;
+}
+
+std::vector<Side> sorted_sides(const TriangleMesh& mesh) {
+  std::vector<Side> sides(static_cast<std::size_t>(mesh.triangles.size()));
+  for (int h = 0; h < static_cast<int>(sides.size()); ++h) {
+    sides[static_cast<std::size_t>(h)] = {
+        .edge = std::minmax({mesh.triangles(h % 3, h / 3), mesh.triangles((h + 1) % 3, h / 3)}),
+        .half_edge = h};
+  }
+  std::sort(sides.begin(), sides.end(), [](const Side& one, const Side& other) {
+    return std::pair(one.edge, one.half_edge) < std::pair(other.edge, other.half_edge);
+  });
+  return sides;
+}
+
+/// Whether a centre's triangle looks the other way than the input does there.
+bool turned_over(const TriangleMesh& candidate, Eigen::Index triangle,
+                 const Eigen::Vector3d& normal, const DecimationStandard& standard) {
+  const SurfacePoint centre{.triangle = static_cast<int>(triangle),
+                            .barycentric = Eigen::Vector3d::Constant(1.0 / 3)};
+  const int below = standard.input.query.closest_point(position(candidate, centre)).at.triangle;
+  if (below < 0) return true;
+  const Eigen::Vector3d of_input = standard.normals.col(below);
+  // An input triangle without area has no side; a new one that has none is not wanted.
+  return of_input.allFinite() && !(normal.dot(of_input) >= 0);
+}
+
+}  // namespace
+
+Gluing gluing(const TriangleMesh& mesh) {
+  Gluing found{.bad_edge = std::vector<char>(static_cast<std::size_t>(mesh.triangles.cols()), 0),
+               .fans = std::vector<int>(static_cast<std::size_t>(mesh.vertices.cols()), 0)};
+  // Corners, named by the half-edge that leaves them, joined where their triangles share an edge.
+  std::vector<int> parent(static_cast<std::size_t>(mesh.triangles.size()));
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto from = [&](int h) { return mesh.triangles(h % 3, h / 3); };
+  const auto join = [&](int a, int b) {
+    parent[static_cast<std::size_t>(root(parent, a))] = root(parent, b);
+  };
+  const std::vector<Side> sides = sorted_sides(mesh);
+  for (auto first = sides.begin(); first != sides.end();) {
+    const auto last =
+        std::find_if(first, sides.end(), [&](const Side& s) { return s.edge != first->edge; });
+    const bool bad = last - first > 2 || (last - first == 2 && from(first->half_edge) ==
+                                                                   from((first + 1)->half_edge));
+    for (auto side = first; side != last; ++side) {
+      if (bad) found.bad_edge[static_cast<std::size_t>(side->half_edge / 3)] = 1;
+      const int one = first->half_edge;
+      const int other = side->half_edge;
+      const bool along = from(one) == from(other);
+      join(one, along ? other : next_in_triangle(other));
+      join(next_in_triangle(one), along ? next_in_triangle(other) : other);
+    }
+    first = last;
+  }
+  for (int h = 0; h < static_cast<int>(parent.size()); ++h) {
+    if (root(parent, h) == h) ++found.fans[static_cast<std::size_t>(from(h))];
+  }
+  return found;
+}
+
+void trim_border(TriangleMesh& mesh) {
+  for (bool again = true; again;) {
+    again = false;
+    const Eigen::Matrix3Xd normals = triangle_normals(mesh);
+    if (normals.allFinite()) return;
+    std::vector<char> drop(static_cast<std::size_t>(mesh.triangles.cols()), 0);
+    const std::vector<Side> sides = sorted_sides(mesh);
+    for (std::size_t i = 0; i < sides.size(); ++i) {
+      const bool border = (i == 0 || sides[i - 1].edge != sides[i].edge) &&
+                          (i + 1 == sides.size() || sides[i + 1].edge != sides[i].edge);
+      const int triangle = sides[i].half_edge / 3;
+      if (!border || normals.col(triangle).allFinite()) continue;
+      const auto length = [&](int h) {
+        return (mesh.vertices.col(mesh.triangles(h % 3, triangle)) -
+                mesh.vertices.col(mesh.triangles((h + 1) % 3, triangle)))
+            .norm();
+      };
+      const int h = sides[i].half_edge % 3;
+      if (length(h) >= length(h + 1) && length(h) >= length(h + 2)) {
+        drop[static_cast<std::size_t>(triangle)] = 1;
+        again = true;
+      }
+    }
+    Eigen::Index kept = 0;
+    for (Eigen::Index t = 0; t < mesh.triangles.cols(); ++t) {
+      if (drop[static_cast<std::size_t>(t)] == 0) mesh.triangles.col(kept++) = mesh.triangles.col(t);
+    }
+    if (kept == 0) return;
+    mesh.triangles.conservativeResize(3, kept);
+  }
+}
+
+DecimationStandard::DecimationStandard(const TriangleMesh& mesh)
+    : input(mesh),
+      input_gluing(gluing(mesh)),
+      manifold_edges(std::count(input_gluing.bad_edge.begin(), input_gluing.bad_edge.end(), 1) ==
+                     0),
+      normals(triangle_normals(mesh)) {}
+
+std::vector<int> unfit_triangles(const TriangleMesh& candidate,
+                                 const DistanceTarget& candidate_target,
+                                 const DecimationStandard& standard, double tolerance) {
+  const auto count = static_cast<std::size_t>(candidate.triangles.cols());
+  const Eigen::Matrix3Xd normals = triangle_normals(candidate);
+  std::vector<char> unfit(count, 0);
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t t) {
+    const auto triangle = static_cast<Eigen::Index>(t);
+    unfit[t] = turned_over(candidate, triangle, normals.col(triangle), standard) ? 1 : 0;
+  });
+  const Gluing glued = gluing(candidate);
+  for (std::size_t t = 0; t < count; ++t) {
+    if (standard.manifold_edges && glued.bad_edge[t] != 0) unfit[t] = 1;
+    for (const int v : candidate.triangles.col(static_cast<Eigen::Index>(t))) {
+      const auto vertex = static_cast<std::size_t>(v);
+      if (glued.fans[vertex] > standard.input_gluing.fans[vertex]) unfit[t] = 1;
+    }
+  }
+  if (tolerance < std::numeric_limits<double>::infinity()) {
+    const BoundGoal goal{.ignore_below = tolerance, .stop_above = tolerance};
+    const std::vector<LargestDistance> to_input =
+        bound_triangle_distances(candidate, standard.input, goal);
+    for (std::size_t t = 0; t < count; ++t) {
+      if (!(to_input[t].upper <= tolerance)) unfit[t] = 1;
+    }
+    for (const LargestDistance& found :
+         bound_triangle_distances(standard.input.mesh, candidate_target, goal)) {
+      if (found.upper <= tolerance) continue;
+      unfit[static_cast<std::size_t>(
+          candidate_target.query.closest_point(found.at).at.triangle)] = 1;
+    }
+  }
+  std::vector<int> indices;
+  for (std::size_t t = 0; t < count; ++t) {
+    if (unfit[t] != 0) indices.push_back(static_cast<int>(t));
+  }
+  return indices;
+}
+
+}  // namespace palpate::geometry
