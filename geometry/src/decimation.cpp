@@ -32,10 +32,12 @@ constexpr double kShrink = 0.6;
 constexpr double kLeastError = 0.05;
 
 /// How often the unfit parts of a mesh are held fast before its error is given up.
-constexpr int kMostRounds = 6;
+constexpr int kMostRounds = 8;
 
-/// Also given up once what is held fast makes the mesh so many times as large.
-constexpr double kMostGrowth = 1.5;
+/// Also given up once what is held fast makes the mesh so many times as large, counted from
+/// kFewTriangles where there are fewer.
+constexpr double kMostGrowth = 3;
+constexpr double kFewTriangles = 100;
 
 /// No new error is tried after so many meshes.
 constexpr int kMostTries = 14;
@@ -92,12 +94,13 @@ TriangleMesh simplify(const Draft& draft, FloatPositions positions, double error
   std::vector<unsigned> simplified(indices.size());
   const auto vertex_count = static_cast<std::size_t>(local.cols());
   constexpr std::size_t kStride = 3 * sizeof(float);
-  const double relative = error * positions.scale /
-                          static_cast<double>(meshopt_simplifyScale(local.data(), vertex_count, kStride));
-  simplified.resize(meshopt_simplify(
-      simplified.data(), indices.data(), indices.size(), local.data(), vertex_count, kStride,
-      static_cast<std::size_t>(3 * target_triangles),
-      static_cast<float>(std::min(relative, kMostRelativeError)), 0, nullptr));
+  const double relative =
+      error * positions.scale /
+      static_cast<double>(meshopt_simplifyScale(local.data(), vertex_count, kStride));
+  simplified.resize(
+      meshopt_simplify(simplified.data(), indices.data(), indices.size(), local.data(),
+                       vertex_count, kStride, static_cast<std::size_t>(3 * target_triangles),
+                       static_cast<float>(std::min(relative, kMostRelativeError)), 0, nullptr));
   TriangleMesh mesh;
   mesh.vertices = draft.mesh.vertices;
   mesh.triangles.resize(3, static_cast<Eigen::Index>(simplified.size() / 3));
@@ -156,14 +159,16 @@ std::optional<TriangleMesh> pass(Draft draft, const FloatPositions& positions, c
   double most = (1 - aim.gain) * static_cast<double>(draft.mesh.triangles.cols());
   for (int round = 0; round < kMostRounds; ++round) {
     TriangleMesh candidate = simplify(draft, positions, aim.error, aim.target_triangles);
-    trim_border(candidate);
+    mend_slivers(candidate);
     ++tries;
     const auto count = static_cast<double>(candidate.triangles.cols());
     if (count == 0 || count > most) return std::nullopt;
     const DistanceTarget target(candidate);
     const std::vector<int> unfit = unfit_triangles(candidate, target, standard, aim.tolerance);
     if (unfit.empty()) return candidate;
-    if (round == 0 && aim.target_triangles == 0) most = std::min(most, kMostGrowth * count);
+    if (round == 0 && aim.target_triangles == 0) {
+      most = std::min(most, kMostGrowth * std::max(count, kFewTriangles));
+    }
     fix_below(draft, candidate, target, unfit);
   }
   return std::nullopt;
@@ -180,8 +185,8 @@ Decimation compact(const TriangleMesh& mesh) {
     result.vertex.push_back(static_cast<int>(v));
   }
   result.mesh.vertices = mesh.vertices(Eigen::all, result.vertex);
-  result.mesh.triangles = mesh.triangles.unaryExpr(
-      [&index](int v) { return index[static_cast<std::size_t>(v)]; });
+  result.mesh.triangles =
+      mesh.triangles.unaryExpr([&index](int v) { return index[static_cast<std::size_t>(v)]; });
   return result;
 }
 
@@ -243,9 +248,9 @@ Decimation decimate(const TriangleMesh& mesh, const DecimationOptions& options) 
   check_mesh(mesh, "decimate(): mesh");
   const DecimationStandard standard(mesh);
   int tries = 0;
-  const TriangleMesh best =
-      options.tolerance > 0 ? to_tolerance(mesh, standard, options.tolerance, tries)
-                            : to_count(mesh, standard, options.max_triangles, tries);
+  const TriangleMesh best = options.tolerance > 0
+                                ? to_tolerance(mesh, standard, options.tolerance, tries)
+                                : to_count(mesh, standard, options.max_triangles, tries);
   if (best.triangles.cols() == mesh.triangles.cols()) {
     Decimation same{.mesh = mesh, .vertex = {}, .distance = 0, .tries = tries};
     same.vertex.resize(static_cast<std::size_t>(mesh.vertices.cols()));

@@ -6,7 +6,8 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cmath>
+#include <array>
+#include <limits>
 #include <numeric>
 #include <utility>
 
@@ -43,15 +44,68 @@ std::vector<Side> sorted_sides(const TriangleMesh& mesh) {
   return sides;
 }
 
-/// Whether a centre's triangle looks the other way than the input does there.
+constexpr int kNone = -1;
+
+/// Slivers may lie beside slivers; each pass mends those that do not touch.
+constexpr int kMostPasses = 10;
+
+bool is_longest(const TriangleMesh& mesh, int half_edge) {
+  const auto length = [&mesh, t = half_edge / 3](int k) {
+    return (mesh.vertices.col(mesh.triangles(k % 3, t)) -
+            mesh.vertices.col(mesh.triangles((k + 1) % 3, t)))
+        .norm();
+  };
+  const int k = half_edge % 3;
+  return length(k) >= length(k + 1) && length(k) >= length(k + 2);
+}
+
+/// Takes a sliver off the border, or gives the neighbour across its longest edge the sliver's
+/// middle corner: the surface stays where it is. False if that cannot be done now.
+bool mend(TriangleMesh& mesh, int half_edge, int other, const auto& edge_exists,
+          std::vector<char>& touched, std::vector<char>& drop) {
+  const int sliver = half_edge / 3;
+  const int a = mesh.triangles(half_edge % 3, sliver);
+  const int c = mesh.triangles((half_edge + 1) % 3, sliver);
+  const int b = mesh.triangles((half_edge + 2) % 3, sliver);
+  const int d = other == kNone ? b : mesh.triangles((other + 2) % 3, other / 3);
+  for (const int v : {a, b, c, d}) {
+    if (touched[static_cast<std::size_t>(v)] != 0) return false;
+  }
+  if (drop[static_cast<std::size_t>(sliver)] != 0) return false;
+  if (other == kNone) {
+    drop[static_cast<std::size_t>(sliver)] = 1;
+    // Out of the way of the next pass.
+    mesh.triangles.col(sliver).setConstant(a);
+  } else {
+    if (d == b || mesh.triangles(other % 3, other / 3) != c || edge_exists(b, d)) return false;
+    mesh.triangles.col(sliver) << a, d, b;
+    mesh.triangles.col(other / 3) << d, c, b;
+  }
+  for (const int v : {a, b, c, d}) touched[static_cast<std::size_t>(v)] = 1;
+  return true;
+}
+
+/// The corners, turned so that the smallest comes first: the same for the same triangle.
+std::array<int, 3> turned_corners(const TriangleMesh& mesh, Eigen::Index triangle) {
+  const Eigen::Vector3i of = mesh.triangles.col(triangle);
+  std::array<int, 3> corners = {of[0], of[1], of[2]};
+  std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());
+  return corners;
+}
+
+/// Whether a triangle that the input has not looks the other way than the input does below its
+/// centre, or has no area.
 bool turned_over(const TriangleMesh& candidate, Eigen::Index triangle,
                  const Eigen::Vector3d& normal, const DecimationStandard& standard) {
+  if (std::binary_search(standard.triangles.begin(), standard.triangles.end(),
+                         turned_corners(candidate, triangle))) {
+    return false;
+  }
   const SurfacePoint centre{.triangle = static_cast<int>(triangle),
                             .barycentric = Eigen::Vector3d::Constant(1.0 / 3)};
   const int below = standard.input.query.closest_point(position(candidate, centre)).at.triangle;
   if (below < 0) return true;
   const Eigen::Vector3d of_input = standard.normals.col(below);
-  // An input triangle without area has no side; a new one that has none is not wanted.
   return of_input.allFinite() && !(normal.dot(of_input) >= 0);
 }
 
@@ -71,8 +125,8 @@ Gluing gluing(const TriangleMesh& mesh) {
   for (auto first = sides.begin(); first != sides.end();) {
     const auto last =
         std::find_if(first, sides.end(), [&](const Side& s) { return s.edge != first->edge; });
-    const bool bad = last - first > 2 || (last - first == 2 && from(first->half_edge) ==
-                                                                   from((first + 1)->half_edge));
+    const bool bad = last - first > 2 ||
+                     (last - first == 2 && from(first->half_edge) == from((first + 1)->half_edge));
     for (auto side = first; side != last; ++side) {
       if (bad) found.bad_edge[static_cast<std::size_t>(side->half_edge / 3)] = 1;
       const int one = first->half_edge;
@@ -89,36 +143,40 @@ Gluing gluing(const TriangleMesh& mesh) {
   return found;
 }
 
-void trim_border(TriangleMesh& mesh) {
-  for (bool again = true; again;) {
-    again = false;
+void mend_slivers(TriangleMesh& mesh) {
+  std::vector<char> drop(static_cast<std::size_t>(mesh.triangles.cols()), 0);
+  for (int pass = 0; pass < kMostPasses; ++pass) {
     const Eigen::Matrix3Xd normals = triangle_normals(mesh);
-    if (normals.allFinite()) return;
-    std::vector<char> drop(static_cast<std::size_t>(mesh.triangles.cols()), 0);
     const std::vector<Side> sides = sorted_sides(mesh);
-    for (std::size_t i = 0; i < sides.size(); ++i) {
-      const bool border = (i == 0 || sides[i - 1].edge != sides[i].edge) &&
-                          (i + 1 == sides.size() || sides[i + 1].edge != sides[i].edge);
-      const int triangle = sides[i].half_edge / 3;
-      if (!border || normals.col(triangle).allFinite()) continue;
-      const auto length = [&](int h) {
-        return (mesh.vertices.col(mesh.triangles(h % 3, triangle)) -
-                mesh.vertices.col(mesh.triangles((h + 1) % 3, triangle)))
-            .norm();
-      };
-      const int h = sides[i].half_edge % 3;
-      if (length(h) >= length(h + 1) && length(h) >= length(h + 2)) {
-        drop[static_cast<std::size_t>(triangle)] = 1;
-        again = true;
+    const auto edge_exists = [&sides](int a, int b) {
+      const std::pair<int, int> edge = std::minmax({a, b});
+      const auto place = std::lower_bound(sides.begin(), sides.end(), edge,
+                                          [](const Side& s, const auto& e) { return s.edge < e; });
+      return place != sides.end() && place->edge == edge;
+    };
+    std::vector<char> touched(static_cast<std::size_t>(mesh.vertices.cols()), 0);
+    bool changed = false;
+    for (auto first = sides.begin(); first != sides.end();) {
+      const auto last =
+          std::find_if(first, sides.end(), [&](const Side& s) { return s.edge != first->edge; });
+      const auto sliver = std::find_if(first, last, [&](const Side& s) {
+        return !normals.col(s.half_edge / 3).allFinite() && is_longest(mesh, s.half_edge);
+      });
+      const auto count = last - first;
+      if (sliver != last && count <= 2) {
+        const Side& other = sliver == first ? *(last - 1) : *first;
+        changed |= mend(mesh, sliver->half_edge, count == 2 ? other.half_edge : kNone, edge_exists,
+                        touched, drop);
       }
+      first = last;
     }
-    Eigen::Index kept = 0;
-    for (Eigen::Index t = 0; t < mesh.triangles.cols(); ++t) {
-      if (drop[static_cast<std::size_t>(t)] == 0) mesh.triangles.col(kept++) = mesh.triangles.col(t);
-    }
-    if (kept == 0) return;
-    mesh.triangles.conservativeResize(3, kept);
+    if (!changed) break;
   }
+  Eigen::Index kept = 0;
+  for (Eigen::Index t = 0; t < mesh.triangles.cols(); ++t) {
+    if (drop[static_cast<std::size_t>(t)] == 0) mesh.triangles.col(kept++) = mesh.triangles.col(t);
+  }
+  mesh.triangles.conservativeResize(3, kept);
 }
 
 DecimationStandard::DecimationStandard(const TriangleMesh& mesh)
@@ -126,7 +184,10 @@ DecimationStandard::DecimationStandard(const TriangleMesh& mesh)
       input_gluing(gluing(mesh)),
       manifold_edges(std::count(input_gluing.bad_edge.begin(), input_gluing.bad_edge.end(), 1) ==
                      0),
-      normals(triangle_normals(mesh)) {}
+      normals(triangle_normals(mesh)) {
+  for (Eigen::Index t = 0; t < normals.cols(); ++t) triangles.push_back(turned_corners(mesh, t));
+  std::sort(triangles.begin(), triangles.end());
+}
 
 std::vector<int> unfit_triangles(const TriangleMesh& candidate,
                                  const DistanceTarget& candidate_target,
@@ -156,8 +217,8 @@ std::vector<int> unfit_triangles(const TriangleMesh& candidate,
     for (const LargestDistance& found :
          bound_triangle_distances(standard.input.mesh, candidate_target, goal)) {
       if (found.upper <= tolerance) continue;
-      unfit[static_cast<std::size_t>(
-          candidate_target.query.closest_point(found.at).at.triangle)] = 1;
+      unfit[static_cast<std::size_t>(candidate_target.query.closest_point(found.at).at.triangle)] =
+          1;
     }
   }
   std::vector<int> indices;

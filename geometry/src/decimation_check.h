@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <vector>
 
 #include "distance_bound.h"
@@ -21,16 +22,17 @@ struct Gluing {
 
 [[nodiscard]] Gluing gluing(const TriangleMesh& mesh);
 
-/// Takes away triangles without area whose longest edge is on the border: what they cover, their
-/// neighbours cover.
-void trim_border(TriangleMesh& mesh);
+/// Rids a mesh of triangles without area, as far as that leaves its surface as it is: at the border
+/// they are dropped, elsewhere their longest edge is flipped.
+void mend_slivers(TriangleMesh& mesh);
 
 /// What a decimated mesh is measured by.
 struct DecimationStandard {
   DistanceTarget input;
   Gluing input_gluing;
-  bool manifold_edges;         ///< of the input
-  Eigen::Matrix3Xd normals;    ///< of the input's triangles
+  bool manifold_edges;                        ///< of the input
+  Eigen::Matrix3Xd normals;                   ///< of the input's triangles
+  std::vector<std::array<int, 3>> triangles;  ///< of the input, each from its least corner on
 
   explicit DecimationStandard(const TriangleMesh& mesh);
 };

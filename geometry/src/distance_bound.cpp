@@ -30,8 +30,8 @@ constexpr double kLeastGap = 1e-9;
 /// size: corners made by a cut are on their line but for rounding, and must not be cut again.
 constexpr double kOnLine = 1e-9;
 
-/// After so many cuts in a row a piece is halved: cuts alone may go on without end where the target's
-/// triangles stand upright on the piece.
+/// After so many cuts in a row a piece is halved: cuts alone may go on without end where the
+/// target's triangles stand upright on the piece.
 constexpr int kMostCuts = 8;
 
 /// A piece wider than this many times the triangle it is compared with is halved before it is cut:
@@ -75,8 +75,8 @@ Corners corners_of(const TriangleMesh& mesh, Eigen::Index triangle) {
 }
 
 double longest_edge(const Corners& c) {
-  return std::sqrt(std::max({(c[1] - c[0]).squaredNorm(), (c[2] - c[1]).squaredNorm(),
-                             (c[0] - c[2]).squaredNorm()}));
+  return std::sqrt(std::max(
+      {(c[1] - c[0]).squaredNorm(), (c[2] - c[1]).squaredNorm(), (c[0] - c[2]).squaredNorm()}));
 }
 
 struct Line {
@@ -225,8 +225,8 @@ class TriangleSearch {
     todo_.push_back(piece);
   }
 
-  /// Cuts along the edge of the target's triangle that the corners too far away are furthest beyond,
-  /// as seen along the normal; false if there is none.
+  /// Cuts along the edge of the target's triangle that the corners too far away are furthest
+  /// beyond, as seen along the normal; false if there is none.
   bool cut(const Piece& piece, const Corners& target, const CornerDistances& distance,
            double on_line) {
     if (piece.cuts >= kMostCuts || piece.count + 1 >= kMostCorners) return false;
@@ -279,9 +279,8 @@ class TriangleSearch {
       }
     }
     const Eigen::Vector3d along = piece.corner(to) - piece.corner(from);
-    const auto [one, other] =
-        split(piece, {.point = piece.corner(from) + along / 2, .normal = along.stableNormalized()},
-              0);
+    const auto [one, other] = split(
+        piece, {.point = piece.corner(from) + along / 2, .normal = along.stableNormalized()}, 0);
     todo_.push_back(one);
     todo_.push_back(other);
   }
@@ -338,19 +337,19 @@ std::vector<LargestDistance> bound_triangle_distances(const TriangleMesh& from,
   if (goal.stop_above < kInfinity) known = 0;
   // Each triangle for itself: the answer does not depend on which thread was first.
   std::vector<LargestDistance> of_triangle(static_cast<std::size_t>(from.triangles.cols()));
-  tbb::parallel_for(
-      tbb::blocked_range<std::size_t>(0, of_triangle.size(), 64), [&](const auto& range) {
-        TriangleSearch search(to, goal, known);
-        for (std::size_t t = range.begin(); t != range.end(); ++t) {
-          const auto triangle = static_cast<Eigen::Index>(t);
-          std::array<ClosestPoint, 3> of_corner;
-          for (std::size_t k = 0; k < 3; ++k) {
-            of_corner[k] = of_vertex[static_cast<std::size_t>(
-                from.triangles(static_cast<Eigen::Index>(k), triangle))];
-          }
-          of_triangle[t] = search.run(corners_of(from, triangle), of_corner);
-        }
-      });
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, of_triangle.size(), 64),
+                    [&](const auto& range) {
+                      TriangleSearch search(to, goal, known);
+                      for (std::size_t t = range.begin(); t != range.end(); ++t) {
+                        const auto triangle = static_cast<Eigen::Index>(t);
+                        std::array<ClosestPoint, 3> of_corner;
+                        for (std::size_t k = 0; k < 3; ++k) {
+                          of_corner[k] = of_vertex[static_cast<std::size_t>(
+                              from.triangles(static_cast<Eigen::Index>(k), triangle))];
+                        }
+                        of_triangle[t] = search.run(corners_of(from, triangle), of_corner);
+                      }
+                    });
   return of_triangle;
 }
 

@@ -62,9 +62,8 @@ TriangleMesh cut_evenly(const TriangleMesh& mesh, const std::vector<int>& n) {
         } else if (row == side && i == side) {
           index.push_back(corners[2]);
         } else {
-          cells.vertices.col(next_vertex) =
-              origin + (static_cast<double>(row - i) / side) * to_1 +
-              (static_cast<double>(i) / side) * to_2;
+          cells.vertices.col(next_vertex) = origin + (static_cast<double>(row - i) / side) * to_1 +
+                                            (static_cast<double>(i) / side) * to_2;
           index.push_back(static_cast<int>(next_vertex++));
         }
       }

@@ -29,11 +29,11 @@ struct Decimation {
 /// `hausdorff_distance`, and the error allowed to meshoptimizer is searched for the smallest mesh
 /// that passes.
 ///
-/// A mesh passes iff it keeps the tolerance; where edges of the input have one or two triangles its
-/// own have too, their orientations agreeing, and its borders are simple where the input's are; and
-/// no triangle is turned by more than 90 degrees against the part of the input nearest to its
-/// centre. A tolerance too small to take anything away gives back the input, and so does a limit on
-/// the triangles that it keeps already.
+/// A mesh passes iff it keeps the tolerance; its edges have one or two triangles that agree, if all
+/// of the input's have; at no vertex more fans of triangles meet than at that of the input; and no
+/// new triangle is without area, or turned by more than 90 degrees against the input's triangle
+/// nearest to its centre. A tolerance too small to take anything away gives back the input, and so
+/// does a limit on the triangles that it keeps already.
 /// With `max_triangles` the result has more triangles than that where no mesh with fewer passes.
 /// \throws InvalidInput on a bad mesh, or options outside their range.
 [[nodiscard]] Decimation decimate(const TriangleMesh& mesh, const DecimationOptions& options);

@@ -17,8 +17,8 @@ struct HausdorffOptions {
 /// How far the furthest point of a surface is from another surface: sup over x of inf over y of
 /// |x - y|, between two bounds.
 struct LargestDistance {
-  double lower = 0;                                 ///< [mm] so far away is `at`
-  double upper = 0;                                 ///< [mm] no point is further
+  double lower = 0;                                   ///< [mm] so far away is `at`
+  double upper = 0;                                   ///< [mm] no point is further
   Eigen::Vector3d at = Eigen::Vector3d::Constant(0);  ///< [mm] on the surface that is measured
 };
 
@@ -27,10 +27,9 @@ struct LargestDistance {
 ///
 /// Branch and bound over pieces of `from`'s triangles. The distance to one triangle of `to` is a
 /// convex function, so on a piece it is largest at a corner; with the best of a few triangles of
-/// `to` that bounds the distance to all of `to`. Where the bound is too loose the piece is cut along
-/// the edges of that triangle, or halved.
-/// Vertices in no triangle do not count.
-/// \throws InvalidInput on a bad mesh, or an option outside its range.
+/// `to` that bounds the distance to all of `to`. Where the bound is too loose the piece is cut
+/// along the edges of that triangle, or halved. Vertices in no triangle do not count. \throws
+/// InvalidInput on a bad mesh, or an option outside its range.
 [[nodiscard]] LargestDistance one_sided_hausdorff_distance(const TriangleMesh& from,
                                                            const TriangleMesh& to,
                                                            const HausdorffOptions& options = {});
@@ -65,8 +64,8 @@ struct SurfaceDistances {
   Eigen::VectorXd distance;  ///< [mm] signed mean over each cell
 };
 
-/// Signed distances (see `distances_to_surface`) of the points of `from` to the surface `to`, by the
-/// three-point rule on each cell, which is exact for the mean square of a linear function.
+/// Signed distances (see `distances_to_surface`) of the points of `from` to the surface `to`, by
+/// the three-point rule on each cell, which is exact for the mean square of a linear function.
 /// \throws InvalidInput on a bad mesh, a mesh `from` without area, or an option outside its range.
 [[nodiscard]] SurfaceDistances surface_distances(const TriangleMesh& from, const TriangleMesh& to,
                                                  const SurfaceDistanceOptions& options = {});
