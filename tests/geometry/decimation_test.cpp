@@ -36,7 +36,7 @@ std::vector<Case> corpus() {
       {"bumpy", test::bumpy(1500), 4, 0.6},
       {"noisy", test::bumpy(1500, 0.25), 4, 0.6},
       {"glove", test::glove(9), 1, 0.4},
-      {"thin sheet", test::closed_sheet(20, 14, 6), 0.3, 0.6},
+      {"thin sheet", test::closed_sheet(20, 14, 6), 0.6, 0.6},
       {"thin sheet, beyond its thickness", test::closed_sheet(20, 14, 6), 1.5, 0.6},
       {"torus", test::torus(40, 20, 30, 8), 1, 0.3},
       {"hand", read_mesh(std::string(PALPATE_SOURCE_DIR) + "/meshes/hand.ply"), 0.5, 0.3},
