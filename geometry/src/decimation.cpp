@@ -21,26 +21,28 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// The error allowed to meshoptimizer is at first this fraction of the tolerance: its own estimate
-/// is a half to a third of the distance, but only where that is largest.
-constexpr double kFirstError = 0.7;
+/// The error allowed to meshoptimizer, as fractions of the tolerance: what it begins with, and how
+/// far it rises. Its own estimate is a half to a third of the distance, but only where that is
+/// largest. What is held fast because a large error fits it badly then is as coarse as a smaller
+/// one left it.
+constexpr double kFirstError = 0.1;
+constexpr double kLastError = 0.7;
 
-/// What it is multiplied by when no mesh passes.
+/// What it is multiplied by when a mesh passes, and when none does.
+constexpr double kGrow = 2;
 constexpr double kShrink = 0.6;
 
 /// Of the tolerance: below it the search ends.
-constexpr double kLeastError = 0.05;
+constexpr double kLeastError = 0.02;
 
-/// How often the unfit parts of a mesh are held fast before its error is given up.
-constexpr int kMostRounds = 8;
-
-/// Also given up once what is held fast makes the mesh so many times as large, counted from
-/// kFewTriangles where there are fewer.
-constexpr double kMostGrowth = 3;
-constexpr double kFewTriangles = 100;
+/// How often the unfit parts of a mesh are held fast before its error is given up; also as soon as
+/// more than kLeastProgress of them are left from one time to the next after the first ones.
+constexpr int kMostRounds = 16;
+constexpr int kFirstRounds = 3;
+constexpr double kLeastProgress = 0.9;
 
 /// No new error is tried after so many meshes.
-constexpr int kMostTries = 14;
+constexpr int kMostTries = 40;
 
 /// A mesh is worth going on with iff it has at least this fraction fewer triangles.
 constexpr double kLeastGain = 0.03;
@@ -156,7 +158,8 @@ struct Aim {
 /// that do not fit are held fast.
 std::optional<TriangleMesh> pass(Draft draft, const FloatPositions& positions, const Aim& aim,
                                  const DecimationStandard& standard, int& tries) {
-  double most = (1 - aim.gain) * static_cast<double>(draft.mesh.triangles.cols());
+  const double most = (1 - aim.gain) * static_cast<double>(draft.mesh.triangles.cols());
+  double last_unfit = kInfinity;
   for (int round = 0; round < kMostRounds; ++round) {
     TriangleMesh candidate = simplify(draft, positions, aim.error, aim.target_triangles);
     mend_slivers(candidate);
@@ -166,9 +169,9 @@ std::optional<TriangleMesh> pass(Draft draft, const FloatPositions& positions, c
     const DistanceTarget target(candidate);
     const std::vector<int> unfit = unfit_triangles(candidate, target, standard, aim.tolerance);
     if (unfit.empty()) return candidate;
-    if (round == 0 && aim.target_triangles == 0) {
-      most = std::min(most, kMostGrowth * std::max(count, kFewTriangles));
-    }
+    const auto unfit_count = static_cast<double>(unfit.size());
+    if (round >= kFirstRounds && unfit_count > kLeastProgress * last_unfit) return std::nullopt;
+    last_unfit = unfit_count;
     fix_below(draft, candidate, target, unfit);
   }
   return std::nullopt;
@@ -213,13 +216,19 @@ TriangleMesh to_tolerance(const TriangleMesh& mesh, const DecimationStandard& st
   const FloatPositions positions(mesh);
   TriangleMesh best = mesh;
   double error = kFirstError * tolerance;
-  while (tries < kMostTries && error > kLeastError * tolerance) {
+  double grow = kGrow;
+  while (tries < kMostTries && error >= kLeastError * tolerance) {
     const Aim aim{
         .error = error, .tolerance = tolerance, .target_triangles = 0, .gain = kLeastGain};
     std::optional<TriangleMesh> smaller = pass(Draft(best), positions, aim, standard, tries);
-    if (smaller) {
-      best = std::move(*smaller);
-    } else {
+    if (smaller) best = std::move(*smaller);
+    // Too little to gain as well: a larger error may do more.
+    const bool rise = grow > 1 && error < kLastError * tolerance;
+    if (smaller || rise) {
+      error = std::min(error * grow, kLastError * tolerance);
+    }
+    if (!smaller && !rise) {
+      grow = 1;
       error *= kShrink;
     }
   }

@@ -46,21 +46,36 @@ std::vector<Side> sorted_sides(const TriangleMesh& mesh) {
 
 constexpr int kNone = -1;
 
+/// A triangle is a sliver iff its height is at most this fraction of its longest side: which way it
+/// faces is then little but noise.
+constexpr double kThin = 1e-2;
+
 /// Slivers may lie beside slivers; each pass mends those that do not touch.
 constexpr int kMostPasses = 10;
 
-bool is_longest(const TriangleMesh& mesh, int half_edge) {
-  const auto length = [&mesh, t = half_edge / 3](int k) {
-    return (mesh.vertices.col(mesh.triangles(k % 3, t)) -
-            mesh.vertices.col(mesh.triangles((k + 1) % 3, t)))
-        .norm();
-  };
-  const int k = half_edge % 3;
-  return length(k) >= length(k + 1) && length(k) >= length(k + 2);
+/// The longest side of a triangle that is lower than kThin of it; none for others.
+std::vector<int> sliver_sides(const TriangleMesh& mesh) {
+  std::vector<int> longest(static_cast<std::size_t>(mesh.triangles.cols()), kNone);
+  for (Eigen::Index t = 0; t < mesh.triangles.cols(); ++t) {
+    const auto edge = [&mesh, t](int k) -> Eigen::Vector3d {
+      return mesh.vertices.col(mesh.triangles((k + 1) % 3, t)) -
+             mesh.vertices.col(mesh.triangles(k, t));
+    };
+    int side = 0;
+    for (int k = 1; k < 3; ++k) {
+      if (edge(k).squaredNorm() > edge(side).squaredNorm()) side = k;
+    }
+    const double area = edge(0).cross(edge(1)).norm();
+    if (area <= kThin * edge(side).squaredNorm()) {
+      longest[static_cast<std::size_t>(t)] = 3 * static_cast<int>(t) + side;
+    }
+  }
+  return longest;
 }
 
 /// Takes a sliver off the border, or gives the neighbour across its longest edge the sliver's
-/// middle corner: the surface stays where it is. False if that cannot be done now.
+/// middle corner: the surface moves by the sliver's height at most. False if that cannot be done
+/// now.
 bool mend(TriangleMesh& mesh, int half_edge, int other, const auto& edge_exists,
           std::vector<char>& touched, std::vector<char>& drop) {
   const int sliver = half_edge / 3;
@@ -93,20 +108,28 @@ std::array<int, 3> turned_corners(const TriangleMesh& mesh, Eigen::Index triangl
   return corners;
 }
 
-/// Whether a triangle that the input has not looks the other way than the input does below its
-/// centre, or has no area.
+/// Whether a triangle that the input has not looks the other way than the input does below it, at
+/// its centre and half-way to each corner, or has no area. At all of these: across a steep step of
+/// the input the nearest triangle may well be one that stands upright.
 bool turned_over(const TriangleMesh& candidate, Eigen::Index triangle,
                  const Eigen::Vector3d& normal, const DecimationStandard& standard) {
   if (std::binary_search(standard.triangles.begin(), standard.triangles.end(),
                          turned_corners(candidate, triangle))) {
     return false;
   }
-  const SurfacePoint centre{.triangle = static_cast<int>(triangle),
-                            .barycentric = Eigen::Vector3d::Constant(1.0 / 3)};
-  const int below = standard.input.query.closest_point(position(candidate, centre)).at.triangle;
-  if (below < 0) return true;
-  const Eigen::Vector3d of_input = standard.normals.col(below);
-  return of_input.allFinite() && !(normal.dot(of_input) >= 0);
+  if (!normal.allFinite()) return true;
+  const Eigen::Vector3d centre = Eigen::Vector3d::Constant(1.0 / 3);
+  for (int k = -1; k < 3; ++k) {
+    Eigen::Vector3d at = centre;
+    if (k >= 0) at = (centre + Eigen::Vector3d::Unit(k)) / 2;
+    const Eigen::Vector3d place =
+        position(candidate, {.triangle = static_cast<int>(triangle), .barycentric = at});
+    const int below = standard.input.query.closest_point(place).at.triangle;
+    if (below < 0) return true;
+    const Eigen::Vector3d of_input = standard.normals.col(below);
+    if (!of_input.allFinite() || normal.dot(of_input) >= 0) return false;
+  }
+  return true;
 }
 
 }  // namespace
@@ -146,7 +169,7 @@ Gluing gluing(const TriangleMesh& mesh) {
 void mend_slivers(TriangleMesh& mesh) {
   std::vector<char> drop(static_cast<std::size_t>(mesh.triangles.cols()), 0);
   for (int pass = 0; pass < kMostPasses; ++pass) {
-    const Eigen::Matrix3Xd normals = triangle_normals(mesh);
+    const std::vector<int> longest = sliver_sides(mesh);
     const std::vector<Side> sides = sorted_sides(mesh);
     const auto edge_exists = [&sides](int a, int b) {
       const std::pair<int, int> edge = std::minmax({a, b});
@@ -160,7 +183,7 @@ void mend_slivers(TriangleMesh& mesh) {
       const auto last =
           std::find_if(first, sides.end(), [&](const Side& s) { return s.edge != first->edge; });
       const auto sliver = std::find_if(first, last, [&](const Side& s) {
-        return !normals.col(s.half_edge / 3).allFinite() && is_longest(mesh, s.half_edge);
+        return longest[static_cast<std::size_t>(s.half_edge / 3)] == s.half_edge;
       });
       const auto count = last - first;
       if (sliver != last && count <= 2) {

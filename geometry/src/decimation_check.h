@@ -22,8 +22,8 @@ struct Gluing {
 
 [[nodiscard]] Gluing gluing(const TriangleMesh& mesh);
 
-/// Rids a mesh of triangles without area, as far as that leaves its surface as it is: at the border
-/// they are dropped, elsewhere their longest edge is flipped.
+/// Rids a mesh of triangles that are almost lines, as far as that moves its surface by no more than
+/// their height: at the border they are dropped, elsewhere their longest edge is flipped.
 void mend_slivers(TriangleMesh& mesh);
 
 /// What a decimated mesh is measured by.

@@ -31,11 +31,12 @@ struct Decimation {
 ///
 /// A mesh passes iff it keeps the tolerance; its edges have one or two triangles that agree, if all
 /// of the input's have; at no vertex more fans of triangles meet than at that of the input; and no
-/// new triangle is without area, or turned by more than 90 degrees against the input's triangle
-/// nearest to its centre. A tolerance too small to take anything away gives back the input, and so
-/// does a limit on the triangles that it keeps already.
-/// With `max_triangles` the result has more triangles than that where no mesh with fewer passes.
-/// \throws InvalidInput on a bad mesh, or options outside their range.
+/// new triangle is without area, or turned by more than 90 degrees against the input's triangles
+/// nearest to its centre and to the points half-way from there to its corners, all four. A
+/// tolerance too small to take anything away gives back the input, and so does a limit on the
+/// triangles that it keeps already. With `max_triangles` the result has more triangles than that
+/// where no mesh with fewer passes. \throws InvalidInput on a bad mesh, or options outside their
+/// range.
 [[nodiscard]] Decimation decimate(const TriangleMesh& mesh, const DecimationOptions& options);
 
 }  // namespace palpate::geometry
