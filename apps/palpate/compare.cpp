@@ -14,10 +14,12 @@
 #include "palpate/error.h"
 #include "palpate/geometry/comparison.h"
 #include "palpate/geometry/cross_section.h"
+#include "palpate/geometry/mesh_distance.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/range_map_mesh.h"
 #include "palpate/geometry/registration.h"
 #include "palpate/pictures/draw_differences.h"
+#include "palpate/pictures/draw_distances.h"
 #include "palpate/pictures/draw_section.h"
 
 namespace palpate::apps {
@@ -98,45 +100,51 @@ void compare_pixels(const Settings& settings, const CompareCall& call) {
                 100.0 * static_cast<double>(statistics.count) / static_cast<double>(known_in_b)));
 }
 
-/// Where A lies on B. A pose that is not accepted is no ground to compare on: that is an error.
-geometry::Registration align(const CompareCall& call, const geometry::TriangleMesh& a,
-                             const geometry::TriangleMesh& b) {
+nlohmann::ordered_json to_json(const geometry::LargestDistance& distance) {
+  return {{"lower", distance.lower},
+          {"upper", distance.upper},
+          {"at", {distance.at.x(), distance.at.y(), distance.at.z()}}};
+}
+
+/// Moves A onto B; what that was goes into the figures. A pose that is not accepted is no ground to
+/// compare on: that is an error.
+/// \return the same in words.
+std::string align(const CompareCall& call, geometry::TriangleMesh& a,
+                  const geometry::TriangleMesh& b, nlohmann::ordered_json& figures) {
   constexpr double kDegree = std::numbers::pi / 180;
-  geometry::Registration found =
+  const geometry::Registration found =
       geometry::register_points(a.vertices, b,
                                 {.search_rotation = call.search_rotation_deg * kDegree,
                                  .search_translation = call.search_translation});
-  if (found.verdict == geometry::RegistrationVerdict::accepted) return found;
-  throw SolverError(fmt::format(
-      "{} could not be aligned with {}: {}: {}. Bring the surfaces closer to each other, and say "
-      "how near they are with --search-rotation and --search-translation.",
-      call.a.string(), call.b.string(), geometry::to_string(found.verdict), found.reason));
+  if (found.verdict != geometry::RegistrationVerdict::accepted) {
+    throw SolverError(fmt::format(
+        "{} could not be aligned with {}: {}: {}. Bring the surfaces closer to each other, and say "
+        "how near they are with --search-rotation and --search-translation.",
+        call.a.string(), call.b.string(), geometry::to_string(found.verdict), found.reason));
+  }
+  a.vertices = found.T_target_source * a.vertices;
+  const Eigen::AngleAxisd turn(found.T_target_source.linear());
+  figures["aligned"] = {{"rotation", turn.angle()},
+                        {"translation", found.T_target_source.translation().norm()},
+                        {"verdict", geometry::to_string(found.verdict)},
+                        {"reason", found.reason},
+                        {"rms", found.rms},
+                        {"median", found.median},
+                        {"overlap", found.overlap},
+                        {"starts", found.starts}};
+  return fmt::format("A was turned by {:.4f} rad and moved by {:.3f} mm onto B; accepted: {}.\n",
+                     turn.angle(), found.T_target_source.translation().norm(), found.reason);
 }
 
-/// Anything else: distance of A's vertices from B's surface.
+/// Anything else: the distance of A's surface from B's, over its area and at its largest.
 void compare_surfaces(const Settings& settings, const CompareCall& call) {
   geometry::TriangleMesh a = load_surface(call.a, call);
   const geometry::TriangleMesh b = load_surface(call.b, call);
   nlohmann::ordered_json figures;
   std::string prose;
-  if (call.align) {
-    const geometry::Registration found = align(call, a, b);
-    a.vertices = found.T_target_source * a.vertices;
-    const Eigen::AngleAxisd turn(found.T_target_source.linear());
-    figures["aligned"] = {{"rotation", turn.angle()},
-                          {"translation", found.T_target_source.translation().norm()},
-                          {"verdict", geometry::to_string(found.verdict)},
-                          {"reason", found.reason},
-                          {"rms", found.rms},
-                          {"median", found.median},
-                          {"overlap", found.overlap},
-                          {"starts", found.starts}};
-    prose = fmt::format("A was turned by {:.4f} rad and moved by {:.3f} mm onto B; accepted: {}.\n",
-                        turn.angle(), found.T_target_source.translation().norm(), found.reason);
-  }
-  const Eigen::VectorXd distances = geometry::distances_to_surface(a.vertices, b);
-  const geometry::ErrorStatistics statistics =
-      geometry::error_statistics({distances.begin(), distances.end()});
+  if (call.align) prose = align(call, a, b, figures);
+  const geometry::SurfaceDistances spread = geometry::surface_distances(a, b);
+  const geometry::HausdorffDistance largest = geometry::hausdorff_distance(a, b);
   if (!call.section.empty()) {
     const std::vector<pictures::SectionSeries> series = {
         section_series(call.a.filename().string(), a, call.section_y),
@@ -145,9 +153,34 @@ void compare_surfaces(const Settings& settings, const CompareCall& call) {
                            fmt::format("Cross-section at Y = {} mm", call.section_y),
                            {.x = "X [mm]", .y = "Z [mm]"});
   }
-  figures.update(to_json(statistics));
+  if (!call.picture.empty()) {
+    pictures::draw_distances(
+        call.picture, spread.cells, spread.distance,
+        {.title = call.a.filename().string() + ": distance from " + call.b.filename().string(),
+         .subtitle = fmt::format("root mean square {:.3f} mm, mean {:.3f} mm, 90 % of the area "
+                                 "within {:.3f} mm, largest {:.3f} mm; red lies outside",
+                                 spread.rms, spread.mean, spread.p90, largest.a_to_b.upper),
+         .limit = std::max(spread.p90, kLeastScale)});
+  }
+  figures.update({{"area", spread.area},
+                  {"rms", spread.rms},
+                  {"mean", spread.mean},
+                  {"median", spread.median},
+                  {"p90", spread.p90},
+                  {"max", largest.a_to_b.upper},
+                  {"hausdorff",
+                   {{"lower", largest.lower},
+                    {"upper", largest.upper},
+                    {"a_to_b", to_json(largest.a_to_b)},
+                    {"b_to_a", to_json(largest.b_to_a)}}}});
   print(settings, figures,
-        prose + "Distance of A's vertices from the surface of B: " + to_words(statistics));
+        prose + fmt::format(
+                    "Distance of A's surface from B's, over its area: RMS {:.3f} mm, mean {:.3f} "
+                    "mm, median {:.3f} mm, 90 % within {:.3f} mm.\n"
+                    "Hausdorff distance: A to B at most {:.3f} mm (at least {:.3f}), B to A at "
+                    "most {:.3f} mm (at least {:.3f}).",
+                    spread.rms, spread.mean, spread.median, spread.p90, largest.a_to_b.upper,
+                    largest.a_to_b.lower, largest.b_to_a.upper, largest.b_to_a.lower));
 }
 
 }  // namespace
@@ -182,24 +215,22 @@ void add_compare(CLI::App& app, const Settings& settings) {
   command->add_option("--section-y", call->section_y, "Where to cut: Y [mm]")
       ->capture_default_str()
       ->needs(section);
-  command->add_option("--picture", call->picture, "Two range maps: draw their differences (PNG)")
-      ->excludes("--align");
+  command->add_option("--picture", call->picture,
+                      "Draw the differences of two range maps, or surface A coloured by its signed "
+                      "distance from B (PNG)");
   command->footer(
       "Two range maps of one camera are compared pixel by pixel, unless --align or --section is "
       "given;\n"
-      "all else by the distance of A's vertices from B's surface.\n"
+      "all else by the distance of A's surface from B's, over its area and at its largest\n"
+      "(Hausdorff distance, between bounds that hold, both ways).\n"
       "Examples:\n  palpate compare range/000000.tiff truth.tiff --picture differences.png\n"
-      "  palpate compare scan.ply reference.ply --align --section section.png");
+      "  palpate compare scan.ply reference.ply --align --section section.png\n"
+      "  palpate compare small.ply surface.ply --picture distances.png");
   command->callback([call, section, &settings] {
     if (section->count() > 0 && call->section.empty()) call->section = "section.png";
     check_outputs({call->a, call->b}, {call->section, call->picture});
     const bool pixels =
         is_range_map(call->a) && is_range_map(call->b) && !call->align && call->section.empty();
-    if (!pixels && !call->picture.empty()) {
-      throw InvalidInput(
-          "--picture draws the differences of two range maps pixel by pixel: pass two range maps "
-          "and no --section.");
-    }
     pixels ? compare_pixels(settings, *call) : compare_surfaces(settings, *call);
   });
 }

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/geometry/comparison.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -9,6 +11,7 @@
 
 #include "palpate/error.h"
 #include "palpate/geometry/surface_query.h"
+#include "triangle_neighbours.h"
 
 namespace palpate::geometry {
 namespace {
@@ -30,6 +33,38 @@ void check_same_size(const char* function, Eigen::Index rows, Eigen::Index cols,
                      std::to_string(reference.cols()) + " x " + std::to_string(reference.rows()) +
                      " pixels. Compare maps of one camera.");
 }
+
+/// Which way is out. At an edge or a vertex not the normal of one of the triangles there but that
+/// which decides correctly (Baerentzen and Aanaes 2005): the sum of both triangles', and the mean
+/// weighted by angle.
+struct Sides {
+  Eigen::Matrix3Xd of_triangles;
+  Eigen::Matrix3Xd of_vertices;
+  Eigen::Matrix3Xi triangles;
+  Eigen::Matrix3Xi neighbours;
+
+  explicit Sides(const TriangleMesh& mesh)
+      : of_triangles(triangle_normals(mesh)),
+        of_vertices(vertex_normals(mesh)),
+        triangles(mesh.triangles),
+        neighbours(triangle_neighbours(mesh.triangles)) {}
+
+  [[nodiscard]] Eigen::Vector3d normal(const SurfacePoint& at) const {
+    const Eigen::Vector3d own = of_triangles.col(at.triangle);
+    for (int k = 0; k < 3; ++k) {
+      if (at.barycentric[k] == 1) return of_vertices.col(triangles(k, at.triangle));
+    }
+    for (int k = 0; k < 3; ++k) {
+      const int across = at.barycentric[(k + 2) % 3] == 0 ? neighbours(k, at.triangle) : -1;
+      if (across < 0) continue;
+      const Eigen::Vector3d other = of_triangles.col(across);
+      // One without area has no say.
+      if (!own.allFinite()) return other;
+      if (other.allFinite()) return own + other;
+    }
+    return own;
+  }
+};
 
 }  // namespace
 
@@ -95,16 +130,14 @@ RangeMapScore score_range_map(
 Eigen::VectorXd distances_to_surface(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
                                      const TriangleMesh& surface) {
   const SurfaceQuery query(surface);
-  const Eigen::Matrix3Xd normals = triangle_normals(surface);
+  const Sides sides(surface);
   Eigen::VectorXd distances(points.cols());
-  for (Eigen::Index i = 0; i < points.cols(); ++i) {
+  tbb::parallel_for(Eigen::Index{0}, points.cols(), [&](Eigen::Index i) {
     const ClosestPoint closest = query.closest_point(points.col(i));
-    distances(i) = closest.distance;
-    if (closest.at.triangle >= 0 &&
-        normals.col(closest.at.triangle).dot(points.col(i) - closest.position) < 0) {
-      distances(i) = -closest.distance;
-    }
-  }
+    const bool behind = closest.at.triangle >= 0 &&
+                        sides.normal(closest.at).dot(points.col(i) - closest.position) < 0;
+    distances(i) = behind ? -closest.distance : closest.distance;
+  });
   return distances;
 }
 

@@ -46,7 +46,8 @@ struct RangeMapScore {
     double max_error);
 
 /// Signed distance [mm] of each point (3 x N) from a surface: positive on the side that the
-/// surface's normals point to. NaN for a point that is not finite.
+/// surface's normals point to, also where an edge or a vertex is nearest. NaN for a point that is
+/// not finite.
 /// \throws InvalidInput if `surface` is not a valid mesh.
 [[nodiscard]] Eigen::VectorXd distances_to_surface(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
                                                    const TriangleMesh& surface);

@@ -1,0 +1,75 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/pictures/draw_distances.h"
+
+#include <vtkActor.h>
+#include <vtkCellData.h>
+#include <vtkPolyData.h>
+#include <vtkProperty.h>
+#include <vtkUnsignedCharArray.h>
+
+#include <cmath>
+
+#include "canvas.h"
+#include "color_scale.h"
+#include "input_checks.h"
+#include "surface_view.h"
+
+namespace palpate::pictures {
+namespace {
+
+constexpr int kHeight = 900;
+constexpr double kScaleSpace = 190;  ///< px at the right, for the scale
+constexpr double kScaleWidth = 26;   ///< px
+constexpr double kMargin = 40;       ///< px above and below the scale
+
+/// How much of a colour is its own, and how much comes from the light: relief shows, and the colour
+/// can still be read.
+constexpr double kOwn = 0.62;
+constexpr double kLit = 0.4;
+
+/// The colour of each triangle, as VTK takes it.
+vtkSmartPointer<vtkUnsignedCharArray> colors_of(const Eigen::Ref<const Eigen::VectorXd>& distances,
+                                                double limit) {
+  auto colors = vtkSmartPointer<vtkUnsignedCharArray>::New();
+  colors->SetNumberOfComponents(3);
+  for (const double distance : distances) {
+    const double fraction =
+        std::isfinite(distance) ? (distance + limit) / (2 * limit) : std::nan("");
+    const Rgb color = color_at(ColorMap::diverging, fraction);
+    colors->InsertNextTypedTuple(color.data());
+  }
+  return colors;
+}
+
+}  // namespace
+
+void draw_distances(const std::filesystem::path& png, const geometry::TriangleMesh& mesh,
+                    const Eigen::Ref<const Eigen::VectorXd>& distances,
+                    const DistancePicture& picture) {
+  check_surface(mesh, "mesh");
+  check_count(distances.size(), mesh.triangles.cols(), "distances");
+  check_some_finite(distances, "distances");
+  require(std::isfinite(picture.limit) && picture.limit > 0, "limit",
+          "is " + std::to_string(picture.limit) + ": a length above 0 mm is needed");
+  Canvas canvas(kHeight, picture.title, picture.subtitle);
+  const geometry::TriangleMesh clean = without_strays(mesh);
+  const double width = Canvas::kWidth - kScaleSpace;
+  SurfaceView view(canvas, {0, 0, width, canvas.top()}, camera_side(), clean.vertices);
+  const vtkSmartPointer<vtkPolyData> surface = to_poly_data(clean);
+  surface->GetCellData()->SetScalars(colors_of(distances, picture.limit));
+  const vtkSmartPointer<vtkActor> actor = matt_surface(surface);
+  actor->GetProperty()->SetAmbient(kOwn);
+  actor->GetProperty()->SetDiffuse(kLit);
+  view.add(actor);
+  view.add_scale_bar();
+  view.add_axes();
+  add_color_scale(canvas, {width, kMargin, kScaleWidth, canvas.top() - 2 * kMargin},
+                  {.low = -picture.limit,
+                   .high = picture.limit,
+                   .map = ColorMap::diverging,
+                   .scale = "signed distance (mm)"});
+  canvas.write(png);
+}
+
+}  // namespace palpate::pictures

@@ -1,0 +1,217 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/geometry/decimation.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "dense_sampling.h"
+#include "mesh_corpus.h"
+#include "palpate/error.h"
+#include "palpate/geometry/mesh_io.h"
+#include "palpate/geometry/mesh_topology.h"
+#include "test_surfaces.h"
+
+namespace palpate::geometry {
+namespace {
+
+struct Case {
+  std::string name;
+  TriangleMesh mesh;
+  double tolerance;  ///< [mm]
+  double most;       ///< of its triangles that may be left: the tolerance must be made use of
+};
+
+std::vector<Case> corpus() {
+  return {
+      {"bumpy", test::bumpy(1500), 4, 0.6},
+      {"noisy", test::bumpy(1500, 0.25), 4, 0.6},
+      {"glove", test::glove(9), 1, 0.4},
+      {"thin sheet", test::closed_sheet(20, 14, 6), 0.6, 0.6},
+      {"thin sheet, beyond its thickness", test::closed_sheet(20, 14, 6), 1.5, 0.6},
+      {"torus", test::torus(40, 20, 30, 8), 1, 0.3},
+      {"hand", read_mesh(std::string(PALPATE_SOURCE_DIR) + "/meshes/hand.ply"), 0.5, 0.3},
+  };
+}
+
+long border_edges(const TriangleMesh& mesh) {
+  return (opposite_half_edges(mesh).array() < 0).count();
+}
+
+/// In how many pieces the neighbourhood of each vertex falls, found by walking from triangle to
+/// triangle; a manifold has one everywhere.
+std::map<int, int> fans(const TriangleMesh& mesh) {
+  std::map<int, std::vector<int>> around;
+  for (int t = 0; t < mesh.triangles.cols(); ++t) {
+    for (const int v : mesh.triangles.col(t)) around[v].push_back(t);
+  }
+  std::map<int, int> count;
+  for (const auto& [v, triangles] : around) {
+    std::set<int> left(triangles.begin(), triangles.end());
+    while (!left.empty()) {
+      ++count[v];
+      std::vector<int> todo = {*left.begin()};
+      left.erase(left.begin());
+      while (!todo.empty()) {
+        const Eigen::Vector3i here = mesh.triangles.col(todo.back());
+        todo.pop_back();
+        for (auto next = left.begin(); next != left.end();) {
+          int shared = 0;
+          for (const int w : mesh.triangles.col(*next)) shared += (here.array() == w).any() ? 1 : 0;
+          if (shared < 2) {
+            ++next;
+            continue;
+          }
+          todo.push_back(*next);
+          next = left.erase(next);
+        }
+      }
+    }
+  }
+  return count;
+}
+
+TEST(Decimate, KeepsToTheToleranceOnEveryMesh) {
+  for (const Case& one : corpus()) {
+    const Decimation result = decimate(one.mesh, {.tolerance = one.tolerance});
+    EXPECT_LE(result.distance, one.tolerance) << one.name;
+    EXPECT_LE(static_cast<double>(result.mesh.triangles.cols()),
+              one.most * static_cast<double>(one.mesh.triangles.cols()))
+        << one.name;
+    // Both ways, and the border with it.
+    EXPECT_LE(test::sampled_distance(one.mesh, result.mesh, 1500).largest, result.distance + 1e-9)
+        << one.name;
+    EXPECT_LE(test::sampled_distance(result.mesh, one.mesh, 1500).largest, result.distance + 1e-9)
+        << one.name;
+  }
+}
+
+TEST(Decimate, KeepsAManifoldAManifold) {
+  for (const Case& one : corpus()) {
+    const Decimation result = decimate(one.mesh, {.tolerance = one.tolerance});
+    ASSERT_NO_THROW((void)border_edges(one.mesh)) << one.name;
+    ASSERT_NO_THROW((void)border_edges(result.mesh)) << one.name;
+    EXPECT_EQ(border_edges(result.mesh) == 0, border_edges(one.mesh) == 0) << one.name;
+    const std::map<int, int> before = fans(one.mesh);
+    for (const auto& [v, count] : fans(result.mesh)) {
+      EXPECT_LE(count, before.at(result.vertex[static_cast<std::size_t>(v)])) << one.name;
+    }
+  }
+}
+
+TEST(Decimate, TurnsNoTriangleOver) {
+  for (const Case& one : corpus()) {
+    const Decimation result = decimate(one.mesh, {.tolerance = one.tolerance});
+    const Eigen::Matrix3Xd normals = triangle_normals(result.mesh);
+    const Eigen::Matrix3Xd of_input = triangle_normals(one.mesh);
+    const test::EveryTriangle triangles(one.mesh);
+    ASSERT_TRUE(normals.allFinite() || !of_input.allFinite()) << one.name;
+    for (Eigen::Index t = 0; t < normals.cols(); ++t) {
+      if (!normals.col(t).allFinite()) continue;
+      double turn = -1;  // cosine, the best of the places and of what is equally near
+      for (int k = 0; k < 4; ++k) {
+        Eigen::Vector3d at = Eigen::Vector3d::Constant(1.0 / 3);
+        if (k < 3) at = (at + Eigen::Vector3d::Unit(k)).eval() / 2;
+        std::vector<int> nearest;
+        triangles.distance(
+            position(result.mesh, {.triangle = static_cast<int>(t), .barycentric = at}), 1e-9,
+            &nearest);
+        for (const int i : nearest) {
+          const double cosine = normals.col(t).dot(of_input.col(i));
+          turn = std::isnan(cosine) ? 1 : std::max(turn, cosine);
+        }
+      }
+      EXPECT_GE(turn, 0) << one.name << ", triangle " << t;
+    }
+  }
+}
+
+TEST(Decimate, TakesItsVerticesFromTheInput) {
+  const TriangleMesh mesh = test::moved(
+      test::glove(9), Eigen::Isometry3d(Eigen::Translation3d(1e6 + 0.1, -2e6 + 0.7, 0.3)));
+  const Decimation result = decimate(mesh, {.tolerance = 1});
+  ASSERT_LT(result.mesh.triangles.cols(), mesh.triangles.cols() / 2);
+  ASSERT_EQ(static_cast<Eigen::Index>(result.vertex.size()), result.mesh.vertices.cols());
+  EXPECT_TRUE(std::is_sorted(result.vertex.begin(), result.vertex.end()));
+  for (Eigen::Index v = 0; v < result.mesh.vertices.cols(); ++v) {
+    EXPECT_EQ(result.mesh.vertices.col(v),
+              mesh.vertices.col(result.vertex[static_cast<std::size_t>(v)]));
+  }
+}
+
+TEST(Decimate, OfAFlatSheetLeavesItsFourCorners) {
+  const Decimation result = decimate(test::flat_sheet(40, 30, 2), {.tolerance = 0.1});
+  EXPECT_EQ(result.mesh.triangles.cols(), 2);
+  EXPECT_EQ(result.vertex, (std::vector<int>{0, 40, 30 * 41, 31 * 41 - 1}));
+  EXPECT_LT(result.distance, 1e-12);
+}
+
+TEST(Decimate, ToAToleranceTooSmallGivesBackTheInput) {
+  const TriangleMesh mesh = test::bumpy(800, 0.25);
+  const Decimation result = decimate(mesh, {.tolerance = 1e-6});
+  EXPECT_EQ(result.mesh.vertices, mesh.vertices);
+  EXPECT_EQ(result.mesh.triangles, mesh.triangles);
+  EXPECT_EQ(result.distance, 0);
+}
+
+TEST(Decimate, ToALargerToleranceGivesFewerTriangles) {
+  const TriangleMesh mesh = test::glove(9);
+  Eigen::Index last = mesh.triangles.cols();
+  for (const double tolerance : {0.3, 0.9, 2.7}) {
+    const Eigen::Index now = decimate(mesh, {.tolerance = tolerance}).mesh.triangles.cols();
+    EXPECT_LT(now, 0.8 * static_cast<double>(last)) << tolerance;
+    last = now;
+  }
+}
+
+TEST(Decimate, ToACountKeepsItAndSaysHowFarItIsOff) {
+  const TriangleMesh mesh = test::torus(60, 30, 30, 8);
+  const Decimation result = decimate(mesh, {.max_triangles = 500});
+  EXPECT_LE(result.mesh.triangles.cols(), 500);
+  EXPECT_GE(result.mesh.triangles.cols(), 450);
+  const double sampled = std::max(test::sampled_distance(mesh, result.mesh, 1500).largest,
+                                  test::sampled_distance(result.mesh, mesh, 1500).largest);
+  EXPECT_LE(sampled, result.distance);
+  EXPECT_GE(sampled, 0.8 * result.distance);
+  EXPECT_EQ(decimate(mesh, {.max_triangles = 3600}).mesh.triangles, mesh.triangles);
+}
+
+TEST(Decimate, DoesNotDependOnTheUnitOfLength) {
+  const TriangleMesh mesh = test::glove(9);
+  const Decimation here = decimate(mesh, {.tolerance = 1.1});
+  for (const double unit : {0x1p-20, 0x1p20}) {
+    const Decimation there = decimate(test::scaled(mesh, unit), {.tolerance = 1.1 * unit});
+    EXPECT_EQ(there.vertex, here.vertex);
+    EXPECT_EQ(there.mesh.triangles, here.mesh.triangles);
+    EXPECT_EQ(there.distance, unit * here.distance);
+  }
+}
+
+TEST(Decimate, BearsAMeshThatIsNoManifold) {
+  const TriangleMesh mesh = test::random_triangles(200, 30, 5);
+  const Decimation result = decimate(mesh, {.tolerance = 2});
+  EXPECT_LE(test::sampled_distance(mesh, result.mesh, 1500).largest, result.distance + 1e-9);
+}
+
+TEST(Decimate, RefusesBadOptionsAndMeshes) {
+  const TriangleMesh mesh = test::flat_sheet(4, 4, 1);
+  for (const double tolerance : {-1.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
+    EXPECT_THROW((void)decimate(mesh, {.tolerance = tolerance}), InvalidInput);
+  }
+  EXPECT_THROW((void)decimate(mesh, {.max_triangles = -1}), InvalidInput);
+  EXPECT_THROW((void)decimate(mesh, {}), InvalidInput);
+  EXPECT_THROW((void)decimate(mesh, {.tolerance = 1, .max_triangles = 5}), InvalidInput);
+  EXPECT_THROW((void)decimate({}, {.tolerance = 1}), InvalidInput);
+}
+
+}  // namespace
+}  // namespace palpate::geometry
