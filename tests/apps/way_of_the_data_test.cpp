@@ -143,5 +143,24 @@ TEST_F(WayOfTheData, EveryFileExplainsItself) {
   }
 }
 
+TEST_F(WayOfTheData, AMeshIsInTheUnitThatTheCallOrTheFileSays) {
+  const std::string triangle = "v 0 0 0\nv 2 0 0\nv 0 1 0\nf 1 2 3\n";
+  const auto expect = [&](const std::vector<std::string>& options, double x, const char* source) {
+    std::vector<std::string> call = {"info", scratch / "a.obj"};
+    call.insert(call.end(), options.begin(), options.end());
+    const nlohmann::json info = figures(call);
+    EXPECT_EQ(info["max"][0], x);
+    EXPECT_EQ(info["unit_source"], source);
+  };
+  write_text(scratch / "a.obj", triangle);
+  expect({}, 2, "assumed");
+  expect({"--unit", "in"}, 50.8, "stated");
+  write_text(scratch / "a.obj", "# unit: m\n" + triangle);
+  expect({}, 2000, "declared");
+  // The same surface in two units that their files declare.
+  write_text(scratch / "b.obj", "v 0 0 0\nv 2000 0 0\nv 0 1000 0\nf 1 2 3\n");
+  EXPECT_EQ(figures({"compare", scratch / "a.obj", scratch / "b.obj"})["max"], 0);
+}
+
 }  // namespace
 }  // namespace palpate::apps
