@@ -45,10 +45,11 @@ const char* name_of(geometry::UnitSource source) {
 }
 
 std::string in_words(const geometry::FileUnit& unit) {
-  return fmt::format("; its unit is {} mm, as {}", unit.length,
-                     unit.source == geometry::UnitSource::stated     ? "--unit says"
-                     : unit.source == geometry::UnitSource::declared ? "it declares"
-                                                                     : "it declares none (--unit)");
+  if (unit.source == geometry::UnitSource::assumed)
+    return "; it declares no unit and is taken as mm (--unit tells otherwise)";
+  return fmt::format("; {} units of {} mm",
+                     unit.source == geometry::UnitSource::stated ? "read in" : "it declares",
+                     unit.length);
 }
 
 /// Area, volume and topology of a mesh, or why they cannot be told.

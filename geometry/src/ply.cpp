@@ -39,8 +39,9 @@ class Body {
     Attributes columns;
     for (const PlyProperty& property : element.properties)
       columns.push_back({property.name, no_values(column_type(property)), {}});
-    if (columns.empty()) return columns;
-    check_count();
+    const std::uint64_t row_bytes = least_row_bytes();
+    if (row_bytes == 0) return columns;  // of no properties
+    check_count(row_bytes);
     const bool has_lists = std::any_of(element.properties.begin(), element.properties.end(),
                                        [](const auto& p) { return p.list_size.has_value(); });
     if (text_ || has_lists)
@@ -58,12 +59,18 @@ class Body {
     return text_ && coordinate && !property.list_size ? Scalar::float64 : property.type;
   }
 
-  /// Before memory is taken: the file must be long enough for as many rows with empty lists.
-  void check_count() const {
-    std::uint64_t row = 0;  // bytes; in a text a number takes a digit and a blank
+  /// With empty lists; in a text a number takes a digit and a blank.
+  [[nodiscard]] std::uint64_t least_row_bytes() const {
+    std::uint64_t bytes = 0;
     for (const PlyProperty& property : element_->properties)
-      row += text_ ? 2 : size_of(property.list_size.value_or(property.type));
-    const std::uint64_t room = (rest_.size() + (text_ ? 1 : 0)) / row;  // the last may lack a blank
+      bytes += text_ ? 2 : size_of(property.list_size.value_or(property.type));
+    return bytes;
+  }
+
+  /// Before memory is taken: the file must be long enough for as many rows.
+  void check_count(std::uint64_t row_bytes) const {
+    // The last number of a text may lack its blank.
+    const std::uint64_t room = (rest_.size() + (text_ ? 1 : 0)) / row_bytes;
     if (element_->count > room)
       throw FileError(file_ + ": holds at most " + std::to_string(room) + " of " +
                       std::to_string(element_->count) + " rows of element " + element_->name +
@@ -127,13 +134,14 @@ class Body {
     append(size, 1);
     const auto count = std::visit(
         [](auto& numbers) {
-          const auto number = static_cast<std::int64_t>(numbers.back());
+          const auto number = static_cast<double>(numbers.back());
           numbers.clear();
           return number;
         },
         size.values);
     if (count < 0 || count > std::numeric_limits<int>::max())
-      fail(size.name + " is " + std::to_string(count) + ", which is impossible");
+      fail(size.name + " is " + std::to_string(static_cast<std::int64_t>(count)) +
+           ", which is impossible");
     return static_cast<std::size_t>(count);
   }
 
@@ -170,7 +178,7 @@ void take_vertices(Attributes columns, const std::string& file, PolygonMesh& mes
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
     const std::string name(1, "xyz"[axis]);
     const std::optional<Eigen::VectorXd> coordinates = scalars(columns, name);
-    if (!coordinates) throw FileError(file + ": element vertex needs one property " + name);
+    if (!coordinates) throw FileError(file + ": element vertex needs one property " + "xyz"[axis]);
     mesh.vertices.resize(static_cast<std::size_t>(coordinates->size()));
     for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
       mesh.vertices[i][axis] = (*coordinates)[static_cast<Eigen::Index>(i)];

@@ -129,6 +129,11 @@ TEST_F(BadInput, PathsThatCannotBeLookedAt) {
                  too_long + ".tiff: no such file");
 }
 
+TEST_F(BadInput, AUnitThatIsNone) {
+  expect_refused({"info", demo("sheet/surface.ply"), "--unit", "furlong"},
+                 "unit \"furlong\" is not known; um, mm, cm, m and in are");
+}
+
 TEST_F(BadInput, ABrokenFrameAmongOthersDoesNotStopThem) {
   train();
   fs::remove(kept);

@@ -163,6 +163,34 @@ TEST_F(WayOfTheData, InfoMeasuresAMesh) {
             std::string::npos);
 }
 
+TEST_F(WayOfTheData, InfoListsWhatIsWrongWithAMeshAndMeshMendsIt) {
+  // A square in two triangles, one turned; a triangle with a vertex that is not there; one with a
+  // vertex that is not a number.
+  write_text(scratch / "broken.off",
+             "OFF\n5 4 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\nnan 0 0\n"
+             "3 0 1 2\n3 0 3 2\n3 0 1 9\n3 0 1 4\n");
+  const auto defects = figures({"info", scratch / "broken.off"})["defects"];
+  EXPECT_EQ(defects["infinite_vertex"], 1);
+  EXPECT_EQ(defects["corner_out_of_range"], 1);
+  EXPECT_EQ(defects["triangle_turned"], 1);
+  EXPECT_EQ(run({"mesh", scratch / "broken.off", "-o", scratch / "mended.ply"}).status, 2);
+  const auto mended =
+      figures({"mesh", scratch / "broken.off", "--repair", "-o", scratch / "mended.ply"});
+  EXPECT_EQ(mended["repair"]["removed_triangles"], 2);
+  EXPECT_EQ(mended["triangles"], 2);
+  EXPECT_TRUE(figures({"info", scratch / "mended.ply"})["defects"].empty());
+}
+
+TEST_F(WayOfTheData, MeshFillsHolesUpToASize) {
+  const auto loops = [&](const fs::path& path) {
+    return figures({"info", path})["boundary_loops"].get<int>();
+  };
+  const fs::path hand = fs::path(PALPATE_SOURCE_DIR) / "meshes/hand.ply";
+  const auto filled = figures({"mesh", hand, "--fill-holes", "5", "-o", scratch / "filled.ply"});
+  EXPECT_GT(filled["holes"]["filled"], 0);
+  EXPECT_EQ(loops(scratch / "filled.ply"), loops(hand) - filled["holes"]["filled"].get<int>());
+}
+
 TEST_F(WayOfTheData, MeshSmoothsIfAsked) {
   const auto area = [&](const std::string& iterations) {
     figures({"mesh", demo("depth_camera/hand.png"), "--scale", "0.125", "--intrinsics",
@@ -174,6 +202,25 @@ TEST_F(WayOfTheData, MeshSmoothsIfAsked) {
   const double smooth = area("20");
   EXPECT_LT(smooth, rough);  // noise adds area
   EXPECT_GT(smooth, 0.99 * rough);
+}
+
+TEST_F(WayOfTheData, AMeshIsInTheUnitThatTheCallOrTheFileSays) {
+  const std::string triangle = "v 0 0 0\nv 2 0 0\nv 0 1 0\nf 1 2 3\n";
+  const auto expect = [&](const std::vector<std::string>& options, double x, const char* source) {
+    std::vector<std::string> call = {"info", scratch / "a.obj"};
+    call.insert(call.end(), options.begin(), options.end());
+    const nlohmann::json info = figures(call);
+    EXPECT_EQ(info["max"][0], x);
+    EXPECT_EQ(info["unit_source"], source);
+  };
+  write_text(scratch / "a.obj", triangle);
+  expect({}, 2, "assumed");
+  expect({"--unit", "in"}, 50.8, "stated");
+  write_text(scratch / "a.obj", "# unit: m\n" + triangle);
+  expect({}, 2000, "declared");
+  // The same surface in two units that their files declare.
+  write_text(scratch / "b.obj", "v 0 0 0\nv 2000 0 0\nv 0 1000 0\nf 1 2 3\n");
+  EXPECT_EQ(figures({"compare", scratch / "a.obj", scratch / "b.obj"})["max"], 0);
 }
 
 }  // namespace

@@ -174,13 +174,13 @@ TEST(Ply, RefusesWhatIsNoPlyOrNoSurface) {
   expect_refused(kTextVertices + "end_header\n0 0 1 1 0 1 1 1 1 0 1 1", "no triangle");
 }
 
-/// A strip of five vertices, a new start, and one triangle; the first has been repeated as some do
-/// to change the side.
+/// A strip of four vertices, a new start at an odd place, and a strip that repeats a vertex, as
+/// some do to change the side.
 std::string strips(const std::string& type) {
   return replaced(kTextVertices, "vertex 4", "vertex 5") +
          "property uchar red\nelement tristrips 2\nproperty list int " + type +
          " vertex_indices\nend_header\n0 0 0 1\n1 0 0 2\n0 1 0 3\n1 1 0 4\n0 2 0 5\n"
-         "9 0 1 2 3 4 -1 2 1 0\n4 0 0 1 2\n";
+         "8 0 1 2 3 -1 2 3 4\n4 0 0 1 2\n";
 }
 
 TEST(Ply, StripsBecomeTrianglesThatFaceOneWay) {
@@ -188,19 +188,18 @@ TEST(Ply, StripsBecomeTrianglesThatFaceOneWay) {
   for (const char* type : {"int", "short"}) {
     write_text(folder / "mesh.ply", strips(type));
     const MeshFile file = read_mesh_file(folder / "mesh.ply");
-    Eigen::Matrix3Xi expected(3, 5);
-    // 0 1 2 3 4 climbs a band counter-clockwise; 2 1 0 is the first triangle from the other side;
-    // of 0 0 1 2 the first triangle has no area, and the second is the odd one of its strip.
-    expected << 0, 2, 2, 2, 1,  //
-        1, 1, 3, 1, 0,          //
-        2, 3, 4, 0, 2;
+    Eigen::Matrix3Xi expected(3, 4);
+    // Of 0 0 1 2 the first triangle has no area, and the second is the odd one of its strip.
+    expected << 0, 2, 2, 1,  //
+        1, 1, 3, 0,          //
+        2, 3, 4, 2;
     EXPECT_EQ(file.mesh.triangles, expected) << file.mesh.triangles;
     EXPECT_EQ(*scalars(file.vertex_attributes, "red"),
               (Eigen::VectorXd(5) << 1, 2, 3, 4, 5).finished());
     EXPECT_EQ(triangle_normals(file.mesh).row(2).head(3), Eigen::RowVector3d(1, 1, 1));
   }
-  expect_refused(replaced(strips("int"), "-1 2 1 0", "-2 2 1 0"), "there is no vertex -2");
-  expect_refused(replaced(strips("int"), "-1 2 1 0", "-1 2 1 5"), "there is no vertex 5");
+  expect_refused(replaced(strips("int"), "-1 2 3 4", "-2 2 3 4"), "there is no vertex -2");
+  expect_refused(replaced(strips("int"), "-1 2 3 4", "-1 2 3 5"), "there is no vertex 5");
 }
 
 TEST(Ply, KeepsEveryPropertyAndComment) {
