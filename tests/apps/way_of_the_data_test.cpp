@@ -173,7 +173,7 @@ TEST_F(WayOfTheData, InfoListsWhatIsWrongWithAMeshAndMeshMendsIt) {
   EXPECT_EQ(defects["infinite_vertex"], 1);
   EXPECT_EQ(defects["corner_out_of_range"], 1);
   EXPECT_EQ(defects["triangle_turned"], 1);
-  EXPECT_EQ(run({"mesh", scratch / "broken.off", "-o", scratch / "mended.ply"}).status, 2);
+  EXPECT_EQ(run_palpate({"mesh", scratch / "broken.off", "-o", scratch / "mended.ply"}).status, 2);
   const auto mended =
       figures({"mesh", scratch / "broken.off", "--repair", "-o", scratch / "mended.ply"});
   EXPECT_EQ(mended["repair"]["removed_triangles"], 2);
@@ -182,10 +182,10 @@ TEST_F(WayOfTheData, InfoListsWhatIsWrongWithAMeshAndMeshMendsIt) {
 }
 
 TEST_F(WayOfTheData, MeshFillsHolesUpToASize) {
-  const auto loops = [&](const fs::path& path) {
+  const auto loops = [&](const std::string& path) {
     return figures({"info", path})["boundary_loops"].get<int>();
   };
-  const fs::path hand = fs::path(PALPATE_SOURCE_DIR) / "meshes/hand.ply";
+  const std::string hand = PALPATE_SOURCE_DIR "/meshes/hand.ply";
   const auto filled = figures({"mesh", hand, "--fill-holes", "5", "-o", scratch / "filled.ply"});
   EXPECT_GT(filled["holes"]["filled"], 0);
   EXPECT_EQ(loops(scratch / "filled.ply"), loops(hand) - filled["holes"]["filled"].get<int>());
