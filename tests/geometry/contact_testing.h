@@ -139,7 +139,7 @@ inline std::vector<SurfacePoint> random_contacts(const TriangleMesh& surface, in
 }
 
 /// V - E + F with a vertex for each fan of triangles.
-inline int euler_characteristic(const TriangleMesh& mesh) {
+inline int euler_characteristic_of_fans(const TriangleMesh& mesh) {
   const Eigen::Matrix3Xi opposite = opposite_half_edges(mesh);
   const auto half_edges = static_cast<int>(mesh.triangles.size());
   std::vector<bool> visited(static_cast<size_t>(half_edges), false);

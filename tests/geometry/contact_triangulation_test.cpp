@@ -21,7 +21,7 @@ namespace {
 using Eigen::Vector3d;
 using test::check_manifold;
 using test::Counts;
-using test::euler_characteristic;
+using test::euler_characteristic_of_fans;
 using test::jittered_grid;
 using test::nearest_places;
 using test::random_contacts;
@@ -104,7 +104,7 @@ TEST(TriangulateContacts, IsADelaunayTriangulationOfTheSurfaceWhateverItsShape) 
           check_manifold({.vertices = {}, .triangles = result.intrinsic.triangles});
       EXPECT_EQ(counts.vertices, count + static_cast<int>(result.intrinsic.helpers.cols()));
       EXPECT_EQ(counts.euler(),
-                euler_characteristic(parts_with_contacts(surface.mesh, result.weights)));
+                euler_characteristic_of_fans(parts_with_contacts(surface.mesh, result.weights)));
       for (size_t i = 0; i < contacts.size(); ++i) {
         int corner = 0;
         if (contacts[i].barycentric.maxCoeff(&corner) < 1) continue;
@@ -128,7 +128,7 @@ TEST(TriangulateContacts, OfManyContactsOnClosedSurfacesIsClosedToo) {
     const Counts counts = check_manifold(result.mesh);
     EXPECT_EQ(counts.vertices, 800);
     if (result.intrinsic.helpers.cols() == 0) {
-      EXPECT_EQ(counts.euler(), euler_characteristic(surface.mesh));
+      EXPECT_EQ(counts.euler(), euler_characteristic_of_fans(surface.mesh));
     }
   }
 }
