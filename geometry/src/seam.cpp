@@ -22,8 +22,15 @@ namespace {
 using Eigen::Vector3d;
 using Edge = std::pair<int, int>;
 
-/// A larger face of the seam is a hole that was measured.
-constexpr std::size_t kLargestFace = 12;  // edges
+/// Longest edges of a seam, in spacings of the wider end. A gap is where triangles were cut off
+/// that had a corner on the other side: up to two edges wide, some of them longer than others.
+constexpr double kLongestAcross = 3;
+constexpr double kLongestAlong = 2.5;  ///< between vertices of one piece
+
+/// Edges of a face that is filled whatever its corners are, and of one that is filled if at least a
+/// third of them was laid bare; others are holes that were measured.
+constexpr std::size_t kSmallFace = 6;
+constexpr std::size_t kLargestFace = 12;
 
 /// A free sector at a border vertex: neighbours counter-clockwise from the border edge that comes
 /// in over the edges of the seam to the border edge that goes out.
@@ -101,10 +108,17 @@ class SeamTriangulation {
     return seam_.may_join[static_cast<std::size_t>(vertex)];
   }
 
+  [[nodiscard]] bool measured(int vertex) const {
+    return !seam_.laid_bare[static_cast<std::size_t>(vertex)];
+  }
+
   /// Border vertices near to each border vertex, found in a grid of cubes; and the edges between
   /// them that a seam may have, shortest first.
   std::vector<Candidate> candidates() {
-    const double cell_size = std::max(seam_.across, seam_.along);
+    double cell_size = 0;
+    for (const auto& [v, sectors] : sectors_) {
+      if (joinable(v)) cell_size = std::max(cell_size, longest(v, v, true));
+    }
     using Cell = std::array<long, 3>;
     std::map<Cell, std::vector<int>> grid;
     const auto cell_of = [&](int v) {
@@ -138,9 +152,16 @@ class SeamTriangulation {
     if (!joinable(v) || !joinable(w) || edges_.contains({v, w})) return false;
     const bool crosses_gap =
         seam_.piece[static_cast<std::size_t>(v)] != seam_.piece[static_cast<std::size_t>(w)];
-    const double longest = crosses_gap ? seam_.across : seam_.along;
-    return squared_length > 0 && squared_length <= longest * longest &&
-           normal(v).dot(normal(w)) > 0;
+    // A notch in the border of a scan is none of the seam's.
+    if (!crosses_gap && measured(v) && measured(w)) return false;
+    const double limit = longest(v, w, crosses_gap);
+    return squared_length > 0 && squared_length <= limit * limit && normal(v).dot(normal(w)) > 0;
+  }
+
+  /// [mm] an edge between two vertices at most.
+  [[nodiscard]] double longest(int v, int w, bool crosses_gap) const {
+    const double spacing = std::max(seam_.spacing[v], seam_.spacing[w]);
+    return crosses_gap ? std::hypot(kLongestAcross * spacing, seam_.step) : kLongestAlong * spacing;
   }
 
   /// Angle from one direction counter-clockwise to another, seen against the normal; [0, 2 pi).
@@ -229,20 +250,42 @@ class SeamTriangulation {
 
   void collect_triangles() {
     std::set<std::vector<int>> faces;
+    const auto add_face = [&](int from, int to, bool is_new) {
+      std::vector<int> corners = face(from, to);
+      if (!is_of_seam(corners, is_new)) return;
+      std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());
+      faces.insert(corners);
+    };
     for (const Edge& edge : added_) {
-      for (const Edge& side : {edge, Edge(edge.second, edge.first)}) {
-        std::vector<int> corners = face(side.first, side.second);
-        std::set<int> distinct(corners.begin(), corners.end());
-        if (corners.size() < 3 || distinct.size() != corners.size()) continue;
-        if (!std::all_of(corners.begin(), corners.end(), [&](int v) { return joinable(v); })) {
-          continue;
-        }
-        std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()),
-                    corners.end());
-        faces.insert(corners);
-      }
+      add_face(edge.first, edge.second, true);
+      add_face(edge.second, edge.first, true);
+    }
+    for (const auto& [v, sectors] : sectors_) {
+      for (const Sector& sector : sectors) add_face(sector.back(), v, false);
     }
     for (const std::vector<int>& corners : faces) cut_into_triangles(corners);
+  }
+
+  /// Whether a face is a part of the gap, and lies as the surface does there: not the outside of an
+  /// island, nor a hole of one piece.
+  [[nodiscard]] bool is_of_seam(const std::vector<int>& corners, bool has_new_edge) const {
+    const std::set<int> distinct(corners.begin(), corners.end());
+    if (corners.size() < 3 || distinct.size() != corners.size()) return false;
+    const auto count = [&](const auto& property) {
+      return static_cast<std::size_t>(std::count_if(corners.begin(), corners.end(), property));
+    };
+    if (count([&](int v) { return joinable(v); }) < corners.size()) return false;
+    const std::size_t laid_bare = corners.size() - count([&](int v) { return measured(v); });
+    if (!has_new_edge && laid_bare == 0) return false;
+    if (corners.size() > kSmallFace && laid_bare * 3 < corners.size()) return false;
+    Vector3d twice_area = Vector3d::Zero();
+    Vector3d normals = Vector3d::Zero();
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      const Vector3d first = at(corners[i]) - at(corners[0]);
+      twice_area += first.cross(at(corners[(i + 1) % corners.size()]) - at(corners[0]));
+      normals += normal(corners[i]);
+    }
+    return twice_area.dot(normals) > 0;
   }
 
   /// The corner whose ear has the shortest new edge goes first; a face stays open where each new

@@ -9,13 +9,14 @@
 
 namespace palpate::geometry {
 
-/// Which vertices of a surface in pieces a seam may join, and how.
+/// Which vertices of a surface in pieces a seam may join, and how; one entry a vertex.
 struct Seam {
-  std::vector<bool> may_join;  ///< V; of vertices at the border
-  std::vector<bool> piece;     ///< V; which side of the seam a vertex is on
-  Eigen::Matrix3Xd normals;    ///< 3 x V, unit length or NaN; finite where `may_join`
-  double across = 0;           ///< [mm] longest edge of the seam between the two pieces
-  double along = 0;            ///< [mm] longest edge of the seam within a piece
+  std::vector<bool> may_join;   ///< of those at the border
+  std::vector<bool> laid_bare;  ///< at the border only since something was cut off there
+  std::vector<bool> piece;      ///< which side of the seam a vertex is on
+  Eigen::Matrix3Xd normals;     ///< 3 x V, unit length or NaN; finite where `may_join`
+  Eigen::VectorXd spacing;      ///< [mm] of points around the vertex; sets how wide the gap may be
+  double step = 0;              ///< [mm] between the two pieces, at most
 };
 
 /// Triangles that close the gap between pieces of a surface, with no vertices of their own.

@@ -24,11 +24,6 @@ namespace {
 /// Lengths in point spacings.
 constexpr double kLead = 4;        ///< a later scan is farther from its border than the earlier one
 constexpr double kLeastGap = 0.5;  ///< between pieces, so that no needles lie in the seam
-/// A gap is where triangles were dropped that had a corner on the other side: up to two edges wide,
-/// some of them longer than the median.
-constexpr double kWidestGap = 3;
-constexpr double kLongestAlong = 2.5;  ///< edge of the seam between vertices of one piece
-
 /// Rounds of dropping what lies over the other piece; the second finds nothing but what the first
 /// has laid bare.
 constexpr int kClipRounds = 4;
@@ -39,6 +34,7 @@ struct Piece {
   TriangleMesh mesh;
   std::vector<ScanVertex> source;
   Eigen::Matrix3Xd normals;  ///< of each vertex in its scan, 3 x V
+  Eigen::VectorXd spacing;   ///< [mm] mean length of the edges at each vertex in its scan
 
   [[nodiscard]] bool empty() const { return mesh.triangles.cols() == 0; }
 };
@@ -54,6 +50,23 @@ std::vector<bool> border_vertices(const TriangleMesh& mesh) {
     border[static_cast<std::size_t>(mesh.triangles((h + 1) % 3, h / 3))] = true;
   }
   return border;
+}
+
+/// [mm] of the edges at each vertex, those within the surface counted twice; 0 without one.
+Eigen::VectorXd mean_edge_lengths(const TriangleMesh& mesh) {
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(mesh.vertices.cols());
+  Eigen::VectorXd count = Eigen::VectorXd::Zero(mesh.vertices.cols());
+  for (const auto& t : mesh.triangles.colwise()) {
+    for (int k = 0; k < 3; ++k) {
+      const int next = t[(k + 1) % 3];
+      const double length = (mesh.vertices.col(t[k]) - mesh.vertices.col(next)).norm();
+      for (const int v : {t[k], next}) {
+        sum[v] += length;
+        ++count[v];
+      }
+    }
+  }
+  return sum.array() / count.array().max(1);
 }
 
 /// [mm] along the surface from each vertex to the border; infinite if there is none.
@@ -206,14 +219,19 @@ int clip(Piece& scan, const Piece& surface, double reach, double gap) {
   return dropped;
 }
 
-/// Border vertices of a piece that saw the other one before it was cut.
-void mark_joinable(const Piece& piece, const TriangleMesh& other, double reach, Eigen::Index first,
-                   std::vector<bool>& may_join) {
+/// Adds the vertices of a piece to a seam. Those of its border may be joined where it was cut, or
+/// saw the other piece before.
+void add_to_seam(const Piece& piece, const TriangleMesh& before, const TriangleMesh& other_before,
+                 double reach, Seam& seam) {
   const std::vector<bool> border = border_vertices(piece.mesh);
-  const Overlap overlap(other, piece.mesh.vertices, piece.normals, reach);
+  const std::vector<bool> border_before = border_vertices(before);
+  const Overlap overlap(other_before, piece.mesh.vertices, piece.normals, reach);
   for (std::size_t v = 0; v < border.size(); ++v) {
-    if (border[v] && overlap.sees(static_cast<Eigen::Index>(v)))
-      may_join[static_cast<std::size_t>(first) + v] = true;
+    const auto column = static_cast<Eigen::Index>(v);
+    const bool laid_bare = border[v] && !border_before[v];
+    seam.laid_bare.push_back(laid_bare);
+    seam.may_join.push_back((laid_bare && piece.normals.col(column).allFinite()) ||
+                            (border[v] && overlap.sees(column)));
   }
 }
 
@@ -223,6 +241,8 @@ Piece together(const Piece& a, const Piece& b) {
   both.source.insert(both.source.end(), b.source.begin(), b.source.end());
   both.normals.conservativeResize(3, first + b.normals.cols());
   both.normals.rightCols(b.normals.cols()) = b.normals;
+  both.spacing.conservativeResize(first + b.spacing.size());
+  both.spacing.tail(b.spacing.size()) = b.spacing;
   both.mesh.vertices.conservativeResize(3, first + b.mesh.vertices.cols());
   both.mesh.vertices.rightCols(b.mesh.vertices.cols()) = b.mesh.vertices;
   both.mesh.triangles.conservativeResize(3, a.mesh.triangles.cols() + b.mesh.triangles.cols());
@@ -251,17 +271,15 @@ class Zipper {
     const TriangleMesh whole_scan = scan.mesh;
     dropped_ += give_way(surface_, scan, reach_, kLead * spacing_);
     dropped_ += clip(scan, surface_, reach_, kLeastGap * spacing_);
-    const Eigen::Index first = surface_.mesh.vertices.cols();
+    Seam seam;
+    add_to_seam(surface_, whole_surface, whole_scan, reach_, seam);
+    seam.piece.resize(seam.may_join.size(), false);
+    add_to_seam(scan, whole_scan, whole_surface, reach_, seam);
+    seam.piece.resize(seam.may_join.size(), true);
     Piece both = together(surface_, scan);
-    const auto count = static_cast<std::size_t>(both.mesh.vertices.cols());
-    Seam seam{.may_join = std::vector<bool>(count, false),
-              .piece = std::vector<bool>(count, false),
-              .normals = both.normals,
-              .across = std::hypot(kWidestGap * spacing_, reach_),
-              .along = kLongestAlong * spacing_};
-    std::fill(seam.piece.begin() + first, seam.piece.end(), true);
-    mark_joinable(surface_, whole_scan, reach_, 0, seam.may_join);
-    mark_joinable(scan, whole_surface, reach_, first, seam.may_join);
+    seam.normals = both.normals;
+    seam.spacing = both.spacing;
+    seam.step = reach_;
     append(both.mesh, close_seam(both.mesh, seam));
     surface_ = std::move(both);
   }
@@ -296,7 +314,10 @@ ZipperedScans zipper_scans(std::span<const Scan> scans, const ZipperScansOptions
   result.spacing = median_edge_length(meshes, "zipper_scans");
   Zipper zipper(result.spacing, options.reach);
   for (std::size_t i = 0; i < meshes.size(); ++i) {
-    Piece scan{.mesh = meshes[i], .source = {}, .normals = vertex_normals(meshes[i])};
+    Piece scan{.mesh = meshes[i],
+               .source = {},
+               .normals = vertex_normals(meshes[i]),
+               .spacing = mean_edge_lengths(meshes[i])};
     for (int v = 0; v < meshes[i].vertices.cols(); ++v) {
       scan.source.push_back({.scan = static_cast<int>(i), .vertex = v});
     }
@@ -308,6 +329,10 @@ ZipperedScans zipper_scans(std::span<const Scan> scans, const ZipperScansOptions
   result.mesh = std::move(repaired.mesh);
   for (const int v : repaired.vertex_source) {
     result.source.push_back(zipper.surface().source[static_cast<std::size_t>(v)]);
+  }
+  for (const auto& t : result.mesh.triangles.colwise()) {
+    const auto scan = [&](int v) { return result.source[static_cast<std::size_t>(v)].scan; };
+    result.seam += scan(t[0]) != scan(t[1]) || scan(t[0]) != scan(t[2]);
   }
   return result;
 }

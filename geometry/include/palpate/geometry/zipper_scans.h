@@ -28,7 +28,7 @@ struct ZipperedScans {
   std::vector<ScanVertex> source;  ///< of each vertex, so that attributes can follow
   double spacing = 0;              ///< [mm] median edge length of the scans
   int dropped = 0;                 ///< triangles of scans where another scan is
-  int seam = 0;                    ///< triangles between scans; they are the last ones of the mesh
+  int seam = 0;                    ///< triangles between vertices of different scans
 };
 
 /// One surface, open as the scans are, out of pieces of registered scans that overlap, after Turk
