@@ -29,7 +29,7 @@ constexpr double kLongestAlong = 2.5;  ///< between vertices of one piece
 
 /// Edges of a face that is filled whatever its corners are, and of one that is filled if at least a
 /// third of them was laid bare; others are holes that were measured.
-constexpr std::size_t kSmallFace = 6;
+constexpr std::size_t kSmallFace = 8;
 constexpr std::size_t kLargestFace = 12;
 
 /// A free sector at a border vertex: neighbours counter-clockwise from the border edge that comes
@@ -250,25 +250,25 @@ class SeamTriangulation {
 
   void collect_triangles() {
     std::set<std::vector<int>> faces;
-    const auto add_face = [&](int from, int to, bool is_new) {
+    const auto add_face = [&](int from, int to) {
       std::vector<int> corners = face(from, to);
-      if (!is_of_seam(corners, is_new)) return;
+      if (!is_of_seam(corners)) return;
       std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());
       faces.insert(corners);
     };
     for (const Edge& edge : added_) {
-      add_face(edge.first, edge.second, true);
-      add_face(edge.second, edge.first, true);
+      add_face(edge.first, edge.second);
+      add_face(edge.second, edge.first);
     }
     for (const auto& [v, sectors] : sectors_) {
-      for (const Sector& sector : sectors) add_face(sector.back(), v, false);
+      for (const Sector& sector : sectors) add_face(sector.back(), v);
     }
     for (const std::vector<int>& corners : faces) cut_into_triangles(corners);
   }
 
   /// Whether a face is a part of the gap, and lies as the surface does there: not the outside of an
   /// island, nor a hole of one piece.
-  [[nodiscard]] bool is_of_seam(const std::vector<int>& corners, bool has_new_edge) const {
+  [[nodiscard]] bool is_of_seam(const std::vector<int>& corners) const {
     const std::set<int> distinct(corners.begin(), corners.end());
     if (corners.size() < 3 || distinct.size() != corners.size()) return false;
     const auto count = [&](const auto& property) {
@@ -276,7 +276,6 @@ class SeamTriangulation {
     };
     if (count([&](int v) { return joinable(v); }) < corners.size()) return false;
     const std::size_t laid_bare = corners.size() - count([&](int v) { return measured(v); });
-    if (!has_new_edge && laid_bare == 0) return false;
     if (corners.size() > kSmallFace && laid_bare * 3 < corners.size()) return false;
     Vector3d twice_area = Vector3d::Zero();
     Vector3d normals = Vector3d::Zero();
@@ -288,21 +287,24 @@ class SeamTriangulation {
     return twice_area.dot(normals) > 0;
   }
 
-  /// The corner whose ear has the shortest new edge goes first; a face stays open where each new
-  /// edge would be one that is there already.
+  /// The corner whose ear has the shortest new edge goes first, one whose ear would be folded over
+  /// last; a face stays open where each new edge would be one that is there already.
   void cut_into_triangles(std::vector<int> corners) {
     while (corners.size() > 3) {
       const std::size_t count = corners.size();
       std::size_t best = count;
-      double shortest = 0;
+      std::pair<bool, double> best_key;
       for (std::size_t i = 0; i < count; ++i) {
         const int before = corners[(i + count - 1) % count];
         const int after = corners[(i + 1) % count];
         if (edges_.contains(std::minmax(before, after))) continue;
-        const double squared = (at(before) - at(after)).squaredNorm();
-        if (best == count || squared < shortest) {
+        const Vector3d twice_area = (at(corners[i]) - at(before)).cross(at(after) - at(before));
+        const bool folded =
+            !(twice_area.dot(normal(before) + normal(corners[i]) + normal(after)) > 0);
+        const std::pair key(folded, (at(before) - at(after)).squaredNorm());
+        if (best == count || key < best_key) {
           best = i;
-          shortest = squared;
+          best_key = key;
         }
       }
       if (best == count) return;
