@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "palpate/error.h"
+#include "palpate/geometry/mesh_repair.h"
 #include "palpate/geometry/surface_query.h"
 #include "poisson_surface.h"
 #include "registered_scans.h"
@@ -91,8 +92,13 @@ MergedScans merge_scans(std::span<const Scan> scans, const MergeScansOptions& op
   }
   merged.points = static_cast<int>(all.points.cols());
   const TriangleMesh closed = poisson_surface(all.points, all.normals, merged.spacing);
-  merged.mesh = cut_out(closed, near_scans(closed, meshes, options.reach * merged.spacing));
-  merged.trimmed = static_cast<int>(closed.triangles.cols() - merged.mesh.triangles.cols());
+  const TriangleMesh trimmed =
+      cut_out(closed, near_scans(closed, meshes, options.reach * merged.spacing));
+  if (trimmed.triangles.cols() == 0) {
+    throw SolverError("merge_scans: no triangle of the surface is within reach of a scan");
+  }
+  merged.trimmed = static_cast<int>(closed.triangles.cols() - trimmed.triangles.cols());
+  merged.mesh = repair_mesh(trimmed).mesh;  // where what was cut off leaves two fans at a vertex
   return merged;
 }
 
