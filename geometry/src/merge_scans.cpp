@@ -2,55 +2,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/geometry/merge_scans.h"
 
-#include <algorithm>
 #include <cstddef>
 #include <string>
 #include <vector>
 
 #include "palpate/error.h"
+#include "palpate/geometry/mesh_repair.h"
 #include "palpate/geometry/surface_query.h"
 #include "poisson_surface.h"
+#include "registered_scans.h"
 
 namespace palpate::geometry {
 namespace {
-
-void check(std::span<const Scan> scans, const MergeScansOptions& options) {
-  if (!(options.reach > 0)) {
-    throw InvalidInput("merge_scans: reach is " + std::to_string(options.reach) +
-                       ", but must be > 0");
-  }
-  if (scans.empty()) throw InvalidInput("merge_scans: there is no scan");
-  for (std::size_t i = 0; i < scans.size(); ++i) {
-    const std::string name = "merge_scans: scan " + std::to_string(i);
-    check_mesh(scans[i].mesh, name.c_str());
-    if (!scans[i].T_object_scan.matrix().allFinite()) {
-      throw InvalidInput(name + " has a pose that is not finite");
-    }
-  }
-}
-
-std::vector<TriangleMesh> in_frame_of_object(std::span<const Scan> scans) {
-  std::vector<TriangleMesh> meshes;
-  for (const Scan& scan : scans) {
-    meshes.push_back(
-        {.vertices = scan.T_object_scan * scan.mesh.vertices, .triangles = scan.mesh.triangles});
-  }
-  return meshes;
-}
-
-double median_edge_length(const std::vector<TriangleMesh>& meshes) {
-  std::vector<double> lengths;
-  for (const TriangleMesh& mesh : meshes) {
-    for (const auto& t : mesh.triangles.colwise()) {
-      for (int k = 0; k < 3; ++k) {
-        lengths.push_back((mesh.vertices.col(t[k]) - mesh.vertices.col(t[(k + 1) % 3])).norm());
-      }
-    }
-  }
-  const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
-  std::nth_element(lengths.begin(), middle, lengths.end());
-  return *middle;
-}
 
 /// Points of all scans, each with its normal.
 struct OrientedPoints {
@@ -117,20 +80,25 @@ std::vector<bool> near_scans(const TriangleMesh& mesh, const std::vector<Triangl
 }  // namespace
 
 MergedScans merge_scans(std::span<const Scan> scans, const MergeScansOptions& options) {
-  check(scans, options);
-  const std::vector<TriangleMesh> meshes = in_frame_of_object(scans);
-  MergedScans merged{.mesh = {}, .spacing = median_edge_length(meshes)};
-  if (!(merged.spacing > 0)) {
-    throw InvalidInput("merge_scans: the median edge of the scans has no length");
+  if (!(options.reach > 0)) {
+    throw InvalidInput("merge_scans: reach is " + std::to_string(options.reach) +
+                       ", but must be > 0");
   }
+  const std::vector<TriangleMesh> meshes = in_frame_of_object(scans, "merge_scans");
+  MergedScans merged{.mesh = {}, .spacing = median_edge_length(meshes, "merge_scans")};
   const OrientedPoints all = points_with_normals(meshes);
   if (all.points.cols() == 0) {
     throw InvalidInput("merge_scans: no vertex of the scans has a normal");
   }
   merged.points = static_cast<int>(all.points.cols());
   const TriangleMesh closed = poisson_surface(all.points, all.normals, merged.spacing);
-  merged.mesh = cut_out(closed, near_scans(closed, meshes, options.reach * merged.spacing));
-  merged.trimmed = static_cast<int>(closed.triangles.cols() - merged.mesh.triangles.cols());
+  const TriangleMesh trimmed =
+      cut_out(closed, near_scans(closed, meshes, options.reach * merged.spacing));
+  if (trimmed.triangles.cols() == 0) {
+    throw SolverError("merge_scans: no triangle of the surface is within reach of a scan");
+  }
+  merged.trimmed = static_cast<int>(closed.triangles.cols() - trimmed.triangles.cols());
+  merged.mesh = repair_mesh(trimmed).mesh;  // where what was cut off leaves two fans at a vertex
   return merged;
 }
 

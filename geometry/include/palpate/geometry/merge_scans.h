@@ -31,8 +31,11 @@ struct MergedScans {
 /// One surface through registered, overlapping scans of one connected object: the level set of the
 /// function whose gradient fits the scans' normals (Kazhdan, Bolitho and Hoppe 2006), solved on a
 /// Delaunay tetrahedralisation refined to the scans' point spacing instead of an octree (CGAL), and
-/// cut off where no scan is near. The surface is manifold; noise and steps between scans are
-/// averaged. Time grows with the number of vertices: some ten seconds for 1e5.
+/// cut off where no scan is near. The surface is oriented and manifold; noise and steps between
+/// scans are averaged. Where the scans have no points, as at the roots of fingers, the surface
+/// within reach is a guess, a spacing or two off (measured on a glove seen from six sides). Time
+/// grows in proportion to the number of vertices, about 0.2 ms each. `zipper_scans` keeps the
+/// measured vertices.
 /// \throws InvalidInput if there is no scan, a scan is not valid (see `check_mesh`) or its pose is
 /// not finite, no vertex has a normal, all edges have no length, or unless reach > 0; SolverError
 /// if there is no such surface; Unavailable if the library was built without CGAL.

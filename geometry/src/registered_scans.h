@@ -1,0 +1,24 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "palpate/geometry/merge_scans.h"
+
+namespace palpate::geometry {
+
+/// The scans in the frame of the object.
+/// \throws InvalidInput naming `caller` and the scan, if there is none, one is not valid or its
+/// pose is not finite.
+[[nodiscard]] std::vector<TriangleMesh> in_frame_of_object(std::span<const Scan> scans,
+                                                           const std::string& caller);
+
+/// [mm] the point spacing of scans.
+/// \throws InvalidInput naming `caller` if it is 0.
+[[nodiscard]] double median_edge_length(const std::vector<TriangleMesh>& meshes,
+                                        const std::string& caller);
+
+}  // namespace palpate::geometry
