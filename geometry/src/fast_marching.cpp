@@ -151,10 +151,12 @@ class Events {
 
 /// The waves of all sources on their way over the mesh. Each source has a wave of its own, because
 /// a triangle that mixes two of them says nothing about either; it ends a little way inside its
-/// neighbours' cells. A vertex that is reached on a shorter way later is passed on again (as a
-/// march in strict order would not): in an obtuse triangle the wave may get to a corner before it
-/// has been at the two that it came between. Distances at two corners never make a third shorter by
-/// being longer, so the order of events does not matter to the outcome.
+/// neighbours' cells. Past a corner of a border a wave goes on in circles about the corner. A
+/// vertex that is reached on a shorter way later is passed on again (as a march in strict order
+/// would not): in an obtuse triangle the wave may get to a corner before it has been at the two
+/// that it came between. Distances at two corners never make a third shorter by being longer, so
+/// the order of events does not matter to the outcome, but for how much of a corner's circles is
+/// felt at the edge of what it hides.
 class March {
  public:
   March(const TriangleMesh& mesh, double stop_radius)
