@@ -2,13 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "fast_marching.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
 #include <optional>
 #include <vector>
+
+#include "triangle_fans.h"
 
 namespace palpate::geometry {
 namespace {
@@ -24,10 +25,6 @@ constexpr double kWorthPassingOn = 2e-12;
 /// lowest index gets the vertex. Above what rounding and kWorthPassingOn add up to along a way.
 constexpr double kEquallyNear = 1e-9;
 
-/// Squared sine that a corner of a triangle without area is given, so that the signs of its
-/// products still tell where its apex lies: the square of the rounding of a double.
-constexpr double kLeastSquaredSine = 1e-32;
-
 /// A wave is passed on as far beyond its cell, in lengths of the longest edge at a vertex: its
 /// distances inside the cell are built on those of neighbours outside. Further than this is not
 /// felt in the labels.
@@ -39,87 +36,6 @@ constexpr double kBeyondRadius = 3;
 /// Width of a bucket of events in lengths of the mean longest edge: short enough that few vertices
 /// are passed on too early.
 constexpr double kBucketWidth = 0.1;
-
-/// The other end of an edge.
-struct Neighbour {
-  int vertex;
-  double squared;  ///< length of the edge, squared
-};
-
-/// A triangle seen from one of its corners, with its other two among that corner's neighbours.
-struct Corner {
-  int next, last;
-  double dot;    ///< product of the two edges
-  double cross;  ///< square of their cross product
-};
-
-/// All that takes a wave from a vertex to its neighbours, one vertex after the other in memory.
-struct Fans {
-  std::vector<int> first_neighbour;  ///< V + 1: where a vertex's neighbours begin
-  std::vector<int> first_corner;     ///< V + 1: where its corners begin
-  std::vector<Neighbour> neighbours;
-  std::vector<Corner> corners;
-  std::vector<double> longest;  ///< V, length of the longest edge
-};
-
-/// The half-edges 3 t + k that leave each vertex: those of vertex v are number first[v] to
-/// first[v + 1] - 1.
-std::vector<int> half_edges_by_vertex(const TriangleMesh& mesh, std::vector<int>& first) {
-  first.assign(static_cast<size_t>(mesh.vertices.cols()) + 1, 0);
-  for (const int v : mesh.triangles.reshaped()) ++first[static_cast<size_t>(v) + 1];
-  for (size_t v = 1; v < first.size(); ++v) first[v] += first[v - 1];
-  std::vector<int> free(first.begin(), first.end() - 1);
-  std::vector<int> half_edges(static_cast<size_t>(mesh.triangles.size()));
-  int h = 0;
-  for (const int v : mesh.triangles.reshaped()) {
-    half_edges[static_cast<size_t>(free[static_cast<size_t>(v)]++)] = h++;
-  }
-  return half_edges;
-}
-
-Fans fans_of(const TriangleMesh& mesh) {
-  const auto vertex_count = static_cast<size_t>(mesh.vertices.cols());
-  Fans fans;
-  const std::vector<int> half_edges = half_edges_by_vertex(mesh, fans.first_corner);
-  fans.corners.reserve(half_edges.size());
-  fans.neighbours.reserve(half_edges.size() + vertex_count);
-  fans.first_neighbour.assign(1, 0);
-  std::vector<int> place(vertex_count, kNone);  // among all neighbours
-  for (size_t v = 0; v < vertex_count; ++v) {
-    const Eigen::Vector3d apex = mesh.vertices.col(static_cast<Eigen::Index>(v));
-    const int begin = fans.first_neighbour.back();
-    const auto neighbour = [&](int vertex, const Eigen::Vector3d& edge) {
-      int& at = place[static_cast<size_t>(vertex)];
-      if (at < begin) {
-        at = static_cast<int>(fans.neighbours.size());
-        fans.neighbours.push_back({.vertex = vertex, .squared = edge.squaredNorm()});
-      }
-      return at - begin;
-    };
-    for (int i = fans.first_corner[v]; i < fans.first_corner[v + 1]; ++i) {
-      const int h = half_edges[static_cast<size_t>(i)];
-      const int next = mesh.triangles((h + 1) % 3, h / 3);
-      const int last = mesh.triangles((h + 2) % 3, h / 3);
-      const Eigen::Vector3d to_next = mesh.vertices.col(next) - apex;
-      const Eigen::Vector3d to_last = mesh.vertices.col(last) - apex;
-      const double least = kLeastSquaredSine * to_next.squaredNorm() * to_last.squaredNorm();
-      fans.corners.push_back({.next = neighbour(next, to_next),
-                              .last = neighbour(last, to_last),
-                              .dot = to_next.dot(to_last),
-                              .cross = std::max(to_next.cross(to_last).squaredNorm(), least)});
-    }
-    fans.first_neighbour.push_back(static_cast<int>(fans.neighbours.size()));
-  }
-  fans.longest.assign(vertex_count, 0);
-  for (size_t v = 0; v < vertex_count; ++v) {
-    double longest = 0;
-    for (int i = fans.first_neighbour[v]; i < fans.first_neighbour[v + 1]; ++i) {
-      longest = std::max(longest, fans.neighbours[static_cast<size_t>(i)].squared);
-    }
-    fans.longest[v] = std::sqrt(longest);
-  }
-  return fans;
-}
 
 double mean(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
@@ -167,9 +83,28 @@ double distance_across(double distance_a, double distance_b, double edge, double
   return std::sqrt(without_depth + depth);
 }
 
+/// A wave at a vertex.
+struct Front {
+  double distance = kInfinity;
+  double start = 0;  ///< distance at the centre of the circle that it is on: 0, or of a corner
+};
+
+/// The start of the circle through two points, one of which may have been reached past a corner
+/// that the other is not hidden behind. Equal weights flatten the front behind the corner, and
+/// weights in proportion to the curvatures bend it too much; halfway between, most of both errors
+/// is gone.
+double common_start(const Front& a, const Front& b) {
+  if (a.start == b.start) return a.start;
+  const double radius_a = a.distance - a.start;
+  const double radius_b = b.distance - b.start;
+  const double even = 0.5 * (a.start + b.start);
+  const double weighted = (a.start * radius_b + b.start * radius_a) / (radius_a + radius_b);
+  return 0.5 * (even + weighted);
+}
+
 /// The first distance of one source at one vertex that the march knows so far.
 struct Arrival {
-  double distance = kInfinity;
+  Front front = {};
   int source = kNone;
   int next = kNone;  ///< arrival of another source at the same vertex
   int vertex = kNone;
@@ -216,16 +151,18 @@ class Events {
 
 /// The waves of all sources on their way over the mesh. Each source has a wave of its own, because
 /// a triangle that mixes two of them says nothing about either; it ends a little way inside its
-/// neighbours' cells. A vertex that is reached on a shorter way later is passed on again (as a
-/// march in strict order would not): in an obtuse triangle the wave may get to a corner before it
-/// has been at the two that it came between. Distances at two corners never make a third shorter by
-/// being longer, so the order of events does not matter to the outcome.
+/// neighbours' cells. Past a corner of a border a wave goes on in circles about the corner. A
+/// vertex that is reached on a shorter way later is passed on again (as a march in strict order
+/// would not): in an obtuse triangle the wave may get to a corner before it has been at the two
+/// that it came between. Distances at two corners never make a third shorter by being longer, so
+/// the order of events does not matter to the outcome, but for how much of a corner's circles is
+/// felt at the edge of what it hides.
 class March {
  public:
   March(const TriangleMesh& mesh, double stop_radius)
       : mesh_(mesh),
         stop_radius_(stop_radius),
-        fans_(fans_of(mesh)),
+        fans_(triangle_fans(mesh)),
         arrivals_(static_cast<size_t>(mesh.vertices.cols())),
         events_(kBucketWidth * mean(fans_.longest)) {}
 
@@ -234,7 +171,7 @@ class March {
     for (const int corner : mesh_.triangles.col(at.triangle)) {
       const double distance = (mesh_.vertices.col(corner) - from).norm();
       const int known = find(corner, source);
-      arrive(corner, source, known, distance);
+      arrive(corner, source, known, {.distance = distance, .start = 0});
     }
   }
 
@@ -242,11 +179,11 @@ class March {
     while (const std::optional<Event> event = events_.pop()) {
       Arrival& arrival = arrivals_[static_cast<size_t>(event->arrival)];
       // Superseded by a shorter way meanwhile?
-      if (!arrival.waits || event->distance > arrival.distance) continue;
+      if (!arrival.waits || event->distance > arrival.front.distance) continue;
       arrival.waits = false;
       const double edge = fans_.longest[static_cast<size_t>(arrival.vertex)];
-      if (arrival.distance > stop_radius_ + kBeyondRadius * edge) continue;
-      if (arrival.distance > nearest_distance(arrival.vertex) + kBeyondCell * edge) continue;
+      if (arrival.front.distance > stop_radius_ + kBeyondRadius * edge) continue;
+      if (arrival.front.distance > nearest_distance(arrival.vertex) + kBeyondCell * edge) continue;
       pass_on(event->arrival);
     }
   }
@@ -262,7 +199,7 @@ class March {
       int& label = geodesic.label[v];
       for (int i = v; i != kNone; i = arrivals_[static_cast<size_t>(i)].next) {
         const Arrival& arrival = arrivals_[static_cast<size_t>(i)];
-        const bool is_nearest = arrival.distance <= nearest * (1 + kEquallyNear);
+        const bool is_nearest = arrival.front.distance <= nearest * (1 + kEquallyNear);
         if (is_nearest && (label < 0 || arrival.source < label)) label = arrival.source;
       }
     }
@@ -282,13 +219,14 @@ class March {
   [[nodiscard]] double nearest_distance(int vertex) const {
     double nearest = kInfinity;
     for (int i = vertex; i != kNone; i = arrivals_[static_cast<size_t>(i)].next) {
-      nearest = std::min(nearest, arrivals_[static_cast<size_t>(i)].distance);
+      nearest = std::min(nearest, arrivals_[static_cast<size_t>(i)].front.distance);
     }
     return nearest;
   }
 
   /// \param known  what find says
-  void arrive(int vertex, int source, int known, double distance) {
+  void arrive(int vertex, int source, int known, const Front& front) {
+    const double distance = front.distance;
     if (known == kNone) {
       const double edge = fans_.longest[static_cast<size_t>(vertex)];
       if (distance > nearest_distance(vertex) + (kBeyondCell + 1) * edge) return;
@@ -302,17 +240,18 @@ class March {
       arrivals_[static_cast<size_t>(known)].vertex = vertex;
     }
     Arrival& arrival = arrivals_[static_cast<size_t>(known)];
-    if (!(distance < arrival.distance * (1 - kWorthPassingOn))) return;
-    arrival.distance = distance;
+    if (!(distance < arrival.front.distance * (1 - kWorthPassingOn))) return;
+    arrival.front = front;
     arrival.waits = true;
     events_.push({.distance = distance, .arrival = known});
   }
 
   void pass_on(int from) {
-    const double distance = arrivals_[static_cast<size_t>(from)].distance;
+    const Front own = arrivals_[static_cast<size_t>(from)].front;
     const int source = arrivals_[static_cast<size_t>(from)].source;
     const auto v = static_cast<size_t>(arrivals_[static_cast<size_t>(from)].vertex);
-    const Neighbour* neighbours = &fans_.neighbours[static_cast<size_t>(fans_.first_neighbour[v])];
+    const TriangleFans::Neighbour* neighbours =
+        &fans_.neighbours[static_cast<size_t>(fans_.first_neighbour[v])];
     const int count = fans_.first_neighbour[v + 1] - fans_.first_neighbour[v];
     reached_.clear();
     for (int i = 0; i < count; ++i) {
@@ -321,26 +260,30 @@ class March {
       reached_.push_back(
           {.arrival = known,
            .settled = known != kNone && !arrival.waits,
-           .known = arrival.distance,
-           .shortest = distance_along(distance, neighbours[i].squared, arrival.distance)});
+           .known = arrival.front,
+           .shortest = {.distance = distance_along(own.distance, neighbours[i].squared,
+                                                   arrival.front.distance),
+                        .start = fans_.turns[v] ? own.distance : own.start}});
     }
-    const auto across = [&](const Corner& corner, int over, int to) {
+    const auto across = [&](const TriangleFans::Corner& corner, int over, int to) {
       const Reached& base = reached_[static_cast<size_t>(over)];
       Reached& target = reached_[static_cast<size_t>(to)];
       if (!base.settled) return;
-      target.shortest = std::min(
-          target.shortest,
-          distance_across(distance, base.known, neighbours[over].squared, neighbours[to].squared,
-                          corner.dot, corner.cross, std::min(target.known, target.shortest)));
+      const double start = common_start(own, base.known);
+      const double known = std::min(target.known.distance, target.shortest.distance);
+      const double radius = distance_across(own.distance - start, base.known.distance - start,
+                                            neighbours[over].squared, neighbours[to].squared,
+                                            corner.dot, corner.cross, known - start);
+      if (start + radius < known) target.shortest = {.distance = start + radius, .start = start};
     };
     for (int i = fans_.first_corner[v]; i < fans_.first_corner[v + 1]; ++i) {
-      const Corner& corner = fans_.corners[static_cast<size_t>(i)];
+      const TriangleFans::Corner& corner = fans_.corners[static_cast<size_t>(i)];
       across(corner, corner.last, corner.next);
       across(corner, corner.next, corner.last);
     }
     for (int i = 0; i < count; ++i) {
       const Reached& target = reached_[static_cast<size_t>(i)];
-      if (target.shortest < target.known) {
+      if (target.shortest.distance < target.known.distance) {
         arrive(neighbours[i].vertex, source, target.arrival, target.shortest);
       }
     }
@@ -348,15 +291,15 @@ class March {
 
   /// What a vertex that passes its wave on knows of a neighbour.
   struct Reached {
-    int arrival;      ///< of the wave; kNone = not yet
-    bool settled;     ///< its distance has been passed on, so that others may build on it
-    double known;     ///< infinite if not reached
-    double shortest;  ///< of the ways found now; infinite if none is shorter
+    int arrival;     ///< of the wave; kNone = not yet
+    bool settled;    ///< its distance has been passed on, so that others may build on it
+    Front known;     ///< infinite if not reached
+    Front shortest;  ///< of the ways found now; infinite if none is shorter
   };
 
   const TriangleMesh& mesh_;
   double stop_radius_;
-  Fans fans_;
+  TriangleFans fans_;
   std::vector<Arrival> arrivals_;  ///< one for each vertex, then those of further sources
   Events events_;
   std::vector<Reached> reached_;  ///< scratch

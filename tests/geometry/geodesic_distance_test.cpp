@@ -192,44 +192,6 @@ TEST(GeodesicDistance, MovesAlongWithTheMesh) {
   EXPECT_EQ(moved.label, expected.label);
 }
 
-/// A square plate with a square hole in its middle third.
-TriangleMesh plate_with_hole(int cells, double spacing) {
-  TriangleMesh plate = test::flat_sheet(3 * cells, 3 * cells, spacing);
-  const auto in_hole = [&](const Eigen::Vector3i& t) {
-    const Vector3d centre =
-        (plate.vertices.col(t[0]) + plate.vertices.col(t[1]) + plate.vertices.col(t[2])) / 3;
-    const Vector3d cell = centre / (cells * spacing);
-    return cell.x() > 1 && cell.x() < 2 && cell.y() > 1 && cell.y() < 2;
-  };
-  Eigen::Index kept = 0;
-  for (Eigen::Index t = 0; t < plate.triangles.cols(); ++t) {
-    const Eigen::Vector3i corners = plate.triangles.col(t);
-    if (!in_hole(corners)) plate.triangles.col(kept++) = corners;
-  }
-  plate.triangles.conservativeResize(3, kept);
-  return plate;
-}
-
-TEST(GeodesicDistance, GoesRoundAHole) {
-  constexpr int kCells = 10;
-  constexpr double kSpacing = 0.7;
-  const TriangleMesh plate = plate_with_hole(kCells, kSpacing);
-  // From the middle of the left border to the middle of the right one, past the hole's corners.
-  const int row = 3 * kCells + 1;
-  const int left = row * (3 * kCells / 2);
-  const int right = left + 3 * kCells;
-  int triangle = 0;
-  while ((plate.triangles.col(triangle).array() != left).all()) ++triangle;
-  const Vector3d barycentric =
-      (plate.triangles.col(triangle).array() == left).cast<double>().matrix();
-  const double side = kCells * kSpacing;
-  const double truth = side + 2 * std::hypot(side, side / 2);
-  const GeodesicDistance geodesic =
-      from_one(plate, {.triangle = triangle, .barycentric = barycentric});
-  EXPECT_NEAR(geodesic.distance[right], truth, kMaxError * truth);
-  EXPECT_GE(geodesic.distance[right], truth * (1 - kRounding));
-}
-
 TEST(GeodesicDistance, LabelsOfManySourcesOnAFlatSheetAreTheNearestSources) {
   const TriangleMesh sheet = test::flat_sheet(60, 50, 1.1);
   std::mt19937 random(5);
