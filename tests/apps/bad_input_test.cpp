@@ -203,8 +203,8 @@ TEST_F(BadInput, ADepthImageWithoutAPositiveScaleOrACamera) {
                   scratch / "hand.ply"},
                  "camera");
   expect_refused(
-      {"mesh", hand, "--scale", "0.125", "--intrinsics", camera, "-o", scratch / "hand.stl"},
-      "stl");
+      {"mesh", hand, "--scale", "0.125", "--intrinsics", camera, "-o", scratch / "hand.xyz"},
+      ".xyz");
   EXPECT_FALSE(fs::exists(scratch / "hand.ply"));
 }
 
