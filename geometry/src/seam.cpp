@@ -32,6 +32,9 @@ constexpr double kLongestAlong = 2.5;  ///< between vertices of one piece
 constexpr std::size_t kSmallFace = 8;
 constexpr std::size_t kLargestFace = 12;
 
+/// Of a grid: what is farther is in this one, so that an outlier has an index too.
+constexpr double kFarCell = 1e9;
+
 /// A free sector at a border vertex: neighbours counter-clockwise from the border edge that comes
 /// in over the edges of the seam to the border edge that goes out.
 using Sector = std::vector<int>;
@@ -119,10 +122,12 @@ class SeamTriangulation {
     for (const auto& [v, sectors] : sectors_) {
       if (joinable(v)) cell_size = std::max(cell_size, longest(v, v, true));
     }
+    if (cell_size == 0) return {};  // nothing to join
     using Cell = std::array<long, 3>;
     std::map<Cell, std::vector<int>> grid;
     const auto cell_of = [&](int v) {
-      const Eigen::Array3d cell = ((at(v) - vertices_.col(0)) / cell_size).array().floor();
+      const Eigen::Array3d cell =
+          ((at(v) - vertices_.col(0)) / cell_size).array().floor().max(-kFarCell).min(kFarCell);
       return Cell{static_cast<long>(cell[0]), static_cast<long>(cell[1]),
                   static_cast<long>(cell[2])};
     };

@@ -99,6 +99,7 @@ class Overlap {
         closest_(closest_points(SurfaceQuery(mesh), points)),
         normals_(triangle_normals(mesh)),
         opposite_(opposite_half_edges(mesh)),
+        border_(border_vertices(mesh)),
         seen_(static_cast<std::size_t>(points.cols())) {
     for (Eigen::Index v = 0; v < points.cols(); ++v) {
       // A normal that is NaN agrees with none.
@@ -145,9 +146,8 @@ class Overlap {
 
   [[nodiscard]] bool touches_border_in_a_corner(Eigen::Index v) const {
     for (int k = 0; k < 3; ++k) {
-      if (closest_.barycentric(k, v) != 1) continue;
-      if (border_.empty()) border_ = border_vertices(mesh_);
-      return border_[static_cast<std::size_t>(mesh_.triangles(k, triangle(v)))];
+      if (closest_.barycentric(k, v) == 1)
+        return border_[static_cast<std::size_t>(mesh_.triangles(k, triangle(v)))];
     }
     return false;
   }
@@ -157,8 +157,8 @@ class Overlap {
   ClosestPoints closest_;
   Eigen::Matrix3Xd normals_;
   Eigen::Matrix3Xi opposite_;
+  std::vector<bool> border_;  ///< vertices
   std::vector<bool> seen_;
-  mutable std::vector<bool> border_;
 };
 
 /// Drops the triangles for which `drop(t)` holds; returns how many.
@@ -297,9 +297,9 @@ class Zipper {
 }  // namespace
 
 ZipperedScans zipper_scans(std::span<const Scan> scans, const ZipperScansOptions& options) {
-  if (!(options.reach > 0)) {
+  if (!(options.reach > 0) || !std::isfinite(options.reach)) {
     throw InvalidInput("zipper_scans: reach is " + std::to_string(options.reach) +
-                       ", but must be > 0");
+                       ", but must be > 0 and finite");
   }
   const std::vector<TriangleMesh> meshes = in_frame_of_object(scans, "zipper_scans");
   for (std::size_t i = 0; i < meshes.size(); ++i) {

@@ -12,8 +12,8 @@ namespace palpate::geometry {
 
 struct ZipperScansOptions {
   /// Two scans see the same place of the object iff they are within this many point spacings of
-  /// each other there and their front sides face the same half-space; > 0. More than the steps that
-  /// noise and registration leave between scans, less than the object is thick.
+  /// each other there and their front sides face the same half-space; > 0, finite. More than the
+  /// steps that noise and registration leave between scans, less than the object is thick.
   double reach = 2;
 };
 
@@ -40,10 +40,13 @@ struct ZipperedScans {
 /// So nothing is averaged: a step between scans stays as a steep seam. `merge_scans` averages.
 ///
 /// The scans are added in their order, each to the surface of those before. The surface is oriented
-/// and manifold. Scans should be about equally dense; a hole or a slit less than two spacings wide
-/// may be closed where scans overlap.
+/// and manifold. Scans should be about equally dense; a hole or a slit less than two or three
+/// spacings wide may be closed where scans overlap. Where a seam meets the outline, up to the width
+/// of an edge may be missing there. Where many seams meet about a closed shape, small holes may be
+/// left: see `fill_holes`.
 /// \throws InvalidInput if there is no scan, a scan is not valid (see `check_mesh`) or not manifold
-/// (see `repair_mesh`) or its pose is not finite, all edges have no length, or unless reach > 0.
+/// (see `repair_mesh`) or its pose is not finite, all edges have no length, or unless reach > 0
+/// and finite.
 [[nodiscard]] ZipperedScans zipper_scans(std::span<const Scan> scans,
                                          const ZipperScansOptions& options = {});
 
