@@ -11,13 +11,15 @@
 #include "intrinsic_coarsening.h"
 #include "intrinsic_triangulation.h"
 #include "plane_geometry.h"
+#include "triangle_primitives.h"
 
 namespace palpate::geometry {
 namespace {
 
 constexpr int kNone = IntrinsicTriangulation::kNone;
 
-/// A contact is at a vertex iff the barycentric coordinate there is within this of 1.
+/// A tracked point is at a vertex iff the barycentric coordinate there is within this of 1: the
+/// rounding of those that were snapped.
 constexpr double kAtVertex = 1e-7;
 
 /// The part of each triangle, by id of the lowest; -1 for slots without one.
@@ -109,9 +111,8 @@ class CoarseTriangulation {
     fans_end_ = surface_.id_count();
     std::vector<int> ids;
     for (const SurfacePoint& contact : contacts_) {
-      Eigen::Vector3d at = contact.barycentric.cwiseMax(0);
-      at /= at.sum();
-      ids.push_back(surface_.track(slot_[static_cast<size_t>(contact.triangle)], at));
+      ids.push_back(surface_.track(slot_[static_cast<size_t>(contact.triangle)],
+                                   snap_to_edges(contact.barycentric)));
     }
     list_new_ids();
     for (size_t i = 0; i < ids.size(); ++i) {

@@ -11,21 +11,15 @@
 #include <utility>
 
 #include "palpate/error.h"
+#include "triangle_primitives.h"
 
 namespace palpate::geometry {
 namespace {
 
 using Eigen::Vector3d;
 
-/// A contact is at a corner, or on an edge, iff its barycentric coordinates are this near to 1, or
-/// 0: its place moves by less than anybody measures.
-constexpr double kOnEdge = 1e-7;
-
-/// The place, at a corner or on an edge if it is near one.
-Vector3d snapped(const Vector3d& barycentric) {
-  const Vector3d inside = (barycentric.array() < kOnEdge).select(0, barycentric);
-  return inside / inside.sum();
-}
+/// A point is on a side of a part of a triangle iff a coordinate is this near to 0: rounding.
+constexpr double kOnSide = 1e-7;
 
 /// A contact in a triangle, seen from it.
 struct Visit {
@@ -42,7 +36,7 @@ std::vector<Visit> list_visits(const TriangleMesh& surface,
   std::vector<char> at_edge(static_cast<size_t>(surface.vertices.cols()), 0);
   for (size_t i = 0; i < contacts.size(); ++i) {
     if (contacts[i].triangle < 0) continue;
-    const Vector3d at = snapped(contacts[i].barycentric);
+    const Vector3d at = snap_to_edges(contacts[i].barycentric);
     const Eigen::Vector3i corners = surface.triangles.col(contacts[i].triangle);
     int least = 0;
     if (at.maxCoeff() == 1) continue;
@@ -141,7 +135,7 @@ void ContactLocator::cut(int triangle, std::span<const SurfacePoint> contacts,
   std::vector<Part> parts = {{.rows = whole.rows, .corners = Eigen::Matrix3d::Identity()}};
   for (const int contact : inside) {
     const SurfacePoint& place = contacts[static_cast<size_t>(contact)];
-    const Vector3d own = snapped(place.barycentric);
+    const Vector3d own = snap_to_edges(place.barycentric);
     Vector3d at = Vector3d::Zero();
     // By the vertices' indices: the place may be named in the triangle across the edge.
     for (int k = 0; k < 3; ++k) {
@@ -154,12 +148,12 @@ void ContactLocator::cut(int triangle, std::span<const SurfacePoint> contacts,
     std::vector<Part> finer;
     for (const Part& part : parts) {
       const Vector3d in_part = part.corners.fullPivLu().solve(at);
-      if (in_part.minCoeff() < -kOnEdge) {
+      if (in_part.minCoeff() < -kOnSide) {
         finer.push_back(part);
         continue;
       }
       for (int k = 0; k < 3; ++k) {
-        if (in_part[k] <= kOnEdge) continue;
+        if (in_part[k] <= kOnSide) continue;
         Part& piece = finer.emplace_back(part);
         piece.rows[static_cast<size_t>(k)] = vertex_count + contact;
         piece.corners.col(k) = at;

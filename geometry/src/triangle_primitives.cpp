@@ -98,4 +98,9 @@ Crossing cross_triangle(const ShearedSegment& segment, const Corners& corners) {
   return crossing;
 }
 
+Eigen::Vector3d snap_to_edges(const Eigen::Vector3d& barycentric) {
+  const Eigen::Vector3d inside = (barycentric.array() < kContactOnEdge).select(0, barycentric);
+  return inside / inside.sum();
+}
+
 }  // namespace palpate::geometry

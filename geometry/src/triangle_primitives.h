@@ -11,6 +11,13 @@ namespace palpate::geometry {
 /// The three corners of a triangle.
 using Corners = std::array<Eigen::Vector3d, 3>;
 
+/// A contact is at a corner, or on an edge, iff its barycentric coordinates are this near to 1, or
+/// 0. Its place moves by less than anybody measures, and no triangle thinner than this arises.
+inline constexpr double kContactOnEdge = 1e-4;
+
+/// Barycentric coordinates of a contact, at a corner or on an edge if it is near one; they sum to 1.
+[[nodiscard]] Eigen::Vector3d snap_to_edges(const Eigen::Vector3d& barycentric);
+
 /// The nearest point of one triangle.
 struct Nearest {
   double squared_distance = std::numeric_limits<double>::infinity();
