@@ -110,7 +110,8 @@ SettledPose settle(const RegistrationTarget::Impl& target, const Eigen::Matrix3X
         pose.converged = true;
         return pose;
       }
-      if (pose.iterations++ == max_iterations) return pose;
+      if (pose.iterations == max_iterations) return pose;
+      ++pose.iterations;
       const Eigen::Isometry3d motion = to_motion(x, problem) * pose.motion;
       const Eigen::Matrix3Xd tried = motion * points;
       Pairing pairing = target.pair(tried);
