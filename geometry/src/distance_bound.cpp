@@ -22,8 +22,8 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Of the meshes' diagonal: below it the bounds need not be told apart. Far above the rounding of
-/// distances, far below what is measured.
+/// Of the diagonal of the mesh measured to: below it the bounds need not be told apart. Far above
+/// the rounding of distances, far below what is measured.
 constexpr double kLeastGap = 1e-9;
 
 /// A corner is beside a cutting line iff it is further from it than this fraction of the piece's
