@@ -13,6 +13,7 @@
 #include "pose_verdict.h"
 #include "registration_pcl.h"
 #include "registration_target.h"
+#include "rigid_motion.h"
 
 namespace palpate::geometry {
 namespace {
@@ -54,10 +55,7 @@ void check_options(const RegistrationOptions& o) {
     refuse("min_overlap", o.min_overlap, "in (0, 1]");
   }
   if (!(o.max_rms > 0)) refuse("max_rms", o.max_rms, "> 0");
-  const Eigen::Isometry3d& start = o.T_target_source_start;
-  constexpr double kRotation = 1e-6;  // six decimals, as text files carry them, pass
-  if (!start.matrix().allFinite() || !start.linear().isUnitary(kRotation) ||
-      !(start.linear().determinant() > 0)) {
+  if (!is_rigid(o.T_target_source_start)) {
     throw InvalidInput(
         "register_points: T_target_source_start is not a rotation and a finite shift");
   }

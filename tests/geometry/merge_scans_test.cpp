@@ -209,6 +209,11 @@ TEST(MergeScans, RefusesWhatIsNoScan) {
   EXPECT_THROW((void)merge_scans(scans, {.reach = 0}), InvalidInput);
   scans[1].T_object_scan.translation().x() = kInfinity;
   EXPECT_THROW((void)merge_scans(scans), InvalidInput);
+  scans[1].T_object_scan = Eigen::Isometry3d::Identity();
+  scans[1].T_object_scan.linear() *= 2;
+  EXPECT_THROW((void)merge_scans(scans), InvalidInput);
+  scans[1].T_object_scan.linear() = Vector3d(1, 1, -1).asDiagonal();
+  EXPECT_THROW((void)merge_scans(scans), InvalidInput);
   scans[1] = {.mesh = {}};
   try {
     (void)merge_scans(scans);

@@ -43,7 +43,8 @@ struct ZipperedScans {
 /// and manifold. Scans should be about equally dense; a hole or a slit less than two spacings wide
 /// may be closed where scans overlap.
 /// \throws InvalidInput if there is no scan, a scan is not valid (see `check_mesh`) or not manifold
-/// (see `repair_mesh`) or its pose is not finite, all edges have no length, or unless reach > 0.
+/// (see `repair_mesh`) or its pose is not a rotation and a finite shift, all edges have no length,
+/// or unless reach > 0.
 [[nodiscard]] ZipperedScans zipper_scans(std::span<const Scan> scans,
                                          const ZipperScansOptions& options = {});
 
