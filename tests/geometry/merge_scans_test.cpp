@@ -133,6 +133,7 @@ TEST(MergeScans, OfASphereFromAllSidesAreTheSphere) {
     scans.push_back(look(sphere, eye, 80, 26, seed++));
   }
   const MergedScans merged = merge_scans(scans);
+  EXPECT_THROW((void)merge_scans(scans, {.reach = 1e-9}), SolverError);
   EXPECT_EQ(merged.trimmed, 0);
   EXPECT_EQ(border_edges(merged.mesh), 0);
   EXPECT_EQ(components(merged.mesh), 1);
