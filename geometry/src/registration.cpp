@@ -126,14 +126,20 @@ SettledPose settle(const RegistrationTarget::Impl& target, const Eigen::Matrix3X
   return pose;
 }
 
+/// PCL pairs a point with a vertex no further away than this many deviations, beyond which Tukey's
+/// weight of a distance to the surface is 0, ...
+constexpr double kPclDeviations = 5;
+/// ... and this many coarse cells: a vertex is further than the surface by up to the length of a
+/// side.
+constexpr double kPclCells = 2;
+
 /// Steps of PCL's to the vertices.
 SettledPose settle_with_pcl(const RegistrationTarget::Impl& target, const Eigen::Matrix3Xd& points,
                             const Eigen::Isometry3d& start, const RegistrationOptions& options) {
   const Eigen::Matrix3Xd moved = start * points;
   const double deviation =
       inlier_deviation(target, target.pair(moved).distances, options.min_overlap);
-  // A vertex is further than the surface by up to the length of a side.
-  const double max_distance = 5 * deviation + 2 * target.grid.cell_size();
+  const double max_distance = kPclDeviations * deviation + kPclCells * target.grid.cell_size();
   const VertexCloud::Outcome outcome =
       target.vertex_cloud().align(moved, options.method, max_distance, options.max_iterations);
   SettledPose pose{.motion = outcome.motion * start, .pairing = {}};
