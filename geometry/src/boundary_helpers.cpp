@@ -14,6 +14,10 @@ using Eigen::Vector3d;
 /// against a triangle of contacts, much against the steps of a border along pixels.
 constexpr double kDeviation = 0.1;
 
+/// A chain of the border between two helpers is cut iff it is longer than so many spacings: half as
+/// long again is near enough.
+constexpr double kLongestChain = 1.5;
+
 constexpr int kLeastHelpers = 3;
 
 double distance_to_segment(const Vector3d& p, const Vector3d& a, const Vector3d& b) {
@@ -105,8 +109,7 @@ class Loop {
       deviation = distance;
       furthest = i;
     }
-    // Half as long again is near enough to the spacing.
-    if (furthest != begin || arc(end) - arc(begin) <= 1.5 * spacing) return furthest;
+    if (furthest != begin || arc(end) - arc(begin) <= kLongestChain * spacing) return furthest;
     const double half = (arc(begin) + arc(end)) / 2;
     size_t middle = begin + 1;
     while (middle + 1 < end && arc(middle) < half) ++middle;

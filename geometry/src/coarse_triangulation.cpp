@@ -10,6 +10,7 @@
 #include "helper_elimination.h"
 #include "intrinsic_coarsening.h"
 #include "intrinsic_triangulation.h"
+#include "palpate/error.h"
 #include "plane_geometry.h"
 #include "triangle_primitives.h"
 
@@ -57,11 +58,15 @@ class CoarseTriangulation {
     insert_contacts();
     pin_helpers();
     coarsen(surface_, pinned_);
-    make_simplicial(surface_, [this](int id, int a, int b) {
+    const bool is_simplicial = make_simplicial(surface_, [this](int id, int a, int b) {
       list_new_ids();
       positions_[static_cast<size_t>(id)] =
           (positions_[static_cast<size_t>(a)] + positions_[static_cast<size_t>(b)]) / 2;
     });
+    if (!is_simplicial) {
+      throw SolverError(
+          "triangulate_contacts: no number of helpers tells all edges apart; use voronoi_dual");
+    }
     TrianglesOfContacts result;
     result.intrinsic = intrinsic();
     rows_ = spread_weights(surface_, contact_of_id_);

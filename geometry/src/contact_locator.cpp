@@ -65,15 +65,30 @@ std::vector<Visit> list_visits(const TriangleMesh& surface,
   return visits;
 }
 
-void check_weights(const TriangleMesh& surface, const SurfaceWeights& weights) {
-  if (weights.contacts.cols() == surface.vertices.cols() &&
-      weights.weights.cols() == surface.vertices.cols()) {
-    return;
+void check_weights(const TriangleMesh& surface, size_t contact_count,
+                   const SurfaceWeights& weights) {
+  if (weights.contacts.cols() != surface.vertices.cols() ||
+      weights.weights.cols() != surface.vertices.cols()) {
+    throw InvalidInput("ContactLocator: there are weights for " +
+                       std::to_string(weights.weights.cols()) + " vertices, the surface has " +
+                       std::to_string(surface.vertices.cols()) +
+                       "; pass the weights that were made for this surface");
   }
-  throw InvalidInput("ContactLocator: there are weights for " +
-                     std::to_string(weights.weights.cols()) + " vertices, the surface has " +
-                     std::to_string(surface.vertices.cols()) +
-                     "; pass the weights that were made for this surface");
+  for (Eigen::Index v = 0; v < surface.vertices.cols(); ++v) {
+    for (int k = 0; k < 3; ++k) {
+      const int contact = weights.contacts(k, v);
+      const double weight = weights.weights(k, v);
+      if (contact < -1 || (contact >= 0 && static_cast<size_t>(contact) >= contact_count)) {
+        throw InvalidInput("ContactLocator: the weights of vertex " + std::to_string(v) +
+                           " name contact " + std::to_string(contact) + "; there are " +
+                           std::to_string(contact_count) + ", and -1 stands for none");
+      }
+      if (!(weight >= 0 && weight < std::numeric_limits<double>::infinity())) {
+        throw InvalidInput("ContactLocator: a weight of vertex " + std::to_string(v) + " is " +
+                           std::to_string(weight) + "; it must be >= 0 and finite");
+      }
+    }
+  }
 }
 
 /// None if the weights say nothing.
@@ -89,7 +104,7 @@ ContactWeights normalised(ContactWeights weights, double sum) {
 ContactLocator::ContactLocator(const TriangleMesh& surface, std::span<const SurfacePoint> contacts,
                                const SurfaceWeights& weights) {
   check_mesh(surface, "ContactLocator");
-  check_weights(surface, weights);
+  check_weights(surface, contacts.size(), weights);
   for (Eigen::Index v = 0; v < surface.vertices.cols(); ++v) {
     // In one order, so that most neighbours have the same contacts at the same places.
     std::array<std::pair<int, double>, 3> entries;

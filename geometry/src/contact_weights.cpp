@@ -106,10 +106,16 @@ std::vector<WeightRow> spread_weights(const IntrinsicTriangulation& surface,
         "triangulate_contacts: the weights of the helpers have no solution; use voronoi_dual");
   }
   const Eigen::MatrixXd weights = factors.solve(Eigen::MatrixXd(source));
+  if (!weights.allFinite() || !(weights.rowwise().maxCoeff().array() > 0).all()) {
+    throw SolverError(
+        "triangulate_contacts: the weights of a helper are not finite or all 0; use voronoi_dual");
+  }
   for (Eigen::Index i = 0; i < count; ++i) {
     WeightRow& row = rows[static_cast<size_t>(helpers[static_cast<size_t>(i)])];
+    // The largest is kept even if it is small, as where a thousand contacts are next to a helper.
+    const double least = std::min(kLeastWeight, weights.row(i).maxCoeff());
     for (Eigen::Index j = 0; j < weights.cols(); ++j) {
-      if (!(weights(i, j) > kLeastWeight)) continue;
+      if (weights(i, j) < least) continue;
       row.push_back({.contact = near[static_cast<size_t>(j)], .weight = weights(i, j)});
     }
     std::ranges::sort(row, is_larger);

@@ -16,8 +16,8 @@ namespace palpate::geometry {
 /// some where the surface is thin against its contacts, as around a finger. A helper is the tracked
 /// point nearest to the middle of such an edge, or that middle itself; `add_position(id, a, b)` is
 /// told of the latter, the ends being `a` and `b`. False if it did not end.
-bool make_simplicial(IntrinsicTriangulation& surface,
-                     const std::function<void(int id, int a, int b)>& add_position);
+[[nodiscard]] bool make_simplicial(IntrinsicTriangulation& surface,
+                                   const std::function<void(int id, int a, int b)>& add_position);
 
 /// Turns edges at helpers into edges between contacts where the metric allows it, and then flips
 /// edges between triangles of contacts to Delaunay. `contact_of_id`: -1 for a helper. What was

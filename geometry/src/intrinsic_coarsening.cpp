@@ -95,7 +95,7 @@ class Coarsening {
  public:
   explicit Coarsening(IntrinsicTriangulation& surface) : surface_(surface) {}
 
-  int run(const std::vector<char>& pinned) {
+  void run(const std::vector<char>& pinned) {
     push_all();
     flip_without_repeats();
     std::vector<int> candidates;
@@ -112,7 +112,6 @@ class Coarsening {
     }
     push_all();
     surface_.flip_to_delaunay(pending_);
-    return static_cast<int>(candidates.size());
   }
 
  private:
@@ -288,8 +287,8 @@ class Coarsening {
 
 }  // namespace
 
-int coarsen(IntrinsicTriangulation& surface, const std::vector<char>& pinned) {
-  return Coarsening(surface).run(pinned);
+void coarsen(IntrinsicTriangulation& surface, const std::vector<char>& pinned) {
+  Coarsening(surface).run(pinned);
 }
 
 }  // namespace palpate::geometry

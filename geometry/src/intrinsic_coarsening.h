@@ -12,8 +12,8 @@ namespace palpate::geometry {
 /// leaves an intrinsic Delaunay triangulation of the others; removed vertices become tracked
 /// points. Before a vertex goes it is flattened: its edges are scaled by one factor, which makes
 /// its angles sum up to 2 pi (pi at the border) and moves its curvature to its neighbours (Liu,
-/// Gillespie, Chislett, Sharp, Jacobson and Crane 2023). A flat surface keeps its metric. Of
-/// vertices that cannot be flattened, which is rare, the number is returned; they stay.
-int coarsen(IntrinsicTriangulation& surface, const std::vector<char>& pinned);
+/// Gillespie, Chislett, Sharp, Jacobson and Crane 2023). A flat surface keeps its metric. Vertices
+/// that cannot be flattened, which is rare, stay.
+void coarsen(IntrinsicTriangulation& surface, const std::vector<char>& pinned);
 
 }  // namespace palpate::geometry

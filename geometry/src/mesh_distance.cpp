@@ -21,21 +21,24 @@ void check(const char* function, const HausdorffOptions& options) {
                      "; it must be in (0, 1]");
 }
 
+/// More take more memory than there is: each has three points, and a place in the result.
+constexpr int kMaxCells = 100'000'000;
+
 /// How often each side of each triangle is cut so that about `cells` of equal area come out.
-std::vector<int> divisions(const Eigen::VectorXd& areas, double total, int cells) {
-  std::vector<int> n;
+std::vector<Eigen::Index> divisions(const Eigen::VectorXd& areas, double total, int cells) {
+  std::vector<Eigen::Index> n;
   n.reserve(static_cast<std::size_t>(areas.size()));
   for (const double area : areas) {
-    n.push_back(std::max(1, static_cast<int>(std::lround(std::sqrt(cells * (area / total))))));
+    n.push_back(std::max<Eigen::Index>(1, std::lround(std::sqrt(cells * (area / total)))));
   }
   return n;
 }
 
 /// `mesh` with each side of triangle t cut in n[t] parts.
-TriangleMesh cut_evenly(const TriangleMesh& mesh, const std::vector<int>& n) {
+TriangleMesh cut_evenly(const TriangleMesh& mesh, const std::vector<Eigen::Index>& n) {
   Eigen::Index vertex_count = mesh.vertices.cols();
   Eigen::Index cell_count = 0;
-  for (const int of_side : n) {
+  for (const Eigen::Index of_side : n) {
     vertex_count += (of_side + 1) * (of_side + 2) / 2 - 3;
     cell_count += of_side * of_side;
   }
@@ -47,14 +50,14 @@ TriangleMesh cut_evenly(const TriangleMesh& mesh, const std::vector<int>& n) {
   Eigen::Index next_cell = 0;
   std::vector<int> index;  // row by row, from corner 0 to the side opposite to it
   for (Eigen::Index t = 0; t < mesh.triangles.cols(); ++t) {
-    const int side = n[static_cast<std::size_t>(t)];
+    const Eigen::Index side = n[static_cast<std::size_t>(t)];
     const Eigen::Vector3i corners = mesh.triangles.col(t);
     const Eigen::Vector3d origin = mesh.vertices.col(corners[0]);
     const Eigen::Vector3d to_1 = mesh.vertices.col(corners[1]) - origin;
     const Eigen::Vector3d to_2 = mesh.vertices.col(corners[2]) - origin;
     index.clear();
-    for (int row = 0; row <= side; ++row) {
-      for (int i = 0; i <= row; ++i) {
+    for (Eigen::Index row = 0; row <= side; ++row) {
+      for (Eigen::Index i = 0; i <= row; ++i) {
         if (row == 0) {
           index.push_back(corners[0]);
         } else if (row == side && i == 0) {
@@ -62,17 +65,18 @@ TriangleMesh cut_evenly(const TriangleMesh& mesh, const std::vector<int>& n) {
         } else if (row == side && i == side) {
           index.push_back(corners[2]);
         } else {
-          cells.vertices.col(next_vertex) = origin + (static_cast<double>(row - i) / side) * to_1 +
-                                            (static_cast<double>(i) / side) * to_2;
+          cells.vertices.col(next_vertex) =
+              origin + (static_cast<double>(row - i) / static_cast<double>(side)) * to_1 +
+              static_cast<double>(i) / static_cast<double>(side) * to_2;
           index.push_back(static_cast<int>(next_vertex++));
         }
       }
     }
-    const auto at = [&index](int row, int i) {
+    const auto at = [&index](Eigen::Index row, Eigen::Index i) {
       return index[static_cast<std::size_t>(row * (row + 1) / 2 + i)];
     };
-    for (int row = 0; row < side; ++row) {
-      for (int i = 0; i <= row; ++i) {
+    for (Eigen::Index row = 0; row < side; ++row) {
+      for (Eigen::Index i = 0; i <= row; ++i) {
         cells.triangles.col(next_cell++) << at(row, i), at(row + 1, i), at(row + 1, i + 1);
         if (i < row) {
           cells.triangles.col(next_cell++) << at(row, i), at(row + 1, i + 1), at(row, i + 1);
@@ -138,9 +142,9 @@ HausdorffDistance hausdorff_distance(const TriangleMesh& a, const TriangleMesh& 
 
 SurfaceDistances surface_distances(const TriangleMesh& from, const TriangleMesh& to,
                                    const SurfaceDistanceOptions& options) {
-  if (options.cells < 1) {
+  if (options.cells < 1 || options.cells > kMaxCells) {
     throw InvalidInput("surface_distances(): cells is " + std::to_string(options.cells) +
-                       "; it must be >= 1");
+                       "; it must be in [1, " + std::to_string(kMaxCells) + "]");
   }
   check_mesh(from, "surface_distances(): from");
   check_mesh(to, "surface_distances(): to");
@@ -156,7 +160,11 @@ SurfaceDistances surface_distances(const TriangleMesh& from, const TriangleMesh&
   SurfaceDistances result;
   result.area = areas.sum();
   if (!(result.area > 0)) throw InvalidInput("surface_distances(): from: the mesh has no area");
-  const std::vector<int> n = divisions(areas, result.area, options.cells);
+  if (!std::isfinite(result.area)) {
+    throw InvalidInput(
+        "surface_distances(): from: the mesh is so large that its area overflows; is it in mm?");
+  }
+  const std::vector<Eigen::Index> n = divisions(areas, result.area, options.cells);
   result.cells = cut_evenly(from, n);
   const Eigen::VectorXd at_point = distances_to_surface(quadrature_points(result.cells), to);
 
@@ -167,8 +175,8 @@ SurfaceDistances surface_distances(const TriangleMesh& from, const TriangleMesh&
   double sum_of_squares = 0;
   Eigen::Index cell = 0;
   for (Eigen::Index t = 0; t < areas.size(); ++t) {
-    const int side = n[static_cast<std::size_t>(t)];
-    const double of_cell = areas[t] / (side * side);
+    const Eigen::Index side = n[static_cast<std::size_t>(t)];
+    const double of_cell = areas[t] / static_cast<double>(side * side);
     for (const Eigen::Index end = cell + side * side; cell < end; ++cell) {
       const Eigen::Vector3d d = at_point.segment<kPoints>(kPoints * cell);
       result.distance[cell] = d.mean();
@@ -176,6 +184,11 @@ SurfaceDistances surface_distances(const TriangleMesh& from, const TriangleMesh&
       sum_of_squares += of_cell * d.squaredNorm() / kPoints;
       for (const double one : d) weighted.emplace_back(std::abs(one), of_cell / kPoints);
     }
+  }
+  if (!std::isfinite(sum_of_squares)) {
+    throw InvalidInput(
+        "surface_distances(): the surfaces lie so far apart that distances overflow; are both in "
+        "mm?");
   }
   std::sort(weighted.begin(), weighted.end());
   result.mean = sum / result.area;

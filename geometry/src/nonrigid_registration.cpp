@@ -109,8 +109,8 @@ PlacedVertex place(const DeformationGraph& graph, const std::vector<Eigen::Isome
   return placed;
 }
 
-/// About `wanted` vertices that have a normal, evenly but not on a grid: a regular choice from a
-/// range map would be columns of it.
+/// About kSamplesPerNode vertices a node that have a normal, evenly but not on a grid: a regular
+/// choice from a range map would be columns of it.
 std::vector<int> choose_samples(const DeformationGraph& graph) {
   const auto count = static_cast<std::size_t>(graph.mesh().vertices.cols());
   const std::size_t wanted = kSamplesPerNode * static_cast<std::size_t>(graph.nodes().cols());

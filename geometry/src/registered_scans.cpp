@@ -6,6 +6,7 @@
 #include <cstddef>
 
 #include "palpate/error.h"
+#include "rigid_motion.h"
 
 namespace palpate::geometry {
 
@@ -16,8 +17,8 @@ std::vector<TriangleMesh> in_frame_of_object(std::span<const Scan> scans,
   for (std::size_t i = 0; i < scans.size(); ++i) {
     const std::string name = caller + ": scan " + std::to_string(i);
     check_mesh(scans[i].mesh, name.c_str());
-    if (!scans[i].T_object_scan.matrix().allFinite()) {
-      throw InvalidInput(name + " has a pose that is not finite");
+    if (!is_rigid(scans[i].T_object_scan)) {
+      throw InvalidInput(name + ": T_object_scan is not a rotation and a finite shift");
     }
     meshes.push_back({.vertices = scans[i].T_object_scan * scans[i].mesh.vertices,
                       .triangles = scans[i].mesh.triangles});

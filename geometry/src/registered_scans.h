@@ -12,7 +12,7 @@ namespace palpate::geometry {
 
 /// The scans in the frame of the object.
 /// \throws InvalidInput naming `caller` and the scan, if there is none, one is not valid or its
-/// pose is not finite.
+/// pose is not a rotation and a finite shift.
 [[nodiscard]] std::vector<TriangleMesh> in_frame_of_object(std::span<const Scan> scans,
                                                            const std::string& caller);
 

@@ -13,6 +13,7 @@
 #include "pose_verdict.h"
 #include "registration_pcl.h"
 #include "registration_target.h"
+#include "rigid_motion.h"
 
 namespace palpate::geometry {
 namespace {
@@ -54,10 +55,7 @@ void check_options(const RegistrationOptions& o) {
     refuse("min_overlap", o.min_overlap, "in (0, 1]");
   }
   if (!(o.max_rms > 0)) refuse("max_rms", o.max_rms, "> 0");
-  const Eigen::Isometry3d& start = o.T_target_source_start;
-  constexpr double kRotation = 1e-6;  // six decimals, as text files carry them, pass
-  if (!start.matrix().allFinite() || !start.linear().isUnitary(kRotation) ||
-      !(start.linear().determinant() > 0)) {
+  if (!is_rigid(o.T_target_source_start)) {
     throw InvalidInput(
         "register_points: T_target_source_start is not a rotation and a finite shift");
   }
@@ -110,7 +108,8 @@ SettledPose settle(const RegistrationTarget::Impl& target, const Eigen::Matrix3X
         pose.converged = true;
         return pose;
       }
-      if (pose.iterations++ == max_iterations) return pose;
+      if (pose.iterations == max_iterations) return pose;
+      ++pose.iterations;
       const Eigen::Isometry3d motion = to_motion(x, problem) * pose.motion;
       const Eigen::Matrix3Xd tried = motion * points;
       Pairing pairing = target.pair(tried);
@@ -127,14 +126,20 @@ SettledPose settle(const RegistrationTarget::Impl& target, const Eigen::Matrix3X
   return pose;
 }
 
+/// PCL pairs a point with a vertex no further away than this many deviations, beyond which Tukey's
+/// weight of a distance to the surface is 0, ...
+constexpr double kPclDeviations = 5;
+/// ... and this many coarse cells: a vertex is further than the surface by up to the length of a
+/// side.
+constexpr double kPclCells = 2;
+
 /// Steps of PCL's to the vertices.
 SettledPose settle_with_pcl(const RegistrationTarget::Impl& target, const Eigen::Matrix3Xd& points,
                             const Eigen::Isometry3d& start, const RegistrationOptions& options) {
   const Eigen::Matrix3Xd moved = start * points;
   const double deviation =
       inlier_deviation(target, target.pair(moved).distances, options.min_overlap);
-  // A vertex is further than the surface by up to the length of a side.
-  const double max_distance = 5 * deviation + 2 * target.grid.cell_size();
+  const double max_distance = kPclDeviations * deviation + kPclCells * target.grid.cell_size();
   const VertexCloud::Outcome outcome =
       target.vertex_cloud().align(moved, options.method, max_distance, options.max_iterations);
   SettledPose pose{.motion = outcome.motion * start, .pairing = {}};

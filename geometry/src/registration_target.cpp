@@ -19,8 +19,8 @@ namespace {
 /// Points to one task.
 constexpr Eigen::Index kGrain = 64;
 
-/// A point whose way to the surface ends at the border (on the coarse map: is longer than two
-/// cells) lies beside the surface iff less than this part of the way is along the normal.
+/// On the coarse map a point more than two cells away lies beside the surface iff at most this part
+/// of its way there is along the normal.
 constexpr double kAlongNormal = 0.7;
 
 Eigen::Vector3d box_centre(const TriangleMesh& mesh) {
@@ -160,12 +160,6 @@ void RegistrationTarget::Impl::pair_coarsely(const Eigen::Matrix3Xd& points,
 const VertexCloud& RegistrationTarget::Impl::vertex_cloud() const {
   std::call_once(cloud_made_, [this] { cloud_ = std::make_unique<const VertexCloud>(mesh); });
   return *cloud_;
-}
-
-Eigen::Isometry3d RegistrationTarget::Impl::to_local(const Eigen::Isometry3d& world) const {
-  Eigen::Isometry3d local = world;
-  local.translation() = (world * centre - centre) * scale;
-  return local;
 }
 
 Eigen::Isometry3d RegistrationTarget::Impl::to_world(const Eigen::Isometry3d& local) const {

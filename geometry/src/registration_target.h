@@ -30,7 +30,6 @@ struct RegistrationTarget::Impl {
   void pair_coarsely(const Eigen::Matrix3Xd& points, Pairing& pairing) const;
   [[nodiscard]] const VertexCloud& vertex_cloud() const;  ///< made when it is first asked for
 
-  [[nodiscard]] Eigen::Isometry3d to_local(const Eigen::Isometry3d& world) const;
   [[nodiscard]] Eigen::Isometry3d to_world(const Eigen::Isometry3d& local) const;
 
   Eigen::Vector3d centre;

@@ -57,7 +57,11 @@ double quantile(const Eigen::VectorXd& values, double fraction) {
   return *place;
 }
 
-double deviation_of_median(double median) { return 1.4826 * median; }
+double deviation_of_median(double median) {
+  // Half of a normal distribution lies within 0.6745 deviations, of which this is the inverse.
+  constexpr double kDeviationOfMedian = 1.4826;
+  return kDeviationOfMedian * median;
+}
 
 double tukey_weight(double distance, double deviation) {
   constexpr double kCutOff = 4.685;

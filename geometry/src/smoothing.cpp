@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/geometry/smoothing.h"
 
+#include <fmt/format.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
@@ -17,6 +18,7 @@
 namespace palpate::geometry {
 namespace {
 
+/// Up to here the shortest waves, of frequency 2, get smaller whatever the pass band.
 constexpr double kMaxLambda = 0.6;
 // Vertices that one thread works on at a time.
 constexpr Eigen::Index kGrain = 4096;
@@ -26,8 +28,8 @@ void check_options(const SmoothingOptions& options) {
     throw InvalidInput("iterations is " + std::to_string(options.iterations) +
                        "; a number of at least 0 is needed");
   if (!(options.lambda > 0 && options.lambda <= kMaxLambda))
-    throw InvalidInput("lambda is " + std::to_string(options.lambda) +
-                       "; a number above 0 and up to 0.6 is needed");
+    throw InvalidInput(fmt::format("lambda is {}; a number above 0 and up to {} is needed",
+                                   options.lambda, kMaxLambda));
   if (!(options.pass_band > 0 && options.pass_band < 1))
     throw InvalidInput("pass_band is " + std::to_string(options.pass_band) +
                        "; a number above 0 and below 1 is needed");

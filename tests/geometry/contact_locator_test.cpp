@@ -141,6 +141,29 @@ TEST_F(ContactLocatorTest, RefusesWeightsOfAnotherSurface) {
   }
 }
 
+TEST_F(ContactLocatorTest, RefusesWeightsThatAreNoneAndNamesTheVertex) {
+  const auto refusal = [&](int contact, double weight) -> std::string {
+    SurfaceWeights wrong = weights;
+    wrong.contacts(1, 77) = contact;
+    wrong.weights(1, 77) = weight;
+    try {
+      const ContactLocator refused(surface, contacts, wrong);
+    } catch (const InvalidInput& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  const auto count = static_cast<int>(contacts.size());
+  EXPECT_EQ(refusal(-1, 0), "accepted");
+  EXPECT_EQ(refusal(count - 1, 0.5), "accepted");
+  EXPECT_NE(refusal(-2, 0).find("vertex 77 name contact -2"), std::string::npos);
+  EXPECT_NE(refusal(count, 0.5).find("vertex 77"), std::string::npos);
+  for (const double bad :
+       {-0.1, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    EXPECT_NE(refusal(0, bad).find("vertex 77"), std::string::npos) << bad;
+  }
+}
+
 TEST(ProjectWeights, ReproduceLinearFunctionsOnAFlatSheet) {
   const TriangleMesh sheet = test::flat_sheet(80, 60, 1);
   const TriangleMesh contacts =

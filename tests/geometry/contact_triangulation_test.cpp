@@ -341,6 +341,24 @@ TEST(TriangulateContacts, TakesManyContactsInOneTriangleAndAlongEdges) {
   EXPECT_EQ(result.mesh.triangles.cols(), 128);
 }
 
+TEST(TriangulateContacts, GivesAHelperAmongThousandsOfContactsAContact) {
+  // A fan of half a disc: its hub is pinned on the border, and no contact has a thousandth there.
+  constexpr int kRim = 2000;
+  TriangleMesh fan{.vertices = Eigen::Matrix3Xd::Zero(3, kRim + 1),
+                   .triangles = Eigen::Matrix3Xi(3, kRim - 1)};
+  std::vector<SurfacePoint> contacts;
+  for (int i = 0; i < kRim; ++i) {
+    const double angle = std::numbers::pi * i / (kRim - 1);
+    fan.vertices.col(i + 1) << 50 * std::cos(angle), 50 * std::sin(angle), 0;
+    if (i + 1 < kRim) fan.triangles.col(i) << 0, i + 1, i + 2;
+    contacts.push_back(
+        {std::min(i, kRim - 2), i + 1 < kRim ? Vector3d(0, 1, 0) : Vector3d(0, 0, 1)});
+  }
+  const ContactTriangulation result = triangulate_contacts(fan, contacts);
+  check_weights(fan, result.weights);
+  EXPECT_GE(result.weights.contacts(0, 0), 0);
+}
+
 std::string refusal(const TriangleMesh& surface, const std::vector<SurfacePoint>& contacts) {
   try {
     (void)triangulate_contacts(surface, contacts);

@@ -133,6 +133,7 @@ TEST(MergeScans, OfASphereFromAllSidesAreTheSphere) {
     scans.push_back(look(sphere, eye, 80, 26, seed++));
   }
   const MergedScans merged = merge_scans(scans);
+  EXPECT_THROW((void)merge_scans(scans, {.reach = 1e-9}), SolverError);
   EXPECT_EQ(merged.trimmed, 0);
   EXPECT_EQ(border_edges(merged.mesh), 0);
   EXPECT_EQ(components(merged.mesh), 1);
@@ -208,6 +209,11 @@ TEST(MergeScans, RefusesWhatIsNoScan) {
   std::vector<Scan> scans(2, {.mesh = test::icosphere(1, 30)});
   EXPECT_THROW((void)merge_scans(scans, {.reach = 0}), InvalidInput);
   scans[1].T_object_scan.translation().x() = kInfinity;
+  EXPECT_THROW((void)merge_scans(scans), InvalidInput);
+  scans[1].T_object_scan = Eigen::Isometry3d::Identity();
+  scans[1].T_object_scan.linear() *= 2;
+  EXPECT_THROW((void)merge_scans(scans), InvalidInput);
+  scans[1].T_object_scan.linear() = Vector3d(1, 1, -1).asDiagonal();
   EXPECT_THROW((void)merge_scans(scans), InvalidInput);
   scans[1] = {.mesh = {}};
   try {

@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <limits>
+#include <string>
 
 #include "dense_sampling.h"
 #include "mesh_corpus.h"
@@ -204,7 +205,23 @@ TEST(SurfaceDistances, RefuseASurfaceWithoutAreaAndNoCells) {
   const TriangleMesh sheet = test::flat_sheet(2, 2, 1);
   EXPECT_THROW((void)surface_distances(sheet, sheet, {.cells = 0}), InvalidInput);
   EXPECT_THROW((void)surface_distances(test::scaled(sheet, 0), sheet), InvalidInput);
+  EXPECT_THROW((void)surface_distances(sheet, sheet, {.cells = 100'000'001}), InvalidInput);
   EXPECT_THROW((void)surface_distances(sheet, {}), InvalidInput);
+}
+
+TEST(SurfaceDistances, RefuseWhatOverflows) {
+  const TriangleMesh sheet = test::flat_sheet(2, 2, 1);
+  const auto refusal = [&](const TriangleMesh& from) -> std::string {
+    try {
+      (void)surface_distances(from, sheet, {.cells = 10});
+    } catch (const InvalidInput& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  EXPECT_NE(refusal(test::scaled(sheet, 1e155)).find("in mm?"), std::string::npos);
+  EXPECT_NE(refusal(test::scaled(sheet, 1e300)).find("in mm?"), std::string::npos);
+  EXPECT_NE(refusal(raised(sheet, 1e160)).find("in mm?"), std::string::npos);
 }
 
 }  // namespace

@@ -92,6 +92,17 @@ TEST(RegisterPoints, WithPclsMethodsFindsTheMotionOntoVertices) {
   }
 }
 
+TEST(RegisterPoints, TakesNoMoreStepsThanAllowed) {
+  const TriangleMesh surface = test::bumpy(4000, 0.25);
+  const RegistrationTarget target(surface);
+  const Matrix3Xd moved = points_on(surface, 100, 31).colwise() + Vector3d(6, -4, 3);
+  for (int allowed = 1; allowed <= 30; ++allowed) {
+    const Registration found = register_points(
+        moved, target, {.search_rotation = 0, .search_translation = 0, .max_iterations = allowed});
+    EXPECT_LE(found.iterations, allowed);
+  }
+}
+
 TEST(RegisterPoints, OfSourceAndTargetSwappedIsTheInverse) {
   const TriangleMesh a = bumpy_surface();
   const TriangleMesh b = test::moved(a, random_motion(12 * kDegree, 7));

@@ -155,13 +155,10 @@ std::vector<SurfacePoint> starts(const Eigen::Matrix3Xi& opposite, const Surface
   return {start, other};
 }
 
-}  // namespace
-
-GeodesicDistance exact_geodesic_distance(const TriangleMesh& mesh,
-                                         std::span<const SurfacePoint> sources,
-                                         double stop_radius) {
+/// Pre: as `exact_geodesic_distance`; triangles have an area.
+GeodesicDistance measure(const TriangleMesh& mesh, std::span<const SurfacePoint> sources,
+                         double stop_radius) {
   const Eigen::Matrix3Xi opposite = opposite_half_edges(mesh);
-  refuse_triangles_without_area(mesh);
   const Part part = reachable_part(mesh, sources, stop_radius);
   ShortestPath shortest(part.mesh);
   std::unordered_map<const ShortestPath::Face_location*, int> label_of;
@@ -182,6 +179,21 @@ GeodesicDistance exact_geodesic_distance(const TriangleMesh& mesh,
     geodesic.label[v] = label_of.at(&*source);
   }
   return geodesic;
+}
+
+}  // namespace
+
+GeodesicDistance exact_geodesic_distance(const TriangleMesh& mesh,
+                                         std::span<const SurfacePoint> sources,
+                                         double stop_radius) {
+  refuse_triangles_without_area(mesh);
+  try {
+    return measure(mesh, sources, stop_radius);
+  } catch (const CGAL::Failure_exception& failure) {
+    throw SolverError(std::string("geodesic_distance: GeodesicMethod::exact failed; use "
+                                  "GeodesicMethod::fast_marching: ") +
+                      failure.what());
+  }
 }
 
 }  // namespace palpate::geometry

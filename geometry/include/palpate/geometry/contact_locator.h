@@ -28,8 +28,8 @@ struct ContactWeights {
 class ContactLocator {
  public:
   /// A contact whose `triangle` is -1 is not on the surface: nothing is cut for it.
-  /// \throws InvalidInput on a bad mesh, a bad place, or weights that are not those of the mesh's
-  /// vertices.
+  /// \throws InvalidInput on a bad mesh, a bad place, weights that are not those of the mesh's
+  /// vertices, or naming the vertex where one is negative or not finite, or of no contact.
   ContactLocator(const TriangleMesh& surface, std::span<const SurfacePoint> contacts,
                  const SurfaceWeights& weights);
 

@@ -58,19 +58,21 @@ struct ContactTriangulation {
 /// `coarsening`: the contacts become vertices of an intrinsic triangulation and are pinned, and so
 /// are helpers on the border, about as far apart as contacts are; every other vertex is flattened
 /// and removed (Liu, Gillespie, Chislett, Sharp, Jacobson and Crane 2023) and keeps its place in
-/// the triangles that remain. More helpers are added where contacts alone would be joined by two
-/// edges, as around a finger. A helper's weights are spread over the contacts harmonically. A
-/// vertex of the surface has the weights of its place in its triangle, reduced to three contacts by
-/// taking the fourth largest weight off each; one that is a contact has weight one there. On a flat
-/// surface with a polygon for a border linear functions are reproduced between contacts. `mesh` has
-/// the triangles of contacts after helpers were flipped away as far as the surface's metric allows;
-/// on a closed surface without helpers left it has the surface's Euler characteristic.
-/// `voronoi_dual`: each place where three cells meet becomes a triangle, unless it is turned over
-/// against the surface at its contacts or excluded by one whose cells meet nearer to its contacts;
-/// the weights at a vertex of the surface are those of its nearest point on these flat triangles.
-/// \throws InvalidInput on a bad mesh, fewer than three contacts, two at one place (within 1e-9 of
-/// the surface's diagonal), one not on the surface; `coarsening` on an edge of more than two
-/// triangles, or of two turned against each other; `voronoi_dual` when no three cells meet.
+/// the triangles that remain; one that cannot be flattened stays as a helper. More helpers are
+/// added where contacts alone would be joined by two edges, as around a finger. A helper's weights
+/// are spread over the contacts harmonically. A vertex of the surface has the weights of its place
+/// in its triangle, reduced to three contacts by taking the fourth largest weight off each; one
+/// that is a contact has weight one there. On a flat surface with a polygon for a border linear
+/// functions are reproduced between contacts. `mesh` has the triangles of contacts after helpers
+/// were flipped away as far as the surface's metric allows; on a closed surface without helpers
+/// left it has the surface's Euler characteristic. `voronoi_dual`: each place where three cells
+/// meet becomes a triangle, unless it is turned over against the surface at its contacts or
+/// excluded by one whose cells meet nearer to its contacts; the weights at a vertex of the surface
+/// are those of its nearest point on these flat triangles. \throws InvalidInput on a bad mesh,
+/// fewer than three contacts, two at one place (within 1e-9 of the surface's diagonal), one not on
+/// the surface; `coarsening` on an edge of more than two triangles, or of two turned against each
+/// other; `voronoi_dual` when no three cells meet. SolverError from `coarsening`, on numbers that
+/// overflow or where helpers do not suffice to tell edges apart: `voronoi_dual` may then do.
 [[nodiscard]] ContactTriangulation triangulate_contacts(
     const TriangleMesh& surface, std::span<const SurfacePoint> contacts,
     const ContactTriangulationOptions& options = {});

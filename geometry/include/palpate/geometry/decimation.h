@@ -35,7 +35,7 @@ struct Decimation {
 /// nearest to its centre and to the points half-way from there to its corners, all four. A
 /// tolerance too small to take anything away gives back the input, and so does a limit on the
 /// triangles that it keeps already. With `max_triangles` the result has more triangles than that
-/// where no mesh with fewer passes. \throws InvalidInput on a bad mesh, or options outside their
+/// where none that was tried passes. \throws InvalidInput on a bad mesh, or options outside their
 /// range.
 [[nodiscard]] Decimation decimate(const TriangleMesh& mesh, const DecimationOptions& options);
 

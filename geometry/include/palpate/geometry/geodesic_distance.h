@@ -32,8 +32,8 @@ struct GeodesicDistance {
 /// shape of their triangles; a vertex is corrected when a shorter way is found later, which takes
 /// the place of unfolding obtuse triangles. Past a corner of a border the wave goes on in circles
 /// about the corner. On range maps of 3e4 triangles and more the mean error is below 0.25 % of the
-/// distance and the largest 1.5 %, a few edges from a source 3 %; it falls in proportion to the
-/// size of the triangles. It is larger, in the mean 0.5 %, where triangles are needles, and the
+/// distance and the largest 1.5 %, a few edges from a source 3 %.
+/// It is larger, in the mean 0.5 %, where triangles are needles, and the
 /// distance some percent too short where a wave meets itself behind a finger. Each source has its
 /// own wave, which ends a little way outside its geodesic Voronoi cell (thesis 5.3.2.1), so that
 /// labels at its border are as good as elsewhere; a tie, within rounding, goes to the lowest
@@ -44,6 +44,7 @@ struct GeodesicDistance {
 /// are told apart by rounding. The triangles must be a manifold and have an area.
 /// \throws InvalidInput on a bad mesh, no source, one that is not on the mesh, or stop_radius <= 0;
 /// from `exact` also naming what is no manifold or has no area.
+/// \throws SolverError from `exact` where CGAL fails.
 /// \throws Unavailable from `exact` if the library was built with PALPATE_CGAL=OFF.
 [[nodiscard]] GeodesicDistance geodesic_distance(const TriangleMesh& mesh,
                                                  std::span<const SurfacePoint> sources,

@@ -37,8 +37,9 @@ struct MergedScans {
 /// grows in proportion to the number of vertices, about 0.2 ms each. `zipper_scans` keeps the
 /// measured vertices.
 /// \throws InvalidInput if there is no scan, a scan is not valid (see `check_mesh`) or its pose is
-/// not finite, no vertex has a normal, all edges have no length, or unless reach > 0; SolverError
-/// if there is no such surface; Unavailable if the library was built without CGAL.
+/// not a rotation and a finite shift, no vertex has a normal, all edges have no length, or unless
+/// reach > 0; SolverError if there is no such surface or none of it is within reach; Unavailable if
+/// the library was built without CGAL.
 [[nodiscard]] MergedScans merge_scans(std::span<const Scan> scans,
                                       const MergeScansOptions& options = {});
 

@@ -9,8 +9,8 @@
 namespace palpate::geometry {
 
 struct HausdorffOptions {
-  /// The bounds are at most this fraction of the lower one apart (or 1e-9 of the meshes' diagonal,
-  /// where that is more); in (0, 1].
+  /// The bounds are at most this fraction of the lower one apart (or 1e-9 of the diagonal of the
+  /// mesh that is measured to, where that is more); in (0, 1].
   double max_gap = 0.01;
 };
 
@@ -47,7 +47,7 @@ struct HausdorffDistance {
                                                    const HausdorffOptions& options = {});
 
 struct SurfaceDistanceOptions {
-  /// About as many cells of equal area cover `from`, never less than one a triangle; >= 1.
+  /// About as many cells of equal area cover `from`, never less than one a triangle; in [1, 1e8].
   int cells = 100000;
 };
 
@@ -66,7 +66,8 @@ struct SurfaceDistances {
 
 /// Signed distances (see `distances_to_surface`) of the points of `from` to the surface `to`, by
 /// the three-point rule on each cell, which is exact for the mean square of a linear function.
-/// \throws InvalidInput on a bad mesh, a mesh `from` without area, or an option outside its range.
+/// \throws InvalidInput on a bad mesh, a mesh `from` without area, areas or distances whose squares
+/// overflow, or an option outside its range.
 [[nodiscard]] SurfaceDistances surface_distances(const TriangleMesh& from, const TriangleMesh& to,
                                                  const SurfaceDistanceOptions& options = {});
 

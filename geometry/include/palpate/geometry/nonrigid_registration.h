@@ -25,8 +25,8 @@ struct NonRigidOptions {
   /// How much a node resists being moved otherwise than its neighbours, against the measured points
   /// around it (1: as much): low follows small dents and noise, high bridges holes smoothly; > 0.
   double stiffness = 0.01;
-  /// The registration is refused iff less than this fraction of the vertices before which something
-  /// was measured are on the measured surface; in [0, 1].
+  /// `stop` is `poor_match` iff the surface settled and less than this fraction of the vertices
+  /// before which something was measured are on the measured surface; in [0, 1].
   double min_matched = 0.3;
 };
 
@@ -80,16 +80,20 @@ struct DeformedSurface {
 /// What slides along the surface shows only in its relief: on a plane or a sphere the motion along
 /// the surface is that of the least distortion, not the true one.
 ///
-/// `start`: node motions of a frame before; the surface then follows from there, by up to a third
-/// of `max_correspondence`, and is not stiff at first. Without it the search starts undeformed.
-/// \throws InvalidInput on a bad camera or option, or a start of another graph.
+/// `start`: node motions of a frame before; the surface then follows from there and is not stiff at
+/// first. It follows by up to max_correspondence (min_correspondence / max_correspondence)^0.6, a
+/// third of `max_correspondence` by default. Without `start` the search starts undeformed.
+/// \throws InvalidInput on a bad camera or option, or a start of another graph; SolverError if the
+/// equations of a step cannot be solved.
 [[nodiscard]] DeformedSurface register_deformed(const DeformationGraph& graph, const RangeMap& map,
                                                 const NonRigidOptions& options = {},
                                                 std::span<const Eigen::Isometry3d> start = {});
 
 /// The same for many frames that are each within reach of the undeformed surface: every one starts
-/// there, in parallel, and none can spoil another. A motion that goes further has to be tracked
-/// from frame to frame, by `start`.
+/// there, in parallel, so that an error in one does not go on to the next. A motion that goes
+/// further has to be tracked from frame to frame, by `start`.
+/// \throws InvalidInput or SolverError as above, whichever frame it is: then there is no result of
+/// the others either.
 [[nodiscard]] std::vector<DeformedSurface> register_deformed_frames(
     const DeformationGraph& graph, std::span<const RangeMap> maps,
     const NonRigidOptions& options = {});

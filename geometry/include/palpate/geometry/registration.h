@@ -77,7 +77,7 @@ struct Registration {
   /// [mm] root mean square distance from the surface of the `inliers`; NaN if there are none.
   double rms = 0;
   double median = 0;   ///< [mm] median distance from the surface of all finite points
-  int inliers = 0;     ///< points whose distance fits the others'; not those beside the border
+  int inliers = 0;     ///< points whose distance fits the others'
   double overlap = 0;  ///< `inliers` as a fraction of the finite points
   /// [mm] median distance at the best pose found that differs; NaN if all starts led to one.
   double runner_up = 0;

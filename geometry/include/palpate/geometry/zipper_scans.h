@@ -45,8 +45,8 @@ struct ZipperedScans {
 /// of an edge may be missing there. Where many seams meet about a closed shape, small holes may be
 /// left: see `fill_holes`.
 /// \throws InvalidInput if there is no scan, a scan is not valid (see `check_mesh`) or not manifold
-/// (see `repair_mesh`) or its pose is not finite, all edges have no length, or unless reach > 0
-/// and finite.
+/// (see `repair_mesh`) or its pose is not a rotation and a finite shift, all edges have no length,
+/// or unless reach > 0 and finite.
 [[nodiscard]] ZipperedScans zipper_scans(std::span<const Scan> scans,
                                          const ZipperScansOptions& options = {});
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/geometry/hole_filling.h"
+#include "hole_patches.h"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/border.h>
@@ -46,17 +46,13 @@ bool fill(Surface& surface, Surface::Halfedge_index border) {
 
 }  // namespace
 
-FilledMesh fill_holes(const TriangleMesh& mesh, const HoleFillingOptions& options) {
-  if (!(options.max_diameter > 0)) {
-    throw InvalidInput("max_diameter: is " + std::to_string(options.max_diameter) +
-                       "; holes to fill are at most that wide, in mm, so it must be > 0");
-  }
+FilledMesh add_hole_patches(const TriangleMesh& mesh, double max_diameter) {
   Surface surface = to_surface_mesh<Point>(mesh);
   std::vector<Surface::Halfedge_index> loops;
   pmp::extract_boundary_cycles(surface, std::back_inserter(loops));
   FilledMesh result;
   for (const auto border : loops) {
-    if (diameter(surface, border) <= options.max_diameter && fill(surface, border)) {
+    if (diameter(surface, border) <= max_diameter && fill(surface, border)) {
       ++result.filled;
     } else {
       ++result.left;
