@@ -25,24 +25,6 @@ constexpr Eigen::Index kGrain = 64;
 /// cells) lies beside the surface iff less than this part of the way is along the normal.
 constexpr double kAlongNormal = 0.7;
 
-Eigen::Vector3d box_centre(const TriangleMesh& mesh) {
-  return mesh.vertices.rowwise().minCoeff() / 2 + mesh.vertices.rowwise().maxCoeff() / 2;
-}
-
-double unit_scale(const TriangleMesh& mesh) {
-  const double half_extent =
-      (mesh.vertices.rowwise().maxCoeff() / 2 - mesh.vertices.rowwise().minCoeff() / 2).maxCoeff();
-  // Not beyond the range in which the scale and its inverse are normal numbers.
-  constexpr int kMaxExponent = 1000;
-  const int exponent = half_extent > 0 ? std::ilogb(half_extent) + 1 : 0;
-  return std::ldexp(1.0, -std::clamp(exponent, -kMaxExponent, kMaxExponent));
-}
-
-TriangleMesh localised(TriangleMesh mesh, const Eigen::Vector3d& centre, double scale) {
-  mesh.vertices = (mesh.vertices.colwise() - centre) * scale;
-  return mesh;
-}
-
 const TriangleMesh& checked(const TriangleMesh& mesh) {
   check_mesh(mesh, "register_points: the target");
   if (!(triangle_normals(mesh).array() == triangle_normals(mesh).array()).any()) {
@@ -55,9 +37,12 @@ const TriangleMesh& checked(const TriangleMesh& mesh) {
 }  // namespace
 
 RegistrationTarget::Impl::Impl(const TriangleMesh& surface)
-    : centre(box_centre(checked(surface))),
-      scale(unit_scale(surface)),
-      mesh(localised(surface, centre, scale)),
+    : Impl(surface, local_frame(checked(surface).vertices)) {}
+
+RegistrationTarget::Impl::Impl(const TriangleMesh& surface, const LocalFrame& frame)
+    : centre(frame.centre),
+      scale(frame.scale),
+      mesh{.vertices = frame.to_local(surface.vertices), .triangles = surface.triangles},
       diagonal(bounding_diagonal(mesh)),
       normals(triangle_normals(mesh)),
       query(mesh),
