@@ -13,6 +13,7 @@
 
 #include "edge_table.h"
 #include "palpate/error.h"
+#include "triangle_primitives.h"
 
 namespace palpate::geometry {
 namespace {
@@ -234,11 +235,6 @@ class Repair {
     return pairs;
   }
 
-  [[nodiscard]] double area(int t) const {
-    const Eigen::Vector3d a = at(triangles_(0, t));
-    return (at(triangles_(1, t)) - a).cross(at(triangles_(2, t)) - a).norm() / 2;
-  }
-
   /// Turns the smaller area of each connected surface, so that joined triangles agree.
   void turn(const std::vector<Pair>& pairs) {
     std::vector<std::vector<std::pair<int, bool>>> neighbors(use_.size());  // and: runs against
@@ -256,7 +252,8 @@ class Repair {
       double excess = 0;  // [mm^2] of what runs as the seed does
       for (size_t i = 0; i < surface.size(); ++i) {
         const auto t = static_cast<size_t>(surface[i]);
-        excess += (turned_[t] ? -1 : 1) * area(surface[i]);
+        excess +=
+            (turned_[t] ? -1 : 1) * area_vector(input_.vertices, triangles_.col(surface[i])).norm();
         for (const auto& [next, against] : neighbors[t]) {
           if (seen[static_cast<size_t>(next)]) continue;
           seen[static_cast<size_t>(next)] = true;

@@ -11,6 +11,10 @@ namespace palpate::geometry {
 /// The three corners of a triangle.
 using Corners = std::array<Eigen::Vector3d, 3>;
 
+/// [mm^2] along the normal, as long as the area of a triangle of `vertices` (3 x N).
+[[nodiscard]] Eigen::Vector3d area_vector(const Eigen::Matrix3Xd& vertices,
+                                          const Eigen::Vector3i& triangle);
+
 /// The nearest point of one triangle.
 struct Nearest {
   double squared_distance = std::numeric_limits<double>::infinity();
