@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "decimation_check.h"
+#include "local_frame.h"
 #include "palpate/error.h"
 #include "triangle_neighbours.h"
 
@@ -65,11 +66,9 @@ struct FloatPositions {
   double scale;  ///< local = scale * (world - centre)
 
   explicit FloatPositions(const TriangleMesh& mesh) {
-    const Eigen::Vector3d lower = mesh.vertices.rowwise().minCoeff();
-    const Eigen::Vector3d upper = mesh.vertices.rowwise().maxCoeff();
-    const double half_extent = (upper / 2 - lower / 2).maxCoeff();
-    scale = half_extent > 0 ? std::ldexp(1.0, -std::ilogb(half_extent) - 1) : 1;
-    local = ((mesh.vertices.colwise() - (lower / 2 + upper / 2)) * scale).cast<float>();
+    const LocalFrame frame = local_frame(mesh.vertices);
+    scale = frame.scale;
+    local = frame.to_local(mesh.vertices).cast<float>();
   }
 };
 

@@ -11,6 +11,7 @@
 #include <numeric>
 #include <utility>
 
+#include "cross_matrix.h"
 #include "palpate/error.h"
 
 // The unknowns of a node are a turn about its own place, times the spacing of the nodes, and a
@@ -33,12 +34,6 @@ constexpr double kAnchor = 0.005;
 /// Turns and shifts of a step are damped by this fraction of the weight of the data, so that the
 /// equations can be solved: nothing else holds the turn of a node that is alone and not seen.
 constexpr double kDamping = 1e-5;
-
-Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
-  Eigen::Matrix3d matrix;
-  matrix << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-  return matrix;
-}
 
 }  // namespace
 

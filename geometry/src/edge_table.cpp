@@ -3,24 +3,53 @@
 #include "edge_table.h"
 
 #include <array>
+#include <cstddef>
 #include <numeric>
-#include <tuple>
 #include <utility>
 
 namespace palpate::geometry {
 
-std::vector<EdgeSide> sort_sides(const Eigen::Matrix3Xi& triangles, const std::vector<bool>& use) {
-  std::vector<EdgeSide> sides;
-  sides.reserve(static_cast<size_t>(triangles.size()));
-  for (int h = 0; h < triangles.size(); ++h) {
-    if (!use[static_cast<size_t>(h / 3)]) continue;
-    const auto [low, high] = std::minmax({triangles(h % 3, h / 3), triangles((h + 1) % 3, h / 3)});
-    sides.push_back({low, high, h, triangles(h % 3, h / 3) == low});
+namespace {
+
+/// First into buckets by the lower vertex, in each of which few sides are left to sort.
+std::vector<EdgeSide> sort_sides_of(const Eigen::Matrix3Xi& triangles, const auto& use) {
+  const auto each_side = [&](const auto& visit) {
+    for (int t = 0; t < triangles.cols(); ++t) {
+      if (!use(t)) continue;
+      for (int k = 0; k < 3; ++k) {
+        const int from = triangles(k, t);
+        const int to = triangles(k == 2 ? 0 : k + 1, t);
+        visit(EdgeSide{std::min(from, to), std::max(from, to), 3 * t + k, from <= to});
+      }
+    }
+  };
+  int most = -1;
+  each_side([&](const EdgeSide& side) { most = std::max(most, side.low); });
+  std::vector<std::size_t> end(static_cast<std::size_t>(most) + 2, 0);
+  each_side([&](const EdgeSide& side) { ++end[static_cast<std::size_t>(side.low) + 1]; });
+  std::partial_sum(end.begin(), end.end(), end.begin());
+  std::vector<EdgeSide> sides(end.back());
+  // Filling a bucket moves its start to its end.
+  each_side([&](const EdgeSide& side) { sides[end[static_cast<std::size_t>(side.low)]++] = side; });
+  auto first = sides.begin();
+  for (std::size_t v = 0; v + 1 < end.size(); ++v) {
+    const auto last = sides.begin() + static_cast<std::ptrdiff_t>(end[v]);
+    std::sort(first, last, [](const EdgeSide& a, const EdgeSide& b) {
+      return a.high != b.high ? a.high < b.high : a.half_edge < b.half_edge;
+    });
+    first = last;
   }
-  std::sort(sides.begin(), sides.end(), [](const EdgeSide& a, const EdgeSide& b) {
-    return std::tie(a.low, a.high, a.half_edge) < std::tie(b.low, b.high, b.half_edge);
-  });
   return sides;
+}
+
+}  // namespace
+
+std::vector<EdgeSide> sort_sides(const Eigen::Matrix3Xi& triangles) {
+  return sort_sides_of(triangles, [](int) { return true; });
+}
+
+std::vector<EdgeSide> sort_sides(const Eigen::Matrix3Xi& triangles, const std::vector<bool>& use) {
+  return sort_sides_of(triangles, [&](int t) { return use[static_cast<std::size_t>(t)]; });
 }
 
 std::vector<int> repeated_triangles(const Eigen::Matrix3Xi& triangles,

@@ -25,8 +25,9 @@ struct EdgeSide {
   [[nodiscard]] int next_corner() const { return half_edge - half_edge % 3 + (half_edge + 1) % 3; }
 };
 
-/// The sides of those triangles for which `use` holds, edge by edge in ascending order, those of
-/// one edge in the order of their half-edges. Pre: the triangles in use name vertices.
+/// The sides of all triangles, or of those for which `use` holds, edge by edge in ascending order,
+/// those of one edge in the order of their half-edges. Pre: these triangles name vertices.
+[[nodiscard]] std::vector<EdgeSide> sort_sides(const Eigen::Matrix3Xi& triangles);
 [[nodiscard]] std::vector<EdgeSide> sort_sides(const Eigen::Matrix3Xi& triangles,
                                                const std::vector<bool>& use);
 

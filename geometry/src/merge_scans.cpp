@@ -39,29 +39,16 @@ OrientedPoints points_with_normals(const std::vector<TriangleMesh>& meshes) {
   return all;
 }
 
-/// The triangles whose corners are all kept, and the vertices they use.
-TriangleMesh cut_out(const TriangleMesh& mesh, const std::vector<bool>& keep) {
-  std::vector<int> index(keep.size(), -1);
-  TriangleMesh rest{.vertices = Eigen::Matrix3Xd(3, mesh.vertices.cols()),
-                    .triangles = Eigen::Matrix3Xi(3, mesh.triangles.cols())};
-  int vertices = 0;
-  Eigen::Index triangles = 0;
+/// The triangles whose corners are all kept.
+Eigen::Matrix3Xi triangles_between(const TriangleMesh& mesh, const std::vector<bool>& keep) {
+  Eigen::Matrix3Xi triangles(3, mesh.triangles.cols());
+  Eigen::Index count = 0;
   for (const auto& t : mesh.triangles.colwise()) {
     const auto kept = [&](int v) { return keep[static_cast<std::size_t>(v)]; };
-    if (!kept(t[0]) || !kept(t[1]) || !kept(t[2])) continue;
-    for (int k = 0; k < 3; ++k) {
-      int& place = index[static_cast<std::size_t>(t[k])];
-      if (place < 0) {
-        place = vertices++;
-        rest.vertices.col(place) = mesh.vertices.col(t[k]);
-      }
-      rest.triangles(k, triangles) = place;
-    }
-    ++triangles;
+    if (kept(t[0]) && kept(t[1]) && kept(t[2])) triangles.col(count++) = t;
   }
-  rest.vertices.conservativeResize(3, vertices);
-  rest.triangles.conservativeResize(3, triangles);
-  return rest;
+  triangles.conservativeResize(3, count);
+  return triangles;
 }
 
 /// Which vertices are within `distance` of a scan.
@@ -92,13 +79,16 @@ MergedScans merge_scans(std::span<const Scan> scans, const MergeScansOptions& op
   }
   merged.points = static_cast<int>(all.points.cols());
   const TriangleMesh closed = poisson_surface(all.points, all.normals, merged.spacing);
-  const TriangleMesh trimmed =
-      cut_out(closed, near_scans(closed, meshes, options.reach * merged.spacing));
+  const TriangleMesh trimmed{
+      .vertices = closed.vertices,
+      .triangles =
+          triangles_between(closed, near_scans(closed, meshes, options.reach * merged.spacing))};
   if (trimmed.triangles.cols() == 0) {
     throw SolverError("merge_scans: no triangle of the surface is within reach of a scan");
   }
   merged.trimmed = static_cast<int>(closed.triangles.cols() - trimmed.triangles.cols());
-  merged.mesh = repair_mesh(trimmed).mesh;  // where what was cut off leaves two fans at a vertex
+  // Vertices of no triangle are left over, and some at which two fans are.
+  merged.mesh = repair_mesh(trimmed).mesh;
   return merged;
 }
 

@@ -11,6 +11,7 @@
 #include "distance_bound.h"
 #include "palpate/error.h"
 #include "palpate/geometry/comparison.h"
+#include "triangle_primitives.h"
 
 namespace palpate::geometry {
 namespace {
@@ -150,12 +151,7 @@ SurfaceDistances surface_distances(const TriangleMesh& from, const TriangleMesh&
   check_mesh(to, "surface_distances(): to");
   Eigen::VectorXd areas(from.triangles.cols());
   for (Eigen::Index t = 0; t < areas.size(); ++t) {
-    const Eigen::Vector3i corners = from.triangles.col(t);
-    const Eigen::Vector3d origin = from.vertices.col(corners[0]);
-    areas[t] = (from.vertices.col(corners[1]) - origin)
-                   .cross(from.vertices.col(corners[2]) - origin)
-                   .norm() /
-               2;
+    areas[t] = area_vector(from.vertices, from.triangles.col(t)).norm();
   }
   SurfaceDistances result;
   result.area = areas.sum();

@@ -7,19 +7,17 @@
 
 #include "palpate/error.h"
 #include "palpate/geometry/mesh_topology.h"
+#include "triangle_primitives.h"
 
 namespace palpate::geometry {
 
 double surface_area(const TriangleMesh& mesh) {
   check_mesh(mesh, "mesh");
-  double twice = 0;
-  for (const auto& corners : mesh.triangles.colwise()) {
-    const Eigen::Vector3d a = mesh.vertices.col(corners[0]);
-    const Eigen::Vector3d ab = mesh.vertices.col(corners[1]) - a;
-    const Eigen::Vector3d ac = mesh.vertices.col(corners[2]) - a;
-    twice += ab.cross(ac).norm();
+  double area = 0;
+  for (const auto& triangle : mesh.triangles.colwise()) {
+    area += area_vector(mesh.vertices, triangle).norm();
   }
-  return twice / 2;
+  return area;
 }
 
 double enclosed_volume(const TriangleMesh& mesh) {

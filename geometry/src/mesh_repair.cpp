@@ -13,13 +13,14 @@
 
 #include "edge_table.h"
 #include "palpate/error.h"
+#include "triangle_primitives.h"
 
 namespace palpate::geometry {
 namespace {
 
-/// A chain of vertices in line needs one round of flips for each of its triangles at most; what is
-/// left after as many is folded onto itself.
-constexpr int kFlipRounds = 16;
+/// A round of flips can leave as many flat triangles as it found, other ones; after so many such
+/// rounds in a row what is left is folded onto itself.
+constexpr int kIdleRounds = 16;
 
 using Pair = std::pair<EdgeSide, EdgeSide>;
 
@@ -30,8 +31,7 @@ class Repair {
 
   RepairedMesh run() {
     drop_broken_corners();
-    for (int round = 0; round < kFlipRounds && flip_flat(); ++round) {
-    }
+    flip_flat();
     drop_repeated();
     const std::vector<Pair> pairs = pair_sides();
     turn(pairs);
@@ -84,15 +84,36 @@ class Repair {
   }
 
   /// Triangles without area whose vertices are in line: each gives its longest side's neighbour its
-  /// middle vertex, or goes if there is none. Returns whether anything changed.
-  bool flip_flat() {
-    const std::vector<int> flat = find_flat();
-    if (flat.empty()) return false;
+  /// middle vertex, or goes if there is none. Of a chain each round takes one at an end.
+  void flip_flat() {
+    std::vector<int> all(use_.size());
+    std::iota(all.begin(), all.end(), 0);
+    std::vector<int> flat = find_flat(all);
+    size_t fewest = flat.size();
+    for (int idle = 0; !flat.empty() && idle < kIdleRounds;) {
+      const std::vector<int> changed = flip_once(flat);
+      if (changed.empty()) return;
+      std::vector<bool> is_changed(use_.size());
+      for (const int t : changed) is_changed[static_cast<size_t>(t)] = true;
+      std::erase_if(flat, [&](int t) { return is_changed[static_cast<size_t>(t)]; });
+      const std::vector<int> again = find_flat(changed);
+      flat.insert(flat.end(), again.begin(), again.end());
+      idle = flat.size() < fewest ? 0 : idle + 1;
+      fewest = std::min(fewest, flat.size());
+    }
+  }
+
+  /// One round: flips that do not touch each other. Returns the triangles changed.
+  std::vector<int> flip_once(const std::vector<int>& flat) {
     std::vector<bool> is_flat(use_.size());
     for (const int t : flat) is_flat[static_cast<size_t>(t)] = true;
     std::vector<bool> touched(use_.size());
-    bool changed = false;
-    for_each_edge(sort_sides(triangles_, use_), [&](std::span<const EdgeSide> sides) {
+    std::vector<int> changed;
+    const auto touch = [&](int t) {
+      touched[static_cast<size_t>(t)] = true;
+      changed.push_back(t);
+    };
+    for_each_edge(sort_sides(triangles_, around(flat)), [&](std::span<const EdgeSide> sides) {
       for (const EdgeSide& side : sides) {
         const int t = side.triangle();
         if (!is_flat[static_cast<size_t>(t)] || touched[static_cast<size_t>(t)] ||
@@ -105,31 +126,45 @@ class Repair {
         });
         if (other != sides.end()) {
           flip(side, *other);
-          touched[static_cast<size_t>(t)] = true;
-          touched[static_cast<size_t>(other->triangle())] = true;
-          changed = true;
+          touch(t);
+          touch(other->triangle());
         } else if (sides.size() == 1) {
           drop(t);
-          touched[static_cast<size_t>(t)] = true;
-          changed = true;
+          touch(t);
         }
       }
     });
     return changed;
   }
 
-  [[nodiscard]] std::vector<int> find_flat() const {
-    TriangleMesh used;
-    used.vertices = input_.vertices;
-    std::vector<int> original;
-    for (int t = 0; t < triangles_.cols(); ++t) {
-      if (use_[static_cast<size_t>(t)]) original.push_back(t);
+  /// Those in use that have a vertex in common with one of these triangles.
+  [[nodiscard]] std::vector<bool> around(const std::vector<int>& triangles) const {
+    std::vector<bool> at_vertex(place_.size());
+    for (const int t : triangles) {
+      for (const int v : triangles_.col(t)) at_vertex[static_cast<size_t>(v)] = true;
     }
-    used.triangles = triangles_(Eigen::all, original);
+    std::vector<bool> near = use_;
+    for (int t = 0; t < triangles_.cols(); ++t) {
+      if (!use_[static_cast<size_t>(t)]) continue;
+      const auto corners = triangles_.col(t);
+      near[static_cast<size_t>(t)] = std::any_of(
+          corners.begin(), corners.end(), [&](int v) { return at_vertex[static_cast<size_t>(v)]; });
+    }
+    return near;
+  }
+
+  /// Those in use among these triangles that have no area.
+  [[nodiscard]] std::vector<int> find_flat(std::vector<int> triangles) const {
+    std::erase_if(triangles, [&](int t) { return !use_[static_cast<size_t>(t)]; });
+    TriangleMesh used;
+    used.vertices = input_.vertices(Eigen::all, triangles_(Eigen::all, triangles).reshaped());
+    used.triangles = Eigen::VectorXi::LinSpaced(static_cast<Eigen::Index>(3 * triangles.size()), 0,
+                                                static_cast<int>(3 * triangles.size()) - 1)
+                         .reshaped(3, static_cast<Eigen::Index>(triangles.size()));
     const Eigen::Matrix3Xd normals = triangle_normals(used);
     std::vector<int> flat;
-    for (size_t i = 0; i < original.size(); ++i) {
-      if (!normals.col(static_cast<Eigen::Index>(i)).allFinite()) flat.push_back(original[i]);
+    for (size_t i = 0; i < triangles.size(); ++i) {
+      if (!normals.col(static_cast<Eigen::Index>(i)).allFinite()) flat.push_back(triangles[i]);
     }
     return flat;
   }
@@ -200,11 +235,6 @@ class Repair {
     return pairs;
   }
 
-  [[nodiscard]] double area(int t) const {
-    const Eigen::Vector3d a = at(triangles_(0, t));
-    return (at(triangles_(1, t)) - a).cross(at(triangles_(2, t)) - a).norm() / 2;
-  }
-
   /// Turns the smaller area of each connected surface, so that joined triangles agree.
   void turn(const std::vector<Pair>& pairs) {
     std::vector<std::vector<std::pair<int, bool>>> neighbors(use_.size());  // and: runs against
@@ -222,7 +252,8 @@ class Repair {
       double excess = 0;  // [mm^2] of what runs as the seed does
       for (size_t i = 0; i < surface.size(); ++i) {
         const auto t = static_cast<size_t>(surface[i]);
-        excess += (turned_[t] ? -1 : 1) * area(surface[i]);
+        excess +=
+            (turned_[t] ? -1 : 1) * area_vector(input_.vertices, triangles_.col(surface[i])).norm();
         for (const auto& [next, against] : neighbors[t]) {
           if (seen[static_cast<size_t>(next)]) continue;
           seen[static_cast<size_t>(next)] = true;

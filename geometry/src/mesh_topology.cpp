@@ -3,9 +3,12 @@
 #include "palpate/geometry/mesh_topology.h"
 
 #include <algorithm>
+#include <limits>
+#include <span>
 #include <string>
 #include <utility>
 
+#include "edge_table.h"
 #include "palpate/error.h"
 
 namespace palpate::geometry {
@@ -13,7 +16,9 @@ namespace {
 
 constexpr int kNone = -1;
 
-[[noreturn]] void refuse(int from, int to, int half_edge, int other) {
+[[noreturn]] void refuse(const Eigen::Matrix3Xi& triangles, int half_edge, int other) {
+  const int from = triangles(half_edge % 3, half_edge / 3);
+  const int to = triangles((half_edge + 1) % 3, half_edge / 3);
   throw InvalidInput("mesh: triangles " + std::to_string(other / 3) + " and " +
                      std::to_string(half_edge / 3) + " both run along the edge from vertex " +
                      std::to_string(from) + " to vertex " + std::to_string(to) +
@@ -24,25 +29,27 @@ constexpr int kNone = -1;
 
 Eigen::Matrix3Xi opposite_half_edges(const TriangleMesh& mesh) {
   check_mesh(mesh, "mesh");
-  const auto count = static_cast<int>(mesh.triangles.size());
-  const auto from = [&](int half_edge) { return mesh.triangles(half_edge % 3, half_edge / 3); };
-  const auto to = [&](int half_edge) { return mesh.triangles((half_edge + 1) % 3, half_edge / 3); };
-  // The half-edges that leave a vertex, as linked lists.
-  Eigen::VectorXi first = Eigen::VectorXi::Constant(mesh.vertices.cols(), kNone);
-  Eigen::VectorXi next(count);
-  for (int h = 0; h < count; ++h) {
-    for (int other = first[from(h)]; other != kNone; other = next[other]) {
-      if (to(other) == to(h)) refuse(from(h), to(h), h, other);
+  Eigen::Matrix3Xi opposite = Eigen::Matrix3Xi::Constant(3, mesh.triangles.cols(), kNone);
+  // The first half-edge that runs as an earlier one does, and that one.
+  std::pair<int, int> repeated = {std::numeric_limits<int>::max(), kNone};
+  for_each_edge(sort_sides(mesh.triangles), [&](std::span<const EdgeSide> sides) {
+    if (sides.size() == 1) return;
+    if (sides.size() == 2 && sides[0].upwards != sides[1].upwards) {
+      const auto [a, b] = std::pair(sides[0].half_edge, sides[1].half_edge);
+      opposite(a % 3, a / 3) = b;
+      opposite(b % 3, b / 3) = a;
+      return;
     }
-    next[h] = first[from(h)];
-    first[from(h)] = h;
-  }
-  Eigen::Matrix3Xi opposite(3, mesh.triangles.cols());
-  for (int h = 0; h < count; ++h) {
-    int other = first[to(h)];
-    while (other != kNone && to(other) != from(h)) other = next[other];
-    opposite(h % 3, h / 3) = other;
-  }
+    for (const bool upwards : {false, true}) {
+      std::pair<int, int> found = {kNone, kNone};  // the first two that run so
+      for (const EdgeSide& side : sides) {
+        if (side.upwards != upwards || found.second != kNone) continue;
+        (found.first == kNone ? found.first : found.second) = side.half_edge;
+      }
+      if (found.second != kNone) repeated = std::min(repeated, {found.second, found.first});
+    }
+  });
+  if (repeated.second != kNone) refuse(mesh.triangles, repeated.first, repeated.second);
   return opposite;
 }
 

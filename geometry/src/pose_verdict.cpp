@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "pose_search.h"
+#include "rank_quantile.h"
 
 namespace palpate::geometry {
 namespace {
@@ -59,7 +60,7 @@ struct Trial {
 
 double median_after(const RegistrationTarget::Impl& target, const Eigen::Matrix3Xd& moved,
                     const RigidProblem& problem, const Vector6d& motion) {
-  return quantile(target.pair(to_motion(motion, problem) * moved).distances, 0.5);
+  return rank_quantile(target.pair(to_motion(motion, problem) * moved).distances, 0.5);
 }
 
 /// Motions in the order of how little the planes fix them.
@@ -178,7 +179,7 @@ Verdict decide(const SettledPose& pose, const std::vector<Trial>& trials, double
 
 double inlier_deviation(const RegistrationTarget::Impl& target, const Eigen::VectorXd& distances,
                         double fraction) {
-  return std::max(deviation_of_median(quantile(distances, fraction)),
+  return std::max(deviation_of_median(rank_quantile(distances, fraction)),
                   kLeastLength * target.diagonal);
 }
 
@@ -195,7 +196,7 @@ void judge(const RegistrationTarget::Impl& target, const Eigen::Matrix3Xd& point
   }
   result.overlap = static_cast<double>(result.inliers) / static_cast<double>(distances.size());
   result.rms = result.inliers > 0 ? std::sqrt(squares / result.inliers) / target.scale : kNan;
-  result.median = quantile(distances, 0.5) / target.scale;
+  result.median = rank_quantile(distances, 0.5) / target.scale;
   result.runner_up = runner_up / target.scale;
 
   const RigidProblem problem = rigid_problem(moved, pose.pairing, pose.deviation);
@@ -204,7 +205,7 @@ void judge(const RegistrationTarget::Impl& target, const Eigen::Matrix3Xd& point
   std::vector<Vector6d> free;
   if (problem.used >= 3) {
     trials = try_weak_motions(target, spread_subset(moved, kTrialPoints), problem);
-    const double median = quantile(distances, 0.5);
+    const double median = rank_quantile(distances, 0.5);
     const double length = kTrialLength * problem.radius;
     for (const Trial& trial : trials) {
       if (trial.median > median + kFreeGrowth * length || median > kFreeMedian * length) continue;

@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "registered_scans.h"
 
-#include <algorithm>
 #include <cstddef>
 
 #include "palpate/error.h"
+#include "rank_quantile.h"
 #include "rigid_motion.h"
 
 namespace palpate::geometry {
@@ -35,12 +35,11 @@ double median_edge_length(const std::vector<TriangleMesh>& meshes, const std::st
       }
     }
   }
-  const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
-  std::nth_element(lengths.begin(), middle, lengths.end());
-  if (!(*middle > 0)) {
+  const double median = rank_quantile(lengths, 0.5);
+  if (!(median > 0)) {
     throw InvalidInput(caller + ": the median edge of the scans has no length");
   }
-  return *middle;
+  return median;
 }
 
 }  // namespace palpate::geometry

@@ -11,6 +11,7 @@
 #include "palpate/error.h"
 #include "pose_search.h"
 #include "pose_verdict.h"
+#include "rank_quantile.h"
 #include "registration_pcl.h"
 #include "registration_target.h"
 #include "rigid_motion.h"
@@ -100,7 +101,7 @@ SettledPose settle(const RegistrationTarget::Impl& target, const Eigen::Matrix3X
     Vector6d x = solve(problem, kStay);
     if (!x.allFinite()) return pose;
     const double mean_error =
-        quantile(pose.pairing.distances, 0.5) / std::sqrt(static_cast<double>(points.cols()));
+        rank_quantile(pose.pairing.distances, 0.5) / std::sqrt(static_cast<double>(points.cols()));
     const double least_step = std::max(kConverged, kOfMeanError * mean_error);
     const double loss = mean_loss(pose.pairing.distances, pose.deviation);
     for (bool descends = false; !descends; x /= 2) {
@@ -170,8 +171,8 @@ Choice choose(const RegistrationTarget::Impl& target, const Eigen::Matrix3Xd& po
   for (const PoseCandidate& candidate : search.candidates) {
     if (candidate.score > bound || settled.size() == kMaxRivals) break;
     const SettledPose pose = settle(target, some, candidate.motion, fraction, kCandidateSteps);
-    settled.push_back({pose.motion, quantile(pose.pairing.distances, fraction)});
-    medians.push_back(quantile(pose.pairing.distances, 0.5));
+    settled.push_back({pose.motion, rank_quantile(pose.pairing.distances, fraction)});
+    medians.push_back(rank_quantile(pose.pairing.distances, 0.5));
   }
   double least = settled.front().score;
   for (const PoseCandidate& pose : settled) least = std::min(least, pose.score);

@@ -8,8 +8,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <utility>
 
+#include "edge_table.h"
 #include "palpate/error.h"
 #include "registration_pcl.h"
 
@@ -23,24 +25,6 @@ constexpr Eigen::Index kGrain = 64;
 /// of its way there is along the normal.
 constexpr double kAlongNormal = 0.7;
 
-Eigen::Vector3d box_centre(const TriangleMesh& mesh) {
-  return mesh.vertices.rowwise().minCoeff() / 2 + mesh.vertices.rowwise().maxCoeff() / 2;
-}
-
-double unit_scale(const TriangleMesh& mesh) {
-  const double half_extent =
-      (mesh.vertices.rowwise().maxCoeff() / 2 - mesh.vertices.rowwise().minCoeff() / 2).maxCoeff();
-  // Not beyond the range in which the scale and its inverse are normal numbers.
-  constexpr int kMaxExponent = 1000;
-  const int exponent = half_extent > 0 ? std::ilogb(half_extent) + 1 : 0;
-  return std::ldexp(1.0, -std::clamp(exponent, -kMaxExponent, kMaxExponent));
-}
-
-TriangleMesh localised(TriangleMesh mesh, const Eigen::Vector3d& centre, double scale) {
-  mesh.vertices = (mesh.vertices.colwise() - centre) * scale;
-  return mesh;
-}
-
 const TriangleMesh& checked(const TriangleMesh& mesh) {
   check_mesh(mesh, "register_points: the target");
   if (!(triangle_normals(mesh).array() == triangle_normals(mesh).array()).any()) {
@@ -53,9 +37,12 @@ const TriangleMesh& checked(const TriangleMesh& mesh) {
 }  // namespace
 
 RegistrationTarget::Impl::Impl(const TriangleMesh& surface)
-    : centre(box_centre(checked(surface))),
-      scale(unit_scale(surface)),
-      mesh(localised(surface, centre, scale)),
+    : Impl(surface, local_frame(checked(surface).vertices)) {}
+
+RegistrationTarget::Impl::Impl(const TriangleMesh& surface, const LocalFrame& frame)
+    : centre(frame.centre),
+      scale(frame.scale),
+      mesh{.vertices = frame.to_local(surface.vertices), .triangles = surface.triangles},
       diagonal(bounding_diagonal(mesh)),
       normals(triangle_normals(mesh)),
       query(mesh),
@@ -66,40 +53,14 @@ RegistrationTarget::Impl::Impl(const TriangleMesh& surface)
 RegistrationTarget::Impl::~Impl() = default;
 
 void RegistrationTarget::Impl::find_border() {
-  const auto vertex_count = static_cast<size_t>(mesh.vertices.cols());
-  const auto sides = static_cast<size_t>(3 * mesh.triangles.cols());
-  const auto ends = [&](size_t side) {
-    const auto t = static_cast<Eigen::Index>(side / 3);
-    const auto k = static_cast<Eigen::Index>(side % 3);
-    return std::minmax({mesh.triangles(k, t), mesh.triangles((k + 1) % 3, t)});
-  };
-  // Sides sorted by their lower vertex; few share it.
-  std::vector<size_t> first(vertex_count + 1, 0);
-  for (size_t side = 0; side < sides; ++side) ++first[static_cast<size_t>(ends(side).first) + 1];
-  for (size_t v = 0; v < vertex_count; ++v) first[v + 1] += first[v];
-  std::vector<size_t> sorted(sides);
-  std::vector<size_t> next(first.begin(), first.end() - 1);
-  for (size_t side = 0; side < sides; ++side) {
-    sorted[next[static_cast<size_t>(ends(side).first)]++] = side;
-  }
-  border_sides_.assign(sides, false);
-  border_vertices_.assign(vertex_count, false);
-  for (size_t v = 0; v < vertex_count; ++v) {
-    const auto begin = sorted.begin() + static_cast<std::ptrdiff_t>(first[v]);
-    const auto end = sorted.begin() + static_cast<std::ptrdiff_t>(first[v + 1]);
-    std::sort(begin, end, [&](size_t a, size_t b) { return ends(a).second < ends(b).second; });
-    for (auto side = begin; side != end;) {
-      const int to = ends(*side).second;
-      const auto after =
-          std::find_if(side, end, [&](size_t other) { return ends(other).second != to; });
-      if (after - side == 1) {
-        border_sides_[*side] = true;
-        border_vertices_[v] = true;
-        border_vertices_[static_cast<size_t>(to)] = true;
-      }
-      side = after;
-    }
-  }
+  border_sides_.assign(static_cast<size_t>(mesh.triangles.size()), false);
+  border_vertices_.assign(static_cast<size_t>(mesh.vertices.cols()), false);
+  for_each_edge(sort_sides(mesh.triangles), [&](std::span<const EdgeSide> sides) {
+    if (sides.size() != 1) return;
+    border_sides_[static_cast<size_t>(sides[0].half_edge)] = true;
+    border_vertices_[static_cast<size_t>(sides[0].low)] = true;
+    border_vertices_[static_cast<size_t>(sides[0].high)] = true;
+  });
 }
 
 bool RegistrationTarget::Impl::is_on_border(const SurfacePoint& foot) const {

@@ -8,6 +8,7 @@
 #include <mutex>
 #include <vector>
 
+#include "local_frame.h"
 #include "palpate/geometry/registration.h"
 #include "palpate/geometry/surface_query.h"
 #include "rigid_step.h"
@@ -41,6 +42,7 @@ struct RegistrationTarget::Impl {
   SurfelGrid grid;
 
  private:
+  Impl(const TriangleMesh& surface, const LocalFrame& frame);
   void find_border();
   [[nodiscard]] bool is_on_border(const SurfacePoint& foot) const;
 

@@ -9,6 +9,8 @@
 #include <cmath>
 #include <vector>
 
+#include "cross_matrix.h"
+
 namespace palpate::geometry {
 namespace {
 
@@ -31,9 +33,7 @@ void add_pairs(const Eigen::Matrix3Xd& points, const Pairing& pairing, double de
     sum.slope += weight * error * row;
     sum.points.topLeftCorner<3, 3>() +=
         weight * (arm.squaredNorm() * Eigen::Matrix3d::Identity() - arm * arm.transpose());
-    Eigen::Matrix3d cross;
-    cross << 0, -arm.z(), arm.y(), arm.z(), 0, -arm.x(), -arm.y(), arm.x(), 0;
-    sum.points.topRightCorner<3, 3>() += weight * cross;
+    sum.points.topRightCorner<3, 3>() += weight * cross_matrix(arm);
     sum.weight += weight;
     ++sum.used;
   }
@@ -46,15 +46,6 @@ void Pairing::resize(Eigen::Index count) {
   normals.resize(3, count);
   distances.resize(count);
   usable.resize(count);
-}
-
-double quantile(const Eigen::VectorXd& values, double fraction) {
-  std::vector<double> sorted(values.begin(), values.end());
-  const auto rank =
-      static_cast<std::ptrdiff_t>(std::ceil(fraction * static_cast<double>(sorted.size())) - 1);
-  const auto place = sorted.begin() + std::max<std::ptrdiff_t>(rank, 0);
-  std::nth_element(sorted.begin(), place, sorted.end());
-  return *place;
 }
 
 double deviation_of_median(double median) {

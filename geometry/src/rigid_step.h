@@ -20,9 +20,6 @@ struct Pairing {
   void resize(Eigen::Index count);
 };
 
-/// The value that a fraction of `values` does not exceed.
-[[nodiscard]] double quantile(const Eigen::VectorXd& values, double fraction);
-
 /// Standard deviation of a normal distribution of which half lies within `median` of zero.
 [[nodiscard]] double deviation_of_median(double median);
 

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "local_frame.h"
 #include "triangle_packet.h"
 
 namespace palpate::geometry {
@@ -130,16 +131,11 @@ void SurfaceTree::move_vertices(const Eigen::Ref<const Eigen::Matrix3Xd>& vertic
 }
 
 void SurfaceTree::set_frame() {
-  const Eigen::Vector3d lower = mesh_.vertices.rowwise().minCoeff();
-  const Eigen::Vector3d upper = mesh_.vertices.rowwise().maxCoeff();
-  centre_ = lower / 2 + upper / 2;
-  const double half_extent = (upper / 2 - lower / 2).maxCoeff();
-  // Not beyond the range in which the scale and its inverse are normal numbers.
-  constexpr int kMaxExponent = 1000;
-  const int exponent = half_extent > 0 ? std::ilogb(half_extent) + 1 : 0;
-  scale_ = std::ldexp(1.0, -std::clamp(exponent, -kMaxExponent, kMaxExponent));
-  local_ = (mesh_.vertices.colwise() - centre_) * scale_;
-  const double largest = lower.cwiseAbs().cwiseMax(upper.cwiseAbs()).maxCoeff();
+  const LocalFrame frame = local_frame(mesh_.vertices);
+  centre_ = frame.centre;
+  scale_ = frame.scale;
+  local_ = frame.to_local(mesh_.vertices);
+  const double largest = mesh_.vertices.cwiseAbs().maxCoeff();
   on_surface_ = std::min(kOnSurface * largest * scale_, 1.0);
   margin_ = std::max(kFloatMargin, 4 * on_surface_);
 }

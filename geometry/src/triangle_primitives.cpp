@@ -44,6 +44,13 @@ Nearest nearest_inside(const Eigen::Vector3d& point, const Corners& corners) {
 
 }  // namespace
 
+Eigen::Vector3d area_vector(const Eigen::Matrix3Xd& vertices, const Eigen::Vector3i& triangle) {
+  const Eigen::Vector3d a = vertices.col(triangle[0]);
+  const Eigen::Vector3d ab = vertices.col(triangle[1]) - a;
+  const Eigen::Vector3d ac = vertices.col(triangle[2]) - a;
+  return ab.cross(ac) / 2;
+}
+
 // All four candidates are compared by the distance to the point they really name, so a needle,
 // whose normal is mostly rounding, still gives a nearest point.
 Nearest nearest_on_triangle(const Eigen::Vector3d& point, const Corners& corners) {

@@ -18,6 +18,10 @@ inline constexpr double kContactOnEdge = 1e-4;
 /// Barycentric coordinates of a contact, at a corner or on an edge if it is near one; they sum to 1.
 [[nodiscard]] Eigen::Vector3d snap_to_edges(const Eigen::Vector3d& barycentric);
 
+/// [mm^2] along the normal, as long as the area of a triangle of `vertices` (3 x N).
+[[nodiscard]] Eigen::Vector3d area_vector(const Eigen::Matrix3Xd& vertices,
+                                          const Eigen::Vector3i& triangle);
+
 /// The nearest point of one triangle.
 struct Nearest {
   double squared_distance = std::numeric_limits<double>::infinity();

@@ -18,6 +18,7 @@
 
 #include "palpate/error.h"
 #include "palpate/geometry/geodesic_distance.h"
+#include "triangle_primitives.h"
 
 namespace palpate::geometry {
 namespace {
@@ -69,10 +70,8 @@ Eigen::Matrix3Xd contact_normals(const TriangleMesh& surface, const GeodesicDist
                                  std::span<const SurfacePoint> contacts,
                                  const Eigen::VectorXd& radii) {
   Eigen::Matrix3Xd normals = Eigen::Matrix3Xd::Zero(3, radii.size());
-  const auto area = [&surface](Eigen::Index t) -> Eigen::Vector3d {
-    const Eigen::Vector3i corners = surface.triangles.col(t);
-    const Eigen::Vector3d a = surface.vertices.col(corners[0]);
-    return (surface.vertices.col(corners[1]) - a).cross(surface.vertices.col(corners[2]) - a);
+  const auto area = [&surface](Eigen::Index t) {
+    return area_vector(surface.vertices, surface.triangles.col(t));
   };
   for (size_t i = 0; i < contacts.size(); ++i) {
     normals.col(static_cast<Eigen::Index>(i)) = area(contacts[i].triangle);

@@ -15,6 +15,7 @@
 #include "mesh_corpus.h"
 #include "palpate/error.h"
 #include "palpate/geometry/geodesic_distance.h"
+#include "relative_errors.h"
 #include "test_surfaces.h"
 
 namespace palpate::geometry {
@@ -30,25 +31,6 @@ constexpr double kRounding = 1e-11;
 /// What the header promises of finely sampled range maps; relative to the distance.
 constexpr double kMeanError = 0.0025;
 constexpr double kMaxError = 0.015;
-
-/// Errors relative to true distances, of the vertices further from the source than `near`.
-struct Errors {
-  double mean = 0;
-  double max = 0;
-};
-Errors compare(const Eigen::VectorXd& measured, const Eigen::VectorXd& truth, double near) {
-  Errors errors;
-  int count = 0;
-  for (Eigen::Index v = 0; v < truth.size(); ++v) {
-    if (truth[v] <= near) continue;
-    const double error = std::abs(measured[v] - truth[v]) / truth[v];
-    errors.max = std::max(errors.max, error);
-    errors.mean += error;
-    ++count;
-  }
-  errors.mean /= count;
-  return errors;
-}
 
 /// The exact answer, or nothing in a build without CGAL.
 std::optional<GeodesicDistance> exact(const TriangleMesh& mesh,
@@ -68,8 +50,8 @@ TEST(FastMarching, OnRangeMapsIsNearTheExactOne) {
           SurfacePoint{6100, {0.2, 0.3, 0.5}}}) {
       const auto truth = exact(mesh, {source});
       if (!truth) GTEST_SKIP() << "no CGAL";
-      const Errors errors =
-          compare(geodesic_distance(mesh, std::vector{source}).distance, truth->distance, 20);
+      const test::RelativeErrors errors = test::relative_errors(
+          geodesic_distance(mesh, std::vector{source}).distance, truth->distance, 20);
       // Coarse for these waves: twice what finer meshes have.
       EXPECT_LT(errors.mean, 2 * kMeanError);
       EXPECT_LT(errors.max, 2 * kMaxError);
@@ -82,8 +64,8 @@ TEST(FastMarching, IsNearTheExactOneInNeedlesOfAGlove) {
   const SurfacePoint source{100, {0.2, 0.3, 0.5}};
   const auto truth = exact(glove, {source});
   if (!truth) GTEST_SKIP() << "no CGAL";
-  const Errors errors =
-      compare(geodesic_distance(glove, std::vector{source}).distance, truth->distance, 8);
+  const test::RelativeErrors errors = test::relative_errors(
+      geodesic_distance(glove, std::vector{source}).distance, truth->distance, 8);
   EXPECT_LT(errors.mean, 2 * kMeanError);
   // Where the wave meets itself behind a finger it may be some percent too short.
   EXPECT_LT(errors.max, 4 * kMaxError);
@@ -184,7 +166,7 @@ TEST(FastMarching, InTheShadowOfAHoleIsThatRoundItsCorners) {
     // Vertices inside the hole are in no triangle.
     if (measured[v] == kInfinity) measured[v] = truth[v] = 0;
   }
-  const Errors errors = compare(measured, truth, 2 * kSpacing);
+  const test::RelativeErrors errors = test::relative_errors(measured, truth, 2 * kSpacing);
   // The sheet is flat: all there is comes from the edges of the shadow.
   EXPECT_LT(errors.mean, 0.1 * kMeanError);
   EXPECT_LT(errors.max, 0.15 * kMaxError);

@@ -11,6 +11,7 @@
 
 #include "mesh_corpus.h"
 #include "palpate/error.h"
+#include "relative_errors.h"
 #include "test_surfaces.h"
 
 namespace palpate::geometry {
@@ -29,25 +30,6 @@ constexpr double kMaxError = 0.015;
 
 GeodesicDistance from_one(const TriangleMesh& mesh, const SurfacePoint& source) {
   return geodesic_distance(mesh, std::vector<SurfacePoint>{source});
-}
-
-/// Errors relative to true distances, of the vertices further from the source than `near`.
-struct Errors {
-  double mean = 0;
-  double max = 0;
-};
-Errors compare(const Eigen::VectorXd& measured, const Eigen::VectorXd& truth, double near) {
-  Errors errors;
-  int count = 0;
-  for (Eigen::Index v = 0; v < truth.size(); ++v) {
-    if (truth[v] <= near) continue;
-    const double error = std::abs(measured[v] - truth[v]) / truth[v];
-    errors.max = std::max(errors.max, error);
-    errors.mean += error;
-    ++count;
-  }
-  errors.mean /= count;
-  return errors;
 }
 
 Eigen::VectorXd straight_distances(const TriangleMesh& mesh, const SurfacePoint& source) {
@@ -87,8 +69,8 @@ TEST(GeodesicDistance, OnACylinderIsThatOfTheUnrolledSheet) {
         flat.vertices(1, v);
   }
   const SurfacePoint source{.triangle = 1234, .barycentric = {0.2, 0.3, 0.5}};
-  const Errors errors =
-      compare(from_one(rolled, source).distance, straight_distances(flat, source), 2 * kSpacing);
+  const test::RelativeErrors errors = test::relative_errors(
+      from_one(rolled, source).distance, straight_distances(flat, source), 2 * kSpacing);
   EXPECT_LT(errors.mean, 0.2 * kMeanError);
   EXPECT_LT(errors.max, 0.2 * kMaxError);
 }
@@ -105,7 +87,8 @@ TEST(GeodesicDistance, OnASphereIsThatOfGreatCircles) {
       const Vector3d p = sphere.vertices.col(v).normalized();
       truth[v] = kRadius * std::atan2(pole.cross(p).norm(), pole.dot(p));
     }
-    const Errors errors = compare(from_one(sphere, source).distance, truth, 4);
+    const test::RelativeErrors errors =
+        test::relative_errors(from_one(sphere, source).distance, truth, 4);
     EXPECT_LT(errors.mean, 0.6 * last_mean);
     last_mean = errors.mean;
     if (levels < 5) continue;
@@ -158,8 +141,8 @@ TEST(GeodesicDistance, OnAConeIsThatOfItsUnrolledSector) {
     const double r = polar(0, source);
     truth[v] = std::sqrt(r * r + polar(0, v) * polar(0, v) - 2 * r * polar(0, v) * std::cos(turn));
   }
-  const Errors errors =
-      compare(from_one(cone, {.triangle = triangle, .barycentric = corner}).distance, truth, 4);
+  const test::RelativeErrors errors = test::relative_errors(
+      from_one(cone, {.triangle = triangle, .barycentric = corner}).distance, truth, 4);
   EXPECT_LT(errors.mean, kMeanError);
   EXPECT_LT(errors.max, kMaxError);
 }
@@ -188,7 +171,7 @@ TEST(GeodesicDistance, MovesAlongWithTheMesh) {
   const GeodesicDistance expected = geodesic_distance(mesh, sources);
   const GeodesicDistance moved = geodesic_distance(test::moved(mesh, motion), sources);
   // Rounding may decide which of two triangles a wave goes through, which differs by little.
-  EXPECT_LT(compare(moved.distance, expected.distance, 0).max, 1e-6);
+  EXPECT_LT(test::relative_errors(moved.distance, expected.distance, 0).max, 1e-6);
   EXPECT_EQ(moved.label, expected.label);
 }
 

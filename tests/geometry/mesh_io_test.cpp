@@ -14,6 +14,7 @@
 
 #include "file_testing.h"
 #include "palpate/error.h"
+#include "palpate/geometry/mesh_measures.h"
 #include "test_surfaces.h"
 
 namespace palpate::geometry {
@@ -29,16 +30,6 @@ TriangleMesh awkward_mesh() {
 /// A unit tetrahedron's faces, counter-clockwise from outside.
 const std::vector<Eigen::Vector3d> kCorners{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
 const std::vector<Eigen::Vector3i> kFaces{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
-
-/// Of the solid a closed mesh encloses; positive if its triangles face outwards.
-double volume(const TriangleMesh& mesh) {
-  double sum = 0;
-  for (Eigen::Index i = 0; i < mesh.triangles.cols(); ++i) {
-    const auto corner = [&](int k) { return mesh.vertices.col(mesh.triangles(k, i)); };
-    sum += corner(0).dot(corner(1).cross(corner(2))) / 6;
-  }
-  return sum;
-}
 
 const std::string kOff =
     "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n";
@@ -83,7 +74,7 @@ TEST(MeshIo, PutsThePartsOfASceneWhereItPlacesThem) {
   EXPECT_EQ(mesh.vertices.cols(), 8);
   EXPECT_EQ(mesh.vertices.row(0).maxCoeff(), 22000);  // glTF is in metres
   EXPECT_EQ(mesh.vertices.row(2).minCoeff(), -1000);
-  EXPECT_NEAR(volume(mesh), 9e9 / 6, 1e-3);
+  EXPECT_NEAR(enclosed_volume(mesh), 9e9 / 6, 1e-3);
 }
 
 /// One triangle with normals and colours, stretched along z.

@@ -12,6 +12,7 @@
 #include "broken_meshes.h"
 #include "mesh_corpus.h"
 #include "palpate/error.h"
+#include "palpate/geometry/mesh_measures.h"
 #include "palpate/geometry/mesh_topology.h"
 
 namespace palpate::geometry {
@@ -22,23 +23,6 @@ void expect_sound(const TriangleMesh& mesh, const std::string& name) {
   EXPECT_NO_THROW((void)opposite_half_edges(mesh)) << name;
   for (const MeshDefect& defect : find_defects(mesh))
     EXPECT_EQ(defect.kind, DefectKind::triangle_needle) << name << ": " << describe(defect);
-}
-
-double area(const TriangleMesh& mesh) {
-  double sum = 0;
-  for (const auto& t : mesh.triangles.colwise()) {
-    const Eigen::Matrix3d corners = mesh.vertices(Eigen::all, t);
-    sum += (corners.col(1) - corners.col(0)).cross(corners.col(2) - corners.col(0)).norm() / 2;
-  }
-  return sum;
-}
-
-/// Positive for a closed surface whose triangles run round counter-clockwise seen from outside.
-double volume(const TriangleMesh& mesh) {
-  double sum = 0;
-  for (const auto& t : mesh.triangles.colwise())
-    sum += Eigen::Matrix3d(mesh.vertices(Eigen::all, t)).determinant() / 6;
-  return sum;
 }
 
 TEST(MeshRepair, AMeshWithoutDefectsComesBackAsItWas) {
@@ -68,7 +52,7 @@ TEST(MeshRepair, EachBrokenMeshIsMendedAndKeepsWhatWasSound) {
 TEST(MeshRepair, TrianglesTurnedAtRandomRunRoundAgainAsMostOfThemDid) {
   std::mt19937 random(5);
   TriangleMesh mesh = test::glove(6);
-  const double right = volume(mesh);
+  const double right = enclosed_volume(mesh);
   int turned = 0;
   for (auto t : mesh.triangles.colwise()) {
     if (random() % 3 != 0) continue;
@@ -78,7 +62,7 @@ TEST(MeshRepair, TrianglesTurnedAtRandomRunRoundAgainAsMostOfThemDid) {
   const RepairedMesh repaired = repair_mesh(mesh);
   expect_sound(repaired.mesh, "glove");
   EXPECT_EQ(repaired.turned_triangles, turned);
-  EXPECT_NEAR(volume(repaired.mesh), right, 1e-9 * right);
+  EXPECT_NEAR(enclosed_volume(repaired.mesh), right, 1e-9 * right);
 }
 
 TEST(MeshRepair, ATriangleSoupIsSewnTogether) {
@@ -108,8 +92,27 @@ TEST(MeshRepair, ATJunctionIsClosedByFlippingItsFlatTriangle) {
   expect_sound(repaired.mesh, "T junction");
   EXPECT_EQ(repaired.flipped_edges, 1);
   EXPECT_EQ(repaired.removed_triangles, 0);
-  EXPECT_DOUBLE_EQ(area(repaired.mesh), area(mesh));
+  EXPECT_DOUBLE_EQ(surface_area(repaired.mesh), surface_area(mesh));
   EXPECT_EQ((opposite_half_edges(repaired.mesh).array() < 0).count(), 5);
+}
+
+TEST(MeshRepair, AChainOfFlatTrianglesIsFlippedToItsEnd) {
+  // Vertices in line along the long side of a triangle, joined to it by a fan of flat triangles
+  // from the first one, which only the last of them lets begin.
+  constexpr int kChain = 60;
+  TriangleMesh mesh;
+  mesh.vertices = Eigen::Matrix3Xd::Zero(3, kChain + 2);
+  for (int i = 0; i <= kChain; ++i) mesh.vertices(0, i) = i;
+  mesh.vertices.col(kChain + 1) << kChain / 3.0, kChain, 0;
+  mesh.triangles.resize(3, kChain);
+  mesh.triangles.col(0) << 0, kChain, kChain + 1;
+  for (int i = 1; i < kChain; ++i) mesh.triangles.col(i) << 0, i, i + 1;
+  const RepairedMesh repaired = repair_mesh(mesh);
+  expect_sound(repaired.mesh, "chain");
+  EXPECT_EQ(repaired.flipped_edges, kChain - 1);
+  EXPECT_EQ(repaired.removed_triangles, 0);
+  EXPECT_NEAR(surface_area(repaired.mesh), surface_area(mesh), 1e-12 * surface_area(mesh));
+  EXPECT_EQ((opposite_half_edges(repaired.mesh).array() < 0).count(), kChain + 2);
 }
 
 TEST(MeshRepair, AFinIsCutOffAndTheSheetStaysWhole) {

@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -65,6 +67,26 @@ TEST(MeshTopology, EulersFormulaHoldsOnClosedSurfaces) {
   check(test::glove(), 2);
   check(test::closed_sheet(), 2);
   check(test::torus(40, 9, 30, 5), 0);
+}
+
+TEST(MeshTopology, AVertexMayHaveAnyNumberOfTriangles) {
+  // A disk of triangles round its centre, which is the first vertex or the last one: a search
+  // through all of them for each would take longer than a test may.
+  constexpr int kCount = 50000;
+  for (const bool centre_first : {true, false}) {
+    const int centre = centre_first ? 0 : kCount;
+    const auto rim = [&](int i) { return i % kCount + (centre_first ? 1 : 0); };
+    TriangleMesh disk;
+    disk.vertices = Eigen::Matrix3Xd::Zero(3, kCount + 1);
+    disk.triangles.resize(3, kCount);
+    for (int i = 0; i < kCount; ++i) {
+      const double angle = 2 * std::numbers::pi * i / kCount;
+      disk.vertices.col(rim(i)) << std::cos(angle), std::sin(angle), 0;
+      disk.triangles.col(i) << rim(i), rim(i + 1), centre;
+    }
+    EXPECT_EQ(count_edges(disk), Eigen::Vector2i(kCount, kCount));
+    EXPECT_EQ(boundary_loops(disk).size(), 1u);
+  }
 }
 
 TEST(MeshTopology, ASheetWithTwoHolesHasThreeLoops) {
