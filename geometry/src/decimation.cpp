@@ -26,7 +26,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// far it rises. Its own estimate is a half to a third of the distance, but only where that is
 /// largest. What is held fast because a large error fits it badly then is as coarse as a smaller
 /// one left it.
-constexpr double kFirstError = 0.1;
+constexpr double kFirstError = 0.2;
 constexpr double kLastError = 0.7;
 
 /// What it is multiplied by when a mesh passes, and when none does.
@@ -37,10 +37,10 @@ constexpr double kShrink = 0.6;
 constexpr double kLeastError = 0.02;
 
 /// How often the unfit parts of a mesh are held fast before its error is given up; also as soon as
-/// more than kLeastProgress of them are left from one time to the next after the first ones.
-constexpr int kMostRounds = 16;
-constexpr int kFirstRounds = 3;
-constexpr double kLeastProgress = 0.9;
+/// they are not fewer than kPatience times before. The first time does not count: around what is
+/// held fast new ones arise.
+constexpr std::size_t kMostRounds = 24;
+constexpr std::size_t kPatience = 3;
 
 /// No new error is tried after so many meshes.
 constexpr int kMostTries = 40;
@@ -109,14 +109,17 @@ TriangleMesh simplify(const Draft& draft, FloatPositions positions, double error
   return mesh;
 }
 
-/// Fixes what of the draft lies under the unfit triangles of its candidate.
+/// Fixes what of the draft is around the corners of the unfit triangles of its candidate, and all
+/// that lies under those that are too far away.
 void fix_below(Draft& draft, const TriangleMesh& candidate, const DistanceTarget& target,
-               const std::vector<int>& unfit) {
-  std::vector<char> is_unfit(static_cast<std::size_t>(candidate.triangles.cols()), 0);
+               const Unfit& unfit) {
+  std::vector<char> is_far(static_cast<std::size_t>(candidate.triangles.cols()), 0);
   std::vector<char> at_corner(draft.fixed.size(), 0);
-  for (const int t : unfit) {
-    is_unfit[static_cast<std::size_t>(t)] = 1;
-    for (const int v : candidate.triangles.col(t)) at_corner[static_cast<std::size_t>(v)] = 1;
+  for (const int t : unfit.far) is_far[static_cast<std::size_t>(t)] = 1;
+  for (const std::vector<int>* triangles : {&unfit.far, &unfit.shapes}) {
+    for (const int t : *triangles) {
+      for (const int v : candidate.triangles.col(t)) at_corner[static_cast<std::size_t>(v)] = 1;
+    }
   }
   std::vector<int> todo;
   std::vector<char> seen(static_cast<std::size_t>(draft.mesh.triangles.cols()), 0);
@@ -139,7 +142,7 @@ void fix_below(Draft& draft, const TriangleMesh& candidate, const DistanceTarget
     todo.pop_back();
     const SurfacePoint centre{.triangle = t, .barycentric = Eigen::Vector3d::Constant(1.0 / 3)};
     const int above = target.query.closest_point(position(draft.mesh, centre)).at.triangle;
-    if (above < 0 || is_unfit[static_cast<std::size_t>(above)] == 0) continue;
+    if (above < 0 || is_far[static_cast<std::size_t>(above)] == 0) continue;
     for (const int v : draft.mesh.triangles.col(t)) draft.fixed[static_cast<std::size_t>(v)] = 1;
     for (const int neighbour : draft.neighbours.col(t)) visit(neighbour);
   }
@@ -158,19 +161,22 @@ struct Aim {
 std::optional<TriangleMesh> pass(Draft draft, const FloatPositions& positions, const Aim& aim,
                                  const DecimationStandard& standard, int& tries) {
   const double most = (1 - aim.gain) * static_cast<double>(draft.mesh.triangles.cols());
-  double last_unfit = kInfinity;
-  for (int round = 0; round < kMostRounds; ++round) {
+  std::vector<std::size_t> unfit_counts;
+  while (unfit_counts.size() < kMostRounds) {
     TriangleMesh candidate = simplify(draft, positions, aim.error, aim.target_triangles);
     mend_slivers(candidate);
     ++tries;
     const auto count = static_cast<double>(candidate.triangles.cols());
     if (count == 0 || count > most) return std::nullopt;
     const DistanceTarget target(candidate);
-    const std::vector<int> unfit = unfit_triangles(candidate, target, standard, aim.tolerance);
-    if (unfit.empty()) return candidate;
-    const auto unfit_count = static_cast<double>(unfit.size());
-    if (round >= kFirstRounds && unfit_count > kLeastProgress * last_unfit) return std::nullopt;
-    last_unfit = unfit_count;
+    const Unfit unfit = find_unfit(candidate, target, standard, aim.tolerance);
+    if (unfit.count() == 0) return candidate;
+    unfit_counts.push_back(unfit.count());
+    const std::size_t rounds = unfit_counts.size();
+    if (rounds > kPatience + 1 &&
+        unfit_counts[rounds - 1] >= unfit_counts[rounds - 1 - kPatience]) {
+      return std::nullopt;
+    }
     fix_below(draft, candidate, target, unfit);
   }
   return std::nullopt;

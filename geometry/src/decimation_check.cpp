@@ -51,7 +51,7 @@ constexpr int kNone = -1;
 constexpr double kThin = 1e-2;
 
 /// Slivers may lie beside slivers; each pass mends those that do not touch.
-constexpr int kMostPasses = 10;
+constexpr int kMostPasses = 50;
 
 /// The longest side of a triangle that is lower than kThin of it; none for others.
 std::vector<int> sliver_sides(const TriangleMesh& mesh) {
@@ -109,15 +109,14 @@ std::array<int, 3> turned_corners(const TriangleMesh& mesh, Eigen::Index triangl
 }
 
 /// Whether a triangle that the input has not looks the other way than the input does below it, at
-/// its centre and half-way to each corner, or has no area. At all of these: across a steep step of
-/// the input the nearest triangle may well be one that stands upright.
+/// its centre and half-way to each corner. At all of these: across a steep step of the input the
+/// nearest triangle may well be one that stands upright.
 bool turned_over(const TriangleMesh& candidate, Eigen::Index triangle,
                  const Eigen::Vector3d& normal, const DecimationStandard& standard) {
   if (std::binary_search(standard.triangles.begin(), standard.triangles.end(),
                          turned_corners(candidate, triangle))) {
     return false;
   }
-  if (!normal.allFinite()) return true;
   const Eigen::Vector3d centre = Eigen::Vector3d::Constant(1.0 / 3);
   for (int k = -1; k < 3; ++k) {
     Eigen::Vector3d at = centre;
@@ -187,13 +186,19 @@ void mend_slivers(TriangleMesh& mesh) {
       });
       const auto count = last - first;
       if (sliver != last && count <= 2) {
-        const Side& other = sliver == first ? *(last - 1) : *first;
-        changed |= mend(mesh, sliver->half_edge, count == 2 ? other.half_edge : kNone, edge_exists,
-                        touched, drop);
+        const int other = count == 1 ? kNone : (sliver == first ? first + 1 : first)->half_edge;
+        // Beside another sliver: that one's longest side is further out, so it goes first; every
+        // other time not, lest two wait for each other.
+        const bool waits = pass % 2 == 0 && other != kNone &&
+                           longest[static_cast<std::size_t>(other / 3)] != kNone &&
+                           longest[static_cast<std::size_t>(other / 3)] != other;
+        if (!waits) {
+          changed |= mend(mesh, sliver->half_edge, other, edge_exists, touched, drop);
+        }
       }
       first = last;
     }
-    if (!changed) break;
+    if (!changed && pass % 2 == 1) break;
   }
   Eigen::Index kept = 0;
   for (Eigen::Index t = 0; t < mesh.triangles.cols(); ++t) {
@@ -212,43 +217,46 @@ DecimationStandard::DecimationStandard(const TriangleMesh& mesh)
   std::sort(triangles.begin(), triangles.end());
 }
 
-std::vector<int> unfit_triangles(const TriangleMesh& candidate,
-                                 const DistanceTarget& candidate_target,
-                                 const DecimationStandard& standard, double tolerance) {
+Unfit find_unfit(const TriangleMesh& candidate, const DistanceTarget& candidate_target,
+                 const DecimationStandard& standard, double tolerance) {
   const auto count = static_cast<std::size_t>(candidate.triangles.cols());
   const Eigen::Matrix3Xd normals = triangle_normals(candidate);
-  std::vector<char> unfit(count, 0);
+  std::vector<char> bad_shape(count, 0);
+  const std::vector<int> slivers = sliver_sides(candidate);
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t t) {
     const auto triangle = static_cast<Eigen::Index>(t);
-    unfit[t] = turned_over(candidate, triangle, normals.col(triangle), standard) ? 1 : 0;
+    bad_shape[t] =
+        slivers[t] == kNone && turned_over(candidate, triangle, normals.col(triangle), standard);
   });
   const Gluing glued = gluing(candidate);
   for (std::size_t t = 0; t < count; ++t) {
-    if (standard.manifold_edges && glued.bad_edge[t] != 0) unfit[t] = 1;
+    if (standard.manifold_edges && glued.bad_edge[t] != 0) bad_shape[t] = 1;
     for (const int v : candidate.triangles.col(static_cast<Eigen::Index>(t))) {
       const auto vertex = static_cast<std::size_t>(v);
-      if (glued.fans[vertex] > standard.input_gluing.fans[vertex]) unfit[t] = 1;
+      if (glued.fans[vertex] > standard.input_gluing.fans[vertex]) bad_shape[t] = 1;
     }
   }
+  std::vector<char> far(count, 0);
   if (tolerance < std::numeric_limits<double>::infinity()) {
     const BoundGoal goal{.ignore_below = tolerance, .stop_above = tolerance};
     const std::vector<LargestDistance> to_input =
         bound_triangle_distances(candidate, standard.input, goal);
-    for (std::size_t t = 0; t < count; ++t) {
-      if (!(to_input[t].upper <= tolerance)) unfit[t] = 1;
-    }
+    for (std::size_t t = 0; t < count; ++t) far[t] = to_input[t].upper <= tolerance ? 0 : 1;
     for (const LargestDistance& found :
          bound_triangle_distances(standard.input.mesh, candidate_target, goal)) {
       if (found.upper <= tolerance) continue;
-      unfit[static_cast<std::size_t>(candidate_target.query.closest_point(found.at).at.triangle)] =
-          1;
+      far[static_cast<std::size_t>(candidate_target.query.closest_point(found.at).at.triangle)] = 1;
     }
   }
-  std::vector<int> indices;
+  Unfit unfit;
   for (std::size_t t = 0; t < count; ++t) {
-    if (unfit[t] != 0) indices.push_back(static_cast<int>(t));
+    if (far[t] != 0) {
+      unfit.far.push_back(static_cast<int>(t));
+    } else if (bad_shape[t] != 0) {
+      unfit.shapes.push_back(static_cast<int>(t));
+    }
   }
-  return indices;
+  return unfit;
 }
 
 }  // namespace palpate::geometry

@@ -37,12 +37,18 @@ struct DecimationStandard {
   explicit DecimationStandard(const TriangleMesh& mesh);
 };
 
-/// The triangles of `candidate`, whose vertices are those of the input, that break what
-/// `Decimation` promises, ascending: distance to the input above `tolerance` either way, bad
-/// gluing, turned over. Infinite `tolerance`: the distance does not count.
-[[nodiscard]] std::vector<int> unfit_triangles(const TriangleMesh& candidate,
-                                               const DistanceTarget& candidate_target,
-                                               const DecimationStandard& standard,
-                                               double tolerance);
+/// Triangles that break what `Decimation` promises, ascending.
+struct Unfit {
+  std::vector<int> far;     ///< further from the input than the tolerance, or the input from them
+  std::vector<int> shapes;  ///< others: badly glued, or turned over and no slivers
+
+  [[nodiscard]] std::size_t count() const { return far.size() + shapes.size(); }
+};
+
+/// What is unfit of `candidate`, whose vertices are those of the input. Infinite `tolerance`: the
+/// distance does not count.
+[[nodiscard]] Unfit find_unfit(const TriangleMesh& candidate,
+                               const DistanceTarget& candidate_target,
+                               const DecimationStandard& standard, double tolerance);
 
 }  // namespace palpate::geometry

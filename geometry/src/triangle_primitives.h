@@ -15,7 +15,8 @@ using Corners = std::array<Eigen::Vector3d, 3>;
 /// 0. Its place moves by less than anybody measures, and no triangle thinner than this arises.
 inline constexpr double kContactOnEdge = 1e-4;
 
-/// Barycentric coordinates of a contact, at a corner or on an edge if it is near one; they sum to 1.
+/// Barycentric coordinates of a contact, at a corner or on an edge if it is near one; they sum
+/// to 1.
 [[nodiscard]] Eigen::Vector3d snap_to_edges(const Eigen::Vector3d& barycentric);
 
 /// [mm^2] along the normal, as long as the area of a triangle of `vertices` (3 x N).

@@ -94,6 +94,23 @@ TEST_F(WayOfTheData, ADepthImageBecomesAMesh) {
   EXPECT_GT(mesh["triangles"], 100000);
 }
 
+TEST_F(WayOfTheData, AMeshIsDecimatedWithinTheToleranceThatCompareFinds) {
+  const std::string hand = (demo_data() / "../meshes/hand.ply").string();
+  const nlohmann::json mesh =
+      figures({"mesh", hand, "-o", scratch / "small.ply", "--tolerance", "0.5"});
+  const nlohmann::json decimation = mesh["decimation"];
+  EXPECT_EQ(decimation["triangles_before"], 10937);
+  EXPECT_EQ(decimation["triangles_after"], mesh["triangles"]);
+  EXPECT_LT(mesh["triangles"], 10937 / 4);
+  EXPECT_LE(decimation["distance"], 0.5);
+  const nlohmann::json distance =
+      figures({"compare", scratch / "small.ply", hand, "--picture", scratch / "distances.png"});
+  EXPECT_LE(distance["hausdorff"]["lower"], decimation["distance"]);
+  EXPECT_LE(distance["rms"], distance["p90"]);
+  EXPECT_LT(std::abs(distance["mean"].get<double>()), 0.1);
+  EXPECT_TRUE(fs::exists(scratch / "distances.png"));
+}
+
 TEST_F(WayOfTheData, MeasurementsSurviveTheStoreUnchanged) {
   figures({"probe", "import", demo("sheet/contacts.csv"), demo("sheet/samples.csv"), "-o",
            scratch / "a.db"});
