@@ -55,7 +55,7 @@ void tell(const haptics::BuildResult& built) {
 void draw(const FitCall& call, const haptics::Model& model,
           const probing::Acquisition& acquisition) {
   draw_model_contacts(call.pictures / "contacts.png", model,
-                      "Contacts, their Voronoi cells and triangulation");
+                      "Contacts, their cells and triangulation");
   const auto worst = std::max_element(model.contacts.begin(), model.contacts.end(),
                                       [](const auto& a, const auto& b) { return a.rms < b.rms; });
   draw_contact_field(call.pictures / fmt::format("contact_{}.png", worst->id), model, acquisition,

@@ -193,7 +193,7 @@ void draw_contacts(const std::filesystem::path& png, const geometry::TriangleMes
   Canvas canvas(kHeight, title,
                 std::to_string(contact_mesh.vertices.cols()) + " contacts, " +
                     std::to_string(contact_mesh.triangles.cols()) +
-                    " triangles; colours: the part of the surface nearest to each contact");
+                    " triangles; colours: the contact that counts most there");
   const geometry::TriangleMesh clean = without_strays(surface);
   const Eigen::Matrix3Xd& seen = clean.vertices;
   Eigen::Matrix3Xd all(3, seen.cols() + contact_mesh.vertices.cols());
