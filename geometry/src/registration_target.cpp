@@ -5,11 +5,9 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <span>
-#include <utility>
 
 #include "edge_table.h"
 #include "palpate/error.h"
