@@ -340,7 +340,7 @@ TEST(ZipperScans, RefuseWhatIsNoScan) {
   says(refusal(good, {.reach = std::numeric_limits<double>::infinity()}), "finite");
   std::vector<Scan> bad = good;
   bad[1].T_object_scan.translation().x() = std::nan("");
-  says(refusal(bad), "scan 1 has a pose");
+  says(refusal(bad), "scan 1: T_object_scan");
   bad = good;
   bad[1].mesh.vertices(1, 3) = std::nan("");
   says(refusal(bad), "scan 1");
