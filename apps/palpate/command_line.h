@@ -22,6 +22,10 @@ void print(const Settings& settings, const nlohmann::ordered_json& figures,
 /// Adds --unit: what one unit of the coordinates is in the meshes that a command reads.
 void add_unit_option(CLI::App& command, geometry::ReadOptions& options);
 
+/// Accepts numbers above 0, or at least 0, and no NaN.
+[[nodiscard]] CLI::Validator positive();
+[[nodiscard]] CLI::Validator not_negative();
+
 // Each adds one subcommand, whose callback does the work and throws what goes wrong.
 void add_calibrate(CLI::App& app, const Settings& settings);
 void add_compare(CLI::App& app, const Settings& settings);

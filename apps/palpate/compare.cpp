@@ -205,7 +205,7 @@ void add_compare(CLI::App& app, const Settings& settings) {
       ->add_option("--search-translation", call->search_translation,
                    "With --align: how far A's centroid may be from its place [mm]; unless given, A "
                    "covers B or is near its place")
-      ->check(CLI::NonNegativeNumber)
+      ->check(not_negative())
       ->needs(align);
   CLI::Option* section =
       command

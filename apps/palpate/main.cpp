@@ -32,8 +32,7 @@ int run(int argc, char** argv) {
   int threads = 0;
   int verbosity = 0;
   app.add_flag("--json", settings.json, "Print one JSON object with the figures instead of prose");
-  app.add_option("--threads", threads, "Number of threads (default: all cores)")
-      ->check(CLI::PositiveNumber);
+  app.add_option("--threads", threads, "Number of threads (default: all cores)")->check(positive());
   app.add_flag("-v", verbosity, "Say what is being done; -vv says more");
 
   std::optional<tbb::global_control> limit;

@@ -159,15 +159,15 @@ void add_mesh(CLI::App& app, const Settings& settings) {
                     "Mend what palpate info lists: the result is manifold and oriented");
   command
       ->add_option("--fill-holes", call->fill_holes, "Fill holes that are at most so many mm wide")
-      ->check(CLI::PositiveNumber);
+      ->check(positive());
   command
       ->add_option("--smooth", call->smooth,
                    "Iterations of smoothing without shrinking (Taubin); 20 take most noise")
-      ->check(CLI::NonNegativeNumber);
+      ->check(not_negative());
   command
       ->add_option("--tolerance", call->tolerance,
                    "Take triangles away as long as the Hausdorff distance stays within so many mm")
-      ->check(CLI::PositiveNumber);
+      ->check(positive());
   command->add_option("--picture", call->picture, "Also draw the mesh (PNG)");
   command->footer(
       "What is asked for is done in the order repair, fill, smooth, decimate.\n\n"

@@ -208,6 +208,16 @@ TEST_F(BadInput, ADepthImageWithoutAPositiveScaleOrACamera) {
   EXPECT_FALSE(fs::exists(scratch / "hand.ply"));
 }
 
+TEST_F(BadInput, WhatIsDoneToAMeshTakesNumbersThatMakeSense) {
+  const std::string hand = PALPATE_SOURCE_DIR "/meshes/hand.ply";
+  for (const std::string option : {"--tolerance", "--fill-holes"}) {
+    for (const std::string number : {"0", "-1", "nan", "much"})
+      expect_refused({"mesh", hand, option, number, "-o", scratch / "x.ply"}, option);
+  }
+  expect_refused({"mesh", hand, "--smooth", "-3", "-o", scratch / "x.ply"}, "--smooth");
+  expect_refused({"mesh", hand, "--unit", "parsec", "-o", scratch / "x.ply"}, "parsec");
+}
+
 TEST_F(BadInput, AnEightBitImageIsNoDepthImage) {
   expect_refused({"mesh", demo("frames/duck.png"), "--scale", "1", "--intrinsics",
                   "500,500,320,240", "-o", scratch / "x.ply"},
