@@ -1,0 +1,37 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+#include "palpate/geometry/contact_triangulation.h"
+#include "test_surfaces.h"
+
+namespace palpate::geometry {
+namespace {
+
+TEST(CoarseTriangulation, ContactsNextToAVertexNeedNoMoreHelpersThanContactsAtIt) {
+  const TriangleMesh sheet = test::height_field(
+      40, 40, 1.3, [](double x, double y) { return 3 * std::sin(x / 20) * std::cos(y / 17); });
+  const auto triangulate = [&](double offset) {
+    std::vector<SurfacePoint> contacts;
+    for (int row = 4; row <= 36; row += 8) {
+      for (int col = 4; col <= 36; col += 8) {
+        // The first corner of this square's first triangle.
+        contacts.push_back(
+            {.triangle = 2 * (row * 40 + col), .barycentric = {1 - 2 * offset, offset, offset}});
+      }
+    }
+    return triangulate_contacts(sheet, contacts);
+  };
+  const auto at_vertices = triangulate(0);
+  for (const double offset : {1e-9, 1e-7, 1e-6, 1e-5, 9e-5}) {
+    EXPECT_EQ(triangulate(offset).intrinsic.helpers.cols(), at_vertices.intrinsic.helpers.cols())
+        << offset;
+    EXPECT_EQ(triangulate(offset).mesh.triangles, at_vertices.mesh.triangles) << offset;
+  }
+}
+
+}  // namespace
+}  // namespace palpate::geometry
