@@ -1,0 +1,12 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "command_line.h"
+
+namespace palpate::apps {
+
+// Each adds one kind of calibration to `palpate calibrate`.
+void add_calibrate_colors(CLI::App& calibrate, const Settings& settings);
+
+}  // namespace palpate::apps
