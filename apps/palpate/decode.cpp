@@ -63,6 +63,17 @@ sensing::DecodeResult decode_frame(const sensing::Decoder& decoder, const cv::Ma
   }
 }
 
+/// "1234 reconstructed, 56 unlit, ..."
+std::string counts(const sensing::ReasonImage& reasons) {
+  std::string text;
+  for (int code = 0; code < sensing::kReasonCount; ++code) {
+    const auto reason = static_cast<sensing::Reason>(code);
+    text += fmt::format("{}{} {}", code > 0 ? ", " : "", sensing::count(reasons, reason),
+                        sensing::name(reason));
+  }
+  return text;
+}
+
 Outcome decode_one(const sensing::Decoder& decoder, const DecodeCall& call, std::size_t number) {
   const cv::Mat frame = sensing::read_frame(call.frames[number]);
   const auto start = std::chrono::steady_clock::now();
@@ -70,14 +81,11 @@ Outcome decode_one(const sensing::Decoder& decoder, const DecodeCall& call, std:
   const std::chrono::duration<double, std::milli> elapsed =
       std::chrono::steady_clock::now() - start;
 
-  spdlog::info(
-      "{}: {} stripe edges, {} regions ({} without an offset); {} pixels reconstructed, {} unlit, "
-      "{} "
-      "unresolved, {} rejected",
-      call.frames[number].string(), result.transitions, result.regions, result.unresolved_regions,
-      result.reconstructed, result.unlit, result.unresolved, result.rejected);
+  spdlog::info("{}: {} stripe edges, {} regions ({} without an offset); pixels: {}",
+               call.frames[number].string(), result.transitions, result.regions,
+               result.unresolved_regions, counts(result.reasons));
   geometry::write_depth_tiff(numbered(call.output, number, ".tiff"), result.range.z);
-  if (result.reconstructed == 0) {
+  if (sensing::count(result.reasons, sensing::Reason::reconstructed) == 0) {
     spdlog::warn("{}: nothing could be reconstructed.", call.frames[number].string());
   } else if (!call.meshes.empty()) {
     const geometry::RangeMapMesh surface = geometry::mesh_range_map(result.range);

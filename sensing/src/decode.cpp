@@ -31,6 +31,8 @@ constexpr double kBreak = 2;
 /// How far across the sinusoid a break reaches [px]: half the width of `smooth_rows`.
 constexpr int kBreakColumns = 2;
 
+constexpr std::uint8_t code(Reason reason) { return static_cast<std::uint8_t>(reason); }
+
 void check_options(const DecodeOptions& options) {
   const auto require = [](bool good, const char* name, const char* range) {
     if (!good) throw InvalidInput(std::string("DecodeOptions: ") + name + " must lie in " + range);
@@ -86,6 +88,24 @@ Plane hue_plane(const std::vector<Demodulated>& channels) {
   return hue;
 }
 
+/// The first reason stays.
+void give_reason(std::uint8_t& pixel, Reason reason) {
+  if (pixel == code(Reason::reconstructed)) pixel = code(reason);
+}
+
+void give_reason(ReasonImage& reasons, const Mask& where, Reason reason) {
+  for (long i = 0; i < reasons.size(); ++i) {
+    if (where.data()[i] != 0) give_reason(reasons.data()[i], reason);
+  }
+}
+
+/// Where a channel is at full scale.
+Mask find_clipped(const std::vector<Plane>& channels) {
+  Plane highest = channels[0];
+  for (const Plane& channel : channels) highest = highest.max(channel);
+  return (highest >= 1).cast<std::uint8_t>();
+}
+
 Plane wrapped_phase(const Combined& combined) {
   Plane phase(combined.re.rows(), combined.re.cols());
   for (long i = 0; i < phase.size(); ++i) {
@@ -100,14 +120,20 @@ struct AbsolutePhase {
   Mask known;
 };
 
-AbsolutePhase add_offsets(const Regions& regions,
-                          const std::vector<std::optional<double>>& offsets) {
+/// Also tells why the pixels of no resolved region have none.
+AbsolutePhase add_offsets(const Regions& regions, const std::vector<RegionOffset>& offsets,
+                          ReasonImage& reasons) {
   AbsolutePhase absolute{regions.phase, Mask::Zero(regions.phase.rows(), regions.phase.cols())};
   for (long i = 0; i < regions.label.size(); ++i) {
     const int label = regions.label.data()[i];
-    if (label < 0 || !offsets[static_cast<std::size_t>(label)]) continue;
-    absolute.phase.data()[i] += static_cast<float>(*offsets[static_cast<std::size_t>(label)]);
-    absolute.known.data()[i] = 1;
+    const RegionOffset offset = label < 0 ? RegionOffset{{}, Reason::uneven_phase}
+                                          : offsets[static_cast<std::size_t>(label)];
+    if (offset.phase) {
+      absolute.phase.data()[i] += static_cast<float>(*offset.phase);
+      absolute.known.data()[i] = 1;
+    } else {
+      give_reason(reasons.data()[i], offset.reason);
+    }
   }
   return absolute;
 }
@@ -120,9 +146,9 @@ struct Decoder::Impl {
 
   void check_frame(const cv::Mat& frame) const;
   [[nodiscard]] std::vector<PhaseGuess> guesses(const Plane& hue, const Mask& lit) const;
-  [[nodiscard]] std::vector<std::optional<double>> anchor_offsets(const Regions& regions) const;
+  [[nodiscard]] std::vector<RegionOffset> anchor_offsets(const Regions& regions) const;
   [[nodiscard]] Plane depths(const AbsolutePhase& absolute, const ChannelShares& shares,
-                             const Plane& hue) const;
+                             const Plane& hue, ReasonImage& reasons) const;
   [[nodiscard]] DecodeResult decode(const cv::Mat& frame) const;
 
   DecodeOptions options;
@@ -174,19 +200,19 @@ std::vector<PhaseGuess> Decoder::Impl::guesses(const Plane& hue, const Mask& lit
   return result;
 }
 
-std::vector<std::optional<double>> Decoder::Impl::anchor_offsets(const Regions& regions) const {
+std::vector<RegionOffset> Decoder::Impl::anchor_offsets(const Regions& regions) const {
   const int u = static_cast<int>(std::lround(options.anchor->u_px));
   const int v = static_cast<int>(std::lround(options.anchor->v_px));
   PhaseGuess guess{.row = v, .column = u, .score = 1};
   if (model.carrier().transposed) std::swap(guess.row, guess.column);
   const auto phase = model.phase_at_depth(guess.row, guess.column, options.anchor->z);
-  if (!phase) return std::vector<std::optional<double>>(static_cast<std::size_t>(regions.count));
+  if (!phase) return std::vector<RegionOffset>(static_cast<std::size_t>(regions.count));
   guess.phase = *phase;
   return anchored_offsets(regions, guess, filter.radius);
 }
 
 Plane Decoder::Impl::depths(const AbsolutePhase& absolute, const ChannelShares& shares,
-                            const Plane& hue) const {
+                            const Plane& hue, ReasonImage& reasons) const {
   Plane depth = Plane::Constant(model.rows(), model.columns(), kUnknown);
   Plane stripe_pixel = depth;
   const int across = model.pattern().axis == Axis::x ? 1 : 0;
@@ -195,15 +221,17 @@ Plane Decoder::Impl::depths(const AbsolutePhase& absolute, const ChannelShares& 
       if (absolute.known(row, column) == 0) continue;
       const auto phase = static_cast<double>(absolute.phase(row, column));
       const auto surface = model.surface_at(row, column, phase, shares, options.max_sensitivity);
-      if (!surface) continue;
-      depth(row, column) = static_cast<float>(surface->z);
-      stripe_pixel(row, column) = static_cast<float>(surface->pixel[across]);
+      give_reason(reasons(row, column), surface.reason);
+      if (surface.reason != Reason::reconstructed) continue;
+      depth(row, column) = static_cast<float>(surface.z);
+      stripe_pixel(row, column) = static_cast<float>(surface.pixel[across]);
     }
   }
   if (classifier) {
     const Mask wrong = contradicting_colors(stripe_pixel, hue, model.pattern(), *classifier,
                                             options.min_agreement);
     depth = (wrong != 0).select(kUnknown, depth);
+    give_reason(reasons, wrong, Reason::color_mismatch);
   }
   return depth;
 }
@@ -219,12 +247,17 @@ DecodeResult Decoder::Impl::decode(const cv::Mat& frame) const {
   const Combined combined = combine_channels(demodulated, model.chromatic());
   const Mask modulated =
       find_modulated(combined, demodulated, lit, colored, options, model.pattern());
+  ReasonImage reasons = ReasonImage::Zero(model.rows(), model.columns());
+  const Mask clipped = find_clipped(channels);
+  give_reason(reasons, clipped * (1 - modulated), Reason::saturated);
+  give_reason(reasons, 1 - lit, Reason::unlit);
+  give_reason(reasons, 1 - modulated, Reason::low_modulation);
 
   const FloodLimits limits{options.max_phase_variance, options.max_phase_step};
   const Plane wrapped = wrapped_phase(combined);
   const Plane variance = phase_variance(wrapped, modulated);
   Regions regions = grow_regions(wrapped, variance, limits);
-  std::vector<std::optional<double>> offsets;
+  std::vector<RegionOffset> offsets;
   Plane hue;
   DecodeResult result;
   if (colored) {
@@ -239,25 +272,23 @@ DecodeResult Decoder::Impl::decode(const cv::Mat& frame) const {
   } else {
     offsets = anchor_offsets(regions);
   }
-  AbsolutePhase absolute = add_offsets(regions, offsets);
-  const Mask resolved = absolute.known;
+  AbsolutePhase absolute = add_offsets(regions, offsets, reasons);
   absolute.known *= eroded(eroded(lit));
   absolute.known *=
       1 - near_breaks(absolute.phase, absolute.known, kBreak, {filter.radius / 2, kBreakColumns});
-  const Plane depth = depths(absolute, combined.shares, hue);
+  give_reason(reasons, 1 - absolute.known, Reason::border);
+  const Plane depth = depths(absolute, combined.shares, hue, reasons);
 
   result.regions = regions.count;
-  result.unresolved_regions =
-      static_cast<int>(std::count(offsets.begin(), offsets.end(), std::nullopt));
-  result.unlit = (modulated == 0).count();
-  result.unresolved = (modulated != 0 && resolved == 0).count();
-  result.reconstructed = (depth > 0).count();
-  result.rejected = depth.size() - result.unlit - result.unresolved - result.reconstructed;
+  result.unresolved_regions = static_cast<int>(std::count_if(
+      offsets.begin(), offsets.end(), [](const RegionOffset& offset) { return !offset.phase; }));
   result.range.camera = model.rig().camera;
   if (model.carrier().transposed) {
     result.range.z = depth.transpose();
+    result.reasons = reasons.transpose();
   } else {
     result.range.z = depth;
+    result.reasons = reasons;
   }
   return result;
 }

@@ -43,8 +43,8 @@ double weighted_median(std::vector<Vote>& votes) {
   return votes.back().turns;
 }
 
-std::optional<double> offset_of(std::vector<Vote>& votes, double min_agreement) {
-  if (votes.size() < kLeastGuesses) return std::nullopt;
+RegionOffset offset_of(std::vector<Vote>& votes, double min_agreement) {
+  if (votes.size() < kLeastGuesses) return {{}, Reason::no_transition};
   const double turns = std::round(weighted_median(votes));
   double agreeing = 0;
   double total = 0;
@@ -52,8 +52,8 @@ std::optional<double> offset_of(std::vector<Vote>& votes, double min_agreement) 
     total += vote.weight;
     if (std::round(vote.turns) == turns) agreeing += vote.weight;
   }
-  if (agreeing < min_agreement * total) return std::nullopt;
-  return kTurn * turns;
+  if (agreeing < min_agreement * total) return {{}, Reason::ambiguous_offset};
+  return {kTurn * turns, Reason::reconstructed};
 }
 
 /// Turns that a guess asks for.
@@ -98,24 +98,24 @@ std::vector<Marker> find_markers(const Regions& regions, const std::vector<Phase
   return markers;
 }
 
-std::vector<std::optional<double>> region_offsets(const Regions& regions,
-                                                  const std::vector<PhaseGuess>& guesses,
-                                                  double min_agreement) {
+std::vector<RegionOffset> region_offsets(const Regions& regions,
+                                         const std::vector<PhaseGuess>& guesses,
+                                         double min_agreement) {
   std::vector<std::vector<Vote>> votes(static_cast<std::size_t>(regions.count));
   for (const PhaseGuess& guess : guesses) {
     const int label = regions.label(guess.row, guess.column);
     if (label < 0) continue;
     votes[static_cast<std::size_t>(label)].push_back({turns_of(regions, guess), guess.score});
   }
-  std::vector<std::optional<double>> offsets;
+  std::vector<RegionOffset> offsets;
   offsets.reserve(votes.size());
   for (auto& list : votes) offsets.push_back(offset_of(list, min_agreement));
   return offsets;
 }
 
-std::vector<std::optional<double>> anchored_offsets(const Regions& regions,
-                                                    const PhaseGuess& anchor, long reach) {
-  std::vector<std::optional<double>> offsets(static_cast<std::size_t>(regions.count));
+std::vector<RegionOffset> anchored_offsets(const Regions& regions, const PhaseGuess& anchor,
+                                           long reach) {
+  std::vector<RegionOffset> offsets(static_cast<std::size_t>(regions.count));
   const long bottom = std::min(regions.label.rows() - 1, anchor.row + reach);
   const long right = std::min(regions.label.cols() - 1, anchor.column + reach);
   std::optional<PhaseGuess> nearest;
@@ -135,7 +135,7 @@ std::vector<std::optional<double>> anchored_offsets(const Regions& regions,
   }
   if (!nearest) return offsets;
   const auto label = static_cast<std::size_t>(regions.label(nearest->row, nearest->column));
-  offsets[label] = kTurn * std::round(turns_of(regions, *nearest));
+  offsets[label] = {kTurn * std::round(turns_of(regions, *nearest)), Reason::reconstructed};
   return offsets;
 }
 

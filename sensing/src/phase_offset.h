@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "palpate/sensing/reason.h"
 #include "unwrapping.h"
 
 namespace palpate::sensing {
@@ -24,17 +25,24 @@ struct PhaseGuess {
 [[nodiscard]] std::vector<Marker> find_markers(const Regions& regions,
                                                const std::vector<PhaseGuess>& guesses);
 
+/// What is to be added to the unwrapped phase of a region.
+struct RegionOffset {
+  std::optional<double> phase;            ///< [rad] a multiple of 2 pi
+  Reason reason = Reason::no_transition;  ///< `reconstructed`, or why there is none
+};
+
 /// The multiple of 2 pi to be added to the unwrapped phase of each region (Eq. 3.12): the rounded
-/// weighted median of what its guesses say. Nothing for a region with too few guesses, or of whose
-/// guesses less than `min_agreement` (by weight) come to the same multiple.
-[[nodiscard]] std::vector<std::optional<double>> region_offsets(
-    const Regions& regions, const std::vector<PhaseGuess>& guesses, double min_agreement);
+/// weighted median of what its guesses say. Nothing for a region with too few guesses
+/// (no_transition), or of whose guesses less than `min_agreement` (by weight) come to the same
+/// multiple (ambiguous_offset).
+[[nodiscard]] std::vector<RegionOffset> region_offsets(const Regions& regions,
+                                                       const std::vector<PhaseGuess>& guesses,
+                                                       double min_agreement);
 
 /// The same from one known phase, for a pattern without stripes: gives the region of the pixel
 /// nearest to the guess, at most `reach` px away in row and column, its offset. All other regions
 /// stay without.
-[[nodiscard]] std::vector<std::optional<double>> anchored_offsets(const Regions& regions,
-                                                                  const PhaseGuess& anchor,
-                                                                  long reach);
+[[nodiscard]] std::vector<RegionOffset> anchored_offsets(const Regions& regions,
+                                                         const PhaseGuess& anchor, long reach);
 
 }  // namespace palpate::sensing

@@ -65,9 +65,9 @@ std::optional<double> SensorModel::phase_at_edge(long row, long column, int edge
   return phase_at_depth(row, column, triangulation_.depth(direction(row, column), across, pixel));
 }
 
-std::optional<SensorModel::Surface> SensorModel::surface_at(long row, long column, double phase,
-                                                            const ChannelShares& shares,
-                                                            double max_sensitivity) const {
+SensorModel::Surface SensorModel::surface_at(long row, long column, double phase,
+                                             const ChannelShares& shares,
+                                             double max_sensitivity) const {
   const double per_pixel = kTurn / pattern_.period;
   double pixel = (phase + carrier_.along * static_cast<double>(row) - pattern_.phase) / per_pixel;
   if (shares.red.size() > 0) {
@@ -81,10 +81,10 @@ std::optional<SensorModel::Surface> SensorModel::surface_at(long row, long colum
   const Eigen::Vector3d ray = direction(row, column);
   const double z = triangulation_.depth(ray, pattern_.axis, pixel);
   const Eigen::Vector2d lit_by = triangulation_.project(ray, z);
-  if (!triangulation_.on_panel(lit_by)) return std::nullopt;
+  if (!triangulation_.on_panel(lit_by)) return {z, lit_by, Reason::off_panel};
   const double phase_per_mm = per_pixel * triangulation_.slope(ray, pattern_.axis, z);
-  if (!(std::abs(phase_per_mm) * max_sensitivity * z >= 1)) return std::nullopt;
-  return Surface{z, lit_by};
+  const bool sharp = std::abs(phase_per_mm) * max_sensitivity * z >= 1;
+  return {z, lit_by, sharp ? Reason::reconstructed : Reason::grazing};
 }
 
 }  // namespace palpate::sensing

@@ -37,13 +37,13 @@ class SensorModel {
   struct Surface {
     double z = 0;
     Eigen::Vector2d pixel;
+    Reason reason = Reason::reconstructed;
   };
-  /// Nothing if the projector does not light the point, or if |dz / dphase| > max_sensitivity * z
-  /// per rad: near the line on which the phase says nothing of the depth (Eq. 3.11 divides by zero
-  /// there).
-  [[nodiscard]] std::optional<Surface> surface_at(long row, long column, double phase,
-                                                  const ChannelShares& shares,
-                                                  double max_sensitivity) const;
+  /// `off_panel` if the projector does not light the point; `grazing` if |dz / dphase| >
+  /// max_sensitivity * z per rad: near the line on which the phase says nothing of the depth
+  /// (Eq. 3.11 divides by zero there).
+  [[nodiscard]] Surface surface_at(long row, long column, double phase, const ChannelShares& shares,
+                                   double max_sensitivity) const;
 
  private:
   [[nodiscard]] Eigen::Vector3d direction(long row, long column) const {

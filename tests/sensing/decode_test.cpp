@@ -132,14 +132,14 @@ TEST(Decoder, KeepsAnObjectApartFromTheWallBehindIt) {
   EXPECT_NEAR(result.range.z(120, 160), 530, 0.5);
 }
 
-TEST(Decoder, CountsEveryPixelOnce) {
+TEST(Decoder, EveryPixelHasADepthOrAReason) {
   const Rig rig = make_rig(false);
   const Pattern pattern = make_pattern(Axis::y, 20, 1024);
   const Scene scene = render(rig, pattern, sphere({0, 0, 600}, 90));
   const DecodeResult result = Decoder(rig, pattern, ideal_colors()).decode(scene.frame);
-  EXPECT_EQ(result.reconstructed + result.unlit + result.unresolved + result.rejected, 320 * 240);
-  EXPECT_EQ(result.reconstructed, (result.range.z > 0).count());
-  EXPECT_GT(result.unlit, 320 * 240 / 4);
+  EXPECT_TRUE(((result.range.z > 0) == (result.reasons == 0)).all());
+  EXPECT_LT(result.reasons.maxCoeff(), kReasonCount);
+  EXPECT_GT(count(result.reasons, Reason::unlit), 320 * 240 / 4);
   EXPECT_GE(result.regions, 1);
   EXPECT_GT(result.transitions, 100);
   EXPECT_LT(result.unresolved_regions, result.regions);
@@ -173,7 +173,9 @@ TEST(Decoder, OnlyTheRegionOfTheAnchorIsReconstructed) {
   const DecodeResult result = Decoder(rig, pattern, {}, {.anchor = anchor}).decode(scene.frame);
   EXPECT_GT((result.range.z.rightCols(160) > 0).count(), 1000);
   EXPECT_EQ((result.range.z.leftCols(160) > 0).count(), 0);
-  EXPECT_GT(result.unresolved, 1000);
+  EXPECT_GT(
+      (result.reasons.leftCols(160) == static_cast<std::uint8_t>(Reason::no_transition)).count(),
+      1000);
 }
 
 TEST(Decoder, ReachesItsTargetsOnTheBundledFrames) {
@@ -222,7 +224,7 @@ TEST(Decoder, AFrameWithoutLightIsAllUnknown) {
   for (const double grey : {0.0, 30.0, 255.0}) {
     const DecodeResult result = decoder.decode(cv::Mat(240, 320, CV_8UC3, cv::Scalar::all(grey)));
     EXPECT_TRUE(result.range.z.isNaN().all());
-    EXPECT_EQ(result.unlit, 320 * 240);
+    EXPECT_EQ(count(result.reasons, grey < 255 ? Reason::unlit : Reason::saturated), 320 * 240);
     EXPECT_EQ(result.regions, 0);
   }
 }

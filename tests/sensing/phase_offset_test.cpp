@@ -39,24 +39,27 @@ TEST(PhaseOffset, IsTheRoundedWeightedMedianOfEachRegion) {
                        column_of(15, 0, 6, 4.3);
   const auto offsets = region_offsets(two_regions(), guesses, kMinAgreement);
   ASSERT_EQ(offsets.size(), 2U);
-  EXPECT_DOUBLE_EQ(offsets[0].value(), -2 * kTurn);
-  EXPECT_DOUBLE_EQ(offsets[1].value(), 4 * kTurn);
+  EXPECT_DOUBLE_EQ(offsets[0].phase.value(), -2 * kTurn);
+  EXPECT_DOUBLE_EQ(offsets[1].phase.value(), 4 * kTurn);
 }
 
 TEST(PhaseOffset, WeightsDecideNotNumbers) {
   const auto guesses = column_of(3, 0, 6, 1, 2) + column_of(5, 0, 7, 5, 0.5);
-  EXPECT_DOUBLE_EQ(region_offsets(two_regions(), guesses, kMinAgreement)[0].value(), kTurn);
+  EXPECT_DOUBLE_EQ(region_offsets(two_regions(), guesses, kMinAgreement)[0].phase.value(), kTurn);
 }
 
 TEST(PhaseOffset, GuessesThatDisagreeOrAreFewGiveNone) {
   const auto guesses = column_of(3, 0, 6, 1) + column_of(5, 0, 5, 2) + column_of(15, 0, 4, 4);
   const auto offsets = region_offsets(two_regions(), guesses, kMinAgreement);
-  EXPECT_FALSE(offsets[0].has_value());
-  EXPECT_FALSE(offsets[1].has_value());
+  EXPECT_FALSE(offsets[0].phase.has_value());
+  EXPECT_FALSE(offsets[1].phase.has_value());
+  EXPECT_EQ(offsets[0].reason, Reason::ambiguous_offset);
+  EXPECT_EQ(offsets[1].reason, Reason::no_transition);
 }
 
 TEST(PhaseOffset, GuessesOutsideEveryRegionDoNotCount) {
-  EXPECT_FALSE(region_offsets(two_regions(), column_of(11, 0, 9, 1), kMinAgreement)[0].has_value());
+  EXPECT_FALSE(
+      region_offsets(two_regions(), column_of(11, 0, 9, 1), kMinAgreement)[0].phase.has_value());
 }
 
 TEST(PhaseOffset, MarkersAreRunsOfGuessesThatConfirmEachOther) {
@@ -76,14 +79,14 @@ TEST(PhaseOffset, MarkersAreRunsOfGuessesThatConfirmEachOther) {
 TEST(PhaseOffset, AnAnchorGivesItsRegionAnOffsetAndNoOther) {
   PhaseGuess anchor{.row = 4, .column = 3, .phase = 0.7 + 3 * kTurn, .score = 1};
   auto offsets = anchored_offsets(two_regions(), anchor, 2);
-  EXPECT_DOUBLE_EQ(offsets[0].value(), 3 * kTurn);
-  EXPECT_FALSE(offsets[1].has_value());
+  EXPECT_DOUBLE_EQ(offsets[0].phase.value(), 3 * kTurn);
+  EXPECT_FALSE(offsets[1].phase.has_value());
   anchor.column = 11;  // in neither; column 12 and column 9 are near, 12 is nearer
   offsets = anchored_offsets(two_regions(), anchor, 2);
-  EXPECT_FALSE(offsets[0].has_value());
-  EXPECT_DOUBLE_EQ(offsets[1].value(), 3 * kTurn);
+  EXPECT_FALSE(offsets[0].phase.has_value());
+  EXPECT_DOUBLE_EQ(offsets[1].phase.value(), 3 * kTurn);
   offsets = anchored_offsets(two_regions(), anchor, 0);
-  EXPECT_FALSE(offsets[1].has_value());
+  EXPECT_FALSE(offsets[1].phase.has_value());
 }
 
 }  // namespace

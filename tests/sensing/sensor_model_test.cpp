@@ -20,8 +20,7 @@ TEST(SensorModel, PhaseAndDepthUndoEachOther) {
     const auto phase = model.phase_at_depth(120, 100, 700);
     ASSERT_TRUE(phase);
     const auto surface = model.surface_at(120, 100, *phase, {}, kAnySensitivity);
-    ASSERT_TRUE(surface);
-    EXPECT_NEAR(surface->z, 700, 1e-8);
+    EXPECT_NEAR(surface.z, 700, 1e-8);
   }
 }
 
@@ -32,8 +31,7 @@ TEST(SensorModel, AStripeEdgeIsWhereItsProjectorPixelIsSeen) {
   const auto phase = model.phase_at_edge(120, 150, 14);
   ASSERT_TRUE(phase);
   const auto surface = model.surface_at(120, 150, *phase, {}, kAnySensitivity);
-  ASSERT_TRUE(surface);
-  EXPECT_NEAR(surface->pixel.x(), pattern.stripe_edges[14], 1e-8);
+  EXPECT_NEAR(surface.pixel.x(), pattern.stripe_edges[14], 1e-8);
 }
 
 TEST(SensorModel, TheLagOfTheTrueDepthReplacesThatOfTheExpectedOne) {
@@ -49,27 +47,28 @@ TEST(SensorModel, TheLagOfTheTrueDepthReplacesThatOfTheExpectedOne) {
   const auto surface = model.surface_at(100, 100, *green, {}, kAnySensitivity);
   const ChannelModel& red = model.chromatic().channels[0];
   const double expected = static_cast<double>(model.chromatic().expected_pixel(100, 100));
-  const double compensated = *green - red.lag.at(surface->pixel.y()) + red.lag.at(expected);
+  const double compensated = *green - red.lag.at(surface.pixel.y()) + red.lag.at(expected);
   const auto corrected = model.surface_at(100, 100, compensated, shares, kAnySensitivity);
   // Second order in the lag's slope: 0.004^2 of about 150 px between the two depths, 2 mm a px.
-  EXPECT_NEAR(corrected->z, 640, 0.006);
-  EXPECT_GT(std::abs(model.surface_at(100, 100, compensated, {}, kAnySensitivity)->z - 640), 0.05);
+  EXPECT_NEAR(corrected.z, 640, 0.006);
+  EXPECT_GT(std::abs(model.surface_at(100, 100, compensated, {}, kAnySensitivity).z - 640), 0.05);
 }
 
-TEST(SensorModel, NothingIsReturnedWhereThePhaseSaysTooLittle) {
+TEST(SensorModel, APhaseThatSaysTooLittleOfTheDepthIsGrazing) {
   const SensorModel model(make_rig(false), make_pattern(Axis::y, 10, 1024));
   const auto phase = model.phase_at_depth(120, 100, 700);
   ASSERT_TRUE(phase);
   // dz / dphase = (z + t_z)^2 / (f |t_y|) * period / 2 pi = 2.97 mm here, 0.0042 of z.
-  EXPECT_TRUE(model.surface_at(120, 100, *phase, {}, 0.005));
-  EXPECT_FALSE(model.surface_at(120, 100, *phase, {}, 0.003));
+  EXPECT_EQ(model.surface_at(120, 100, *phase, {}, 0.005).reason, Reason::reconstructed);
+  EXPECT_EQ(model.surface_at(120, 100, *phase, {}, 0.003).reason, Reason::grazing);
 }
 
-TEST(SensorModel, NothingIsReturnedOffThePanel) {
+TEST(SensorModel, APhaseOfNoPixelOfThePanelIsTold) {
   const SensorModel model(make_rig(false), make_pattern(Axis::y, 10, 1024));
   EXPECT_FALSE(model.phase_at_depth(120, 100, 150));
-  EXPECT_FALSE(model.surface_at(120, 100, -1e4, {}, kAnySensitivity));
-  EXPECT_FALSE(model.surface_at(120, 100, std::nan(""), {}, kAnySensitivity));
+  for (const double phase : {-1e4, std::nan("")}) {
+    EXPECT_EQ(model.surface_at(120, 100, phase, {}, kAnySensitivity).reason, Reason::off_panel);
+  }
 }
 
 TEST(SensorModel, WrongRigsAndPatternsAreRefused) {

@@ -8,6 +8,7 @@
 
 #include "palpate/geometry/range_map.h"
 #include "palpate/sensing/pattern.h"
+#include "palpate/sensing/reason.h"
 #include "palpate/sensing/rig.h"
 #include "palpate/sensing/trained_colors.h"
 
@@ -45,17 +46,15 @@ struct DecodeOptions {
   std::optional<Anchor> anchor = {};
 };
 
-/// Depths of one frame, and what became of its pixels: reconstructed + unlit + unresolved +
-/// rejected = all.
+/// Depths of one frame, and what became of each of its pixels.
 struct DecodeResult {
   geometry::RangeMap range;
+  ReasonImage reasons;         ///< of the size of the range map: why a pixel has no depth
+  geometry::ImageF sigma;      ///< [mm] standard deviation of each depth, NaN where there is none;
+                               ///< empty if nothing is predicted
   int transitions = 0;         ///< stripe edges that were found and named, over all scanlines
   int regions = 0;             ///< smooth regions of the phase
   int unresolved_regions = 0;  ///< regions without enough guesses, or whose guesses disagree
-  long reconstructed = 0;      ///< pixels with a depth
-  long unlit = 0;  ///< pixels without enough projector light, modulation or room for the window
-  long unresolved = 0;  ///< other pixels in no smooth region, or in one without a known offset
-  long rejected = 0;    ///< pixels that failed a check: border, phase break, colour, sensitivity
 };
 
 /// Turns single frames into depths (thesis 3.3), for one rig, pattern and set of trained colours.
