@@ -14,11 +14,11 @@
 #include "hue_classifier.h"
 #include "palpate/error.h"
 #include "phase_variance.h"
-#include "planes.h"
 #include "plausibility.h"
+#include "pool.h"
 #include "sensor_model.h"
 #include "stripe_transitions.h"
-#include "unwrapping.h"
+#include "workspace.h"
 
 namespace palpate::sensing {
 namespace {
@@ -114,28 +114,18 @@ Plane wrapped_phase(const Combined& combined) {
   return phase;
 }
 
-/// Absolute phases, and where they are known.
-struct AbsolutePhase {
-  Plane phase;
-  Mask known;
-};
-
-/// Also tells why the pixels of no resolved region have none.
-AbsolutePhase add_offsets(const Regions& regions, const std::vector<RegionOffset>& offsets,
-                          ReasonImage& reasons) {
-  AbsolutePhase absolute{regions.phase, Mask::Zero(regions.phase.rows(), regions.phase.cols())};
+/// Adds to each region its offset; tells why the pixels of no resolved region have no phase.
+void add_offsets(const Regions& regions, const std::vector<RegionOffset>& offsets, Plane& phase,
+                 ReasonImage& reasons) {
+  phase.resize(regions.phase.rows(), regions.phase.cols());
   for (long i = 0; i < regions.label.size(); ++i) {
     const int label = regions.label.data()[i];
     const RegionOffset offset = label < 0 ? RegionOffset{{}, Reason::uneven_phase}
                                           : offsets[static_cast<std::size_t>(label)];
-    if (offset.phase) {
-      absolute.phase.data()[i] += static_cast<float>(*offset.phase);
-      absolute.known.data()[i] = 1;
-    } else {
-      give_reason(reasons.data()[i], offset.reason);
-    }
+    phase.data()[i] =
+        offset.phase ? regions.phase.data()[i] + static_cast<float>(*offset.phase) : kUnknown;
+    give_reason(reasons.data()[i], offset.reason);
   }
-  return absolute;
 }
 
 }  // namespace
@@ -145,16 +135,22 @@ struct Decoder::Impl {
        const DecodeOptions& the_options);
 
   void check_frame(const cv::Mat& frame) const;
-  [[nodiscard]] std::vector<PhaseGuess> guesses(const Plane& hue, const Mask& lit) const;
+  void demodulate_frame(const cv::Mat& frame, Workspace& work) const;
+  void judge_light(Workspace& work) const;
+  void find_regions(Workspace& work) const;
+  void find_guesses(Workspace& work) const;
   [[nodiscard]] std::vector<RegionOffset> anchor_offsets(const Regions& regions) const;
-  [[nodiscard]] Plane depths(const AbsolutePhase& absolute, const ChannelShares& shares,
-                             const Plane& hue, ReasonImage& reasons) const;
-  [[nodiscard]] DecodeResult decode(const cv::Mat& frame) const;
+  void drop_borders(Workspace& work) const;
+  void find_depths(Workspace& work) const;
+  void check_colors(Workspace& work) const;
+  void fill_result(const Workspace& work, DecodeResult& result) const;
+  void decode(const cv::Mat& frame, DecodeResult& result) const;
 
   DecodeOptions options;
   SensorModel model;
   DemodulationFilter filter;
   std::optional<HueClassifier> classifier;  ///< iff the pattern has stripes
+  mutable Pool<Workspace> workspaces;
 };
 
 Decoder::Impl::Impl(const Rig& rig, const Pattern& pattern, const TrainedColors& colors,
@@ -183,21 +179,21 @@ void Decoder::Impl::check_frame(const cv::Mat& frame) const {
   }
 }
 
-std::vector<PhaseGuess> Decoder::Impl::guesses(const Plane& hue, const Mask& lit) const {
-  const auto transitions = find_transitions(hue, lit, model.pattern(), *classifier,
+void Decoder::Impl::find_guesses(Workspace& work) const {
+  work.hue = hue_plane(work.demodulated);
+  const auto transitions = find_transitions(work.hue, work.lit, model.pattern(), *classifier,
                                             {.min_hue_step = options.min_hue_step,
                                              .window_px = options.color_window_px,
                                              .min_color_score = options.min_color_score,
                                              .reversed = model.carrier().stripes_reversed});
-  std::vector<PhaseGuess> result;
+  work.guesses.clear();
   for (const Transition& transition : transitions) {
     const int column = static_cast<int>(std::lround(transition.column));
     const auto phase = model.phase_at_edge(transition.row, column, transition.edge);
     if (!phase) continue;
-    result.push_back(
+    work.guesses.push_back(
         {transition.row, column, *phase, static_cast<double>(transition.score), transition.edge});
   }
-  return result;
 }
 
 std::vector<RegionOffset> Decoder::Impl::anchor_offsets(const Regions& regions) const {
@@ -211,86 +207,105 @@ std::vector<RegionOffset> Decoder::Impl::anchor_offsets(const Regions& regions) 
   return anchored_offsets(regions, guess, filter.radius);
 }
 
-Plane Decoder::Impl::depths(const AbsolutePhase& absolute, const ChannelShares& shares,
-                            const Plane& hue, ReasonImage& reasons) const {
-  Plane depth = Plane::Constant(model.rows(), model.columns(), kUnknown);
-  Plane stripe_pixel = depth;
+/// From the frame to the sinusoid in it.
+void Decoder::Impl::demodulate_frame(const cv::Mat& frame, Workspace& work) const {
+  work.channels = split_frame(frame, model.carrier().transposed);
+  work.light = projector_light(work.channels, classifier.has_value(), (filter.radius + 1) / 2);
+  work.lit = (work.light >= static_cast<float>(options.min_signal)).cast<std::uint8_t>();
+  work.demodulated = demodulate(work.channels, work.lit, filter);
+  for (Demodulated& channel : work.demodulated) smooth_rows(channel);
+  work.combined = combine_channels(work.demodulated, model.chromatic());
+}
+
+/// Where there is enough light and enough of the sinusoid in it.
+void Decoder::Impl::judge_light(Workspace& work) const {
+  work.modulated = find_modulated(work.combined, work.demodulated, work.lit, classifier.has_value(),
+                                  options, model.pattern());
+  work.reasons.setZero(model.rows(), model.columns());
+  give_reason(work.reasons, find_clipped(work.channels) * (1 - work.modulated), Reason::saturated);
+  give_reason(work.reasons, 1 - work.lit, Reason::unlit);
+  give_reason(work.reasons, 1 - work.modulated, Reason::low_modulation);
+}
+
+/// From the wrapped phase to the absolute one.
+void Decoder::Impl::find_regions(Workspace& work) const {
+  const FloodLimits limits{options.max_phase_variance, options.max_phase_step};
+  work.wrapped = wrapped_phase(work.combined);
+  work.variance = phase_variance(work.wrapped, work.modulated);
+  work.regions = grow_regions(work.wrapped, work.variance, limits);
+  if (classifier) {
+    find_guesses(work);
+    work.markers = find_markers(work.regions, work.guesses);
+    const std::vector<Marker> unproven =
+        mark_unproven_cores(work.wrapped, work.variance, limits, work.markers);
+    work.markers.insert(work.markers.end(), unproven.begin(), unproven.end());
+    split_regions(work.wrapped, work.variance, limits, work.markers, work.regions);
+    work.offsets = region_offsets(work.regions, work.guesses, options.min_agreement);
+  } else {
+    work.offsets = anchor_offsets(work.regions);
+  }
+  add_offsets(work.regions, work.offsets, work.phase, work.reasons);
+}
+
+/// Takes away the phases of windows that mix two surfaces, or a surface and the dark beside it.
+void Decoder::Impl::drop_borders(Workspace& work) const {
+  Mask known = (work.phase == work.phase).cast<std::uint8_t>() * eroded(eroded(work.lit));
+  known *= 1 - near_breaks(work.phase, known, kBreak, {filter.radius / 2, kBreakColumns});
+  give_reason(work.reasons, 1 - known, Reason::border);
+}
+
+void Decoder::Impl::find_depths(Workspace& work) const {
+  work.depth.setConstant(model.rows(), model.columns(), kUnknown);
+  work.stripe_pixel.setConstant(model.rows(), model.columns(), kUnknown);
   const int across = model.pattern().axis == Axis::x ? 1 : 0;
   for (long row = 0; row < model.rows(); ++row) {
     for (long column = 0; column < model.columns(); ++column) {
-      if (absolute.known(row, column) == 0) continue;
-      const auto phase = static_cast<double>(absolute.phase(row, column));
-      const auto surface = model.surface_at(row, column, phase, shares, options.max_sensitivity);
-      give_reason(reasons(row, column), surface.reason);
+      if (work.reasons(row, column) != code(Reason::reconstructed)) continue;
+      const auto phase = static_cast<double>(work.phase(row, column));
+      const auto surface =
+          model.surface_at(row, column, phase, work.combined.shares, options.max_sensitivity);
+      give_reason(work.reasons(row, column), surface.reason);
       if (surface.reason != Reason::reconstructed) continue;
-      depth(row, column) = static_cast<float>(surface.z);
-      stripe_pixel(row, column) = static_cast<float>(surface.pixel[across]);
+      work.depth(row, column) = static_cast<float>(surface.z);
+      work.stripe_pixel(row, column) = static_cast<float>(surface.pixel[across]);
     }
   }
-  if (classifier) {
-    const Mask wrong = contradicting_colors(stripe_pixel, hue, model.pattern(), *classifier,
-                                            options.min_agreement);
-    depth = (wrong != 0).select(kUnknown, depth);
-    give_reason(reasons, wrong, Reason::color_mismatch);
-  }
-  return depth;
 }
 
-DecodeResult Decoder::Impl::decode(const cv::Mat& frame) const {
-  check_frame(frame);
-  const bool colored = classifier.has_value();
-  const std::vector<Plane> channels = split_frame(frame, model.carrier().transposed);
-  const Plane light = projector_light(channels, colored, (filter.radius + 1) / 2);
-  const Mask lit = (light >= static_cast<float>(options.min_signal)).cast<std::uint8_t>();
-  std::vector<Demodulated> demodulated = demodulate(channels, lit, filter);
-  for (Demodulated& channel : demodulated) smooth_rows(channel);
-  const Combined combined = combine_channels(demodulated, model.chromatic());
-  const Mask modulated =
-      find_modulated(combined, demodulated, lit, colored, options, model.pattern());
-  ReasonImage reasons = ReasonImage::Zero(model.rows(), model.columns());
-  const Mask clipped = find_clipped(channels);
-  give_reason(reasons, clipped * (1 - modulated), Reason::saturated);
-  give_reason(reasons, 1 - lit, Reason::unlit);
-  give_reason(reasons, 1 - modulated, Reason::low_modulation);
+/// Takes away the depths that the colours contradict.
+void Decoder::Impl::check_colors(Workspace& work) const {
+  const Mask wrong = contradicting_colors(work.stripe_pixel, work.hue, model.pattern(), *classifier,
+                                          options.min_agreement);
+  give_reason(work.reasons, wrong, Reason::color_mismatch);
+  work.depth = (wrong != 0).select(kUnknown, work.depth);
+}
 
-  const FloodLimits limits{options.max_phase_variance, options.max_phase_step};
-  const Plane wrapped = wrapped_phase(combined);
-  const Plane variance = phase_variance(wrapped, modulated);
-  Regions regions = grow_regions(wrapped, variance, limits);
-  std::vector<RegionOffset> offsets;
-  Plane hue;
-  DecodeResult result;
-  if (colored) {
-    hue = hue_plane(demodulated);
-    const std::vector<PhaseGuess> all = guesses(hue, lit);
-    std::vector<Marker> markers = find_markers(regions, all);
-    const std::vector<Marker> unproven = mark_unproven_cores(wrapped, variance, limits, markers);
-    markers.insert(markers.end(), unproven.begin(), unproven.end());
-    split_regions(wrapped, variance, limits, markers, regions);
-    offsets = region_offsets(regions, all, options.min_agreement);
-    result.transitions = static_cast<int>(all.size());
-  } else {
-    offsets = anchor_offsets(regions);
-  }
-  AbsolutePhase absolute = add_offsets(regions, offsets, reasons);
-  absolute.known *= eroded(eroded(lit));
-  absolute.known *=
-      1 - near_breaks(absolute.phase, absolute.known, kBreak, {filter.radius / 2, kBreakColumns});
-  give_reason(reasons, 1 - absolute.known, Reason::border);
-  const Plane depth = depths(absolute, combined.shares, hue, reasons);
-
-  result.regions = regions.count;
-  result.unresolved_regions = static_cast<int>(std::count_if(
-      offsets.begin(), offsets.end(), [](const RegionOffset& offset) { return !offset.phase; }));
+void Decoder::Impl::fill_result(const Workspace& work, DecodeResult& result) const {
+  result.transitions = classifier ? static_cast<int>(work.guesses.size()) : 0;
+  result.regions = work.regions.count;
+  result.unresolved_regions =
+      static_cast<int>(std::count_if(work.offsets.begin(), work.offsets.end(),
+                                     [](const RegionOffset& offset) { return !offset.phase; }));
   result.range.camera = model.rig().camera;
   if (model.carrier().transposed) {
-    result.range.z = depth.transpose();
-    result.reasons = reasons.transpose();
+    result.range.z = work.depth.transpose();
+    result.reasons = work.reasons.transpose();
   } else {
-    result.range.z = depth;
-    result.reasons = reasons;
+    result.range.z = work.depth;
+    result.reasons = work.reasons;
   }
-  return result;
+}
+
+void Decoder::Impl::decode(const cv::Mat& frame, DecodeResult& result) const {
+  check_frame(frame);
+  const auto work = workspaces.borrow();
+  demodulate_frame(frame, *work);
+  judge_light(*work);
+  find_regions(*work);
+  drop_borders(*work);
+  find_depths(*work);
+  if (classifier) check_colors(*work);
+  fill_result(*work, result);
 }
 
 Decoder::Decoder(const Rig& rig, const Pattern& pattern, const TrainedColors& colors,
@@ -300,6 +315,14 @@ Decoder::~Decoder() = default;
 Decoder::Decoder(Decoder&&) noexcept = default;
 Decoder& Decoder::operator=(Decoder&&) noexcept = default;
 
-DecodeResult Decoder::decode(const cv::Mat& frame) const { return impl_->decode(frame); }
+DecodeResult Decoder::decode(const cv::Mat& frame) const {
+  DecodeResult result;
+  decode(frame, result);
+  return result;
+}
+
+void Decoder::decode(const cv::Mat& frame, DecodeResult& result) const {
+  impl_->decode(frame, result);
+}
 
 }  // namespace palpate::sensing

@@ -202,6 +202,26 @@ TEST(Decoder, ReachesItsTargetsOnTheBundledFrames) {
   check(verging, "verging/frame.png", "verging/truth");
 }
 
+TEST(Decoder, NothingOfAnEarlierFrameIsLeftInAResult) {
+  const Rig rig = make_rig(true);
+  const Pattern pattern = make_pattern(Axis::y, 20, 1024);
+  const Decoder decoder(rig, pattern, ideal_colors());
+  const Scene ball = render(rig, pattern, sphere({0, 0, 600}, 70));
+  const Scene wall = render(rig, pattern, plane({0, 0.1, 1}, 700));
+  DecodeResult reused = decoder.decode(wall.frame);
+  const float* const memory = reused.range.z.data();
+  decoder.decode(ball.frame, reused);
+  const DecodeResult fresh = Decoder(rig, pattern, ideal_colors()).decode(ball.frame);
+  EXPECT_TRUE((reused.reasons == fresh.reasons).all());
+  EXPECT_TRUE((reused.range.z == fresh.range.z || fresh.range.z.isNaN()).all());
+  EXPECT_TRUE((reused.range.z.isNaN() == fresh.range.z.isNaN()).all());
+  EXPECT_EQ(reused.transitions, fresh.transitions);
+  EXPECT_EQ(reused.regions, fresh.regions);
+  EXPECT_EQ(reused.range.z.data(), memory);
+  EXPECT_THROW(decoder.decode(cv::Mat(3, 3, CV_8UC3), reused), InvalidInput);
+  EXPECT_TRUE((reused.reasons == fresh.reasons).all());
+}
+
 TEST(Decoder, GivesTheSameDepthsInSeveralThreads) {
   const Decoder decoder(read_rig(demo_path("rig.yaml")), read_pattern(demo_path("pattern.yaml")),
                         train_colors_from_folder(demo_path("training")));

@@ -81,6 +81,9 @@ class Decoder {
   /// \throws InvalidInput on a frame of another size or type, or of one channel where the pattern
   /// has coloured stripes.
   [[nodiscard]] DecodeResult decode(const cv::Mat& frame) const;
+  /// The same into a result that may hold an earlier frame: its memory is used again, so decoding
+  /// one frame after the other allocates next to nothing. Unchanged if an exception is thrown.
+  void decode(const cv::Mat& frame, DecodeResult& result) const;
 
  private:
   struct Impl;

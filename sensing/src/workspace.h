@@ -1,0 +1,37 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "chromatic.h"
+#include "demodulation.h"
+#include "palpate/sensing/reason.h"
+#include "phase_offset.h"
+#include "planes.h"
+
+namespace palpate::sensing {
+
+/// The images of one decode, of the working image's size, in the order in which they come to be.
+/// They keep their memory from frame to frame: every stage writes into the ones it is given.
+struct Workspace {
+  std::vector<Plane> channels;
+  Plane light;  ///< see `projector_light`
+  Mask lit;
+  std::vector<Demodulated> demodulated;
+  Combined combined;
+  Mask modulated;  ///< lit, and the sinusoid is strong enough
+  ReasonImage reasons;
+  Plane wrapped;
+  Plane variance;
+  Regions regions;
+  Plane hue;
+  std::vector<PhaseGuess> guesses;
+  std::vector<Marker> markers;
+  std::vector<RegionOffset> offsets;
+  Plane phase;  ///< absolute; NaN where unknown
+  Plane depth;
+  Plane stripe_pixel;  ///< projector pixel across the stripes
+};
+
+}  // namespace palpate::sensing
