@@ -6,7 +6,93 @@
 #include <cmath>
 #include <numbers>
 
+#include "hot_loop.h"
+
 namespace palpate::sensing {
+namespace {
+
+/// Adds a channel to the sum, turned by the angle of `cosine` and `sine`, and keeps what was added.
+PALPATE_HOT_LOOP void add_turned(const float* re, const float* im, const float* cosine,
+                                 const float* sine, long columns, float* __restrict added_re,
+                                 float* __restrict added_im, float* __restrict sum_re,
+                                 float* __restrict sum_im) {
+  for (long i = 0; i < columns; ++i) {
+    added_re[i] = re[i] * cosine[i] - im[i] * sine[i];
+    added_im[i] = re[i] * sine[i] + im[i] * cosine[i];
+    sum_re[i] += added_re[i];
+    sum_im[i] += added_im[i];
+  }
+}
+
+PALPATE_HOT_LOOP void interpolate(const float* above, const float* below_it, const float* right,
+                                  const float* below, long columns, float* __restrict out) {
+  for (long i = 0; i < columns; ++i) {
+    const float upper = above[i] + right[i] * (above[i + 1] - above[i]);
+    const float lower = below_it[i] + right[i] * (below_it[i + 1] - below_it[i]);
+    out[i] = upper + below[i] * (lower - upper);
+  }
+}
+
+PALPATE_HOT_LOOP void find_share(const float* re, const float* im, const float* sum_re,
+                                 const float* sum_im, long columns, float* __restrict share) {
+  for (long i = 0; i < columns; ++i) {
+    share[i] =
+        (re[i] * sum_re[i] + im[i] * sum_im[i]) / (sum_re[i] * sum_re[i] + sum_im[i] * sum_im[i]);
+  }
+}
+
+/// One row of a signal.
+struct SignalRow {
+  explicit SignalRow(long columns) : re(columns), im(columns) {}
+  Eigen::ArrayXf re;
+  Eigen::ArrayXf im;
+};
+
+/// One row of a channel where green sees it, the carrier and the lag not yet put in.
+void shifted_row(const Demodulated& signal, const ChannelShift& shift, long row, SignalRow& out) {
+  if (shift.none()) {
+    out.re = signal.re.row(row);
+    out.im = signal.im.row(row);
+    return;
+  }
+  out.re.setZero();
+  out.im.setZero();
+  for (const ChannelShift::Run& run : shift.runs[static_cast<std::size_t>(row)]) {
+    const float* right = &shift.right(row, run.begin);
+    const float* below = &shift.below(row, run.begin);
+    const long length = run.end - run.begin;
+    interpolate(&signal.re(run.row, run.column), &signal.re(run.row + 1, run.column), right, below,
+                length, &out.re[run.begin]);
+    interpolate(&signal.im(run.row, run.column), &signal.im(run.row + 1, run.column), right, below,
+                length, &out.im[run.begin]);
+  }
+}
+
+/// Interpolation between the pixels `first` and `first + 1` of `size`, at a place in (-1, size);
+/// beyond the outermost pixels their values hold.
+struct Between {
+  Between(double place, long size)
+      : first(std::clamp<long>(static_cast<long>(std::floor(place)), 0, size - 2)),
+        weight(std::clamp(place - static_cast<double>(first), 0.0, 1.0)) {}
+  long first;
+  double weight;
+};
+
+/// Appends a pixel to the runs of its row.
+void extend(std::vector<ChannelShift::Run>& runs, const ChannelShift::Run& pixel) {
+  if (!runs.empty()) {
+    ChannelShift::Run& last = runs.back();
+    const bool continued = last.end == pixel.begin && last.row == pixel.row &&
+                           last.column - last.begin == pixel.column - pixel.begin;
+    if (continued) {
+      last.end = pixel.end;
+      return;
+    }
+  }
+  runs.push_back(pixel);
+}
+
+}  // namespace
 
 ChromaticLag chromatic_lag(const ChromaticShift& shift, const geometry::Camera& projector,
                            const Pattern& pattern) {
@@ -25,75 +111,65 @@ ChannelShift channel_shift(const geometry::Camera& camera, double alpha,
   if (alpha == 1 || camera.width < 2 || camera.height < 2) return {};
   const long rows = transposed ? camera.width : camera.height;
   const long columns = transposed ? camera.height : camera.width;
-  ChannelShift shift{Plane(rows, columns), Plane(rows, columns), {}, {}};
-  for (int v = 0; v < camera.height; ++v) {
-    for (int u = 0; u < camera.width; ++u) {
-      const Eigen::Vector2d ray = rays.col(static_cast<long>(v) * camera.width + u) / alpha;
-      const Eigen::Vector2f move =
-          (geometry::distort(camera, ray) - Eigen::Vector2d(u, v)).cast<float>();
-      const long row = transposed ? u : v;
-      const long column = transposed ? v : u;
-      shift.columns(row, column) = transposed ? move.y() : move.x();
-      shift.rows(row, column) = transposed ? move.x() : move.y();
+  const Plane zero = Plane::Zero(rows, columns);
+  ChannelShift shift{std::vector<std::vector<ChannelShift::Run>>(static_cast<std::size_t>(rows)),
+                     zero, zero, zero};
+  for (long row = 0; row < rows; ++row) {
+    for (long column = 0; column < columns; ++column) {
+      const long u = transposed ? row : column;
+      const long v = transposed ? column : row;
+      const Eigen::Vector2d ray = rays.col(v * camera.width + u) / alpha;
+      Eigen::Vector2d place = geometry::distort(camera, ray);
+      if (transposed) std::swap(place.x(), place.y());
+      const bool inside = place.x() > -1 && place.y() > -1 &&
+                          place.x() < static_cast<double>(columns) &&
+                          place.y() < static_cast<double>(rows);
+      if (!inside) continue;
+      const Between x(place.x(), columns);
+      const Between y(place.y(), rows);
+      shift.right(row, column) = static_cast<float>(x.weight);
+      shift.below(row, column) = static_cast<float>(y.weight);
+      shift.turn(row, column) =
+          static_cast<float>(carrier.along * (place.y() - static_cast<double>(row)));
+      extend(shift.runs[static_cast<std::size_t>(row)], {column, column + 1, y.first, x.first});
     }
   }
-  const Plane turn = shift.rows * static_cast<float>(carrier.along);
-  shift.cosine = turn.cos();
-  shift.sine = turn.sin();
   return shift;
 }
 
-Demodulated resample(const Demodulated& signal, const ChannelShift& shift) {
-  if (shift.none()) return signal;
-  const long rows = signal.re.rows();
-  const long columns = signal.re.cols();
-  Demodulated out{Plane::Zero(rows, columns), Plane::Zero(rows, columns), signal.mean};
-  for (long row = 0; row < rows; ++row) {
-    for (long column = 0; column < columns; ++column) {
-      const float x = static_cast<float>(column) + shift.columns(row, column);
-      const float y = static_cast<float>(row) + shift.rows(row, column);
-      if (!(x > -1 && y > -1 && x < static_cast<float>(columns) && y < static_cast<float>(rows)))
-        continue;
-      const auto left =
-          static_cast<long>(std::clamp<float>(std::floor(x), 0, static_cast<float>(columns - 2)));
-      const auto top =
-          static_cast<long>(std::clamp<float>(std::floor(y), 0, static_cast<float>(rows - 2)));
-      const float fx = std::clamp(x - static_cast<float>(left), 0.0F, 1.0F);
-      const float fy = std::clamp(y - static_cast<float>(top), 0.0F, 1.0F);
-      const auto blend = [&](const Plane& plane) {
-        const float* above = &plane(top, left);
-        const float* below = above + columns;
-        return (1 - fy) * ((1 - fx) * above[0] + fx * above[1]) +
-               fy * ((1 - fx) * below[0] + fx * below[1]);
-      };
-      const float re = blend(signal.re);
-      const float im = blend(signal.im);
-      const float cosine = shift.cosine(row, column);
-      const float sine = shift.sine(row, column);
-      out.re(row, column) = re * cosine - im * sine;
-      out.im(row, column) = re * sine + im * cosine;
-    }
-  }
-  return out;
+ChannelModel channel_model(ChannelShift shift, const ChromaticLag& lag,
+                           const Plane& expected_pixel) {
+  Plane turn = expected_pixel * static_cast<float>(lag.slope) + static_cast<float>(lag.offset);
+  if (!shift.none()) turn += shift.turn;
+  return {std::move(shift), lag, turn.cos(), turn.sin()};
 }
 
-Combined combine_channels(const std::vector<Demodulated>& channels, const ChromaticModel& model) {
-  Combined combined{channels[0].re, channels[0].im, {}};
-  if (channels.size() == 1) return combined;
-  std::array<Plane, 2> re;
-  std::array<Plane, 2> im;
-  for (std::size_t i = 0; i < 2; ++i) {
-    const ChannelModel& channel = model.channels[i];
-    const Demodulated moved = resample(channels[i + 1], channel.shift);
-    re[i] = moved.re * channel.cosine - moved.im * channel.sine;
-    im[i] = moved.re * channel.sine + moved.im * channel.cosine;
-    combined.re += re[i];
-    combined.im += im[i];
+void combine_channels(const std::vector<Demodulated>& channels, const ChromaticModel& model,
+                      Combined& out) {
+  if (channels.size() == 1) {
+    out = {channels[0].re, channels[0].im, {}};
+    return;
   }
-  const Plane norm = combined.re.square() + combined.im.square();
-  combined.shares.red = (re[0] * combined.re + im[0] * combined.im) / norm;
-  combined.shares.blue = (re[1] * combined.re + im[1] * combined.im) / norm;
-  return combined;
+  for (Plane* plane : {&out.re, &out.im, &out.shares.red, &out.shares.blue})
+    plane->resize(channels[0].re.rows(), channels[0].re.cols());
+  const long columns = out.re.cols();
+  const std::array<Plane*, 2> shares = {&out.shares.red, &out.shares.blue};
+  SignalRow seen(columns);
+  std::array<SignalRow, 2> added = {SignalRow(columns), SignalRow(columns)};
+  for (long row = 0; row < out.re.rows(); ++row) {
+    out.re.row(row) = channels[0].re.row(row);
+    out.im.row(row) = channels[0].im.row(row);
+    for (std::size_t i = 0; i < 2; ++i) {
+      const ChannelModel& channel = model.channels[i];
+      shifted_row(channels[i + 1], channel.shift, row, seen);
+      add_turned(seen.re.data(), seen.im.data(), &channel.cosine(row, 0), &channel.sine(row, 0),
+                 columns, added[i].re.data(), added[i].im.data(), &out.re(row, 0), &out.im(row, 0));
+    }
+    for (std::size_t i = 0; i < 2; ++i) {
+      find_share(added[i].re.data(), added[i].im.data(), &out.re(row, 0), &out.im(row, 0), columns,
+                 &(*shares[i])(row, 0));
+    }
+  }
 }
 
 }  // namespace palpate::sensing

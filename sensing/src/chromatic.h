@@ -25,30 +25,37 @@ struct ChromaticLag {
 [[nodiscard]] ChromaticLag chromatic_lag(const ChromaticShift& shift,
                                          const geometry::Camera& projector, const Pattern& pattern);
 
-/// Where a channel shows what green shows at each pixel: alpha acts on the normalised camera
-/// coordinates (Eq. 3.14). Shapes as the working image.
+/// Where a channel shows what green shows at each pixel of the working image: alpha acts on the
+/// normalised camera coordinates (Eq. 3.14). The shift varies slowly, so the four pixels around
+/// such a place are the same number of pixels away over long runs of a row.
 struct ChannelShift {
-  Plane columns;  ///< px, to be added to green's column
-  Plane rows;     ///< px
-  Plane cosine;   ///< of the carrier over `rows`
-  Plane sine;
-  [[nodiscard]] bool none() const { return columns.size() == 0; }
+  /// Pixels of a row, and the upper left of the four around the place that belongs to the first.
+  struct Run {
+    long begin = 0;
+    long end = 0;
+    long row = 0;
+    long column = 0;
+  };
+  std::vector<std::vector<Run>> runs;  ///< of each row; a pixel in none is outside the image
+  Plane right;                         ///< weight of the right two of the four; in [0, 1]
+  Plane below;                         ///< weight of the lower two
+  Plane turn;                          ///< [rad] of the carrier from the place to the pixel
+  [[nodiscard]] bool none() const { return runs.empty(); }
 };
 /// Nothing if alpha is one, or the image too small to interpolate in.
 [[nodiscard]] ChannelShift channel_shift(const geometry::Camera& camera, double alpha,
                                          const Eigen::Matrix2Xd& rays, const Carrier& carrier);
 
-/// The channel's signal where green sees it: bilinear on re and im, which vary slowly, the carrier
-/// being taken out and put back.
-[[nodiscard]] Demodulated resample(const Demodulated& signal, const ChannelShift& shift);
-
 /// How a channel other than green is brought to green.
 struct ChannelModel {
   ChannelShift shift;
   ChromaticLag lag;
-  Plane cosine;  ///< of the lag at each pixel's expected projector pixel
+  Plane cosine;  ///< of the lag at each pixel's expected projector pixel, plus the shift's turn
   Plane sine;
 };
+/// \param expected_pixel as in `ChromaticModel`.
+[[nodiscard]] ChannelModel channel_model(ChannelShift shift, const ChromaticLag& lag,
+                                         const Plane& expected_pixel);
 
 /// Red and blue, and the projector pixel along the axis at which their lags were taken.
 struct ChromaticModel {
@@ -70,7 +77,9 @@ struct Combined {
   Plane im;
   ChannelShares shares;
 };
-[[nodiscard]] Combined combine_channels(const std::vector<Demodulated>& channels,
-                                        const ChromaticModel& model);
+/// Red and blue are interpolated bilinearly in re and im, which vary slowly, the carrier being
+/// taken out and put back. Memory of `out` is used again.
+void combine_channels(const std::vector<Demodulated>& channels, const ChromaticModel& model,
+                      Combined& out);
 
 }  // namespace palpate::sensing

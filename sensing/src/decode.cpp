@@ -12,6 +12,7 @@
 #include "demodulation.h"
 #include "hue.h"
 #include "hue_classifier.h"
+#include "modulation.h"
 #include "palpate/error.h"
 #include "phase_variance.h"
 #include "plausibility.h"
@@ -60,20 +61,6 @@ void check_anchor(const Anchor& anchor, const geometry::Camera& camera) {
                        ": a pixel of the " + std::to_string(camera.width) + " x " +
                        std::to_string(camera.height) + " image and a depth > 0 are expected");
   }
-}
-
-/// Where the sinusoid is strong enough for its phase to mean something.
-Mask find_modulated(const Combined& combined, const std::vector<Demodulated>& channels,
-                    const Mask& lit, bool colored, const DecodeOptions& options,
-                    const Pattern& pattern) {
-  Plane mean = channels[0].mean;
-  if (channels.size() == 3) mean += channels[1].mean + channels[2].mean;
-  // Light that all channels share is not the projector's: each stripe lacks at least one.
-  if (colored) mean -= 3 * channels[0].mean.min(channels[1].mean).min(channels[2].mean);
-  const Plane amplitude = 2 * (combined.re.square() + combined.im.square()).sqrt();
-  const auto contrast = static_cast<float>(options.min_contrast * pattern.amplitude / pattern.mean);
-  const auto least = static_cast<float>(options.min_modulation);
-  return lit * (amplitude >= least && amplitude >= contrast * mean).cast<std::uint8_t>();
 }
 
 /// Hue of the light averaged over the sinusoid.
@@ -209,18 +196,24 @@ std::vector<RegionOffset> Decoder::Impl::anchor_offsets(const Regions& regions) 
 
 /// From the frame to the sinusoid in it.
 void Decoder::Impl::demodulate_frame(const cv::Mat& frame, Workspace& work) const {
-  work.channels = split_frame(frame, model.carrier().transposed);
-  work.light = projector_light(work.channels, classifier.has_value(), (filter.radius + 1) / 2);
-  work.lit = (work.light >= static_cast<float>(options.min_signal)).cast<std::uint8_t>();
-  work.demodulated = demodulate(work.channels, work.lit, filter);
-  for (Demodulated& channel : work.demodulated) smooth_rows(channel);
-  work.combined = combine_channels(work.demodulated, model.chromatic());
+  split_frame(frame, model.carrier().transposed, work.channels);
+  find_lit(work.channels,
+           {.colored = classifier.has_value(),
+            .radius = (filter.radius + 1) / 2,
+            .min_signal = options.min_signal},
+           work.lit);
+  demodulate(work.channels, work.lit, filter, work.demodulated);
+  combine_channels(work.demodulated, model.chromatic(), work.combined);
 }
 
 /// Where there is enough light and enough of the sinusoid in it.
 void Decoder::Impl::judge_light(Workspace& work) const {
-  work.modulated = find_modulated(work.combined, work.demodulated, work.lit, classifier.has_value(),
-                                  options, model.pattern());
+  const Pattern& pattern = model.pattern();
+  find_modulated(work.combined, work.demodulated, work.lit,
+                 {.colored = classifier.has_value(),
+                  .min_amplitude = options.min_modulation,
+                  .min_ratio = options.min_contrast * pattern.amplitude / pattern.mean},
+                 work.modulated);
   work.reasons.setZero(model.rows(), model.columns());
   give_reason(work.reasons, find_clipped(work.channels) * (1 - work.modulated), Reason::saturated);
   give_reason(work.reasons, 1 - work.lit, Reason::unlit);

@@ -31,13 +31,9 @@ struct Demodulated {
 /// Weighted least squares of mean and sinusoid in the window around each pixel of the mask, from
 /// pixels of the mask alone (thesis 3.3.3, in its complex form). Away from the mask's borders that
 /// is multiplication by exp(-i carrier row) and a low-pass; at the borders it keeps the step of
-/// brightness out of the phase.
-[[nodiscard]] std::vector<Demodulated> demodulate(const std::vector<Plane>& channels,
-                                                  const Mask& mask,
-                                                  const DemodulationFilter& filter);
-
-/// Averages re and im along the rows: binomial weights over five pixels, those outside the mask
-/// being zero.
-void smooth_rows(Demodulated& signal);
+/// brightness out of the phase. Then re and im are averaged along the rows: binomial weights over
+/// five pixels, those outside the mask being zero. Memory of `out` is used again.
+void demodulate(const std::vector<Plane>& channels, const Mask& mask,
+                const DemodulationFilter& filter, std::vector<Demodulated>& out);
 
 }  // namespace palpate::sensing

@@ -3,6 +3,8 @@
 #include "planes.h"
 
 #include <algorithm>
+#include <array>
+#include <limits>
 #include <opencv2/core.hpp>
 #include <string>
 
@@ -17,45 +19,73 @@ constexpr int plane_of_channel(int channel, int channels) {
   return channels == 1 ? 0 : (channel + 2) % 3;
 }
 
-template <typename T>
-void split(const cv::Mat& frame, float scale, std::vector<Plane>& planes) {
-  const int channels = frame.channels();
-  for (int row = 0; row < frame.rows; ++row) {
-    const T* values = frame.ptr<T>(row);
+template <int channels, typename T>
+void split_row(const T* values, float scale, long columns, const std::array<float*, 3>& out) {
+  for (long column = 0; column < columns; ++column) {
     for (int channel = 0; channel < channels; ++channel) {
-      const auto plane = static_cast<std::size_t>(plane_of_channel(channel, channels));
-      float* out = &planes[plane](row, 0);
-      for (int column = 0; column < frame.cols; ++column) {
-        out[column] = scale * static_cast<float>(values[column * channels + channel]);
-      }
+      out[static_cast<std::size_t>(plane_of_channel(channel, channels))][column] =
+          scale * static_cast<float>(values[column * channels + channel]);
     }
   }
 }
 
-PALPATE_HOT_LOOP void raise_to(float* values, const float* other, long count) {
-  for (long i = 0; i < count; ++i) values[i] = values[i] > other[i] ? values[i] : other[i];
+template <typename T>
+void split(const cv::Mat& frame, std::vector<Plane>& planes) {
+  constexpr float scale = 1.0F / std::numeric_limits<T>::max();
+  for (int row = 0; row < frame.rows; ++row) {
+    if (planes.size() == 1) {
+      split_row<1>(frame.ptr<T>(row), scale, frame.cols, {&planes[0](row, 0)});
+    } else {
+      split_row<3>(frame.ptr<T>(row), scale, frame.cols,
+                   {&planes[0](row, 0), &planes[1](row, 0), &planes[2](row, 0)});
+    }
+  }
 }
 
-PALPATE_HOT_LOOP void lower_to(float* values, const float* other, long count) {
-  for (long i = 0; i < count; ++i) values[i] = values[i] < other[i] ? values[i] : other[i];
+/// Where the only channel reaches `least`.
+PALPATE_HOT_LOOP void find_bright(const float* values, float least, long count,
+                                  std::uint8_t* __restrict bright) {
+  for (long i = 0; i < count; ++i) bright[i] = values[i] >= least ? 1 : 0;
 }
 
-/// Largest (or smallest) value within `radius` rows.
+/// Where the largest of three channels, less the smallest iff `colored`, does.
+PALPATE_HOT_LOOP void find_bright(const float* a, const float* b, const float* c, bool colored,
+                                  float least, long count, std::uint8_t* __restrict bright) {
+  const float share = colored ? 1.0F : 0.0F;
+  for (long i = 0; i < count; ++i) {
+    const float high = a[i] > b[i] ? a[i] : b[i];
+    const float low = a[i] < b[i] ? a[i] : b[i];
+    const float highest = high > c[i] ? high : c[i];
+    const float lowest = low < c[i] ? low : c[i];
+    bright[i] = highest - share * lowest >= least ? 1 : 0;
+  }
+}
+
+PALPATE_HOT_LOOP void raise_to(std::uint8_t* __restrict values, const std::uint8_t* other,
+                               long count) {
+  for (long i = 0; i < count; ++i) values[i] |= other[i];
+}
+
+PALPATE_HOT_LOOP void lower_to(std::uint8_t* __restrict values, const std::uint8_t* other,
+                               long count) {
+  for (long i = 0; i < count; ++i) values[i] &= other[i];
+}
+
+/// Union (or intersection) of the rows within `radius`.
 template <typename Combine>
-Plane filter_columns(const Plane& in, int radius, Combine combine) {
-  Plane out = in;
+void filter_columns(const Mask& in, int radius, Combine combine, Mask& out) {
+  out = in;
   for (long row = 0; row < in.rows(); ++row) {
     const long first = std::max<long>(0, row - radius);
     const long last = std::min<long>(in.rows() - 1, row + radius);
     for (long other = first; other <= last; ++other)
       combine(&out(row, 0), &in(other, 0), in.cols());
   }
-  return out;
 }
 
 }  // namespace
 
-std::vector<Plane> split_frame(const cv::Mat& frame, bool transposed) {
+void split_frame(const cv::Mat& frame, bool transposed, std::vector<Plane>& out) {
   const bool known = frame.dims == 2 && (frame.depth() == CV_8U || frame.depth() == CV_16U) &&
                      (frame.channels() == 1 || frame.channels() == 3);
   if (!known || frame.empty()) {
@@ -63,30 +93,28 @@ std::vector<Plane> split_frame(const cv::Mat& frame, bool transposed) {
   }
   cv::Mat oriented = frame;
   if (transposed) cv::transpose(frame, oriented);
-  std::vector<Plane> planes(static_cast<std::size_t>(frame.channels()),
-                            Plane(oriented.rows, oriented.cols));
+  out.resize(static_cast<std::size_t>(frame.channels()));
+  for (Plane& plane : out) plane.resize(oriented.rows, oriented.cols);
   if (frame.depth() == CV_8U) {
-    split<std::uint8_t>(oriented, 1.0F / 255, planes);
+    split<std::uint8_t>(oriented, out);
   } else {
-    split<std::uint16_t>(oriented, 1.0F / 65535, planes);
+    split<std::uint16_t>(oriented, out);
   }
-  return planes;
 }
 
-Plane projector_light(const std::vector<Plane>& channels, bool colored, int radius) {
-  Plane light = channels[0];
-  if (channels.size() > 1) {
-    for (std::size_t i = 1; i < channels.size(); ++i)
-      raise_to(light.data(), channels[i].data(), light.size());
+void find_lit(const std::vector<Plane>& channels, const LitOptions& options, Mask& lit) {
+  const auto least = static_cast<float>(options.min_signal);
+  const Plane& first = channels[0];
+  Mask bright(first.rows(), first.cols());
+  if (channels.size() == 1) {
+    find_bright(first.data(), least, first.size(), bright.data());
+  } else {
+    find_bright(first.data(), channels[1].data(), channels[2].data(), options.colored, least,
+                first.size(), bright.data());
   }
-  if (colored) {
-    Plane low = channels[0];
-    for (std::size_t i = 1; i < channels.size(); ++i)
-      lower_to(low.data(), channels[i].data(), low.size());
-    light -= low;
-  }
-  const Plane filled = filter_columns(light, radius, raise_to);
-  return filter_columns(filled, radius, lower_to);
+  Mask filled;
+  filter_columns(bright, options.radius, raise_to, filled);
+  filter_columns(filled, options.radius, lower_to, lit);
 }
 
 }  // namespace palpate::sensing

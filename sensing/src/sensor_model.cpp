@@ -42,13 +42,9 @@ void SensorModel::prepare_chromatic(const Eigen::Matrix2Xd& rays) {
   }
   const ChromaticShift* const shifts[] = {&rig_.red, &rig_.blue};
   for (std::size_t i = 0; i < 2; ++i) {
-    ChannelModel& channel = chromatic_.channels[i];
-    channel.lag = chromatic_lag(*shifts[i], rig_.projector, pattern_);
-    channel.shift = channel_shift(rig_.camera, shifts[i]->alpha, rays, carrier_);
-    const Plane lag =
-        expected * static_cast<float>(channel.lag.slope) + static_cast<float>(channel.lag.offset);
-    channel.cosine = lag.cos();
-    channel.sine = lag.sin();
+    chromatic_.channels[i] =
+        channel_model(channel_shift(rig_.camera, shifts[i]->alpha, rays, carrier_),
+                      chromatic_lag(*shifts[i], rig_.projector, pattern_), expected);
   }
 }
 

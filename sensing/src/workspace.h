@@ -16,7 +16,6 @@ namespace palpate::sensing {
 /// They keep their memory from frame to frame: every stage writes into the ones it is given.
 struct Workspace {
   std::vector<Plane> channels;
-  Plane light;  ///< see `projector_light`
   Mask lit;
   std::vector<Demodulated> demodulated;
   Combined combined;

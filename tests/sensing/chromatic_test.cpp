@@ -57,9 +57,14 @@ TEST(Chromatic, ResamplingBringsARescaledChannelBack) {
   for (const bool transposed : {false, true}) {
     geometry::Camera shown = camera;
     if (transposed) std::swap(shown.width, shown.height), std::swap(shown.cx, shown.cy);
-    const ChannelShift shift = channel_shift(shown, alpha, geometry::pixel_rays(shown),
-                                             {.transposed = transposed, .along = carrier});
-    const Demodulated moved = resample(channel, shift);
+    const Plane zero = Plane::Zero(80, 30);
+    const ChannelModel model =
+        channel_model(channel_shift(shown, alpha, geometry::pixel_rays(shown),
+                                    {.transposed = transposed, .along = carrier}),
+                      {}, zero);
+    const Demodulated dark{zero, zero, zero};
+    Combined moved;
+    combine_channels({dark, channel, dark}, {zero, {model, model}}, moved);
     for (long row = 2; row < 78; ++row) {
       // Bilinear interpolation of a phase that turns by 0.017 rad a pixel.
       EXPECT_NEAR(std::atan2(moved.im(row, 15), moved.re(row, 15)), phase, 1e-4) << row;
@@ -76,7 +81,8 @@ TEST(Chromatic, SharesSumToOneWithGreen) {
   }
   const std::vector<Demodulated> channels = {
       {3 * one, one, one}, {one, 2 * one, one}, {0 * one, one, one}};
-  const Combined combined = combine_channels(channels, model);
+  Combined combined;
+  combine_channels(channels, model, combined);
   EXPECT_EQ(combined.re(2, 2), 4);
   EXPECT_EQ(combined.im(2, 2), 4);
   EXPECT_FLOAT_EQ(combined.shares.red(2, 2), (1 * 4 + 2 * 4) / 32.0F);

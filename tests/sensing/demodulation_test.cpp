@@ -27,6 +27,13 @@ Plane wave(double mean, double amplitude, double frequency, double phase) {
   return image;
 }
 
+std::vector<Demodulated> demodulate(const std::vector<Plane>& channels, const Mask& mask,
+                                    const DemodulationFilter& filter) {
+  std::vector<Demodulated> out;
+  demodulate(channels, mask, filter, out);
+  return out;
+}
+
 Mask everywhere() { return Mask::Ones(kRows, kColumns); }
 
 std::complex<double> at(const Demodulated& signal, long row, long column = 4) {
@@ -85,16 +92,16 @@ TEST(Demodulation, TooLittleOfAPeriodIsNotMeasured) {
   for (long row = 30; row < 33; ++row) EXPECT_EQ(at(out[0], row), 0.0);
 }
 
-TEST(Demodulation, SmoothingAveragesAlongRowsOnly) {
-  const Plane zero = Plane::Zero(3, 9);
-  Demodulated signal{zero, zero, zero};
-  signal.re(1, 4) = 16;
-  smooth_rows(signal);
+TEST(Demodulation, AveragesAlongRowsWithBinomialWeights) {
+  Plane image = Plane::Zero(kRows, kColumns);
+  image.col(4) = 16 * wave(0.5, 0.3, kCarrier, 1.1).col(4);
+  const auto out = demodulate({image}, everywhere(), make_filter(kCarrier));
   const float expected[] = {0, 0, 1, 4, 6, 4, 1, 0, 0};
-  for (long column = 0; column < 9; ++column) {
-    EXPECT_EQ(signal.re(1, column), expected[column]);
-    EXPECT_EQ(signal.re(0, column), 0);
-    EXPECT_EQ(signal.im(1, column), 0);
+  for (long column = 0; column < kColumns; ++column) {
+    EXPECT_NEAR(std::abs(at(out[0], 30, column) -
+                         static_cast<double>(expected[column]) * std::polar(0.15, 1.1)),
+                0, 16 * kRounding);
+    EXPECT_NEAR(out[0].mean(30, column), column == 4 ? 8 : 0, 16 * kRounding);
   }
 }
 
