@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "modulation.h"
 
-#include <algorithm>
-
 #include "hot_loop.h"
 
 namespace palpate::sensing {
