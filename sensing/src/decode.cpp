@@ -128,7 +128,6 @@ struct Decoder::Impl {
   void find_guesses(Workspace& work) const;
   [[nodiscard]] std::vector<RegionOffset> anchor_offsets(const Regions& regions) const;
   void drop_borders(Workspace& work) const;
-  void find_depths(Workspace& work) const;
   void check_colors(Workspace& work) const;
   void fill_result(const Workspace& work, DecodeResult& result) const;
   void decode(const cv::Mat& frame, DecodeResult& result) const;
@@ -173,14 +172,7 @@ void Decoder::Impl::find_guesses(Workspace& work) const {
                                              .window_px = options.color_window_px,
                                              .min_color_score = options.min_color_score,
                                              .reversed = model.carrier().stripes_reversed});
-  work.guesses.clear();
-  for (const Transition& transition : transitions) {
-    const int column = static_cast<int>(std::lround(transition.column));
-    const auto phase = model.phase_at_edge(transition.row, column, transition.edge);
-    if (!phase) continue;
-    work.guesses.push_back(
-        {transition.row, column, *phase, static_cast<double>(transition.score), transition.edge});
-  }
+  model.phases_at_edges(transitions, work.guesses);
 }
 
 std::vector<RegionOffset> Decoder::Impl::anchor_offsets(const Regions& regions) const {
@@ -245,32 +237,15 @@ void Decoder::Impl::drop_borders(Workspace& work) const {
   Mask known = (work.phase == work.phase).cast<std::uint8_t>() * eroded(eroded(work.lit));
   known *= 1 - near_breaks(work.phase, known, kBreak, {filter.radius / 2, kBreakColumns});
   give_reason(work.reasons, 1 - known, Reason::border);
-}
-
-void Decoder::Impl::find_depths(Workspace& work) const {
-  work.depth.setConstant(model.rows(), model.columns(), kUnknown);
-  work.stripe_pixel.setConstant(model.rows(), model.columns(), kUnknown);
-  const int across = model.pattern().axis == Axis::x ? 1 : 0;
-  for (long row = 0; row < model.rows(); ++row) {
-    for (long column = 0; column < model.columns(); ++column) {
-      if (work.reasons(row, column) != code(Reason::reconstructed)) continue;
-      const auto phase = static_cast<double>(work.phase(row, column));
-      const auto surface =
-          model.surface_at(row, column, phase, work.combined.shares, options.max_sensitivity);
-      give_reason(work.reasons(row, column), surface.reason);
-      if (surface.reason != Reason::reconstructed) continue;
-      work.depth(row, column) = static_cast<float>(surface.z);
-      work.stripe_pixel(row, column) = static_cast<float>(surface.pixel[across]);
-    }
-  }
+  work.phase = (known != 0).select(work.phase, kUnknown);
 }
 
 /// Takes away the depths that the colours contradict.
 void Decoder::Impl::check_colors(Workspace& work) const {
-  const Mask wrong = contradicting_colors(work.stripe_pixel, work.hue, model.pattern(), *classifier,
-                                          options.min_agreement);
+  const Mask wrong = contradicting_colors(work.surfaces.stripe_pixel, work.hue, model.pattern(),
+                                          *classifier, options.min_agreement);
   give_reason(work.reasons, wrong, Reason::color_mismatch);
-  work.depth = (wrong != 0).select(kUnknown, work.depth);
+  work.surfaces.z = (wrong != 0).select(kUnknown, work.surfaces.z);
 }
 
 void Decoder::Impl::fill_result(const Workspace& work, DecodeResult& result) const {
@@ -281,10 +256,10 @@ void Decoder::Impl::fill_result(const Workspace& work, DecodeResult& result) con
                                      [](const RegionOffset& offset) { return !offset.phase; }));
   result.range.camera = model.rig().camera;
   if (model.carrier().transposed) {
-    result.range.z = work.depth.transpose();
+    result.range.z = work.surfaces.z.transpose();
     result.reasons = work.reasons.transpose();
   } else {
-    result.range.z = work.depth;
+    result.range.z = work.surfaces.z;
     result.reasons = work.reasons;
   }
 }
@@ -296,7 +271,8 @@ void Decoder::Impl::decode(const cv::Mat& frame, DecodeResult& result) const {
   judge_light(*work);
   find_regions(*work);
   drop_borders(*work);
-  find_depths(*work);
+  model.find_surfaces(work->phase, work->combined.shares, options.max_sensitivity, work->surfaces,
+                      work->reasons);
   if (classifier) check_colors(*work);
   fill_result(*work, result);
 }

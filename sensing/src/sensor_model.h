@@ -2,14 +2,25 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
+#include <optional>
+#include <vector>
 
 #include "carrier.h"
 #include "chromatic.h"
+#include "palpate/sensing/reason.h"
 #include "phase_offset.h"
+#include "stripe_transitions.h"
+#include "surface_rows.h"
 #include "triangulation.h"
 
 namespace palpate::sensing {
+
+/// What the phases of an image mean; NaN where that is not known.
+struct SurfaceImages {
+  Plane z;             ///< [mm]
+  Plane stripe_pixel;  ///< projector pixel across the stripes
+  Plane z_per_phase;   ///< [mm/rad] |dz / dphase|
+};
 
 /// What a rig and a pattern say about every pixel of the working image, computed once.
 ///
@@ -30,26 +41,30 @@ class SensorModel {
 
   /// Phase where a depth is known. Nothing if the projector does not light that point.
   [[nodiscard]] std::optional<double> phase_at_depth(long row, long column, double z) const;
-  /// Phase at a stripe edge of the pattern. Nothing if the projector does not light that point.
-  [[nodiscard]] std::optional<double> phase_at_edge(long row, long column, int edge) const;
 
-  /// Depth and projector pixel of a phase.
-  struct Surface {
-    double z = 0;
-    Eigen::Vector2d pixel;
-    Reason reason = Reason::reconstructed;
-  };
-  /// `off_panel` if the projector does not light the point; `grazing` if |dz / dphase| >
+  /// Phases at stripe edges. Those at which the projector would not light the surface fall out.
+  void phases_at_edges(const std::vector<Transition>& transitions,
+                       std::vector<PhaseGuess>& guesses) const;
+
+  /// Depth and projector pixel of each phase. A pixel that still is `reconstructed` becomes
+  /// `off_panel` if the projector does not light the point, or `grazing` if |dz / dphase| >
   /// max_sensitivity * z per rad: near the line on which the phase says nothing of the depth
   /// (Eq. 3.11 divides by zero there).
-  [[nodiscard]] Surface surface_at(long row, long column, double phase, const ChannelShares& shares,
-                                   double max_sensitivity) const;
+  /// \param phase NaN where it is not known.
+  void find_surfaces(const Plane& phase, const ChannelShares& shares, double max_sensitivity,
+                     SurfaceImages& surfaces, ReasonImage& reasons) const;
 
  private:
-  [[nodiscard]] Eigen::Vector3d direction(long row, long column) const {
-    return directions_.col(row * columns_ + column);
-  }
+  /// R (x, y, 1) of every pixel's ray, in projector coordinates along the axes of the pattern.
+  struct Rays {
+    Plane along;   ///< the axis of the sinusoid
+    Plane across;  ///< the other one, along which the stripes follow each other
+    Plane forward;
+  };
+
+  [[nodiscard]] Eigen::Vector3d direction(long row, long column) const;
   void prepare_chromatic(const Eigen::Matrix2Xd& rays);
+  [[nodiscard]] double phase_of(double pixel, long row) const;
 
   Rig rig_;
   Pattern pattern_;
@@ -58,8 +73,7 @@ class SensorModel {
   long rows_ = 0;
   long columns_ = 0;
   int axis_ = 0;  ///< of the sinusoid in projector pixels
-  /// Of the rays, in projector coordinates, row after row of the working image.
-  Eigen::Matrix3Xd directions_;
+  Rays rays_;
   ChromaticModel chromatic_;
 };
 

@@ -9,6 +9,7 @@
 #include "palpate/sensing/reason.h"
 #include "phase_offset.h"
 #include "planes.h"
+#include "sensor_model.h"
 
 namespace palpate::sensing {
 
@@ -29,8 +30,7 @@ struct Workspace {
   std::vector<Marker> markers;
   std::vector<RegionOffset> offsets;
   Plane phase;  ///< absolute; NaN where unknown
-  Plane depth;
-  Plane stripe_pixel;  ///< projector pixel across the stripes
+  SurfaceImages surfaces;
 };
 
 }  // namespace palpate::sensing
