@@ -46,6 +46,7 @@ int run(int argc, char** argv) {
   });
 
   add_demo(app, settings);
+  add_pattern(app, settings);
   add_calibrate(app, settings);
   add_decode(app, settings);
   add_mesh(app, settings);

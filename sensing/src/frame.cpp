@@ -3,9 +3,12 @@
 #include "palpate/sensing/frame.h"
 
 #include <opencv2/imgcodecs.hpp>
+#include <ostream>
 #include <string>
+#include <vector>
 
 #include "palpate/error.h"
+#include "palpate/output_file.h"
 #include "png_check.h"
 #include "storage_file.h"
 
@@ -42,6 +45,22 @@ cv::Mat read_frame(const std::filesystem::path& path) {
     throw FileError(path.string() + ": the values are neither 8 nor 16 bit whole numbers");
   }
   return frame;
+}
+
+void write_png(const std::filesystem::path& path, const cv::Mat& image) {
+  const bool known = image.dims == 2 && (image.depth() == CV_8U || image.depth() == CV_16U) &&
+                     (image.channels() == 1 || image.channels() == 3);
+  if (!known || image.empty()) {
+    throw InvalidInput("write_png(" + path.string() +
+                       "): an image of 8 or 16 bit with 1 or 3 channels is expected");
+  }
+  std::vector<unsigned char> bytes;
+  if (!cv::imencode(".png", image, bytes))
+    throw OutputError(path.string() + ": cannot be encoded as PNG");
+  write_file(path, [&](std::ostream& out) {
+    out.write(reinterpret_cast<const char*>(bytes.data()),
+              static_cast<std::streamsize>(bytes.size()));
+  });
 }
 
 }  // namespace palpate::sensing

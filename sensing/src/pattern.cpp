@@ -2,11 +2,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/sensing/pattern.h"
 
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <charconv>
 #include <cmath>
+#include <ostream>
 #include <set>
 #include <utility>
 
 #include "palpate/error.h"
+#include "palpate/output_file.h"
 #include "storage_file.h"
 
 namespace palpate::sensing {
@@ -67,6 +73,28 @@ void check_stripes(const Pattern& pattern, const std::string& what) {
   }
 }
 
+/// The shortest decimal number that is read back as this value.
+template <typename T>
+std::string shortest(T value) {
+  std::array<char, 32> digits{};
+  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value);
+  return {digits.data(), end.ptr};
+}
+
+/// A name as YAML text: as it is if it consists of letters and digits.
+std::string quoted(const std::string& name) {
+  const bool plain =
+      std::all_of(name.begin(), name.end(), [](unsigned char c) { return std::isalnum(c) != 0; }) &&
+      std::isalpha(static_cast<unsigned char>(name[0])) != 0;
+  if (plain) return name;
+  std::string text = "\"";
+  for (const char c : name) {
+    if (c == '"' || c == '\\') text += '\\';
+    text += c;
+  }
+  return text + '"';
+}
+
 }  // namespace
 
 void check_pattern(const Pattern& pattern, const std::string& what) {
@@ -119,6 +147,39 @@ Pattern read_pattern(const std::filesystem::path& path) {
     throw FileError(error.what());
   }
   return pattern;
+}
+
+void write_pattern(const std::filesystem::path& path, const Pattern& pattern) {
+  check_pattern(pattern, "write_pattern(" + path.string() + ")");
+  // Written by hand: FileStorage's own output ("name:R") is no YAML for others.
+  write_file(path, [&](std::ostream& out) {
+    const auto list = [&](const auto& values) {
+      const char* separator = "[ ";
+      for (const auto& value : values) {
+        out << separator << shortest(value);
+        separator = ", ";
+      }
+      out << (values.size() == 0 ? "[ ]" : " ]");
+    };
+    out << "%YAML:1.0\n---\n";
+    if (!pattern.colors.empty()) {
+      out << "colors:\n";
+      for (const PatternColor& color : pattern.colors) {
+        out << "   - { name: " << quoted(color.name) << ", rgb: ";
+        list(color.rgb);
+        out << " }\n";
+      }
+      out << "stripes: ";
+      list(pattern.stripes);
+      out << "\nstripe_edges_px: ";
+      list(pattern.stripe_edges);
+      out << '\n';
+    }
+    out << "axis: " << (pattern.axis == Axis::x ? "x" : "y")
+        << "\nperiod_px: " << shortest(pattern.period) << "\nphase: " << shortest(pattern.phase)
+        << "\nmean: " << shortest(pattern.mean) << "\namplitude: " << shortest(pattern.amplitude)
+        << '\n';
+  });
 }
 
 }  // namespace palpate::sensing

@@ -45,6 +45,19 @@ TEST(Frame, RefusesTruncatedFilesOfEveryLengthInSilence) {
   }
 }
 
+TEST(Frame, IsWrittenAsItIs) {
+  const ScratchFolder folder;
+  for (const int type : {CV_8UC1, CV_8UC3, CV_16UC1, CV_16UC3}) {
+    const cv::Mat image = ramp(type);
+    write_png(folder / "frame.png", image);
+    const cv::Mat read = read_frame(folder / "frame.png");
+    ASSERT_EQ(read.type(), type);
+    EXPECT_EQ(cv::norm(read, image, cv::NORM_INF), 0);
+  }
+  EXPECT_THROW(write_png(folder / "frame.png", cv::Mat(3, 3, CV_32FC1)), InvalidInput);
+  EXPECT_THROW(write_png(folder / "frame.png", cv::Mat()), InvalidInput);
+}
+
 TEST(Frame, RefusesADamagedFile) {
   const ScratchFolder folder;
   cv::imwrite((folder / "frame.png").string(), ramp(CV_8UC3));

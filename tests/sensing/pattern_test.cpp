@@ -35,6 +35,43 @@ TEST(Pattern, MayHaveNoStripes) {
   EXPECT_EQ(pattern.period, 60);
 }
 
+TEST(Pattern, SurvivesAFileExactly) {
+  const ScratchFolder folder;
+  Pattern pattern = read_pattern(demo_path("pattern.yaml"));
+  pattern.axis = Axis::x;
+  pattern.period = 31.0 / 3;
+  pattern.phase = -0.1;
+  pattern.colors[1].rgb = {1, 1.0 / 3, 0.1};
+  pattern.colors[1].name = "H020";
+  pattern.colors[2].name = "2 dark, \"green\": \\#";
+  pattern.stripe_edges[3] = 131 + 1.0 / 7;
+  const auto same = [](const Pattern& a, const Pattern& b) {
+    bool equal = a.stripes == b.stripes && a.stripe_edges == b.stripe_edges && a.axis == b.axis &&
+                 a.period == b.period && a.phase == b.phase && a.mean == b.mean &&
+                 a.amplitude == b.amplitude && a.colors.size() == b.colors.size();
+    for (std::size_t i = 0; equal && i < a.colors.size(); ++i)
+      equal = a.colors[i].name == b.colors[i].name && a.colors[i].rgb == b.colors[i].rgb;
+    return equal;
+  };
+  write_pattern(folder / "p.yaml", pattern);
+  EXPECT_TRUE(same(read_pattern(folder / "p.yaml"), pattern));
+  pattern.colors.clear();
+  pattern.stripes.clear();
+  pattern.stripe_edges.clear();
+  write_pattern(folder / "p.yaml", pattern);
+  EXPECT_TRUE(same(read_pattern(folder / "p.yaml"), pattern));
+  pattern.colors = {{"G", {0, 1, 0}}};  // what a colour is trained with
+  pattern.stripes = {0};
+  write_pattern(folder / "p.yaml", pattern);
+  EXPECT_TRUE(same(read_pattern(folder / "p.yaml"), pattern));
+}
+
+TEST(Pattern, IsNotWrittenIfItIsWrong) {
+  const ScratchFolder folder;
+  EXPECT_THROW(write_pattern(folder / "p.yaml", {.period = 0}), InvalidInput);
+  EXPECT_FALSE(std::filesystem::exists(folder / "p.yaml"));
+}
+
 TEST(Pattern, RefusesWrongFilesAndNamesTheKey) {
   const ScratchFolder folder;
   const std::string text = read_text(demo_path("pattern.yaml"));

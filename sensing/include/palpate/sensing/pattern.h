@@ -43,4 +43,8 @@ void check_pattern(const Pattern& pattern, const std::string& what);
 /// \throws FileError naming the file and the key if something is missing or inconsistent.
 [[nodiscard]] Pattern read_pattern(const std::filesystem::path& path);
 
+/// Writes a pattern as `read_pattern` reads it; every number survives exactly.
+/// \throws InvalidInput if the pattern is not valid; OutputError.
+void write_pattern(const std::filesystem::path& path, const Pattern& pattern);
+
 }  // namespace palpate::sensing

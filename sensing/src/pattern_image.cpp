@@ -1,0 +1,258 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/sensing/pattern_image.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <numbers>
+
+#include "palpate/error.h"
+
+namespace palpate::sensing {
+namespace {
+
+constexpr int kLargestSize = 65535;
+/// The parallel projector's panel grows without bound as light leaves at right angles to the
+/// camera's axis: cos 60 degrees.
+constexpr double kLeastForward = 0.5;
+/// Sizes [px] that exceed a whole number by less are that number but for rounding.
+constexpr double kSizeTolerance = 1e-6;
+constexpr int kGreyTop = 255;
+
+void check_size(int width, int height) {
+  if (width >= 1 && height >= 1 && width <= kLargestSize && height <= kLargestSize) return;
+  throw InvalidInput("projector size: " + std::to_string(width) + " x " + std::to_string(height) +
+                     " px; 1 to " + std::to_string(kLargestSize) + " are expected");
+}
+
+void check_bits(int bits) {
+  if (bits != 8 && bits != 16)
+    throw InvalidInput("bits: " + std::to_string(bits) + " a channel; 8 or 16 are expected");
+}
+
+/// The direction in the camera's axes in which light leaves a panel pixel, z = 1.
+Eigen::Vector2d direction_in_camera(const Rig& rig, const Eigen::Vector2d& panel_pixel) {
+  const Eigen::Vector3d ray = geometry::undistort(rig.projector, panel_pixel).homogeneous();
+  const Eigen::Vector3d turned = rig.T_projector_camera.linear().transpose() * ray;
+  if (!(turned.z() >= kLeastForward * ray.norm()))
+    return Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
+  return turned.hnormalized();
+}
+
+geometry::Camera parallel_projector(const Rig& rig) {
+  const geometry::Camera& real = rig.projector;
+  Eigen::Array2d low = Eigen::Array2d::Constant(std::numeric_limits<double>::infinity());
+  Eigen::Array2d high = -low;
+  const auto include = [&](double u, double v) {
+    const Eigen::Vector2d direction = direction_in_camera(rig, {u - 0.5, v - 0.5});
+    if (!direction.allFinite()) {
+      throw InvalidInput(
+          "rig: projector: the pattern cannot be rectified: its lens cannot be inverted on the "
+          "whole panel, or light leaves it by more than 60 degrees from the camera's axis; draw "
+          "the pattern straight on the panel");
+    }
+    low = low.min(direction.array());
+    high = high.max(direction.array());
+  };
+  for (int u = 0; u <= real.width; ++u) include(u, 0), include(u, real.height);
+  for (int v = 0; v <= real.height; ++v) include(0, v), include(real.width, v);
+  const auto size = [](double length) {
+    return static_cast<int>(std::ceil(length - kSizeTolerance));
+  };
+  return {.width = size(real.fx * (high.x() - low.x())),
+          .height = size(real.fy * (high.y() - low.y())),
+          .fx = real.fx,
+          .fy = real.fy,
+          .cx = -0.5 - real.fx * low.x(),
+          .cy = -0.5 - real.fy * low.y()};
+}
+
+/// From a panel pixel to the pixel in which the pattern is defined, for one channel.
+class PanelMap {
+ public:
+  PanelMap(const Rig& real, const Rig& drawn, const DrawOptions& options,
+           const ChromaticShift& shift, Axis axis)
+      : real_(real), drawn_(drawn.projector), rectify_(options.rectify) {
+    const geometry::Camera& panel = real.projector;
+    scale_ = options.compensate ? shift.beta : 1;
+    const double gamma = options.compensate ? shift.gamma : 0;
+    // The channel's normalised coordinate n leaves the lens where green's beta n + gamma does.
+    offset_ = (1 - scale_) * Eigen::Vector2d(panel.cx, panel.cy);
+    (axis == Axis::x ? offset_.x() : offset_.y()) +=
+        gamma * (axis == Axis::x ? panel.fx : panel.fy);
+  }
+  [[nodiscard]] Eigen::Vector2d operator()(double u, double v) const {
+    const Eigen::Vector2d as_green = scale_ * Eigen::Vector2d(u, v) + offset_;
+    if (!rectify_) return as_green;
+    const Eigen::Vector2d direction = direction_in_camera(real_, as_green);
+    return {drawn_.fx * direction.x() + drawn_.cx, drawn_.fy * direction.y() + drawn_.cy};
+  }
+
+ private:
+  const Rig& real_;
+  geometry::Camera drawn_;
+  bool rectify_;
+  double scale_ = 1;
+  Eigen::Vector2d offset_ = Eigen::Vector2d::Zero();
+};
+
+/// One channel of the stripes' colours as a function of the pixel across them.
+class StripeChannel {
+ public:
+  StripeChannel(const Pattern& pattern, int channel) : pattern_(pattern), channel_(channel) {}
+
+  /// Mean from `a` to `b`, which lie at most a few pixels apart, in either order.
+  [[nodiscard]] double mean(double a, double b) const {
+    if (pattern_.stripes.empty()) return 1;
+    const double low = std::min(a, b);
+    const double high = std::max(a, b);
+    const std::vector<double>& edges = pattern_.stripe_edges;
+    auto stripe =
+        static_cast<std::size_t>(std::upper_bound(edges.begin(), edges.end(), low) - edges.begin());
+    if (stripe == edges.size() || edges[stripe] >= high) return value(stripe);
+    double sum = 0;
+    double from = low;
+    for (; stripe < edges.size() && edges[stripe] < high; ++stripe) {
+      sum += value(stripe) * (edges[stripe] - from);
+      from = edges[stripe];
+    }
+    return (sum + value(stripe) * (high - from)) / (high - low);
+  }
+
+ private:
+  [[nodiscard]] double value(std::size_t stripe) const {
+    return pattern_.colors[static_cast<std::size_t>(pattern_.stripes[stripe])].rgb[channel_];
+  }
+  const Pattern& pattern_;
+  int channel_;
+};
+
+template <typename T>
+T level(double value) {
+  // NaN, where nothing is to be shown, becomes black.
+  return static_cast<T>(
+      std::lround(std::numeric_limits<T>::max() * std::fmin(std::fmax(value, 0), 1)));
+}
+
+/// Draws one channel (0 red, 1 green, 2 blue) through a map from panel to pattern pixels.
+template <typename T, typename Map>
+void draw_channel(const Pattern& pattern, int channel, const Map& map, cv::Mat& image) {
+  const StripeChannel stripes(pattern, channel);
+  const Eigen::Index along = pattern.axis == Axis::x ? 0 : 1;
+  const Eigen::Index across = 1 - along;
+  const Eigen::Vector2d half_pixel = 0.5 * Eigen::Vector2d::Unit(across);
+  for (int v = 0; v < image.rows; ++v) {
+    for (int u = 0; u < image.cols; ++u) {
+      const double pixel = map(u, v)[along];
+      const double color = stripes.mean(map(u - half_pixel.x(), v - half_pixel.y())[across],
+                                        map(u + half_pixel.x(), v + half_pixel.y())[across]);
+      const double brightness =
+          pattern.mean +
+          pattern.amplitude *
+              std::cos(2 * std::numbers::pi * pixel / pattern.period + pattern.phase);
+      image.ptr<T>(v)[3 * u + 2 - channel] = level<T>(color * brightness);
+    }
+  }
+}
+
+template <typename Map>
+cv::Mat draw(const Pattern& pattern, int width, int height, int bits,
+             const std::array<Map, 3>& maps) {
+  check_pattern(pattern, "pattern");
+  check_size(width, height);
+  cv::Mat image(height, width, bits == 8 ? CV_8UC3 : CV_16UC3);
+  for (int channel = 0; channel < 3; ++channel) {
+    const Map& map = maps[static_cast<std::size_t>(channel)];
+    if (bits == 8) {
+      draw_channel<std::uint8_t>(pattern, channel, map, image);
+    } else {
+      draw_channel<std::uint16_t>(pattern, channel, map, image);
+    }
+  }
+  return image;
+}
+
+}  // namespace
+
+Rig rig_of_drawing(const Rig& rig, const DrawOptions& options) {
+  check_rig(rig, "rig");
+  Rig drawn = rig;
+  if (options.rectify) {
+    drawn.projector = parallel_projector(rig);
+    drawn.T_projector_camera.linear().setIdentity();
+    drawn.T_projector_camera.translation() =
+        rig.T_projector_camera.linear().transpose() * rig.T_projector_camera.translation();
+  }
+  if (options.compensate) {
+    for (ChromaticShift* shift : {&drawn.red, &drawn.blue}) {
+      shift->beta = 1;
+      shift->gamma = 0;
+    }
+  }
+  return drawn;
+}
+
+cv::Mat draw_pattern(const Pattern& pattern, const Rig& rig, const DrawOptions& options) {
+  check_bits(options.bits);
+  const Rig drawn = rig_of_drawing(rig, options);
+  const auto map = [&](const ChromaticShift& shift) {
+    return PanelMap(rig, drawn, options, shift, pattern.axis);
+  };
+  const std::array<PanelMap, 3> maps = {map(rig.red), map(ChromaticShift{}), map(rig.blue)};
+  return draw(pattern, rig.projector.width, rig.projector.height, options.bits, maps);
+}
+
+cv::Mat draw_pattern(const Pattern& pattern, int width, int height, int bits) {
+  check_bits(bits);
+  const auto identity = [](double u, double v) { return Eigen::Vector2d(u, v); };
+  return draw(pattern, width, height, bits, std::array{identity, identity, identity});
+}
+
+cv::Mat draw_uniform(const Eigen::Vector3d& rgb, int width, int height, int bits) {
+  check_size(width, height);
+  check_bits(bits);
+  if (!(rgb.array() >= 0 && rgb.array() <= 1).all())
+    throw InvalidInput("draw_uniform: rgb must lie in [0, 1]");
+  const double top = bits == 8 ? 255 : 65535;
+  const Eigen::Vector3d levels = (top * rgb).array().round();
+  return {height, width, bits == 8 ? CV_8UC3 : CV_16UC3,
+          cv::Scalar(levels[2], levels[1], levels[0])};
+}
+
+Pattern single_color(const Pattern& pattern, int color) {
+  if (color < 0 || color >= static_cast<int>(pattern.colors.size())) {
+    throw InvalidInput("single_color: no colour " + std::to_string(color) + "; the pattern has " +
+                       std::to_string(pattern.colors.size()));
+  }
+  Pattern single = without_stripes(pattern);
+  single.colors = {pattern.colors[static_cast<std::size_t>(color)]};
+  single.stripes = {0};
+  return single;
+}
+
+Pattern without_stripes(const Pattern& pattern) {
+  Pattern white = pattern;
+  white.colors.clear();
+  white.stripes.clear();
+  white.stripe_edges.clear();
+  return white;
+}
+
+std::vector<int> grey_levels(int steps) {
+  if (steps < 2 || steps > kGreyTop + 1) {
+    throw InvalidInput("grey_levels: " + std::to_string(steps) + " steps; 2 to " +
+                       std::to_string(kGreyTop + 1) + " are expected");
+  }
+  std::vector<int> levels;
+  for (int i = 0; i < steps; ++i) {
+    levels.push_back(
+        static_cast<int>(std::lround(static_cast<double>(kGreyTop) * i / (steps - 1))));
+  }
+  return levels;
+}
+
+}  // namespace palpate::sensing
