@@ -10,6 +10,7 @@
 #include "palpate/error.h"
 #include "palpate/output_file.h"
 #include "png_check.h"
+#include "png_image.h"
 #include "storage_file.h"
 
 namespace palpate::sensing {
@@ -22,6 +23,14 @@ bool is_tiff(const std::string& bytes) {
   return bytes.starts_with("II*\0"s) || bytes.starts_with("MM\0*"s);
 }
 
+cv::Mat read_png(const std::filesystem::path& path, const std::string& bytes) {
+  try {
+    return decode_png(bytes);
+  } catch (const InvalidInput& error) {
+    throw FileError(path.string() + ": " + error.what());
+  }
+}
+
 }  // namespace
 
 cv::Mat read_frame(const std::filesystem::path& path) {
@@ -29,6 +38,8 @@ cv::Mat read_frame(const std::filesystem::path& path) {
   if (is_png(bytes)) {
     const std::string damage = find_png_damage(bytes);
     if (!damage.empty()) throw FileError(path.string() + ": " + damage);
+    const cv::Mat frame = read_png(path, bytes);
+    if (!frame.empty()) return frame;
   } else if (!is_tiff(bytes)) {
     throw FileError(path.string() + ": neither PNG nor TIFF; a frame of 8 or 16 bit is expected");
   }

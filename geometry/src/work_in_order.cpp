@@ -1,0 +1,50 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/work_in_order.h"
+
+#include <tbb/global_control.h>
+#include <tbb/parallel_pipeline.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <string>
+
+#include "palpate/error.h"
+
+namespace palpate {
+
+void work_in_order_erased(const std::function<std::shared_ptr<void>()>& next,
+                          const std::function<void(void*)>& work,
+                          const std::function<void(void*)>& deliver, int max_live) {
+  if (max_live < 1) {
+    throw InvalidInput("work_in_order: max_live is " + std::to_string(max_live) +
+                       "; at least 1 is needed");
+  }
+  using Item = std::shared_ptr<void>;
+  tbb::parallel_pipeline(
+      static_cast<std::size_t>(max_live),
+      tbb::make_filter<void, Item>(tbb::filter_mode::serial_in_order,
+                                   [&](tbb::flow_control& control) {
+                                     Item item = next();
+                                     if (!item) control.stop();
+                                     return item;
+                                   }) &
+          tbb::make_filter<Item, Item>(tbb::filter_mode::parallel,
+                                       [&](Item item) {
+                                         work(item.get());
+                                         return item;
+                                       }) &
+          tbb::make_filter<Item, void>(tbb::filter_mode::serial_in_order,
+                                       [&](const Item& item) { deliver(item.get()); }));
+}
+
+int usual_live_items() {
+  constexpr int kPerThread = 2;
+  constexpr int kMost = 100;
+  const auto allowed = static_cast<int>(
+      tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
+  const int threads = std::min(tbb::this_task_arena::max_concurrency(), allowed);
+  return std::clamp(kPerThread * threads, 1, kMost);
+}
+
+}  // namespace palpate

@@ -1,0 +1,38 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <opencv2/core.hpp>
+
+namespace palpate::sensing {
+
+/// Whether the ending of `path` is one of a video.
+[[nodiscard]] bool is_video(const std::filesystem::path& path);
+
+/// The frames of a video file, in their order.
+class VideoFile {
+ public:
+  /// \throws FileError if it is missing or cannot be opened as a video.
+  explicit VideoFile(const std::filesystem::path& path);
+  ~VideoFile();
+  VideoFile(VideoFile&&) noexcept;
+  VideoFile& operator=(VideoFile&&) noexcept;
+
+  /// The next frame, 8 bit BGR; empty at the end, or where the file breaks off.
+  [[nodiscard]] cv::Mat next();
+  /// What the file announces; 0 if it does not. Some files only know how long they last, from
+  /// which it is rounded.
+  [[nodiscard]] std::size_t announced_frames() const;
+  /// False where colours or values are not those that the camera gave: lossy codecs, and colour at
+  /// less than full resolution.
+  [[nodiscard]] bool is_lossless() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace palpate::sensing
