@@ -2,28 +2,26 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
+#include <iterator>
+#include <limits>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <ostream>
+#include <utility>
+#include <vector>
 
 #include "command_line.h"
+#include "decode_outputs.h"
+#include "decode_record.h"
 #include "inputs.h"
 #include "palpate/error.h"
 #include "palpate/geometry/comparison.h"
-#include "palpate/geometry/mesh_io.h"
-#include "palpate/geometry/range_map_mesh.h"
-#include "palpate/output_file.h"
-#include "palpate/pictures/draw_range_map.h"
-#include "palpate/probing/csv.h"
-#include "palpate/sensing/decode.h"
-#include "palpate/sensing/frame.h"
+#include "palpate/sensing/decode_sequence.h"
 #include "palpate/sensing/pattern.h"
 #include "palpate/sensing/rig.h"
 #include "palpate/sensing/trained_colors.h"
@@ -33,34 +31,28 @@ namespace palpate::apps {
 namespace {
 
 namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
 
 struct DecodeCall {
   std::vector<fs::path> frames;
-  fs::path rig, pattern, colors, output;
-  std::string meshes;
+  fs::path rig, pattern, colors;
+  std::string bayer;
   std::vector<double> anchor;
-  bool pictures = false;
+  DecodeOutputs outputs;
+  bool resume = false;
 };
 
 /// What one frame came to; `error` is empty when it worked.
 struct Outcome {
   std::string error;
-  long pixels = 0;
-  double median_depth = 0;
-  double milliseconds = 0;
+  FinishedFrame frame;
+  bool kept = false;  ///< from an earlier run
+  double read_milliseconds = 0;
+  double write_milliseconds = 0;
 };
 
-fs::path numbered(const fs::path& folder, std::size_t number, const std::string& extension) {
-  return folder / fmt::format("{:06}{}", number, extension);
-}
-
-sensing::DecodeResult decode_frame(const sensing::Decoder& decoder, const cv::Mat& frame,
-                                   const fs::path& path) {
-  try {
-    return decoder.decode(frame);
-  } catch (const InvalidInput& wrong) {
-    throw InvalidInput(path.string() + ": " + wrong.what());
-  }
+double milliseconds_since(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
 /// "1234 reconstructed, 56 unlit, ..."
@@ -74,99 +66,173 @@ std::string counts(const sensing::ReasonImage& reasons) {
   return text;
 }
 
-Outcome decode_one(const sensing::Decoder& decoder, const DecodeCall& call, std::size_t number) {
-  const cv::Mat frame = sensing::read_frame(call.frames[number]);
-  const auto start = std::chrono::steady_clock::now();
-  const sensing::DecodeResult result = decode_frame(decoder, frame, call.frames[number]);
-  const std::chrono::duration<double, std::milli> elapsed =
-      std::chrono::steady_clock::now() - start;
+/// Median of the known depths, and how many they are.
+void measure_depths(const geometry::ImageF& z, FinishedFrame& frame) {
+  std::vector<float> depths;
+  depths.reserve(static_cast<std::size_t>(z.size()));
+  std::copy_if(z.data(), z.data() + z.size(), std::back_inserter(depths),
+               [](float depth) { return depth > 0; });
+  frame.pixels = static_cast<long>(depths.size());
+  frame.median_depth = std::numeric_limits<double>::quiet_NaN();
+  if (depths.empty()) return;
+  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>((depths.size() - 1) / 2);
+  std::nth_element(depths.begin(), middle, depths.end());
+  frame.median_depth = static_cast<double>(*middle);
+}
 
-  spdlog::info("{}: {} stripe edges, {} regions ({} without an offset); pixels: {}",
-               call.frames[number].string(), result.transitions, result.regions,
-               result.unresolved_regions, counts(result.reasons));
-  geometry::write_depth_tiff(numbered(call.output, number, ".tiff"), result.range.z);
-  if (sensing::count(result.reasons, sensing::Reason::reconstructed) == 0) {
-    spdlog::warn("{}: nothing could be reconstructed.", call.frames[number].string());
-  } else if (!call.meshes.empty()) {
-    const geometry::RangeMapMesh surface = geometry::mesh_range_map(result.range);
-    if (surface.mesh.triangles.cols() > 0) {
-      geometry::write_mesh(numbered(call.output, number, "." + call.meshes), surface.mesh);
-    }
+/// Runs in several threads at once.
+Outcome finish(const DecodeCall& call, const sensing::DecodedFrame& frame) {
+  const sensing::DecodeResult& result = frame.result;
+  const std::string file = frame.source.name;
+  spdlog::info("{}: {} stripe edges, {} regions ({} without an offset); pixels: {}", file,
+               result.transitions, result.regions, result.unresolved_regions,
+               counts(result.reasons));
+  Outcome outcome{
+      .error = {}, .frame = stamped(frame.source), .read_milliseconds = frame.read_milliseconds};
+  outcome.frame.milliseconds = frame.decode_milliseconds;
+  measure_depths(result.range.z, outcome.frame);
+  if (outcome.frame.pixels == 0) spdlog::warn("{}: nothing could be reconstructed.", file);
+  const Clock::time_point start = Clock::now();
+  write_outputs(call.outputs, frame.source.number, result);
+  outcome.write_milliseconds = milliseconds_since(start);
+  return outcome;
+}
+
+/// Gives the frames that are still to be decoded; those that need not be go to `outcomes`.
+std::optional<sensing::SourceFrame> next_unfinished(const DecodeCall& call,
+                                                    sensing::FrameSource& source,
+                                                    const DecodeRecord& record,
+                                                    std::map<std::size_t, Outcome>& kept) {
+  while (auto frame = source.next()) {
+    const FinishedFrame* finished = record.find(*frame);
+    if (finished == nullptr || !has_outputs(call.outputs, frame->number, finished->pixels > 0))
+      return frame;
+    kept[frame->number] = {.error = {}, .frame = *finished, .kept = true};
   }
-  std::vector<double> depths(result.range.z.data(), result.range.z.data() + result.range.z.size());
-  const geometry::ErrorStatistics statistics = geometry::error_statistics(std::move(depths));
-  return {.error = {},
-          .pixels = statistics.count,
-          .median_depth = statistics.median,
-          .milliseconds = elapsed.count()};
+  return std::nullopt;
 }
 
-std::vector<Outcome> decode_all(const sensing::Decoder& decoder, const DecodeCall& call) {
-  std::vector<Outcome> outcomes(call.frames.size());
+std::vector<Outcome> decode_all(const sensing::Decoder& decoder, const DecodeCall& call,
+                                sensing::FrameSource& source, DecodeRecord& record) {
+  std::map<std::size_t, Outcome> outcomes;  // by number
+  std::mutex mutex;
+  std::once_flag begun;
   Progress progress("decoding");
-  std::atomic<int> done = 0;
-  tbb::parallel_for(std::size_t{0}, outcomes.size(), [&](std::size_t i) {
-    try {
-      outcomes[i] = decode_one(decoder, call, i);
-    } catch (const InvalidInput& e) {
-      outcomes[i].error = e.what();  // a broken frame does not stop the others
+  const auto write = [&](const sensing::DecodedFrame& frame) {
+    std::call_once(begun, [&] { record.begin(); });
+    Outcome outcome = finish(call, frame);
+    const std::lock_guard lock(mutex);
+    outcomes[frame.source.number] = std::move(outcome);
+  };
+  const auto deliver = [&](const sensing::DecodedFrame& frame) {
+    const std::lock_guard lock(mutex);
+    Outcome& outcome = outcomes[frame.source.number];
+    if (frame.error.empty()) {
+      record.add(outcome.frame);
+    } else {
+      outcome.error = frame.error;
+      outcome.frame.name = frame.source.name;
     }
-    progress.show(++done, static_cast<int>(outcomes.size()));
-  });
-  return outcomes;
+    progress.show(static_cast<int>(frame.source.number) + 1,
+                  static_cast<int>(source.expected_frames()));
+  };
+  std::map<std::size_t, Outcome> kept;  // changed by one thread at a time, read at the end
+  const auto next = [&] { return next_unfinished(call, source, record, kept); };
+  try {
+    sensing::decode_sequence(next, decoder, deliver, {.in_parallel = write});
+  } catch (...) {
+    // What is finished shall be known to --resume.
+    if (!outcomes.empty() && is_there(call.outputs.folder / "decode.json")) record.write();
+    throw;
+  }
+  outcomes.merge(kept);
+  std::vector<Outcome> all;
+  for (auto& [number, outcome] : outcomes) all.push_back(std::move(outcome));
+  return all;
 }
 
-/// Which frame became which range map; a broken frame became none.
-void write_frame_list(const DecodeCall& call, const std::vector<Outcome>& outcomes) {
-  write_file(call.output / "frames.csv", [&](std::ostream& out) {
-    out << "range_map,frame\n";
-    for (std::size_t i = 0; i < call.frames.size(); ++i) {
-      if (!outcomes[i].error.empty()) continue;
-      out << numbered({}, i, ".tiff").string() << ','
-          << probing::to_cell(call.frames[i].filename().string()) << '\n';
-    }
-  });
+double median_of(const std::vector<Outcome>& outcomes, double Outcome::*milliseconds) {
+  std::vector<double> values;
+  for (const Outcome& outcome : outcomes) {
+    if (outcome.error.empty() && !outcome.kept) values.push_back(outcome.*milliseconds);
+  }
+  return geometry::error_statistics(values).median;
 }
 
-void report(const Settings& settings, const DecodeCall& call,
-            const std::vector<Outcome>& outcomes) {
+void report(const Settings& settings, const DecodeCall& call, const std::vector<Outcome>& outcomes,
+            double seconds) {
   nlohmann::ordered_json per_frame = nlohmann::ordered_json::array();
   std::vector<double> milliseconds;
   std::string prose;
+  std::size_t decoded = 0;
   for (std::size_t i = 0; i < outcomes.size(); ++i) {
     const Outcome& outcome = outcomes[i];
-    const std::string name = call.frames[i].filename().string();
+    const FinishedFrame& frame = outcome.frame;
     if (!outcome.error.empty()) {
-      per_frame.push_back({{"frame", name}, {"error", outcome.error}});
+      per_frame.push_back({{"frame", frame.name}, {"error", outcome.error}});
       spdlog::error("{}", outcome.error);
       continue;
     }
-    const fs::path map = numbered(call.output, i, ".tiff");
-    milliseconds.push_back(outcome.milliseconds);
-    per_frame.push_back({{"frame", name},
+    const fs::path map = numbered(call.outputs.folder, i, ".tiff");
+    ++decoded;
+    milliseconds.push_back(frame.milliseconds);
+    per_frame.push_back({{"frame", frame.name},
                          {"range_map", map.string()},
-                         {"pixels", outcome.pixels},
-                         {"median_depth", outcome.median_depth},
-                         {"ms", outcome.milliseconds}});
-    prose += fmt::format("{} -> {}: {} pixels, median depth {:.1f} mm, {:.0f} ms\n", name,
-                         map.string(), outcome.pixels, outcome.median_depth, outcome.milliseconds);
+                         {"pixels", frame.pixels},
+                         {"median_depth", frame.median_depth},
+                         {"ms", frame.milliseconds},
+                         {"kept", outcome.kept}});
+    prose += fmt::format("{} -> {}: {} pixels, median depth {:.1f} mm, {}\n", frame.name,
+                         map.string(), frame.pixels, frame.median_depth,
+                         outcome.kept ? std::string("kept from an earlier run")
+                                      : fmt::format("{:.0f} ms", frame.milliseconds));
   }
+  const auto kept = std::count_if(outcomes.begin(), outcomes.end(),
+                                  [](const Outcome& outcome) { return outcome.kept; });
   const double median_ms = geometry::error_statistics(milliseconds).median;
-  const nlohmann::ordered_json figures = {{"frames", outcomes.size()},
-                                          {"decoded", milliseconds.size()},
-                                          {"ms_per_frame", median_ms},
-                                          {"per_frame", per_frame}};
+  const double rate =
+      static_cast<double>(outcomes.size() - static_cast<std::size_t>(kept)) / seconds;
+  const nlohmann::ordered_json figures = {
+      {"frames", outcomes.size()},
+      {"decoded", decoded},
+      {"kept", kept},
+      {"broken", outcomes.size() - decoded},
+      {"ms_per_frame", median_ms},
+      {"read_ms_per_frame", median_of(outcomes, &Outcome::read_milliseconds)},
+      {"write_ms_per_frame", median_of(outcomes, &Outcome::write_milliseconds)},
+      {"frames_per_second", rate},
+      {"per_frame", per_frame}};
   print(settings, figures,
-        prose + fmt::format("{} of {} frames decoded, {:.0f} ms a frame (median).",
-                            milliseconds.size(), outcomes.size(), median_ms));
+        prose + fmt::format("{} of {} frames decoded, {:.0f} ms a frame (median), {:.1f} frames/s "
+                            "with reading and writing{}.",
+                            decoded, outcomes.size(), median_ms, rate,
+                            kept > 0 ? fmt::format("; {} kept from an earlier run", kept) : ""));
 }
 
-void decode(const Settings& settings, DecodeCall call) {
-  call.frames = list_frames(call.frames);
-  for (const fs::path& frame : call.frames) {
+sensing::FrameSource open_frames(const DecodeCall& call) {
+  sensing::FrameSourceOptions options;
+  if (!call.bayer.empty()) options.bayer = sensing::bayer_pattern(call.bayer);
+  sensing::FrameSource source(call.frames, options);
+  for (const fs::path& file : source.files()) {
     // Range maps and pictures could bear the names of frames.
-    check_outputs({fs::absolute(frame).parent_path()}, {call.output});
+    check_outputs({fs::absolute(file).parent_path()}, {call.outputs.folder});
   }
+  for (const std::string& warning : source.warnings()) spdlog::warn("{}", warning);
+  return source;
+}
+
+/// All that a range map depends on besides its frame.
+nlohmann::ordered_json settings_of(const DecodeCall& call) {
+  return {{"version", PALPATE_VERSION},
+          {"--rig", fingerprint(call.rig)},
+          {"--pattern", fingerprint(call.pattern)},
+          {"--colors", call.colors.empty() ? "" : fingerprint(call.colors)},
+          {"--anchor", call.anchor},
+          {"--bayer", call.bayer}};
+}
+
+void decode(const Settings& settings, const DecodeCall& call) {
+  sensing::FrameSource source = open_frames(call);
   const sensing::Rig rig = sensing::read_rig(call.rig);
   const sensing::Pattern pattern = sensing::read_pattern(call.pattern);
   sensing::TrainedColors colors;
@@ -175,26 +241,29 @@ void decode(const Settings& settings, DecodeCall call) {
   if (!call.anchor.empty())
     options.anchor = sensing::Anchor{call.anchor[0], call.anchor[1], call.anchor[2]};
   const sensing::Decoder decoder(rig, pattern, colors, options);
+  std::vector<std::string> inputs;
+  for (const fs::path& file : source.files()) inputs.push_back(file.filename().string());
+  const fs::path& folder = call.outputs.folder;
+  DecodeRecord record(folder, settings_of(call), inputs);
+  if (call.resume) record.resume();
 
-  const std::vector<Outcome> outcomes = decode_all(decoder, call);
+  const Clock::time_point start = Clock::now();
+  const std::vector<Outcome> outcomes = decode_all(decoder, call, source, record);
+  const double seconds = milliseconds_since(start) / 1000;
   const auto broken = std::count_if(outcomes.begin(), outcomes.end(),
                                     [](const Outcome& o) { return !o.error.empty(); });
+  if (outcomes.empty()) throw FileError(call.frames.front().string() + ": holds no frame.");
   if (broken == static_cast<long>(outcomes.size())) throw FileError(outcomes.front().error);
   // A rig that lies there already is kept as it was written.
-  if (fs::weakly_canonical(call.rig) != fs::weakly_canonical(call.output / "rig.yaml")) {
-    sensing::write_rig(call.output / "rig.yaml", rig);
+  if (fs::weakly_canonical(call.rig) != fs::weakly_canonical(folder / "rig.yaml")) {
+    sensing::write_rig(folder / "rig.yaml", rig);
   }
-  write_frame_list(call, outcomes);
-  if (call.pictures) {
-    for (std::size_t i = 0; i < outcomes.size(); ++i) {
-      if (outcomes[i].pixels == 0) continue;
-      pictures::draw_range_map(
-          numbered(call.output, i, ".png"),
-          load_range_map(numbered(call.output, i, ".tiff"), call.output / "rig.yaml"),
-          call.frames[i].filename().string());
-    }
+  record.write();
+  for (std::size_t i = 0; i < outcomes.size(); ++i) {
+    if (outcomes[i].error.empty())
+      draw_outputs(call.outputs, i, outcomes[i].frame.name, outcomes[i].kept);
   }
-  report(settings, call, outcomes);
+  report(settings, call, outcomes, seconds);
   if (broken > 0)
     throw Error(fmt::format("{} of {} frames could not be decoded; the others were.", broken,
                             outcomes.size()));
@@ -205,7 +274,7 @@ void decode(const Settings& settings, DecodeCall call) {
 void add_decode(CLI::App& app, const Settings& settings) {
   auto call = std::make_shared<DecodeCall>();
   CLI::App* command = app.add_subcommand("decode", "Camera frames become range maps, one each");
-  command->add_option("FRAMES", call->frames, "Images, or folders of images")->required();
+  command->add_option("FRAMES", call->frames, "Images, folders of images, videos")->required();
   command->add_option("--rig", call->rig, "Camera and projector (rig.yaml)")->required();
   command->add_option("--pattern", call->pattern, "What the projector shows (pattern.yaml)")
       ->required();
@@ -216,15 +285,36 @@ void add_decode(CLI::App& app, const Settings& settings) {
                    "u,v,z: for a pattern without stripes, a pixel [px] whose depth [mm] is known")
       ->expected(3)
       ->delimiter(',');
-  command->add_option("-o,--output", call->output, "Folder for the range maps")->required();
-  command->add_option("--meshes", call->meshes, "Also write each as a mesh")
+  command
+      ->add_option("--bayer", call->bayer,
+                   "The frames are raw mosaics of a single-chip camera: the colours of its first "
+                   "two pixels, then of the two below")
+      ->check(CLI::IsMember({"rggb", "bggr", "grbg", "gbrg"}));
+  DecodeOutputs& outputs = call->outputs;
+  command->add_option("-o,--output", outputs.folder, "Folder for the range maps")->required();
+  command->add_option("--meshes", outputs.meshes, "Also write each as a mesh")
       ->check(CLI::IsMember({"ply", "obj", "stl"}));
-  command->add_flag("--pictures", call->pictures, "Also draw each in false colour (PNG)");
+  command->add_flag("--pictures", outputs.pictures, "Also draw each in false colour (PNG)");
+  command->add_flag("--sigma", outputs.sigma,
+                    "Also write the standard deviation predicted for each depth [mm]: "
+                    "NNNNNN_sigma.tiff, and as a picture NNNNNN_sigma.png");
+  command->add_flag("--reasons", outputs.reasons,
+                    "Also write why a pixel has no depth: codes in NNNNNN_reasons.tiff, and as a "
+                    "picture with a legend NNNNNN_reasons.png");
+  command->add_flag("--resume", call->resume,
+                    "Keep the frames that an earlier run with the same settings finished in this "
+                    "folder");
   command->footer(
       "Frames are numbered in the order of their names: 000000.tiff is the first; frames.csv lists "
-      "them.\n"
-      "Example:\n  palpate decode frames/ --rig rig.yaml --pattern pattern.yaml --colors "
-      "colors.yaml -o range/ --meshes ply");
+      "them.\nA frame that is broken is reported and left out, and the exit status is 1; the "
+      "others "
+      "keep their numbers.\nResults of an earlier run in the folder are replaced as a whole, "
+      "unless "
+      "--resume is given; Ctrl-C keeps what is finished.\n"
+      "Examples:\n  palpate decode frames/ --rig rig.yaml --pattern pattern.yaml --colors "
+      "colors.yaml -o range/ --meshes ply\n"
+      "  palpate decode wave.mkv --bayer rggb --rig rig.yaml --pattern pattern.yaml --colors "
+      "colors.yaml -o range/ --sigma --reasons --resume");
   command->callback([call, &settings] { decode(settings, *call); });
 }
 

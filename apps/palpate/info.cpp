@@ -19,6 +19,7 @@
 #include "palpate/probing/acquisition_store.h"
 #include "palpate/sensing/frame.h"
 #include "palpate/sensing/pattern.h"
+#include "palpate/sensing/reason_image.h"
 #include "palpate/sensing/rig.h"
 #include "palpate/sensing/trained_colors.h"
 
@@ -47,6 +48,40 @@ Description describe_range_map(const fs::path& path) {
                       z.cols(), z.rows(), depth.count,
                       100.0 * static_cast<double>(depth.count) / static_cast<double>(z.size()),
                       depth.median, depth.max)};
+}
+
+Description describe_sigma(const fs::path& path) {
+  const geometry::ImageF sigma = geometry::read_depth_tiff(path);
+  const geometry::ErrorStatistics statistics =
+      geometry::error_statistics({sigma.data(), sigma.data() + sigma.size()});
+  return {
+      {{"kind", "predicted deviations"},
+       {"width", sigma.cols()},
+       {"height", sigma.rows()},
+       {"pixels", statistics.count},
+       {"median", statistics.median},
+       {"max", statistics.max}},
+      fmt::format("standard deviations predicted for depths, {} x {} px; known at {}, median "
+                  "{:.4f} mm, largest {:.4f} mm",
+                  sigma.cols(), sigma.rows(), statistics.count, statistics.median, statistics.max)};
+}
+
+Description describe_reasons(const fs::path& path) {
+  const sensing::ReasonImage reasons = sensing::read_reasons(path);
+  nlohmann::ordered_json pixels;
+  std::string prose;
+  for (int code = 0; code < sensing::kReasonCount; ++code) {
+    const auto reason = static_cast<sensing::Reason>(code);
+    pixels[std::string(sensing::name(reason))] = sensing::count(reasons, reason);
+    prose +=
+        fmt::format("\n  {} {}: {}", code, sensing::name(reason), sensing::count(reasons, reason));
+  }
+  return {{{"kind", "reasons"},
+           {"width", reasons.cols()},
+           {"height", reasons.rows()},
+           {"pixels", pixels}},
+          fmt::format("why pixels have no depth, {} x {} px; code, reason, pixels:{}",
+                      reasons.cols(), reasons.rows(), prose)};
 }
 
 Description describe_image(const fs::path& path) {
@@ -159,7 +194,9 @@ Description describe_folder(const fs::path& path) {
   if (fs::exists(path / "field.json", ignored) || fs::exists(path / "field.cbor", ignored))
     return describe_model(path);
   const std::vector<fs::path> files = list_frames({path});
-  const auto maps = std::count_if(files.begin(), files.end(), is_range_map);
+  const auto maps = std::count_if(files.begin(), files.end(), [](const fs::path& file) {
+    return is_range_map(file) && !is_sigma(file) && !is_reasons(file);
+  });
   return {{{"kind", "folder"},
            {"range_maps", maps},
            {"images", static_cast<long>(files.size()) - maps}},
@@ -170,6 +207,8 @@ Description describe_folder(const fs::path& path) {
 Description describe(const fs::path& path, const geometry::ReadOptions& options) {
   if (is_folder(path)) return describe_folder(path);
   const std::string extension = path.extension().string();
+  if (is_sigma(path)) return describe_sigma(path);
+  if (is_reasons(path)) return describe_reasons(path);
   if (is_range_map(path)) return describe_range_map(path);
   if (extension == ".db") return describe_acquisition(path);
   if (extension == ".yaml" || extension == ".yml") return describe_yaml(path);

@@ -8,6 +8,8 @@
 #include <system_error>
 
 #include "palpate/error.h"
+#include "palpate/sensing/frame_source.h"
+#include "palpate/sensing/reason.h"
 #include "palpate/sensing/rig.h"
 
 namespace palpate::apps {
@@ -38,23 +40,29 @@ std::vector<fs::path> list_frames(const std::vector<fs::path>& paths) {
       frames.push_back(path);
       continue;
     }
-    std::error_code error;
-    std::vector<fs::path> in_folder;
-    for (fs::directory_iterator entry(path, error); entry != fs::directory_iterator();
-         entry.increment(error)) {
-      std::error_code ignored;  // what cannot be looked at is no frame
-      if (entry->is_regular_file(ignored) && is_image(entry->path()))
-        in_folder.push_back(entry->path());
-    }
-    if (error)
-      throw FileError(path.string() + ": this folder cannot be read: " + error.message() + ".");
-    if (in_folder.empty()) {
-      throw FileError(path.string() + ": there is no image in this folder (png or tiff).");
-    }
-    std::sort(in_folder.begin(), in_folder.end());
+    const std::vector<fs::path> in_folder = sensing::list_images(path);
     frames.insert(frames.end(), in_folder.begin(), in_folder.end());
   }
   return frames;
+}
+
+std::vector<fs::path> list_range_maps(const fs::path& folder) {
+  std::vector<fs::path> maps = sensing::list_images(folder);
+  std::erase_if(maps, [](const fs::path& path) {
+    return !is_range_map(path) || is_sigma(path) || is_reasons(path);
+  });
+  if (maps.empty()) throw FileError(folder.string() + ": there is no range map in it (tiff).");
+  return maps;
+}
+
+std::vector<std::string> reason_words() {
+  std::vector<std::string> words;
+  for (int code = 0; code < sensing::kReasonCount; ++code) {
+    std::string word(sensing::name(static_cast<sensing::Reason>(code)));
+    std::replace(word.begin(), word.end(), '_', ' ');
+    words.push_back(std::move(word));
+  }
+  return words;
 }
 
 geometry::RangeMap load_range_map(const fs::path& path, const fs::path& rig) {
@@ -86,6 +94,11 @@ bool is_folder(const fs::path& path) {
   return fs::is_directory(status);
 }
 
+bool is_there(const fs::path& path) {
+  std::error_code cannot_look;
+  return fs::exists(path, cannot_look);
+}
+
 void check_outputs(const std::vector<fs::path>& inputs, const std::vector<fs::path>& outputs) {
   std::vector<fs::path> taken;
   for (const fs::path& input : inputs) taken.push_back(place_of(input));
@@ -108,6 +121,12 @@ bool is_image(const fs::path& path) {
 bool is_range_map(const fs::path& path) {
   const std::string extension = lower_extension(path);
   return extension == ".tiff" || extension == ".tif";
+}
+
+bool is_sigma(const fs::path& path) { return path.filename().string().ends_with("_sigma.tiff"); }
+
+bool is_reasons(const fs::path& path) {
+  return path.filename().string().ends_with("_reasons.tiff");
 }
 
 }  // namespace palpate::apps

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "palpate/geometry/range_map.h"
@@ -25,6 +26,9 @@ namespace palpate::apps {
 /// \throws FileError if there is nothing, or it cannot be looked at.
 [[nodiscard]] bool is_folder(const std::filesystem::path& path);
 
+/// Whether there is anything at `path`; nothing where it cannot be looked at.
+[[nodiscard]] bool is_there(const std::filesystem::path& path);
+
 /// Refuses to write over what is read.
 /// \throws InvalidInput if one of `outputs` is the same file or folder as one of `inputs` or as
 /// another
@@ -32,8 +36,19 @@ namespace palpate::apps {
 void check_outputs(const std::vector<std::filesystem::path>& inputs,
                    const std::vector<std::filesystem::path>& outputs);
 
+/// The range maps in a folder, by name; not what else `decode` writes beside them.
+/// \throws FileError if there is none.
+[[nodiscard]] std::vector<std::filesystem::path> list_range_maps(
+    const std::filesystem::path& folder);
+
+/// What a pixel without a depth is called in pictures, by its code.
+[[nodiscard]] std::vector<std::string> reason_words();
+
 /// What `path` is, by its ending.
 [[nodiscard]] bool is_range_map(const std::filesystem::path& path);
 [[nodiscard]] bool is_image(const std::filesystem::path& path);
+/// By its name: predicted deviations and reasons, as `decode` writes them.
+[[nodiscard]] bool is_sigma(const std::filesystem::path& path);
+[[nodiscard]] bool is_reasons(const std::filesystem::path& path);
 
 }  // namespace palpate::apps

@@ -7,11 +7,13 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
+#include <thread>
 
 namespace palpate::apps {
 namespace {
@@ -49,6 +51,15 @@ CommandResult run_palpate(const std::vector<std::string>& arguments,
   if (child < 0) throw std::runtime_error("fork failed");
   if (child == 0) become_palpate(arguments, options, out, err);
   int status = 0;
+  if (options.interrupt_when_there_is) {
+    // Ends with the child, which then is left for the wait below.
+    siginfo_t ended{};
+    while (!fs::exists(*options.interrupt_when_there_is) && ended.si_pid == 0) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      waitid(P_PID, static_cast<id_t>(child), &ended, WEXITED | WNOHANG | WNOWAIT);
+    }
+    kill(child, SIGINT);
+  }
   waitpid(child, &status, 0);
   return {.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status),
           .out = read_text(out),

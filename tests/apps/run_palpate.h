@@ -16,8 +16,10 @@ struct CommandResult {
 };
 
 struct CommandOptions {
+  /// Ctrl-C as soon as there is this file.
+  std::optional<std::filesystem::path> interrupt_when_there_is = {};
   /// No file may grow beyond this [bytes]: to the program it is a disk that is full.
-  std::optional<unsigned long> max_file_size;
+  std::optional<unsigned long> max_file_size = {};
 };
 
 /// Runs the `palpate` of this build and waits for it.

@@ -1,0 +1,45 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/pictures/draw_deviation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "false_color_image.h"
+#include "input_checks.h"
+#include "ticks.h"
+
+namespace palpate::pictures {
+namespace {
+
+/// Of the values at the upper end that the colours need not tell apart.
+constexpr double kTail = 0.01;
+/// [mm] the scale goes at least so far, also where all is zero.
+constexpr double kLeastScale = 1e-3;
+
+float quantile(std::vector<float>& values, double fraction) {
+  const auto place = values.begin() +
+                     static_cast<std::ptrdiff_t>(fraction * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), place, values.end());
+  return *place;
+}
+
+}  // namespace
+
+void draw_deviation(const std::filesystem::path& png, const geometry::ImageF& sigma,
+                    const std::string& title) {
+  check_image(sigma, "deviations");
+  std::vector<float> known;
+  std::copy_if(sigma.data(), sigma.data() + sigma.size(), std::back_inserter(known),
+               [](float value) { return std::isfinite(value); });
+  const auto median = static_cast<double>(quantile(known, 0.5));
+  const auto high = static_cast<double>(quantile(known, 1 - kTail));
+  const std::string subtitle =
+      "predicted standard deviation of each depth; median " + format_value(median, 0.0001) + " mm";
+  draw_false_color(png, sigma,
+                   {0, std::max(high, kLeastScale), ColorMap::sequential, "deviation (mm)"}, title,
+                   subtitle);
+}
+
+}  // namespace palpate::pictures

@@ -1,0 +1,44 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/sensing/reason_image.h"
+
+#include <algorithm>
+#include <opencv2/imgcodecs.hpp>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "palpate/error.h"
+#include "palpate/output_file.h"
+#include "palpate/sensing/frame.h"
+
+namespace palpate::sensing {
+
+void write_reasons(const std::filesystem::path& path, const ReasonImage& reasons) {
+  if (reasons.size() == 0) throw InvalidInput(path.string() + ": reasons without pixels to write");
+  const cv::Mat image(static_cast<int>(reasons.rows()), static_cast<int>(reasons.cols()), CV_8U,
+                      const_cast<std::uint8_t*>(reasons.data()));
+  std::vector<unsigned char> bytes;
+  cv::imencode(path.extension().string(), image, bytes);
+  write_file(path, [&](std::ostream& out) {
+    out.write(reinterpret_cast<const char*>(bytes.data()),
+              static_cast<std::streamsize>(bytes.size()));
+  });
+}
+
+ReasonImage read_reasons(const std::filesystem::path& path) {
+  const cv::Mat image = read_frame(path);
+  if (image.type() != CV_8UC1)
+    throw FileError(path.string() + ": an image of reasons has one channel of 8 bit");
+  ReasonImage reasons(image.rows, image.cols);
+  for (int v = 0; v < image.rows; ++v)
+    std::copy_n(image.ptr<std::uint8_t>(v), image.cols, reasons.row(v).data());
+  const int largest = reasons.maxCoeff();
+  if (largest >= kReasonCount) {
+    throw FileError(path.string() + ": holds the code " + std::to_string(largest) +
+                    "; reasons have codes from 0 to " + std::to_string(kReasonCount - 1));
+  }
+  return reasons;
+}
+
+}  // namespace palpate::sensing

@@ -1,0 +1,233 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+// Sequences through `palpate decode`: numbers, broken frames, earlier runs, interruption, videos.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/videoio.hpp>
+#include <string>
+#include <vector>
+
+#include "run_palpate.h"
+
+namespace palpate::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kDone = 0;
+constexpr int kWorkFailed = 1;
+constexpr int kWrongCall = 2;
+
+std::string demo(const std::string& name) { return (demo_data() / name).string(); }
+
+class DecodeSequence : public testing::Test {
+ protected:
+  void SetUp() override {
+    const CommandResult trained =
+        run_palpate({"calibrate", "colors", demo("training"), "-o", scratch / "colors.yaml"});
+    ASSERT_EQ(trained.status, kDone) << trained.err;
+    fs::create_directory(scratch / "frames");
+    // One colour to another: the flag is small in the image, and so quick to decode.
+    for (const char* name : {"0.png", "1.png", "2.png"}) add_frame(name);
+  }
+
+  void add_frame(const std::string& name) const {
+    fs::copy(demo("frames/flag_a.png"), scratch / ("frames/" + name));
+  }
+
+  CommandResult decode(const std::string& frames, std::vector<std::string> more = {}) const {
+    std::vector<std::string> call = {"decode",    frames,
+                                     "--rig",     demo("rig.yaml"),
+                                     "--pattern", demo("pattern.yaml"),
+                                     "--colors",  scratch / "colors.yaml",
+                                     "-o",        scratch / "range"};
+    call.insert(call.end(), more.begin(), more.end());
+    return run_palpate(call);
+  }
+
+  nlohmann::json figures(const std::string& frames, std::vector<std::string> more = {}) const {
+    more.emplace_back("--json");
+    const CommandResult result = decode(frames, more);
+    EXPECT_EQ(result.status, kDone) << result.err;
+    return nlohmann::json::parse(result.out);
+  }
+
+  std::string map(int number) const {
+    return scratch / std::string("range/00000").append(std::to_string(number)).append(".tiff");
+  }
+
+  ScratchFolder scratch;
+};
+
+TEST_F(DecodeSequence, ResumingKeepsWhatIsFinishedAndDoesTheRest) {
+  EXPECT_EQ(figures(scratch / "frames")["kept"], 0);
+  const std::string first = read_text(map(0));
+  const auto written = fs::last_write_time(map(0));
+  fs::remove(map(1));
+  add_frame("3.png");
+  const nlohmann::json again = figures(scratch / "frames", {"--resume"});
+  EXPECT_EQ(again["decoded"], 4);
+  EXPECT_EQ(again["kept"], 2);
+  EXPECT_EQ(again["per_frame"][0]["kept"], true);
+  EXPECT_EQ(again["per_frame"][1]["kept"], false);
+  EXPECT_GT(again["per_frame"][0]["median_depth"], 1000);
+  EXPECT_EQ(fs::last_write_time(map(0)), written);
+  for (const int number : {0, 1, 2, 3}) EXPECT_EQ(read_text(map(number)), first) << number;
+}
+
+TEST_F(DecodeSequence, ResumingDecodesAFrameAnewThatIsAnotherNow) {
+  figures(scratch / "frames");
+  fs::copy(demo("frames/flag_b.png"), scratch / "frames/1.png",
+           fs::copy_options::overwrite_existing);
+  EXPECT_EQ(figures(scratch / "frames", {"--resume"})["kept"], 2);
+  EXPECT_NE(read_text(map(0)), read_text(map(1)));
+  // What else is asked for now is made for all.
+  EXPECT_EQ(figures(scratch / "frames", {"--resume", "--reasons"})["kept"], 0);
+  EXPECT_TRUE(fs::exists(scratch / "range/000002_reasons.tiff"));
+}
+
+TEST_F(DecodeSequence, ResumingWithOtherSettingsOrFramesIsRefused) {
+  figures(scratch / "frames");
+  const std::string before = read_text(map(1));
+  const auto refusal = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> call = {"--resume"};
+    call.insert(call.end(), more.begin(), more.end());
+    const CommandResult result = decode(scratch / "frames", call);
+    EXPECT_EQ(result.status, kWrongCall);
+    EXPECT_EQ(read_text(map(1)), before);
+    return result.err;
+  };
+  EXPECT_NE(refusal({"--anchor", "320,240,1000"}).find("another --anchor"), std::string::npos);
+  fs::rename(scratch / "frames/0.png", scratch / "frames/9.png");
+  EXPECT_NE(refusal({}).find("file 0 of the frames was 0.png, now it is 1.png"), std::string::npos);
+  write_text(scratch / "range/decode.json", "{}");
+  EXPECT_NE(refusal({}).find("is not the record of an earlier run"), std::string::npos);
+}
+
+TEST_F(DecodeSequence, ALaterRunLeavesNothingOfAnEarlierOne) {
+  figures(scratch / "frames", {"--meshes", "ply", "--reasons"});
+  EXPECT_TRUE(fs::exists(scratch / "range/000002.ply"));
+  write_text(scratch / "range/notes.txt", "mine");
+  figures(demo("frames/flag_b.png"));
+  std::vector<std::string> left;
+  for (const auto& entry : fs::directory_iterator(scratch / "range"))
+    left.push_back(entry.path().filename().string());
+  std::sort(left.begin(), left.end());
+  EXPECT_EQ(left, (std::vector<std::string>{"000000.tiff", "decode.json", "frames.csv", "notes.txt",
+                                            "rig.yaml"}));
+}
+
+TEST_F(DecodeSequence, RangeMapsThatNoRunMadeAreNotTouched) {
+  fs::create_directory(scratch / "range");
+  write_text(scratch / "range/000007.tiff", "somebody's");
+  const CommandResult result = decode(scratch / "frames");
+  EXPECT_EQ(result.status, kWrongCall);
+  EXPECT_NE(result.err.find("000007.tiff: lies where range maps are to be written"),
+            std::string::npos)
+      << result.err;
+  EXPECT_EQ(read_text(scratch / "range/000007.tiff"), "somebody's");
+  EXPECT_FALSE(fs::exists(map(0)));
+}
+
+TEST_F(DecodeSequence, BrokenFramesLeaveTheNumbersOfTheOthers) {
+  write_text(scratch / "frames/1.png", "this is no image");
+  cv::imwrite(scratch / "frames/2.png", cv::Mat(48, 64, CV_8UC3, cv::Scalar()));
+  add_frame("3.png");
+  const CommandResult result = decode(scratch / "frames", {"--json"});
+  EXPECT_EQ(result.status, kWorkFailed);
+  EXPECT_NE(result.err.find("1.png: neither PNG nor TIFF"), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("2.png: frame: is 64 x 48 px"), std::string::npos) << result.err;
+  const auto json = nlohmann::json::parse(result.out);
+  EXPECT_EQ(json["broken"], 2);
+  EXPECT_EQ(json["per_frame"][3]["range_map"], map(3));
+  EXPECT_TRUE(fs::exists(map(0)) && fs::exists(map(3)));
+  EXPECT_FALSE(fs::exists(map(1)) || fs::exists(map(2)));
+  EXPECT_EQ(read_text(scratch / "range/frames.csv"),
+            "range_map,frame\n000000.tiff,0.png\n000003.tiff,3.png\n");
+  // The broken frame has been replaced: only it is decoded.
+  fs::remove(scratch / "frames/1.png");
+  fs::remove(scratch / "frames/2.png");
+  add_frame("1.png");
+  add_frame("2.png");
+  EXPECT_EQ(figures(scratch / "frames", {"--resume"})["kept"], 2);
+}
+
+TEST_F(DecodeSequence, InterruptingKeepsWhatIsFinished) {
+  for (int i = 10; i < 22; ++i) add_frame(std::to_string(i) + ".png");
+  std::vector<std::string> call = {
+      "decode",    scratch / "frames",   "--rig",    demo("rig.yaml"),
+      "--pattern", demo("pattern.yaml"), "--colors", scratch / "colors.yaml",
+      "-o",        scratch / "range"};
+  const CommandResult stopped = run_palpate(call, {.interrupt_when_there_is = map(2)});
+  EXPECT_EQ(stopped.status, 130);
+  EXPECT_NE(stopped.err.find("interrupted"), std::string::npos);
+  const nlohmann::json rest = figures(scratch / "frames", {"--resume"});
+  EXPECT_EQ(rest["decoded"], 15);
+  EXPECT_GE(rest["kept"], 1);
+  EXPECT_LT(rest["kept"], 15);
+  for (const auto& entry : fs::directory_iterator(scratch / "range"))
+    EXPECT_EQ(entry.path().string().find(".tmp-"), std::string::npos) << entry.path();
+}
+
+TEST_F(DecodeSequence, AVideoWithoutLossesGivesWhatItsImagesGive) {
+  const cv::Mat a = cv::imread(demo("frames/flag_a.png"));
+  const cv::Mat b = cv::imread(demo("frames/flag_b.png"));
+  {
+    cv::VideoWriter writer(scratch / "wave.mkv", cv::CAP_FFMPEG,
+                           cv::VideoWriter::fourcc('F', 'F', 'V', '1'), 25, a.size());
+    writer.write(a);
+    writer.write(b);
+  }
+  const nlohmann::json from_video = figures(scratch / "wave.mkv");
+  EXPECT_EQ(from_video["per_frame"][1]["frame"], "wave.mkv#1");
+  const std::string first = read_text(map(0)), second = read_text(map(1));
+  figures(demo("frames/flag_a.png"));
+  EXPECT_EQ(read_text(map(0)), first);
+  figures(demo("frames/flag_b.png"));
+  EXPECT_EQ(read_text(map(0)), second);
+}
+
+TEST_F(DecodeSequence, ARawMosaicGivesNearlyTheDepthsOfTheWholeImage) {
+  const cv::Mat image = cv::imread(demo("frames/flag_a.png"));
+  cv::Mat mosaic(image.size(), CV_8U);
+  for (int v = 0; v < image.rows; ++v) {
+    for (int u = 0; u < image.cols; ++u) {
+      const int channel = v % 2 != u % 2 ? 1 : v % 2 == 0 ? 2 : 0;  // RGGB
+      mosaic.at<unsigned char>(v, u) = image.at<cv::Vec3b>(v, u)[channel];
+    }
+  }
+  cv::imwrite(scratch / "raw.png", mosaic);
+  const auto error = [&](const std::string& pattern) {
+    EXPECT_EQ(decode(scratch / "raw.png", {"--bayer", pattern}).status, kDone);
+    const CommandResult result =
+        run_palpate({"compare", map(0), demo("truth/flag_a.tiff"), "--json"});
+    EXPECT_EQ(result.status, kDone) << result.err;
+    return nlohmann::json::parse(result.out)["median"].get<double>();
+  };
+  EXPECT_LT(error("rggb"), 0.001 * 1290);  // a thousandth of the distance
+  // Without the pattern, one channel is not enough.
+  EXPECT_EQ(decode(scratch / "raw.png").status, kWrongCall);
+}
+
+TEST_F(DecodeSequence, ReasonsAreAnImageWithALegendAndCodesThatInfoCounts) {
+  figures(scratch / "frames/0.png", {"--reasons"});
+  const cv::Mat codes = cv::imread(scratch / "range/000000_reasons.tiff", cv::IMREAD_UNCHANGED);
+  ASSERT_EQ(codes.type(), CV_8UC1);
+  const CommandResult result =
+      run_palpate({"info", scratch / "range/000000_reasons.tiff", "--json"});
+  const auto info = nlohmann::json::parse(result.out);
+  EXPECT_EQ(info["kind"], "reasons");
+  EXPECT_EQ(info["pixels"]["reconstructed"], codes.total() - cv::countNonZero(codes));
+  EXPECT_EQ(cv::imread(scratch / "range/000000_reasons.png").size(), cv::Size(1200, 900));
+  // Codes are no range maps.
+  EXPECT_EQ(
+      nlohmann::json::parse(run_palpate({"info", scratch / "range", "--json"}).out)["range_maps"],
+      1);
+}
+
+}  // namespace
+}  // namespace palpate::apps
