@@ -17,6 +17,8 @@
 #include "phase_variance.h"
 #include "plausibility.h"
 #include "pool.h"
+#include "reasons.h"
+#include "saturation.h"
 #include "sensor_model.h"
 #include "stripe_transitions.h"
 #include "workspace.h"
@@ -29,10 +31,10 @@ constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 /// Known neighbours whose phases differ by more than this belong to different surfaces [rad]: the
 /// limit of what wrapped differences can show is pi.
 constexpr double kBreak = 2;
+/// How far blur carries light beyond the edge of a surface [px].
+constexpr int kBlurRadius = 2;
 /// How far across the sinusoid a break reaches [px]: half the width of `smooth_rows`.
 constexpr int kBreakColumns = 2;
-
-constexpr std::uint8_t code(Reason reason) { return static_cast<std::uint8_t>(reason); }
 
 void check_options(const DecodeOptions& options) {
   const auto require = [](bool good, const char* name, const char* range) {
@@ -63,36 +65,6 @@ void check_anchor(const Anchor& anchor, const geometry::Camera& camera) {
   }
 }
 
-/// Hue of the light averaged over the sinusoid.
-Plane hue_plane(const std::vector<Demodulated>& channels) {
-  const Plane& green = channels[0].mean;
-  const Plane& red = channels[1].mean;
-  const Plane& blue = channels[2].mean;
-  Plane hue(green.rows(), green.cols());
-  for (long i = 0; i < hue.size(); ++i) {
-    hue.data()[i] = hue_of(red.data()[i], green.data()[i], blue.data()[i]).angle;
-  }
-  return hue;
-}
-
-/// The first reason stays.
-void give_reason(std::uint8_t& pixel, Reason reason) {
-  if (pixel == code(Reason::reconstructed)) pixel = code(reason);
-}
-
-void give_reason(ReasonImage& reasons, const Mask& where, Reason reason) {
-  for (long i = 0; i < reasons.size(); ++i) {
-    if (where.data()[i] != 0) give_reason(reasons.data()[i], reason);
-  }
-}
-
-/// Where a channel is at full scale.
-Mask find_clipped(const std::vector<Plane>& channels) {
-  Plane highest = channels[0];
-  for (const Plane& channel : channels) highest = highest.max(channel);
-  return (highest >= 1).cast<std::uint8_t>();
-}
-
 Plane wrapped_phase(const Combined& combined) {
   Plane phase(combined.re.rows(), combined.re.cols());
   for (long i = 0; i < phase.size(); ++i) {
@@ -105,15 +77,29 @@ Plane wrapped_phase(const Combined& combined) {
 void add_offsets(const Regions& regions, const std::vector<RegionOffset>& offsets, Plane& phase,
                  ReasonImage& reasons) {
   phase.resize(regions.phase.rows(), regions.phase.cols());
-  for (long i = 0; i < regions.label.size(); ++i) {
-    const int label = regions.label.data()[i];
-    const RegionOffset offset = label < 0 ? RegionOffset{{}, Reason::uneven_phase}
-                                          : offsets[static_cast<std::size_t>(label)];
-    phase.data()[i] =
-        offset.phase ? regions.phase.data()[i] + static_cast<float>(*offset.phase) : kUnknown;
-    give_reason(reasons.data()[i], offset.reason);
+  // One entry before those of the regions, for the pixels of none.
+  std::vector<float> to_add(1, kUnknown);
+  std::vector<std::uint8_t> reason(1, code(Reason::uneven_phase));
+  for (const RegionOffset& offset : offsets) {
+    to_add.push_back(offset.phase ? static_cast<float>(*offset.phase) : kUnknown);
+    reason.push_back(code(offset.reason));
+  }
+  for (long i = 0; i < phase.size(); ++i) {
+    const auto entry = static_cast<std::size_t>(regions.label.data()[i] + 1);
+    phase.data()[i] = regions.phase.data()[i] + to_add[entry];
+    const std::uint8_t earlier = reasons.data()[i];
+    reasons.data()[i] = earlier != 0 ? earlier : reason[entry];
   }
 }
+
+/// What a pattern with stripes needs besides.
+struct Stripes {
+  Stripes(const Pattern& pattern, const TrainedColors& trained)
+      : classifier(pattern, trained), edges(pattern), colors(pattern) {}
+  HueClassifier classifier;
+  StripeEdges edges;
+  StripeColors colors;
+};
 
 }  // namespace
 
@@ -135,7 +121,7 @@ struct Decoder::Impl {
   DecodeOptions options;
   SensorModel model;
   DemodulationFilter filter;
-  std::optional<HueClassifier> classifier;  ///< iff the pattern has stripes
+  std::optional<Stripes> stripes;  ///< iff the pattern has any
   mutable Pool<Workspace> workspaces;
 };
 
@@ -149,7 +135,7 @@ Decoder::Impl::Impl(const Rig& rig, const Pattern& pattern, const TrainedColors&
         "pattern: has no stripes to find depths from; an anchor (a pixel and its depth) is needed");
   }
   if (options.anchor) check_anchor(*options.anchor, rig.camera);
-  if (!pattern.stripe_edges.empty()) classifier.emplace(pattern, colors);
+  if (!pattern.stripe_edges.empty()) stripes.emplace(pattern, colors);
 }
 
 void Decoder::Impl::check_frame(const cv::Mat& frame) const {
@@ -159,20 +145,22 @@ void Decoder::Impl::check_frame(const cv::Mat& frame) const {
                        std::to_string(frame.rows) + " px, the rig's camera has " +
                        std::to_string(camera.width) + " x " + std::to_string(camera.height));
   }
-  if (classifier && frame.channels() != 3) {
+  if (stripes && frame.channels() != 3) {
     throw InvalidInput("frame: has " + std::to_string(frame.channels()) +
                        " channels; the pattern's coloured stripes need three");
   }
 }
 
 void Decoder::Impl::find_guesses(Workspace& work) const {
-  work.hue = hue_plane(work.demodulated);
-  const auto transitions = find_transitions(work.hue, work.lit, model.pattern(), *classifier,
-                                            {.min_hue_step = options.min_hue_step,
-                                             .window_px = options.color_window_px,
-                                             .min_color_score = options.min_color_score,
-                                             .reversed = model.carrier().stripes_reversed});
-  model.phases_at_edges(transitions, work.guesses);
+  const std::vector<Demodulated>& green_red_blue = work.demodulated;
+  find_hues(green_red_blue[1].mean, green_red_blue[0].mean, green_red_blue[2].mean, work.hue);
+  find_transitions(work.hue, work.lit, stripes->edges, stripes->classifier,
+                   {.min_hue_step = options.min_hue_step,
+                    .window_px = options.color_window_px,
+                    .min_color_score = options.min_color_score,
+                    .reversed = model.carrier().stripes_reversed},
+                   work.transitions);
+  model.phases_at_edges(work.transitions, work.guesses);
 }
 
 std::vector<RegionOffset> Decoder::Impl::anchor_offsets(const Regions& regions) const {
@@ -190,7 +178,7 @@ std::vector<RegionOffset> Decoder::Impl::anchor_offsets(const Regions& regions) 
 void Decoder::Impl::demodulate_frame(const cv::Mat& frame, Workspace& work) const {
   split_frame(frame, model.carrier().transposed, work.channels);
   find_lit(work.channels,
-           {.colored = classifier.has_value(),
+           {.colored = stripes.has_value(),
             .radius = (filter.radius + 1) / 2,
             .min_signal = options.min_signal},
            work.lit);
@@ -202,14 +190,16 @@ void Decoder::Impl::demodulate_frame(const cv::Mat& frame, Workspace& work) cons
 void Decoder::Impl::judge_light(Workspace& work) const {
   const Pattern& pattern = model.pattern();
   find_modulated(work.combined, work.demodulated, work.lit,
-                 {.colored = classifier.has_value(),
+                 {.colored = stripes.has_value(),
                   .min_amplitude = options.min_modulation,
                   .min_ratio = options.min_contrast * pattern.amplitude / pattern.mean},
                  work.modulated);
   work.reasons.setZero(model.rows(), model.columns());
-  give_reason(work.reasons, find_clipped(work.channels) * (1 - work.modulated), Reason::saturated);
-  give_reason(work.reasons, 1 - work.lit, Reason::unlit);
-  give_reason(work.reasons, 1 - work.modulated, Reason::low_modulation);
+  find_clipped(work.channels, work.clipped);
+  work.clipped *= 1 - work.modulated;
+  give_reason(work.clipped, Reason::saturated, work.reasons);
+  give_reason_unless(work.lit, Reason::unlit, work.reasons);
+  give_reason_unless(work.modulated, Reason::low_modulation, work.reasons);
 }
 
 /// From the wrapped phase to the absolute one.
@@ -218,7 +208,7 @@ void Decoder::Impl::find_regions(Workspace& work) const {
   work.wrapped = wrapped_phase(work.combined);
   work.variance = phase_variance(work.wrapped, work.modulated);
   work.regions = grow_regions(work.wrapped, work.variance, limits);
-  if (classifier) {
+  if (stripes) {
     find_guesses(work);
     work.markers = find_markers(work.regions, work.guesses);
     const std::vector<Marker> unproven =
@@ -234,22 +224,24 @@ void Decoder::Impl::find_regions(Workspace& work) const {
 
 /// Takes away the phases of windows that mix two surfaces, or a surface and the dark beside it.
 void Decoder::Impl::drop_borders(Workspace& work) const {
-  Mask known = (work.phase == work.phase).cast<std::uint8_t>() * eroded(eroded(work.lit));
-  known *= 1 - near_breaks(work.phase, known, kBreak, {filter.radius / 2, kBreakColumns});
-  give_reason(work.reasons, 1 - known, Reason::border);
-  work.phase = (known != 0).select(work.phase, kUnknown);
+  erode(work.lit, kBlurRadius, work.inner);
+  give_reason_unless(work.inner, Reason::border, work.reasons);
+  keep_reconstructed(work.reasons, work.phase);
+  find_breaks(work.phase, kBreak, {filter.radius / 2, kBreakColumns}, work.breaks);
+  give_reason(work.breaks, Reason::border, work.reasons);
+  keep_reconstructed(work.reasons, work.phase);
 }
 
 /// Takes away the depths that the colours contradict.
 void Decoder::Impl::check_colors(Workspace& work) const {
-  const Mask wrong = contradicting_colors(work.surfaces.stripe_pixel, work.hue, model.pattern(),
-                                          *classifier, options.min_agreement);
-  give_reason(work.reasons, wrong, Reason::color_mismatch);
-  work.surfaces.z = (wrong != 0).select(kUnknown, work.surfaces.z);
+  find_contradictions(work.surfaces.stripe_pixel, work.hue, stripes->colors, stripes->classifier,
+                      options.min_agreement, work.contradicting);
+  give_reason(work.contradicting, Reason::color_mismatch, work.reasons);
+  keep_reconstructed(work.reasons, work.surfaces.z);
 }
 
 void Decoder::Impl::fill_result(const Workspace& work, DecodeResult& result) const {
-  result.transitions = classifier ? static_cast<int>(work.guesses.size()) : 0;
+  result.transitions = stripes ? static_cast<int>(work.guesses.size()) : 0;
   result.regions = work.regions.count;
   result.unresolved_regions =
       static_cast<int>(std::count_if(work.offsets.begin(), work.offsets.end(),
@@ -273,7 +265,7 @@ void Decoder::Impl::decode(const cv::Mat& frame, DecodeResult& result) const {
   drop_borders(*work);
   model.find_surfaces(work->phase, work->combined.shares, options.max_sensitivity, work->surfaces,
                       work->reasons);
-  if (classifier) check_colors(*work);
+  if (stripes) check_colors(*work);
   fill_result(*work, result);
 }
 

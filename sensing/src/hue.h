@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "planes.h"
+
 namespace palpate::sensing {
 
 /// An angle brought to [-pi, pi].
@@ -22,20 +24,21 @@ struct Hue {
   float saturation = 0;
 };
 [[nodiscard]] inline Hue hue_of(float red, float green, float blue) {
-  const float high = std::max({red, green, blue});
-  const float low = std::min({red, green, blue});
+  const float high = std::max(std::max(red, green), blue);
+  const float low = std::min(std::min(red, green), blue);
   const float range = high - low;
-  if (!(range > 0) || !(high > 0)) return {};
+  // Selections in place of branches: loops can take many pixels at once.
+  const float turn = green < blue ? 6.0F : 0.0F;
+  const float other_difference = high == green ? blue - red : red - green;
+  const float other_sectors = high == green ? 2.0F : 4.0F;
+  const float difference = high == red ? green - blue : other_difference;
+  const float sectors = high == red ? turn : other_sectors;
   constexpr float kSector = std::numbers::pi_v<float> / 3;
-  float sectors = 0;
-  if (high == red) {
-    sectors = (green - blue) / range + (green < blue ? 6.0F : 0.0F);
-  } else if (high == green) {
-    sectors = (blue - red) / range + 2;
-  } else {
-    sectors = (red - green) / range + 4;
-  }
-  return {kSector * sectors, range / high};
+  const float divisor = range > 0 ? range : 1;
+  return {kSector * (difference / divisor + sectors), high > 0 ? range / high : 0};
 }
+
+/// The hues of an image.
+void find_hues(const Plane& red, const Plane& green, const Plane& blue, Plane& hue);
 
 }  // namespace palpate::sensing

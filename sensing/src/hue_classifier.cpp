@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string>
 
 #include "hue.h"
 #include "palpate/error.h"
@@ -57,16 +58,5 @@ HueClassifier::HueClassifier(const Pattern& pattern, const TrainedColors& traine
     best_.push_back(static_cast<int>(largest - exponent.begin()));
   }
 }
-
-std::size_t HueClassifier::step_of(float hue) {
-  constexpr float kPerRadian = kSteps / (2 * std::numbers::pi_v<float>);
-  return static_cast<std::size_t>(std::clamp(static_cast<int>(hue * kPerRadian), 0, kSteps - 1));
-}
-
-const float* HueClassifier::probabilities(float hue) const {
-  return &table_[step_of(hue) * static_cast<std::size_t>(colors_)];
-}
-
-int HueClassifier::best(float hue) const { return best_[step_of(hue)]; }
 
 }  // namespace palpate::sensing

@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <string>
+#include <algorithm>
+#include <numbers>
 #include <vector>
 
 #include "palpate/sensing/pattern.h"
@@ -23,12 +24,17 @@ class HueClassifier {
   [[nodiscard]] int colors() const { return colors_; }
   /// Probability of each colour of the pattern (in its order) given the hue [rad, in [0, 2 pi)]:
   /// its density divided by the sum of all.
-  [[nodiscard]] const float* probabilities(float hue) const;
+  [[nodiscard]] const float* probabilities(float hue) const {
+    return &table_[step_of(hue) * static_cast<std::size_t>(colors_)];
+  }
   /// Index of the most probable colour.
-  [[nodiscard]] int best(float hue) const;
+  [[nodiscard]] int best(float hue) const { return best_[step_of(hue)]; }
 
  private:
-  [[nodiscard]] static std::size_t step_of(float hue);
+  [[nodiscard]] static std::size_t step_of(float hue) {
+    constexpr float kPerRadian = kSteps / (2 * std::numbers::pi_v<float>);
+    return static_cast<std::size_t>(std::clamp(static_cast<int>(hue * kPerRadian), 0, kSteps - 1));
+  }
 
   int colors_ = 0;
   std::vector<float> table_;  ///< kSteps x colors

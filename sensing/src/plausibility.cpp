@@ -4,7 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
+
+#include "hot_loop.h"
 
 namespace palpate::sensing {
 namespace {
@@ -15,108 +16,156 @@ constexpr double kEdgeMargin = 4;
 
 /// "Nearby" is a square of this half width [px]: it holds more than one stripe.
 constexpr long kNearby = 16;
+constexpr long kNearbyRows = 2 * kNearby + 1;
 
-/// Sums over rectangles in constant time.
-class Integral {
- public:
-  explicit Integral(const Mask& mask)
-      : sums_(Eigen::ArrayXXi::Zero(mask.rows() + 1, mask.cols() + 1)) {
-    for (long row = 0; row < mask.rows(); ++row) {
-      int sum = 0;
-      for (long column = 0; column < mask.cols(); ++column) {
-        sum += mask(row, column);
-        sums_(row + 1, column + 1) = sums_(row, column + 1) + sum;
-      }
-    }
+PALPATE_HOT_LOOP void keep_common(std::uint8_t* values, const std::uint8_t* other, long count) {
+  for (long i = 0; i < count; ++i) values[i] = values[i] & other[i];
+}
+
+/// Whether the phase breaks between each pixel and the next of its row, or the one below it; tells
+/// whether one does.
+PALPATE_HOT_LOOP bool break_row(const float* phase, const float* below, float limit,
+                                std::uint8_t* breaks, long columns) {
+  int any = 0;
+  for (long i = 0; i < columns; ++i) {
+    const int right = std::abs(phase[i + 1] - phase[i]) > limit ? 1 : 0;
+    const int down = std::abs(below[i] - phase[i]) > limit ? 1 : 0;
+    breaks[i] = static_cast<std::uint8_t>(right | down);
+    any |= right | down;
   }
-  /// Over the square of half width `half` around a pixel, cut at the image's border.
-  [[nodiscard]] int around(long row, long column, long half) const {
-    const long top = std::max<long>(0, row - half);
-    const long left = std::max<long>(0, column - half);
-    const long bottom = std::min<long>(sums_.rows() - 1, row + half + 1);
-    const long right = std::min<long>(sums_.cols() - 1, column + half + 1);
-    return sums_(bottom, right) - sums_(top, right) - sums_(bottom, left) + sums_(top, left);
+  return any != 0;
+}
+
+/// What a pixel says of its depth: `kCompared` if its stripe colour is known, and `kAgreeing` if it
+/// has that colour.
+constexpr std::uint32_t kCompared = 1;
+constexpr std::uint32_t kAgreeing = 1 << 16;
+
+/// Compares the stripes' colours with the hues.
+void compare_row(const float* stripe_pixel, const float* hue, const StripeColors& stripes,
+                 const HueClassifier& classifier, std::uint32_t* said, long columns) {
+  for (long i = 0; i < columns; ++i) {
+    const bool known = stripe_pixel[i] == stripe_pixel[i];
+    const int color = stripes.color(known ? stripe_pixel[i] : 0);
+    const std::uint32_t agreeing = classifier.best(hue[i]) == color ? kAgreeing : 0;
+    said[i] = known && color >= 0 ? kCompared + agreeing : 0;
   }
+}
 
- private:
-  Eigen::Array<int, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> sums_;
-};
+PALPATE_HOT_LOOP void add_row(std::uint32_t* sums, const std::uint32_t* row, long columns) {
+  for (long i = 0; i < columns; ++i) sums[i] += row[i];
+}
 
-/// Colour index of the stripe at a projector pixel, or -1 near an edge.
-int stripe_color(const Pattern& pattern, double pixel) {
-  const auto& edges = pattern.stripe_edges;
-  const auto next = std::upper_bound(edges.begin(), edges.end(), pixel);
-  if (next != edges.end() && *next - pixel < kEdgeMargin) return -1;
-  if (next != edges.begin() && pixel - *(next - 1) < kEdgeMargin) return -1;
-  return pattern.stripes[static_cast<std::size_t>(next - edges.begin())];
+PALPATE_HOT_LOOP void take_row(std::uint32_t* sums, const std::uint32_t* row, long columns) {
+  for (long i = 0; i < columns; ++i) sums[i] -= row[i];
+}
+
+/// Marks the pixels in whose square too few agree.
+/// \param until sums over all columns up to one, the counts of both kinds in one number: it may
+/// overflow, differences over a square do not.
+PALPATE_HOT_LOOP void judge_row(const std::uint32_t* until, const float* stripe_pixel,
+                                double min_agreement, std::uint8_t* marked, long columns) {
+  for (long i = 0; i < columns; ++i) {
+    const std::uint32_t sum = until[i + kNearbyRows] - until[i];
+    const auto all = static_cast<double>(static_cast<int>(sum % kAgreeing));
+    const auto agreeing = static_cast<double>(static_cast<int>(sum / kAgreeing));
+    const bool known = stripe_pixel[i] == stripe_pixel[i];
+    marked[i] = known & (agreeing < min_agreement * all) ? 1 : 0;
+  }
 }
 
 }  // namespace
 
-Mask eroded(const Mask& mask) {
-  const Integral count(mask);
-  Mask result = Mask::Zero(mask.rows(), mask.cols());
-  for (long row = 0; row < mask.rows(); ++row) {
-    const long high = std::min(row + 1, mask.rows() - 1) - std::max<long>(row - 1, 0) + 1;
-    for (long column = 0; column < mask.cols(); ++column) {
-      const long wide = std::min(column + 1, mask.cols() - 1) - std::max<long>(column - 1, 0) + 1;
-      result(row, column) = count.around(row, column, 1) == high * wide ? 1 : 0;
+void erode(const Mask& mask, int radius, Mask& inner) {
+  const long rows = mask.rows();
+  const long columns = mask.cols();
+  inner = mask;
+  // A row with `radius` pixels more on either side, which do no harm.
+  std::vector<std::uint8_t> wide(static_cast<std::size_t>(columns + 2 * radius), 1);
+  for (long row = 0; row < rows; ++row) {
+    std::uint8_t* const common = wide.data() + radius;
+    std::copy_n(&mask(row, 0), columns, common);
+    for (long other = std::max<long>(0, row - radius); other <= std::min(rows - 1, row + radius);
+         ++other) {
+      keep_common(common, &mask(other, 0), columns);
     }
+    for (long k = 0; k <= 2 * radius; ++k) keep_common(&inner(row, 0), wide.data() + k, columns);
   }
-  return result;
 }
 
-Mask near_breaks(const Plane& phase, const Mask& known, double max_step, const Reach& reach) {
+void find_breaks(const Plane& phase, double max_step, const Reach& reach, Mask& marked) {
   const long rows = phase.rows();
   const long columns = phase.cols();
-  const auto limit = static_cast<float>(max_step);
-  Mask marked = Mask::Zero(rows, columns);
+  marked.setZero(rows, columns);
   const auto mark = [&](long row, long column) {
     const long top = std::max<long>(0, row - reach.rows);
     const long left = std::max<long>(0, column - reach.columns);
     marked.block(top, left, std::min(rows - 1, row + reach.rows) - top + 1,
                  std::min(columns - 1, column + reach.columns) - left + 1) = 1;
   };
+  const auto limit = static_cast<float>(max_step);
+  std::vector<std::uint8_t> breaks(static_cast<std::size_t>(columns));
   for (long row = 0; row < rows; ++row) {
-    for (long column = 0; column < columns; ++column) {
-      if (known(row, column) == 0) continue;
-      const auto breaks = [&](long other_row, long other_column) {
-        return known(other_row, other_column) != 0 &&
-               std::abs(phase(other_row, other_column) - phase(row, column)) > limit;
-      };
-      if ((column + 1 < columns && breaks(row, column + 1)) ||
-          (row + 1 < rows && breaks(row + 1, column))) {
-        mark(row, column);
-      }
+    const float* const here = &phase(row, 0);
+    const float* const below = row + 1 < rows ? here + columns : here;
+    // The last pixel of a row has no next one.
+    const long last = columns - 1;
+    const bool at_last = std::abs(below[last] - here[last]) > limit;
+    if (at_last) mark(row, last);
+    if (!break_row(here, below, limit, breaks.data(), last)) continue;
+    for (long column = 0; column < last; ++column) {
+      if (breaks[static_cast<std::size_t>(column)] != 0) mark(row, column);
     }
   }
-  return marked;
 }
 
-Mask contradicting_colors(const Plane& stripe_pixel, const Plane& hue, const Pattern& pattern,
-                          const HueClassifier& classifier, double min_agreement) {
-  Mask compared = Mask::Zero(hue.rows(), hue.cols());
-  Mask agreeing = Mask::Zero(hue.rows(), hue.cols());
-  for (long i = 0; i < hue.size(); ++i) {
-    const float pixel = stripe_pixel.data()[i];
-    if (!(pixel == pixel)) continue;
-    const int color = stripe_color(pattern, static_cast<double>(pixel));
-    if (color < 0) continue;
-    compared.data()[i] = 1;
-    agreeing.data()[i] = classifier.best(hue.data()[i]) == color ? 1 : 0;
+StripeColors::StripeColors(const Pattern& pattern) {
+  const auto& edges = pattern.stripe_edges;
+  const double first = edges.front() - 2 * kEdgeMargin;
+  const double last = edges.back() + 2 * kEdgeMargin;
+  first_ = static_cast<float>(first);
+  for (double pixel = first + 0.5 / kEntriesPerPixel; pixel < last;
+       pixel += 1.0 / kEntriesPerPixel) {
+    const auto next = std::upper_bound(edges.begin(), edges.end(), pixel);
+    const bool near_next = next != edges.end() && *next - pixel < kEdgeMargin;
+    const bool near_last = next != edges.begin() && pixel - *(next - 1) < kEdgeMargin;
+    const auto stripe = static_cast<std::size_t>(next - edges.begin());
+    table_.push_back(near_next || near_last ? std::int16_t{-1}
+                                            : static_cast<std::int16_t>(pattern.stripes[stripe]));
   }
-  const Integral all(compared);
-  const Integral good(agreeing);
-  Mask marked = Mask::Zero(hue.rows(), hue.cols());
-  for (long row = 0; row < hue.rows(); ++row) {
-    for (long column = 0; column < hue.cols(); ++column) {
-      if (!(stripe_pixel(row, column) == stripe_pixel(row, column))) continue;
-      marked(row, column) =
-          good.around(row, column, kNearby) < min_agreement * all.around(row, column, kNearby) ? 1
-                                                                                               : 0;
+}
+
+void find_contradictions(const Plane& stripe_pixel, const Plane& hue, const StripeColors& stripes,
+                         const HueClassifier& classifier, double min_agreement, Mask& marked) {
+  const long rows = hue.rows();
+  const long columns = hue.cols();
+  marked.resize(rows, columns);
+  // What the pixels of the rows nearby say, row after row in a ring; its sum over these rows; and
+  // the sum of that over all columns before each, with kNearby columns of nothing on either side.
+  using Numbers = Eigen::Array<std::uint32_t, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  Numbers said = Numbers::Zero(kNearbyRows, columns);
+  Numbers sums = Numbers::Zero(1, columns);
+  Numbers until = Numbers::Zero(1, columns + kNearbyRows);
+  for (long row = -kNearby; row < rows; ++row) {
+    const long entering = row + kNearby;
+    std::uint32_t* const place = &said(entering % kNearbyRows, 0);
+    take_row(sums.data(), place, columns);
+    if (entering < rows) {
+      compare_row(&stripe_pixel(entering, 0), &hue(entering, 0), stripes, classifier, place,
+                  columns);
+      add_row(sums.data(), place, columns);
+    } else {
+      std::fill_n(place, columns, 0U);
     }
+    if (row < 0) continue;
+    std::uint32_t sum = 0;
+    for (long column = 0; column < columns; ++column) {
+      until(0, column + kNearby) = sum;
+      sum += sums(0, column);
+    }
+    until.rightCols(kNearby + 1) = sum;
+    judge_row(until.data(), &stripe_pixel(row, 0), min_agreement, &marked(row, 0), columns);
   }
-  return marked;
 }
 
 }  // namespace palpate::sensing

@@ -4,33 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <tuple>
 #include <utility>
 
-#include "hue.h"
+#include "hot_loop.h"
 
 namespace palpate::sensing {
 namespace {
-
-/// For each ordered pair of colours the edge of the pattern between them, or -1.
-class EdgeTable {
- public:
-  explicit EdgeTable(const Pattern& pattern)
-      : colors_(pattern.colors.size()), edges_(colors_ * colors_, -1) {
-    for (std::size_t i = 0; i + 1 < pattern.stripes.size(); ++i) {
-      const auto left = static_cast<std::size_t>(pattern.stripes[i]);
-      const auto right = static_cast<std::size_t>(pattern.stripes[i + 1]);
-      edges_[left * colors_ + right] = static_cast<int>(i);
-    }
-  }
-  [[nodiscard]] int find(int left, int right) const {
-    return edges_[static_cast<std::size_t>(left) * colors_ + static_cast<std::size_t>(right)];
-  }
-
- private:
-  std::size_t colors_;
-  std::vector<int> edges_;
-};
 
 /// Shorter windows say too little of a colour [px].
 constexpr int kLeastWindow = 3;
@@ -41,8 +22,10 @@ struct WindowColor {
 };
 
 /// The most probable colour of a window (Eqs. 3.3 and 3.5).
-WindowColor window_color(const float* hues, int length, const HueClassifier& classifier) {
-  std::vector<float> sums(static_cast<std::size_t>(classifier.colors()), 0.0F);
+/// \param sums room for a number per colour.
+WindowColor window_color(const float* hues, int length, const HueClassifier& classifier,
+                         std::vector<float>& sums) {
+  std::fill(sums.begin(), sums.end(), 0.0F);
   for (int i = 0; i < length; ++i) {
     const float* probabilities = classifier.probabilities(hues[i]);
     for (std::size_t c = 0; c < sums.size(); ++c) sums[c] += probabilities[c];
@@ -51,25 +34,36 @@ WindowColor window_color(const float* hues, int length, const HueClassifier& cla
   return {static_cast<int>(best - sums.begin()), *best / static_cast<float>(length)};
 }
 
+/// Change of the hue from each column to the next; 0 next to unlit pixels.
+PALPATE_HOT_LOOP void find_steps(const float* hues, const std::uint8_t* lit, float* steps,
+                                 long count) {
+  constexpr float kHalf = std::numbers::pi_v<float>;
+#pragma GCC ivdep
+  for (long i = 0; i < count; ++i) {
+    const float step = std::abs(hues[i + 1] - hues[i]);  // both in [0, 2 pi)
+    const float shorter = step > kHalf ? 2 * kHalf - step : step;
+    steps[i] = (lit[i] & lit[i + 1]) != 0 ? shorter : 0;
+  }
+}
+
 class Scanline {
  public:
-  Scanline(const Plane& hue, const Mask& lit, int row, double min_step)
+  /// \param steps room for a number per column.
+  Scanline(const Plane& hue, const Mask& lit, int row, double min_step, std::vector<float>& steps)
       : hues_(&hue(row, 0)),
         lit_(&lit(row, 0)),
+        steps_(steps.data()),
         columns_(static_cast<int>(hue.cols())),
-        min_step_(static_cast<float>(min_step)) {}
-
-  /// Change of the hue from a column to the next; 0 next to unlit pixels.
-  [[nodiscard]] float step(int column) const {
-    if (lit_[column] == 0 || lit_[column + 1] == 0) return 0;
-    return std::abs(wrap(hues_[column + 1] - hues_[column]));
+        min_step_(static_cast<float>(min_step)) {
+    find_steps(hues_, lit_, steps.data(), columns_ - 1);
   }
+
   /// The next group of fast changes at or after `column`: from its first pixel to the pixel after
   /// its last change. An empty group at the end.
   [[nodiscard]] std::pair<int, int> next_group(int column) const {
-    while (column + 1 < columns_ && step(column) < min_step_) ++column;
+    while (column + 1 < columns_ && steps_[column] < min_step_) ++column;
     int last = column;
-    while (last + 1 < columns_ && step(last) >= min_step_) ++last;
+    while (last + 1 < columns_ && steps_[last] >= min_step_) ++last;
     return {column, last};
   }
   /// Where between the two the hue changes, each pixel weighted with its change.
@@ -77,8 +71,8 @@ class Scanline {
     float total = 0;
     float moment = 0;
     for (int column = first; column < last; ++column) {
-      total += step(column);
-      moment += step(column) * (static_cast<float>(column) + 0.5F);
+      total += steps_[column];
+      moment += steps_[column] * (static_cast<float>(column) + 0.5F);
     }
     return moment / total;
   }
@@ -88,7 +82,7 @@ class Scanline {
     while (length < most && column >= 0 && column < columns_ && lit_[column] != 0) {
       ++length;
       const int next = column + direction;
-      if (next < 0 || next >= columns_ || step(std::min(column, next)) >= min_step_) break;
+      if (next < 0 || next >= columns_ || steps_[std::min(column, next)] >= min_step_) break;
       column = next;
     }
     return length;
@@ -98,36 +92,45 @@ class Scanline {
  private:
   const float* hues_;
   const std::uint8_t* lit_;
+  const float* steps_;
   int columns_;
   float min_step_;
 };
 
 }  // namespace
 
-std::vector<Transition> find_transitions(const Plane& hue, const Mask& lit, const Pattern& pattern,
-                                         const HueClassifier& classifier,
-                                         const TransitionOptions& options) {
-  const EdgeTable edges(pattern);
+StripeEdges::StripeEdges(const Pattern& pattern)
+    : colors_(pattern.colors.size()), edges_(colors_ * colors_, -1) {
+  for (std::size_t i = 0; i + 1 < pattern.stripes.size(); ++i) {
+    const auto left = static_cast<std::size_t>(pattern.stripes[i]);
+    const auto right = static_cast<std::size_t>(pattern.stripes[i + 1]);
+    edges_[left * colors_ + right] = static_cast<int>(i);
+  }
+}
 
+void find_transitions(const Plane& hue, const Mask& lit, const StripeEdges& edges,
+                      const HueClassifier& classifier, const TransitionOptions& options,
+                      std::vector<Transition>& transitions) {
   const auto min_score = static_cast<float>(options.min_color_score);
-  std::vector<Transition> result;
+  std::vector<float> steps(static_cast<std::size_t>(hue.cols()));
+  std::vector<float> sums(static_cast<std::size_t>(classifier.colors()));
+  transitions.clear();
   for (int row = 0; row < hue.rows(); ++row) {
-    const Scanline line(hue, lit, row, options.min_hue_step);
+    const Scanline line(hue, lit, row, options.min_hue_step, steps);
     for (auto [first, last] = line.next_group(0); last > first;
          std::tie(first, last) = line.next_group(last)) {
       const int window =
           std::min(line.run(first, -1, options.window_px), line.run(last, 1, options.window_px));
       if (window < std::min(kLeastWindow, options.window_px)) continue;
-      WindowColor left = window_color(line.hues() + first - window + 1, window, classifier);
-      WindowColor right = window_color(line.hues() + last, window, classifier);
+      WindowColor left = window_color(line.hues() + first - window + 1, window, classifier, sums);
+      WindowColor right = window_color(line.hues() + last, window, classifier, sums);
       if (left.score < min_score || right.score < min_score) continue;
       if (options.reversed) std::swap(left, right);
       const int edge = edges.find(left.color, right.color);
       if (edge < 0) continue;
-      result.push_back({row, line.center(first, last), edge, left.score + right.score});
+      transitions.push_back({row, line.center(first, last), edge, left.score + right.score});
     }
   }
-  return result;
 }
 
 }  // namespace palpate::sensing

@@ -17,6 +17,20 @@ struct Transition {
   float score = 0;   ///< ES of the thesis, divided by the windows' length: in [0, 2]
 };
 
+/// For each ordered pair of colours the edge of the pattern between them.
+class StripeEdges {
+ public:
+  explicit StripeEdges(const Pattern& pattern);
+  /// Index of the edge, or -1.
+  [[nodiscard]] int find(int left, int right) const {
+    return edges_[static_cast<std::size_t>(left) * colors_ + static_cast<std::size_t>(right)];
+  }
+
+ private:
+  std::size_t colors_;
+  std::vector<int> edges_;
+};
+
 struct TransitionOptions {
   double min_hue_step = 0;     ///< [rad] see DecodeOptions
   int window_px = 0;           ///< see DecodeOptions
@@ -28,9 +42,8 @@ struct TransitionOptions {
 /// hue changes fast form one transition; the windows that name its colours lie on either side of
 /// it, of the same length, which is shorter than wished for where a stripe is narrow.
 /// \param hue [rad], in [0, 2 pi).
-[[nodiscard]] std::vector<Transition> find_transitions(const Plane& hue, const Mask& lit,
-                                                       const Pattern& pattern,
-                                                       const HueClassifier& classifier,
-                                                       const TransitionOptions& options);
+void find_transitions(const Plane& hue, const Mask& lit, const StripeEdges& edges,
+                      const HueClassifier& classifier, const TransitionOptions& options,
+                      std::vector<Transition>& transitions);
 
 }  // namespace palpate::sensing

@@ -93,8 +93,8 @@ class Flood {
   VarianceQueue queue_;
 };
 
-/// Half the width of the necks that are cut [px]: three erosions.
-constexpr int kNeckErosions = 3;
+/// Half the width of the necks that are cut [px].
+constexpr int kNeckRadius = 3;
 
 /// A core of fewer pixels may lie between two stripe edges.
 constexpr int kLeastCorePixels = 300;
@@ -160,8 +160,9 @@ void split_regions(const Plane& wrapped, const Plane& variance, const FloodLimit
 std::vector<Marker> mark_unproven_cores(const Plane& wrapped, const Plane& variance,
                                         const FloodLimits& limits,
                                         const std::vector<Marker>& markers) {
-  Mask inner = (variance <= static_cast<float>(limits.max_variance)).cast<std::uint8_t>();
-  for (int i = 0; i < kNeckErosions; ++i) inner = eroded(inner);
+  const Mask smooth = (variance <= static_cast<float>(limits.max_variance)).cast<std::uint8_t>();
+  Mask inner;
+  erode(smooth, kNeckRadius, inner);
   const Plane inner_variance =
       (inner != 0).select(variance, std::numeric_limits<float>::infinity());
   const Regions cores = grow_regions(wrapped, inner_variance, limits);

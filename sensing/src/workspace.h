@@ -21,16 +21,21 @@ struct Workspace {
   std::vector<Demodulated> demodulated;
   Combined combined;
   Mask modulated;  ///< lit, and the sinusoid is strong enough
+  Mask clipped;    ///< a channel is at full scale
   ReasonImage reasons;
   Plane wrapped;
   Plane variance;
   Regions regions;
   Plane hue;
+  std::vector<Transition> transitions;
   std::vector<PhaseGuess> guesses;
   std::vector<Marker> markers;
   std::vector<RegionOffset> offsets;
   Plane phase;  ///< absolute; NaN where unknown
+  Mask inner;   ///< lit, and so is all around
+  Mask breaks;  ///< near a step of the phase
   SurfaceImages surfaces;
+  Mask contradicting;  ///< the colours around say so
 };
 
 }  // namespace palpate::sensing

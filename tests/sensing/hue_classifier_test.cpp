@@ -29,6 +29,24 @@ TEST(Hue, KnowsThePureColoursAndIgnoresAddedWhite) {
   EXPECT_EQ(hue_of(0, 0, 0).saturation, 0);
 }
 
+TEST(Hue, OfAnImageIsThatOfEachPixel) {
+  Plane red(3, 7);
+  Plane green(3, 7);
+  Plane blue(3, 7);
+  for (int i = 0; i < 21; ++i) {
+    red.data()[i] = static_cast<float>(i % 3);
+    green.data()[i] = static_cast<float>(i % 4) - 0.5F;
+    blue.data()[i] = static_cast<float>(i % 5) / 2;
+  }
+  Plane hue;
+  find_hues(red, green, blue, hue);
+  for (int i = 0; i < 21; ++i) {
+    EXPECT_EQ(hue.data()[i], hue_of(red.data()[i], green.data()[i], blue.data()[i]).angle) << i;
+    EXPECT_GE(hue.data()[i], 0);
+    EXPECT_LE(hue.data()[i], static_cast<float>(2 * kPi));
+  }
+}
+
 TEST(HueClassifier, IsBayesWithGaussians) {
   const TrainedColors trained{{{"A", 1.0, 0.04, 100}, {"B", 1.5, 0.09, 100}}};
   Pattern pattern;

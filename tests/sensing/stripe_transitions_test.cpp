@@ -23,13 +23,15 @@ Plane line_of(const std::vector<int>& colors) {
   return hue;
 }
 
-std::vector<Transition> find(const Plane& hue, bool reversed = false, const Mask* lit = nullptr) {
-  const Pattern pattern = make_pattern(Axis::y, 10, 1024);
+std::vector<Transition> find(const Plane& hue, bool reversed = false, const Mask* lit = nullptr,
+                             const Pattern& pattern = make_pattern(Axis::y, 10, 1024)) {
   const HueClassifier classifier(pattern, ideal_colors());
   const Mask all = Mask::Ones(hue.rows(), hue.cols());
-  return find_transitions(
-      hue, lit == nullptr ? all : *lit, pattern, classifier,
-      {.min_hue_step = 0.08, .window_px = 5, .min_color_score = 0.7, .reversed = reversed});
+  std::vector<Transition> found(3);
+  find_transitions(
+      hue, lit == nullptr ? all : *lit, StripeEdges(pattern), classifier,
+      {.min_hue_step = 0.08, .window_px = 5, .min_color_score = 0.7, .reversed = reversed}, found);
+  return found;
 }
 
 TEST(StripeTransitions, AreFoundAndNamedAlongALine) {
@@ -82,11 +84,7 @@ TEST(StripeTransitions, PairsThatThePatternDoesNotHoldAndUncertainColoursAreDrop
   Pattern pattern = make_pattern(Axis::y, 10, 1024);
   pattern.stripes = {5, 0};  // only M R
   pattern.stripe_edges = {50};
-  const HueClassifier classifier(pattern, ideal_colors());
-  const Plane line = line_of({0, 5});
-  EXPECT_TRUE(find_transitions(line, Mask::Ones(1, 20), pattern, classifier,
-                               {.min_hue_step = 0.08, .window_px = 5, .min_color_score = 0.7})
-                  .empty());
+  EXPECT_TRUE(find(line_of({0, 5}), false, nullptr, pattern).empty());
 }
 
 }  // namespace
