@@ -22,6 +22,7 @@
 #include "palpate/sensing/reason_image.h"
 #include "palpate/sensing/rig.h"
 #include "palpate/sensing/trained_colors.h"
+#include "palpate/sensing/virtual_sensor.h"
 
 namespace palpate::apps {
 namespace {
@@ -152,6 +153,18 @@ Description describe_colors(const fs::path& path) {
           fmt::format("trained colours, {} of them", trained.colors.size())};
 }
 
+Description describe_sensor(const fs::path& path) {
+  const sensing::VirtualSensor sensor = sensing::read_virtual_sensor(path);
+  return {{{"kind", "virtual sensor"},
+           {"bits", sensor.bits},
+           {"full_well", sensor.full_well},
+           {"read_noise", sensor.read_noise},
+           {"camera_blur_px", sensor.camera_blur}},
+          fmt::format("virtual sensor, {} bit, {} electrons at full scale, read noise {}, blur of "
+                      "{} px",
+                      sensor.bits, sensor.full_well, sensor.read_noise, sensor.camera_blur)};
+}
+
 std::string read_text(const fs::path& path) {
   std::ifstream in(path, std::ios::binary);
   if (!in) throw FileError(path.string() + ": cannot be opened.");
@@ -163,9 +176,10 @@ Description describe_yaml(const fs::path& path) {
   if (text.find("camera_matrix") != std::string::npos) return describe_rig(path);
   if (text.find("period_px") != std::string::npos) return describe_pattern(path);
   if (text.find("variance") != std::string::npos) return describe_colors(path);
+  if (text.find("read_noise") != std::string::npos) return describe_sensor(path);
   throw FileError(path.string() +
                   ": neither a rig (camera_matrix), nor a pattern (period_px), nor trained colours "
-                  "(variance).");
+                  "(variance), nor a virtual sensor (read_noise).");
 }
 
 Description describe_csv(const fs::path& path) {

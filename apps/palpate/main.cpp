@@ -48,6 +48,7 @@ int run(int argc, char** argv) {
   add_demo(app, settings);
   add_pattern(app, settings);
   add_calibrate(app, settings);
+  add_simulate(app, settings);
   add_decode(app, settings);
   add_mesh(app, settings);
   add_compare(app, settings);

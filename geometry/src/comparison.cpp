@@ -72,7 +72,7 @@ ErrorStatistics error_statistics(std::vector<double> errors) {
   std::erase_if(errors, [](double e) { return !std::isfinite(e); });
   if (errors.empty()) {
     constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-    return {.count = 0, .rms = nan, .median = nan, .p90 = nan, .max = nan};
+    return {.count = 0, .rms = nan, .median = nan, .p90 = nan, .p95 = nan, .max = nan};
   }
   for (double& e : errors) e = std::abs(e);
   std::sort(errors.begin(),
@@ -83,6 +83,7 @@ ErrorStatistics error_statistics(std::vector<double> errors) {
           .rms = std::sqrt(sum_of_squares / static_cast<double>(errors.size())),
           .median = quantile(errors, 0.5),
           .p90 = quantile(errors, 0.9),
+          .p95 = quantile(errors, 0.95),
           .max = errors.back()};
 }
 

@@ -21,6 +21,7 @@ TEST(ErrorStatistics, OfKnownValues) {
   EXPECT_DOUBLE_EQ(s.rms, std::sqrt(30.0 / 5));
   EXPECT_DOUBLE_EQ(s.median, 2);
   EXPECT_DOUBLE_EQ(s.p90, 3.6);  // between 3 and 4
+  EXPECT_DOUBLE_EQ(s.p95, 3.8);
   EXPECT_DOUBLE_EQ(s.max, 4);
 }
 

@@ -13,8 +13,9 @@ namespace palpate::geometry {
 struct ErrorStatistics {
   long count = 0;
   double rms = 0;     ///< square root of the mean square
-  double median = 0;  ///< of the absolute values, as are the next two
+  double median = 0;  ///< of the absolute values, as are the next three
   double p90 = 0;
+  double p95 = 0;
   double max = 0;
 };
 

@@ -1,0 +1,133 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/sensing/rig_assessment.h"
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <opencv2/core.hpp>
+#include <string>
+
+#include "palpate/error.h"
+
+namespace palpate::sensing {
+namespace {
+
+void check_options(const AssessmentOptions& options) {
+  if (options.counted_bodies && *options.counted_bodies <= 0) {
+    throw InvalidInput("assess: counted_bodies must be > 0");
+  }
+  if (!(options.max_incidence > 0 && options.max_incidence <= std::numbers::pi / 2)) {
+    throw InvalidInput("assess: max_incidence must lie in (0, pi/2]");
+  }
+  if (!(options.wrong_depth > 0)) throw InvalidInput("assess: wrong_depth must be > 0");
+}
+
+/// The lit pixel nearest to the middle of the image.
+std::optional<Anchor> anchor_of(const SceneTruth& truth) {
+  const double middle_row = static_cast<double>(truth.lit.rows() - 1) / 2;
+  const double middle_column = static_cast<double>(truth.lit.cols() - 1) / 2;
+  std::optional<Anchor> anchor;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (Eigen::Index v = 0; v < truth.lit.rows(); ++v) {
+    for (Eigen::Index u = 0; u < truth.lit.cols(); ++u) {
+      const double away =
+          std::hypot(static_cast<double>(v) - middle_row, static_cast<double>(u) - middle_column);
+      if (!truth.lit(v, u) || away >= nearest) continue;
+      nearest = away;
+      anchor = Anchor{.u_px = static_cast<double>(u),
+                      .v_px = static_cast<double>(v),
+                      .z = static_cast<double>(truth.range.z(v, u))};
+    }
+  }
+  return anchor;
+}
+
+}  // namespace
+
+RigAssessment assess(const DecodeResult& decoded, const SceneTruth& truth,
+                     const AssessmentOptions& options) {
+  check_options(options);
+  if (decoded.reasons.rows() != truth.body.rows() || decoded.reasons.cols() != truth.body.cols()) {
+    throw InvalidInput("assess: the reasons are not of the size of the truth");
+  }
+  RigAssessment found;
+  found.difference = geometry::depth_difference(decoded.range.z, truth.range.z);
+  const int bodies = options.counted_bodies.value_or(std::numeric_limits<int>::max());
+  std::vector<double> errors, distances;
+  for (Eigen::Index v = 0; v < truth.body.rows(); ++v) {
+    for (Eigen::Index u = 0; u < truth.body.cols(); ++u) {
+      const bool measured = std::isfinite(decoded.range.z(v, u));
+      const double z = static_cast<double>(truth.range.z(v, u));
+      const double error = static_cast<double>(found.difference(v, u));
+      if (truth.body(v, u) < 0 && measured) ++found.stray;
+      if (truth.body(v, u) < 0 || truth.body(v, u) >= bodies) {
+        found.difference(v, u) = std::numeric_limits<float>::quiet_NaN();
+        continue;
+      }
+      ++found.visible;
+      distances.push_back(z);
+      const bool wrong = measured && std::abs(error) > options.wrong_depth * z;
+      found.measured += measured;
+      found.wrong += wrong;
+      if (measured && !wrong) errors.push_back(error);
+      if (!truth.lit(v, u)) {
+        ++(truth.covered(v, u) ? found.dark : found.outside);
+        continue;
+      }
+      const bool faces = static_cast<double>(truth.incidence(v, u)) <= options.max_incidence;
+      ++found.lit;
+      found.reconstructed += measured;
+      found.facing += faces;
+      found.facing_reconstructed += faces && measured;
+      ++found.reasons[decoded.reasons(v, u)];
+    }
+  }
+  found.error = geometry::error_statistics(std::move(errors));
+  found.distance = geometry::error_statistics(std::move(distances)).median;
+  return found;
+}
+
+std::vector<cv::Mat> color_panels(const Pattern& pattern, const geometry::Camera& projector) {
+  std::vector<cv::Mat> panels;
+  for (const PatternColor& color : pattern.colors) {
+    panels.emplace_back(projector.height, projector.width, CV_32FC3,
+                        cv::Scalar(color.rgb[2], color.rgb[1], color.rgb[0]));
+  }
+  return panels;
+}
+
+RigTrial try_rig(const Rig& rig, const Pattern& pattern, const cv::Mat& panel,
+                 std::span<const Body> bodies, const VirtualSensor& sensor,
+                 const TrialOptions& options) {
+  check_pattern(pattern, "try_rig: pattern");
+  check_rig(rig, "try_rig: rig");
+  if (sensor.readout == Readout::mosaic) {
+    throw InvalidInput(
+        "try_rig: sensor: readout: the decoder takes no mosaic; pass demosaiced or color");
+  }
+  std::vector<cv::Mat> panels = color_panels(pattern, rig.projector);
+  panels.insert(panels.begin(), panel);
+  RigTrial trial;
+  trial.simulation = simulate(rig, bodies, panels, sensor, pattern.axis, options.first_frame);
+  for (std::size_t i = 0; i < pattern.colors.size(); ++i) {
+    trial.training.push_back({pattern.colors[i].name, {trial.simulation.frames[i + 1]}});
+  }
+  if (!trial.simulation.truth.lit.any()) {
+    trial.failure = "no light of the projector falls on what the camera sees";
+    return trial;
+  }
+  try {
+    if (!trial.training.empty()) trial.colors = train_colors(trial.training);
+  } catch (const InvalidInput& error) {
+    trial.failure = error.what();
+    return trial;
+  }
+  DecodeOptions decode = options.decode;
+  if (!decode.anchor && pattern.stripes.empty()) decode.anchor = anchor_of(trial.simulation.truth);
+  const Decoder decoder(options.decoder_rig.value_or(rig), pattern, trial.colors, decode);
+  trial.decoded = decoder.decode(trial.simulation.frames[0]);
+  return trial;
+}
+
+}  // namespace palpate::sensing

@@ -1,0 +1,123 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+// Simulated frames through the command, and what is made of them.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "run_palpate.h"
+
+namespace palpate::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Simulate : public testing::Test {
+ protected:
+  static std::string demo(const std::string& name) { return (demo_data() / name).string(); }
+  static std::string hand() { return (demo_data().parent_path() / "meshes/hand.ply").string(); }
+
+  /// Simulates into out/.
+  CommandResult run(const std::vector<std::string>& meshes, const std::vector<std::string>& more) {
+    std::vector<std::string> call = {"simulate"};
+    call.insert(call.end(), meshes.begin(), meshes.end());
+    call.insert(call.end(),
+                {"--rig", demo("rig.yaml"), "--pattern", pattern, "-o", scratch / "out", "--json"});
+    call.insert(call.end(), more.begin(), more.end());
+    return run_palpate(call);
+  }
+
+  static nlohmann::json figures(const CommandResult& result) {
+    EXPECT_EQ(result.status, 0) << result.err;
+    return nlohmann::json::parse(result.out);
+  }
+
+  ScratchFolder scratch;
+  std::string pattern = demo("pattern.yaml");
+};
+
+TEST_F(Simulate, ReportsWhatARigWouldMeasureAtSeveralDistances) {
+  const nlohmann::json found = figures(run({hand()}, {"--report", "--distance", "550,700"}));
+  EXPECT_EQ(found["frames"], 2);
+  ASSERT_EQ(found["report"].size(), 2);
+  double last = 0;
+  for (const nlohmann::json& line : found["report"]) {
+    EXPECT_GT(line["distance"], last);
+    last = line["distance"];
+    EXPECT_GT(line["lit"], 10000);
+    EXPECT_EQ(line["visible"],
+              line["outside"].get<long>() + line["dark"].get<long>() + line["lit"].get<long>());
+    EXPECT_GT(line["reconstructed"].get<double>(), 0.5 * line["lit"].get<double>());
+    EXPECT_LT(line["error"]["median"], 0.0005 * last);
+  }
+  // The same object covers fewer pixels when it is farther away.
+  EXPECT_GT(found["report"][0]["visible"], found["report"][1]["visible"]);
+  EXPECT_TRUE(fs::exists(scratch / "out/report/000001.png"));
+}
+
+TEST_F(Simulate, MakesFramesThatAreDecodedLikeACameras) {
+  figures(run({hand()}, {"--wall", "900", "--seed", "5"}));
+  const auto palpate = [](std::vector<std::string> arguments) {
+    arguments.emplace_back("--json");
+    return figures(run_palpate(arguments));
+  };
+  palpate({"calibrate", "colors", scratch / "out/training/000000", "-o", scratch / "colors.yaml"});
+  palpate({"decode", scratch / "out/frames", "--rig", scratch / "out/rig.yaml", "--pattern",
+           demo("pattern.yaml"), "--colors", scratch / "colors.yaml", "-o", scratch / "range"});
+  const nlohmann::json difference =
+      palpate({"compare", scratch / "range/000000.tiff", scratch / "out/truth/000000.tiff"});
+  EXPECT_GT(difference["count"], 100000);
+  EXPECT_LT(difference["median"], 0.5);
+  EXPECT_EQ(palpate({"info", scratch / "out/sensor.yaml"})["kind"], "virtual sensor");
+}
+
+TEST_F(Simulate, MakesAFrameOfEachMeshOfASequence) {
+  EXPECT_EQ(
+      figures(run({hand(), hand()}, {"--shutter", "0.5", "--ideal", "--turn", "0,20,0"}))["frames"],
+      2);
+  EXPECT_EQ(figures(run_palpate({"info", scratch / "out/frames/000001.png", "--json"}))["bits"],
+            16);
+  EXPECT_TRUE(fs::exists(scratch / "out/truth/000001.tiff"));
+}
+
+TEST_F(Simulate, RefusesWrongCallsAndWritesNothing) {
+  const auto refusal = [&](const std::vector<std::string>& meshes,
+                           const std::vector<std::string>& more) {
+    const CommandResult result = run(meshes, more);
+    EXPECT_EQ(result.status, 2) << result.err;
+    EXPECT_FALSE(fs::exists(scratch / "out"));
+    return result.err;
+  };
+  EXPECT_NE(refusal({hand(), hand()}, {"--distance", "500,600"}).find("--distance"),
+            std::string::npos);
+  EXPECT_NE(refusal({hand()}, {"--texture", demo("pattern.png")}).find("texture coordinates"),
+            std::string::npos);
+  EXPECT_NE(refusal({hand()}, {"--wall", "300"}).find("sees nothing"), std::string::npos);
+  EXPECT_NE(refusal({hand()}, {"--reflectance", "1.5"}).find("reflectance"), std::string::npos);
+  EXPECT_NE(refusal({hand()}, {"--distance", "nan"}).find("--distance"), std::string::npos);
+  EXPECT_NE(refusal({hand()}, {"--readout", "mosaic", "--report"}).find("demosaiced"),
+            std::string::npos);
+}
+
+TEST_F(Simulate, SaysThatThePatternsPictureIsMissing) {
+  pattern = scratch / "alone.yaml";
+  fs::copy(demo("pattern.yaml"), pattern);
+  const CommandResult result = run({hand()}, {});
+  EXPECT_EQ(result.status, 2);
+  EXPECT_NE(result.err.find("alone.png: is missing"), std::string::npos) << result.err;
+}
+
+TEST_F(Simulate, KeepsWhatItDidNotWrite) {
+  fs::create_directories(scratch / "out");
+  std::ofstream(scratch / "out/notes.txt") << "mine";
+  const CommandResult result = run({hand()}, {});
+  EXPECT_EQ(result.status, 2);
+  EXPECT_NE(result.err.find("notes.txt"), std::string::npos);
+  EXPECT_TRUE(fs::exists(scratch / "out/notes.txt"));
+}
+
+}  // namespace
+}  // namespace palpate::apps
