@@ -206,16 +206,13 @@ void Decoder::Impl::judge_light(Workspace& work) const {
 void Decoder::Impl::find_regions(Workspace& work) const {
   const FloodLimits limits{options.max_phase_variance, options.max_phase_step};
   work.wrapped = wrapped_phase(work.combined);
-  work.variance = phase_variance(work.wrapped, work.modulated);
-  work.regions = grow_regions(work.wrapped, work.variance, limits);
+  phase_variance(work.wrapped, work.modulated, work.variance);
+  grow_regions(work.wrapped, work.variance, limits, work.unwrapping, work.regions);
   if (stripes) {
     find_guesses(work);
-    work.markers = find_markers(work.regions, work.guesses);
-    const std::vector<Marker> unproven =
-        mark_unproven_cores(work.wrapped, work.variance, limits, work.markers);
-    work.markers.insert(work.markers.end(), unproven.begin(), unproven.end());
-    split_regions(work.wrapped, work.variance, limits, work.markers, work.regions);
-    work.offsets = region_offsets(work.regions, work.guesses, options.min_agreement);
+    find_markers(work.regions, work.guesses, work.voting, work.markers);
+    split_regions(work.wrapped, work.variance, limits, work.markers, work.unwrapping, work.regions);
+    region_offsets(work.regions, work.guesses, options.min_agreement, work.voting, work.offsets);
   } else {
     work.offsets = anchor_offsets(work.regions);
   }

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numbers>
 #include <utility>
 
@@ -25,35 +24,22 @@ constexpr double kNearTurns = 0.3;
 constexpr int kChainLength = 5;
 constexpr int kChainColumns = 3;
 
-struct Vote {
-  double turns = 0;  ///< (guess - unwrapped phase) / 2 pi
-  double weight = 0;
-};
-
-double weighted_median(std::vector<Vote>& votes) {
-  std::sort(votes.begin(), votes.end(),
-            [](const Vote& a, const Vote& b) { return a.turns < b.turns; });
+/// The offset that the tallies of one region, sorted by their turns, come to.
+RegionOffset offset_of(const std::vector<Tally>& tallies, double min_agreement) {
+  std::size_t guesses = 0;
   double total = 0;
-  for (const Vote& vote : votes) total += vote.weight;
-  double sum = 0;
-  for (const Vote& vote : votes) {
-    sum += vote.weight;
-    if (sum >= total / 2) return vote.turns;
+  for (const Tally& tally : tallies) {
+    guesses += static_cast<std::size_t>(tally.guesses);
+    total += tally.weight;
   }
-  return votes.back().turns;
-}
-
-RegionOffset offset_of(std::vector<Vote>& votes, double min_agreement) {
-  if (votes.size() < kLeastGuesses) return {{}, Reason::no_transition};
-  const double turns = std::round(weighted_median(votes));
-  double agreeing = 0;
-  double total = 0;
-  for (const Vote& vote : votes) {
-    total += vote.weight;
-    if (std::round(vote.turns) == turns) agreeing += vote.weight;
+  if (guesses < kLeastGuesses) return {{}, Reason::no_transition};
+  // Rounding keeps the order: the median of the rounded turns is the rounded median.
+  std::size_t median = 0;
+  for (double sum = tallies[0].weight; sum < total / 2 && median + 1 < tallies.size();) {
+    sum += tallies[++median].weight;
   }
-  if (agreeing < min_agreement * total) return {{}, Reason::ambiguous_offset};
-  return {kTurn * turns, Reason::reconstructed};
+  if (tallies[median].weight < min_agreement * total) return {{}, Reason::ambiguous_offset};
+  return {kTurn * tallies[median].turns, Reason::reconstructed};
 }
 
 /// Turns that a guess asks for.
@@ -63,54 +49,90 @@ double turns_of(const Regions& regions, const PhaseGuess& guess) {
 
 }  // namespace
 
-std::vector<Marker> find_markers(const Regions& regions, const std::vector<PhaseGuess>& guesses) {
-  // Chains of guesses, one a stripe edge and label; each guess joins the chain it continues.
-  struct Chain {
-    const PhaseGuess* last = nullptr;
-    int turns = 0;
-    std::vector<Marker> markers;
-  };
-  std::map<std::pair<int, int>, std::vector<Chain>> chains;
+void find_markers(const Regions& regions, const std::vector<PhaseGuess>& guesses,
+                  OffsetBuffers& buffers, std::vector<Marker>& markers) {
+  // Each guess joins the chain it continues; of a stripe edge, only the chains that reach the row
+  // above are open.
+  auto& chains = buffers.chains;
+  chains.clear();
+  for (auto& of_edge : buffers.open_chains) of_edge.clear();
+  markers.clear();
+  buffers.chain_of_marker.clear();
+  const int columns = static_cast<int>(regions.label.cols());
   for (const PhaseGuess& guess : guesses) {
     const int label = regions.label(guess.row, guess.column);
     if (label < 0) continue;
     const double turns = turns_of(regions, guess);
     const int whole = static_cast<int>(std::lround(turns));
     if (std::abs(turns - whole) > kNearTurns) continue;
-    auto& of_edge = chains[{label, guess.edge}];
-    const auto continued = std::find_if(of_edge.rbegin(), of_edge.rend(), [&](const Chain& chain) {
-      return chain.turns == whole && chain.last->row == guess.row - 1 &&
-             std::abs(chain.last->column - guess.column) <= kChainColumns;
+    const auto edge = static_cast<std::size_t>(guess.edge);
+    if (buffers.open_chains.size() <= edge) buffers.open_chains.resize(edge + 1);
+    auto& open = buffers.open_chains[edge];
+    std::erase_if(open, [&](int chain) {
+      return chains[static_cast<std::size_t>(chain)].row < guess.row - 1;
     });
-    Chain& chain = continued != of_edge.rend() ? *continued : of_edge.emplace_back();
-    chain.last = &guess;
-    chain.turns = whole;
-    const int columns = static_cast<int>(regions.label.cols());
-    chain.markers.push_back({guess.row * columns + guess.column, whole});
-  }
-  std::vector<Marker> markers;
-  for (const auto& [key, of_edge] : chains) {
-    for (const Chain& chain : of_edge) {
-      if (chain.markers.size() < kChainLength) continue;
-      markers.insert(markers.end(), chain.markers.begin(), chain.markers.end());
+    const auto continued = std::find_if(open.begin(), open.end(), [&](int number) {
+      const Chain& chain = chains[static_cast<std::size_t>(number)];
+      return chain.row == guess.row - 1 && chain.label == label && chain.turns == whole &&
+             std::abs(chain.column - guess.column) <= kChainColumns;
+    });
+    int number = static_cast<int>(chains.size());
+    if (continued != open.end()) {
+      number = *continued;
+    } else {
+      chains.push_back({.label = label, .turns = whole});
+      open.push_back(number);
     }
+    Chain& chain = chains[static_cast<std::size_t>(number)];
+    chain.row = guess.row;
+    chain.column = guess.column;
+    ++chain.length;
+    markers.push_back({guess.row * columns + guess.column, whole});
+    buffers.chain_of_marker.push_back(number);
   }
-  return markers;
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < markers.size(); ++i) {
+    const auto chain = static_cast<std::size_t>(buffers.chain_of_marker[i]);
+    if (chains[chain].length >= kChainLength) markers[kept++] = markers[i];
+  }
+  markers.resize(kept);
 }
 
-std::vector<RegionOffset> region_offsets(const Regions& regions,
-                                         const std::vector<PhaseGuess>& guesses,
-                                         double min_agreement) {
-  std::vector<std::vector<Vote>> votes(static_cast<std::size_t>(regions.count));
+void region_offsets(const Regions& regions, const std::vector<PhaseGuess>& guesses,
+                    double min_agreement, OffsetBuffers& buffers,
+                    std::vector<RegionOffset>& offsets) {
+  constexpr int kEnd = -1;
+  auto& tallies = buffers.tallies;
+  tallies.clear();
+  buffers.first_tally.assign(static_cast<std::size_t>(regions.count), kEnd);
   for (const PhaseGuess& guess : guesses) {
     const int label = regions.label(guess.row, guess.column);
     if (label < 0) continue;
-    votes[static_cast<std::size_t>(label)].push_back({turns_of(regions, guess), guess.score});
+    const int turns = static_cast<int>(std::lround(turns_of(regions, guess)));
+    int& first = buffers.first_tally[static_cast<std::size_t>(label)];
+    int at = first;
+    while (at != kEnd && tallies[static_cast<std::size_t>(at)].turns != turns) {
+      at = tallies[static_cast<std::size_t>(at)].next;
+    }
+    if (at == kEnd) {
+      at = static_cast<int>(tallies.size());
+      tallies.push_back({.turns = turns, .next = first});
+      first = at;
+    }
+    Tally& tally = tallies[static_cast<std::size_t>(at)];
+    ++tally.guesses;
+    tally.weight += guess.score;
   }
-  std::vector<RegionOffset> offsets;
-  offsets.reserve(votes.size());
-  for (auto& list : votes) offsets.push_back(offset_of(list, min_agreement));
-  return offsets;
+  offsets.clear();
+  for (const int first : buffers.first_tally) {
+    buffers.of_region.clear();
+    for (int at = first; at != kEnd; at = tallies[static_cast<std::size_t>(at)].next) {
+      buffers.of_region.push_back(tallies[static_cast<std::size_t>(at)]);
+    }
+    std::sort(buffers.of_region.begin(), buffers.of_region.end(),
+              [](const Tally& a, const Tally& b) { return a.turns < b.turns; });
+    offsets.push_back(offset_of(buffers.of_region, min_agreement));
+  }
 }
 
 std::vector<RegionOffset> anchored_offsets(const Regions& regions, const PhaseGuess& anchor,

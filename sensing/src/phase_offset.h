@@ -19,11 +19,39 @@ struct PhaseGuess {
   int edge = 0;      ///< of the pattern, from which it comes
 };
 
+/// Guesses of one stripe edge on consecutive scanlines that agree.
+struct Chain {
+  int label = 0;
+  int turns = 0;
+  int row = 0;     ///< of its last guess
+  int column = 0;  ///< of its last guess
+  int length = 0;
+};
+
+/// The guesses of one region that ask for one number of turns.
+struct Tally {
+  int turns = 0;
+  int next = 0;  ///< another of its region
+  int guesses = 0;
+  double weight = 0;
+};
+
+/// Memory that the functions below use again from frame to frame; it says nothing between calls.
+struct OffsetBuffers {
+  std::vector<Chain> chains;
+  std::vector<std::vector<int>> open_chains;
+  std::vector<int> chain_of_marker;
+  std::vector<Tally> tallies;
+  std::vector<int> first_tally;
+  std::vector<Tally> of_region;
+};
+
 /// The guesses that can be trusted one by one: they come near a whole number of turns, and so do
 /// guesses from the same stripe edge on the neighbouring scanlines, to the same number.
 /// \param guesses in the order of rows.
-[[nodiscard]] std::vector<Marker> find_markers(const Regions& regions,
-                                               const std::vector<PhaseGuess>& guesses);
+/// \param markers takes the result, in the order of the guesses.
+void find_markers(const Regions& regions, const std::vector<PhaseGuess>& guesses,
+                  OffsetBuffers& buffers, std::vector<Marker>& markers);
 
 /// What is to be added to the unwrapped phase of a region.
 struct RegionOffset {
@@ -35,9 +63,10 @@ struct RegionOffset {
 /// weighted median of what its guesses say. Nothing for a region with too few guesses
 /// (no_transition), or of whose guesses less than `min_agreement` (by weight) come to the same
 /// multiple (ambiguous_offset).
-[[nodiscard]] std::vector<RegionOffset> region_offsets(const Regions& regions,
-                                                       const std::vector<PhaseGuess>& guesses,
-                                                       double min_agreement);
+/// \param offsets takes the result, one a region.
+void region_offsets(const Regions& regions, const std::vector<PhaseGuess>& guesses,
+                    double min_agreement, OffsetBuffers& buffers,
+                    std::vector<RegionOffset>& offsets);
 
 /// The same from one known phase, for a pattern without stripes: gives the region of the pixel
 /// nearest to the guess, at most `reach` px away in row and column, its offset. All other regions

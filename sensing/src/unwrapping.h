@@ -2,14 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <Eigen/Core>
+#include <cstdint>
 #include <vector>
 
 #include "planes.h"
+#include "smooth_runs.h"
+#include "variance_queue.h"
 
 namespace palpate::sensing {
-
-using Labels = Eigen::Array<int, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 /// What a region may go through.
 struct FloodLimits {
@@ -24,33 +24,42 @@ struct Regions {
   int count = 0;
 };
 
-/// Grows regions from the smoothest pixel that belongs to none yet, always on to the smoothest
-/// pixel at the border (thesis 3.3.5), within the limits.
-/// \param wrapped phase [rad]; pixels outside the mask have infinite variance.
-[[nodiscard]] Regions grow_regions(const Plane& wrapped, const Plane& variance,
-                                   const FloodLimits& limits);
-
 /// A place in a region where the multiple of 2 pi is known that its unwrapped phase lacks.
 struct Marker {
   int pixel = 0;  ///< row * columns + column, in a region
   int turns = 0;
 };
 
-/// Splits the regions whose markers disagree: where two surfaces meet at a depth step of about a
-/// whole period, the phase alone shows no border. Floods such a region from all its markers at
-/// once, in the order of variance, so that the parts meet where the phase is least smooth; parts of
-/// one region with the same number of turns share a label. The limits are those the regions were
-/// grown with.
-void split_regions(const Plane& wrapped, const Plane& variance, const FloodLimits& limits,
-                   const std::vector<Marker>& markers, Regions& regions);
+/// Memory that the functions below use again from frame to frame; it says nothing between calls.
+struct UnwrappingBuffers {
+  SmoothRuns runs;
+  Mask classes;
+  Mask row_minima;
+  Labels cores;
+  std::vector<SmoothRuns::Extent> core_extents;
+  std::vector<int> core_parts;
+  Mask ranks;
+  Mask roles;
+  VarianceQueue queue;
+};
 
-/// Markers of unknown turns (each core has a number of its own) on every pixel of the cores in
-/// which no marker lies: a core is what hangs together of the regions once all necks narrower than
-/// seven pixels are cut, and is large enough for a stripe edge to be expected in it. The part of a
-/// region behind such a neck may be another surface; without a stripe edge of its own its depth
-/// must stay unknown.
-[[nodiscard]] std::vector<Marker> mark_unproven_cores(const Plane& wrapped, const Plane& variance,
-                                                      const FloodLimits& limits,
-                                                      const std::vector<Marker>& markers);
+/// Finds the smooth regions within the limits and unwraps each in order of quality (thesis 3.3.5).
+/// \param wrapped phase [rad]; pixels outside the mask have infinite variance.
+void grow_regions(const Plane& wrapped, const Plane& variance, const FloodLimits& limits,
+                  UnwrappingBuffers& buffers, Regions& regions);
+
+/// Splits the regions whose markers disagree: where two surfaces meet at a depth step of about a
+/// whole period, the phase alone shows no border. The limits are those the regions were grown with.
+///
+/// A core is what hangs together of the regions once all necks narrower than seven pixels are cut.
+/// The part of a region behind such a neck may be another surface: a core without a marker, large
+/// enough for a stripe edge to be expected in it, becomes a region of its own, whose depth must
+/// stay unknown. A core whose markers agree stays whole. The rest is
+/// flooded from these cores, and from the markers elsewhere, in the order of variance, so that the
+/// parts meet where the phase is least smooth. Parts of one region with the same number of turns
+/// share a label.
+void split_regions(const Plane& wrapped, const Plane& variance, const FloodLimits& limits,
+                   const std::vector<Marker>& markers, UnwrappingBuffers& buffers,
+                   Regions& regions);
 
 }  // namespace palpate::sensing

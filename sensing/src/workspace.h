@@ -25,11 +25,13 @@ struct Workspace {
   ReasonImage reasons;
   Plane wrapped;
   Plane variance;
+  UnwrappingBuffers unwrapping;
   Regions regions;
   Plane hue;
   std::vector<Transition> transitions;
   std::vector<PhaseGuess> guesses;
   std::vector<Marker> markers;
+  OffsetBuffers voting;
   std::vector<RegionOffset> offsets;
   Plane phase;  ///< absolute; NaN where unknown
   Mask inner;   ///< lit, and so is all around

@@ -34,10 +34,25 @@ std::vector<PhaseGuess> operator+(std::vector<PhaseGuess> a, const std::vector<P
   return a;
 }
 
+std::vector<RegionOffset> offsets_of(const Regions& regions,
+                                     const std::vector<PhaseGuess>& guesses) {
+  OffsetBuffers buffers;
+  std::vector<RegionOffset> offsets(7);  // of another frame
+  region_offsets(regions, guesses, kMinAgreement, buffers, offsets);
+  return offsets;
+}
+
+std::vector<Marker> markers_of(const Regions& regions, const std::vector<PhaseGuess>& guesses) {
+  OffsetBuffers buffers;
+  std::vector<Marker> markers(7);
+  find_markers(regions, guesses, buffers, markers);
+  return markers;
+}
+
 TEST(PhaseOffset, IsTheRoundedWeightedMedianOfEachRegion) {
   const auto guesses = column_of(3, 0, 8, -2.2) + column_of(5, 0, 1, 7.1) + column_of(5, 3, 2, -9) +
                        column_of(15, 0, 6, 4.3);
-  const auto offsets = region_offsets(two_regions(), guesses, kMinAgreement);
+  const auto offsets = offsets_of(two_regions(), guesses);
   ASSERT_EQ(offsets.size(), 2U);
   EXPECT_DOUBLE_EQ(offsets[0].phase.value(), -2 * kTurn);
   EXPECT_DOUBLE_EQ(offsets[1].phase.value(), 4 * kTurn);
@@ -45,12 +60,12 @@ TEST(PhaseOffset, IsTheRoundedWeightedMedianOfEachRegion) {
 
 TEST(PhaseOffset, WeightsDecideNotNumbers) {
   const auto guesses = column_of(3, 0, 6, 1, 2) + column_of(5, 0, 7, 5, 0.5);
-  EXPECT_DOUBLE_EQ(region_offsets(two_regions(), guesses, kMinAgreement)[0].phase.value(), kTurn);
+  EXPECT_DOUBLE_EQ(offsets_of(two_regions(), guesses)[0].phase.value(), kTurn);
 }
 
 TEST(PhaseOffset, GuessesThatDisagreeOrAreFewGiveNone) {
   const auto guesses = column_of(3, 0, 6, 1) + column_of(5, 0, 5, 2) + column_of(15, 0, 4, 4);
-  const auto offsets = region_offsets(two_regions(), guesses, kMinAgreement);
+  const auto offsets = offsets_of(two_regions(), guesses);
   EXPECT_FALSE(offsets[0].phase.has_value());
   EXPECT_FALSE(offsets[1].phase.has_value());
   EXPECT_EQ(offsets[0].reason, Reason::ambiguous_offset);
@@ -58,22 +73,20 @@ TEST(PhaseOffset, GuessesThatDisagreeOrAreFewGiveNone) {
 }
 
 TEST(PhaseOffset, GuessesOutsideEveryRegionDoNotCount) {
-  EXPECT_FALSE(
-      region_offsets(two_regions(), column_of(11, 0, 9, 1), kMinAgreement)[0].phase.has_value());
+  EXPECT_FALSE(offsets_of(two_regions(), column_of(11, 0, 9, 1))[0].phase.has_value());
 }
 
 TEST(PhaseOffset, MarkersAreRunsOfGuessesThatConfirmEachOther) {
   const Regions regions = two_regions();
-  EXPECT_EQ(find_markers(regions, column_of(3, 2, 6, -2.1)).size(), 6U);
-  EXPECT_EQ(find_markers(regions, column_of(3, 2, 6, -2.1))[0].turns, -2);
-  EXPECT_EQ(find_markers(regions, column_of(3, 2, 6, -2.1))[0].pixel, 2 * 20 + 3);
-  EXPECT_TRUE(find_markers(regions, column_of(3, 2, 4, -2)).empty());    // too few
-  EXPECT_TRUE(find_markers(regions, column_of(3, 2, 9, -2.4)).empty());  // between two numbers
+  EXPECT_EQ(markers_of(regions, column_of(3, 2, 6, -2.1)).size(), 6U);
+  EXPECT_EQ(markers_of(regions, column_of(3, 2, 6, -2.1))[0].turns, -2);
+  EXPECT_EQ(markers_of(regions, column_of(3, 2, 6, -2.1))[0].pixel, 2 * 20 + 3);
+  EXPECT_TRUE(markers_of(regions, column_of(3, 2, 4, -2)).empty());    // too few
+  EXPECT_TRUE(markers_of(regions, column_of(3, 2, 9, -2.4)).empty());  // between two numbers
+  EXPECT_TRUE(markers_of(regions, column_of(3, 0, 4, 1) + column_of(3, 6, 4, 1)).empty());  // a gap
   EXPECT_TRUE(
-      find_markers(regions, column_of(3, 0, 4, 1) + column_of(3, 6, 4, 1)).empty());  // a gap
-  EXPECT_TRUE(
-      find_markers(regions, column_of(2, 0, 4, 1) + column_of(8, 4, 4, 1)).empty());  // a jump
-  EXPECT_TRUE(find_markers(regions, column_of(3, 0, 4, 1) + column_of(3, 4, 4, 2)).empty());
+      markers_of(regions, column_of(2, 0, 4, 1) + column_of(8, 4, 4, 1)).empty());  // a jump
+  EXPECT_TRUE(markers_of(regions, column_of(3, 0, 4, 1) + column_of(3, 4, 4, 2)).empty());
 }
 
 TEST(PhaseOffset, AnAnchorGivesItsRegionAnOffsetAndNoOther) {
