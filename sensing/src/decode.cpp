@@ -20,6 +20,7 @@
 #include "reasons.h"
 #include "saturation.h"
 #include "sensor_model.h"
+#include "snakes.h"
 #include "stripe_transitions.h"
 #include "workspace.h"
 
@@ -207,11 +208,19 @@ void Decoder::Impl::find_regions(Workspace& work) const {
   const FloodLimits limits{options.max_phase_variance, options.max_phase_step};
   work.wrapped = wrapped_phase(work.combined);
   phase_variance(work.wrapped, work.modulated, work.variance);
-  grow_regions(work.wrapped, work.variance, limits, work.unwrapping, work.regions);
+  const bool snakes = options.segmentation == Segmentation::snakes;
+  if (snakes) {
+    grow_snakes(work.wrapped, work.variance, limits, work.regions);
+  } else {
+    grow_regions(work.wrapped, work.variance, limits, work.unwrapping, work.regions);
+  }
   if (stripes) {
     find_guesses(work);
-    find_markers(work.regions, work.guesses, work.voting, work.markers);
-    split_regions(work.wrapped, work.variance, limits, work.markers, work.unwrapping, work.regions);
+    if (!snakes) {
+      find_markers(work.regions, work.guesses, work.voting, work.markers);
+      split_regions(work.wrapped, work.variance, limits, work.markers, work.unwrapping,
+                    work.regions);
+    }
     region_offsets(work.regions, work.guesses, options.min_agreement, work.voting, work.offsets);
   } else {
     work.offsets = anchor_offsets(work.regions);

@@ -145,6 +145,20 @@ TEST(Decoder, EveryPixelHasADepthOrAReason) {
   EXPECT_LT(result.unresolved_regions, result.regions);
 }
 
+TEST(Decoder, SnakesMeasureWhatTheFloodMeasures) {
+  const Rig rig = make_rig(true);
+  const Pattern pattern = make_pattern(Axis::y, 20, 1024);
+  const Scene scene = render(rig, pattern, nearer(sphere({0, 0, 600}, 70), plane({0, 0, 1}, 720)));
+  const DecodeResult flood = Decoder(rig, pattern, ideal_colors()).decode(scene.frame);
+  const DecodeResult snakes =
+      Decoder(rig, pattern, ideal_colors(), {.segmentation = Segmentation::snakes})
+          .decode(scene.frame);
+  const Quality quality = assess(snakes.range.z, scene.z, everything(rig));
+  EXPECT_LE(quality.median_error, kCleanError);
+  EXPECT_LE(quality.wrong, 0.01);
+  EXPECT_GE(quality.coverage, assess(flood.range.z, scene.z, everything(rig)).coverage - 0.05);
+}
+
 TEST(Decoder, AnAnchorStandsInForStripes) {
   const Rig rig = make_rig(false);
   for (const Axis axis : {Axis::x, Axis::y}) {

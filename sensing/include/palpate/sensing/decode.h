@@ -21,6 +21,12 @@ struct Anchor {
   double z = 0;     ///< depth, > 0
 };
 
+/// How the phase is divided into smooth regions.
+enum class Segmentation {
+  flood,  ///< smooth pixels that hang together, cut where stripe edges disagree
+  snakes  ///< growing snakes (thesis 3.3.4), which bridge gaps in the borders; slower
+};
+
 struct DecodeOptions {
   /// A pixel is lit iff the projector's light >= min_signal of full scale; in (0, 1).
   double min_signal = 0.02;
@@ -38,6 +44,7 @@ struct DecodeOptions {
   double max_phase_variance = 0.01;
   /// They are split where the phase steps by > max_phase_step a pixel [rad]; in (0, pi).
   double max_phase_step = 1.5;
+  Segmentation segmentation = Segmentation::flood;
   /// An offset, and the colours around a depth, are accepted iff this share agrees; in (0.5, 1].
   double min_agreement = 0.8;
   /// A depth is kept iff |dz / dphase| <= max_sensitivity * z per rad; > 0.
@@ -61,9 +68,9 @@ struct DecodeResult {
 ///
 /// Differs from the thesis: any pose of the projector (depths are ray-plane intersections; R = I
 /// gives Eqs. 3.2 and 3.11), lens distortion of both lenses, complex demodulation, regions grown by
-/// phase variance instead of snakes, and a check of every depth against the stripe colour it
-/// implies. The constructor prepares what does not depend on the frame; `decode` may run in several
-/// threads.
+/// phase variance instead of snakes (by default), and a check of every depth against the stripe
+/// colour it implies. The constructor prepares what does not depend on the frame; `decode` may run
+/// in several threads.
 class Decoder {
  public:
   /// \throws InvalidInput if rig or pattern are not valid, an option is outside its range, a colour
