@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "hot_loop.h"
@@ -67,6 +68,74 @@ void shifted_row(const Demodulated& signal, const ChannelShift& shift, long row,
                 length, &out.im[run.begin]);
   }
 }
+
+/// About so many pixels tell of the chromatic error, from evenly spaced rows.
+constexpr long kErrorSamples = 20000;
+/// So far apart the noise of two pixels is independent [px]: twice what the averaging along the
+/// rows reaches.
+constexpr long kIndependent = 10;
+/// Of a channel that counts in the sum, the squared modulation over green's lies between this and
+/// its inverse.
+constexpr float kLeastRatio = 0.3F;
+/// Differences beyond this are of steps, not of lenses [rad].
+constexpr double kLargestDifference = 0.5;
+/// A mean is taken of so many products.
+constexpr int kLeastProducts = 100;
+
+struct Phasors {
+  const float* re;
+  const float* im;
+};
+
+/// One row of what `remaining_error` compares.
+struct ComparedRow {
+  Phasors green;
+  const SignalRow& channel;
+  Phasors turn;
+  const float* phase;     ///< absolute
+  const float* expected;  ///< projector pixel for which the channel was turned
+  long row;
+};
+
+/// By how much a channel runs ahead of green at a pixel; NaN where they cannot be compared.
+double difference(const ComparedRow& row, long i, const ChromaticLag& lag,
+                  const PixelOfPhase& pixels) {
+  const float channel_re = row.channel.re[i];
+  const float channel_im = row.channel.im[i];
+  const float power = channel_re * channel_re + channel_im * channel_im;
+  const float reference = row.green.re[i] * row.green.re[i] + row.green.im[i] * row.green.im[i];
+  const bool both = power > kLeastRatio * reference && reference > kLeastRatio * power;
+  if (!both) return std::numeric_limits<double>::quiet_NaN();
+  const float re = channel_re * row.turn.re[i] - channel_im * row.turn.im[i];
+  const float im = channel_re * row.turn.im[i] + channel_im * row.turn.re[i];
+  const double ahead = std::atan2(static_cast<double>(im * row.green.re[i] - re * row.green.im[i]),
+                                  static_cast<double>(re * row.green.re[i] + im * row.green.im[i]));
+  const double moved =
+      pixels.at(row.row, static_cast<double>(row.phase[i])) - static_cast<double>(row.expected[i]);
+  return ahead + lag.slope * moved;
+}
+
+/// The mean product of differences.
+class Disagreement {
+ public:
+  void add_row(const ComparedRow& row, const ChromaticLag& lag, const PixelOfPhase& pixels) {
+    for (long i = 0; i + kIndependent < row.channel.re.size(); i += 2) {
+      const double first = difference(row, i, lag, pixels);
+      if (!(std::abs(first) < kLargestDifference)) continue;
+      const double second = difference(row, i + kIndependent, lag, pixels);
+      if (!(std::abs(second) < kLargestDifference)) continue;
+      sum_ += first * second;
+      ++count_;
+    }
+  }
+  [[nodiscard]] double mean() const {
+    return count_ < kLeastProducts ? 0 : std::max(0.0, sum_ / count_);
+  }
+
+ private:
+  double sum_ = 0;
+  int count_ = 0;
+};
 
 /// Interpolation between the pixels `first` and `first + 1` of `size`, at a place in (-1, size);
 /// beyond the outermost pixels their values hold.
@@ -170,6 +239,31 @@ void combine_channels(const std::vector<Demodulated>& channels, const ChromaticM
                  &(*shares[i])(row, 0));
     }
   }
+}
+
+ChromaticError remaining_error(const std::vector<Demodulated>& channels,
+                               const ChromaticModel& model, const Plane& phase,
+                               const PixelOfPhase& pixels) {
+  if (channels.size() == 1) return {};
+  const long step = std::max<long>(1, phase.size() / kErrorSamples);
+  SignalRow seen(phase.cols());
+  std::array<double, 2> error{};
+  for (std::size_t i = 0; i < 2; ++i) {
+    const ChannelModel& channel = model.channels[i];
+    Disagreement found;
+    for (long row = step / 2; row < phase.rows(); row += step) {
+      shifted_row(channels[i + 1], channel.shift, row, seen);
+      found.add_row({.green = {&channels[0].re(row, 0), &channels[0].im(row, 0)},
+                     .channel = seen,
+                     .turn = {&channel.cosine(row, 0), &channel.sine(row, 0)},
+                     .phase = &phase(row, 0),
+                     .expected = &model.expected_pixel(row, 0),
+                     .row = row},
+                    channel.lag, pixels);
+    }
+    error[i] = found.mean();
+  }
+  return {error[0], error[1]};
 }
 
 }  // namespace palpate::sensing

@@ -82,4 +82,26 @@ struct Combined {
 void combine_channels(const std::vector<Demodulated>& channels, const ChromaticModel& model,
                       Combined& out);
 
+/// The projector pixel that an absolute phase means: (phase + along * row - offset) / per_pixel.
+struct PixelOfPhase {
+  double along = 0;      ///< [rad/px] carrier down the working image
+  double offset = 0;     ///< [rad]
+  double per_pixel = 1;  ///< [rad/px] of the projector
+  [[nodiscard]] double at(long row, double phase) const {
+    return (phase + along * static_cast<double>(row) - offset) / per_pixel;
+  }
+};
+
+/// Systematic disagreement of red and of blue with green that the chromatic model leaves [rad^2]:
+/// the mean product of the phase differences at two pixels of a row, far enough apart for their
+/// noise to be independent. Zero where too few pixels show both channels.
+struct ChromaticError {
+  double red = 0;
+  double blue = 0;
+};
+/// \param phase [rad] absolute, of the working image; NaN where unknown.
+[[nodiscard]] ChromaticError remaining_error(const std::vector<Demodulated>& channels,
+                                             const ChromaticModel& model, const Plane& phase,
+                                             const PixelOfPhase& pixels);
+
 }  // namespace palpate::sensing

@@ -14,6 +14,7 @@
 #include "hue_classifier.h"
 #include "modulation.h"
 #include "palpate/error.h"
+#include "phase_noise.h"
 #include "phase_variance.h"
 #include "plausibility.h"
 #include "pool.h"
@@ -112,6 +113,7 @@ struct Decoder::Impl {
   void demodulate_frame(const cv::Mat& frame, Workspace& work) const;
   void judge_light(Workspace& work) const;
   void find_regions(Workspace& work) const;
+  void predict_sigma(Workspace& work) const;
   void find_guesses(Workspace& work) const;
   [[nodiscard]] std::vector<RegionOffset> anchor_offsets(const Regions& regions) const;
   void drop_borders(Workspace& work) const;
@@ -153,7 +155,7 @@ void Decoder::Impl::check_frame(const cv::Mat& frame) const {
 }
 
 void Decoder::Impl::find_guesses(Workspace& work) const {
-  const std::vector<Demodulated>& green_red_blue = work.demodulated;
+  const std::vector<Demodulated>& green_red_blue = work.demodulated.channels;
   find_hues(green_red_blue[1].mean, green_red_blue[0].mean, green_red_blue[2].mean, work.hue);
   find_transitions(work.hue, work.lit, stripes->edges, stripes->classifier,
                    {.min_hue_step = options.min_hue_step,
@@ -184,13 +186,13 @@ void Decoder::Impl::demodulate_frame(const cv::Mat& frame, Workspace& work) cons
             .min_signal = options.min_signal},
            work.lit);
   demodulate(work.channels, work.lit, filter, work.demodulated);
-  combine_channels(work.demodulated, model.chromatic(), work.combined);
+  combine_channels(work.demodulated.channels, model.chromatic(), work.combined);
 }
 
 /// Where there is enough light and enough of the sinusoid in it.
 void Decoder::Impl::judge_light(Workspace& work) const {
   const Pattern& pattern = model.pattern();
-  find_modulated(work.combined, work.demodulated, work.lit,
+  find_modulated(work.combined, work.demodulated.channels, work.lit,
                  {.colored = stripes.has_value(),
                   .min_amplitude = options.min_modulation,
                   .min_ratio = options.min_contrast * pattern.amplitude / pattern.mean},
@@ -238,6 +240,24 @@ void Decoder::Impl::drop_borders(Workspace& work) const {
   keep_reconstructed(work.reasons, work.phase);
 }
 
+/// From the phase's standard deviation to the depth's.
+void Decoder::Impl::predict_sigma(Workspace& work) const {
+  const Pattern& pattern = model.pattern();
+  const PhaseSignal signal{.wrapped = work.wrapped,
+                           .combined = work.combined,
+                           .channels = work.demodulated.channels,
+                           .residual = work.demodulated.residual,
+                           .modulated = work.modulated,
+                           .chromatic = model.chromatic(),
+                           .phase = work.phase,
+                           .pixels = {.along = model.carrier().along,
+                                      .offset = pattern.phase,
+                                      .per_pixel = 2 * std::numbers::pi / pattern.period}};
+  predict_phase_sigma(signal, estimate_noise(signal), filter, work.sigma);
+  work.sigma =
+      (work.surfaces.z == work.surfaces.z).select(work.sigma * work.surfaces.z_per_phase, kUnknown);
+}
+
 /// Takes away the depths that the colours contradict.
 void Decoder::Impl::check_colors(Workspace& work) const {
   find_contradictions(work.surfaces.stripe_pixel, work.hue, stripes->colors, stripes->classifier,
@@ -256,9 +276,11 @@ void Decoder::Impl::fill_result(const Workspace& work, DecodeResult& result) con
   if (model.carrier().transposed) {
     result.range.z = work.surfaces.z.transpose();
     result.reasons = work.reasons.transpose();
+    result.sigma = work.sigma.transpose();
   } else {
     result.range.z = work.surfaces.z;
     result.reasons = work.reasons;
+    result.sigma = work.sigma;
   }
 }
 
@@ -272,6 +294,7 @@ void Decoder::Impl::decode(const cv::Mat& frame, DecodeResult& result) const {
   model.find_surfaces(work->phase, work->combined.shares, options.max_sensitivity, work->surfaces,
                       work->reasons);
   if (stripes) check_colors(*work);
+  predict_sigma(*work);
   fill_result(*work, result);
 }
 

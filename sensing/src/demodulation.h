@@ -28,12 +28,19 @@ struct Demodulated {
   Plane mean;
 };
 
+struct Demodulation {
+  std::vector<Demodulated> channels;
+  /// Mean square of what mean and sinusoid leave in the window, fraction of full scale squared, the
+  /// sum of all channels: noise, texture, steps, a frequency off the carrier.
+  Plane residual;
+};
+
 /// Weighted least squares of mean and sinusoid in the window around each pixel of the mask, from
 /// pixels of the mask alone (thesis 3.3.3, in its complex form). Away from the mask's borders that
 /// is multiplication by exp(-i carrier row) and a low-pass; at the borders it keeps the step of
-/// brightness out of the phase. Then re and im are averaged along the rows: binomial weights over
-/// five pixels, those outside the mask being zero. Memory of `out` is used again.
+/// brightness out of the phase. Then re, im and the residual are averaged along the rows: binomial
+/// weights over five pixels, those outside the mask being zero. Memory of `out` is used again.
 void demodulate(const std::vector<Plane>& channels, const Mask& mask,
-                const DemodulationFilter& filter, std::vector<Demodulated>& out);
+                const DemodulationFilter& filter, Demodulation& out);
 
 }  // namespace palpate::sensing

@@ -18,7 +18,7 @@ namespace palpate::sensing {
 struct Workspace {
   std::vector<Plane> channels;
   Mask lit;
-  std::vector<Demodulated> demodulated;
+  Demodulation demodulated;
   Combined combined;
   Mask modulated;  ///< lit, and the sinusoid is strong enough
   Mask clipped;    ///< a channel is at full scale
@@ -38,6 +38,7 @@ struct Workspace {
   Mask breaks;  ///< near a step of the phase
   SurfaceImages surfaces;
   Mask contradicting;  ///< the colours around say so
+  Plane sigma;  ///< [mm] of the depths
 };
 
 }  // namespace palpate::sensing

@@ -5,7 +5,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <random>
 
 #include "synthetic_scene.h"
 
@@ -87,6 +89,39 @@ TEST(Chromatic, SharesSumToOneWithGreen) {
   EXPECT_EQ(combined.im(2, 2), 4);
   EXPECT_FLOAT_EQ(combined.shares.red(2, 2), (1 * 4 + 2 * 4) / 32.0F);
   EXPECT_FLOAT_EQ(combined.shares.blue(2, 2), 4 / 32.0F);
+}
+
+TEST(Chromatic, WhatTheModelLeavesIsFoundAndNoiseIsNot) {
+  constexpr long kRows = 60;
+  constexpr long kColumns = 200;
+  constexpr float kLeft = 0.06F;  // rad that blue runs ahead
+  const Plane zero = Plane::Zero(kRows, kColumns);
+  const Plane one = Plane::Ones(kRows, kColumns);
+  std::mt19937 generator(1);
+  std::normal_distribution<float> noise(0, 0.05F);
+  const auto phasor = [&](float phase) {
+    Demodulated signal{zero, zero, one};
+    for (long i = 0; i < zero.size(); ++i) {
+      const float angle = phase + noise(generator);
+      signal.re.data()[i] = std::cos(angle);
+      signal.im.data()[i] = std::sin(angle);
+    }
+    return signal;
+  };
+  // The surface is not where the lags were taken: the projector pixel is 3 farther.
+  const PixelOfPhase pixels{.along = 0, .offset = 0, .per_pixel = 0.5};
+  ChromaticModel model{.expected_pixel = zero, .channels = {}};
+  model.channels[0] = channel_model({}, {.slope = 0.02, .offset = 0.3}, zero);
+  model.channels[1] = channel_model({}, {.slope = -0.01, .offset = -0.1}, zero);
+  const std::vector<Demodulated> channels = {phasor(1.5F), phasor(1.5F - 0.3F - 0.06F),
+                                             phasor(1.5F + 0.1F + 0.03F + kLeft)};
+  const ChromaticError error =
+      remaining_error(channels, model, Plane::Constant(kRows, kColumns, 1.5F), pixels);
+  // Twice 0.05^2 of noise, averaged over a few thousand pixels.
+  EXPECT_NEAR(error.red, 0, 3e-4);
+  EXPECT_NEAR(error.blue, kLeft * kLeft, 8e-4);
+  const Plane unknown = Plane::Constant(kRows, kColumns, std::numeric_limits<float>::quiet_NaN());
+  EXPECT_EQ(remaining_error(channels, model, unknown, pixels).blue, 0);
 }
 
 }  // namespace

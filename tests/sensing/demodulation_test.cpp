@@ -29,9 +29,9 @@ Plane wave(double mean, double amplitude, double frequency, double phase) {
 
 std::vector<Demodulated> demodulate(const std::vector<Plane>& channels, const Mask& mask,
                                     const DemodulationFilter& filter) {
-  std::vector<Demodulated> out;
+  Demodulation out;
   demodulate(channels, mask, filter, out);
-  return out;
+  return out.channels;
 }
 
 Mask everywhere() { return Mask::Ones(kRows, kColumns); }
@@ -51,7 +51,7 @@ TEST(Demodulation, FindsMeanAmplitudeAndPhaseExactly) {
 }
 
 TEST(Demodulation, AnotherFrequencyDoesNotBiasThePhase) {
-  // A surface that slopes: 15 % higher frequency. What is left comes from the mirror frequency.
+  // A surface that slopes: 15 % higher frequency.
   const double frequency = 1.15 * kCarrier;
   const auto out =
       demodulate({wave(0.5, 0.3, frequency, 0.4)}, everywhere(), make_filter(kCarrier));
@@ -103,6 +103,21 @@ TEST(Demodulation, AveragesAlongRowsWithBinomialWeights) {
                 0, 16 * kRounding);
     EXPECT_NEAR(out[0].mean(30, column), column == 4 ? 8 : 0, 16 * kRounding);
   }
+}
+
+TEST(Demodulation, TheResidualIsWhatTheSinusoidDoesNotExplain) {
+  Plane image = wave(0.5, 0.3, kCarrier, 1.1);
+  Demodulation out;
+  demodulate({image, image}, everywhere(), make_filter(kCarrier), out);
+  EXPECT_NEAR(out.residual(30, 4), 0, kRounding);
+  // Rows alternately brighter and darker by 0.1: far from the carrier, all of it stays.
+  for (long row = 0; row < kRows; ++row) image.row(row) += row % 2 == 0 ? 0.1F : -0.1F;
+  Mask mask = everywhere();
+  mask.topRows(20) = 0;  // of windows that are cut, too
+  demodulate({image, image}, mask, make_filter(kCarrier), out);
+  EXPECT_NEAR(out.residual(40, 4), 2 * 0.01, 5e-4);
+  EXPECT_NEAR(out.residual(24, 4), 2 * 0.01, 3e-3);
+  EXPECT_EQ(out.residual(10, 4), 0);
 }
 
 }  // namespace

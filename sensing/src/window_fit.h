@@ -1,0 +1,77 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "demodulation.h"
+
+namespace palpate::sensing {
+
+/// So many columns are worked on at a time: their sums stay in the first-level cache, and a block
+/// without light, or without a border, is passed over quickly.
+inline constexpr long kBlock = 128;
+
+/// What a row at some distance counts: weight, and weight times cos and sin of the carrier.
+struct Tap {
+  float weight = 0;
+  float cosine = 0;
+  float sine = 0;
+};
+
+/// The normal equations of a whole window: its symmetry leaves the sine alone.
+struct WholeWindow {
+  float cosine = 0;        ///< sum of weight * cos
+  float cosine_scale = 0;  ///< 1 / (sum of weight * cos^2 - cosine^2)
+  float sine_scale = 0;    ///< 1 / sum of weight * sin^2
+};
+
+/// Cosine and sine of the carrier at a row.
+struct Turn {
+  float cosine = 1;
+  float sine = 0;
+};
+
+/// The rows k = -radius ... radius of the window, and its normal equations.
+struct Window {
+  explicit Window(const DemodulationFilter& filter);
+  /// The rows k above and below, each counted once; nothing beyond the radius.
+  [[nodiscard]] Tap pair(int k) const;
+
+  int radius;
+  std::vector<Tap> taps;
+  WholeWindow whole;
+};
+
+/// The sum over the channels of the squared values, for the rows of a window that moves downwards.
+class PowerRows {
+ public:
+  PowerRows(const std::vector<Plane>& channels, int radius);
+  /// Makes the rows up to this one available, and drops those more than a window above.
+  void reach(long row);
+  [[nodiscard]] const float* at(long row, long column) const {
+    return &rows_(row % rows_.rows(), column);
+  }
+
+ private:
+  const std::vector<Plane>& channels_;
+  long next_ = 0;
+  Plane rows_;
+};
+
+/// Some columns of one row.
+struct Block {
+  long row = 0;
+  long column = 0;
+  long columns = 0;
+};
+
+/// Windows that lie wholly in the mask: plain convolution.
+void fit_whole_windows(const std::vector<Plane>& channels, const PowerRows& power,
+                       const Window& window, const Block& block, Turn turn, Demodulation& out);
+
+/// Windows of which some are cut by the mask.
+void fit_cut_windows(const std::vector<Plane>& channels, const PowerRows& power, const Mask& mask,
+                     const Window& window, const Block& block, Turn turn, Demodulation& out);
+
+}  // namespace palpate::sensing
