@@ -8,6 +8,7 @@ void add_calibrate(CLI::App& app, const Settings& settings) {
   CLI::App* calibrate =
       app.add_subcommand("calibrate", "Images become what decoding needs to know");
   calibrate->require_subcommand(1);
+  add_calibrate_rig(*calibrate, settings);
   add_calibrate_colors(*calibrate, settings);
 }
 

@@ -8,5 +8,6 @@ namespace palpate::apps {
 
 // Each adds one kind of calibration to `palpate calibrate`.
 void add_calibrate_colors(CLI::App& calibrate, const Settings& settings);
+void add_calibrate_rig(CLI::App& calibrate, const Settings& settings);
 
 }  // namespace palpate::apps

@@ -1,0 +1,136 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/pictures/draw_residuals.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "canvas.h"
+#include "chart.h"
+#include "input_checks.h"
+#include "ticks.h"
+
+namespace palpate::pictures {
+namespace {
+
+constexpr int kHeight = 900;
+constexpr double kMargin = 24;        ///< px
+constexpr double kTitleHeight = 30;   ///< px, above each image
+constexpr double kScaleHeight = 50;   ///< px, below each image
+constexpr double kChartHeight = 300;  ///< px
+constexpr double kArrow = 40;         ///< px, the length of the longest arrow
+constexpr std::array<Rgb, 2> kColors{kBlue, kVermilion};
+
+void check_input(const std::vector<ResidualImage>& images) {
+  require(images.size() == 1 || images.size() == kColors.size(), "images", "one or two are needed");
+  for (const ResidualImage& image : images) {
+    require(image.width > 0 && image.height > 0, image.title.c_str(), "the size must be positive");
+    require(!image.views.empty(), image.title.c_str(), "there is no view");
+    for (const ResidualView& view : image.views) {
+      const std::string what = image.title + ", view '" + view.name + "'";
+      require(view.at.cols() > 0, what.c_str(), "there is no point");
+      check_count(view.residual.cols(), view.at.cols(), what.c_str());
+      require(view.at.allFinite() && view.residual.allFinite(), what.c_str(),
+              "a point or residual is not finite");
+    }
+  }
+}
+
+double rms(const Eigen::Matrix2Xd& residual) {
+  return std::sqrt(residual.squaredNorm() / static_cast<double>(residual.cols()));
+}
+
+double longest(const ResidualImage& image) {
+  double length = 0;
+  for (const ResidualView& view : image.views)
+    length = std::max(length, view.residual.colwise().norm().maxCoeff());
+  return length;
+}
+
+/// The frame of the image with its arrows, within `box`.
+void add_image(Canvas& canvas, const Box& box, const ResidualImage& image, const Rgb& color) {
+  const double scale = std::min(box.width / image.width, box.height / image.height);
+  const Box frame{box.x + (box.width - scale * image.width) / 2,
+                  box.y + box.height - scale * image.height, scale * image.width,
+                  scale * image.height};
+  TextStyle bold;
+  bold.bold = true;
+  canvas.add_text({frame.x + frame.width / 2, frame.y + frame.height + kTitleHeight / 2},
+                  image.title, bold);
+  canvas.add_outline(frame);
+  const double length = longest(image);
+  const double enlarged = length > 0 ? kArrow / length : 0;
+  // Pixel centres are at whole numbers; rows run downwards.
+  const auto place = [&](const Eigen::Vector2d& pixel) {
+    return Eigen::Vector2d(frame.x + scale * (pixel.x() + 0.5),
+                           frame.y + frame.height - scale * (pixel.y() + 0.5));
+  };
+  for (const ResidualView& view : image.views) {
+    Eigen::Matrix2Xd points(2, view.at.cols());
+    for (Eigen::Index i = 0; i < view.at.cols(); ++i) {
+      points.col(i) = place(view.at.col(i));
+      Eigen::Matrix2d line;
+      line.col(0) = points.col(i);
+      line.col(1) =
+          points.col(i) + enlarged * Eigen::Vector2d(view.residual(0, i), -view.residual(1, i));
+      canvas.add_line(line, color);
+    }
+    canvas.add_markers(points, color, 3);
+  }
+  if (length > 0) {
+    const double bar = round_down(length);
+    canvas.add_bar({frame.x, frame.y - kScaleHeight + 14}, enlarged * bar,
+                   format_value(bar, bar) + " px");
+  }
+}
+
+/// Dots: the root mean square of each view, in the order given.
+void add_view_chart(Canvas& canvas, const Box& box, const std::vector<ResidualImage>& images) {
+  std::vector<Eigen::VectorXd> values;
+  std::vector<Eigen::VectorXd> numbers;
+  Axis x{kEmptySpan, "view"};
+  Axis y{{0, 0}, "RMS residual (px)"};
+  std::vector<LegendEntry> legend;
+  for (const ResidualImage& image : images) {
+    const auto count = static_cast<Eigen::Index>(image.views.size());
+    numbers.emplace_back(Eigen::VectorXd::LinSpaced(count, 1, static_cast<double>(count)));
+    values.emplace_back(count);
+    for (Eigen::Index i = 0; i < count; ++i)
+      values.back()[i] = rms(image.views[static_cast<std::size_t>(i)].residual);
+    x.span.include(numbers.back());
+    y.span.include(values.back());
+    legend.push_back({image.title, kColors.at(legend.size()), Mark::dot});
+  }
+  x.span = {x.span.low - 1, x.span.high + 1};
+  if (!(y.span.high > 0)) y.span.high = 1;
+  y.span.pad();
+  constexpr double kLegendHeight = 30;
+  add_legend(canvas, {Canvas::kWidth / 2.0, box.y + box.height - kLegendHeight / 2}, box.width,
+             legend);
+  Chart chart(canvas, {box.x, box.y, box.width, box.height - kLegendHeight}, x, y);
+  chart.add_axes();
+  for (std::size_t i = 0; i < values.size(); ++i)
+    chart.add_markers(numbers[i], values[i], legend[i].color, 10);
+}
+
+}  // namespace
+
+void draw_residuals(const std::filesystem::path& png, const std::vector<ResidualImage>& images,
+                    const std::string& title) {
+  check_input(images);
+  Canvas canvas(kHeight, title,
+                "arrows: seen minus predicted, enlarged; the bar gives their scale");
+  add_view_chart(canvas, {kMargin, kMargin, Canvas::kWidth - 2 * kMargin, kChartHeight}, images);
+  const double low = kMargin + kChartHeight + kScaleHeight;
+  const auto count = static_cast<double>(images.size());
+  const double width = (Canvas::kWidth - (count + 1) * kMargin) / count;
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    const double left = kMargin + static_cast<double>(i) * (width + kMargin);
+    add_image(canvas, {left, low, width, canvas.top() - kTitleHeight - low}, images[i],
+              kColors.at(i));
+  }
+  canvas.write(png);
+}
+
+}  // namespace palpate::pictures

@@ -1,0 +1,131 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/sensing/gray_code.h"
+
+#include <bit>
+#include <limits>
+#include <opencv2/core.hpp>
+#include <string>
+
+#include "palpate/error.h"
+
+namespace palpate::sensing {
+namespace {
+
+constexpr int kLargestPanel = 1 << 15;  ///< px
+
+void check_panel(const PanelSize& panel) {
+  const auto right = [](int size) { return size >= 2 && size <= kLargestPanel; };
+  if (!right(panel.width) || !right(panel.height)) {
+    throw InvalidInput("Gray code: the projector has " + std::to_string(panel.width) + " x " +
+                       std::to_string(panel.height) + " px; 2 to " + std::to_string(kLargestPanel) +
+                       " px a side are expected");
+  }
+}
+
+/// How many bits the coordinates 0 ... size - 1 need.
+int bits_of(int size) { return std::bit_width(static_cast<unsigned>(size - 1)); }
+
+unsigned encode(unsigned number) { return number ^ (number >> 1); }
+
+unsigned decode(unsigned code) {
+  unsigned number = code;
+  for (unsigned shift = 1; shift < std::numeric_limits<unsigned>::digits; shift *= 2)
+    number ^= number >> shift;
+  return number;
+}
+
+void check_images(const std::vector<cv::Mat>& images, const PanelSize& panel) {
+  const int expected = gray_code_length(panel);
+  if (static_cast<int>(images.size()) != expected) {
+    throw InvalidInput("Gray code: there are " + std::to_string(images.size()) +
+                       " images; a projector of " + std::to_string(panel.width) + " x " +
+                       std::to_string(panel.height) + " px shows " + std::to_string(expected));
+  }
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    const cv::Mat& image = images[i];
+    if (image.empty() || image.size() != images[0].size() || image.type() != images[0].type() ||
+        (image.type() != CV_8UC1 && image.type() != CV_16UC1)) {
+      throw InvalidInput("Gray code: image " + std::to_string(i) +
+                         " is not of 8 or 16 bit with one channel, or differs from the first one "
+                         "in size or type");
+    }
+  }
+}
+
+/// Adds one bit to the code of each pixel.
+void append_bit(const cv::Mat& image, const cv::Mat& inverse, cv::Mat_<int>& codes) {
+  const cv::Mat is_set = image > inverse;  // 0 or 255
+  for (int row = 0; row < codes.rows; ++row) {
+    const auto* bits = is_set.ptr<uchar>(row);
+    int* code = codes[row];
+    for (int column = 0; column < codes.cols; ++column)
+      code[column] = 2 * code[column] + (bits[column] != 0 ? 1 : 0);
+  }
+}
+
+/// Codes of one coordinate, from the pairs of images that begin at `first`.
+cv::Mat_<int> read_codes(const std::vector<cv::Mat>& images, std::size_t first, int bits) {
+  cv::Mat_<int> codes(images[0].size(), 0);
+  for (std::size_t bit = 0; bit < static_cast<std::size_t>(bits); ++bit)
+    append_bit(images[first + 2 * bit], images[first + 2 * bit + 1], codes);
+  return codes;
+}
+
+}  // namespace
+
+int gray_code_length(const PanelSize& panel) {
+  check_panel(panel);
+  return 2 * (bits_of(panel.width) + bits_of(panel.height)) + 2;
+}
+
+std::vector<cv::Mat> draw_gray_code(const PanelSize& panel) {
+  check_panel(panel);
+  std::vector<cv::Mat> images;
+  const auto add = [&](bool along_columns, int bit) {
+    cv::Mat_<uchar> image(panel.height, panel.width);
+    for (int row = 0; row < image.rows; ++row) {
+      for (int column = 0; column < image.cols; ++column) {
+        const auto number = static_cast<unsigned>(along_columns ? column : row);
+        image(row, column) = ((encode(number) >> bit) & 1U) != 0 ? 255 : 0;
+      }
+    }
+    images.emplace_back(image);
+    images.emplace_back(255 - image);
+  };
+  for (int bit = bits_of(panel.width) - 1; bit >= 0; --bit) add(true, bit);
+  for (int bit = bits_of(panel.height) - 1; bit >= 0; --bit) add(false, bit);
+  images.emplace_back(panel.height, panel.width, CV_8U, cv::Scalar(255));
+  images.emplace_back(panel.height, panel.width, CV_8U, cv::Scalar(0));
+  return images;
+}
+
+cv::Mat_<cv::Vec2f> decode_gray_code(const std::vector<cv::Mat>& images, const PanelSize& panel,
+                                     const GrayCodeOptions& options) {
+  if (!(options.min_contrast > 0) || !(options.min_contrast < 1))
+    throw InvalidInput("Gray code: min_contrast must lie between 0 and 1");
+  check_images(images, panel);
+  const int x_bits = bits_of(panel.width);
+  const int y_bits = bits_of(panel.height);
+  const cv::Mat_<int> x_codes = read_codes(images, 0, x_bits);
+  const cv::Mat_<int> y_codes = read_codes(images, 2 * static_cast<std::size_t>(x_bits), y_bits);
+  cv::Mat_<float> contrast;
+  cv::subtract(images[images.size() - 2], images.back(), contrast, cv::noArray(), CV_32F);
+  const double full_scale = images[0].depth() == CV_8U ? 255 : 65535;
+  const auto least = static_cast<float>(options.min_contrast * full_scale);
+
+  constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+  cv::Mat_<cv::Vec2f> places(images[0].size(), cv::Vec2f(kUnknown, kUnknown));
+  for (int row = 0; row < places.rows; ++row) {
+    for (int column = 0; column < places.cols; ++column) {
+      if (!(contrast(row, column) >= least)) continue;
+      const unsigned x = decode(static_cast<unsigned>(x_codes(row, column)));
+      const unsigned y = decode(static_cast<unsigned>(y_codes(row, column)));
+      if (x < static_cast<unsigned>(panel.width) && y < static_cast<unsigned>(panel.height))
+        places(row, column) = cv::Vec2f(static_cast<float>(x), static_cast<float>(y));
+    }
+  }
+  return places;
+}
+
+}  // namespace palpate::sensing

@@ -1,0 +1,57 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <vector>
+
+#include "palpate/geometry/camera.h"
+
+namespace palpate::sensing {
+
+/// What one view contributes: points of the board's plane [mm] and where they are seen [px].
+struct BundleView {
+  Eigen::Matrix2Xd board;      ///< 2 x N
+  Eigen::Matrix2Xd camera;     ///< 2 x N
+  Eigen::Matrix2Xd lit_board;  ///< 2 x M
+  Eigen::Matrix2Xd projector;  ///< 2 x M
+};
+
+/// What is estimated.
+struct Bundle {
+  geometry::Camera camera;
+  geometry::Camera projector;
+  Eigen::Isometry3d T_projector_camera = Eigen::Isometry3d::Identity();
+  std::vector<Eigen::Isometry3d> T_camera_board;  ///< one a view
+};
+
+struct BundleOptions {
+  int distortion_terms = 5;      ///< 0, 2, 4 or 5
+  bool camera_is_fixed = false;  ///< camera and poses of the board too: only the projector moves
+  double camera_sigma = 1;       ///< px, > 0: standard deviation of a coordinate
+  double projector_sigma = 1;    ///< px, > 0
+};
+
+/// Seen minus predicted [px], 2 x N and 2 x M.
+struct BundleResiduals {
+  Eigen::Matrix2Xd camera;
+  Eigen::Matrix2Xd projector;
+};
+[[nodiscard]] BundleResiduals bundle_residuals(const Bundle& bundle, const BundleView& view,
+                                               std::size_t index);
+
+/// Minimises the sum of squared residuals over sigma (Levenberg and Marquardt; each view's pose is
+/// eliminated by an orthogonal factorisation of its own rows, so that the cost is linear in the
+/// number of views).
+/// \throws SolverError if it comes to numbers that are not finite.
+[[nodiscard]] Bundle refine_bundle(const Bundle& start, const std::vector<BundleView>& views,
+                                   const BundleOptions& options);
+
+/// Covariance of fx fy cx cy k1 k2 p1 p2 k3 of the camera, the same of the projector, then of a
+/// rotation [rad] after R and of t [mm]: 24 x 24, zero where fixed; infinite if undetermined.
+[[nodiscard]] Eigen::MatrixXd bundle_covariance(const Bundle& bundle,
+                                                const std::vector<BundleView>& views,
+                                                const BundleOptions& options);
+
+}  // namespace palpate::sensing
