@@ -74,7 +74,7 @@ void add_image(Canvas& canvas, const Box& box, const ResidualImage& image, const
       line.col(0) = points.col(i);
       line.col(1) =
           points.col(i) + enlarged * Eigen::Vector2d(view.residual(0, i), -view.residual(1, i));
-      canvas.add_line(line, color);
+      canvas.add_line(line, color, 2);
     }
     canvas.add_markers(points, color, 3);
   }

@@ -33,8 +33,8 @@ cv::Mat3b draw(const std::vector<ResidualImage>& images) {
 TEST(DrawResiduals, ArrowsPointAlongTheResiduals) {
   const cv::Mat3b picture = draw(make_images());
   EXPECT_EQ(picture.size(), cv::Size(1200, 900));
-  const cv::Rect right = cv::boundingRect(mask_of(picture, kBlue, 60, kLeft));
-  const cv::Rect down = cv::boundingRect(mask_of(picture, kVermilion, 60, kRight));
+  const cv::Rect right = box_of(mask_of(picture, kBlue, 60, kLeft));
+  const cv::Rect down = box_of(mask_of(picture, kVermilion, 60, kRight));
   EXPECT_GT(right.width, 35);
   EXPECT_LT(right.height, 10);
   EXPECT_GT(down.height, 35);
@@ -42,7 +42,7 @@ TEST(DrawResiduals, ArrowsPointAlongTheResiduals) {
   // The arrow to the right begins, the arrow down ends, away from the point.
   std::vector<ResidualImage> images = make_images();
   images[0].views[0].residual *= -1;
-  const cv::Rect left = cv::boundingRect(mask_of(draw(images), kBlue, 60, kLeft));
+  const cv::Rect left = box_of(mask_of(draw(images), kBlue, 60, kLeft));
   EXPECT_LT(left.x, right.x - 30);
 }
 

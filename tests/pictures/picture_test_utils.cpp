@@ -114,6 +114,19 @@ Eigen::Vector2d center_of(const cv::Mat1b& mask) {
   return sum / cv::countNonZero(mask);
 }
 
+Region box_of(const cv::Mat1b& mask) {
+  std::vector<cv::Point> places;
+  cv::findNonZero(mask, places);
+  if (places.empty()) return {};
+  cv::Point low = places.front();
+  cv::Point high = places.front();
+  for (const cv::Point& place : places) {
+    low = {std::min(low.x, place.x), std::min(low.y, place.y)};
+    high = {std::max(high.x, place.x), std::max(high.y, place.y)};
+  }
+  return {low, high + cv::Point(1, 1)};
+}
+
 geometry::TriangleMesh make_square(const Eigen::Vector3d& corner, double size, int cells) {
   geometry::TriangleMesh mesh;
   mesh.vertices.resize(3, (cells + 1) * (cells + 1));
