@@ -16,10 +16,11 @@ namespace {
 constexpr double kReach = 5;
 
 std::vector<float> bell(double sigma) {
-  const int radius = static_cast<int>(std::ceil(kReach * sigma));
+  const double radius = std::ceil(kReach * sigma);
   std::vector<double> weights(static_cast<std::size_t>(2 * radius) + 1);
-  for (int i = -radius; i <= radius; ++i) {
-    weights[static_cast<std::size_t>(i + radius)] = std::exp(-i * i / (2 * sigma * sigma));
+  for (std::size_t k = 0; k < weights.size(); ++k) {
+    const double at = static_cast<double>(k) - radius;
+    weights[k] = std::exp(-at * at / (2 * sigma * sigma));
   }
   const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
   std::vector<float> normalized(weights.size());
@@ -35,10 +36,11 @@ cv::Mat blur_columns(const cv::Mat& image, const std::vector<float>& weights, Bo
   cv::Mat out(image.size(), image.type(), cv::Scalar::all(0));
   tbb::parallel_for(0, image.rows, [&](int row) {
     float* to = out.ptr<float>(row);
-    for (int i = -radius; i <= radius; ++i) {
+    for (std::size_t w = 0; w < weights.size(); ++w) {
+      const int i = static_cast<int>(w) - radius;
       if (border == Border::black && (row + i < 0 || row + i >= image.rows)) continue;
       const float* from = image.ptr<float>(std::clamp(row + i, 0, image.rows - 1));
-      const float weight = weights[static_cast<std::size_t>(i + radius)];
+      const float weight = weights[w];
       for (int k = 0; k < length; ++k) to[k] += weight * from[k];
     }
   });
