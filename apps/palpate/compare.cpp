@@ -33,6 +33,7 @@ struct CompareCall {
   double search_rotation_deg = 45;
   double search_translation = std::numeric_limits<double>::infinity();
   double section_y = 0;
+  double within = std::numeric_limits<double>::infinity();
   geometry::ReadOptions meshes;
 };
 
@@ -136,13 +137,39 @@ std::string align(const CompareCall& call, geometry::TriangleMesh& a,
                      turn.angle(), found.T_target_source.translation().norm(), found.reason);
 }
 
+/// The accuracy of a sensor against a reference (thesis 3.5.1): over the parts that both have, in
+/// mm and, of a range map, as a part of its mean distance from the camera. \return the same in
+/// words.
+std::string compare_common_parts(const CompareCall& call, const geometry::TriangleMesh& a,
+                                 const geometry::TriangleMesh& b, double distance,
+                                 nlohmann::ordered_json& figures) {
+  const Eigen::VectorXd distances = geometry::distances_in_both(a.vertices, b, call.within);
+  const geometry::ErrorStatistics error =
+      geometry::error_statistics({distances.begin(), distances.end()});
+  const double share = static_cast<double>(error.count) / static_cast<double>(distances.size());
+  nlohmann::ordered_json& common = figures["in_both"];
+  common = to_json(error);
+  common["share"] = share;
+  std::string words = fmt::format("Parts present in both ({:.1f} % of A's points): {}", 100 * share,
+                                  to_words(error));
+  if (is_range_map(call.a)) {
+    common["distance"] = distance;
+    common["rms_percent"] = 100 * error.rms / distance;
+    words += fmt::format("; the RMS is {:.3f} % of the mean distance of {:.1f} mm",
+                         100 * error.rms / distance, distance);
+  }
+  return words + ".\n";
+}
+
 /// Anything else: the distance of A's surface from B's, over its area and at its largest.
 void compare_surfaces(const Settings& settings, const CompareCall& call) {
   geometry::TriangleMesh a = load_surface(call.a, call);
   const geometry::TriangleMesh b = load_surface(call.b, call);
   nlohmann::ordered_json figures;
   std::string prose;
+  const double mean_z = a.vertices.row(2).mean();  // before A leaves its camera's frame
   if (call.align) prose = align(call, a, b, figures);
+  prose += compare_common_parts(call, a, b, mean_z, figures);
   const geometry::SurfaceDistances spread = geometry::surface_distances(a, b);
   const geometry::HausdorffDistance largest = geometry::hausdorff_distance(a, b);
   if (!call.section.empty()) {
@@ -207,6 +234,10 @@ void add_compare(CLI::App& app, const Settings& settings) {
                    "covers B or is near its place")
       ->check(not_negative())
       ->needs(align);
+  command
+      ->add_option("--within", call->within,
+                   "Points of A further than so many mm from B have no counterpart in it")
+      ->check(positive());
   CLI::Option* section =
       command
           ->add_option("--section", call->section,
@@ -224,7 +255,7 @@ void add_compare(CLI::App& app, const Settings& settings) {
       "all else by the distance of A's surface from B's, over its area and at its largest\n"
       "(Hausdorff distance, between bounds that hold, both ways).\n"
       "Examples:\n  palpate compare range/000000.tiff truth.tiff --picture differences.png\n"
-      "  palpate compare scan.ply reference.ply --align --section section.png\n"
+      "  palpate compare range/000000.tiff reference.ply --align --section section.png\n"
       "  palpate compare small.ply surface.ply --picture distances.png");
   command->callback([call, section, &settings] {
     if (section->count() > 0 && call->section.empty()) call->section = "section.png";

@@ -1,25 +1,22 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <string>
 
 #include "command_line.h"
 #include "inputs.h"
+#include "mesh_steps.h"
 #include "palpate/error.h"
-#include "palpate/geometry/decimation.h"
-#include "palpate/geometry/hole_filling.h"
-#include "palpate/geometry/mesh_defects.h"
 #include "palpate/geometry/mesh_io.h"
-#include "palpate/geometry/mesh_repair.h"
-#include "palpate/geometry/range_map_mesh.h"
-#include "palpate/geometry/smoothing.h"
 #include "palpate/pictures/draw_mesh.h"
-#include "palpate/sensing/depth_image.h"
-#include "palpate/sensing/frame.h"
+#include "palpate/work_in_order.h"
+#include "progress.h"
 
 namespace palpate::apps {
 namespace {
@@ -27,113 +24,100 @@ namespace {
 namespace fs = std::filesystem;
 
 struct MeshCall {
-  fs::path input, output, rig, picture;
-  double scale = 0;
-  std::vector<double> intrinsics;
-  geometry::ReadOptions meshes;
-  bool repair = false;
-  double fill_holes = 0;
-  int smooth = 0;
-  double tolerance = 0;
+  fs::path input, output, picture;
+  std::string format = "ply";
+  MeshSteps steps;
 };
-
-geometry::RangeMap load_map(const MeshCall& call) {
-  if (is_range_map(call.input)) return load_range_map(call.input, call.rig);
-  if (!(call.scale > 0)) {
-    throw InvalidInput(call.input.string() +
-                       ": a depth image needs --scale, the mm that one unit stands for (> 0).");
-  }
-  if (call.intrinsics.empty()) {
-    throw InvalidInput(call.input.string() +
-                       ": a depth image needs its camera: --intrinsics fx,fy,cx,cy [px].");
-  }
-  const cv::Mat image = sensing::read_frame(call.input);
-  return sensing::read_depth_image(call.input, call.scale,
-                                   {.width = image.cols,
-                                    .height = image.rows,
-                                    .fx = call.intrinsics[0],
-                                    .fy = call.intrinsics[1],
-                                    .cx = call.intrinsics[2],
-                                    .cy = call.intrinsics[3]});
-}
-
-/// A mesh on its way from input to output, and what was done to it.
-struct Work {
-  geometry::TriangleMesh mesh;
-  nlohmann::ordered_json figures;
-  std::string prose;
-};
-
-Work load(const MeshCall& call) {
-  if (!is_range_map(call.input) && !is_image(call.input)) {
-    geometry::ReadOptions options = call.meshes;
-    options.keep_defects = call.repair;
-    return {geometry::read_mesh(call.input, options), {}, ""};
-  }
-  const geometry::RangeMap map = load_map(call);
-  const auto known = (map.z == map.z).count();
-  Work work = {geometry::mesh_range_map(map).mesh,
-               {{"pixels", known}},
-               fmt::format("{} pixels with a depth\n", known)};
-  if (work.mesh.triangles.cols() == 0)
-    throw InvalidInput(call.input.string() + ": no two neighbouring pixels have a depth.");
-  return work;
-}
-
-void repair(Work& work) {
-  geometry::RepairedMesh repaired = geometry::repair_mesh(work.mesh);
-  work.mesh = std::move(repaired.mesh);
-  work.figures["repair"] = {{"removed_triangles", repaired.removed_triangles},
-                            {"flipped_edges", repaired.flipped_edges},
-                            {"turned_triangles", repaired.turned_triangles},
-                            {"welded_vertices", repaired.welded_vertices},
-                            {"removed_vertices", repaired.removed_vertices},
-                            {"cut_edges", repaired.cut_edges}};
-  work.prose += fmt::format(
-      "repaired: {} triangles removed, {} edges flipped, {} triangles turned, {} vertices welded "
-      "and {} removed, {} edges cut\n",
-      repaired.removed_triangles, repaired.flipped_edges, repaired.turned_triangles,
-      repaired.welded_vertices, repaired.removed_vertices, repaired.cut_edges);
-  for (const geometry::MeshDefect& defect : geometry::find_defects(work.mesh))
-    work.prose += "  left: " + geometry::describe(defect) + "\n";
-}
-
-void fill_holes(Work& work, double max_diameter) {
-  geometry::FilledMesh filled = geometry::fill_holes(work.mesh, {.max_diameter = max_diameter});
-  work.mesh = std::move(filled.mesh);
-  work.figures["holes"] = {{"filled", filled.filled}, {"left", filled.left}};
-  work.prose += fmt::format("{} holes filled, {} border loops left\n", filled.filled, filled.left);
-}
-
-void decimate(Work& work, double tolerance) {
-  geometry::Decimation decimated = geometry::decimate(work.mesh, {.tolerance = tolerance});
-  work.figures["decimation"] = {{"tolerance", tolerance},
-                                {"triangles_before", work.mesh.triangles.cols()},
-                                {"triangles_after", decimated.mesh.triangles.cols()},
-                                {"distance", decimated.distance}};
-  work.prose += fmt::format(
-      "{} triangles before, {} after; the Hausdorff distance is at most {:.4f} mm, verified\n",
-      work.mesh.triangles.cols(), decimated.mesh.triangles.cols(), decimated.distance);
-  work.mesh = std::move(decimated.mesh);
-}
 
 void mesh(const Settings& settings, const MeshCall& call) {
   check_outputs({call.input}, {call.output, call.picture});
-  Work work = load(call);
-  if (call.repair) repair(work);
-  if (call.fill_holes > 0) fill_holes(work, call.fill_holes);
-  if (call.smooth > 0) work.mesh = geometry::smooth(work.mesh, {.iterations = call.smooth});
-  if (call.tolerance > 0) decimate(work, call.tolerance);
-  geometry::write_mesh(call.output, work.mesh);
+  MadeMesh made = make_mesh(call.input, call.steps);
+  geometry::write_mesh(call.output, made.mesh);
   if (!call.picture.empty())
-    pictures::draw_mesh(call.picture, work.mesh, call.input.filename().string());
-  work.figures["vertices"] = work.mesh.vertices.cols();
-  work.figures["triangles"] = work.mesh.triangles.cols();
-  work.figures["file"] = call.output.string();
-  print(settings, work.figures,
-        work.prose + fmt::format("{} vertices, {} triangles, written to {}",
-                                 work.mesh.vertices.cols(), work.mesh.triangles.cols(),
+    pictures::draw_mesh(call.picture, made.mesh, call.input.filename().string());
+  made.figures["file"] = call.output.string();
+  print(settings, made.figures,
+        made.prose + fmt::format("{} vertices, {} triangles, written to {}",
+                                 made.mesh.vertices.cols(), made.mesh.triangles.cols(),
                                  call.output.string()));
+}
+
+/// A range map of a sequence on its way to a mesh.
+struct SequenceItem {
+  fs::path input, output;
+  nlohmann::ordered_json figures;
+  std::string error;  ///< empty if it worked
+};
+
+/// Meshes that would lie among those of this sequence without belonging to it.
+void check_sequence_folder(const MeshCall& call, const std::vector<fs::path>& maps) {
+  check_outputs({call.input}, {call.output});
+  if (!call.picture.empty())
+    throw InvalidInput("--picture: is for one mesh, not for a folder of range maps.");
+  if (!is_there(call.output)) return;
+  std::set<std::string> ours;
+  for (const fs::path& map : maps) ours.insert(map.stem().string());
+  for (const fs::directory_entry& entry : fs::directory_iterator(call.output)) {
+    const fs::path& other = entry.path();
+    if (other.extension() != "." + call.format || ours.contains(other.stem().string())) continue;
+    throw InvalidInput(other.string() + ": is a mesh of no range map in " + call.input.string() +
+                       "; the sequence would be mixed with it. Give a new or an empty folder, or "
+                       "remove it.");
+  }
+}
+
+void make_one(const MeshCall& call, SequenceItem& item) {
+  try {
+    MadeMesh made = make_mesh(item.input, call.steps);
+    geometry::write_mesh(item.output, made.mesh);
+    item.figures = std::move(made.figures);
+  } catch (const OutputError&) {
+    throw;  // no room for this one is no room for the others
+  } catch (const Error& error) {
+    item.error = error.what();
+  }
+}
+
+void mesh_sequence(const Settings& settings, const MeshCall& call) {
+  const std::vector<fs::path> maps = list_range_maps(call.input);
+  check_sequence_folder(call, maps);
+  nlohmann::ordered_json per_mesh = nlohmann::ordered_json::array();
+  std::size_t broken = 0, begun = 0;
+  std::string first_error, prose;
+  Progress progress("meshing");
+  const auto next = [&]() -> std::optional<SequenceItem> {
+    if (begun == maps.size()) return std::nullopt;
+    const fs::path& map = maps[begun++];
+    return SequenceItem{.input = map,
+                        .output = call.output / (map.stem().string() + "." + call.format),
+                        .figures = {},
+                        .error = {}};
+  };
+  const auto deliver = [&](SequenceItem& item) {
+    nlohmann::ordered_json entry = {{"range_map", item.input.filename().string()}};
+    if (item.error.empty()) {
+      entry["file"] = item.output.string();
+      entry.update(item.figures);
+      prose += fmt::format("{} -> {}: {} triangles\n", item.input.filename().string(),
+                           item.output.string(), item.figures["triangles"].get<long>());
+    } else {
+      entry["error"] = item.error;
+      spdlog::error("{}", item.error);
+      if (broken++ == 0) first_error = item.error;
+    }
+    per_mesh.push_back(std::move(entry));
+    progress.show(static_cast<int>(per_mesh.size()), static_cast<int>(maps.size()));
+  };
+  work_in_order<SequenceItem>(
+      next, [&](SequenceItem& item) { make_one(call, item); }, deliver, usual_live_items());
+  if (broken == maps.size()) throw FileError(first_error);
+  print(settings,
+        {{"range_maps", maps.size()}, {"meshes", maps.size() - broken}, {"per_mesh", per_mesh}},
+        prose + fmt::format("{} of {} range maps became meshes in {}", maps.size() - broken,
+                            maps.size(), call.output.string()));
+  if (broken > 0)
+    throw Error(
+        fmt::format("{} of {} range maps became no mesh; the others did.", broken, maps.size()));
 }
 
 }  // namespace
@@ -144,38 +128,65 @@ void add_mesh(CLI::App& app, const Settings& settings) {
       "mesh", "A range map or a depth image becomes a mesh; a mesh is mended, smoothed, decimated");
   command
       ->add_option("RANGE", call->input,
-                   "Range map (TIFF), depth image (16-bit PNG), or a mesh file (of which the "
-                   "surface alone is kept)")
+                   "Range map (TIFF), a folder of range maps, depth image (16-bit PNG), or a mesh "
+                   "file (of which the surface alone is kept)")
       ->required();
-  command->add_option("-o,--output", call->output, "Mesh to write: .ply, .obj or .stl")->required();
-  command->add_option("--rig", call->rig, "Rig of the range map (default: rig.yaml beside it)");
-  command->add_option("--scale", call->scale, "Depth image: mm that one unit stands for");
   command
-      ->add_option("--intrinsics", call->intrinsics, "Depth image: fx,fy,cx,cy of its camera [px]")
+      ->add_option(
+          "-o,--output", call->output,
+          "Mesh to write: .ply, .obj or .stl; of a folder of range maps: folder for their meshes")
+      ->required();
+  CLI::Option* format =
+      command->add_option("--format", call->format, "Of the meshes of a folder: ply, obj or stl")
+          ->check(CLI::IsMember({"ply", "obj", "stl"}))
+          ->capture_default_str();
+  command->add_option("--rig", call->steps.rig,
+                      "Rig of the range map (default: rig.yaml beside it)");
+  command->add_option("--scale", call->steps.scale, "Depth image: mm that one unit stands for");
+  command
+      ->add_option("--intrinsics", call->steps.intrinsics,
+                   "Depth image: fx,fy,cx,cy of its camera [px]")
       ->expected(4)
       ->delimiter(',');
-  add_unit_option(*command, call->meshes);
-  command->add_flag("--repair", call->repair,
+  add_unit_option(*command, call->steps.meshes);
+  command->add_flag("--smooth-depths", call->steps.smooth_depths,
+                    "Take noise from the depths of a range map, none moved by more than its "
+                    "predicted deviation (from decode --sigma), before they become a mesh");
+  command->add_flag("--repair", call->steps.repair,
                     "Mend what palpate info lists: the result is manifold and oriented");
   command
-      ->add_option("--fill-holes", call->fill_holes, "Fill holes that are at most so many mm wide")
+      ->add_option("--fill-holes", call->steps.fill_holes,
+                   "Fill holes that are at most so many mm wide")
       ->check(positive());
   command
-      ->add_option("--smooth", call->smooth,
+      ->add_option("--smooth", call->steps.smooth,
                    "Iterations of smoothing without shrinking (Taubin); 20 take most noise")
       ->check(not_negative());
   command
-      ->add_option("--tolerance", call->tolerance,
+      ->add_option("--tolerance", call->steps.tolerance,
                    "Take triangles away as long as the Hausdorff distance stays within so many mm")
       ->check(positive());
   command->add_option("--picture", call->picture, "Also draw the mesh (PNG)");
   command->footer(
-      "What is asked for is done in the order repair, fill, smooth, decimate.\n\n"
+      "What is asked for is done in the order smooth depths, repair, fill, smooth, decimate.\n"
+      "A folder of range maps becomes a sequence of meshes with the names of the range maps; one "
+      "that is broken is reported and left out, and the exit status is 1.\n\n"
       "Examples:\n  palpate mesh range/000000.tiff -o surface.ply --tolerance 0.2\n"
+      "  palpate mesh range/ -o meshes/ --format obj --fill-holes 10 --tolerance 0.2\n"
       "  palpate mesh broken.stl --repair --fill-holes 20 -o whole.ply\n"
       "  palpate mesh depth.png --scale 0.125 --intrinsics 476.007,476.007,313.683,242.755 -o "
       "hand.ply");
-  command->callback([call, &settings] { mesh(settings, *call); });
+  command->callback([call, format, &settings] {
+    if (is_there(call->input) && is_folder(call->input)) {
+      mesh_sequence(settings, *call);
+    } else if (format->count() > 0) {
+      throw InvalidInput(
+          "--format is for a folder of range maps; the format of one mesh is that of "
+          "its name's ending.");
+    } else {
+      mesh(settings, *call);
+    }
+  });
 }
 
 }  // namespace palpate::apps

@@ -66,6 +66,40 @@ struct Sides {
   }
 };
 
+/// Where a surface ends.
+class Border {
+ public:
+  explicit Border(const TriangleMesh& surface)
+      : triangles_(surface.triangles),
+        neighbours_(triangle_neighbours(surface.triangles)),
+        vertices_(static_cast<std::size_t>(surface.vertices.cols()), false) {
+    for (Eigen::Index t = 0; t < triangles_.cols(); ++t) {
+      for (int k = 0; k < 3; ++k) {
+        if (neighbours_(k, t) >= 0) continue;
+        vertices_[static_cast<std::size_t>(triangles_(k, t))] = true;
+        vertices_[static_cast<std::size_t>(triangles_((k + 1) % 3, t))] = true;
+      }
+    }
+  }
+
+  /// A point that is nearest to one beyond the border is exactly on it, but for rounding.
+  [[nodiscard]] bool contains(const SurfacePoint& point) const {
+    for (int k = 0; k < 3; ++k) {
+      const bool at_vertex = point.barycentric[k] >= 1 - kBarycentricTolerance;
+      if (at_vertex && vertices_[static_cast<std::size_t>(triangles_(k, point.triangle))])
+        return true;
+      const bool on_edge = point.barycentric[(k + 2) % 3] <= kBarycentricTolerance;
+      if (on_edge && neighbours_(k, point.triangle) < 0) return true;
+    }
+    return false;
+  }
+
+ private:
+  const Eigen::Matrix3Xi& triangles_;
+  Eigen::Matrix3Xi neighbours_;
+  std::vector<bool> vertices_;
+};
+
 }  // namespace
 
 ErrorStatistics error_statistics(std::vector<double> errors) {
@@ -138,6 +172,21 @@ Eigen::VectorXd distances_to_surface(const Eigen::Ref<const Eigen::Matrix3Xd>& p
     const bool behind = closest.at.triangle >= 0 &&
                         sides.normal(closest.at).dot(points.col(i) - closest.position) < 0;
     distances(i) = behind ? -closest.distance : closest.distance;
+  });
+  return distances;
+}
+
+Eigen::VectorXd distances_in_both(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
+                                  const TriangleMesh& surface, double max_distance) {
+  if (!(max_distance > 0)) throw InvalidInput("distances_in_both: max_distance has to be > 0");
+  const SurfaceQuery query(surface);
+  const Border border(surface);
+  Eigen::VectorXd distances(points.cols());
+  tbb::parallel_for(Eigen::Index{0}, points.cols(), [&](Eigen::Index i) {
+    const ClosestPoint closest = query.closest_point(points.col(i));
+    const bool is_common = closest.at.triangle >= 0 && closest.distance <= max_distance &&
+                           !border.contains(closest.at);
+    distances(i) = is_common ? closest.distance : std::numeric_limits<double>::quiet_NaN();
   });
   return distances;
 }

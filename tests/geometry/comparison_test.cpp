@@ -102,5 +102,27 @@ TEST(RangeMapScore, RefusesAnErrorThatNothingCanBeBelow) {
   EXPECT_THROW((void)score_range_map(z, z, all, kNaN), InvalidInput);
 }
 
+TEST(Comparison, PartsOfOnlyOneSurfaceHaveNoDistance) {
+  // A square of 2 mm at z = 5 in two triangles.
+  TriangleMesh square;
+  square.vertices.resize(3, 4);
+  square.vertices << 0, 2, 2, 0, 0, 0, 2, 2, 5, 5, 5, 5;
+  square.triangles.resize(3, 2);
+  square.triangles << 0, 0, 1, 2, 2, 3;
+  Eigen::Matrix3Xd points(3, 6);
+  points.col(0) << 0.5, 1.5, 6;  // above it
+  points.col(1) << 1, 1, 4.5;    // below the edge that both triangles share
+  points.col(2) << 2.5, 1, 5.1;  // beside an edge of the border
+  points.col(3) << -1, -1, 5;    // beside a corner
+  points.col(4) << 1, 1.2, 9;    // far
+  points.col(5) << std::nan(""), 0, 0;
+  const Eigen::VectorXd distances = distances_in_both(points, square, 3);
+  EXPECT_DOUBLE_EQ(distances(0), 1);
+  EXPECT_DOUBLE_EQ(distances(1), 0.5);
+  EXPECT_TRUE(distances.tail<4>().array().isNaN().all());
+  EXPECT_DOUBLE_EQ(distances_in_both(points, square)(4), 4);
+  EXPECT_THROW((void)distances_in_both(points, square, std::nan("")), InvalidInput);
+}
+
 }  // namespace
 }  // namespace palpate::geometry

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <limits>
 #include <vector>
 
 #include "palpate/geometry/range_map.h"
@@ -52,5 +53,13 @@ struct RangeMapScore {
 /// \throws InvalidInput if `surface` is not a valid mesh.
 [[nodiscard]] Eigen::VectorXd distances_to_surface(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
                                                    const TriangleMesh& surface);
+
+/// Distance [mm] >= 0 of each point (3 x N) from a surface, over the part of them that the surface
+/// has too: NaN where the nearest point of the surface lies on its border, as it ends there, where
+/// the distance is above `max_distance`, and for a point that is not finite.
+/// \throws InvalidInput if `surface` is not a valid mesh, or unless max_distance > 0.
+[[nodiscard]] Eigen::VectorXd distances_in_both(
+    const Eigen::Ref<const Eigen::Matrix3Xd>& points, const TriangleMesh& surface,
+    double max_distance = std::numeric_limits<double>::infinity());
 
 }  // namespace palpate::geometry

@@ -1,0 +1,39 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "palpate/geometry/mesh_io.h"
+#include "palpate/geometry/triangle_mesh.h"
+
+namespace palpate::apps {
+
+/// What `mesh` does on the way from a file to a mesh.
+struct MeshSteps {
+  std::filesystem::path rig;       ///< of range maps; empty: rig.yaml beside them
+  double scale = 0;                ///< [mm] of a unit of a depth image
+  std::vector<double> intrinsics;  ///< fx, fy, cx, cy [px] of its camera
+  geometry::ReadOptions meshes;    ///< for mesh files
+  bool smooth_depths = false;
+  bool repair = false;
+  double fill_holes = 0;  ///< [mm] 0: none
+  int smooth = 0;         ///< iterations
+  double tolerance = 0;   ///< [mm] 0: no decimation
+};
+
+/// A mesh, and what was done to it in numbers and in words.
+struct MadeMesh {
+  geometry::TriangleMesh mesh;
+  nlohmann::ordered_json figures;
+  std::string prose;
+};
+
+/// Makes the mesh of a range map, a depth image or a mesh file.
+/// \throws FileError, InvalidInput, SolverError or Unavailable, as the steps do.
+[[nodiscard]] MadeMesh make_mesh(const std::filesystem::path& input, const MeshSteps& steps);
+
+}  // namespace palpate::apps
