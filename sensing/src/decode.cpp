@@ -24,6 +24,7 @@
 #include "snakes.h"
 #include "stripe_transitions.h"
 #include "workspace.h"
+#include "wrapped_phase.h"
 
 namespace palpate::sensing {
 namespace {
@@ -65,14 +66,6 @@ void check_anchor(const Anchor& anchor, const geometry::Camera& camera) {
                        ": a pixel of the " + std::to_string(camera.width) + " x " +
                        std::to_string(camera.height) + " image and a depth > 0 are expected");
   }
-}
-
-Plane wrapped_phase(const Combined& combined) {
-  Plane phase(combined.re.rows(), combined.re.cols());
-  for (long i = 0; i < phase.size(); ++i) {
-    phase.data()[i] = std::atan2(combined.im.data()[i], combined.re.data()[i]);
-  }
-  return phase;
 }
 
 /// Adds to each region its offset; tells why the pixels of no resolved region have no phase.
@@ -208,7 +201,7 @@ void Decoder::Impl::judge_light(Workspace& work) const {
 /// From the wrapped phase to the absolute one.
 void Decoder::Impl::find_regions(Workspace& work) const {
   const FloodLimits limits{options.max_phase_variance, options.max_phase_step};
-  work.wrapped = wrapped_phase(work.combined);
+  find_wrapped_phase(work.combined.re, work.combined.im, work.wrapped);
   phase_variance(work.wrapped, work.modulated, work.variance);
   const bool snakes = options.segmentation == Segmentation::snakes;
   if (snakes) {
