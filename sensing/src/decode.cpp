@@ -130,6 +130,11 @@ Decoder::Impl::Impl(const Rig& rig, const Pattern& pattern, const TrainedColors&
     throw InvalidInput(
         "pattern: has no stripes to find depths from; an anchor (a pixel and its depth) is needed");
   }
+  if (!pattern.stripe_edges.empty() && options.anchor) {
+    throw InvalidInput(
+        "DecodeOptions: anchor: the pattern's stripes tell the depths; an anchor is for a pattern "
+        "without stripes, leave it out");
+  }
   if (options.anchor) check_anchor(*options.anchor, rig.camera);
   if (!pattern.stripe_edges.empty()) stripes.emplace(pattern, colors);
 }

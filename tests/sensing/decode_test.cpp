@@ -281,6 +281,10 @@ TEST(Decoder, RefusesPatternsItCannotUse) {
   EXPECT_THROW(Decoder(rig, striped, {}), InvalidInput);
   EXPECT_NE(message_of<InvalidInput>([&] { Decoder(rig, plain, {}); }).find("anchor"),
             std::string::npos);
+  EXPECT_NE(message_of<InvalidInput>([&] {
+              Decoder(rig, striped, ideal_colors(), {.anchor = Anchor{100, 100, 700}});
+            }).find("leave it out"),
+            std::string::npos);
   EXPECT_THROW(Decoder(rig, plain, {}, {.anchor = Anchor{400, 100, 700}}), InvalidInput);
   EXPECT_THROW(Decoder(rig, plain, {}, {.anchor = Anchor{100, 100, -700}}), InvalidInput);
   EXPECT_THROW(Decoder(rig, plain, {}, {.anchor = Anchor{100, std::nan(""), 700}}), InvalidInput);

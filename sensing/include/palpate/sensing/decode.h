@@ -49,7 +49,7 @@ struct DecodeOptions {
   double min_agreement = 0.8;
   /// A depth is kept iff |dz / dphase| <= max_sensitivity * z per rad; > 0.
   double max_sensitivity = 0.1;
-  /// Needed iff the pattern has no stripes: the region around it is reconstructed.
+  /// For a pattern without stripes, and for no other: the region around it is reconstructed.
   std::optional<Anchor> anchor = {};
 };
 
@@ -74,9 +74,9 @@ struct DecodeResult {
 class Decoder {
  public:
   /// \throws InvalidInput if rig or pattern are not valid, an option is outside its range, a colour
-  /// of the pattern was never trained, the pattern has neither stripes nor an anchor, or the camera
-  /// cannot see its sinusoid: the views do not overlap, or a period is below 2 px or above the
-  /// image.
+  /// of the pattern was never trained, the pattern has neither stripes nor an anchor or both, or
+  /// the camera cannot see its sinusoid: the views do not overlap, or a period is below 2 px or
+  /// above the image.
   Decoder(const Rig& rig, const Pattern& pattern, const TrainedColors& colors,
           const DecodeOptions& options = {});
   ~Decoder();

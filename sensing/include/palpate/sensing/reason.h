@@ -12,8 +12,8 @@ namespace palpate::sensing {
 /// decoder works. The numbers stand in files and do not change.
 enum class Reason : std::uint8_t {
   reconstructed = 0,
-  unlit = 1,             ///< less light of the projector than min_signal, and nothing clipped
-  saturated = 2,         ///< too much of the light around it is clipped at full scale
+  unlit = 1,             ///< less light of the projector than min_signal, none clipped
+  saturated = 2,         ///< clipped at full scale; what is left of the sinusoid is too weak
   low_modulation = 3,    ///< the sinusoid is weaker than min_modulation or min_contrast asks for
   uneven_phase = 4,      ///< the phase varies by more than max_phase_variance: a step, or noise
   no_transition = 5,     ///< too few stripe edges were read in its region, or no anchor lies there
