@@ -10,6 +10,7 @@ void add_calibrate(CLI::App& app, const Settings& settings) {
   calibrate->require_subcommand(1);
   add_calibrate_rig(*calibrate, settings);
   add_calibrate_colors(*calibrate, settings);
+  add_calibrate_chromatic(*calibrate, settings);
 }
 
 }  // namespace palpate::apps

@@ -225,6 +225,7 @@ Eigen::Vector3d rgb_of_hue(double hue) {
 std::vector<PatternColor> evenly_spaced_colors(int count) {
   check_count(count);
   std::vector<PatternColor> colors;
+  colors.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) {
     colors.push_back(color_at(static_cast<int>(std::lround(i * double{kTurnDegrees} / count))));
   }
@@ -239,6 +240,7 @@ SpreadColors spread_colors(const TrainedColors& trained, int count) {
                           largest_overlap(trained.colors) <= kNegligibleOverlap;
   if (as_trained) {
     std::vector<int> degrees;
+    degrees.reserve(knots.size());
     for (const Knot& knot : knots) degrees.push_back(knot.degrees);
     return expected_colors(degrees, response);
   }

@@ -86,7 +86,7 @@ class PanelMap {
         gamma * (axis == Axis::x ? panel.fx : panel.fy);
   }
   [[nodiscard]] Eigen::Vector2d operator()(double u, double v) const {
-    const Eigen::Vector2d as_green = scale_ * Eigen::Vector2d(u, v) + offset_;
+    Eigen::Vector2d as_green = scale_ * Eigen::Vector2d(u, v) + offset_;
     if (!rectify_) return as_green;
     const Eigen::Vector2d direction = direction_in_camera(real_, as_green);
     return {drawn_.fx * direction.x() + drawn_.cx, drawn_.fy * direction.y() + drawn_.cy};
@@ -248,6 +248,7 @@ std::vector<int> grey_levels(int steps) {
                        std::to_string(kGreyTop + 1) + " are expected");
   }
   std::vector<int> levels;
+  levels.reserve(static_cast<std::size_t>(steps));
   for (int i = 0; i < steps; ++i) {
     levels.push_back(
         static_cast<int>(std::lround(static_cast<double>(kGreyTop) * i / (steps - 1))));

@@ -25,14 +25,15 @@ struct SpreadColors {
   std::vector<TrainedColor> expected;  ///< predicted mean and variance of the hue; no pixels
 };
 
-/// Chooses projected hues so that the hues the camera sees lie equally far apart, measured in their
-/// standard deviations: the overlap of the Gaussians, which thesis 3.3.2 asks to minimise, is then
-/// the same between all neighbours. What the camera sees of a projected hue is interpolated
-/// linearly between the trained colours, mean and deviation, around the circle. Of the choices that
-/// are left (the turn of the whole set) it takes the one nearest to the trained hues, where least
-/// is interpolated. Hues are rounded to whole degrees. If as many colours are wanted as were
-/// trained, and no two of those overlap by more than 1e-4, they stay as they are: nothing is to be
-/// gained. \param trained names as in `evenly_spaced_colors`, which tell what was projected.
+/// Chooses projected hues so that the two neighbours the camera tells apart worst lie as far apart
+/// as possible in units of their standard deviations: this minimises the overlap of the Gaussians,
+/// as thesis 3.3.2 asks. What the camera sees of a projected hue is interpolated linearly between
+/// the trained colours, mean and deviation, around the circle. Of equally good choices it takes the
+/// one nearest to the trained hues, where least is interpolated. Hues are whole degrees. If as many
+/// colours are wanted as were trained, and no two of those overlap by more than 1e-4, they stay as
+/// they are: nothing is to be gained.
+///
+/// \param trained names as in `evenly_spaced_colors`, which tell what was projected.
 /// \throws InvalidInput unless 2 <= count <= 24, there are at least 3 trained colours with such
 /// names and variances >= 0, and the camera sees them in the order in which they were projected.
 [[nodiscard]] SpreadColors spread_colors(const TrainedColors& trained, int count);
