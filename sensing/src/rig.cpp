@@ -112,7 +112,7 @@ void write_camera(cv::FileStorage& storage, const std::string& name,
 }
 
 void write_chromatic(cv::FileStorage& storage, const char* name, const ChromaticShift& shift) {
-  storage << name << "{:"
+  storage << name << "{"
           << "alpha" << shift.alpha << "beta" << shift.beta << "gamma" << shift.gamma << "}";
 }
 

@@ -160,7 +160,7 @@ void write_trained_colors(const std::filesystem::path& path, const TrainedColors
   for (const TrainedColor& color : colors.colors) {
     // FileStorage knows whole numbers of 32 bit only.
     const int saturated = static_cast<int>(std::min<long>(color.pixels, INT_MAX));
-    storage << "{:"
+    storage << "{"
             << "name" << color.name << "mean" << color.mean << "variance" << color.variance
             << "pixels" << saturated << "}";
   }

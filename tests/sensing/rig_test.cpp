@@ -36,6 +36,16 @@ void expect_same_camera(const geometry::Camera& a, const geometry::Camera& b) {
   EXPECT_EQ(a.distortion, b.distortion);
 }
 
+TEST(Rig, IsWrittenAsYamlThatStricterReadersTake) {
+  const ScratchFolder folder;
+  write_rig(folder / "rig.yaml", awkward_rig());
+  const std::string text = read_text(folder / "rig.yaml");
+  // A colon without a space after it belongs to the key.
+  EXPECT_NE(text.find("alpha: "), std::string::npos);
+  EXPECT_EQ(text.find("alpha:0"), std::string::npos);
+  EXPECT_EQ(text.find("alpha:1"), std::string::npos);
+}
+
 TEST(Rig, SurvivesWritingAndReadingExactly) {
   const ScratchFolder folder;
   const Rig rig = awkward_rig();
