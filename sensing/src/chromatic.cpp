@@ -69,11 +69,12 @@ void shifted_row(const Demodulated& signal, const ChannelShift& shift, long row,
   }
 }
 
-/// About so many pixels tell of the chromatic error, from evenly spaced rows.
-constexpr long kErrorSamples = 20000;
-/// So far apart the noise of two pixels is independent [px]: twice what the averaging along the
-/// rows reaches.
-constexpr long kIndependent = 10;
+/// About so many pixels tell of the chromatic error, every kErrorSpacing-th [px] of evenly spaced
+/// rows: as far as the averaging along the rows reaches.
+constexpr long kErrorSamples = 4000;
+constexpr long kErrorSpacing = 5;
+/// The noise of pixels twice as far apart is independent.
+constexpr std::size_t kIndependent = 2;
 /// Of a channel that counts in the sum, the squared modulation over green's lies between this and
 /// its inverse.
 constexpr float kLeastRatio = 0.3F;
@@ -108,22 +109,27 @@ double difference(const ComparedRow& row, long i, const ChromaticLag& lag,
   if (!both) return std::numeric_limits<double>::quiet_NaN();
   const float re = channel_re * row.turn.re[i] - channel_im * row.turn.im[i];
   const float im = channel_re * row.turn.im[i] + channel_im * row.turn.re[i];
-  const double ahead = std::atan2(static_cast<double>(im * row.green.re[i] - re * row.green.im[i]),
-                                  static_cast<double>(re * row.green.re[i] + im * row.green.im[i]));
+  const float ahead = std::atan2(im * row.green.re[i] - re * row.green.im[i],
+                                 re * row.green.re[i] + im * row.green.im[i]);
   const double moved =
       pixels.at(row.row, static_cast<double>(row.phase[i])) - static_cast<double>(row.expected[i]);
-  return ahead + lag.slope * moved;
+  return static_cast<double>(ahead) + lag.slope * moved;
 }
 
 /// The mean product of differences.
 class Disagreement {
  public:
   void add_row(const ComparedRow& row, const ChromaticLag& lag, const PixelOfPhase& pixels) {
-    for (long i = 0; i + kIndependent < row.channel.re.size(); i += 2) {
-      const double first = difference(row, i, lag, pixels);
-      if (!(std::abs(first) < kLargestDifference)) continue;
-      const double second = difference(row, i + kIndependent, lag, pixels);
-      if (!(std::abs(second) < kLargestDifference)) continue;
+    differences_.clear();
+    for (long i = 0; i < row.channel.re.size(); i += kErrorSpacing) {
+      differences_.push_back(difference(row, i, lag, pixels));
+    }
+    for (std::size_t i = kIndependent; i < differences_.size(); ++i) {
+      const double first = differences_[i - kIndependent];
+      const double second = differences_[i];
+      const bool both =
+          std::abs(first) < kLargestDifference && std::abs(second) < kLargestDifference;
+      if (!both) continue;
       sum_ += first * second;
       ++count_;
     }
@@ -133,6 +139,7 @@ class Disagreement {
   }
 
  private:
+  std::vector<double> differences_;
   double sum_ = 0;
   int count_ = 0;
 };
@@ -245,7 +252,7 @@ ChromaticError remaining_error(const std::vector<Demodulated>& channels,
                                const ChromaticModel& model, const Plane& phase,
                                const PixelOfPhase& pixels) {
   if (channels.size() == 1) return {};
-  const long step = std::max<long>(1, phase.size() / kErrorSamples);
+  const long step = std::max<long>(1, phase.size() / (kErrorSpacing * kErrorSamples));
   SignalRow seen(phase.cols());
   std::array<double, 2> error{};
   for (std::size_t i = 0; i < 2; ++i) {

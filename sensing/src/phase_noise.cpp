@@ -19,8 +19,9 @@ constexpr long kSpacing = 5;
 constexpr double kDifferenceVariance = 70;
 /// A median of absolute values, times this, is a standard deviation, if normal.
 constexpr double kDeviationPerMedian = 1.4826;
-/// About so many pixels are looked at, from evenly spaced rows.
-constexpr long kSamples = 20000;
+/// About so many pixels are looked at, every kSpacing-th of evenly spaced rows: the noise of those
+/// between hardly differs from theirs.
+constexpr long kSamples = 4000;
 /// Groups of like brightness, and how many samples one must have.
 constexpr std::size_t kGroups = 8;
 constexpr std::size_t kLeastSamples = 50;
@@ -43,7 +44,8 @@ float light_at(const PhaseSignal& signal, long row, long column) {
 void add_samples(const PhaseSignal& signal, long row, std::vector<Sample>& samples) {
   const float* phase = &signal.wrapped(row, 0);
   const std::uint8_t* known = &signal.modulated(row, 0);
-  for (long column = 2 * kSpacing; column + 2 * kSpacing < signal.wrapped.cols(); ++column) {
+  for (long column = 2 * kSpacing; column + 2 * kSpacing < signal.wrapped.cols();
+       column += kSpacing) {
     bool all = true;
     for (long i = -2; i <= 2; ++i) all = all && known[column + i * kSpacing] != 0;
     if (!all) continue;
@@ -146,7 +148,7 @@ PALPATE_HOT_LOOP void find_sigma(const float* re, const float* im, const float* 
 
 FrameNoise estimate_noise(const PhaseSignal& signal) {
   const long rows = signal.wrapped.rows();
-  const long step = std::max<long>(1, signal.wrapped.size() / kSamples);
+  const long step = std::max<long>(1, signal.wrapped.size() / (kSpacing * kSamples));
   std::vector<Sample> samples;
   samples.reserve(static_cast<std::size_t>(2 * kSamples));
   for (long row = step / 2; row < rows; row += step) add_samples(signal, row, samples);

@@ -23,7 +23,8 @@ constexpr long kMoments = 3;
 /// inside.
 PALPATE_HOT_LOOP void take_differences(const float* phase, const float* other,
                                        const std::uint8_t* inside, const std::uint8_t* other_inside,
-                                       float* count, float* sum, float* squares, long pixels) {
+                                       float* __restrict count, float* __restrict sum,
+                                       float* __restrict squares, long pixels) {
   for (long i = 0; i < pixels; ++i) {
     float step = other[i] - phase[i];
     step -= step > kPi ? 2 * kPi : 0;
@@ -36,13 +37,13 @@ PALPATE_HOT_LOOP void take_differences(const float* phase, const float* other,
   }
 }
 
-PALPATE_HOT_LOOP void add_neighbours(const float* in, float* out, long pixels) {
+PALPATE_HOT_LOOP void add_neighbours(const float* in, float* __restrict out, long pixels) {
   for (long i = 0; i < pixels; ++i) out[i] = in[i - 1] + in[i] + in[i + 1];
 }
 
 /// Adds the variance over three rows of moments.
 PALPATE_HOT_LOOP void add_variance(const float* above, const float* here, const float* below,
-                                   float* variance, long pixels) {
+                                   float* __restrict variance, long pixels) {
   for (long i = 0; i < pixels; ++i) {
     const float found = above[i] + here[i] + below[i];
     const float n = found > 1 ? found : 1;
@@ -54,7 +55,8 @@ PALPATE_HOT_LOOP void add_variance(const float* above, const float* here, const 
   }
 }
 
-PALPATE_HOT_LOOP void forget_outside(const std::uint8_t* inside, float* variance, long pixels) {
+PALPATE_HOT_LOOP void forget_outside(const std::uint8_t* inside, float* __restrict variance,
+                                     long pixels) {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   for (long i = 0; i < pixels; ++i) variance[i] = inside[i] != 0 ? variance[i] : kInfinity;
 }
