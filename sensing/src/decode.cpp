@@ -39,12 +39,19 @@ constexpr int kBlurRadius = 2;
 /// How far across the sinusoid a break reaches [px]: half the width of `smooth_rows`.
 constexpr int kBreakColumns = 2;
 
+/// Half a trough of the sinusoid, with its flanks [px].
+int trough_radius(const Carrier& carrier) {
+  return (static_cast<int>(2 * std::numbers::pi / std::abs(carrier.along)) + 1) / 2;
+}
+
 void check_options(const DecodeOptions& options) {
   const auto require = [](bool good, const char* name, const char* range) {
     if (!good) throw InvalidInput(std::string("DecodeOptions: ") + name + " must lie in " + range);
   };
   const auto below = [](double value, double limit) { return value > 0 && value < limit; };
   const auto positive = [](double value) { return value > 0 && std::isfinite(value); };
+  require(options.window_periods >= 1.25 && options.window_periods <= 8, "window_periods",
+          "[1.25, 8]");
   require(below(options.min_signal, 1), "min_signal", "(0, 1)");
   require(below(options.min_modulation, 1), "min_modulation", "(0, 1)");
   require(below(options.min_contrast, 1), "min_contrast", "(0, 1)");
@@ -125,7 +132,7 @@ Decoder::Impl::Impl(const Rig& rig, const Pattern& pattern, const TrainedColors&
                     const DecodeOptions& the_options)
     : options((check_options(the_options), the_options)),
       model(rig, pattern),
-      filter(make_filter(model.carrier().along)) {
+      filter(make_filter(model.carrier().along, options.window_periods)) {
   if (pattern.stripe_edges.empty() && !options.anchor) {
     throw InvalidInput(
         "pattern: has no stripes to find depths from; an anchor (a pixel and its depth) is needed");
@@ -180,7 +187,7 @@ void Decoder::Impl::demodulate_frame(const cv::Mat& frame, Workspace& work) cons
   split_frame(frame, model.carrier().transposed, work.channels);
   find_lit(work.channels,
            {.colored = stripes.has_value(),
-            .radius = (filter.radius + 1) / 2,
+            .radius = trough_radius(model.carrier()),
             .min_signal = options.min_signal},
            work.lit);
   demodulate(work.channels, work.lit, filter, work.demodulated);

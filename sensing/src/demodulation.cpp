@@ -85,14 +85,14 @@ void clear(std::size_t channels, const Mask& mask, Demodulation& out) {
 
 }  // namespace
 
-DemodulationFilter make_filter(double carrier) {
-  const double period = 2 * std::numbers::pi / std::abs(carrier);
+DemodulationFilter make_filter(double carrier, double periods) {
+  const double half_length = periods * std::numbers::pi / std::abs(carrier);
   DemodulationFilter filter{
-      .radius = static_cast<int>(std::floor(period)), .carrier = carrier, .weight = {}};
+      .radius = static_cast<int>(std::floor(half_length)), .carrier = carrier, .weight = {}};
   double total = 0;
   std::vector<double> weights;
   for (int k = 0; k <= filter.radius; ++k) {
-    weights.push_back(0.5 + 0.5 * std::cos(std::numbers::pi * k / period));
+    weights.push_back(0.5 + 0.5 * std::cos(std::numbers::pi * k / half_length));
     total += (k == 0 ? 1 : 2) * weights.back();
   }
   for (const double weight : weights) filter.weight.push_back(static_cast<float>(weight / total));

@@ -16,9 +16,9 @@ struct DemodulationFilter {
       weight;  ///< of the pixel k rows away, k = 0 ... radius; the whole window sums to 1
 };
 
-/// A Hann window two periods long: light that does not vary, and the second harmonic of the
-/// sinusoid, fall on zeros of its spectrum.
-[[nodiscard]] DemodulationFilter make_filter(double carrier);
+/// A Hann window so many periods long. Of two: light that does not vary, and the second harmonic of
+/// the sinusoid, fall on zeros of its spectrum.
+[[nodiscard]] DemodulationFilter make_filter(double carrier, double periods = 2);
 
 /// The sinusoid found around each pixel: v(row + k) = mean + Re(2 (re + i im) exp(i carrier (row +
 /// k))). What is not known is zero.

@@ -299,6 +299,7 @@ TEST(Decoder, RefusesOptionsOutsideTheirRange) {
   constexpr double kInf = std::numeric_limits<double>::infinity();
   EXPECT_FALSE(refused({}));
   for (const double bad : {std::nan(""), -0.1, 0.0, kInf}) {
+    EXPECT_TRUE(refused({.window_periods = bad}));
     EXPECT_TRUE(refused({.min_signal = bad}));
     EXPECT_TRUE(refused({.min_modulation = bad}));
     EXPECT_TRUE(refused({.min_contrast = bad}));

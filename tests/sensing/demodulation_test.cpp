@@ -120,5 +120,22 @@ TEST(Demodulation, TheResidualIsWhatTheSinusoidDoesNotExplain) {
   EXPECT_EQ(out.residual(10, 4), 0);
 }
 
+TEST(Demodulation, ALongerWindowAveragesMorePixels) {
+  double before = 1;
+  for (const double periods : {1.25, 2.0, 3.0, 4.0}) {
+    const DemodulationFilter filter = make_filter(kCarrier, periods);
+    double squares = 0;
+    for (std::size_t k = 0; k < filter.weight.size(); ++k)
+      squares += (k == 0 ? 1 : 2) * std::pow(static_cast<double>(filter.weight[k]), 2);
+    EXPECT_NEAR(squares, 1.5 / (periods * kPeriod), 2e-3) << periods;  // Hann's
+    EXPECT_LT(squares, before);
+    before = squares;
+    Demodulation out;
+    demodulate({wave(0.5, 0.3, kCarrier, 1.1)}, everywhere(), filter, out);
+    EXPECT_NEAR(std::abs(at(out.channels[0], 30) - std::polar(0.15, 1.1)), 0, 2 * kRounding)
+        << periods;
+  }
+}
+
 }  // namespace
 }  // namespace palpate::sensing

@@ -28,6 +28,9 @@ enum class Segmentation {
 };
 
 struct DecodeOptions {
+  /// Length of the window that measures the phase, in periods of the sinusoid in the camera's
+  /// image: longer is less noisy, shorter sees finer relief and nearer to edges; in [1.25, 8].
+  double window_periods = 2;
   /// A pixel is lit iff the projector's light >= min_signal of full scale; in (0, 1).
   double min_signal = 0.02;
   /// Its phase counts iff the sinusoid's amplitude >= min_modulation of full scale; in (0, 1) ...
