@@ -38,6 +38,7 @@ struct DecodeCall {
   fs::path rig, pattern, colors;
   std::string bayer;
   std::vector<double> anchor;
+  double window_periods = sensing::DecodeOptions{}.window_periods;
   DecodeOutputs outputs;
   bool resume = false;
 };
@@ -228,6 +229,7 @@ nlohmann::ordered_json settings_of(const DecodeCall& call) {
           {"--pattern", fingerprint(call.pattern)},
           {"--colors", call.colors.empty() ? "" : fingerprint(call.colors)},
           {"--anchor", call.anchor},
+          {"--window", call.window_periods},
           {"--bayer", call.bayer}};
 }
 
@@ -238,6 +240,7 @@ void decode(const Settings& settings, const DecodeCall& call) {
   sensing::TrainedColors colors;
   if (!call.colors.empty()) colors = sensing::read_trained_colors(call.colors);
   sensing::DecodeOptions options;
+  options.window_periods = call.window_periods;
   if (!call.anchor.empty())
     options.anchor = sensing::Anchor{call.anchor[0], call.anchor[1], call.anchor[2]};
   const sensing::Decoder decoder(rig, pattern, colors, options);
@@ -285,6 +288,11 @@ void add_decode(CLI::App& app, const Settings& settings) {
                    "u,v,z: for a pattern without stripes, a pixel [px] whose depth [mm] is known")
       ->expected(3)
       ->delimiter(',');
+  command
+      ->add_option("--window", call->window_periods,
+                   "Length of the window that measures the phase, in periods of the sinusoid, 1.25 "
+                   "to 8: longer is less noisy, shorter sees finer relief and nearer to edges")
+      ->capture_default_str();
   command
       ->add_option("--bayer", call->bayer,
                    "The frames are raw mosaics of a single-chip camera: the colours of its first "

@@ -190,6 +190,14 @@ TEST_F(BadInput, APatternWithoutStripesNeedsAnAnchor) {
                  "anchor");
 }
 
+TEST_F(BadInput, AWindowShorterThanItCanBe) {
+  train();
+  std::vector<std::string> call = decode_call(demo("frames/duck.png"), demo("rig.yaml"),
+                                              demo("pattern.yaml"), scratch / "colors.yaml");
+  call.insert(call.end(), {"--window", "1"});
+  expect_refused(call, "window_periods");
+}
+
 TEST_F(BadInput, ADepthImageWithoutAPositiveScaleOrACamera) {
   const std::string hand = demo("depth_camera/hand.png");
   const std::string camera = "476.007,476.007,313.683,242.755";

@@ -102,6 +102,7 @@ TEST_F(DecodeSequence, ResumingWithOtherSettingsOrFramesIsRefused) {
     return result.err;
   };
   EXPECT_NE(refusal({"--bayer", "rggb"}).find("another --bayer"), std::string::npos);
+  EXPECT_NE(refusal({"--window", "3"}).find("another --window"), std::string::npos);
   fs::rename(scratch / "frames/0.png", scratch / "frames/9.png");
   EXPECT_NE(refusal({}).find("file 0 of the frames was 0.png, now it is 1.png"), std::string::npos);
   write_text(scratch / "range/decode.json", "{}");
