@@ -54,32 +54,69 @@ class WindowCount {
 };
 
 /// Binomial weights over five pixels of a row; the outermost two stay.
-void smooth_row(float* values, long columns, std::vector<float>& before) {
-  before.assign(values, values + columns);
-  average_five(before.data(), values, columns);
+void smooth_row(const float* in, float* out, long columns) {
+  const long edge = std::min<long>(2, columns);
+  std::copy_n(in, edge, out);
+  std::copy_n(in + columns - edge, edge, out + columns - edge);
+  average_five(in, out, columns);
 }
 
-/// What windows of a block look like.
-struct Content {
-  bool lit = false;    ///< some pixel is in the mask
-  bool whole = false;  ///< all pixels are, with all of their windows
-};
-Content content(const std::uint8_t* mask, const int* count, long columns, int whole_count) {
-  int lit = 0;
-  int least = whole_count;
-  for (long i = 0; i < columns; ++i) {
-    lit |= mask[i];
-    least = std::min(least, count[i]);
+/// How the windows of some columns are fitted: by the least that any of them asks for.
+enum class Fit : std::uint8_t { nothing, whole, cut };
+
+/// So many columns are fitted alike.
+constexpr long kGroup = 16;
+
+PALPATE_HOT_LOOP void choose_fits(const std::uint8_t* mask, const int* count, int whole_count,
+                                  long columns, Fit* fits) {
+  for (long start = 0; start < columns; start += kGroup) {
+    const long end = start + kGroup < columns ? start + kGroup : columns;
+    int lit = 0;
+    int cut = 0;
+    for (long i = start; i < end; ++i) {
+      lit |= mask[i];
+      cut |= count[i] - whole_count;
+    }
+    fits[start / kGroup] = lit == 0 ? Fit::nothing : (cut == 0 ? Fit::whole : Fit::cut);
   }
-  return {lit != 0, least == whole_count};
 }
 
-void clear(std::size_t channels, const Mask& mask, Demodulation& out) {
+/// What is found in one row, before it is averaged along it.
+class UnsmoothedRow {
+ public:
+  UnsmoothedRow(std::size_t channels, long columns)
+      : values_(static_cast<long>(2 * channels) + 1, columns) {}
+  /// Where the fits write to; the mean needs no averaging.
+  FittedRow row(long row, Demodulation& out) {
+    FittedRow fitted;
+    fitted.residual = &values_(values_.rows() - 1, 0);
+    fitted.count = out.channels.size();
+    for (std::size_t i = 0; i < out.channels.size(); ++i) {
+      const auto first = static_cast<long>(2 * i);
+      fitted.channels[i] = {&out.channels[i].mean(row, 0), &values_(first, 0),
+                            &values_(first + 1, 0)};
+    }
+    return fitted;
+  }
+  static void smooth(const FittedRow& fitted, long row, Demodulation& out) {
+    const long columns = out.residual.cols();
+    smooth_row(fitted.residual, &out.residual(row, 0), columns);
+    for (std::size_t i = 0; i < out.channels.size(); ++i) {
+      smooth_row(fitted.channels[i].re, &out.channels[i].re(row, 0), columns);
+      smooth_row(fitted.channels[i].im, &out.channels[i].im(row, 0), columns);
+    }
+  }
+
+ private:
+  Plane values_;
+};
+
+void resize(std::size_t channels, const Mask& mask, Demodulation& out) {
   out.channels.resize(channels);
-  out.residual.setZero(mask.rows(), mask.cols());
+  out.residual.resize(mask.rows(), mask.cols());
   for (Demodulated& signal : out.channels) {
     for (Plane* plane : {&signal.mean, &signal.re, &signal.im})
-      plane->setZero(mask.rows(), mask.cols());
+      plane->resize(mask.rows(), mask.cols());
   }
 }
 
@@ -101,34 +138,40 @@ DemodulationFilter make_filter(double carrier, double periods) {
 
 void demodulate(const std::vector<Plane>& channels, const Mask& mask,
                 const DemodulationFilter& filter, Demodulation& out) {
-  clear(channels.size(), mask, out);
+  resize(channels.size(), mask, out);
+  const long columns = mask.cols();
   const Window window(filter);
   WindowCount counts(mask, filter.radius);
   PowerRows power(channels, filter.radius);
-  std::vector<float> unsmoothed;
+  UnsmoothedRow unsmoothed(channels.size(), columns);
+  std::vector<Fit> fits(static_cast<std::size_t>((columns + kGroup - 1) / kGroup));
   LocalFrequency frequency(filter);
   const int reach = frequency.reach();
   const int whole_count = 2 * filter.radius + 1;
   for (long row = 0; row < mask.rows(); ++row) {
-    const std::vector<int>& count = counts.row(row);
+    choose_fits(&mask(row, 0), counts.row(row).data(), whole_count, columns, fits.data());
     power.reach(row + filter.radius);
     const std::complex<double> phase = std::polar(1.0, filter.carrier * static_cast<double>(row));
     const Turn turn{static_cast<float>(phase.real()), static_cast<float>(phase.imag())};
-    for (long column = 0; column < mask.cols(); column += kBlock) {
-      const Block block{row, column, std::min(kBlock, mask.cols() - column)};
-      const Content windows = content(&mask(row, column), &count[static_cast<std::size_t>(column)],
-                                      block.columns, whole_count);
-      if (windows.whole) {
-        fit_whole_windows(channels, power, window, block, turn, out);
-      } else if (windows.lit) {
-        fit_cut_windows(channels, power, mask, window, block, turn, out);
+    const FittedRow fitted = unsmoothed.row(row, out);
+    for (auto first = fits.begin(); first != fits.end();) {
+      const auto last = std::find_if(first, fits.end(), [&](Fit fit) { return fit != *first; });
+      const long column = kGroup * (first - fits.begin());
+      const Block block{row, column, std::min(kGroup * (last - fits.begin()), columns) - column};
+      switch (*first) {
+        case Fit::nothing:
+          fit_nothing(block, fitted);
+          break;
+        case Fit::whole:
+          fit_whole_windows(channels, power, window, block, turn, fitted);
+          break;
+        case Fit::cut:
+          fit_cut_windows(channels, power, mask, window, block, turn, fitted);
+          break;
       }
+      first = last;
     }
-    smooth_row(&out.residual(row, 0), mask.cols(), unsmoothed);
-    for (Demodulated& signal : out.channels) {
-      smooth_row(&signal.re(row, 0), mask.cols(), unsmoothed);
-      smooth_row(&signal.im(row, 0), mask.cols(), unsmoothed);
-    }
+    UnsmoothedRow::smooth(fitted, row, out);
     if (row >= 2 * reach) frequency.adapt(row - reach, out);
   }
 }

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 
 #include "hot_loop.h"
 
@@ -21,110 +22,166 @@ constexpr double kLeastPivot = 0.05;
 /// what is that a slope of the brightness or of the phase passes for a phase.
 constexpr double kLeastWeight = 0.85;
 
-/// One row of sums over the window, for the columns of a block.
-using BlockRow = std::array<float, kBlock>;
+/// Sixteen columns at once: one register of recent processors, a few of others.
+constexpr long kLanes = 16;
+using Lanes = float __attribute__((vector_size(kLanes * sizeof(float))));
+using MaskLanes = std::uint8_t __attribute__((vector_size(kLanes)));
 
-/// Adds the pixels k rows above and below, for two k at once: even and odd part of the window.
-PALPATE_HOT_LOOP void add_rows(const float* above, const float* below, Tap near,
-                               const float* far_above, const float* far_below, Tap far,
-                               long columns, float* __restrict mean, float* __restrict re,
-                               float* __restrict im) {
-  for (long i = 0; i < columns; ++i) {
-    const float sum = above[i] + below[i];
-    const float difference = below[i] - above[i];
-    const float far_sum = far_above[i] + far_below[i];
-    const float far_difference = far_below[i] - far_above[i];
-    mean[i] += near.weight * sum + far.weight * far_sum;
-    re[i] += near.cosine * sum + far.cosine * far_sum;
-    im[i] -= near.sine * difference + far.sine * far_difference;
-  }
+// What follows works on so many columns or on one: T is Lanes or float.
+
+template <typename T>
+[[gnu::always_inline]] inline void load(const float* from, T& to) {
+  std::memcpy(&to, from, sizeof to);
+}
+template <typename T>
+[[gnu::always_inline]] inline void store(const T& from, float* to) {
+  std::memcpy(to, &from, sizeof from);
+}
+[[gnu::always_inline]] inline void load_mask(const std::uint8_t* from, Lanes& to) {
+  MaskLanes bytes;
+  std::memcpy(&bytes, from, sizeof bytes);
+  to = __builtin_convertvector(bytes, Lanes);
+}
+[[gnu::always_inline]] inline void load_mask(const std::uint8_t* from, float& to) { to = *from; }
+
+/// Calls `fit(column, T{})` for all columns.
+template <typename Fit>
+[[gnu::always_inline]] inline void for_each_column(long columns, const Fit& fit) {
+  long i = 0;
+  for (; i + kLanes <= columns; i += kLanes) fit(i, Lanes{});
+  for (; i < columns; ++i) fit(i, 0.0F);
 }
 
-/// Adds one row, as far as it lies in the mask.
-PALPATE_HOT_LOOP void add_masked_row(const float* values, const std::uint8_t* mask, long columns,
-                                     Tap tap, float* __restrict mean, float* __restrict re,
-                                     float* __restrict im) {
-  for (long i = 0; i < columns; ++i) {
-    const float value = mask[i] != 0 ? values[i] : 0.0F;
-    mean[i] += tap.weight * value;
-    re[i] += tap.cosine * value;
-    im[i] -= tap.sine * value;
-  }
+/// Half amplitudes, the carrier taken out.
+template <typename T>
+[[gnu::always_inline]] inline void store_turned(const T& amplitude, const T& quadrature, Turn turn,
+                                                const T& half, float* re, float* im) {
+  store<T>(half * (amplitude * turn.cosine + quadrature * turn.sine), re);
+  store<T>(half * (quadrature * turn.cosine - amplitude * turn.sine), im);
 }
 
-/// Sums over whole windows to mean and half amplitudes, the carrier taken out; takes from the
-/// residual what they explain.
-PALPATE_HOT_LOOP void solve_row(float* __restrict mean, float* __restrict re, float* __restrict im,
-                                float* __restrict residual, long columns, WholeWindow whole,
-                                Turn turn) {
-  for (long i = 0; i < columns; ++i) {
-    const float amplitude = whole.cosine_scale * (re[i] - whole.cosine * mean[i]);
-    const float quadrature = whole.sine_scale * im[i];
-    const float level = mean[i] - whole.cosine * amplitude;
-    residual[i] -= level * mean[i] + amplitude * re[i] + quadrature * im[i];
-    mean[i] = level;
-    re[i] = 0.5F * (amplitude * turn.cosine + quadrature * turn.sine);
-    im[i] = 0.5F * (quadrature * turn.cosine - amplitude * turn.sine);
-  }
+/// Fits the windows around the pixels of one row of a channel; takes from the residual what mean
+/// and sinusoid explain.
+PALPATE_HOT_LOOP void fit_whole_row(const float* center, long stride, const Tap* pairs, int radius,
+                                    WholeWindow whole, Turn turn, long columns,
+                                    FittedRow::Channel out, float* residual) {
+  for_each_column(
+      columns, [&](long i, auto zero) __attribute__((always_inline)) {
+        using T = decltype(zero);
+        T mean = zero, re = zero, im = zero;
+        for (int k = 0; k <= radius; ++k) {
+          T above, below;
+          load(center + i - k * stride, above);
+          load(center + i + k * stride, below);
+          const T sum = above + below;
+          mean += pairs[k].weight * sum;
+          re += pairs[k].cosine * sum;
+          im += pairs[k].sine * (above - below);
+        }
+        const T amplitude = whole.cosine_scale * (re - whole.cosine * mean);
+        const T quadrature = whole.sine_scale * im;
+        const T level = mean - whole.cosine * amplitude;
+        T left;
+        load(residual + i, left);
+        store<T>(left - (level * mean + amplitude * re + quadrature * im), residual + i);
+        store(level, out.mean + i);
+        store_turned<T>(amplitude, quadrature, turn, zero + 0.5F, out.re + i, out.im + i);
+      });
 }
 
-/// The normal equations of windows that the mask cuts, for the basis 1, cos, -sin: sums over the
-/// pixels of the mask.
-struct CutWindows {
-  BlockRow total;        ///< of the weight
-  BlockRow cosine;       ///< of weight * cos
-  BlockRow sine;         ///< of -weight * sin
-  BlockRow cosine2;      ///< of weight * cos^2
-  BlockRow cosine_sine;  ///< of -weight * cos * sin
+/// The normal equations of a window that the mask cuts, for the basis 1, cos, -sin, divided by the
+/// weight that is left; then solved by elimination of the mean.
+template <typename T>
+struct CutWindow {
+  T scale;  ///< 1 / weight that is left
+  T cosine, sine;
+  T p, q, r;     ///< p r / r q, without the mean
+  T inverse;     ///< of their determinant; zero where the fit is not determined
+  T determined;  ///< 1 or 0
+  T half;        ///< 1/2; zero where too little weight is left
 };
 
-PALPATE_HOT_LOOP void add_mask(const std::uint8_t* mask, long columns, Tap tap,
-                               CutWindows& __restrict sums) {
-  const float cosine2 = tap.weight > 0 ? tap.cosine * tap.cosine / tap.weight : 0.0F;
-  const float cosine_sine = tap.weight > 0 ? tap.cosine * tap.sine / tap.weight : 0.0F;
-  for (long i = 0; i < columns; ++i) {
-    const float inside = mask[i] != 0 ? 1.0F : 0.0F;
-    sums.total[i] += inside * tap.weight;
-    sums.cosine[i] += inside * tap.cosine;
-    sums.sine[i] -= inside * tap.sine;
-    sums.cosine2[i] += inside * cosine2;
-    sums.cosine_sine[i] -= inside * cosine_sine;
-  }
-}
+/// The rows of a column that a cut window reaches.
+struct CutRows {
+  const std::uint8_t* mask;
+  long stride;
+  const Tap* taps;
+  int count;
+  int center;  ///< number of the row of the pixel itself
+};
 
-/// Sums over cut windows to mean and half amplitudes, the carrier taken out; zeros where the fit is
-/// not determined and outside the mask.
-PALPATE_HOT_LOOP void solve_cut_row(const CutWindows& sums, const std::uint8_t* mask, long columns,
-                                    Turn turn, float* __restrict mean, float* __restrict re,
-                                    float* __restrict im, float* __restrict residual) {
+template <typename T>
+[[gnu::always_inline]] inline void find_cut_window(const CutRows& rows, long i,
+                                                   CutWindow<T>& window) {
   constexpr auto least_pivot = static_cast<float>(kLeastPivot);
   constexpr auto least_weight = static_cast<float>(kLeastWeight);
-  for (long i = 0; i < columns; ++i) {
-    const float scale = sums.total[i] > 0 ? 1 / sums.total[i] : 0.0F;
-    const float c = scale * sums.cosine[i];
-    const float s = scale * sums.sine[i];
-    const float cc = scale * sums.cosine2[i];
-    const float ss = 1 - cc;
-    // The mean eliminated; what is left is symmetric of order two.
-    const float p = cc - c * c;
-    const float q = ss - s * s;
-    const float r = scale * sums.cosine_sine[i] - c * s;
-    const float determinant = p * q - r * r;
-    const bool determined =
-        mask[i] != 0 && sums.total[i] > 0 && determinant > least_pivot * (p > q ? p : q);
-    const float inverse = determined ? 1 / determinant : 0.0F;
-    const float value = scale * mean[i];
-    const float first = scale * re[i] - c * value;
-    const float second = scale * im[i] - s * value;
-    const float amplitude = inverse * (q * first - r * second);
-    const float quadrature = inverse * (p * second - r * first);
-    const float level = determined ? value - c * amplitude - s * quadrature : 0.0F;
-    residual[i] -= level * mean[i] + amplitude * re[i] + quadrature * im[i];
-    mean[i] = level;
-    const float half = sums.total[i] >= least_weight ? 0.5F : 0.0F;
-    re[i] = half * (amplitude * turn.cosine + quadrature * turn.sine);
-    im[i] = half * (quadrature * turn.cosine - amplitude * turn.sine);
+  T total{}, cosine{}, sine{}, cosine2{}, cosine_sine{}, inside;
+  for (int k = 0; k < rows.count; ++k) {
+    const Tap& tap = rows.taps[k];
+    load_mask(rows.mask + i + k * rows.stride, inside);
+    total += tap.weight * inside;
+    cosine += tap.cosine * inside;
+    sine -= tap.sine * inside;
+    cosine2 += tap.cosine2 * inside;
+    cosine_sine -= tap.cosine_sine * inside;
   }
+  load_mask(rows.mask + i + rows.center * rows.stride, inside);
+  const T zero{};
+  const T one = zero + 1.0F;
+  window.scale = total > 0.0F ? one / total : zero;
+  window.cosine = window.scale * cosine;
+  window.sine = window.scale * sine;
+  const T cc = window.scale * cosine2;
+  window.p = cc - window.cosine * window.cosine;
+  window.q = 1.0F - cc - window.sine * window.sine;
+  window.r = window.scale * cosine_sine - window.cosine * window.sine;
+  const T determinant = window.p * window.q - window.r * window.r;
+  const T larger = window.p > window.q ? window.p : window.q;
+  const auto determined = (inside > 0.0F) & (total > 0.0F) & (determinant > least_pivot * larger);
+  window.determined = determined ? one : zero;
+  window.inverse = determined ? one / determinant : zero;
+  window.half = total >= least_weight ? 0.5F * one : zero;
+}
+
+/// The same as `fit_whole_row` for windows of which some are cut; zeros where the fit is not
+/// determined and outside the mask.
+PALPATE_HOT_LOOP void fit_cut_row(const CutRows& rows, const float* const* channels,
+                                  const FittedRow::Channel* out, std::size_t count, Turn turn,
+                                  long columns, float* residual) {
+  for_each_column(
+      columns, [&](long i, auto zero) __attribute__((always_inline)) {
+        using T = decltype(zero);
+        CutWindow<T> window;
+        find_cut_window(rows, i, window);
+        T left;
+        load(residual + i, left);
+        for (std::size_t channel = 0; channel < count; ++channel) {
+          T mean = zero, re = zero, im = zero;
+          for (int k = 0; k < rows.count; ++k) {
+            T value, inside;
+            load(channels[channel] + i + k * rows.stride, value);
+            load_mask(rows.mask + i + k * rows.stride, inside);
+            value *= inside;
+            mean += rows.taps[k].weight * value;
+            re += rows.taps[k].cosine * value;
+            im -= rows.taps[k].sine * value;
+          }
+          const T value = window.scale * mean;
+          const T first = window.scale * re - window.cosine * value;
+          const T second = window.scale * im - window.sine * value;
+          const T amplitude = window.inverse * (window.q * first - window.r * second);
+          const T quadrature = window.inverse * (window.p * second - window.r * first);
+          const T level =
+              window.determined * (value - window.cosine * amplitude - window.sine * quadrature);
+          left -= level * mean + amplitude * re + quadrature * im;
+          store(level, out[channel].mean + i);
+          store_turned<T>(amplitude, quadrature, turn, window.half, out[channel].re + i,
+                          out[channel].im + i);
+        }
+        T inside;
+        load_mask(rows.mask + i + rows.center * rows.stride, inside);
+        store<T>(inside * window.scale * left, residual + i);
+      });
 }
 
 PALPATE_HOT_LOOP void add_power(const float* above, const float* below, float weight, long columns,
@@ -135,11 +192,6 @@ PALPATE_HOT_LOOP void add_power(const float* above, const float* below, float we
 PALPATE_HOT_LOOP void add_masked_power(const float* power, const std::uint8_t* mask, float weight,
                                        long columns, float* __restrict sum) {
   for (long i = 0; i < columns; ++i) sum[i] += mask[i] != 0 ? weight * power[i] : 0.0F;
-}
-
-PALPATE_HOT_LOOP void normalize(const float* total, const std::uint8_t* mask, long columns,
-                                float* __restrict sum) {
-  for (long i = 0; i < columns; ++i) sum[i] = mask[i] != 0 ? sum[i] / total[i] : 0.0F;
 }
 
 PALPATE_HOT_LOOP void add_square(const float* values, long columns, float* __restrict sum) {
@@ -156,20 +208,21 @@ Window::Window(const DemodulationFilter& filter) : radius(filter.radius) {
     const auto w = static_cast<double>(filter.weight[static_cast<std::size_t>(std::abs(k))]);
     const double c = std::cos(filter.carrier * k);
     const double s = std::sin(filter.carrier * k);
-    taps.push_back({static_cast<float>(w), static_cast<float>(w * c), static_cast<float>(w * s)});
+    taps.push_back({.weight = static_cast<float>(w),
+                    .cosine = static_cast<float>(w * c),
+                    .sine = static_cast<float>(w * s),
+                    .cosine2 = static_cast<float>(w * c * c),
+                    .cosine_sine = static_cast<float>(w * c * s)});
     sum += w * c;
     cosines += w * c * c;
     sines += w * s * s;
   }
   whole = {static_cast<float>(sum), static_cast<float>(1 / (cosines - sum * sum)),
            static_cast<float>(1 / sines)};
-}
-
-Tap Window::pair(int k) const {
-  if (k > radius) return {};
-  const Tap& tap = taps[static_cast<std::size_t>(radius + k)];
-  const float share = k == 0 ? 0.5F : 1.0F;
-  return {share * tap.weight, share * tap.cosine, share * tap.sine};
+  pairs.assign(taps.begin() + radius, taps.end());
+  pairs[0].weight /= 2;
+  pairs[0].cosine /= 2;
+  pairs[0].sine /= 2;
 }
 
 PowerRows::PowerRows(const std::vector<Plane>& channels, int radius)
@@ -184,54 +237,52 @@ void PowerRows::reach(long row) {
 }
 
 void fit_whole_windows(const std::vector<Plane>& channels, const PowerRows& power,
-                       const Window& window, const Block& block, Turn turn, Demodulation& out) {
-  float* residual = &out.residual(block.row, block.column);
+                       const Window& window, const Block& block, Turn turn, const FittedRow& out) {
+  float* residual = out.residual + block.column;
+  std::fill_n(residual, block.columns, 0.0F);
   for (int k = 0; k <= window.radius; ++k) {
     add_power(power.at(block.row - k, block.column), power.at(block.row + k, block.column),
-              window.pair(k).weight, block.columns, residual);
+              window.pairs[static_cast<std::size_t>(k)].weight, block.columns, residual);
   }
   for (std::size_t i = 0; i < channels.size(); ++i) {
-    const Plane& channel = channels[i];
-    Demodulated& signal = out.channels[i];
-    float* mean = &signal.mean(block.row, block.column);
-    float* re = &signal.re(block.row, block.column);
-    float* im = &signal.im(block.row, block.column);
-    for (int k = 0; k <= window.radius; k += 2) {
-      const int far = std::min(k + 1, window.radius);  // of weight zero if there is none
-      add_rows(&channel(block.row - k, block.column), &channel(block.row + k, block.column),
-               window.pair(k), &channel(block.row - far, block.column),
-               &channel(block.row + far, block.column), window.pair(k + 1), block.columns, mean, re,
-               im);
-    }
-    solve_row(mean, re, im, residual, block.columns, window.whole, turn);
+    fit_whole_row(&channels[i](block.row, block.column), channels[i].cols(), window.pairs.data(),
+                  window.radius, window.whole, turn, block.columns,
+                  out.channels[i].from(block.column), residual);
   }
 }
 
 void fit_cut_windows(const std::vector<Plane>& channels, const PowerRows& power, const Mask& mask,
-                     const Window& window, const Block& block, Turn turn, Demodulation& out) {
+                     const Window& window, const Block& block, Turn turn, const FittedRow& out) {
   const long first = std::max<long>(0, block.row - window.radius);
   const long last = std::min<long>(mask.rows() - 1, block.row + window.radius);
-  float* residual = &out.residual(block.row, block.column);
-  CutWindows sums{};
+  const Tap* taps = &window.taps[static_cast<std::size_t>(first - block.row + window.radius)];
+  float* residual = out.residual + block.column;
+  std::fill_n(residual, block.columns, 0.0F);
   for (long row = first; row <= last; ++row) {
-    const Tap& tap = window.taps[static_cast<std::size_t>(row - block.row + window.radius)];
-    const std::uint8_t* inside = &mask(row, block.column);
-    add_mask(inside, block.columns, tap, sums);
-    add_masked_power(power.at(row, block.column), inside, tap.weight, block.columns, residual);
-    for (std::size_t i = 0; i < channels.size(); ++i) {
-      Demodulated& signal = out.channels[i];
-      add_masked_row(&channels[i](row, block.column), inside, block.columns, tap,
-                     &signal.mean(block.row, block.column), &signal.re(block.row, block.column),
-                     &signal.im(block.row, block.column));
-    }
+    add_masked_power(power.at(row, block.column), &mask(row, block.column),
+                     taps[row - first].weight, block.columns, residual);
   }
-  const std::uint8_t* inside = &mask(block.row, block.column);
-  for (Demodulated& signal : out.channels) {
-    solve_cut_row(sums, inside, block.columns, turn, &signal.mean(block.row, block.column),
-                  &signal.re(block.row, block.column), &signal.im(block.row, block.column),
-                  residual);
+  const CutRows rows{.mask = &mask(first, block.column),
+                     .stride = mask.cols(),
+                     .taps = taps,
+                     .count = static_cast<int>(last - first + 1),
+                     .center = static_cast<int>(block.row - first)};
+  std::array<const float*, kMostChannels> values{};
+  std::array<FittedRow::Channel, kMostChannels> fitted;
+  for (std::size_t i = 0; i < channels.size(); ++i) {
+    values[i] = &channels[i](first, block.column);
+    fitted[i] = out.channels[i].from(block.column);
   }
-  normalize(sums.total.data(), inside, block.columns, residual);
+  fit_cut_row(rows, values.data(), fitted.data(), channels.size(), turn, block.columns, residual);
+}
+
+void fit_nothing(const Block& block, const FittedRow& out) {
+  std::fill_n(out.residual + block.column, block.columns, 0.0F);
+  for (std::size_t i = 0; i < out.count; ++i) {
+    const FittedRow::Channel& channel = out.channels[i];
+    for (float* values : {channel.mean, channel.re, channel.im})
+      std::fill_n(values + block.column, block.columns, 0.0F);
+  }
 }
 
 }  // namespace palpate::sensing

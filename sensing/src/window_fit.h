@@ -2,21 +2,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "demodulation.h"
 
 namespace palpate::sensing {
 
-/// So many columns are worked on at a time: their sums stay in the first-level cache, and a block
-/// without light, or without a border, is passed over quickly.
-inline constexpr long kBlock = 128;
-
-/// What a row at some distance counts: weight, and weight times cos and sin of the carrier.
+/// What a row at some distance counts: weight, and weight times cos and sin of the carrier and
+/// their products.
 struct Tap {
   float weight = 0;
   float cosine = 0;
   float sine = 0;
+  float cosine2 = 0;
+  float cosine_sine = 0;
 };
 
 /// The normal equations of a whole window: its symmetry leaves the sine alone.
@@ -35,11 +35,10 @@ struct Turn {
 /// The rows k = -radius ... radius of the window, and its normal equations.
 struct Window {
   explicit Window(const DemodulationFilter& filter);
-  /// The rows k above and below, each counted once; nothing beyond the radius.
-  [[nodiscard]] Tap pair(int k) const;
 
   int radius;
   std::vector<Tap> taps;
+  std::vector<Tap> pairs;  ///< the rows k above and below, k = 0 ... radius, each counted once
   WholeWindow whole;
 };
 
@@ -59,6 +58,9 @@ class PowerRows {
   Plane rows_;
 };
 
+/// Green, red, blue.
+inline constexpr std::size_t kMostChannels = 3;
+
 /// Some columns of one row.
 struct Block {
   long row = 0;
@@ -66,12 +68,30 @@ struct Block {
   long columns = 0;
 };
 
-/// Windows that lie wholly in the mask: plain convolution.
-void fit_whole_windows(const std::vector<Plane>& channels, const PowerRows& power,
-                       const Window& window, const Block& block, Turn turn, Demodulation& out);
+/// What the windows of one row give, column by column.
+struct FittedRow {
+  struct Channel {
+    float* mean = nullptr;
+    float* re = nullptr;
+    float* im = nullptr;
+    [[nodiscard]] Channel from(long column) const {
+      return {mean + column, re + column, im + column};
+    }
+  };
+  std::array<Channel, kMostChannels> channels;
+  std::size_t count = 0;  ///< of the channels
+  float* residual = nullptr;
+};
 
-/// Windows of which some are cut by the mask.
+/// Fits the windows of a block, all of which lie wholly in the mask: plain convolution.
+void fit_whole_windows(const std::vector<Plane>& channels, const PowerRows& power,
+                       const Window& window, const Block& block, Turn turn, const FittedRow& out);
+
+/// Fits windows of which some are cut by the mask.
 void fit_cut_windows(const std::vector<Plane>& channels, const PowerRows& power, const Mask& mask,
-                     const Window& window, const Block& block, Turn turn, Demodulation& out);
+                     const Window& window, const Block& block, Turn turn, const FittedRow& out);
+
+/// Writes zeros, for windows around pixels outside the mask.
+void fit_nothing(const Block& block, const FittedRow& out);
 
 }  // namespace palpate::sensing
