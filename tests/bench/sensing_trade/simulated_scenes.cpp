@@ -1,0 +1,281 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "simulated_scenes.h"
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+#include <random>
+
+#include "palpate/geometry/mesh_io.h"
+#include "palpate/sensing/frame.h"
+#include "palpate/sensing/rig_assessment.h"
+#include "test_surfaces.h"
+
+namespace palpate::bench {
+namespace {
+
+namespace fs = std::filesystem;
+using geometry::test::height_field;
+using geometry::test::moved;
+using sensing::Body;
+using sensing::VirtualSensor;
+
+/// The bundled rig and pattern.
+struct Bench {
+  sensing::Rig rig;
+  sensing::Pattern pattern;
+  cv::Mat panel;
+};
+
+const Bench& bench() {
+  static const Bench loaded = [] {
+    const fs::path demo = fs::path(PALPATE_SOURCE_DIR) / "demo";
+    return Bench{sensing::read_rig(demo / "rig.yaml"), sensing::read_pattern(demo / "pattern.yaml"),
+                 sensing::read_frame(demo / "pattern.png")};
+  }();
+  return loaded;
+}
+
+VirtualSensor camera_with(const CameraNoise& noise) { return {.full_well = noise.full_well}; }
+
+// ---- bodies ------------------------------------------------------------------------------------
+
+/// [mm] Sheets are so wide, enough to fill the view at any distance that is used.
+constexpr double kWidth = 1000;
+constexpr double kHeight = 760;
+
+/// z(x, y) about the camera's axis, with a print whose picture spans the whole sheet.
+Body sheet(double spacing, const std::function<double(double, double)>& depth) {
+  Body body;
+  body.mesh =
+      height_field(static_cast<int>(kWidth / spacing), static_cast<int>(kHeight / spacing), spacing,
+                   [&](double x, double y) { return depth(x - kWidth / 2, y - kHeight / 2); });
+  body.mesh.vertices.row(0).array() -= kWidth / 2;
+  body.mesh.vertices.row(1).array() -= kHeight / 2;
+  body.texture_coordinates.resize(2, body.mesh.vertices.cols());
+  body.texture_coordinates.row(0) = body.mesh.vertices.row(0).array() / kWidth + 0.5;
+  body.texture_coordinates.row(1) = 0.5 - body.mesh.vertices.row(1).array() / kHeight;
+  return body;
+}
+
+Body wall(double z) {
+  return sheet(kHeight, [z](double, double) { return z; });
+}
+
+Body ball(const Eigen::Vector3d& center, double radius, const Eigen::Vector3d& reflectance) {
+  Body body;
+  body.mesh =
+      moved(geometry::test::icosphere(5, radius), Eigen::Isometry3d(Eigen::Translation3d(center)));
+  body.reflectance = reflectance;
+  return body;
+}
+
+Body hand() {
+  Body body;
+  body.mesh = geometry::read_mesh(fs::path(PALPATE_SOURCE_DIR) / "meshes/hand.ply");
+  const Eigen::Vector3d low = body.mesh.vertices.rowwise().minCoeff();
+  const Eigen::Vector3d high = body.mesh.vertices.rowwise().maxCoeff();
+  body.mesh.vertices.colwise() += Eigen::Vector3d(0, 0, 700) - (low + high) / 2;
+  return body;
+}
+
+/// Rectangles of random colours, darkest `darkest`, one over the other; `tint` 0: grey, 1: any.
+cv::Mat print(double darkest, double tint) {
+  constexpr int kPrintWidth = 1600, kPrintHeight = 1200, kRectangles = 900;
+  std::mt19937 random(5);
+  // Not std::uniform_real_distribution, whose numbers are not the same everywhere.
+  const auto unit = [&random] { return static_cast<double>(random()) / 4294967296.0; };
+  cv::Mat image(kPrintHeight, kPrintWidth, CV_8UC3, cv::Scalar::all(200));
+  for (int i = 0; i < kRectangles; ++i) {
+    const cv::Rect box(static_cast<int>(kPrintWidth * unit()) - 40,
+                       static_cast<int>(kPrintHeight * unit()) - 40,
+                       8 + static_cast<int>(120 * unit()), 8 + static_cast<int>(120 * unit()));
+    const double grey = unit();
+    cv::Scalar color;
+    for (int c = 0; c < 3; ++c) {
+      color[c] = 255 * (darkest + (1 - darkest) * ((1 - tint) * grey + tint * unit()));
+    }
+    image(box & cv::Rect(0, 0, kPrintWidth, kPrintHeight)).setTo(color);
+  }
+  return image;
+}
+
+Body printed(Body body, const cv::Mat& texture) {
+  body.texture = texture;
+  return body;
+}
+
+double folds(double x, double y) {
+  constexpr double kFold = 95, kDepth = 18;  // mm: slopes of up to 50 degrees
+  return 760 + kDepth * std::sin(2 * std::numbers::pi * (y + 0.35 * x) / kFold);
+}
+
+double bulge(double x, double y) { return 780 - 60 * std::cos(x / 160) * std::cos(y / 130); }
+
+/// Depth at which the axis' neighbour (x, y) is lit `periods` periods from where it is at `z`.
+double periods_further(double z, const Eigen::Vector3d& ray, int periods) {
+  const Bench& b = bench();
+  const auto pixel = [&](double depth) {
+    const Eigen::Vector3d place = b.rig.T_projector_camera * (ray * depth);
+    return geometry::distort(b.rig.projector, place.hnormalized()).y();
+  };
+  const double wanted = pixel(z) - periods * b.pattern.period;
+  double near = z / 2, far = 2 * z;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = (near + far) / 2;
+    (pixel(middle) > wanted ? near : far) = middle;
+  }
+  return near;
+}
+
+/// Upright tiles, each a whole number of periods further than 700 mm: the phase goes on across
+/// their borders as if there were none.
+std::vector<Body> period_steps() {
+  constexpr int kColumns = 5, kRows = 4;
+  constexpr double kTile = 0.12;  // tangent of the angle it spans
+  constexpr int kPeriods[kRows][kColumns] = {
+      {0, 1, 0, 2, 0}, {1, 0, 3, 0, 1}, {0, 2, 0, 1, 0}, {1, 0, 1, 0, 2}};
+  std::vector<Body> tiles;
+  for (int r = 0; r < kRows; ++r) {
+    for (int c = 0; c < kColumns; ++c) {
+      const Eigen::Vector2d middle(kTile * (c - (kColumns - 1) / 2.0),
+                                   kTile * (r - (kRows - 1) / 2.0));
+      const double z = periods_further(700, middle.homogeneous(), kPeriods[r][c]);
+      Body tile;
+      tile.mesh = geometry::test::flat_sheet(1, 1, kTile * z);
+      const Eigen::Vector2d corner = z * (middle.array() - kTile / 2);
+      tile.mesh.vertices.colwise() += corner.homogeneous().eval();
+      tile.mesh.vertices.row(2).setConstant(z);
+      tiles.push_back(std::move(tile));
+    }
+  }
+  tiles.push_back(wall(periods_further(700, {0, 0, 1}, 6)));
+  return tiles;
+}
+
+/// Bars of 2 to 8 px before a wall.
+std::vector<Body> wires() {
+  std::vector<Body> bodies = {wall(800)};
+  for (int i = 0; i < 14; ++i) {
+    const bool upright = i % 2 == 0;
+    const double width = 1.3 + 0.3 * i, at = -170 + 26.0 * i;  // mm
+    Body bar;
+    bar.mesh = geometry::test::flat_sheet(1, 1, 1);
+    bar.mesh.vertices.row(0).array() = upright ? at + width * bar.mesh.vertices.row(0).array()
+                                               : -150 + 300 * bar.mesh.vertices.row(0).array();
+    bar.mesh.vertices.row(1).array() = upright
+                                           ? -110 + 220 * bar.mesh.vertices.row(1).array()
+                                           : 0.7 * at + width * bar.mesh.vertices.row(1).array();
+    bar.mesh.vertices.row(2).setConstant(upright ? 690 : 650);
+    bodies.push_back(std::move(bar));
+  }
+  return bodies;
+}
+
+// ---- scenes ------------------------------------------------------------------------------------
+
+/// As a user would: on a white wall, with the camera that is used.
+sensing::TrainedColors trained(const VirtualSensor& sensor) {
+  const Bench& b = bench();
+  const std::vector<Body> white = {wall(750)};
+  const auto seen = simulate(b.rig, white, sensing::color_panels(b.pattern, b.rig.projector),
+                             sensor, b.pattern.axis, 1000);
+  std::vector<sensing::NamedImages> images;
+  for (std::size_t i = 0; i < b.pattern.colors.size(); ++i) {
+    images.push_back({b.pattern.colors[i].name, {seen.frames[i]}});
+  }
+  return sensing::train_colors(images);
+}
+
+View view_of(const std::vector<Body>& bodies, const VirtualSensor& sensor, std::uint64_t number) {
+  const Bench& b = bench();
+  const std::vector<cv::Mat> panels = {b.panel};
+  sensing::Simulation seen = simulate(b.rig, bodies, panels, sensor, b.pattern.axis, number);
+  View view;
+  view.frame = seen.frames[0];
+  view.counted = seen.truth.lit && seen.truth.incidence <= static_cast<float>(kMaxIncidence);
+  view.z = std::move(seen.truth.range.z);
+  return view;
+}
+
+Scene scene_of(const char* name, const std::vector<std::vector<Body>>& groups,
+               const VirtualSensor& sensor, const sensing::TrainedColors& colors) {
+  Scene scene{name, bench().rig, bench().pattern, colors, {}};
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    scene.views.push_back(view_of(groups[i], sensor, i));
+  }
+  return scene;
+}
+
+}  // namespace
+
+std::vector<Scene> smooth_scenes(const CameraNoise& noise) {
+  const VirtualSensor sensor = camera_with(noise);
+  const sensing::TrainedColors colors = trained(sensor);
+  const auto plane = [](double z, double across, double down) {
+    return sheet(kHeight, [=](double x, double y) { return z + across * x + down * y; });
+  };
+  return {scene_of("planes", {{plane(560, 0.2, 0)}, {plane(700, 0, -0.35)}, {plane(900, 0.1, 0.2)}},
+                   sensor, colors),
+          scene_of("folds", {{sheet(2.5, folds)}}, sensor, colors),
+          scene_of("hand", {{hand(), wall(900)}}, sensor, colors),
+          scene_of("print", {{printed(sheet(10, bulge), print(0.25, 0.3))}}, sensor, colors)};
+}
+
+std::vector<Scene> hard_scenes() {
+  const VirtualSensor usual = camera_with(kUsualNoise);
+  const sensing::TrainedColors colors = trained(usual);
+  const Eigen::Vector3d before_wall(0, 10, 720), white(0.8, 0.8, 0.8);
+  const auto before = [&](const Body& body) { return std::vector<Body>{body, wall(850)}; };
+  std::vector<Scene> scenes;
+  const auto add = [&](const char* name, const std::vector<Body>& bodies,
+                       const VirtualSensor& sensor) {
+    scenes.push_back(scene_of(name, {bodies}, sensor, colors));
+  };
+  add("red ball", before(ball(before_wall, 80, {0.8, 0.04, 0.04})), usual);
+  add("purely red ball", before(ball(before_wall, 80, {0.8, 0, 0})), usual);
+  add("blue ball", before(ball(before_wall, 80, {0.04, 0.04, 0.8})), usual);
+  add(
+      "green hand",
+      [&] {
+        Body green = hand();
+        green.reflectance = {0.04, 0.8, 0.04};
+        return before(green);
+      }(),
+      usual);
+  add(
+      "red wall",
+      [] {
+        Body red = sheet(10, bulge);
+        red.reflectance = {0.8, 0.03, 0.03};
+        return std::vector<Body>{red};
+      }(),
+      usual);
+  add("strong print", {printed(sheet(10, bulge), print(0.03, 1))}, usual);
+  add("steps of whole periods", period_steps(), usual);
+  add("wires", wires(), usual);
+  add(
+      "glossy ball",
+      [&] {
+        Body glossy = ball(before_wall, 80, white);
+        glossy.specular = 0.6;
+        return before(glossy);
+      }(),
+      usual);
+  const std::vector<Body> usual_bodies = {ball(before_wall, 80, white), wall(850)};
+  VirtualSensor sensor = usual;
+  sensor.ambient = 1;
+  add("bright room", usual_bodies, sensor);
+  sensor = usual;
+  sensor.exposure_level = 0.06;
+  add("little light", usual_bodies, sensor);
+  sensor = usual;
+  sensor.exposure_percentile = 0.6;
+  sensor.exposure_level = 1;
+  add("overexposed", usual_bodies, sensor);
+  return scenes;
+}
+
+}  // namespace palpate::bench
