@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "demodulation.h"
+#include "hot_loop.h"
 #include "hue.h"
 #include "hue_classifier.h"
 #include "modulation.h"
@@ -75,23 +76,36 @@ void check_anchor(const Anchor& anchor, const geometry::Camera& camera) {
   }
 }
 
+/// To each pixel what the entry of its label says.
+PALPATE_HOT_LOOP void add_entries(const int* label, const float* in, const float* to_add,
+                                  const int* reason, float* __restrict phase,
+                                  std::uint8_t* __restrict reasons, long pixels) {
+  for (long i = 0; i < pixels; ++i) {
+    phase[i] = in[i] + to_add[label[i]];
+    const int given = reason[label[i]];
+    reasons[i] = reasons[i] != 0 ? reasons[i] : static_cast<std::uint8_t>(given);
+  }
+}
+
 /// Adds to each region its offset; tells why the pixels of no resolved region have no phase.
 void add_offsets(const Regions& regions, const std::vector<RegionOffset>& offsets, Plane& phase,
                  ReasonImage& reasons) {
   phase.resize(regions.phase.rows(), regions.phase.cols());
-  // One entry before those of the regions, for the pixels of none.
+  // One entry before those of the regions, for the pixels of none: their label is -1.
   std::vector<float> to_add(1, kUnknown);
-  std::vector<std::uint8_t> reason(1, code(Reason::uneven_phase));
+  std::vector<int> reason(1, code(Reason::uneven_phase));
   for (const RegionOffset& offset : offsets) {
     to_add.push_back(offset.phase ? static_cast<float>(*offset.phase) : kUnknown);
     reason.push_back(code(offset.reason));
   }
-  for (long i = 0; i < phase.size(); ++i) {
-    const auto entry = static_cast<std::size_t>(regions.label.data()[i] + 1);
-    phase.data()[i] = regions.phase.data()[i] + to_add[entry];
-    const std::uint8_t earlier = reasons.data()[i];
-    reasons.data()[i] = earlier != 0 ? earlier : reason[entry];
-  }
+  add_entries(regions.label.data(), regions.phase.data(), to_add.data() + 1, reason.data() + 1,
+              phase.data(), reasons.data(), phase.size());
+}
+
+/// From deviations of phases to those of the depths that are known.
+PALPATE_HOT_LOOP void scale_sigma(const float* z, const float* z_per_phase, float* __restrict sigma,
+                                  long pixels) {
+  for (long i = 0; i < pixels; ++i) sigma[i] = z[i] == z[i] ? sigma[i] * z_per_phase[i] : kUnknown;
 }
 
 /// What a pattern with stripes needs besides.
@@ -118,7 +132,7 @@ struct Decoder::Impl {
   [[nodiscard]] std::vector<RegionOffset> anchor_offsets(const Regions& regions) const;
   void drop_borders(Workspace& work) const;
   void check_colors(Workspace& work) const;
-  void fill_result(const Workspace& work, DecodeResult& result) const;
+  void fill_result(Workspace& work, DecodeResult& result) const;
   void decode(const cv::Mat& frame, DecodeResult& result) const;
 
   DecodeOptions options;
@@ -259,8 +273,8 @@ void Decoder::Impl::predict_sigma(Workspace& work) const {
                                       .offset = pattern.phase,
                                       .per_pixel = 2 * std::numbers::pi / pattern.period}};
   predict_phase_sigma(signal, estimate_noise(signal), filter, work.sigma);
-  work.sigma =
-      (work.surfaces.z == work.surfaces.z).select(work.sigma * work.surfaces.z_per_phase, kUnknown);
+  scale_sigma(work.surfaces.z.data(), work.surfaces.z_per_phase.data(), work.sigma.data(),
+              work.sigma.size());
 }
 
 /// Takes away the depths that the colours contradict.
@@ -271,7 +285,8 @@ void Decoder::Impl::check_colors(Workspace& work) const {
   keep_reconstructed(work.reasons, work.surfaces.z);
 }
 
-void Decoder::Impl::fill_result(const Workspace& work, DecodeResult& result) const {
+/// Leaves the result's former images to the workspace.
+void Decoder::Impl::fill_result(Workspace& work, DecodeResult& result) const {
   result.transitions = stripes ? static_cast<int>(work.guesses.size()) : 0;
   result.regions = work.regions.count;
   result.unresolved_regions =
@@ -283,9 +298,9 @@ void Decoder::Impl::fill_result(const Workspace& work, DecodeResult& result) con
     result.reasons = work.reasons.transpose();
     result.sigma = work.sigma.transpose();
   } else {
-    result.range.z = work.surfaces.z;
-    result.reasons = work.reasons;
-    result.sigma = work.sigma;
+    result.range.z.swap(work.surfaces.z);
+    result.reasons.swap(work.reasons);
+    result.sigma.swap(work.sigma);
   }
 }
 

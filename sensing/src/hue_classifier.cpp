@@ -36,9 +36,11 @@ const TrainedColor& find_color(const TrainedColors& trained, const std::string& 
 }  // namespace
 
 HueClassifier::HueClassifier(const Pattern& pattern, const TrainedColors& trained)
-    : colors_(static_cast<int>(pattern.colors.size())) {
+    : colors_(static_cast<int>(pattern.colors.size())),
+      padded_((colors_ + kGroup - 1) / kGroup * kGroup) {
   const auto count = static_cast<std::size_t>(colors_);
-  table_.resize(kSteps * count);
+  const auto padded = static_cast<std::size_t>(padded_);
+  table_.resize(kSteps * padded);
   std::vector<double> exponent(count);
   for (std::size_t step = 0; step < kSteps; ++step) {
     const double hue = 2 * std::numbers::pi * (static_cast<double>(step) + 0.5) / kSteps;
@@ -53,7 +55,7 @@ HueClassifier::HueClassifier(const Pattern& pattern, const TrainedColors& traine
     double sum = 0;
     for (const double e : exponent) sum += std::exp(e - *largest);
     for (std::size_t i = 0; i < count; ++i) {
-      table_[step * count + i] = static_cast<float>(std::exp(exponent[i] - *largest) / sum);
+      table_[step * padded + i] = static_cast<float>(std::exp(exponent[i] - *largest) / sum);
     }
     best_.push_back(static_cast<int>(largest - exponent.begin()));
   }

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <algorithm>
 #include <numbers>
 #include <vector>
 
@@ -18,14 +17,19 @@ class HueClassifier {
   /// Probabilities are tabulated at so many hues around the circle.
   static constexpr int kSteps = 1024;
 
+  /// Probabilities come in groups of so many colours, zeros filling the last one.
+  static constexpr int kGroup = 8;
+
   /// \throws InvalidInput if a colour of the pattern was not trained.
   HueClassifier(const Pattern& pattern, const TrainedColors& trained);
 
   [[nodiscard]] int colors() const { return colors_; }
+  /// A multiple of kGroup.
+  [[nodiscard]] int padded_colors() const { return padded_; }
   /// Probability of each colour of the pattern (in its order) given the hue [rad, in [0, 2 pi)]:
   /// its density divided by the sum of all.
   [[nodiscard]] const float* probabilities(float hue) const {
-    return &table_[step_of(hue) * static_cast<std::size_t>(colors_)];
+    return &table_[step_of(hue) * static_cast<std::size_t>(padded_)];
   }
   /// Index of the most probable colour.
   [[nodiscard]] int best(float hue) const { return best_[step_of(hue)]; }
@@ -33,11 +37,14 @@ class HueClassifier {
  private:
   [[nodiscard]] static std::size_t step_of(float hue) {
     constexpr float kPerRadian = kSteps / (2 * std::numbers::pi_v<float>);
-    return static_cast<std::size_t>(std::clamp(static_cast<int>(hue * kPerRadian), 0, kSteps - 1));
+    const int step = static_cast<int>(hue * kPerRadian);
+    const int positive = step > 0 ? step : 0;
+    return static_cast<std::size_t>(positive < kSteps ? positive : kSteps - 1);
   }
 
   int colors_ = 0;
-  std::vector<float> table_;  ///< kSteps x colors
+  int padded_ = 0;
+  std::vector<float> table_;  ///< kSteps x padded colours
   std::vector<int> best_;     ///< kSteps
 };
 

@@ -109,10 +109,6 @@ LinearInLight fit_line(const Points& points) {
   return {right_constant / constants, 0};
 }
 
-PALPATE_HOT_LOOP void add(const float* values, long columns, float* __restrict sum) {
-  for (long i = 0; i < columns; ++i) sum[i] += values[i];
-}
-
 struct Coefficients {
   float noise_constant = 0;
   float noise_slope = 0;
@@ -123,24 +119,28 @@ struct Coefficients {
   float blue = 0;
 };
 
-/// Adds the variances of the chromatic error.
-PALPATE_HOT_LOOP void add_chromatic(const float* red, const float* blue, Coefficients model,
-                                    long columns, float* __restrict sigma) {
-  for (long i = 0; i < columns; ++i) {
-    sigma[i] = std::sqrt(sigma[i] * sigma[i] + model.red * red[i] * red[i] +
-                         model.blue * blue[i] * blue[i]);
-  }
-}
+/// One row of what the deviations are predicted from.
+struct SignalRow {
+  const float* re;
+  const float* im;
+  const float* residual;
+  std::array<const float*, 3> means;  ///< of the channels, whose sum is the light
+  const float* red;                   ///< shares
+  const float* blue;
+};
 
-PALPATE_HOT_LOOP void find_sigma(const float* re, const float* im, const float* residual,
-                                 const float* light, Coefficients model, long columns,
-                                 float* __restrict sigma) {
+PALPATE_HOT_LOOP void find_sigma(const SignalRow& row, const Coefficients& coefficients,
+                                 long columns, float* __restrict sigma) {
+  const SignalRow r = row;
+  const Coefficients c = coefficients;
   for (long i = 0; i < columns; ++i) {
-    const float noise = model.noise_constant + model.noise_slope * light[i];
-    const float usual = model.residual_constant + model.residual_slope * light[i];
-    const float excess = residual[i] - usual;
-    const float variance = noise + model.coherent * (excess > 0 ? excess : 0.0F);
-    sigma[i] = std::sqrt(variance / (re[i] * re[i] + im[i] * im[i]));
+    const float light = r.means[0][i] + r.means[1][i] + r.means[2][i];
+    const float excess = r.residual[i] - (c.residual_constant + c.residual_slope * light);
+    const float noise = c.noise_constant + c.noise_slope * light;
+    const float variance = noise + c.coherent * (excess > 0 ? excess : 0.0F);
+    const float power = r.re[i] * r.re[i] + r.im[i] * r.im[i];
+    sigma[i] =
+        std::sqrt(variance / power + c.red * r.red[i] * r.red[i] + c.blue * r.blue[i] * r.blue[i]);
   }
 }
 
@@ -188,17 +188,19 @@ void predict_phase_sigma(const PhaseSignal& signal, const FrameNoise& noise,
       .red = static_cast<float>(noise.chromatic.red),
       .blue = static_cast<float>(noise.chromatic.blue)};
   sigma.resize(signal.wrapped.rows(), signal.wrapped.cols());
-  std::vector<float> light;
+  const std::vector<float> zeros(static_cast<std::size_t>(sigma.cols()), 0.0F);
+  const bool chromatic = model.red > 0 || model.blue > 0;
   for (long row = 0; row < sigma.rows(); ++row) {
-    light.assign(static_cast<std::size_t>(sigma.cols()), 0.0F);
-    for (const Demodulated& channel : signal.channels)
-      add(&channel.mean(row, 0), sigma.cols(), light.data());
-    find_sigma(&signal.combined.re(row, 0), &signal.combined.im(row, 0), &signal.residual(row, 0),
-               light.data(), model, sigma.cols(), &sigma(row, 0));
-    if (model.red > 0 || model.blue > 0) {
-      add_chromatic(&signal.combined.shares.red(row, 0), &signal.combined.shares.blue(row, 0),
-                    model, sigma.cols(), &sigma(row, 0));
+    SignalRow values{.re = &signal.combined.re(row, 0),
+                     .im = &signal.combined.im(row, 0),
+                     .residual = &signal.residual(row, 0),
+                     .means = {zeros.data(), zeros.data(), zeros.data()},
+                     .red = chromatic ? &signal.combined.shares.red(row, 0) : zeros.data(),
+                     .blue = chromatic ? &signal.combined.shares.blue(row, 0) : zeros.data()};
+    for (std::size_t i = 0; i < signal.channels.size(); ++i) {
+      values.means.at(i) = &signal.channels[i].mean(row, 0);
     }
+    find_sigma(values, model, sigma.cols(), &sigma(row, 0));
   }
 }
 

@@ -114,7 +114,7 @@ void phase_variance(const Plane& wrapped, const Mask& mask, Plane& variance) {
     variance.setConstant(rows, columns, std::numeric_limits<float>::infinity());
     return;
   }
-  variance.setZero(rows, columns);
+  variance.resize(rows, columns);
   DirectionRows right(columns);
   DirectionRows down(columns);
   for (long below = 0; below <= rows; ++below) {
@@ -133,6 +133,7 @@ void phase_variance(const Plane& wrapped, const Mask& mask, Plane& variance) {
     }
     if (below == 0) continue;
     const long row = below - 1;
+    variance.row(row).setZero();
     right.add_to(&variance(row, 0));
     down.add_to(&variance(row, 0));
     forget_outside(&mask(row, 0), &variance(row, 0), columns);

@@ -42,21 +42,24 @@ constexpr std::uint32_t kCompared = 1;
 constexpr std::uint32_t kAgreeing = 1 << 16;
 
 /// Compares the stripes' colours with the hues.
-void compare_row(const float* stripe_pixel, const float* hue, const StripeColors& stripes,
-                 const HueClassifier& classifier, std::uint32_t* said, long columns) {
+PALPATE_HOT_LOOP void compare_row(const float* stripe_pixel, const float* hue,
+                                  const StripeColors& stripes, const HueClassifier& classifier,
+                                  std::uint32_t* __restrict said, long columns) {
   for (long i = 0; i < columns; ++i) {
     const bool known = stripe_pixel[i] == stripe_pixel[i];
     const int color = stripes.color(known ? stripe_pixel[i] : 0);
     const std::uint32_t agreeing = classifier.best(hue[i]) == color ? kAgreeing : 0;
-    said[i] = known && color >= 0 ? kCompared + agreeing : 0;
+    said[i] = known & (color >= 0) ? kCompared + agreeing : 0;
   }
 }
 
-PALPATE_HOT_LOOP void add_row(std::uint32_t* sums, const std::uint32_t* row, long columns) {
+PALPATE_HOT_LOOP void add_row(std::uint32_t* __restrict sums, const std::uint32_t* row,
+                              long columns) {
   for (long i = 0; i < columns; ++i) sums[i] += row[i];
 }
 
-PALPATE_HOT_LOOP void take_row(std::uint32_t* sums, const std::uint32_t* row, long columns) {
+PALPATE_HOT_LOOP void take_row(std::uint32_t* __restrict sums, const std::uint32_t* row,
+                               long columns) {
   for (long i = 0; i < columns; ++i) sums[i] -= row[i];
 }
 
@@ -64,11 +67,12 @@ PALPATE_HOT_LOOP void take_row(std::uint32_t* sums, const std::uint32_t* row, lo
 /// \param until sums over all columns up to one, the counts of both kinds in one number: it may
 /// overflow, differences over a square do not.
 PALPATE_HOT_LOOP void judge_row(const std::uint32_t* until, const float* stripe_pixel,
-                                double min_agreement, std::uint8_t* marked, long columns) {
+                                float min_agreement, std::uint8_t* __restrict marked,
+                                long columns) {
   for (long i = 0; i < columns; ++i) {
     const std::uint32_t sum = until[i + kNearbyRows] - until[i];
-    const auto all = static_cast<double>(static_cast<int>(sum % kAgreeing));
-    const auto agreeing = static_cast<double>(static_cast<int>(sum / kAgreeing));
+    const auto all = static_cast<float>(static_cast<int>(sum % kAgreeing));
+    const auto agreeing = static_cast<float>(static_cast<int>(sum / kAgreeing));
     const bool known = stripe_pixel[i] == stripe_pixel[i];
     marked[i] = known & (agreeing < min_agreement * all) ? 1 : 0;
   }
@@ -130,8 +134,7 @@ StripeColors::StripeColors(const Pattern& pattern) {
     const bool near_next = next != edges.end() && *next - pixel < kEdgeMargin;
     const bool near_last = next != edges.begin() && pixel - *(next - 1) < kEdgeMargin;
     const auto stripe = static_cast<std::size_t>(next - edges.begin());
-    table_.push_back(near_next || near_last ? std::int16_t{-1}
-                                            : static_cast<std::int16_t>(pattern.stripes[stripe]));
+    table_.push_back(near_next || near_last ? -1 : static_cast<int>(pattern.stripes[stripe]));
   }
 }
 
@@ -164,7 +167,8 @@ void find_contradictions(const Plane& stripe_pixel, const Plane& hue, const Stri
       sum += sums(0, column);
     }
     until.rightCols(kNearby + 1) = sum;
-    judge_row(until.data(), &stripe_pixel(row, 0), min_agreement, &marked(row, 0), columns);
+    judge_row(until.data(), &stripe_pixel(row, 0), static_cast<float>(min_agreement),
+              &marked(row, 0), columns);
   }
 }
 

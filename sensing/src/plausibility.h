@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -34,14 +33,15 @@ class StripeColors {
   /// \param pixel across the stripes; finite.
   [[nodiscard]] int color(float pixel) const {
     const auto last = static_cast<float>(table_.size() - 1);
-    return table_[static_cast<std::size_t>(
-        std::clamp((pixel - first_) * kEntriesPerPixel, 0.0F, last))];
+    const float entry = (pixel - first_) * kEntriesPerPixel;
+    const float inside = entry < last ? entry : last;
+    return table_[static_cast<std::size_t>(static_cast<int>(inside > 0 ? inside : 0))];
   }
 
  private:
   static constexpr int kEntriesPerPixel = 4;
   float first_ = 0;  ///< projector pixel of the table's first entry
-  std::vector<std::int16_t> table_;
+  std::vector<int> table_;
 };
 
 /// Marks the pixels around which the stripe colours contradict the depths: among the pixels nearby

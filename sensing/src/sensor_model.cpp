@@ -9,6 +9,8 @@
 #include <numbers>
 #include <utility>
 
+#include "hot_loop.h"
+
 namespace palpate::sensing {
 namespace {
 
@@ -50,6 +52,14 @@ void find_surface_of(const SurfaceRow& row, const SurfaceConstants& constants) {
     find_surface_through_lens(row, constants);
   } else {
     find_surface(row, constants);
+  }
+}
+
+/// The first reason stays.
+PALPATE_HOT_LOOP void add_reasons(const std::int32_t* reason, std::uint8_t* __restrict reasons,
+                                  long columns) {
+  for (long i = 0; i < columns; ++i) {
+    reasons[i] = reasons[i] != 0 ? reasons[i] : static_cast<std::uint8_t>(reason[i]);
   }
 }
 
@@ -196,10 +206,7 @@ void SensorModel::find_surfaces(const Plane& phase, const ChannelShares& shares,
                      .reason = reason.data(),
                      .columns = columns_},
                     constants);
-    std::uint8_t* const told = &reasons(row, 0);
-    for (std::size_t i = 0; i < reason.size(); ++i) {
-      told[i] = told[i] != 0 ? told[i] : static_cast<std::uint8_t>(reason[i]);
-    }
+    add_reasons(reason.data(), &reasons(row, 0), columns_);
   }
 }
 

@@ -22,16 +22,25 @@ struct WindowColor {
 };
 
 /// The most probable colour of a window (Eqs. 3.3 and 3.5).
-/// \param sums room for a number per colour.
-WindowColor window_color(const float* hues, int length, const HueClassifier& classifier,
-                         std::vector<float>& sums) {
-  std::fill(sums.begin(), sums.end(), 0.0F);
-  for (int i = 0; i < length; ++i) {
-    const float* probabilities = classifier.probabilities(hues[i]);
-    for (std::size_t c = 0; c < sums.size(); ++c) sums[c] += probabilities[c];
+WindowColor window_color(const float* hues, int length, const HueClassifier& classifier) {
+  using Group = Eigen::Array<float, HueClassifier::kGroup, 1>;
+  WindowColor best;
+  float largest = -1;
+  for (int first = 0; first < classifier.padded_colors(); first += HueClassifier::kGroup) {
+    Group sums = Group::Zero();
+    for (int i = 0; i < length; ++i) {
+      sums += Eigen::Map<const Group>(classifier.probabilities(hues[i]) + first);
+    }
+    int color = 0;
+    const float sum =
+        sums.head(std::min(HueClassifier::kGroup, classifier.colors() - first)).maxCoeff(&color);
+    if (sum > largest) {
+      largest = sum;
+      best.color = first + color;
+    }
   }
-  const auto best = std::max_element(sums.begin(), sums.end());
-  return {static_cast<int>(best - sums.begin()), *best / static_cast<float>(length)};
+  best.score = largest / static_cast<float>(length);
+  return best;
 }
 
 /// Change of the hue from each column to the next; 0 next to unlit pixels.
@@ -113,7 +122,6 @@ void find_transitions(const Plane& hue, const Mask& lit, const StripeEdges& edge
                       std::vector<Transition>& transitions) {
   const auto min_score = static_cast<float>(options.min_color_score);
   std::vector<float> steps(static_cast<std::size_t>(hue.cols()));
-  std::vector<float> sums(static_cast<std::size_t>(classifier.colors()));
   transitions.clear();
   for (int row = 0; row < hue.rows(); ++row) {
     const Scanline line(hue, lit, row, options.min_hue_step, steps);
@@ -122,8 +130,8 @@ void find_transitions(const Plane& hue, const Mask& lit, const StripeEdges& edge
       const int window =
           std::min(line.run(first, -1, options.window_px), line.run(last, 1, options.window_px));
       if (window < std::min(kLeastWindow, options.window_px)) continue;
-      WindowColor left = window_color(line.hues() + first - window + 1, window, classifier, sums);
-      WindowColor right = window_color(line.hues() + last, window, classifier, sums);
+      WindowColor left = window_color(line.hues() + first - window + 1, window, classifier);
+      WindowColor right = window_color(line.hues() + last, window, classifier);
       if (left.score < min_score || right.score < min_score) continue;
       if (options.reversed) std::swap(left, right);
       const int edge = edges.find(left.color, right.color);

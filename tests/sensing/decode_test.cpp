@@ -231,6 +231,8 @@ TEST(Decoder, NothingOfAnEarlierFrameIsLeftInAResult) {
   EXPECT_TRUE((reused.range.z.isNaN() == fresh.range.z.isNaN()).all());
   EXPECT_EQ(reused.transitions, fresh.transitions);
   EXPECT_EQ(reused.regions, fresh.regions);
+  // Result and decoder exchange their images: those of the first frame come back.
+  decoder.decode(ball.frame, reused);
   EXPECT_EQ(reused.range.z.data(), memory);
   EXPECT_THROW(decoder.decode(cv::Mat(3, 3, CV_8UC3), reused), InvalidInput);
   EXPECT_TRUE((reused.reasons == fresh.reasons).all());
