@@ -28,7 +28,7 @@ struct RangeMap {
 /// \throws FileError if the file is missing, truncated, or of another type.
 [[nodiscard]] ImageF read_depth_tiff(const std::filesystem::path& path);
 
-/// Writes depths as a float32 TIFF (deflate), bit for bit; safe from several threads at once.
+/// Writes depths as a float32 TIFF (not packed), bit for bit; safe from several threads at once.
 /// \throws InvalidInput if there are no pixels; OutputError.
 void write_depth_tiff(const std::filesystem::path& path, const ImageF& z);
 
