@@ -37,10 +37,10 @@ constexpr double kShrink = 0.6;
 constexpr double kLeastError = 0.02;
 
 /// How often the unfit parts of a mesh are held fast before its error is given up; also as soon as
-/// they are not fewer than kPatience times before. The first time does not count: around what is
-/// held fast new ones arise.
+/// they are no nearer to none than kPatience times before. The first time does not count: around
+/// what is held fast new ones arise, of each of the three kinds.
 constexpr std::size_t kMostRounds = 24;
-constexpr std::size_t kPatience = 3;
+constexpr std::size_t kPatience = 6;
 
 /// No new error is tried after so many meshes.
 constexpr int kMostTries = 40;
@@ -109,8 +109,8 @@ TriangleMesh simplify(const Draft& draft, FloatPositions positions, double error
   return mesh;
 }
 
-/// Fixes what of the draft is around the corners of the unfit triangles of its candidate, and all
-/// that lies under those that are too far away.
+/// Fixes what of the draft is around the corners of the unfit triangles of its candidate and where
+/// points of the input were lost, and all that lies under those that are too far away.
 void fix_below(Draft& draft, const TriangleMesh& candidate, const DistanceTarget& target,
                const Unfit& unfit) {
   std::vector<char> is_far(static_cast<std::size_t>(candidate.triangles.cols()), 0);
@@ -122,6 +122,14 @@ void fix_below(Draft& draft, const TriangleMesh& candidate, const DistanceTarget
     }
   }
   std::vector<int> todo;
+  // Of what was folded, nothing of the candidate need be left nearby.
+  if (!unfit.lost.empty()) {
+    const SurfaceQuery draft_query(draft.mesh);
+    for (const Eigen::Vector3d& point : unfit.lost) {
+      const int t = draft_query.closest_point(point).at.triangle;
+      for (const int v : draft.mesh.triangles.col(t)) at_corner[static_cast<std::size_t>(v)] = 1;
+    }
+  }
   std::vector<char> seen(static_cast<std::size_t>(draft.mesh.triangles.cols()), 0);
   const auto visit = [&](int t) {
     if (t < 0 || seen[static_cast<std::size_t>(t)] != 0) return;
@@ -159,22 +167,21 @@ struct Aim {
 /// A mesh made from `draft` that passes; none if too little is gained, also because parts of it
 /// that do not fit are held fast.
 std::optional<TriangleMesh> pass(Draft draft, const FloatPositions& positions, const Aim& aim,
-                                 const DecimationStandard& standard, int& tries) {
+                                 const DecimationStandard& standard, KnownNear& known, int& tries) {
   const double most = (1 - aim.gain) * static_cast<double>(draft.mesh.triangles.cols());
-  std::vector<std::size_t> unfit_counts;
-  while (unfit_counts.size() < kMostRounds) {
+  std::vector<std::pair<int, std::size_t>> left;
+  while (left.size() < kMostRounds) {
     TriangleMesh candidate = simplify(draft, positions, aim.error, aim.target_triangles);
-    mend_slivers(candidate);
+    mend_slivers(candidate, draft.fixed);
     ++tries;
     const auto count = static_cast<double>(candidate.triangles.cols());
     if (count == 0 || count > most) return std::nullopt;
     const DistanceTarget target(candidate);
-    const Unfit unfit = find_unfit(candidate, target, standard, aim.tolerance);
+    const Unfit unfit = find_unfit(candidate, target, standard, aim.tolerance, known);
     if (unfit.count() == 0) return candidate;
-    unfit_counts.push_back(unfit.count());
-    const std::size_t rounds = unfit_counts.size();
-    if (rounds > kPatience + 1 &&
-        unfit_counts[rounds - 1] >= unfit_counts[rounds - 1 - kPatience]) {
+    left.push_back(unfit.left());
+    const std::size_t rounds = left.size();
+    if (rounds > kPatience + 1 && left[rounds - 1] >= left[rounds - 1 - kPatience]) {
       return std::nullopt;
     }
     fix_below(draft, candidate, target, unfit);
@@ -219,13 +226,14 @@ void check(const DecimationOptions& options) {
 TriangleMesh to_tolerance(const TriangleMesh& mesh, const DecimationStandard& standard,
                           double tolerance, int& tries) {
   const FloatPositions positions(mesh);
+  KnownNear known{.near = standard.triangles};
   TriangleMesh best = mesh;
   double error = kFirstError * tolerance;
   double grow = kGrow;
   while (tries < kMostTries && error >= kLeastError * tolerance) {
     const Aim aim{
         .error = error, .tolerance = tolerance, .target_triangles = 0, .gain = kLeastGain};
-    std::optional<TriangleMesh> smaller = pass(Draft(best), positions, aim, standard, tries);
+    std::optional<TriangleMesh> smaller = pass(Draft(best), positions, aim, standard, known, tries);
     if (smaller) best = std::move(*smaller);
     // Too little to gain as well: a larger error may do more.
     const bool rise = grow > 1 && error < kLastError * tolerance;
@@ -244,11 +252,12 @@ TriangleMesh to_tolerance(const TriangleMesh& mesh, const DecimationStandard& st
 TriangleMesh to_count(const TriangleMesh& mesh, const DecimationStandard& standard,
                       int max_triangles, int& tries) {
   const FloatPositions positions(mesh);
+  KnownNear known{.near = standard.triangles};
   TriangleMesh best = mesh;
   const Aim aim{
       .error = kInfinity, .tolerance = kInfinity, .target_triangles = max_triangles, .gain = 0};
   while (tries < kMostTries && best.triangles.cols() > max_triangles) {
-    std::optional<TriangleMesh> smaller = pass(Draft(best), positions, aim, standard, tries);
+    std::optional<TriangleMesh> smaller = pass(Draft(best), positions, aim, standard, known, tries);
     if (!smaller || smaller->triangles.cols() == best.triangles.cols()) break;
     best = std::move(*smaller);
   }

@@ -51,7 +51,7 @@ constexpr int kNone = -1;
 constexpr double kThin = 1e-2;
 
 /// Slivers may lie beside slivers; each pass mends those that do not touch.
-constexpr int kMostPasses = 50;
+constexpr int kMostPasses = 12;
 
 /// The longest side of a triangle that is lower than kThin of it; none for others.
 std::vector<int> sliver_sides(const TriangleMesh& mesh) {
@@ -77,11 +77,13 @@ std::vector<int> sliver_sides(const TriangleMesh& mesh) {
 /// middle corner: the surface moves by the sliver's height at most. False if that cannot be done
 /// now.
 bool mend(TriangleMesh& mesh, int half_edge, int other, const auto& edge_exists,
-          std::vector<char>& touched, std::vector<char>& drop) {
+          const std::vector<char>& fixed, std::vector<char>& touched, std::vector<char>& drop) {
   const int sliver = half_edge / 3;
   const int a = mesh.triangles(half_edge % 3, sliver);
   const int c = mesh.triangles((half_edge + 1) % 3, sliver);
   const int b = mesh.triangles((half_edge + 2) % 3, sliver);
+  const auto is_fixed = [&fixed](int v) { return fixed[static_cast<std::size_t>(v)] != 0; };
+  if (is_fixed(a) && is_fixed(b) && is_fixed(c)) return false;
   const int d = other == kNone ? b : mesh.triangles((other + 2) % 3, other / 3);
   for (const int v : {a, b, c, d}) {
     if (touched[static_cast<std::size_t>(v)] != 0) return false;
@@ -165,7 +167,7 @@ Gluing gluing(const TriangleMesh& mesh) {
   return found;
 }
 
-void mend_slivers(TriangleMesh& mesh) {
+void mend_slivers(TriangleMesh& mesh, const std::vector<char>& fixed) {
   std::vector<char> drop(static_cast<std::size_t>(mesh.triangles.cols()), 0);
   for (int pass = 0; pass < kMostPasses; ++pass) {
     const std::vector<int> longest = sliver_sides(mesh);
@@ -193,7 +195,7 @@ void mend_slivers(TriangleMesh& mesh) {
                            longest[static_cast<std::size_t>(other / 3)] != kNone &&
                            longest[static_cast<std::size_t>(other / 3)] != other;
         if (!waits) {
-          changed |= mend(mesh, sliver->half_edge, other, edge_exists, touched, drop);
+          changed |= mend(mesh, sliver->half_edge, other, edge_exists, fixed, touched, drop);
         }
       }
       first = last;
@@ -217,45 +219,70 @@ DecimationStandard::DecimationStandard(const TriangleMesh& mesh)
   std::sort(triangles.begin(), triangles.end());
 }
 
-Unfit find_unfit(const TriangleMesh& candidate, const DistanceTarget& candidate_target,
-                 const DecimationStandard& standard, double tolerance) {
+namespace {
+
+/// Triangles of the candidate that are badly glued, or turned over and no slivers.
+std::vector<int> bad_shapes(const TriangleMesh& candidate, const DecimationStandard& standard) {
   const auto count = static_cast<std::size_t>(candidate.triangles.cols());
   const Eigen::Matrix3Xd normals = triangle_normals(candidate);
-  std::vector<char> bad_shape(count, 0);
+  std::vector<char> bad(count, 0);
   const std::vector<int> slivers = sliver_sides(candidate);
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t t) {
     const auto triangle = static_cast<Eigen::Index>(t);
-    bad_shape[t] =
+    bad[t] =
         slivers[t] == kNone && turned_over(candidate, triangle, normals.col(triangle), standard);
   });
   const Gluing glued = gluing(candidate);
+  std::vector<int> found;
   for (std::size_t t = 0; t < count; ++t) {
-    if (standard.manifold_edges && glued.bad_edge[t] != 0) bad_shape[t] = 1;
+    if (standard.manifold_edges && glued.bad_edge[t] != 0) bad[t] = 1;
     for (const int v : candidate.triangles.col(static_cast<Eigen::Index>(t))) {
       const auto vertex = static_cast<std::size_t>(v);
-      if (glued.fans[vertex] > standard.input_gluing.fans[vertex]) bad_shape[t] = 1;
+      if (glued.fans[vertex] > standard.input_gluing.fans[vertex]) bad[t] = 1;
     }
+    if (bad[t] != 0) found.push_back(static_cast<int>(t));
   }
-  std::vector<char> far(count, 0);
-  if (tolerance < std::numeric_limits<double>::infinity()) {
-    const BoundGoal goal{.ignore_below = tolerance, .stop_above = tolerance};
-    const std::vector<LargestDistance> to_input =
-        bound_triangle_distances(candidate, standard.input, goal);
-    for (std::size_t t = 0; t < count; ++t) far[t] = to_input[t].upper <= tolerance ? 0 : 1;
-    for (const LargestDistance& found :
-         bound_triangle_distances(standard.input.mesh, candidate_target, goal)) {
-      if (found.upper <= tolerance) continue;
-      far[static_cast<std::size_t>(candidate_target.query.closest_point(found.at).at.triangle)] = 1;
-    }
-  }
+  return found;
+}
+
+}  // namespace
+
+Unfit find_unfit(const TriangleMesh& candidate, const DistanceTarget& candidate_target,
+                 const DecimationStandard& standard, double tolerance, KnownNear& known) {
   Unfit unfit;
-  for (std::size_t t = 0; t < count; ++t) {
-    if (far[t] != 0) {
-      unfit.far.push_back(static_cast<int>(t));
-    } else if (bad_shape[t] != 0) {
-      unfit.shapes.push_back(static_cast<int>(t));
-    }
+  unfit.shapes = bad_shapes(candidate, standard);
+  if (unfit.count() > 0 || !(tolerance < std::numeric_limits<double>::infinity())) return unfit;
+  const BoundGoal goal{.ignore_below = tolerance, .stop_above = tolerance};
+  for (const LargestDistance& found :
+       bound_triangle_distances(standard.input.mesh, candidate_target, goal)) {
+    if (found.upper <= tolerance) continue;
+    unfit.far.push_back(candidate_target.query.closest_point(found.at).at.triangle);
+    unfit.lost.push_back(found.at);
   }
+  if (unfit.count() > 0) {
+    std::sort(unfit.far.begin(), unfit.far.end());
+    unfit.far.erase(std::unique(unfit.far.begin(), unfit.far.end()), unfit.far.end());
+    return unfit;
+  }
+  // What is near the input stays so, and of most triangles that is known from earlier candidates.
+  std::vector<int> unknown;
+  for (Eigen::Index t = 0; t < candidate.triangles.cols(); ++t) {
+    if (!std::binary_search(known.near.begin(), known.near.end(), turned_corners(candidate, t)))
+      unknown.push_back(static_cast<int>(t));
+  }
+  if (unknown.empty()) return unfit;
+  const TriangleMesh part{candidate.vertices, candidate.triangles(Eigen::all, unknown)};
+  const std::vector<LargestDistance> to_input =
+      bound_triangle_distances(part, standard.input, goal);
+  const auto before = static_cast<std::ptrdiff_t>(known.near.size());
+  for (std::size_t i = 0; i < unknown.size(); ++i) {
+    if (to_input[i].upper <= tolerance)
+      known.near.push_back(turned_corners(candidate, unknown[i]));
+    else
+      unfit.far.push_back(unknown[i]);
+  }
+  std::sort(known.near.begin() + before, known.near.end());
+  std::inplace_merge(known.near.begin(), known.near.begin() + before, known.near.end());
   return unfit;
 }
 

@@ -174,6 +174,33 @@ TEST(Decimate, ToAToleranceTooSmallGivesBackTheInput) {
   EXPECT_EQ(result.distance, 0);
 }
 
+/// With two triangles beside it, a thin and a wide one that meet at their longest edge at a right
+/// angle: flipping that moves the surface by 0.9 mm.
+TriangleMesh beside_a_folded_sliver(const TriangleMesh& sheet) {
+  TriangleMesh both = sheet;
+  const auto count = static_cast<int>(sheet.vertices.cols());
+  const double beside = sheet.vertices.row(0).maxCoeff() + 50;
+  both.vertices.conservativeResize(3, count + 4);
+  both.vertices.col(count) << beside, 0, 0;
+  both.vertices.col(count + 1) << beside + 100, 0, 0;
+  both.vertices.col(count + 2) << beside + 50, 0, 0.9;
+  both.vertices.col(count + 3) << beside + 50, 40, 0;
+  const Eigen::Index last = both.triangles.cols();
+  both.triangles.conservativeResize(3, last + 2);
+  both.triangles.col(last) << count, count + 1, count + 2;
+  both.triangles.col(last + 1) << count + 1, count, count + 3;
+  return both;
+}
+
+TEST(Decimate, LeavesASliverAloneThatCannotBeMendedWithinTheTolerance) {
+  const TriangleMesh sheet = test::bumpy(1500);
+  const double tolerance = 0.3;
+  const auto alone = decimate(sheet, {.tolerance = tolerance});
+  const auto both = decimate(beside_a_folded_sliver(sheet), {.tolerance = tolerance});
+  EXPECT_LE(both.distance, tolerance);
+  EXPECT_LE(both.mesh.triangles.cols(), alone.mesh.triangles.cols() + 2);
+}
+
 TEST(Decimate, ToALargerToleranceGivesFewerTriangles) {
   const TriangleMesh mesh = test::glove(9);
   Eigen::Index last = mesh.triangles.cols();
