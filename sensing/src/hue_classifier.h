@@ -29,19 +29,20 @@ class HueClassifier {
   /// Probability of each colour of the pattern (in its order) given the hue [rad, in [0, 2 pi)]:
   /// its density divided by the sum of all.
   [[nodiscard]] const float* probabilities(float hue) const {
-    return &table_[step_of(hue) * static_cast<std::size_t>(padded_)];
+    return &table_[static_cast<std::size_t>(step_of(hue) * padded_)];
   }
   /// Index of the most probable colour.
-  [[nodiscard]] int best(float hue) const { return best_[step_of(hue)]; }
-
- private:
-  [[nodiscard]] static std::size_t step_of(float hue) {
+  [[nodiscard]] int best(float hue) const { return best_[static_cast<std::size_t>(step_of(hue))]; }
+  /// The same in two steps.
+  [[nodiscard]] static int step_of(float hue) {
     constexpr float kPerRadian = kSteps / (2 * std::numbers::pi_v<float>);
     const int step = static_cast<int>(hue * kPerRadian);
     const int positive = step > 0 ? step : 0;
-    return static_cast<std::size_t>(positive < kSteps ? positive : kSteps - 1);
+    return positive < kSteps ? positive : kSteps - 1;
   }
+  [[nodiscard]] const int* best_of_steps() const { return best_.data(); }
 
+ private:
   int colors_ = 0;
   int padded_ = 0;
   std::vector<float> table_;  ///< kSteps x padded colours

@@ -41,16 +41,45 @@ PALPATE_HOT_LOOP bool break_row(const float* phase, const float* below, float li
 constexpr std::uint32_t kCompared = 1;
 constexpr std::uint32_t kAgreeing = 1 << 16;
 
-/// Compares the stripes' colours with the hues.
-PALPATE_HOT_LOOP void compare_row(const float* stripe_pixel, const float* hue,
-                                  const StripeColors& stripes, const HueClassifier& classifier,
-                                  std::uint32_t* __restrict said, long columns) {
+/// Table entries, then colours, of a row of pixels: of their hue, and of the stripe there.
+struct ColorRow {
+  explicit ColorRow(long columns)
+      : seen(static_cast<std::size_t>(columns)), expected(static_cast<std::size_t>(columns)) {}
+  std::vector<int> seen;
+  std::vector<int> expected;
+};
+
+PALPATE_HOT_LOOP void look_up(const int* table, int* __restrict entries, long count) {
+  for (long i = 0; i < count; ++i) entries[i] = table[entries[i]];
+}
+
+PALPATE_HOT_LOOP void find_entries(const float* stripe_pixel, const float* hue,
+                                   const StripeColors& stripes, int* __restrict expected,
+                                   int* __restrict seen, long columns) {
   for (long i = 0; i < columns; ++i) {
-    const bool known = stripe_pixel[i] == stripe_pixel[i];
-    const int color = stripes.color(known ? stripe_pixel[i] : 0);
-    const std::uint32_t agreeing = classifier.best(hue[i]) == color ? kAgreeing : 0;
-    said[i] = known & (color >= 0) ? kCompared + agreeing : 0;
+    expected[i] = stripes.entry(stripe_pixel[i]);
+    seen[i] = HueClassifier::step_of(hue[i]);
   }
+}
+
+PALPATE_HOT_LOOP void compare_colors(const float* stripe_pixel, const int* expected,
+                                     const int* seen, std::uint32_t* __restrict said,
+                                     long columns) {
+  for (long i = 0; i < columns; ++i) {
+    const bool known = (stripe_pixel[i] == stripe_pixel[i]) & (expected[i] >= 0);
+    const std::uint32_t agreeing = seen[i] == expected[i] ? kAgreeing : 0;
+    said[i] = known ? kCompared + agreeing : 0;
+  }
+}
+
+/// Compares the stripes' colours with the hues.
+void compare_row(const float* stripe_pixel, const float* hue, const StripeColors& stripes,
+                 const HueClassifier& classifier, ColorRow& colors, std::uint32_t* said) {
+  const auto columns = static_cast<long>(colors.seen.size());
+  find_entries(stripe_pixel, hue, stripes, colors.expected.data(), colors.seen.data(), columns);
+  look_up(stripes.color_of_entries(), colors.expected.data(), columns);
+  look_up(classifier.best_of_steps(), colors.seen.data(), columns);
+  compare_colors(stripe_pixel, colors.expected.data(), colors.seen.data(), said, columns);
 }
 
 PALPATE_HOT_LOOP void add_row(std::uint32_t* __restrict sums, const std::uint32_t* row,
@@ -136,6 +165,7 @@ StripeColors::StripeColors(const Pattern& pattern) {
     const auto stripe = static_cast<std::size_t>(next - edges.begin());
     table_.push_back(near_next || near_last ? -1 : static_cast<int>(pattern.stripes[stripe]));
   }
+  last_ = static_cast<float>(table_.size() - 1);
 }
 
 void find_contradictions(const Plane& stripe_pixel, const Plane& hue, const StripeColors& stripes,
@@ -149,13 +179,14 @@ void find_contradictions(const Plane& stripe_pixel, const Plane& hue, const Stri
   Numbers said = Numbers::Zero(kNearbyRows, columns);
   Numbers sums = Numbers::Zero(1, columns);
   Numbers until = Numbers::Zero(1, columns + kNearbyRows);
+  ColorRow colors(columns);
   for (long row = -kNearby; row < rows; ++row) {
     const long entering = row + kNearby;
     std::uint32_t* const place = &said(entering % kNearbyRows, 0);
     take_row(sums.data(), place, columns);
     if (entering < rows) {
-      compare_row(&stripe_pixel(entering, 0), &hue(entering, 0), stripes, classifier, place,
-                  columns);
+      compare_row(&stripe_pixel(entering, 0), &hue(entering, 0), stripes, classifier, colors,
+                  place);
       add_row(sums.data(), place, columns);
     } else {
       std::fill_n(place, columns, 0U);

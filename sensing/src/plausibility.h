@@ -32,15 +32,20 @@ class StripeColors {
   /// Index of the colour, or -1 near an edge.
   /// \param pixel across the stripes; finite.
   [[nodiscard]] int color(float pixel) const {
-    const auto last = static_cast<float>(table_.size() - 1);
-    const float entry = (pixel - first_) * kEntriesPerPixel;
-    const float inside = entry < last ? entry : last;
-    return table_[static_cast<std::size_t>(static_cast<int>(inside > 0 ? inside : 0))];
+    return table_[static_cast<std::size_t>(entry(pixel))];
   }
+  /// The same in two steps; any entry for NaN.
+  [[nodiscard]] int entry(float pixel) const {
+    const float wanted = (pixel - first_) * kEntriesPerPixel;
+    const float below = wanted < last_ ? wanted : last_;
+    return static_cast<int>(below > 0 ? below : 0);
+  }
+  [[nodiscard]] const int* color_of_entries() const { return table_.data(); }
 
  private:
   static constexpr int kEntriesPerPixel = 4;
   float first_ = 0;  ///< projector pixel of the table's first entry
+  float last_ = 0;   ///< the table's last entry
   std::vector<int> table_;
 };
 
