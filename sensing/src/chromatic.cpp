@@ -25,12 +25,36 @@ PALPATE_HOT_LOOP void add_turned(const float* re, const float* im, const float* 
   }
 }
 
+/// Weight of the second of two pixels, `shift` px to the right of a pixel being `first` px.
+[[gnu::always_inline]] inline float weight_of(float shift, float first) {
+  const float weight = shift - first;
+  const float positive = weight > 0 ? weight : 0;
+  return positive < 1 ? positive : 1;
+}
+
+/// How many pixels farther right and down the upper left of four pixels is.
+struct FirstOfFour {
+  float right;
+  float down;
+};
+
 PALPATE_HOT_LOOP void interpolate(const float* above, const float* below_it, const float* right,
-                                  const float* below, long columns, float* __restrict out) {
+                                  const float* down, FirstOfFour first, long columns,
+                                  float* __restrict out) {
   for (long i = 0; i < columns; ++i) {
-    const float upper = above[i] + right[i] * (above[i + 1] - above[i]);
-    const float lower = below_it[i] + right[i] * (below_it[i + 1] - below_it[i]);
-    out[i] = upper + below[i] * (lower - upper);
+    const float right_weight = weight_of(right[i], first.right);
+    const float upper = above[i] + right_weight * (above[i + 1] - above[i]);
+    const float lower = below_it[i] + right_weight * (below_it[i + 1] - below_it[i]);
+    out[i] = upper + weight_of(down[i], first.down) * (lower - upper);
+  }
+}
+
+/// Between the nodes.
+PALPATE_HOT_LOOP void fill_row(const float* nodes, long columns, float* __restrict out) {
+  for (long first = 0; first < columns; first += kNodeSpacing, ++nodes) {
+    const float slope = (nodes[1] - nodes[0]) / kNodeSpacing;
+    const long count = columns - first < kNodeSpacing ? columns - first : kNodeSpacing;
+    for (int i = 0; i < count; ++i) out[first + i] = nodes[0] + slope * static_cast<float>(i);
   }
 }
 
@@ -49,25 +73,45 @@ struct SignalRow {
   Eigen::ArrayXf im;
 };
 
-/// One row of a channel where green sees it, the carrier and the lag not yet put in.
-void shifted_row(const Demodulated& signal, const ChannelShift& shift, long row, SignalRow& out) {
-  if (shift.none()) {
-    out.re = signal.re.row(row);
-    out.im = signal.im.row(row);
-    return;
+/// One row of what a model says of every pixel, and of the channel where green sees it, the carrier
+/// and the lag not yet put in.
+struct ShiftedRow {
+  explicit ShiftedRow(long columns)
+      : signal(columns), cosine(columns), sine(columns), right_(columns), down_(columns) {}
+
+  void find(const Demodulated& channel, const ChannelModel& model, long row) {
+    fill_row(&model.cosine(row, 0), cosine.size(), cosine.data());
+    fill_row(&model.sine(row, 0), sine.size(), sine.data());
+    if (model.shift.none()) {
+      signal.re = channel.re.row(row);
+      signal.im = channel.im.row(row);
+      return;
+    }
+    fill_row(&model.shift.right(row, 0), right_.size(), right_.data());
+    fill_row(&model.shift.down(row, 0), down_.size(), down_.data());
+    signal.re.setZero();
+    signal.im.setZero();
+    for (const ChannelShift::Run& run : model.shift.runs[static_cast<std::size_t>(row)]) {
+      const FirstOfFour first{static_cast<float>(run.column - run.begin),
+                              static_cast<float>(run.row - row)};
+      const float* right = &right_[run.begin];
+      const float* down = &down_[run.begin];
+      const long length = run.end - run.begin;
+      interpolate(&channel.re(run.row, run.column), &channel.re(run.row + 1, run.column), right,
+                  down, first, length, &signal.re[run.begin]);
+      interpolate(&channel.im(run.row, run.column), &channel.im(run.row + 1, run.column), right,
+                  down, first, length, &signal.im[run.begin]);
+    }
   }
-  out.re.setZero();
-  out.im.setZero();
-  for (const ChannelShift::Run& run : shift.runs[static_cast<std::size_t>(row)]) {
-    const float* right = &shift.right(row, run.begin);
-    const float* below = &shift.below(row, run.begin);
-    const long length = run.end - run.begin;
-    interpolate(&signal.re(run.row, run.column), &signal.re(run.row + 1, run.column), right, below,
-                length, &out.re[run.begin]);
-    interpolate(&signal.im(run.row, run.column), &signal.im(run.row + 1, run.column), right, below,
-                length, &out.im[run.begin]);
-  }
-}
+
+  SignalRow signal;
+  Eigen::ArrayXf cosine;
+  Eigen::ArrayXf sine;
+
+ private:
+  Eigen::ArrayXf right_;
+  Eigen::ArrayXf down_;
+};
 
 /// About so many pixels tell of the chromatic error, every kErrorSpacing-th [px] of evenly spaced
 /// rows: as far as the averaging along the rows reaches.
@@ -144,15 +188,10 @@ class Disagreement {
   int count_ = 0;
 };
 
-/// Interpolation between the pixels `first` and `first + 1` of `size`, at a place in (-1, size);
-/// beyond the outermost pixels their values hold.
-struct Between {
-  Between(double place, long size)
-      : first(std::clamp<long>(static_cast<long>(std::floor(place)), 0, size - 2)),
-        weight(std::clamp(place - static_cast<double>(first), 0.0, 1.0)) {}
-  long first;
-  double weight;
-};
+/// The first of the two of `size` pixels around a place in (-1, size).
+long first_of_two(double place, long size) {
+  return std::clamp<long>(static_cast<long>(std::floor(place)), 0, size - 2);
+}
 
 /// Appends a pixel to the runs of its row.
 void extend(std::vector<ChannelShift::Run>& runs, const ChannelShift::Run& pixel) {
@@ -181,15 +220,28 @@ ChromaticLag chromatic_lag(const ChromaticShift& shift, const geometry::Camera& 
   return {.slope = slope, .offset = per_pixel * focal * shift.gamma / shift.beta - slope * center};
 }
 
+Nodes nodes_of(const Plane& smooth) {
+  const long last = smooth.cols() - 1;
+  Nodes nodes(smooth.rows(), (last + kNodeSpacing - 1) / kNodeSpacing + 2);
+  for (long i = 0; i < nodes.cols(); ++i) {
+    const long column = i * kNodeSpacing;
+    nodes.col(i) = smooth.col(std::min(column, last));
+    if (column > last && last > 0) {
+      nodes.col(i) += static_cast<float>(column - last) * (smooth.col(last) - smooth.col(last - 1));
+    }
+  }
+  return nodes;
+}
+
 ChannelShift channel_shift(const geometry::Camera& camera, double alpha,
                            const Eigen::Matrix2Xd& rays, const Carrier& carrier) {
   const bool transposed = carrier.transposed;
   if (alpha == 1 || camera.width < 2 || camera.height < 2) return {};
   const long rows = transposed ? camera.width : camera.height;
   const long columns = transposed ? camera.height : camera.width;
-  const Plane zero = Plane::Zero(rows, columns);
-  ChannelShift shift{std::vector<std::vector<ChannelShift::Run>>(static_cast<std::size_t>(rows)),
-                     zero, zero, zero};
+  Plane right(rows, columns);
+  Plane down(rows, columns);
+  std::vector<std::vector<ChannelShift::Run>> runs(static_cast<std::size_t>(rows));
   for (long row = 0; row < rows; ++row) {
     for (long column = 0; column < columns; ++column) {
       const long u = transposed ? row : column;
@@ -197,27 +249,25 @@ ChannelShift channel_shift(const geometry::Camera& camera, double alpha,
       const Eigen::Vector2d ray = rays.col(v * camera.width + u) / alpha;
       Eigen::Vector2d place = geometry::distort(camera, ray);
       if (transposed) std::swap(place.x(), place.y());
+      right(row, column) = static_cast<float>(place.x() - static_cast<double>(column));
+      down(row, column) = static_cast<float>(place.y() - static_cast<double>(row));
       const bool inside = place.x() > -1 && place.y() > -1 &&
                           place.x() < static_cast<double>(columns) &&
                           place.y() < static_cast<double>(rows);
       if (!inside) continue;
-      const Between x(place.x(), columns);
-      const Between y(place.y(), rows);
-      shift.right(row, column) = static_cast<float>(x.weight);
-      shift.below(row, column) = static_cast<float>(y.weight);
-      shift.turn(row, column) =
-          static_cast<float>(carrier.along * (place.y() - static_cast<double>(row)));
-      extend(shift.runs[static_cast<std::size_t>(row)], {column, column + 1, y.first, x.first});
+      extend(runs[static_cast<std::size_t>(row)],
+             {column, column + 1, first_of_two(place.y(), rows), first_of_two(place.x(), columns)});
     }
   }
-  return shift;
+  return {std::move(runs), nodes_of(right), nodes_of(down),
+          static_cast<float>(carrier.along) * down};
 }
 
 ChannelModel channel_model(ChannelShift shift, const ChromaticLag& lag,
                            const Plane& expected_pixel) {
   Plane turn = expected_pixel * static_cast<float>(lag.slope) + static_cast<float>(lag.offset);
   if (!shift.none()) turn += shift.turn;
-  return {std::move(shift), lag, turn.cos(), turn.sin()};
+  return {std::move(shift), lag, nodes_of(turn.cos()), nodes_of(turn.sin())};
 }
 
 void combine_channels(const std::vector<Demodulated>& channels, const ChromaticModel& model,
@@ -230,15 +280,14 @@ void combine_channels(const std::vector<Demodulated>& channels, const ChromaticM
     plane->resize(channels[0].re.rows(), channels[0].re.cols());
   const long columns = out.re.cols();
   const std::array<Plane*, 2> shares = {&out.shares.red, &out.shares.blue};
-  SignalRow seen(columns);
+  ShiftedRow seen(columns);
   std::array<SignalRow, 2> added = {SignalRow(columns), SignalRow(columns)};
   for (long row = 0; row < out.re.rows(); ++row) {
     out.re.row(row) = channels[0].re.row(row);
     out.im.row(row) = channels[0].im.row(row);
     for (std::size_t i = 0; i < 2; ++i) {
-      const ChannelModel& channel = model.channels[i];
-      shifted_row(channels[i + 1], channel.shift, row, seen);
-      add_turned(seen.re.data(), seen.im.data(), &channel.cosine(row, 0), &channel.sine(row, 0),
+      seen.find(channels[i + 1], model.channels[i], row);
+      add_turned(seen.signal.re.data(), seen.signal.im.data(), seen.cosine.data(), seen.sine.data(),
                  columns, added[i].re.data(), added[i].im.data(), &out.re(row, 0), &out.im(row, 0));
     }
     for (std::size_t i = 0; i < 2; ++i) {
@@ -253,16 +302,16 @@ ChromaticError remaining_error(const std::vector<Demodulated>& channels,
                                const PixelOfPhase& pixels) {
   if (channels.size() == 1) return {};
   const long step = std::max<long>(1, phase.size() / (kErrorSpacing * kErrorSamples));
-  SignalRow seen(phase.cols());
+  ShiftedRow seen(phase.cols());
   std::array<double, 2> error{};
   for (std::size_t i = 0; i < 2; ++i) {
     const ChannelModel& channel = model.channels[i];
     Disagreement found;
     for (long row = step / 2; row < phase.rows(); row += step) {
-      shifted_row(channels[i + 1], channel.shift, row, seen);
+      seen.find(channels[i + 1], channel, row);
       found.add_row({.green = {&channels[0].re(row, 0), &channels[0].im(row, 0)},
-                     .channel = seen,
-                     .turn = {&channel.cosine(row, 0), &channel.sine(row, 0)},
+                     .channel = seen.signal,
+                     .turn = {seen.cosine.data(), seen.sine.data()},
                      .phase = &phase(row, 0),
                      .expected = &model.expected_pixel(row, 0),
                      .row = row},

@@ -25,6 +25,13 @@ struct ChromaticLag {
 [[nodiscard]] ChromaticLag chromatic_lag(const ChromaticShift& shift,
                                          const geometry::Camera& projector, const Pattern& pattern);
 
+/// What varies smoothly along the rows is kept at the columns 0, kNodeSpacing, 2 kNodeSpacing, ...
+/// up to one that is not left of the last column; between, it is linear. Smooth are the lenses:
+/// over 16 pixels a place bends away from its chord by some 1e-4 px.
+inline constexpr long kNodeSpacing = 16;
+using Nodes = Plane;
+[[nodiscard]] Nodes nodes_of(const Plane& smooth);
+
 /// Where a channel shows what green shows at each pixel of the working image: alpha acts on the
 /// normalised camera coordinates (Eq. 3.14). The shift varies slowly, so the four pixels around
 /// such a place are the same number of pixels away over long runs of a row.
@@ -37,8 +44,8 @@ struct ChannelShift {
     long column = 0;
   };
   std::vector<std::vector<Run>> runs;  ///< of each row; a pixel in none is outside the image
-  Plane right;                         ///< weight of the right two of the four; in [0, 1]
-  Plane below;                         ///< weight of the lower two
+  Nodes right;                         ///< [px] from the pixel to the place
+  Nodes down;                          ///< [px]
   Plane turn;                          ///< [rad] of the carrier from the place to the pixel
   [[nodiscard]] bool none() const { return runs.empty(); }
 };
@@ -50,8 +57,8 @@ struct ChannelShift {
 struct ChannelModel {
   ChannelShift shift;
   ChromaticLag lag;
-  Plane cosine;  ///< of the lag at each pixel's expected projector pixel, plus the shift's turn
-  Plane sine;
+  Nodes cosine;  ///< of the lag at each pixel's expected projector pixel, plus the shift's turn
+  Nodes sine;
 };
 /// \param expected_pixel as in `ChromaticModel`.
 [[nodiscard]] ChannelModel channel_model(ChannelShift shift, const ChromaticLag& lag,
