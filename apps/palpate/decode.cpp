@@ -39,6 +39,7 @@ struct DecodeCall {
   std::string bayer;
   std::vector<double> anchor;
   double window_periods = sensing::DecodeOptions{}.window_periods;
+  bool half = false;
   DecodeOutputs outputs;
   bool resume = false;
 };
@@ -230,10 +231,21 @@ nlohmann::ordered_json settings_of(const DecodeCall& call) {
           {"--colors", call.colors.empty() ? "" : fingerprint(call.colors)},
           {"--anchor", call.anchor},
           {"--window", call.window_periods},
+          {"--half", call.half},
           {"--bayer", call.bayer}};
 }
 
+/// Whether the rig is the one that goes with the range maps.
+bool lies_in_output(const DecodeCall& call) {
+  return fs::weakly_canonical(call.rig) == fs::weakly_canonical(call.outputs.folder / "rig.yaml");
+}
+
 void decode(const Settings& settings, const DecodeCall& call) {
+  if (call.half && lies_in_output(call)) {
+    throw InvalidInput("--half: " + call.rig.string() +
+                       " would be replaced by the rig of the smaller range maps; choose another "
+                       "folder for them");
+  }
   sensing::FrameSource source = open_frames(call);
   const sensing::Rig rig = sensing::read_rig(call.rig);
   const sensing::Pattern pattern = sensing::read_pattern(call.pattern);
@@ -241,6 +253,7 @@ void decode(const Settings& settings, const DecodeCall& call) {
   if (!call.colors.empty()) colors = sensing::read_trained_colors(call.colors);
   sensing::DecodeOptions options;
   options.window_periods = call.window_periods;
+  options.half_resolution = call.half;
   if (!call.anchor.empty())
     options.anchor = sensing::Anchor{call.anchor[0], call.anchor[1], call.anchor[2]};
   const sensing::Decoder decoder(rig, pattern, colors, options);
@@ -258,9 +271,7 @@ void decode(const Settings& settings, const DecodeCall& call) {
   if (outcomes.empty()) throw FileError(call.frames.front().string() + ": holds no frame.");
   if (broken == static_cast<long>(outcomes.size())) throw FileError(outcomes.front().error);
   // A rig that lies there already is kept as it was written.
-  if (fs::weakly_canonical(call.rig) != fs::weakly_canonical(folder / "rig.yaml")) {
-    sensing::write_rig(folder / "rig.yaml", rig);
-  }
+  if (!lies_in_output(call)) sensing::write_rig(folder / "rig.yaml", decoder.rig());
   record.write();
   for (std::size_t i = 0; i < outcomes.size(); ++i) {
     if (outcomes[i].error.empty())
@@ -293,6 +304,9 @@ void add_decode(CLI::App& app, const Settings& settings) {
                    "Length of the window that measures the phase, in periods of the sinusoid, 1.25 "
                    "to 8: longer is less noisy, shorter sees finer relief and nearer to edges")
       ->capture_default_str();
+  command->add_flag("--half", call->half,
+                    "Decode at half the size of the frames, several times faster; the range maps "
+                    "and the rig beside them are of that size");
   command
       ->add_option("--bayer", call->bayer,
                    "The frames are raw mosaics of a single-chip camera: the colours of its first "

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "demodulation.h"
+#include "half_size.h"
 #include "hot_loop.h"
 #include "hue.h"
 #include "hue_classifier.h"
@@ -76,6 +77,29 @@ void check_anchor(const Anchor& anchor, const geometry::Camera& camera) {
   }
 }
 
+/// The least period at half size [px]. From there on the sinusoid's mirror image at the negative
+/// frequency, seen from the sampling, is at least one carrier away: on a zero of the window's
+/// spectrum or beyond, like the second harmonic. Shorter periods would let it into the phase
+/// wherever a slope takes the sinusoid off the carrier.
+constexpr double kLeastHalfPeriod = 3;
+
+/// The rig whose camera sees what is decoded.
+Rig decoded_rig(const Rig& rig, const Pattern& pattern, bool half) {
+  if (!half) return rig;
+  check_rig(rig, "rig");
+  check_pattern(pattern, "pattern");
+  const double period = std::numbers::pi / std::abs(expected_carrier(rig, pattern).along);
+  if (period < kLeastHalfPeriod) {
+    throw InvalidInput(
+        "DecodeOptions: half_resolution: a period of the sinusoid would have about " +
+        std::to_string(period) + " px at half the frame's size; at least " +
+        std::to_string(kLeastHalfPeriod) + " px are needed, decode at full size");
+  }
+  Rig decoded = rig;
+  decoded.camera = half_size(rig.camera);
+  return decoded;
+}
+
 /// To each pixel what the entry of its label says.
 PALPATE_HOT_LOOP void add_entries(const int* label, const float* in, const float* to_add,
                                   const int* reason, float* __restrict phase,
@@ -136,7 +160,8 @@ struct Decoder::Impl {
   void decode(const cv::Mat& frame, DecodeResult& result) const;
 
   DecodeOptions options;
-  SensorModel model;
+  geometry::Camera camera;  ///< of the frames
+  SensorModel model;        ///< of what is decoded
   DemodulationFilter filter;
   std::optional<Stripes> stripes;  ///< iff the pattern has any
   mutable Pool<Workspace> workspaces;
@@ -145,7 +170,8 @@ struct Decoder::Impl {
 Decoder::Impl::Impl(const Rig& rig, const Pattern& pattern, const TrainedColors& colors,
                     const DecodeOptions& the_options)
     : options((check_options(the_options), the_options)),
-      model(rig, pattern),
+      camera(rig.camera),
+      model(decoded_rig(rig, pattern, options.half_resolution), pattern),
       filter(make_filter(model.carrier().along, options.window_periods)) {
   if (pattern.stripe_edges.empty() && !options.anchor) {
     throw InvalidInput(
@@ -156,12 +182,18 @@ Decoder::Impl::Impl(const Rig& rig, const Pattern& pattern, const TrainedColors&
         "DecodeOptions: anchor: the pattern's stripes tell the depths; an anchor is for a pattern "
         "without stripes, leave it out");
   }
-  if (options.anchor) check_anchor(*options.anchor, rig.camera);
+  if (options.anchor) {
+    geometry::Camera seen = rig.camera;
+    if (options.half_resolution) {
+      seen.width = 2 * model.rig().camera.width;
+      seen.height = 2 * model.rig().camera.height;
+    }
+    check_anchor(*options.anchor, seen);
+  }
   if (!pattern.stripe_edges.empty()) stripes.emplace(pattern, colors);
 }
 
 void Decoder::Impl::check_frame(const cv::Mat& frame) const {
-  const geometry::Camera& camera = model.rig().camera;
   if (frame.cols != camera.width || frame.rows != camera.height) {
     throw InvalidInput("frame: is " + std::to_string(frame.cols) + " x " +
                        std::to_string(frame.rows) + " px, the rig's camera has " +
@@ -186,8 +218,11 @@ void Decoder::Impl::find_guesses(Workspace& work) const {
 }
 
 std::vector<RegionOffset> Decoder::Impl::anchor_offsets(const Regions& regions) const {
-  const int u = static_cast<int>(std::lround(options.anchor->u_px));
-  const int v = static_cast<int>(std::lround(options.anchor->v_px));
+  const auto decoded = [&](double pixel) {
+    return static_cast<int>(std::lround(options.half_resolution ? half_size(pixel) : pixel));
+  };
+  const int u = decoded(options.anchor->u_px);
+  const int v = decoded(options.anchor->v_px);
   PhaseGuess guess{.row = v, .column = u, .score = 1};
   if (model.carrier().transposed) std::swap(guess.row, guess.column);
   const auto phase = model.phase_at_depth(guess.row, guess.column, options.anchor->z);
@@ -198,7 +233,12 @@ std::vector<RegionOffset> Decoder::Impl::anchor_offsets(const Regions& regions) 
 
 /// From the frame to the sinusoid in it.
 void Decoder::Impl::demodulate_frame(const cv::Mat& frame, Workspace& work) const {
-  split_frame(frame, model.carrier().transposed, work.channels);
+  if (options.half_resolution) {
+    split_frame(frame, model.carrier().transposed, work.whole);
+    half_size(work.whole, work.channels);
+  } else {
+    split_frame(frame, model.carrier().transposed, work.channels);
+  }
   find_lit(work.channels,
            {.colored = stripes.has_value(),
             .radius = trough_radius(model.carrier()),
@@ -324,6 +364,8 @@ Decoder::Decoder(const Rig& rig, const Pattern& pattern, const TrainedColors& co
 Decoder::~Decoder() = default;
 Decoder::Decoder(Decoder&&) noexcept = default;
 Decoder& Decoder::operator=(Decoder&&) noexcept = default;
+
+const Rig& Decoder::rig() const { return impl_->model.rig(); }
 
 DecodeResult Decoder::decode(const cv::Mat& frame) const {
   DecodeResult result;

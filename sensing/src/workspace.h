@@ -16,6 +16,7 @@ namespace palpate::sensing {
 /// The images of one decode, of the working image's size, in the order in which they come to be.
 /// They keep their memory from frame to frame: every stage writes into the ones it is given.
 struct Workspace {
+  std::vector<Plane> whole;  ///< channels of the frame, if it is decoded at half its size
   std::vector<Plane> channels;
   Mask lit;
   Demodulation demodulated;

@@ -102,11 +102,26 @@ TEST_F(DecodeSequence, ResumingWithOtherSettingsOrFramesIsRefused) {
     return result.err;
   };
   EXPECT_NE(refusal({"--bayer", "rggb"}).find("another --bayer"), std::string::npos);
+  EXPECT_NE(refusal({"--half"}).find("another --half"), std::string::npos);
   EXPECT_NE(refusal({"--window", "3"}).find("another --window"), std::string::npos);
   fs::rename(scratch / "frames/0.png", scratch / "frames/9.png");
   EXPECT_NE(refusal({}).find("file 0 of the frames was 0.png, now it is 1.png"), std::string::npos);
   write_text(scratch / "range/decode.json", "{}");
   EXPECT_NE(refusal({}).find("is not the record of an earlier run"), std::string::npos);
+}
+
+TEST_F(DecodeSequence, TheRigBesideHalfRangeMapsIsTheirs) {
+  EXPECT_EQ(figures(scratch / "frames/0.png", {"--half"})["decoded"], 1);
+  const std::string rig = scratch / "range/rig.yaml";
+  EXPECT_NE(read_text(rig).find("camera_size: [ 320, 240 ]"), std::string::npos) << read_text(rig);
+  const CommandResult mesh = run_palpate({"mesh", map(0), "-o", scratch / "flag.ply"});
+  EXPECT_EQ(mesh.status, kDone) << mesh.err;
+  // It would have to give way to a smaller one.
+  const CommandResult again =
+      run_palpate({"decode", scratch / "frames", "--rig", rig, "--pattern", demo("pattern.yaml"),
+                   "--colors", scratch / "colors.yaml", "-o", scratch / "range", "--half"});
+  EXPECT_EQ(again.status, kWrongCall);
+  EXPECT_NE(again.err.find("another folder"), std::string::npos) << again.err;
 }
 
 TEST_F(DecodeSequence, ALaterRunLeavesNothingOfAnEarlierOne) {

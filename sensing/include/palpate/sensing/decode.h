@@ -16,7 +16,7 @@ namespace palpate::sensing {
 
 /// One camera pixel whose depth is known; it stands in for the stripes of a pattern that has none.
 struct Anchor {
-  double u_px = 0;  ///< column
+  double u_px = 0;  ///< column of the frame
   double v_px = 0;  ///< row
   double z = 0;     ///< depth, > 0
 };
@@ -31,6 +31,10 @@ struct DecodeOptions {
   /// Length of the window that measures the phase, in periods of the sinusoid in the camera's
   /// image: longer is less noisy, shorter sees finer relief and nearer to edges; in [1.25, 8].
   double window_periods = 2;
+  /// Decodes the frame brought to half its size (an odd last row or column is left out): several
+  /// times faster. The range map and all beside it are of that size, with a camera to match. The
+  /// sinusoid must then have at least 3 px a period.
+  bool half_resolution = false;
   /// A pixel is lit iff the projector's light >= min_signal of full scale; in (0, 1).
   double min_signal = 0.02;
   /// Its phase counts iff the sinusoid's amplitude >= min_modulation of full scale; in (0, 1) ...
@@ -78,13 +82,16 @@ class Decoder {
  public:
   /// \throws InvalidInput if rig or pattern are not valid, an option is outside its range, a colour
   /// of the pattern was never trained, the pattern has neither stripes nor an anchor or both, or
-  /// the camera cannot see its sinusoid: the views do not overlap, or a period is below 2 px or
-  /// above the image.
+  /// the camera cannot see its sinusoid: the views do not overlap, or a period is below 2 px (3 px
+  /// of the half image for `half_resolution`) or above the image.
   Decoder(const Rig& rig, const Pattern& pattern, const TrainedColors& colors,
           const DecodeOptions& options = {});
   ~Decoder();
   Decoder(Decoder&&) noexcept;
   Decoder& operator=(Decoder&&) noexcept;
+
+  /// The rig that the range maps belong to: its camera is of their size.
+  [[nodiscard]] const Rig& rig() const;
 
   /// `frame`: 8 or 16 bit, linear in the light, 1 or 3 channels (BGR), of the camera's size. A
   /// frame without any projector light gives a range map of NaN, not an error.
