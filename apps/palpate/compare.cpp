@@ -16,6 +16,7 @@
 #include "palpate/geometry/cross_section.h"
 #include "palpate/geometry/mesh_distance.h"
 #include "palpate/geometry/mesh_io.h"
+#include "palpate/geometry/mesh_measures.h"
 #include "palpate/geometry/range_map_mesh.h"
 #include "palpate/geometry/registration.h"
 #include "palpate/pictures/draw_differences.h"
@@ -107,21 +108,44 @@ nlohmann::ordered_json to_json(const geometry::LargestDistance& distance) {
           {"at", {distance.at.x(), distance.at.y(), distance.at.z()}}};
 }
 
+/// So many points fix a pose far better than they are measured; more only take longer.
+constexpr Eigen::Index kAlignPoints = 20000;
+
+/// At most kAlignPoints of them, evenly.
+Eigen::Matrix3Xd thinned(const Eigen::Matrix3Xd& points) {
+  const Eigen::Index step = (points.cols() + kAlignPoints - 1) / kAlignPoints;
+  return points(Eigen::all, Eigen::seq(0, points.cols() - 1, step));
+}
+
+/// The smaller surface is moved onto the larger: a reference of the object alone lies on what a
+/// sensor saw of it and its surroundings, not the other way round.
+geometry::Registration register_smaller(const CompareCall& call, const geometry::TriangleMesh& a,
+                                        const geometry::TriangleMesh& b) {
+  constexpr double kDegree = std::numbers::pi / 180;
+  const geometry::RegistrationOptions options{.search_rotation = call.search_rotation_deg * kDegree,
+                                              .search_translation = call.search_translation};
+  if (geometry::surface_area(a) <= geometry::surface_area(b))
+    return geometry::register_points(thinned(a.vertices), b, options);
+  geometry::Registration found = geometry::register_points(thinned(b.vertices), a, options);
+  found.T_target_source = found.T_target_source.inverse();
+  return found;
+}
+
 /// Moves A onto B; what that was goes into the figures. A pose that is not accepted is no ground to
 /// compare on: that is an error.
 /// \return the same in words.
 std::string align(const CompareCall& call, geometry::TriangleMesh& a,
                   const geometry::TriangleMesh& b, nlohmann::ordered_json& figures) {
-  constexpr double kDegree = std::numbers::pi / 180;
-  const geometry::Registration found =
-      geometry::register_points(a.vertices, b,
-                                {.search_rotation = call.search_rotation_deg * kDegree,
-                                 .search_translation = call.search_translation});
+  const geometry::Registration found = register_smaller(call, a, b);
   if (found.verdict != geometry::RegistrationVerdict::accepted) {
+    const bool slides = found.verdict == geometry::RegistrationVerdict::slides;
     throw SolverError(fmt::format(
-        "{} could not be aligned with {}: {}: {}. Bring the surfaces closer to each other, and say "
-        "how near they are with --search-rotation and --search-translation.",
-        call.a.string(), call.b.string(), geometry::to_string(found.verdict), found.reason));
+        "{} could not be aligned with {}: {}: {}. {}", call.a.string(), call.b.string(),
+        geometry::to_string(found.verdict), found.reason,
+        slides ? "The smaller surface has to have relief in all directions: leave large planes out "
+                 "of it, and take in more of the object."
+               : "Bring the surfaces closer to each other, and say how near they are with "
+                 "--search-rotation and --search-translation."));
   }
   a.vertices = found.T_target_source * a.vertices;
   const Eigen::AngleAxisd turn(found.T_target_source.linear());
@@ -138,10 +162,10 @@ std::string align(const CompareCall& call, geometry::TriangleMesh& a,
 }
 
 /// The accuracy of a sensor against a reference (thesis 3.5.1): over the parts that both have, in
-/// mm and, of a range map, as a part of its mean distance from the camera. \return the same in
+/// mm and, of a range map, as a part of their mean distance from the camera. \return the same in
 /// words.
 std::string compare_common_parts(const CompareCall& call, const geometry::TriangleMesh& a,
-                                 const geometry::TriangleMesh& b, double distance,
+                                 const geometry::TriangleMesh& b, const Eigen::ArrayXd& depths,
                                  nlohmann::ordered_json& figures) {
   const Eigen::VectorXd distances = geometry::distances_in_both(a.vertices, b, call.within);
   const geometry::ErrorStatistics error =
@@ -152,7 +176,9 @@ std::string compare_common_parts(const CompareCall& call, const geometry::Triang
   common["share"] = share;
   std::string words = fmt::format("Parts present in both ({:.1f} % of A's points): {}", 100 * share,
                                   to_words(error));
-  if (is_range_map(call.a)) {
+  if (is_range_map(call.a) && error.count > 0) {
+    const double distance = (distances.array() == distances.array()).select(depths, 0).sum() /
+                            static_cast<double>(error.count);
     common["distance"] = distance;
     common["rms_percent"] = 100 * error.rms / distance;
     words += fmt::format("; the RMS is {:.3f} % of the mean distance of {:.1f} mm",
@@ -167,9 +193,9 @@ void compare_surfaces(const Settings& settings, const CompareCall& call) {
   const geometry::TriangleMesh b = load_surface(call.b, call);
   nlohmann::ordered_json figures;
   std::string prose;
-  const double mean_z = a.vertices.row(2).mean();  // before A leaves its camera's frame
+  const Eigen::ArrayXd depths = a.vertices.row(2);  // before A leaves its camera's frame
   if (call.align) prose = align(call, a, b, figures);
-  prose += compare_common_parts(call, a, b, mean_z, figures);
+  prose += compare_common_parts(call, a, b, depths, figures);
   const geometry::SurfaceDistances spread = geometry::surface_distances(a, b);
   const geometry::HausdorffDistance largest = geometry::hausdorff_distance(a, b);
   if (!call.section.empty()) {
@@ -221,7 +247,8 @@ void add_compare(CLI::App& app, const Settings& settings) {
   add_unit_option(*command, call->meshes);
   CLI::Option* align = command->add_flag(
       "--align", call->align,
-      "Move A rigidly onto B first; it is an error (exit status 1) if no pose can be relied on");
+      "Move A rigidly onto B first, of which one may be a part of the other; it is an error (exit "
+      "status 1) if no pose can be relied on");
   command
       ->add_option("--search-rotation", call->search_rotation_deg,
                    "With --align: by how much A may be turned [degrees]")
@@ -229,14 +256,17 @@ void add_compare(CLI::App& app, const Settings& settings) {
       ->capture_default_str()
       ->needs(align);
   command
-      ->add_option("--search-translation", call->search_translation,
-                   "With --align: how far A's centroid may be from its place [mm]; unless given, A "
-                   "covers B or is near its place")
+      ->add_option(
+          "--search-translation", call->search_translation,
+          "With --align: how far the centroid of the smaller surface may be from its place "
+          "[mm]; unless given, it covers the larger one or is near its place")
       ->check(not_negative())
       ->needs(align);
   command
-      ->add_option("--within", call->within,
-                   "Points of A further than so many mm from B have no counterpart in it")
+      ->add_option(
+          "--within", call->within,
+          "Points of A further than so many mm from B have no counterpart in it: what else the "
+          "sensor saw beside the object of a reference")
       ->check(positive());
   CLI::Option* section =
       command
@@ -255,7 +285,8 @@ void add_compare(CLI::App& app, const Settings& settings) {
       "all else by the distance of A's surface from B's, over its area and at its largest\n"
       "(Hausdorff distance, between bounds that hold, both ways).\n"
       "Examples:\n  palpate compare range/000000.tiff truth.tiff --picture differences.png\n"
-      "  palpate compare range/000000.tiff reference.ply --align --section section.png\n"
+      "  palpate compare range/000000.tiff reference.ply --align --within 5 --section "
+      "section.png\n"
       "  palpate compare small.ply surface.ply --picture distances.png");
   command->callback([call, section, &settings] {
     if (section->count() > 0 && call->section.empty()) call->section = "section.png";
