@@ -42,11 +42,11 @@ struct Stages {
         {.colored = true, .radius = (filter.radius + 1) / 2, .min_signal = options.min_signal},
         work.lit);
     sensing::demodulate(work.channels, work.lit, filter, work.demodulated);
-    sensing::combine_channels(work.demodulated, model.chromatic(), work.combined);
+    sensing::combine_channels(work.demodulated.channels, model.chromatic(), work.combined);
   }
   void unwrap() {
     const sensing::FloodLimits limits{options.max_phase_variance, options.max_phase_step};
-    sensing::find_modulated(work.combined, work.demodulated, work.lit,
+    sensing::find_modulated(work.combined, work.demodulated.channels, work.lit,
                             {.colored = true, .min_amplitude = options.min_modulation},
                             work.modulated);
     sensing::find_wrapped_phase(work.combined.re, work.combined.im, work.wrapped);
@@ -54,8 +54,8 @@ struct Stages {
     sensing::grow_regions(work.wrapped, work.variance, limits, work.unwrapping, work.regions);
   }
   void read_colors() {
-    sensing::find_hues(work.demodulated[1].mean, work.demodulated[0].mean, work.demodulated[2].mean,
-                       work.hue);
+    sensing::find_hues(work.demodulated.channels[1].mean, work.demodulated.channels[0].mean,
+                       work.demodulated.channels[2].mean, work.hue);
     sensing::find_transitions(work.hue, work.lit, edges, classifier,
                               {.min_hue_step = options.min_hue_step,
                                .window_px = options.color_window_px,
@@ -140,7 +140,7 @@ BENCHMARK(unwrapping_against_opencv)->Unit(benchmark::kMillisecond);
 
 void colors_against_opencv_hsv(benchmark::State& state) {
   Stages stages;
-  const auto& means = stages.work.demodulated;
+  const auto& means = stages.work.demodulated.channels;
   cv::Mat bgr, hsv;
   cv::merge(
       std::vector<cv::Mat>{copy_of(means[2].mean), copy_of(means[0].mean), copy_of(means[1].mean)},
