@@ -11,6 +11,7 @@ void add_calibrate(CLI::App& app, const Settings& settings) {
   add_calibrate_rig(*calibrate, settings);
   add_calibrate_colors(*calibrate, settings);
   add_calibrate_chromatic(*calibrate, settings);
+  add_calibrate_response(*calibrate, settings);
 }
 
 }  // namespace palpate::apps

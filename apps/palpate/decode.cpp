@@ -23,6 +23,7 @@
 #include "palpate/geometry/comparison.h"
 #include "palpate/sensing/decode_sequence.h"
 #include "palpate/sensing/pattern.h"
+#include "palpate/sensing/response.h"
 #include "palpate/sensing/rig.h"
 #include "palpate/sensing/trained_colors.h"
 #include "progress.h"
@@ -35,7 +36,8 @@ using Clock = std::chrono::steady_clock;
 
 struct DecodeCall {
   std::vector<fs::path> frames;
-  fs::path rig, pattern, colors;
+  fs::path rig, pattern, colors, response;
+  std::optional<sensing::Linearizer> linearizer;  ///< of `response`
   std::string bayer;
   std::vector<double> anchor;
   double window_periods = sensing::DecodeOptions{}.window_periods;
@@ -107,8 +109,20 @@ std::optional<sensing::SourceFrame> next_unfinished(const DecodeCall& call,
                                                     std::map<std::size_t, Outcome>& kept) {
   while (auto frame = source.next()) {
     const FinishedFrame* finished = record.find(*frame);
-    if (finished == nullptr || !has_outputs(call.outputs, frame->number, finished->pixels > 0))
+    if (finished == nullptr || !has_outputs(call.outputs, frame->number, finished->pixels > 0)) {
+      if (call.linearizer) {
+        frame->read = [read = std::move(frame->read), name = frame->name,
+                       &linearize = *call.linearizer] {
+          const cv::Mat image = read();
+          try {
+            return linearize(image);
+          } catch (const InvalidInput& misfit) {
+            throw InvalidInput(name + ": " + misfit.what());
+          }
+        };
+      }
       return frame;
+    }
     kept[frame->number] = {.error = {}, .frame = *finished, .kept = true};
   }
   return std::nullopt;
@@ -229,6 +243,7 @@ nlohmann::ordered_json settings_of(const DecodeCall& call) {
           {"--rig", fingerprint(call.rig)},
           {"--pattern", fingerprint(call.pattern)},
           {"--colors", call.colors.empty() ? "" : fingerprint(call.colors)},
+          {"--response", call.response.empty() ? "" : fingerprint(call.response)},
           {"--anchor", call.anchor},
           {"--window", call.window_periods},
           {"--half", call.half},
@@ -240,13 +255,14 @@ bool lies_in_output(const DecodeCall& call) {
   return fs::weakly_canonical(call.rig) == fs::weakly_canonical(call.outputs.folder / "rig.yaml");
 }
 
-void decode(const Settings& settings, const DecodeCall& call) {
+void decode(const Settings& settings, DecodeCall call) {
   if (call.half && lies_in_output(call)) {
     throw InvalidInput("--half: " + call.rig.string() +
                        " would be replaced by the rig of the smaller range maps; choose another "
                        "folder for them");
   }
   sensing::FrameSource source = open_frames(call);
+  if (!call.response.empty()) call.linearizer.emplace(sensing::read_response(call.response));
   const sensing::Rig rig = sensing::read_rig(call.rig);
   const sensing::Pattern pattern = sensing::read_pattern(call.pattern);
   sensing::TrainedColors colors;
@@ -294,6 +310,9 @@ void add_decode(CLI::App& app, const Settings& settings) {
       ->required();
   command->add_option("--colors", call->colors,
                       "Trained colours (colors.yaml), for a pattern with stripes");
+  command->add_option(
+      "--response", call->response,
+      "Response of projector and camera (response.yaml): frames are linearised first");
   command
       ->add_option("--anchor", call->anchor,
                    "u,v,z: for a pattern without stripes, a pixel [px] whose depth [mm] is known")

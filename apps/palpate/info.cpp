@@ -20,6 +20,7 @@
 #include "palpate/sensing/frame.h"
 #include "palpate/sensing/pattern.h"
 #include "palpate/sensing/reason_image.h"
+#include "palpate/sensing/response.h"
 #include "palpate/sensing/rig.h"
 #include "palpate/sensing/trained_colors.h"
 #include "palpate/sensing/virtual_sensor.h"
@@ -165,6 +166,19 @@ Description describe_sensor(const fs::path& path) {
                       sensor.bits, sensor.full_well, sensor.read_noise, sensor.camera_blur)};
 }
 
+Description describe_response(const fs::path& path) {
+  const sensing::Response response = sensing::read_response(path);
+  std::vector<double> gammas;
+  std::string prose;
+  for (const sensing::ResponseCurve& curve : response.channels) {
+    gammas.push_back(curve.gamma);
+    prose += fmt::format("{} {:.3f}", prose.empty() ? "" : ",", curve.gamma);
+  }
+  return {{{"kind", "response"}, {"channels", response.channels.size()}, {"gamma", gammas}},
+          fmt::format("response of projector and camera, {} channel(s), exponents{}",
+                      response.channels.size(), prose)};
+}
+
 std::string read_text(const fs::path& path) {
   std::ifstream in(path, std::ios::binary);
   if (!in) throw FileError(path.string() + ": cannot be opened.");
@@ -175,11 +189,13 @@ Description describe_yaml(const fs::path& path) {
   const std::string text = read_text(path);
   if (text.find("camera_matrix") != std::string::npos) return describe_rig(path);
   if (text.find("period_px") != std::string::npos) return describe_pattern(path);
+  if (text.find("gamma_deviation") != std::string::npos) return describe_response(path);
   if (text.find("variance") != std::string::npos) return describe_colors(path);
   if (text.find("read_noise") != std::string::npos) return describe_sensor(path);
-  throw FileError(path.string() +
-                  ": neither a rig (camera_matrix), nor a pattern (period_px), nor trained colours "
-                  "(variance), nor a virtual sensor (read_noise).");
+  throw FileError(
+      path.string() +
+      ": neither a rig (camera_matrix), nor a pattern (period_px), nor trained colours "
+      "(variance), nor a response (gamma_deviation), nor a virtual sensor (read_noise).");
 }
 
 Description describe_csv(const fs::path& path) {

@@ -27,13 +27,14 @@ constexpr double kPatchHeight = 16;  ///< px
 constexpr double kRowHeight = 26;    ///< px
 
 /// The span widened to whole ticks, so that data keep off the frame; and those ticks.
-Ticks widen(Span& span, double px, double px_per_tick) {
+Ticks widen(Axis& axis, double px, double px_per_tick) {
+  Span& span = axis.span;
   if (!(span.high > span.low)) {
     const double half = span.low == 0 ? 1 : std::abs(span.low) / 2;
     span = {span.low - half, span.high + half};
   }
   const int most = std::max(2, static_cast<int>(px / px_per_tick));
-  const double step = make_ticks(span.low, span.high, most).step;
+  const double step = std::max(make_ticks(span.low, span.high, most).step, axis.least_step);
   span = {step * std::floor(span.low / step), step * std::ceil(span.high / step)};
   Ticks ticks;
   ticks.step = step;
@@ -86,7 +87,7 @@ Chart::Chart(Canvas& canvas, const Box& box, const Axis& x, const Axis& y)
   const double below = kTickLength + kNumberGap + kNumberHeight + kLabelGap + kLabelHeight;
   plot_.y += below;
   plot_.height -= below + kNumberHeight / 2;
-  y_ticks_ = widen(y_.span, plot_.height, kPxPerYTick);
+  y_ticks_ = widen(y_, plot_.height, kPxPerYTick);
   double widest = 0;
   for (const std::string& label : y_ticks_.labels) {
     widest = std::max(widest, canvas.text_size(label).x());
@@ -94,7 +95,7 @@ Chart::Chart(Canvas& canvas, const Box& box, const Axis& x, const Axis& y)
   const double left = kLabelHeight + kLabelGap + widest + kNumberGap + kTickLength;
   plot_.x += left;
   plot_.width -= left;
-  x_ticks_ = widen(x_.span, plot_.width, kPxPerXTick);
+  x_ticks_ = widen(x_, plot_.width, kPxPerXTick);
   // Half of the last number stands right of the frame.
   plot_.width -= canvas.text_size(x_ticks_.labels.back()).x() / 2;
 }

@@ -28,7 +28,8 @@ inline constexpr Span kEmptySpan{HUGE_VAL, -HUGE_VAL};
 
 struct Axis {
   Span span;
-  std::string label;  ///< quantity and unit
+  std::string label;      ///< quantity and unit
+  double least_step = 0;  ///< between two ticks: 1 where only whole numbers mean something
 };
 
 /// Axes with ticks, labels and a grid on a part of a canvas; data are then drawn into them.

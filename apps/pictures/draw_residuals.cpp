@@ -89,7 +89,7 @@ void add_image(Canvas& canvas, const Box& box, const ResidualImage& image, const
 void add_view_chart(Canvas& canvas, const Box& box, const std::vector<ResidualImage>& images) {
   std::vector<Eigen::VectorXd> values;
   std::vector<Eigen::VectorXd> numbers;
-  Axis x{kEmptySpan, "view"};
+  Axis x{kEmptySpan, "view", 1};
   Axis y{{0, 0}, "RMS residual (px)"};
   std::vector<LegendEntry> legend;
   for (const ResidualImage& image : images) {

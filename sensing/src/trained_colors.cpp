@@ -16,6 +16,7 @@
 #include "palpate/output_file.h"
 #include "palpate/sensing/frame.h"
 #include "storage_file.h"
+#include "training_hues.h"
 
 namespace palpate::sensing {
 namespace {
@@ -43,10 +44,18 @@ void collect_hues(const cv::Mat& image, const TrainingOptions& options, std::vec
   }
 }
 
-TrainedColor fit_hues(const std::string& name, const std::vector<float>& hues) {
+/// Where images come from, for messages.
+std::string place_of(const NamedImages& named) {
+  if (named.sources.empty()) return "train_colors: colour " + named.name;
+  const std::size_t more = named.sources.size() - 1;
+  return named.sources.front() + (more > 0 ? " and " + std::to_string(more) + " more" : "") +
+         ": colour " + named.name;
+}
+
+TrainedColor fit_hues(const NamedImages& named, const std::vector<float>& hues) {
   if (static_cast<long>(hues.size()) < kLeastPixels) {
-    throw InvalidInput("train_colors: colour " + name + ": only " + std::to_string(hues.size()) +
-                       " pixels are bright and saturated enough; at least " +
+    throw InvalidInput(place_of(named) + ": only " + std::to_string(hues.size()) +
+                       " pixels are bright and saturated enough and not clipped; at least " +
                        std::to_string(kLeastPixels) + " are needed");
   }
   double cosines = 0;
@@ -55,7 +64,7 @@ TrainedColor fit_hues(const std::string& name, const std::vector<float>& hues) {
     cosines += std::cos(static_cast<double>(hue));
     sines += std::sin(static_cast<double>(hue));
   }
-  TrainedColor color{.name = name, .mean = std::atan2(sines, cosines)};
+  TrainedColor color{.name = named.name, .mean = std::atan2(sines, cosines)};
   if (color.mean < 0) color.mean += 2 * std::numbers::pi;
   for (const float hue : hues) {
     const double difference = wrap(static_cast<double>(hue) - color.mean);
@@ -68,11 +77,11 @@ TrainedColor fit_hues(const std::string& name, const std::vector<float>& hues) {
 
 bool shows_one_color(const std::string& stem) {
   return stem.find('_') != std::string::npos && stem.front() != '_' &&
-         !stem.starts_with("white_") && !stem.starts_with("projector_off");
+         !stem.starts_with("white_") && !stem.starts_with("grey_") &&
+         !stem.starts_with("projector_off");
 }
 
-void add_folder(const std::filesystem::path& folder,
-                std::map<std::string, std::vector<cv::Mat>>& images) {
+void add_folder(const std::filesystem::path& folder, std::map<std::string, NamedImages>& images) {
   std::error_code error;
   std::filesystem::directory_iterator entries(folder, error);
   if (error) throw FileError(folder.string() + ": no such folder, or it cannot be read");
@@ -91,42 +100,54 @@ void add_folder(const std::filesystem::path& folder,
     const cv::Mat image = read_frame(file);
     if (image.channels() != 3) throw FileError(file.string() + ": a colour image is expected");
     const std::string stem = file.stem().string();
-    images[stem.substr(0, stem.find('_'))].push_back(image);
+    NamedImages& named = images[stem.substr(0, stem.find('_'))];
+    named.name = stem.substr(0, stem.find('_'));
+    named.images.push_back(image);
+    named.sources.push_back(file.string());
   }
 }
 
 }  // namespace
+
+std::vector<float> training_hues(const NamedImages& named, const TrainingOptions& options) {
+  check_options(options);
+  std::vector<float> hues;
+  for (const cv::Mat& image : named.images) {
+    if (image.type() != CV_8UC3 && image.type() != CV_16UC3)
+      throw InvalidInput(place_of(named) + ": an image is not 8 or 16 bit with 3 channels");
+    collect_hues(image, options, hues);
+  }
+  return hues;
+}
 
 TrainedColors train_colors(const std::vector<NamedImages>& images, const TrainingOptions& options) {
   check_options(options);
   if (images.empty()) throw InvalidInput("train_colors: there are no images");
   std::map<std::string, std::vector<float>> hues;
   for (const NamedImages& named : images) {
-    for (const cv::Mat& image : named.images) {
-      if (image.type() != CV_8UC3 && image.type() != CV_16UC3) {
-        throw InvalidInput("train_colors: colour " + named.name +
-                           ": an image is not 8 or 16 bit with 3 channels");
-      }
-      collect_hues(image, options, hues[named.name]);
-    }
+    const std::vector<float> more = training_hues(named, options);
+    hues[named.name].insert(hues[named.name].end(), more.begin(), more.end());
   }
   TrainedColors result;
   std::set<std::string> done;
   for (const NamedImages& named : images) {
-    if (done.insert(named.name).second)
-      result.colors.push_back(fit_hues(named.name, hues[named.name]));
+    if (done.insert(named.name).second) result.colors.push_back(fit_hues(named, hues[named.name]));
   }
   return result;
 }
 
-TrainedColors train_colors_from_folders(const std::vector<std::filesystem::path>& folders,
-                                        const TrainingOptions& options) {
-  std::map<std::string, std::vector<cv::Mat>> by_name;
+std::vector<NamedImages> read_training_images(const std::vector<std::filesystem::path>& folders) {
+  std::map<std::string, NamedImages> by_name;
   for (const auto& folder : folders) add_folder(folder, by_name);
   std::vector<NamedImages> images;
   images.reserve(by_name.size());
-  for (auto& [name, list] : by_name) images.push_back({name, std::move(list)});
-  return train_colors(images, options);
+  for (auto& [name, named] : by_name) images.push_back(std::move(named));
+  return images;
+}
+
+TrainedColors train_colors_from_folders(const std::vector<std::filesystem::path>& folders,
+                                        const TrainingOptions& options) {
+  return train_colors(read_training_images(folders), options);
 }
 
 TrainedColors train_colors_from_folder(const std::filesystem::path& folder,

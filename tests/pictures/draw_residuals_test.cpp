@@ -65,6 +65,20 @@ TEST(DrawResiduals, OneImageIsEnough) {
   EXPECT_GT(cv::countNonZero(mask_of(draw(images), kBlue, 60, {0, 110, 1200, 430})), 20);
 }
 
+TEST(DrawResiduals, ViewsAreCountedInWholeNumbers) {
+  // One view stands in the middle of an axis from 0 to 2.
+  const cv::Mat1b grid = mask_of(draw(make_images()), {225, 225, 225}, 25, {110, 640, 1070, 150});
+  int lines = 0;
+  bool inside = false;
+  for (int x = 0; x < grid.cols; ++x) {
+    const bool upright = cv::countNonZero(grid.col(x)) > grid.rows * 3 / 4;
+    if (upright && !inside) ++lines;
+    inside = upright;
+  }
+  EXPECT_GE(lines, 1);
+  EXPECT_LE(lines, 3);
+}
+
 TEST(DrawResiduals, RefusesInputThatDoesNotFit) {
   std::vector<ResidualImage> images;
   const auto attempt = [&](const std::filesystem::path& png) { draw_residuals(png, images, ""); };

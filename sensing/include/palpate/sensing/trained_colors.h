@@ -26,6 +26,7 @@ struct TrainedColors {
 struct NamedImages {
   std::string name;
   std::vector<cv::Mat> images;
+  std::vector<std::string> sources{};  ///< for messages: the files, as many as images, or none
 };
 
 struct TrainingOptions {
@@ -40,9 +41,13 @@ struct TrainingOptions {
 [[nodiscard]] TrainedColors train_colors(const std::vector<NamedImages>& images,
                                          const TrainingOptions& options = {});
 
-/// The same for folders of images `<colour>_<anything>.png`, such as `R_flat.png` and `R_sin.png`.
-/// Files that begin with `white_` or `projector_off` show no single colour and are left out.
-/// \throws FileError if a folder holds no such image or one cannot be read; InvalidInput as above.
+/// The images `<colour>_<anything>.png` of folders, such as `R_flat.png` and `R_sin.png`, by
+/// colour. Files that begin with `white_`, `grey_` or `projector_off` show no single colour and are
+/// left out. \throws FileError if a folder holds no such image or one cannot be read.
+[[nodiscard]] std::vector<NamedImages> read_training_images(
+    const std::vector<std::filesystem::path>& folders);
+
+/// Both at once. \throws FileError; InvalidInput.
 [[nodiscard]] TrainedColors train_colors_from_folders(
     const std::vector<std::filesystem::path>& folders, const TrainingOptions& options = {});
 [[nodiscard]] TrainedColors train_colors_from_folder(const std::filesystem::path& folder,
