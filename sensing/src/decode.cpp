@@ -38,8 +38,11 @@ constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 constexpr double kBreak = 2;
 /// How far blur carries light beyond the edge of a surface [px].
 constexpr int kBlurRadius = 2;
-/// How far across the sinusoid a break reaches [px]: half the width of `smooth_rows`.
-constexpr int kBreakColumns = 2;
+/// How far across the sinusoid a break reaches [px]: two standard deviations of the average along
+/// the rows, whose steps 1, 2, 4, ... have variances of 1, 4, 16, ... px^2.
+int break_columns(const DemodulationFilter& filter) {
+  return static_cast<int>(std::lround(2 * std::sqrt((std::pow(4, filter.averages) - 1) / 3)));
+}
 
 /// Half a trough of the sinusoid, with its flanks [px].
 int trough_radius(const Carrier& carrier) {
@@ -294,7 +297,7 @@ void Decoder::Impl::drop_borders(Workspace& work) const {
   erode(work.lit, kBlurRadius, work.inner);
   give_reason_unless(work.inner, Reason::border, work.reasons);
   keep_reconstructed(work.reasons, work.phase);
-  find_breaks(work.phase, kBreak, {filter.radius / 2, kBreakColumns}, work.breaks);
+  find_breaks(work.phase, kBreak, {filter.radius / 2, break_columns(filter)}, work.breaks);
   give_reason(work.breaks, Reason::border, work.reasons);
   keep_reconstructed(work.reasons, work.phase);
 }
@@ -312,7 +315,7 @@ void Decoder::Impl::predict_sigma(Workspace& work) const {
                            .pixels = {.along = model.carrier().along,
                                       .offset = pattern.phase,
                                       .per_pixel = 2 * std::numbers::pi / pattern.period}};
-  predict_phase_sigma(signal, estimate_noise(signal), filter, work.sigma);
+  predict_phase_sigma(signal, estimate_noise(signal, filter), filter, work.sigma);
   scale_sigma(work.surfaces.z.data(), work.surfaces.z_per_phase.data(), work.sigma.data(),
               work.sigma.size());
 }

@@ -13,9 +13,12 @@
 
 namespace palpate::sensing {
 namespace {
-PALPATE_HOT_LOOP void average_five(const float* in, float* __restrict out, long columns) {
-  for (long i = 2; i + 2 < columns; ++i) {
-    out[i] = (in[i - 2] + in[i + 2] + 4 * (in[i - 1] + in[i + 1]) + 6 * in[i]) / 16;
+/// Five pixels so many columns apart.
+PALPATE_HOT_LOOP void average_five(const float* in, long step, float* __restrict out,
+                                   long columns) {
+  for (long i = 2 * step; i + 2 * step < columns; ++i) {
+    out[i] =
+        (in[i - 2 * step] + in[i + 2 * step] + 4 * (in[i - step] + in[i + step]) + 6 * in[i]) / 16;
   }
 }
 
@@ -53,12 +56,18 @@ class WindowCount {
   std::vector<int> count_;
 };
 
-/// Binomial weights over five pixels of a row; the outermost two stay.
-void smooth_row(const float* in, float* out, long columns) {
+/// Binomial weights over five pixels of a row, again and again twice as far apart; where they do
+/// not fit into the row, values stay.
+void smooth_row(const float* in, int averages, float* out, long columns) {
   const long edge = std::min<long>(2, columns);
   std::copy_n(in, edge, out);
   std::copy_n(in + columns - edge, edge, out + columns - edge);
-  average_five(in, out, columns);
+  average_five(in, 1, out, columns);
+  std::vector<float> before;
+  for (int i = 1; i < averages; ++i) {
+    before.assign(out, out + columns);
+    average_five(before.data(), 1L << i, out, columns);
+  }
 }
 
 /// How the windows of some columns are fitted: by the least that any of them asks for.
@@ -98,12 +107,12 @@ class UnsmoothedRow {
     }
     return fitted;
   }
-  static void smooth(const FittedRow& fitted, long row, Demodulation& out) {
+  static void smooth(const FittedRow& fitted, long row, int averages, Demodulation& out) {
     const long columns = out.residual.cols();
-    smooth_row(fitted.residual, &out.residual(row, 0), columns);
+    smooth_row(fitted.residual, averages, &out.residual(row, 0), columns);
     for (std::size_t i = 0; i < out.channels.size(); ++i) {
-      smooth_row(fitted.channels[i].re, &out.channels[i].re(row, 0), columns);
-      smooth_row(fitted.channels[i].im, &out.channels[i].im(row, 0), columns);
+      smooth_row(fitted.channels[i].re, averages, &out.channels[i].re(row, 0), columns);
+      smooth_row(fitted.channels[i].im, averages, &out.channels[i].im(row, 0), columns);
     }
   }
 
@@ -133,6 +142,10 @@ DemodulationFilter make_filter(double carrier, double periods) {
     total += (k == 0 ? 1 : 2) * weights.back();
   }
   for (const double weight : weights) filter.weight.push_back(static_cast<float>(weight / total));
+  const double period = 2 * std::numbers::pi / std::abs(carrier);
+  DemodulationFilter wider = filter;
+  for (++wider.averages; wider.width() <= period; ++wider.averages)
+    filter.averages = wider.averages;
   return filter;
 }
 
@@ -171,7 +184,7 @@ void demodulate(const std::vector<Plane>& channels, const Mask& mask,
       }
       first = last;
     }
-    UnsmoothedRow::smooth(fitted, row, out);
+    UnsmoothedRow::smooth(fitted, row, filter.averages, out);
     if (row >= 2 * reach) frequency.adapt(row - reach, out);
   }
 }

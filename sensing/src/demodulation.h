@@ -14,10 +14,16 @@ struct DemodulationFilter {
   double carrier = 0;  ///< [rad/px]
   std::vector<float>
       weight;  ///< of the pixel k rows away, k = 0 ... radius; the whole window sums to 1
+  /// Binomial averages along the rows, the pixels of each twice as far apart as those before.
+  int averages = 1;
+
+  /// Pixels of a row that an average holds.
+  [[nodiscard]] int width() const { return 4 * ((1 << averages) - 1) + 1; }
 };
 
 /// A Hann window so many periods long. Of two: light that does not vary, and the second harmonic of
-/// the sinusoid, fall on zeros of its spectrum.
+/// the sinusoid, fall on zeros of its spectrum. Along the rows it averages over as much of a period
+/// as five pixels are at 7 px: the most that a period holds, at least five pixels.
 [[nodiscard]] DemodulationFilter make_filter(double carrier, double periods = 2);
 
 /// The sinusoid found around each pixel: v(row + k) = mean + Re(2 (re + i im) exp(i carrier (row +
@@ -38,8 +44,8 @@ struct Demodulation {
 /// Weighted least squares of mean and sinusoid in the window around each pixel of the mask, from
 /// pixels of the mask alone (thesis 3.3.3, in its complex form). Away from the mask's borders that
 /// is multiplication by exp(-i carrier row) and a low-pass; at the borders it keeps the step of
-/// brightness out of the phase. Then re, im and the residual are averaged along the rows: binomial
-/// weights over five pixels, those outside the mask being zero. Memory of `out` is used again.
+/// brightness out of the phase. Then re, im and the residual are averaged along the rows with
+/// binomial weights, those outside the mask being zero. Memory of `out` is used again.
 void demodulate(const std::vector<Plane>& channels, const Mask& mask,
                 const DemodulationFilter& filter, Demodulation& out);
 

@@ -13,14 +13,12 @@
 namespace palpate::sensing {
 namespace {
 
-/// Distance of the pixels in a difference [px]; the binomial average over five reaches so far.
-constexpr long kSpacing = 5;
 /// Sum of the squared binomial coefficients 1 4 6 4 1: the variance of a fourth difference.
 constexpr double kDifferenceVariance = 70;
 /// A median of absolute values, times this, is a standard deviation, if normal.
 constexpr double kDeviationPerMedian = 1.4826;
-/// About so many pixels are looked at, every kSpacing-th of evenly spaced rows: the noise of those
-/// between hardly differs from theirs.
+/// About so many pixels are looked at, those an average along the rows apart: the noise
+/// of those between hardly differs from theirs.
 constexpr long kSamples = 4000;
 /// Groups of like brightness, and how many samples one must have.
 constexpr std::size_t kGroups = 8;
@@ -41,18 +39,17 @@ float light_at(const PhaseSignal& signal, long row, long column) {
 }
 
 /// Samples of one row.
-void add_samples(const PhaseSignal& signal, long row, std::vector<Sample>& samples) {
+void add_samples(const PhaseSignal& signal, long row, long spacing, std::vector<Sample>& samples) {
   const float* phase = &signal.wrapped(row, 0);
   const std::uint8_t* known = &signal.modulated(row, 0);
-  for (long column = 2 * kSpacing; column + 2 * kSpacing < signal.wrapped.cols();
-       column += kSpacing) {
+  for (long column = 2 * spacing; column + 2 * spacing < signal.wrapped.cols(); column += spacing) {
     bool all = true;
-    for (long i = -2; i <= 2; ++i) all = all && known[column + i * kSpacing] != 0;
+    for (long i = -2; i <= 2; ++i) all = all && known[column + i * spacing] != 0;
     if (!all) continue;
     std::array<float, 4> step{};
     for (long i = 0; i < 4; ++i) {
-      const long left = column + (i - 2) * kSpacing;
-      step[static_cast<std::size_t>(i)] = wrap(phase[left + kSpacing] - phase[left]);
+      const long left = column + (i - 2) * spacing;
+      step[static_cast<std::size_t>(i)] = wrap(phase[left + spacing] - phase[left]);
     }
     const float difference = step[3] - 3 * step[2] + 3 * step[1] - step[0];
     const float amplitude =
@@ -146,12 +143,13 @@ PALPATE_HOT_LOOP void find_sigma(const SignalRow& row, const Coefficients& coeff
 
 }  // namespace
 
-FrameNoise estimate_noise(const PhaseSignal& signal) {
+FrameNoise estimate_noise(const PhaseSignal& signal, const DemodulationFilter& filter) {
+  const long spacing = filter.width();
   const long rows = signal.wrapped.rows();
-  const long step = std::max<long>(1, signal.wrapped.size() / (kSpacing * kSamples));
+  const long step = std::max<long>(1, signal.wrapped.size() / (spacing * kSamples));
   std::vector<Sample> samples;
   samples.reserve(static_cast<std::size_t>(2 * kSamples));
-  for (long row = step / 2; row < rows; row += step) add_samples(signal, row, samples);
+  for (long row = step / 2; row < rows; row += step) add_samples(signal, row, spacing, samples);
   std::sort(samples.begin(), samples.end(),
             [](const Sample& a, const Sample& b) { return a.light < b.light; });
   const std::size_t groups = std::min(kGroups, samples.size() / kLeastSamples);

@@ -35,10 +35,11 @@ struct PhaseSignal {
 
 /// Sensor noise, from fourth differences of the phase across the sinusoid: smooth surfaces have
 /// almost none, while noise, whatever its spectrum (demosaicing, compression, rounding), comes
-/// through with 70 times its variance. They are taken five pixels apart, which is as far as the
-/// averaging along the rows reaches. Medians over groups of like brightness (light: the sum of the
+/// through with 70 times its variance. They are taken as far apart as the averaging along
+/// the rows reaches. Medians over groups of like brightness (light: the sum of the
 /// channels' means) keep steps and folds out; shot noise makes the variance linear in the light.
-[[nodiscard]] FrameNoise estimate_noise(const PhaseSignal& signal);
+[[nodiscard]] FrameNoise estimate_noise(const PhaseSignal& signal,
+                                        const DemodulationFilter& filter);
 
 /// Standard deviation of each phase [rad]; infinite where there is no signal. The variance is
 ///   (quadrature(light) + coherent * max(0, residual - 2 residual(light))) / |sum|^2

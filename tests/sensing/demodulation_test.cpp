@@ -7,6 +7,8 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <utility>
+#include <vector>
 
 namespace palpate::sensing {
 namespace {
@@ -134,6 +136,34 @@ TEST(Demodulation, ALongerWindowAveragesMorePixels) {
     demodulate({wave(0.5, 0.3, kCarrier, 1.1)}, everywhere(), filter, out);
     EXPECT_NEAR(std::abs(at(out.channels[0], 30) - std::polar(0.15, 1.1)), 0, 2 * kRounding)
         << periods;
+  }
+}
+
+TEST(Demodulation, AveragesAcrossTheSinusoidInProportionToThePeriod) {
+  constexpr long kMiddle = 60;
+  for (const auto& [period, width] :
+       std::vector<std::pair<double, int>>{{3.6, 5}, {7.3, 5}, {12.9, 5}, {13.1, 13}, {41, 29}}) {
+    const double carrier = 2 * std::numbers::pi / period;
+    const DemodulationFilter filter = make_filter(carrier);
+    EXPECT_EQ(filter.width(), width) << period;
+    // One column alone shows the sinusoid: what comes out along the row are the weights.
+    Plane image = Plane::Constant(200, 2 * kMiddle + 1, 0.5F);
+    for (long row = 0; row < image.rows(); ++row)
+      image(row, kMiddle) += static_cast<float>(0.4 * std::cos(carrier * static_cast<double>(row)));
+    Demodulation out;
+    demodulate({image}, Mask::Ones(image.rows(), image.cols()), filter, out);
+    double total = 0;
+    double variance = 0;
+    for (long column = 0; column < image.cols(); ++column) {
+      const double weight = at(out.channels[0], 100, column).real() / 0.2;
+      const auto distance = static_cast<double>(column - kMiddle);
+      total += weight;
+      variance += weight * distance * distance;
+      EXPECT_EQ(std::abs(weight) > 1e-6, 2 * std::abs(column - kMiddle) < width) << column;
+    }
+    EXPECT_NEAR(total, 1, 1e-3) << period;
+    const double passes = std::log2((width + 3) / 4);  // their variances are 1, 4, 16, ...
+    EXPECT_NEAR(3 * variance / (std::pow(4, passes) - 1), 1, 2e-3) << period;
   }
 }
 

@@ -49,7 +49,7 @@ struct Decoded {
                              .chromatic = model,
                              .phase = phase,
                              .pixels = {}};
-    noise = estimate_noise(signal);
+    noise = estimate_noise(signal, filter);
     predict_phase_sigma(signal, noise, filter, sigma);
   }
   /// Root mean square of error / sigma, away from the upper and lower border.
@@ -129,7 +129,7 @@ TEST(PhaseNoise, OfTooSmallAFrameIsTheWholeResidual) {
                            .chromatic = model,
                            .phase = zero,
                            .pixels = {}};
-  const FrameNoise noise = estimate_noise(signal);
+  const FrameNoise noise = estimate_noise(signal, filter);
   EXPECT_EQ(noise.quadrature.constant, 0);
   EXPECT_EQ(noise.residual.slope, 0);
   Plane sigma;
