@@ -88,9 +88,11 @@ void measure_depths(const geometry::ImageF& z, FinishedFrame& frame) {
 Outcome finish(const DecodeCall& call, const sensing::DecodedFrame& frame) {
   const sensing::DecodeResult& result = frame.result;
   const std::string file = frame.source.name;
-  spdlog::info("{}: {} stripe edges, {} regions ({} without an offset); pixels: {}", file,
-               result.transitions, result.regions, result.unresolved_regions,
-               counts(result.reasons));
+  if (spdlog::should_log(spdlog::level::info)) {  // counting takes longer than a line of a log may
+    spdlog::info("{}: {} stripe edges, {} regions ({} without an offset); pixels: {}", file,
+                 result.transitions, result.regions, result.unresolved_regions,
+                 counts(result.reasons));
+  }
   Outcome outcome{
       .error = {}, .frame = stamped(frame.source), .read_milliseconds = frame.read_milliseconds};
   outcome.frame.milliseconds = frame.decode_milliseconds;
