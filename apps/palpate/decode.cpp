@@ -39,6 +39,7 @@ struct DecodeCall {
   fs::path rig, pattern, colors, response;
   std::optional<sensing::Linearizer> linearizer;  ///< of `response`
   std::string bayer;
+  std::string segmentation = "flood";
   std::vector<double> anchor;
   double window_periods = sensing::DecodeOptions{}.window_periods;
   bool half = false;
@@ -249,7 +250,8 @@ nlohmann::ordered_json settings_of(const DecodeCall& call) {
           {"--anchor", call.anchor},
           {"--window", call.window_periods},
           {"--half", call.half},
-          {"--bayer", call.bayer}};
+          {"--bayer", call.bayer},
+          {"--segmentation", call.segmentation}};
 }
 
 /// Whether the rig is the one that goes with the range maps.
@@ -274,6 +276,7 @@ void decode(const Settings& settings, DecodeCall call) {
   options.half_resolution = call.half;
   if (!call.anchor.empty())
     options.anchor = sensing::Anchor{call.anchor[0], call.anchor[1], call.anchor[2]};
+  if (call.segmentation == "snakes") options.segmentation = sensing::Segmentation::snakes;
   const sensing::Decoder decoder(rig, pattern, colors, options);
   std::vector<std::string> inputs;
   for (const fs::path& file : source.files()) inputs.push_back(file.filename().string());
@@ -333,6 +336,12 @@ void add_decode(CLI::App& app, const Settings& settings) {
                    "The frames are raw mosaics of a single-chip camera: the colours of its first "
                    "two pixels, then of the two below")
       ->check(CLI::IsMember({"rggb", "bggr", "grbg", "gbrg"}));
+  command
+      ->add_option("--segmentation", call->segmentation,
+                   "How smooth regions are found: flood, or snakes, which bridge gaps in their "
+                   "borders and take longer")
+      ->check(CLI::IsMember({"flood", "snakes"}))
+      ->capture_default_str();
   DecodeOutputs& outputs = call->outputs;
   command->add_option("-o,--output", outputs.folder, "Folder for the range maps")->required();
   command->add_option("--meshes", outputs.meshes, "Also write each as a mesh")

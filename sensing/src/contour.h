@@ -25,7 +25,7 @@ namespace palpate::sensing {
 /// stays where it is if by its move the contour would cross itself, enter a
 /// finished region or leave the image.
 class Contour {
-public:
+ public:
   /// A circle grows iff its radius is above this, at which rigidity cancels
   /// expansion [px].
   static constexpr double kCriticalRadius = 4;
@@ -34,8 +34,8 @@ public:
   /// \param roughness of each pixel, >= 0: 1 is where expansion ends.
   /// \param finished labels >= 0 are regions that must not be entered.
   /// Both must outlive the contour.
-  Contour(const Eigen::Vector2d &center, double radius, const Plane &roughness,
-          const Labels &finished);
+  Contour(const Eigen::Vector2d& center, double radius, const Plane& roughness,
+          const Labels& finished);
 
   /// Moves the points until the contour is at rest or `max_rounds` are over.
   /// Returns whether it rests.
@@ -44,19 +44,19 @@ public:
   /// The points in their order, 2 x N.
   [[nodiscard]] Eigen::Matrix2Xd points() const;
 
-private:
+ private:
   struct Point {
     Eigen::Vector2d at;
     int previous = 0;
     int next = 0;
-    int still = 0; ///< rounds without a move; -1 once removed
+    int still = 0;  ///< rounds without a move; -1 once removed
   };
 
-  [[nodiscard]] Eigen::Vector2d force(const Point &point) const;
-  [[nodiscard]] Eigen::Vector2d gradient(const Eigen::Vector2d &at) const;
-  [[nodiscard]] bool open(const Eigen::Vector2d &at) const;
-  [[nodiscard]] bool crosses(const Eigen::Vector2d &a, const Eigen::Vector2d &b,
-                             int first, int last) const;
+  [[nodiscard]] Eigen::Vector2d force(const Point& point) const;
+  [[nodiscard]] Eigen::Vector2d gradient(const Eigen::Vector2d& at) const;
+  [[nodiscard]] bool open(const Eigen::Vector2d& at) const;
+  [[nodiscard]] bool crosses(const Eigen::Vector2d& a, const Eigen::Vector2d& b, int first,
+                             int last) const;
   [[nodiscard]] double area() const;
   bool move_all();
   bool move(int number);
@@ -64,15 +64,15 @@ private:
   bool remove_after(int number);
   void resample(int number);
   void wake(int number);
-  std::vector<int> &cell_of(const Eigen::Vector2d &at);
+  std::vector<int>& cell_of(const Eigen::Vector2d& at);
   void forget(int number);
 
-  const Plane *roughness_;
-  const Labels *finished_;
+  const Plane* roughness_;
+  const Labels* finished_;
   long cells_across_ = 0;
   std::vector<Point> points_;
   int count_ = 0;
-  std::vector<std::vector<int>> cells_; ///< points by place
+  std::vector<std::vector<int>> cells_;  ///< points by place
 };
 
-} // namespace palpate::sensing
+}  // namespace palpate::sensing

@@ -17,6 +17,7 @@
 #include "modulation.h"
 #include "palpate/error.h"
 #include "phase_noise.h"
+#include "phase_seams.h"
 #include "phase_variance.h"
 #include "plausibility.h"
 #include "pool.h"
@@ -286,6 +287,11 @@ void Decoder::Impl::find_regions(Workspace& work) const {
                     work.regions);
     }
     region_offsets(work.regions, work.guesses, options.min_agreement, work.voting, work.offsets);
+    solve_from_neighbours(work.regions,
+                          {.min_width = snakes ? 0 : 1,
+                           .max_width = filter.radius - 1,  // a period is `radius` long
+                           .min_agreement = options.min_agreement},
+                          work.offsets);
   } else {
     work.offsets = anchor_offsets(work.regions);
   }

@@ -19,6 +19,10 @@ constexpr std::size_t kLeastGuesses = 5;
 /// found to about a pixel, a tenth of a turn.
 constexpr double kNearTurns = 0.3;
 
+/// A single stripe edge is trusted iff its guesses are on average at most this far from the whole
+/// number: an edge found to about a pixel, over many scanlines.
+constexpr double kProvenTurns = 0.1;
+
 /// Guesses of so many scanlines in a row confirm each other iff their columns differ by at most
 /// kChainColumns from one to the next.
 constexpr int kChainLength = 5;
@@ -39,6 +43,10 @@ RegionOffset offset_of(const std::vector<Tally>& tallies, double min_agreement) 
     sum += tallies[++median].weight;
   }
   if (tallies[median].weight < min_agreement * total) return {{}, Reason::ambiguous_offset};
+  // What a misread edge asks for is as likely to lie anywhere between two whole numbers.
+  const Tally& best = tallies[median];
+  const bool proven = best.several_edges || best.residual <= kProvenTurns * best.weight;
+  if (!proven) return {{}, Reason::no_transition};
   return {kTurn * tallies[median].turns, Reason::reconstructed};
 }
 
@@ -108,7 +116,8 @@ void region_offsets(const Regions& regions, const std::vector<PhaseGuess>& guess
   for (const PhaseGuess& guess : guesses) {
     const int label = regions.label(guess.row, guess.column);
     if (label < 0) continue;
-    const int turns = static_cast<int>(std::lround(turns_of(regions, guess)));
+    const double asked = turns_of(regions, guess);
+    const int turns = static_cast<int>(std::lround(asked));
     int& first = buffers.first_tally[static_cast<std::size_t>(label)];
     int at = first;
     while (at != kEnd && tallies[static_cast<std::size_t>(at)].turns != turns) {
@@ -122,6 +131,9 @@ void region_offsets(const Regions& regions, const std::vector<PhaseGuess>& guess
     Tally& tally = tallies[static_cast<std::size_t>(at)];
     ++tally.guesses;
     tally.weight += guess.score;
+    tally.residual += guess.score * std::abs(asked - turns);
+    if (tally.edge < 0) tally.edge = guess.edge;
+    tally.several_edges |= tally.edge != guess.edge;
   }
   offsets.clear();
   for (const int first : buffers.first_tally) {

@@ -34,6 +34,9 @@ struct Tally {
   int next = 0;  ///< another of its region
   int guesses = 0;
   double weight = 0;
+  double residual = 0;         ///< weighted sum of their distances from `turns`
+  int edge = -1;               ///< stripe edge that the first comes from
+  bool several_edges = false;  ///< they come from more than one
 };
 
 /// Memory that the functions below use again from frame to frame; it says nothing between calls.
@@ -60,8 +63,10 @@ struct RegionOffset {
 };
 
 /// The multiple of 2 pi to be added to the unwrapped phase of each region (Eq. 3.12): the rounded
-/// weighted median of what its guesses say. Nothing for a region with too few guesses
-/// (no_transition), or of whose guesses less than `min_agreement` (by weight) come to the same
+/// weighted median of what its guesses say. Nothing for a region with too few guesses, or
+/// from a single stripe edge, which may have been misread all along, unless they come very near to
+/// the multiple (no_transition), or of
+/// whose guesses less than `min_agreement` (by weight) come to the same
 /// multiple (ambiguous_offset).
 /// \param offsets takes the result, one a region.
 void region_offsets(const Regions& regions, const std::vector<PhaseGuess>& guesses,

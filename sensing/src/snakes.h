@@ -16,7 +16,7 @@ namespace palpate::sensing {
 /// image always gives the same regions; pixels that no snake reached, within
 /// two pixels of one region, join it. Pixels of a larger phase variance than
 /// the limit take part in the unwrapping, and belong to no region in the end.
-void grow_snakes(const Plane &wrapped, const Plane &variance,
-                 const FloodLimits &limits, Regions &regions);
+void grow_snakes(const Plane& wrapped, const Plane& variance, const FloodLimits& limits,
+                 Regions& regions);
 
-} // namespace palpate::sensing
+}  // namespace palpate::sensing

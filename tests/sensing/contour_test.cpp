@@ -16,12 +16,11 @@ constexpr int kRounds = 5000;
 const Eigen::Vector2d kCenter(60, 60);
 
 /// Roughness 2 where the walls are.
-Plane walls(const std::function<bool(double x, double y)> &rough) {
+Plane walls(const std::function<bool(double x, double y)>& rough) {
   Plane result(kSize, kSize);
   for (long row = 0; row < kSize; ++row) {
     for (long column = 0; column < kSize; ++column) {
-      result(row, column) =
-          rough(static_cast<double>(column), static_cast<double>(row)) ? 2 : 0;
+      result(row, column) = rough(static_cast<double>(column), static_cast<double>(row)) ? 2 : 0;
     }
   }
   return result;
@@ -29,7 +28,7 @@ Plane walls(const std::function<bool(double x, double y)> &rough) {
 
 Labels nothing_finished() { return Labels::Constant(kSize, kSize, -1); }
 
-double area(const Eigen::Matrix2Xd &polygon) {
+double area(const Eigen::Matrix2Xd& polygon) {
   double twice = 0;
   for (long i = 0; i < polygon.cols(); ++i) {
     const long j = (i + 1) % polygon.cols();
@@ -38,7 +37,7 @@ double area(const Eigen::Matrix2Xd &polygon) {
   return twice / 2;
 }
 
-bool crosses_itself(const Eigen::Matrix2Xd &polygon) {
+bool crosses_itself(const Eigen::Matrix2Xd& polygon) {
   const auto side = [&](long a, long b, long c) {
     const Eigen::Vector2d ab = polygon.col(b) - polygon.col(a);
     const Eigen::Vector2d ac = polygon.col(c) - polygon.col(a);
@@ -49,8 +48,7 @@ bool crosses_itself(const Eigen::Matrix2Xd &polygon) {
     const long i_next = (i + 1) % count;
     for (long j = i + 2; j < count; ++j) {
       const long j_next = (j + 1) % count;
-      if (j_next == i)
-        continue;
+      if (j_next == i) continue;
       if (side(i, i_next, j) * side(i, i_next, j_next) < 0 &&
           side(j, j_next, i) * side(j, j_next, i_next) < 0) {
         return true;
@@ -61,8 +59,7 @@ bool crosses_itself(const Eigen::Matrix2Xd &polygon) {
 }
 
 TEST(Contour, GrowsUntilItFillsADisc) {
-  const Plane roughness =
-      walls([](double x, double y) { return std::hypot(x - 60, y - 60) > 40; });
+  const Plane roughness = walls([](double x, double y) { return std::hypot(x - 60, y - 60) > 40; });
   const Labels finished = nothing_finished();
   Contour contour(Eigen::Vector2d(45, 66), 6, roughness, finished);
   EXPECT_TRUE(contour.grow(kRounds));
@@ -73,16 +70,14 @@ TEST(Contour, GrowsUntilItFillsADisc) {
 }
 
 TEST(Contour, RoundsTheCornersOfASquareByNoMoreThanItsRigidity) {
-  const Plane roughness = walls([](double x, double y) {
-    return std::max(std::abs(x - 60), std::abs(y - 60)) > 40;
-  });
+  const Plane roughness =
+      walls([](double x, double y) { return std::max(std::abs(x - 60), std::abs(y - 60)) > 40; });
   const Labels finished = nothing_finished();
   Contour contour(kCenter, 6, roughness, finished);
   EXPECT_TRUE(contour.grow(kRounds));
   // A corner rounded by a radius r loses (1 - pi / 4) r^2; the sides end within
   // a pixel and a half.
-  EXPECT_GT(area(contour.points()),
-            std::pow(77.0, 2) - 4 * 0.22 * std::pow(6.0, 2));
+  EXPECT_GT(area(contour.points()), std::pow(77.0, 2) - 4 * 0.22 * std::pow(6.0, 2));
   EXPECT_LT(area(contour.points()), std::pow(83.0, 2));
 }
 
@@ -133,8 +128,7 @@ TEST(Contour, DoesNotEnterFinishedRegionsNorLeaveTheImage) {
 }
 
 TEST(Contour, KeepsItsPointsEvenlySpaced) {
-  const Plane roughness =
-      walls([](double x, double y) { return std::hypot(x - 60, y - 60) > 40; });
+  const Plane roughness = walls([](double x, double y) { return std::hypot(x - 60, y - 60) > 40; });
   const Labels finished = nothing_finished();
   Contour contour(kCenter, 6, roughness, finished);
   EXPECT_TRUE(contour.grow(kRounds));
@@ -158,12 +152,10 @@ TEST(Contour, StopsAfterTheRoundsItIsGiven) {
 TEST(Contour, ACircleBelowTheCriticalRadiusDoesNotGrow) {
   const Plane roughness = Plane::Zero(kSize, kSize);
   const Labels finished = nothing_finished();
-  Contour contour(kCenter, 0.75 * Contour::kCriticalRadius, roughness,
-                  finished);
+  Contour contour(kCenter, 0.75 * Contour::kCriticalRadius, roughness, finished);
   EXPECT_TRUE(contour.grow(kRounds));
-  EXPECT_LT(area(contour.points()),
-            std::numbers::pi * std::pow(Contour::kCriticalRadius, 2));
+  EXPECT_LT(area(contour.points()), std::numbers::pi * std::pow(Contour::kCriticalRadius, 2));
 }
 
-} // namespace
-} // namespace palpate::sensing
+}  // namespace
+}  // namespace palpate::sensing

@@ -34,8 +34,10 @@ std::vector<PhaseGuess> operator+(std::vector<PhaseGuess> a, const std::vector<P
   return a;
 }
 
-std::vector<RegionOffset> offsets_of(const Regions& regions,
-                                     const std::vector<PhaseGuess>& guesses) {
+/// The guesses come from so many stripe edges in turn.
+std::vector<RegionOffset> offsets_of(const Regions& regions, std::vector<PhaseGuess> guesses,
+                                     int edges = 2) {
+  for (std::size_t i = 0; i < guesses.size(); ++i) guesses[i].edge = static_cast<int>(i) % edges;
   OffsetBuffers buffers;
   std::vector<RegionOffset> offsets(7);  // of another frame
   region_offsets(regions, guesses, kMinAgreement, buffers, offsets);
@@ -70,6 +72,15 @@ TEST(PhaseOffset, GuessesThatDisagreeOrAreFewGiveNone) {
   EXPECT_FALSE(offsets[1].phase.has_value());
   EXPECT_EQ(offsets[0].reason, Reason::ambiguous_offset);
   EXPECT_EQ(offsets[1].reason, Reason::no_transition);
+}
+
+TEST(PhaseOffset, ASingleStripeEdgeMayHaveBeenMisreadAllAlong) {
+  const auto guesses = column_of(3, 0, 18, 1.2);
+  EXPECT_TRUE(offsets_of(two_regions(), guesses, 2)[0].phase);
+  EXPECT_TRUE(offsets_of(two_regions(), column_of(3, 0, 18, 1.05), 1)[0].phase);
+  const RegionOffset alone = offsets_of(two_regions(), guesses, 1)[0];
+  EXPECT_FALSE(alone.phase);
+  EXPECT_EQ(alone.reason, Reason::no_transition);
 }
 
 TEST(PhaseOffset, GuessesOutsideEveryRegionDoNotCount) {

@@ -17,7 +17,7 @@ namespace {
 constexpr FloodLimits kLimits{.max_variance = 0.01, .max_step = 1.5};
 constexpr float kTurn = 2 * std::numbers::pi_v<float>;
 
-Regions snakes_of(const Plane &wrapped, const Mask &mask) {
+Regions snakes_of(const Plane& wrapped, const Mask& mask) {
   Plane variance;
   phase_variance(wrapped, mask, variance);
   Regions regions;
@@ -34,12 +34,10 @@ Plane stepped(double step, long gap) {
       const bool behind = column >= 70 && std::abs(row - 45) > gap / 2;
       const bool flows = std::abs(row - 45) <= gap / 2;
       // In the gap the step is stretched into a slope as gentle as any.
-      const double share =
-          flows ? std::clamp((static_cast<double>(column) - 55) / 30, 0.0, 1.0)
-                : (behind ? 1.0 : 0.0);
-      wrapped(row, column) = static_cast<float>(
-          wrap(0.21 * static_cast<double>(row) -
-               0.13 * static_cast<double>(column) + step * share));
+      const double share = flows ? std::clamp((static_cast<double>(column) - 55) / 30, 0.0, 1.0)
+                                 : (behind ? 1.0 : 0.0);
+      wrapped(row, column) = static_cast<float>(wrap(
+          0.21 * static_cast<double>(row) - 0.13 * static_cast<double>(column) + step * share));
     }
   }
   return wrapped;
@@ -51,12 +49,8 @@ TEST(Snakes, FindAndUnwrapASmoothSurface) {
   EXPECT_GT((regions.label == 0).count(), 0.99 * 90 * 140);
   for (long row = 1; row < 90; ++row) {
     for (long column = 1; column < 140; ++column) {
-      if (regions.label(row, column) != 0 ||
-          regions.label(row - 1, column - 1) != 0)
-        continue;
-      ASSERT_NEAR(regions.phase(row, column) -
-                      regions.phase(row - 1, column - 1),
-                  0.08, 1e-3);
+      if (regions.label(row, column) != 0 || regions.label(row - 1, column - 1) != 0) continue;
+      ASSERT_NEAR(regions.phase(row, column) - regions.phase(row - 1, column - 1), 0.08, 1e-3);
     }
   }
 }
@@ -81,8 +75,7 @@ TEST(Snakes, FillWhatTheMaskLeavesAndNoMore) {
   Mask mask = Mask::Zero(100, 100);
   mask.block(10, 10, 80, 80) = 1;
   mask.block(35, 40, 30, 60) = 0;
-  Plane wrapped =
-      Plane::Constant(100, 100, std::numeric_limits<float>::quiet_NaN());
+  Plane wrapped = Plane::Constant(100, 100, std::numeric_limits<float>::quiet_NaN());
   wrapped = (mask != 0).select(Plane::Zero(100, 100), wrapped);
   const Regions regions = snakes_of(wrapped, mask);
   EXPECT_EQ((regions.label >= 0 && mask == 0).count(), 0);
@@ -127,5 +120,5 @@ TEST(Snakes, LeaveOutRoughPixelsButPassThem) {
   EXPECT_LT(std::abs(across), kTurn);
 }
 
-} // namespace
-} // namespace palpate::sensing
+}  // namespace
+}  // namespace palpate::sensing
