@@ -128,7 +128,9 @@ TEST_F(DecodeReasons, ColoursThatContradictTheDepthAreAMismatch) {
     }
   }
   const ReasonImage reasons = reasons_of(frame_);
-  EXPECT_GT(share_in_part(reasons, Reason::color_mismatch), 0.7);
+  // Where the part hangs together with what lies around it; the rest knows no stripe edge.
+  EXPECT_GT(share_in_part(reasons, Reason::color_mismatch), 0.2);
+  EXPECT_EQ(share_in_part(reasons, Reason::reconstructed), 0);
   EXPECT_GT(share(reasons, Reason::reconstructed), 0.5);
 }
 
