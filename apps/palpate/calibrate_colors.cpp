@@ -6,7 +6,6 @@
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <numbers>
 #include <string>
 #include <vector>
 
@@ -117,9 +116,8 @@ void calibrate_colors(const Settings& settings, const ColorsCall& call) {
                                  {"mean", color.mean},
                                  {"variance", color.variance},
                                  {"pixels", color.pixels}});
-    constexpr double kDegrees = 180 / std::numbers::pi;
     prose += fmt::format("{}: hue {:.1f} degrees, standard deviation {:.1f}, from {} pixels\n",
-                         color.name, color.mean * kDegrees, std::sqrt(color.variance) * kDegrees,
+                         color.name, color.mean / kDegree, std::sqrt(color.variance) / kDegree,
                          color.pixels);
   }
   prose += as_table("taken for (%), from the Gaussians", trained, predicted);

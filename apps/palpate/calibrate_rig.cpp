@@ -7,7 +7,6 @@
 #include <charconv>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <numbers>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -29,7 +28,7 @@ struct RigCall {
   std::vector<fs::path> folders;
   std::string board, projector_size;
   sensing::Board printed;
-  sensing::PanelSize projector;
+  sensing::ImageSize projector;
   sensing::RigCalibrationOptions options;
   fs::path output, picture, draw;
 };
@@ -94,7 +93,7 @@ void report(const Settings& settings, const RigCall& call,
   const sensing::Rig& rig = calibration.rig;
   const Eigen::Vector3d t = rig.T_projector_camera.translation();
   const Eigen::Vector3d t_deviation = calibration.translation_deviation;
-  const Eigen::Vector3d turn = calibration.rotation_deviation * 180 / std::numbers::pi;
+  const Eigen::Vector3d turn = calibration.rotation_deviation / kDegree;
   nlohmann::ordered_json views = nlohmann::ordered_json::array();
   nlohmann::ordered_json rejected = nlohmann::ordered_json::array();
   std::string prose;

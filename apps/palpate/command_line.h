@@ -4,11 +4,15 @@
 
 #include <CLI/CLI.hpp>
 #include <nlohmann/json_fwd.hpp>
+#include <numbers>
 #include <string>
 
 #include "palpate/geometry/mesh_io.h"
 
 namespace palpate::apps {
+
+/// [rad] What is said in degrees on the command line, times this, is what the library takes.
+constexpr double kDegree = std::numbers::pi / 180;
 
 /// What every command understands.
 struct Settings {

@@ -6,7 +6,6 @@
 #include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <numbers>
 #include <vector>
 
 #include "command_line.h"
@@ -121,7 +120,6 @@ Eigen::Matrix3Xd thinned(const Eigen::Matrix3Xd& points) {
 /// sensor saw of it and its surroundings, not the other way round.
 geometry::Registration register_smaller(const CompareCall& call, const geometry::TriangleMesh& a,
                                         const geometry::TriangleMesh& b) {
-  constexpr double kDegree = std::numbers::pi / 180;
   const geometry::RegistrationOptions options{.search_rotation = call.search_rotation_deg * kDegree,
                                               .search_translation = call.search_translation};
   if (geometry::surface_area(a) <= geometry::surface_area(b))

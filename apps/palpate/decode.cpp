@@ -21,6 +21,7 @@
 #include "inputs.h"
 #include "palpate/error.h"
 #include "palpate/geometry/comparison.h"
+#include "palpate/geometry/median.h"
 #include "palpate/sensing/decode_sequence.h"
 #include "palpate/sensing/pattern.h"
 #include "palpate/sensing/response.h"
@@ -53,12 +54,9 @@ struct Outcome {
   FinishedFrame frame;
   bool kept = false;  ///< from an earlier run
   double read_milliseconds = 0;
-  double write_milliseconds = 0;
+  double write_milliseconds = 0;  ///< with what is counted and told of the frame
 };
-
-double milliseconds_since(Clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
+using Outcomes = std::map<std::size_t, Outcome>;  ///< by the number of the frame
 
 /// "1234 reconstructed, 56 unlit, ..."
 std::string counts(const sensing::ReasonImage& reasons) {
@@ -80,9 +78,7 @@ void measure_depths(const geometry::ImageF& z, FinishedFrame& frame) {
   frame.pixels = static_cast<long>(depths.size());
   frame.median_depth = std::numeric_limits<double>::quiet_NaN();
   if (depths.empty()) return;
-  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>((depths.size() - 1) / 2);
-  std::nth_element(depths.begin(), middle, depths.end());
-  frame.median_depth = static_cast<double>(*middle);
+  frame.median_depth = static_cast<double>(geometry::median(std::move(depths)));
 }
 
 /// Runs in several threads at once.
@@ -94,22 +90,18 @@ Outcome finish(const DecodeCall& call, const sensing::DecodedFrame& frame) {
                  result.transitions, result.regions, result.unresolved_regions,
                  counts(result.reasons));
   }
-  Outcome outcome{
-      .error = {}, .frame = stamped(frame.source), .read_milliseconds = frame.read_milliseconds};
+  Outcome outcome{.error = {}, .frame = stamped(frame.source)};
   outcome.frame.milliseconds = frame.decode_milliseconds;
   measure_depths(result.range.z, outcome.frame);
   if (outcome.frame.pixels == 0) spdlog::warn("{}: nothing could be reconstructed.", file);
-  const Clock::time_point start = Clock::now();
   write_outputs(call.outputs, frame.source.number, result);
-  outcome.write_milliseconds = milliseconds_since(start);
   return outcome;
 }
 
 /// Gives the frames that are still to be decoded; those that need not be go to `outcomes`.
 std::optional<sensing::SourceFrame> next_unfinished(const DecodeCall& call,
                                                     sensing::FrameSource& source,
-                                                    const DecodeRecord& record,
-                                                    std::map<std::size_t, Outcome>& kept) {
+                                                    const DecodeRecord& record, Outcomes& kept) {
   while (auto frame = source.next()) {
     const FinishedFrame* finished = record.find(*frame);
     if (finished == nullptr || !has_outputs(call.outputs, frame->number, finished->pixels > 0)) {
@@ -131,9 +123,9 @@ std::optional<sensing::SourceFrame> next_unfinished(const DecodeCall& call,
   return std::nullopt;
 }
 
-std::vector<Outcome> decode_all(const sensing::Decoder& decoder, const DecodeCall& call,
-                                sensing::FrameSource& source, DecodeRecord& record) {
-  std::map<std::size_t, Outcome> outcomes;  // by number
+Outcomes decode_all(const sensing::Decoder& decoder, const DecodeCall& call,
+                    sensing::FrameSource& source, DecodeRecord& record) {
+  Outcomes outcomes;
   std::mutex mutex;
   std::once_flag begun;
   Progress progress("decoding");
@@ -147,6 +139,8 @@ std::vector<Outcome> decode_all(const sensing::Decoder& decoder, const DecodeCal
     const std::lock_guard lock(mutex);
     Outcome& outcome = outcomes[frame.source.number];
     if (frame.error.empty()) {
+      outcome.read_milliseconds = frame.read_milliseconds;
+      outcome.write_milliseconds = frame.work_milliseconds;
       record.add(outcome.frame);
     } else {
       outcome.error = frame.error;
@@ -155,7 +149,7 @@ std::vector<Outcome> decode_all(const sensing::Decoder& decoder, const DecodeCal
     progress.show(static_cast<int>(frame.source.number) + 1,
                   static_cast<int>(source.expected_frames()));
   };
-  std::map<std::size_t, Outcome> kept;  // changed by one thread at a time, read at the end
+  Outcomes kept;  // changed by one thread at a time, read at the end
   const auto next = [&] { return next_unfinished(call, source, record, kept); };
   try {
     sensing::decode_sequence(next, decoder, deliver, {.in_parallel = write});
@@ -165,34 +159,31 @@ std::vector<Outcome> decode_all(const sensing::Decoder& decoder, const DecodeCal
     throw;
   }
   outcomes.merge(kept);
-  std::vector<Outcome> all;
-  for (auto& [number, outcome] : outcomes) all.push_back(std::move(outcome));
-  return all;
+  return outcomes;
 }
 
-double median_of(const std::vector<Outcome>& outcomes, double Outcome::*milliseconds) {
+double median_of(const Outcomes& outcomes, double Outcome::*milliseconds) {
   std::vector<double> values;
-  for (const Outcome& outcome : outcomes) {
+  for (const auto& [number, outcome] : outcomes) {
     if (outcome.error.empty() && !outcome.kept) values.push_back(outcome.*milliseconds);
   }
   return geometry::error_statistics(values).median;
 }
 
-void report(const Settings& settings, const DecodeCall& call, const std::vector<Outcome>& outcomes,
+void report(const Settings& settings, const DecodeCall& call, const Outcomes& outcomes,
             double seconds) {
   nlohmann::ordered_json per_frame = nlohmann::ordered_json::array();
   std::vector<double> milliseconds;
   std::string prose;
   std::size_t decoded = 0;
-  for (std::size_t i = 0; i < outcomes.size(); ++i) {
-    const Outcome& outcome = outcomes[i];
+  for (const auto& [number, outcome] : outcomes) {
     const FinishedFrame& frame = outcome.frame;
     if (!outcome.error.empty()) {
       per_frame.push_back({{"frame", frame.name}, {"error", outcome.error}});
       spdlog::error("{}", outcome.error);
       continue;
     }
-    const fs::path map = numbered(call.outputs.folder, i, ".tiff");
+    const fs::path map = numbered(call.outputs.folder, number, ".tiff");
     ++decoded;
     milliseconds.push_back(frame.milliseconds);
     per_frame.push_back({{"frame", frame.name},
@@ -207,7 +198,7 @@ void report(const Settings& settings, const DecodeCall& call, const std::vector<
                                       : fmt::format("{:.0f} ms", frame.milliseconds));
   }
   const auto kept = std::count_if(outcomes.begin(), outcomes.end(),
-                                  [](const Outcome& outcome) { return outcome.kept; });
+                                  [](const auto& entry) { return entry.second.kept; });
   const double median_ms = geometry::error_statistics(milliseconds).median;
   const double rate =
       static_cast<double>(outcomes.size() - static_cast<std::size_t>(kept)) / seconds;
@@ -285,18 +276,17 @@ void decode(const Settings& settings, DecodeCall call) {
   if (call.resume) record.resume();
 
   const Clock::time_point start = Clock::now();
-  const std::vector<Outcome> outcomes = decode_all(decoder, call, source, record);
-  const double seconds = milliseconds_since(start) / 1000;
+  const Outcomes outcomes = decode_all(decoder, call, source, record);
+  const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
   const auto broken = std::count_if(outcomes.begin(), outcomes.end(),
-                                    [](const Outcome& o) { return !o.error.empty(); });
+                                    [](const auto& entry) { return !entry.second.error.empty(); });
   if (outcomes.empty()) throw FileError(call.frames.front().string() + ": holds no frame.");
-  if (broken == static_cast<long>(outcomes.size())) throw FileError(outcomes.front().error);
+  if (broken == static_cast<long>(outcomes.size())) throw FileError(outcomes.begin()->second.error);
   // A rig that lies there already is kept as it was written.
   if (!lies_in_output(call)) sensing::write_rig(folder / "rig.yaml", decoder.rig());
   record.write();
-  for (std::size_t i = 0; i < outcomes.size(); ++i) {
-    if (outcomes[i].error.empty())
-      draw_outputs(call.outputs, i, outcomes[i].frame.name, outcomes[i].kept);
+  for (const auto& [number, outcome] : outcomes) {
+    if (outcome.error.empty()) draw_outputs(call.outputs, number, outcome.frame.name, outcome.kept);
   }
   report(settings, call, outcomes, seconds);
   if (broken > 0)
@@ -357,7 +347,8 @@ void add_decode(CLI::App& app, const Settings& settings) {
                     "Keep the frames that an earlier run with the same settings finished in this "
                     "folder");
   command->footer(
-      "Frames are numbered in the order of their names: 000000.tiff is the first; frames.csv lists "
+      "Frames are numbered in the order of their names, numbers in them as numbers: 000000.tiff is "
+      "the first; frames.csv lists "
       "them.\nA frame that is broken is reported and left out, and the exit status is 1; the "
       "others "
       "keep their numbers.\nResults of an earlier run in the folder are replaced as a whole, "

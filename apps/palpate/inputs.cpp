@@ -3,11 +3,11 @@
 #include "inputs.h"
 
 #include <algorithm>
-#include <cctype>
 #include <string>
 #include <system_error>
 
 #include "palpate/error.h"
+#include "palpate/file_names.h"
 #include "palpate/sensing/frame_source.h"
 #include "palpate/sensing/reason.h"
 #include "palpate/sensing/rig.h"
@@ -16,13 +16,6 @@ namespace palpate::apps {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string lower_extension(const fs::path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
-}
 
 /// Where a path leads; a path that cannot be looked at is left for its reader or writer to refuse.
 fs::path place_of(const fs::path& path) {

@@ -128,11 +128,11 @@ Setup read_setup(const SimulateCall& call) {
   return setup;
 }
 
-cv::Mat image_of(const sensing::PixelMask& mask) {
-  cv::Mat image(static_cast<int>(mask.rows()), static_cast<int>(mask.cols()), CV_8UC1);
-  image.forEach<unsigned char>(
-      [&](unsigned char& value, const int* at) { value = mask(at[0], at[1]) ? 255 : 0; });
-  return image;
+using Bytes = Eigen::Array<unsigned char, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+void write_bytes(const fs::path& path, Bytes bytes) {
+  sensing::write_png(path, cv::Mat(static_cast<int>(bytes.rows()), static_cast<int>(bytes.cols()),
+                                   CV_8UC1, bytes.data()));
 }
 
 /// Frame number `number`, its truth, and the training images that are there.
@@ -142,33 +142,11 @@ void write_shot(const fs::path& output, std::size_t number, const sensing::Simul
   sensing::write_png(output / "frames" / (name + ".png"), simulation.frames[0]);
   const fs::path truth = output / "truth" / name;
   geometry::write_depth_tiff(truth.string() + ".tiff", simulation.truth.range.z);
-  sensing::write_png(truth.string() + "_lit.png", image_of(simulation.truth.lit));
-  cv::Mat id(simulation.frames[0].size(), CV_8UC1);
-  id.forEach<unsigned char>([&](unsigned char& value, const int* at) {
-    value = static_cast<unsigned char>(simulation.truth.body(at[0], at[1]) + 1);
-  });
-  sensing::write_png(truth.string() + "_id.png", id);
+  write_bytes(truth.string() + "_lit.png", simulation.truth.lit.cast<unsigned char>() * 255);
+  write_bytes(truth.string() + "_id.png", (simulation.truth.body + 1).cast<unsigned char>());
   for (const sensing::NamedImages& color : training) {
     sensing::write_png(output / "training" / name / (color.name + "_flat.png"), color.images[0]);
   }
-}
-
-/// What came of one shot without a report: the frame, and for the first one the training images.
-sensing::RigTrial shoot(const Setup& setup, const std::vector<sensing::Body>& bodies,
-                        std::size_t number, std::uint64_t first_frame) {
-  std::vector<cv::Mat> panels = {setup.panel};
-  if (number == 0) {
-    for (cv::Mat& panel : sensing::color_panels(setup.pattern, setup.rig.projector)) {
-      panels.push_back(std::move(panel));
-    }
-  }
-  sensing::RigTrial trial;
-  trial.simulation =
-      sensing::simulate(setup.rig, bodies, panels, setup.sensor, setup.pattern.axis, first_frame);
-  for (std::size_t i = 1; i < panels.size(); ++i) {
-    trial.training.push_back({setup.pattern.colors[i - 1].name, {trial.simulation.frames[i]}});
-  }
-  return trial;
 }
 
 /// Does one shot and writes what comes of it; gives the report's line, if one is asked for.
@@ -191,7 +169,8 @@ std::optional<ReportLine> do_shot(const SimulateCall& call, const Setup& setup,
   const sensing::RigTrial trial =
       call.report
           ? sensing::try_rig(setup.rig, setup.pattern, setup.panel, bodies, setup.sensor, options)
-          : shoot(setup, bodies, number, first_frame);
+          : sensing::simulate_shot(setup.rig, setup.pattern, setup.panel, bodies, setup.sensor,
+                                   {.training = number == 0, .first_frame = first_frame});
   if ((trial.simulation.truth.body != 0).all()) {
     throw InvalidInput(call.scene.meshes[shot.mesh].string() +
                        ": the camera sees nothing of it there; give another --distance");

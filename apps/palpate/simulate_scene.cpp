@@ -6,7 +6,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <numbers>
 #include <utility>
 
 #include "palpate/error.h"
@@ -48,10 +47,9 @@ double filling_distance(double radius, const geometry::Camera& camera) {
 
 Eigen::Matrix3d turned(const std::vector<double>& degrees) {
   if (degrees.empty()) return Eigen::Matrix3d::Identity();
-  constexpr double kRadians = std::numbers::pi / 180;
-  return (Eigen::AngleAxisd(degrees[2] * kRadians, Eigen::Vector3d::UnitZ()) *
-          Eigen::AngleAxisd(degrees[1] * kRadians, Eigen::Vector3d::UnitY()) *
-          Eigen::AngleAxisd(degrees[0] * kRadians, Eigen::Vector3d::UnitX()))
+  return (Eigen::AngleAxisd(degrees[2] * kDegree, Eigen::Vector3d::UnitZ()) *
+          Eigen::AngleAxisd(degrees[1] * kDegree, Eigen::Vector3d::UnitY()) *
+          Eigen::AngleAxisd(degrees[0] * kDegree, Eigen::Vector3d::UnitX()))
       .toRotationMatrix();
 }
 

@@ -13,6 +13,7 @@
 
 #include "input_file.h"
 #include "palpate/error.h"
+#include "palpate/file_names.h"
 
 namespace palpate::geometry {
 namespace {

@@ -3,7 +3,6 @@
 #include "input_file.h"
 
 #include <algorithm>
-#include <cctype>
 #include <fstream>
 
 #include "palpate/error.h"
@@ -29,13 +28,6 @@ std::string read_input_file(const fs::path& path) {
   stream.read(content.data(), static_cast<std::streamsize>(size));
   if (!stream) throw FileError(path.string() + ": cannot be read to its end");
   return content;
-}
-
-std::string lower_extension(const fs::path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
 }
 
 std::size_t line_number(std::string_view content, std::size_t offset) {

@@ -15,9 +15,6 @@ namespace palpate::geometry {
 /// \throws FileError if it is missing, not a regular file, empty or unreadable.
 [[nodiscard]] std::string read_input_file(const std::filesystem::path& path);
 
-/// The extension in lower case, with its dot.
-[[nodiscard]] std::string lower_extension(const std::filesystem::path& path);
-
 /// Line of the character at `offset`, from 1.
 [[nodiscard]] std::size_t line_number(std::string_view content, std::size_t offset);
 

@@ -15,6 +15,7 @@
 #include "obj.h"
 #include "off.h"
 #include "palpate/error.h"
+#include "palpate/file_names.h"
 #include "palpate/output_file.h"
 #include "pcd.h"
 #include "ply.h"

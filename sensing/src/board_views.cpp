@@ -141,7 +141,7 @@ void check_options(const BoardViewOptions& options) {
 }
 
 /// Where the projected board begins on the panel [px]: a multiple of a pixel.
-cv::Point first_corner(const PanelSize& panel, const Board& board) {
+cv::Point first_corner(const ImageSize& panel, const Board& board) {
   const int side = static_cast<int>(board.square);
   return {(panel.width - side * (board.columns - 1)) / 2,
           (panel.height - side * (board.rows - 1)) / 2};
@@ -160,7 +160,7 @@ Eigen::Matrix2Xd board_corners(const Board& board) {
   return corners;
 }
 
-Board projected_board(const PanelSize& panel, const Board& printed) {
+Board projected_board(const ImageSize& panel, const Board& printed) {
   const bool is_taken =
       (printed.columns == 9 && printed.rows == 6) || (printed.columns == 6 && printed.rows == 9);
   Board board{.columns = is_taken ? 8 : 9, .rows = is_taken ? 5 : 6};
@@ -176,13 +176,13 @@ Board projected_board(const PanelSize& panel, const Board& printed) {
   return board;
 }
 
-Eigen::Matrix2Xd projected_corners(const PanelSize& panel, const Board& board) {
+Eigen::Matrix2Xd projected_corners(const ImageSize& panel, const Board& board) {
   // Between two pixels lies the half between their numbers.
   const cv::Point first = first_corner(panel, board);
   return board_corners(board).colwise() + Eigen::Vector2d(first.x - 0.5, first.y - 0.5);
 }
 
-cv::Mat draw_projected_board(const PanelSize& panel, const Board& board) {
+cv::Mat draw_projected_board(const ImageSize& panel, const Board& board) {
   cv::Mat image(panel.height, panel.width, CV_8U, cv::Scalar(255));
   const int side = static_cast<int>(board.square);
   const cv::Point first = first_corner(panel, board);
@@ -214,7 +214,7 @@ std::optional<Eigen::Matrix2Xd> find_board(const cv::Mat& image, const Board& bo
 }
 
 RigView view_from_gray_code(const std::vector<cv::Mat>& images, const Board& printed,
-                            const PanelSize& projector, const BoardViewOptions& options) {
+                            const ImageSize& projector, const BoardViewOptions& options) {
   check_options(options);
   const cv::Mat_<cv::Vec2f> places =
       decode_gray_code(images, projector, {.min_contrast = options.min_contrast});
@@ -240,7 +240,7 @@ RigView view_from_gray_code(const std::vector<cv::Mat>& images, const Board& pri
 }
 
 RigView view_from_still(const cv::Mat& board, const cv::Mat& projected, const Board& printed,
-                        const PanelSize& projector) {
+                        const ImageSize& projector) {
   const Board shown = projected_board(projector, printed);
   const auto corners = find_board(board, printed);
   const auto lit = find_board(projected, shown);

@@ -12,9 +12,12 @@
 #include <map>
 #include <numbers>
 #include <tuple>
+#include <utility>
 
 #include "chromatic.h"
 #include "palpate/error.h"
+#include "palpate/geometry/median.h"
+#include "period_count.h"
 #include "white_view.h"
 
 namespace palpate::sensing {
@@ -116,8 +119,7 @@ Problem prepare(const std::vector<WhiteImage>& images, const Rig& rig, const Pat
         const Eigen::Vector2d pixel = camera_pixel(cell.center, problem.carrier.transposed);
         view.rays.push_back(geometry::undistort(rig.camera, pixel).homogeneous());
       }
-      std::nth_element(depths.begin(), depths.begin() + use.cells / 2, depths.end());
-      use.median_depth = depths[static_cast<std::size_t>(use.cells / 2)];
+      use.median_depth = geometry::median(std::move(depths));
       problem.views.push_back(std::move(view));
     }
     uses.push_back(std::move(use));
@@ -246,9 +248,8 @@ ChromaticShift find_start(const Residuals& at_none, double range) {
 Eigen::VectorXd robust_weights(const Eigen::VectorXd& residuals) {
   std::vector<double> sizes(residuals.data(), residuals.data() + residuals.size());
   for (double& size : sizes) size = std::abs(size);
-  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-  std::nth_element(sizes.begin(), middle, sizes.end());
-  const double limit = kTukey * std::max(kMadToSigma * *middle, kLeastSigma);
+  const double limit =
+      kTukey * std::max(kMadToSigma * geometry::median(std::move(sizes)), kLeastSigma);
   const Eigen::ArrayXd inside = (1 - (residuals.array() / limit).square()).max(0);
   return inside.square();
 }

@@ -53,7 +53,10 @@ void decode_sequence(const std::function<std::optional<SourceFrame>()>& next,
       },
       [&](DecodedFrame& frame) {
         decode_one(decoder, frame);
-        if (frame.error.empty() && options.in_parallel) options.in_parallel(frame);
+        if (!frame.error.empty() || !options.in_parallel) return;
+        const Clock::time_point start = Clock::now();
+        options.in_parallel(frame);
+        frame.work_milliseconds = milliseconds_since(start);
       },
       [&](DecodedFrame& frame) { deliver(frame); },
       options.max_live_frames.value_or(usual_live_items()));

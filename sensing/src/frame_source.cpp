@@ -3,12 +3,12 @@
 #include "palpate/sensing/frame_source.h"
 
 #include <algorithm>
-#include <cctype>
 #include <opencv2/core.hpp>
 #include <system_error>
 #include <utility>
 
 #include "palpate/error.h"
+#include "palpate/file_names.h"
 #include "palpate/sensing/frame.h"
 #include "video_file.h"
 
@@ -21,9 +21,7 @@ namespace fs = std::filesystem;
 constexpr std::size_t kRoundedFrames = 1;
 
 bool is_image_name(const fs::path& path) {
-  std::string ending = path.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string ending = lower_extension(path);
   return ending == ".png" || ending == ".tif" || ending == ".tiff";
 }
 
@@ -177,7 +175,7 @@ std::vector<fs::path> list_images(const fs::path& folder) {
     throw FileError(folder.string() + ": this folder cannot be read: " + error.message() + ".");
   if (images.empty())
     throw FileError(folder.string() + ": there is no image in this folder (png or tiff).");
-  std::sort(images.begin(), images.end());
+  std::sort(images.begin(), images.end(), comes_before);
   return images;
 }
 

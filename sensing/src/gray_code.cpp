@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kLargestPanel = 1 << 15;  ///< px
 
-void check_panel(const PanelSize& panel) {
+void check_panel(const ImageSize& panel) {
   const auto right = [](int size) { return size >= 2 && size <= kLargestPanel; };
   if (!right(panel.width) || !right(panel.height)) {
     throw InvalidInput("Gray code: the projector has " + std::to_string(panel.width) + " x " +
@@ -35,7 +35,7 @@ unsigned decode(unsigned code) {
   return number;
 }
 
-void check_images(const std::vector<cv::Mat>& images, const PanelSize& panel) {
+void check_images(const std::vector<cv::Mat>& images, const ImageSize& panel) {
   const int expected = gray_code_length(panel);
   if (static_cast<int>(images.size()) != expected) {
     throw InvalidInput("Gray code: there are " + std::to_string(images.size()) +
@@ -74,12 +74,12 @@ cv::Mat_<int> read_codes(const std::vector<cv::Mat>& images, std::size_t first, 
 
 }  // namespace
 
-int gray_code_length(const PanelSize& panel) {
+int gray_code_length(const ImageSize& panel) {
   check_panel(panel);
   return 2 * (bits_of(panel.width) + bits_of(panel.height)) + 2;
 }
 
-std::vector<cv::Mat> draw_gray_code(const PanelSize& panel) {
+std::vector<cv::Mat> draw_gray_code(const ImageSize& panel) {
   check_panel(panel);
   std::vector<cv::Mat> images;
   const auto add = [&](bool along_columns, int bit) {
@@ -100,7 +100,7 @@ std::vector<cv::Mat> draw_gray_code(const PanelSize& panel) {
   return images;
 }
 
-cv::Mat_<cv::Vec2f> decode_gray_code(const std::vector<cv::Mat>& images, const PanelSize& panel,
+cv::Mat_<cv::Vec2f> decode_gray_code(const std::vector<cv::Mat>& images, const ImageSize& panel,
                                      const GrayCodeOptions& options) {
   if (!(options.min_contrast > 0) || !(options.min_contrast < 1))
     throw InvalidInput("Gray code: min_contrast must lie between 0 and 1");

@@ -1,14 +1,17 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <numbers>
-#include <numeric>
+#include "period_count.h"
 
 #include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <numbers>
+#include <vector>
 
-#include "white_view.h"
+#include "palpate/geometry/median.h"
+#include "triangulation.h"
 
 namespace palpate::sensing {
 namespace {
@@ -143,16 +146,10 @@ Count count_by_plane(const std::vector<Sample>& samples, const Triangulation& tr
   return {periods, std::sqrt(std::max(rest.noise, rest.slow)) / change.norm(), {}};
 }
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// The number of periods that known depths tell. \param missing periods that each sample lacks.
 Count count_by_depth(const std::vector<double>& missing) {
   if (missing.empty()) return {{}, 0, "no depth is known where its phase is reliable"};
-  const double number = std::round(median(missing));
+  const double number = std::round(geometry::median(missing));
   const auto agreeing = std::count_if(missing.begin(), missing.end(),
                                       [&](double value) { return std::abs(value - number) <= 1; });
   if (static_cast<double>(agreeing) < kLeastAgreement * static_cast<double>(missing.size())) {

@@ -97,6 +97,21 @@ std::vector<cv::Mat> color_panels(const Pattern& pattern, const geometry::Camera
   return panels;
 }
 
+RigTrial simulate_shot(const Rig& rig, const Pattern& pattern, const cv::Mat& panel,
+                       std::span<const Body> bodies, const VirtualSensor& sensor,
+                       const ShotOptions& options) {
+  check_pattern(pattern, "simulate_shot: pattern");
+  check_rig(rig, "simulate_shot: rig");
+  std::vector<cv::Mat> panels;
+  if (options.training) panels = color_panels(pattern, rig.projector);
+  panels.insert(panels.begin(), panel);
+  RigTrial trial;
+  trial.simulation = simulate(rig, bodies, panels, sensor, pattern.axis, options.first_frame);
+  for (std::size_t i = 1; i < panels.size(); ++i)
+    trial.training.push_back({pattern.colors[i - 1].name, {trial.simulation.frames[i]}});
+  return trial;
+}
+
 RigTrial try_rig(const Rig& rig, const Pattern& pattern, const cv::Mat& panel,
                  std::span<const Body> bodies, const VirtualSensor& sensor,
                  const TrialOptions& options) {
@@ -106,13 +121,8 @@ RigTrial try_rig(const Rig& rig, const Pattern& pattern, const cv::Mat& panel,
     throw InvalidInput(
         "try_rig: sensor: readout: the decoder takes no mosaic; pass demosaiced or color");
   }
-  std::vector<cv::Mat> panels = color_panels(pattern, rig.projector);
-  panels.insert(panels.begin(), panel);
-  RigTrial trial;
-  trial.simulation = simulate(rig, bodies, panels, sensor, pattern.axis, options.first_frame);
-  for (std::size_t i = 0; i < pattern.colors.size(); ++i) {
-    trial.training.push_back({pattern.colors[i].name, {trial.simulation.frames[i + 1]}});
-  }
+  RigTrial trial =
+      simulate_shot(rig, pattern, panel, bodies, sensor, {.first_frame = options.first_frame});
   if (!trial.simulation.truth.lit.any()) {
     trial.failure = "no light of the projector falls on what the camera sees";
     return trial;

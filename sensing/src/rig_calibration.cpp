@@ -9,9 +9,11 @@
 #include <limits>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 #include "lens_calibration.h"
 #include "palpate/error.h"
+#include "palpate/geometry/median.h"
 #include "rig_bundle.h"
 
 namespace palpate::sensing {
@@ -158,8 +160,8 @@ void set_sigmas(BundleOptions& options, const Squares& left, std::size_t views, 
       std::max(std::sqrt(left.projector / (2 * left.projector_points * share)), least);
 }
 
-Fit fit_views(const std::vector<RigView>& views, const PanelSize& camera_size,
-              const PanelSize& projector_size, int distortion_terms) {
+Fit fit_views(const std::vector<RigView>& views, const ImageSize& camera_size,
+              const ImageSize& projector_size, int distortion_terms) {
   std::vector<Eigen::Matrix2Xd> points;
   std::vector<Eigen::Matrix2Xd> seen;
   std::vector<Eigen::Matrix2Xd> shown;
@@ -172,7 +174,7 @@ Fit fit_views(const std::vector<RigView>& views, const PanelSize& camera_size,
   fit.options.distortion_terms = distortion_terms;
   fit.options.camera_is_fixed = views.front().lit_board.cols() == 0;
   const auto alone = [&](const char* what, const std::vector<Eigen::Matrix2Xd>& board,
-                         const std::vector<Eigen::Matrix2Xd>& pixels, const PanelSize& size) {
+                         const std::vector<Eigen::Matrix2Xd>& pixels, const ImageSize& size) {
     try {
       return calibrate_lens(board, pixels, {.width = size.width, .height = size.height},
                             distortion_terms);
@@ -205,12 +207,6 @@ double rms(const Eigen::Matrix2Xd& residuals) {
   return std::sqrt(residuals.squaredNorm() / static_cast<double>(residuals.cols()));
 }
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// The view that fits worst, if it fits much worse than the others.
 struct Outlier {
   std::size_t view = 0;
@@ -230,12 +226,13 @@ std::optional<Outlier> find_outlier(const Fit& fit, double max_ratio) {
     for (std::size_t v = 0; v < values.size(); ++v) {
       std::vector<double> others = values;
       others.erase(others.begin() + static_cast<std::ptrdiff_t>(v));
-      const double usual = std::max(median(others), kHarmlessRms);
-      if (values[v] / usual <= worst_ratio) continue;
-      worst_ratio = values[v] / usual;
+      const double usual = geometry::median(std::move(others));
+      const double ratio = values[v] / std::max(usual, kHarmlessRms);
+      if (ratio <= worst_ratio) continue;
+      worst_ratio = ratio;
       worst = Outlier{v, fmt::format("an outlier: its {} residuals are {:.2f} px RMS, those of the "
                                      "other views {:.2f} px",
-                                     what, values[v], median(others))};
+                                     what, values[v], usual)};
     }
   };
   look(camera, "camera");
@@ -334,8 +331,8 @@ RigCalibration result_of(const Fit& fit, const std::vector<RigView>& views) {
 
 }  // namespace
 
-RigCalibration calibrate_rig(const std::vector<RigView>& views, const PanelSize& camera,
-                             const PanelSize& projector, const RigCalibrationOptions& options) {
+RigCalibration calibrate_rig(const std::vector<RigView>& views, const ImageSize& camera,
+                             const ImageSize& projector, const RigCalibrationOptions& options) {
   check(views, options);
   std::vector<RejectedView> rejected;
   std::vector<RigView> used;

@@ -5,14 +5,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
-#include <cstring>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <string>
 #include <utility>
 
 #include "palpate/error.h"
+#include "palpate/file_names.h"
 #include "palpate/sensing/frame.h"
 #include "storage_file.h"
 
@@ -20,13 +19,6 @@ namespace palpate::sensing {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string lower_extension(const fs::path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension;
-}
 
 bool is_jpeg(const fs::path& path) {
   const std::string extension = lower_extension(path);
@@ -53,7 +45,7 @@ cv::Mat read_jpeg(const fs::path& path) {
 }
 
 /// Grey, 8 or 16 bit, of the size that all images so far have.
-cv::Mat read_view_image(const fs::path& path, PanelSize& size) {
+cv::Mat read_view_image(const fs::path& path, ImageSize& size) {
   cv::Mat image = is_jpeg(path) ? read_jpeg(path) : read_frame(path);
   if (image.channels() == 3) cv::cvtColor(image, image, cv::COLOR_BGR2GRAY);
   if (size.width == 0) size = {image.cols, image.rows};
@@ -65,7 +57,7 @@ cv::Mat read_view_image(const fs::path& path, PanelSize& size) {
   return image;
 }
 
-/// What lies in a folder, in the order of the names, numbers as numbers.
+/// What lies in a folder, in the order of `comes_before`.
 struct Entries {
   std::vector<fs::path> images;
   std::vector<fs::path> folders;
@@ -81,11 +73,8 @@ Entries list_entries(const fs::path& folder) {
     if (entry->is_regular_file(ignored) && is_view_image(entry->path()))
       entries.images.push_back(entry->path());
   }
-  const auto by_number = [](const fs::path& a, const fs::path& b) {
-    return strverscmp(a.c_str(), b.c_str()) < 0;
-  };
-  std::sort(entries.images.begin(), entries.images.end(), by_number);
-  std::sort(entries.folders.begin(), entries.folders.end(), by_number);
+  std::sort(entries.images.begin(), entries.images.end(), comes_before);
+  std::sort(entries.folders.begin(), entries.folders.end(), comes_before);
   return entries;
 }
 
@@ -107,8 +96,8 @@ std::vector<fs::path> list_poses(const std::vector<fs::path>& folders) {
   return poses;
 }
 
-RigView read_pose(const fs::path& folder, const Board& printed, const PanelSize& projector,
-                  const BoardViewOptions& options, PanelSize& size) {
+RigView read_pose(const fs::path& folder, const Board& printed, const ImageSize& projector,
+                  const BoardViewOptions& options, ImageSize& size) {
   const std::vector<fs::path> files = list_entries(folder).images;
   const auto named = [&](const char* stem) {
     return std::find_if(files.begin(), files.end(),
@@ -140,7 +129,7 @@ RigView read_pose(const fs::path& folder, const Board& printed, const PanelSize&
 }  // namespace
 
 RigViewFiles read_rig_views(const std::vector<fs::path>& folders, const Board& printed,
-                            const PanelSize& projector, const BoardViewOptions& options,
+                            const ImageSize& projector, const BoardViewOptions& options,
                             const std::function<void(int, int)>& on_view) {
   (void)board_corners(printed);  // a bad board is refused before anything is read
   const std::vector<fs::path> poses = list_poses(folders);
@@ -155,7 +144,7 @@ RigViewFiles read_rig_views(const std::vector<fs::path>& folders, const Board& p
   return result;
 }
 
-int write_projector_images(const fs::path& folder, const PanelSize& projector,
+int write_projector_images(const fs::path& folder, const ImageSize& projector,
                            const Board& printed) {
   const cv::Mat still = draw_projected_board(projector, projected_board(projector, printed));
   const std::vector<cv::Mat> code = draw_gray_code(projector);

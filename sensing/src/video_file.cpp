@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <opencv2/videoio.hpp>
 #include <string>
 #include <string_view>
 
 #include "palpate/error.h"
+#include "palpate/file_names.h"
 #include "storage_file.h"
 
 namespace palpate::sensing {
@@ -48,10 +48,7 @@ struct VideoFile::Impl {
 };
 
 bool is_video(const std::filesystem::path& path) {
-  std::string ending = path.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return is_among(kEndings, ending);
+  return is_among(kEndings, lower_extension(path));
 }
 
 VideoFile::VideoFile(const std::filesystem::path& path) : impl_(std::make_unique<Impl>()) {

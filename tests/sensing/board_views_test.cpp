@@ -20,7 +20,7 @@ double rms(const Eigen::Matrix2Xd& a, const Eigen::Matrix2Xd& b) {
 
 TEST(BoardViews, GrayCodeFindsCornersBetweenThePixels) {
   const Rig rig = make_board_rig();
-  const PanelSize panel{512, 384};
+  const ImageSize panel{512, 384};
   const Eigen::Isometry3d pose = board_poses(3)[2];
   const RigView view =
       view_from_gray_code(photograph(rig, pose, draw_gray_code(panel)), kPrinted, panel);
@@ -33,7 +33,7 @@ TEST(BoardViews, GrayCodeFindsCornersBetweenThePixels) {
 }
 
 TEST(BoardViews, AViewWithoutABoardIsEmpty) {
-  const PanelSize panel{64, 48};
+  const ImageSize panel{64, 48};
   std::vector<cv::Mat> images = draw_gray_code(panel);
   for (cv::Mat& image : images) cv::resize(image, image, {320, 240});
   const RigView view = view_from_gray_code(images, kPrinted, panel);
@@ -43,7 +43,7 @@ TEST(BoardViews, AViewWithoutABoardIsEmpty) {
 
 TEST(BoardViews, AStillImageIsSeenBesideThePrintedBoard) {
   Rig rig = make_board_rig();
-  const PanelSize panel{512, 384};
+  const ImageSize panel{512, 384};
   const Board printed{.columns = 9, .rows = 6, .square = 15.5};
   const Board shown = projected_board(panel, printed);
   EXPECT_EQ(shown.columns, 8);
@@ -74,7 +74,7 @@ TEST(BoardViews, AStillImageIsSeenBesideThePrintedBoard) {
 }
 
 TEST(BoardViews, ProjectedBoardIsFoundWhereItWasDrawn) {
-  const PanelSize panel{640, 480};
+  const ImageSize panel{640, 480};
   const Board board = projected_board(panel, {.columns = 7, .rows = 9, .square = 20});
   const auto found = find_board(draw_projected_board(panel, board), board);
   ASSERT_TRUE(found);
@@ -82,7 +82,7 @@ TEST(BoardViews, ProjectedBoardIsFoundWhereItWasDrawn) {
 }
 
 TEST(BoardViews, TheOrderOfCornersTurnsWithTheBoard) {
-  const PanelSize panel{640, 480};
+  const ImageSize panel{640, 480};
   const Board board = projected_board(panel, {.columns = 7, .rows = 9, .square = 20});
   const cv::Mat upright = draw_projected_board(panel, board);
   const Eigen::Matrix2Xd corners = projected_corners(panel, board);

@@ -25,7 +25,7 @@ void expect_identity(const cv::Mat_<cv::Vec2f>& places, const cv::Rect& part) {
 }
 
 TEST(GrayCode, EveryPixelFindsItself) {
-  for (const PanelSize panel : {PanelSize{2, 2}, PanelSize{37, 19}, PanelSize{128, 65}}) {
+  for (const ImageSize panel : {ImageSize{2, 2}, ImageSize{37, 19}, ImageSize{128, 65}}) {
     const std::vector<cv::Mat> images = draw_gray_code(panel);
     EXPECT_EQ(static_cast<int>(images.size()), gray_code_length(panel));
     expect_identity(decode_gray_code(images, panel), {0, 0, panel.width, panel.height});
@@ -33,7 +33,7 @@ TEST(GrayCode, EveryPixelFindsItself) {
 }
 
 TEST(GrayCode, IsTheSequenceOfOpenCv) {
-  const PanelSize panel{300, 140};
+  const ImageSize panel{300, 140};
   const std::vector<cv::Mat> images = draw_gray_code(panel);
   std::vector<cv::Mat> peer;
   const auto code = cv::structured_light::GrayCodePattern::create(panel.width, panel.height);
@@ -56,7 +56,7 @@ TEST(GrayCode, NeighboursDifferInOneBit) {
 }
 
 TEST(GrayCode, NeitherSurfaceNorRoomLightMatters) {
-  const PanelSize panel{64, 48};
+  const ImageSize panel{64, 48};
   std::vector<cv::Mat> images = draw_gray_code(panel);
   cv::Mat surface(48, 64, CV_32F);
   cv::Mat room(48, 64, CV_32F);
@@ -72,7 +72,7 @@ TEST(GrayCode, NeitherSurfaceNorRoomLightMatters) {
 }
 
 TEST(GrayCode, DarkPixelsAndCodesBesideThePanelAreUnknown) {
-  const PanelSize panel{37, 19};
+  const ImageSize panel{37, 19};
   std::vector<cv::Mat> images = draw_gray_code(panel);
   const auto pairs = images.size() - 2;
   images[pairs](cv::Rect(0, 0, 37, 4)) = 5;  // hardly brighter than black: a shadow
@@ -91,7 +91,7 @@ TEST(GrayCode, DarkPixelsAndCodesBesideThePanelAreUnknown) {
 TEST(GrayCode, RefusesWrongInput) {
   EXPECT_THROW((void)draw_gray_code({1, 10}), InvalidInput);
   EXPECT_THROW((void)draw_gray_code({10, 1 << 16}), InvalidInput);
-  const PanelSize panel{16, 16};
+  const ImageSize panel{16, 16};
   std::vector<cv::Mat> images = draw_gray_code(panel);
   EXPECT_THROW((void)decode_gray_code(images, panel, {.min_contrast = std::nan("")}), InvalidInput);
   EXPECT_THROW((void)decode_gray_code(images, {32, 16}), InvalidInput);

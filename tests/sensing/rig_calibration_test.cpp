@@ -13,8 +13,8 @@
 namespace palpate::sensing {
 namespace {
 
-constexpr PanelSize kCamera{640, 480};
-constexpr PanelSize kPanel{512, 384};
+constexpr ImageSize kCamera{640, 480};
+constexpr ImageSize kPanel{512, 384};
 
 RigCalibration calibrate(const std::vector<RigView>& views,
                          const RigCalibrationOptions& options = {}) {

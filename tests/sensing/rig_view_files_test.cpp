@@ -13,7 +13,7 @@
 namespace palpate::sensing {
 namespace {
 
-constexpr PanelSize kPanel{512, 384};
+constexpr ImageSize kPanel{512, 384};
 
 /// Photographs of one pose in a folder; the names count without leading zeros.
 void write_pose(const std::filesystem::path& folder, const std::vector<cv::Mat>& photos,

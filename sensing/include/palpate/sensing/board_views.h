@@ -7,8 +7,8 @@
 #include <optional>
 #include <vector>
 
-#include "palpate/sensing/gray_code.h"
-#include "palpate/sensing/rig_calibration.h"
+#include "palpate/sensing/image_size.h"
+#include "palpate/sensing/rig_view.h"
 
 namespace palpate::sensing {
 
@@ -27,11 +27,11 @@ struct Board {
 /// The board that a projector shows as one still image: black on white, with a margin of one
 /// square. Inner corners 9 x 6, or 8 x 5 if the printed board has 9 x 6, so that the two cannot be
 /// mistaken. \throws InvalidInput if the panel is too small for it.
-[[nodiscard]] Board projected_board(const PanelSize& panel, const Board& printed);
+[[nodiscard]] Board projected_board(const ImageSize& panel, const Board& printed);
 /// Its corners on the panel: 2 x (columns * rows) [px].
-[[nodiscard]] Eigen::Matrix2Xd projected_corners(const PanelSize& panel, const Board& board);
+[[nodiscard]] Eigen::Matrix2Xd projected_corners(const ImageSize& panel, const Board& board);
 /// Its picture: 8 bit, 0 or 255.
-[[nodiscard]] cv::Mat draw_projected_board(const PanelSize& panel, const Board& board);
+[[nodiscard]] cv::Mat draw_projected_board(const ImageSize& panel, const Board& board);
 
 /// Inner corners of a chessboard in an image of 8 or 16 bit, in the order of `board_corners`: 2 x
 /// (columns * rows) [px], the first one where the corner of a black square of the board lies;
@@ -55,12 +55,12 @@ struct BoardViewOptions {
 /// that cannot be decoded are left out; a view without a board has no points at all.
 /// \throws InvalidInput as `decode_gray_code` and `find_board`, or on an option outside its range.
 [[nodiscard]] RigView view_from_gray_code(const std::vector<cv::Mat>& images, const Board& printed,
-                                          const PanelSize& projector,
+                                          const ImageSize& projector,
                                           const BoardViewOptions& options = {});
 
 /// A view from two pictures of one pose: `board` shows the printed board, `projected` the board of
 /// `projected_board`, cast onto the same plane beside it. They may be the same picture.
 [[nodiscard]] RigView view_from_still(const cv::Mat& board, const cv::Mat& projected,
-                                      const Board& printed, const PanelSize& projector);
+                                      const Board& printed, const ImageSize& projector);
 
 }  // namespace palpate::sensing

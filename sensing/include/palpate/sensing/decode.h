@@ -64,8 +64,7 @@ struct DecodeOptions {
 struct DecodeResult {
   geometry::RangeMap range;
   ReasonImage reasons;         ///< of the size of the range map: why a pixel has no depth
-  geometry::ImageF sigma;      ///< [mm] standard deviation of each depth, NaN where there is none;
-                               ///< empty if nothing is predicted
+  geometry::ImageF sigma;      ///< [mm] standard deviation of each depth, NaN where there is none
   int transitions = 0;         ///< stripe edges that were found and named, over all scanlines
   int regions = 0;             ///< smooth regions of the phase
   int unresolved_regions = 0;  ///< regions without enough guesses, or whose guesses disagree

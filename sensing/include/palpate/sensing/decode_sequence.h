@@ -18,6 +18,7 @@ struct DecodedFrame {
   DecodeResult result;  ///< empty if there is an error
   double read_milliseconds = 0;
   double decode_milliseconds = 0;
+  double work_milliseconds = 0;  ///< in `DecodeSequenceOptions::in_parallel`
 };
 
 struct DecodeSequenceOptions {

@@ -60,7 +60,7 @@ class FrameSource {
   std::unique_ptr<Impl> impl_;
 };
 
-/// The images (png, tif, tiff) in a folder, by name.
+/// The images (png, tif, tiff) in a folder, by name, numbers in it as numbers (`comes_before`).
 /// \throws FileError if it cannot be read or there are none.
 [[nodiscard]] std::vector<std::filesystem::path> list_images(const std::filesystem::path& folder);
 

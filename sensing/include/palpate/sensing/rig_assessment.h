@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <numbers>
 #include <opencv2/core/mat.hpp>
 #include <optional>
 #include <span>
@@ -17,9 +18,8 @@ namespace palpate::sensing {
 struct AssessmentOptions {
   /// Only so many bodies count, the first ones; the others are scenery. > 0; not given: all.
   std::optional<int> counted_bodies = {};
-  /// A place faces both lenses iff its incidence is <= max_incidence [rad]; in (0, pi/2]. The
-  /// default is 65 degrees.
-  double max_incidence = 1.134;
+  /// A place faces both lenses iff its incidence is <= max_incidence [rad]; in (0, pi/2].
+  double max_incidence = 65 * std::numbers::pi / 180;
   /// A depth is wrong iff it is off by more than this fraction of the true one; > 0. A multiple of
   /// the period is lost by a few times as much.
   double wrong_depth = 0.01;
@@ -55,6 +55,19 @@ struct RigTrial {
   std::optional<DecodeResult> decoded;  ///< none if the object is not seen or the colours not read
   std::string failure;                  ///< why not; else empty
 };
+
+struct ShotOptions {
+  bool training = true;           ///< also each colour of the pattern alone
+  std::uint64_t first_frame = 0;  ///< number of the first frame, for the noise
+};
+
+/// What the camera sees of the bodies under the pattern, and under each of its colours alone:
+/// `simulation` and `training`, the first half of `try_rig`.
+/// \param panel  the pattern as the projector shows it, as for `simulate`.
+/// \throws InvalidInput as `simulate`, or if the pattern is not valid.
+[[nodiscard]] RigTrial simulate_shot(const Rig& rig, const Pattern& pattern, const cv::Mat& panel,
+                                     std::span<const Body> bodies, const VirtualSensor& sensor,
+                                     const ShotOptions& options = {});
 
 struct TrialOptions {
   DecodeOptions decode = {};

@@ -8,24 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "palpate/sensing/gray_code.h"
+#include "palpate/sensing/image_size.h"
 #include "palpate/sensing/rig.h"
+#include "palpate/sensing/rig_view.h"
 
 namespace palpate::sensing {
-
-/// One pose of a flat board before the rig: points in the plane of the board, and where camera and
-/// projector have them.
-struct RigView {
-  std::string name;              ///< in messages and results
-  Eigen::Matrix2Xd board{};      ///< 2 x N [mm], the printed points in the plane z = 0
-  Eigen::Matrix2Xd camera{};     ///< 2 x N [px], where the camera sees them
-  Eigen::Matrix2Xd projector{};  ///< 2 x M [px], points of the projector's panel
-  /// 2 x M: what the points in `projector` light. From Gray code, points of the board [mm] ...
-  Eigen::Matrix2Xd lit_board{};
-  /// ... or, when a still image is projected onto the board, camera pixels [px]. One of both is
-  /// empty, in all views the same one.
-  Eigen::Matrix2Xd lit_camera{};
-};
 
 struct RigCalibrationOptions {
   /// Coefficients of each lens distortion that are estimated: 0, 2 (k1 k2), 4 (p1 p2 too) or 5 (k3
@@ -90,7 +77,7 @@ struct RigCalibration {
 /// SolverError, saying what to show, if fewer than three views remain or they do not determine the
 /// parameters, such as boards that all stand parallel.
 [[nodiscard]] RigCalibration calibrate_rig(const std::vector<RigView>& views,
-                                           const PanelSize& camera, const PanelSize& projector,
+                                           const ImageSize& camera, const ImageSize& projector,
                                            const RigCalibrationOptions& options = {});
 
 }  // namespace palpate::sensing

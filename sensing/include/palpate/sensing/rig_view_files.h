@@ -11,7 +11,7 @@
 namespace palpate::sensing {
 
 struct RigViewFiles {
-  PanelSize camera;            ///< size of the images
+  ImageSize camera;            ///< of the images
   std::vector<RigView> views;  ///< one a pose, named after its folder
 };
 
@@ -25,7 +25,7 @@ struct RigViewFiles {
 /// than the rest, another number of images than the projector's Gray code has; InvalidInput as the
 /// functions above.
 [[nodiscard]] RigViewFiles read_rig_views(const std::vector<std::filesystem::path>& folders,
-                                          const Board& printed, const PanelSize& projector,
+                                          const Board& printed, const ImageSize& projector,
                                           const BoardViewOptions& options = {},
                                           const std::function<void(int, int)>& on_view = {});
 
@@ -33,7 +33,7 @@ struct RigViewFiles {
 /// `draw_gray_code`, and projected.png, the still image of `view_from_still`.
 /// \return how many images the Gray code has.
 /// \throws InvalidInput if the panel is too small or too large; OutputError.
-int write_projector_images(const std::filesystem::path& folder, const PanelSize& projector,
+int write_projector_images(const std::filesystem::path& folder, const ImageSize& projector,
                            const Board& printed);
 
 }  // namespace palpate::sensing
