@@ -16,6 +16,7 @@
 #include "inputs.h"
 #include "palpate/error.h"
 #include "palpate/pictures/draw_residuals.h"
+#include "palpate/sensing/rig_calibration.h"
 #include "palpate/sensing/rig_view_files.h"
 #include "progress.h"
 

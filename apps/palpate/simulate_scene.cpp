@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "command_line.h"
 #include "palpate/error.h"
 #include "palpate/sensing/frame.h"
 

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "palpate/error.h"
+#include "palpate/sensing/gray_code.h"
 #include "storage_file.h"
 
 namespace palpate::sensing {

@@ -13,6 +13,7 @@
 #include "palpate/error.h"
 #include "palpate/file_names.h"
 #include "palpate/sensing/frame.h"
+#include "palpate/sensing/gray_code.h"
 #include "storage_file.h"
 
 namespace palpate::sensing {

@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "palpate/error.h"
+#include "palpate/sensing/gray_code.h"
 #include "synthetic_board.h"
 
 namespace palpate::sensing {

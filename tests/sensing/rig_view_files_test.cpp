@@ -7,6 +7,8 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "palpate/error.h"
+#include "palpate/sensing/gray_code.h"
+#include "palpate/sensing/rig_calibration.h"
 #include "synthetic_board.h"
 #include "test_files.h"
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <opencv2/core.hpp>
@@ -10,6 +11,7 @@
 #include <vector>
 
 #include "palpate/sensing/board_views.h"
+#include "palpate/sensing/rig.h"
 
 namespace palpate::sensing {
 
