@@ -20,6 +20,18 @@ class Simulate : public testing::Test {
   static std::string demo(const std::string& name) { return (demo_data() / name).string(); }
   static std::string hand() { return (demo_data().parent_path() / "meshes/hand.ply").string(); }
 
+  /// A square before the camera, upright at a depth [mm].
+  std::string card(const std::string& name, int depth) {
+    std::ofstream file(scratch / name);
+    file << "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+            "property float z\nelement face 2\nproperty list uchar int vertex_indices\n"
+            "end_header\n";
+    for (const char* corner : {"-60 -60 ", "-60 60 ", "60 60 ", "60 -60 "})
+      file << corner << depth << '\n';
+    file << "3 0 1 2\n3 0 2 3\n";
+    return scratch / name;
+  }
+
   /// Simulates into out/.
   CommandResult run(const std::vector<std::string>& meshes, const std::vector<std::string>& more) {
     std::vector<std::string> call = {"simulate"};
@@ -70,17 +82,27 @@ TEST_F(Simulate, MakesFramesThatAreDecodedLikeACameras) {
   const nlohmann::json difference =
       palpate({"compare", scratch / "range/000000.tiff", scratch / "out/truth/000000.tiff"});
   EXPECT_GT(difference["count"], 100000);
-  EXPECT_LT(difference["median"], 0.5);
+  // Noise lets a wall at 900 mm be measured with a deviation of 0.07 mm; half of the errors are
+  // below two thirds of that. Twice as much is for the relief of the hand and demosaicing.
+  EXPECT_LT(difference["median"], 0.1);
   EXPECT_EQ(palpate({"info", scratch / "out/sensor.yaml"})["kind"], "virtual sensor");
 }
 
 TEST_F(Simulate, MakesAFrameOfEachMeshOfASequence) {
-  EXPECT_EQ(
-      figures(run({hand(), hand()}, {"--shutter", "0.5", "--ideal", "--turn", "0,20,0"}))["frames"],
-      2);
+  // A card goes from 700 to 706 mm. The shutter closes half way, in the middle of the exposure it
+  // is a quarter of the way; the last mesh goes nowhere.
+  EXPECT_EQ(figures(run({card("near.ply", 700), card("far.ply", 706)},
+                        {"--shutter", "0.5", "--ideal"}))["frames"],
+            2);
+  const auto depth = [&](const std::string& name) {
+    return figures(run_palpate({"info", scratch / ("out/truth/" + name), "--json"}))["median"]
+        .get<double>();
+  };
+  constexpr double kFloat = 1e-3;  // mm: float holds 700 mm to 6e-5
+  EXPECT_NEAR(depth("000000.tiff"), 701.5, kFloat);
+  EXPECT_NEAR(depth("000001.tiff"), 706, kFloat);
   EXPECT_EQ(figures(run_palpate({"info", scratch / "out/frames/000001.png", "--json"}))["bits"],
             16);
-  EXPECT_TRUE(fs::exists(scratch / "out/truth/000001.tiff"));
 }
 
 TEST_F(Simulate, RefusesWrongCallsAndWritesNothing) {
