@@ -3,12 +3,14 @@
 #include "palpate/sensing/decode.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <string>
 #include <vector>
 
+#include "color_evidence.h"
 #include "demodulation.h"
 #include "half_size.h"
 #include "hot_loop.h"
@@ -39,6 +41,9 @@ constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 constexpr double kBreak = 2;
 /// How far blur carries light beyond the edge of a surface [px].
 constexpr int kBlurRadius = 2;
+/// The colours are checked in squares of these half widths [px]: one that holds more than one
+/// stripe, and one so small that what lies beside a narrow part of a surface does not outvote it.
+constexpr std::array<long, 2> kNearby{16, 6};
 /// How far across the sinusoid a break reaches [px]: two standard deviations of the average along
 /// the rows, whose steps 1, 2, 4, ... have variances of 1, 4, 16, ... px^2.
 int break_columns(const DemodulationFilter& filter) {
@@ -328,8 +333,14 @@ void Decoder::Impl::predict_sigma(Workspace& work) const {
 
 /// Takes away the depths that the colours contradict.
 void Decoder::Impl::check_colors(Workspace& work) const {
-  find_contradictions(work.surfaces.stripe_pixel, work.hue, stripes->colors, stripes->classifier,
-                      options.min_agreement, work.contradicting);
+  for (const long nearby : kNearby) {
+    find_contradictions(work.surfaces.stripe_pixel, work.hue, stripes->colors, stripes->classifier,
+                        options.min_agreement, nearby, work.contradicting);
+    give_reason(work.contradicting, Reason::color_mismatch, work.reasons);
+  }
+  keep_reconstructed(work.reasons, work.surfaces.z);
+  find_unproven_patches(work.surfaces.z, work.surfaces.stripe_pixel, work.hue, stripes->colors,
+                        stripes->classifier, work.contradicting);
   give_reason(work.contradicting, Reason::color_mismatch, work.reasons);
   keep_reconstructed(work.reasons, work.surfaces.z);
 }

@@ -14,10 +14,6 @@ namespace {
 /// the blur of camera and projector and the sideways shift of their colour channels.
 constexpr double kEdgeMargin = 4;
 
-/// "Nearby" is a square of this half width [px]: it holds more than one stripe.
-constexpr long kNearby = 16;
-constexpr long kNearbyRows = 2 * kNearby + 1;
-
 PALPATE_HOT_LOOP void keep_common(std::uint8_t* values, const std::uint8_t* other, long count) {
   for (long i = 0; i < count; ++i) values[i] = values[i] & other[i];
 }
@@ -96,10 +92,10 @@ PALPATE_HOT_LOOP void take_row(std::uint32_t* __restrict sums, const std::uint32
 /// \param until sums over all columns up to one, the counts of both kinds in one number: it may
 /// overflow, differences over a square do not.
 PALPATE_HOT_LOOP void judge_row(const std::uint32_t* until, const float* stripe_pixel,
-                                float min_agreement, std::uint8_t* __restrict marked,
+                                float min_agreement, long width, std::uint8_t* __restrict marked,
                                 long columns) {
   for (long i = 0; i < columns; ++i) {
-    const std::uint32_t sum = until[i + kNearbyRows] - until[i];
+    const std::uint32_t sum = until[i + width] - until[i];
     const auto all = static_cast<float>(static_cast<int>(sum % kAgreeing));
     const auto agreeing = static_cast<float>(static_cast<int>(sum / kAgreeing));
     const bool known = stripe_pixel[i] == stripe_pixel[i];
@@ -169,20 +165,22 @@ StripeColors::StripeColors(const Pattern& pattern) {
 }
 
 void find_contradictions(const Plane& stripe_pixel, const Plane& hue, const StripeColors& stripes,
-                         const HueClassifier& classifier, double min_agreement, Mask& marked) {
+                         const HueClassifier& classifier, double min_agreement, long nearby,
+                         Mask& marked) {
   const long rows = hue.rows();
   const long columns = hue.cols();
   marked.resize(rows, columns);
   // What the pixels of the rows nearby say, row after row in a ring; its sum over these rows; and
-  // the sum of that over all columns before each, with kNearby columns of nothing on either side.
+  // the sum of that over all columns before each, with `nearby` columns of nothing on either side.
   using Numbers = Eigen::Array<std::uint32_t, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  Numbers said = Numbers::Zero(kNearbyRows, columns);
+  const long width = 2 * nearby + 1;
+  Numbers said = Numbers::Zero(width, columns);
   Numbers sums = Numbers::Zero(1, columns);
-  Numbers until = Numbers::Zero(1, columns + kNearbyRows);
+  Numbers until = Numbers::Zero(1, columns + width);
   ColorRow colors(columns);
-  for (long row = -kNearby; row < rows; ++row) {
-    const long entering = row + kNearby;
-    std::uint32_t* const place = &said(entering % kNearbyRows, 0);
+  for (long row = -nearby; row < rows; ++row) {
+    const long entering = row + nearby;
+    std::uint32_t* const place = &said(entering % width, 0);
     take_row(sums.data(), place, columns);
     if (entering < rows) {
       compare_row(&stripe_pixel(entering, 0), &hue(entering, 0), stripes, classifier, colors,
@@ -194,11 +192,11 @@ void find_contradictions(const Plane& stripe_pixel, const Plane& hue, const Stri
     if (row < 0) continue;
     std::uint32_t sum = 0;
     for (long column = 0; column < columns; ++column) {
-      until(0, column + kNearby) = sum;
+      until(0, column + nearby) = sum;
       sum += sums(0, column);
     }
-    until.rightCols(kNearby + 1) = sum;
-    judge_row(until.data(), &stripe_pixel(row, 0), static_cast<float>(min_agreement),
+    until.rightCols(nearby + 1) = sum;
+    judge_row(until.data(), &stripe_pixel(row, 0), static_cast<float>(min_agreement), width,
               &marked(row, 0), columns);
   }
 }

@@ -53,7 +53,9 @@ class StripeColors {
 /// that are well inside a stripe, less than `min_agreement` have the hue of the stripe that their
 /// depth implies.
 /// \param stripe_pixel projector pixel across the stripes that the depth implies; NaN if unknown.
+/// \param nearby half width [px] of the square that counts as nearby.
 void find_contradictions(const Plane& stripe_pixel, const Plane& hue, const StripeColors& stripes,
-                         const HueClassifier& classifier, double min_agreement, Mask& marked);
+                         const HueClassifier& classifier, double min_agreement, long nearby,
+                         Mask& marked);
 
 }  // namespace palpate::sensing

@@ -71,8 +71,10 @@ struct Stages {
   void judge() {
     sensing::erode(work.lit, 2, work.inner);
     sensing::find_breaks(work.regions.phase, 2, {filter.radius / 2, 2}, work.breaks);
-    sensing::find_contradictions(work.surfaces.stripe_pixel, work.hue, colors, classifier,
-                                 options.min_agreement, work.contradicting);
+    for (const long nearby : {16L, 6L}) {
+      sensing::find_contradictions(work.surfaces.stripe_pixel, work.hue, colors, classifier,
+                                   options.min_agreement, nearby, work.contradicting);
+    }
   }
 
   std::filesystem::path demo = std::filesystem::path(PALPATE_SOURCE_DIR) / "demo";

@@ -82,8 +82,10 @@ class Contradictions : public testing::Test {
     }
   }
   Mask contradicting() const {
+    constexpr long kNearby = 16;  // px
     Mask marked;
-    find_contradictions(pixel_, hue_, StripeColors(pattern_), classifier_, kMinAgreement, marked);
+    find_contradictions(pixel_, hue_, StripeColors(pattern_), classifier_, kMinAgreement, kNearby,
+                        marked);
     return marked;
   }
   Pattern pattern_ = make_pattern(Axis::y, 10, 1024);
