@@ -90,6 +90,7 @@ std::string prose_of(const char* name, const sensing::ChannelCalibration& channe
 void calibrate_chromatic(const Settings& settings, const ChromaticCall& call) {
   std::vector<fs::path> inputs = {call.rig, call.pattern};
   inputs.insert(inputs.end(), call.images.begin(), call.images.end());
+  inputs.insert(inputs.end(), call.ranges.begin(), call.ranges.end());
   check_outputs(inputs, {call.output});
   sensing::Rig rig = sensing::read_rig(call.rig);
   const sensing::Pattern pattern = sensing::read_pattern(call.pattern);

@@ -15,6 +15,7 @@
 #include "calibrate.h"
 #include "inputs.h"
 #include "palpate/error.h"
+#include "palpate/output_file.h"
 #include "palpate/pictures/draw_residuals.h"
 #include "palpate/sensing/rig_calibration.h"
 #include "palpate/sensing/rig_view_files.h"
@@ -50,7 +51,11 @@ std::pair<int, int> parse_pair(const std::string& text, const char* option) {
 
 void draw_patterns(const Settings& settings, const RigCall& call) {
   const sensing::Board still = sensing::projected_board(call.projector, call.printed);
-  const int images = sensing::write_projector_images(call.draw, call.projector, call.printed);
+  int images = 0;
+  // Views of the camera bear the same names: only what is empty is taken.
+  write_folder(call.draw, {}, [&](const fs::path& folder) {
+    images = sensing::write_projector_images(folder, call.projector, call.printed);
+  });
   print(settings,
         {{"folder", call.draw.string()},
          {"gray_code_images", images},
@@ -199,7 +204,7 @@ void add_calibrate_rig(CLI::App& calibrate, const Settings& settings) {
   rig->add_option("-o,--output", call->output, "Rig to write (rig.yaml)");
   rig->add_option("--picture", call->picture, "Also draw the residuals (PNG)");
   rig->add_option("--draw", call->draw,
-                  "Write the images to project into this folder, nothing else");
+                  "Write the images to project into this new folder, nothing else");
   rig->footer(
       "A pose is a folder with what the camera saw of the images of --draw, the projector lighting "
       "the printed\nboard: the Gray code in its order (PNG, TIFF or JPEG). A projector that can "

@@ -39,4 +39,12 @@ CLI::Validator not_negative() {
           "NOT NEGATIVE"};
 }
 
+void refuse_empty_values(CLI::App& app) {
+  for (CLI::Option* option : app.get_options()) {
+    option->check([](const std::string& text) { return text.empty() ? "is empty" : std::string(); },
+                  "");
+  }
+  for (CLI::App* command : app.get_subcommands({})) refuse_empty_values(*command);
+}
+
 }  // namespace palpate::apps

@@ -30,6 +30,10 @@ void add_unit_option(CLI::App& command, geometry::ReadOptions& options);
 [[nodiscard]] CLI::Validator positive();
 [[nodiscard]] CLI::Validator not_negative();
 
+/// Makes an empty text a wrong value of every option of `app` and its subcommands: as the name of a
+/// file it would mean nothing, or the option left out.
+void refuse_empty_values(CLI::App& app);
+
 // Each adds one subcommand, whose callback does the work and throws what goes wrong.
 void add_calibrate(CLI::App& app, const Settings& settings);
 void add_compare(CLI::App& app, const Settings& settings);

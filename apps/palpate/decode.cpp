@@ -12,6 +12,7 @@
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -223,9 +224,14 @@ sensing::FrameSource open_frames(const DecodeCall& call) {
   sensing::FrameSourceOptions options;
   if (!call.bayer.empty()) options.bayer = sensing::bayer_pattern(call.bayer);
   sensing::FrameSource source(call.frames, options);
+  check_outputs(call.frames, {call.outputs.folder});
   for (const fs::path& file : source.files()) {
-    // Range maps and pictures could bear the names of frames.
-    check_outputs({fs::absolute(file).parent_path()}, {call.outputs.folder});
+    std::error_code not_there;
+    if (!fs::equivalent(fs::canonical(file).parent_path(), call.outputs.folder, not_there))
+      continue;
+    throw InvalidInput(file.string() + ": lies in " + call.outputs.folder.string() +
+                       ", where range maps and pictures could bear the names of frames; give "
+                       "another output.");
   }
   for (const std::string& warning : source.warnings()) spdlog::warn("{}", warning);
   return source;

@@ -6,6 +6,7 @@
 #include <ostream>
 
 #include "command_line.h"
+#include "inputs.h"
 #include "palpate/error.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/haptics/model_io.h"
@@ -33,6 +34,7 @@ void export_model(const Settings& settings, const ExportCall& call) {
   const haptics::Model model = haptics::read_model(call.model);
   const std::string ending = call.ply ? ".ply" : call.obj ? ".obj" : ".json";
   const fs::path output = call.output.empty() ? fs::path("model" + ending) : call.output;
+  check_outputs({call.model}, {output});
   if (output.extension() != ending) {
     throw InvalidInput(output.string() + ": the name of this export has to end in " + ending + ".");
   }

@@ -72,6 +72,7 @@ haptics::BuildResult build(const probing::Acquisition& acquisition,
 
 void fit(const Settings& settings, const FitCall& call) {
   check_outputs({call.acquisition, call.surface}, {call.output, call.pictures});
+  check_output_folder({call.acquisition, call.surface}, call.output);
   check_replaceable(call.output, haptics::model_entries());
   const probing::Acquisition acquisition = probing::read_acquisition(call.acquisition);
   const geometry::TriangleMesh surface = geometry::read_mesh(call.surface, call.meshes);

@@ -21,7 +21,13 @@ namespace fs = std::filesystem;
 fs::path place_of(const fs::path& path) {
   std::error_code cannot_look;
   const fs::path place = fs::weakly_canonical(path, cannot_look);
-  return cannot_look ? path : place;
+  if (cannot_look) return path;
+  return place.has_filename() ? place : place.parent_path();  // without a slash at the end
+}
+
+bool is_or_lies_in(const fs::path& path, const fs::path& folder) {
+  const fs::path inside = place_of(path).lexically_relative(place_of(folder));
+  return !inside.empty() && *inside.begin() != "..";
 }
 
 }  // namespace
@@ -93,18 +99,51 @@ bool is_there(const fs::path& path) {
 }
 
 void check_outputs(const std::vector<fs::path>& inputs, const std::vector<fs::path>& outputs) {
-  std::vector<fs::path> taken;
-  for (const fs::path& input : inputs) taken.push_back(place_of(input));
+  std::vector<fs::path> taken = inputs;
   for (const fs::path& output : outputs) {
     if (output.empty()) continue;
-    const fs::path place = place_of(output);
-    if (std::find(taken.begin(), taken.end(), place) != taken.end()) {
-      throw InvalidInput(output.string() +
-                         ": is already used in this call; nothing is written over what is read, or "
-                         "twice. Give this output another name.");
+    for (const fs::path& other : taken) {
+      if (other.empty() || !is_or_lies_in(output, other)) continue;
+      throw InvalidInput(
+          output.string() + ": " +
+          (place_of(output) == place_of(other) ? "is"
+                                               : "lies in " + other.string() + ", which is") +
+          " already used in this call; nothing is written over what is read, or among it, or "
+          "twice. Give this output another name.");
     }
-    taken.push_back(place);
+    taken.push_back(output);
   }
+}
+
+void check_output_folder(const std::vector<fs::path>& inputs, const fs::path& folder) {
+  check_outputs(inputs, {folder});
+  for (const fs::path& input : inputs) {
+    if (input.empty() || !is_or_lies_in(input, folder)) continue;
+    throw InvalidInput(input.string() + ": lies in " + folder.string() +
+                       ", which is replaced; copy it to another place, or give another output.");
+  }
+}
+
+std::vector<fs::path> own_entries(const fs::path& folder, const std::string& mark,
+                                  const std::regex& own) {
+  std::vector<fs::path> entries;
+  if (!is_there(folder)) return entries;
+  if (!is_folder(folder)) throw InvalidInput(folder.string() + ": is a file; give a folder.");
+  const auto refusal = [&](const std::string& reason) {
+    return InvalidInput(folder.string() + ": holds " + reason +
+                        ", which would be lost, so it is not replaced; give a new or an empty "
+                        "folder.");
+  };
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
+    if (!entry.is_symlink() && entry.is_directory()) continue;
+    const std::string name = entry.path().lexically_relative(folder).generic_string();
+    if (!std::regex_match(name, own)) throw refusal(name);
+  }
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder))
+    entries.push_back(entry.path().filename());
+  if (!entries.empty() && !is_there(folder / mark))
+    throw refusal(entries.front().string() + " and no " + mark);
+  return entries;
 }
 
 bool is_image(const fs::path& path) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <regex>
 #include <string>
 #include <vector>
 
@@ -29,12 +30,25 @@ namespace palpate::apps {
 /// Whether there is anything at `path`; nothing where it cannot be looked at.
 [[nodiscard]] bool is_there(const std::filesystem::path& path);
 
-/// Refuses to write over what is read.
-/// \throws InvalidInput if one of `outputs` is the same file or folder as one of `inputs` or as
-/// another
-///         of `outputs`. Empty paths stand for options that were not given.
+/// Refuses to write over what is read, or among it. Empty paths stand for options that were not
+/// given.
+/// \throws InvalidInput if one of `outputs` is, or lies in, one of `inputs` or another of
+/// `outputs`.
 void check_outputs(const std::vector<std::filesystem::path>& inputs,
                    const std::vector<std::filesystem::path>& outputs);
+
+/// The same for a folder that is replaced as a whole.
+/// \throws InvalidInput also if one of `inputs` lies in `folder`.
+void check_output_folder(const std::vector<std::filesystem::path>& inputs,
+                         const std::filesystem::path& folder);
+
+/// What an earlier call of the same command left in `folder`, and may be replaced: its entries.
+/// `own` matches the paths, relative to it and with slashes, of the files that the command writes;
+/// `mark` is one that it always does.
+/// \throws InvalidInput if `folder` is a file, or holds another file, or files but not `mark`.
+[[nodiscard]] std::vector<std::filesystem::path> own_entries(const std::filesystem::path& folder,
+                                                             const std::string& mark,
+                                                             const std::regex& own);
 
 /// The range maps in a folder, by name; not what else `decode` writes beside them.
 /// \throws FileError if there is none.

@@ -58,6 +58,7 @@ int run(int argc, char** argv) {
   add_play(app, settings);
   add_export(app, settings);
   add_info(app, settings);
+  refuse_empty_values(app);
 
   try {
     app.parse(argc, argv);

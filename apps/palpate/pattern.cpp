@@ -6,11 +6,13 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <regex>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "command_line.h"
+#include "inputs.h"
 #include "palpate/output_file.h"
 #include "palpate/sensing/frame.h"
 #include "palpate/sensing/pattern.h"
@@ -84,9 +86,10 @@ std::vector<NamedImage> draw_all(const sensing::Pattern& pattern, const Drawer& 
 void write_all(const fs::path& output, const sensing::Pattern& pattern, const Drawer& draw,
                int grey_steps) {
   const std::vector<NamedImage> images = draw_all(pattern, draw, grey_steps);
-  std::vector<fs::path> entries = {"pattern.yaml", "rig.yaml"};
-  for (const auto& [name, image] : images) entries.emplace_back(name);
-  write_folder(output, entries, [&](const fs::path& folder) {
+  // An earlier pattern may have had other colours and grey steps.
+  const std::regex own(R"(pattern\.(yaml|png)|rig\.yaml|\w+_(flat|sin)\.png|projector_off\.png)"
+                       R"(|grey_\d+\.png)");
+  write_folder(output, own_entries(output, "pattern.yaml", own), [&](const fs::path& folder) {
     sensing::write_pattern(folder / "pattern.yaml", pattern);
     if (draw.rig)
       sensing::write_rig(folder / "rig.yaml", sensing::rig_of_drawing(*draw.rig, draw.options));
@@ -156,6 +159,7 @@ void report(const Settings& settings, const PatternCall& call, const sensing::Pa
 }
 
 void make_pattern(const Settings& settings, PatternCall call) {
+  check_output_folder({call.rig, call.colors}, call.output);
   if (!call.colors.empty()) call.design.trained = sensing::read_trained_colors(call.colors);
   if (!call.axis.empty()) call.design.axis = call.axis == "x" ? sensing::Axis::x : sensing::Axis::y;
   if (!call.distances.empty()) call.design.range = {call.distances[0], call.distances[1]};

@@ -38,9 +38,10 @@ void import_csv(const Settings& settings, const ProbeCall& call) {
 }
 
 void export_csv(const Settings& settings, const ProbeCall& call) {
+  const fs::path contacts = call.output / "contacts.csv", samples = call.output / "samples.csv";
+  check_outputs({call.store}, {contacts, samples});
   const probing::Acquisition acquisition = probing::read_acquisition(call.store);
-  probing::write_acquisition_csv(acquisition, call.output / "contacts.csv",
-                                 call.output / "samples.csv");
+  probing::write_acquisition_csv(acquisition, contacts, samples);
   report(settings, acquisition, call.output.string());
 }
 

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 #include <optional>
+#include <regex>
 #include <string>
 #include <vector>
 
@@ -27,9 +28,10 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-/// What a folder of simulated frames holds.
-const std::vector<fs::path> kEntries = {"frames", "truth",    "training",
-                                        "report", "rig.yaml", "sensor.yaml"};
+/// The files in a folder of simulated frames.
+const std::regex kOwnFiles(
+    R"((rig|sensor)\.yaml|frames/\d{6,}\.png|truth/(rig\.yaml|\d{6,}(\.tiff|_lit\.png|_id\.png)))"
+    R"(|training/\d{6,}/[^/]+_flat\.png|report/\d{6,}\.png)");
 
 struct SimulateCall {
   SceneCall scene;
@@ -99,21 +101,13 @@ std::vector<Shot> shots_of(const SimulateCall& call) {
   return shots;
 }
 
-/// Nothing that is read may lie where the folder is replaced.
-void check_places(const SimulateCall& call) {
+/// Entries of the output folder that may be replaced.
+std::vector<fs::path> check_places(const SimulateCall& call) {
   std::vector<fs::path> inputs = call.scene.meshes;
   inputs.insert(inputs.end(),
                 {call.rig, call.pattern, call.decoder_rig, call.sensor, call.scene.texture});
-  check_outputs(inputs, {call.output});
-  const fs::path output = fs::weakly_canonical(call.output);
-  for (const fs::path& input : inputs) {
-    const fs::path inside = fs::weakly_canonical(input).lexically_relative(output);
-    if (!input.empty() && !inside.empty() && *inside.begin() != "..") {
-      throw InvalidInput(input.string() + ": lies in " + call.output.string() +
-                         ", which is replaced; copy it to another place, or give another output");
-    }
-  }
-  check_replaceable(call.output, kEntries);
+  check_output_folder(inputs, call.output);
+  return own_entries(call.output, "sensor.yaml", kOwnFiles);
 }
 
 Setup read_setup(const SimulateCall& call) {
@@ -181,10 +175,10 @@ std::optional<ReportLine> do_shot(const SimulateCall& call, const Setup& setup,
 }
 
 void simulate(const Settings& settings, const SimulateCall& call) {
-  check_places(call);
+  const std::vector<fs::path> replaced = check_places(call);
   const Setup setup = read_setup(call);
   std::vector<ReportLine> lines;
-  write_folder(call.output, kEntries, [&](const fs::path& output) {
+  write_folder(call.output, replaced, [&](const fs::path& output) {
     sensing::write_rig(output / "rig.yaml", setup.decoder_rig);
     sensing::write_rig(output / "truth" / "rig.yaml", setup.decoder_rig);
     sensing::write_virtual_sensor(output / "sensor.yaml", setup.sensor);
