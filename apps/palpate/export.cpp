@@ -31,13 +31,13 @@ nlohmann::ordered_json read_document(const fs::path& model) {
 }
 
 void export_model(const Settings& settings, const ExportCall& call) {
-  const haptics::Model model = haptics::read_model(call.model);
   const std::string ending = call.ply ? ".ply" : call.obj ? ".obj" : ".json";
   const fs::path output = call.output.empty() ? fs::path("model" + ending) : call.output;
   check_outputs({call.model}, {output});
   if (output.extension() != ending) {
     throw InvalidInput(output.string() + ": the name of this export has to end in " + ending + ".");
   }
+  const haptics::Model model = haptics::read_model(call.model);
   if (call.json) {
     write_file(output,
                [&](std::ostream& out) { out << read_document(call.model).dump(1) << '\n'; });

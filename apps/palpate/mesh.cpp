@@ -51,7 +51,6 @@ struct SequenceItem {
 
 /// Meshes that would lie among those of this sequence without belonging to it.
 void check_sequence_folder(const MeshCall& call, const std::vector<fs::path>& maps) {
-  check_outputs({call.input}, {call.output});
   if (!call.picture.empty())
     throw InvalidInput("--picture: is for one mesh, not for a folder of range maps.");
   if (!is_there(call.output)) return;
@@ -79,6 +78,7 @@ void make_one(const MeshCall& call, SequenceItem& item) {
 }
 
 void mesh_sequence(const Settings& settings, const MeshCall& call) {
+  check_outputs({call.input}, {call.output});
   const std::vector<fs::path> maps = list_range_maps(call.input);
   check_sequence_folder(call, maps);
   nlohmann::ordered_json per_mesh = nlohmann::ordered_json::array();
