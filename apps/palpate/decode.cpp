@@ -124,6 +124,11 @@ std::optional<sensing::SourceFrame> next_unfinished(const DecodeCall& call,
   return std::nullopt;
 }
 
+/// Whether the rig is the one that goes with the range maps.
+bool lies_in_output(const DecodeCall& call) {
+  return fs::weakly_canonical(call.rig) == fs::weakly_canonical(call.outputs.folder / "rig.yaml");
+}
+
 Outcomes decode_all(const sensing::Decoder& decoder, const DecodeCall& call,
                     sensing::FrameSource& source, DecodeRecord& record) {
   Outcomes outcomes;
@@ -131,7 +136,13 @@ Outcomes decode_all(const sensing::Decoder& decoder, const DecodeCall& call,
   std::once_flag begun;
   Progress progress("decoding");
   const auto write = [&](const sensing::DecodedFrame& frame) {
-    std::call_once(begun, [&] { record.begin(); });
+    std::call_once(begun, [&] {
+      record.begin();
+      // Before the first range map: what is kept of an interrupted run is of use. A rig that lies
+      // there already is kept as it was written.
+      if (!lies_in_output(call))
+        sensing::write_rig(call.outputs.folder / "rig.yaml", decoder.rig());
+    });
     Outcome outcome = finish(call, frame);
     const std::lock_guard lock(mutex);
     outcomes[frame.source.number] = std::move(outcome);
@@ -251,11 +262,6 @@ nlohmann::ordered_json settings_of(const DecodeCall& call) {
           {"--segmentation", call.segmentation}};
 }
 
-/// Whether the rig is the one that goes with the range maps.
-bool lies_in_output(const DecodeCall& call) {
-  return fs::weakly_canonical(call.rig) == fs::weakly_canonical(call.outputs.folder / "rig.yaml");
-}
-
 void decode(const Settings& settings, DecodeCall call) {
   if (call.half && lies_in_output(call)) {
     throw InvalidInput("--half: " + call.rig.string() +
@@ -288,8 +294,6 @@ void decode(const Settings& settings, DecodeCall call) {
                                     [](const auto& entry) { return !entry.second.error.empty(); });
   if (outcomes.empty()) throw FileError(call.frames.front().string() + ": holds no frame.");
   if (broken == static_cast<long>(outcomes.size())) throw FileError(outcomes.begin()->second.error);
-  // A rig that lies there already is kept as it was written.
-  if (!lies_in_output(call)) sensing::write_rig(folder / "rig.yaml", decoder.rig());
   record.write();
   for (const auto& [number, outcome] : outcomes) {
     if (outcome.error.empty()) draw_outputs(call.outputs, number, outcome.frame.name, outcome.kept);

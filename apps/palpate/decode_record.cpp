@@ -109,8 +109,13 @@ void DecodeRecord::resume() {
 }
 
 void DecodeRecord::begin() {
-  const bool is_claimed = is_there(file()) || is_there(folder_ / "frames.csv");
+  const bool is_claimed = is_there(file());
   if (!resumed_ && is_there(folder_)) {
+    if (!is_claimed && is_there(folder_ / "frames.csv")) {
+      throw InvalidInput((folder_ / "frames.csv").string() +
+                         ": would be replaced, and no decode.json says that it comes from an "
+                         "earlier run; nothing is changed. Give a new or an empty folder.");
+    }
     std::vector<fs::path> old;
     for (const fs::directory_entry& entry : fs::directory_iterator(folder_)) {
       if (!is_numbered(entry.path().filename())) continue;

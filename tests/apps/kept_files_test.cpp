@@ -74,7 +74,7 @@ TEST_F(KeptFiles, NoOutputIsOrLiesInAnInput) {
   const std::vector<std::string> chromatic = {"calibrate", "chromatic", s + "white",       "--rig",
                                               rig,         "--pattern", s + "own/rig.yaml"};
   const std::vector<std::string> poses = {"calibrate", "rig", s + "poses",        "--board", "7x9",
-                                          "--square",  "25",  "--projector-size", "64x48"};
+                                          "--square",  "25",  "--projector-size", "320x240"};
   const std::vector<std::string> decode = {"decode", s + "white", "--rig",
                                            rig,      "--pattern", pattern};
   const std::vector<std::string> fit = {"fit", s + "sheet/a.db", s + "sheet/surface.ply"};
@@ -135,7 +135,7 @@ TEST_F(KeptFiles, SimulateReplacesOnlyAFolderOfItsOwn) {
 
 TEST_F(KeptFiles, PatternReplacesAPatternOfOtherColoursAndNothingElse) {
   const auto call = [&](const std::string& colors) {
-    return std::vector<std::string>{"pattern", "--size", "64",         "48", "--number-of-colors",
+    return std::vector<std::string>{"pattern", "--size", "256",        "192", "--number-of-colors",
                                     colors,    "-o",     scratch / "p"};
   };
   ASSERT_EQ(run_palpate(call("6")).status, kDone);
@@ -154,7 +154,8 @@ TEST_F(KeptFiles, PatternReplacesAPatternOfOtherColoursAndNothingElse) {
 
 TEST_F(KeptFiles, ImagesToProjectAreNotDrawnOverViewsOfThem) {
   put("poses/0/graycode_00.png");
-  const std::vector<std::string> call = {"calibrate", "rig", "--projector-size", "64x48", "--draw"};
+  const std::vector<std::string> call = {"calibrate", "rig", "--projector-size", "320x240",
+                                         "--draw"};
   auto into = [&](const std::string& folder) {
     std::vector<std::string> whole = call;
     whole.push_back(scratch / folder);
