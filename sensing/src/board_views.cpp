@@ -75,8 +75,10 @@ void refine(const cv::Mat& gray, std::vector<cv::Point2f>& corners, const Board&
   constexpr int kLeast = 2;  // px
   constexpr int kMost = 11;  // px: beyond it the bent lines of the lens count
   const int half = std::clamp(static_cast<int>(0.3 * side), kLeast, kMost);
+  constexpr int kMostSteps = 50;
+  constexpr double kLastStep = 1e-4;  // px, far below a corner's noise
   cv::cornerSubPix(gray, corners, {half, half}, {-1, -1},
-                   {cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 50, 1e-4});
+                   {cv::TermCriteria::COUNT + cv::TermCriteria::EPS, kMostSteps, kLastStep});
 }
 
 /// Decoded pixels around a corner.

@@ -249,9 +249,10 @@ Harmonic summarize(const std::vector<Place>& places, int order) {
 
 /// Spectrum of a Hann window of so many px, 1 at frequency 0.
 double hann_spectrum(double frequency, double length) {
+  constexpr double kNearLimit = 1e-9;  // of x: there the formula is 0 / 0, and this its limit
   const double x = frequency * length;
-  if (std::abs(x) < 1e-9) return 1;
-  if (std::abs(std::abs(x) - 1) < 1e-9) return 0.5;
+  if (std::abs(x) < kNearLimit) return 1;
+  if (std::abs(std::abs(x) - 1) < kNearLimit) return 0.5;
   return std::sin(kPi * x) / (kPi * x * (1 - x * x));
 }
 

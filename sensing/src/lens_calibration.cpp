@@ -55,12 +55,14 @@ LensCalibration calibrate_lens(const std::vector<Eigen::Matrix2Xd>& board,
   cv::Mat_<double> deviations;
   LensCalibration result;
   result.lens = lens;
+  constexpr int kMostSteps = 100;
+  constexpr double kLastStep = 1e-12;  // relative change of the parameters
   const QuietOpenCv quiet;
   try {
     result.rms = cv::calibrateCamera(
         objects, images, cv::Size(lens.width, lens.height), matrix, distortion, turns, shifts,
         deviations, cv::noArray(), cv::noArray(), fixed_terms(distortion_terms),
-        cv::TermCriteria(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 100, 1e-12));
+        cv::TermCriteria(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, kMostSteps, kLastStep));
   } catch (const cv::Exception& error) {
     throw SolverError("no camera matrix fits the views (" + error.err + ")");
   }
