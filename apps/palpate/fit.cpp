@@ -89,7 +89,7 @@ void fit(const Settings& settings, const FitCall& call) {
   for (std::size_t i = 0; i < built.contacts.size(); ++i) {
     const haptics::ContactModel& contact = built.model.contacts[i];
     rms.push_back(contact.rms);
-    const auto bases = contact.field.weights.size();
+    const auto bases = contact.field.bases.size();
     per_contact.push_back({{"contact", contact.id},
                            {"rms", contact.rms},
                            {"bases", bases},

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <mutex>
 #include <string>
+#include <utility>
 
 #include "palpate/error.h"
 #include "palpate/geometry/contact_triangulation.h"
@@ -186,7 +187,7 @@ void choose_frames(Model& model) {
   const Eigen::Matrix3d mean_frame = rotation_between(Eigen::Vector3d::UnitZ(), mean);
   for (ContactModel& contact : model.contacts) {
     const Eigen::Matrix3d frame = rotation_between(mean, contact.frame.col(2)) * mean_frame;
-    contact.field.centers = frame.transpose() * contact.field.centers;
+    contact.field = rotated(std::move(contact.field), frame.transpose());
     contact.frame = to_surface * frame;
     contact.friction_axis = (to_surface * contact.friction_axis).normalized();
   }

@@ -47,7 +47,7 @@ double FieldObjective::value(const Eigen::Ref<const Eigen::VectorXd>& parameters
     sum += (force(field, displacements.col(i)) - forces.col(i)).squaredNorm();
   }
   return sum / (2 * static_cast<double>(forces.cols())) +
-         weight_penalty / 2 * field.weights.squaredNorm();
+         weight_penalty / 2 * weights_only(parameters).squaredNorm();
 }
 
 Eigen::VectorXd FieldObjective::gradient(
@@ -57,12 +57,13 @@ Eigen::VectorXd FieldObjective::gradient(
   for (Eigen::Index i = 0; i < forces.cols(); ++i) {
     const Eigen::Vector3d residual =
         (force(field, displacements.col(i)) - forces.col(i)) / static_cast<double>(forces.cols());
-    for (Eigen::Index k = 0; k < field.weights.size(); ++k) {
-      const Base zero(-field.centers.col(k), epsilon);
-      const Base here(displacements.col(i) - field.centers.col(k), epsilon);
+    for (Eigen::Index k = 0; 4 * k < parameters.size(); ++k) {
+      const Eigen::Vector3d center = parameters.segment<3>(4 * k + 1);
+      const Base zero(-center, epsilon);
+      const Base here(displacements.col(i) - center, epsilon);
       result[4 * k] += (here.q - zero.q).dot(residual);
       result.segment<3>(4 * k + 1) +=
-          field.weights[k] * (zero.slope_times(residual) - here.slope_times(residual));
+          parameters[4 * k] * (zero.slope_times(residual) - here.slope_times(residual));
     }
   }
   return result;
@@ -75,20 +76,21 @@ Eigen::MatrixXd FieldObjective::hessian(const Eigen::Ref<const Eigen::VectorXd>&
   Eigen::MatrixXd jacobian(size, 3 * forces.cols());  // a column a residual component
   for (Eigen::Index i = 0; i < forces.cols(); ++i) {
     const Eigen::Vector3d residual = force(field, displacements.col(i)) - forces.col(i);
-    for (Eigen::Index k = 0; k < field.weights.size(); ++k) {
-      const Base zero(-field.centers.col(k), epsilon);
-      const Base here(displacements.col(i) - field.centers.col(k), epsilon);
+    for (Eigen::Index k = 0; 4 * k < parameters.size(); ++k) {
+      const Eigen::Vector3d center = parameters.segment<3>(4 * k + 1);
+      const Base zero(-center, epsilon);
+      const Base here(displacements.col(i) - center, epsilon);
       const Eigen::Matrix3d slope = zero.slope() - here.slope();
       jacobian.block<1, 3>(4 * k, 3 * i) = (here.q - zero.q).transpose();
-      jacobian.block<3, 3>(4 * k + 1, 3 * i) = field.weights[k] * slope;
+      jacobian.block<3, 3>(4 * k + 1, 3 * i) = parameters[4 * k] * slope;
       result.block<3, 1>(4 * k + 1, 4 * k) += slope * residual;
       result.block<3, 3>(4 * k + 1, 4 * k + 1) +=
-          field.weights[k] * (here.curvature(residual) - zero.curvature(residual));
+          parameters[4 * k] * (here.curvature(residual) - zero.curvature(residual));
     }
   }
   result.selfadjointView<Eigen::Lower>().rankUpdate(jacobian);
   result /= static_cast<double>(forces.cols());
-  for (Eigen::Index k = 0; k < field.weights.size(); ++k) result(4 * k, 4 * k) += weight_penalty;
+  for (Eigen::Index k = 0; k < size; k += 4) result(k, k) += weight_penalty;
   return result.selfadjointView<Eigen::Lower>();
 }
 
@@ -121,20 +123,19 @@ FieldObjective::Contraction FieldObjective::stiffness_at_zero(
 }
 
 ForceField to_field(const Eigen::Ref<const Eigen::VectorXd>& parameters, double epsilon) {
-  ForceField field{Eigen::Matrix3Xd(3, parameters.size() / 4),
-                   Eigen::VectorXd(parameters.size() / 4), epsilon};
-  for (Eigen::Index k = 0; k < field.weights.size(); ++k) {
-    field.weights[k] = parameters[4 * k];
-    field.centers.col(k) = parameters.segment<3>(4 * k + 1);
+  ForceField field;
+  for (Eigen::Index k = 0; k < parameters.size(); k += 4) {
+    field.bases.push_back({parameters[k], epsilon, parameters.segment<3>(k + 1)});
   }
   return field;
 }
 
 Eigen::VectorXd to_parameters(const ForceField& field) {
-  Eigen::VectorXd parameters(4 * field.weights.size());
-  for (Eigen::Index k = 0; k < field.weights.size(); ++k) {
-    parameters[4 * k] = field.weights[k];
-    parameters.segment<3>(4 * k + 1) = field.centers.col(k);
+  Eigen::VectorXd parameters(4 * static_cast<Eigen::Index>(field.bases.size()));
+  Eigen::Index k = 0;
+  for (const Multiquadric& base : field.bases) {
+    parameters.segment<4>(k) << base.weight, base.center;
+    k += 4;
   }
   return parameters;
 }

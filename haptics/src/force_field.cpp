@@ -10,61 +10,78 @@
 namespace palpate::haptics {
 namespace {
 
-double rounded_length(const Eigen::Vector3d& d, double epsilon) noexcept {
-  return std::sqrt(d.squaredNorm() + epsilon * epsilon);
+bool is_ridge(const Multiquadric& base) noexcept { return base.ridge != Eigen::Vector3d::Zero(); }
+
+// P d
+Eigen::Vector3d seen(const Multiquadric& base, const Eigen::Vector3d& d) noexcept {
+  return is_ridge(base) ? Eigen::Vector3d(base.ridge.dot(d) * base.ridge) : d;
+}
+
+double rounded_length(const Multiquadric& base, const Eigen::Vector3d& seen) noexcept {
+  return std::sqrt(seen.squaredNorm() + base.epsilon * base.epsilon);
 }
 
 }  // namespace
 
 void check_force_field(const ForceField& field, const char* what) {
-  if (field.centers.cols() != field.weights.size()) {
-    throw InvalidInput(std::string(what) + ": " + std::to_string(field.centers.cols()) +
-                       " centres but " + std::to_string(field.weights.size()) +
-                       " weights; each base has one of both");
-  }
-  for (Eigen::Index k = 0; k < field.weights.size(); ++k) {
-    if (!field.centers.col(k).allFinite() || !std::isfinite(field.weights[k])) {
-      throw InvalidInput(std::string(what) + ": base " + std::to_string(k) + " is not finite");
+  for (std::size_t k = 0; k < field.bases.size(); ++k) {
+    const Multiquadric& base = field.bases[k];
+    const std::string name = std::string(what) + ": base " + std::to_string(k);
+    if (!base.center.allFinite() || !base.ridge.allFinite() || !std::isfinite(base.weight)) {
+      throw InvalidInput(name + " is not finite");
+    }
+    if (!(base.epsilon > 0) || !std::isfinite(base.epsilon)) {
+      throw InvalidInput(name + ": epsilon is " + std::to_string(base.epsilon) +
+                         " mm; it must be finite and > 0");
+    }
+    if (is_ridge(base) && !(std::abs(base.ridge.norm() - 1) <= kRidgeTolerance)) {
+      throw InvalidInput(name + ": the length of its ridge is " +
+                         std::to_string(base.ridge.norm()) + "; it must be 1, or 0 for none");
     }
   }
-  if (!(field.epsilon > 0) || !std::isfinite(field.epsilon)) {
-    throw InvalidInput(std::string(what) + ": epsilon is " + std::to_string(field.epsilon) +
-                       " mm; it must be finite and > 0");
+}
+
+ForceField rotated(ForceField field, const Eigen::Matrix3d& rotation) {
+  for (Multiquadric& base : field.bases) {
+    base.center = rotation * base.center;
+    if (is_ridge(base)) base.ridge = (rotation * base.ridge).normalized();
   }
+  return field;
 }
 
 double potential(const ForceField& field, const Eigen::Vector3d& displacement) noexcept {
   double result = 0;
-  for (Eigen::Index k = 0; k < field.weights.size(); ++k) {
-    const Eigen::Vector3d center = field.centers.col(k);
-    const double at_zero = rounded_length(center, field.epsilon);
-    const double here = rounded_length(displacement - center, field.epsilon);
+  for (const Multiquadric& base : field.bases) {
+    const Eigen::Vector3d center = seen(base, base.center), x = seen(base, displacement);
+    const double at_zero = rounded_length(base, center);
+    const double here = rounded_length(base, x - center);
     // s(x) - s(0) = (s(x)^2 - s(0)^2) / (s(x) + s(0)), which does not cancel for small
     // displacements.
-    const double difference = displacement.dot(displacement - 2 * center) / (here + at_zero);
-    result += field.weights[k] * (difference + center.dot(displacement) / at_zero);
+    const double difference = x.dot(x - 2 * center) / (here + at_zero);
+    result += base.weight * (difference + center.dot(x) / at_zero);
   }
   return result;
 }
 
 Eigen::Vector3d force(const ForceField& field, const Eigen::Vector3d& displacement) noexcept {
   Eigen::Vector3d result = Eigen::Vector3d::Zero();
-  for (Eigen::Index k = 0; k < field.weights.size(); ++k) {
-    const Eigen::Vector3d center = field.centers.col(k);
-    const Eigen::Vector3d d = displacement - center;
-    result += field.weights[k] * (d / rounded_length(d, field.epsilon) +
-                                  center / rounded_length(center, field.epsilon));
+  for (const Multiquadric& base : field.bases) {
+    const Eigen::Vector3d center = seen(base, base.center);
+    const Eigen::Vector3d d = seen(base, displacement) - center;
+    result += base.weight * (d / rounded_length(base, d) + center / rounded_length(base, center));
   }
   return result;
 }
 
 Eigen::Matrix3d stiffness(const ForceField& field, const Eigen::Vector3d& displacement) noexcept {
   Eigen::Matrix3d result = Eigen::Matrix3d::Zero();
-  for (Eigen::Index k = 0; k < field.weights.size(); ++k) {
-    const Eigen::Vector3d d = displacement - field.centers.col(k);
-    const double s = rounded_length(d, field.epsilon);
+  for (const Multiquadric& base : field.bases) {
+    const Eigen::Vector3d d = seen(base, displacement - base.center);
+    const double s = rounded_length(base, d);
     const Eigen::Vector3d q = d / s;
-    result += field.weights[k] / s * (Eigen::Matrix3d::Identity() - q * q.transpose());
+    Eigen::Matrix3d projection = Eigen::Matrix3d::Identity();
+    if (is_ridge(base)) projection = base.ridge * base.ridge.transpose();
+    result += base.weight / s * (projection - q * q.transpose());
   }
   return result;
 }

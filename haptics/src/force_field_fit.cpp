@@ -3,17 +3,16 @@
 #include "palpate/haptics/force_field_fit.h"
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "field_objective.h"
-#include "field_solver.h"
+#include "local_fit.h"
 #include "palpate/error.h"
 
 namespace palpate::haptics {
@@ -25,17 +24,6 @@ constexpr double kEpsilonRatio = 1;
 // Cost of weights against the squared error, both in units of the data: far below the noise of any
 // arm; settles what the samples leave open.
 constexpr double kWeightPenalty = 1e-7;
-// Where a new base may start, as multiples of the displacements.
-constexpr std::array<double, 4> kStartMultiples = {1, -1, 2, -2};
-// Each number of bases is tried from the best starts that are kStartSpacing apart (in units of the
-// data's extent): from at least kMinStarts of them, and on to kMaxStarts while nothing is gained.
-constexpr int kMinStarts = 2;
-constexpr int kMaxStarts = 4;
-constexpr double kStartSpacing = 0.5;
-// Cost of weights where starts are chosen, as a fraction of the data's force.
-constexpr double kRidge = 1e-3;
-// Relative error below which a fit is exact: some rounding errors.
-constexpr double kExact = 1e-9;
 
 void check(const Eigen::Ref<const Eigen::Matrix3Xd>& displacements,
            const Eigen::Ref<const Eigen::Matrix3Xd>& forces, const FitOptions& options) {
@@ -85,163 +73,10 @@ std::vector<Eigen::Index> canonical_order(const Eigen::Ref<const Eigen::Matrix3X
   return order;
 }
 
-// A field with bases where they are and one more at each of some places, best ones first by linear
-// least squares (thesis 5.3.1.2: "a starting point ...").
-class Starts {
- public:
-  Starts(const FieldObjective& objective, const ForceField& field)
-      : objective_(objective), field_(field) {
-    const Eigen::Index old = field.weights.size();
-    matrix_.resize(objective.forces.size() + old + 1, old + 1);
-    for (Eigen::Index k = 0; k < old; ++k) matrix_.col(k) = column(field.centers.col(k), k);
-    target_ = Eigen::VectorXd::Zero(matrix_.rows());
-    target_.head(objective.forces.size()) = objective.forces.reshaped();
-    rank_places();
-  }
-
-  /// The n-th best, far from those before; none if there are no more.
-  [[nodiscard]] std::optional<ForceField> select(int n) {
-    std::vector<Eigen::Vector3d> chosen;
-    for (const Place& place : places_) {
-      const auto near = [&](const Eigen::Vector3d& other) {
-        return (other - place.center).norm() < kStartSpacing;
-      };
-      if (std::any_of(chosen.begin(), chosen.end(), near)) continue;
-      chosen.push_back(place.center);
-      if (static_cast<int>(chosen.size()) > n) return with_base_at(place.center);
-    }
-    return std::nullopt;
-  }
-
- private:
-  struct Place {
-    double gain;  // by which the squared error falls
-    Eigen::Vector3d center;
-  };
-
-  // Forces of one base with weight 1 at all displacements; below them a row for each weight keeps
-  // the weights from cancelling each other where the data cannot tell.
-  [[nodiscard]] Eigen::VectorXd column(const Eigen::Vector3d& center, Eigen::Index base) const {
-    const ForceField one{center, Eigen::VectorXd::Ones(1), objective_.epsilon};
-    Eigen::VectorXd result = Eigen::VectorXd::Zero(matrix_.rows());
-    for (Eigen::Index i = 0; i < objective_.forces.cols(); ++i) {
-      result.segment<3>(3 * i) = force(one, objective_.displacements.col(i));
-    }
-    result[objective_.forces.size() + base] =
-        kRidge * std::sqrt(static_cast<double>(objective_.forces.cols()));
-    return result;
-  }
-
-  // One more column lowers the squared error by its part across the others.
-  void rank_places() {
-    const Eigen::Index old = field_.weights.size();
-    const Eigen::HouseholderQR<Eigen::MatrixXd> qr(matrix_.leftCols(old));
-    const Eigen::MatrixXd q = qr.householderQ() * Eigen::MatrixXd::Identity(matrix_.rows(), old);
-    const Eigen::VectorXd residual = target_ - q * (q.transpose() * target_);
-    for (const double multiple : kStartMultiples) {
-      for (Eigen::Index i = 0; i < objective_.displacements.cols(); ++i) {
-        const Eigen::Vector3d center = multiple * objective_.displacements.col(i);
-        Eigen::VectorXd across = column(center, old);
-        across -= q * (q.transpose() * across);
-        const double part = residual.dot(across);
-        places_.push_back({part * part / across.squaredNorm(), center});
-      }
-    }
-    std::stable_sort(places_.begin(), places_.end(),
-                     [](const Place& l, const Place& r) { return l.gain > r.gain; });
-  }
-
-  [[nodiscard]] ForceField with_base_at(const Eigen::Vector3d& center) {
-    const Eigen::Index old = field_.weights.size();
-    matrix_.col(old) = column(center, old);
-    ForceField field{Eigen::Matrix3Xd(3, old + 1), matrix_.colPivHouseholderQr().solve(target_),
-                     objective_.epsilon};
-    field.centers << field_.centers, center;
-    return field;
-  }
-
-  const FieldObjective& objective_;
-  const ForceField& field_;
-  Eigen::VectorXd target_;
-  Eigen::MatrixXd matrix_;
-  std::vector<Place> places_;
-};
-
-double mean_squared_error(const FieldObjective& objective, const ForceField& field) {
-  double sum = 0;
-  for (Eigen::Index i = 0; i < objective.forces.cols(); ++i) {
-    sum += (force(field, objective.displacements.col(i)) - objective.forces.col(i)).squaredNorm();
-  }
-  return sum / static_cast<double>(objective.forces.cols());
-}
-
 double smallest_eigenvalue(const ForceField& field) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(
       stiffness(field, Eigen::Vector3d::Zero()), Eigen::EigenvaluesOnly);
   return eigen.eigenvalues()[0];
-}
-
-// The better the lower; in units of the data.
-double information_criterion(const FieldObjective& objective, const ForceField& field) {
-  const double values = static_cast<double>(objective.forces.size());
-  const double parameters = 4 * static_cast<double>(field.weights.size());
-  const double error = std::max(mean_squared_error(objective, field), kExact * kExact);
-  return values * std::log(error) + parameters * std::log(values);
-}
-
-struct Step {
-  ForceField field;
-  double criterion = std::numeric_limits<double>::infinity();
-  bool converged = false;
-};
-
-// One base more than `field` has, all moved to where the error is least. A solve that ran out of
-// iterations counts too: what it found is valid, only perhaps not the best.
-Step add_base(const FieldObjective& objective, const ForceField& field, double criterion,
-              int& iterations) {
-  Starts starts(objective, field);
-  Step best;
-  for (int n = 0; n < kMaxStarts; ++n) {
-    if (n >= kMinStarts && best.criterion < criterion) break;
-    const std::optional<ForceField> start = starts.select(n);
-    if (!start) break;
-    const FieldSolution solution = solve_field(objective, to_parameters(*start));
-    iterations += solution.iterations;
-    if (!solution.parameters.allFinite()) continue;
-    ForceField found = to_field(solution.parameters, objective.epsilon);
-    const double found_criterion = information_criterion(objective, found);
-    if (smallest_eigenvalue(found) >= 0 && found_criterion < best.criterion) {
-      best = {std::move(found), found_criterion, solution.converged};
-    }
-  }
-  return best;
-}
-
-// Grows a field in units of the data; `result` has room for what is found out on the way.
-void grow(const FieldObjective& objective, double accuracy, int max_bases, FitResult& result) {
-  const Eigen::Index determined = std::max<Eigen::Index>(1, objective.forces.size() / 4);
-  const Eigen::Index most = std::min<Eigen::Index>(max_bases, determined);
-  result.field = {Eigen::Matrix3Xd(3, 0), Eigen::VectorXd(0), objective.epsilon};
-  result.stop = FitStop::max_bases;
-  double criterion = information_criterion(objective, result.field);
-  bool converged = true;
-  for (Eigen::Index bases = 1; bases <= most; ++bases) {
-    Step step = add_base(objective, result.field, criterion, result.iterations);
-    if (!(step.criterion < criterion)) {
-      result.stop = FitStop::no_gain;
-      break;
-    }
-    criterion = step.criterion;
-    converged = step.converged;
-    result.field = std::move(step.field);
-    result.rms = std::sqrt(mean_squared_error(objective, result.field));
-    if (result.rms <= accuracy) {
-      result.stop = FitStop::accurate;
-      break;
-    }
-  }
-  if (!converged) result.stop = FitStop::not_converged;
-  result.rms = std::sqrt(mean_squared_error(objective, result.field));
 }
 
 }  // namespace
@@ -256,25 +91,26 @@ FitResult fit_force_field(const Eigen::Ref<const Eigen::Matrix3Xd>& displacement
   objective.forces = forces(Eigen::all, order);
   const double length = extent(objective.displacements), force_scale = extent(objective.forces);
   FitResult result;
-  result.field.centers.resize(3, 0);
   if (force_scale == 0 || length == 0) {
     result.stop = force_scale == 0 ? FitStop::accurate : FitStop::not_determined;
     result.rms = force_scale;
-    result.field.epsilon = options.epsilon.value_or(length > 0 ? kEpsilonRatio * length : 1);
     return result;
   }
   objective.displacements /= length;
   objective.forces /= force_scale;
   objective.epsilon = options.epsilon ? *options.epsilon / length : kEpsilonRatio;
   objective.weight_penalty = kWeightPenalty;
-  grow(objective, std::max(options.accuracy / force_scale, kExact), options.max_bases, result);
-  result.field.centers *= length;
-  result.field.weights *= force_scale;
-  result.field.epsilon *= length;
-  result.rms *= force_scale;
-  if (result.field.weights.size() > 0) {
-    result.smallest_stiffness = smallest_eigenvalue(result.field);
+  LocalFit fit = fit_local(objective, options.accuracy / force_scale, options.max_bases);
+  result.field = std::move(fit.field);
+  for (Multiquadric& base : result.field.bases) {
+    base.center *= length;
+    base.epsilon *= length;
+    base.weight *= force_scale;
   }
+  result.rms = fit.rms * force_scale;
+  result.iterations = fit.iterations;
+  result.stop = fit.stop;
+  result.smallest_stiffness = smallest_eigenvalue(result.field);
   return result;
 }
 

@@ -19,7 +19,7 @@ namespace {
 using nlohmann::json;
 
 constexpr const char* kFormat = "palpate-model";
-constexpr int kVersion = 1;
+constexpr int kVersion = 2;
 constexpr const char* kSurface = "surface.ply";
 constexpr const char* kContacts = "contacts.ply";
 constexpr const char* kDocument = "field.json";
@@ -30,9 +30,12 @@ json to_json(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
 json to_json(const ContactModel& contact) {
   json centers = json::array(), weights = json::array();
-  for (Eigen::Index k = 0; k < contact.field.weights.size(); ++k) {
-    centers.push_back(to_json(Eigen::Vector3d(contact.field.centers.col(k))));
-    weights.push_back(contact.field.weights[k]);
+  json ridges = json::array(), epsilons = json::array();
+  for (const Multiquadric& base : contact.field.bases) {
+    centers.push_back(to_json(base.center));
+    ridges.push_back(to_json(base.ridge));
+    weights.push_back(base.weight);
+    epsilons.push_back(base.epsilon);
   }
   json axes = json::array();
   for (int axis = 0; axis < 3; ++axis)
@@ -41,7 +44,8 @@ json to_json(const ContactModel& contact) {
       {"id", contact.id},
       {"position", to_json(contact.position)},
       {"axes", axes},
-      {"field", {{"epsilon", contact.field.epsilon}, {"centers", centers}, {"weights", weights}}},
+      {"field",
+       {{"epsilons", epsilons}, {"centers", centers}, {"ridges", ridges}, {"weights", weights}}},
       {"friction",
        {{"coefficient", contact.friction},
         {"source", kFrictionSources[static_cast<std::size_t>(contact.friction_source)]},
@@ -169,16 +173,17 @@ FrictionSource friction_source(const Node& node) {
 }
 
 ForceField to_force_field(const Node& node) {
-  const std::vector<Node> centers = node.at("centers").items(),
-                          weights = node.at("weights").items();
-  if (centers.size() != weights.size()) node.refuse("as many centers as weights");
+  const std::vector<Node> centers = node.at("centers").items(), ridges = node.at("ridges").items(),
+                          weights = node.at("weights").items(),
+                          epsilons = node.at("epsilons").items();
+  const std::size_t count = weights.size();
+  if (centers.size() != count || ridges.size() != count || epsilons.size() != count) {
+    node.refuse("as many centers, ridges and epsilons as weights");
+  }
   ForceField field;
-  field.epsilon = node.at("epsilon").number();
-  field.centers.resize(3, static_cast<Eigen::Index>(centers.size()));
-  field.weights.resize(static_cast<Eigen::Index>(weights.size()));
-  for (std::size_t k = 0; k < weights.size(); ++k) {
-    field.centers.col(static_cast<Eigen::Index>(k)) = centers[k].vector();
-    field.weights[static_cast<Eigen::Index>(k)] = weights[k].number();
+  for (std::size_t k = 0; k < count; ++k) {
+    field.bases.push_back(
+        {weights[k].number(), epsilons[k].number(), centers[k].vector(), ridges[k].vector()});
   }
   return field;
 }

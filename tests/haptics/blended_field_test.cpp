@@ -86,7 +86,7 @@ TEST(BlendedField, DoesNotDependOnACommonTurnOfTheLocalAxes) {
   const BlendedField field(model);
   for (ContactModel& contact : model.contacts) {
     contact.frame = contact.frame * some_rotation();
-    contact.field.centers = some_rotation().transpose() * contact.field.centers;
+    contact.field = rotated(contact.field, some_rotation().transpose());
   }
   const BlendedField turned(model);
   EXPECT_LT(
@@ -113,7 +113,7 @@ TEST(FrictionParts, SplitAForceAlongAndAcrossTheAxis) {
 
 TEST(BlendedField, RefusesABadModel) {
   Model model = uneven_model();
-  model.contacts[0].field.epsilon = -1;
+  model.contacts[0].field.bases[0].epsilon = -1;
   EXPECT_THAT(refusal([&] { return BlendedField(model); }), testing::HasSubstr("epsilon"));
 }
 

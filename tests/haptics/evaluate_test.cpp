@@ -51,7 +51,7 @@ TEST(LeaveOneOut, DoesNotUseTheContactItPredicts) {
   model.contacts[0].id = 20;
   for (std::size_t i = 1; i < 4; ++i) model.contacts[i].id = 20 + static_cast<long long>(i);
   const LeaveOneOut before = leave_one_out(model, acquisition);
-  model.contacts[0].field.weights *= 100;
+  model.contacts[0].field = scaled(model.contacts[0].field, 100);
   const LeaveOneOut after = leave_one_out(model, acquisition);
   EXPECT_EQ(after.per_contact[0].rms, before.per_contact[0].rms);
   EXPECT_GT(after.per_contact[1].rms, 2 * before.per_contact[1].rms);

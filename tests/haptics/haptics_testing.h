@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <cmath>
 #include <numbers>
 #include <random>
 #include <string>
@@ -45,11 +46,38 @@ inline Eigen::Matrix3d some_rotation() {
   return Eigen::AngleAxisd(2.1, Eigen::Vector3d(0.3, -0.7, 0.5).normalized()).toRotationMatrix();
 }
 
-/// A field of three bases, awkward numbers, stable at zero.
-inline ForceField some_field() {
-  ForceField field{Eigen::Matrix3Xd(3, 3), Eigen::Vector3d(1.7, 2.3, -0.4), 3.1};
-  field.centers << 0.4, -2.2, 1.1, -1.3, 0.9, 3.3, 2.7, -0.6, -1.9;
+/// An isotropic base around zero: a softening spring.
+inline ForceField spring(double weight, double epsilon) { return {{{weight, epsilon}}}; }
+
+/// The same field in other units of force and length.
+inline ForceField scaled(ForceField field, double force, double length = 1) {
+  for (Multiquadric& base : field.bases) {
+    base.weight *= force;
+    base.epsilon *= length;
+    base.center *= length;
+  }
   return field;
+}
+
+/// A field of three isotropic bases, awkward numbers, stable at zero.
+inline ForceField some_field() {
+  return {{{1.7, 3.1, {0.4, -1.3, 2.7}},  //
+           {2.3, 3.1, {-2.2, 0.9, -0.6}},
+           {-0.4, 3.1, {1.1, 3.3, -1.9}}}};
+}
+
+/// The same with a ridge across all axes.
+inline ForceField some_field_with_ridge() {
+  ForceField field = some_field();
+  field.bases.push_back({0.9, 1.7, {0.3, 0.2, 1.9}, Eigen::Vector3d(0.4, -0.5, 0.8).normalized()});
+  return field;
+}
+
+/// Bound of |force| everywhere.
+inline double weight_sum(const ForceField& field) {
+  double sum = 0;
+  for (const Multiquadric& base : field.bases) sum += std::abs(base.weight);
+  return sum;
 }
 
 inline Eigen::Matrix3Xd forces_at(const ForceField& field, const Eigen::Matrix3Xd& displacements) {

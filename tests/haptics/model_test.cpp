@@ -36,7 +36,7 @@ TEST(CheckModel, NamesWhatIsWrong) {
                 m.contacts[3].position.x() = std::numeric_limits<double>::quiet_NaN();
               }),
               HasSubstr("contact 13"));
-  EXPECT_THAT(refused_after([](Model& m) { m.contacts[3].field.epsilon = 0; }),
+  EXPECT_THAT(refused_after([](Model& m) { m.contacts[3].field.bases[0].epsilon = 0; }),
               AllOf(HasSubstr("contact 13"), HasSubstr("epsilon")));
   EXPECT_THAT(refused_after([](Model& m) { m.triangles(1, 1) = 4; }), HasSubstr("triangle"));
   EXPECT_THAT(refused_after([](Model& m) { m.triangles.resize(3, 0); }), HasSubstr("triangle"));

@@ -138,7 +138,7 @@ TEST(Playback, ForcesAreFiniteHoweverFarTheToolGoes) {
 TEST(Playback, LosesAContactThatPullsAndFindsItAgain) {
   Model model = sheet_model(0);
   // Weights below zero push the tool outwards less than nothing: the object pulls.
-  for (ContactModel& contact : model.contacts) contact.field.weights *= -1;
+  for (ContactModel& contact : model.contacts) contact.field = scaled(contact.field, -1);
   const Playback playback(model);
   LoopState state;
   static_cast<void>(playback.step(kAbove, state));

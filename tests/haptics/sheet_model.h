@@ -41,7 +41,7 @@ inline Model sheet_model(double friction = 0.5) {
     contact.id = 10 + i;
     contact.position << (i % 2 ? 30 : -30), (i / 2 ? 30 : -30), 700;
     contact.frame = rotation_exp({0, 0, 0.1 * i});
-    contact.field = {Eigen::Matrix3Xd::Zero(3, 1), Eigen::VectorXd::Constant(1, 4.0), 10};
+    contact.field = spring(4, 10);
     contact.friction = friction;
     contact.friction_source = FrictionSource::samples;
     contact.samples = 100 + i;
@@ -62,8 +62,7 @@ inline Model uneven_model() {
   Model model = sheet_model();
   for (std::size_t i = 0; i < 4; ++i) {
     ContactModel& contact = model.contacts[i];
-    contact.field = some_field();
-    contact.field.weights *= 1 + 0.3 * static_cast<double>(i);
+    contact.field = scaled(some_field_with_ridge(), 1 + 0.3 * static_cast<double>(i));
     contact.frame =
         rotation_exp({0.05 * static_cast<double>(i), -0.04, 0.2 / 3 * static_cast<double>(i)});
     contact.friction = 0.4 + 0.1 * static_cast<double>(i);

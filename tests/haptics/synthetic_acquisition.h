@@ -14,7 +14,6 @@ namespace palpate::haptics {
 /// the friction limit, where one sample holds and the next slips.
 inline probing::Acquisition flat_acquisition(double friction = 0.5) {
   probing::Acquisition acquisition;
-  const ForceField spring{Eigen::Matrix3Xd::Zero(3, 1), Eigen::VectorXd::Constant(1, 9.0), 20};
   // The displacement for a force f along itself: |f| = w d / sqrt(d^2 + eps^2).
   const auto displacement = [](const Eigen::Vector3d& f) -> Eigen::Vector3d {
     const double ratio = f.norm() / 9;

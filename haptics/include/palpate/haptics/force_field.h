@@ -3,25 +3,45 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
 
 namespace palpate::haptics {
+
+/// The function phi(x) = sqrt(|P (x - center)|^2 + epsilon^2) of a displacement x, weighted: Eq 5.3
+/// with `epsilon` in place of the 1 mm under the root. Isotropic if `ridge` is zero, with P = I;
+/// else a ridge, which varies along the unit vector `ridge` alone, P = ridge ridge^T.
+struct Multiquadric {
+  double weight = 0;                                 ///< [N]
+  double epsilon = 1;                                ///< [mm] > 0; rounds the tip
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< [mm] same frame as the displacement
+  Eigen::Vector3d ridge = Eigen::Vector3d::Zero();   ///< unit vector, or zero: isotropic
+
+  friend bool operator==(const Multiquadric&, const Multiquadric&) = default;
+};
 
 /// Force against displacement at one contact: the gradient of a sum of multiquadrics
 /// (thesis 5.3.1.2).
 ///
-/// With d_k = x - g_k and s_k = sqrt(|d_k|^2 + epsilon^2) the elastic energy is
-/// p(x) = sum_k w_k (s_k(x) - s_k(0) + g_k.x / s_k(0)). Its gradient, Eq 5.8 with `epsilon` in
-/// place of the 1 mm under the root, is the force of the tool ON THE OBJECT; the user feels the
-/// opposite. Energy and force are exactly zero at zero displacement. Beyond the data the force
-/// stays bounded by 2 sum |w_k|.
+/// The elastic energy is p(x) = sum_k w_k (phi_k(x) - phi_k(0) - grad phi_k(0).x). Its gradient,
+/// for isotropic bases Eq 5.8, is the force of the tool ON THE OBJECT; the user feels the opposite.
+/// Energy and force are exactly zero at zero displacement. If no weight is negative the energy is
+/// convex and nowhere below zero. Beyond the data the force stays bounded by 2 sum |w_k|.
 struct ForceField {
-  Eigen::Matrix3Xd centers;  ///< [mm] 3 x M, g_k, same frame as the displacement
-  Eigen::VectorXd weights;   ///< [N] M, w_k
-  double epsilon = 1;        ///< [mm] > 0; rounds the tip of each multiquadric
+  std::vector<Multiquadric> bases;
+
+  friend bool operator==(const ForceField&, const ForceField&) = default;
 };
 
-/// \throws InvalidInput naming `what` unless sizes agree, numbers are finite and epsilon > 0.
+/// The length of a ridge may be off 1 by this. 1e-9: rounding of some operations and of 12
+/// printed digits.
+inline constexpr double kRidgeTolerance = 1e-9;
+
+/// \throws InvalidInput naming `what` and the base unless numbers are finite, each epsilon > 0 and
+/// each ridge a unit vector or zero.
 void check_force_field(const ForceField& field, const char* what);
+
+/// The same field with its displacements and forces turned by a rotation.
+[[nodiscard]] ForceField rotated(ForceField field, const Eigen::Matrix3d& rotation);
 
 /// [N mm] elastic energy at a displacement. Real-time safe.
 [[nodiscard]] double potential(const ForceField& field,
@@ -32,7 +52,7 @@ void check_force_field(const ForceField& field, const char* what);
                                     const Eigen::Vector3d& displacement) noexcept;
 
 /// [N/mm] derivative of the force with respect to the displacement, symmetric; at zero displacement
-/// it is Eq 5.9. Real-time safe.
+/// it is Eq 5.9 for isotropic bases. Real-time safe.
 [[nodiscard]] Eigen::Matrix3d stiffness(const ForceField& field,
                                         const Eigen::Vector3d& displacement) noexcept;
 

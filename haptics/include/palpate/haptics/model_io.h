@@ -19,10 +19,9 @@ namespace palpate::haptics {
 [[nodiscard]] std::vector<std::filesystem::path> model_entries();
 
 /// Writes such a folder as a whole; numbers read back exactly. The contacts and their triangles are
-/// written as a mesh too, `contacts.ply`, which `read_model` does not need. A folder that is there already is
-/// replaced only if it holds nothing but `model_entries`.
-/// \throws InvalidInput if `check_model` refuses or the folder holds something else, before
-/// anything
+/// written as a mesh too, `contacts.ply`, which `read_model` does not need. A folder that is there
+/// already is replaced only if it holds nothing but `model_entries`. \throws InvalidInput if
+/// `check_model` refuses or the folder holds something else, before anything
 ///         is written; OutputError.
 void write_model(const std::filesystem::path& folder, const Model& model);
 

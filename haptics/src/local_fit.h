@@ -1,0 +1,22 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "field_objective.h"
+#include "palpate/haptics/force_field_fit.h"
+
+namespace palpate::haptics {
+
+struct LocalFit {
+  ForceField field;
+  double rms = 0;  ///< sqrt(mean |error|^2)
+  int iterations = 0;
+  FitStop stop = FitStop::not_converged;
+};
+
+/// Fits isotropic bases whose energy has a local minimum at zero (thesis 5.3.1), in units of the
+/// data. Bases are added one by one. Each starts where it alone lowers the linear least squares
+/// most, among the displacements and their multiples by -1, 2 and -2; then all are moved (Ipopt).
+[[nodiscard]] LocalFit fit_local(const FieldObjective& objective, double accuracy, int max_bases);
+
+}  // namespace palpate::haptics
