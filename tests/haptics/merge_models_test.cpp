@@ -1,0 +1,243 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/haptics/merge_models.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <set>
+#include <vector>
+
+#include "palpate/geometry/mesh_topology.h"
+#include "palpate/haptics/blended_field.h"
+#include "sheet_model.h"
+#include "sphere_model.h"
+
+namespace palpate::haptics {
+namespace {
+
+using Eigen::Vector3d;
+using testing::AllOf;
+using testing::HasSubstr;
+
+const Vector3d kDisplacement(1, -2, 3);
+constexpr double kOverlap = 10;  // [mm] on each side of the middle
+
+// The frames of one side have nothing to do with those of the other.
+double twist(int i) { return 2.4 * i * i; }
+
+Model above() {
+  return ball_model([](const Vector3d& c) { return c.z() > -kOverlap; }, twist);
+}
+Model below() {
+  return ball_model([](const Vector3d& c) { return c.z() < kOverlap; }, [](int) { return 0; });
+}
+
+// Two halves of the ball, the second measured in a frame of its own.
+std::vector<SideModel> halves() {
+  const Eigen::Isometry3d away = some_motion();
+  return {{.model = above(), .name = "above"},
+          {.model = moved(below(), away), .T_object_model = away.inverse(), .name = "below"}};
+}
+
+// Halves of a dome, which is a disc: frames can agree on all of it.
+std::vector<SideModel> halves_of_a_dome() {
+  const auto part = [](double side, double turn) {
+    return ball_model(
+        [side](const Vector3d& c) { return side * c.x() > -kOverlap && c.z() > -kOverlap; },
+        [turn](int i) { return turn * i; });
+  };
+  return {{.model = part(1, 1.9)}, {.model = part(-1, -2.3)}};
+}
+
+// [N] the largest change of the force between places that follow each other on the way from `from`
+// over the top to `to`.
+double largest_jump(const BlendedField& field, const Vector3d& from, const Vector3d& to,
+                    int steps) {
+  double largest = 0;
+  Vector3d before = Vector3d::Zero();
+  for (int i = 0; i <= steps; ++i) {
+    const double t = static_cast<double>(i) / steps;
+    const Vector3d place = ((1 - t) * from + t * to + Vector3d(0, 0, 15)).normalized();
+    const Vector3d now = field.force(Vector3d(kSphereRadius * place), kDisplacement);
+    if (i > 0) largest = std::max(largest, (now - before).norm());
+    before = now;
+  }
+  return largest;
+}
+
+TEST(MergeModels, GivesTheModelThatWasCutInHalves) {
+  const MergedModel merged = merge_models(halves());
+  EXPECT_NO_THROW(check_model(merged.model));
+  EXPECT_TRUE(geometry::boundary_loops(merged.model.surface).empty());
+  EXPECT_EQ(geometry::euler_characteristic(merged.model.surface), 2);
+  ASSERT_EQ(merged.model.contacts.size(), 120u);
+  EXPECT_GT(merged.left_out.size(), 20u);
+  EXPECT_TRUE(merged.isolated.empty());
+  EXPECT_EQ(merged.components, 1);
+  const BlendedField field(merged.model);
+  for (const ContactModel& contact : merged.model.contacts) {
+    const Vector3d truth = ball_force(
+        places_on_sphere(120)[static_cast<std::size_t>(contact.id % 1000)], kDisplacement);
+    EXPECT_LT((field.force(contact.position, kDisplacement) - truth).norm(), 1e-9);
+  }
+}
+
+TEST(MergeModels, InterpolatesAsWellAsOneModel) {
+  const BlendedField whole(ball_model([](const Vector3d&) { return true; }));
+  const BlendedField merged(merge_models(halves()).model);
+  double error_of_whole = 0, error_of_merged = 0;
+  for (const Vector3d& place : places_on_sphere(2000)) {
+    const Vector3d truth = ball_force(place, kDisplacement);
+    error_of_whole += (whole.force(place, kDisplacement) - truth).squaredNorm();
+    error_of_merged += (merged.force(place, kDisplacement) - truth).squaredNorm();
+  }
+  EXPECT_LT(error_of_merged, error_of_whole);
+  EXPECT_LT(std::sqrt(error_of_merged / 2000), 0.1);  // [N] of forces of about 4 N
+}
+
+TEST(MergeModels, IsContinuousAcrossTheSeam) {
+  const BlendedField field(merge_models(halves_of_a_dome()).model);
+  for (int i = 0; i < 12; ++i) {
+    const double y = 3.1 * i - 17;
+    const Vector3d from(-25, y, 0), to(25, -y / 2, 0);
+    const double coarse = largest_jump(field, from, to, 2000);
+    const double fine = largest_jump(field, from, to, 8000);
+    EXPECT_LT(fine, 0.4 * coarse) << y;  // a quarter, but a jump would stay
+    EXPECT_GT(fine, 0);
+  }
+}
+
+TEST(MergeModels, JumpsOnAClosedSurfaceOnlyWhereNoFramesCanAgree) {
+  const BlendedField field(merge_models(halves()).model);
+  int jumping = 0;
+  for (int i = 0; i < 24; ++i) {
+    const double angle = i * std::numbers::pi / 12;
+    const Vector3d side(30 * std::cos(angle), 30 * std::sin(angle), -15);
+    const Vector3d from = side + Vector3d(0, 0, 30), to = side - Vector3d(0, 0, 30);
+    const double coarse = largest_jump(field, from, to, 2000);
+    if (largest_jump(field, from, to, 8000) > 0.4 * coarse) ++jumping;
+  }
+  EXPECT_LE(jumping, 2);
+}
+
+TEST(MergeModels, KeepsTheBetterOfTwoContactsAtOnePlace) {
+  std::vector<SideModel> sides = halves();
+  for (ContactModel& contact : sides[0].model.contacts) contact.rms = contact.id % 2 ? 0.02 : 0.005;
+  sides[0].model.contacts.back().rms = std::numeric_limits<double>::quiet_NaN();
+  const MergedModel merged = merge_models(sides);
+  for (const LeftOutContact& out : merged.left_out) {
+    EXPECT_EQ(out.contact.id, out.kept.id);  // the same contact of the other side
+    EXPECT_EQ(out.kept.side, out.kept.id % 2 ? 1 : 0);
+  }
+  EXPECT_EQ(merged.origins.size(), merged.model.contacts.size());
+  sides = halves();
+  EXPECT_EQ(merge_models(sides, {.same_place = 0}).model.contacts.size(), 120u);
+  sides[1].T_object_model.pretranslate(Vector3d(0.5, 0, 0));
+  EXPECT_EQ(merge_models(sides).model.contacts.size(), 120u);
+  EXPECT_GT(merge_models(sides, {.same_place = 0.1}).model.contacts.size(), 120u);
+}
+
+TEST(MergeModels, MakesIdsUniqueAndSaysWhereTheyAreFrom) {
+  const MergedModel merged = merge_models(halves());
+  std::set<long long> ids;
+  for (std::size_t i = 0; i < merged.origins.size(); ++i) {
+    const long long id = merged.model.contacts[i].id;
+    EXPECT_TRUE(ids.insert(id).second);
+    EXPECT_EQ(id, merged.origins[i].id + 1000 * merged.origins[i].side);
+  }
+  EXPECT_EQ(merged.model.made.at("model 1"), "below");
+  EXPECT_EQ(merged.model.made.at("model 1 ids"), "those of the model plus 1000");
+  EXPECT_THAT(merged.model.made.at("model 1 left out"), HasSubstr("of model 0"));
+  std::vector<SideModel> sides = halves();
+  for (ContactModel& contact : sides[1].model.contacts) contact.id += 500;
+  EXPECT_EQ(merge_models(sides).model.made.at("model 1 ids"), "those of the model plus 0");
+  sides = halves();
+  sides[0].model.contacts[0].id = sides[1].model.contacts[0].id = 1LL << 60;
+  EXPECT_THAT(refusal([&] { return merge_models(sides); }), HasSubstr("too large"));
+}
+
+TEST(MergeModels, MovesFramesAndAxesOfFriction) {
+  const Model model = uneven_model();
+  const Eigen::Isometry3d motion = some_motion();
+  const MergedModel merged = merge_models(std::vector<SideModel>{{model, motion, {}}});
+  const Model truth = moved(model, motion);
+  ASSERT_EQ(merged.model.contacts.size(), truth.contacts.size());
+  const BlendedField expected(truth), field(merged.model);
+  for (std::size_t i = 0; i < truth.contacts.size(); ++i) {
+    const ContactModel &is = merged.model.contacts[i], &should = truth.contacts[i];
+    EXPECT_EQ(is.id, should.id);
+    EXPECT_LT((is.position - should.position).norm(), 1e-9);
+    EXPECT_LT((is.frame.col(2) - should.frame.col(2)).norm(), 1e-12);
+    EXPECT_LT((is.friction_axis - should.friction_axis).norm(), 1e-12);
+    EXPECT_EQ(is.friction, should.friction);
+    EXPECT_LT(
+        (field.force(is.position, kDisplacement) - expected.force(should.position, kDisplacement))
+            .norm(),
+        1e-9);
+  }
+}
+
+TEST(MergeModels, FillsHolesAndAveragesOnRequest) {
+  std::vector<SideModel> sides = halves();
+  geometry::TriangleMesh& surface = sides[0].model.surface;
+  const geometry::TriangleMesh before = surface;
+  Eigen::Index kept = 0;
+  for (const auto& t : before.triangles.colwise()) {
+    const Vector3d middle = before.vertices(Eigen::all, t).rowwise().mean();
+    if ((middle - Vector3d(0, 0, kSphereRadius)).norm() > 5) surface.triangles.col(kept++) = t;
+  }
+  surface.triangles.conservativeResize(3, kept);
+  sides[0].model.surface_weights = {};  // were those of other triangles
+  EXPECT_EQ(geometry::boundary_loops(merge_models(sides).model.surface).size(), 1u);
+  const MergedModel filled = merge_models(sides, {.fill_holes = 30});
+  EXPECT_EQ(filled.holes_filled, 1);
+  EXPECT_TRUE(geometry::boundary_loops(filled.model.surface).empty());
+  sides = halves();
+  sides[1].T_object_model.pretranslate(Vector3d(0.31, 0.22, 0.27));
+  const MergedModel averaged = merge_models(sides, {.surface = MergedSurface::averaged});
+  EXPECT_EQ(geometry::euler_characteristic(averaged.model.surface), 2);
+  EXPECT_LT(averaged.largest_distance, 1.5);  // [mm] vertices are 2.5 mm apart
+  EXPECT_EQ(averaged.model.made.at("surface"), "averaged");
+}
+
+TEST(MergeModels, SaysThatSidesDoNotOverlap) {
+  std::vector<SideModel> sides = halves();
+  sides[1].T_object_model.pretranslate(Vector3d(0, 0, -60));
+  const MergedModel merged = merge_models(sides);
+  EXPECT_EQ(merged.components, 2);
+  EXPECT_TRUE(merged.left_out.empty());
+}
+
+TEST(MergeModels, RefusesWrongPosesModelsAndOptions) {
+  EXPECT_THAT(refusal([] { return merge_models({}); }), HasSubstr("no model"));
+  EXPECT_THAT(refusal([] { return merge_models(halves(), {.max_distance = -1}); }),
+              HasSubstr("max_distance"));
+  EXPECT_THAT(refusal([] {
+                return merge_models(halves(),
+                                    {.same_place = std::numeric_limits<double>::quiet_NaN()});
+              }),
+              HasSubstr("same_place"));
+  std::vector<SideModel> sides = halves();
+  sides[1].T_object_model.linear() *= 1.01;
+  EXPECT_THAT(refusal([&] { return merge_models(sides); }),
+              AllOf(HasSubstr("model 1 (below)"), HasSubstr("rotation")));
+  sides = halves();
+  sides[1].T_object_model.translation().y() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(refusal([&] { return merge_models(sides); }), HasSubstr("finite"));
+  sides = halves();
+  sides[0].model.contacts[5].position.x() = std::numeric_limits<double>::infinity();
+  EXPECT_THAT(refusal([&] { return merge_models(sides); }),
+              AllOf(HasSubstr("model 0 (above)"), HasSubstr("not finite")));
+  sides = halves();
+  sides[0].model.contacts[3].position *= 1.2;  // above the surface
+  EXPECT_THAT(refusal([&] { return merge_models(sides); }),
+              AllOf(HasSubstr("contact 3"), HasSubstr("at most 2")));
+}
+
+}  // namespace
+}  // namespace palpate::haptics
