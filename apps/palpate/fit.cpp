@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <vector>
 
 #include "command_line.h"
@@ -28,6 +29,7 @@ using Json = nlohmann::ordered_json;
 struct FitCall {
   fs::path acquisition, surface, output, pictures;
   haptics::FitOptions fit;
+  std::optional<haptics::ModelEncoding> encoding;
   geometry::ReadOptions meshes;
 };
 
@@ -77,9 +79,10 @@ void fit(const Settings& settings, const FitCall& call) {
   const probing::Acquisition acquisition = probing::read_acquisition(call.acquisition);
   const geometry::TriangleMesh surface = geometry::read_mesh(call.surface, call.meshes);
   haptics::BuildResult built = build(acquisition, surface, call.fit);
+  built.model.made["program"] = "palpate " PALPATE_VERSION;
   built.model.made["acquisition"] = call.acquisition.filename().string();
   built.model.made["surface"] = call.surface.filename().string();
-  haptics::write_model(call.output, built.model);
+  haptics::write_model(call.output, built.model, call.encoding);
   tell(built);
   if (!call.pictures.empty()) draw(call, built.model, acquisition);
 
@@ -130,6 +133,10 @@ void add_fit(CLI::App& app, const Settings& settings) {
       ->capture_default_str();
   command->add_option("--max-bases", call->fit.max_bases, "Use at most so many")
       ->capture_default_str();
+  command->add_flag_callback(
+      "--cbor", [call] { call->encoding = haptics::ModelEncoding::cbor; },
+      fmt::format("Write the document in CBOR, field.cbor, as is done beyond {} contacts",
+                  haptics::kMaxJsonContacts));
   command->add_option("--pictures", call->pictures,
                       "Folder for pictures: the contacts, and the contact that fits worst");
   command->footer("Example:\n  palpate fit acquisition.db surface.ply -o model/");

@@ -15,6 +15,7 @@
 #include "palpate/geometry/surface_query.h"
 #include "palpate/haptics/realignment.h"
 #include "palpate/haptics/rotation.h"
+#include "palpate/haptics/rounding.h"
 
 namespace palpate::haptics {
 namespace {
@@ -139,16 +140,10 @@ std::vector<ClosestPoint> place_contacts(const std::vector<probing::Contact>& co
   return places;
 }
 
-// Everything that is learnt at one contact; the frame is left to be chosen with the others.
-void fit_contact(const probing::Contact& contact, const probing::Acquisition& acquisition,
-                 const FitOptions& options, ContactModel& model, ContactReport& report) {
-  const ForceSamples samples = realign(contact, acquisition.samples);
-  report.fit = fit_force_field(samples.displacements, samples.forces, options);
+// The directions of pressing and of friction, in the frame of the acquisition.
+void fit_friction(const probing::Contact& contact, const probing::Acquisition& acquisition,
+                  ContactModel& model, ContactReport& report) {
   report.cone = fit_cone(boundary_forces(contact, acquisition.samples));
-  model.samples = static_cast<int>(samples.forces.cols());
-  model.rms = report.fit.rms;
-  model.fit_stop = to_string(report.fit.stop);
-  model.field = report.fit.field;
   const bool measured =
       report.cone.stop == ConeStop::converged && report.cone.cone.axis.dot(contact.normal) < 0;
   const Eigen::Vector3d pressing =
@@ -160,24 +155,8 @@ void fit_contact(const probing::Contact& contact, const probing::Acquisition& ac
   model.friction_axis = axis && axis->dot(pressing) >= kMinAxisCosine ? *axis : pressing;
 }
 
-void fit_contacts(const std::vector<probing::Contact>& contacts,
-                  const probing::Acquisition& acquisition, const BuildOptions& options,
-                  BuildResult& result) {
-  const int total = static_cast<int>(contacts.size());
-  std::mutex reporting;
-  int done = 0;
-  tbb::parallel_for(std::size_t{0}, contacts.size(), [&](std::size_t i) {
-    fit_contact(contacts[i], acquisition, options.fit, result.model.contacts[i],
-                result.contacts[i]);
-    if (!options.progress) return;
-    const std::lock_guard lock(reporting);
-    options.progress(++done, total);
-  });
-}
-
-// Turns what was fitted in the frame of the acquisition into frames of the contacts. All x axes
-// come from one by the smallest turn from the mean pressing direction, so that neighbours agree on
-// them.
+// All x axes come from one by the smallest turn from the mean pressing direction, so that
+// neighbours agree on them.
 void choose_frames(Model& model) {
   const Eigen::Matrix3d to_surface = model.T_surface_acquisition.linear();
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
@@ -186,11 +165,44 @@ void choose_frames(Model& model) {
   if (!(mean.norm() > 0)) mean = model.contacts.front().frame.col(2);
   const Eigen::Matrix3d mean_frame = rotation_between(Eigen::Vector3d::UnitZ(), mean);
   for (ContactModel& contact : model.contacts) {
-    const Eigen::Matrix3d frame = rotation_between(mean, contact.frame.col(2)) * mean_frame;
-    contact.field = rotated(std::move(contact.field), frame.transpose());
-    contact.frame = to_surface * frame;
+    contact.frame = to_surface * rotation_between(mean, contact.frame.col(2)) * mean_frame;
     contact.friction_axis = (to_surface * contact.friction_axis).normalized();
+    contact = rounded(std::move(contact));
   }
+}
+
+// The fit sees displacements and forces in the frame that the field is stored in.
+void fit_field(const probing::Contact& contact, const probing::Acquisition& acquisition,
+               const Eigen::Matrix3d& to_surface, const FitOptions& options, ContactModel& model,
+               ContactReport& report) {
+  const ForceSamples samples = realign(contact, acquisition.samples);
+  const Eigen::Matrix3d to_local = model.frame.transpose() * to_surface;
+  report.fit =
+      fit_force_field(to_local * samples.displacements, to_local * samples.forces, options);
+  model.samples = static_cast<int>(samples.forces.cols());
+  model.rms = report.fit.rms;
+  model.fit_stop = to_string(report.fit.stop);
+  model.field = report.fit.field;
+  model = rounded(std::move(model));
+}
+
+void fit_contacts(const std::vector<probing::Contact>& contacts,
+                  const probing::Acquisition& acquisition, const BuildOptions& options,
+                  BuildResult& result) {
+  tbb::parallel_for(std::size_t{0}, contacts.size(), [&](std::size_t i) {
+    fit_friction(contacts[i], acquisition, result.model.contacts[i], result.contacts[i]);
+  });
+  choose_frames(result.model);
+  const int total = static_cast<int>(contacts.size());
+  std::mutex reporting;
+  int done = 0;
+  tbb::parallel_for(std::size_t{0}, contacts.size(), [&](std::size_t i) {
+    fit_field(contacts[i], acquisition, result.model.T_surface_acquisition.linear(), options.fit,
+              result.model.contacts[i], result.contacts[i]);
+    if (!options.progress) return;
+    const std::lock_guard lock(reporting);
+    options.progress(++done, total);
+  });
 }
 
 void fill_in_friction(Model& model) {
@@ -205,6 +217,7 @@ void fill_in_friction(Model& model) {
   for (ContactModel& contact : model.contacts) {
     if (contact.friction_source == FrictionSource::samples) continue;
     contact.friction = sum / measured;
+    contact = rounded(std::move(contact));
     contact.friction_source = FrictionSource::other_contacts;
   }
 }
@@ -260,7 +273,6 @@ BuildResult build_model(const probing::Acquisition& acquisition,
     result.isolated.push_back(contacts[static_cast<std::size_t>(i)].id);
   }
   fit_contacts(contacts, acquisition, options, result);
-  choose_frames(result.model);
   fill_in_friction(result.model);
   return result;
 }

@@ -2,23 +2,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/haptics/model.h"
 
-#include <Eigen/LU>
 #include <cmath>
+#include <unordered_set>
 
 #include "palpate/error.h"
+#include "palpate/haptics/rotation.h"
 
 namespace palpate::haptics {
 namespace {
 
-bool is_rotation(const Eigen::Matrix3d& matrix) {
-  const Eigen::Matrix3d product = matrix.transpose() * matrix;
-  return (product - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() <= kFrameTolerance &&
-         matrix.determinant() > 0;
-}
-
 void check_contact(const ContactModel& contact, const std::string& name) {
   if (!contact.position.allFinite()) throw InvalidInput(name + ": its position is not finite");
-  if (!is_rotation(contact.frame)) {
+  if (!is_rotation(contact.frame, kFrameTolerance)) {
     throw InvalidInput(name + ": its frame must hold three orthogonal unit axes, right-handed");
   }
   if (!(std::abs(contact.friction_axis.norm() - 1) <= kFrameTolerance)) {
@@ -61,15 +56,19 @@ void check_model(const Model& model) {
     throw InvalidInput("the model has " + std::to_string(model.contacts.size()) +
                        " contacts; at least three are needed");
   }
+  std::unordered_set<long long> ids;
   for (std::size_t i = 0; i < model.contacts.size(); ++i) {
-    check_contact(model.contacts[i], "contact " + std::to_string(model.contacts[i].id) +
-                                         " (entry " + std::to_string(i) + ")");
+    const std::string name =
+        "contact " + std::to_string(model.contacts[i].id) + " (entry " + std::to_string(i) + ")";
+    check_contact(model.contacts[i], name);
+    if (!ids.insert(model.contacts[i].id).second)
+      throw InvalidInput(name + ": another contact has the same id; ids must be unique");
   }
   if (model.surface_weights.contacts.cols() > 0) check_weights(model);
   if (model.triangles.cols() > 0 || model.surface_weights.contacts.cols() == 0) {
     geometry::check_mesh(contact_mesh(model), "the model's triangles of contacts");
   }
-  if (!is_rotation(model.T_surface_acquisition.linear()) ||
+  if (!is_rotation(model.T_surface_acquisition.linear(), kFrameTolerance) ||
       !model.T_surface_acquisition.translation().allFinite()) {
     throw InvalidInput("the model's registration must be a rotation and a finite translation");
   }

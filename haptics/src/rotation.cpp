@@ -3,6 +3,7 @@
 #include "palpate/haptics/rotation.h"
 
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -17,6 +18,13 @@ constexpr double kSettled = 1e-14;
 constexpr int kMaxIterations = 20;  // three are enough for frames of neighbours
 
 }  // namespace
+
+bool is_rotation(const Eigen::Matrix3d& matrix, double tolerance) noexcept {
+  if (!matrix.allFinite()) return false;
+  const Eigen::Matrix3d product = matrix.transpose() * matrix;
+  return (product - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() <= tolerance &&
+         matrix.determinant() > 0;
+}
 
 Eigen::Matrix3d rotation_exp(const Eigen::Vector3d& rotation_vector) noexcept {
   const double angle = rotation_vector.norm();

@@ -5,83 +5,39 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <nlohmann/json.hpp>
-#include <valijson/adapters/nlohmann_json_adapter.hpp>
-#include <valijson/schema.hpp>
-#include <valijson/schema_parser.hpp>
-#include <valijson/validator.hpp>
-
+#include "model_testing.h"
 #include "palpate/geometry/mesh_io.h"
-#include "sheet_model.h"
+#include "palpate/haptics/blended_field.h"
 
 namespace palpate::haptics {
 namespace {
 
-using nlohmann::json;
+namespace fs = std::filesystem;
 using testing::AllOf;
 using testing::HasSubstr;
 
-void expect_same(const Model& left, const Model& right) {
-  EXPECT_EQ(left.surface.vertices, right.surface.vertices);
-  EXPECT_EQ(left.surface.triangles, right.surface.triangles);
-  EXPECT_EQ(left.triangles, right.triangles);
-  EXPECT_EQ(left.surface_weights.contacts, right.surface_weights.contacts);
-  EXPECT_EQ(left.surface_weights.weights, right.surface_weights.weights);
-  EXPECT_EQ(left.made, right.made);
-  EXPECT_EQ(left.T_surface_acquisition.matrix(), right.T_surface_acquisition.matrix());
-  ASSERT_EQ(left.contacts.size(), right.contacts.size());
-  for (std::size_t i = 0; i < left.contacts.size(); ++i) {
-    const ContactModel &l = left.contacts[i], &r = right.contacts[i];
-    EXPECT_EQ(l.id, r.id);
-    EXPECT_EQ(l.position, r.position);
-    EXPECT_EQ(l.frame, r.frame);
-    EXPECT_EQ(l.field, r.field);
-    EXPECT_EQ(l.friction, r.friction);
-    EXPECT_EQ(l.friction_source, r.friction_source);
-    EXPECT_EQ(l.friction_axis, r.friction_axis);
-    EXPECT_EQ(l.samples, r.samples);
-    EXPECT_EQ(l.rms, r.rms);
-    EXPECT_EQ(l.fit_stop, r.fit_stop);
-  }
-}
-
-Model some_model() {
-  Model model = moved(uneven_model(), some_motion());
-  model.T_surface_acquisition = some_motion();
-  model.contacts[1].friction_source = FrictionSource::other_contacts;
-  model.contacts[2].field = {};
-  model.surface_weights = geometry::project_weights(model.surface, contact_mesh(model));
-  return model;
-}
-
-bool is_valid(const json& document) {
-  const json schema_document = json::parse(
-      read_text(std::filesystem::path(PALPATE_SOURCE_DIR) / "docs" / "field.schema.json"));
-  valijson::Schema schema;
-  valijson::SchemaParser(valijson::SchemaParser::kDraft7)
-      .populateSchema(valijson::adapters::NlohmannJsonAdapter(schema_document), schema);
-  return valijson::Validator().validate(schema, valijson::adapters::NlohmannJsonAdapter(document),
-                                        nullptr);
-}
-
-// What reading says after the document of a good model was changed.
+// What reading says after surface.ply was changed as a mesh file.
 template <typename Change>
 std::string refused_after(Change&& change) {
   const ScratchFolder scratch;
-  const std::filesystem::path folder = scratch / "model";
+  const fs::path folder = scratch / "model";
   write_model(folder, some_model());
-  json document = json::parse(read_text(folder / "field.json"));
-  change(document);
-  write_text(folder / "field.json", document.dump());
+  geometry::MeshFile file = geometry::read_mesh_file(folder / "surface.ply");
+  change(file);
+  geometry::write_mesh_file(folder / "surface.ply", file);
   return refusal([&] { return read_model(folder); });
 }
 
 TEST(ModelIo, ReadsBackExactlyWhatWasWritten) {
   const ScratchFolder scratch;
-  const std::filesystem::path folder = scratch / "new" / "model";
+  const fs::path folder = scratch / "new" / "model";
   write_model(folder, some_model());
   write_model(folder, some_model());
   expect_same(read_model(folder), some_model());
+  Model without_weights = some_model();
+  without_weights.surface_weights = {};
+  write_model(folder, without_weights);
+  expect_same(read_model(folder), without_weights);
 }
 
 TEST(ModelIo, SavesTheTriangulationAsAMeshToo) {
@@ -94,134 +50,111 @@ TEST(ModelIo, SavesTheTriangulationAsAMeshToo) {
 
 TEST(ModelIo, ReadsTheSameDocumentInCbor) {
   const ScratchFolder scratch;
-  const std::filesystem::path folder = scratch / "model";
+  const fs::path folder = scratch / "model";
   write_model(folder, some_model());
-  const std::vector<std::uint8_t> bytes =
-      json::to_cbor(json::parse(read_text(folder / "field.json")));
-  const std::string cbor(bytes.begin(), bytes.end());
-  write_text(folder / "field.cbor", cbor);
-  std::filesystem::remove(folder / "field.json");
+  write_model(folder, some_model(), ModelEncoding::cbor);
+  EXPECT_FALSE(fs::exists(folder / "field.json"));
   expect_same(read_model(folder), some_model());
+  const std::string cbor = read_text(folder / "field.cbor");
   write_text(folder / "field.cbor", cbor.substr(0, cbor.size() / 2));
   EXPECT_THAT(refusal([&] { return read_model(folder); }),
               AllOf(HasSubstr("field.cbor"), HasSubstr("CBOR")));
 }
 
-TEST(ModelIo, WritesWhatTheSchemaDescribes) {
+TEST(ModelIo, WritesModelsOfManyContactsInCbor) {
+  Model model = sheet_model();
+  while (model.contacts.size() <= kMaxJsonContacts) {
+    model.contacts.push_back(model.contacts.front());
+    model.contacts.back().id = static_cast<long long>(model.contacts.size() + 100);
+  }
   const ScratchFolder scratch;
-  const std::filesystem::path folder = scratch / "model";
-  write_model(folder, some_model());
-  const json document = json::parse(read_text(folder / "field.json"));
-  EXPECT_TRUE(is_valid(document));
-  // The schema does look: each of these is refused.
-  for (const char* pointer :
-       {"/version", "/contacts/1/position/2", "/contacts/0/friction/source",
-        "/contacts/1/field/epsilons/0", "/triangles/0/1", "/registration/rotation/0",
-        "/surface_weights/contacts/4", "/surface_weights/weights/4"}) {
-    json broken = document;
-    broken[json::json_pointer(pointer)] = -1.5;
-    const bool still_a_number = std::string(pointer) == "/contacts/1/position/2";
-    EXPECT_EQ(is_valid(broken), still_a_number) << pointer;
-  }
-  for (const char* member : {"units", "contacts", "triangles", "made", "registration"}) {
-    json broken = document;
-    broken.erase(member);
-    EXPECT_FALSE(is_valid(broken)) << member;
-  }
+  write_model(scratch / "many", model);
+  EXPECT_TRUE(fs::exists(scratch / "many" / "field.cbor"));
+  model.contacts.pop_back();
+  write_model(scratch / "some", model);
+  EXPECT_TRUE(fs::exists(scratch / "some" / "field.json"));
 }
 
-// The formula in the schema's description, evaluated on the document alone.
-TEST(ModelIo, TheDocumentAloneGivesTheForces) {
-  const ScratchFolder scratch;
-  const std::filesystem::path folder = scratch / "model";
-  write_model(folder, some_model());
-  const json contact = json::parse(read_text(folder / "field.json"))["contacts"][3];
+// tests/haptics/data/model_version_1 is what the program wrote when that was its version. The
+// forces are those of its library: of each contact, then of a place between them.
+TEST(ModelIo, ReadsModelsOfVersionOne) {
+  const Model model =
+      read_model(fs::path(PALPATE_SOURCE_DIR) / "tests/haptics/data/model_version_1");
   const Eigen::Vector3d displacement(1.2, -0.7, 2.5);
-  const auto vector = [](const json& v) { return Eigen::Vector3d(v[0], v[1], v[2]); };
-  Eigen::Vector3d local, force = Eigen::Vector3d::Zero();
-  for (int i = 0; i < 3; ++i)
-    local[i] = vector(contact["axes"][static_cast<std::size_t>(i)]).dot(displacement);
-  for (std::size_t k = 0; k < contact["field"]["weights"].size(); ++k) {
-    const Eigen::Vector3d ridge = vector(contact["field"]["ridges"][k]);
-    const auto seen = [&](const Eigen::Vector3d& v) -> Eigen::Vector3d {
-      return ridge.norm() > 0 ? Eigen::Vector3d(ridge.dot(v) * ridge) : v;
-    };
-    const Eigen::Vector3d g = seen(vector(contact["field"]["centers"][k])), l = seen(local);
-    const double weight = contact["field"]["weights"][k];
-    const double epsilon = contact["field"]["epsilons"][k];
-    force += weight *
-             ((l - g) / std::hypot((l - g).norm(), epsilon) + g / std::hypot(g.norm(), epsilon));
+  const std::vector<Eigen::Vector3d> forces = {
+      {0.93944743622866256, -0.43354288452877721, 1.3085253038641562},
+      {1.2709855597664792, -0.56782841906194648, 1.7382043598315713},
+      {0, 0, 0},
+      {2.8735587533433109, -0.83385955412210488, 2.6258404718766597}};
+  ASSERT_EQ(model.contacts.size(), forces.size());
+  for (std::size_t i = 0; i < forces.size(); ++i) {
+    const ContactModel& contact = model.contacts[i];
+    EXPECT_EQ(contact.id, 10 + static_cast<long long>(i));
+    const Eigen::Vector3d found =
+        contact.frame * force(contact.field, contact.frame.transpose() * displacement);
+    EXPECT_LE((found - forces[i]).norm(), 1e-14 * forces[i].norm());
   }
-  const ContactModel truth = some_model().contacts[3];
-  EXPECT_TRUE(
-      force.isApprox(haptics::force(truth.field, truth.frame.transpose() * displacement), 1e-13));
-}
-
-TEST(ModelIo, NamesThePlaceAndWhatIsRight) {
-  EXPECT_THAT(refused_after([](json& d) { d["version"] = 3; }),
-              AllOf(HasSubstr("field.json"), HasSubstr("/version"), HasSubstr("found 3"),
-                    HasSubstr("expected 2")));
-  EXPECT_THAT(refused_after([](json& d) { d["format"] = "other"; }), HasSubstr("/format"));
-  EXPECT_THAT(
-      refused_after([](json& d) { d["contacts"][1]["position"][2] = nullptr; }),
-      AllOf(HasSubstr("/contacts/1/position/2"), HasSubstr("found null"), HasSubstr("a number")));
-  EXPECT_THAT(refused_after([](json& d) { d["contacts"][1].erase("field"); }),
-              AllOf(HasSubstr("/contacts/1:"), HasSubstr("\"field\"")));
-  EXPECT_THAT(refused_after([](json& d) { d["contacts"][0]["field"]["weights"].push_back(1); }),
-              HasSubstr("as many centers"));
-  EXPECT_THAT(refused_after([](json& d) { d["contacts"][0]["friction"]["source"] = "guess"; }),
-              HasSubstr("/contacts/0/friction/source"));
-  EXPECT_THAT(refused_after([](json& d) { d["triangles"][0][1] = 99; }),
-              AllOf(HasSubstr("field.json"), HasSubstr("99")));
-  EXPECT_THAT(refused_after([](json& d) { d["surface_weights"]["contacts"].push_back(0); }),
-              AllOf(HasSubstr("/surface_weights"), HasSubstr("for each vertex")));
-  EXPECT_THAT(refused_after([](json& d) { d["surface_weights"]["contacts"][7] = -2; }),
-              HasSubstr("/surface_weights/contacts/7"));
-  EXPECT_THAT(refused_after([](json& d) { d["surface_weights"]["weights"][0] = 7; }),
-              HasSubstr("vertex 0"));
-  EXPECT_THAT(refused_after([](json& d) { d["triangles"][0][1] = 1e300; }),
-              HasSubstr("/triangles/0/1"));
-  EXPECT_THAT(refused_after([](json& d) { d["contacts"][3]["friction"]["coefficient"] = -1; }),
-              AllOf(HasSubstr("contact 13"), HasSubstr(">= 0")));
-  EXPECT_THAT(refused_after([](json& d) { d = json::array({1, 2}); }), HasSubstr("at the top"));
-}
-
-TEST(ModelIo, RefusesMissingEmptyAndTruncatedFiles) {
+  EXPECT_EQ(model.contacts[1].friction_source, FrictionSource::other_contacts);
+  EXPECT_EQ(model.contacts[3].field.bases[2].epsilon, 0.7);
+  EXPECT_EQ(model.surface_weights.contacts.cols(), 9);
+  const Eigen::Vector3d place = some_motion() * Eigen::Vector3d(7, -13, 700);
+  const Eigen::Vector3d between(0.85100264517017787, -0.37683577077008529, 1.1589409701193616);
+  EXPECT_LE((BlendedField(model).force(place, displacement) - between).norm(), 1e-13);
   const ScratchFolder scratch;
-  const std::filesystem::path folder = scratch / "model";
+  write_model(scratch / "model", model);
+  expect_same(read_model(scratch / "model"), model);
+}
+
+TEST(ModelIo, RefusesASurfaceThatIsNotTheModels) {
+  EXPECT_THAT(refused_after([](geometry::MeshFile& file) { file.vertex_attributes.pop_back(); }),
+              AllOf(HasSubstr("surface.ply"), HasSubstr("no property weight_2")));
+  const auto set = [](geometry::MeshFile& file, std::size_t attribute, double value) {
+    std::visit(
+        [&](auto& values) { values[7] = static_cast<std::decay_t<decltype(values[7])>>(value); },
+        file.vertex_attributes[attribute].values);
+  };
+  EXPECT_THAT(
+      refused_after([&](auto& file) { set(file, 1, 4); }),
+      AllOf(HasSubstr("surface.ply"), HasSubstr("contact_1 of vertex 7 is 4"), HasSubstr("to 3")));
+  EXPECT_THAT(refused_after([&](auto& file) { set(file, 0, -2); }), HasSubstr("vertex 7"));
+  EXPECT_THAT(refused_after([&](auto& file) { set(file, 3, 7); }),
+              AllOf(HasSubstr("vertex 7"), HasSubstr("sum to 1")));
+  EXPECT_THAT(refused_after([&](auto& file) { set(file, 4, std::nan("")); }),
+              HasSubstr("vertex 7"));
+}
+
+TEST(ModelIo, RefusesMissingAndTruncatedFiles) {
+  const ScratchFolder scratch;
+  const fs::path folder = scratch / "model";
   EXPECT_THAT(refusal([&] { return read_model(folder); }), HasSubstr("no such folder"));
-  std::filesystem::create_directories(folder);
+  fs::create_directories(folder);
   EXPECT_THAT(refusal([&] { return read_model(folder); }),
               HasSubstr("neither field.json nor field.cbor"));
   write_model(folder, some_model());
-  const std::string whole = read_text(folder / "field.json");
-  for (std::size_t length = 0; length + 2 < whole.size(); length += 331) {
-    write_text(folder / "field.json", whole.substr(0, length));
-    EXPECT_THAT(refusal([&] { return read_model(folder); }), HasSubstr("field.json"));
+  for (const char* name : {"field.json", "surface.ply"}) {
+    const std::string whole = read_text(folder / name);
+    for (std::size_t length = 0; length + 2 < whole.size(); length += whole.size() / 60) {
+      write_text(folder / name, whole.substr(0, length));
+      EXPECT_THAT(refusal([&] { return read_model(folder); }), HasSubstr(name)) << length;
+    }
+    write_text(folder / name, whole);
   }
-  write_text(folder / "field.json", whole);
-  std::filesystem::remove(folder / "surface.ply");
+  fs::remove(folder / "surface.ply");
   EXPECT_THAT(refusal([&] { return read_model(folder); }), HasSubstr("surface.ply"));
-}
-
-TEST(ModelIo, WritesTheNameOfAFileThatIsNotUtf8) {
-  const ScratchFolder scratch;
-  Model model = some_model();
-  model.made["acquisition"] = "messung_\xE9.db";
-  write_model(scratch / "model", model);
-  EXPECT_EQ(read_model(scratch / "model").made.at("acquisition"), "messung_\xEF\xBF\xBD.db");
 }
 
 TEST(ModelIo, KeepsWhatIsThereIfTheModelIsWrongOrTheFolderIsAnother) {
   const ScratchFolder scratch;
-  const std::filesystem::path folder = scratch / "model";
+  const fs::path folder = scratch / "model";
   write_model(folder, some_model());
   Model wrong = some_model();
   wrong.contacts[0].friction = -1;
   EXPECT_THROW(write_model(folder, wrong), InvalidInput);
+  EXPECT_THROW(write_field_document(folder / "field.json", wrong, ModelEncoding::json),
+               InvalidInput);
   expect_same(read_model(folder), some_model());
-  const std::filesystem::path other = scratch / "other";
-  std::filesystem::create_directories(other);
+  const fs::path other = scratch / "other";
+  fs::create_directories(other);
   write_text(other / "letter.txt", "dear");
   EXPECT_THROW(write_model(other, some_model()), InvalidInput);
   EXPECT_EQ(read_text(other / "letter.txt"), "dear");

@@ -37,7 +37,7 @@ enum class RegistrationOutcome {
 struct ContactReport {
   long long id = 0;
   double distance = 0;  ///< [mm] to the surface, once in place, before it was put on it
-  FitResult fit;        ///< in the world frame
+  FitResult fit;        ///< in the contact's frame
   ConeFit cone;         ///< of the forces on the friction boundary, world frame
 };
 
@@ -55,7 +55,7 @@ struct BuildResult {
 /// Makes a model of measurements: contacts are registered to the surface and put on it,
 /// triangulated (thesis 5.3.2.1), and at each a force field and a friction cone are fitted, in
 /// parallel; the result does not depend on the number of threads. A displacement counts from the
-/// contact as measured.
+/// contact as measured. Contacts are as `rounded` gives them.
 /// \throws InvalidInput on a bad acquisition, surface or option, a contact further than
 /// max_distance from the surface or with its normal into it, or fewer than three contacts with
 /// samples.

@@ -32,9 +32,9 @@ struct ForceField {
   friend bool operator==(const ForceField&, const ForceField&) = default;
 };
 
-/// The length of a ridge may be off 1 by this. 1e-9: rounding of some operations and of 12
-/// printed digits.
-inline constexpr double kRidgeTolerance = 1e-9;
+/// The length of a ridge may be off 1 by this. 2e-7: rounding of seven printed digits, by which the
+/// base has another weight and epsilon than it says, and is as convex.
+inline constexpr double kRidgeTolerance = 2e-7;
 
 /// \throws InvalidInput naming `what` and the base unless numbers are finite, each epsilon > 0 and
 /// each ridge a unit vector or zero.

@@ -7,6 +7,10 @@
 
 namespace palpate::haptics {
 
+/// Whether the matrix is orthonormal and right-handed: no entry of R^T R is further than
+/// `tolerance` from the identity. NaN is not.
+[[nodiscard]] bool is_rotation(const Eigen::Matrix3d& matrix, double tolerance) noexcept;
+
 /// Rotation matrix exp(B) of a rotation vector [rad], B its skew matrix (Rodrigues, Eq 5.13, with
 /// the series near zero). Real-time safe.
 [[nodiscard]] Eigen::Matrix3d rotation_exp(const Eigen::Vector3d& rotation_vector) noexcept;

@@ -1,0 +1,18 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+
+namespace palpate::haptics {
+
+// Words of the field document, which its writer and its reader share.
+inline constexpr const char* kFieldFormat = "palpate-model";
+/// Version 1 has one epsilon for all bases of a contact, which are isotropic, and the weights of
+/// the surface's vertices in the document.
+inline constexpr int kFieldVersion = 2;
+inline constexpr const char* kSurfaceFile = "surface.ply";
+inline constexpr std::array<const char*, 3> kFrictionSources = {"samples", "other_contacts",
+                                                                "none"};
+
+}  // namespace palpate::haptics

@@ -1,0 +1,236 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <unordered_map>
+
+#include "document_node.h"
+#include "field_document.h"
+#include "field_document_format.h"
+#include "palpate/error.h"
+#include "palpate/haptics/rotation.h"
+
+namespace palpate::haptics {
+namespace {
+
+using nlohmann::json;
+using Node = DocumentNode;
+
+constexpr int kMaxInt = std::numeric_limits<int>::max();
+
+// Walks through a document and keeps nothing, but ends where it is nested deeper than any of ours:
+// nlohmann's functions for CBOR and for printing call themselves at each level.
+class NestingCheck : public nlohmann::json_sax<json> {
+ public:
+  bool null() override { return true; }
+  bool boolean(bool) override { return true; }
+  bool number_integer(number_integer_t) override { return true; }
+  bool number_unsigned(number_unsigned_t) override { return true; }
+  bool number_float(number_float_t, const string_t&) override { return true; }
+  bool string(string_t&) override { return true; }
+  bool binary(binary_t&) override { return true; }
+  bool key(string_t&) override { return true; }
+  bool start_object(std::size_t) override { return enter(); }
+  bool start_array(std::size_t) override { return enter(); }
+  bool end_object() override { return leave(); }
+  bool end_array() override { return leave(); }
+  // What is wrong is said when it is parsed.
+  bool parse_error(std::size_t, const std::string&, const json::exception&) override {
+    return false;
+  }
+
+  [[nodiscard]] bool too_deep() const { return depth_ > kMaxDepth; }
+
+ private:
+  static constexpr int kMaxDepth = 32;  // ours have 5
+
+  bool enter() {
+    ++depth_;
+    return !too_deep();
+  }
+  bool leave() {
+    --depth_;
+    return true;
+  }
+
+  int depth_ = 0;
+};
+
+json parse(const std::string& bytes, ModelEncoding encoding) {
+  const bool is_text = encoding == ModelEncoding::json;
+  const char* name = is_text ? "JSON" : "CBOR";
+  if (bytes.empty()) throw InvalidInput("the file is empty; expected the model's field document");
+  try {
+    NestingCheck nesting;
+    json::sax_parse(bytes, &nesting,
+                    is_text ? json::input_format_t::json : json::input_format_t::cbor);
+    if (nesting.too_deep())
+      throw InvalidInput(std::string("its lists are nested too deeply for a field document in ") +
+                         name);
+    return is_text ? json::parse(bytes) : json::from_cbor(bytes);
+  } catch (const json::exception& error) {
+    throw InvalidInput(std::string("not a whole ") + name + " document: " + error.what());
+  }
+}
+
+Eigen::Vector3d unit_vector(const Node& node) {
+  const Eigen::Vector3d result = node.vector();
+  if (!(std::abs(result.norm() - 1) <= kFrameTolerance)) node.refuse("a unit vector");
+  return result;
+}
+
+ForceField to_field_of_version_1(const Node& node) {
+  const std::vector<Node> centers = node.at("centers").items(),
+                          weights = node.at("weights").items();
+  if (centers.size() != weights.size()) node.at("centers").refuse("as many centers as weights");
+  const double epsilon = node.at("epsilon").number_above_zero();
+  ForceField field;
+  for (std::size_t k = 0; k < weights.size(); ++k) {
+    field.bases.push_back({weights[k].number(), epsilon, centers[k].vector()});
+  }
+  return field;
+}
+
+Multiquadric to_base(const Node& node) {
+  const std::vector<Node> numbers = node.items();
+  constexpr std::size_t kNumbers = 8;
+  if (numbers.size() != kNumbers) {
+    node.refuse("eight numbers: weight, epsilon, three of the center, three of the ridge");
+  }
+  Multiquadric base;
+  base.weight = numbers[0].number();
+  base.epsilon = numbers[1].number_above_zero();
+  for (std::size_t i = 0; i < 3; ++i) {
+    base.center[static_cast<Eigen::Index>(i)] = numbers[2 + i].number();
+    base.ridge[static_cast<Eigen::Index>(i)] = numbers[5 + i].number();
+  }
+  if (!base.ridge.isZero(0) && !(std::abs(base.ridge.norm() - 1) <= kRidgeTolerance)) {
+    node.refuse("the last three numbers to be a unit vector, or zeros");
+  }
+  return base;
+}
+
+ForceField to_field(const Node& node) {
+  ForceField field;
+  for (const Node& base : node.items()) field.bases.push_back(to_base(base));
+  return field;
+}
+
+ContactModel to_contact(const Node& node, long long version) {
+  ContactModel contact;
+  contact.id = node.at("id").integer();
+  contact.position = node.at("position").vector();
+  contact.frame = node.at("axes").rows().transpose();
+  if (!is_rotation(contact.frame, kFrameTolerance)) {
+    node.at("axes").refuse("three orthogonal unit vectors, right-handed");
+  }
+  contact.field =
+      version == 1 ? to_field_of_version_1(node.at("field")) : to_field(node.at("bases"));
+  const Node friction = node.at("friction"), fit = node.at("fit");
+  contact.friction = friction.at("coefficient").number_at_least_zero();
+  contact.friction_source =
+      static_cast<FrictionSource>(friction.at("source").choice(kFrictionSources));
+  contact.friction_axis = unit_vector(friction.at("axis"));
+  contact.samples = fit.at("samples").integer_between(0, kMaxInt);
+  contact.rms = fit.at("rms").number_at_least_zero();
+  contact.fit_stop = fit.at("stop").text();
+  return contact;
+}
+
+std::vector<ContactModel> to_contacts(const Node& node, long long version) {
+  const std::vector<Node> items = node.items();
+  if (items.size() < 3) node.refuse("at least three contacts");
+  std::vector<ContactModel> contacts;
+  contacts.reserve(items.size());
+  std::unordered_map<long long, std::size_t> places;
+  for (const Node& item : items) {
+    contacts.push_back(to_contact(item, version));
+    const auto [place, is_new] = places.emplace(contacts.back().id, contacts.size() - 1);
+    if (is_new) continue;
+    item.at("id").refuse("an id of its own; contact " + std::to_string(place->second) +
+                         " has this one");
+  }
+  return contacts;
+}
+
+Eigen::Matrix3Xi to_triangles(const Node& node, int contacts) {
+  const std::vector<Node> items = node.items();
+  Eigen::Matrix3Xi triangles(3, static_cast<Eigen::Index>(items.size()));
+  for (std::size_t t = 0; t < items.size(); ++t) {
+    const std::vector<Node> corners = items[t].items();
+    if (corners.size() != 3) items[t].refuse("three indices of contacts");
+    for (std::size_t c = 0; c < 3; ++c) {
+      triangles(static_cast<Eigen::Index>(c), static_cast<Eigen::Index>(t)) =
+          corners[c].integer_between(0, contacts - 1);
+    }
+  }
+  return triangles;
+}
+
+geometry::SurfaceWeights to_weights_of_version_1(const Node& node, int contact_count) {
+  const std::vector<Node> contacts = node.at("contacts").items(),
+                          weights = node.at("weights").items();
+  if (contacts.size() != weights.size() || contacts.size() % 3 != 0) {
+    node.refuse("three contacts and three weights for each vertex of the surface");
+  }
+  geometry::SurfaceWeights result;
+  const auto count = static_cast<Eigen::Index>(contacts.size() / 3);
+  result.contacts.resize(3, count);
+  result.weights.resize(3, count);
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    result.contacts.data()[i] = contacts[i].integer_between(-1, contact_count - 1);
+    result.weights.data()[i] = weights[i].number_at_least_zero();
+  }
+  return result;
+}
+
+long long to_version(const Node& document) {
+  document.at("format").expect_text(kFieldFormat);
+  const Node node = document.at("version");
+  const long long version = node.integer();
+  if (version >= 1 && version <= kFieldVersion) return version;
+  const std::string known = "1 to " + std::to_string(kFieldVersion);
+  if (version < 1) node.refuse(known);
+  std::string program = "a newer palpate";
+  const auto made = document.find("made");
+  if (const auto by = made ? made->find("program") : std::nullopt) program = by->text();
+  node.refuse(known + ", the versions that this program reads: the model was made by " + program +
+              ", which is needed to read it");
+}
+
+FieldDocument to_document(const Node& document) {
+  const long long version = to_version(document);
+  document.at("units").at("length").expect_text("mm");
+  document.at("units").at("force").expect_text("N");
+  document.at("surface").expect_text(kSurfaceFile);
+  FieldDocument result;
+  Model& model = result.model;
+  model.contacts = to_contacts(document.at("contacts"), version);
+  const auto contact_count = static_cast<int>(model.contacts.size());
+  model.triangles = to_triangles(document.at("triangles"), contact_count);
+  if (const auto weights = document.find("surface_weights")) {
+    result.weights_in_surface = version > 1;
+    if (version > 1)
+      weights->expect_text(kSurfaceFile);
+    else
+      model.surface_weights = to_weights_of_version_1(*weights, contact_count);
+  }
+  const Node registration = document.at("registration");
+  model.T_surface_acquisition.linear() = registration.at("rotation").rows();
+  if (!is_rotation(model.T_surface_acquisition.linear(), kFrameTolerance)) {
+    registration.at("rotation").refuse("a rotation");
+  }
+  model.T_surface_acquisition.translation() = registration.at("translation").vector();
+  model.made = document.at("made").texts();
+  return result;
+}
+
+}  // namespace
+
+FieldDocument read_field_document(const std::string& bytes, ModelEncoding encoding) {
+  const json document = parse(bytes, encoding);
+  return to_document(DocumentNode(document));
+}
+
+}  // namespace palpate::haptics

@@ -1,0 +1,162 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+#include <valijson/adapters/nlohmann_json_adapter.hpp>
+#include <valijson/schema.hpp>
+#include <valijson/schema_parser.hpp>
+#include <valijson/validator.hpp>
+
+#include "model_testing.h"
+#include "palpate/haptics/rounding.h"
+
+namespace palpate::haptics {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+const fs::path kDocs = fs::path(PALPATE_SOURCE_DIR) / "docs";
+
+bool is_valid(const json& document, const char* schema_file = "field.schema.json") {
+  const json schema_document = json::parse(read_text(kDocs / schema_file));
+  valijson::Schema schema;
+  valijson::SchemaParser(valijson::SchemaParser::kDraft7)
+      .populateSchema(valijson::adapters::NlohmannJsonAdapter(schema_document), schema);
+  return valijson::Validator().validate(schema, valijson::adapters::NlohmannJsonAdapter(document),
+                                        nullptr);
+}
+
+TEST(FieldDocumentWriter, WritesExactlyTheNumbers) {
+  for (const ModelEncoding encoding : {ModelEncoding::json, ModelEncoding::cbor}) {
+    const FieldDocument read =
+        read_field_document(field_document(some_model(), encoding), encoding);
+    expect_same_document(read.model, some_model());
+    EXPECT_TRUE(std::signbit(read.model.contacts[3].field.bases[0].weight));
+    EXPECT_TRUE(read.weights_in_surface);
+  }
+}
+
+TEST(FieldDocumentWriter, WritesOneDocumentInTwoEncodings) {
+  const std::string text = field_document(some_model(), ModelEncoding::json);
+  const std::string cbor = field_document(some_model(), ModelEncoding::cbor);
+  EXPECT_EQ(json::parse(text), json::from_cbor(cbor));
+}
+
+TEST(FieldDocumentWriter, WritesTheNameOfAFileThatIsNotUtf8) {
+  Model model = some_model();
+  model.made["acquisition"] = "messung_\xE9.db";
+  for (const ModelEncoding encoding : {ModelEncoding::json, ModelEncoding::cbor}) {
+    const FieldDocument read = read_field_document(field_document(model, encoding), encoding);
+    EXPECT_EQ(read.model.made.at("acquisition"), "messung_\xEF\xBF\xBD.db");
+  }
+}
+
+TEST(FieldDocumentWriter, WritesWhatTheSchemaDescribes) {
+  const json document = json::parse(field_document(some_model(), ModelEncoding::json));
+  EXPECT_TRUE(is_valid(document));
+  // The schema does look: each of these is refused.
+  for (const char* pointer :
+       {"/version", "/units/length", "/contacts/0/friction/source",
+        "/contacts/0/friction/coefficient", "/contacts/0/bases/1/1", "/contacts/0/bases/1",
+        "/contacts/1/axes/2", "/contacts/1/fit/rms", "/triangles/0/1", "/registration/rotation/0",
+        "/surface_weights", "/surface"}) {
+    json broken = document;
+    broken[json::json_pointer(pointer)] = -1.5;
+    EXPECT_FALSE(is_valid(broken)) << pointer;
+  }
+  for (const char* pointer : {"/contacts/1/position/2", "/contacts/0/bases/0/7"}) {
+    json broken = document;
+    broken[json::json_pointer(pointer)] = -1.5;
+    EXPECT_TRUE(is_valid(broken)) << pointer;
+    broken[json::json_pointer(pointer)] = 1.1e12;
+    EXPECT_FALSE(is_valid(broken)) << pointer;
+  }
+  for (const char* member :
+       {"format", "units", "contacts", "triangles", "made", "registration", "surface"}) {
+    json broken = document;
+    broken.erase(member);
+    EXPECT_FALSE(is_valid(broken)) << member;
+  }
+}
+
+TEST(FieldDocumentWriter, TheSchemaOfVersionOneDescribesItsDocument) {
+  const json document = json::parse(
+      read_text(fs::path(PALPATE_SOURCE_DIR) / "tests/haptics/data/model_version_1/field.json"));
+  EXPECT_TRUE(is_valid(document, "field-v1.schema.json"));
+  EXPECT_FALSE(is_valid(document));
+  const json now = json::parse(field_document(some_model(), ModelEncoding::json));
+  EXPECT_FALSE(is_valid(now, "field-v1.schema.json"));
+}
+
+// The examples of docs/model-file.md, by Python's standard library alone, against ours.
+TEST(FieldDocumentWriter, PythonComputesTheSameForces) {
+  const ScratchFolder scratch;
+  const Model model = some_model();
+  write_model(scratch / "model", model);
+  std::string script, rest = read_text(kDocs / "model-file.md");
+  constexpr std::string_view kBegin = "```python\n", kEnd = "```";
+  for (std::size_t begin = 0; (begin = rest.find(kBegin)) != std::string::npos;) {
+    rest.erase(0, begin + kBegin.size());
+    script += rest.substr(0, rest.find(kEnd));
+  }
+  script +=
+      "for contact in document['contacts']:\n"
+      "    for d in [[1.2, -0.7, 2.5], [0.5, -0.2, 1.5], [1e-3, 2e-3, -1e-3], [40, 9, -30]]:\n"
+      "        print(*force(contact, d))\n";
+  write_text(scratch / "script.py", script);
+  const std::string command = "cd '" + scratch.path().string() +
+                              "' && '" PALPATE_PYTHON "' -I script.py > forces.txt 2> errors.txt";
+  ASSERT_EQ(std::system(command.c_str()), 0) << read_text(scratch / "errors.txt");
+  std::istringstream forces(read_text(scratch / "forces.txt"));
+  std::string first_line;  // what the example prints
+  std::getline(forces, first_line);
+  EXPECT_EQ(first_line.front(), '[');
+  for (const ContactModel& contact : model.contacts) {
+    for (const Eigen::Vector3d& displacement :
+         {Eigen::Vector3d(1.2, -0.7, 2.5), Eigen::Vector3d(0.5, -0.2, 1.5),
+          Eigen::Vector3d(1e-3, 2e-3, -1e-3), Eigen::Vector3d(40, 9, -30)}) {
+      Eigen::Vector3d found;
+      ASSERT_TRUE(forces >> found.x() >> found.y() >> found.z());
+      const Eigen::Vector3d expected =
+          contact.frame * force(contact.field, contact.frame.transpose() * displacement);
+      EXPECT_LE((found - expected).norm(), 1e-12 * expected.norm());
+    }
+  }
+}
+
+// 6 to 8 bases of both kinds, numbers of all magnitudes, rounded as `build_model` does.
+TEST(FieldDocumentWriter, AHundredContactsTakeLessThanAHundredKilobytes) {
+  Model model = sheet_model();
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  const auto vector = [&] {
+    return Eigen::Vector3d(normal(random), normal(random), normal(random));
+  };
+  model.contacts.clear();
+  for (int i = 0; i < 100; ++i) {
+    ContactModel contact;
+    contact.id = i;
+    contact.position = vector() * 100;
+    contact.frame = rotation_exp(vector());
+    contact.friction = 0.5 + 0.01 * normal(random);
+    contact.friction_axis = vector().normalized();
+    contact.samples = 1000;
+    contact.rms = 0.02 + 0.001 * normal(random);
+    contact.fit_stop = "accurate";
+    for (int k = 0; k < 6 + i % 3; ++k) {
+      contact.field.bases.push_back({3 * std::exp(normal(random)), 2 * std::exp(normal(random)),
+                                     5 * vector(),
+                                     k % 2 ? vector().normalized() : Eigen::Vector3d::Zero()});
+    }
+    model.contacts.push_back(rounded(contact));
+  }
+  model.triangles = Eigen::Matrix3Xi::Constant(3, 180, 55);
+  EXPECT_LT(field_document(model, ModelEncoding::json).size(), 100'000u);
+}
+
+}  // namespace
+}  // namespace palpate::haptics

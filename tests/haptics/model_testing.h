@@ -1,0 +1,59 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <sstream>
+#include <string>
+
+#include "field_document.h"
+#include "sheet_model.h"
+
+namespace palpate::haptics {
+
+/// Everything but the surface and its weights.
+inline void expect_same_document(const Model& left, const Model& right) {
+  EXPECT_EQ(left.triangles, right.triangles);
+  EXPECT_EQ(left.made, right.made);
+  EXPECT_EQ(left.T_surface_acquisition.matrix(), right.T_surface_acquisition.matrix());
+  ASSERT_EQ(left.contacts.size(), right.contacts.size());
+  for (std::size_t i = 0; i < left.contacts.size(); ++i) {
+    const ContactModel &l = left.contacts[i], &r = right.contacts[i];
+    EXPECT_EQ(l.id, r.id);
+    EXPECT_EQ(l.position, r.position);
+    EXPECT_EQ(l.frame, r.frame);
+    EXPECT_EQ(l.field, r.field);
+    EXPECT_EQ(l.friction, r.friction);
+    EXPECT_EQ(l.friction_source, r.friction_source);
+    EXPECT_EQ(l.friction_axis, r.friction_axis);
+    EXPECT_EQ(l.samples, r.samples);
+    EXPECT_EQ(l.rms, r.rms);
+    EXPECT_EQ(l.fit_stop, r.fit_stop);
+  }
+}
+
+inline void expect_same(const Model& left, const Model& right) {
+  EXPECT_EQ(left.surface.vertices, right.surface.vertices);
+  EXPECT_EQ(left.surface.triangles, right.surface.triangles);
+  EXPECT_EQ(left.surface_weights.contacts, right.surface_weights.contacts);
+  EXPECT_EQ(left.surface_weights.weights, right.surface_weights.weights);
+  expect_same_document(left, right);
+}
+
+/// A model of awkward numbers in which every member differs from its default somewhere.
+inline Model some_model() {
+  Model model = moved(uneven_model(), some_motion());
+  model.T_surface_acquisition = some_motion();
+  model.contacts[1].friction_source = FrictionSource::other_contacts;
+  model.contacts[2].field = {};
+  model.contacts[3].field.bases[0].weight = -0.0;
+  model.surface_weights = geometry::project_weights(model.surface, contact_mesh(model));
+  return model;
+}
+
+inline std::string field_document(const Model& model, ModelEncoding encoding) {
+  std::ostringstream stream;
+  write_field_document(stream, model, encoding);
+  return stream.str();
+}
+
+}  // namespace palpate::haptics

@@ -1,0 +1,97 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/haptics/rounding.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "haptics_testing.h"
+#include "palpate/haptics/rotation.h"
+
+namespace palpate::haptics {
+namespace {
+
+TEST(Rounding, FindsTheNearestShortNumber) {
+  EXPECT_EQ(round_to_digits(1234.56789, 7), 1234.568);
+  EXPECT_EQ(round_to_digits(-0.000123456749, 7), -0.0001234567);
+  EXPECT_EQ(round_to_digits(9.99999999, 3), 10.0);
+  EXPECT_EQ(round_to_digits(6.02214076e23, 4), 6.022e23);
+  EXPECT_EQ(round_to_digits(2.5e-320, 1), 2e-320);
+  EXPECT_EQ(round_to_places(0.123456789, 7), 0.1234568);
+  EXPECT_EQ(round_to_places(-123456789.123, 1), -123456789.1);
+  EXPECT_FALSE(std::signbit(round_to_places(-1e-9, 7)));
+}
+
+TEST(Rounding, LeavesWhatHasNoDigits) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  constexpr double kMax = std::numeric_limits<double>::max();
+  EXPECT_EQ(round_to_digits(-kInfinity, 7), -kInfinity);
+  EXPECT_TRUE(std::isnan(round_to_digits(std::nan(""), 7)));
+  EXPECT_TRUE(std::isnan(round_to_places(std::nan(""), 7)));
+  EXPECT_EQ(round_to_digits(0, 7), 0);
+  EXPECT_EQ(round_to_digits(kMax, 1), kMax);  // 2e308 is no number
+  EXPECT_EQ(round_to_places(kMax, 7), kMax);
+}
+
+TEST(Rounding, KeepsForcesFarBelowWhatCanBeMeasured) {
+  const ForceField field = scaled(some_field_with_ridge(), 10.1, 1.7);
+  const ForceField shortened = rounded(field);
+  EXPECT_NE(shortened, field);
+  const Eigen::Matrix3Xd displacements = random_points(200, 20);
+  const Eigen::Matrix3Xd errors =
+      forces_at(shortened, displacements) - forces_at(field, displacements);
+  // Each base may be off by some half units of the last digit of its weight, and as much by its
+  // lengths.
+  EXPECT_LE(errors.colwise().norm().maxCoeff(), 10 * 0.5e-6 * weight_sum(field));
+  EXPECT_GT(errors.norm(), 0);
+}
+
+TEST(Rounding, MovesTheCentreOfARidgeWithinItsPlaneOnly) {
+  const Multiquadric base{1.5, 2, {3.1, -4.2, 0.7}, {0.48, -0.6, 0.64}};
+  const Multiquadric moved = rounded(ForceField{{base}}).bases[0];
+  EXPECT_EQ(moved.ridge, base.ridge);
+  EXPECT_EQ(moved.center.x(), 0);
+  EXPECT_EQ(moved.center.y(), 0);
+  EXPECT_NEAR(moved.ridge.dot(moved.center), base.ridge.dot(base.center), 1e-6);
+}
+
+TEST(Rounding, ChangesNothingTheSecondTime) {
+  for (int i = 0; i < 300; ++i) {
+    const Eigen::Matrix3Xd points = random_points(4, 30, static_cast<unsigned>(i));
+    const ForceField field = {
+        {{points(0, 0), 1 + std::abs(points(1, 0)), points.col(1), Eigen::Vector3d::Zero()},
+         {points(2, 0), 0.3, points.col(2), points.col(3).normalized()},
+         {1, 1, points.col(2), {std::sqrt(0.5), -std::sqrt(0.5), 0}}}};
+    const ForceField once = rounded(field);
+    EXPECT_EQ(rounded(once), once);
+    EXPECT_NO_THROW(check_force_field(once, "rounded"));
+  }
+}
+
+TEST(Rounding, KeepsFramesWithinTheirTolerance) {
+  for (int i = 0; i < 300; ++i) {
+    const Eigen::Matrix3Xd points = random_points(2, 3, static_cast<unsigned>(i));
+    ContactModel contact;
+    contact.frame = rotation_exp(points.col(0));
+    contact.friction_axis = points.col(1).normalized();
+    contact.field = some_field_with_ridge();
+    const ContactModel once = rounded(contact);
+    EXPECT_TRUE(is_rotation(once.frame, kFrameTolerance / 2));
+    EXPECT_NEAR(once.friction_axis.norm(), 1, kFrameTolerance / 2);
+    EXPECT_EQ(once.field, rounded(contact.field));
+    EXPECT_EQ(rounded(once).frame, once.frame);
+  }
+}
+
+TEST(Rounding, KeepsSigns) {
+  const ForceField field = rounded({{{1e-300, 1e-200}, {0, 1}, {-1e-9, 2}}});
+  EXPECT_GT(field.bases[0].weight, 0);
+  EXPECT_GT(field.bases[0].epsilon, 0);
+  EXPECT_EQ(field.bases[1].weight, 0);
+  EXPECT_LT(field.bases[2].weight, 0);
+}
+
+}  // namespace
+}  // namespace palpate::haptics
