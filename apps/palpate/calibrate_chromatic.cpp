@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "calibrate.h"
+#include "call_checks.h"
 #include "inputs.h"
 #include "palpate/error.h"
 #include "palpate/sensing/chromatic_calibration.h"
@@ -62,6 +63,7 @@ std::vector<sensing::WhiteImage> read_images(const ChromaticCall& call, const se
     white.name = paths[i].string();
     white.image = sensing::read_frame(paths[i]);
     if (!call.distances.empty()) white.depth = depth_in_the_middle(call.distances[i], rig.camera);
+    if (!ranges.empty()) check_is_depths(ranges[i]);
     if (!ranges.empty()) white.depth = geometry::read_depth_tiff(ranges[i]);
     images.push_back(std::move(white));
   }

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "calibrate.h"
+#include "call_checks.h"
 #include "inputs.h"
 #include "palpate/error.h"
 #include "palpate/output_file.h"
@@ -154,6 +155,7 @@ void draw_picture(const fs::path& png, const sensing::RigCalibration& calibratio
 
 void calibrate_rig(const Settings& settings, const RigCall& call) {
   check_outputs(call.folders, {call.output, call.picture});
+  check_pictures({call.picture});
   Progress progress("reading views");
   const sensing::RigViewFiles files =
       sensing::read_rig_views(call.folders, call.printed, call.projector, {},

@@ -6,8 +6,10 @@
 #include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <utility>
 #include <vector>
 
+#include "call_checks.h"
 #include "command_line.h"
 #include "inputs.h"
 #include "palpate/error.h"
@@ -27,6 +29,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// [mm] Where a cross-section may lie: 1000 km either way.
+constexpr std::pair kPlaces(-1e9, 1e9);
+
 struct CompareCall {
   fs::path a, b, rig, section, picture;
   bool align = false;
@@ -38,8 +43,16 @@ struct CompareCall {
 };
 
 geometry::TriangleMesh load_surface(const fs::path& path, const CompareCall& call) {
-  if (is_range_map(path)) return geometry::mesh_range_map(load_range_map(path, call.rig)).mesh;
-  return geometry::read_mesh(path, call.meshes);
+  geometry::TriangleMesh mesh = is_range_map(path)
+                                    ? geometry::mesh_range_map(load_range_map(path, call.rig)).mesh
+                                    : geometry::read_mesh(path, call.meshes);
+  if (mesh.triangles.cols() == 0) {
+    throw InvalidInput(
+        path.string() +
+        (is_range_map(path) ? ": no two neighbouring pixels have a depth" : ": has no triangles") +
+        "; there is no surface to compare");
+  }
+  return mesh;
 }
 
 /// A cross-section as one series of a chart: depth over X, a gap between its lines.
@@ -77,8 +90,16 @@ constexpr double kLeastScale = 1e-3;
 
 /// Two range maps of one camera: depth against depth, pixel by pixel.
 void compare_pixels(const Settings& settings, const CompareCall& call) {
+  check_is_depths(call.a);
+  check_is_depths(call.b);
   const geometry::ImageF a = geometry::read_depth_tiff(call.a);
   const geometry::ImageF b = geometry::read_depth_tiff(call.b);
+  if (a.rows() != b.rows() || a.cols() != b.cols()) {
+    throw InvalidInput(fmt::format(
+        "{} has {} x {} px and {} has {} x {} px: depth against depth takes two range maps of one "
+        "camera",
+        call.a.string(), a.cols(), a.rows(), call.b.string(), b.cols(), b.rows()));
+  }
   const geometry::ImageF difference = geometry::depth_difference(a, b);
   const geometry::ErrorStatistics statistics =
       geometry::error_statistics({difference.data(), difference.data() + difference.size()});
@@ -272,6 +293,7 @@ void add_compare(CLI::App& app, const Settings& settings) {
                        "Draw the cross-sections of both (PNG; section.png unless a name is given)")
           ->expected(0, 1);
   command->add_option("--section-y", call->section_y, "Where to cut: Y [mm]")
+      ->check(within(kPlaces))
       ->capture_default_str()
       ->needs(section);
   command->add_option("--picture", call->picture,
@@ -289,6 +311,7 @@ void add_compare(CLI::App& app, const Settings& settings) {
   command->callback([call, section, &settings] {
     if (section->count() > 0 && call->section.empty()) call->section = "section.png";
     check_outputs({call->a, call->b}, {call->section, call->picture});
+    check_pictures({call->section, call->picture});
     const bool pixels =
         is_range_map(call->a) && is_range_map(call->b) && !call->align && call->section.empty();
     pixels ? compare_pixels(settings, *call) : compare_surfaces(settings, *call);

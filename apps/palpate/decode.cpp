@@ -204,8 +204,9 @@ void report(const Settings& settings, const DecodeCall& call, const Outcomes& ou
                          {"median_depth", frame.median_depth},
                          {"ms", frame.milliseconds},
                          {"kept", outcome.kept}});
-    prose += fmt::format("{} -> {}: {} pixels, median depth {:.1f} mm, {}\n", frame.name,
-                         map.string(), frame.pixels, frame.median_depth,
+    prose += fmt::format("{} -> {}: {} pixels, median depth {}, {}\n", frame.name, map.string(),
+                         frame.pixels,
+                         frame.pixels > 0 ? fmt::format("{:.1f} mm", frame.median_depth) : "none",
                          outcome.kept ? std::string("kept from an earlier run")
                                       : fmt::format("{:.0f} ms", frame.milliseconds));
   }

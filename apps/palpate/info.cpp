@@ -215,6 +215,15 @@ std::string read_text(const fs::path& path) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
+Description describe_record(const fs::path& path) {
+  const auto record = nlohmann::json::parse(read_text(path), nullptr, false);
+  if (!record.is_object() || !record.contains("frames") || !record["frames"].is_array())
+    throw FileError(path.string() + ": is no record of palpate decode.");
+  const std::size_t frames = record["frames"].size();
+  return {{{"kind", "record of decode"}, {"frames", frames}},
+          fmt::format("what palpate decode has finished in this folder, {} frames", frames)};
+}
+
 Description describe_yaml(const fs::path& path) {
   const std::string text = read_text(path);
   if (text.find("camera_matrix") != std::string::npos) return describe_rig(path);
@@ -253,15 +262,23 @@ Description describe_folder(const fs::path& path) {
   std::error_code ignored;
   if (fs::exists(path / "field.json", ignored) || fs::exists(path / "field.cbor", ignored))
     return describe_model(path);
+  if (fs::exists(path / "sensor.yaml", ignored) && fs::is_directory(path / "frames", ignored)) {
+    const std::size_t frames = list_frames({path / "frames"}).size();
+    return {{{"kind", "simulation"}, {"frames", frames}},
+            fmt::format("simulation of {} frame(s), with their true range maps", frames)};
+  }
   const std::vector<fs::path> files = list_frames({path});
-  const auto maps = std::count_if(files.begin(), files.end(), [](const fs::path& file) {
-    return is_range_map(file) && !is_sigma(file) && !is_reasons(file);
-  });
+  const auto sigmas = std::count_if(files.begin(), files.end(), is_sigma);
+  const auto reasons = std::count_if(files.begin(), files.end(), is_reasons);
+  const auto maps = std::count_if(files.begin(), files.end(), is_range_map) - sigmas - reasons;
+  const auto images = static_cast<long>(files.size()) - maps - sigmas - reasons;
   return {{{"kind", "folder"},
            {"range_maps", maps},
-           {"images", static_cast<long>(files.size()) - maps}},
-          fmt::format("folder of {} range maps and {} images", maps,
-                      static_cast<long>(files.size()) - maps)};
+           {"deviations", sigmas},
+           {"reasons", reasons},
+           {"images", images}},
+          fmt::format("folder of {} range maps ({} with deviations, {} with reasons) and {} images",
+                      maps, sigmas, reasons, images)};
 }
 
 Description describe(const fs::path& path, const geometry::ReadOptions& options) {
@@ -272,6 +289,7 @@ Description describe(const fs::path& path, const geometry::ReadOptions& options)
   if (is_range_map(path)) return describe_range_map(path);
   if (extension == ".db") return describe_acquisition(path);
   if (extension == ".yaml" || extension == ".yml") return describe_yaml(path);
+  if (path.filename() == "decode.json") return describe_record(path);
   if (extension == ".csv") return describe_csv(path);
   if (extension == ".pcd") return describe_points(path, options);
   if (path.filename() == "field.json" || path.filename() == "field.cbor")

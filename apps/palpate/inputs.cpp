@@ -6,6 +6,7 @@
 #include <string>
 #include <system_error>
 
+#include "call_checks.h"
 #include "palpate/error.h"
 #include "palpate/file_names.h"
 #include "palpate/sensing/frame_source.h"
@@ -50,7 +51,11 @@ std::vector<fs::path> list_range_maps(const fs::path& folder) {
   std::erase_if(maps, [](const fs::path& path) {
     return !is_range_map(path) || is_sigma(path) || is_reasons(path);
   });
-  if (maps.empty()) throw FileError(folder.string() + ": there is no range map in it (tiff).");
+  if (maps.empty()) {
+    throw FileError(folder.string() +
+                    ": there is no range map in it; a folder of range maps (tiff), as palpate "
+                    "decode writes them, is expected.");
+  }
   return maps;
 }
 
@@ -65,6 +70,7 @@ std::vector<std::string> reason_words() {
 }
 
 geometry::RangeMap load_range_map(const fs::path& path, const fs::path& rig) {
+  check_is_depths(path);
   const fs::path beside = path.parent_path() / "rig.yaml";
   std::error_code ignored;
   if (rig.empty() && !fs::exists(beside, ignored)) {

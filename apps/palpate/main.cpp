@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 #include <tbb/global_control.h>
 
+#include <cstdlib>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -78,6 +79,13 @@ int run(int argc, char** argv) {
 int main(int argc, char** argv) {
   using namespace palpate;
   using namespace palpate::apps;
+  // FFmpeg, within OpenCV, writes on its own about videos that are damaged; what is wrong with them
+  // is said here. OpenCV wants both names; who has set either of them wants to read it.
+  if (std::getenv("OPENCV_FFMPEG_DEBUG") == nullptr &&
+      std::getenv("OPENCV_FFMPEG_LOGLEVEL") == nullptr) {
+    setenv("OPENCV_FFMPEG_DEBUG", "1", 0);
+    setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);
+  }
   spdlog::set_default_logger(spdlog::stderr_color_mt("palpate"));
   spdlog::set_pattern("%n: %v");
   try {

@@ -9,6 +9,7 @@
 #include <set>
 #include <string>
 
+#include "call_checks.h"
 #include "command_line.h"
 #include "inputs.h"
 #include "mesh_steps.h"
@@ -23,6 +24,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// Of smoothing. Long before that a surface has become smooth over all its width.
+constexpr int kMostIterations = 1000;
+
 struct MeshCall {
   fs::path input, output, picture;
   std::string format = "ply";
@@ -31,6 +35,7 @@ struct MeshCall {
 
 void mesh(const Settings& settings, const MeshCall& call) {
   check_outputs({call.input}, {call.output, call.picture});
+  check_pictures({call.picture});
   MadeMesh made = make_mesh(call.input, call.steps);
   geometry::write_mesh(call.output, made.mesh);
   if (!call.picture.empty())
@@ -160,8 +165,9 @@ void add_mesh(CLI::App& app, const Settings& settings) {
       ->check(positive());
   command
       ->add_option("--smooth", call->steps.smooth,
-                   "Iterations of smoothing without shrinking (Taubin); 20 take most noise")
-      ->check(not_negative());
+                   "Iterations of smoothing without shrinking (Taubin), at most 1000; 20 take most "
+                   "noise")
+      ->check(CLI::Range(0, kMostIterations));
   command
       ->add_option("--tolerance", call->steps.tolerance,
                    "Take triangles away as long as the Hausdorff distance stays within so many mm")

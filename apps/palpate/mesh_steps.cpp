@@ -23,8 +23,22 @@ namespace {
 
 namespace fs = std::filesystem;
 
+void check_no_depth_image(const fs::path& input, const MeshSteps& steps) {
+  if (steps.scale == 0 && steps.intrinsics.empty()) return;
+  throw InvalidInput(input.string() + ": " + (steps.scale == 0 ? "--intrinsics" : "--scale") +
+                     " is for depth images (16-bit PNG); this is none");
+}
+
 geometry::RangeMap load_map(const fs::path& input, const MeshSteps& steps) {
-  if (is_range_map(input)) return load_range_map(input, steps.rig);
+  if (steps.meshes.unit) {
+    throw InvalidInput(input.string() + ": --unit is for mesh files; " +
+                       (is_range_map(input) ? "range maps are in mm"
+                                            : "the unit of a depth image is its --scale"));
+  }
+  if (is_range_map(input)) {
+    check_no_depth_image(input, steps);
+    return load_range_map(input, steps.rig);
+  }
   if (!(steps.scale > 0)) {
     throw InvalidInput(input.string() +
                        ": a depth image needs --scale, the mm that one unit stands for (> 0).");
@@ -58,6 +72,7 @@ MadeMesh load(const fs::path& input, const MeshSteps& steps) {
   if (!is_range_map(input) && !is_image(input)) {
     if (steps.smooth_depths)
       throw InvalidInput(input.string() + ": --smooth-depths is for range maps; a mesh has none.");
+    check_no_depth_image(input, steps);
     geometry::ReadOptions options = steps.meshes;
     options.keep_defects = steps.repair;
     return {geometry::read_mesh(input, options), {}, ""};
@@ -98,7 +113,14 @@ void fill_holes(MadeMesh& made, double max_diameter) {
   made.prose += fmt::format("{} holes filled, {} border loops left\n", filled.filled, filled.left);
 }
 
-void decimate(MadeMesh& made, double tolerance) {
+void decimate(const fs::path& input, MadeMesh& made, double tolerance) {
+  const double diagonal = geometry::bounding_diagonal(made.mesh);
+  if (tolerance > diagonal) {
+    throw InvalidInput(fmt::format(
+        "{}: --tolerance: {:g} mm is more than the mesh's diagonal of {:.1f} mm; nothing of it "
+        "would be left",
+        input.string(), tolerance, diagonal));
+  }
   geometry::Decimation decimated = geometry::decimate(made.mesh, {.tolerance = tolerance});
   made.figures["decimation"] = {{"tolerance", tolerance},
                                 {"triangles_before", made.mesh.triangles.cols()},
@@ -117,7 +139,7 @@ MadeMesh make_mesh(const fs::path& input, const MeshSteps& steps) {
   if (steps.repair) repair(made);
   if (steps.fill_holes > 0) fill_holes(made, steps.fill_holes);
   if (steps.smooth > 0) made.mesh = geometry::smooth(made.mesh, {.iterations = steps.smooth});
-  if (steps.tolerance > 0) decimate(made, steps.tolerance);
+  if (steps.tolerance > 0) decimate(input, made, steps.tolerance);
   made.figures["vertices"] = made.mesh.vertices.cols();
   made.figures["triangles"] = made.mesh.triangles.cols();
   return made;

@@ -182,9 +182,10 @@ void make_pattern(const Settings& settings, PatternCall call) {
 void add_design_options(CLI::App& command, PatternCall& call) {
   command.add_option("--number-of-colors", call.design.colors, "Colours of the stripes")
       ->capture_default_str();
-  command.add_option("--stripes", call.design.stripes,
-                     "Number of stripes (default: as many as have each ordered pair of colours as "
-                     "neighbours once)");
+  command.add_option(
+      "--stripes", call.design.stripes,
+      "Number of stripes (default, and 0: as many as have each ordered pair of colours "
+      "as neighbours once)");
   command.add_option("--colors", call.colors,
                      "Trained colours (colors.yaml): spread the colours so that the camera tells "
                      "them apart best");
@@ -205,6 +206,7 @@ void add_design_options(CLI::App& command, PatternCall& call) {
   command
       .add_option("--min-camera-period", call.design.min_camera_period,
                   "The period has at least so many camera pixels")
+      ->needs("--rig")
       ->capture_default_str();
   command
       .add_option("--min-projector-period", call.design.min_projector_period,

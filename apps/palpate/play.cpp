@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "call_checks.h"
 #include "command_line.h"
 #include "inputs.h"
 #include "model_pictures.h"
@@ -26,6 +27,7 @@ struct PlayCall {
 
 void play(const Settings& settings, const PlayCall& call) {
   check_outputs({call.trajectory, call.model}, {call.record, call.picture});
+  check_pictures({call.picture});
   const std::vector<haptics::TrajectoryPoint> trajectory =
       haptics::read_trajectory(call.trajectory);
   const haptics::Playback playback(haptics::read_model(call.model));

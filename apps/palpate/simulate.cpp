@@ -3,14 +3,17 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 #include <optional>
 #include <regex>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "call_checks.h"
 #include "command_line.h"
 #include "inputs.h"
 #include "palpate/error.h"
@@ -33,6 +36,11 @@ const std::regex kOwnFiles(
     R"((rig|sensor)\.yaml|frames/\d{6,}\.png|truth/(rig\.yaml|\d{6,}(\.tiff|_lit\.png|_id\.png)))"
     R"(|training/\d{6,}/[^/]+_flat\.png|report/\d{6,}\.png)");
 
+/// [mm] At which anything may stand.
+constexpr std::pair kDistances(0.1, 1e6);
+/// Of the light from everywhere; beyond, the projector's light is lost in the noise of any camera.
+constexpr double kBrightest = 1e6;
+
 struct SimulateCall {
   SceneCall scene;
   fs::path rig, pattern, decoder_rig, sensor, output;
@@ -40,7 +48,7 @@ struct SimulateCall {
   bool ideal = false, report = false;
   std::optional<double> ambient, exposure_distance;
   std::optional<int> bits;
-  std::optional<std::uint64_t> seed;
+  std::optional<int> seed;  ///< as many as sensor.yaml holds
   std::string readout;
 };
 
@@ -68,19 +76,37 @@ sensing::VirtualSensor sensor_of(const SimulateCall& call) {
   sensor.bits = call.bits.value_or(sensor.bits);
   sensor.ambient = call.ambient.value_or(sensor.ambient);
   sensor.exposure_distance = call.exposure_distance.value_or(sensor.exposure_distance);
-  sensor.seed = call.seed.value_or(sensor.seed);
+  if (call.seed) sensor.seed = static_cast<std::uint64_t>(*call.seed);
   return sensor;
 }
 
-/// The picture beside the pattern's file.
-cv::Mat read_panel(const fs::path& pattern) {
+/// The picture beside the pattern's file, which is shown by the projector of `rig`.
+cv::Mat read_panel(const fs::path& pattern, const fs::path& rig,
+                   const geometry::Camera& projector) {
   const fs::path image = fs::path(pattern).replace_extension(".png");
   std::error_code cannot_look;
   if (!fs::exists(image, cannot_look)) {
     throw FileError(image.string() + ": is missing; beside " + pattern.string() +
                     " its picture for the projector is needed, as palpate pattern draws it");
   }
-  return sensing::read_frame(image);
+  cv::Mat panel = sensing::read_frame(image);
+  if (panel.cols != projector.width || panel.rows != projector.height) {
+    throw InvalidInput(fmt::format("{}: has {} x {} px, but the projector of {} has {} x {}",
+                                   image.string(), panel.cols, panel.rows, rig.string(),
+                                   projector.width, projector.height));
+  }
+  return panel;
+}
+
+/// What can be told before anything is read.
+void check_options(const SimulateCall& call) {
+  if (call.scene.reflectance.size() == 2) {
+    throw InvalidInput("--reflectance: 2 values; one, or three (red,green,blue) are expected");
+  }
+  if (call.scene.shutter > 0 && call.scene.meshes.size() == 1) {
+    throw InvalidInput(
+        "--shutter: one mesh is at rest and is not blurred; give the meshes of a motion");
+  }
 }
 
 std::vector<Shot> shots_of(const SimulateCall& call) {
@@ -115,7 +141,7 @@ Setup read_setup(const SimulateCall& call) {
   setup.rig = sensing::read_rig(call.rig);
   setup.decoder_rig = call.decoder_rig.empty() ? setup.rig : sensing::read_rig(call.decoder_rig);
   setup.pattern = sensing::read_pattern(call.pattern);
-  setup.panel = read_panel(call.pattern);
+  setup.panel = read_panel(call.pattern, call.rig, setup.rig.projector);
   setup.sensor = sensor_of(call);
   sensing::check_virtual_sensor(setup.sensor, "the sensor");
   setup.shots = shots_of(call);
@@ -151,9 +177,10 @@ std::optional<ReportLine> do_shot(const SimulateCall& call, const Setup& setup,
   const std::vector<sensing::Body> bodies =
       load_bodies(call.scene, setup.rig, placement, shot.mesh);
   if (placement.chosen && number == 0) {
-    spdlog::info(
-        "the mesh is not all in view where its file has it; it is put where it fills the "
-        "image. --distance says another place.");
+    spdlog::warn(
+        "{}: is not all in view where its file has it; it is put where it fills the image. "
+        "--distance says another place.",
+        call.scene.meshes.front().string());
   }
   // Each shot has noise of its own.
   const std::uint64_t first_frame = number * (1 + setup.pattern.colors.size());
@@ -175,6 +202,7 @@ std::optional<ReportLine> do_shot(const SimulateCall& call, const Setup& setup,
 }
 
 void simulate(const Settings& settings, const SimulateCall& call) {
+  check_options(call);
   const std::vector<fs::path> replaced = check_places(call);
   const Setup setup = read_setup(call);
   std::vector<ReportLine> lines;
@@ -208,17 +236,18 @@ void add_scene_options(CLI::App& command, SimulateCall& call) {
                   "frame each. Default: where the file says if that is in view, else so that the "
                   "mesh fills the image")
       ->delimiter(',')
-      ->check(positive())
+      ->check(within(kDistances))
       ->group(group);
   command
       .add_option("--turn", scene.turn,
-                  "x,y,z: turns the mesh about its centre, by so many degrees about each axis of "
-                  "the camera")
+                  "x,y,z: turns the mesh about its centre, by so many degrees (-360 to 360) about "
+                  "each axis of the camera")
       ->expected(3)
       ->delimiter(',')
+      ->check(within({-360, 360}))
       ->group(group);
   command.add_option("--wall", scene.wall, "Put a white wall at this depth [mm]")
-      ->check(positive())
+      ->check(within(kDistances))
       ->group(group);
   command
       .add_option("--reflectance", scene.reflectance,
@@ -240,8 +269,8 @@ void add_scene_options(CLI::App& command, SimulateCall& call) {
   command
       .add_option("--shutter", scene.shutter,
                   "Share of the time from one mesh to the next for which the shutter is open "
-                  "(default: 0, no motion blur)")
-      ->check(CLI::Range(0.0, 1.0))
+                  "(default: 0, no motion blur); the last mesh has none after it, and no blur")
+      ->check(within({0, 1}))
       ->group(group);
 }
 
@@ -263,15 +292,17 @@ void add_sensor_options(CLI::App& command, SimulateCall& call) {
       .add_option(
           "--ambient", call.ambient,
           "Light from everywhere, as a share of the projector's white on a surface 1 m away")
-      ->check(not_negative())
+      ->check(within({0, kBrightest}))
       ->group(group);
   command
       .add_option("--exposure", call.exposure_distance,
-                  "Expose for a white surface at this distance [mm] (default: for each frame as "
-                  "a camera would)")
-      ->check(positive())
+                  "Expose for a white surface at this distance [mm], 0.1 to 1e6 (default: for each "
+                  "frame as a camera would)")
+      ->check(within(kDistances))
       ->group(group);
-  command.add_option("--seed", call.seed, "Of the noise (default: 1)")->group(group);
+  command.add_option("--seed", call.seed, "Of the noise: 0 to 2147483647 (default: 1)")
+      ->check(CLI::Range(0, std::numeric_limits<int>::max()))
+      ->group(group);
 }
 
 }  // namespace

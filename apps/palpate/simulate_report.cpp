@@ -24,6 +24,11 @@ double share(long part, long whole) {
 }
 double percent(long part, long whole) { return 100 * share(part, whole); }
 
+/// With so many places; "none" where nothing was measured.
+std::string decimal(double value, int places) {
+  return std::isnan(value) ? "none" : fmt::format("{:.{}f}", value, places);
+}
+
 /// What a trial leaves to assess when it failed: the truth, and no depths.
 sensing::DecodeResult nothing_decoded(const sensing::SceneTruth& truth) {
   sensing::DecodeResult none;
@@ -114,11 +119,11 @@ std::string report_table(const std::vector<ReportLine>& lines) {
   for (const ReportLine& line : lines) {
     const sensing::RigAssessment& found = line.found;
     text += fmt::format(
-        "{:<11.0f}  {:<5.1f}  {:<13.1f}  {:<12.1f}  {:<6.3f}  {:<6.3f}  {:<6.3f}  {:<8.4f}  "
-        "{:.2f}\n",
+        "{:<11.0f}  {:<5.1f}  {:<13.1f}  {:<12.1f}  {:<6}  {:<6}  {:<6}  {:<8}  {:.2f}\n",
         found.distance, percent(found.lit, found.visible), percent(found.measured, found.visible),
-        percent(found.reconstructed, found.lit), found.error.median, found.error.rms,
-        found.error.p95, 100 * found.error.median / found.distance,
+        percent(found.reconstructed, found.lit), decimal(found.error.median, 3),
+        decimal(found.error.rms, 3), decimal(found.error.p95, 3),
+        decimal(100 * found.error.median / found.distance, 4),
         percent(found.wrong, found.measured));
   }
   text += "(wrong: off by more than 1 % of the distance, and left out of the error)\n";

@@ -11,6 +11,7 @@
 
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <exception>
@@ -29,6 +30,10 @@ namespace {
 
 /// [ms] that Xvfb may take to say its number; it takes about 200 on an idle machine.
 constexpr int kStartTimeout = 30'000;
+
+/// [ms] That Xvfb may take to end, and after which it is asked again; it takes a few.
+constexpr int kEndTimeout = 3'000;
+constexpr int kEndStep = 100;
 
 /// The first file descriptor after the standard ones; Xvfb is told of it as kFreeNumberText.
 constexpr int kFreeNumber = 3;
@@ -91,10 +96,18 @@ struct Server {
   std::string name;  // for XOpenDisplay
 };
 
-/// Xvfb removes its lock file and its socket when it is asked to end; waiting leaves no zombie.
+/// Xvfb removes its lock file and its socket when it is asked to end; waiting leaves no zombie. A
+/// server that is asked just before it falls asleep notices only when it wakes: it is asked again,
+/// and killed in the end.
 void end_server(pid_t process) noexcept {
-  kill(process, SIGTERM);
-  while (waitpid(process, nullptr, 0) < 0 && errno == EINTR) {
+  for (int wait = 0; wait < kEndTimeout; wait += kEndStep) {
+    kill(process, wait < kEndTimeout - kEndStep ? SIGTERM : SIGKILL);
+    for (int step = 0; step < kEndStep; ++step) {
+      if (waitpid(process, nullptr, WNOHANG) != 0) {
+        return;
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
   }
 }
 

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <sstream>
 #include <string>
 
 #include "palpate/error.h"
@@ -30,6 +31,9 @@ constexpr int kPlaces = 9;
 /// the views do not overlap, farther the depth cannot be measured.
 constexpr int kTriedDepths = 30;
 constexpr double kFarthestBaselines = 20;
+/// [rad] The deviation that the phase of a pixel has in a good image. Where all depths beyond the
+/// working distance change the phase by less, no depth can be told from infinity.
+constexpr double kLeastPhase = 0.01;
 /// Numbers that lie above a whole one by less than this are that number but for rounding.
 constexpr double kWholeTolerance = 1e-9;
 
@@ -179,6 +183,19 @@ PatternDesign start_design(const PatternOptions& options, Axis axis, int width, 
   return design;
 }
 
+/// The panel holds at least one period, and the numbers of a pattern are in range.
+void check_design(const Pattern& pattern, int width, int height) {
+  const int length = pattern.axis == Axis::y ? height : width;
+  if (!(pattern.period <= length)) {
+    std::ostringstream message;
+    message << "PatternOptions: period: " << pattern.period << " px does not fit on the " << length
+            << " px of the projector along " << (pattern.axis == Axis::y ? 'y' : 'x')
+            << "; take a shorter period, or smaller min_camera_period and min_projector_period";
+    throw InvalidInput(message.str());
+  }
+  check_pattern(pattern, "PatternOptions");
+}
+
 }  // namespace
 
 PatternDesign design_pattern(const Rig& rig, const PatternOptions& options) {
@@ -205,7 +222,16 @@ PatternDesign design_pattern(const Rig& rig, const PatternOptions& options) {
   // Half a period, as a depth, as a shift across the stripes, as camera pixels.
   design.edge_tolerance =
       period / 2 / view.per_depth[along] * view.per_depth[across] / view.per_pixel[across];
-  check_pattern(design.pattern, "PatternOptions");
+  check_design(design.pattern, rig.projector.width, rig.projector.height);
+  if (!(design.phase_per_relative_depth >= kLeastPhase)) {
+    std::ostringstream message;
+    message << "PatternOptions: range: from a distance of " << view.middle_z
+            << " mm on, the phase changes by " << design.phase_per_relative_depth
+            << " rad alone, less than its noise; the distances are too far for the rig's baseline "
+               "of "
+            << rig.T_projector_camera.translation().norm() << " mm";
+    throw InvalidInput(message.str());
+  }
   return design;
 }
 
@@ -218,8 +244,9 @@ PatternDesign design_pattern(int projector_width, int projector_height,
   }
   PatternDesign design =
       start_design(options, options.axis.value_or(Axis::y), projector_width, projector_height);
-  design.pattern.period = options.period.value_or(kPeriodWithoutRig);
-  check_pattern(design.pattern, "PatternOptions");
+  design.pattern.period = options.period.value_or(
+      std::max(kPeriodWithoutRig, std::ceil(options.min_projector_period - kWholeTolerance)));
+  check_design(design.pattern, projector_width, projector_height);
   return design;
 }
 

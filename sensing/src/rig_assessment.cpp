@@ -9,6 +9,7 @@
 #include <string>
 
 #include "palpate/error.h"
+#include "palpate/sensing/bayer.h"
 
 namespace palpate::sensing {
 namespace {
@@ -41,6 +42,11 @@ std::optional<Anchor> anchor_of(const SceneTruth& truth) {
     }
   }
   return anchor;
+}
+
+/// A frame as the decoder takes it.
+cv::Mat in_color(const cv::Mat& frame, const VirtualSensor& sensor) {
+  return sensor.readout == Readout::mosaic ? demosaic(frame, BayerPattern::rggb) : frame;
 }
 
 }  // namespace
@@ -117,18 +123,16 @@ RigTrial try_rig(const Rig& rig, const Pattern& pattern, const cv::Mat& panel,
                  const TrialOptions& options) {
   check_pattern(pattern, "try_rig: pattern");
   check_rig(rig, "try_rig: rig");
-  if (sensor.readout == Readout::mosaic) {
-    throw InvalidInput(
-        "try_rig: sensor: readout: the decoder takes no mosaic; pass demosaiced or color");
-  }
   RigTrial trial =
       simulate_shot(rig, pattern, panel, bodies, sensor, {.first_frame = options.first_frame});
   if (!trial.simulation.truth.lit.any()) {
     trial.failure = "no light of the projector falls on what the camera sees";
     return trial;
   }
+  std::vector<NamedImages> training = trial.training;
+  for (NamedImages& color : training) color.images[0] = in_color(color.images[0], sensor);
   try {
-    if (!trial.training.empty()) trial.colors = train_colors(trial.training);
+    if (!training.empty()) trial.colors = train_colors(training);
   } catch (const InvalidInput& error) {
     trial.failure = error.what();
     return trial;
@@ -136,7 +140,7 @@ RigTrial try_rig(const Rig& rig, const Pattern& pattern, const cv::Mat& panel,
   DecodeOptions decode = options.decode;
   if (!decode.anchor && pattern.stripes.empty()) decode.anchor = anchor_of(trial.simulation.truth);
   const Decoder decoder(options.decoder_rig.value_or(rig), pattern, trial.colors, decode);
-  trial.decoded = decoder.decode(trial.simulation.frames[0]);
+  trial.decoded = decoder.decode(in_color(trial.simulation.frames[0], sensor));
   return trial;
 }
 

@@ -120,8 +120,6 @@ TEST_F(Simulate, RefusesWrongCallsAndWritesNothing) {
   EXPECT_NE(refusal({hand()}, {"--wall", "300"}).find("sees nothing"), std::string::npos);
   EXPECT_NE(refusal({hand()}, {"--reflectance", "1.5"}).find("reflectance"), std::string::npos);
   EXPECT_NE(refusal({hand()}, {"--distance", "nan"}).find("--distance"), std::string::npos);
-  EXPECT_NE(refusal({hand()}, {"--readout", "mosaic", "--report"}).find("demosaiced"),
-            std::string::npos);
 }
 
 TEST_F(Simulate, SaysThatThePatternsPictureIsMissing) {

@@ -61,10 +61,12 @@ struct PatternDesign {
 /// that every period is sampled alike; stripes of equal width fill the panel, their edges lying
 /// between pixels.
 /// \throws InvalidInput if the rig or an option is not valid, a stripe would be narrower than 4
-/// projector pixels, or the projector lights nothing of what the camera sees in the range.
+/// projector pixels, the panel does not hold a period, the projector lights nothing of what the
+/// camera sees in the range, or the range is too far for the phase to depend on the depth.
 [[nodiscard]] PatternDesign design_pattern(const Rig& rig, const PatternOptions& options = {});
 
-/// The same for a projector of which only the size is known: the period is the option's, or 10.
+/// The same for a projector of which only the size is known: the period is the option's, or the
+/// longer of 10 and min_projector_period.
 /// \throws InvalidInput as above, or if the sizes are not > 0.
 [[nodiscard]] PatternDesign design_pattern(int projector_width, int projector_height,
                                            const PatternOptions& options = {});

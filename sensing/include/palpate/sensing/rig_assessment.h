@@ -81,8 +81,8 @@ struct TrialOptions {
 /// bodies, trains the colours with these images, and decodes the pattern's. A pattern without
 /// stripes gets the lit pixel that is nearest to the middle of the image as its anchor.
 /// \param panel  the pattern as the projector shows it, as for `simulate`.
-/// \throws InvalidInput as `simulate` and `Decoder`, or if the readout is a mosaic, which the
-/// decoder does not take.
+/// Mosaics are demosaiced for training and decoding; `RigTrial` has them as they were read out.
+/// \throws InvalidInput as `simulate` and `Decoder`.
 [[nodiscard]] RigTrial try_rig(const Rig& rig, const Pattern& pattern, const cv::Mat& panel,
                                std::span<const Body> bodies, const VirtualSensor& sensor,
                                const TrialOptions& options = {});

@@ -1,0 +1,157 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+// Options and files that do not belong together, or make no sense: refused by name, never ignored.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "run_palpate.h"
+
+namespace palpate::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kWrongCall = 2;
+
+std::string demo(const std::string& name) { return (demo_data() / name).string(); }
+std::string hand() { return PALPATE_SOURCE_DIR "/meshes/hand.ply"; }
+
+struct WrongCall {
+  std::vector<std::string> arguments;
+  std::string place;  ///< found in the message
+};
+
+class WrongOptions : public testing::Test {
+ protected:
+  void expect_refused(const std::vector<WrongCall>& calls) {
+    for (const WrongCall& call : calls) {
+      const CommandResult result = run_palpate(call.arguments);
+      EXPECT_EQ(result.status, kWrongCall) << call.arguments[0] << ' ' << call.place << '\n'
+                                           << result.out << result.err;
+      EXPECT_NE(result.err.find(call.place), std::string::npos)
+          << "no '" << call.place << "' in: " << result.err;
+      EXPECT_EQ(result.err.find(".tmp"), std::string::npos) << result.err;
+      EXPECT_TRUE(result.out.empty()) << result.out;
+    }
+    EXPECT_FALSE(fs::exists(scratch / "out"));
+  }
+
+  /// A call with the demonstration's rig and pattern that writes to out.
+  std::vector<std::string> simulate(const std::vector<std::string>& more) {
+    std::vector<std::string> call = {
+        "simulate",           hand(), "--rig",        demo("rig.yaml"), "--pattern",
+        demo("pattern.yaml"), "-o",   scratch / "out"};
+    call.insert(call.end(), more.begin(), more.end());
+    return call;
+  }
+
+  std::vector<std::string> with_output(std::vector<std::string> call) {
+    call.insert(call.end(), {"-o", scratch / "out"});
+    return call;
+  }
+
+  std::string named(const std::string& name, const fs::path& original) {
+    fs::copy(original, scratch / name);
+    return scratch / name;
+  }
+
+  ScratchFolder scratch;
+};
+
+TEST_F(WrongOptions, DeviationsAreNoDepths) {
+  const std::string sigma = named("a_sigma.tiff", demo("truth/duck.tiff"));
+  const std::string rig = demo("rig.yaml");
+  expect_refused({{{"mesh", sigma, "--rig", rig, "-o", scratch / "out"}, "a_sigma.tiff"},
+                  {{"compare", sigma, demo("truth/duck.tiff")}, "a_sigma.tiff"},
+                  {{"compare", hand(), sigma, "--rig", rig}, "a_sigma.tiff"}});
+}
+
+TEST_F(WrongOptions, OfSimulate) {
+  expect_refused({{simulate({"--reflectance", "0.5,0.5"}), "--reflectance"},
+                  {simulate({"--shutter", "0.5"}), "--shutter"},
+                  {simulate({"--shutter", "nan"}), "--shutter"},
+                  {simulate({"--turn", "1e30,0,0"}), "--turn"},
+                  {simulate({"--turn", "0,nan,0"}), "--turn"},
+                  {simulate({"--exposure", "1e-300"}), "--exposure"},
+                  {simulate({"--exposure", "1e300"}), "--exposure"},
+                  {simulate({"--distance", "inf"}), "--distance"},
+                  {simulate({"--ambient", "nan"}), "--ambient"},
+                  {simulate({"--seed", "3000000000"}), "--seed"},
+                  {simulate({"--seed", "-1"}), "--seed"}});
+}
+
+TEST_F(WrongOptions, OfPattern) {
+  const std::string rig = demo("rig.yaml");
+  expect_refused(
+      {{with_output({"pattern", "--period", "1e300"}), "period"},
+       {with_output({"pattern", "--min-projector-period", "1e9"}), "min_projector_period"},
+       {with_output({"pattern", "--min-camera-period", "9"}), "--rig"},
+       {with_output({"pattern", "--rig", rig, "--period", "769"}), "768"},
+       {with_output({"pattern", "--rig", rig, "--distances", "1e30", "2e30"}), "baseline"}});
+}
+
+TEST_F(WrongOptions, OfMesh) {
+  const std::string map = demo("truth/duck.tiff");
+  const std::string rig = demo("rig.yaml");
+  fs::create_directory(scratch.path() / "pictures");
+  fs::copy(demo("frames/duck.png"), scratch / "pictures/duck.png");
+  const auto mesh = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), "mesh");
+    more.insert(more.end(), {"-o", scratch / "x.ply"});
+    return more;
+  };
+  expect_refused({{mesh({map, "--rig", rig, "--scale", "2"}), "--scale"},
+                  {mesh({map, "--rig", rig, "--unit", "m"}), "--unit"},
+                  {mesh({map, "--rig", rig, "--intrinsics", "1,1,1,1"}), "--intrinsics"},
+                  {mesh({hand(), "--scale", "2"}), "--scale"},
+                  {mesh({hand(), "--smooth", "100000000"}), "--smooth"},
+                  {mesh({hand(), "--tolerance", "1e6"}), "--tolerance"},
+                  {mesh({hand(), "--picture", scratch / "x.jpg"}), "x.jpg"},
+                  {mesh({scratch / "pictures"}), "a folder of range maps"}});
+  EXPECT_FALSE(fs::exists(scratch / "x.ply"));
+}
+
+TEST_F(WrongOptions, OfCompare) {
+  write_text(scratch / "points.ply",
+             "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
+             "property float z\nelement face 0\nproperty list uchar int vertex_indices\n"
+             "end_header\n0 0 1\n");
+  expect_refused(
+      {{{"compare", hand(), hand(), "--section", scratch / "s.jpg"}, "s.jpg"},
+       {{"compare", hand(), hand(), "--section", "s.png", "--section-y", "nan"}, "--section-y"},
+       {{"compare", scratch / "points.ply", hand()}, "points.ply"}});
+}
+
+TEST_F(WrongOptions, OfAVideoThatIsNone) {
+  write_text(scratch / "a.mp4", std::string(5000, 'x'));
+  const CommandResult result =
+      run_palpate({"decode", scratch / "a.mp4", "--rig", demo("rig.yaml"), "--pattern",
+                   demo("pattern.yaml"), "-o", scratch / "out"});
+  EXPECT_EQ(result.status, kWrongCall) << result.err;
+  EXPECT_EQ(result.err.find("palpate: "), 0U) << result.err;
+  EXPECT_EQ(result.err.find('\n'), result.err.size() - 1) << "more than one line: " << result.err;
+}
+
+TEST_F(WrongOptions, WhatPalpateWritesIsRecognised) {
+  fs::create_directory(scratch.path() / "range");
+  fs::copy(demo("truth/duck.tiff"), scratch / "range/000000.tiff");
+  fs::copy(demo("truth/duck.tiff"), scratch / "range/000000_sigma.tiff");
+  write_text(scratch / "range/decode.json", R"({"settings": {}, "inputs": [], "frames": [{}]})");
+  const auto figures = [](const std::string& path) {
+    return nlohmann::json::parse(run_palpate({"info", path, "--json"}).out);
+  };
+  const nlohmann::json range = figures(scratch / "range");
+  EXPECT_EQ(range["range_maps"], 1);
+  EXPECT_EQ(range["images"], 0);
+  EXPECT_EQ(figures(scratch / "range/decode.json")["frames"], 1);
+  const CommandResult moved = run_palpate(simulate({"--ideal"}));
+  ASSERT_EQ(moved.status, 0) << moved.err;
+  EXPECT_NE(moved.err.find("hand.ply: is not all in view"), std::string::npos) << moved.err;
+  EXPECT_EQ(figures(scratch / "out")["frames"], 1);
+}
+
+}  // namespace
+}  // namespace palpate::apps
