@@ -16,6 +16,7 @@
 #include "palpate/error.h"
 #include "palpate/sensing/chromatic_calibration.h"
 #include "palpate/sensing/frame.h"
+#include "palpate/sensing/pattern_image.h"
 
 namespace palpate::apps {
 namespace {
@@ -96,6 +97,8 @@ void calibrate_chromatic(const Settings& settings, const ChromaticCall& call) {
   check_outputs(inputs, {call.output});
   sensing::Rig rig = sensing::read_rig(call.rig);
   const sensing::Pattern pattern = sensing::read_pattern(call.pattern);
+  sensing::check_pattern_fits(sensing::without_stripes(pattern), rig.projector,
+                              call.pattern.string());
   const sensing::ChromaticCalibration found =
       sensing::calibrate_chromatic(read_images(call, rig), rig, pattern);
   rig.red = found.red.shift;

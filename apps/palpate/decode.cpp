@@ -273,6 +273,7 @@ void decode(const Settings& settings, DecodeCall call) {
   if (!call.response.empty()) call.linearizer.emplace(sensing::read_response(call.response));
   const sensing::Rig rig = sensing::read_rig(call.rig);
   const sensing::Pattern pattern = sensing::read_pattern(call.pattern);
+  sensing::check_pattern_fits(pattern, rig.projector, call.pattern.string());
   sensing::TrainedColors colors;
   if (!call.colors.empty()) colors = sensing::read_trained_colors(call.colors);
   sensing::DecodeOptions options;

@@ -142,6 +142,7 @@ Setup read_setup(const SimulateCall& call) {
   setup.decoder_rig = call.decoder_rig.empty() ? setup.rig : sensing::read_rig(call.decoder_rig);
   setup.pattern = sensing::read_pattern(call.pattern);
   setup.panel = read_panel(call.pattern, call.rig, setup.rig.projector);
+  sensing::check_pattern_fits(setup.pattern, setup.decoder_rig.projector, call.pattern.string());
   setup.sensor = sensor_of(call);
   sensing::check_virtual_sensor(setup.sensor, "the sensor");
   setup.shots = shots_of(call);

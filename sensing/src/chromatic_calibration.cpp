@@ -17,6 +17,7 @@
 #include "chromatic.h"
 #include "palpate/error.h"
 #include "palpate/geometry/median.h"
+#include "palpate/sensing/pattern_image.h"
 #include "period_count.h"
 #include "white_view.h"
 
@@ -350,6 +351,7 @@ ChromaticCalibration calibrate_chromatic(const std::vector<WhiteImage>& images, 
                                          const ChromaticCalibrationOptions& options) {
   check_rig(rig, "rig");
   check_pattern(pattern, "pattern");
+  check_pattern_fits(without_stripes(pattern), rig.projector, "pattern");
   check_options(options);
   if (images.empty()) throw InvalidInput("calibrate_chromatic: no images");
   ChromaticCalibration result;

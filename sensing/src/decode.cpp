@@ -182,14 +182,14 @@ Decoder::Impl::Impl(const Rig& rig, const Pattern& pattern, const TrainedColors&
       camera(rig.camera),
       model(decoded_rig(rig, pattern, options.half_resolution), pattern),
       filter(make_filter(model.carrier().along, options.window_periods)) {
+  check_pattern_fits(pattern, rig.projector, "pattern");
   if (pattern.stripe_edges.empty() && !options.anchor) {
     throw InvalidInput(
         "pattern: has no stripes to find depths from; an anchor (a pixel and its depth) is needed");
   }
   if (!pattern.stripe_edges.empty() && options.anchor) {
     throw InvalidInput(
-        "DecodeOptions: anchor: the pattern's stripes tell the depths; an anchor is for a pattern "
-        "without stripes, leave it out");
+        "DecodeOptions: anchor: is for a pattern without stripes; with them, leave it out");
   }
   if (options.anchor) {
     geometry::Camera seen = rig.camera;

@@ -73,6 +73,10 @@ void check_stripes(const Pattern& pattern, const std::string& what) {
   }
 }
 
+std::string pixels(const Eigen::Vector2i& size) {
+  return std::to_string(size.x()) + " x " + std::to_string(size.y()) + " px";
+}
+
 /// The shortest decimal number that is read back as this value.
 template <typename T>
 std::string shortest(T value) {
@@ -107,8 +111,29 @@ void check_pattern(const Pattern& pattern, const std::string& what) {
     throw InvalidInput(what +
                        ": mean, amplitude: amplitude must be > 0 and mean +- amplitude in [0, 1]");
   }
+  if (pattern.projector_size && !(pattern.projector_size->array() > 0).all())
+    throw InvalidInput(what + ": projector_size: sizes > 0 are expected");
   check_colors(pattern, what);
   check_stripes(pattern, what);
+}
+
+void check_pattern_fits(const Pattern& pattern, const geometry::Camera& projector,
+                        const std::string& what) {
+  if (pattern.projector_size) {
+    if (*pattern.projector_size == Eigen::Vector2i(projector.width, projector.height)) return;
+    throw InvalidInput(what + ": projector_size: it was made for " +
+                       pixels(*pattern.projector_size) + ", but the rig's projector has " +
+                       pixels({projector.width, projector.height}) +
+                       "; take the rig and the pattern that belong together");
+  }
+  const int across = pattern.axis == Axis::y ? projector.width : projector.height;
+  for (std::size_t i = 0; i < pattern.stripe_edges.size(); ++i) {
+    if (pattern.stripe_edges[i] > -0.5 && pattern.stripe_edges[i] < across - 0.5) continue;
+    throw InvalidInput(what + ": " + at("stripe_edges_px", i) +
+                       ": lies beyond the rig's projector of " +
+                       pixels({projector.width, projector.height}) +
+                       "; take the rig and the pattern that belong together");
+  }
 }
 
 Pattern read_pattern(const std::filesystem::path& path) {
@@ -141,6 +166,13 @@ Pattern read_pattern(const std::filesystem::path& path) {
   pattern.phase = number("phase");
   pattern.mean = number("mean");
   pattern.amplitude = number("amplitude");
+  if (!root["projector_size"].empty()) {
+    const auto sizes = file.items(root["projector_size"], "projector_size");
+    if (sizes.size() != 2) file.fail("projector_size", "columns and rows are expected");
+    pattern.projector_size =
+        Eigen::Vector2i(static_cast<int>(file.whole_number(sizes[0], "projector_size[0]")),
+                        static_cast<int>(file.whole_number(sizes[1], "projector_size[1]")));
+  }
   try {
     check_pattern(pattern, path.string());
   } catch (const InvalidInput& error) {
@@ -179,6 +211,11 @@ void write_pattern(const std::filesystem::path& path, const Pattern& pattern) {
         << "\nperiod_px: " << shortest(pattern.period) << "\nphase: " << shortest(pattern.phase)
         << "\nmean: " << shortest(pattern.mean) << "\namplitude: " << shortest(pattern.amplitude)
         << '\n';
+    if (pattern.projector_size) {
+      out << "projector_size: ";
+      list(*pattern.projector_size);
+      out << '\n';
+    }
   });
 }
 

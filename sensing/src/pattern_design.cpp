@@ -179,13 +179,15 @@ PatternDesign start_design(const PatternOptions& options, Axis axis, int width, 
   design.pattern.axis = axis;
   design.pattern.mean = options.mean;
   design.pattern.amplitude = options.amplitude;
+  design.pattern.projector_size = Eigen::Vector2i(width, height);
   add_stripes(options, axis == Axis::y ? width : height, design);
   return design;
 }
 
 /// The panel holds at least one period, and the numbers of a pattern are in range.
-void check_design(const Pattern& pattern, int width, int height) {
-  const int length = pattern.axis == Axis::y ? height : width;
+void check_design(const Pattern& pattern) {
+  const int length =
+      pattern.axis == Axis::y ? pattern.projector_size->y() : pattern.projector_size->x();
   if (!(pattern.period <= length)) {
     std::ostringstream message;
     message << "PatternOptions: period: " << pattern.period << " px does not fit on the " << length
@@ -222,7 +224,7 @@ PatternDesign design_pattern(const Rig& rig, const PatternOptions& options) {
   // Half a period, as a depth, as a shift across the stripes, as camera pixels.
   design.edge_tolerance =
       period / 2 / view.per_depth[along] * view.per_depth[across] / view.per_pixel[across];
-  check_design(design.pattern, rig.projector.width, rig.projector.height);
+  check_design(design.pattern);
   if (!(design.phase_per_relative_depth >= kLeastPhase)) {
     std::ostringstream message;
     message << "PatternOptions: range: from a distance of " << view.middle_z
@@ -246,7 +248,7 @@ PatternDesign design_pattern(int projector_width, int projector_height,
       start_design(options, options.axis.value_or(Axis::y), projector_width, projector_height);
   design.pattern.period = options.period.value_or(
       std::max(kPeriodWithoutRig, std::ceil(options.min_projector_period - kWholeTolerance)));
-  check_design(design.pattern, projector_width, projector_height);
+  check_design(design.pattern);
   return design;
 }
 

@@ -61,6 +61,25 @@ class WrongOptions : public testing::Test {
   ScratchFolder scratch;
 };
 
+TEST_F(WrongOptions, APatternForAnotherProjector) {
+  ASSERT_EQ(run_palpate({"pattern", "--size", "800", "600", "-o", scratch / "small"}).status, 0);
+  const std::string small = scratch / "small/pattern.yaml";
+  const std::string frame = demo("frames/duck.png");
+  std::string wide = read_text(demo("pattern.yaml"));
+  wide.replace(wide.find("990.5"), 5, "1090.5");
+  write_text(scratch / "wide.yaml", wide);
+  expect_refused({{with_output({"decode", frame, "--rig", demo("rig.yaml"), "--pattern", small}),
+                   small + ": projector_size"},
+                  {with_output({"decode", frame, "--rig", demo("rig.yaml"), "--pattern",
+                                scratch / "wide.yaml"}),
+                   "wide.yaml: stripe_edges_px[29]"},
+                  {with_output({"calibrate", "chromatic", frame, "--rig", demo("rig.yaml"),
+                                "--pattern", small}),
+                   small + ": projector_size"},
+                  {with_output({"simulate", hand(), "--rig", demo("rig.yaml"), "--pattern", small}),
+                   "small/pattern.png: has 800 x 600"}});
+}
+
 TEST_F(WrongOptions, DeviationsAreNoDepths) {
   const std::string sigma = named("a_sigma.tiff", demo("truth/duck.tiff"));
   const std::string rig = demo("rig.yaml");

@@ -73,7 +73,9 @@ TEST_F(DecodeReasons, APhaseThatVariesTooMuchIsUneven) {
 }
 
 TEST_F(DecodeReasons, ARegionWithinOneStripeHasNoTransition) {
-  const Pattern wide = make_pattern(Axis::y, 20, 9600);  // a stripe is some 110 camera pixels
+  Pattern wide = make_pattern(Axis::y, 20, 9600);  // a stripe is some 110 camera pixels
+  wide.stripe_edges.resize(3);                     // those on the panel
+  wide.stripes.resize(4);
   const Scene ball = render(rig_, wide, sphere({-40, 0, 700}, 35));
   const ReasonImage reasons = reasons_of(ball.frame, {}, rig_, wide);
   EXPECT_GT(count(reasons, Reason::no_transition), 500);

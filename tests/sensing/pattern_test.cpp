@@ -23,6 +23,7 @@ TEST(Pattern, ReadsTheBundledPattern) {
   EXPECT_EQ(pattern.phase, 0);
   EXPECT_EQ(pattern.mean, 0.575);
   EXPECT_EQ(pattern.amplitude, 0.425);
+  EXPECT_FALSE(pattern.projector_size);
 }
 
 TEST(Pattern, MayHaveNoStripes) {
@@ -48,13 +49,15 @@ TEST(Pattern, SurvivesAFileExactly) {
   const auto same = [](const Pattern& a, const Pattern& b) {
     bool equal = a.stripes == b.stripes && a.stripe_edges == b.stripe_edges && a.axis == b.axis &&
                  a.period == b.period && a.phase == b.phase && a.mean == b.mean &&
-                 a.amplitude == b.amplitude && a.colors.size() == b.colors.size();
+                 a.amplitude == b.amplitude && a.projector_size == b.projector_size &&
+                 a.colors.size() == b.colors.size();
     for (std::size_t i = 0; equal && i < a.colors.size(); ++i)
       equal = a.colors[i].name == b.colors[i].name && a.colors[i].rgb == b.colors[i].rgb;
     return equal;
   };
   write_pattern(folder / "p.yaml", pattern);
   EXPECT_TRUE(same(read_pattern(folder / "p.yaml"), pattern));
+  pattern.projector_size = Eigen::Vector2i(1024, 768);
   pattern.colors.clear();
   pattern.stripes.clear();
   pattern.stripe_edges.clear();
@@ -64,6 +67,18 @@ TEST(Pattern, SurvivesAFileExactly) {
   pattern.stripes = {0};
   write_pattern(folder / "p.yaml", pattern);
   EXPECT_TRUE(same(read_pattern(folder / "p.yaml"), pattern));
+}
+
+TEST(Pattern, FitsItsProjectorAlone) {
+  Pattern pattern = read_pattern(demo_path("pattern.yaml"));
+  const geometry::Camera wide{.width = 1024, .height = 768};
+  EXPECT_NO_THROW(check_pattern_fits(pattern, wide, "p"));
+  // Of stripes across x the last edge lies at 990.5.
+  EXPECT_THROW(check_pattern_fits(pattern, {.width = 991, .height = 768}, "p"), InvalidInput);
+  EXPECT_NO_THROW(check_pattern_fits(pattern, {.width = 992, .height = 1}, "p"));
+  pattern.projector_size = Eigen::Vector2i(1024, 768);
+  EXPECT_NO_THROW(check_pattern_fits(pattern, wide, "p"));
+  EXPECT_THROW(check_pattern_fits(pattern, {.width = 1280, .height = 768}, "p"), InvalidInput);
 }
 
 TEST(Pattern, IsNotWrittenIfItIsWrong) {

@@ -4,8 +4,11 @@
 
 #include <Eigen/Core>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
+
+#include "palpate/geometry/camera.h"
 
 namespace palpate::sensing {
 
@@ -31,6 +34,8 @@ struct Pattern {
   double phase = 0;                    ///< rad
   double mean = 0.5;                   ///< in [0, 1]
   double amplitude = 0.5;              ///< > 0, and v stays within [0, 1]
+  /// px, columns and rows of the panel it was made for, > 0; nothing if that is not known.
+  std::optional<Eigen::Vector2i> projector_size{};
 };
 
 /// \throws InvalidInput, beginning with `what`, unless: all is finite and in range; there are both
@@ -38,8 +43,13 @@ struct Pattern {
 /// neighbouring stripes differ; and no ordered pair of neighbours appears twice (thesis 3.3.1).
 void check_pattern(const Pattern& pattern, const std::string& what);
 
+/// \throws InvalidInput, beginning with `what`, if the pattern was made for a panel of another size
+/// than the projector's; or, where that is not known, if a stripe edge lies beyond the panel.
+void check_pattern_fits(const Pattern& pattern, const geometry::Camera& projector,
+                        const std::string& what);
+
 /// Reads a pattern (OpenCV FileStorage: `colors`, `stripes`, `stripe_edges_px`, `axis`,
-/// `period_px`, `phase`, `mean`, `amplitude`).
+/// `period_px`, `phase`, `mean`, `amplitude`, and, which may be missing, `projector_size`).
 /// \throws FileError naming the file and the key if something is missing or inconsistent.
 [[nodiscard]] Pattern read_pattern(const std::filesystem::path& path);
 
