@@ -19,6 +19,7 @@
 #include "command_line.h"
 #include "decode_outputs.h"
 #include "decode_record.h"
+#include "fingerprint.h"
 #include "inputs.h"
 #include "palpate/error.h"
 #include "palpate/geometry/comparison.h"

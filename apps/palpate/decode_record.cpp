@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include <fstream>
-#include <iterator>
 #include <limits>
 #include <ostream>
 #include <system_error>
@@ -57,16 +56,6 @@ FinishedFrame stamped(const sensing::SourceFrame& frame) {
   const fs::file_time_type time = fs::last_write_time(frame.file, error);
   if (!error) stamp.modified = time.time_since_epoch().count();
   return stamp;
-}
-
-std::string fingerprint(const fs::path& file) {
-  // FNV-1a of 64 bit: by accident, two files agree once in 10^19.
-  std::uint64_t hash = 0xcbf29ce484222325ULL;
-  std::ifstream stream(file, std::ios::binary);
-  for (std::istreambuf_iterator<char> byte(stream), end; byte != end; ++byte) {
-    hash = (hash ^ static_cast<unsigned char>(*byte)) * 0x100000001b3ULL;
-  }
-  return fmt::format("{:016x}", hash);
 }
 
 DecodeRecord::DecodeRecord(fs::path folder, Json settings, std::vector<std::string> inputs)

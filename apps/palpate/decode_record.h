@@ -28,9 +28,6 @@ struct FinishedFrame {
 /// Of the frame's file: whether it changed since is seen from them. 0 where it cannot be looked at.
 [[nodiscard]] FinishedFrame stamped(const sensing::SourceFrame& frame);
 
-/// A text that differs, in all likelihood, where the content of files does.
-[[nodiscard]] std::string fingerprint(const std::filesystem::path& file);
-
 /// What made the range maps of a folder, and which are finished: decode.json, and frames.csv for
 /// people. Both are whole at any time, and at most a second behind.
 class DecodeRecord {

@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "command_line.h"
+#include "fingerprint.h"
+#include "fit_record.h"
 #include "inputs.h"
 #include "model_pictures.h"
 #include "palpate/geometry/comparison.h"
@@ -31,6 +33,7 @@ struct FitCall {
   haptics::FitOptions fit;
   std::optional<haptics::ModelEncoding> encoding;
   geometry::ReadOptions meshes;
+  bool resume = false;
 };
 
 void tell(const haptics::BuildResult& built) {
@@ -64,25 +67,53 @@ void draw(const FitCall& call, const haptics::Model& model,
                      static_cast<std::size_t>(worst - model.contacts.begin()));
 }
 
+/// Beside the model: `OUTPUT.fits`.
+fs::path record_file(const fs::path& output) {
+  fs::path file = fs::absolute(output).lexically_normal();
+  if (!file.has_filename()) file = file.parent_path();
+  return file += ".fits";
+}
+
+/// What the fits depend on.
+Json settings_of(const FitCall& call) {
+  return {{"ACQUISITION", fingerprint(call.acquisition)},
+          {"SURFACE", fingerprint(call.surface)},
+          {"--unit", call.meshes.unit ? Json(*call.meshes.unit) : Json()},
+          {"--accuracy", call.fit.accuracy},
+          {"--max-bases", call.fit.max_bases},
+          {"version of palpate", PALPATE_VERSION}};
+}
+
 haptics::BuildResult build(const probing::Acquisition& acquisition,
-                           const geometry::TriangleMesh& surface, const haptics::FitOptions& fit) {
+                           const geometry::TriangleMesh& surface, const haptics::FitOptions& fit,
+                           FitRecord& record) {
   Progress progress("fitting");  // its bar goes before anything is printed
   return haptics::build_model(
       acquisition, surface,
-      {.fit = fit, .progress = [&](int done, int total) { progress.show(done, total); }});
+      {.fit = fit,
+       .progress = [&](int done, int total) { progress.show(done, total); },
+       .known_fit = [&](long long contact) { return record.find(contact); },
+       .keep_fit = [&](long long contact,
+                       const haptics::FitResult& result) { record.add(contact, result); }});
 }
 
 void fit(const Settings& settings, const FitCall& call) {
-  check_outputs({call.acquisition, call.surface}, {call.output, call.pictures});
+  const fs::path record_path = record_file(call.output);
+  check_outputs({call.acquisition, call.surface}, {call.output, call.pictures, record_path});
   check_output_folder({call.acquisition, call.surface}, call.output);
   check_replaceable(call.output, haptics::model_entries());
   const probing::Acquisition acquisition = probing::read_acquisition(call.acquisition);
   const geometry::TriangleMesh surface = geometry::read_mesh(call.surface, call.meshes);
-  haptics::BuildResult built = build(acquisition, surface, call.fit);
+  FitRecord record(record_path, settings_of(call));
+  if (call.resume) record.resume();
+  record.begin();
+  const std::size_t kept = record.size();
+  haptics::BuildResult built = build(acquisition, surface, call.fit, record);
   built.model.made["program"] = "palpate " PALPATE_VERSION;
   built.model.made["acquisition"] = call.acquisition.filename().string();
   built.model.made["surface"] = call.surface.filename().string();
   haptics::write_model(call.output, built.model, call.encoding);
+  record.remove();
   tell(built);
   if (!call.pictures.empty()) draw(call, built.model, acquisition);
 
@@ -106,6 +137,7 @@ void fit(const Settings& settings, const FitCall& call) {
   const geometry::ErrorStatistics statistics = geometry::error_statistics(rms);
   print(settings,
         {{"contacts", built.contacts.size()},
+         {"kept", kept},
          {"triangles", built.model.triangles.cols()},
          {"registration", haptics::to_string(built.registration)},
          {"rms", {{"median", statistics.median}, {"p90", statistics.p90}, {"max", statistics.max}}},
@@ -139,7 +171,13 @@ void add_fit(CLI::App& app, const Settings& settings) {
                   haptics::kMaxJsonContacts));
   command->add_option("--pictures", call->pictures,
                       "Folder for pictures: the contacts, and the contact that fits worst");
-  command->footer("Example:\n  palpate fit acquisition.db surface.ply -o model/");
+  command->add_flag("--resume", call->resume,
+                    "Keep the fits that an earlier run with the same measurements, surface and "
+                    "settings finished");
+  command->footer(
+      "Fits that are finished are kept in a file beside the model until that is written: for -o "
+      "model/ in model.fits. Ctrl-C keeps it; with --resume the result is what it would have been "
+      "without.\nExample:\n  palpate fit acquisition.db surface.ply -o model/");
   command->callback([call, &settings] { fit(settings, *call); });
 }
 

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <mutex>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -16,6 +17,7 @@
 #include "palpate/haptics/realignment.h"
 #include "palpate/haptics/rotation.h"
 #include "palpate/haptics/rounding.h"
+#include "palpate/probing/samples_by_contact.h"
 
 namespace palpate::haptics {
 namespace {
@@ -38,23 +40,32 @@ void check_options(const BuildOptions& options) {
   check(options.max_motion, "max_motion");
 }
 
-// Contacts that have samples; the others are named in the result.
-std::vector<probing::Contact> probed_contacts(const probing::Acquisition& acquisition,
-                                              BuildResult& result) {
+// Contacts that have samples, and these.
+struct Probed {
+  explicit Probed(const probing::Acquisition& acquisition) : samples(acquisition) {}
+
   std::vector<probing::Contact> contacts;
-  for (const probing::Contact& contact : acquisition.contacts) {
-    if (realign(contact, acquisition.samples).forces.cols() > 0) {
-      contacts.push_back(contact);
+  std::vector<std::size_t> places;  // of the contacts in the acquisition
+  probing::SamplesByContact samples;
+};
+
+// The contacts without samples are named in the result.
+Probed probed_contacts(const probing::Acquisition& acquisition, BuildResult& result) {
+  Probed probed(acquisition);
+  for (std::size_t i = 0; i < acquisition.contacts.size(); ++i) {
+    if (probed.samples.count(i) > 0) {
+      probed.contacts.push_back(acquisition.contacts[i]);
+      probed.places.push_back(i);
     } else {
-      result.without_samples.push_back(contact.id);
+      result.without_samples.push_back(acquisition.contacts[i].id);
     }
   }
-  if (contacts.size() < 3) {
-    throw InvalidInput("build_model(): only " + std::to_string(contacts.size()) + " of " +
+  if (probed.contacts.size() < 3) {
+    throw InvalidInput("build_model(): only " + std::to_string(probed.contacts.size()) + " of " +
                        std::to_string(acquisition.contacts.size()) +
                        " contacts have samples; at least three are needed");
   }
-  return contacts;
+  return probed;
 }
 
 Eigen::Matrix3Xd positions(const std::vector<probing::Contact>& contacts) {
@@ -141,9 +152,9 @@ std::vector<ClosestPoint> place_contacts(const std::vector<probing::Contact>& co
 }
 
 // The directions of pressing and of friction, in the frame of the acquisition.
-void fit_friction(const probing::Contact& contact, const probing::Acquisition& acquisition,
+void fit_friction(const probing::Contact& contact, std::span<const probing::Sample> samples,
                   ContactModel& model, ContactReport& report) {
-  report.cone = fit_cone(boundary_forces(contact, acquisition.samples));
+  report.cone = fit_cone(boundary_forces(contact, samples));
   const bool measured =
       report.cone.stop == ConeStop::converged && report.cone.cone.axis.dot(contact.normal) < 0;
   const Eigen::Vector3d pressing =
@@ -151,7 +162,7 @@ void fit_friction(const probing::Contact& contact, const probing::Acquisition& a
   model.frame.col(2) = pressing;
   model.friction_source = measured ? FrictionSource::samples : FrictionSource::none;
   model.friction = measured ? report.cone.cone.slope : 0;
-  const std::optional<Eigen::Vector3d> axis = friction_axis(contact, acquisition.samples);
+  const std::optional<Eigen::Vector3d> axis = friction_axis(contact, samples);
   model.friction_axis = axis && axis->dot(pressing) >= kMinAxisCosine ? *axis : pressing;
 }
 
@@ -172,36 +183,36 @@ void choose_frames(Model& model) {
 }
 
 // The fit sees displacements and forces in the frame that the field is stored in.
-void fit_field(const probing::Contact& contact, const probing::Acquisition& acquisition,
-               const Eigen::Matrix3d& to_surface, const FitOptions& options, ContactModel& model,
-               ContactReport& report) {
-  const ForceSamples samples = realign(contact, acquisition.samples);
+FitResult fit_field(const ForceSamples& samples, const ContactModel& model,
+                    const Eigen::Matrix3d& to_surface, const FitOptions& options) {
   const Eigen::Matrix3d to_local = model.frame.transpose() * to_surface;
-  report.fit =
-      fit_force_field(to_local * samples.displacements, to_local * samples.forces, options);
-  model.samples = static_cast<int>(samples.forces.cols());
-  model.rms = report.fit.rms;
-  model.fit_stop = to_string(report.fit.stop);
-  model.field = report.fit.field;
-  model = rounded(std::move(model));
+  return fit_force_field(to_local * samples.displacements, to_local * samples.forces, options);
 }
 
-void fit_contacts(const std::vector<probing::Contact>& contacts,
-                  const probing::Acquisition& acquisition, const BuildOptions& options,
-                  BuildResult& result) {
-  tbb::parallel_for(std::size_t{0}, contacts.size(), [&](std::size_t i) {
-    fit_friction(contacts[i], acquisition, result.model.contacts[i], result.contacts[i]);
+void fit_contacts(const Probed& probed, const BuildOptions& options, BuildResult& result) {
+  const std::size_t count = probed.contacts.size();
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+    fit_friction(probed.contacts[i], probed.samples.of(probed.places[i]), result.model.contacts[i],
+                 result.contacts[i]);
   });
   choose_frames(result.model);
-  const int total = static_cast<int>(contacts.size());
+  const Eigen::Matrix3d to_surface = result.model.T_surface_acquisition.linear();
   std::mutex reporting;
   int done = 0;
-  tbb::parallel_for(std::size_t{0}, contacts.size(), [&](std::size_t i) {
-    fit_field(contacts[i], acquisition, result.model.T_surface_acquisition.linear(), options.fit,
-              result.model.contacts[i], result.contacts[i]);
-    if (!options.progress) return;
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+    ContactModel& model = result.model.contacts[i];
+    const ForceSamples samples = realign(probed.contacts[i], probed.samples.of(probed.places[i]));
+    const FitResult* known = options.known_fit ? options.known_fit(model.id) : nullptr;
+    const FitResult& fit = result.contacts[i].fit =
+        known ? *known : fit_field(samples, model, to_surface, options.fit);
+    model.samples = static_cast<int>(samples.forces.cols());
+    model.rms = fit.rms;
+    model.fit_stop = to_string(fit.stop);
+    model.field = fit.field;
+    model = rounded(std::move(model));
     const std::lock_guard lock(reporting);
-    options.progress(++done, total);
+    if (!known && options.keep_fit) options.keep_fit(model.id, fit);
+    if (options.progress) options.progress(++done, static_cast<int>(count));
   });
 }
 
@@ -243,7 +254,8 @@ BuildResult build_model(const probing::Acquisition& acquisition,
   check_options(options);
   probing::check_acquisition(acquisition);
   BuildResult result;
-  const std::vector<probing::Contact> contacts = probed_contacts(acquisition, result);
+  const Probed probed = probed_contacts(acquisition, result);
+  const std::vector<probing::Contact>& contacts = probed.contacts;
   const SurfaceQuery query(surface);
   result.model.surface = surface;
   register_contacts(positions(contacts), surface, query, options, result);
@@ -272,7 +284,7 @@ BuildResult build_model(const probing::Acquisition& acquisition,
   for (const int i : triangulation.isolated) {
     result.isolated.push_back(contacts[static_cast<std::size_t>(i)].id);
   }
-  fit_contacts(contacts, acquisition, options, result);
+  fit_contacts(probed, options, result);
   fill_in_friction(result.model);
   return result;
 }

@@ -6,6 +6,8 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <map>
+
 #include "palpate/haptics/blended_field.h"
 #include "synthetic_acquisition.h"
 
@@ -60,6 +62,30 @@ TEST(BuildModel, ReportsProgressToTheEnd) {
   };
   static_cast<void>(build_model(flat_acquisition(), flat_surface(), options));
   EXPECT_THAT(done, ElementsAre(1, 2, 3, 4, 5, 6, 7, 8, 9));
+}
+
+TEST(BuildModel, TakesOverTheFitsThatAreKnown) {
+  BuildOptions options = kQuick;
+  std::map<long long, FitResult> kept;
+  options.keep_fit = [&](long long contact, const FitResult& fit) { kept[contact] = fit; };
+  const BuildResult whole = build_model(flat_acquisition(), flat_surface(), options);
+  EXPECT_EQ(kept.size(), 9u);
+  for (const long long contact : {20, 23, 27}) kept.erase(contact);
+  kept[25].rms = 0.125;
+  std::vector<long long> fitted;
+  options.known_fit = [&](long long contact) {
+    const auto found = kept.find(contact);
+    return found == kept.end() ? nullptr : &found->second;
+  };
+  options.keep_fit = [&](long long contact, const FitResult&) { fitted.push_back(contact); };
+  const BuildResult rest = build_model(flat_acquisition(), flat_surface(), options);
+  EXPECT_THAT(fitted, testing::UnorderedElementsAre(20, 23, 27));
+  for (std::size_t i = 0; i < 9; ++i) {
+    const ContactModel &l = rest.model.contacts[i], &r = whole.model.contacts[i];
+    EXPECT_EQ(l.field, r.field);
+    EXPECT_EQ(l.rms, l.id == 25 ? 0.125 : r.rms);
+    EXPECT_EQ(rest.contacts[i].fit.field, whole.contacts[i].fit.field);
+  }
 }
 
 TEST(BuildModel, RegistersAnAcquisitionThatIsOffTheSurface) {

@@ -22,6 +22,11 @@ struct BuildOptions {
   double max_motion = 5;    ///< [mm] of any contact by the registration; >= 0
   /// Called after each contact with the number of those done and of all, from one thread at a time.
   std::function<void(int done, int total)> progress = {};
+  /// Asked before a contact is fitted: what an earlier call with the same acquisition, surface and
+  /// fit options gave to `keep_fit`, or null. From any thread.
+  std::function<const FitResult*(long long contact)> known_fit = {};
+  /// Given each new fit, before `progress` is called, from one thread at a time.
+  std::function<void(long long contact, const FitResult& fit)> keep_fit = {};
 };
 
 enum class RegistrationOutcome {

@@ -1,0 +1,156 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "fit_record.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+#include <ostream>
+#include <string>
+#include <system_error>
+#include <utility>
+
+#include "inputs.h"
+#include "palpate/error.h"
+#include "palpate/output_file.h"
+
+namespace palpate::apps {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kKind = "fits of palpate fit";
+
+/// What a run without --resume would do, for messages.
+constexpr const char* kAnew = "Leave out --resume to fit all contacts anew";
+
+// JSON has no infinity and no NaN, which a figure of a fit may be.
+Json number(double value) {
+  if (std::isfinite(value)) return value;
+  return std::isnan(value) ? "nan" : value > 0 ? "inf" : "-inf";
+}
+
+double to_number(const Json& json) {
+  if (json.is_number()) return json.get<double>();
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const auto word = json.get<std::string>();
+  return word == "inf"    ? kInfinity
+         : word == "-inf" ? -kInfinity
+                          : std::numeric_limits<double>::quiet_NaN();
+}
+
+Json to_json(const haptics::FitResult& fit) {
+  Json bases = Json::array();
+  for (const haptics::Multiquadric& base : fit.field.bases) {
+    Json numbers = {base.weight, base.epsilon};
+    for (const double coordinate : base.center) numbers.push_back(coordinate);
+    for (const double coordinate : base.ridge) numbers.push_back(coordinate);
+    bases.push_back(numbers);
+  }
+  return {{"bases", bases},
+          {"rms", number(fit.rms)},
+          {"iterations", fit.iterations},
+          {"stop", fit.stop},
+          {"smallest_stiffness", number(fit.smallest_stiffness)}};
+}
+
+haptics::FitResult to_fit(const Json& json) {
+  haptics::FitResult fit;
+  for (const Json& numbers : json.at("bases")) {
+    haptics::Multiquadric base{numbers.at(0), numbers.at(1)};
+    for (std::size_t i = 0; i < 3; ++i) {
+      base.center[static_cast<Eigen::Index>(i)] = numbers.at(2 + i);
+      base.ridge[static_cast<Eigen::Index>(i)] = numbers.at(5 + i);
+    }
+    fit.field.bases.push_back(base);
+  }
+  fit.rms = to_number(json.at("rms"));
+  fit.iterations = json.at("iterations");
+  fit.stop = json.at("stop");
+  fit.smallest_stiffness = to_number(json.at("smallest_stiffness"));
+  return fit;
+}
+
+/// Whether a file begins as a record does.
+bool is_record(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  std::string line;
+  std::getline(stream, line);
+  const Json head = Json::parse(line, nullptr, false);
+  return head.is_object() && head.value("kind", "") == kKind;
+}
+
+}  // namespace
+
+FitRecord::FitRecord(fs::path file, Json settings)
+    : file_(std::move(file)), settings_(std::move(settings)) {}
+
+void FitRecord::check_same(const Json& head) const {
+  const Json& before = head.at("settings");
+  for (const auto& [name, value] : settings_.items()) {
+    if (before.contains(name) && before.at(name) == value) continue;
+    throw InvalidInput(fmt::format(
+        "{}: the fits that are finished were made with another {}. {}, or give the same.",
+        file_.string(), name, kAnew));
+  }
+}
+
+void FitRecord::resume() {
+  if (!is_there(file_)) return;
+  std::ifstream stream(file_, std::ios::binary);
+  std::uintmax_t whole = 0;  // bytes of the lines that are
+  bool is_head = true;
+  for (std::string line; std::getline(stream, line) && !stream.eof(); is_head = false) {
+    try {
+      const Json entry = Json::parse(line);
+      if (is_head)
+        check_same(entry);
+      else
+        fits_[entry.at("contact").get<long long>()] = to_fit(entry.at("fit"));
+    } catch (const Json::exception& error) {
+      throw FileError(fmt::format("{}: is not the record of an earlier run ({}). {}.",
+                                  file_.string(), error.what(), kAnew));
+    }
+    whole += line.size() + 1;
+  }
+  resumed_ = !is_head;
+  whole_bytes_ = whole;
+}
+
+void FitRecord::begin() const {
+  if (resumed_ || !is_there(file_) || is_record(file_)) return;
+  throw InvalidInput(file_.string() +
+                     ": is where finished fits are to be kept, and is no record of such; nothing "
+                     "is changed. Choose another output, or remove it.");
+}
+
+void FitRecord::open() {
+  if (resumed_) {
+    fs::resize_file(file_, whole_bytes_);
+  } else {
+    const Json head = {{"kind", kKind}, {"settings", settings_}};
+    write_file(file_, [&](std::ostream& out) { out << head.dump() << '\n'; });
+  }
+  stream_.open(file_, std::ios::binary | std::ios::app);
+  if (!stream_) throw OutputError(file_.string() + ": cannot be written; check its permissions");
+}
+
+void FitRecord::add(long long contact, const haptics::FitResult& fit) {
+  if (!stream_.is_open()) open();
+  stream_ << Json{{"contact", contact}, {"fit", to_json(fit)}}.dump() << '\n' << std::flush;
+  if (!stream_) throw OutputError(file_.string() + ": cannot be written; free some space");
+}
+
+const haptics::FitResult* FitRecord::find(long long contact) const {
+  const auto found = fits_.find(contact);
+  return found == fits_.end() ? nullptr : &found->second;
+}
+
+void FitRecord::remove() {
+  if (stream_.is_open()) stream_.close();
+  if (is_there(file_)) fs::remove(file_);
+}
+
+}  // namespace palpate::apps
