@@ -2,9 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "field_solver.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <array>
 #include <coin/IpIpoptApplication.hpp>
 #include <coin/IpSolveStatistics.hpp>
 #include <coin/IpTNLP.hpp>
@@ -21,43 +19,30 @@ using Ipopt::Number;
 // suffers.
 constexpr double kMaxWeight = 30;
 constexpr double kMaxCenter = 5;
-// The stiffness at zero is kept >= kStiffnessMargin, in units of force / extent: above what the
-// solver leaves of a constraint, so that the result is semi-definite in floating point too.
-constexpr double kStiffnessMargin = 1e-5;
+// Where epsilons are free, they stay within these factors of where they start.
+constexpr double kMinEpsilonFactor = 0.3;
+constexpr double kMaxEpsilonFactor = 3;
 constexpr double kTolerance = 1e-5;  // of Ipopt, on quantities scaled to 1
 constexpr int kMaxIterations = 300;
-
-// K = margin I + C C^T with C lower triangular says that K is positive definite, by equalities that
-// are smooth everywhere. The six entries of C follow the parameters of the field.
-constexpr Index kFactorSize = 6;
-constexpr std::array<int, kFactorSize> kRow = {0, 1, 1, 2, 2, 2};
-constexpr std::array<int, kFactorSize> kColumn = {0, 0, 1, 0, 1, 2};
-
-Eigen::Matrix3d to_factor(const Number* entries) {
-  Eigen::Matrix3d factor = Eigen::Matrix3d::Zero();
-  for (std::size_t e = 0; e < kFactorSize; ++e) factor(kRow[e], kColumn[e]) = entries[e];
-  return factor;
-}
-
-// Picks entry (row, column) of a symmetric matrix when contracted with it.
-Eigen::Matrix3d picker(std::size_t e) {
-  Eigen::Matrix3d result = Eigen::Matrix3d::Zero();
-  result(kRow[e], kColumn[e]) += 0.5;
-  result(kColumn[e], kRow[e]) += 0.5;
-  return result;
-}
+constexpr double kUnbounded = 2e19;  // Ipopt's infinity
 
 class FieldProgram : public Ipopt::TNLP {
  public:
-  FieldProgram(const FieldObjective& objective, const Eigen::Ref<const Eigen::VectorXd>& start)
-      : objective_(objective), start_(start), size_(static_cast<Index>(start.size())) {}
+  FieldProgram(const FieldObjective& objective, const Eigen::Ref<const Eigen::VectorXd>& start,
+               const FieldConstraints& constraints)
+      : objective_(objective),
+        start_(start),
+        constraints_(constraints),
+        stiffness_{constraints.form},
+        size_(static_cast<Index>(start.size())),
+        places_(static_cast<Index>(constraints.places.size())) {}
 
   [[nodiscard]] const FieldSolution& solution() const { return solution_; }
 
   bool get_nlp_info(Index& n, Index& m, Index& nnz_jac_g, Index& nnz_h_lag,
                     IndexStyleEnum& index_style) override {
-    n = size_ + kFactorSize;
-    m = kFactorSize;
+    n = size_ + static_cast<Index>(stiffness_.slacks());
+    m = static_cast<Index>(stiffness_.count()) + places_;
     nnz_jac_g = m * n;
     nnz_h_lag = n * (n + 1) / 2;
     index_style = C_STYLE;
@@ -66,13 +51,22 @@ class FieldProgram : public Ipopt::TNLP {
 
   bool get_bounds_info(Index n, Number* x_l, Number* x_u, Index m, Number* g_l,
                        Number* g_u) override {
-    constexpr double kUnbounded = 2e19;  // Ipopt's infinity
-    for (Index i = 0; i < n; ++i) {
-      x_u[i] = i >= size_ ? kUnbounded : i % 4 == 0 ? kMaxWeight : kMaxCenter;
-      x_l[i] = -x_u[i];
+    std::fill(x_u, x_u + n, kUnbounded);
+    std::fill(x_l, x_l + n, -kUnbounded);
+    for (Index k = 0; k < size_; k += kBaseSize) {
+      const double epsilon = start_[k + 4];
+      x_u[k] = kMaxWeight;
+      x_l[k] = -kMaxWeight;
+      for (Index i = k + 1; i < k + 4; ++i) {
+        x_u[i] = kMaxCenter;
+        x_l[i] = -kMaxCenter;
+      }
+      x_u[k + 4] = constraints_.free_epsilon ? kMaxEpsilonFactor * epsilon : epsilon;
+      x_l[k + 4] = constraints_.free_epsilon ? kMinEpsilonFactor * epsilon : epsilon;
     }
     std::fill(g_l, g_l + m, 0.0);
-    std::fill(g_u, g_u + m, 0.0);
+    std::fill(g_u, g_u + m, kUnbounded);
+    if (stiffness_.is_equality()) std::fill(g_u, g_u + stiffness_.count(), 0.0);
     return true;
   }
 
@@ -80,18 +74,8 @@ class FieldProgram : public Ipopt::TNLP {
                           Number*) override {
     Eigen::Map<Eigen::VectorXd> values(x, n);
     values.head(size_) = start_;
-    // The Cholesky factor of the nearest positive definite matrix.
-    const Eigen::Matrix3d stiffness_zero =
-        stiffness(to_field(start_, objective_.epsilon), Eigen::Vector3d::Zero());
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(stiffness_zero);
-    const double floor = 1e-2;  // of force / extent: away from the kink of the factor at zero
-    const Eigen::Vector3d values_kept = eigen.eigenvalues().cwiseMax(floor);
-    const Eigen::Matrix3d near =
-        eigen.eigenvectors() * values_kept.asDiagonal() * eigen.eigenvectors().transpose();
-    const Eigen::Matrix3d factor = near.llt().matrixL();
-    for (std::size_t e = 0; e < kFactorSize; ++e) {
-      values[size_ + static_cast<Index>(e)] = factor(kRow[e], kColumn[e]);
-    }
+    values.tail(stiffness_.slacks()) =
+        stiffness_.start(stiffness(to_field(start_), Eigen::Vector3d::Zero()));
     return true;
   }
 
@@ -103,16 +87,18 @@ class FieldProgram : public Ipopt::TNLP {
   bool eval_grad_f(Index n, const Number* x, bool, Number* gradient) override {
     Eigen::Map<Eigen::VectorXd> result(gradient, n);
     result.head(size_) = objective_.gradient(parameters(x));
-    result.tail<kFactorSize>().setZero();
+    result.tail(stiffness_.slacks()).setZero();
     return true;
   }
 
-  bool eval_g(Index, const Number* x, bool, Index, Number* g) override {
-    const Eigen::Matrix3d factor = to_factor(x + size_);
-    const Eigen::Matrix3d excess =
-        stiffness(to_field(parameters(x), objective_.epsilon), Eigen::Vector3d::Zero()) -
-        factor * factor.transpose() - kStiffnessMargin * Eigen::Matrix3d::Identity();
-    for (std::size_t e = 0; e < kFactorSize; ++e) g[e] = excess(kRow[e], kColumn[e]);
+  bool eval_g(Index n, const Number* x, bool, Index m, Number* g) override {
+    Eigen::Map<Eigen::VectorXd> result(g, m);
+    result.head(stiffness_.count()) = stiffness_.values(entries(n, x));
+    for (Index i = 0; i < places_; ++i) {
+      const Eigen::Vector3d& place = constraints_.places[static_cast<std::size_t>(i)];
+      result[m - places_ + i] =
+          potential(to_field(parameters(x)), place) / scale(place) - constraints_.least_secant;
+    }
     return true;
   }
 
@@ -125,23 +111,25 @@ class FieldProgram : public Ipopt::TNLP {
       }
       return true;
     }
-    const Eigen::Matrix3d factor = to_factor(x + size_);
-    for (std::size_t e = 0; e < kFactorSize; ++e) {
-      Eigen::Map<Eigen::VectorXd> row(values + static_cast<Index>(e) * n, n);
-      row.head(size_) = objective_.stiffness_at_zero(parameters(x), picker(e)).gradient;
-      // d(C C^T)/dC_ab, entry e: (E C^T + C E^T) with E the unit matrix of (a, b)
-      for (std::size_t v = 0; v < kFactorSize; ++v) {
-        double slope = 0;
-        if (kRow[v] == kRow[e]) slope += factor(kColumn[e], kColumn[v]);
-        if (kRow[v] == kColumn[e]) slope += factor(kRow[e], kColumn[v]);
-        row[size_ + static_cast<Index>(v)] = -slope;
-      }
+    Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> result(
+        values, m, n);
+    result.setZero();
+    const Eigen::MatrixXd slopes = stiffness_.jacobian(entries(n, x));
+    result.topLeftCorner(stiffness_.count(), size_) =
+        slopes.leftCols(kEntries) * entry_slopes(x).transpose();
+    result.topRightCorner(stiffness_.count(), stiffness_.slacks()) =
+        slopes.rightCols(stiffness_.slacks());
+    for (Index i = 0; i < places_; ++i) {
+      const Eigen::Vector3d& place = constraints_.places[static_cast<std::size_t>(i)];
+      result.row(m - places_ + i).head(size_) =
+          energy_at(parameters(x), place).gradient.transpose() / scale(place);
     }
     return true;
   }
 
-  bool eval_h(Index n, const Number* x, bool, Number objective_factor, Index, const Number* lambda,
-              bool, Index, Index* rows, Index* columns, Number* values) override {
+  bool eval_h(Index n, const Number* x, bool, Number objective_factor, Index m,
+              const Number* lambda, bool, Index, Index* rows, Index* columns,
+              Number* values) override {
     if (!values) {
       for (Index row = 0, i = 0; row < n; ++row) {
         for (Index column = 0; column <= row; ++column, ++i) {
@@ -151,19 +139,14 @@ class FieldProgram : public Ipopt::TNLP {
       }
       return true;
     }
-    Eigen::Matrix3d multiplier = Eigen::Matrix3d::Zero();
-    for (std::size_t e = 0; e < kFactorSize; ++e) multiplier += lambda[e] * picker(e);
+    const Eigen::Map<const Eigen::VectorXd> multipliers(lambda, m);
     Eigen::MatrixXd hessian = Eigen::MatrixXd::Zero(n, n);
-    hessian.topLeftCorner(size_, size_) =
-        objective_factor * objective_.hessian(parameters(x)) +
-        objective_.stiffness_at_zero(parameters(x), multiplier).hessian;
-    // multiplier . (C C^T) is a quadratic form in the columns of C.
-    for (std::size_t v = 0; v < kFactorSize; ++v) {
-      for (std::size_t w = 0; w < kFactorSize; ++w) {
-        if (kColumn[v] != kColumn[w]) continue;
-        hessian(size_ + static_cast<Index>(v), size_ + static_cast<Index>(w)) =
-            -2 * multiplier(kRow[v], kRow[w]);
-      }
+    hessian.topLeftCorner(size_, size_) = objective_factor * objective_.hessian(parameters(x));
+    add_stiffness(n, x, multipliers.head(stiffness_.count()), hessian);
+    for (Index i = 0; i < places_; ++i) {
+      const Eigen::Vector3d& place = constraints_.places[static_cast<std::size_t>(i)];
+      hessian.topLeftCorner(size_, size_) +=
+          multipliers[m - places_ + i] / scale(place) * energy_at(parameters(x), place).hessian;
     }
     for (Index row = 0, i = 0; row < n; ++row) {
       for (Index column = 0; column <= row; ++column, ++i) values[i] = hessian(row, column);
@@ -184,20 +167,76 @@ class FieldProgram : public Ipopt::TNLP {
     return {x, size_};
   }
 
+  static double scale(const Eigen::Vector3d& place) { return place.squaredNorm() / 2; }
+
+  // What the stiffness constraint is a function of: entries of K - least_stiffness I, and slacks.
+  [[nodiscard]] Eigen::VectorXd entries(Index n, const Number* x) const {
+    const Eigen::Matrix3d excess = stiffness(to_field(parameters(x)), Eigen::Vector3d::Zero()) -
+                                   constraints_.least_stiffness * Eigen::Matrix3d::Identity();
+    Eigen::VectorXd result(kEntries + static_cast<std::size_t>(n - size_));
+    for (std::size_t e = 0; e < kEntries; ++e) {
+      result[static_cast<Eigen::Index>(e)] = excess(kEntryRow[e], kEntryColumn[e]);
+    }
+    result.tail(n - size_) = Eigen::Map<const Eigen::VectorXd>(x + size_, n - size_);
+    return result;
+  }
+
+  // Derivatives of the entries of K, a column an entry.
+  [[nodiscard]] Eigen::MatrixXd entry_slopes(const Number* x) const {
+    Eigen::MatrixXd result(size_, kEntries);
+    for (std::size_t e = 0; e < kEntries; ++e) {
+      Eigen::VectorXd one = Eigen::VectorXd::Zero(kEntries);
+      one[static_cast<Eigen::Index>(e)] = 1;
+      result.col(static_cast<Eigen::Index>(e)) =
+          stiffness_at_zero(parameters(x), contraction(one)).gradient;
+    }
+    return result;
+  }
+
+  // The symmetric matrix whose product with K is a sum of K's entries with these factors.
+  static Eigen::Matrix3d contraction(const Eigen::Ref<const Eigen::VectorXd>& factors) {
+    Eigen::Matrix3d result = Eigen::Matrix3d::Zero();
+    for (std::size_t e = 0; e < kEntries; ++e) {
+      const double half = factors[static_cast<Eigen::Index>(e)] / 2;
+      result(kEntryRow[e], kEntryColumn[e]) += half;
+      result(kEntryColumn[e], kEntryRow[e]) += half;
+    }
+    return result;
+  }
+
+  // Chain rule of second order: through the entries of K.
+  void add_stiffness(Index n, const Number* x, const Eigen::Ref<const Eigen::VectorXd>& multipliers,
+                     Eigen::MatrixXd& hessian) const {
+    const Eigen::VectorXd y = entries(n, x);
+    const Eigen::VectorXd factors =
+        stiffness_.jacobian(y).leftCols(kEntries).transpose() * multipliers;
+    const Eigen::MatrixXd curvature = stiffness_.hessian(y, multipliers);
+    const Eigen::MatrixXd slopes = entry_slopes(x);
+    hessian.topLeftCorner(size_, size_) +=
+        stiffness_at_zero(parameters(x), contraction(factors)).hessian +
+        slopes * curvature.topLeftCorner(kEntries, kEntries) * slopes.transpose();
+    hessian.bottomRightCorner(n - size_, n - size_) +=
+        curvature.bottomRightCorner(n - size_, n - size_);
+  }
+
   const FieldObjective& objective_;
   Eigen::VectorXd start_;
-  Index size_;
+  const FieldConstraints& constraints_;
+  StiffnessConstraint stiffness_;
+  Index size_, places_;
   FieldSolution solution_;
 };
 
 }  // namespace
 
 FieldSolution solve_field(const FieldObjective& objective,
-                          const Eigen::Ref<const Eigen::VectorXd>& start) {
-  // MUMPS, Ipopt's linear solver, keeps global state: one solve at a time.
+                          const Eigen::Ref<const Eigen::VectorXd>& start,
+                          const FieldConstraints& constraints) {
+  // MUMPS, the only linear solver of Debian's Ipopt, keeps global state: one solve at a time. Its
+  // headers offer no way to bring another one.
   static std::mutex one_at_a_time;
   const std::lock_guard lock(one_at_a_time);
-  Ipopt::SmartPtr<FieldProgram> program = new FieldProgram(objective, start);
+  Ipopt::SmartPtr<FieldProgram> program = new FieldProgram(objective, start, constraints);
   Ipopt::SmartPtr<Ipopt::IpoptApplication> application = new Ipopt::IpoptApplication(false);
   const auto options = application->Options();
   options->SetStringValue("sb", "yes");

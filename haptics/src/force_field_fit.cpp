@@ -98,9 +98,13 @@ FitResult fit_force_field(const Eigen::Ref<const Eigen::Matrix3Xd>& displacement
   }
   objective.displacements /= length;
   objective.forces /= force_scale;
-  objective.epsilon = options.epsilon ? *options.epsilon / length : kEpsilonRatio;
   objective.weight_penalty = kWeightPenalty;
-  LocalFit fit = fit_local(objective, options.accuracy / force_scale, options.max_bases);
+  LocalFitOptions local;
+  local.accuracy = options.accuracy / force_scale;
+  local.max_bases = options.max_bases;
+  local.epsilon = options.epsilon ? *options.epsilon / length : kEpsilonRatio;
+  local.constraints.free_epsilon = !options.epsilon;
+  LocalFit fit = fit_local(objective, local);
   result.field = std::move(fit.field);
   for (Multiquadric& base : result.field.bases) {
     base.center *= length;

@@ -33,12 +33,12 @@ constexpr double kExact = 1e-9;
 // least squares (thesis 5.3.1.2: "a starting point ...").
 class Starts {
  public:
-  Starts(const FieldObjective& objective, const ForceField& field)
-      : objective_(objective), field_(field) {
+  Starts(const FieldObjective& objective, const ForceField& field, double epsilon)
+      : objective_(objective), field_(field), epsilon_(epsilon) {
     const auto old = static_cast<Eigen::Index>(field.bases.size());
     matrix_.resize(objective.forces.size() + old + 1, old + 1);
     for (Eigen::Index k = 0; k < old; ++k) {
-      matrix_.col(k) = column(field.bases[static_cast<std::size_t>(k)].center, k);
+      matrix_.col(k) = column(field.bases[static_cast<std::size_t>(k)], k);
     }
     target_ = Eigen::VectorXd::Zero(matrix_.rows());
     target_.head(objective.forces.size()) = objective.forces.reshaped();
@@ -67,8 +67,8 @@ class Starts {
 
   // Forces of one base with weight 1 at all displacements; below them a row for each weight keeps
   // the weights from cancelling each other where the data cannot tell.
-  [[nodiscard]] Eigen::VectorXd column(const Eigen::Vector3d& center, Eigen::Index base) const {
-    const ForceField one{{{1, objective_.epsilon, center}}};
+  [[nodiscard]] Eigen::VectorXd column(const Multiquadric& shape, Eigen::Index base) const {
+    const ForceField one{{{1, shape.epsilon, shape.center}}};
     Eigen::VectorXd result = Eigen::VectorXd::Zero(matrix_.rows());
     for (Eigen::Index i = 0; i < objective_.forces.cols(); ++i) {
       result.segment<3>(3 * i) = force(one, objective_.displacements.col(i));
@@ -87,7 +87,7 @@ class Starts {
     for (const double multiple : kStartMultiples) {
       for (Eigen::Index i = 0; i < objective_.displacements.cols(); ++i) {
         const Eigen::Vector3d center = multiple * objective_.displacements.col(i);
-        Eigen::VectorXd across = column(center, old);
+        Eigen::VectorXd across = column({1, epsilon_, center}, old);
         across -= q * (q.transpose() * across);
         const double part = residual.dot(across);
         places_.push_back({part * part / across.squaredNorm(), center});
@@ -99,10 +99,10 @@ class Starts {
 
   [[nodiscard]] ForceField with_base_at(const Eigen::Vector3d& center) {
     const auto old = static_cast<Eigen::Index>(field_.bases.size());
-    matrix_.col(old) = column(center, old);
+    matrix_.col(old) = column({1, epsilon_, center}, old);
     const Eigen::VectorXd weights = matrix_.colPivHouseholderQr().solve(target_);
     ForceField field = field_;
-    field.bases.push_back({0, objective_.epsilon, center});
+    field.bases.push_back({0, epsilon_, center});
     for (Eigen::Index k = 0; k <= old; ++k) {
       field.bases[static_cast<std::size_t>(k)].weight = weights[k];
     }
@@ -111,6 +111,7 @@ class Starts {
 
   const FieldObjective& objective_;
   const ForceField& field_;
+  double epsilon_;
   Eigen::VectorXd target_;
   Eigen::MatrixXd matrix_;
   std::vector<Place> places_;
@@ -131,9 +132,11 @@ double smallest_eigenvalue(const ForceField& field) {
 }
 
 // The better the lower; in units of the data.
-double information_criterion(const FieldObjective& objective, const ForceField& field) {
+double information_criterion(const FieldObjective& objective, const ForceField& field,
+                             const FieldConstraints& constraints) {
   const double values = static_cast<double>(objective.forces.size());
-  const double parameters = 4 * static_cast<double>(field.bases.size());
+  const double parameters =
+      (constraints.free_epsilon ? 5.0 : 4.0) * static_cast<double>(field.bases.size());
   const double error = std::max(mean_squared_error(objective, field), kExact * kExact);
   return values * std::log(error) + parameters * std::log(values);
 }
@@ -147,20 +150,20 @@ struct Step {
 // One base more than `field` has, all moved to where the error is least. A solve that ran out of
 // iterations counts too: what it found is valid, only perhaps not the best.
 Step add_base(const FieldObjective& objective, const ForceField& field, double criterion,
-              int& iterations) {
-  Starts starts(objective, field);
+              const LocalFitOptions& options, int& iterations) {
+  Starts starts(objective, field, options.epsilon);
   Step best;
   for (int n = 0; n < kMaxStarts; ++n) {
-    if (n >= kMinStarts && best.criterion < criterion) break;
+    if (n >= kMinStarts && best.converged && best.criterion < criterion) break;
     const std::optional<ForceField> start = starts.select(n);
     if (!start) break;
-    const FieldSolution solution = solve_field(objective, to_parameters(*start));
-    iterations += solution.iterations;
-    if (!solution.parameters.allFinite()) continue;
-    ForceField found = to_field(solution.parameters, objective.epsilon);
-    const double found_criterion = information_criterion(objective, found);
-    if (smallest_eigenvalue(found) >= 0 && found_criterion < best.criterion) {
-      best = {std::move(found), found_criterion, solution.converged};
+    const LocalFit found = refit(objective, *start, options.constraints);
+    iterations += found.iterations;
+    if (found.field.bases.empty()) continue;
+    const double found_criterion =
+        information_criterion(objective, found.field, options.constraints);
+    if (found_criterion < best.criterion) {
+      best = {found.field, found_criterion, found.stop != FitStop::not_converged};
     }
   }
   return best;
@@ -168,15 +171,29 @@ Step add_base(const FieldObjective& objective, const ForceField& field, double c
 
 }  // namespace
 
-LocalFit fit_local(const FieldObjective& objective, double accuracy, int max_bases) {
+LocalFit refit(const FieldObjective& objective, const ForceField& start,
+               const FieldConstraints& constraints) {
+  const FieldSolution solution = solve_field(objective, to_parameters(start), constraints);
+  LocalFit result;
+  result.iterations = solution.iterations;
+  if (!solution.parameters.allFinite()) return result;
+  ForceField found = to_field(solution.parameters);
+  if (!(smallest_eigenvalue(found) >= 0)) return result;
+  result.rms = std::sqrt(mean_squared_error(objective, found));
+  result.field = std::move(found);
+  result.stop = solution.converged ? FitStop::max_bases : FitStop::not_converged;
+  return result;
+}
+
+LocalFit fit_local(const FieldObjective& objective, const LocalFitOptions& options) {
   const Eigen::Index determined = std::max<Eigen::Index>(1, objective.forces.size() / 4);
-  const Eigen::Index most = std::min<Eigen::Index>(max_bases, determined);
+  const Eigen::Index most = std::min<Eigen::Index>(options.max_bases, determined);
   LocalFit result;
   result.stop = FitStop::max_bases;
-  double criterion = information_criterion(objective, result.field);
+  double criterion = information_criterion(objective, result.field, options.constraints);
   bool converged = true;
   for (Eigen::Index bases = 1; bases <= most; ++bases) {
-    Step step = add_base(objective, result.field, criterion, result.iterations);
+    Step step = add_base(objective, result.field, criterion, options, result.iterations);
     if (!(step.criterion < criterion)) {
       result.stop = FitStop::no_gain;
       break;
@@ -185,7 +202,7 @@ LocalFit fit_local(const FieldObjective& objective, double accuracy, int max_bas
     converged = step.converged;
     result.field = std::move(step.field);
     result.rms = std::sqrt(mean_squared_error(objective, result.field));
-    if (result.rms <= std::max(accuracy, kExact)) {
+    if (result.rms <= std::max(options.accuracy, kExact)) {
       result.stop = FitStop::accurate;
       break;
     }
