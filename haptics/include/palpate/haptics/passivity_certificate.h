@@ -25,8 +25,9 @@ inline constexpr double kReachFactor = 1.1;
 struct CertificateOptions {
   /// The certificate also holds for every field whose numbers differ from this one's by at most
   /// this fraction: weight and epsilon of themselves, a centre of its distance from zero plus
-  /// epsilon, a ridge of 1. In [0, 1e-3]. 1e-9 covers a turn of the frame and 10 printed digits.
-  double number_tolerance = 1e-9;
+  /// epsilon, a ridge of 1. In [0, 1e-3]. 1e-6 covers a turn of the frame and the kFieldDigits
+  /// digits of a stored field.
+  double number_tolerance = 1e-6;
   double energy_tolerance = 0;  ///< [N mm] >= 0: an energy above minus this counts as passive
   int max_cells = 100000;       ///< >= 1; gives up after so many
 };
