@@ -49,5 +49,6 @@ void add_pattern(CLI::App& app, const Settings& settings);
 void add_play(CLI::App& app, const Settings& settings);
 void add_probe(CLI::App& app, const Settings& settings);
 void add_simulate(CLI::App& app, const Settings& settings);
+void add_transfer(CLI::App& app, const Settings& settings);
 
 }  // namespace palpate::apps

@@ -68,7 +68,7 @@ void draw_distances(const std::filesystem::path& png, const geometry::TriangleMe
                   {.low = -picture.limit,
                    .high = picture.limit,
                    .map = ColorMap::diverging,
-                   .scale = "signed distance (mm)"});
+                   .scale = picture.scale});
   canvas.write(png);
 }
 

@@ -14,6 +14,7 @@ struct DistancePicture {
   std::string title;
   std::string subtitle;
   double limit = 0;  ///< [mm] the colours span -limit to limit, > 0; beyond, they stay the ends'
+  std::string scale = "signed distance (mm)";  ///< what the colours show, if not distances
 };
 
 /// Draws a surface whose triangles are coloured by a signed distance [mm], one a triangle, as a PNG

@@ -1,0 +1,111 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/haptics/scale_model.h"
+
+#include <tbb/parallel_for.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <utility>
+#include <vector>
+
+#include "palpate/error.h"
+#include "palpate/haptics/rotation.h"
+#include "palpate/haptics/transform_field.h"
+
+namespace palpate::haptics {
+namespace {
+
+Eigen::Matrix3d stretch(const ScaleModelOptions& options) {
+  const double volume = options.factor * options.factor * options.factor;
+  if (!(options.factor > 0 && volume > 0) || !std::isfinite(volume)) {
+    throw InvalidInput("scale_model(): factor is " + std::to_string(options.factor) +
+                       "; it and its cube must be finite and > 0");
+  }
+  if (!options.axis) return options.factor * Eigen::Matrix3d::Identity();
+  const Eigen::Vector3d axis = options.axis->stableNormalized();
+  if (!options.axis->allFinite() || !(axis.norm() > 0)) {
+    throw InvalidInput("scale_model(): axis must be finite and not zero");
+  }
+  return Eigen::Matrix3d::Identity() + (options.factor - 1) * axis * axis.transpose();
+}
+
+// What the energy of a strain is multiplied by.
+double energy_factor(ForceScaling forces, double volume) {
+  return forces == ForceScaling::material ? volume : std::cbrt(volume);
+}
+
+TransformedField scale_contact(const Eigen::Matrix3d& S, ForceScaling forces,
+                               ContactModel& contact) {
+  const Eigen::Matrix3d before = contact.frame;
+  const Eigen::Vector3d z = S.inverse() * before.col(2);
+  contact.frame = rotation_between(before.col(2), z) * before;
+  contact.friction_axis = (S * contact.friction_axis).normalized();
+  if (forces == ForceScaling::feel) return {.field = contact.field};
+  const double volume = S.determinant();
+  const double factor = energy_factor(forces, volume);
+  // From the old frame's displacements to the new one's.
+  TransformedField transformed =
+      transform_field(contact.field, contact.frame.transpose() * S * before, factor);
+  contact.field = transformed.field;
+  contact.rms = std::hypot(contact.rms * factor / std::cbrt(volume), transformed.rms);
+  return transformed;
+}
+
+std::string description(const ScaleModelOptions& options) {
+  std::ostringstream out;
+  out << "by " << options.factor;
+  if (options.axis) {
+    out << " along (" << options.axis->x() << ", " << options.axis->y() << ", " << options.axis->z()
+        << ")";
+  }
+  out << ", " << to_string(options.forces);
+  return out.str();
+}
+
+}  // namespace
+
+const char* to_string(ForceScaling forces) {
+  switch (forces) {
+    case ForceScaling::material:
+      return "material";
+    case ForceScaling::forces:
+      return "forces";
+    case ForceScaling::feel:
+      return "feel";
+  }
+  return "unknown";
+}
+
+ScaledModel scale_model(const Model& model, const ScaleModelOptions& options) {
+  const Eigen::Matrix3d S = stretch(options);
+  check_model(model);
+  ScaledModel result{.model = model};
+  Model& scaled = result.model;
+  const Eigen::Vector3d middle =
+      (model.surface.vertices.rowwise().minCoeff() + model.surface.vertices.rowwise().maxCoeff()) /
+      2;
+  const auto moved = [&](const Eigen::Matrix3Xd& points) {
+    return Eigen::Matrix3Xd((S * (points.colwise() - middle)).colwise() + middle);
+  };
+  scaled.surface.vertices = moved(model.surface.vertices);
+  scaled.T_surface_acquisition.setIdentity();
+  std::vector<TransformedField> fields(scaled.contacts.size());
+  tbb::parallel_for(std::size_t{0}, scaled.contacts.size(), [&](std::size_t i) {
+    ContactModel& contact = scaled.contacts[i];
+    contact.position = moved(contact.position);
+    fields[i] = scale_contact(S, options.forces, contact);
+  });
+  for (const TransformedField& field : fields) {
+    result.refitted += field.exact ? 0 : 1;
+    result.refit_rms = std::max(result.refit_rms, field.rms);
+    result.refit_largest = std::max(result.refit_largest, field.largest);
+  }
+  std::string& before = scaled.made["scaled"];
+  before += (before.empty() ? "" : "; ") + description(options);
+  return result;
+}
+
+}  // namespace palpate::haptics

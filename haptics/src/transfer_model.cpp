@@ -1,0 +1,89 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/haptics/transfer_model.h"
+
+#include <array>
+#include <cstddef>
+#include <string>
+#include <utility>
+
+#include "palpate/error.h"
+#include "palpate/geometry/contact_triangulation.h"
+#include "palpate/geometry/surface_query.h"
+#include "palpate/haptics/rotation.h"
+#include "palpate/haptics/transform_field.h"
+
+namespace palpate::haptics {
+namespace {
+
+using geometry::SurfaceMap;
+using geometry::SurfacePoint;
+
+void check_map(const Model& model, const SurfaceMap& map) {
+  if (map.positions.cols() != model.surface.vertices.cols() ||
+      map.folded.size() != model.surface.triangles.cols()) {
+    throw InvalidInput("transfer_model(): the map is of a surface of " +
+                       std::to_string(map.positions.cols()) + " vertices and " +
+                       std::to_string(map.folded.size()) + " triangles, that of the model has " +
+                       std::to_string(model.surface.vertices.cols()) + " and " +
+                       std::to_string(model.surface.triangles.cols()));
+  }
+  if (map.verdict == geometry::SurfaceMapVerdict::not_sensible)
+    throw InvalidInput("transfer_model(): the map of the surfaces is not sensible: " + map.reason);
+}
+
+void turn(ContactModel& contact, const SurfacePoint& at, const Eigen::Vector3i& corners,
+          const std::vector<Eigen::Matrix3d>& rotations) {
+  std::array<Eigen::Matrix3d, 3> turns;
+  std::array<double, 3> weights{};
+  for (std::size_t c = 0; c < 3; ++c) {
+    turns[c] = rotations[static_cast<std::size_t>(corners[static_cast<Eigen::Index>(c)])];
+    weights[c] = at.barycentric[static_cast<Eigen::Index>(c)];
+  }
+  const Eigen::Matrix3d rotation = blend_rotations(turns, weights);
+  contact.frame = rotation * contact.frame;
+  contact.friction_axis = (rotation * contact.friction_axis).normalized();
+}
+
+void scale_forces(ContactModel& contact, double scale, ForceScaling forces) {
+  if (forces == ForceScaling::feel) return;
+  const double factor = forces == ForceScaling::material ? scale * scale * scale : scale;
+  contact.field = transform_field(contact.field, scale * Eigen::Matrix3d::Identity(), factor).field;
+  contact.rms *= factor / scale;
+}
+
+}  // namespace
+
+TransferredModel transfer_model(const Model& model, const geometry::TriangleMesh& target,
+                                const SurfaceMap& map, const TransferModelOptions& options) {
+  check_model(model);
+  check_map(model, map);
+  const geometry::SurfaceQuery from(model.surface), to(target);
+  const std::vector<Eigen::Matrix3d> rotations = geometry::local_rotations(model.surface, map);
+  TransferredModel result{.model = model, .distorted = {}, .isolated = {}};
+  result.model.surface = target;
+  result.model.T_surface_acquisition.setIdentity();
+  std::vector<SurfacePoint> places;
+  for (ContactModel& contact : result.model.contacts) {
+    const SurfacePoint at = from.closest_point(contact.position).at;
+    const Eigen::Vector3i corners = model.surface.triangles.col(at.triangle);
+    const geometry::ClosestPoint image =
+        to.closest_point(map.positions(Eigen::all, corners) * at.barycentric);
+    contact.position = image.position;
+    places.push_back(image.at);
+    turn(contact, at, corners, rotations);
+    scale_forces(contact, map.scale, options.forces);
+    if (map.distorted[at.triangle]) result.distorted.push_back(contact.id);
+  }
+  geometry::ContactTriangulation triangulation = geometry::triangulate_contacts(target, places);
+  result.model.triangles = std::move(triangulation.mesh.triangles);
+  result.model.surface_weights = std::move(triangulation.weights);
+  for (const int i : triangulation.isolated)
+    result.isolated.push_back(result.model.contacts[static_cast<std::size_t>(i)].id);
+  std::string& before = result.model.made["transferred"];
+  before += (before.empty() ? "" : "; ") + std::string("forces: ") + to_string(options.forces) +
+            ", " + map.reason;
+  return result;
+}
+
+}  // namespace palpate::haptics

@@ -1,0 +1,140 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/haptics/scale_model.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "palpate/haptics/blended_field.h"
+#include "sheet_model.h"
+
+namespace palpate::haptics {
+namespace {
+
+using Eigen::Vector3d;
+using testing::HasSubstr;
+
+const Vector3d kDisplacement(1, -2, 3);
+
+Vector3d contact_force(const Model& model, std::size_t i, const Vector3d& displacement) {
+  const ContactModel& contact = model.contacts[i];
+  return contact.frame * force(contact.field, contact.frame.transpose() * displacement);
+}
+
+// Fields of ridges, tilted frames.
+Model ridge_model() {
+  Model model = uneven_model();
+  for (ContactModel& contact : model.contacts) {
+    contact.field.bases = {
+        {.weight = 2, .epsilon = 3, .ridge = Vector3d(0.2, 0.1, 1).normalized()},
+        {.weight = 1,
+         .epsilon = 4,
+         .center = {1, 2, 3},
+         .ridge = Vector3d(1, -0.3, 0.2).normalized()},
+        {.weight = 1.5, .epsilon = 5, .ridge = Vector3d(0.1, 1, -0.2).normalized()}};
+  }
+  return model;
+}
+
+TEST(ScaleModel, MultipliesStiffnessByTheLengthForTheSameMaterial) {
+  const Model model = uneven_model();
+  const ScaledModel large = scale_model(model, {.factor = 2.5});
+  EXPECT_NO_THROW(check_model(large.model));
+  EXPECT_EQ(large.refitted, 0);
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Vector3d expected = 2.5 * 2.5 * contact_force(model, i, kDisplacement);
+    EXPECT_LT((contact_force(large.model, i, 2.5 * kDisplacement) - expected).norm(), 1e-12);
+    EXPECT_LT((stiffness(large.model.contacts[i].field, Vector3d::Zero()) -
+               2.5 * stiffness(model.contacts[i].field, Vector3d::Zero()))
+                  .norm(),
+              1e-12);
+    EXPECT_EQ(large.model.contacts[i].friction, model.contacts[i].friction);
+    EXPECT_NEAR(large.model.contacts[i].rms, 2.5 * 2.5 * model.contacts[i].rms, 1e-12);
+  }
+  // About the middle, which is (0, 0, 700).
+  EXPECT_LT((large.model.contacts[0].position - Vector3d(-75, -75, 700)).norm(), 1e-12);
+  EXPECT_NEAR(large.model.surface.vertices.row(0).maxCoeff(), 125, 1e-12);
+  EXPECT_EQ(large.model.made.at("scaled"), "by 2.5, material");
+}
+
+TEST(ScaleModel, KeepsForcesOrTheFeelOnRequest) {
+  const Model model = uneven_model();
+  const Model same_forces = scale_model(model, {.factor = 3, .forces = ForceScaling::forces}).model;
+  const Model same_feel = scale_model(model, {.factor = 3, .forces = ForceScaling::feel}).model;
+  const BlendedField before(model), forces(same_forces), feel(same_feel);
+  const Vector3d place(5, 10, 700), there(15, 30, 700);  // between contacts
+  const Vector3d expected = before.force(place, kDisplacement);
+  EXPECT_LT((forces.force(there, 3 * kDisplacement) - expected).norm(), 1e-9);
+  EXPECT_LT((feel.force(there, kDisplacement) - expected).norm(), 1e-9);
+}
+
+TEST(ScaleModel, StretchesABarAsItsMaterialWould) {
+  const Model model = ridge_model();
+  const ScaledModel longer =
+      scale_model(model, {.factor = 1.8, .axis = Vector3d(0.5, 0, 0)});  // any length
+  EXPECT_EQ(longer.refitted, 0);
+  EXPECT_NO_THROW(check_model(longer.model));
+  const Vector3d stretch(1.8, 1, 1);
+  for (std::size_t i = 0; i < 4; ++i) {
+    // The same strain: the force along the bar stays, that across goes with its length.
+    const Vector3d expected =
+        contact_force(model, i, kDisplacement).cwiseProduct(Vector3d(1, 1.8, 1.8));
+    const Vector3d displacement = kDisplacement.cwiseProduct(stretch);
+    EXPECT_LT((contact_force(longer.model, i, displacement) - expected).norm(), 1e-12);
+    const ContactModel &now = longer.model.contacts[i], &then = model.contacts[i];
+    EXPECT_LT((now.position - Vector3d(1.8 * then.position.x(), then.position.y(), 700)).norm(),
+              1e-12);
+    // z is a normal, the axis of friction a displacement.
+    EXPECT_LT((now.frame.col(2) - then.frame.col(2).cwiseQuotient(stretch).normalized()).norm(),
+              1e-12);
+    EXPECT_LT((now.friction_axis - then.friction_axis.cwiseProduct(stretch).normalized()).norm(),
+              1e-12);
+  }
+}
+
+TEST(ScaleModel, ScalesBack) {
+  const Model model = ridge_model();
+  for (const auto& axis :
+       {std::optional<Vector3d>(), std::optional<Vector3d>(Vector3d(1, 2, 0.5))}) {
+    const Model there = scale_model(model, {.factor = 1.7, .axis = axis}).model;
+    const Model back = scale_model(there, {.factor = 1 / 1.7, .axis = axis}).model;
+    EXPECT_LT((back.surface.vertices - model.surface.vertices).norm(), 1e-9);
+    for (std::size_t i = 0; i < 4; ++i) {
+      EXPECT_LT(
+          (contact_force(back, i, kDisplacement) - contact_force(model, i, kDisplacement)).norm(),
+          1e-9);
+      EXPECT_LT((back.contacts[i].position - model.contacts[i].position).norm(), 1e-9);
+      EXPECT_LT((back.contacts[i].frame.col(2) - model.contacts[i].frame.col(2)).norm(), 1e-9);
+    }
+  }
+}
+
+TEST(ScaleModel, SaysWhatIsNotExactAlongAnAxis) {
+  Model model = sheet_model();  // isotropic bases
+  const ScaledModel longer = scale_model(model, {.factor = 1.5, .axis = Vector3d::UnitX()});
+  EXPECT_EQ(longer.refitted, 4);
+  EXPECT_GT(longer.refit_rms, 0);
+  EXPECT_LT(longer.refit_rms, 0.05);  // [N] of forces of up to 4 N
+  const Vector3d expected =
+      contact_force(model, 1, kDisplacement).cwiseProduct(Vector3d(1, 1.5, 1.5));
+  EXPECT_LT(
+      (contact_force(longer.model, 1, kDisplacement.cwiseProduct(Vector3d(1.5, 1, 1))) - expected)
+          .norm(),
+      0.1);
+}
+
+TEST(ScaleModel, RefusesFactorsAndAxesWithoutSense) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const double factor : {0.0, -2.0, nan, std::numeric_limits<double>::infinity(), 1e306}) {
+    EXPECT_THAT(refusal([&] { return scale_model(sheet_model(), {.factor = factor}); }),
+                HasSubstr("factor"));
+  }
+  EXPECT_THAT(
+      refusal([] { return scale_model(sheet_model(), {.factor = 2, .axis = Vector3d::Zero()}); }),
+      HasSubstr("axis"));
+}
+
+}  // namespace
+}  // namespace palpate::haptics

@@ -1,0 +1,107 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/haptics/transfer_model.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "palpate/haptics/blended_field.h"
+#include "sheet_model.h"
+#include "sphere_model.h"
+
+namespace palpate::haptics {
+namespace {
+
+using Eigen::Vector3d;
+using testing::HasSubstr;
+
+const Vector3d kDisplacement(1, -2, 3);
+
+Eigen::Matrix3Xd corners(const geometry::TriangleMesh& square) {
+  const Eigen::Index last = square.vertices.cols() - 1;
+  Eigen::Matrix3Xd marks(3, 3);
+  marks << square.vertices.col(0), square.vertices.col(10), square.vertices.col(last);
+  return marks;
+}
+
+TEST(TransferModel, MovesWithTheSurface) {
+  const Model model = uneven_model();
+  const Eigen::Isometry3d motion = some_motion();
+  const Model truth = moved(model, motion);
+  const geometry::SurfaceMap map =
+      geometry::map_surface(model.surface, truth.surface,
+                            {.source = corners(model.surface), .target = corners(truth.surface)});
+  const TransferredModel result = transfer_model(model, truth.surface, map);
+  EXPECT_NO_THROW(check_model(result.model));
+  EXPECT_TRUE(result.distorted.empty());
+  for (std::size_t i = 0; i < 4; ++i) {
+    const ContactModel &is = result.model.contacts[i], &should = truth.contacts[i];
+    EXPECT_LT((is.position - should.position).norm(), 1e-6);
+    EXPECT_LT((is.frame - should.frame).norm(), 1e-6);
+    EXPECT_LT((is.friction_axis - should.friction_axis).norm(), 1e-6);
+    EXPECT_EQ(is.field, should.field);
+    EXPECT_EQ(is.friction, should.friction);
+  }
+  const Vector3d displacement = motion.linear() * kDisplacement;
+  EXPECT_LT((BlendedField(result.model).force(motion * model.contacts[1].position, displacement) -
+             BlendedField(truth).force(motion * model.contacts[1].position, displacement))
+                .norm(),
+            1e-6);
+}
+
+TEST(TransferModel, ScalesForcesAsScalingDoes) {
+  const Model model = uneven_model();
+  for (const ForceScaling forces :
+       {ForceScaling::material, ForceScaling::forces, ForceScaling::feel}) {
+    const Model truth = scale_model(model, {.factor = 1.6, .forces = forces}).model;
+    const geometry::SurfaceMap map =
+        geometry::map_surface(model.surface, truth.surface,
+                              {.source = corners(model.surface), .target = corners(truth.surface)});
+    const TransferredModel result = transfer_model(model, truth.surface, map, {.forces = forces});
+    for (std::size_t i = 0; i < 4; ++i) {
+      const ContactModel &is = result.model.contacts[i], &should = truth.contacts[i];
+      EXPECT_LT((is.position - should.position).norm(), 1e-6);
+      EXPECT_LT((force(is.field, kDisplacement) - force(should.field, kDisplacement)).norm(), 1e-6);
+      EXPECT_NEAR(is.rms, should.rms, 1e-9);
+    }
+  }
+}
+
+TEST(TransferModel, FeelsOnAnEllipsoidLikeTheBallAtTheSamePlace) {
+  const Model ball = ball_model([](const Vector3d&) { return true; }, [](int) { return 0.0; }, 60);
+  const Vector3d stretch(1.2, 1, 0.9);
+  geometry::TriangleMesh ellipsoid = geometry::test::icosphere(3, kSphereRadius);
+  ellipsoid.vertices = stretch.asDiagonal() * ellipsoid.vertices;
+  Eigen::Matrix3Xd marks(3, 5);
+  marks << 40, 0, 0, -40, 0, 0, 40, 0, 0, 0, 0, 0, 40, 0, -40;
+  const geometry::SurfaceMap map = geometry::map_surface(
+      ball.surface, ellipsoid, {.source = marks, .target = stretch.asDiagonal() * marks});
+  const TransferredModel result = transfer_model(ball, ellipsoid, map);
+  EXPECT_NO_THROW(check_model(result.model));
+  for (std::size_t i = 0; i < ball.contacts.size(); ++i) {
+    const ContactModel &is = result.model.contacts[i], &was = ball.contacts[i];
+    EXPECT_LT((is.position - stretch.cwiseProduct(was.position)).norm(), 0.4);  // [mm] facets
+    // The direction of pressing stays a normal.
+    const Vector3d inward = -stretch.cwiseInverse().cwiseProduct(was.position).normalized();
+    EXPECT_LT((is.frame.col(2) - inward).norm(), 0.1);
+    EXPECT_EQ(is.field, was.field);
+  }
+}
+
+TEST(TransferModel, RefusesAMapThatIsNotSensibleOrOfAnotherSurface) {
+  const Model model = uneven_model();
+  geometry::SurfaceMap map =
+      geometry::map_surface(model.surface, model.surface,
+                            {.source = corners(model.surface), .target = corners(model.surface)});
+  EXPECT_THAT(refusal([&] { return transfer_model(model, flat_surface(), {}); }),
+              HasSubstr("the map is of a surface of 0 vertices"));
+  map.distorted.setConstant(true);
+  EXPECT_EQ(transfer_model(model, model.surface, map).distorted.size(), 4u);
+  map.verdict = geometry::SurfaceMapVerdict::not_sensible;
+  map.reason = "30 % of the area is folded";
+  EXPECT_THAT(refusal([&] { return transfer_model(model, model.surface, map); }),
+              HasSubstr("30 % of the area is folded"));
+}
+
+}  // namespace
+}  // namespace palpate::haptics
