@@ -107,7 +107,8 @@ void write_distortion(const TransferCall& call, const geometry::TriangleMesh& so
                               .scale = "area (doublings)"});
   }
   if (call.distortion_mesh.empty()) return;
-  geometry::MeshFile file{.mesh = image};
+  geometry::MeshFile file;
+  file.mesh = image;
   const auto add = [&](const char* name, const Eigen::VectorXd& values) {
     geometry::set_attribute(file.vertex_attributes,
                             {.name = name,
@@ -230,6 +231,7 @@ void add_transfer(CLI::App& app, const Settings& settings) {
       ->expected(3)
       ->delimiter(',')
       ->needs(by);
+  add_map_options(*command, call, by);
   command
       ->add_option(
           "--forces", call->forces,

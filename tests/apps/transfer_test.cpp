@@ -139,7 +139,7 @@ TEST_F(Transfer, RefusesWrongCallsAndFiles) {
   put_landmarks("0,0,0,0,0,0\n40,0,0,40,0,0\n");
   expect_refused(onto_call(), kWrongCall, "at least three");
   put_landmarks("0,0,0,0,0,0\n80,0,0,80,0,0\n80,80,30,80,80,0\n");
-  expect_refused(onto_call(), kWrongCall, "landmark 2 of the source is 30");
+  expect_refused(onto_call(), kWrongCall, "landmark 2 of the source is 29");
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include "poisson_surface.h"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Random.h>
 #include <CGAL/poisson_surface_reconstruction.h>
 #include <CGAL/property_map.h>
 
@@ -33,6 +34,8 @@ TriangleMesh poisson_surface(const Eigen::Matrix3Xd& points, const Eigen::Matrix
     samples.emplace_back(Kernel::Point_3(points(0, i), points(1, i), points(2, i)),
                          Kernel::Vector_3(normals(0, i), normals(1, i), normals(2, i)));
   }
+  // The mesher begins at random points, which would be others, and so the surface, each time.
+  CGAL::get_default_random() = CGAL::Random(0);
   CGAL::Surface_mesh<Kernel::Point_3> surface;
   bool found = false;
   try {
