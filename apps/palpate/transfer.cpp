@@ -100,11 +100,14 @@ void write_distortion(const TransferCall& call, const geometry::TriangleMesh& so
     for (Eigen::Index t = 0; t < doublings.size(); ++t)
       if (map.folded[t]) doublings[t] = std::nan("");
     if (!doublings.array().isFinite().any()) doublings.setZero();  // all of it is folded
-    pictures::draw_distances(call.distortion, image, doublings,
-                             {.title = "Map of the surface: " + std::string(to_string(map.verdict)),
-                              .subtitle = map.reason,
-                              .limit = limit,
-                              .scale = "area (doublings)"});
+    pictures::draw_distances(
+        call.distortion, image, doublings,
+        {.title = "Map of the surface: " + std::string(to_string(map.verdict)),
+         .subtitle = fmt::format("{:.2g} % of the area is distorted or folded; the image covers "
+                                 "{:.1f} % of the target",
+                                 100 * map.distorted_share, 100 * map.coverage),
+         .limit = limit,
+         .scale = "area (doublings)"});
   }
   if (call.distortion_mesh.empty()) return;
   geometry::MeshFile file;

@@ -271,9 +271,9 @@ void tell_origin(std::span<const SideModel> sides, const std::vector<Eigen::Isom
     made[side + " pose"] = to_text(poses[k]);
   }
   for (const LeftOutContact& out : merged.left_out) {
-    made["model " + std::to_string(out.contact.side) + " left out"] +=
-        std::to_string(out.contact.id) + " for " + std::to_string(out.kept.id) + " of model " +
-        std::to_string(out.kept.side) + "; ";
+    std::ostringstream line;
+    line << out.contact.id << " for " << out.kept.id << " of model " << out.kept.side << "; ";
+    made["model " + std::to_string(out.contact.side) + " left out"] += line.str();
   }
 }
 

@@ -52,7 +52,8 @@ Eigen::Matrix3Xd displacements_within(double reach) {
     const double z = 1 - (2 * (i % kDirections) + 1.0) / kDirections;
     const double angle = 2 * std::numbers::pi * std::numbers::phi * i;
     const double across = std::sqrt(1 - z * z);
-    const double radius = reach * (1 + i / kDirections) / kSpheres;
+    const int sphere = 1 + i / kDirections;
+    const double radius = reach * sphere / kSpheres;
     result.col(i) << radius * across * std::cos(angle), radius * across * std::sin(angle),
         radius * z;
   }
