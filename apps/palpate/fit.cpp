@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -14,6 +15,7 @@
 #include "fit_record.h"
 #include "inputs.h"
 #include "model_pictures.h"
+#include "palpate/error.h"
 #include "palpate/geometry/comparison.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/haptics/build_model.h"
@@ -32,6 +34,7 @@ struct FitCall {
   fs::path acquisition, surface, output, pictures;
   haptics::FitOptions fit;
   std::optional<haptics::ModelEncoding> encoding;
+  std::optional<double> budget_us;
   geometry::ReadOptions meshes;
   bool resume = false;
 };
@@ -80,8 +83,29 @@ Json settings_of(const FitCall& call) {
           {"SURFACE", fingerprint(call.surface)},
           {"--unit", call.meshes.unit ? Json(*call.meshes.unit) : Json()},
           {"--accuracy", call.fit.accuracy},
-          {"--max-bases", call.fit.max_bases},
+          {"--passive", haptics::to_string(call.fit.mode)},
+          {"--force-noise", call.fit.noise.force},
+          {"--max-bases", call.fit.max_bases ? Json(*call.fit.max_bases) : Json()},
           {"version of palpate", PALPATE_VERSION}};
+}
+
+// A rendered force blends the fields of three contacts.
+constexpr int kBlended = 3;
+
+void limit_to_budget(FitCall& call) {
+  if (!call.budget_us) return;
+  const double bases = *call.budget_us / (kBlended * haptics::kEvaluationCost);
+  if (!(bases >= 1)) {
+    throw InvalidInput(
+        fmt::format("--budget is {} us; one base for each of the {} contacts of a "
+                    "blend takes {:.2f} us already, so give at least that",
+                    *call.budget_us, kBlended, kBlended * haptics::kEvaluationCost));
+  }
+  const int most = static_cast<int>(std::min(bases, 1000.0));
+  call.fit.max_bases =
+      std::min(most, call.fit.max_bases.value_or(call.fit.mode == haptics::FitMode::convex
+                                                     ? haptics::kMaxConvexBases
+                                                     : haptics::kMaxLocalBases));
 }
 
 haptics::BuildResult build(const probing::Acquisition& acquisition,
@@ -97,7 +121,8 @@ haptics::BuildResult build(const probing::Acquisition& acquisition,
                        const haptics::FitResult& result) { record.add(contact, result); }});
 }
 
-void fit(const Settings& settings, const FitCall& call) {
+void fit(const Settings& settings, FitCall call) {
+  limit_to_budget(call);
   const fs::path record_path = record_file(call.output);
   check_outputs({call.acquisition, call.surface}, {call.output, call.pictures, record_path});
   check_output_folder({call.acquisition, call.surface}, call.output);
@@ -122,6 +147,7 @@ void fit(const Settings& settings, const FitCall& call) {
   std::string prose;
   for (std::size_t i = 0; i < built.contacts.size(); ++i) {
     const haptics::ContactModel& contact = built.model.contacts[i];
+    const haptics::FitResult& found = built.contacts[i].fit;
     rms.push_back(contact.rms);
     const auto bases = contact.field.bases.size();
     per_contact.push_back({{"contact", contact.id},
@@ -129,10 +155,17 @@ void fit(const Settings& settings, const FitCall& call) {
                            {"bases", bases},
                            {"friction", contact.friction},
                            {"samples", contact.samples},
-                           {"stop", contact.fit_stop}});
+                           {"stop", contact.fit_stop},
+                           {"passive", haptics::to_string(found.certificate.passivity)},
+                           {"chi2", found.chi2},
+                           {"noise_floor", found.noise_floor},
+                           {"outliers", found.outliers},
+                           {"condition", found.condition}});
     prose += fmt::format(
-        "  contact {}: RMS {:.4f} N with {} bases from {} samples, friction {:.3f}, {}\n",
-        contact.id, contact.rms, bases, contact.samples, contact.friction, contact.fit_stop);
+        "  contact {}: RMS {:.4f} N with {} bases from {} samples, friction {:.3f}, {}, "
+        "passivity: {}\n",
+        contact.id, contact.rms, bases, contact.samples, contact.friction, contact.fit_stop,
+        haptics::to_string(found.certificate.passivity));
   }
   const geometry::ErrorStatistics statistics = geometry::error_statistics(rms);
   print(settings,
@@ -161,9 +194,26 @@ void add_fit(CLI::App& app, const Settings& settings) {
   command->add_option("-o,--output", call->output, "Model folder to write")->required();
   command
       ->add_option("--accuracy", call->fit.accuracy,
-                   "Add bases to a contact's field until its RMS is this small [N]")
+                   "An RMS of a contact's field up to this is good enough [N]; 0: as good as the "
+                   "noise of the measurements allows")
       ->capture_default_str();
-  command->add_option("--max-bases", call->fit.max_bases, "Use at most so many")
+  const std::map<std::string, haptics::FitMode> modes = {{"convex", haptics::FitMode::convex},
+                                                         {"certified", haptics::FitMode::certified},
+                                                         {"local", haptics::FitMode::local}};
+  command
+      ->add_option("--passive", call->fit.mode,
+                   "How a field is kept passive: convex, everywhere by construction (default); "
+                   "certified, proven where the measurements reach; local, near zero only")
+      ->transform(CLI::CheckedTransformer(modes));
+  command->add_option("--max-bases", call->fit.max_bases, "Use at most so many in a field");
+  command->add_option(
+      "--budget", call->budget_us,
+      fmt::format("Time in which playback is to evaluate a force [us]: bounds the bases, taking "
+                  "{} us for each in the three fields of a blend",
+                  haptics::kEvaluationCost));
+  command
+      ->add_option("--force-noise", call->fit.noise.force,
+                   "Standard deviation of each component of the measured forces [N]")
       ->capture_default_str();
   command->add_flag_callback(
       "--cbor", [call] { call->encoding = haptics::ModelEncoding::cbor; },

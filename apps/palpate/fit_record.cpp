@@ -53,7 +53,14 @@ Json to_json(const haptics::FitResult& fit) {
           {"rms", number(fit.rms)},
           {"iterations", fit.iterations},
           {"stop", fit.stop},
-          {"smallest_stiffness", number(fit.smallest_stiffness)}};
+          {"smallest_stiffness", number(fit.smallest_stiffness)},
+          {"mode", fit.mode},
+          {"passivity", fit.certificate.passivity},
+          {"chi2", number(fit.chi2)},
+          {"outliers", fit.outliers},
+          {"noise_floor", number(fit.noise_floor)},
+          {"displacement_noise", number(fit.displacement_noise)},
+          {"condition", number(fit.condition)}};
 }
 
 haptics::FitResult to_fit(const Json& json) {
@@ -70,6 +77,13 @@ haptics::FitResult to_fit(const Json& json) {
   fit.iterations = json.at("iterations");
   fit.stop = json.at("stop");
   fit.smallest_stiffness = to_number(json.at("smallest_stiffness"));
+  fit.mode = json.at("mode");
+  fit.certificate.passivity = json.at("passivity");
+  fit.chi2 = to_number(json.at("chi2"));
+  fit.outliers = json.at("outliers");
+  fit.noise_floor = to_number(json.at("noise_floor"));
+  fit.displacement_noise = to_number(json.at("displacement_noise"));
+  fit.condition = to_number(json.at("condition"));
   return fit;
 }
 

@@ -197,15 +197,23 @@ void fit_contacts(const Probed& probed, const BuildOptions& options, BuildResult
   });
   choose_frames(result.model);
   const Eigen::Matrix3d to_surface = result.model.T_surface_acquisition.linear();
+  std::vector<ForceSamples> samples(count);
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+    samples[i] = realign(probed.contacts[i], probed.samples.of(probed.places[i]));
+  });
+  // One tool and one tracker measured all contacts: together they tell their noise best.
+  FitOptions options_with_noise = options.fit;
+  if (!options.fit.noise.displacement) {
+    options_with_noise.noise.displacement = pooled_displacement_noise(samples);
+  }
   std::mutex reporting;
   int done = 0;
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
     ContactModel& model = result.model.contacts[i];
-    const ForceSamples samples = realign(probed.contacts[i], probed.samples.of(probed.places[i]));
     const FitResult* known = options.known_fit ? options.known_fit(model.id) : nullptr;
     const FitResult& fit = result.contacts[i].fit =
-        known ? *known : fit_field(samples, model, to_surface, options.fit);
-    model.samples = static_cast<int>(samples.forces.cols());
+        known ? *known : fit_field(samples[i], model, to_surface, options_with_noise);
+    model.samples = static_cast<int>(samples[i].forces.cols());
     model.rms = fit.rms;
     model.fit_stop = to_string(fit.stop);
     model.field = fit.field;

@@ -11,6 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "certified_fit.h"
+#include "convex_fit.h"
 #include "field_objective.h"
 #include "local_fit.h"
 #include "palpate/error.h"
@@ -24,6 +26,10 @@ constexpr double kEpsilonRatio = 1;
 // Cost of weights against the squared error, both in units of the data: far below the noise of any
 // arm; settles what the samples leave open.
 constexpr double kWeightPenalty = 1e-7;
+// Least noise of forces relative to their extent: some rounding errors.
+constexpr double kExact = 1e-9;
+// The spring of a rigid contact holds its force up to so many times the measured one.
+constexpr double kRigidReserve = 10;
 
 void check(const Eigen::Ref<const Eigen::Matrix3Xd>& displacements,
            const Eigen::Ref<const Eigen::Matrix3Xd>& forces, const FitOptions& options) {
@@ -42,10 +48,17 @@ void check(const Eigen::Ref<const Eigen::Matrix3Xd>& displacements,
     throw InvalidInput("fit_force_field(): accuracy is " + std::to_string(options.accuracy) +
                        " N; it must be >= 0");
   }
-  if (options.max_bases < 1) {
-    throw InvalidInput("fit_force_field(): max_bases is " + std::to_string(options.max_bases) +
+  if (options.max_bases && *options.max_bases < 1) {
+    throw InvalidInput("fit_force_field(): max_bases is " + std::to_string(*options.max_bases) +
                        "; it must be >= 1");
   }
+  const auto check_noise = [](double noise, const char* name) {
+    if (noise >= 0 && std::isfinite(noise)) return;
+    throw InvalidInput(std::string("fit_force_field(): noise.") + name + " is " +
+                       std::to_string(noise) + "; it must be finite and >= 0");
+  };
+  check_noise(options.noise.force, "force");
+  check_noise(options.noise.displacement.value_or(0), "displacement");
   if (options.epsilon && (!(*options.epsilon > 0) || !std::isfinite(*options.epsilon))) {
     throw InvalidInput("fit_force_field(): epsilon is " + std::to_string(*options.epsilon) +
                        " mm; it must be finite and > 0");
@@ -79,6 +92,107 @@ double smallest_eigenvalue(const ForceField& field) {
   return eigen.eigenvalues()[0];
 }
 
+// Samples in canonical order, in units of their extents.
+struct ScaledSamples {
+  Eigen::Matrix3Xd displacements, forces;
+  ReachableVolume reach;   // [mm]
+  double length = 0;       // [mm]
+  double force_scale = 0;  // [N]
+};
+
+ForceField in_units(ForceField field, const ScaledSamples& samples) {
+  for (Multiquadric& base : field.bases) {
+    base.center *= samples.length;
+    base.epsilon *= samples.length;
+    base.weight *= samples.force_scale;
+  }
+  return field;
+}
+
+// The field, and what holds of it however it was found.
+void finish(const ScaledSamples& samples, ForceField field, FitResult& result) {
+  double sum = 0;
+  for (Eigen::Index i = 0; i < samples.forces.cols(); ++i) {
+    sum += (force(field, samples.displacements.col(i)) - samples.forces.col(i)).squaredNorm();
+  }
+  result.rms = samples.force_scale * std::sqrt(sum / static_cast<double>(samples.forces.cols()));
+  result.field = in_units(std::move(field), samples);
+  result.smallest_stiffness = smallest_eigenvalue(result.field);
+  result.certificate = certify_passivity(result.field, samples.reach);
+}
+
+// As stiff as displacements that only just stood out from the noise would have it; in units of the
+// data.
+ForceField rigid_field(double displacement_noise) {
+  const double stiffness = 1 / (kRigidRatio * std::sqrt(3.0) * displacement_noise);
+  return {{{kRigidReserve, kRigidReserve / stiffness}}};
+}
+
+FitResult fit_as_convex(const ScaledSamples& samples, const FitOptions& options) {
+  FitResult result;
+  result.mode = FitMode::convex;
+  result.displacement_noise = options.noise.displacement.value_or(kDisplacementNoise);
+  const SampleNoise noise{result.displacement_noise / samples.length,
+                          std::max(options.noise.force / samples.force_scale, kExact)};
+  const Eigen::Index determined = std::max<Eigen::Index>(1, samples.forces.size() / 5);
+  const Eigen::Index most =
+      std::min<Eigen::Index>(options.max_bases.value_or(kMaxConvexBases), determined);
+  ConvexFit fit = fit_convex(samples.displacements, samples.forces, noise,
+                             options.accuracy / samples.force_scale, static_cast<int>(most));
+  finish(samples, std::move(fit.field), result);
+  result.iterations = fit.iterations;
+  result.chi2 = fit.chi2;
+  result.outliers = fit.outliers;
+  result.noise_floor = std::sqrt(fit.mean_noise) * samples.force_scale;
+  result.condition = fit.condition;
+  result.stop = result.rms <= options.accuracy ? FitStop::accurate
+                : fit.chi2 <= kMaxChi2         ? FitStop::explained
+                                               : FitStop::unexplained;
+  return result;
+}
+
+// `local`, or `certified`, which then still has to be looked up in the certificate.
+FitResult fit_as_local(const ScaledSamples& samples, const FitOptions& options, FitMode mode) {
+  FieldObjective objective;
+  objective.displacements = samples.displacements;
+  objective.forces = samples.forces;
+  objective.weight_penalty = kWeightPenalty;
+  LocalFitOptions local;
+  local.accuracy = std::max(options.accuracy / samples.force_scale, kExact);
+  local.max_bases = options.max_bases.value_or(kMaxLocalBases);
+  local.epsilon = options.epsilon ? *options.epsilon / samples.length : kEpsilonRatio;
+  local.constraints.free_epsilon = !options.epsilon;
+  LocalFit fit = mode == FitMode::certified
+                     ? fit_certified(objective, local, {samples.reach.radius / samples.length}).fit
+                     : fit_local(objective, local);
+  FitResult result;
+  result.mode = mode;
+  result.iterations = fit.iterations;
+  result.stop = fit.stop;
+  finish(samples, std::move(fit.field), result);
+  return result;
+}
+
+// Of two fits of the same samples; counts the work on both.
+FitResult chosen(FitResult taken, const FitResult& left) {
+  taken.iterations += left.iterations;
+  return taken;
+}
+
+FitResult fit_in_mode(const ScaledSamples& samples, const FitOptions& options) {
+  if (options.mode == FitMode::local) return fit_as_local(samples, options, FitMode::local);
+  if (options.mode == FitMode::certified) {
+    FitResult result = fit_as_local(samples, options, FitMode::certified);
+    if (is_passive(result.certificate)) return result;
+    return chosen(fit_as_convex(samples, options), result);
+  }
+  FitResult result = fit_as_convex(samples, options);
+  if (result.stop != FitStop::unexplained) return result;
+  FitResult other = fit_as_local(samples, options, FitMode::certified);
+  const bool better = is_passive(other.certificate) && other.rms < result.rms;
+  return better ? chosen(std::move(other), result) : chosen(std::move(result), other);
+}
+
 }  // namespace
 
 FitResult fit_force_field(const Eigen::Ref<const Eigen::Matrix3Xd>& displacements,
@@ -86,42 +200,53 @@ FitResult fit_force_field(const Eigen::Ref<const Eigen::Matrix3Xd>& displacement
                           const FitOptions& options) {
   check(displacements, forces, options);
   const std::vector<Eigen::Index> order = canonical_order(displacements, forces);
-  FieldObjective objective;
-  objective.displacements = displacements(Eigen::all, order);
-  objective.forces = forces(Eigen::all, order);
-  const double length = extent(objective.displacements), force_scale = extent(objective.forces);
+  ScaledSamples samples{displacements(Eigen::all, order), forces(Eigen::all, order),
+                        reachable_volume(displacements)};
+  const double length = extent(samples.displacements);
+  const double noise = options.noise.displacement.value_or(kDisplacementNoise);
+  samples.force_scale = extent(samples.forces);
+  samples.length = length > 0 ? length : 1;
+  if (samples.force_scale > 0) samples.forces /= samples.force_scale;
+  samples.displacements /= samples.length;
+  const bool rigid = options.mode == FitMode::convex && noise > 0 &&
+                     length <= kRigidRatio * std::sqrt(3.0) * noise;
+  if (samples.force_scale > 0 && length > 0 && !rigid) return fit_in_mode(samples, options);
+
   FitResult result;
-  if (force_scale == 0 || length == 0) {
-    result.stop = force_scale == 0 ? FitStop::accurate : FitStop::not_determined;
-    result.rms = force_scale;
-    return result;
+  result.mode = options.mode;
+  result.displacement_noise = noise;
+  if (samples.force_scale > 0) {
+    finish(samples, rigid ? rigid_field(noise / samples.length) : ForceField{}, result);
+    result.stop = rigid ? FitStop::rigid : FitStop::not_determined;
+  } else {
+    result.certificate = certify_passivity(result.field, samples.reach);
+    result.stop = FitStop::accurate;
   }
-  objective.displacements /= length;
-  objective.forces /= force_scale;
-  objective.weight_penalty = kWeightPenalty;
-  LocalFitOptions local;
-  local.accuracy = options.accuracy / force_scale;
-  local.max_bases = options.max_bases;
-  local.epsilon = options.epsilon ? *options.epsilon / length : kEpsilonRatio;
-  local.constraints.free_epsilon = !options.epsilon;
-  LocalFit fit = fit_local(objective, local);
-  result.field = std::move(fit.field);
-  for (Multiquadric& base : result.field.bases) {
-    base.center *= length;
-    base.epsilon *= length;
-    base.weight *= force_scale;
-  }
-  result.rms = fit.rms * force_scale;
-  result.iterations = fit.iterations;
-  result.stop = fit.stop;
-  result.smallest_stiffness = smallest_eigenvalue(result.field);
   return result;
+}
+
+const char* to_string(FitMode mode) {
+  switch (mode) {
+    case FitMode::convex:
+      return "convex";
+    case FitMode::certified:
+      return "certified";
+    case FitMode::local:
+      return "local";
+  }
+  return "unknown";
 }
 
 const char* to_string(FitStop stop) {
   switch (stop) {
     case FitStop::accurate:
       return "accurate";
+    case FitStop::explained:
+      return "explained";
+    case FitStop::unexplained:
+      return "unexplained";
+    case FitStop::rigid:
+      return "rigid";
     case FitStop::max_bases:
       return "max_bases";
     case FitStop::no_gain:

@@ -74,7 +74,8 @@ void refit(const ForceField& part, const Eigen::Matrix3d& A, double factor,
   const double rms = forces.norm() / std::sqrt(static_cast<double>(forces.cols()));
   if (!(rms > 0)) return;
   const FitResult fit = fit_force_field(
-      A * before, forces, {.accuracy = kRefitAccuracy * rms, .max_bases = kRefitBases});
+      A * before, forces,
+      {.mode = FitMode::local, .accuracy = kRefitAccuracy * rms, .max_bases = kRefitBases});
   for (Eigen::Index i = 0; i < before.cols(); ++i) {
     const double error = (force(fit.field, A * before.col(i)) - forces.col(i)).norm();
     result.rms += error * error / static_cast<double>(before.cols());

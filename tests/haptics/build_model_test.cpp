@@ -18,7 +18,8 @@ using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-const BuildOptions kQuick{.fit = {.accuracy = 0.01, .max_bases = 2, .epsilon = 20}};
+const BuildOptions kQuick{
+    .fit = {.mode = FitMode::local, .accuracy = 0.01, .max_bases = 2, .epsilon = 20}};
 
 Eigen::Vector3d spring_force(const Eigen::Vector3d& d) { return 9 * d / std::hypot(d.norm(), 20); }
 

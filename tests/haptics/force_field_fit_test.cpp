@@ -15,6 +15,7 @@ namespace {
 
 using testing::HasSubstr;
 
+const FitOptions kLocal{.mode = FitMode::local};
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 double smallest_stiffness(const ForceField& field) {
@@ -30,8 +31,8 @@ double distance(const ForceField& left, const ForceField& right, const Eigen::Ma
 TEST(FitForceField, RecoversOneBase) {
   const ForceField truth{{{3.3, 4.5, {1.2, -0.4, 2}}}};
   const Eigen::Matrix3Xd places = random_points(60, 8);
-  const FitResult fit =
-      fit_force_field(places, forces_at(truth, places), {.accuracy = 1e-3, .epsilon = 4.5});
+  const FitResult fit = fit_force_field(places, forces_at(truth, places),
+                                        {.mode = FitMode::local, .accuracy = 1e-3, .epsilon = 4.5});
   EXPECT_EQ(fit.stop, FitStop::accurate);
   ASSERT_EQ(fit.field.bases.size(), 1U);
   // The solver stops at 1e-6 of the data's scale.
@@ -43,8 +44,9 @@ TEST(FitForceField, RecoversAFieldInItsSpan) {
   const ForceField truth = some_field();
   const Eigen::Matrix3Xd places = random_points(100, 6), others = random_points(50, 5, 9);
   const Eigen::Matrix3Xd forces = forces_at(truth, places);
-  const FitResult fit =
-      fit_force_field(places, forces, {.accuracy = 0.01, .epsilon = truth.bases[0].epsilon});
+  const FitResult fit = fit_force_field(
+      places, forces,
+      {.mode = FitMode::local, .accuracy = 0.01, .epsilon = truth.bases[0].epsilon});
   EXPECT_EQ(fit.stop, FitStop::accurate);
   EXPECT_LT(fit.rms, 0.01);
   EXPECT_LT(distance(fit.field, truth, others), 0.05);
@@ -57,7 +59,8 @@ TEST(FitForceField, StaysStableWhereTheDataAreNot) {
   const Eigen::Matrix3Xd places = random_points(80, 2);
   Eigen::Matrix3Xd forces = 0.5 * places;
   forces.row(0) *= -1;
-  const FitResult fit = fit_force_field(places, forces, {.max_bases = 4, .epsilon = 1.5});
+  const FitResult fit =
+      fit_force_field(places, forces, {.mode = FitMode::local, .max_bases = 4, .epsilon = 1.5});
   EXPECT_GE(fit.smallest_stiffness, 0);
   EXPECT_GE(smallest_stiffness(fit.field), 0);
   EXPECT_NO_THROW(check_force_field(fit.field, "fit"));
@@ -68,20 +71,22 @@ TEST(FitForceField, StaysStableWhereTheDataAreNot) {
 TEST(FitForceField, DoesNotDependOnTheOrderOfSamples) {
   const Eigen::Matrix3Xd places = random_points(50, 6);
   const Eigen::Matrix3Xd forces = forces_at(some_field(), places);
-  const FitResult fit = fit_force_field(places, forces, {.max_bases = 2});
-  const FitResult reversed =
-      fit_force_field(places.rowwise().reverse(), forces.rowwise().reverse(), {.max_bases = 2});
+  const FitResult fit = fit_force_field(places, forces, {.mode = FitMode::local, .max_bases = 2});
+  const FitResult reversed = fit_force_field(places.rowwise().reverse(), forces.rowwise().reverse(),
+                                             {.mode = FitMode::local, .max_bases = 2});
   EXPECT_EQ(fit.field, reversed.field);
 }
 
 TEST(FitForceField, ScalesExactlyWithTheUnits) {
   const Eigen::Matrix3Xd places = random_points(50, 6);
   const Eigen::Matrix3Xd forces = forces_at(some_field(), places);
-  const FitResult fit = fit_force_field(places, forces, {.accuracy = 0x1p-6, .max_bases = 3});
+  const FitResult fit =
+      fit_force_field(places, forces, {.mode = FitMode::local, .accuracy = 0x1p-6, .max_bases = 3});
   for (const double length : {0x1p-10, 0x1p10}) {
     for (const double newton : {0x1p-30, 0x1p10}) {
-      const FitResult other = fit_force_field(length * places, newton * forces,
-                                              {.accuracy = newton * 0x1p-6, .max_bases = 3});
+      const FitResult other =
+          fit_force_field(length * places, newton * forces,
+                          {.mode = FitMode::local, .accuracy = newton * 0x1p-6, .max_bases = 3});
       EXPECT_EQ(other.field, scaled(fit.field, newton, length));
       EXPECT_EQ(other.rms, newton * fit.rms);
       EXPECT_EQ(other.iterations, fit.iterations);
@@ -94,7 +99,8 @@ TEST(FitForceField, TurnsWithTheFrame) {
   const ForceField truth{{{3.3, 4.5, {1.2, -0.4, 2}}}};
   const Eigen::Matrix3Xd places = random_points(60, 8);
   const Eigen::Matrix3Xd forces = forces_at(truth, places);
-  const FitOptions options{.accuracy = 0.2, .max_bases = 3};  // epsilon is not the truth's
+  const FitOptions options{
+      .mode = FitMode::local, .accuracy = 0.2, .max_bases = 3};  // epsilon is not the truth's
   const FitResult fit = fit_force_field(places, forces, options);
   const FitResult turned = fit_force_field(turn * places, turn * forces, options);
   const Eigen::Matrix3Xd expected = turn * forces_at(fit.field, places);
@@ -109,7 +115,7 @@ TEST(FitForceField, SurvivesPoorData) {
   Eigen::Matrix3Xd line(3, 9);
   for (int i = 0; i < 9; ++i) line.col(i) = i * one;
   for (const Eigen::Matrix3Xd& places : {one, alike, line}) {
-    const FitResult fit = fit_force_field(places, 0.5 * places);
+    const FitResult fit = fit_force_field(places, 0.5 * places, kLocal);
     EXPECT_LT(fit.rms, 0.1) << places.cols();
     EXPECT_GE(smallest_stiffness(fit.field), 0);
     EXPECT_TRUE(force(fit.field, {5, 5, 5}).allFinite());
@@ -118,18 +124,19 @@ TEST(FitForceField, SurvivesPoorData) {
 
 TEST(FitForceField, SaysWhenTheDataDoNotDetermineAField) {
   const Eigen::Matrix3Xd zero = Eigen::Matrix3Xd::Zero(3, 5), some = random_points(5, 1);
-  const FitResult rigid = fit_force_field(zero, some);
+  const FitResult rigid = fit_force_field(zero, some, kLocal);
   EXPECT_EQ(rigid.stop, FitStop::not_determined);
   EXPECT_GT(rigid.rms, 0);
   EXPECT_EQ(force(rigid.field, {1, 2, 3}), Eigen::Vector3d::Zero());
-  const FitResult nothing = fit_force_field(some, zero);
+  const FitResult nothing = fit_force_field(some, zero, kLocal);
   EXPECT_EQ(nothing.stop, FitStop::accurate);
   EXPECT_EQ(force(nothing.field, {1, 2, 3}), Eigen::Vector3d::Zero());
 }
 
 TEST(FitForceField, FitsForcesOfANanonewton) {
   const Eigen::Matrix3Xd places = random_points(40, 5);
-  const FitResult fit = fit_force_field(places, 1e-9 * places, {.accuracy = 1e-10});
+  const FitResult fit =
+      fit_force_field(places, 1e-9 * places, {.mode = FitMode::local, .accuracy = 1e-10});
   EXPECT_LE(fit.rms, 1e-10);
 }
 
@@ -146,6 +153,11 @@ TEST(FitForceField, RefusesWhatItCannotUse) {
               HasSubstr("max_bases"));
   EXPECT_THAT(refusal([&] { return fit_force_field(places, forces, {.epsilon = -1}); }),
               HasSubstr("epsilon"));
+  EXPECT_THAT(refusal([&] { return fit_force_field(places, forces, {.noise = {.force = -1}}); }),
+              HasSubstr("noise.force"));
+  EXPECT_THAT(
+      refusal([&] { return fit_force_field(places, forces, {.noise = {.displacement = kNaN}}); }),
+      HasSubstr("noise.displacement"));
   places(1, 3) = kNaN;
   EXPECT_THAT(refusal([&] { return fit_force_field(places, forces); }), HasSubstr("sample 3"));
 }

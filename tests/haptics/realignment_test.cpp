@@ -4,6 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <optional>
+#include <random>
+#include <vector>
+
 namespace palpate::haptics {
 namespace {
 
@@ -50,6 +55,42 @@ TEST(Realign, KeepsGroupsAndContactsApart) {
   ASSERT_EQ(pairs.forces.cols(), 4);
   EXPECT_EQ(pairs.displacements.row(2), Eigen::RowVector4d(5, 5, 1, 1));
   EXPECT_EQ(pairs.forces.row(2), Eigen::RowVector4d(3, 3, 1, 1));
+}
+
+// Positions that scatter by `noise` in all directions, and by ten times that along z.
+std::vector<probing::Sample> scattered(double noise, unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal(0, noise);
+  std::vector<probing::Sample> samples;
+  for (int i = 0; i < 200; ++i) {
+    const Vector3d off(normal(random), normal(random), 10 * normal(random));
+    const Vector3d a = Vector3d(10, 20, 703) + off;
+    samples.push_back(sample(i / 50, {0, 0, 2}, a, a));
+  }
+  return samples;
+}
+
+TEST(Realign, EstimatesTheNoiseFromWhereGroupsScatterLeast) {
+  const ForceSamples pairs = realign(kContact, scattered(0.02, 1));
+  EXPECT_EQ(pairs.degrees_of_freedom, 4 * 49);
+  EXPECT_NEAR(pairs.displacement_noise, 0.02, 0.2 * 0.02);
+  const ForceSamples few =
+      realign(kContact, std::vector{sample(1, {0, 0, 2}, {10, 20, 703}, {10, 20, 703})});
+  EXPECT_EQ(few.degrees_of_freedom, 0);
+  EXPECT_TRUE(std::isnan(few.displacement_noise));
+  EXPECT_EQ(pooled_displacement_noise(std::vector{few, few}), std::nullopt);
+  EXPECT_NEAR(*pooled_displacement_noise(std::vector{few, pairs, few}), pairs.displacement_noise,
+              1e-15);
+}
+
+TEST(Realign, LeavesOutliersOutOfTheMean) {
+  std::vector<probing::Sample> samples = scattered(0.002, 2);
+  const ForceSamples clean = realign(kContact, samples);
+  samples[7].a.x() += 1;
+  samples[7].slipped = true;
+  const ForceSamples pairs = realign(kContact, samples);
+  EXPECT_LT((pairs.displacements.col(0) - clean.displacements.col(0)).norm(), 0.002);
+  EXPECT_NEAR(pairs.displacement_noise, clean.displacement_noise, 0.1 * clean.displacement_noise);
 }
 
 TEST(Realign, OfNothingIsNothing) { EXPECT_EQ(realign(kContact, {}).forces.cols(), 0); }

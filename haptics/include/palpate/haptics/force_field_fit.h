@@ -6,18 +6,61 @@
 #include <optional>
 
 #include "palpate/haptics/force_field.h"
+#include "palpate/haptics/passivity_certificate.h"
 
 namespace palpate::haptics {
 
+/// What a fit promises of the energy, and how it looks for it.
+enum class FitMode {
+  convex,     ///< isotropic and ridge bases with weights >= 0: passive everywhere, by construction
+  certified,  ///< as `local`, and passivity over the reachable volume is proven
+  local       ///< isotropic bases of any sign; zero is a local minimum of the energy (thesis 5.3.1)
+};
+
+/// Standard deviations of each component of what was measured.
+struct FitNoise {
+  /// [mm] of a displacement; finite and >= 0; without one kDisplacementNoise
+  std::optional<double> displacement = std::nullopt;
+  double force = 0.01;  ///< [N] of a force; finite and >= 0
+};
+
+/// [mm] of a realigned displacement, if nothing is known: thesis 5.2 has 0.017 to 0.024 mm for the
+/// scatter of each of its two positions.
+inline constexpr double kDisplacementNoise = 0.03;
+
 struct FitOptions {
-  double accuracy = 0.03;  ///< [N] bases are added until rms <= accuracy; >= 0
-  int max_bases = 6;       ///< >= 1
-  /// [mm] > 0; without one it is the root mean square of the displacements
+  FitMode mode = FitMode::convex;
+  /// [N] >= 0: an rms up to this is good enough. 0: as good as the noise allows.
+  double accuracy = 0;
+  /// >= 1; without one kMaxConvexBases, or kMaxLocalBases for the other modes
+  std::optional<int> max_bases = std::nullopt;
+  FitNoise noise = {};  ///< weighs samples and decides how many bases they are worth; `convex` only
+  /// [mm] > 0; without one it is the root mean square of the displacements; `convex` chooses its
+  /// own, one for each base
   std::optional<double> epsilon = std::nullopt;
 };
 
+inline constexpr int kMaxConvexBases = 14;
+inline constexpr int kMaxLocalBases = 6;
+
+/// [us] about what `force` takes for one base of a field, isotropic or ridge, on a server processor
+/// of 2025 at the baseline x86-64-v2: what a budget of time is turned into bases with. A constant,
+/// for the same measurements must give the same model whatever machine is at work.
+inline constexpr double kEvaluationCost = 0.01;
+
+/// Largest chi^2 per degree of freedom that still counts as explained by noise. Noise that was
+/// estimated is known to some ten per cent; twice its variance is more than that.
+inline constexpr double kMaxChi2 = 2;
+
+/// A contact is as good as rigid iff the root mean square of its displacements is at most this
+/// many times their noise. Its stiffness is capped at what would move it just so far.
+inline constexpr double kRigidRatio = 3;
+
 enum class FitStop {
   accurate,       ///< rms <= accuracy
+  explained,      ///< noise explains the errors: chi^2 per degree of freedom <= kMaxChi2
+  unexplained,    ///< passive, but noise does not explain the errors: chi^2 stays above kMaxChi2
+  rigid,          ///< as good as rigid: a spring with a capped stiffness
   max_bases,      ///< `max_bases` are in use, or as many as the samples can determine
   no_gain,        ///< one more base did not pay by the Bayesian information criterion
   not_converged,  ///< the solver did not settle with one more base; the best field so far is
@@ -33,15 +76,38 @@ struct FitResult {
   FitStop stop = FitStop::not_converged;  ///< read this before you use the field
   /// [N/mm] smallest eigenvalue of the stiffness at zero displacement; >= 0
   double smallest_stiffness = 0;
+  /// The mode that the field is of. `convex` turns to `certified` where it explains the samples
+  /// worse; `certified` to `convex` where passivity cannot be proven.
+  FitMode mode = FitMode::convex;
+  PassivityCertificate certificate;  ///< of the field, over the reach of the displacements
+  /// Sum of the squared errors, each in units of its noise, per degree of freedom: about 1 or less
+  /// where the noise explains them. Without the outliers if they are few; `convex` only
+  double chi2 = 0;
+  /// Samples whose error noise does not make (the square of its length in units of the noise is
+  /// over 50): they hardly count; `convex` only
+  int outliers = 0;
+  double noise_floor = 0;         ///< [N] the rms that noise alone makes with this stiffness
+  double displacement_noise = 0;  ///< [mm] that was assumed
+  /// Of the least squares in all parameters, with columns of unit length; `convex` only. Large ones
+  /// (1e3) tell that bases could be exchanged, not that the field is uncertain.
+  double condition = 1;
 };
 
-/// Fits a radial basis field to pairs of displacement [mm] and force on the object [N], 3 x N each
-/// (thesis 5.3.1, Eq 5.6): weights and centres are free, the stiffness at zero is kept positive
-/// semi-definite (Eq 5.9), so that zero displacement is a local minimum of the energy.
+/// Fits a field to pairs of displacement [mm] and force on the object [N], 3 x N each.
 ///
-/// Bases are added one by one. Each starts where it alone lowers the linear least squares most,
-/// among the displacements and their multiples by -1, 2 and -2; then all are moved (Ipopt). The
-/// result does not depend on the order of the samples, on units, or on threads.
+/// `convex`: all weights >= 0, each base isotropic or a ridge with its own epsilon: the energy is
+/// convex. The non-negative least squares over a dictionary of bases, laid out by the samples, is
+/// followed by a joint refinement of all parameters (projected Levenberg-Marquardt) and the
+/// removal of bases for as long as noise still explains the errors, or the Bayesian information
+/// criterion gains. An error of sample i has the covariance force^2 I + displacement^2 K K^T of the
+/// noise, with K the stiffness there, and a robust loss (Cauchy).
+///
+/// `local` (thesis 5.3.1, Eq 5.6): weights and centres are free, the stiffness at zero is kept
+/// positive semi-definite (Eq 5.9). Bases are added one by one. Each starts where it alone lowers
+/// the linear least squares most, among the displacements and their multiples by -1, 2 and -2; then
+/// all are moved (Ipopt).
+///
+/// The result does not depend on the order of the samples, on units, or on threads.
 /// \throws InvalidInput on no sample, sizes that differ, a sample that is not finite (naming its
 /// index), or an option out of its range.
 [[nodiscard]] FitResult fit_force_field(const Eigen::Ref<const Eigen::Matrix3Xd>& displacements,
@@ -50,5 +116,7 @@ struct FitResult {
 
 /// In a word, for reports: "accurate", "max_bases", ...
 [[nodiscard]] const char* to_string(FitStop stop);
+/// "convex", "certified" or "local"
+[[nodiscard]] const char* to_string(FitMode mode);
 
 }  // namespace palpate::haptics

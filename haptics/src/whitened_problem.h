@@ -1,0 +1,65 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "palpate/haptics/force_field.h"
+
+namespace palpate::haptics {
+
+/// Standard deviations of each component of a displacement and of a force.
+struct SampleNoise {
+  double displacement = 0;  ///< >= 0
+  double force = 0;         ///< > 0
+};
+
+/// How well a field with weights >= 0 fits samples, each error in units of what the noise makes of
+/// it. No units: the caller scales.
+///
+/// An error of a displacement is one of the force times the local stiffness K, so the error of a
+/// sample has the covariance S = force^2 I + displacement^2 K K^T, and is whitened by the inverse
+/// of its Cholesky factor. The loss of a whitened error of length r is c^2 log(1 + r^2 / c^2)
+/// (Cauchy), c^2 = kCauchy * spread: that of an outlier no longer grows as its square.
+class WhitenedProblem {
+ public:
+  WhitenedProblem(Eigen::Matrix3Xd displacements, Eigen::Matrix3Xd forces, SampleNoise noise);
+
+  /// Takes the local stiffness from a field; from the samples themselves if it has no bases.
+  void whiten(const ForceField& field);
+  /// Sets `spread` to how far the errors exceed what noise makes in the median; 1 if they do not.
+  void adapt_spread(const ForceField& field);
+
+  /// 3 N, sample by sample.
+  [[nodiscard]] Eigen::VectorXd residuals(const ForceField& field) const;
+  /// Derivatives of the residuals, five columns a base: of weight, of log epsilon, and of the
+  /// centre; of a ridge in place of its centre: of the centre along it and of two turns about axes
+  /// across it, those of `tangents`.
+  [[nodiscard]] Eigen::MatrixXd jacobian(const ForceField& field) const;
+  [[nodiscard]] double loss(const Eigen::VectorXd& residuals) const;
+  /// N, by which the squared error of each sample counts at these residuals: 1 to 0.
+  [[nodiscard]] Eigen::VectorXd robust_weights(const Eigen::VectorXd& residuals) const;
+
+  [[nodiscard]] Eigen::Index size() const { return forces_.cols(); }
+  [[nodiscard]] const Eigen::Matrix3Xd& displacements() const { return displacements_; }
+  [[nodiscard]] const Eigen::Matrix3Xd& forces() const { return forces_; }
+  /// W of sample i: W S W^T = I.
+  [[nodiscard]] const Eigen::Matrix3d& whitening(Eigen::Index i) const {
+    return whitening_[static_cast<std::size_t>(i)];
+  }
+  /// Mean over the samples of the trace of S: the squared error that noise alone makes.
+  [[nodiscard]] double mean_noise() const { return mean_noise_; }
+
+ private:
+  Eigen::Matrix3Xd displacements_, forces_;
+  SampleNoise noise_;
+  std::vector<Eigen::Matrix3d> whitening_;
+  double spread_ = 1;
+  double mean_noise_ = 0;
+};
+
+/// Two unit vectors across a ridge and each other, as columns.
+[[nodiscard]] Eigen::Matrix<double, 3, 2> tangents(const Eigen::Vector3d& ridge);
+
+}  // namespace palpate::haptics
