@@ -33,6 +33,7 @@ using Json = nlohmann::ordered_json;
 struct FitCall {
   fs::path acquisition, surface, output, pictures;
   haptics::FitOptions fit;
+  haptics::BlendRule blend_rule = haptics::BlendRule::compliances;
   std::optional<haptics::ModelEncoding> encoding;
   std::optional<double> budget_us;
   geometry::ReadOptions meshes;
@@ -109,12 +110,13 @@ void limit_to_budget(FitCall& call) {
 }
 
 haptics::BuildResult build(const probing::Acquisition& acquisition,
-                           const geometry::TriangleMesh& surface, const haptics::FitOptions& fit,
+                           const geometry::TriangleMesh& surface, const FitCall& call,
                            FitRecord& record) {
   Progress progress("fitting");  // its bar goes before anything is printed
   return haptics::build_model(
       acquisition, surface,
-      {.fit = fit,
+      {.fit = call.fit,
+       .blend_rule = call.blend_rule,
        .progress = [&](int done, int total) { progress.show(done, total); },
        .known_fit = [&](long long contact) { return record.find(contact); },
        .keep_fit = [&](long long contact,
@@ -133,7 +135,7 @@ void fit(const Settings& settings, FitCall call) {
   if (call.resume) record.resume();
   record.begin();
   const std::size_t kept = record.size();
-  haptics::BuildResult built = build(acquisition, surface, call.fit, record);
+  haptics::BuildResult built = build(acquisition, surface, call, record);
   built.model.made["program"] = "palpate " PALPATE_VERSION;
   built.model.made["acquisition"] = call.acquisition.filename().string();
   built.model.made["surface"] = call.surface.filename().string();
@@ -219,6 +221,10 @@ void add_fit(CLI::App& app, const Settings& settings) {
       "--cbor", [call] { call->encoding = haptics::ModelEncoding::cbor; },
       fmt::format("Write the document in CBOR, field.cbor, as is done beyond {} contacts",
                   haptics::kMaxJsonContacts));
+  command->add_flag_callback(
+      "--blend-forces", [call] { call->blend_rule = haptics::BlendRule::forces; },
+      "Between contacts blend their forces at the same displacement (thesis 5.3.2), not at "
+      "displacements that fit the compliance of the place");
   command->add_option("--pictures", call->pictures,
                       "Folder for pictures: the contacts, and the contact that fits worst");
   command->add_flag("--resume", call->resume,

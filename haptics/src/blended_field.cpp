@@ -3,8 +3,10 @@
 #include "palpate/haptics/blended_field.h"
 
 #include <array>
+#include <span>
 #include <vector>
 
+#include "field_warp.h"
 #include "palpate/haptics/rotation.h"
 
 namespace palpate::haptics {
@@ -13,6 +15,12 @@ namespace {
 const Model& checked(const Model& model) {
   check_model(model);
   return model;
+}
+
+std::vector<Eigen::Matrix3d> pressing_frames(const Model& model) {
+  std::vector<Eigen::Matrix3d> frames;
+  for (const ContactModel& contact : model.contacts) frames.push_back(pressing_frame(contact));
+  return frames;
 }
 
 geometry::ContactLocator make_locator(const Model& model, const geometry::SurfaceQuery& surface) {
@@ -36,6 +44,9 @@ geometry::ContactLocator make_locator(const Model& model, const geometry::Surfac
 
 BlendedField::BlendedField(const Model& model)
     : contacts_(checked(model).contacts),
+      mesh_(model.surface),
+      interpolation_(model.interpolation),
+      pressing_frames_(pressing_frames(model)),
       surface_(model.surface),
       locator_(make_locator(model, surface_)) {}
 
@@ -60,19 +71,51 @@ Blend BlendedField::blend(const geometry::SurfacePoint& contact) const noexcept 
   result.frame = blend_rotations({frames.data(), count}, {result.contacts.weights.data(), count});
   // Axes of neighbours may cancel each other only if they are opposite.
   result.friction_axis = axis.norm() > 0 ? Eigen::Vector3d(axis.normalized()) : result.frame.col(2);
+  result.field_frame = result.frame;
+  if (interpolation_.rule == BlendRule::compliances) warp_fields(contact, result);
   return result;
+}
+
+void BlendedField::warp_fields(const geometry::SurfacePoint& place, Blend& at) const noexcept {
+  const auto count = static_cast<std::size_t>(at.contacts.count);
+  const std::span indices(at.contacts.contacts.data(), count);
+  const std::span weights(at.contacts.weights.data(), count);
+  std::array<Eigen::Matrix3d, geometry::ContactWeights::kMaxCount> frames;
+  bool any = false;
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto i = static_cast<std::size_t>(indices[k]);
+    frames[k] = pressing_frames_[i];
+    any = any || (weights[k] > 0 && contacts_[i].compliance);
+  }
+  at.field_frame = blend_rotations({frames.data(), count}, weights);
+  Compliance here;
+  if (any) {
+    here = compliance_between(contacts_, pressing_frames_, indices, weights,
+                              geometry::position(mesh_, place), interpolation_.reach);
+  }
+  for (std::size_t k = 0; k < count; ++k) {
+    const ContactModel& contact = contacts_[static_cast<std::size_t>(indices[k])];
+    if (!(weights[k] > 0) || !contact.compliance) continue;
+    at.warps[k] = warp_between(contact.compliance->values, here);
+    // From the pressing frame into the local frame, which the field is in.
+    at.warps[k].displacement =
+        contact.frame.transpose() * frames[k] * at.warps[k].displacement;
+  }
 }
 
 Eigen::Vector3d BlendedField::force(const Blend& at,
                                     const Eigen::Vector3d& displacement) const noexcept {
   Eigen::Vector3d local = Eigen::Vector3d::Zero();
   if (!displacement.allFinite()) return local;
-  const Eigen::Vector3d local_displacement = at.frame.transpose() * displacement;
+  const Eigen::Vector3d local_displacement = at.field_frame.transpose() * displacement;
   for (std::size_t k = 0; k < static_cast<std::size_t>(at.contacts.count); ++k) {
     const auto i = static_cast<std::size_t>(at.contacts.contacts[k]);
-    local += at.contacts.weights[k] * haptics::force(contacts_[i].field, local_displacement);
+    const FieldWarp& warp = at.warps[k];
+    local += at.contacts.weights[k] * warp.energy *
+             (warp.displacement.transpose() *
+              haptics::force(contacts_[i].field, warp.displacement * local_displacement));
   }
-  return at.frame * local;
+  return at.field_frame * local;
 }
 
 Eigen::Vector3d BlendedField::force(const Eigen::Vector3d& contact,

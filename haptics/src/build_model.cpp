@@ -4,6 +4,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <cmath>
 #include <mutex>
 #include <span>
@@ -14,6 +15,7 @@
 #include "palpate/geometry/contact_triangulation.h"
 #include "palpate/geometry/registration.h"
 #include "palpate/geometry/surface_query.h"
+#include "palpate/haptics/contact_compliance.h"
 #include "palpate/haptics/realignment.h"
 #include "palpate/haptics/rotation.h"
 #include "palpate/haptics/rounding.h"
@@ -241,6 +243,20 @@ void fill_in_friction(Model& model) {
   }
 }
 
+// The largest force along the z axis that all but a quarter of the contacts were pressed with.
+double reference_force(const Probed& probed, const Model& model) {
+  std::vector<double> largest;
+  for (std::size_t i = 0; i < probed.contacts.size(); ++i) {
+    const Eigen::Vector3d pressing =
+        model.T_surface_acquisition.linear().transpose() * model.contacts[i].frame.col(2);
+    const ForceSamples samples = realign(probed.contacts[i], probed.samples.of(probed.places[i]));
+    largest.push_back((pressing.transpose() * samples.forces).maxCoeff());
+  }
+  const auto quartile = largest.begin() + static_cast<std::ptrdiff_t>(largest.size() / 4);
+  std::ranges::nth_element(largest, quartile);
+  return *quartile;
+}
+
 }  // namespace
 
 const char* to_string(RegistrationOutcome outcome) {
@@ -294,6 +310,10 @@ BuildResult build_model(const probing::Acquisition& acquisition,
   }
   fit_contacts(probed, options, result);
   fill_in_friction(result.model);
+  const double pressed = reference_force(probed, result.model);
+  if (options.blend_rule == BlendRule::compliances && pressed > 0) {
+    result.model = with_compliances(std::move(result.model), pressed);
+  }
   return result;
 }
 

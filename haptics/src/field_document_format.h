@@ -14,5 +14,6 @@ inline constexpr int kFieldVersion = 2;
 inline constexpr const char* kSurfaceFile = "surface.ply";
 inline constexpr std::array<const char*, 3> kFrictionSources = {"samples", "other_contacts",
                                                                 "none"};
+inline constexpr std::array<const char*, 2> kBlendRules = {"forces", "compliances"};
 
 }  // namespace palpate::haptics

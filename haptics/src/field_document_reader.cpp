@@ -117,6 +117,32 @@ ForceField to_field(const Node& node) {
   return field;
 }
 
+template <typename Matrix>
+Matrix to_matrix(const Node& node) {
+  const std::vector<Node> numbers = node.items();
+  Matrix matrix;
+  if (numbers.size() != static_cast<std::size_t>(matrix.size())) {
+    node.refuse(std::to_string(matrix.size()) + " numbers");
+  }
+  for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
+    for (Eigen::Index j = 0; j < matrix.cols(); ++j) {
+      matrix(i, j) = numbers[static_cast<std::size_t>(i * matrix.cols() + j)].number();
+    }
+  }
+  return matrix;
+}
+
+ContactCompliance to_compliance(const Node& node) {
+  return {unit_vector(node.at("direction")), to_matrix<Eigen::Vector<double, 6>>(node.at("values")),
+          to_matrix<Eigen::Matrix<double, 6, 5>>(node.at("trend"))};
+}
+
+Interpolation to_interpolation(const Node& node) {
+  return {static_cast<BlendRule>(node.at("rule").choice(kBlendRules)),
+          node.at("reference_force").number_at_least_zero(),
+          node.at("reach").number_at_least_zero()};
+}
+
 ContactModel to_contact(const Node& node, long long version) {
   ContactModel contact;
   contact.id = node.at("id").integer();
@@ -135,6 +161,8 @@ ContactModel to_contact(const Node& node, long long version) {
   contact.samples = fit.at("samples").integer_between(0, kMaxInt);
   contact.rms = fit.at("rms").number_at_least_zero();
   contact.fit_stop = fit.at("stop").text();
+  if (const auto compliance = node.find("compliance"))
+    contact.compliance = to_compliance(*compliance);
   return contact;
 }
 
@@ -216,6 +244,8 @@ FieldDocument to_document(const Node& document) {
     else
       model.surface_weights = to_weights_of_version_1(*weights, contact_count);
   }
+  if (const auto between = document.find("interpolation"))
+    model.interpolation = to_interpolation(*between);
   const Node registration = document.at("registration");
   model.T_surface_acquisition.linear() = registration.at("rotation").rows();
   if (!is_rotation(model.T_surface_acquisition.linear(), kFrameTolerance)) {

@@ -37,10 +37,20 @@ Json to_json(const Multiquadric& base) {
   return result;
 }
 
+// A row after the other; a vector as a list of numbers.
+template <typename Matrix>
+Json rows_to_json(const Matrix& matrix) {
+  Json result = Json::array();
+  for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
+    for (Eigen::Index j = 0; j < matrix.cols(); ++j) result.push_back(to_json(matrix(i, j)));
+  }
+  return result;
+}
+
 Json to_json(const ContactModel& contact) {
   Json bases = Json::array();
   for (const Multiquadric& base : contact.field.bases) bases.push_back(to_json(base));
-  return {
+  Json result = {
       {"id", contact.id},
       {"position", to_json(contact.position)},
       {"axes", to_json(Eigen::Matrix3d(contact.frame.transpose()))},
@@ -51,6 +61,12 @@ Json to_json(const ContactModel& contact) {
         {"axis", to_json(contact.friction_axis)}}},
       {"fit",
        {{"samples", contact.samples}, {"rms", to_json(contact.rms)}, {"stop", contact.fit_stop}}}};
+  if (contact.compliance) {
+    result["compliance"] = {{"direction", to_json(contact.compliance->direction)},
+                            {"values", rows_to_json(contact.compliance->values)},
+                            {"trend", rows_to_json(contact.compliance->trend)}};
+  }
+  return result;
 }
 
 // An object, member by member, as text: short members take a line, each item of a list one.
@@ -133,7 +149,7 @@ Json valid_texts(const std::map<std::string, std::string>& texts) {
 template <typename Writer>
 void write(Writer writer, const Model& model) {
   const bool has_weights = model.surface_weights.contacts.cols() > 0;
-  constexpr int kMembers = 8;
+  constexpr int kMembers = 9;
   writer.begin(kMembers + (has_weights ? 1 : 0));
   writer.member("format", kFieldFormat);
   writer.member("version", kFieldVersion);
@@ -145,6 +161,10 @@ void write(Writer writer, const Model& model) {
       "registration",
       {{"rotation", to_json(Eigen::Matrix3d(model.T_surface_acquisition.linear()))},
        {"translation", to_json(Eigen::Vector3d(model.T_surface_acquisition.translation()))}});
+  const Interpolation& between = model.interpolation;
+  writer.member("interpolation", {{"rule", kBlendRules[static_cast<std::size_t>(between.rule)]},
+                                  {"reference_force", to_json(between.reference_force)},
+                                  {"reach", to_json(between.reach)}});
   writer.begin_list("contacts", model.contacts.size());
   for (const ContactModel& contact : model.contacts) writer.item(to_json(contact));
   writer.end_list();

@@ -24,6 +24,28 @@ void check_contact(const ContactModel& contact, const std::string& name) {
                        "; it must be finite and >= 0");
   }
   check_force_field(contact.field, name.c_str());
+  if (!contact.compliance) return;
+  const Eigen::Vector<double, 6>& values = contact.compliance->values;
+  if (!(std::abs(contact.compliance->direction.norm() - 1) <= kFrameTolerance)) {
+    throw InvalidInput(name + ": the direction of its compliance must be a unit vector");
+  }
+  // Written so that NaN is refused.
+  const bool positive = values(2) > 0 && values(3) > 0 && values(5) > 0 &&
+                        values(3) * values(5) > values(4) * values(4);
+  if (!positive || !values.allFinite() || !contact.compliance->trend.allFinite()) {
+    throw InvalidInput(name + ": its compliance must be finite, with u_z > 0 and c positive definite");
+  }
+}
+
+void check_interpolation(const Interpolation& given) {
+  const bool counts = given.rule == BlendRule::compliances;
+  const double force = given.reference_force, reach = given.reach;
+  if (!(counts ? force > 0 : force >= 0) || !std::isfinite(force) || !(reach >= 0) ||
+      !std::isfinite(reach)) {
+    throw InvalidInput("the model's interpolation has the reference force " +
+                       std::to_string(force) + " N and the reach " + std::to_string(reach) +
+                       " mm; they must be finite and >= 0, the force > 0 to blend compliances");
+  }
 }
 
 void check_weights(const Model& model) {
@@ -64,6 +86,7 @@ void check_model(const Model& model) {
     if (!ids.insert(model.contacts[i].id).second)
       throw InvalidInput(name + ": another contact has the same id; ids must be unique");
   }
+  check_interpolation(model.interpolation);
   if (model.surface_weights.contacts.cols() > 0) check_weights(model);
   if (model.triangles.cols() > 0 || model.surface_weights.contacts.cols() == 0) {
     geometry::check_mesh(contact_mesh(model), "the model's triangles of contacts");
@@ -72,6 +95,11 @@ void check_model(const Model& model) {
       !model.T_surface_acquisition.translation().allFinite()) {
     throw InvalidInput("the model's registration must be a rotation and a finite translation");
   }
+}
+
+Eigen::Matrix3d pressing_frame(const ContactModel& contact) {
+  if (!contact.compliance) return contact.frame;
+  return contact.frame * rotation_between(Eigen::Vector3d::UnitZ(), contact.compliance->direction);
 }
 
 geometry::TriangleMesh contact_mesh(const Model& model) {

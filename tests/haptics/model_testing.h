@@ -14,6 +14,7 @@ namespace palpate::haptics {
 inline void expect_same_document(const Model& left, const Model& right) {
   EXPECT_EQ(left.triangles, right.triangles);
   EXPECT_EQ(left.made, right.made);
+  EXPECT_EQ(left.interpolation, right.interpolation);
   EXPECT_EQ(left.T_surface_acquisition.matrix(), right.T_surface_acquisition.matrix());
   ASSERT_EQ(left.contacts.size(), right.contacts.size());
   for (std::size_t i = 0; i < left.contacts.size(); ++i) {
@@ -28,6 +29,7 @@ inline void expect_same_document(const Model& left, const Model& right) {
     EXPECT_EQ(l.samples, r.samples);
     EXPECT_EQ(l.rms, r.rms);
     EXPECT_EQ(l.fit_stop, r.fit_stop);
+    EXPECT_EQ(l.compliance, r.compliance);
   }
 }
 
@@ -45,6 +47,11 @@ inline Model some_model() {
   model.T_surface_acquisition = some_motion();
   model.contacts[1].friction_source = FrictionSource::other_contacts;
   model.contacts[2].field = {};
+  model.interpolation = {BlendRule::compliances, 2.9, 27.3};
+  model.contacts[1].compliance.emplace();
+  model.contacts[1].compliance->direction = Eigen::Vector3d(0.1, -0.2, 1).normalized();
+  model.contacts[1].compliance->values << 0.3, -0.7, 11.1, 1.3, -0.2, 0.9;
+  model.contacts[1].compliance->trend.setRandom();
   model.contacts[3].field.bases[0].weight = -0.0;
   model.surface_weights = geometry::project_weights(model.surface, contact_mesh(model));
   return model;

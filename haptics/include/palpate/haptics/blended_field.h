@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <vector>
 
 #include "palpate/geometry/contact_locator.h"
@@ -11,19 +12,42 @@
 
 namespace palpate::haptics {
 
+/// How a contact's field becomes that of another place: p(x) = energy p_k(displacement x), and so
+/// f(x) = energy displacement^T f_k(displacement x).
+struct FieldWarp {
+  Eigen::Matrix3d displacement = Eigen::Matrix3d::Identity();
+  double energy = 1;
+};
+
 /// What the model says at one place of the surface, whatever the displacement.
 struct Blend {
-  Eigen::Matrix3d frame = Eigen::Matrix3d::Identity();       ///< blended R_c; z presses inwards
+  Eigen::Matrix3d frame = Eigen::Matrix3d::Identity();  ///< of friction; z presses inwards
+  Eigen::Matrix3d field_frame = Eigen::Matrix3d::Identity();  ///< R_c of `BlendedField`
   Eigen::Vector3d friction_axis = Eigen::Vector3d::UnitZ();  ///< unit, world
   double friction = 0;
   geometry::ContactWeights contacts;  ///< none: no such place, or nothing known there
+  /// A_k and beta_k of `BlendedField`, of the first `contacts.count`.
+  std::array<FieldWarp, geometry::ContactWeights::kMaxCount> warps{};
 };
 
-/// The force field at any place of the surface: Eq 5.10 in blended frames (thesis 5.3.2.2).
+/// The force field at any place of the surface, in blended frames (thesis 5.3.2.2).
 ///
-/// f(c, delta) = R_c sum_k w_k g_k(R_c^T delta), R_c the mean of the contacts' frames; the weights
-/// w_k are those of `geometry::ContactLocator`, in place of barycentric coordinates on flat
-/// triangles. It is the force of the tool ON THE OBJECT; what a user feels is its opposite.
+/// f(c, delta) = R_c sum_k w_k beta_k A_k^T g_k(A_k R_c^T delta), R_c the mean of the contacts'
+/// frames (with `BlendRule::forces`) or of their pressing frames; the weights w_k are those of
+/// `geometry::ContactLocator`, in place of barycentric coordinates on flat triangles.
+/// With `BlendRule::forces` A_k = I and beta_k = 1: Eq 5.10. That lets a stiff neighbour resist
+/// displacements far beyond its own.
+/// With `BlendRule::compliances` every field is warped to yield to the reference force as the place
+/// does, whose compliance (u, c) is interpolated by the contacts' trends (docs/field.schema.json has the
+/// formula). With (u_k, c_k) that of contact k, beta_k = u_z / u_kz, and A_k = B_k M_k: M_k maps u to
+/// u_k, has the third row (0, 0, 1 / beta_k) and the upper left block
+/// (c_k # c^-1) / sqrt(beta_k), # the geometric mean of matrices; B_k turns from the pressing frame
+/// into the local frame of the contact, which g_k is in.
+/// Either way the force is the gradient of sum_k w_k beta_k p_k(A_k R_c^T delta): energies stay
+/// convex, and nowhere below zero, if the contacts' are; at a contact it is the contact's own field;
+/// and it is continuous along the surface. It is the force of the tool ON THE OBJECT; what a user
+/// feels is its opposite. A place outside all triangles of contacts has the weights that the
+/// triangulation gave it.
 /// Real-time safe once made; thread-safe. A place that is not finite gives zero force; a place off
 /// the surface has the force of the nearest one on it.
 class BlendedField {
@@ -42,8 +66,13 @@ class BlendedField {
 
  private:
   std::vector<ContactModel> contacts_;
+  geometry::TriangleMesh mesh_;
+  Interpolation interpolation_;
+  std::vector<Eigen::Matrix3d> pressing_frames_;
   geometry::SurfaceQuery surface_;
   geometry::ContactLocator locator_;
+
+  void warp_fields(const geometry::SurfacePoint& place, Blend& at) const noexcept;
 };
 
 /// Parts of a force on the object against the friction cone: f_N along the cone's axis, |f_T|

@@ -20,6 +20,9 @@ struct BuildOptions {
   double on_surface = 0.2;
   double max_distance = 2;  ///< [mm] from the surface, of each contact once in place; >= 0
   double max_motion = 5;    ///< [mm] of any contact by the registration; >= 0
+  /// Of forces between contacts. The reference force of compliances is the lower quartile over
+  /// contacts of the largest force along the z axis; if that is not positive, forces are blended.
+  BlendRule blend_rule = BlendRule::compliances;
   /// Called after each contact with the number of those done and of all, from one thread at a time.
   std::function<void(int done, int total)> progress = {};
   /// Asked before a contact is fitted: what an earlier call with the same acquisition, surface and

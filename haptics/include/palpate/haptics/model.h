@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,40 @@ enum class FrictionSource {
   samples,         ///< a cone fitted to this contact's own samples
   other_contacts,  ///< its samples determine none: the mean of those contacts that have one
   none             ///< no contact has one: 0, without friction
+};
+
+/// How a contact yields to the model's reference force F along a direction into the object, and how
+/// that is expected to change around it on the surface. The contact's pressing frame is its frame
+/// turned by the smallest rotation that turns the z axis into that direction.
+struct ContactCompliance {
+  /// Unit vector in the contact's local frame: the mean inward normal of the surface around it.
+  /// Friction may tilt the z axis of the frame against that; elasticity does not follow.
+  Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();
+  /// In the pressing frame: u_x, u_y, u_z [mm], the displacement at which the force of the contact's
+  /// field is (0, 0, F), u_z > 0; c_xx, c_xy, c_yy [mm/N], the inverse of the upper left 2 x 2 block
+  /// of the field's stiffness there, positive definite.
+  Eigen::Vector<double, 6> values = Eigen::Vector<double, 6>::Zero();
+  /// Derivatives of the values with respect to the place, 6 x 5: d/dx, d/dy, d2/dx2, d2/dxdy,
+  /// d2/dy2, along the pressing frame's x and y axes [per mm, per mm^2].
+  Eigen::Matrix<double, 6, 5> trend = Eigen::Matrix<double, 6, 5>::Zero();
+
+  friend bool operator==(const ContactCompliance&, const ContactCompliance&) = default;
+};
+
+/// What neighbouring contacts give to a place between them.
+enum class BlendRule {
+  forces,      ///< their forces at the same displacement (Eq 5.10)
+  compliances  ///< their forces at displacements that fit the compliance of the place
+};
+
+/// How forces between the contacts are made (see `BlendedField`).
+struct Interpolation {
+  BlendRule rule = BlendRule::forces;
+  double reference_force = 0;  ///< [N] F of the contacts' compliances; > 0 with `compliances`
+  /// [mm] how far beyond its contacts a place follows their trend; >= 0
+  double reach = 0;
+
+  friend bool operator==(const Interpolation&, const Interpolation&) = default;
 };
 
 /// What was learnt at one contact.
@@ -37,6 +72,9 @@ struct ContactModel {
   int samples = 0;       ///< pairs of displacement and force that the field was fitted to
   double rms = 0;        ///< [N] sqrt(mean |error|^2) of the field on them
   std::string fit_stop;  ///< how the fit ended: a FitStop in a word
+  /// None: not known, or the field does not reach the reference force; its forces then count at the
+  /// same displacement, whatever the rule.
+  std::optional<ContactCompliance> compliance = {};
 };
 
 /// A deformable object as it was measured: the folder of design and playback.
@@ -47,6 +85,7 @@ struct Model {
   /// Of the contacts at each vertex of the surface. Without any (no columns) they are those of the
   /// nearest points of the triangles, of which there must be some then.
   geometry::SurfaceWeights surface_weights;
+  Interpolation interpolation;
   /// Moves the acquisition onto the surface; the contacts here are moved already.
   Eigen::Isometry3d T_surface_acquisition = Eigen::Isometry3d::Identity();
   std::map<std::string, std::string> made;  ///< how: sources, options, program; UTF-8
@@ -58,6 +97,9 @@ inline constexpr double kFrameTolerance = 1e-9;
 
 /// \throws InvalidInput naming the contact or triangle, what is wrong and what would be right.
 void check_model(const Model& model);
+
+/// Columns: axes of a contact's pressing frame in the world; its frame if it has no compliance.
+[[nodiscard]] Eigen::Matrix3d pressing_frame(const ContactModel& contact);
 
 /// The contacts and their triangles as a mesh.
 [[nodiscard]] geometry::TriangleMesh contact_mesh(const Model& model);
