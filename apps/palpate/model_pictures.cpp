@@ -5,11 +5,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "palpate/geometry/contact_triangulation.h"
 #include "palpate/haptics/realignment.h"
 #include "palpate/pictures/draw_contacts.h"
+#include "palpate/pictures/draw_distances.h"
 #include "palpate/pictures/draw_force_field.h"
 #include "palpate/pictures/draw_forces.h"
 
@@ -59,6 +61,37 @@ void draw_contact_field(const fs::path& png, const haptics::Model& model,
       fmt::format(
           "Contact {}: measured and fitted forces, RMS {:.3f} N, friction coefficient {:.2f}",
           fitted.id, fitted.rms, fitted.friction));
+}
+
+void draw_leave_one_out(const fs::path& png, const haptics::Model& model,
+                        const haptics::LeaveOneOut& errors) {
+  const geometry::SurfaceWeights weights =
+      model.surface_weights.contacts.cols() > 0
+          ? model.surface_weights
+          : geometry::project_weights(model.surface, haptics::contact_mesh(model));
+  Eigen::VectorXd at_vertices(weights.contacts.cols());
+  for (Eigen::Index v = 0; v < at_vertices.size(); ++v) {
+    at_vertices(v) = weights.contacts(0, v) < 0 ? std::nan("") : 0;
+    for (int k = 0; k < 3 && weights.contacts(k, v) >= 0; ++k) {
+      const auto contact = static_cast<std::size_t>(weights.contacts(k, v));
+      at_vertices(v) += weights.weights(k, v) * errors.per_contact[contact].rms;
+    }
+  }
+  Eigen::VectorXd of_triangles(model.surface.triangles.cols());
+  for (Eigen::Index t = 0; t < of_triangles.size(); ++t) {
+    of_triangles(t) = at_vertices(model.surface.triangles.col(t)).mean();
+  }
+  double largest = 0;
+  for (const haptics::ContactError& error : errors.per_contact)
+    largest = std::max(largest, error.rms);
+  pictures::draw_distances(
+      png, model.surface, of_triangles,
+      {.title = "Contacts predicted without themselves",
+       .subtitle = fmt::format("RMS {:.3f} N; inside {:.3f} N, at the border {:.3f} N", errors.rms,
+                               errors.interior_rms, errors.border_rms),
+       .limit = largest > 0 ? largest : 1,
+       .scale = "RMS of the force error (N)",
+       .one_sided = true});
 }
 
 void draw_trace(const fs::path& png, std::span<const haptics::TracePoint> trace,

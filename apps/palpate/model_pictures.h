@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 
+#include "palpate/haptics/evaluate.h"
 #include "palpate/haptics/model.h"
 #include "palpate/haptics/trajectory_csv.h"
 #include "palpate/probing/acquisition.h"
@@ -20,6 +21,11 @@ void draw_model_contacts(const std::filesystem::path& png, const haptics::Model&
 /// contact's local frame.
 void draw_contact_field(const std::filesystem::path& png, const haptics::Model& model,
                         const probing::Acquisition& acquisition, std::size_t contact);
+
+/// Draws the errors of contacts that were predicted without themselves over the surface, between
+/// contacts by their weights, and unknown where no contact has influence.
+void draw_leave_one_out(const std::filesystem::path& png, const haptics::Model& model,
+                        const haptics::LeaveOneOut& errors);
 
 /// Draws the forces of a played trace.
 void draw_trace(const std::filesystem::path& png, std::span<const haptics::TracePoint> trace,

@@ -30,13 +30,13 @@ constexpr double kLit = 0.4;
 
 /// The colour of each triangle, as VTK takes it.
 vtkSmartPointer<vtkUnsignedCharArray> colors_of(const Eigen::Ref<const Eigen::VectorXd>& distances,
-                                                double limit) {
+                                                double low, double high, ColorMap map) {
   auto colors = vtkSmartPointer<vtkUnsignedCharArray>::New();
   colors->SetNumberOfComponents(3);
   for (const double distance : distances) {
     const double fraction =
-        std::isfinite(distance) ? (distance + limit) / (2 * limit) : std::nan("");
-    const Rgb color = color_at(ColorMap::diverging, fraction);
+        std::isfinite(distance) ? (distance - low) / (high - low) : std::nan("");
+    const Rgb color = color_at(map, fraction);
     colors->InsertNextTypedTuple(color.data());
   }
   return colors;
@@ -52,12 +52,14 @@ void draw_distances(const std::filesystem::path& png, const geometry::TriangleMe
   check_some_finite(distances, "distances");
   require(std::isfinite(picture.limit) && picture.limit > 0, "limit",
           "is " + std::to_string(picture.limit) + ": a length above 0 mm is needed");
+  const double low = picture.one_sided ? 0 : -picture.limit;
+  const ColorMap map = picture.one_sided ? ColorMap::sequential : ColorMap::diverging;
   Canvas canvas(kHeight, picture.title, picture.subtitle);
   const geometry::TriangleMesh clean = without_strays(mesh);
   const double width = Canvas::kWidth - kScaleSpace;
   SurfaceView view(canvas, {0, 0, width, canvas.top()}, camera_side(), clean.vertices);
   const vtkSmartPointer<vtkPolyData> surface = to_poly_data(clean);
-  surface->GetCellData()->SetScalars(colors_of(distances, picture.limit));
+  surface->GetCellData()->SetScalars(colors_of(distances, low, picture.limit, map));
   const vtkSmartPointer<vtkActor> actor = matt_surface(surface);
   actor->GetProperty()->SetAmbient(kOwn);
   actor->GetProperty()->SetDiffuse(kLit);
@@ -65,10 +67,7 @@ void draw_distances(const std::filesystem::path& png, const geometry::TriangleMe
   view.add_scale_bar();
   view.add_axes();
   add_color_scale(canvas, {width, kMargin, kScaleWidth, canvas.top() - 2 * kMargin},
-                  {.low = -picture.limit,
-                   .high = picture.limit,
-                   .map = ColorMap::diverging,
-                   .scale = picture.scale});
+                  {.low = low, .high = picture.limit, .map = map, .scale = picture.scale});
   canvas.write(png);
 }
 

@@ -98,8 +98,7 @@ void BlendedField::warp_fields(const geometry::SurfacePoint& place, Blend& at) c
     if (!(weights[k] > 0) || !contact.compliance) continue;
     at.warps[k] = warp_between(contact.compliance->values, here);
     // From the pressing frame into the local frame, which the field is in.
-    at.warps[k].displacement =
-        contact.frame.transpose() * frames[k] * at.warps[k].displacement;
+    at.warps[k].displacement = contact.frame.transpose() * frames[k] * at.warps[k].displacement;
   }
 }
 

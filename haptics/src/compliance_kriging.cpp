@@ -20,7 +20,8 @@ constexpr double kNegligible = 1e-6;
 // between these times the amplitude: data of tens of contacts tell no more apart.
 constexpr double kShortest = 0.5, kLongest = 64;
 constexpr double kLeastNoise = 1e-3, kMostNoise = 0.3;
-// The search goes in factors of 2^kFirstStep down to 2^kLastStep, which changes a likelihood little.
+// The search goes in factors of 2^kFirstStep down to 2^kLastStep, which changes a likelihood
+// little.
 constexpr double kFirstStep = 2, kLastStep = 0.5;
 constexpr int kMaxRounds = 30;  // of the search; it takes fewer than ten
 // The covariance is learnt of this many contacts, evenly over their list.
@@ -113,9 +114,17 @@ double fit_amplitudes(const std::vector<Surroundings>& around,
     squares += (values[i] - predicted.value).cwiseAbs2() / variance;
     logarithms += std::log(variance);
   }
-  const auto count = static_cast<double>(around.size());
-  covariance.amplitude = (squares / count).cwiseMax(kNegligible * kNegligible * size.cwiseAbs2()).cwiseSqrt();
-  return covariance.amplitude.array().log().sum() + 3 * logarithms / count;
+  // One amplitude for what a turn of the axes about z mixes: u_x and u_y; u_z; c, by its norm.
+  squares /= static_cast<double>(around.size());
+  const double sideways = (squares(0) + squares(1)) / 2;
+  const double across = (squares(3) + 2 * squares(4) + squares(5)) / 4;
+  squares << sideways, sideways, squares(2), across, across, across;
+  const Compliance least = kNegligible * kNegligible * size.cwiseAbs2();
+  covariance.amplitude = squares.cwiseMax(least).cwiseSqrt();
+  // What does not vary says nothing of lengths.
+  const double varying = (squares.array() > least.array()).cast<double>().sum();
+  return covariance.amplitude.array().log().sum() +
+         varying / 2 * logarithms / static_cast<double>(around.size());
 }
 
 double median(std::vector<double> values) {
@@ -183,8 +192,7 @@ KrigingPrediction predict_compliance(const Surroundings& around, const Covarianc
   to_place = to_place.unaryExpr(&matern);
   // Weights of the values, with sum 1: K^-1 (k + 1 (1 - 1^T K^-1 k) / 1^T K^-1 1)
   const double lack = 1 - system.ones.dot(to_place);
-  const Eigen::VectorXd weights =
-      system.factor.solve(to_place) + lack / system.sum * system.ones;
+  const Eigen::VectorXd weights = system.factor.solve(to_place) + lack / system.sum * system.ones;
   const double variance =
       1 - to_place.dot(system.factor.solve(to_place)) + lack * lack / system.sum;
   return {around.values * weights, std::max(variance, 0.0)};
@@ -201,8 +209,7 @@ Eigen::Matrix<double, 6, 5> kriging_trend(const Surroundings& around, const Comp
   values << value, around.values;
   const System system = make_system(places, covariance);
   const Compliance mean = values * system.ones / system.sum;
-  const Values weights =
-      system.factor.solve((values.colwise() - mean).transpose()).transpose();
+  const Values weights = system.factor.solve((values.colwise() - mean).transpose()).transpose();
   for (Eigen::Index j = 0; j <= count; ++j) {
     const Eigen::Vector2d step = -(covariance.whiten * places.col(j));
     const double a = std::sqrt(5.0) * step.norm(), decay = 5.0 / 3 * std::exp(-a);

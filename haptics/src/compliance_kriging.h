@@ -13,7 +13,7 @@ namespace palpate::haptics {
 /// Contacts with a compliance around a place.
 struct Surroundings {
   std::vector<int> contacts;
-  Eigen::Matrix2Xd places;      ///< [mm] from there, along the x and y axes of the place's frame
+  Eigen::Matrix2Xd places;  ///< [mm] from there, along the x and y axes of the place's frame
   Eigen::Matrix<double, 6, Eigen::Dynamic> values;  ///< compliances of the contacts
 };
 
@@ -27,7 +27,7 @@ struct Surroundings {
                                         const std::vector<std::vector<int>>& neighbours,
                                         std::vector<int> from, const Eigen::Vector3d& place,
                                         const Eigen::Matrix3d& frame, int excluded);
-inline constexpr std::size_t kMaxSurroundings = 24;
+inline constexpr std::size_t kMaxSurroundings = 32;
 
 /// Covariance of compliances along the surface: amplitude^2 (matern(|whiten (x - y)|) + nugget
 /// [x = y]).
@@ -37,17 +37,17 @@ struct Covariance {
   Compliance amplitude = Compliance::Zero();  ///< standard deviations, of each of the six
 };
 
-/// The most likely covariance; amplitudes only of what varies. `spacing` [mm] > 0: typical distance of
-/// neighbours.
+/// The most likely covariance; amplitudes only of what varies. `spacing` [mm] > 0: typical distance
+/// of neighbours.
 [[nodiscard]] Covariance learn_covariance(const std::vector<Surroundings>& around,
                                           const std::vector<Compliance>& values, double spacing);
 
 /// What is known of a model's compliances along its surface.
 struct ComplianceKriging {
   std::vector<std::vector<int>> neighbours;  ///< of each contact
-  std::vector<int> known;             ///< contacts that have a compliance, and others around them
-  std::vector<Surroundings> around;   ///< of each of `known`
-  double spacing = 0;                 ///< [mm] median distance of those to the nearest one; 0 = none
+  std::vector<int> known;            ///< contacts that have a compliance, and others around them
+  std::vector<Surroundings> around;  ///< of each of `known`
+  double spacing = 0;                ///< [mm] median distance of those to the nearest one; 0 = none
   Covariance covariance;
 };
 [[nodiscard]] ComplianceKriging learn_kriging(const Model& model);

@@ -38,14 +38,16 @@ constexpr double kReachRatio = 2;
 std::optional<Eigen::Vector3d> displacement_under(const ForceField& field,
                                                   const Eigen::Vector3d& load, double limit) {
   Eigen::Vector3d x = Eigen::Vector3d::Zero();
-  const auto energy = [&](const Eigen::Vector3d& at) { return potential(field, at) - load.dot(at); };
+  const auto energy = [&](const Eigen::Vector3d& at) {
+    return potential(field, at) - load.dot(at);
+  };
   for (int i = 0; i < kMaxIterations; ++i) {
     const Eigen::Vector3d gradient = force(field, x) - load;
     if (gradient.norm() <= kForceTolerance * load.norm()) return x;
     const Eigen::Matrix3d hessian = stiffness(field, x);
     // Where it is not convex, downhill at least.
-    Eigen::LLT<Eigen::Matrix3d> factor(hessian +
-                                       kLeastStiffness * hessian.norm() * Eigen::Matrix3d::Identity());
+    Eigen::LLT<Eigen::Matrix3d> factor(hessian + kLeastStiffness * hessian.norm() *
+                                                     Eigen::Matrix3d::Identity());
     Eigen::Vector3d step = -gradient / std::max(hessian.norm(), load.norm() / limit);
     if (factor.info() == Eigen::Success && hessian.norm() > 0) step = -factor.solve(gradient);
     if (step.norm() > limit / 2) step *= limit / 2 / step.norm();
@@ -99,15 +101,17 @@ std::optional<ContactCompliance> measure(const ForceField& local_field,
       displacement_under(field, {0, 0, reference_force}, limit);
   if (!displacement || !(displacement->z() > 0)) return std::nullopt;
   const Eigen::Matrix3d there = stiffness(field, *displacement);
-  if (Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(there, Eigen::EigenvaluesOnly).eigenvalues()(0) <=
-      kLeastStiffness * there.norm()) {
+  if (Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(there, Eigen::EigenvaluesOnly)
+          .eigenvalues()(0) <= kLeastStiffness * there.norm()) {
     return std::nullopt;
   }
   const Eigen::Matrix2d across = there.topLeftCorner<2, 2>().inverse();
   ContactCompliance result;
-  result.direction = direction.unaryExpr([](double x) { return round_to_places(x, kDirectionPlaces); });
+  result.direction =
+      direction.unaryExpr([](double x) { return round_to_places(x, kDirectionPlaces); });
   result.values << *displacement, across(0, 0), (across(0, 1) + across(1, 0)) / 2, across(1, 1);
-  result.values = result.values.unaryExpr([](double x) { return round_to_digits(x, kFieldDigits); });
+  result.values =
+      result.values.unaryExpr([](double x) { return round_to_digits(x, kFieldDigits); });
   return result;
 }
 

@@ -60,14 +60,15 @@ Compliance compliance_between(const std::vector<ContactModel>& contacts,
   for (std::size_t k = 0; k < indices.size(); ++k) {
     const ContactModel& contact = contacts[static_cast<std::size_t>(indices[k])];
     if (!contact.compliance) continue;
-    const auto axes = pressing_frames[static_cast<std::size_t>(indices[k])].leftCols<2>().transpose();
+    const auto axes =
+        pressing_frames[static_cast<std::size_t>(indices[k])].leftCols<2>().transpose();
     const Eigen::Vector2d u = axes * (center - contact.position), v = axes * beyond;
     const Eigen::Vector2d step = 2.0 / 3 * u + v;
     mean += weights[k] / sum * contact.compliance->values;
-    change += weights[k] / sum *
-              (contact.compliance->trend.leftCols<2>() * step +
-               curvature(*contact.compliance, u, u) / 6 + curvature(*contact.compliance, u, v) +
-               curvature(*contact.compliance, v, v) / 2);
+    change +=
+        weights[k] / sum *
+        (contact.compliance->trend.leftCols<2>() * step + curvature(*contact.compliance, u, u) / 6 +
+         curvature(*contact.compliance, u, v) + curvature(*contact.compliance, v, v) / 2);
   }
   const double size = relative_change(change, mean);
   if (size > kMaxChange) change *= kMaxChange / size;

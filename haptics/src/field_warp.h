@@ -16,12 +16,11 @@ using Compliance = Eigen::Vector<double, 6>;
 /// The compliance at a place between contacts with weights w_k >= 0, at least one of them known and
 /// of weight > 0; unknown ones do not count. `contacts` and their `pressing_frames` are all of the
 /// model's, `indices` those of the weights. With x the place, m = sum w_k x_k, and u = m - x_k and
-/// v = x - m (shortened to `reach`) along the x and y axes of the pressing frame of contact k, it is
-/// sum w_k (D_k + (2/3) G_k u + (1/6) u^T H_k u + G_k v + u^T H_k v + (1/2) v^T H_k v)
-/// with the gradients G_k and second derivatives H_k of the contacts' trends: exact for cubic
-/// functions of the place inside flat triangles of contacts, quadratic beyond. Where that
-/// differs from sum w_k D_k by more than kMaxChange of it, it is only so far from it.
-/// Real-time safe.
+/// v = x - m (shortened to `reach`) along the x and y axes of the pressing frame of contact k, it
+/// is sum w_k (D_k + (2/3) G_k u + (1/6) u^T H_k u + G_k v + u^T H_k v + (1/2) v^T H_k v) with the
+/// gradients G_k and second derivatives H_k of the contacts' trends: exact for cubic functions of
+/// the place inside flat triangles of contacts, quadratic beyond. Where that differs from sum w_k
+/// D_k by more than kMaxChange of it, it is only so far from it. Real-time safe.
 [[nodiscard]] Compliance compliance_between(const std::vector<ContactModel>& contacts,
                                             std::span<const Eigen::Matrix3d> pressing_frames,
                                             std::span<const int> indices,

@@ -33,7 +33,8 @@ void check_contact(const ContactModel& contact, const std::string& name) {
   const bool positive = values(2) > 0 && values(3) > 0 && values(5) > 0 &&
                         values(3) * values(5) > values(4) * values(4);
   if (!positive || !values.allFinite() || !contact.compliance->trend.allFinite()) {
-    throw InvalidInput(name + ": its compliance must be finite, with u_z > 0 and c positive definite");
+    throw InvalidInput(name +
+                       ": its compliance must be finite, with u_z > 0 and c positive definite");
   }
 }
 

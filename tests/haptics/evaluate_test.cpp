@@ -47,20 +47,62 @@ TEST(LeaveOneOut, PredictsAnObjectThatIsTheSameEverywhere) {
 
 TEST(LeaveOneOut, DoesNotUseTheContactItPredicts) {
   const probing::Acquisition acquisition = flat_acquisition();
-  Model model = sheet_model();  // contacts 10 to 13
-  model.contacts[0].id = 20;
-  for (std::size_t i = 1; i < 4; ++i) model.contacts[i].id = 20 + static_cast<long long>(i);
+  Model model = build_model(acquisition, flat_surface(),
+                            {.fit = {.accuracy = 0.01, .max_bases = 2, .epsilon = 20},
+                             .blend_rule = BlendRule::forces})
+                    .model;
   const LeaveOneOut before = leave_one_out(model, acquisition);
-  model.contacts[0].field = scaled(model.contacts[0].field, 100);
+  model.contacts[4].field = scaled(model.contacts[4].field, 100);
   const LeaveOneOut after = leave_one_out(model, acquisition);
-  EXPECT_EQ(after.per_contact[0].rms, before.per_contact[0].rms);
-  EXPECT_GT(after.per_contact[1].rms, 2 * before.per_contact[1].rms);
+  EXPECT_EQ(after.per_contact[4].rms, before.per_contact[4].rms);
+  EXPECT_GT(after.rms, 2 * before.rms);
+  EXPECT_TRUE(std::isnan(before.per_contact[4].expected));
+  EXPECT_TRUE(before.suggested.empty());
+}
+
+TEST(LeaveOneOut, TellsTheBorderFromTheInteriorAndWhereToProbeMore) {
+  const probing::Acquisition acquisition = flat_acquisition();
+  Model model = build_model(acquisition, flat_surface(),
+                            {.fit = {.accuracy = 0.01, .max_bases = 2, .epsilon = 20}})
+                    .model;
+  int done = 0;
+  const LeaveOneOut errors =
+      leave_one_out(model, acquisition, {.suggestions = 3, .progress = [&](int, int total) {
+                                           ++done;
+                                           EXPECT_EQ(total, 9);
+                                         }});
+  EXPECT_EQ(done, 9);
+  for (std::size_t i = 0; i < 9; ++i) EXPECT_EQ(errors.per_contact[i].at_border, i != 4);
+  EXPECT_EQ(errors.interior_rms, errors.per_contact[4].rms);
+  EXPECT_GT(errors.border_rms, 0);
+  EXPECT_GE(errors.per_contact[4].expected, 0);
+  ASSERT_EQ(errors.suggested.size(), 3u);
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (const ContactModel& contact : model.contacts) {
+      EXPECT_GE((contact.position - errors.suggested[i].position).norm(), 15);
+    }
+    if (i == 0) continue;
+    EXPECT_LE(errors.suggested[i].expected, errors.suggested[i - 1].expected);
+  }
+}
+
+TEST(EvaluateQueries, RefusesAPlaceOffTheSurface) {
+  const Model model = sheet_model();
+  std::vector<Query> queries(2, {{1, 2, 700}, {0, 0, 1}, {0, 0, 1}});
+  queries[1].contact.z() = 697;
+  EXPECT_THAT(refusal([&] { return evaluate_queries(model, queries); }), HasSubstr("query 1 is 3"));
+  EXPECT_EQ(evaluate_queries(model, queries, {.max_distance = 4}).count, 2);
+  EXPECT_THAT(refusal([&] { return evaluate_queries(model, queries, {.max_distance = -1}); }),
+              HasSubstr("max_distance"));
 }
 
 TEST(LeaveOneOut, RefusesAnotherAcquisitionAndTooFewContacts) {
   Model model = sheet_model();
   EXPECT_THAT(refusal([&] { return leave_one_out(model, flat_acquisition()); }),
               HasSubstr("contact 1"));
+  for (std::size_t i = 0; i < 4; ++i) model.contacts[i].id = 20 + static_cast<long long>(i);
+  EXPECT_THAT(refusal([&] { return leave_one_out(model, flat_acquisition()); }),
+              HasSubstr("mm along the surface"));
   model.contacts.pop_back();
   model.triangles.conservativeResize(3, 1);
   EXPECT_THAT(refusal([&] { return leave_one_out(model, flat_acquisition()); }),

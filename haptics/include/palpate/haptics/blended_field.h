@@ -21,9 +21,9 @@ struct FieldWarp {
 
 /// What the model says at one place of the surface, whatever the displacement.
 struct Blend {
-  Eigen::Matrix3d frame = Eigen::Matrix3d::Identity();  ///< of friction; z presses inwards
+  Eigen::Matrix3d frame = Eigen::Matrix3d::Identity();        ///< of friction; z presses inwards
   Eigen::Matrix3d field_frame = Eigen::Matrix3d::Identity();  ///< R_c of `BlendedField`
-  Eigen::Vector3d friction_axis = Eigen::Vector3d::UnitZ();  ///< unit, world
+  Eigen::Vector3d friction_axis = Eigen::Vector3d::UnitZ();   ///< unit, world
   double friction = 0;
   geometry::ContactWeights contacts;  ///< none: no such place, or nothing known there
   /// A_k and beta_k of `BlendedField`, of the first `contacts.count`.
@@ -38,18 +38,17 @@ struct Blend {
 /// With `BlendRule::forces` A_k = I and beta_k = 1: Eq 5.10. That lets a stiff neighbour resist
 /// displacements far beyond its own.
 /// With `BlendRule::compliances` every field is warped to yield to the reference force as the place
-/// does, whose compliance (u, c) is interpolated by the contacts' trends (docs/field.schema.json has the
-/// formula). With (u_k, c_k) that of contact k, beta_k = u_z / u_kz, and A_k = B_k M_k: M_k maps u to
-/// u_k, has the third row (0, 0, 1 / beta_k) and the upper left block
-/// (c_k # c^-1) / sqrt(beta_k), # the geometric mean of matrices; B_k turns from the pressing frame
-/// into the local frame of the contact, which g_k is in.
-/// Either way the force is the gradient of sum_k w_k beta_k p_k(A_k R_c^T delta): energies stay
-/// convex, and nowhere below zero, if the contacts' are; at a contact it is the contact's own field;
-/// and it is continuous along the surface. It is the force of the tool ON THE OBJECT; what a user
-/// feels is its opposite. A place outside all triangles of contacts has the weights that the
-/// triangulation gave it.
-/// Real-time safe once made; thread-safe. A place that is not finite gives zero force; a place off
-/// the surface has the force of the nearest one on it.
+/// does, whose compliance (u, c) is interpolated by the contacts' trends (docs/field.schema.json
+/// has the formula). With (u_k, c_k) that of contact k, beta_k = u_z / u_kz, and A_k = B_k M_k: M_k
+/// maps u to u_k, has the third row (0, 0, 1 / beta_k) and the upper left block (c_k # c^-1) /
+/// sqrt(beta_k), # the geometric mean of matrices; B_k turns from the pressing frame into the local
+/// frame of the contact, which g_k is in. Either way the force is the gradient of sum_k w_k beta_k
+/// p_k(A_k R_c^T delta): energies stay convex, and nowhere below zero, if the contacts' are; at a
+/// contact it is the contact's own field; and it is continuous along the surface. It is the force
+/// of the tool ON THE OBJECT; what a user feels is its opposite. A place outside all triangles of
+/// contacts has the weights that the triangulation gave it. Real-time safe once made; thread-safe.
+/// A place that is not finite gives zero force; a place off the surface has the force of the
+/// nearest one on it.
 class BlendedField {
  public:
   /// \throws InvalidInput if `check_model` refuses.

@@ -26,8 +26,8 @@ struct QueryOptions {
 };
 
 /// Compares a model with forces known at places of its surface.
-/// \throws InvalidInput if there is no query, one is not finite or further than max_distance from the
-/// surface (naming its index), or `check_model` refuses.
+/// \throws InvalidInput if there is no query, one is not finite or further than max_distance from
+/// the surface (naming its index), or `check_model` refuses.
 [[nodiscard]] QueryErrors evaluate_queries(const Model& model, std::span<const Query> queries,
                                            const QueryOptions& options = {});
 
@@ -36,8 +36,8 @@ struct ContactError {
   double rms = 0;         ///< [N] sqrt(mean |error|^2) over its samples
   int samples = 0;
   bool at_border = false;  ///< of the triangulation of all contacts: predicted from one side only
-  /// [N] how far the neighbours disagree: sqrt(mean sum_k w_k |f_k - f|^2) over its samples, f_k what
-  /// the field of neighbour k, of weight w_k, says there alone
+  /// [N] how far the neighbours disagree: sqrt(mean sum_k w_k |f_k - f|^2) over its samples, f_k
+  /// what the field of neighbour k, of weight w_k, says there alone
   double spread = 0;
   /// [N] standard deviation of the normal force at the reference displacement, which kriging of the
   /// neighbours' compliances expects; NaN unless compliances are blended
@@ -51,7 +51,7 @@ struct SuggestedContact {
 };
 
 struct LeaveOneOut {
-  double rms = 0;  ///< [N] sqrt(mean |error|^2) over all samples of all contacts
+  double rms = 0;           ///< [N] sqrt(mean |error|^2) over all samples of all contacts
   double interior_rms = 0;  ///< [N] over the contacts that are not at the border; NaN without any
   double border_rms = 0;    ///< [N] over those that are; NaN without any
   std::vector<ContactError> per_contact;  ///< in the order of the model's contacts
@@ -71,8 +71,7 @@ struct LeaveOneOutOptions {
 /// samples.
 /// \throws InvalidInput if a contact of the model is not in the acquisition, is elsewhere there or
 /// has no samples there, the model has fewer than four contacts, or `check_model` refuses.
-[[nodiscard]] LeaveOneOut leave_one_out(const Model& model,
-                                        const probing::Acquisition& acquisition,
+[[nodiscard]] LeaveOneOut leave_one_out(const Model& model, const probing::Acquisition& acquisition,
                                         const LeaveOneOutOptions& options = {});
 
 }  // namespace palpate::haptics

@@ -29,9 +29,9 @@ struct ContactCompliance {
   /// Unit vector in the contact's local frame: the mean inward normal of the surface around it.
   /// Friction may tilt the z axis of the frame against that; elasticity does not follow.
   Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();
-  /// In the pressing frame: u_x, u_y, u_z [mm], the displacement at which the force of the contact's
-  /// field is (0, 0, F), u_z > 0; c_xx, c_xy, c_yy [mm/N], the inverse of the upper left 2 x 2 block
-  /// of the field's stiffness there, positive definite.
+  /// In the pressing frame: u_x, u_y, u_z [mm], the displacement at which the force of the
+  /// contact's field is (0, 0, F), u_z > 0; c_xx, c_xy, c_yy [mm/N], the inverse of the upper left
+  /// 2 x 2 block of the field's stiffness there, positive definite.
   Eigen::Vector<double, 6> values = Eigen::Vector<double, 6>::Zero();
   /// Derivatives of the values with respect to the place, 6 x 5: d/dx, d/dy, d2/dx2, d2/dxdy,
   /// d2/dy2, along the pressing frame's x and y axes [per mm, per mm^2].

@@ -14,7 +14,9 @@ struct DistancePicture {
   std::string title;
   std::string subtitle;
   double limit = 0;  ///< [mm] the colours span -limit to limit, > 0; beyond, they stay the ends'
-  std::string scale = "signed distance (mm)";  ///< what the colours show, if not distances
+  std::string scale =
+      "signed distance (mm)";  ///< what the scale says: another quantity may be drawn
+  bool one_sided = false;      ///< the colours span 0 to limit instead, from dark to light
 };
 
 /// Draws a surface whose triangles are coloured by a signed distance [mm], one a triangle, as a PNG
