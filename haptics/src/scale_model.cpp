@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "palpate/error.h"
+#include "palpate/haptics/contact_compliance.h"
 #include "palpate/haptics/rotation.h"
 #include "palpate/haptics/transform_field.h"
 
@@ -105,6 +106,13 @@ ScaledModel scale_model(const Model& model, const ScaleModelOptions& options) {
   }
   std::string& before = scaled.made["scaled"];
   before += (before.empty() ? "" : "; ") + description(options);
+  if (scaled.interpolation.rule == BlendRule::compliances) {
+    // Where contacts were pressed with one force they are pressed with another now; with `feel` and
+    // `forces` with the same.
+    const double factor =
+        options.forces == ForceScaling::material ? std::pow(S.determinant(), 2.0 / 3) : 1;
+    scaled = with_compliances(std::move(scaled), factor * scaled.interpolation.reference_force);
+  }
   return result;
 }
 

@@ -10,6 +10,7 @@
 #include "palpate/error.h"
 #include "palpate/geometry/contact_triangulation.h"
 #include "palpate/geometry/surface_query.h"
+#include "palpate/haptics/contact_compliance.h"
 #include "palpate/haptics/rotation.h"
 #include "palpate/haptics/transform_field.h"
 
@@ -83,6 +84,10 @@ TransferredModel transfer_model(const Model& model, const geometry::TriangleMesh
   std::string& before = result.model.made["transferred"];
   before += (before.empty() ? "" : "; ") + std::string("forces: ") + to_string(options.forces) +
             ", " + map.reason;
+  if (result.model.interpolation.rule == BlendRule::compliances) {
+    const double force = result.model.interpolation.reference_force;
+    result.model = with_compliances(std::move(result.model), force);
+  }
   return result;
 }
 
