@@ -101,21 +101,29 @@ Covariance to_covariance(const Parameters& parameters, const Eigen::Matrix2d& di
   return covariance;
 }
 
-// Sets the most likely amplitudes; returns minus the logarithm of the likelihood, per value.
+// Sets the most likely amplitudes; returns minus the logarithm of the likelihood of each contact
+// together with those around it, their unknown mean integrated out, per value.
 double fit_amplitudes(const std::vector<Surroundings>& around,
                       const std::vector<Compliance>& values, const Compliance& size,
                       Covariance& covariance) {
   Compliance squares = Compliance::Zero();
-  double logarithms = 0;
+  double logarithms = 0, count = 0;
   for (std::size_t i = 0; i < around.size(); ++i) {
-    const KrigingPrediction predicted = predict_compliance(around[i], covariance);
-    // A value has its own noise, too.
-    const double variance = predicted.variance + covariance.nugget;
-    squares += (values[i] - predicted.value).cwiseAbs2() / variance;
-    logarithms += std::log(variance);
+    const Eigen::Index others = around[i].places.cols();
+    Eigen::Matrix2Xd places(2, others + 1);
+    places << Eigen::Vector2d::Zero(), around[i].places;
+    Values all(6, others + 1);
+    all << values[i], around[i].values;
+    const System system = make_system(places, covariance);
+    all.colwise() -= Compliance(all * system.ones / system.sum);
+    const Eigen::MatrixXd white = system.factor.matrixL().solve(all.transpose());
+    squares += white.colwise().squaredNorm().transpose();
+    const Eigen::MatrixXd lower = system.factor.matrixL();
+    logarithms += 2 * lower.diagonal().array().log().sum() + std::log(system.sum);
+    count += static_cast<double>(others);
   }
   // One amplitude for what a turn of the axes about z mixes: u_x and u_y; u_z; c, by its norm.
-  squares /= static_cast<double>(around.size());
+  squares /= count;
   const double sideways = (squares(0) + squares(1)) / 2;
   const double across = (squares(3) + 2 * squares(4) + squares(5)) / 4;
   squares << sideways, sideways, squares(2), across, across, across;
@@ -123,8 +131,7 @@ double fit_amplitudes(const std::vector<Surroundings>& around,
   covariance.amplitude = squares.cwiseMax(least).cwiseSqrt();
   // What does not vary says nothing of lengths.
   const double varying = (squares.array() > least.array()).cast<double>().sum();
-  return covariance.amplitude.array().log().sum() +
-         varying / 2 * logarithms / static_cast<double>(around.size());
+  return covariance.amplitude.array().log().sum() + varying / 2 * logarithms / count;
 }
 
 double median(std::vector<double> values) {

@@ -83,7 +83,7 @@ TEST(LearnCovariance, FindsAlongWhichDirectionCompliancesChange) {
     value << 0, 0, 20 + 5 * std::sin(0.08 * along), 1, 0, 4 + std::cos(0.08 * along);
     return value;
   };
-  const Eigen::Matrix3Xd places = random_points(50, 12);
+  const Eigen::Matrix3Xd places = random_points(12, 50);
   for (const auto& at : places.colwise()) {
     const Eigen::Vector2d middle = at.head<2>();
     around.push_back(grid(middle));

@@ -51,7 +51,7 @@ inline Model some_model() {
   model.contacts[1].compliance.emplace();
   model.contacts[1].compliance->direction = Eigen::Vector3d(0.1, -0.2, 1).normalized();
   model.contacts[1].compliance->values << 0.3, -0.7, 11.1, 1.3, -0.2, 0.9;
-  model.contacts[1].compliance->trend.setRandom();
+  model.contacts[1].compliance->trend.setConstant(-0.1 / 3);
   model.contacts[3].field.bases[0].weight = -0.0;
   model.surface_weights = geometry::project_weights(model.surface, contact_mesh(model));
   return model;
