@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -8,6 +9,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "command_line.h"
@@ -40,6 +42,26 @@ struct FitCall {
   bool resume = false;
 };
 
+/// Which contacts have no friction of their own, one line for each reason.
+void tell_friction(const haptics::BuildResult& built) {
+  std::map<std::string, std::vector<long long>> undetermined;
+  bool from_others = false;
+  for (std::size_t i = 0; i < built.contacts.size(); ++i) {
+    const haptics::FrictionFit& friction = built.contacts[i].friction;
+    if (friction.stop == haptics::FrictionStop::converged) continue;
+    undetermined[haptics::to_string(friction.stop)].push_back(built.contacts[i].id);
+    from_others = from_others || built.model.contacts[i].friction_source ==
+                                     haptics::FrictionSource::other_contacts;
+  }
+  for (const auto& [stop, contacts] : undetermined) {
+    spdlog::warn("{} of {} contacts do not determine their friction, {}: {}", contacts.size(),
+                 built.contacts.size(), stop, fmt::join(contacts, ", "));
+  }
+  if (from_others) {
+    spdlog::warn("those take the mean of the other contacts' friction, or their own lower bound.");
+  }
+}
+
 void tell(const haptics::BuildResult& built) {
   spdlog::info("the contacts lie {:.3f} mm from the surface (RMS); registration: {}",
                built.distance_rms, haptics::to_string(built.registration));
@@ -51,12 +73,7 @@ void tell(const haptics::BuildResult& built) {
         "there.",
         id);
   }
-  for (const haptics::ContactModel& contact : built.model.contacts) {
-    if (contact.friction_source == haptics::FrictionSource::none) {
-      spdlog::warn("no contact has samples that determine its friction: the model has none.");
-      break;
-    }
-  }
+  tell_friction(built);
   if (built.surface_flipped)
     spdlog::warn("the surface's triangles were turned over to face the contacts' normals.");
 }
@@ -156,6 +173,9 @@ void fit(const Settings& settings, FitCall call) {
                            {"rms", contact.rms},
                            {"bases", bases},
                            {"friction", contact.friction},
+                           {"friction_error", contact.friction_error},
+                           {"friction_lower_bound", contact.friction_lower_bound},
+                           {"friction_stop", haptics::to_string(built.contacts[i].friction.stop)},
                            {"samples", contact.samples},
                            {"stop", contact.fit_stop},
                            {"passive", haptics::to_string(found.certificate.passivity)},
@@ -164,9 +184,10 @@ void fit(const Settings& settings, FitCall call) {
                            {"outliers", found.outliers},
                            {"condition", found.condition}});
     prose += fmt::format(
-        "  contact {}: RMS {:.4f} N with {} bases from {} samples, friction {:.3f}, {}, "
-        "passivity: {}\n",
-        contact.id, contact.rms, bases, contact.samples, contact.friction, contact.fit_stop,
+        "  contact {}: RMS {:.4f} N with {} bases from {} samples, friction {:.3f} +- {:.3f} (>= "
+        "{:.3f}), {}, passivity: {}\n",
+        contact.id, contact.rms, bases, contact.samples, contact.friction, contact.friction_error,
+        contact.friction_lower_bound, contact.fit_stop,
         haptics::to_string(found.certificate.passivity));
   }
   const geometry::ErrorStatistics statistics = geometry::error_statistics(rms);

@@ -153,17 +153,22 @@ std::vector<ClosestPoint> place_contacts(const std::vector<probing::Contact>& co
   return places;
 }
 
-// The directions of pressing and of friction, in the frame of the acquisition.
-void fit_friction(const probing::Contact& contact, std::span<const probing::Sample> samples,
-                  ContactModel& model, ContactReport& report) {
-  report.cone = fit_cone(boundary_forces(contact, samples));
+// The directions of pressing and of friction, in the frame of the acquisition, and what is known of
+// the coefficient.
+void learn_friction(const probing::Contact& contact, std::span<const probing::Sample> samples,
+                    const FrictionOptions& options, ContactModel& model, ContactReport& report) {
+  const FrictionFit& fit = report.friction =
+      fit_friction(friction_trials(contact, samples), contact.normal, options);
   const bool measured =
-      report.cone.stop == ConeStop::converged && report.cone.cone.axis.dot(contact.normal) < 0;
+      (fit.stop == FrictionStop::converged || fit.stop == FrictionStop::frictionless) &&
+      std::isfinite(fit.coefficient_error) && fit.axis.dot(contact.normal) < 0;
   const Eigen::Vector3d pressing =
-      measured ? report.cone.cone.axis : Eigen::Vector3d(-contact.normal.normalized());
+      measured ? fit.axis : Eigen::Vector3d(-contact.normal.normalized());
   model.frame.col(2) = pressing;
   model.friction_source = measured ? FrictionSource::samples : FrictionSource::none;
-  model.friction = measured ? report.cone.cone.slope : 0;
+  model.friction = measured ? fit.coefficient : 0;
+  model.friction_error = measured ? fit.coefficient_error : 0;
+  model.friction_lower_bound = fit.lower_bound;
   const std::optional<Eigen::Vector3d> axis = friction_axis(contact, samples);
   model.friction_axis = axis && axis->dot(pressing) >= kMinAxisCosine ? *axis : pressing;
 }
@@ -194,8 +199,8 @@ FitResult fit_field(const ForceSamples& samples, const ContactModel& model,
 void fit_contacts(const Probed& probed, const BuildOptions& options, BuildResult& result) {
   const std::size_t count = probed.contacts.size();
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
-    fit_friction(probed.contacts[i], probed.samples.of(probed.places[i]), result.model.contacts[i],
-                 result.contacts[i]);
+    learn_friction(probed.contacts[i], probed.samples.of(probed.places[i]), options.friction,
+                   result.model.contacts[i], result.contacts[i]);
   });
   choose_frames(result.model);
   const Eigen::Matrix3d to_surface = result.model.T_surface_acquisition.linear();
@@ -227,19 +232,27 @@ void fit_contacts(const Probed& probed, const BuildOptions& options, BuildResult
 }
 
 void fill_in_friction(Model& model) {
-  double sum = 0;
-  int measured = 0;
+  std::vector<double> measured;
   for (const ContactModel& contact : model.contacts) {
-    if (contact.friction_source != FrictionSource::samples) continue;
-    sum += contact.friction;
-    ++measured;
+    if (contact.friction_source == FrictionSource::samples) measured.push_back(contact.friction);
   }
-  if (measured == 0) return;
+  const Eigen::Map<const Eigen::ArrayXd> values(measured.data(),
+                                                static_cast<Eigen::Index>(measured.size()));
+  const double mean = measured.empty() ? 0 : values.mean();
+  const double scatter =
+      measured.size() < 2
+          ? 0
+          : std::sqrt((values - mean).square().sum() / static_cast<double>(measured.size() - 1));
   for (ContactModel& contact : model.contacts) {
     if (contact.friction_source == FrictionSource::samples) continue;
-    contact.friction = sum / measured;
+    contact.friction = std::max(mean, contact.friction_lower_bound);
+    contact.friction_error = scatter;
+    // A lower bound of its own is a cautious coefficient (thesis 5.4.1).
+    if (!measured.empty())
+      contact.friction_source = FrictionSource::other_contacts;
+    else if (contact.friction > 0)
+      contact.friction_source = FrictionSource::samples;
     contact = rounded(std::move(contact));
-    contact.friction_source = FrictionSource::other_contacts;
   }
 }
 

@@ -2,210 +2,242 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/haptics/friction_cone.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <algorithm>
+#include <boost/math/tools/toms748_solve.hpp>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <string>
-#include <vector>
 
 #include "palpate/error.h"
 #include "palpate/haptics/rotation.h"
+#include "slip_intervals.h"
+#include "slip_likelihood.h"
 
 namespace palpate::haptics {
 namespace {
 
-constexpr int kMinVectors = 5;  // three unknowns and something to check them with
-// The directions around the axis must spread in the plane across it: smaller over larger principal
-// value of their spread. A half circle has about 0.19.
-constexpr double kMinSpread = 0.1;
-constexpr int kMaxIterations = 100;
-constexpr double kFirstDamping = 1e-3;  // of the mean curvature of the squares; adapts from there
-constexpr double kSettled = 1e-10;      // [rad] last change of axis and angle
-// Huber's threshold in standard deviations: 95 % efficient on normal errors (Huber 1981).
-constexpr double kHuber = 1.345;
-constexpr double kDeviationToSigma = 1.4826;  // median absolute deviation of normal errors
-// Two samples have the same tangential direction iff the cosine between them is above this (2.5
-// degrees); an arm probes in 8 or so directions.
-constexpr double kSameDirection = 0.999;
+constexpr double kPlateau = 3;     // see least_noise
+constexpr int kMinDirections = 4;  // three unknowns and one to check them with
+constexpr int kMinLevels = 2;
+// [rad] An axis is determined iff its standard error is at most this (3 degrees): else the
+// directions lie all to one side.
+constexpr double kMaxAxisError = 0.05;
+// The search begins with both ends of the intervals alone and the noise at this part of their
+// median force: nearly least squares of their middles. It divides the noise by kCooling until it is
+// that of the forces.
+constexpr double kFirstNoise = 0.3;
+constexpr double kCooling = 4;
+// One-sided 95 % quantile of the normal distribution: of the signed root of twice the logarithm of
+// a likelihood ratio.
+constexpr double kBoundQuantile = 1.645;
+constexpr double kFirstStep = 0.1;        // [rad] in search of it where nothing slipped
+constexpr double kBoundTolerance = 1e-5;  // [rad] of the angle of the lower bound
+constexpr double kRightAngle = std::numbers::pi / 2;
 
-// Cone in the frame of a direction near its axis: tilt (u, v) and half angle.
-struct Parameters {
-  Eigen::Matrix3d frame;  // third column: the axis
-  double angle;
-};
-
-// Signed distance of a vector to the cone, and its derivatives for a small tilt of the axis in the
-// frame and a change of the angle.
-struct Residual {
-  double value;
-  Eigen::Vector3d slope;
-
-  Residual(const Eigen::Vector3d& vector, const Parameters& cone) {
-    const Eigen::Vector3d v = cone.frame.transpose() * vector;
-    const double across = std::hypot(v.x(), v.y());
-    const double cosine = std::cos(cone.angle), sine = std::sin(cone.angle);
-    value = cosine * across - sine * v.z();
-    const Eigen::Vector2d outwards =
-        across > 0 ? Eigen::Vector2d(v.head<2>() / across) : Eigen::Vector2d::Zero();
-    // axis -> axis + tilt: v.z grows by tilt . v_xy, |v_xy| shrinks by v.z tilt . outwards
-    slope.head<2>() = -cosine * v.z() * outwards - sine * v.head<2>();
-    slope[2] = -sine * across - cosine * v.z();
-  }
-};
-
-Eigen::Matrix3d frame_of(const Eigen::Vector3d& axis) {
-  return rotation_between(Eigen::Vector3d::UnitZ(), axis);
+double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b));
 }
 
-double median(std::vector<double> values) {
+template <typename Measure>
+double median(std::span<const SlipInterval> intervals, Measure measure) {
+  std::vector<double> values;
+  for (const SlipInterval& interval : intervals) values.push_back(measure(interval));
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
 }
 
-std::vector<double> distances(const Eigen::Ref<const Eigen::Matrix3Xd>& vectors,
-                              const Parameters& cone) {
-  std::vector<double> result;
-  for (const auto& vector : vectors.colwise()) result.push_back(Residual(vector, cone).value);
-  return result;
+// The noise below which the likelihood becomes a plateau with steps: n intervals with a
+// width w leave about w / n between the ends nearest to the boundary. 3: some ends feel it.
+double least_noise(std::span<const SlipInterval> intervals, double force_noise) {
+  const double width = median(intervals, [](const SlipInterval& interval) {
+    return (interval.slipped - interval.held).norm();
+  });
+  return std::max(force_noise, kPlateau * width / static_cast<double>(intervals.size()));
 }
 
-// Threshold between small and large distances, from their median.
-double huber_threshold(std::vector<double> values) {
-  for (double& value : values) value = std::abs(value);
-  return kHuber * kDeviationToSigma * median(std::move(values));
-}
-
-double huber_cost(const std::vector<double>& values, double threshold) {
-  double cost = 0;
-  for (const double value : values) {
-    const double size = std::abs(value);
-    cost += size <= threshold ? size * size / 2 : threshold * (size - threshold / 2);
+SlipOptimum fit_cone(std::span<const FrictionTrial> trials, std::span<const SlipInterval> intervals,
+                     const Eigen::Vector3d& pressing, double noise) {
+  SlipCone cone{.frame = rotation_between(Eigen::Vector3d::UnitZ(), pressing)};
+  cone.angle = median(intervals, [&](const SlipInterval& interval) {
+    return angle_between(interval.held + interval.slipped, pressing);
+  });
+  cone.noise = kFirstNoise * median(intervals, [](const SlipInterval& interval) {
+                 return (interval.held + interval.slipped).norm() / 2;
+               });
+  std::vector<FrictionTrial> ends;
+  for (const SlipInterval& interval : intervals) {
+    ends.push_back({interval.held, false});
+    ends.push_back({interval.slipped, true});
   }
-  return cost;
-}
-
-// Levenberg-Marquardt on iteratively reweighted squares; false if it did not settle.
-bool minimise(const Eigen::Ref<const Eigen::Matrix3Xd>& vectors, double threshold,
-              Parameters& cone) {
-  double damping = kFirstDamping, cost = huber_cost(distances(vectors, cone), threshold);
-  for (int i = 0; i < kMaxIterations; ++i) {
-    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
-    for (const auto& vector : vectors.colwise()) {
-      const Residual residual(vector, cone);
-      const double size = std::abs(residual.value);
-      const double weight = size <= threshold ? 1 : threshold / size;
-      normal += weight * residual.slope * residual.slope.transpose();
-      gradient += weight * residual.value * residual.slope;
-    }
-    // Three well-scaled unknowns (angles): normal equations lose nothing here.
-    const Eigen::Matrix3d damped =
-        normal + damping * normal.trace() / 3 * Eigen::Matrix3d::Identity();
-    const Eigen::Vector3d step = -damped.ldlt().solve(gradient);
-    if (!step.allFinite()) return false;
-    Parameters next = cone;
-    next.frame = cone.frame * rotation_exp({-step.y(), step.x(), 0});
-    next.angle = cone.angle + step.z();
-    const double next_cost = huber_cost(distances(vectors, next), threshold);
-    if (next_cost <= cost) {
-      cone = next;
-      cost = next_cost;
-      damping /= 10;
-    } else {
-      damping *= 10;
-    }
-    if (step.norm() < kSettled) return true;
+  for (; cone.noise > noise; cone.noise /= kCooling) {
+    cone = maximise_likelihood(ends, cone, FreeParameters::axis_angle, noise).cone;
   }
-  return false;
+  cone.noise = noise;
+  cone = maximise_likelihood(trials, cone, FreeParameters::axis_angle, noise).cone;
+  return maximise_likelihood(trials, cone, FreeParameters::axis_angle_noise, noise);
 }
 
-bool directions_spread(const Eigen::Ref<const Eigen::Matrix3Xd>& vectors,
-                       const Eigen::Vector3d& axis) {
-  const Eigen::Matrix3d frame = frame_of(axis);
-  Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
-  Eigen::Vector2d mean = Eigen::Vector2d::Zero();
-  const double count = static_cast<double>(vectors.cols());
-  for (const auto& vector : vectors.colwise()) {
-    const Eigen::Vector2d across = (frame.transpose() * vector).head<2>().normalized();
-    spread += across * across.transpose() / count;
-    mean += across / count;
+// The least angle of a cone that is as likely as kBoundQuantile asks, over all axes. `best` is the
+// most likely one.
+double least_angle(std::span<const FrictionTrial> trials, const SlipOptimum& best,
+                   double first_step) {
+  SlipCone feasible = best.cone;  // the nearest cone known from which to look for the axis
+  const auto excess = [&](double angle) {
+    SlipCone cone = feasible;
+    cone.angle = angle;
+    const SlipOptimum found = maximise_likelihood(trials, cone, FreeParameters::axis, cone.noise);
+    const double root = std::sqrt(2 * std::max(found.cost - best.cost, 0.0));
+    if (root <= kBoundQuantile && angle < feasible.angle) feasible = found.cone;
+    return root - kBoundQuantile;
+  };
+  const double at_best = excess(best.cone.angle);
+  if (at_best >= 0) return best.cone.angle;
+  // Down in steps that grow, until it is too narrow.
+  double high = best.cone.angle, low = high, at_high = at_best, at_low = at_best;
+  for (double step = first_step; at_low < 0; step *= 2) {
+    if (low <= 0) return 0;
+    high = low;
+    at_high = at_low;
+    low = std::max(0.0, high - step);
+    at_low = excess(low);
   }
-  spread -= mean * mean.transpose();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(spread, Eigen::EigenvaluesOnly);
-  return eigen.eigenvalues()[0] >= kMinSpread * eigen.eigenvalues()[1];
+  std::uintmax_t evaluations = 50;
+  return boost::math::tools::toms748_solve(
+             excess, low, high, at_low, at_high,
+             [](double a, double b) { return b - a < kBoundTolerance; }, evaluations)
+      .first;
 }
 
-// The axis to start from: each vector counts alike, however long.
-Eigen::Vector3d mean_direction(const Eigen::Ref<const Eigen::Matrix3Xd>& vectors) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const auto& vector : vectors.colwise()) sum += vector.normalized();
-  return sum.normalized();
+// The same from nothing but forces that held: the narrowest cone around them.
+double least_angle_of_held(std::span<const FrictionTrial> trials, const Eigen::Vector3d& pressing,
+                           double noise) {
+  std::vector<FrictionTrial> held;
+  SlipOptimum wide{.cone = {.frame = rotation_between(Eigen::Vector3d::UnitZ(), pressing),
+                            .angle = kRightAngle,
+                            .noise = noise}};
+  for (const FrictionTrial& trial : trials) {
+    if (!trial.slipped) held.push_back(trial);
+  }
+  wide.cost = slip_cost(held, wide.cone);
+  return held.empty() ? 0 : least_angle(held, wide, kFirstStep);
+}
+
+void check(std::span<const FrictionTrial> trials, const Eigen::Vector3d& normal,
+           const FrictionOptions& options) {
+  if (!(options.force_noise > 0) || !std::isfinite(options.force_noise)) {
+    throw InvalidInput("fit_friction(): force_noise is " + std::to_string(options.force_noise) +
+                       " N; it must be > 0");
+  }
+  if (!(normal.norm() > 0) || !normal.allFinite()) {
+    throw InvalidInput("fit_friction(): the normal must be finite and not zero");
+  }
+  for (std::size_t i = 0; i < trials.size(); ++i) {
+    if (trials[i].force.allFinite()) continue;
+    throw InvalidInput("fit_friction(): the force of trial " + std::to_string(i) +
+                       " is not finite; leave it out");
+  }
+}
+
+// Writes what the most likely cone says.
+void take(std::span<const FrictionTrial> trials, const SlipOptimum& best, double least_noise,
+          FrictionFit& fit) {
+  fit.coefficient = std::tan(best.cone.angle);
+  fit.axis = best.cone.frame.col(2);
+  fit.noise = best.cone.noise;
+  // With the noise at its lower end nothing is known to be lost by not knowing it.
+  const int unknowns = best.cone.noise > least_noise ? 4 : 3;
+  const Eigen::FullPivLU<Eigen::MatrixXd> information(
+      best.information.topLeftCorner(unknowns, unknowns));
+  // No trial near the boundary tells nothing about it.
+  const Eigen::MatrixXd covariance =
+      information.isInvertible()
+          ? Eigen::MatrixXd(information.inverse())
+          : Eigen::MatrixXd::Constant(unknowns, unknowns, std::numeric_limits<double>::infinity());
+  const double angle_error = std::sqrt(covariance(2, 2));
+  fit.axis_error = std::sqrt(covariance(0, 0) + covariance(1, 1));
+  fit.coefficient_error = angle_error * (1 + fit.coefficient * fit.coefficient);
+  const double step = std::clamp(kBoundQuantile * angle_error, kBoundTolerance, kFirstStep);
+  fit.lower_bound = std::tan(least_angle(trials, best, step));
 }
 
 }  // namespace
 
-ConeFit fit_cone(const Eigen::Ref<const Eigen::Matrix3Xd>& vectors) {
-  ConeFit fit;
-  for (Eigen::Index i = 0; i < vectors.cols(); ++i) {
-    if (!vectors.col(i).allFinite()) {
-      throw InvalidInput("fit_cone(): vector " + std::to_string(i) +
-                         " is not finite; leave it out");
-    }
+const char* to_string(FrictionStop stop) {
+  switch (stop) {
+    case FrictionStop::converged:
+      return "converged";
+    case FrictionStop::too_few_directions:
+      return "too_few_directions";
+    case FrictionStop::too_few_levels:
+      return "too_few_levels";
+    case FrictionStop::never_slipped:
+      return "never_slipped";
+    case FrictionStop::frictionless:
+      return "frictionless";
+    case FrictionStop::not_converged:
+      return "not_converged";
   }
-  fit.cone.samples = static_cast<int>(vectors.cols());
-  const Eigen::Vector3d start = mean_direction(vectors);
-  if (vectors.cols() < kMinVectors || !(start.norm() > 0) || !directions_spread(vectors, start)) {
-    return fit;
-  }
-  Parameters cone{frame_of(start), 0};
-  std::vector<double> angles;
-  for (const auto& vector : vectors.colwise()) {
-    const Eigen::Vector3d v = cone.frame.transpose() * vector;
-    angles.push_back(std::atan2(v.head<2>().norm(), v.z()));
-  }
-  cone.angle = median(std::move(angles));
-  // Plain squares first, then against outliers with the scale of the distances that are left.
-  constexpr double kNoThreshold = std::numeric_limits<double>::infinity();
-  bool settled = minimise(vectors, kNoThreshold, cone);
-  const double threshold = huber_threshold(distances(vectors, cone));
-  if (settled && threshold > 0) settled = minimise(vectors, threshold, cone);
-  fit.cone.axis = cone.frame.col(2);
-  fit.cone.slope = std::tan(cone.angle);
-  double sum = 0;
-  for (const double distance : distances(vectors, cone)) sum += distance * distance;
-  fit.cone.rms = std::sqrt(sum / static_cast<double>(vectors.cols()));
-  const bool is_cone = cone.angle >= 0 && cone.angle < std::acos(0.0);
-  fit.stop = settled && is_cone ? ConeStop::converged : ConeStop::not_converged;
-  return fit;
+  return "unknown";
 }
 
-Eigen::Matrix3Xd boundary_forces(const probing::Contact& contact,
-                                 std::span<const probing::Sample> samples) {
-  const Eigen::Vector3d normal = contact.normal.normalized();
-  const auto tangential = [&](const probing::Sample& sample) -> Eigen::Vector3d {
-    return sample.force - sample.force.dot(normal) * normal;
-  };
-  std::vector<Eigen::Vector3d> forces;
-  for (const probing::Sample& held : samples) {
-    if (held.contact != contact.id || !held.on_friction_boundary) continue;
-    const Eigen::Vector3d held_force = tangential(held);
-    const probing::Sample* next = nullptr;
-    for (const probing::Sample& other : samples) {
-      if (other.contact != contact.id || other.group != held.group || !other.slipped) continue;
-      const Eigen::Vector3d force = tangential(other);
-      if (held_force.dot(force) < kSameDirection * held_force.norm() * force.norm()) continue;
-      if (force.norm() < held_force.norm()) continue;
-      if (!next || force.norm() < tangential(*next).norm()) next = &other;
-    }
-    forces.push_back(next ? Eigen::Vector3d((held.force + next->force) / 2) : held.force);
+std::vector<FrictionTrial> friction_trials(const probing::Contact& contact,
+                                           std::span<const probing::Sample> samples) {
+  std::vector<FrictionTrial> trials;
+  for (const probing::Sample& sample : samples) {
+    if (sample.contact == contact.id) trials.push_back({sample.force, sample.slipped});
   }
-  Eigen::Matrix3Xd result(3, static_cast<Eigen::Index>(forces.size()));
-  for (std::size_t i = 0; i < forces.size(); ++i)
-    result.col(static_cast<Eigen::Index>(i)) = forces[i];
-  return result;
+  return trials;
+}
+
+FrictionFit fit_friction(std::span<const FrictionTrial> trials, const Eigen::Vector3d& normal,
+                         const FrictionOptions& options) {
+  check(trials, normal, options);
+  const Eigen::Vector3d pressing = -normal.normalized();
+  FrictionFit fit;
+  fit.axis = pressing;
+  fit.noise = options.force_noise;
+  std::vector<FrictionTrial> used;
+  for (const FrictionTrial& trial : trials) {
+    // Where the tool pulls, contact is lost, and nothing can slip or hold.
+    if (trial.force.dot(pressing) > 0) used.push_back(trial);
+  }
+  const std::vector<SlipInterval> intervals = slip_intervals(used, pressing, options.force_noise);
+  fit.vectors = static_cast<int>(intervals.size());
+  fit.directions = count_directions(intervals);
+  fit.levels = count_levels(intervals);
+  // What is known where the cone is not determined.
+  const auto only_bound = [&](FrictionStop stop) {
+    fit.lower_bound = std::tan(least_angle_of_held(used, pressing, fit.noise));
+    fit.stop = stop;
+    return fit;
+  };
+  if (std::none_of(used.begin(), used.end(), [](const auto& trial) { return trial.slipped; })) {
+    return only_bound(FrictionStop::never_slipped);
+  }
+  if (fit.directions < kMinDirections) return only_bound(FrictionStop::too_few_directions);
+  const double noise = least_noise(intervals, options.force_noise);
+  const SlipOptimum best = fit_cone(used, intervals, pressing, noise);
+  if (!best.converged || best.cone.angle >= kRightAngle) {
+    return only_bound(FrictionStop::not_converged);
+  }
+  take(used, best, noise, fit);
+  double largest_normal = 0;
+  for (const FrictionTrial& trial : used) {
+    largest_normal = std::max(largest_normal, trial.force.dot(pressing));
+  }
+  if (fit.lower_bound * largest_normal <= options.force_noise) {
+    fit.stop = FrictionStop::frictionless;
+  } else if (!(fit.axis_error <= kMaxAxisError)) {
+    fit.stop = FrictionStop::too_few_directions;
+  } else {
+    fit.stop = fit.levels < kMinLevels ? FrictionStop::too_few_levels : FrictionStop::converged;
+  }
+  if (!(fit.axis_error <= kMaxAxisError)) fit.axis = pressing;
+  return fit;
 }
 
 std::optional<Eigen::Vector3d> friction_axis(const probing::Contact& contact,

@@ -23,6 +23,13 @@ void check_contact(const ContactModel& contact, const std::string& name) {
     throw InvalidInput(name + ": its friction coefficient is " + std::to_string(contact.friction) +
                        "; it must be finite and >= 0");
   }
+  if (!(contact.friction_error >= 0 && contact.friction_lower_bound >= 0) ||
+      !std::isfinite(contact.friction_error + contact.friction_lower_bound)) {
+    throw InvalidInput(name + ": the error and the lower bound of its friction coefficient are " +
+                       std::to_string(contact.friction_error) + " and " +
+                       std::to_string(contact.friction_lower_bound) +
+                       "; they must be finite and >= 0");
+  }
   check_force_field(contact.field, name.c_str());
   if (!contact.compliance) return;
   const Eigen::Vector<double, 6>& values = contact.compliance->values;

@@ -138,18 +138,29 @@ TEST(BuildModel, TurnsTheSurfaceOverIfItIsSeenFromInside) {
 TEST(BuildModel, LeavesOutContactsWithoutSamplesAndBorrowsFriction) {
   probing::Acquisition acquisition = flat_acquisition(0.6);
   std::erase_if(acquisition.samples, [](const probing::Sample& s) { return s.contact == 24; });
-  for (probing::Sample& sample : acquisition.samples) {
-    if (sample.contact == 20) sample.on_friction_boundary = false;
-  }
+  std::erase_if(acquisition.samples, [](const auto& s) { return s.contact == 20 && s.slipped; });
   const BuildResult result = build_model(acquisition, flat_surface(), kQuick);
   EXPECT_THAT(result.without_samples, ElementsAre(24));
   EXPECT_EQ(result.model.contacts.size(), 8u);
   EXPECT_EQ(result.model.contacts[0].friction_source, FrictionSource::other_contacts);
   EXPECT_NEAR(result.model.contacts[0].friction, 0.6, 1e-6);
-  EXPECT_EQ(result.contacts[0].cone.stop, ConeStop::not_determined);
+  EXPECT_EQ(result.contacts[0].friction.stop, FrictionStop::never_slipped);
+  // Forces held up to 0.99 of the limit, with some noise of 0.01 N on 3.5 N.
+  EXPECT_NEAR(result.model.contacts[0].friction_lower_bound, 0.6, 0.02);
   acquisition.samples.clear();
   EXPECT_THAT(refusal([&] { return build_model(acquisition, flat_surface(), kQuick); }),
               HasSubstr("at least three"));
+}
+
+TEST(BuildModel, TakesTheLowerBoundOfFrictionWhereNothingSlipped) {
+  probing::Acquisition acquisition = flat_acquisition(0.6);
+  std::erase_if(acquisition.samples, [](const probing::Sample& s) { return s.slipped; });
+  for (const ContactModel& contact :
+       build_model(acquisition, flat_surface(), kQuick).model.contacts) {
+    EXPECT_EQ(contact.friction_source, FrictionSource::samples);
+    EXPECT_NEAR(contact.friction, contact.friction_lower_bound, 1e-3);  // as it is stored
+    EXPECT_NEAR(contact.friction, 0.6, 0.02);
+  }
 }
 
 TEST(BuildModel, RefusesBadOptionsAndAcquisitions) {

@@ -5,78 +5,179 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <random>
+
 #include "haptics_testing.h"
 
 namespace palpate::haptics {
 namespace {
 
-const Eigen::Vector3d kAxis = Eigen::Vector3d(0.2, -0.1, 0.9).normalized();
+const Eigen::Vector3d kNormal(0, 0, -1);
+const Eigen::Vector3d kAxis = Eigen::Vector3d(0.1, -0.05, 0.9).normalized();
+constexpr double kForceNoise = 0.01;
 
-// Vectors on a cone about kAxis, at `count` directions over `range` and three heights.
-Eigen::Matrix3Xd cone_vectors(double slope, int count, double range = 2 * std::numbers::pi) {
-  const Eigen::Vector3d u = kAxis.unitOrthogonal(), v = kAxis.cross(u);
-  Eigen::Matrix3Xd vectors(3, 3 * count);
-  for (int i = 0; i < vectors.cols(); ++i) {
-    const double angle = range * (i / 3) / count, height = 0.3 + (i % 3);
-    vectors.col(i) = height * (kAxis + slope * (std::cos(angle) * u + std::sin(angle) * v));
+struct Probing {
+  double friction = 0.7;
+  Eigen::Vector3d axis = kAxis;
+  int directions = 8;
+  double range = 2 * std::numbers::pi;  ///< [rad] that the directions are spread over
+  std::vector<double> levels = {0.15, 0.5, 1.1, 2, 3};
+  double noise = kForceNoise;
+  double mistaken = 0;  ///< part of the trials whose slip is told wrongly
+  double most = 3.3;    ///< [N] tangential force tried first
+};
+
+// What an arm tries that presses along the geometric normal and halves the interval of the
+// tangential force in each direction to 0.05 N (thesis 4.3). Independent of the fit: the physical
+// condition |f_T| > friction f_N with noise on each component of the force.
+std::vector<FrictionTrial> probe(const Probing& with, unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> noise(0, with.noise);
+  std::uniform_real_distribution<double> uniform;
+  std::vector<FrictionTrial> trials;
+  const auto slips = [&](const Eigen::Vector3d& force) {
+    const Eigen::Vector3d f = force + Eigen::Vector3d(noise(random), noise(random), noise(random));
+    const double along = f.dot(with.axis);
+    const bool slipped = (f - along * with.axis).norm() > with.friction * along;
+    trials.push_back({force, slipped != (uniform(random) < with.mistaken)});
+    return trials.back().slipped;
+  };
+  const double first = 2 * std::numbers::pi * uniform(random);
+  for (const double level : with.levels) {
+    trials.push_back({-level * kNormal, false});
+    for (int i = 0; i < with.directions; ++i) {
+      const double angle = first + with.range * i / with.directions;
+      const Eigen::Vector3d across(std::cos(angle), std::sin(angle), 0);
+      const auto slips_at = [&](double size) { return slips(size * across - level * kNormal); };
+      double low = 0, high = with.most;
+      if (!slips_at(high)) continue;
+      while (high - low > 0.05) (slips_at((low + high) / 2) ? high : low) = (low + high) / 2;
+    }
   }
-  return vectors;
+  return trials;
 }
 
-TEST(FitCone, RecoversAxisAndSlope) {
-  for (const double slope : {0.05, 0.91, 3.0}) {
-    const ConeFit fit = fit_cone(cone_vectors(slope, 8));
-    EXPECT_EQ(fit.stop, ConeStop::converged);
-    EXPECT_NEAR(fit.cone.slope, slope, 1e-9 * (1 + slope * slope));
-    EXPECT_LT((fit.cone.axis - kAxis).norm(), 1e-9);
-    EXPECT_LT(fit.cone.rms, 1e-9);
-    EXPECT_EQ(fit.cone.samples, 24);
+double angle_to_axis(const FrictionFit& fit) {
+  return std::atan2(fit.axis.cross(kAxis).norm(), fit.axis.dot(kAxis));
+}
+
+double quantile(std::vector<double> values, double part) {
+  std::sort(values.begin(), values.end());
+  return values[static_cast<std::size_t>(part * static_cast<double>(values.size()))];
+}
+
+TEST(FitFriction, IsAsExactAsItsErrorsSayAndItsLowerBoundHolds) {
+  constexpr int kCount = 300;
+  std::vector<double> errors, angles;
+  double squares = 0, angle_squares = 0;
+  int held = 0;
+  for (unsigned i = 0; i < kCount; ++i) {
+    const Probing with{.friction = 0.2 + i / double{kCount}, .directions = 8 + int(i) % 5};
+    const FrictionFit fit = fit_friction(probe(with, i), kNormal);
+    ASSERT_EQ(fit.stop, FrictionStop::converged) << i;
+    errors.push_back(std::abs(fit.coefficient - with.friction));
+    angles.push_back(angle_to_axis(fit));
+    squares += std::pow(errors.back() / fit.coefficient_error, 2) / kCount;
+    angle_squares += std::pow(angles.back() / fit.axis_error, 2) / kCount;
+    held += fit.lower_bound <= with.friction ? 1 : 0;
+    EXPECT_LT(fit.lower_bound, fit.coefficient);
+  }
+  EXPECT_LE(quantile(errors, 0.95), 0.01);
+  EXPECT_LE(quantile(angles, 0.95), 0.5 * std::numbers::pi / 180);
+  // Means of 300 squares of standard normal numbers and half as many chi^2 of two: 1 +- 0.08.
+  EXPECT_NEAR(squares, 1, 0.35);
+  EXPECT_NEAR(angle_squares, 1, 0.35);
+  // 95 % less three standard deviations of a count of 300.
+  EXPECT_GE(held, 0.912 * kCount);
+}
+
+TEST(FitFriction, StaysWithTheMajorityAgainstMistakenSlips) {
+  std::vector<double> errors;
+  for (unsigned i = 0; i < 100; ++i) {
+    const FrictionFit fit = fit_friction(probe({.mistaken = 0.03}, i), kNormal);
+    EXPECT_EQ(fit.stop, FrictionStop::converged);
+    errors.push_back(std::abs(fit.coefficient - 0.7));
+  }
+  EXPECT_LE(quantile(errors, 0.95), 0.01);
+}
+
+TEST(FitFriction, EstimatesMoreNoiseThanItWasTold) {
+  const FrictionFit fit =
+      fit_friction(probe({.directions = 24, .noise = 0.04}, 3), kNormal, {.force_noise = 0.01});
+  EXPECT_NEAR(fit.noise, 0.04, 0.015);
+}
+
+TEST(FitFriction, TurnsWithTheForcesScalesWithThemAndTakesThemInAnyOrder) {
+  std::vector<FrictionTrial> trials = probe({}, 5);
+  const FrictionFit fit = fit_friction(trials, kNormal);
+  EXPECT_EQ(fit.vectors, 40);
+  EXPECT_EQ(fit.directions, 8);
+  EXPECT_EQ(fit.levels, 5);
+  for (FrictionTrial& trial : trials) trial.force = 0x1p-20 * some_rotation() * trial.force;
+  std::shuffle(trials.begin(), trials.end(), std::mt19937(1));
+  const FrictionFit turned =
+      fit_friction(trials, some_rotation() * kNormal, {.force_noise = 0x1p-20 * kForceNoise});
+  // Where the search ends, well below the standard errors of 0.002.
+  constexpr double kEnd = 1e-5;
+  EXPECT_LT((turned.axis - some_rotation() * fit.axis).norm(), kEnd);
+  EXPECT_NEAR(turned.coefficient, fit.coefficient, kEnd);
+  EXPECT_NEAR(turned.coefficient_error, fit.coefficient_error, kEnd);
+  EXPECT_NEAR(turned.lower_bound, fit.lower_bound, 1e-4);
+  EXPECT_NEAR(turned.noise, 0x1p-20 * fit.noise, 0x1p-20 * kEnd);
+  EXPECT_EQ(turned.vectors, fit.vectors);
+}
+
+TEST(FitFriction, SaysWhenTheTrialsDoNotDetermineACone) {
+  EXPECT_EQ(fit_friction({}, kNormal).stop, FrictionStop::never_slipped);
+  EXPECT_EQ(fit_friction({}, kNormal).lower_bound, 0);
+  EXPECT_EQ(fit_friction(probe({.directions = 2}, 1), kNormal).stop,
+            FrictionStop::too_few_directions);
+  EXPECT_EQ(fit_friction(probe({.range = 0.3}, 1), kNormal).stop, FrictionStop::too_few_directions);
+  EXPECT_EQ(fit_friction(probe({.levels = {1.1}}, 1), kNormal).stop, FrictionStop::too_few_levels);
+  EXPECT_EQ(fit_friction(probe({.range = 4.5}, 1), kNormal).stop, FrictionStop::converged);
+}
+
+TEST(FitFriction, RecognisesAContactWithoutFriction) {
+  for (unsigned i = 0; i < 10; ++i) {
+    const Probing without{.friction = 0, .axis = -kNormal};
+    const FrictionFit fit = fit_friction(probe(without, i), kNormal);
+    EXPECT_EQ(fit.stop, FrictionStop::frictionless);
+    EXPECT_LT(fit.coefficient, 0.01);
+    EXPECT_LT(fit.lower_bound, 0.004);
+    const Probing some{.friction = 0.05, .axis = -kNormal};
+    EXPECT_EQ(fit_friction(probe(some, i), kNormal).stop, FrictionStop::converged);
   }
 }
 
-TEST(FitCone, FindsTheAxisFromUnevenDirections) {
-  const ConeFit fit = fit_cone(cone_vectors(0.7, 12, 4.5));  // three quarters of a turn
-  EXPECT_EQ(fit.stop, ConeStop::converged);
-  EXPECT_NEAR(fit.cone.slope, 0.7, 1e-8);
-  EXPECT_LT((fit.cone.axis - kAxis).norm(), 1e-8);
+TEST(FitFriction, BoundsWhatNeverSlippedByTheNarrowestConeAroundIt) {
+  std::vector<FrictionTrial> trials = probe({}, 2);
+  std::erase_if(trials, [](const FrictionTrial& trial) { return trial.slipped; });
+  const FrictionFit fit = fit_friction(trials, kNormal);
+  EXPECT_EQ(fit.stop, FrictionStop::never_slipped);
+  EXPECT_LE(fit.lower_bound, 0.7);
+  EXPECT_GE(fit.lower_bound, 0.65);  // the bisection ended at 0.05 N from the limit of 2 N
 }
 
-TEST(FitCone, StaysWithTheMajorityAgainstOutliers) {
-  Eigen::Matrix3Xd vectors = cone_vectors(0.91, 16) + random_points(48, 0.01);
-  vectors.col(5) += Eigen::Vector3d(1, 1, 0);
-  vectors.col(20) *= -0.2;
-  const ConeFit fit = fit_cone(vectors);
-  EXPECT_EQ(fit.stop, ConeStop::converged);
-  // Errors of 0.005 over 48 vectors of size 1, and what Huber's loss leaves of the outliers.
-  EXPECT_NEAR(fit.cone.slope, 0.91, 0.01);
-  EXPECT_LT((fit.cone.axis - kAxis).norm(), 0.01);
-}
-
-TEST(FitCone, TurnsWithTheVectorsAndDoesNotScale) {
-  const Eigen::Matrix3Xd vectors = cone_vectors(0.91, 8) + random_points(24, 0.05);
-  const ConeFit fit = fit_cone(vectors), turned = fit_cone(0x1p-30 * some_rotation() * vectors);
-  EXPECT_LT((turned.cone.axis - some_rotation() * fit.cone.axis).norm(), 1e-8);
-  EXPECT_NEAR(turned.cone.slope, fit.cone.slope, 1e-8);
-  EXPECT_NEAR(turned.cone.rms, 0x1p-30 * fit.cone.rms, 1e-8 * 0x1p-30);
-}
-
-TEST(FitCone, SaysWhenTheVectorsDoNotDetermineACone) {
-  EXPECT_EQ(fit_cone(Eigen::Matrix3Xd(3, 0)).stop, ConeStop::not_determined);
-  EXPECT_EQ(fit_cone(cone_vectors(0.9, 8).leftCols(4)).stop, ConeStop::not_determined);
-  EXPECT_EQ(fit_cone(Eigen::Vector3d(1, 2, 3).replicate(1, 20)).stop, ConeStop::not_determined);
-  EXPECT_EQ(fit_cone(cone_vectors(0.9, 8, 0.3)).stop, ConeStop::not_determined);
-  EXPECT_EQ(fit_cone(Eigen::Matrix3Xd::Zero(3, 9)).stop, ConeStop::not_determined);
-  Eigen::Matrix3Xd vectors = cone_vectors(0.9, 8);
-  vectors(2, 6) = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THAT(refusal([&] { return fit_cone(vectors); }), testing::HasSubstr("vector 6"));
+TEST(FitFriction, RefusesWhatIsNotFinite) {
+  std::vector<FrictionTrial> trials = probe({}, 1);
+  EXPECT_THAT(refusal([&] {
+                return fit_friction(trials, {0, 0, 0});
+              }),
+              testing::HasSubstr("normal"));
+  EXPECT_THAT(refusal([&] { return fit_friction(trials, kNormal, {.force_noise = 0}); }),
+              testing::HasSubstr("force_noise"));
+  trials[6].force.y() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(refusal([&] { return fit_friction(trials, kNormal); }),
+              testing::HasSubstr("trial 6"));
 }
 
 const probing::Contact kContact{1, {0, 0, 700}, {0, 0, -1}};
 
-probing::Sample sample(long long group, const Eigen::Vector3d& force, bool held) {
+probing::Sample sample(long long contact, const Eigen::Vector3d& force, bool held) {
   return {.id = 0,
-          .contact = 1,
-          .group = group,
+          .contact = contact,
+          .group = 1,
           .force = force,
           .a = {0, 0, 0},
           .b = kContact.position + 2 * force,
@@ -84,17 +185,14 @@ probing::Sample sample(long long group, const Eigen::Vector3d& force, bool held)
           .slipped = !held};
 }
 
-TEST(BoundaryForces, LieBetweenWhatHeldAndTheLeastThatSlippedInTheSameDirection) {
-  std::vector<probing::Sample> samples = {
-      sample(1, {1, 0, 2}, true),    sample(1, {1.5, 0, 2}, false), sample(1, {1.25, 0, 2}, false),
-      sample(1, {0, 1.1, 2}, false), sample(2, {1.1, 0, 2}, false), sample(1, {-1.1, 0, 2}, false),
-      sample(2, {0, 3, 4}, true)};
-  samples.push_back(samples[0]);
-  samples.back().contact = 9;
-  const Eigen::Matrix3Xd forces = boundary_forces(kContact, samples);
-  ASSERT_EQ(forces.cols(), 2);
-  EXPECT_EQ(forces.col(0), Eigen::Vector3d(1.125, 0, 2));
-  EXPECT_EQ(forces.col(1), Eigen::Vector3d(0, 3, 4));
+TEST(FrictionTrials, AreTheSamplesOfTheContact) {
+  const std::vector<probing::Sample> samples = {
+      sample(1, {1, 0, 2}, true), sample(9, {1, 0, 2}, true), sample(1, {1.5, 0, 2}, false)};
+  const std::vector<FrictionTrial> trials = friction_trials(kContact, samples);
+  ASSERT_EQ(trials.size(), 2u);
+  EXPECT_FALSE(trials[0].slipped);
+  EXPECT_TRUE(trials[1].slipped);
+  EXPECT_EQ(trials[1].force, Eigen::Vector3d(1.5, 0, 2));
 }
 
 TEST(FrictionAxis, IsTheMeanDirectionOfTheBoundary) {

@@ -30,6 +30,8 @@ TEST(CheckModel, NamesWhatIsWrong) {
               AllOf(HasSubstr("contact 12"), HasSubstr("right-handed")));
   EXPECT_THAT(refused_after([](Model& m) { m.contacts[1].friction = -0.1; }),
               AllOf(HasSubstr("contact 11"), HasSubstr(">= 0")));
+  EXPECT_THAT(refused_after([](Model& m) { m.contacts[1].friction_lower_bound = -1; }),
+              HasSubstr("lower bound"));
   EXPECT_THAT(refused_after([](Model& m) { m.contacts[1].friction_axis *= 2; }),
               AllOf(HasSubstr("contact 11"), HasSubstr("unit")));
   EXPECT_THAT(refused_after([](Model& m) {

@@ -15,6 +15,7 @@ namespace palpate::haptics {
 
 struct BuildOptions {
   FitOptions fit;
+  FrictionOptions friction = {};
   /// [mm] the contacts lie on the surface already, and are not moved, iff the root mean square of
   /// their distances is <= this; >= 0
   double on_surface = 0.2;
@@ -44,9 +45,9 @@ enum class RegistrationOutcome {
 
 struct ContactReport {
   long long id = 0;
-  double distance = 0;  ///< [mm] to the surface, once in place, before it was put on it
-  FitResult fit;        ///< in the contact's frame
-  ConeFit cone;         ///< of the forces on the friction boundary, world frame
+  double distance = 0;   ///< [mm] to the surface, once in place, before it was put on it
+  FitResult fit;         ///< in the contact's frame
+  FrictionFit friction;  ///< in the world frame
 };
 
 struct BuildResult {

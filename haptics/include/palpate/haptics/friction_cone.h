@@ -5,46 +5,73 @@
 #include <Eigen/Core>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "palpate/probing/acquisition.h"
 
 namespace palpate::haptics {
 
-/// A circular cone with its tip at the origin.
-struct Cone {
-  Eigen::Vector3d axis = Eigen::Vector3d::Zero();  ///< unit vector, on the side of the vectors
-  double slope =
-      0;  ///< tangent of the angle between axis and surface; for forces: friction coefficient
-  double rms = 0;   ///< of the signed distances from the vectors to the cone, in their unit
-  int samples = 0;  ///< vectors that the fit used
+/// One force that an arm tried at a contact, and whether the tool stayed.
+struct FrictionTrial {
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< [N] whole force of the tool on the object
+  bool slipped = false;
 };
 
-enum class ConeStop {
+struct FrictionOptions {
+  /// [N] standard deviation of an applied force about the commanded one, each component; > 0
+  double force_noise = 0.01;
+};
+
+/// How far the trials determine the friction cone.
+enum class FrictionStop {
   converged,
-  /// too few vectors, or too few directions around the axis: axis and slope are not to be used
-  not_determined,
-  not_converged
+  too_few_directions,  ///< or all to one side: only the lower bound is to be used
+  too_few_levels,      ///< of the normal force: the cone is the best one, but nothing confirms it
+  never_slipped,       ///< only the lower bound is known
+  frictionless,        ///< every force across the surface slipped, or no more held than is noise
+  not_converged        ///< only the lower bound is to be used
 };
 
-struct ConeFit {
-  Cone cone;
-  ConeStop stop = ConeStop::not_determined;  ///< read this before you use the cone
+/// "converged", "too_few_directions", ...
+[[nodiscard]] const char* to_string(FrictionStop stop);
+
+/// The circular cone of forces at which a contact does not slip (thesis 5.4.1).
+struct FrictionFit {
+  double coefficient = 0;        ///< tangent of the angle between axis and surface of the cone
+  double coefficient_error = 0;  ///< standard error
+  double lower_bound = 0;        ///< of the coefficient: it is as large or larger, with 95 %
+  /// Unit vector, the direction of pressing: into the object. Where it is not determined, that of
+  /// the contact's geometric normal.
+  Eigen::Vector3d axis = Eigen::Vector3d::Zero();
+  double axis_error = 0;  ///< [rad] standard error: root mean square of the angle to the true axis
+  double noise = 0;       ///< [N] of the signed distances from the boundary; >= the option
+  int vectors = 0;        ///< directions at levels of force with trials that held and that slipped
+  int directions = 0;     ///< that these have in the tangent plane
+  int levels = 0;         ///< of normal force that these have
+  FrictionStop stop = FrictionStop::not_converged;  ///< read this before you use the cone
 };
 
-/// Fits a circular cone to vectors that lie on it, 3 x N (thesis 5.4.1): least squares of the
-/// signed distance cos(angle) |v_T| - sin(angle) v.axis of Eq 5.14, with a Huber loss against
-/// outliers. In place of Eq 5.15 the axis moves in the tangent plane of the mean direction.
-/// \throws InvalidInput if a vector is not finite, naming its index.
-[[nodiscard]] ConeFit fit_cone(const Eigen::Ref<const Eigen::Matrix3Xd>& vectors);
+/// Trials at one contact: all its samples, whether they held or slipped.
+[[nodiscard]] std::vector<FrictionTrial> friction_trials(const probing::Contact& contact,
+                                                         std::span<const probing::Sample> samples);
 
-/// Forces on the friction boundary of one contact, 3 x N [N], of the tool on the object.
+/// Fits a friction cone to trials, in any order; `normal` is the geometric normal of the surface,
+/// outwards, along which the arm pressed.
 ///
-/// The bisection of thesis 4.3 ends between the largest tangential force that held, marked
-/// `on_friction_boundary`, and the smallest in the same group and direction that slipped. The
-/// boundary is taken in the middle between them; where nothing slipped in that direction, at the
-/// force that held.
-[[nodiscard]] Eigen::Matrix3Xd boundary_forces(const probing::Contact& contact,
-                                               std::span<const probing::Sample> samples);
+/// The signed distance of a force f to the cone, d = cos(angle) |f_T| - sin(angle) f.axis, is Eq
+/// 5.14's. A bisection (thesis 4.3) does not measure a force at which d = 0 but ends between one
+/// that held, d < 0, and one that slipped, d > 0, but for the noise of the applied forces. So the
+/// cone is the one of greatest likelihood of what was seen, a trial at d slipping with the
+/// probability e + (1 - 2 e) Phi(d / noise), Phi being the normal distribution and e (2 %) the
+/// chance that slip was told wrongly, which bounds the weight of any one trial. That uses both ends
+/// of each interval and needs no pairing; in place of Eq 5.15 the axis moves in a tangent plane.
+/// The noise is estimated too, but not below the option, nor below what the widths of the intervals
+/// let one tell. The lower bound is that of the profile likelihood over axes.
+/// \throws InvalidInput if a force is not finite, naming its index; unless the normal has a length
+/// and the option is > 0.
+[[nodiscard]] FrictionFit fit_friction(std::span<const FrictionTrial> trials,
+                                       const Eigen::Vector3d& normal,
+                                       const FrictionOptions& options = {});
 
 /// Friction axis of one contact in the space of displacements (thesis 5.4.2), along which a
 /// slipping contact follows the tool: unit vector along the mean of the displacements b - c that

@@ -17,9 +17,11 @@ namespace palpate::haptics {
 
 /// Where a friction coefficient comes from.
 enum class FrictionSource {
-  samples,         ///< a cone fitted to this contact's own samples
-  other_contacts,  ///< its samples determine none: the mean of those contacts that have one
-  none             ///< no contact has one: 0, without friction
+  samples,  ///< a cone fitted to this contact's own samples
+  /// its samples determine none: the mean of those contacts that have one, or its own lower bound
+  /// if that is larger
+  other_contacts,
+  none  ///< no contact has one: 0, without friction
 };
 
 /// How a contact yields to the model's reference force F along a direction into the object, and how
@@ -65,6 +67,11 @@ struct ContactModel {
   Eigen::Matrix3d frame = Eigen::Matrix3d::Identity();
   ForceField field;     ///< in the local frame
   double friction = 0;  ///< coefficient; >= 0
+  /// Standard error of the coefficient; from other contacts: the standard deviation among them;
+  /// >= 0
+  double friction_error = 0;
+  /// The coefficient is as large or larger, with 95 %, by this contact's own samples; >= 0
+  double friction_lower_bound = 0;
   FrictionSource friction_source = FrictionSource::none;
   /// Unit vector into the object, world: a slipping contact moves in the plane of this and the tool
   /// (thesis 5.4.2).

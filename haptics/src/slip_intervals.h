@@ -1,0 +1,36 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "palpate/haptics/friction_cone.h"
+
+namespace palpate::haptics {
+
+/// Where the trials of one direction across the surface at one level of normal force ended: the
+/// boundary lies between two tangential forces, but for noise.
+struct SlipInterval {
+  Eigen::Vector3d held = Eigen::Vector3d::Zero();     ///< [N] the largest that held
+  Eigen::Vector3d slipped = Eigen::Vector3d::Zero();  ///< [N] the smallest that slipped
+  double direction = 0;                               ///< [rad] about the pressing direction
+  int level = 0;                                      ///< of normal force, counted from the least
+};
+
+/// Sorts trials by level and direction and gives those that slipped. A force along the pressing
+/// direction alone belongs to all directions of its level; where none held, that force is taken to
+/// have held, for there was contact. Directions are counted about
+/// `pressing`, a unit vector.
+[[nodiscard]] std::vector<SlipInterval> slip_intervals(std::span<const FrictionTrial> trials,
+                                                       const Eigen::Vector3d& pressing,
+                                                       double force_noise);
+
+/// Number of different directions.
+[[nodiscard]] int count_directions(std::span<const SlipInterval> intervals);
+
+/// Number of different levels.
+[[nodiscard]] int count_levels(std::span<const SlipInterval> intervals);
+
+}  // namespace palpate::haptics
