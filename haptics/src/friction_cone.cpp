@@ -33,6 +33,9 @@ constexpr double kCooling = 4;
 // One-sided 95 % quantile of the normal distribution: of the signed root of twice the logarithm of
 // a likelihood ratio.
 constexpr double kBoundQuantile = 1.645;
+// The same where nothing slipped, so that no cone is the best: then all would have held with a
+// probability of 5 %, sqrt(-2 ln 0.05).
+constexpr double kHeldQuantile = 2.448;
 constexpr double kFirstStep = 0.1;        // [rad] in search of it where nothing slipped
 constexpr double kBoundTolerance = 1e-5;  // [rad] of the angle of the lower bound
 constexpr double kRightAngle = std::numbers::pi / 2;
@@ -59,40 +62,59 @@ double least_noise(std::span<const SlipInterval> intervals, double force_noise) 
   return std::max(force_noise, kPlateau * width / static_cast<double>(intervals.size()));
 }
 
+double typical_force(std::span<const SlipInterval> intervals) {
+  return median(intervals, [](const SlipInterval& interval) {
+    return (interval.held + interval.slipped).norm() / 2;
+  });
+}
+
+// Searches with noise that falls from that of `cone` to `noise`, so that trials far from the
+// boundary tell the way to it at first.
+SlipOptimum cool(std::span<const FrictionTrial> trials, SlipCone cone, FreeParameters free,
+                 double noise) {
+  for (; cone.noise > noise; cone.noise /= kCooling) {
+    cone = maximise_likelihood(trials, cone, free, noise).cone;
+  }
+  cone.noise = noise;
+  return maximise_likelihood(trials, cone, free, noise);
+}
+
 SlipOptimum fit_cone(std::span<const FrictionTrial> trials, std::span<const SlipInterval> intervals,
                      const Eigen::Vector3d& pressing, double noise) {
   SlipCone cone{.frame = rotation_between(Eigen::Vector3d::UnitZ(), pressing)};
   cone.angle = median(intervals, [&](const SlipInterval& interval) {
     return angle_between(interval.held + interval.slipped, pressing);
   });
-  cone.noise = kFirstNoise * median(intervals, [](const SlipInterval& interval) {
-                 return (interval.held + interval.slipped).norm() / 2;
-               });
+  cone.noise = kFirstNoise * typical_force(intervals);
   std::vector<FrictionTrial> ends;
   for (const SlipInterval& interval : intervals) {
     ends.push_back({interval.held, false});
     ends.push_back({interval.slipped, true});
   }
-  for (; cone.noise > noise; cone.noise /= kCooling) {
-    cone = maximise_likelihood(ends, cone, FreeParameters::axis_angle, noise).cone;
-  }
-  cone.noise = noise;
+  cone = cool(ends, cone, FreeParameters::axis_angle, noise).cone;
   cone = maximise_likelihood(trials, cone, FreeParameters::axis_angle, noise).cone;
   return maximise_likelihood(trials, cone, FreeParameters::axis_angle_noise, noise);
 }
 
-// The least angle of a cone that is as likely as kBoundQuantile asks, over all axes. `best` is the
-// most likely one.
-double least_angle(std::span<const FrictionTrial> trials, const SlipOptimum& best,
-                   double first_step) {
+// The least angle of a cone that is as likely as `quantile` asks, over all axes. `best` is the most
+// likely one; axes are searched for with noise that begins at `first_noise` if need be.
+double least_angle(std::span<const FrictionTrial> trials, const SlipOptimum& best, double quantile,
+                   double first_step, double first_noise) {
   SlipCone feasible = best.cone;  // the nearest cone known from which to look for the axis
+  const auto root = [&](const SlipOptimum& found) {
+    return std::sqrt(2 * std::max(found.cost - best.cost, 0.0));
+  };
   const auto excess = [&](double angle) {
     SlipCone cone = feasible;
     cone.angle = angle;
-    const SlipOptimum found = maximise_likelihood(trials, cone, FreeParameters::axis, cone.noise);
-    const double root = std::sqrt(2 * std::max(found.cost - best.cost, 0.0));
-    if (root <= kBoundQuantile && angle < feasible.angle) feasible = found.cone;
-    return root - kBoundQuantile;
+    SlipOptimum found = maximise_likelihood(trials, cone, FreeParameters::axis, cone.noise);
+    if (first_noise > best.cone.noise && root(found) > quantile) {
+      cone.noise = first_noise;
+      const SlipOptimum other = cool(trials, cone, FreeParameters::axis, best.cone.noise);
+      if (other.cost < found.cost) found = other;
+    }
+    if (root(found) <= quantile && angle < feasible.angle) feasible = found.cone;
+    return root(found) - quantile;
   };
   const double at_best = excess(best.cone.angle);
   if (at_best >= 0) return best.cone.angle;
@@ -112,18 +134,29 @@ double least_angle(std::span<const FrictionTrial> trials, const SlipOptimum& bes
       .first;
 }
 
-// The same from nothing but forces that held: the narrowest cone around them.
-double least_angle_of_held(std::span<const FrictionTrial> trials, const Eigen::Vector3d& pressing,
-                           double noise) {
-  std::vector<FrictionTrial> held;
-  SlipOptimum wide{.cone = {.frame = rotation_between(Eigen::Vector3d::UnitZ(), pressing),
+// The same where the trials do not determine a cone.
+double least_angle_of_any(std::span<const FrictionTrial> trials, const Eigen::Vector3d& pressing,
+                          double noise) {
+  double largest = 0;
+  bool slipped = false;
+  for (const FrictionTrial& trial : trials) {
+    largest = std::max(largest, trial.force.norm());
+    slipped = slipped || trial.slipped;
+  }
+  const double first_noise = std::max(noise, kFirstNoise * largest);
+  SlipOptimum best{.cone = {.frame = rotation_between(Eigen::Vector3d::UnitZ(), pressing),
                             .angle = kRightAngle,
                             .noise = noise}};
-  for (const FrictionTrial& trial : trials) {
-    if (!trial.slipped) held.push_back(trial);
+  best.cost = slip_cost(trials, best.cone);
+  if (slipped) {
+    SlipCone start = best.cone;
+    start.angle = kRightAngle / 2;
+    start.noise = first_noise;
+    const SlipOptimum found = cool(trials, start, FreeParameters::axis_angle, noise);
+    if (found.cost < best.cost) best = found;
   }
-  wide.cost = slip_cost(held, wide.cone);
-  return held.empty() ? 0 : least_angle(held, wide, kFirstStep);
+  return least_angle(trials, best, slipped ? kBoundQuantile : kHeldQuantile, kFirstStep,
+                     first_noise);
 }
 
 void check(std::span<const FrictionTrial> trials, const Eigen::Vector3d& normal,
@@ -161,7 +194,7 @@ void take(std::span<const FrictionTrial> trials, const SlipOptimum& best, double
   fit.axis_error = std::sqrt(covariance(0, 0) + covariance(1, 1));
   fit.coefficient_error = angle_error * (1 + fit.coefficient * fit.coefficient);
   const double step = std::clamp(kBoundQuantile * angle_error, kBoundTolerance, kFirstStep);
-  fit.lower_bound = std::tan(least_angle(trials, best, step));
+  fit.lower_bound = std::tan(least_angle(trials, best, kBoundQuantile, step, fit.noise));
 }
 
 }  // namespace
@@ -211,7 +244,7 @@ FrictionFit fit_friction(std::span<const FrictionTrial> trials, const Eigen::Vec
   fit.levels = count_levels(intervals);
   // What is known where the cone is not determined.
   const auto only_bound = [&](FrictionStop stop) {
-    fit.lower_bound = std::tan(least_angle_of_held(used, pressing, fit.noise));
+    fit.lower_bound = std::tan(least_angle_of_any(used, pressing, fit.noise));
     fit.stop = stop;
     return fit;
   };

@@ -44,10 +44,10 @@ struct Distance {
   }
 };
 
-// A trial's part of the cost, its derivative with respect to the distance (times the noise), and
-// the expected square of that.
+// A trial's part of the cost, its first and second derivative with respect to the distance (in
+// units of the noise), and the expected second derivative.
 struct Part {
-  double cost, slope = 0, information = 0;
+  double cost, slope = 0, curvature = 0, information = 0;
 
   Part(double distance, bool slipped, double noise) {
     const double z = (slipped ? distance : -distance) / noise;
@@ -60,6 +60,7 @@ struct Part {
     const double density = kTrust * std::exp(-z * z / 2) / std::sqrt(2 * std::numbers::pi);
     cost = -std::log(seen);
     slope = (slipped ? -1 : 1) * density / seen;
+    curvature = z * density / seen + slope * slope;
     information = density * density / (seen * (1 - seen));
   }
 };
@@ -68,6 +69,9 @@ struct Evaluation {
   double cost = 0;
   Eigen::Vector4d gradient = Eigen::Vector4d::Zero();
   Eigen::Matrix4d information = Eigen::Matrix4d::Zero();
+  // For steps. Where the boundary lies between few trials these curve the cost more than is to be
+  // expected of them, and steps by the information alone would swing across the optimum.
+  Eigen::Matrix4d curvature = Eigen::Matrix4d::Zero();
 };
 
 Evaluation evaluate(std::span<const FrictionTrial> trials, const SlipCone& cone) {
@@ -81,7 +85,9 @@ Evaluation evaluate(std::span<const FrictionTrial> trials, const SlipCone& cone)
     Eigen::Vector4d slope;  // of distance / noise
     slope << distance.slope / cone.noise, -distance.value / cone.noise;
     result.gradient += part.slope * slope;
-    result.information += part.information * slope * slope.transpose();
+    const Eigen::Matrix4d square = slope * slope.transpose();
+    result.information += part.information * square;
+    result.curvature += std::max(part.information, part.curvature) * square;
   }
   return result;
 }
@@ -89,7 +95,7 @@ Evaluation evaluate(std::span<const FrictionTrial> trials, const SlipCone& cone)
 // The step of those parameters that are free, within the limits; the others stay.
 Eigen::Vector4d damped_step(const Evaluation& at, const std::array<bool, 4>& free, double damping) {
   Eigen::Vector4d gradient = at.gradient;
-  Eigen::Matrix4d matrix = at.information;
+  Eigen::Matrix4d matrix = at.curvature;
   // Well-scaled unknowns (angles and a logarithm): normal equations lose nothing here.
   const double mean = matrix.trace() / 4;
   for (int i = 0; i < 4; ++i) {

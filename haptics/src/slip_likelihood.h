@@ -36,7 +36,7 @@ struct SlipOptimum {
   bool converged = false;
 };
 
-/// Least cost from `start` on, by Fisher scoring with damping; the noise stays >= `least_noise`.
+/// Least cost from `start` on, by Newton's method with damping; the noise stays >= `least_noise`.
 [[nodiscard]] SlipOptimum maximise_likelihood(std::span<const FrictionTrial> trials,
                                               const SlipCone& start, FreeParameters free,
                                               double least_noise);

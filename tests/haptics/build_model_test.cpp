@@ -18,8 +18,10 @@ using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
+// The samples below are exact.
 const BuildOptions kQuick{
-    .fit = {.mode = FitMode::local, .accuracy = 0.01, .max_bases = 2, .epsilon = 20}};
+    .fit = {.mode = FitMode::local, .accuracy = 0.01, .max_bases = 2, .epsilon = 20},
+    .friction = {.force_noise = 1e-4}};
 
 Eigen::Vector3d spring_force(const Eigen::Vector3d& d) { return 9 * d / std::hypot(d.norm(), 20); }
 
@@ -31,7 +33,7 @@ TEST(BuildModel, LearnsTheSpringAndTheFrictionEverywhere) {
   ASSERT_EQ(result.model.contacts.size(), 9u);
   EXPECT_NO_THROW(check_model(result.model));
   for (const ContactModel& contact : result.model.contacts) {
-    EXPECT_NEAR(contact.friction, 0.6, 1e-6);
+    EXPECT_NEAR(contact.friction, 0.6, 1e-4);
     EXPECT_EQ(contact.friction_source, FrictionSource::samples);
     EXPECT_LT((contact.frame.col(2) - Eigen::Vector3d::UnitZ()).norm(), 1e-6);
     EXPECT_LE(contact.rms, 0.01);
@@ -143,10 +145,10 @@ TEST(BuildModel, LeavesOutContactsWithoutSamplesAndBorrowsFriction) {
   EXPECT_THAT(result.without_samples, ElementsAre(24));
   EXPECT_EQ(result.model.contacts.size(), 8u);
   EXPECT_EQ(result.model.contacts[0].friction_source, FrictionSource::other_contacts);
-  EXPECT_NEAR(result.model.contacts[0].friction, 0.6, 1e-6);
+  EXPECT_NEAR(result.model.contacts[0].friction, 0.6, 1e-4);
   EXPECT_EQ(result.contacts[0].friction.stop, FrictionStop::never_slipped);
-  // Forces held up to 0.99 of the limit, with some noise of 0.01 N on 3.5 N.
-  EXPECT_NEAR(result.model.contacts[0].friction_lower_bound, 0.6, 0.02);
+  // Forces held up to 0.99 of the limit.
+  EXPECT_NEAR(result.model.contacts[0].friction_lower_bound, 0.594, 1e-3);
   acquisition.samples.clear();
   EXPECT_THAT(refusal([&] { return build_model(acquisition, flat_surface(), kQuick); }),
               HasSubstr("at least three"));

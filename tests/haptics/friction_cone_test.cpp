@@ -150,13 +150,43 @@ TEST(FitFriction, RecognisesAContactWithoutFriction) {
   }
 }
 
+TEST(FitFriction, FindsTheConeWhereTheNoiseIsFarBelowTheBisection) {
+  for (unsigned i = 0; i < 100; ++i) {
+    const FrictionFit fit = fit_friction(probe({.noise = 0.001}, i), kNormal, {0.001});
+    EXPECT_EQ(fit.stop, FrictionStop::converged) << i;
+    EXPECT_NEAR(fit.coefficient, 0.7, 0.01) << i;
+  }
+}
+
 TEST(FitFriction, BoundsWhatNeverSlippedByTheNarrowestConeAroundIt) {
-  std::vector<FrictionTrial> trials = probe({}, 2);
-  std::erase_if(trials, [](const FrictionTrial& trial) { return trial.slipped; });
-  const FrictionFit fit = fit_friction(trials, kNormal);
+  constexpr double kHeld = 0.6;
+  const Eigen::Vector3d x = kAxis.unitOrthogonal(), y = kAxis.cross(x);
+  std::vector<FrictionTrial> trials;
+  for (const double level : {1.0, 2.0, 3.0}) {
+    for (int i = 0; i < 12; ++i) {
+      const double angle = std::numbers::pi * i / 6;
+      trials.push_back(
+          {level * (kAxis + kHeld * (std::cos(angle) * x + std::sin(angle) * y)), false});
+    }
+  }
+  const FrictionFit fit = fit_friction(trials, kNormal, {.force_noise = 1e-4});
   EXPECT_EQ(fit.stop, FrictionStop::never_slipped);
-  EXPECT_LE(fit.lower_bound, 0.7);
-  EXPECT_GE(fit.lower_bound, 0.65);  // the bisection ended at 0.05 N from the limit of 2 N
+  EXPECT_NEAR(fit.lower_bound, kHeld, 1e-3);  // a few times the noise
+}
+
+TEST(FitFriction, BoundsWhatTooFewDirectionsLeaveOpen) {
+  constexpr int kCount = 200;
+  int held = 0;
+  double sum = 0;
+  for (unsigned i = 0; i < kCount; ++i) {
+    const FrictionFit fit = fit_friction(probe({.directions = 3}, i), kNormal);
+    EXPECT_EQ(fit.stop, FrictionStop::too_few_directions);
+    held += fit.lower_bound <= 0.7 ? 1 : 0;
+    sum += fit.lower_bound;
+  }
+  // 95 % less three standard deviations of a count of 200.
+  EXPECT_GE(held, 0.904 * kCount);
+  EXPECT_GE(sum, 0.68 * kCount);
 }
 
 TEST(FitFriction, RefusesWhatIsNotFinite) {

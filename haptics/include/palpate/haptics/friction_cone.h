@@ -66,7 +66,8 @@ struct FrictionFit {
 /// chance that slip was told wrongly, which bounds the weight of any one trial. That uses both ends
 /// of each interval and needs no pairing; in place of Eq 5.15 the axis moves in a tangent plane.
 /// The noise is estimated too, but not below the option, nor below what the widths of the intervals
-/// let one tell. The lower bound is that of the profile likelihood over axes.
+/// let one tell. The lower bound is that of the profile likelihood over axes; where nothing
+/// slipped, that of the narrowest cone with which all would have held with a probability of 5 %.
 /// \throws InvalidInput if a force is not finite, naming its index; unless the normal has a length
 /// and the option is > 0.
 [[nodiscard]] FrictionFit fit_friction(std::span<const FrictionTrial> trials,
