@@ -18,6 +18,11 @@ namespace {
 constexpr double kMinEpsilon = 0.01;
 constexpr double kMaxEpsilon = 30;
 constexpr double kMaxDistance = 10;
+// A ridge beyond all samples shows them its tail only, the stiffness w epsilon^2 / d^3 at a
+// distance d: many pairs of w and epsilon make the same one, those of small epsilon with a wall
+// where nothing was measured. So it is rounded over at least this part of how far beyond them it
+// stands.
+constexpr double kLeastRounding = 0.5;
 // Of the logarithm of epsilon, in one step.
 constexpr double kMaxLogStep = 1.5;
 
@@ -34,7 +39,23 @@ constexpr double kRemovalDamping = 1e-3;
 
 bool is_ridge(const Multiquadric& base) { return base.ridge != Eigen::Vector3d::Zero(); }
 
-ForceField moved(ForceField field, const Eigen::VectorXd& step) {
+// How far a ridge stands beyond zero and the samples; <= 0 between them.
+double distance_beyond(const WhitenedProblem& problem, const Multiquadric& base) {
+  const Eigen::VectorXd along = problem.displacements().transpose() * base.ridge;
+  const double offset = base.ridge.dot(base.center);
+  return std::max(offset - std::max(0.0, along.maxCoeff()),
+                  std::min(0.0, along.minCoeff()) - offset);
+}
+
+// Rounds a ridge beyond the samples, with its tail as it was.
+void round_beyond(const WhitenedProblem& problem, Multiquadric& base) {
+  const double least = kLeastRounding * distance_beyond(problem, base);
+  if (!(base.epsilon < least)) return;
+  base.weight *= (base.epsilon / least) * (base.epsilon / least);
+  base.epsilon = least;
+}
+
+ForceField moved(const WhitenedProblem& problem, ForceField field, const Eigen::VectorXd& step) {
   for (std::size_t k = 0; k < field.bases.size(); ++k) {
     Multiquadric& base = field.bases[k];
     const Eigen::Matrix<double, 5, 1> by = step.segment<5>(5 * static_cast<Eigen::Index>(k));
@@ -46,6 +67,7 @@ ForceField moved(ForceField field, const Eigen::VectorXd& step) {
           std::clamp(base.ridge.dot(base.center) + by[2], -kMaxDistance, kMaxDistance);
       base.ridge = (base.ridge + tangents(base.ridge) * by.tail<2>()).normalized();
       base.center = offset * base.ridge;
+      round_beyond(problem, base);
     } else {
       base.center += by.tail<3>();
       const double distance = base.center.norm();
@@ -128,7 +150,7 @@ ConvexSolution refine(const WhitenedProblem& problem, int max_iterations, ForceF
     damped.diagonal() += lambda * damping(field, quadratic.matrix);
     const Eigen::VectorXd step = -damped.llt().solve(quadratic.gradient);
     const double expected = -(2 * quadratic.gradient.dot(step) + step.dot(quadratic.matrix * step));
-    ForceField next = moved(field, step);
+    ForceField next = moved(problem, field, step);
     Eigen::VectorXd next_residuals = problem.residuals(next);
     const double loss = problem.loss(next_residuals);
     fresh = loss < solution.loss;  // also false for NaN
@@ -169,7 +191,7 @@ void remove_least(const WhitenedProblem& problem, ForceField& field) {
   }
   const Eigen::Index at = 5 * static_cast<Eigen::Index>(least);
   const Eigen::VectorXd step = inverse.col(at) * (-field.bases[least].weight / inverse(at, at));
-  ForceField followed = moved(field, step), stayed = field;
+  ForceField followed = moved(problem, field, step), stayed = field;
   for (ForceField* shorter : {&followed, &stayed}) {
     shorter->bases.erase(shorter->bases.begin() + static_cast<std::ptrdiff_t>(least));
   }

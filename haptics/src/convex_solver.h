@@ -14,8 +14,9 @@ struct ConvexSolution {
 };
 
 /// Moves all bases of a field to where the loss is least, with weights >= 0: Levenberg-Marquardt
-/// with a Gauss-Newton matrix of the robust loss, steps cut at the bounds. Turning the frame turns
-/// the steps: what belongs to one vector is damped alike.
+/// with a Gauss-Newton matrix of the robust loss, steps cut at the bounds. A ridge beyond all
+/// samples is rounded so far that it makes no wall there. Turning the frame turns the steps: what
+/// belongs to one vector is damped alike.
 [[nodiscard]] ConvexSolution refine(const WhitenedProblem& problem, int max_iterations,
                                     ForceField& field);
 

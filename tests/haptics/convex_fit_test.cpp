@@ -73,6 +73,27 @@ TEST(FitConvex, ReachesTheNoiseOfAStretchedSheet) {
   }
 }
 
+// Largest of the stiffness on the rays through all samples, at this part of their displacement.
+double largest_stiffness(const ForceField& field, const ForceSamples& samples, double part) {
+  double largest = 0;
+  for (const Eigen::Vector3d x : samples.displacements.colwise())
+    largest = std::max(largest, stiffness(field, part * x).norm());
+  return largest;
+}
+
+TEST(FitConvex, BuildsNoWallWhereNothingWasMeasured) {
+  for (const Contact at : {Contact{28, -20}, Contact{42, 20}, Contact{-42, -60}, Contact{21, 0}}) {
+    for (const double block : {0.0, 1.5}) {
+      const ForceSamples samples = measured(at, {.block = block});
+      const ForceField field = fit_measured(samples).field;
+      const double inside = largest_stiffness(field, samples, 1);
+      // The sheet and the block may go on stiffening; 4 N/mm is the most the object can reach.
+      for (const double part : {1.1, 1.2, 1.4, 2.0})
+        EXPECT_LT(largest_stiffness(field, samples, part), 3 * inside) << at.x << " " << part;
+    }
+  }
+}
+
 TEST(FitConvex, FollowsAStiffBlockBelowTheSheet) {
   const Contact at{20, 0};
   const Strip strip{.block = 1.5};
