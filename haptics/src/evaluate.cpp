@@ -32,6 +32,9 @@ constexpr double kSamePlaceRatio = 1e-5;
 constexpr double kStepRatio = 1e-3;
 // Suggestions are sought at no more vertices of the surface than this, evenly over them.
 constexpr Eigen::Index kMaxCandidates = 4000;
+// Suggestions lie no further from the contacts' triangles than this times the spacing of contacts:
+// beyond, the object may be held by something, and errors grow with the distance whatever it does.
+constexpr double kMaxBeyond = 0.5;
 
 // Samples of a contact in the frame of the surface; displacements count from the contact as
 // measured.
@@ -154,13 +157,16 @@ double expectation_scale(const std::vector<ContactError>& errors) {
 
 std::vector<SuggestedContact> suggest_contacts(const Model& model, const ComplianceKriging& kriging,
                                                double scale, int count) {
+  if (model.triangles.cols() == 0) return {};
   const BlendedField field(model);
+  const geometry::SurfaceQuery triangles(contact_mesh(model));
   const geometry::TriangleMesh& surface = model.surface;
   const Eigen::Index stride = (surface.vertices.cols() + kMaxCandidates - 1) / kMaxCandidates;
   std::vector<SuggestedContact> candidates(
       static_cast<std::size_t>((surface.vertices.cols() + stride - 1) / stride));
   tbb::parallel_for(std::size_t{0}, candidates.size(), [&](std::size_t i) {
     const Eigen::Vector3d place = surface.vertices.col(stride * static_cast<Eigen::Index>(i));
+    if (triangles.closest_point(place).distance > kMaxBeyond * kriging.spacing) return;
     const Blend at = field.blend(place);
     const std::vector<int> from(at.contacts.contacts.begin(),
                                 at.contacts.contacts.begin() + at.contacts.count);

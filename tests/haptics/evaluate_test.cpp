@@ -62,7 +62,7 @@ TEST(LeaveOneOut, DoesNotUseTheContactItPredicts) {
 
 TEST(LeaveOneOut, TellsTheBorderFromTheInteriorAndWhereToProbeMore) {
   const probing::Acquisition acquisition = flat_acquisition();
-  Model model = build_model(acquisition, flat_surface(),
+  Model model = build_model(acquisition, flat_surface(50, 20),
                             {.fit = {.accuracy = 0.01, .max_bases = 2, .epsilon = 20}})
                     .model;
   int done = 0;
@@ -78,6 +78,9 @@ TEST(LeaveOneOut, TellsTheBorderFromTheInteriorAndWhereToProbeMore) {
   EXPECT_GE(errors.per_contact[4].expected, 0);
   ASSERT_EQ(errors.suggested.size(), 3u);
   for (std::size_t i = 0; i < 3; ++i) {
+    // Contacts are 30 mm apart, on a square of 60 mm; the surface goes on for another 20 mm.
+    const Eigen::Array2d place = errors.suggested[i].position.head<2>();
+    EXPECT_LE((place.abs() - 30).max(0).matrix().norm(), 15);
     for (const ContactModel& contact : model.contacts) {
       EXPECT_GE((contact.position - errors.suggested[i].position).norm(), 15);
     }

@@ -4,9 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cstdlib>
 
+#include "palpate/haptics/contact_compliance.h"
 #include "sheet_model.h"
 
 namespace {
@@ -172,17 +174,25 @@ TEST(Playback, DoesNotAllocateInTheLoop) {
 #ifdef __SANITIZE_ADDRESS__
   GTEST_SKIP() << "the sanitizer's malloc cannot be counted";
 #endif
-  const long before_any = allocations;
-  const Playback playback(uneven_model());
-  EXPECT_GT(allocations, before_any);  // the counter counts
-  const std::vector<TrajectoryPoint> trajectory = some_trajectory();
-  LoopState state;
-  const long before = allocations;
-  int slips = 0;
-  for (const TrajectoryPoint& point : trajectory)
-    slips += playback.step(point.tool, state).state == ContactState::slip;
-  EXPECT_EQ(allocations, before);
-  EXPECT_GT(slips, 100);
+  for (const bool by_compliance : {false, true}) {
+    const Model model = by_compliance ? with_compliances(uneven_model(), 2) : uneven_model();
+    if (by_compliance) {
+      ASSERT_TRUE(std::ranges::all_of(model.contacts, [](const ContactModel& contact) {
+        return contact.compliance.has_value();
+      }));
+    }
+    const long before_any = allocations;
+    const Playback playback(model);
+    EXPECT_GT(allocations, before_any);  // the counter counts
+    const std::vector<TrajectoryPoint> trajectory = some_trajectory();
+    LoopState state;
+    const long before = allocations;
+    int slips = 0;
+    for (const TrajectoryPoint& point : trajectory)
+      slips += playback.step(point.tool, state).state == ContactState::slip;
+    EXPECT_EQ(allocations, before);
+    EXPECT_GT(slips, 100);
+  }
 }
 
 }  // namespace

@@ -55,8 +55,9 @@ struct LeaveOneOut {
   double interior_rms = 0;  ///< [N] over the contacts that are not at the border; NaN without any
   double border_rms = 0;    ///< [N] over those that are; NaN without any
   std::vector<ContactError> per_contact;  ///< in the order of the model's contacts
-  /// The largest expected errors, at least as far apart and from contacts as half the spacing of
-  /// contacts; empty unless compliances are blended.
+  /// The largest expected errors, at least as far apart and from contacts, and at most as far from
+  /// the contacts' triangles, as half the spacing of contacts; empty unless compliances are
+  /// blended.
   std::vector<SuggestedContact> suggested;
 };
 
