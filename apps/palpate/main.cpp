@@ -57,6 +57,7 @@ int run(int argc, char** argv) {
   add_fit(app, settings);
   add_merge(app, settings);
   add_transfer(app, settings);
+  add_identify(app, settings);
   add_evaluate(app, settings);
   add_play(app, settings);
   add_export(app, settings);

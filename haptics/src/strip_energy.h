@@ -1,0 +1,38 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "palpate/haptics/strip_model.h"
+
+namespace palpate::haptics {
+
+/// The strip under one contact: what strip_model.h calls U, in the contact's frame.
+struct Strip {
+  Eigen::Matrix3d frame;   ///< rows X, Y, Z in the world frame
+  double length_low = 0;   ///< [mm] L_1
+  double length_high = 0;  ///< [mm] L_2
+  double tension = 0;      ///< [N] with the width's factor w
+  double axial = 0;        ///< [N] with the width's factor w
+  double lateral = 0;      ///< [N/mm]
+};
+
+/// The strip under a contact. It is sound iff both lengths and the width's factor are > 0
+/// (`is_sound`); nothing is checked here.
+[[nodiscard]] Strip strip_at(const StripModel& model, const probing::Contact& contact);
+[[nodiscard]] bool is_sound(const Strip& strip);
+
+/// U, its gradient [N] and its Hessian [N/mm] at e [mm], local frame.
+[[nodiscard]] double energy(const Strip& strip, const Eigen::Vector3d& e);
+[[nodiscard]] Eigen::Vector3d gradient(const Strip& strip, const Eigen::Vector3d& e);
+[[nodiscard]] Eigen::Matrix3d hessian(const Strip& strip, const Eigen::Vector3d& e);
+
+/// e [mm] where the gradient is `force` [N], local frame, found from `near` or, if that leads
+/// nowhere, from zero; nothing if there is none.
+[[nodiscard]] std::optional<Eigen::Vector3d> find_equilibrium(
+    const Strip& strip, const Eigen::Vector3d& force,
+    const Eigen::Vector3d& near = Eigen::Vector3d::Zero());
+
+}  // namespace palpate::haptics
