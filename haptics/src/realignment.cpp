@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <utility>
 #include <vector>
 
 namespace palpate::haptics {
@@ -31,51 +32,77 @@ Eigen::Index count_pairs(const std::map<long long, Group>& groups) {
   return pairs;
 }
 
-// Three components need more than as many positions for a least direction of their scatter.
-constexpr std::size_t kMinPositions = 8;
+// Of fewer positions neither tells the others' scatter apart from an outlier, nor have all but one
+// of them a direction across all that they scatter in.
+constexpr std::size_t kMinPositions = 4;
 
 double median(std::vector<double> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  if (values.size() % 2 == 1) return *middle;
+  return (*std::max_element(values.begin(), middle) + *middle) / 2;
 }
 
-Eigen::Vector3d mean_of(const std::vector<Eigen::Vector3d>& positions) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const Eigen::Vector3d& position : positions) {
-    sum += position / static_cast<double>(positions.size());
+// Component by component: no minority of outliers moves it far, as it would the mean.
+Eigen::Vector3d median_position(const Group& group) {
+  Eigen::Vector3d result;
+  for (Eigen::Index component = 0; component < 3; ++component) {
+    std::vector<double> values;
+    for (const probing::Sample* sample : group) values.push_back(sample->a[component]);
+    result[component] = median(std::move(values));
   }
-  return sum;
+  return result;
 }
 
-// Positions `a` of a group without outliers.
-std::vector<Eigen::Vector3d> inliers(const Group& group) {
-  std::vector<Eigen::Vector3d> all, kept;
-  for (const probing::Sample* sample : group) all.push_back(sample->a);
-  const Eigen::Vector3d mean = mean_of(all);
+// The samples of a group whose `a` is no outlier.
+Group inliers(const Group& group) {
+  if (group.size() < kMinPositions) return group;
+  const Eigen::Vector3d center = median_position(group);
   std::vector<double> distances;
-  for (const Eigen::Vector3d& position : all) distances.push_back((position - mean).norm());
+  for (const probing::Sample* sample : group) distances.push_back((sample->a - center).norm());
   const double most = kOutlierRatio * median(distances);
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    if (distances[i] <= most) kept.push_back(all[i]);
+  Group kept;
+  for (std::size_t i = 0; i < group.size(); ++i) {
+    if (distances[i] <= most) kept.push_back(group[i]);
   }
   return kept;
 }
 
-// Of the same noise in all directions n + 1 positions seem to have less in one of them: of the
-// smallest eigenvalue of the covariance only 1 - kShortfall / sqrt(n) is expected (simulated with
-// normal noise; 2 % off from n = 16 on).
-constexpr double kShortfall = 2;
+Eigen::Vector3d mean_position(const Group& group) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (const probing::Sample* sample : group) sum += sample->a / static_cast<double>(group.size());
+  return sum;
+}
 
-// Smallest variance of the positions in any direction.
-double least_variance(const std::vector<Eigen::Vector3d>& positions, const Eigen::Vector3d& mean) {
-  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
-  for (const Eigen::Vector3d& position : positions) {
-    scatter += (position - mean) * (position - mean).transpose();
+double mean_force_along(const Group& group, const Eigen::Vector3d& direction) {
+  double sum = 0;
+  for (const probing::Sample* sample : group) {
+    sum += sample->force.dot(direction) / static_cast<double>(group.size());
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(scatter, Eigen::EigenvaluesOnly);
-  const double degrees = static_cast<double>(positions.size() - 1);
-  return std::max(0.0, eigen.eigenvalues()[0]) / (degrees * (1 - kShortfall / std::sqrt(degrees)));
+  return sum;
+}
+
+// Sum of squares, n - 1 times the variance, of the positions in the direction in which they
+// scatter least. The smallest eigenvalue of their covariance would be too small: its direction is
+// chosen to suit the very positions. So for each position the others choose the direction: of
+// noise that is the same in all directions this makes the unbiased variance whatever n, of other
+// noise the expectation is never below the least variance. (That of the others about their mean is
+// less by n / (n - 1) d_i d_i^T, d_i from the mean of all.)
+double least_sum_of_squares(const Group& group, const Eigen::Vector3d& mean) {
+  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+  for (const probing::Sample* sample : group) {
+    scatter += (sample->a - mean) * (sample->a - mean).transpose();
+  }
+  const double n = static_cast<double>(group.size());
+  double sum = 0;
+  for (const probing::Sample* sample : group) {
+    const Eigen::Vector3d off = sample->a - mean;
+    const Eigen::Matrix3d others = scatter - n / (n - 1) * off * off.transpose();
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(others);
+    const double part = eigen.eigenvectors().col(0).dot(off);
+    sum += part * part;
+  }
+  return sum;
 }
 
 }  // namespace
@@ -99,21 +126,16 @@ ForceSamples realign(const probing::Contact& contact, std::span<const probing::S
   result.displacements.resize(3, count_pairs(groups));
   result.forces.resize(3, result.displacements.cols());
   Eigen::Index pair = 0;
-  double variance = 0;
+  double sum_of_squares = 0;
   for (const auto& [id, group] : groups) {
-    const std::vector<Eigen::Vector3d> positions = inliers(group);
-    const Eigen::Vector3d mean_a = mean_of(positions);
-    if (positions.size() >= kMinPositions) {
-      const int degrees = static_cast<int>(positions.size()) - 1;
-      variance += degrees * least_variance(positions, mean_a);
-      result.degrees_of_freedom += degrees;
-    }
-    double mean_normal_force = 0;
-    for (const probing::Sample* sample : group) {
-      mean_normal_force += sample->force.dot(normal) / static_cast<double>(group.size());
+    const Group kept = inliers(group);
+    const Eigen::Vector3d mean_a = mean_position(kept);
+    if (kept.size() >= kMinPositions) {
+      sum_of_squares += least_sum_of_squares(kept, mean_a);
+      result.degrees_of_freedom += static_cast<int>(kept.size()) - 1;
     }
     result.displacements.col(pair) = mean_a - contact.position;
-    result.forces.col(pair++) = mean_normal_force * normal;
+    result.forces.col(pair++) = mean_force_along(kept, normal) * normal;
     for (const probing::Sample* sample : group) {
       if (sample->slipped) continue;
       result.displacements.col(pair) = sample->b - sample->a + mean_a - contact.position;
@@ -121,7 +143,8 @@ ForceSamples realign(const probing::Contact& contact, std::span<const probing::S
     }
   }
   if (result.degrees_of_freedom > 0) {
-    result.displacement_noise = std::sqrt(variance / result.degrees_of_freedom);
+    // A pair b - a + m - c has the errors of two positions.
+    result.displacement_noise = std::sqrt(2 * sum_of_squares / result.degrees_of_freedom);
   }
   return result;
 }

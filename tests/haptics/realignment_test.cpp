@@ -73,7 +73,8 @@ std::vector<probing::Sample> scattered(double noise, unsigned seed) {
 TEST(Realign, EstimatesTheNoiseFromWhereGroupsScatterLeast) {
   const ForceSamples pairs = realign(kContact, scattered(0.02, 1));
   EXPECT_EQ(pairs.degrees_of_freedom, 4 * 49);
-  EXPECT_NEAR(pairs.displacement_noise, 0.02, 0.2 * 0.02);
+  const double noise = std::sqrt(2.0) * 0.02;  // of two positions
+  EXPECT_NEAR(pairs.displacement_noise, noise, 0.15 * noise);
   const ForceSamples few =
       realign(kContact, std::vector{sample(1, {0, 0, 2}, {10, 20, 703}, {10, 20, 703})});
   EXPECT_EQ(few.degrees_of_freedom, 0);
@@ -91,6 +92,66 @@ TEST(Realign, LeavesOutliersOutOfTheMean) {
   const ForceSamples pairs = realign(kContact, samples);
   EXPECT_LT((pairs.displacements.col(0) - clean.displacements.col(0)).norm(), 0.002);
   EXPECT_NEAR(pairs.displacement_noise, clean.displacement_noise, 0.1 * clean.displacement_noise);
+}
+
+// Groups of `size` with the same noise in all directions.
+std::vector<probing::Sample> alike(int groups, int size, unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal(0, 0.02);
+  std::vector<probing::Sample> samples;
+  for (int i = 0; i < groups * size; ++i) {
+    const Vector3d a =
+        Vector3d(10, 20, 703) + Vector3d(normal(random), normal(random), normal(random));
+    samples.push_back(sample(i / size, {0, 0, 2}, a, a));
+  }
+  return samples;
+}
+
+TEST(Realign, EstimatesTheNoiseFromGroupsOfAnySize) {
+  constexpr int kPositions = 32000;
+  for (const int size : {4, 5, 8, 16, 49}) {
+    const ForceSamples pairs = realign(kContact, alike(kPositions / size, size, 5));
+    EXPECT_NEAR(pairs.displacement_noise, std::sqrt(2.0) * 0.02, 0.03 * 0.02) << size;
+  }
+}
+
+// Where the tool touches varies along the surface, but is the same for a and b of a sample.
+TEST(Realign, TellsTheNoiseOfThePairs) {
+  std::mt19937 random(6);
+  std::normal_distribution<double> normal(0, 0.02);
+  const auto noise = [&] { return Vector3d(normal(random), normal(random), normal(random)); };
+  std::vector<probing::Sample> samples;
+  for (int i = 0; i < 40 * 49; ++i) {
+    const Vector3d place = Vector3d(10, 20, 700) + Vector3d(normal(random), normal(random), 0);
+    samples.push_back(sample(i / 49, {0, 0, 2}, place + noise(), place + noise()));
+  }
+  const ForceSamples pairs = realign(kContact, samples);
+  const double true_noise = std::sqrt(pairs.displacements.squaredNorm() /
+                                      static_cast<double>(pairs.displacements.size()));
+  const double ratio = true_noise / pairs.displacement_noise;
+  EXPECT_GT(ratio * ratio, 0.8);  // chi^2 of the true field
+  EXPECT_LT(ratio * ratio, 1.1);
+}
+
+TEST(Realign, FindsAnOutlierInASmallGroup) {
+  for (const int size : {4, 5, 6, 7, 8, 12}) {
+    std::vector<probing::Sample> samples = alike(100, size, 8);
+    for (std::size_t group = 0; group < 100; ++group) {
+      probing::Sample& wrong = samples[group * static_cast<std::size_t>(size) + group % 3];
+      wrong.a.x() += 1;
+      wrong.force.z() = 50;
+      wrong.slipped = true;
+    }
+    const ForceSamples pairs = realign(kContact, samples);
+    if (size > 4) {  // else too few are left
+      EXPECT_NEAR(pairs.displacement_noise, std::sqrt(2.0) * 0.02, 0.2 * 0.02) << size;
+    }
+    Eigen::Index pair = 0;
+    for (int group = 0; group < 100; ++group, pair += size) {
+      EXPECT_LT((pairs.displacements.col(pair) - Vector3d(0, 0, 3)).norm(), 0.1) << size;
+      EXPECT_TRUE(pairs.forces.col(pair).isApprox(Vector3d(0, 0, 2), 1e-12)) << size;
+    }
+  }
 }
 
 TEST(Realign, OfNothingIsNothing) { EXPECT_EQ(realign(kContact, {}).forces.cols(), 0); }

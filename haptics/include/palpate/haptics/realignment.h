@@ -15,11 +15,14 @@ namespace palpate::haptics {
 struct ForceSamples {
   Eigen::Matrix3Xd displacements;  ///< [mm] 3 x N, tool position minus contact position
   Eigen::Matrix3Xd forces;         ///< [N] 3 x N, of the tool on the object
-  /// [mm] standard deviation of each component of a displacement, estimated from how the positions
-  /// `a` of a group scatter; NaN if no group has enough. The applied force varies too and moves a
-  /// soft object more than the tool's position is in error: what counts in each group is the
-  /// direction in which they scatter least. (A realigned pair has the position noise of b and of a,
-  /// but not what both share: where the tool touched, and most of the force's error.)
+  /// [mm] standard deviation of each component of a displacement b - a + m - c; NaN if no group
+  /// has 4 positions. It is sqrt(2) times that of one position, for b and a err independently (m,
+  /// a mean, adds little); that of a position is how far the positions `a` of a group scatter where
+  /// they scatter least. Assumed is a direction in which nothing else moves them: where the tool
+  /// touches varies along the surface, the error of the force moves a soft object, and both mostly
+  /// cancel in b - a. On a stiff object the normal is such a direction. Where there is none the
+  /// estimate is an upper bound: a stretched sheet (0.02 mm of position, 0.02 mm along the
+  /// surface, 0.01 N) has 0.039 in place of 0.028 mm. From `a` alone no more can be told.
   double displacement_noise = std::numeric_limits<double>::quiet_NaN();
   int degrees_of_freedom = 0;  ///< of that estimate, in each component
 };
@@ -29,15 +32,18 @@ struct ForceSamples {
 [[nodiscard]] std::optional<double> pooled_displacement_noise(
     std::span<const ForceSamples> contacts);
 
-/// A position `a` is an outlier of its group iff its distance to their mean exceeds the median
-/// distance so many times: 1 in 10^5 of a normal distribution in one direction, fewer in three.
+/// A position `a` is an outlier of its group iff its distance to their median, component by
+/// component, exceeds the median distance so many times, and the group has at least 4 positions: of
+/// 3, noise alone would make one in 200 an outlier. Normal noise that is the same in all directions
+/// makes 5 in 10^4 positions of a group of 4 one, 1 in 10^5 of 8; noise in one direction alone
+/// makes 1 in 100 of 8, 5 in 10^5 of large groups.
 inline constexpr double kOutlierRatio = 6;
 
 /// Realigns the samples of one contact (thesis 5.2); world frame.
 ///
 /// Within each group all tool positions `a` belong to the same normal force, so their mean m is the
-/// best estimate of it (an `a` that is off by more than kOutlierRatio times the median distance
-/// is left out of the mean): it makes one pair (m - c, component of the force along the normal).
+/// best estimate of it: it makes one pair (m - c, mean component of the forces along the normal). A
+/// sample whose `a` is an outlier enters neither mean.
 /// Every sample that held makes a further pair (b - a + m - c, p). Of a sample that slipped only
 /// `a` is used. Samples of other contacts are left out. Pairs come by ascending group, then in the
 /// order of the samples.
