@@ -4,6 +4,7 @@
 
 #include <sqlite3.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -119,7 +120,8 @@ class Row {
   int column_ = 0;
 };
 
-long long pragma(sqlite3* database, const char* sql) {
+// The number that a pragma or a query answers with.
+long long number_of(sqlite3* database, const char* sql) {
   const Statement statement = prepare(database, sql);
   return step(statement.get()) ? sqlite3_column_int64(statement.get(), 0) : 0;
 }
@@ -127,7 +129,7 @@ long long pragma(sqlite3* database, const char* sql) {
 // SQLite itself overlooks a cut inside the last page.
 void check_integrity(sqlite3* database, std::uintmax_t file_size) {
   const long long size =
-      pragma(database, "PRAGMA page_count") * pragma(database, "PRAGMA page_size");
+      number_of(database, "PRAGMA page_count") * number_of(database, "PRAGMA page_size");
   if (file_size < static_cast<std::uintmax_t>(size)) {
     throw DatabaseError("the file is truncated: " + std::to_string(file_size) + " of " +
                         std::to_string(size) + " bytes");
@@ -138,8 +140,14 @@ void check_integrity(sqlite3* database, std::uintmax_t file_size) {
   if (answer != "ok") throw DatabaseError("the database is damaged: " + answer);
 }
 
-Acquisition read_tables(sqlite3* database) {
+Acquisition read_tables(sqlite3* database, std::uintmax_t file_size) {
   Acquisition acquisition;
+  // A list that grows is in memory twice. What claims to be a table may count anything, but each
+  // sample takes a byte a column at least.
+  constexpr std::uintmax_t kColumns = 16;
+  const long long count = number_of(database, "SELECT count(*) FROM sample");
+  acquisition.samples.reserve(static_cast<std::size_t>(
+      std::min(static_cast<std::uintmax_t>(std::max(count, 0LL)), file_size / kColumns)));
   const Statement contacts =
       prepare(database, "SELECT id, x, y, z, nx, ny, nz FROM contact ORDER BY id");
   while (step(contacts.get())) {
@@ -230,7 +238,7 @@ Acquisition read_acquisition(const std::filesystem::path& path) {
   try {
     const Database database = open(path, SQLITE_OPEN_READONLY);
     check_integrity(database.get(), size);
-    acquisition = read_tables(database.get());
+    acquisition = read_tables(database.get(), size);
   } catch (const DatabaseError& wrong) {
     throw FileError(path.string() + ": " + wrong.what() + "; " + kWhatIsRight);
   }

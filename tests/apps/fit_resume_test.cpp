@@ -40,7 +40,7 @@ std::string lines_below(const std::string& text, std::size_t column, int limit) 
 
 class FitResume : public testing::Test {
  protected:
-  static constexpr int kContacts = 8;
+  static constexpr int kContacts = 6;
 
   void SetUp() override {
     write_text(scratch / "contacts.csv",
