@@ -158,6 +158,10 @@ ContactModel to_contact(const Node& node, long long version) {
   contact.friction_source =
       static_cast<FrictionSource>(friction.at("source").choice(kFrictionSources));
   contact.friction_axis = unit_vector(friction.at("axis"));
+  if (const auto error = friction.find("standard_error"))
+    contact.friction_error = error->number_at_least_zero();
+  if (const auto bound = friction.find("lower_bound"))
+    contact.friction_lower_bound = bound->number_at_least_zero();
   contact.samples = fit.at("samples").integer_between(0, kMaxInt);
   contact.rms = fit.at("rms").number_at_least_zero();
   contact.fit_stop = fit.at("stop").text();

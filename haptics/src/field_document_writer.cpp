@@ -58,7 +58,9 @@ Json to_json(const ContactModel& contact) {
       {"friction",
        {{"coefficient", to_json(contact.friction)},
         {"source", kFrictionSources[static_cast<std::size_t>(contact.friction_source)]},
-        {"axis", to_json(contact.friction_axis)}}},
+        {"axis", to_json(contact.friction_axis)},
+        {"standard_error", to_json(contact.friction_error)},
+        {"lower_bound", to_json(contact.friction_lower_bound)}}},
       {"fit",
        {{"samples", contact.samples}, {"rms", to_json(contact.rms)}, {"stop", contact.fit_stop}}}};
   if (contact.compliance) {

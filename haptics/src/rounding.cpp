@@ -63,6 +63,8 @@ ContactModel rounded(ContactModel contact) {
   for (double& entry : contact.friction_axis) entry = round_to_places(entry, kAxisPlaces);
   contact.field = rounded(std::move(contact.field));
   contact.friction = round_to_digits(contact.friction, kReportDigits);
+  contact.friction_error = round_to_digits(contact.friction_error, kReportDigits);
+  contact.friction_lower_bound = round_to_digits(contact.friction_lower_bound, kReportDigits);
   contact.rms = round_to_digits(contact.rms, kReportDigits);
   return contact;
 }

@@ -99,6 +99,18 @@ TEST(FieldDocumentReader, RefusesWhatCannotBe) {
               AllOf(HasSubstr("/contacts:"), HasSubstr("at least three")));
 }
 
+TEST(FieldDocumentReader, DoesWithoutWhatOlderFilesLack) {
+  json document = json::parse(field_document(some_model(), ModelEncoding::json));
+  Model expected = some_model();
+  for (std::size_t i = 0; i < 4; ++i) {
+    for (const char* member : {"standard_error", "lower_bound"})
+      EXPECT_EQ(document["contacts"][i]["friction"].erase(member), 1u);
+    expected.contacts[i].friction_error = expected.contacts[i].friction_lower_bound = 0;
+  }
+  document["contacts"][1]["later"] = {1, 2};  // what files to come have more is not looked at
+  expect_same_document(read_field_document(document.dump(), ModelEncoding::json).model, expected);
+}
+
 // JSON has no such numbers, CBOR does.
 TEST(FieldDocumentReader, RefusesNumbersThatAreNotFinite) {
   json document = json::parse(field_document(some_model(), ModelEncoding::json));

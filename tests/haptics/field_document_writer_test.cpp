@@ -61,7 +61,8 @@ TEST(FieldDocumentWriter, WritesWhatTheSchemaDescribes) {
   // The schema does look: each of these is refused.
   for (const char* pointer :
        {"/version", "/units/length", "/contacts/0/friction/source",
-        "/contacts/0/friction/coefficient", "/contacts/0/bases/1/1", "/contacts/0/bases/1",
+        "/contacts/0/friction/coefficient", "/contacts/1/friction/standard_error",
+        "/contacts/1/friction/lower_bound", "/contacts/0/bases/1/1", "/contacts/0/bases/1",
         "/contacts/1/axes/2", "/contacts/1/fit/rms", "/triangles/0/1", "/registration/rotation/0",
         "/surface_weights", "/surface"}) {
     json broken = document;
@@ -144,6 +145,8 @@ TEST(FieldDocumentWriter, AHundredContactsTakeLessThanAHundredKilobytes) {
     contact.frame = rotation_exp(vector());
     contact.friction = 0.5 + 0.01 * normal(random);
     contact.friction_axis = vector().normalized();
+    contact.friction_error = 0.005 * std::exp(normal(random));
+    contact.friction_lower_bound = 0.49 + 0.01 * normal(random);
     contact.samples = 1000;
     contact.rms = 0.02 + 0.001 * normal(random);
     contact.fit_stop = "accurate";

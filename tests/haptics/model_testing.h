@@ -26,6 +26,8 @@ inline void expect_same_document(const Model& left, const Model& right) {
     EXPECT_EQ(l.friction, r.friction);
     EXPECT_EQ(l.friction_source, r.friction_source);
     EXPECT_EQ(l.friction_axis, r.friction_axis);
+    EXPECT_EQ(l.friction_error, r.friction_error);
+    EXPECT_EQ(l.friction_lower_bound, r.friction_lower_bound);
     EXPECT_EQ(l.samples, r.samples);
     EXPECT_EQ(l.rms, r.rms);
     EXPECT_EQ(l.fit_stop, r.fit_stop);
@@ -46,6 +48,8 @@ inline Model some_model() {
   Model model = moved(uneven_model(), some_motion());
   model.T_surface_acquisition = some_motion();
   model.contacts[1].friction_source = FrictionSource::other_contacts;
+  model.contacts[1].friction_error = 0.0123;
+  model.contacts[0].friction_lower_bound = 0.39;
   model.contacts[2].field = {};
   model.interpolation = {BlendRule::compliances, 2.9, 27.3};
   model.contacts[1].compliance.emplace();
