@@ -189,11 +189,25 @@ void choose_frames(Model& model) {
   }
 }
 
+// A figure that is not finite is stored as the greatest that a file may hold.
+double storable(double figure) {
+  constexpr double kGreatest = 1e12;
+  return figure <= kGreatest ? figure : kGreatest;
+}
+
 // The fit sees displacements and forces in the frame that the field is stored in.
 FitResult fit_field(const ForceSamples& samples, const ContactModel& model,
                     const Eigen::Matrix3d& to_surface, const FitOptions& options) {
   const Eigen::Matrix3d to_local = model.frame.transpose() * to_surface;
-  return fit_force_field(to_local * samples.displacements, to_local * samples.forces, options);
+  const Eigen::Matrix3Xd displacements = to_local * samples.displacements,
+                         forces = to_local * samples.forces;
+  FitResult fit = fit_force_field(displacements, forces, options);
+  fit.field = rounded(std::move(fit.field));
+  double sum = 0;
+  for (Eigen::Index i = 0; i < forces.cols(); ++i)
+    sum += (force(fit.field, displacements.col(i)) - forces.col(i)).squaredNorm();
+  fit.rms = std::sqrt(sum / static_cast<double>(forces.cols()));
+  return fit;
 }
 
 void fit_contacts(const Probed& probed, const BuildOptions& options, BuildResult& result) {
@@ -223,6 +237,11 @@ void fit_contacts(const Probed& probed, const BuildOptions& options, BuildResult
     model.samples = static_cast<int>(samples[i].forces.cols());
     model.rms = fit.rms;
     model.fit_stop = to_string(fit.stop);
+    model.fit_mode = to_string(fit.mode);
+    model.passivity = to_string(fit.certificate.passivity);
+    model.chi2 = storable(fit.chi2);
+    model.noise_floor = storable(fit.noise_floor);
+    model.condition = storable(fit.condition);
     model.field = fit.field;
     model = rounded(std::move(model));
     const std::lock_guard lock(reporting);

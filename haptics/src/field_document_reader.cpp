@@ -167,6 +167,13 @@ ContactModel to_contact(const Node& node, long long version) {
   contact.fit_stop = fit.at("stop").text();
   if (const auto compliance = node.find("compliance"))
     contact.compliance = to_compliance(*compliance);
+  if (const auto mode = fit.find("mode")) contact.fit_mode = mode->text();
+  if (const auto passivity = fit.find("passivity")) contact.passivity = passivity->text();
+  if (const auto chi2 = fit.find("chi2")) contact.chi2 = chi2->number_at_least_zero();
+  if (const auto floor = fit.find("noise_floor"))
+    contact.noise_floor = floor->number_at_least_zero();
+  if (const auto condition = fit.find("condition"))
+    contact.condition = condition->number_at_least_zero();
   return contact;
 }
 

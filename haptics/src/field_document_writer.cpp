@@ -50,19 +50,25 @@ Json rows_to_json(const Matrix& matrix) {
 Json to_json(const ContactModel& contact) {
   Json bases = Json::array();
   for (const Multiquadric& base : contact.field.bases) bases.push_back(to_json(base));
-  Json result = {
-      {"id", contact.id},
-      {"position", to_json(contact.position)},
-      {"axes", to_json(Eigen::Matrix3d(contact.frame.transpose()))},
-      {"bases", bases},
-      {"friction",
-       {{"coefficient", to_json(contact.friction)},
-        {"source", kFrictionSources[static_cast<std::size_t>(contact.friction_source)]},
-        {"axis", to_json(contact.friction_axis)},
-        {"standard_error", to_json(contact.friction_error)},
-        {"lower_bound", to_json(contact.friction_lower_bound)}}},
-      {"fit",
-       {{"samples", contact.samples}, {"rms", to_json(contact.rms)}, {"stop", contact.fit_stop}}}};
+  Json result = {{"id", contact.id},
+                 {"position", to_json(contact.position)},
+                 {"axes", to_json(Eigen::Matrix3d(contact.frame.transpose()))},
+                 {"bases", bases},
+                 {"friction",
+                  {{"coefficient", to_json(contact.friction)},
+                   {"source", kFrictionSources[static_cast<std::size_t>(contact.friction_source)]},
+                   {"axis", to_json(contact.friction_axis)},
+                   {"standard_error", to_json(contact.friction_error)},
+                   {"lower_bound", to_json(contact.friction_lower_bound)}}},
+                 {"fit",
+                  {{"samples", contact.samples},
+                   {"rms", to_json(contact.rms)},
+                   {"stop", contact.fit_stop},
+                   {"mode", contact.fit_mode},
+                   {"passivity", contact.passivity},
+                   {"chi2", to_json(contact.chi2)},
+                   {"noise_floor", to_json(contact.noise_floor)},
+                   {"condition", to_json(contact.condition)}}}};
   if (contact.compliance) {
     result["compliance"] = {{"direction", to_json(contact.compliance->direction)},
                             {"values", rows_to_json(contact.compliance->values)},

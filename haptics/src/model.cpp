@@ -30,6 +30,11 @@ void check_contact(const ContactModel& contact, const std::string& name) {
                        std::to_string(contact.friction_lower_bound) +
                        "; they must be finite and >= 0");
   }
+  for (const double figure : {contact.rms, contact.chi2, contact.noise_floor, contact.condition}) {
+    if (figure >= 0 && std::isfinite(figure)) continue;
+    throw InvalidInput(name + ": a figure of its fit is " + std::to_string(figure) +
+                       "; rms, chi2, noise floor and condition must be finite and >= 0");
+  }
   check_force_field(contact.field, name.c_str());
   if (!contact.compliance) return;
   const Eigen::Vector<double, 6>& values = contact.compliance->values;

@@ -10,8 +10,9 @@
 namespace palpate::haptics {
 namespace {
 
-constexpr int kAxisPlaces = 10;   // F^T F is then off by at most 2e-10
-constexpr int kReportDigits = 6;  // of friction and errors
+constexpr int kAxisPlaces = 10;  // F^T F is then off by at most 2e-10
+constexpr int kFrictionDigits = 6;
+constexpr int kReportDigits = 4;  // of errors and other figures that nothing is computed from
 
 // The decimal that `std::to_chars` writes is the nearest, and reading it gives the double that a
 // file's reader will get: neither is true of multiplying by powers of ten.
@@ -62,10 +63,11 @@ ContactModel rounded(ContactModel contact) {
   for (double& entry : contact.frame.reshaped()) entry = round_to_places(entry, kAxisPlaces);
   for (double& entry : contact.friction_axis) entry = round_to_places(entry, kAxisPlaces);
   contact.field = rounded(std::move(contact.field));
-  contact.friction = round_to_digits(contact.friction, kReportDigits);
-  contact.friction_error = round_to_digits(contact.friction_error, kReportDigits);
-  contact.friction_lower_bound = round_to_digits(contact.friction_lower_bound, kReportDigits);
-  contact.rms = round_to_digits(contact.rms, kReportDigits);
+  contact.friction = round_to_digits(contact.friction, kFrictionDigits);
+  for (double* figure : {&contact.friction_error, &contact.friction_lower_bound, &contact.rms,
+                         &contact.chi2, &contact.noise_floor, &contact.condition}) {
+    *figure = round_to_digits(*figure, kReportDigits);
+  }
   return contact;
 }
 

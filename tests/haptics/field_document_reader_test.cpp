@@ -105,6 +105,11 @@ TEST(FieldDocumentReader, DoesWithoutWhatOlderFilesLack) {
   for (std::size_t i = 0; i < 4; ++i) {
     for (const char* member : {"standard_error", "lower_bound"})
       EXPECT_EQ(document["contacts"][i]["friction"].erase(member), 1u);
+    for (const char* member : {"mode", "passivity", "chi2", "noise_floor", "condition"})
+      EXPECT_EQ(document["contacts"][i]["fit"].erase(member), 1u);
+    expected.contacts[i].fit_mode = expected.contacts[i].passivity = "";
+    expected.contacts[i].chi2 = expected.contacts[i].noise_floor = 0;
+    expected.contacts[i].condition = 0;
     expected.contacts[i].friction_error = expected.contacts[i].friction_lower_bound = 0;
   }
   document["contacts"][1]["later"] = {1, 2};  // what files to come have more is not looked at

@@ -129,7 +129,8 @@ TEST(FieldDocumentWriter, PythonComputesTheSameForces) {
   }
 }
 
-// 6 to 8 bases of both kinds, numbers of all magnitudes, rounded as `build_model` does.
+// 6 to 8 bases of both kinds, all that fits report, numbers of all magnitudes, rounded as
+// `build_model` does.
 TEST(FieldDocumentWriter, AHundredContactsTakeLessThanAHundredKilobytes) {
   Model model = sheet_model();
   std::mt19937 random(3);
@@ -149,7 +150,11 @@ TEST(FieldDocumentWriter, AHundredContactsTakeLessThanAHundredKilobytes) {
     contact.friction_lower_bound = 0.49 + 0.01 * normal(random);
     contact.samples = 1000;
     contact.rms = 0.02 + 0.001 * normal(random);
-    contact.fit_stop = "accurate";
+    contact.fit_stop = "explained";
+    contact.fit_mode = contact.passivity = "convex";
+    contact.chi2 = std::exp(0.3 * normal(random));
+    contact.noise_floor = 0.02;
+    contact.condition = 100 * std::exp(normal(random));
     for (int k = 0; k < 6 + i % 3; ++k) {
       contact.field.bases.push_back({3 * std::exp(normal(random)), 2 * std::exp(normal(random)),
                                      5 * vector(),

@@ -29,8 +29,8 @@ inline constexpr int kFieldDigits = 7;
 [[nodiscard]] ForceField rounded(ForceField field);
 
 /// The same contact in short numbers: its field, its axes to 10 decimal places, which keeps
-/// `kFrameTolerance`, and friction and errors to 6 digits. Its position, which lies on the surface
-/// as exactly as that is known, keeps all digits.
+/// `kFrameTolerance`, its friction coefficient to 6 digits and other figures to 4. Its position,
+/// which lies on the surface as exactly as that is known, keeps all digits.
 [[nodiscard]] ContactModel rounded(ContactModel contact);
 
 }  // namespace palpate::haptics
