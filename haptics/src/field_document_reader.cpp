@@ -117,30 +117,9 @@ ForceField to_field(const Node& node) {
   return field;
 }
 
-template <typename Matrix>
-Matrix to_matrix(const Node& node) {
-  const std::vector<Node> numbers = node.items();
-  Matrix matrix;
-  if (numbers.size() != static_cast<std::size_t>(matrix.size())) {
-    node.refuse(std::to_string(matrix.size()) + " numbers");
-  }
-  for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
-    for (Eigen::Index j = 0; j < matrix.cols(); ++j) {
-      matrix(i, j) = numbers[static_cast<std::size_t>(i * matrix.cols() + j)].number();
-    }
-  }
-  return matrix;
-}
-
-ContactCompliance to_compliance(const Node& node) {
-  return {unit_vector(node.at("direction")), to_matrix<Eigen::Vector<double, 6>>(node.at("values")),
-          to_matrix<Eigen::Matrix<double, 6, 5>>(node.at("trend"))};
-}
-
 Interpolation to_interpolation(const Node& node) {
   return {static_cast<BlendRule>(node.at("rule").choice(kBlendRules)),
-          node.at("reference_force").number_at_least_zero(),
-          node.at("reach").number_at_least_zero()};
+          node.at("reference_force").number_at_least_zero(), 0};
 }
 
 ContactModel to_contact(const Node& node, long long version) {
@@ -165,8 +144,6 @@ ContactModel to_contact(const Node& node, long long version) {
   contact.samples = fit.at("samples").integer_between(0, kMaxInt);
   contact.rms = fit.at("rms").number_at_least_zero();
   contact.fit_stop = fit.at("stop").text();
-  if (const auto compliance = node.find("compliance"))
-    contact.compliance = to_compliance(*compliance);
   if (const auto mode = fit.find("mode")) contact.fit_mode = mode->text();
   if (const auto passivity = fit.find("passivity")) contact.passivity = passivity->text();
   if (const auto chi2 = fit.find("chi2")) contact.chi2 = chi2->number_at_least_zero();

@@ -37,16 +37,6 @@ Json to_json(const Multiquadric& base) {
   return result;
 }
 
-// A row after the other; a vector as a list of numbers.
-template <typename Matrix>
-Json rows_to_json(const Matrix& matrix) {
-  Json result = Json::array();
-  for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
-    for (Eigen::Index j = 0; j < matrix.cols(); ++j) result.push_back(to_json(matrix(i, j)));
-  }
-  return result;
-}
-
 Json to_json(const ContactModel& contact) {
   Json bases = Json::array();
   for (const Multiquadric& base : contact.field.bases) bases.push_back(to_json(base));
@@ -69,11 +59,6 @@ Json to_json(const ContactModel& contact) {
                    {"chi2", to_json(contact.chi2)},
                    {"noise_floor", to_json(contact.noise_floor)},
                    {"condition", to_json(contact.condition)}}}};
-  if (contact.compliance) {
-    result["compliance"] = {{"direction", to_json(contact.compliance->direction)},
-                            {"values", rows_to_json(contact.compliance->values)},
-                            {"trend", rows_to_json(contact.compliance->trend)}};
-  }
   return result;
 }
 
@@ -171,8 +156,7 @@ void write(Writer writer, const Model& model) {
        {"translation", to_json(Eigen::Vector3d(model.T_surface_acquisition.translation()))}});
   const Interpolation& between = model.interpolation;
   writer.member("interpolation", {{"rule", kBlendRules[static_cast<std::size_t>(between.rule)]},
-                                  {"reference_force", to_json(between.reference_force)},
-                                  {"reach", to_json(between.reach)}});
+                                  {"reference_force", to_json(between.reference_force)}});
   writer.begin_list("contacts", model.contacts.size());
   for (const ContactModel& contact : model.contacts) writer.item(to_json(contact));
   writer.end_list();

@@ -14,6 +14,7 @@
 #include "field_document_format.h"
 #include "palpate/error.h"
 #include "palpate/geometry/mesh_io.h"
+#include "palpate/haptics/contact_compliance.h"
 #include "palpate/output_file.h"
 
 namespace palpate::haptics {
@@ -118,6 +119,10 @@ Model read_model(const fs::path& folder) {
   model.surface = std::move(file.mesh);
   try {
     check_model(model);
+    // They follow from the fields, and would take as much room as these.
+    if (model.interpolation.rule == BlendRule::compliances) {
+      model = with_compliances(std::move(model), model.interpolation.reference_force);
+    }
   } catch (const InvalidInput& wrong) {
     throw FileError(folder.string() + ": " + wrong.what());
   }

@@ -52,7 +52,8 @@ enum class BlendRule {
 struct Interpolation {
   BlendRule rule = BlendRule::forces;
   double reference_force = 0;  ///< [N] F of the contacts' compliances; > 0 with `compliances`
-  /// [mm] how far beyond its contacts a place follows their trend; >= 0
+  /// [mm] how far beyond its contacts a place follows their trend; >= 0; not stored, see
+  /// `read_model`
   double reach = 0;
 
   friend bool operator==(const Interpolation&, const Interpolation&) = default;
