@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <limits>
 #include <numeric>
+#include <optional>
 #include <set>
 #include <sstream>
 #include <utility>
@@ -19,6 +20,8 @@
 #include "palpate/geometry/mesh_topology.h"
 #include "palpate/geometry/surface_query.h"
 #include "palpate/geometry/zipper_scans.h"
+#include "palpate/haptics/contact_compliance.h"
+#include "palpate/haptics/rounding.h"
 
 namespace palpate::haptics {
 namespace {
@@ -80,6 +83,7 @@ void add_candidates(const SideModel& side, int index, const Eigen::Isometry3d& p
   const Eigen::Matrix3Xd normals = geometry::triangle_normals(side.model.surface);
   for (const ContactModel& contact : side.model.contacts) {
     Candidate candidate{.origin = {index, contact.id}, .contact = contact, .outward = {}, .at = {}};
+    candidate.contact.compliance.reset();  // was learnt among the contacts of this side
     candidate.contact.position = pose * contact.position;
     candidate.contact.frame = pose.linear() * contact.frame;
     candidate.contact.friction_axis = (pose.linear() * contact.friction_axis).normalized();
@@ -220,11 +224,16 @@ long long id_stride(std::span<const SideModel> sides) {
       all_differ = ids.insert(contact.id).second && all_differ;
   }
   if (all_differ) return 0;
-  const long long largest = std::max(-*ids.begin(), *ids.rbegin());
   const auto further = static_cast<long long>(sides.size());
+  // Before anything is computed with ids, which may be as large as `long long` goes.
+  bool too_large = *ids.begin() < -kLargestId || *ids.rbegin() > kLargestId;
   long long stride = 10;
-  while (stride <= kLargestId && stride <= *ids.rbegin() - *ids.begin()) stride *= 10;
-  if (largest > kLargestId || stride > (kLargestId - largest) / further) {
+  if (!too_large) {
+    while (stride <= kLargestId && stride <= *ids.rbegin() - *ids.begin()) stride *= 10;
+    const long long largest = std::max(-*ids.begin(), *ids.rbegin());
+    too_large = stride > (kLargestId - largest) / further;
+  }
+  if (too_large) {
     throw InvalidInput(
         "merge_models(): contacts of different models have the same ids, and these "
         "are too large to be told apart by adding to them; ids below " +
@@ -250,6 +259,17 @@ void keep_contacts(std::span<const SideModel> sides, std::vector<Candidate>& can
     merged.model.made[side + " ids"] =
         "those of the model plus " + std::to_string(stride * static_cast<long long>(k));
   }
+}
+
+// The least of the sides that blend compliances; none if none does.
+std::optional<double> reference_force(std::span<const SideModel> sides) {
+  std::optional<double> least;
+  for (const SideModel& side : sides) {
+    const Interpolation& given = side.model.interpolation;
+    if (given.rule != BlendRule::compliances) continue;
+    least = std::min(given.reference_force, least.value_or(given.reference_force));
+  }
+  return least;
 }
 
 std::string to_text(const Eigen::Isometry3d& pose) {
@@ -307,6 +327,9 @@ MergedModel merge_models(std::span<const SideModel> sides, const MergeModelsOpti
   for (const int i : triangulation.isolated)
     merged.isolated.push_back(merged.model.contacts[static_cast<std::size_t>(i)].id);
   align_frames(merged.model);
+  for (ContactModel& contact : merged.model.contacts) contact = rounded(std::move(contact));
+  if (const std::optional<double> force = reference_force(sides))
+    merged.model = with_compliances(std::move(merged.model), *force);
   tell_origin(sides, poses, options, merged);
   return merged;
 }

@@ -14,6 +14,7 @@
 #include "palpate/error.h"
 #include "palpate/haptics/contact_compliance.h"
 #include "palpate/haptics/rotation.h"
+#include "palpate/haptics/rounding.h"
 #include "palpate/haptics/transform_field.h"
 
 namespace palpate::haptics {
@@ -39,19 +40,24 @@ double energy_factor(ForceScaling forces, double volume) {
 }
 
 TransformedField scale_contact(const Eigen::Matrix3d& S, ForceScaling forces,
-                               ContactModel& contact) {
+                               const std::optional<double>& largest_force, ContactModel& contact) {
   const Eigen::Matrix3d before = contact.frame;
   const Eigen::Vector3d z = S.inverse() * before.col(2);
   contact.frame = rotation_between(before.col(2), z) * before;
   contact.friction_axis = (S * contact.friction_axis).normalized();
-  if (forces == ForceScaling::feel) return {.field = contact.field};
+  contact.compliance.reset();  // was that of the old field
+  if (forces == ForceScaling::feel) {
+    contact = rounded(std::move(contact));
+    return {.field = contact.field};
+  }
   const double volume = S.determinant();
   const double factor = energy_factor(forces, volume);
   // From the old frame's displacements to the new one's.
   TransformedField transformed =
-      transform_field(contact.field, contact.frame.transpose() * S * before, factor);
+      transform_field(contact.field, contact.frame.transpose() * S * before, factor, largest_force);
   contact.field = transformed.field;
   contact.rms = std::hypot(contact.rms * factor / std::cbrt(volume), transformed.rms);
+  contact = rounded(std::move(contact));
   return transformed;
 }
 
@@ -93,11 +99,14 @@ ScaledModel scale_model(const Model& model, const ScaleModelOptions& options) {
   };
   scaled.surface.vertices = moved(model.surface.vertices);
   scaled.T_surface_acquisition.setIdentity();
+  const bool compliances = model.interpolation.rule == BlendRule::compliances;
+  std::optional<double> largest_force;
+  if (compliances) largest_force = model.interpolation.reference_force;
   std::vector<TransformedField> fields(scaled.contacts.size());
   tbb::parallel_for(std::size_t{0}, scaled.contacts.size(), [&](std::size_t i) {
     ContactModel& contact = scaled.contacts[i];
     contact.position = moved(contact.position);
-    fields[i] = scale_contact(S, options.forces, contact);
+    fields[i] = scale_contact(S, options.forces, largest_force, contact);
   });
   for (const TransformedField& field : fields) {
     result.refitted += field.exact ? 0 : 1;
@@ -106,7 +115,7 @@ ScaledModel scale_model(const Model& model, const ScaleModelOptions& options) {
   }
   std::string& before = scaled.made["scaled"];
   before += (before.empty() ? "" : "; ") + description(options);
-  if (scaled.interpolation.rule == BlendRule::compliances) {
+  if (compliances) {
     // Where contacts were pressed with one force they are pressed with another now; with `feel` and
     // `forces` with the same.
     const double factor =

@@ -12,6 +12,7 @@
 #include "palpate/geometry/surface_query.h"
 #include "palpate/haptics/contact_compliance.h"
 #include "palpate/haptics/rotation.h"
+#include "palpate/haptics/rounding.h"
 #include "palpate/haptics/transform_field.h"
 
 namespace palpate::haptics {
@@ -74,6 +75,8 @@ TransferredModel transfer_model(const Model& model, const geometry::TriangleMesh
     places.push_back(image.at);
     turn(contact, at, corners, rotations);
     scale_forces(contact, map.scale, options.forces);
+    contact.compliance.reset();  // was that of the old surface
+    contact = rounded(std::move(contact));
     if (map.distorted[at.triangle]) result.distorted.push_back(contact.id);
   }
   geometry::ContactTriangulation triangulation = geometry::triangulate_contacts(target, places);
@@ -85,7 +88,9 @@ TransferredModel transfer_model(const Model& model, const geometry::TriangleMesh
   before += (before.empty() ? "" : "; ") + std::string("forces: ") + to_string(options.forces) +
             ", " + map.reason;
   if (result.model.interpolation.rule == BlendRule::compliances) {
-    const double force = result.model.interpolation.reference_force;
+    // Where contacts were pressed with one force they are pressed with another now.
+    const double factor = options.forces == ForceScaling::material ? map.scale * map.scale : 1;
+    const double force = factor * result.model.interpolation.reference_force;
     result.model = with_compliances(std::move(result.model), force);
   }
   return result;

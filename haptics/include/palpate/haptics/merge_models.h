@@ -30,9 +30,11 @@ struct MergeModelsOptions {
   /// where seams meet; >= 0, 0 fills none
   double fill_holes = 0;
   double max_distance = 2;  ///< [mm] of any contact from the merged surface; >= 0
-  /// [mm] contacts of different sides are one iff they are at most so far apart on the merged
-  /// surface and press into the same half-space; >= 0. Without one it is a quarter of the median
-  /// distance between neighbouring contacts. Contacts that coincide are one in any case.
+  /// [mm] contacts of different sides are one iff they, once on the merged surface, are at most so
+  /// far apart in a straight line and press into the same half-space; >= 0. Without one it is a
+  /// quarter of the median distance between neighbouring contacts. Contacts that coincide are one
+  /// in any case. The two sides of a thin wall press against each other; but of layers of a fold
+  /// that face the same way, nearer to each other than this, contacts are taken for one: give less.
   std::optional<double> same_place = std::nullopt;
 };
 
@@ -66,10 +68,12 @@ struct MergedModel {
 /// contacts of different sides at the same place the one that fits best is kept: with the least
 /// `rms`, then with the most samples, then of the first side. The frames are turned about their z
 /// axes so that neighbours across a seam agree, which changes no contact's force; the blended force
-/// is then continuous across seams as it is elsewhere. Where all ids differ they stay; otherwise
-/// those of side k are raised by k times the same power of ten. `Model::made` says what came from
-/// where. Sides of which one has friction and one none are merged as they are.
-/// \throws InvalidInput if there is no side, one is refused by `check_model` or its surface is not
+/// is then continuous across seams as it is elsewhere. If any side blends compliances the model
+/// does, learnt anew from all contacts, under the least reference force of those sides: with that
+/// much they were all pressed. All but places is `rounded`. Where all ids differ they stay;
+/// otherwise those of side k are raised by k times the same power of ten. `Model::made` says what
+/// came from where. Sides of which one has friction and one none are merged as they are. \throws
+/// InvalidInput if there is no side, one is refused by `check_model` or its surface is not
 /// manifold, a pose is not a rotation and a finite shift, an option is out of its range, a contact
 /// is further from the merged surface than `max_distance` or faces its inside, or fewer than three
 /// contacts are left; SolverError and Unavailable as merging and triangulating do.

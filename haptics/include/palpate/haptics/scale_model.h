@@ -12,9 +12,12 @@ namespace palpate::haptics {
 /// What becomes of forces when lengths are multiplied: by S, which is s times the identity, or
 /// multiplies by s along an axis alone. p' and p are the elastic energies, f' and f the forces.
 enum class ForceScaling {
-  /// The object is of the same material: p'(S x) = det(S) p(x), the energy of a strain goes with
-  /// the volume. Uniformly f'(s x) = s^2 f(x): stresses stay, forces go with the area, stiffness
-  /// with the length.
+  /// The object is of the same material: p'(S x) = det(S) p(x). Uniformly this is exact for any
+  /// elastic material: strains and stresses stay, the energy goes with the volume, forces with the
+  /// area, f'(s x) = s^2 f(x), stiffness with the length. Along an axis it takes the deformed
+  /// object to be the stretched image of what it was. Strains along and across the axis stay then,
+  /// but shear between the two does not, and the energy of that is not told by p: exact for a bar
+  /// that is pulled along the axis, an approximation where the object is sheared or bent.
   material,
   /// Forces stay while displacements scale: p'(S x) = det(S)^(1/3) p(x), uniformly
   /// f'(s x) = f(x). (Along an axis they stay in the geometric mean over the axes: a force must
@@ -44,10 +47,13 @@ struct ScaledModel {
 /// axis, frames turn by the smallest turn that takes the direction of pressing z, as a normal, to
 /// S^-1 z; axes of friction, which are displacements, go to S a. Coefficients of friction,
 /// triangles and weights stay; the circular cone of friction stays one, though a stretched object's
-/// might not. Scaling back gives the same model to rounding if no field was refitted. `rms` scales
-/// as forces do in the mean over the axes. The registration of the acquisition is dropped: samples
-/// belong to the object as it was measured. \throws InvalidInput if the model is refused by
-/// `check_model` or an option is out of its range; SolverError if numbers overflow.
+/// might not. All but places is `rounded`; scaling back gives the same model to that if no field
+/// was refitted. Fields are refitted as far as the reference force of the model presses, if it has
+/// one. `rms` scales as forces do in the mean over the axes, and grows by what refitting lost;
+/// `samples` and `fit_stop` tell of the fit to the measurements. Compliances are learnt anew. The
+/// registration of the acquisition is dropped: samples belong to the object as it was measured.
+/// \throws InvalidInput if the model is refused by `check_model` or an option is out of its range;
+/// SolverError if numbers overflow.
 [[nodiscard]] ScaledModel scale_model(const Model& model, const ScaleModelOptions& options);
 
 /// "material", "forces" or "feel".

@@ -24,7 +24,8 @@ struct TransferredModel {
 /// Gives another object the feel of a model (thesis 6.2.4.2): each contact goes to its image under
 /// a map of the surfaces, its frame and axis of friction turned as the map turns the surface there,
 /// and the contacts are triangulated anew on the target. Fields are scaled, uniformly and so
-/// exactly, as `forces` says; coefficients of friction stay. Force fields depend on the inside of
+/// exactly, as `forces` says, and so is the reference force of compliances, which are learnt anew;
+/// all but places is `rounded`. Coefficients of friction stay. Force fields depend on the inside of
 /// an object too, of which a map of surfaces knows nothing: between objects of one kind and similar
 /// shape the result is likely to be reasonable, and no measurement in any case. The registration of
 /// the acquisition is dropped.
