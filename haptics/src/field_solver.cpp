@@ -8,6 +8,8 @@
 #include <coin/IpTNLP.hpp>
 #include <mutex>
 
+#include "palpate/error.h"
+
 namespace palpate::haptics {
 namespace {
 
@@ -19,9 +21,10 @@ using Ipopt::Number;
 // suffers.
 constexpr double kMaxWeight = 30;
 constexpr double kMaxCenter = 5;
-// Where epsilons are free, they stay within these factors of where they start.
-constexpr double kMinEpsilonFactor = 0.3;
-constexpr double kMaxEpsilonFactor = 3;
+// Bounds of epsilons that are free, in units of the data's extent: below, a base is a kink at its
+// centre, above, a parabola, whatever its epsilon.
+constexpr double kMinEpsilon = 0.1;
+constexpr double kMaxEpsilon = 10;
 constexpr double kTolerance = 1e-5;  // of Ipopt, on quantities scaled to 1
 constexpr int kMaxIterations = 300;
 constexpr double kUnbounded = 2e19;  // Ipopt's infinity
@@ -61,8 +64,8 @@ class FieldProgram : public Ipopt::TNLP {
         x_u[i] = kMaxCenter;
         x_l[i] = -kMaxCenter;
       }
-      x_u[k + 4] = constraints_.free_epsilon ? kMaxEpsilonFactor * epsilon : epsilon;
-      x_l[k + 4] = constraints_.free_epsilon ? kMinEpsilonFactor * epsilon : epsilon;
+      x_u[k + 4] = constraints_.free_epsilon ? kMaxEpsilon : epsilon;
+      x_l[k + 4] = constraints_.free_epsilon ? kMinEpsilon : epsilon;
     }
     std::fill(g_l, g_l + m, 0.0);
     std::fill(g_u, g_u + m, kUnbounded);
@@ -154,12 +157,11 @@ class FieldProgram : public Ipopt::TNLP {
     return true;
   }
 
-  void finalize_solution(Ipopt::SolverReturn status, Index, const Number* x, const Number*,
-                         const Number*, Index, const Number*, const Number*, Number value,
-                         const Ipopt::IpoptData*, Ipopt::IpoptCalculatedQuantities*) override {
+  void finalize_solution(Ipopt::SolverReturn, Index, const Number* x, const Number*, const Number*,
+                         Index, const Number*, const Number*, Number value, const Ipopt::IpoptData*,
+                         Ipopt::IpoptCalculatedQuantities*) override {
     solution_.parameters = parameters(x);
     solution_.value = value;
-    solution_.converged = status == Ipopt::SUCCESS || status == Ipopt::STOP_AT_ACCEPTABLE_POINT;
   }
 
  private:
@@ -244,10 +246,18 @@ FieldSolution solve_field(const FieldObjective& objective,
   options->SetStringValue("nlp_scaling_method", "none");
   options->SetNumericValue("tol", kTolerance);
   options->SetIntegerValue("max_iter", kMaxIterations);
-  application->Initialize(
-      "");  // not from an ipopt.opt that happens to lie in the working directory
-  application->OptimizeTNLP(program);
+  // Not from an ipopt.opt that happens to lie in the working directory.
+  if (application->Initialize("") != Ipopt::Solve_Succeeded) {
+    throw SolverError("solve_field(): Ipopt could not be set up; is its linear solver installed?");
+  }
+  const Ipopt::ApplicationReturnStatus status = application->OptimizeTNLP(program);
   FieldSolution solution = program->solution();
+  if (solution.parameters.size() == 0) {  // it gave up before it had any
+    solution.parameters = start;
+    solution.value = objective.value(start);
+  }
+  solution.converged =
+      status == Ipopt::Solve_Succeeded || status == Ipopt::Solved_To_Acceptable_Level;
   if (Ipopt::IsValid(application->Statistics())) {
     solution.iterations = application->Statistics()->IterationCount();
   }

@@ -30,7 +30,7 @@ struct FieldSolution {
 };
 
 /// Minimises the objective from a start, keeping the constraints and the parameters inside a box
-/// (Ipopt, exact second derivatives).
+/// (Ipopt, exact second derivatives). Where Ipopt gives up, what it had is not `converged`.
 [[nodiscard]] FieldSolution solve_field(const FieldObjective& objective,
                                         const Eigen::Ref<const Eigen::VectorXd>& start,
                                         const FieldConstraints& constraints = {});

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <string>
 #include <utility>
@@ -16,6 +17,7 @@
 #include "field_objective.h"
 #include "local_fit.h"
 #include "palpate/error.h"
+#include "whitened_problem.h"
 
 namespace palpate::haptics {
 namespace {
@@ -28,6 +30,12 @@ constexpr double kEpsilonRatio = 1;
 constexpr double kWeightPenalty = 1e-7;
 // Least noise of forces relative to their extent: some rounding errors.
 constexpr double kExact = 1e-9;
+// Squared length of a whitened error that makes an outlier: noise exceeds it once in 10^10 samples.
+// More than this part of the samples are no outliers but what the field cannot follow.
+constexpr double kOutlier = 50;
+constexpr double kMaxOutliers = 0.1;
+// Parameters of a base: weight, epsilon, centre.
+constexpr double kParameters = 5;
 // The spring of a rigid contact holds its force up to so many times the measured one.
 constexpr double kRigidReserve = 10;
 
@@ -59,11 +67,18 @@ void check(const Eigen::Ref<const Eigen::Matrix3Xd>& displacements,
   };
   check_noise(options.noise.force, "force");
   check_noise(options.noise.displacement.value_or(0), "displacement");
+  if (options.epsilon && options.mode == FitMode::convex) {
+    throw InvalidInput(
+        "fit_force_field(): epsilon is given, but a convex fit chooses one for each base; leave it "
+        "out, or choose the mode certified or local");
+  }
   if (options.epsilon && (!(*options.epsilon > 0) || !std::isfinite(*options.epsilon))) {
     throw InvalidInput("fit_force_field(): epsilon is " + std::to_string(*options.epsilon) +
                        " mm; it must be finite and > 0");
   }
 }
+
+constexpr double kNotComputed = std::numeric_limits<double>::quiet_NaN();
 
 // Root mean square of the columns' lengths, without overflow.
 double extent(const Eigen::Ref<const Eigen::Matrix3Xd>& columns) {
@@ -100,23 +115,56 @@ struct ScaledSamples {
   double force_scale = 0;  // [N]
 };
 
-ForceField in_units(ForceField field, const ScaledSamples& samples) {
+ForceField in_units(ForceField field, double length, double force_scale) {
   for (Multiquadric& base : field.bases) {
-    base.center *= samples.length;
-    base.epsilon *= samples.length;
-    base.weight *= samples.force_scale;
+    base.center *= length;
+    base.epsilon *= length;
+    base.weight *= force_scale;
   }
   return field;
 }
 
-// The field, and what holds of it however it was found.
-void finish(const ScaledSamples& samples, ForceField field, FitResult& result) {
+SampleNoise noise_of(const ScaledSamples& samples, const FitOptions& options) {
+  return {options.noise.displacement.value_or(kDisplacementNoise) / samples.length,
+          std::max(options.noise.force / samples.force_scale, kExact)};
+}
+
+// How the errors compare with what the noise makes with the field's own stiffness.
+void compare_with_noise(const ScaledSamples& samples, const ForceField& field,
+                        const FitOptions& options, FitResult& result) {
+  WhitenedProblem problem(samples.displacements, samples.forces, noise_of(samples, options));
+  problem.whiten(field.bases.empty() ? ForceField{{Multiquadric{}}} : field);
+  const Eigen::VectorXd errors = problem.residuals(field);
+  double all = 0, inside = 0;
+  for (Eigen::Index i = 0; i < problem.size(); ++i) {
+    const double square = errors.segment<3>(3 * i).squaredNorm();
+    all += square;
+    if (square > kOutlier) {
+      ++result.outliers;
+    } else {
+      inside += square;
+    }
+  }
+  const double degrees = static_cast<double>(3 * problem.size()) -
+                         kParameters * static_cast<double>(field.bases.size());
+  const bool few = result.outliers <= kMaxOutliers * static_cast<double>(problem.size());
+  result.chi2 =
+      few ? inside / std::max(1.0, degrees - 3 * result.outliers) : all / std::max(1.0, degrees);
+  result.noise_floor = std::sqrt(problem.mean_noise()) * samples.force_scale;
+  result.displacement_noise = options.noise.displacement.value_or(kDisplacementNoise);
+}
+
+// The field, and what holds of it however it was found. The certificate is that of the field as it
+// is returned: in its units the parameters are rounded anew.
+void finish(const ScaledSamples& samples, const FitOptions& options, ForceField field,
+            FitResult& result) {
+  compare_with_noise(samples, field, options, result);
   double sum = 0;
   for (Eigen::Index i = 0; i < samples.forces.cols(); ++i) {
     sum += (force(field, samples.displacements.col(i)) - samples.forces.col(i)).squaredNorm();
   }
   result.rms = samples.force_scale * std::sqrt(sum / static_cast<double>(samples.forces.cols()));
-  result.field = in_units(std::move(field), samples);
+  result.field = in_units(std::move(field), samples.length, samples.force_scale);
   result.smallest_stiffness = smallest_eigenvalue(result.field);
   result.certificate = certify_passivity(result.field, samples.reach);
 }
@@ -131,22 +179,16 @@ ForceField rigid_field(double displacement_noise) {
 FitResult fit_as_convex(const ScaledSamples& samples, const FitOptions& options) {
   FitResult result;
   result.mode = FitMode::convex;
-  result.displacement_noise = options.noise.displacement.value_or(kDisplacementNoise);
-  const SampleNoise noise{result.displacement_noise / samples.length,
-                          std::max(options.noise.force / samples.force_scale, kExact)};
   const Eigen::Index determined = std::max<Eigen::Index>(1, samples.forces.size() / 5);
   const Eigen::Index most =
       std::min<Eigen::Index>(options.max_bases.value_or(kMaxConvexBases), determined);
-  ConvexFit fit = fit_convex(samples.displacements, samples.forces, noise,
+  ConvexFit fit = fit_convex(samples.displacements, samples.forces, noise_of(samples, options),
                              options.accuracy / samples.force_scale, static_cast<int>(most));
-  finish(samples, std::move(fit.field), result);
+  finish(samples, options, std::move(fit.field), result);
   result.iterations = fit.iterations;
-  result.chi2 = fit.chi2;
-  result.outliers = fit.outliers;
-  result.noise_floor = std::sqrt(fit.mean_noise) * samples.force_scale;
   result.condition = fit.condition;
   result.stop = result.rms <= options.accuracy ? FitStop::accurate
-                : fit.chi2 <= kMaxChi2         ? FitStop::explained
+                : result.chi2 <= kMaxChi2      ? FitStop::explained
                                                : FitStop::unexplained;
   return result;
 }
@@ -169,7 +211,8 @@ FitResult fit_as_local(const ScaledSamples& samples, const FitOptions& options, 
   result.mode = mode;
   result.iterations = fit.iterations;
   result.stop = fit.stop;
-  finish(samples, std::move(fit.field), result);
+  result.condition = kNotComputed;
+  finish(samples, options, std::move(fit.field), result);
   return result;
 }
 
@@ -177,6 +220,14 @@ FitResult fit_as_local(const ScaledSamples& samples, const FitOptions& options, 
 FitResult chosen(FitResult taken, const FitResult& left) {
   taken.iterations += left.iterations;
   return taken;
+}
+
+// The same for all fields: errors in units of the noise with the samples' own secant stiffness, and
+// outliers hardly count, so that no field gains by being stiff or by running after outliers.
+double robust_loss(const ScaledSamples& samples, const FitOptions& options, const FitResult& fit) {
+  const WhitenedProblem problem(samples.displacements, samples.forces, noise_of(samples, options));
+  return problem.loss(
+      problem.residuals(in_units(fit.field, 1 / samples.length, 1 / samples.force_scale)));
 }
 
 FitResult fit_in_mode(const ScaledSamples& samples, const FitOptions& options) {
@@ -189,7 +240,8 @@ FitResult fit_in_mode(const ScaledSamples& samples, const FitOptions& options) {
   FitResult result = fit_as_convex(samples, options);
   if (result.stop != FitStop::unexplained) return result;
   FitResult other = fit_as_local(samples, options, FitMode::certified);
-  const bool better = is_passive(other.certificate) && other.rms < result.rms;
+  const bool better = is_passive(other.certificate) &&
+                      robust_loss(samples, options, other) < robust_loss(samples, options, result);
   return better ? chosen(std::move(other), result) : chosen(std::move(result), other);
 }
 
@@ -215,11 +267,13 @@ FitResult fit_force_field(const Eigen::Ref<const Eigen::Matrix3Xd>& displacement
   FitResult result;
   result.mode = options.mode;
   result.displacement_noise = noise;
+  result.condition = kNotComputed;
   if (samples.force_scale > 0) {
-    finish(samples, rigid ? rigid_field(noise / samples.length) : ForceField{}, result);
+    finish(samples, options, rigid ? rigid_field(noise / samples.length) : ForceField{}, result);
     result.stop = rigid ? FitStop::rigid : FitStop::not_determined;
   } else {
     result.certificate = certify_passivity(result.field, samples.reach);
+    result.noise_floor = std::sqrt(3.0) * options.noise.force;
     result.stop = FitStop::accurate;
   }
   return result;

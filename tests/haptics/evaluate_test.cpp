@@ -34,9 +34,8 @@ TEST(EvaluateQueries, SumsUpTheLengthsOfTheErrors) {
 
 TEST(LeaveOneOut, PredictsAnObjectThatIsTheSameEverywhere) {
   const probing::Acquisition acquisition = flat_acquisition();
-  const Model model = build_model(acquisition, flat_surface(),
-                                  {.fit = {.accuracy = 0.01, .max_bases = 2, .epsilon = 20}})
-                          .model;
+  const Model model =
+      build_model(acquisition, flat_surface(), {.fit = {.accuracy = 0.01, .max_bases = 2}}).model;
   const LeaveOneOut errors = leave_one_out(model, acquisition);
   ASSERT_EQ(errors.per_contact.size(), 9u);
   EXPECT_EQ(errors.per_contact[3].contact, 23);
@@ -47,10 +46,10 @@ TEST(LeaveOneOut, PredictsAnObjectThatIsTheSameEverywhere) {
 
 TEST(LeaveOneOut, DoesNotUseTheContactItPredicts) {
   const probing::Acquisition acquisition = flat_acquisition();
-  Model model = build_model(acquisition, flat_surface(),
-                            {.fit = {.accuracy = 0.01, .max_bases = 2, .epsilon = 20},
-                             .blend_rule = BlendRule::forces})
-                    .model;
+  Model model =
+      build_model(acquisition, flat_surface(),
+                  {.fit = {.accuracy = 0.01, .max_bases = 2}, .blend_rule = BlendRule::forces})
+          .model;
   const LeaveOneOut before = leave_one_out(model, acquisition);
   model.contacts[1].field = scaled(model.contacts[1].field, 100);
   const LeaveOneOut after = leave_one_out(model, acquisition);
@@ -62,9 +61,9 @@ TEST(LeaveOneOut, DoesNotUseTheContactItPredicts) {
 
 TEST(LeaveOneOut, TellsTheBorderFromTheInteriorAndWhereToProbeMore) {
   const probing::Acquisition acquisition = flat_acquisition();
-  Model model = build_model(acquisition, flat_surface(50, 20),
-                            {.fit = {.accuracy = 0.01, .max_bases = 2, .epsilon = 20}})
-                    .model;
+  Model model =
+      build_model(acquisition, flat_surface(50, 20), {.fit = {.accuracy = 0.01, .max_bases = 2}})
+          .model;
   int done = 0;
   const LeaveOneOut errors =
       leave_one_out(model, acquisition, {.suggestions = 3, .progress = [&](int, int total) {

@@ -6,7 +6,9 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
+#include <cmath>
 #include <limits>
+#include <random>
 
 #include "haptics_testing.h"
 
@@ -140,6 +142,92 @@ TEST(FitForceField, FitsForcesOfANanonewton) {
   EXPECT_LE(fit.rms, 1e-10);
 }
 
+// Displacements that err by `deviation` in each component.
+Eigen::Matrix3Xd with_noise(const Eigen::Matrix3Xd& places, double deviation) {
+  std::mt19937 random(11);
+  std::normal_distribution<double> normal(0, deviation);
+  return places.unaryExpr([&](double value) { return value + normal(random); });
+}
+
+void expect_usable(const FitResult& fit) {
+  EXPECT_NO_THROW(check_force_field(fit.field, "fit"));
+  EXPECT_TRUE(is_passive(fit.certificate)) << to_string(fit.certificate.passivity);
+  EXPECT_TRUE(std::isfinite(fit.rms) && std::isfinite(fit.chi2) && std::isfinite(fit.noise_floor));
+  EXPECT_STRNE(to_string(fit.stop), "unknown");
+}
+
+TEST(FitForceField, ComparesErrorsWithTheNoiseInEachMode) {
+  const ForceField truth{{{3.3, 4.5, {1.2, -0.4, 2}}}};
+  const Eigen::Matrix3Xd places = random_points(100, 6);
+  const Eigen::Matrix3Xd measured = with_noise(places, 0.05);
+  for (const FitMode mode : {FitMode::convex, FitMode::certified, FitMode::local}) {
+    const FitResult fit = fit_force_field(
+        measured, forces_at(truth, places),
+        {.mode = mode, .max_bases = 2, .noise = {.displacement = 0.05, .force = 0}});
+    EXPECT_NEAR(fit.chi2, 1, 0.3) << to_string(mode);
+    EXPECT_NEAR(fit.rms / fit.noise_floor, 1, 0.2) << to_string(mode);
+    EXPECT_EQ(fit.displacement_noise, 0.05);
+    EXPECT_EQ(std::isnan(fit.condition), mode != FitMode::convex);
+  }
+}
+
+TEST(FitForceField, IsUsableWithMoreBasesThanSamples) {
+  const Eigen::Matrix3Xd places = random_points(4, 5);
+  for (const FitMode mode : {FitMode::convex, FitMode::certified}) {
+    expect_usable(
+        fit_force_field(places, forces_at(some_field(), places), {.mode = mode, .max_bases = 20}));
+  }
+}
+
+TEST(FitForceField, IsUsableAndTellsOfOutliersWhereItIsCertified) {
+  const ForceField truth{{{3.3, 4.5, {1.2, -0.4, 2}}}};
+  const Eigen::Matrix3Xd places = random_points(100, 6);
+  Eigen::Matrix3Xd measured = with_noise(places, 0.02);
+  for (const Eigen::Index wrong : {7, 40, 77}) measured(wrong % 3, wrong) += 1;
+  const FitResult fit = fit_force_field(
+      measured, forces_at(truth, places),
+      {.mode = FitMode::certified, .max_bases = 2, .noise = {.displacement = 0.02}});
+  expect_usable(fit);
+  EXPECT_GE(fit.outliers, 1);
+  EXPECT_LE(fit.outliers, 6);
+  EXPECT_LT(distance(fit.field, truth, places), 0.3);
+}
+
+// Forces of an energy k / 2 |x|^2 that foam adds k |x|^6 / (6 d^4) to.
+TEST(FitForceField, FollowsFoamThatStiffens) {
+  constexpr double kStiffness = 0.2, kDensified = 4;
+  const Eigen::Matrix3Xd places = random_points(120, 6);
+  Eigen::Matrix3Xd forces = kStiffness * places;
+  for (Eigen::Index i = 0; i < places.cols(); ++i) {
+    forces.col(i) *= 1 + std::pow(places.col(i).norm() / kDensified, 4);
+  }
+  const double extent = std::sqrt(forces.colwise().squaredNorm().mean());
+  for (const FitMode mode : {FitMode::convex, FitMode::certified}) {
+    const FitResult fit = fit_force_field(places, forces, {.mode = mode, .max_bases = 4});
+    expect_usable(fit);
+    EXPECT_LT(fit.rms, 0.6 * extent) << to_string(mode);
+  }
+}
+
+// Forces of an energy k / 2 |x|^2 + h exp(-|x - c|^2 / (2 s^2)): past the bump they fall.
+TEST(FitForceField, IsUsableOverABump) {
+  constexpr double kStiffness = 0.3, kHeight = 1.5, kWidth = 1.2;
+  const Eigen::Vector3d center(0, 0, 4);
+  const Eigen::Matrix3Xd places = random_points(120, 6);
+  Eigen::Matrix3Xd forces = kStiffness * places;
+  for (Eigen::Index i = 0; i < places.cols(); ++i) {
+    const Eigen::Vector3d off = places.col(i) - center;
+    forces.col(i) -=
+        kHeight / (kWidth * kWidth) * std::exp(-off.squaredNorm() / (2 * kWidth * kWidth)) * off;
+  }
+  const double extent = std::sqrt(forces.colwise().squaredNorm().mean());
+  for (const FitMode mode : {FitMode::convex, FitMode::certified}) {
+    const FitResult fit = fit_force_field(places, forces, {.mode = mode, .max_bases = 4});
+    expect_usable(fit);
+    EXPECT_LT(fit.rms, 0.6 * extent) << to_string(mode);
+  }
+}
+
 TEST(FitForceField, RefusesWhatItCannotUse) {
   Eigen::Matrix3Xd places = random_points(5, 1);
   const Eigen::Matrix3Xd forces = places;
@@ -151,8 +239,12 @@ TEST(FitForceField, RefusesWhatItCannotUse) {
               HasSubstr("accuracy"));
   EXPECT_THAT(refusal([&] { return fit_force_field(places, forces, {.max_bases = 0}); }),
               HasSubstr("max_bases"));
-  EXPECT_THAT(refusal([&] { return fit_force_field(places, forces, {.epsilon = -1}); }),
-              HasSubstr("epsilon"));
+  EXPECT_THAT(refusal([&] {
+                return fit_force_field(places, forces, {.mode = FitMode::local, .epsilon = -1});
+              }),
+              HasSubstr("epsilon is -1"));
+  EXPECT_THAT(refusal([&] { return fit_force_field(places, forces, {.epsilon = 1}); }),
+              HasSubstr("choose the mode certified"));
   EXPECT_THAT(refusal([&] { return fit_force_field(places, forces, {.noise = {.force = -1}}); }),
               HasSubstr("noise.force"));
   EXPECT_THAT(

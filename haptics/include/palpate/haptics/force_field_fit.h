@@ -34,9 +34,9 @@ struct FitOptions {
   double accuracy = 0;
   /// >= 1; without one kMaxConvexBases, or kMaxLocalBases for the other modes
   std::optional<int> max_bases = std::nullopt;
-  FitNoise noise = {};  ///< weighs samples and decides how many bases they are worth; `convex` only
-  /// [mm] > 0; without one it is the root mean square of the displacements; `convex` chooses its
-  /// own, one for each base
+  FitNoise noise = {};  ///< weighs samples and decides how many bases they are worth in `convex`
+  /// [mm] > 0, kept for all bases; without one each is fitted, from the root mean square of the
+  /// displacements on. Not with `convex`, which chooses its own
   std::optional<double> epsilon = std::nullopt;
 };
 
@@ -81,14 +81,14 @@ struct FitResult {
   FitMode mode = FitMode::convex;
   PassivityCertificate certificate;  ///< of the field, over the reach of the displacements
   /// Sum of the squared errors, each in units of its noise, per degree of freedom: about 1 or less
-  /// where the noise explains them. Without the outliers if they are few; `convex` only
+  /// where the noise explains them. Without the outliers if they are few
   double chi2 = 0;
   /// Samples whose error noise does not make (the square of its length in units of the noise is
-  /// over 50): they hardly count; `convex` only
+  /// over 50): in `convex` they hardly count
   int outliers = 0;
   double noise_floor = 0;         ///< [N] the rms that noise alone makes with this stiffness
   double displacement_noise = 0;  ///< [mm] that was assumed
-  /// Of the least squares in all parameters, with columns of unit length; `convex` only. Large ones
+  /// Of `convex` least squares in all parameters, columns of unit length; NaN elsewhere. Large ones
   /// (1e3) tell that bases could be exchanged, not that the field is uncertain.
   double condition = 1;
 };
@@ -109,7 +109,7 @@ struct FitResult {
 /// the linear least squares most, among the displacements and their multiples by -1, 2 and -2; then
 /// all are moved (Ipopt).
 ///
-/// The result does not depend on the order of the samples, on units, or on threads.
+/// No result depends on order or threads, nor on units if accuracy and noise are given in them.
 /// \throws InvalidInput on no sample, sizes that differ, a sample that is not finite (naming its
 /// index), or an option out of its range.
 [[nodiscard]] FitResult fit_force_field(const Eigen::Ref<const Eigen::Matrix3Xd>& displacements,
