@@ -13,6 +13,8 @@
 
 #include "palpate/error.h"
 #include "palpate/haptics/contact_compliance.h"
+#include "palpate/haptics/force_field_fit.h"
+#include "palpate/haptics/passivity_certificate.h"
 #include "palpate/haptics/rotation.h"
 #include "palpate/haptics/rounding.h"
 #include "palpate/haptics/transform_field.h"
@@ -39,6 +41,16 @@ double energy_factor(ForceScaling forces, double volume) {
   return forces == ForceScaling::material ? volume : std::cbrt(volume);
 }
 
+// What is known of a field that `transform_field` has refitted: it is no longer that of the
+// samples.
+void tell_refit(ContactModel& contact) {
+  const bool convex = std::ranges::none_of(
+      contact.field.bases, [](const Multiquadric& base) { return base.weight < 0; });
+  contact.fit_mode = to_string(convex ? FitMode::convex : FitMode::certified);
+  contact.passivity = to_string(convex ? Passivity::convex : Passivity::certified);
+  contact.chi2 = contact.condition = 0;
+}
+
 TransformedField scale_contact(const Eigen::Matrix3d& S, ForceScaling forces,
                                const std::optional<double>& largest_force, ContactModel& contact) {
   const Eigen::Matrix3d before = contact.frame;
@@ -56,7 +68,10 @@ TransformedField scale_contact(const Eigen::Matrix3d& S, ForceScaling forces,
   TransformedField transformed =
       transform_field(contact.field, contact.frame.transpose() * S * before, factor, largest_force);
   contact.field = transformed.field;
-  contact.rms = std::hypot(contact.rms * factor / std::cbrt(volume), transformed.rms);
+  const double forces_by = factor / std::cbrt(volume);
+  contact.rms = std::hypot(contact.rms * forces_by, transformed.rms);
+  contact.noise_floor *= forces_by;
+  if (!transformed.exact) tell_refit(contact);
   contact = rounded(std::move(contact));
   return transformed;
 }

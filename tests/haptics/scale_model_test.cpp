@@ -54,7 +54,7 @@ TEST(ScaleModel, MultipliesStiffnessByTheLengthForTheSameMaterial) {
                2.5 * stiffness(model.contacts[i].field, Vector3d::Zero()))
                   .norm(),
               kRounding);
-    EXPECT_EQ(large.model.contacts[i].friction, model.contacts[i].friction);
+    EXPECT_NEAR(large.model.contacts[i].friction, model.contacts[i].friction, 1e-9);
     EXPECT_NEAR(large.model.contacts[i].rms, 2.5 * 2.5 * model.contacts[i].rms, 1e-6);
   }
   // About the middle, which is (0, 0, 700).
@@ -130,7 +130,8 @@ TEST(ScaleModel, SaysWhatIsNotExactAlongAnAxis) {
 }
 
 TEST(ScaleModel, StaysConvexAndInShortNumbersAlongAnAxis) {
-  const Model model = with_compliances(sheet_model(), 2);
+  Model model = with_compliances(sheet_model(), 2);
+  for (ContactModel& contact : model.contacts) contact.chi2 = contact.condition = 1.5;
   const ScaledModel longer = scale_model(model, {.factor = 1.5, .axis = Vector3d(1, 0.2, 0.1)});
   EXPECT_EQ(longer.refitted, 4);
   EXPECT_EQ(longer.model.interpolation.rule, BlendRule::compliances);
@@ -139,6 +140,8 @@ TEST(ScaleModel, StaysConvexAndInShortNumbersAlongAnAxis) {
     EXPECT_EQ(contact.field, rounded(contact.field));
     EXPECT_EQ(contact.frame, rounded(contact).frame);
     EXPECT_TRUE(contact.compliance);
+    EXPECT_EQ(contact.passivity, "convex");
+    EXPECT_EQ(contact.chi2 + contact.condition, 0);  // not known of another field
   }
 }
 

@@ -44,16 +44,18 @@ struct ScaledModel {
 /// Makes a model of a larger, smaller, longer or shorter object (thesis 6.2.4.2).
 ///
 /// Lengths are multiplied about the centre of the surface's bounding box, which stays. Along an
-/// axis, frames turn by the smallest turn that takes the direction of pressing z, as a normal, to
-/// S^-1 z; axes of friction, which are displacements, go to S a. Coefficients of friction,
-/// triangles and weights stay; the circular cone of friction stays one, though a stretched object's
-/// might not. All but places is `rounded`; scaling back gives the same model to that if no field
-/// was refitted. Fields are refitted as far as the reference force of the model presses, if it has
-/// one. `rms` scales as forces do in the mean over the axes, and grows by what refitting lost;
-/// `samples` and `fit_stop` tell of the fit to the measurements. Compliances are learnt anew. The
-/// registration of the acquisition is dropped: samples belong to the object as it was measured.
-/// \throws InvalidInput if the model is refused by `check_model` or an option is out of its range;
-/// SolverError if numbers overflow.
+/// axis, frames turn by the smallest turn that takes the direction of pressing z, as a normal,
+/// to S^-1 z; axes of friction, which are displacements, go to S a. Coefficients of friction,
+/// triangles and weights stay; the circular cone of friction stays one, though a stretched
+/// object's might not. All but places is `rounded`; scaling back gives the same model to that
+/// if no field was refitted. Fields are refitted as far as the reference force of the model
+/// presses, if it has one. `rms` and `noise_floor` scale as forces do in the mean over the
+/// axes, `rms` grows by what refitting lost; `passivity` and `fit_mode` are those of a refitted
+/// field, whose `chi2` and `condition` are not known; `samples` and `fit_stop` tell of the fit
+/// to the measurements. Compliances are learnt anew. The registration of the acquisition is
+/// dropped: samples belong to the object as it was measured. \throws InvalidInput if the model
+/// is refused by `check_model` or an option is out of its range; SolverError if numbers
+/// overflow.
 [[nodiscard]] ScaledModel scale_model(const Model& model, const ScaleModelOptions& options);
 
 /// "material", "forces" or "feel".
