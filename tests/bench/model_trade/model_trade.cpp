@@ -50,11 +50,11 @@ void add_contacts(DataSet& set, const testing::Strip& strip, unsigned seed) {
   }
 }
 
-/// Three objects each, different in what they are made of: none is the bundled one.
+/// Two objects each, different in what they are made of: none is the bundled one.
 DataSet sheets(bool block) {
   DataSet set{block ? "sheet with block" : "sheet", {}};
-  for (unsigned seed = 1; seed <= 3; ++seed) {
-    const double way = static_cast<double>(seed) - 2;
+  for (const unsigned seed : {1U, 2U}) {
+    const double way = seed == 1 ? -1 : 1;
     testing::Strip strip{
         .tension = 0.8 + 0.1 * way, .axial = 42 - 5 * way, .compliance = 0.25 + 0.04 * way};
     if (block) {
@@ -94,8 +94,8 @@ std::vector<Method> methods() {
     result.push_back(ours("convex", FitMode::convex, bases));
   }
   result.push_back(ours("convex, as many as it takes (default)", FitMode::convex, {}));
-  for (const int bases : {2, 4, 6}) result.push_back(ours("local", FitMode::local, bases));
-  for (const int bases : {4, 6}) result.push_back(ours("certified", FitMode::certified, bases));
+  for (const int bases : {4, 6}) result.push_back(ours("local", FitMode::local, bases));
+  result.push_back(ours("certified", FitMode::certified, 6));
   for (const int nodes : {8, 16, 32}) {
     result.push_back(
         {fmt::format("grid lookup, {} nodes an axis", nodes), [=](const ContactData& data) {
