@@ -189,10 +189,10 @@ void choose_frames(Model& model) {
   }
 }
 
-// A figure that is not finite is stored as the greatest that a file may hold.
+// Figures of a model are at most the greatest that a file may hold, and 0 if not known (NaN).
 double storable(double figure) {
   constexpr double kGreatest = 1e12;
-  return figure <= kGreatest ? figure : kGreatest;
+  return std::isnan(figure) ? 0 : std::min(figure, kGreatest);
 }
 
 // The fit sees displacements and forces in the frame that the field is stored in.

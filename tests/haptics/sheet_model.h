@@ -65,7 +65,7 @@ inline Model uneven_model() {
     contact.field = scaled(some_field_with_ridge(), 1 + 0.3 * static_cast<double>(i));
     contact.frame =
         rotation_exp({0.05 * static_cast<double>(i), -0.04, 0.2 / 3 * static_cast<double>(i)});
-    contact.friction = 0.4 + 0.1 * static_cast<double>(i);
+    contact.friction = (4 + static_cast<double>(i)) / 10;
     contact.friction_axis = contact.frame * Eigen::Vector3d(0.1, 0.2, 1).normalized();
   }
   return model;
