@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <numeric>
 #include <optional>
 #include <set>
@@ -197,9 +196,7 @@ std::vector<bool> keep_the_better(const std::vector<Candidate>& candidates, Merg
   std::iota(best_first.begin(), best_first.end(), std::size_t{0});
   std::ranges::stable_sort(best_first, {}, [&](std::size_t i) {
     const ContactModel& contact = candidates[i].contact;
-    const double rms =
-        std::isfinite(contact.rms) ? contact.rms : std::numeric_limits<double>::infinity();
-    return std::make_pair(rms, -contact.samples);
+    return std::make_pair(contact.rms, -contact.samples);
   });
   const NearContacts near(candidates, merged.same_place);
   std::vector<bool> kept(candidates.size(), false);
