@@ -143,8 +143,7 @@ ForceSamples realign(const probing::Contact& contact, std::span<const probing::S
     }
   }
   if (result.degrees_of_freedom > 0) {
-    // A pair b - a + m - c has the errors of two positions.
-    result.displacement_noise = std::sqrt(2 * sum_of_squares / result.degrees_of_freedom);
+    result.displacement_noise = std::sqrt(sum_of_squares / result.degrees_of_freedom);
   }
   return result;
 }

@@ -15,14 +15,13 @@ namespace palpate::haptics {
 struct ForceSamples {
   Eigen::Matrix3Xd displacements;  ///< [mm] 3 x N, tool position minus contact position
   Eigen::Matrix3Xd forces;         ///< [N] 3 x N, of the tool on the object
-  /// [mm] standard deviation of each component of a displacement b - a + m - c; NaN if no group
-  /// has 4 positions. It is sqrt(2) times that of one position, for b and a err independently (m,
-  /// a mean, adds little); that of a position is how far the positions `a` of a group scatter where
-  /// they scatter least. Assumed is a direction in which nothing else moves them: where the tool
-  /// touches varies along the surface, the error of the force moves a soft object, and both mostly
-  /// cancel in b - a. On a stiff object the normal is such a direction. Where there is none the
-  /// estimate is an upper bound: a stretched sheet (0.02 mm of position, 0.02 mm along the
-  /// surface, 0.01 N) has 0.039 in place of 0.028 mm. From `a` alone no more can be told.
+  /// [mm] noise of each component of a displacement b - a + m - c; NaN if no group has 4 positions.
+  /// It is how far the positions `a` of a group scatter where they scatter least. That holds what
+  /// is the same for b and a of one sample and so cancels in b - a (where the tool touches, the
+  /// error of the force on a soft object), and lacks the error of b. From `a` alone the two cannot
+  /// be told apart. On a stretched sheet (0.02 mm of position, 0.02 mm along the surface, 0.01 N)
+  /// they balance, 0.028 mm; on a rigid object it is too small by a factor of up to sqrt(2), which
+  /// the greatest chi^2 that a fit counts as explained allows for.
   double displacement_noise = std::numeric_limits<double>::quiet_NaN();
   int degrees_of_freedom = 0;  ///< of that estimate, in each component
 };
