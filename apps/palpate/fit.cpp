@@ -224,10 +224,11 @@ void add_fit(CLI::App& app, const Settings& settings) {
                                                          {"certified", haptics::FitMode::certified},
                                                          {"local", haptics::FitMode::local}};
   command
-      ->add_option("--passive", call->fit.mode,
-                   "How a field is kept passive: convex, everywhere by construction (default); "
-                   "certified, proven where the measurements reach; local, near zero only")
-      ->transform(CLI::CheckedTransformer(modes));
+      ->add_option_function<std::string>(
+          "--passive", [call, modes](const std::string& word) { call->fit.mode = modes.at(word); },
+          "How a field is kept passive: convex, everywhere by construction (default); "
+          "certified, proven where the measurements reach; local, near zero only")
+      ->check(CLI::IsMember({"convex", "certified", "local"}));
   command->add_option("--max-bases", call->fit.max_bases, "Use at most so many in a field");
   command->add_option(
       "--budget", call->budget_us,

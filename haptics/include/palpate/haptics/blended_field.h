@@ -43,8 +43,9 @@ struct Blend {
 /// maps u to u_k, has the third row (0, 0, 1 / beta_k) and the upper left block (c_k # c^-1) /
 /// sqrt(beta_k), # the geometric mean of matrices; B_k turns from the pressing frame into the local
 /// frame of the contact, which g_k is in. Either way the force is the gradient of sum_k w_k beta_k
-/// p_k(A_k R_c^T delta): energies stay convex, and nowhere below zero, if the contacts' are; at a
-/// contact it is the contact's own field; and it is continuous along the surface. It is the force
+/// p_k(A_k R_c^T delta): energies stay convex, and so nowhere below zero, if the contacts' are (a
+/// certified one may be led out of the ball it is certified in); at a contact it is the contact's
+/// own field; and it is continuous along the surface. It is the force
 /// of the tool ON THE OBJECT; what a user feels is its opposite. A place outside all triangles of
 /// contacts has the weights that the triangulation gave it. Real-time safe once made; thread-safe.
 /// A place that is not finite gives zero force; a place off the surface has the force of the
