@@ -38,7 +38,7 @@ struct Blend {
 /// With `BlendRule::forces` A_k = I and beta_k = 1: Eq 5.10. That lets a stiff neighbour resist
 /// displacements far beyond its own.
 /// With `BlendRule::compliances` every field is warped to yield to the reference force as the place
-/// does, whose compliance (u, c) is interpolated by the contacts' trends (docs/field.schema.json
+/// does, whose compliance (u, c) is interpolated by the contacts' trends (docs/model-file.md
 /// has the formula). With (u_k, c_k) that of contact k, beta_k = u_z / u_kz, and A_k = B_k M_k: M_k
 /// maps u to u_k, has the third row (0, 0, 1 / beta_k) and the upper left block (c_k # c^-1) /
 /// sqrt(beta_k), # the geometric mean of matrices; B_k turns from the pressing frame into the local
