@@ -20,6 +20,8 @@ constexpr double kNegligible = 1e-6;
 // between these times the amplitude: data of tens of contacts tell no more apart.
 constexpr double kShortest = 0.5, kLongest = 64;
 constexpr double kLeastNoise = 1e-3, kMostNoise = 0.3;
+// Where the search begins, in the same units.
+constexpr double kFirstLength = 4, kFirstNoise = 1e-2;
 // The search goes in factors of 2^kFirstStep down to 2^kLastStep, which changes a likelihood
 // little.
 constexpr double kFirstStep = 2, kLastStep = 0.5;
@@ -243,7 +245,7 @@ Covariance learn_covariance(const std::vector<Surroundings>& around,
     return fit_amplitudes(around, values, size, covariance);
   };
   // Compass search: the likelihood is smooth, has few dimensions and needs no digits.
-  Parameters best(2, 2, std::log2(1e-2));
+  Parameters best(std::log2(kFirstLength), std::log2(kFirstLength), std::log2(kFirstNoise));
   Covariance covariance;
   double least = evaluate(best, covariance);
   double step = kFirstStep;

@@ -24,6 +24,8 @@ constexpr double kSmallestCell = 0x1p-28;
 // Descent from a place where the energy is negative.
 constexpr int kDescentSteps = 40;
 constexpr double kSmallestStep = 1e-3;  // of the displacement
+// Bounds of changed numbers are first-order ones with a reserve that covers changes up to this.
+constexpr double kMaxNumberTolerance = 1e-3;
 
 void check(const ForceField& field, const ReachableVolume& volume,
            const CertificateOptions& options) {
@@ -32,7 +34,7 @@ void check(const ForceField& field, const ReachableVolume& volume,
     throw InvalidInput("certify_passivity(): the radius is " + std::to_string(volume.radius) +
                        " mm; it must be finite and >= 0");
   }
-  if (!(options.number_tolerance >= 0 && options.number_tolerance <= 1e-3)) {
+  if (!(options.number_tolerance >= 0 && options.number_tolerance <= kMaxNumberTolerance)) {
     throw InvalidInput("certify_passivity(): number_tolerance is " +
                        std::to_string(options.number_tolerance) + "; it must be in [0, 1e-3]");
   }

@@ -23,6 +23,8 @@ constexpr int kMaxIterations = 200;
 constexpr double kBalanceRelTol = 1e-12;
 /// Smallest eigenvalue of Newton's matrix, relative to its largest: a step is always downhill.
 constexpr double kSmallestEigenvalue = 1e-9;
+/// A step is halved down to this part of itself: below, rounding decides which energy is less.
+constexpr double kSmallestPart = 1e-9;
 
 Strip sound_strip(const StripModel& model, const probing::Contact& contact,
                   const Eigen::Vector3d& given) {
@@ -72,7 +74,7 @@ std::optional<Eigen::Vector3d> minimize(Eigen::Vector3d e, double size, const Va
     double part = 1;
     const double here = value(e);
     // Near the minimum the energy no longer tells; the gradient does.
-    while (part > 1e-9 && !(value(e + part * step) < here) &&
+    while (part > kSmallestPart && !(value(e + part * step) < here) &&
            !(gradient_at(e + part * step).norm() < unbalanced.norm())) {
       part /= 2;
     }
