@@ -64,9 +64,11 @@ TransformedField scale_contact(const Eigen::Matrix3d& S, ForceScaling forces,
   }
   const double volume = S.determinant();
   const double factor = energy_factor(forces, volume);
-  // From the old frame's displacements to the new one's.
+  // From the old frame's displacements to the new one's. By the inverse, for frames are rounded:
+  // a uniform S stays one.
+  const Eigen::Matrix3d displacements_by = contact.frame.inverse() * S * before;
   TransformedField transformed =
-      transform_field(contact.field, contact.frame.transpose() * S * before, factor, largest_force);
+      transform_field(contact.field, displacements_by, factor, largest_force);
   contact.field = transformed.field;
   const double forces_by = factor / std::cbrt(volume);
   contact.rms = std::hypot(contact.rms * forces_by, transformed.rms);

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <utility>
 
 #include "palpate/haptics/blended_field.h"
 #include "palpate/haptics/contact_compliance.h"
@@ -61,6 +62,12 @@ TEST(ScaleModel, MultipliesStiffnessByTheLengthForTheSameMaterial) {
   EXPECT_LT((large.model.contacts[0].position - Vector3d(-75, -75, 700)).norm(), 1e-12);
   EXPECT_NEAR(large.model.surface.vertices.row(0).maxCoeff(), 125, 1e-12);
   EXPECT_EQ(large.model.made.at("scaled"), "by 2.5, material");
+}
+
+TEST(ScaleModel, RefitsNothingUniformlyInRoundedFrames) {
+  Model model = moved(uneven_model(), some_motion());
+  for (ContactModel& contact : model.contacts) contact = rounded(std::move(contact));
+  EXPECT_EQ(scale_model(model, {.factor = 1.5}).refitted, 0);
 }
 
 TEST(ScaleModel, KeepsForcesOrTheFeelOnRequest) {
