@@ -5,24 +5,17 @@
 #include <tbb/parallel_for.h>
 
 #include <Eigen/Geometry>
-#include <Eigen/SVD>
 #include <cstddef>
 #include <map>
 #include <utility>
 
+#include "nearest_rotation.h"
 #include "palpate/error.h"
 
 namespace palpate::geometry {
 namespace {
 
 constexpr int kSteps = 3;  // rotations and positions in turn; the caller's loop goes on
-
-Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& matrix) {
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::Matrix3d u = svd.matrixU();
-  if ((u * svd.matrixV().transpose()).determinant() < 0) u.col(2) *= -1;
-  return u * svd.matrixV().transpose();
-}
 
 }  // namespace
 

@@ -16,6 +16,7 @@
 
 #include "elastic_surface.h"
 #include "landmark_warp.h"
+#include "nearest_rotation.h"
 #include "palpate/error.h"
 #include "palpate/geometry/mesh_topology.h"
 #include "palpate/geometry/surface_query.h"
@@ -321,12 +322,7 @@ std::vector<Eigen::Matrix3d> local_rotations(const TriangleMesh& source, const S
     if (!(area_of(from) > 0) || !(area_of(to) > 0)) continue;
     for (const int v : t) sums[static_cast<std::size_t>(v)] += area_of(from) * gradient(from, to);
   }
-  for (Eigen::Matrix3d& sum : sums) {
-    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(sum, Eigen::ComputeFullU | Eigen::ComputeFullV);
-    Eigen::Matrix3d u = svd.matrixU();
-    if ((u * svd.matrixV().transpose()).determinant() < 0) u.col(2) *= -1;
-    sum = u * svd.matrixV().transpose();
-  }
+  for (Eigen::Matrix3d& sum : sums) sum = nearest_rotation(sum);
   return sums;
 }
 

@@ -63,18 +63,19 @@ struct SurfaceMap {
 /// target, as rigidly as possible (Sorkine and Alexa 2007) and less and less stiff, its border onto
 /// the target's, landmarks onto theirs:
 ///
-///     sum_v a_v |x_v - q_v|^2 + l^2 sum_e w_e |x_i - x_j - R_i (y_i - y_j)|^2 + sum_k |x(s_k) -
-///     t_k|^2
+///     sum_v a_v |x_v - q_v|^2 + mean_k |x(s_k) - t_k|^2
+///       + l^2 sum_e w_e (|x_i - x_j - R_i (y_i - y_j)|^2 + |x_i - x_j - R_j (y_i - y_j)|^2) / 2
 ///
 /// with y the splined source, q the nearest points of the target that face the same way, a the
-/// vertices' shares of the area, w cotangent weights (those below zero left out) over twice the
-/// area, l from a quarter to a hundredth of the diagonal. In the end each vertex is put on the
-/// nearest point. Between landmarks the map is a guess that distorts little; it is exact for a
-/// rigid motion and a uniform scale, and for an affine map if the landmarks are not in a plane.
-/// \throws InvalidInput on a bad mesh or option, meshes that are not manifold, not of one component
-/// each, or differ in the number of border loops or holes through them (Euler characteristic),
-/// fewer than three landmarks, as many on both sides, that are finite, near their surface, and not
-/// nearly in a line on either; SolverError if the equations cannot be solved.
+/// vertices' shares of the area, ten times that for those of the border, w cotangent weights (those
+/// below zero left out) over twice the area, l from a quarter to a hundredth of the diagonal. In
+/// the end each vertex is put on the nearest point. Between landmarks the map is a guess that
+/// distorts little; it is exact for a rigid motion and a uniform scale, and for an affine map if
+/// the landmarks are not in a plane. \throws InvalidInput on a bad mesh or option, meshes that are
+/// not manifold, not of one component each, or differ in the number of border loops or holes
+/// through them (Euler characteristic), fewer than three landmarks, as many on both sides, that are
+/// finite, near their surface, and not nearly in a line on either; SolverError if the equations
+/// cannot be solved.
 [[nodiscard]] SurfaceMap map_surface(const TriangleMesh& source, const TriangleMesh& target,
                                      const Landmarks& landmarks,
                                      const SurfaceMapOptions& options = {});
