@@ -27,10 +27,6 @@ namespace {
 using geometry::ClosestPoint;
 using geometry::SurfaceQuery;
 
-// The friction axis of the displacements is believed where its cosine with the axis of the friction
-// cone is at least this (60 degrees); the cone's axis is used instead.
-constexpr double kMinAxisCosine = 0.5;
-
 void check_options(const BuildOptions& options) {
   const auto check = [](double value, const char* name) {
     if (value >= 0) return;
@@ -156,6 +152,7 @@ std::vector<ClosestPoint> place_contacts(const std::vector<probing::Contact>& co
 // The directions of pressing and of friction, in the frame of the acquisition, and what is known of
 // the coefficient.
 void learn_friction(const probing::Contact& contact, std::span<const probing::Sample> samples,
+                    const ForceSamples& pairs, double displacement_noise,
                     const FrictionOptions& options, ContactModel& model, ContactReport& report) {
   const FrictionFit& fit = report.friction =
       fit_friction(friction_trials(contact, samples), contact.normal, options);
@@ -169,8 +166,10 @@ void learn_friction(const probing::Contact& contact, std::span<const probing::Sa
   model.friction = measured ? fit.coefficient : 0;
   model.friction_error = measured ? fit.coefficient_error : 0;
   model.friction_lower_bound = fit.lower_bound;
-  const std::optional<Eigen::Vector3d> axis = friction_axis(contact, samples);
-  model.friction_axis = axis && axis->dot(pressing) >= kMinAxisCosine ? *axis : pressing;
+  const FrictionAxisFit& axis = report.friction_axis = fit_friction_axis(
+      pairs, pressing,
+      {.displacement_noise = displacement_noise, .force_noise = options.force_noise});
+  model.friction_axis = axis.stop == FrictionAxisStop::converged ? axis.axis : pressing;
 }
 
 // All x axes come from one by the smallest turn from the mean pressing direction, so that
@@ -212,12 +211,6 @@ FitResult fit_field(const ForceSamples& samples, const ContactModel& model,
 
 void fit_contacts(const Probed& probed, const BuildOptions& options, BuildResult& result) {
   const std::size_t count = probed.contacts.size();
-  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
-    learn_friction(probed.contacts[i], probed.samples.of(probed.places[i]), options.friction,
-                   result.model.contacts[i], result.contacts[i]);
-  });
-  choose_frames(result.model);
-  const Eigen::Matrix3d to_surface = result.model.T_surface_acquisition.linear();
   std::vector<ForceSamples> samples(count);
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
     samples[i] = realign(probed.contacts[i], probed.samples.of(probed.places[i]));
@@ -227,6 +220,15 @@ void fit_contacts(const Probed& probed, const BuildOptions& options, BuildResult
   if (!options.fit.noise.displacement) {
     options_with_noise.noise.displacement = pooled_displacement_noise(samples);
   }
+  const double displacement_noise =
+      options_with_noise.noise.displacement.value_or(kDisplacementNoise);
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+    learn_friction(probed.contacts[i], probed.samples.of(probed.places[i]), samples[i],
+                   displacement_noise, options.friction, result.model.contacts[i],
+                   result.contacts[i]);
+  });
+  choose_frames(result.model);
+  const Eigen::Matrix3d to_surface = result.model.T_surface_acquisition.linear();
   std::mutex reporting;
   int done = 0;
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {

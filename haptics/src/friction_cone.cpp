@@ -273,17 +273,4 @@ FrictionFit fit_friction(std::span<const FrictionTrial> trials, const Eigen::Vec
   return fit;
 }
 
-std::optional<Eigen::Vector3d> friction_axis(const probing::Contact& contact,
-                                             std::span<const probing::Sample> samples) {
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  for (const probing::Sample& sample : samples) {
-    if (sample.contact == contact.id && sample.on_friction_boundary) {
-      sum += sample.b - contact.position;
-    }
-  }
-  const double length = sum.norm();
-  if (!(length > 0)) return std::nullopt;
-  return sum / length;
-}
-
 }  // namespace palpate::haptics

@@ -134,10 +134,13 @@ ForceSamples realign(const probing::Contact& contact, std::span<const probing::S
       sum_of_squares += least_sum_of_squares(kept, mean_a);
       result.degrees_of_freedom += static_cast<int>(kept.size()) - 1;
     }
+    result.kinds.push_back(PairKind::settled);
     result.displacements.col(pair) = mean_a - contact.position;
     result.forces.col(pair++) = mean_force_along(kept, normal) * normal;
     for (const probing::Sample* sample : group) {
       if (sample->slipped) continue;
+      result.kinds.push_back(sample->on_friction_boundary ? PairKind::friction_boundary
+                                                          : PairKind::held);
       result.displacements.col(pair) = sample->b - sample->a + mean_a - contact.position;
       result.forces.col(pair++) = sample->force;
     }

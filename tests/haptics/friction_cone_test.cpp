@@ -225,12 +225,5 @@ TEST(FrictionTrials, AreTheSamplesOfTheContact) {
   EXPECT_EQ(trials[1].force, Eigen::Vector3d(1.5, 0, 2));
 }
 
-TEST(FrictionAxis, IsTheMeanDirectionOfTheBoundary) {
-  const std::vector<probing::Sample> samples = {
-      sample(1, {1, 0, 2}, true), sample(1, {-1, 0, 2}, true), sample(1, {5, 5, 2}, false)};
-  EXPECT_EQ(friction_axis(kContact, samples).value(), Eigen::Vector3d(0, 0, 1));
-  EXPECT_FALSE(friction_axis(kContact, std::span(samples).last(1)).has_value());
-}
-
 }  // namespace
 }  // namespace palpate::haptics

@@ -7,6 +7,7 @@
 
 #include "palpate/geometry/triangle_mesh.h"
 #include "palpate/haptics/force_field_fit.h"
+#include "palpate/haptics/friction_axis.h"
 #include "palpate/haptics/friction_cone.h"
 #include "palpate/haptics/model.h"
 #include "palpate/probing/acquisition.h"
@@ -45,9 +46,10 @@ enum class RegistrationOutcome {
 
 struct ContactReport {
   long long id = 0;
-  double distance = 0;   ///< [mm] to the surface, once in place, before it was put on it
-  FitResult fit;         ///< in the contact's frame
-  FrictionFit friction;  ///< in the world frame
+  double distance = 0;            ///< [mm] to the surface, once in place, before it was put on it
+  FitResult fit;                  ///< in the contact's frame
+  FrictionFit friction;           ///< in the world frame
+  FrictionAxisFit friction_axis;  ///< in the world frame
 };
 
 struct BuildResult {

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -73,13 +72,5 @@ struct FrictionFit {
 [[nodiscard]] FrictionFit fit_friction(std::span<const FrictionTrial> trials,
                                        const Eigen::Vector3d& normal,
                                        const FrictionOptions& options = {});
-
-/// Friction axis of one contact in the space of displacements (thesis 5.4.2), along which a
-/// slipping contact follows the tool: unit vector along the mean of the displacements b - c that
-/// are marked `on_friction_boundary`; none without such samples. (Not the axis of a fitted cone: on
-/// an object that is much stiffer along one tangent than along the other these displacements are
-/// far from a cone.)
-[[nodiscard]] std::optional<Eigen::Vector3d> friction_axis(
-    const probing::Contact& contact, std::span<const probing::Sample> samples);
 
 }  // namespace palpate::haptics

@@ -6,15 +6,24 @@
 #include <limits>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "palpate/probing/acquisition.h"
 
 namespace palpate::haptics {
 
+/// What a pair of displacement and force stands for.
+enum class PairKind {
+  settled,           ///< the mean position of a group under its normal force alone
+  held,              ///< a sample that held, but for
+  friction_boundary  ///< one that is marked `on_friction_boundary`
+};
+
 /// Pairs of displacement and force at one contact, what a force field is fitted to.
 struct ForceSamples {
   Eigen::Matrix3Xd displacements;  ///< [mm] 3 x N, tool position minus contact position
   Eigen::Matrix3Xd forces;         ///< [N] 3 x N, of the tool on the object
+  std::vector<PairKind> kinds;     ///< N
   /// [mm] noise of each component of a displacement b - a + m - c; NaN if no group has 4 positions.
   /// It is how far the positions `a` of a group scatter where they scatter least. That holds what
   /// is the same for b and a of one sample and so cancels in b - a (where the tool touches, the
