@@ -11,17 +11,15 @@ namespace palpate::haptics {
 
 struct ConvexFit {
   ForceField field;
-  double chi2 = 0;        ///< per degree of freedom, without outliers if they are few
-  int outliers = 0;       ///< samples whose error noise does not make
-  double mean_noise = 0;  ///< mean squared error that the noise makes
   double condition = 1;
   int iterations = 0;
 };
 
 /// Fits isotropic and ridge bases with weights >= 0 to displacements and forces, 3 x N each, in
 /// units of their extent: more than are needed at first (`convex_start`), which then are refined
-/// together, and removed as long as the root mean squared error is at most `accuracy`, or noise
-/// explains the errors, or it pays by the Bayesian information criterion.
+/// together, and removed down to `max_bases` >= 1, or as many as the samples determine, and on for
+/// as long as noise explains the errors (chi^2 is below its mean by its deviation), or their root
+/// mean square is at most `accuracy`, or it pays by Akaike's information criterion.
 [[nodiscard]] ConvexFit fit_convex(const Eigen::Matrix3Xd& displacements,
                                    const Eigen::Matrix3Xd& forces, const SampleNoise& noise,
                                    double accuracy, int max_bases);

@@ -23,21 +23,27 @@ constexpr double kMaxDistance = 10;
 // where nothing was measured. So it is rounded over at least this part of how far beyond them it
 // stands.
 constexpr double kLeastRounding = 0.5;
+// What is expected of epsilon, in the same units: its logarithm varies about that of the first with
+// a deviation of the second, more or less what fields have where samples tell it. Where they do
+// not, between levels of force, steps of a staircase would fit them as well.
+constexpr double kExpectedEpsilon = 0.5;
+constexpr double kEpsilonDeviation = 0.32;
+// Degrees of freedom of the expectation (Student's t but for its constant factor): tails so long
+// that a kink that many samples show costs little more than any other surprise.
+constexpr double kEpsilonTails = 20;
 // Of the logarithm of epsilon, in one step.
 constexpr double kMaxLogStep = 1.5;
 
-// Loss that a step has to gain for more to be worth while: noise moves the loss by some units.
-constexpr double kWorthwhile = 0.1;
 // Levenberg-Marquardt (Nielsen's update): damping at the start, at least and at most, and what is
 // added to the diagonal so that a parameter without influence stays.
 constexpr double kFirstDamping = 1e-3;
 constexpr double kMinDamping = 1e-12;
 constexpr double kMaxDamping = 1e8;
 constexpr double kFloor = 1e-6;
+// An expected gain that is so little of what is worth while ends the search where steps fail.
+constexpr double kHopeless = 0.01;
 // Relative damping where a base is removed: parameters that hardly matter must not jump.
 constexpr double kRemovalDamping = 1e-3;
-
-bool is_ridge(const Multiquadric& base) { return base.ridge != Eigen::Vector3d::Zero(); }
 
 // How far a ridge stands beyond zero and the samples; <= 0 between them.
 double distance_beyond(const WhitenedProblem& problem, const Multiquadric& base) {
@@ -77,7 +83,24 @@ ForceField moved(const WhitenedProblem& problem, ForceField field, const Eigen::
   return field;
 }
 
-// Gauss-Newton matrix and gradient of half the loss.
+// How far epsilon is from what is expected, in deviations.
+double surprise(const Multiquadric& base) {
+  return std::log(base.epsilon / kExpectedEpsilon) / kEpsilonDeviation;
+}
+
+double loss_of_surprise(const Multiquadric& base) {
+  return kEpsilonTails * std::log1p(surprise(base) * surprise(base) / kEpsilonTails);
+}
+
+// What is to be least: the loss of the errors, and of what is surprising of the bases.
+double total_loss(const WhitenedProblem& problem, const ForceField& field,
+                  const Eigen::VectorXd& residuals) {
+  double sum = problem.loss(residuals);
+  for (const Multiquadric& base : field.bases) sum += loss_of_surprise(base);
+  return sum;
+}
+
+// Gauss-Newton matrix and gradient of half the total loss.
 struct Quadratic {
   Eigen::MatrixXd matrix;
   Eigen::VectorXd gradient;
@@ -97,6 +120,12 @@ Quadratic expand(const WhitenedProblem& problem, const ForceField& field,
   result.matrix.selfadjointView<Eigen::Lower>().rankUpdate(jacobian.transpose());
   result.matrix.triangularView<Eigen::StrictlyUpper>() = result.matrix.transpose();
   result.gradient = jacobian.transpose() * weighted;
+  for (std::size_t k = 0; k < field.bases.size(); ++k) {
+    const Eigen::Index at = 5 * static_cast<Eigen::Index>(k) + 1;
+    const double off = surprise(field.bases[k]), weight = 1 / (1 + off * off / kEpsilonTails);
+    result.matrix(at, at) += weight / (kEpsilonDeviation * kEpsilonDeviation);
+    result.gradient[at] += weight * off / kEpsilonDeviation;
+  }
   return result;
 }
 
@@ -134,13 +163,14 @@ Eigen::VectorXd damping(const ForceField& field, const Eigen::MatrixXd& matrix) 
 
 }  // namespace
 
-ConvexSolution refine(const WhitenedProblem& problem, int max_iterations, ForceField& field) {
+ConvexSolution refine(const WhitenedProblem& problem, const Effort& effort, ForceField& field) {
   Eigen::VectorXd residuals = problem.residuals(field);
-  ConvexSolution solution{problem.loss(residuals), 0, false};
+  ConvexSolution solution;
+  double least = total_loss(problem, field, residuals);
   Quadratic quadratic;
   double lambda = kFirstDamping, growth = 2;
   bool fresh = true;
-  while (solution.iterations < max_iterations && !solution.converged) {
+  while (solution.iterations < effort.iterations && !solution.converged) {
     ++solution.iterations;
     if (fresh) {
       quadratic = expand(problem, field, residuals);
@@ -148,56 +178,72 @@ ConvexSolution refine(const WhitenedProblem& problem, int max_iterations, ForceF
     }
     Eigen::MatrixXd damped = quadratic.matrix;
     damped.diagonal() += lambda * damping(field, quadratic.matrix);
-    const Eigen::VectorXd step = -damped.llt().solve(quadratic.gradient);
+    const Eigen::LLT<Eigen::MatrixXd> factor(damped);
+    const bool solved = factor.info() == Eigen::Success;
+    const Eigen::VectorXd step =
+        solved ? Eigen::VectorXd(-factor.solve(quadratic.gradient))
+               : Eigen::VectorXd(Eigen::VectorXd::Zero(quadratic.gradient.size()));
     const double expected = -(2 * quadratic.gradient.dot(step) + step.dot(quadratic.matrix * step));
     ForceField next = moved(problem, field, step);
     Eigen::VectorXd next_residuals = problem.residuals(next);
-    const double loss = problem.loss(next_residuals);
-    fresh = loss < solution.loss;  // also false for NaN
+    const double loss = total_loss(problem, next, next_residuals);
+    fresh = loss < least;  // also false for NaN
     if (fresh) {
-      const double gain = solution.loss - loss;
+      const double gain = least - loss;
       const double ratio = gain / std::max(expected, std::numeric_limits<double>::min());
       lambda = std::max(kMinDamping, lambda * std::max(1.0 / 3, 1 - std::pow(2 * ratio - 1, 3)));
       growth = 2;
       field = std::move(next);
       residuals = std::move(next_residuals);
-      solution.loss = loss;
-      solution.converged = gain < kWorthwhile;
+      least = loss;
+      solution.converged = gain < effort.worthwhile;
     } else {
       lambda *= growth;
       growth *= 2;
-      solution.converged = lambda > kMaxDamping || !(expected > kWorthwhile / 100);
+      const bool hopeless = solved && !(expected > kHopeless * effort.worthwhile);
+      solution.converged = lambda > kMaxDamping || hopeless;
     }
   }
+  solution.loss = problem.loss(residuals);
   return solution;
 }
 
-void remove_least(const WhitenedProblem& problem, ForceField& field) {
-  const Eigen::VectorXd residuals = problem.residuals(field);
-  Eigen::MatrixXd matrix = expand(problem, field, residuals).matrix;
+std::vector<ForceField> without_one(const WhitenedProblem& problem, const ForceField& field,
+                                    std::size_t count) {
+  const std::size_t bases = field.bases.size();
+  Eigen::MatrixXd matrix = expand(problem, field, problem.residuals(field)).matrix;
   matrix.diagonal() += kRemovalDamping * damping(field, matrix);
-  const Eigen::MatrixXd inverse =
-      matrix.llt().solve(Eigen::MatrixXd::Identity(matrix.rows(), matrix.cols()));
-  // The loss rises by w^2 / inverse_ww if weight w goes to zero and all else follows.
-  std::size_t least = 0;
-  double least_cost = std::numeric_limits<double>::infinity();
-  for (std::size_t k = 0; k < field.bases.size(); ++k) {
-    const Eigen::Index at = 5 * static_cast<Eigen::Index>(k);
-    const double cost = field.bases[k].weight * field.bases[k].weight / inverse(at, at);
-    if (cost < least_cost) {
-      least_cost = cost;
-      least = k;
+  const Eigen::LLT<Eigen::MatrixXd> factor(matrix);
+  // Of a matrix that is not finite there is no inverse: then the least weight counts for least, and
+  // nothing follows.
+  const bool solved = factor.info() == Eigen::Success;
+  Eigen::MatrixXd inverse = Eigen::MatrixXd::Identity(matrix.rows(), matrix.cols());
+  if (solved) factor.solveInPlace(inverse);
+  const auto weight_at = [](std::size_t k) { return 5 * static_cast<Eigen::Index>(k); };
+  // The total loss rises by w^2 / inverse_ww if weight w goes to zero and all else follows.
+  std::vector<std::pair<double, std::size_t>> costs;
+  for (std::size_t k = 0; k < bases; ++k) {
+    const double weight = field.bases[k].weight;
+    costs.emplace_back(weight * weight / inverse(weight_at(k), weight_at(k)) -
+                           (solved ? loss_of_surprise(field.bases[k]) : 0),
+                       k);
+  }
+  std::sort(costs.begin(), costs.end());
+  costs.resize(std::min(count, bases));
+
+  std::vector<ForceField> result;
+  for (const auto& [cost, least] : costs) {
+    const Eigen::Index at = weight_at(least);
+    const Eigen::VectorXd step = inverse.col(at) * (-field.bases[least].weight / inverse(at, at));
+    ForceField followed = moved(problem, field, step), stayed = field;
+    for (ForceField* shorter : {&followed, &stayed}) {
+      shorter->bases.erase(shorter->bases.begin() + static_cast<std::ptrdiff_t>(least));
     }
+    const bool better = total_loss(problem, followed, problem.residuals(followed)) <
+                        total_loss(problem, stayed, problem.residuals(stayed));
+    result.push_back(better ? std::move(followed) : std::move(stayed));
   }
-  const Eigen::Index at = 5 * static_cast<Eigen::Index>(least);
-  const Eigen::VectorXd step = inverse.col(at) * (-field.bases[least].weight / inverse(at, at));
-  ForceField followed = moved(problem, field, step), stayed = field;
-  for (ForceField* shorter : {&followed, &stayed}) {
-    shorter->bases.erase(shorter->bases.begin() + static_cast<std::ptrdiff_t>(least));
-  }
-  const bool better =
-      problem.loss(problem.residuals(followed)) < problem.loss(problem.residuals(stayed));
-  field = better ? std::move(followed) : std::move(stayed);
+  return result;
 }
 
 double condition_number(const WhitenedProblem& problem, const ForceField& field) {

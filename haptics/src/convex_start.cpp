@@ -14,7 +14,8 @@ namespace palpate::haptics {
 namespace {
 
 // Candidates, lengths in units of the data's extent.
-constexpr std::array<double, 4> kEpsilons = {0.1, 0.3, 1, 3};
+// Octaves about what is expected of epsilon (`refine`).
+constexpr std::array<double, 4> kEpsilons = {0.2, 0.4, 0.8, 1.6};
 constexpr std::array<double, 7> kQuantiles = {0, 0.1, 0.25, 0.5, 0.75, 0.9, 1};
 // Ridges also stand this part of the samples' width beyond them, on both sides.
 constexpr double kBeyond = 0.5;
@@ -29,6 +30,9 @@ constexpr double kSameDirection = 0.995;
 // to gain: what noise gains by one parameter.
 constexpr Eigen::Index kMaxActive = 30;
 constexpr double kWorthwhile = 1;
+// Rounds of the least squares: each adds a candidate and may remove others. As many as candidates
+// that they may hold, and some more, are enough (Lawson and Hanson's usual bound is three times).
+constexpr int kMaxRounds = 3 * kMaxActive;
 // Added to the diagonal of normal equations of neighbouring candidates, relative to it.
 constexpr double kRegularisation = 1e-9;
 
@@ -91,14 +95,16 @@ std::vector<Eigen::Vector3d> spread_places(const Eigen::Matrix3Xd& displacements
 
 std::vector<double> ridge_offsets(Eigen::VectorXd along) {
   std::sort(along.begin(), along.end());
-  const double low = along[0], high = along[along.size() - 1];
+  const Eigen::Index last = along.size() - 1;
+  const double low = along[0], high = along[last];
   std::vector<double> result = {0, low - kBeyond * (high - low), high + kBeyond * (high - low)};
   for (const double quantile : kQuantiles) {
-    // Counted from both ends alike: the sign of the direction must not matter.
-    const double last = static_cast<double>(along.size() - 1);
-    const double place =
-        quantile > 0.5 ? last - std::floor((1 - quantile) * last) : std::floor(quantile * last);
-    result.push_back(along[static_cast<Eigen::Index>(place)]);
+    // Between two samples, so that counting from the other end, along the opposite direction, makes
+    // the same.
+    const double place = quantile * static_cast<double>(last);
+    const auto below = static_cast<Eigen::Index>(place);
+    const double part = place - static_cast<double>(below);
+    result.push_back((1 - part) * along[below] + part * along[std::min(below + 1, last)]);
   }
   return result;
 }
@@ -305,7 +311,7 @@ ForceField convex_start(const WhitenedProblem& problem, int max_bases) {
   const Eigen::VectorXd target = -problem.residuals({});
   ActiveSet active(target);
   double squares = target.squaredNorm();
-  while (active.size() < kMaxActive) {
+  for (int round = 0; round < kMaxRounds && active.size() < kMaxActive; ++round) {
     const Eigen::VectorXd errors = active.size() > 0 ? active.errors() : target;
     const Eigen::Index best = dictionary.best(errors);
     const std::vector<Eigen::Index>& chosen = active.chosen();

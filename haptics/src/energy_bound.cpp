@@ -73,7 +73,7 @@ EnergyBound::EnergyBound(const ForceField& field, double radius, double number_t
     : radius_(radius), margin_(0) {
   for (const Multiquadric& multiquadric : field.bases) {
     Base base;
-    base.ridge = multiquadric.ridge != Eigen::Vector3d::Zero();
+    base.ridge = is_ridge(multiquadric);
     base.weight = multiquadric.weight;
     base.epsilon_squared = square({multiquadric.epsilon});
     base.center = exact(multiquadric.center);

@@ -10,8 +10,6 @@
 namespace palpate::haptics {
 namespace {
 
-bool is_ridge(const Multiquadric& base) noexcept { return base.ridge != Eigen::Vector3d::Zero(); }
-
 // P d
 Eigen::Vector3d seen(const Multiquadric& base, const Eigen::Vector3d& d) noexcept {
   return is_ridge(base) ? Eigen::Vector3d(base.ridge.dot(d) * base.ridge) : d;

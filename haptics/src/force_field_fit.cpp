@@ -179,11 +179,9 @@ ForceField rigid_field(double displacement_noise) {
 FitResult fit_as_convex(const ScaledSamples& samples, const FitOptions& options) {
   FitResult result;
   result.mode = FitMode::convex;
-  const Eigen::Index determined = std::max<Eigen::Index>(1, samples.forces.size() / 5);
-  const Eigen::Index most =
-      std::min<Eigen::Index>(options.max_bases.value_or(kMaxConvexBases), determined);
   ConvexFit fit = fit_convex(samples.displacements, samples.forces, noise_of(samples, options),
-                             options.accuracy / samples.force_scale, static_cast<int>(most));
+                             options.accuracy / samples.force_scale,
+                             options.max_bases.value_or(kMaxConvexBases));
   finish(samples, options, std::move(fit.field), result);
   result.iterations = fit.iterations;
   result.condition = fit.condition;

@@ -34,7 +34,6 @@ constexpr double kSaturation = 0.75;
 constexpr double kFarOut = 1e3;
 constexpr int kBisections = 50;  // from there to a millionth of a millionth of an extent
 
-bool is_ridge(const Multiquadric& base) { return base.ridge != Eigen::Vector3d::Zero(); }
 bool is_negative(const Multiquadric& base) { return base.weight < 0; }
 
 // w sqrt((r.(A^-1 x - c))^2 + e^2), with q = A^-T r, is w |q| sqrt((q.x - r.c)^2 + e^2) / |q|.

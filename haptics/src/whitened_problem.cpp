@@ -20,8 +20,6 @@ constexpr double kMedianChi2 = 2.366;
 // Shortest displacement, in units of the data's extent, that a secant stiffness is taken from.
 constexpr double kShortest = 1e-3;
 
-bool is_ridge(const Multiquadric& base) { return base.ridge != Eigen::Vector3d::Zero(); }
-
 }  // namespace
 
 Eigen::Matrix<double, 3, 2> tangents(const Eigen::Vector3d& ridge) {

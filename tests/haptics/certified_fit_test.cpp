@@ -52,5 +52,23 @@ TEST(FitCertified, LeavesWhatIsPassiveAlone) {
   EXPECT_LT(certified.fit.rms, 0.01);
 }
 
+TEST(FitCertified, TurnsWithTheFrame) {
+  const ReachableVolume volume{6};
+  const CertifiedFit fit = fit_certified(valley(), two_bases(), volume);
+  const Eigen::Matrix3Xd at_places = forces_at(fit.fit.field, valley().displacements);
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+  for (int i = 0; i < 3; ++i) {
+    turn = turn * some_rotation();
+    FieldObjective turned = valley();
+    turned.displacements = turn * turned.displacements;
+    turned.forces = turn * turned.forces;
+    const CertifiedFit other = fit_certified(turned, two_bases(), volume);
+    EXPECT_TRUE(is_passive(other.certificate));
+    const Eigen::Matrix3Xd back =
+        turn.transpose() * forces_at(other.fit.field, turned.displacements);
+    EXPECT_LT((back - at_places).norm(), 0.01 * at_places.norm());
+  }
+}
+
 }  // namespace
 }  // namespace palpate::haptics

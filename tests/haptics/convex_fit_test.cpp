@@ -4,7 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
 #include <random>
+#include <vector>
 
 #include "haptics_testing.h"
 #include "palpate/haptics/force_field_fit.h"
@@ -60,6 +65,54 @@ double largest_difference(const Eigen::Matrix3Xd& left, const Eigen::Matrix3Xd& 
   return (left - right).colwise().norm().maxCoeff() / right.colwise().norm().maxCoeff();
 }
 
+// What is left of all contacts of a sheet.
+struct SheetFigures {
+  std::vector<double> bases, errors;  // sorted
+  double at_noise = 0;                // part with an rms up to 1.25 times the noise floor
+};
+
+SheetFigures fit_sheet(const Strip& strip, unsigned seed) {
+  constexpr int kTruths = 40;
+  SheetFigures figures;
+  const std::vector<Eigen::Vector2d> places = testing::strip_places();
+  std::vector<ForceSamples> contacts;
+  for (const Eigen::Vector2d& at : places)
+    contacts.push_back(measured({at.x(), at.y()}, strip, {.seed = seed++}));
+  FitOptions options;
+  options.noise.displacement = pooled_displacement_noise(contacts);
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const FitResult fit = fit_force_field(contacts[i].displacements, contacts[i].forces, options);
+    figures.bases.push_back(static_cast<double>(fit.field.bases.size()));
+    if (fit.rms <= 1.25 * fit.noise_floor) figures.at_noise += 1;
+    double sum = 0;
+    for (const testing::StripTruth& truth : testing::strip_truths(strip, {places[i]}, kTruths))
+      sum += (force(fit.field, truth.displacement) - truth.force).squaredNorm();
+    figures.errors.push_back(std::sqrt(sum / kTruths));
+  }
+  figures.at_noise /= static_cast<double>(places.size());
+  std::sort(figures.bases.begin(), figures.bases.end());
+  std::sort(figures.errors.begin(), figures.errors.end());
+  return figures;
+}
+
+TEST(FitConvex, NeedsEightBasesForTheNoiseOfMostOfASheet) {
+  const SheetFigures sheet =
+      fit_sheet({.tension = 0.72, .axial = 45, .support = 50.6, .compliance = 0.22}, 500);
+  EXPECT_LE(sheet.bases[sheet.bases.size() / 2], 8);
+  EXPECT_GE(sheet.at_noise, 0.95);
+  EXPECT_LE(sheet.errors[sheet.errors.size() / 2], 0.028);
+  EXPECT_LE(sheet.errors[sheet.errors.size() * 9 / 10], 0.055);
+}
+
+TEST(FitConvex, NeedsFewMoreForASheetOverABlock) {
+  const SheetFigures sheet = fit_sheet(
+      {.tension = 0.85, .block = 1.4, .depth = 14, .block_low{-28, -8}, .block_high{3, 30}}, 700);
+  EXPECT_LE(sheet.bases[sheet.bases.size() / 2], 9);
+  EXPECT_GE(sheet.at_noise, 0.95);
+  EXPECT_LE(sheet.errors[sheet.errors.size() / 2], 0.032);
+  EXPECT_LE(sheet.errors[sheet.errors.size() * 9 / 10], 0.058);
+}
+
 TEST(FitConvex, ReachesTheNoiseOfAStretchedSheet) {
   for (const Contact at : {Contact{0, 0}, Contact{-28, 20}}) {
     const FitResult fit = fit_measured(measured(at));
@@ -67,7 +120,7 @@ TEST(FitConvex, ReachesTheNoiseOfAStretchedSheet) {
     EXPECT_EQ(fit.stop, FitStop::explained);
     EXPECT_LT(fit.rms, 1.25 * fit.noise_floor);
     EXPECT_GT(fit.rms, 0.5 * fit.noise_floor);
-    EXPECT_LT(true_error(fit.field, at, {}), 0.06);
+    EXPECT_LT(true_error(fit.field, at, {}), 0.05);
     EXPECT_LE(fit.field.bases.size(), std::size_t{kMaxConvexBases});
     EXPECT_GT(fit.condition, 1);
   }
@@ -100,7 +153,62 @@ TEST(FitConvex, FollowsAStiffBlockBelowTheSheet) {
   const FitResult fit = fit_measured(measured(at, strip));
   expect_convex(fit);
   EXPECT_EQ(fit.stop, FitStop::explained);
-  EXPECT_LT(true_error(fit.field, at, strip), 0.11);
+  EXPECT_LT(true_error(fit.field, at, strip), 0.05);
+}
+
+// Force of a foam that stiffens: k h sinh(z / h) along z and l h sinh(t / h) across it.
+Eigen::Vector3d foam_force(const Eigen::Vector3d& x) {
+  constexpr double kLength = 6, kNormal = 0.15, kTangential = 0.12;
+  const double across = std::hypot(x.x(), x.y());
+  const double slope =
+      across > 0 ? kTangential * kLength * std::sinh(across / kLength) / across : kTangential;
+  return {slope * x.x(), slope * x.y(), kNormal * kLength * std::sinh(x.z() / kLength)};
+}
+
+// As probed: five depths, eight directions, most samples near where they would slip.
+std::vector<Eigen::Vector3d> foam_places() {
+  std::vector<Eigen::Vector3d> places;
+  for (const double depth : {1.0, 3.5, 6.0, 8.5, 10.5}) {
+    for (int repeat = 0; repeat < 2; ++repeat) {
+      places.emplace_back(0, 0, depth);
+      for (int direction = 0; direction < 8; ++direction) {
+        const double angle = 0.2 + direction * std::numbers::pi / 4;
+        for (const double part : {0.5, 0.75, 0.88, 0.94, 0.97}) {
+          const double across = part * depth;
+          places.emplace_back(across * std::cos(angle), across * std::sin(angle), depth);
+        }
+      }
+    }
+  }
+  return places;
+}
+
+TEST(FitConvex, FollowsAFoamBetweenTheLevelsOfForce) {
+  const std::vector<Eigen::Vector3d> places = foam_places();
+  Eigen::Matrix3Xd displacements(3, static_cast<Eigen::Index>(places.size()));
+  Eigen::Matrix3Xd forces = displacements;
+  for (const unsigned seed : {5U, 6U, 7U}) {
+    std::mt19937 random(seed);
+    std::normal_distribution<double> noise(0, kDisplacementNoise);
+    for (Eigen::Index i = 0; i < forces.cols(); ++i) {
+      const Eigen::Vector3d& x = places[static_cast<std::size_t>(i)];
+      forces.col(i) = foam_force(x);
+      displacements.col(i) = x + Eigen::Vector3d(noise(random), noise(random), noise(random));
+    }
+    const FitResult fit = fit_force_field(displacements, forces);
+    expect_convex(fit);
+    EXPECT_EQ(fit.stop, FitStop::explained);
+    double sum = 0;
+    int count = 0;
+    const Eigen::Matrix3Xd others = random_points(900, 10.5, 11);
+    for (const Eigen::Vector3d x : others.colwise()) {
+      if (x.z() < 0.5 || std::hypot(x.x(), x.y()) > 0.9 * x.z()) continue;
+      sum += (force(fit.field, x) - foam_force(x)).squaredNorm();
+      ++count;
+    }
+    EXPECT_GT(count, 50);
+    EXPECT_LT(std::sqrt(sum / count), 0.04);
+  }
 }
 
 TEST(FitConvex, TakesOutliersForWhatTheyAre) {
@@ -119,7 +227,7 @@ TEST(FitConvex, TakesOutliersForWhatTheyAre) {
   EXPECT_EQ(fit.stop, FitStop::explained);
   EXPECT_GE(fit.outliers, 1);
   EXPECT_LE(fit.outliers, outliers);
-  EXPECT_LT(true_error(fit.field, at, {}), true_error(clean.field, at, {}) + 0.03);
+  EXPECT_LT(true_error(fit.field, at, {}), true_error(clean.field, at, {}) + 0.01);
 }
 
 TEST(FitConvex, TurnsWithTheFrame) {
@@ -233,38 +341,6 @@ TEST(FitConvex, FollowsAnObjectThatSoftens) {
   expect_convex(fit);
   EXPECT_EQ(fit.stop, FitStop::explained);
   EXPECT_LT(largest_difference(forces_at(fit.field, others), forces_at(truth, others)), 0.02);
-}
-
-TEST(FitConvex, JacobianIsThatOfTheResiduals) {
-  ForceField field = some_field_with_ridge();
-  for (Multiquadric& base : field.bases) base.weight = std::abs(base.weight);
-  const Eigen::Matrix3Xd places = random_points(20, 3);
-  WhitenedProblem problem(places, forces_at(field, places), {0.05, 0.1});
-  problem.whiten(field);
-  const Eigen::MatrixXd jacobian = problem.jacobian(field);
-  constexpr double kStep = 1e-6;
-  const auto changed = [&](std::size_t k, int parameter, double by) {
-    ForceField other = field;
-    Multiquadric& base = other.bases[k];
-    if (parameter == 0) base.weight += by;
-    if (parameter == 1) base.epsilon *= std::exp(by);
-    if (parameter >= 2 && base.ridge.isZero()) base.center[parameter - 2] += by;
-    if (parameter == 2 && !base.ridge.isZero()) base.center += by * base.ridge;
-    if (parameter >= 3 && !base.ridge.isZero()) {
-      const double offset = base.ridge.dot(base.center);
-      base.ridge = (base.ridge + by * tangents(base.ridge).col(parameter - 3)).normalized();
-      base.center = offset * base.ridge;
-    }
-    return problem.residuals(other);
-  };
-  for (std::size_t k = 0; k < field.bases.size(); ++k) {
-    for (int parameter = 0; parameter < 5; ++parameter) {
-      const Eigen::VectorXd difference =
-          (changed(k, parameter, kStep) - changed(k, parameter, -kStep)) / (2 * kStep);
-      const Eigen::VectorXd column = jacobian.col(5 * static_cast<Eigen::Index>(k) + parameter);
-      EXPECT_LT((difference - column).norm(), 1e-6 * (1 + column.norm())) << k << parameter;
-    }
-  }
 }
 
 }  // namespace

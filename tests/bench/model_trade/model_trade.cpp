@@ -72,7 +72,7 @@ Predictor predictor(const haptics::ForceField& field) {
   constexpr std::size_t kIsotropic = 5, kRidge = 6;  // numbers of a base in the file
   std::size_t numbers = 0;
   for (const haptics::Multiquadric& base : field.bases) {
-    numbers += base.ridge.isZero() ? kIsotropic : kRidge;
+    numbers += haptics::is_ridge(base) ? kRidge : kIsotropic;
   }
   return {
       [field](const Eigen::Vector3d& displacement) { return haptics::force(field, displacement); },
@@ -102,6 +102,9 @@ std::vector<Method> methods() {
            return grid_lookup(data.displacements, data.forces, nodes);
          }});
   }
+  result.push_back({"isotropic bases with weights >= 0, of 8000", [](const ContactData& data) {
+                      return isotropic_only(data.displacements, data.forces);
+                    }});
   result.push_back({"exact radial bases", [](const ContactData& data) {
                       return exact_rbf(data.displacements, data.forces);
                     }});

@@ -11,6 +11,8 @@
 #include <numeric>
 #include <vector>
 
+#include "palpate/haptics/force_field.h"
+
 namespace palpate::bench {
 namespace {
 
@@ -78,6 +80,63 @@ Likelihood likelihood(const Eigen::MatrixXd& squared, const Eigen::VectorXd& val
       2 * factor.matrixL().toDenseMatrix().diagonal().array().log().sum();
   result.value = -0.5 * (count * std::log(amplitude) + log_determinant);
   return result;
+}
+
+// Isotropic multiquadrics of weight 1.
+std::vector<haptics::Multiquadric> isotropic_candidates(const Eigen::Matrix3Xd& places) {
+  constexpr int kNodes = 11;
+  constexpr std::array<double, 6> kRoundings = {0.03, 0.1, 0.25, 0.5, 1, 3};  // of the extent
+  const Eigen::Vector3d low = places.rowwise().minCoeff(), high = places.rowwise().maxCoeff();
+  const double extent = (high - low).maxCoeff();
+  // A flat box is widened: centres beside it make stiffness across it.
+  const Eigen::Vector3d half = 1.5 * (high - low).cwiseMax(extent / 3);
+  const Eigen::Vector3d first = (low + high) / 2 - half;
+  std::vector<haptics::Multiquadric> candidates;
+  for (int node = 0; node < kNodes * kNodes * kNodes; ++node) {
+    const Eigen::Vector3d step(node % kNodes, node / kNodes % kNodes, node / (kNodes * kNodes));
+    for (const double rounding : kRoundings) {
+      candidates.push_back(
+          {1, rounding * extent, first + 2 * half.cwiseProduct(step) / (kNodes - 1)});
+    }
+  }
+  return candidates;
+}
+
+// The weights >= 0 of the columns with the least squared error; most are zero.
+Eigen::VectorXd non_negative_least_squares(const Eigen::MatrixXd& matrix,
+                                           const Eigen::VectorXd& target) {
+  constexpr int kMostRounds = 400;
+  constexpr double kOptimal = 1e-6;  // cosine of a column to the errors that gains nothing
+  Eigen::VectorXd weights = Eigen::VectorXd::Zero(matrix.cols());
+  std::vector<Eigen::Index> active;
+  for (int round = 0; round < kMostRounds; ++round) {
+    const Eigen::VectorXd errors = target - matrix * weights;
+    Eigen::Index best = 0;
+    const double gain = (matrix.transpose() * errors).maxCoeff(&best);
+    if (!(gain > kOptimal * errors.norm())) break;  // columns have unit length
+    if (std::find(active.begin(), active.end(), best) != active.end()) break;
+    active.push_back(best);
+    while (!active.empty()) {
+      const Eigen::VectorXd solution =
+          matrix(Eigen::all, active).colPivHouseholderQr().solve(target);
+      double part = 1;
+      for (std::size_t k = 0; k < active.size(); ++k) {
+        const double now = weights[active[k]], then = solution[static_cast<Eigen::Index>(k)];
+        if (then <= 0) part = std::min(part, now > 0 ? now / (now - then) : 0.0);
+      }
+      for (std::size_t k = 0; k < active.size(); ++k) {
+        double& weight = weights[active[k]];
+        weight = std::max(0.0, weight + part * (solution[static_cast<Eigen::Index>(k)] - weight));
+      }
+      if (part == 1) break;
+      std::erase_if(active, [&](Eigen::Index j) {
+        if (weights[j] > kOptimal * weights.maxCoeff()) return false;
+        weights[j] = 0;
+        return true;
+      });
+    }
+  }
+  return weights;
 }
 
 }  // namespace
@@ -167,6 +226,31 @@ Predictor gaussian_process(const Eigen::Matrix3Xd& displacements, const Eigen::M
     return result;
   };
   return {force, static_cast<std::size_t>(2 * places.size()) + 3};
+}
+
+Predictor isotropic_only(const Eigen::Matrix3Xd& displacements, const Eigen::Matrix3Xd& forces) {
+  haptics::ForceField candidates{isotropic_candidates(with_zero(displacements))};
+  const auto count = static_cast<Eigen::Index>(candidates.bases.size());
+  Eigen::MatrixXd matrix(forces.size(), count);
+  for (Eigen::Index j = 0; j < count; ++j) {
+    haptics::Multiquadric& base = candidates.bases[static_cast<std::size_t>(j)];
+    for (Eigen::Index i = 0; i < forces.cols(); ++i) {
+      matrix.block<3, 1>(3 * i, j) = haptics::force({{base}}, displacements.col(i));
+    }
+    base.weight = 1 / matrix.col(j).norm();
+    matrix.col(j) *= base.weight;
+  }
+  const Eigen::VectorXd weights = non_negative_least_squares(matrix, forces.reshaped());
+  haptics::ForceField field;
+  for (Eigen::Index j = 0; j < count; ++j) {
+    if (!(weights[j] > 0)) continue;
+    field.bases.push_back(candidates.bases[static_cast<std::size_t>(j)]);
+    field.bases.back().weight *= weights[j];
+  }
+  constexpr std::size_t kNumbers = 5;
+  return {
+      [field](const Eigen::Vector3d& displacement) { return haptics::force(field, displacement); },
+      kNumbers * field.bases.size()};
 }
 
 }  // namespace palpate::bench

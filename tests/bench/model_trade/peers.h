@@ -33,4 +33,11 @@ struct Predictor {
 [[nodiscard]] Predictor gaussian_process(const Eigen::Matrix3Xd& displacements,
                                          const Eigen::Matrix3Xd& forces);
 
+/// The least squares of isotropic multiquadrics alone with weights >= 0, as many as it takes, of a
+/// dense dictionary: centres on a grid over three times the bounding box of displacements and zero,
+/// some roundings each (Lawson and Hanson's active set, to its optimum). How near such bases can
+/// get to the samples, whatever their number.
+[[nodiscard]] Predictor isotropic_only(const Eigen::Matrix3Xd& displacements,
+                                       const Eigen::Matrix3Xd& forces);
+
 }  // namespace palpate::bench

@@ -19,6 +19,10 @@ struct Multiquadric {
   friend bool operator==(const Multiquadric&, const Multiquadric&) = default;
 };
 
+[[nodiscard]] inline bool is_ridge(const Multiquadric& base) noexcept {
+  return base.ridge != Eigen::Vector3d::Zero();
+}
+
 /// Force against displacement at one contact: the gradient of a sum of multiquadrics
 /// (thesis 5.3.1.2).
 ///

@@ -97,12 +97,14 @@ struct FitResult {
 ///
 /// `convex`: all weights >= 0, each base isotropic or a ridge with its own epsilon: the energy is
 /// convex. The non-negative least squares over a dictionary of bases, laid out by the samples, is
-/// followed by a joint refinement of all parameters (projected Levenberg-Marquardt) and the
-/// removal of bases for as long as noise still explains the errors, or the Bayesian information
-/// criterion gains. An error of sample i has the covariance force^2 I + displacement^2 K K^T of the
-/// noise, with K the stiffness there, and a robust loss (Cauchy). A ridge that stands beyond all
-/// samples is rounded over at least half of how far: they show its tail only, and nothing calls for
-/// a wall where nothing was measured.
+/// followed by a joint refinement of all parameters (projected Levenberg-Marquardt) and the removal
+/// of bases, those that the others can replace best first: for as long as noise explains the errors
+/// (chi^2 at most half a standard deviation below its mean), or Akaike's information criterion
+/// gains. An error of sample i has the covariance force^2 I + displacement^2 K K^T of the noise,
+/// with K the stiffness there, and a robust loss (Cauchy). Where samples do not tell epsilon, it is
+/// near half the extent of the displacements: steps of a staircase between levels of force would
+/// fit as well. A ridge that stands beyond all samples is rounded over at least half of how far:
+/// they show its tail only, and nothing calls for a wall where nothing was measured.
 ///
 /// `local` (thesis 5.3.1, Eq 5.6): weights and centres are free, the stiffness at zero is kept
 /// positive semi-definite (Eq 5.9). Bases are added one by one. Each starts where it alone lowers
