@@ -52,21 +52,24 @@ TEST(FitCertified, LeavesWhatIsPassiveAlone) {
   EXPECT_LT(certified.fit.rms, 0.01);
 }
 
-TEST(FitCertified, TurnsWithTheFrame) {
-  const ReachableVolume volume{6};
-  const CertifiedFit fit = fit_certified(valley(), two_bases(), volume);
-  const Eigen::Matrix3Xd at_places = forces_at(fit.fit.field, valley().displacements);
+TEST(FitCertified, IsPassiveAndAsGoodInAnyFrame) {
+  const Eigen::Matrix3Xd at_places =
+      forces_at(fit_certified(valley(), two_bases(), {2}).fit.field, valley().displacements);
   Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
   for (int i = 0; i < 3; ++i) {
     turn = turn * some_rotation();
     FieldObjective turned = valley();
     turned.displacements = turn * turned.displacements;
     turned.forces = turn * turned.forces;
-    const CertifiedFit other = fit_certified(turned, two_bases(), volume);
-    EXPECT_TRUE(is_passive(other.certificate));
+    const CertifiedFit near = fit_certified(turned, two_bases(), {2});
+    EXPECT_TRUE(is_passive(near.certificate));
     const Eigen::Matrix3Xd back =
-        turn.transpose() * forces_at(other.fit.field, turned.displacements);
+        turn.transpose() * forces_at(near.fit.field, turned.displacements);
     EXPECT_LT((back - at_places).norm(), 0.01 * at_places.norm());
+    // Which of the places that violate passivity is found, and so the repair, depends on the frame.
+    const CertifiedFit far = fit_certified(turned, two_bases(), {6});
+    EXPECT_TRUE(is_passive(far.certificate));
+    EXPECT_LT(far.fit.rms, 0.05);
   }
 }
 
