@@ -30,12 +30,12 @@ using Json = nlohmann::ordered_json;
 /// Errors of the friction coefficients against the true ones of `truth_contacts.csv`.
 geometry::ErrorStatistics friction_errors(const haptics::Model& model, const fs::path& truth) {
   const std::string_view columns[] = {"id", "mu"};
-  const probing::CsvTable table(truth, columns);
+  probing::CsvReader row(truth, columns);
   std::vector<double> errors;
-  for (std::size_t row = 0; row < table.rows(); ++row) {
+  while (row.next()) {
     const auto contact = std::find_if(model.contacts.begin(), model.contacts.end(),
-                                      [&](const auto& c) { return c.id == table.integer(row, 0); });
-    if (contact != model.contacts.end()) errors.push_back(contact->friction - table.number(row, 1));
+                                      [&](const auto& c) { return c.id == row.integer(0); });
+    if (contact != model.contacts.end()) errors.push_back(contact->friction - row.number(1));
   }
   return geometry::error_statistics(std::move(errors));
 }

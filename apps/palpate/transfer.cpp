@@ -76,18 +76,17 @@ void scale(const Settings& settings, const TransferCall& call) {
 /// Columns sx,sy,sz (on the model's surface) and tx,ty,tz (on the target), one pair a line.
 geometry::Landmarks read_landmarks(const fs::path& path) {
   constexpr std::array<std::string_view, 6> kColumns = {"sx", "sy", "sz", "tx", "ty", "tz"};
-  const probing::CsvTable table(path, kColumns);
-  const auto count = static_cast<Eigen::Index>(table.rows());
-  geometry::Landmarks landmarks{.source = Eigen::Matrix3Xd(3, count),
-                                .target = Eigen::Matrix3Xd(3, count)};
-  for (std::size_t row = 0; row < table.rows(); ++row) {
+  probing::CsvReader row(path, kColumns);
+  std::vector<double> source, target;
+  while (row.next()) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const auto r = static_cast<Eigen::Index>(axis), c = static_cast<Eigen::Index>(row);
-      landmarks.source(r, c) = table.number(row, axis);
-      landmarks.target(r, c) = table.number(row, axis + 3);
+      source.push_back(row.number(axis));
+      target.push_back(row.number(axis + 3));
     }
   }
-  return landmarks;
+  const auto count = static_cast<Eigen::Index>(source.size() / 3);
+  return {.source = Eigen::Matrix3Xd::Map(source.data(), 3, count),
+          .target = Eigen::Matrix3Xd::Map(target.data(), 3, count)};
 }
 
 /// What the map does to the surface, on the target: as a picture, and as a mesh with attributes.

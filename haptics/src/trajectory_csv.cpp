@@ -13,7 +13,7 @@
 namespace palpate::haptics {
 namespace {
 
-using probing::CsvTable;
+using probing::CsvReader;
 
 constexpr std::array<std::string_view, 4> kTrajectoryColumns = {"t", "x", "y", "z"};
 constexpr std::array<std::string_view, 9> kQueryColumns = {"cx", "cy", "cz", "dx", "dy",
@@ -21,12 +21,13 @@ constexpr std::array<std::string_view, 9> kQueryColumns = {"cx", "cy", "cz", "dx
 constexpr std::array<std::string_view, 11> kTraceColumns = {"t",  "x",  "y",  "z",  "cx",   "cy",
                                                             "cz", "fx", "fy", "fz", "state"};
 
-Eigen::Vector3d vector(const CsvTable& table, std::size_t row, std::size_t column) {
-  return {table.number(row, column), table.number(row, column + 1), table.number(row, column + 2)};
+Eigen::Vector3d vector(const CsvReader& row, std::size_t column) {
+  return {row.number(column), row.number(column + 1), row.number(column + 2)};
 }
 
-void check_rows(const CsvTable& table, const std::filesystem::path& path) {
-  if (table.rows() > 0) return;
+template <typename T>
+void check_rows(const std::vector<T>& rows, const std::filesystem::path& path) {
+  if (!rows.empty()) return;
   throw FileError(path.string() +
                   ": there is no line of numbers below the column names; at least one is needed");
 }
@@ -46,27 +47,26 @@ const char* to_string(ContactState state) {
 }
 
 std::vector<TrajectoryPoint> read_trajectory(const std::filesystem::path& path) {
-  const CsvTable table(path, kTrajectoryColumns);
-  check_rows(table, path);
-  std::vector<TrajectoryPoint> trajectory(table.rows());
-  for (std::size_t row = 0; row < table.rows(); ++row) {
-    trajectory[row] = {table.number(row, 0), vector(table, row, 1)};
-    if (row > 0 && !(trajectory[row].time > trajectory[row - 1].time)) {
-      throw FileError(path.string() + ": line " + std::to_string(table.line(row)) +
+  CsvReader row(path, kTrajectoryColumns);
+  std::vector<TrajectoryPoint> trajectory;
+  while (row.next()) {
+    const TrajectoryPoint point{row.number(0), vector(row, 1)};
+    if (!trajectory.empty() && !(point.time > trajectory.back().time)) {
+      throw FileError(path.string() + ": line " + std::to_string(row.line()) +
                       ", column 't': the time is not later than in the line before; lines must be "
                       "in order of time");
     }
+    trajectory.push_back(point);
   }
+  check_rows(trajectory, path);
   return trajectory;
 }
 
 std::vector<Query> read_queries(const std::filesystem::path& path) {
-  const CsvTable table(path, kQueryColumns);
-  check_rows(table, path);
-  std::vector<Query> queries(table.rows());
-  for (std::size_t row = 0; row < table.rows(); ++row) {
-    queries[row] = {vector(table, row, 0), vector(table, row, 3), vector(table, row, 6)};
-  }
+  CsvReader row(path, kQueryColumns);
+  std::vector<Query> queries;
+  while (row.next()) queries.push_back({vector(row, 0), vector(row, 3), vector(row, 6)});
+  check_rows(queries, path);
   return queries;
 }
 

@@ -31,33 +31,31 @@ constexpr std::array<std::string_view, 16> kSampleColumns = {"id",
                                                              "range_map",
                                                              "time"};
 
-Eigen::Vector3d vector(const CsvTable& table, std::size_t row, std::size_t column) {
-  return {table.number(row, column), table.number(row, column + 1), table.number(row, column + 2)};
+Eigen::Vector3d vector(const CsvReader& row, std::size_t column) {
+  return {row.number(column), row.number(column + 1), row.number(column + 2)};
 }
 
 std::vector<Contact> read_contacts(const std::filesystem::path& path) {
-  const CsvTable table(path, kContactColumns);
-  std::vector<Contact> contacts(table.rows());
-  for (std::size_t row = 0; row < table.rows(); ++row) {
-    contacts[row] = {table.integer(row, 0), vector(table, row, 1), vector(table, row, 4)};
-  }
+  CsvReader row(path, kContactColumns);
+  std::vector<Contact> contacts;
+  while (row.next()) contacts.push_back({row.integer(0), vector(row, 1), vector(row, 4)});
   return contacts;
 }
 
 std::vector<Sample> read_samples(const std::filesystem::path& path) {
-  const CsvTable table(path, kSampleColumns);
-  std::vector<Sample> samples(table.rows());
-  for (std::size_t row = 0; row < table.rows(); ++row) {
-    samples[row] = {.id = table.integer(row, 0),
-                    .contact = table.integer(row, 1),
-                    .group = table.integer(row, 2),
-                    .force = vector(table, row, 3),
-                    .a = vector(table, row, 6),
-                    .b = vector(table, row, 9),
-                    .on_friction_boundary = table.flag(row, 12),
-                    .slipped = table.flag(row, 13),
-                    .range_map = table.text(row, 14),
-                    .time = table.number(row, 15)};
+  CsvReader row(path, kSampleColumns);
+  std::vector<Sample> samples;
+  while (row.next()) {
+    samples.push_back({.id = row.integer(0),
+                       .contact = row.integer(1),
+                       .group = row.integer(2),
+                       .force = vector(row, 3),
+                       .a = vector(row, 6),
+                       .b = vector(row, 9),
+                       .on_friction_boundary = row.flag(12),
+                       .slipped = row.flag(13),
+                       .range_map = row.text(14),
+                       .time = row.number(15)});
   }
   return samples;
 }

@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <optional>
 #include <ostream>
 
@@ -26,38 +24,28 @@ std::string shown(std::string_view text) {
   return result + (text.size() > kShownLength ? "...'" : "'");
 }
 
-std::string read_text(const std::filesystem::path& path) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error)) {
-    throw FileError(path.string() + ": there is no such file; expected a CSV file");
-  }
-  std::ifstream in(path, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-  if (!in.good() && !in.eof()) throw FileError(path.string() + ": cannot be read");
-  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-  if (text.starts_with(kByteOrderMark)) text.erase(0, kByteOrderMark.size());
-  return text;
-}
-
-// Cells of one line; none if a quote is not closed or stands inside a cell.
-std::optional<std::vector<std::string>> split(std::string_view line) {
-  std::vector<std::string> cells(1);
-  for (std::size_t i = 0; i < line.size();) {
-    if (line[i] == '"' && cells.back().empty()) {
-      for (++i;; ++i) {
-        if (i == line.size()) return std::nullopt;
-        if (line[i] == '"' && (++i == line.size() || line[i] != '"')) break;
-        cells.back() += line[i];
-      }
-      if (i < line.size() && line[i] != ',') return std::nullopt;
-    } else if (line[i] == ',') {
-      cells.emplace_back();
-      ++i;
+// The cells of a line, where they stand in it but for quoted ones, which lose their quotes in
+// place; false if a quote is not closed or stands inside a cell.
+bool split(std::string& line, std::vector<std::string_view>& cells) {
+  cells.clear();
+  const std::size_t size = line.size();
+  for (std::size_t i = 0;; ++i) {
+    const std::size_t begin = i;
+    if (i == size || line[i] != '"') {
+      i = std::min(line.find(',', i), size);
+      cells.emplace_back(line.data() + begin, i - begin);
     } else {
-      cells.back() += line[i++];
+      std::size_t end = begin;
+      for (++i;; ++i) {
+        if (i == size) return false;
+        if (line[i] == '"' && (++i == size || line[i] != '"')) break;
+        line[end++] = line[i];
+      }
+      if (i < size && line[i] != ',') return false;
+      cells.emplace_back(line.data() + begin, end - begin);
     }
+    if (i == size) return true;
   }
-  return cells;
 }
 
 std::string_view trimmed(std::string_view text) {
@@ -78,11 +66,11 @@ std::string joined(std::span<const std::string_view> columns) {
 
 // Where each wanted column stands in the header line.
 std::vector<std::size_t> find_columns(const std::string& place,
-                                      const std::vector<std::string>& header,
+                                      const std::vector<std::string_view>& header,
                                       std::span<const std::string_view> columns) {
   std::vector<std::size_t> result;
   for (const std::string_view column : columns) {
-    const auto is_it = [&](const std::string& cell) { return trimmed(cell) == column; };
+    const auto is_it = [&](std::string_view cell) { return trimmed(cell) == column; };
     const auto found = std::find_if(header.begin(), header.end(), is_it);
     if (found == header.end()) {
       throw FileError(place + ": there is no column '" + std::string(column) +
@@ -115,66 +103,69 @@ std::string shortest(T value) {
 
 }  // namespace
 
-CsvTable::CsvTable(const std::filesystem::path& path, std::span<const std::string_view> columns)
+CsvReader::CsvReader(const std::filesystem::path& path, std::span<const std::string_view> columns)
     : path_(path), columns_(columns.begin(), columns.end()) {
-  const std::string content = read_text(path);
-  std::vector<std::size_t> places;
-  std::size_t width = 0, number = 0;
-  for (std::size_t start = 0; start < content.size();) {
-    const std::size_t end = std::min(content.find('\n', start), content.size());
-    std::string_view line(content.data() + start, end - start);
-    start = end + 1;
-    ++number;
-    if (line.ends_with('\r')) line.remove_suffix(1);
-    if (trimmed(line).empty()) continue;
-    const std::string place = path.string() + ": line " + std::to_string(number);
-    std::optional<std::vector<std::string>> cells = split(line);
-    if (!cells) throw FileError(place + ": a quote is not closed or stands inside a cell");
-    if (places.empty()) {
-      places = find_columns(place, *cells, columns);
-      width = cells->size();
-      continue;
-    }
-    if (cells->size() != width) {
-      throw FileError(place + ": " + std::to_string(cells->size()) +
-                      " cells, the first line names " + std::to_string(width) +
-                      " columns; the line is cut off or has a comma too many");
-    }
-    lines_.push_back(number);
-    for (const std::size_t at : places) cells_.push_back(std::move((*cells)[at]));
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) {
+    throw FileError(path.string() + ": there is no such file; expected a CSV file");
   }
-  if (places.empty()) {
+  file_.open(path, std::ios::binary);
+  if (!file_) throw FileError(path.string() + ": cannot be read");
+  if (!next_line()) {
     throw FileError(path.string() + ": the file is empty; the first line must name the columns " +
                     joined(columns));
   }
+  places_ = find_columns(place(), cells_, columns);
+  width_ = cells_.size();
 }
 
-const std::string& CsvTable::text(std::size_t row, std::size_t column) const {
-  return cells_[row * columns_.size() + column];
+bool CsvReader::next() {
+  if (!next_line()) return false;
+  if (cells_.size() == width_) return true;
+  throw FileError(place() + ": " + std::to_string(cells_.size()) + " cells, the first line names " +
+                  std::to_string(width_) + " columns; the line is cut off or has a comma too many");
 }
 
-double CsvTable::number(std::size_t row, std::size_t column) const {
-  const std::optional<double> value = parse<double>(text(row, column));
-  if (!value || !std::isfinite(*value)) refuse(row, column, "a finite number such as -1.5e-3");
+// The cells of the next line that is not blank.
+bool CsvReader::next_line() {
+  while (std::getline(file_, text_)) {
+    constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+    if (++line_ == 1 && text_.starts_with(kByteOrderMark)) text_.erase(0, kByteOrderMark.size());
+    if (text_.ends_with('\r')) text_.pop_back();
+    if (trimmed(text_).empty()) continue;
+    if (!split(text_, cells_))
+      throw FileError(place() + ": a quote is not closed or stands inside a cell");
+    return true;
+  }
+  if (file_.bad()) throw FileError(path_.string() + ": cannot be read");
+  return false;
+}
+
+std::string CsvReader::place() const { return path_.string() + ": line " + std::to_string(line_); }
+
+std::string CsvReader::text(std::size_t column) const { return std::string(cell(column)); }
+
+double CsvReader::number(std::size_t column) const {
+  const std::optional<double> value = parse<double>(cell(column));
+  if (!value || !std::isfinite(*value)) refuse(column, "a finite number such as -1.5e-3");
   return *value;
 }
 
-long long CsvTable::integer(std::size_t row, std::size_t column) const {
-  const std::optional<long long> value = parse<long long>(text(row, column));
-  if (!value) refuse(row, column, "a whole number such as 12");
+long long CsvReader::integer(std::size_t column) const {
+  const std::optional<long long> value = parse<long long>(cell(column));
+  if (!value) refuse(column, "a whole number such as 12");
   return *value;
 }
 
-bool CsvTable::flag(std::size_t row, std::size_t column) const {
-  const std::string_view value = trimmed(text(row, column));
-  if (value != "0" && value != "1") refuse(row, column, "0 or 1");
+bool CsvReader::flag(std::size_t column) const {
+  const std::string_view value = trimmed(cell(column));
+  if (value != "0" && value != "1") refuse(column, "0 or 1");
   return value == "1";
 }
 
-void CsvTable::refuse(std::size_t row, std::size_t column, std::string_view right) const {
-  throw FileError(path_.string() + ": line " + std::to_string(line(row)) + ", column '" +
-                  columns_[column] + "': found " + shown(text(row, column)) + ", expected " +
-                  std::string(right));
+void CsvReader::refuse(std::size_t column, std::string_view right) const {
+  throw FileError(place() + ", column '" + columns_[column] + "': found " + shown(cell(column)) +
+                  ", expected " + std::string(right));
 }
 
 void write_csv_header(std::ostream& out, std::span<const std::string_view> columns) {

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <fstream>
 #include <iosfwd>
 #include <span>
 #include <string>
@@ -12,36 +13,48 @@
 
 namespace palpate::probing {
 
-/// A CSV file whose first line names the columns.
+/// Reads a CSV file whose first line names the columns, row by row: of a file of any size only one
+/// line is in memory.
 ///
 /// Columns may stand in any order; those that nobody asked for are ignored. Cells are separated by
 /// commas and may be quoted ("" is a quote). Lines end with \n or \r\n, the last one may end
 /// without; blank lines are skipped. Every message names file, line, column, the text found and
 /// what is right.
-class CsvTable {
+class CsvReader {
  public:
-  /// \throws FileError if the file is missing or empty, one of `columns` is missing or named twice,
-  /// or a line has more or fewer cells than the first.
-  CsvTable(const std::filesystem::path& path, std::span<const std::string_view> columns);
+  /// \throws FileError if the file is missing or empty, or one of `columns` is missing or named
+  /// twice.
+  CsvReader(const std::filesystem::path& path, std::span<const std::string_view> columns);
+  CsvReader(const CsvReader&) = delete;  // its cells point into its line
+  CsvReader& operator=(const CsvReader&) = delete;
 
-  [[nodiscard]] std::size_t rows() const { return lines_.size(); }
-  /// Line in the file, from 1.
-  [[nodiscard]] std::size_t line(std::size_t row) const { return lines_[row]; }
+  /// Goes on to the first row, to the next one; false if there is none.
+  /// \throws FileError if the line has more or fewer cells than the first one of the file.
+  [[nodiscard]] bool next();
+  /// Line of the row in the file, from 1.
+  [[nodiscard]] std::size_t line() const { return line_; }
 
-  /// Cells; `column` is the index in the constructor's `columns`.
+  /// Cells of the row; `column` is the index in the constructor's `columns`.
   /// \throws FileError if the text is not of that kind (number: finite; flag: 0 or 1).
-  [[nodiscard]] const std::string& text(std::size_t row, std::size_t column) const;
-  [[nodiscard]] double number(std::size_t row, std::size_t column) const;
-  [[nodiscard]] long long integer(std::size_t row, std::size_t column) const;
-  [[nodiscard]] bool flag(std::size_t row, std::size_t column) const;
+  [[nodiscard]] std::string text(std::size_t column) const;
+  [[nodiscard]] double number(std::size_t column) const;
+  [[nodiscard]] long long integer(std::size_t column) const;
+  [[nodiscard]] bool flag(std::size_t column) const;
 
  private:
-  [[noreturn]] void refuse(std::size_t row, std::size_t column, std::string_view right) const;
+  [[nodiscard]] bool next_line();
+  [[nodiscard]] std::string place() const;
+  [[noreturn]] void refuse(std::size_t column, std::string_view right) const;
+  [[nodiscard]] std::string_view cell(std::size_t column) const { return cells_[places_[column]]; }
 
   std::filesystem::path path_;
+  std::ifstream file_;
   std::vector<std::string> columns_;
-  std::vector<std::size_t> lines_;
-  std::vector<std::string> cells_;  // rows x columns_
+  std::vector<std::size_t> places_;  // of the columns in the header line
+  std::size_t width_ = 0;            // cells of the header line
+  std::size_t line_ = 0;
+  std::string text_;                     // of the line; quoted cells without their quotes
+  std::vector<std::string_view> cells_;  // of the line, in `text_`
 };
 
 /// Writes the header line.
