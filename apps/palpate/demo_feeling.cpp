@@ -71,7 +71,9 @@ Json feel(const std::string& name, const fs::path& data, const fs::path& output)
   Progress progress("fitting " + name);
   const haptics::BuildResult built = haptics::build_model(
       acquisition, geometry::read_mesh(data / name / "surface.ply"),
-      {.fit = {}, .progress = [&](int done, int total) { progress.show(done, total); }});
+      {.fit = {}, .progress = [&](haptics::BuildStage stage, int done, int total) {
+         if (stage == haptics::BuildStage::fields) progress.show(done, total);
+       }});
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   const haptics::Model& model = built.model;
   haptics::write_model(output / "model", model);

@@ -9,6 +9,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -53,9 +54,12 @@ void tell_friction(const haptics::BuildResult& built) {
     from_others = from_others || built.model.contacts[i].friction_source ==
                                      haptics::FrictionSource::other_contacts;
   }
+  constexpr std::size_t kNamed = 50;  // of contacts that are alike
   for (const auto& [stop, contacts] : undetermined) {
-    spdlog::warn("{} of {} contacts do not determine their friction, {}: {}", contacts.size(),
-                 built.contacts.size(), stop, fmt::join(contacts, ", "));
+    const std::span named(contacts.data(), std::min(contacts.size(), kNamed));
+    spdlog::warn("{} of {} contacts do not determine their friction, {}: {}{}", contacts.size(),
+                 built.contacts.size(), stop, fmt::join(named, ", "),
+                 named.size() < contacts.size() ? ", ..." : "");
   }
   if (from_others) {
     spdlog::warn("those take the mean of the other contacts' friction, or their own lower bound.");
@@ -129,12 +133,19 @@ void limit_to_budget(FitCall& call) {
 haptics::BuildResult build(const probing::Acquisition& acquisition,
                            const geometry::TriangleMesh& surface, const FitCall& call,
                            FitRecord& record) {
-  Progress progress("fitting");  // its bar goes before anything is printed
+  std::optional<Progress> bar;  // goes before anything is printed
+  haptics::BuildStage shown{};
+  const auto show = [&](haptics::BuildStage stage, int done, int total) {
+    if (!bar || stage != shown)
+      bar.emplace(stage == haptics::BuildStage::friction ? "finding friction" : "fitting");
+    shown = stage;
+    bar->show(done, total);
+  };
   return haptics::build_model(
       acquisition, surface,
       {.fit = call.fit,
        .blend_rule = call.blend_rule,
-       .progress = [&](int done, int total) { progress.show(done, total); },
+       .progress = show,
        .known_fit = [&](long long contact) { return record.find(contact); },
        .keep_fit = [&](long long contact,
                        const haptics::FitResult& result) { record.add(contact, result); }});
@@ -169,26 +180,29 @@ void fit(const Settings& settings, FitCall call) {
     const haptics::FitResult& found = built.contacts[i].fit;
     rms.push_back(contact.rms);
     const auto bases = contact.field.bases.size();
-    per_contact.push_back({{"contact", contact.id},
-                           {"rms", contact.rms},
-                           {"bases", bases},
-                           {"friction", contact.friction},
-                           {"friction_error", contact.friction_error},
-                           {"friction_lower_bound", contact.friction_lower_bound},
-                           {"friction_stop", haptics::to_string(built.contacts[i].friction.stop)},
-                           {"samples", contact.samples},
-                           {"stop", contact.fit_stop},
-                           {"passive", haptics::to_string(found.certificate.passivity)},
-                           {"chi2", found.chi2},
-                           {"noise_floor", found.noise_floor},
-                           {"outliers", found.outliers},
-                           {"condition", found.condition}});
-    prose += fmt::format(
-        "  contact {}: RMS {:.4f} N with {} bases from {} samples, friction {:.3f} +- {:.3f} (>= "
-        "{:.3f}), {}, passivity: {}\n",
-        contact.id, contact.rms, bases, contact.samples, contact.friction, contact.friction_error,
-        contact.friction_lower_bound, contact.fit_stop,
-        haptics::to_string(found.certificate.passivity));
+    if (settings.json) {
+      per_contact.push_back({{"contact", contact.id},
+                             {"rms", contact.rms},
+                             {"bases", bases},
+                             {"friction", contact.friction},
+                             {"friction_error", contact.friction_error},
+                             {"friction_lower_bound", contact.friction_lower_bound},
+                             {"friction_stop", haptics::to_string(built.contacts[i].friction.stop)},
+                             {"samples", contact.samples},
+                             {"stop", contact.fit_stop},
+                             {"passive", haptics::to_string(found.certificate.passivity)},
+                             {"chi2", found.chi2},
+                             {"noise_floor", found.noise_floor},
+                             {"outliers", found.outliers},
+                             {"condition", found.condition}});
+    } else {
+      prose += fmt::format(
+          "  contact {}: RMS {:.4f} N with {} bases from {} samples, friction {:.3f} +- {:.3f} (>= "
+          "{:.3f}), {}, passivity: {}\n",
+          contact.id, contact.rms, bases, contact.samples, contact.friction, contact.friction_error,
+          contact.friction_lower_bound, contact.fit_stop,
+          haptics::to_string(found.certificate.passivity));
+    }
   }
   const geometry::ErrorStatistics statistics = geometry::error_statistics(rms);
   print(settings,

@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "progress.h"
 
+#include <fmt/format.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <utility>
@@ -15,6 +17,7 @@ volatile std::sig_atomic_t interrupted = 0;
 
 constexpr int kBarWidth = 40;                        // characters
 constexpr auto kPatience = std::chrono::seconds(1);  // shorter work shows no bar
+constexpr auto kRedraw = std::chrono::milliseconds(100);
 
 void watch_for_interrupt() {
   // A second Ctrl-C kills at once.
@@ -25,12 +28,18 @@ void watch_for_interrupt() {
   sigaction(SIGTERM, &action, nullptr);
 }
 
+// ", 12 min left"
+std::string time_left(double seconds) {
+  const auto minutes = static_cast<long long>(std::ceil(seconds / 60));
+  if (seconds < 60) return fmt::format(", {:.0f} s left", std::ceil(seconds));
+  if (minutes < 60) return fmt::format(", {} min left", minutes);
+  return fmt::format(", {} h {} min left", minutes / 60, minutes % 60);
+}
+
 }  // namespace
 
 Progress::Progress(std::string what)
-    : what_(std::move(what)),
-      terminal_(isatty(STDERR_FILENO) != 0),
-      start_(std::chrono::steady_clock::now()) {
+    : what_(std::move(what)), terminal_(isatty(STDERR_FILENO) != 0), start_(Clock::now()) {
   watch_for_interrupt();
 }
 
@@ -42,12 +51,25 @@ Progress::~Progress() {
 
 void Progress::show(int done, int total) {
   if (interrupted != 0) throw Interrupted{};
-  if (!terminal_ || total <= 0 || std::chrono::steady_clock::now() - start_ < kPatience) return;
+  if (!terminal_ || total <= 0) return;
+  const Clock::time_point now = Clock::now();
   const std::lock_guard lock(mutex_);
-  const int filled = kBarWidth * done / total;
-  std::fprintf(stderr, "\r%s [%s%s] %d of %d", what_.c_str(),
-               std::string(static_cast<std::size_t>(filled), '#').c_str(),
-               std::string(static_cast<std::size_t>(kBarWidth - filled), ' ').c_str(), done, total);
+  if (!counting_) {
+    counting_ = true;
+    first_done_ = done;
+    first_ = now;
+  }
+  if (now - start_ < kPatience || (now - drawn_ < kRedraw && done < total)) return;
+  drawn_ = now;
+  const double passed = std::chrono::duration<double>(now - first_).count();
+  const std::string left = done > first_done_ && done < total
+                               ? time_left(passed * (total - done) / (done - first_done_))
+                               : std::string();
+  const auto filled = static_cast<int>(static_cast<long long>(kBarWidth) * done / total);
+  const std::string bar = std::string(static_cast<std::size_t>(filled), '#') +
+                          std::string(static_cast<std::size_t>(kBarWidth - filled), ' ');
+  std::fputs(fmt::format("\r{} [{}] {} of {}{}\x1b[K", what_, bar, done, total, left).c_str(),
+             stderr);
   std::fflush(stderr);
   shown_ = true;
 }

@@ -209,7 +209,50 @@ FitResult fit_field(const ForceSamples& samples, const ContactModel& model,
   return fit;
 }
 
-void fit_contacts(const Probed& probed, const BuildOptions& options, BuildResult& result) {
+void take_fit(ContactModel& model, const ForceSamples& samples, const FitResult& fit) {
+  model.samples = static_cast<int>(samples.forces.cols());
+  model.rms = fit.rms;
+  model.fit_stop = to_string(fit.stop);
+  model.fit_mode = to_string(fit.mode);
+  model.passivity = to_string(fit.certificate.passivity);
+  model.chi2 = storable(fit.chi2);
+  model.noise_floor = storable(fit.noise_floor);
+  model.condition = storable(fit.condition);
+  model.field = fit.field;
+  model = rounded(std::move(model));
+}
+
+void fit_fields(const std::vector<ForceSamples>& samples, const FitOptions& fit_options,
+                const BuildOptions& options, BuildResult& result) {
+  std::vector<std::size_t> unknown;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const FitResult* known = options.known_fit ? options.known_fit(result.contacts[i].id) : nullptr;
+    if (known)
+      result.contacts[i].fit = *known;
+    else
+      unknown.push_back(i);
+  }
+  const auto count = static_cast<int>(samples.size());
+  int done = count - static_cast<int>(unknown.size());
+  if (done > 0 && options.progress) options.progress(BuildStage::fields, done, count);
+  const Eigen::Matrix3d to_surface = result.model.T_surface_acquisition.linear();
+  std::mutex reporting;
+  tbb::parallel_for(std::size_t{0}, unknown.size(), [&](std::size_t u) {
+    const std::size_t i = unknown[u];
+    ContactReport& report = result.contacts[i];
+    report.fit = fit_field(samples[i], result.model.contacts[i], to_surface, fit_options);
+    const std::lock_guard lock(reporting);
+    if (options.keep_fit) options.keep_fit(report.id, report.fit);
+    if (options.progress) options.progress(BuildStage::fields, ++done, count);
+  });
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    take_fit(result.model.contacts[i], samples[i], result.contacts[i].fit);
+  }
+}
+
+// Returns what the fields were fitted to.
+std::vector<ForceSamples> fit_contacts(const Probed& probed, const BuildOptions& options,
+                                       BuildResult& result) {
   const std::size_t count = probed.contacts.size();
   std::vector<ForceSamples> samples(count);
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
@@ -222,34 +265,18 @@ void fit_contacts(const Probed& probed, const BuildOptions& options, BuildResult
   }
   const double displacement_noise =
       options_with_noise.noise.displacement.value_or(kDisplacementNoise);
+  std::mutex reporting;
+  int done = 0;
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
     learn_friction(probed.contacts[i], probed.samples.of(probed.places[i]), samples[i],
                    displacement_noise, options.friction, result.model.contacts[i],
                    result.contacts[i]);
+    const std::lock_guard lock(reporting);
+    if (options.progress) options.progress(BuildStage::friction, ++done, static_cast<int>(count));
   });
   choose_frames(result.model);
-  const Eigen::Matrix3d to_surface = result.model.T_surface_acquisition.linear();
-  std::mutex reporting;
-  int done = 0;
-  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
-    ContactModel& model = result.model.contacts[i];
-    const FitResult* known = options.known_fit ? options.known_fit(model.id) : nullptr;
-    const FitResult& fit = result.contacts[i].fit =
-        known ? *known : fit_field(samples[i], model, to_surface, options_with_noise);
-    model.samples = static_cast<int>(samples[i].forces.cols());
-    model.rms = fit.rms;
-    model.fit_stop = to_string(fit.stop);
-    model.fit_mode = to_string(fit.mode);
-    model.passivity = to_string(fit.certificate.passivity);
-    model.chi2 = storable(fit.chi2);
-    model.noise_floor = storable(fit.noise_floor);
-    model.condition = storable(fit.condition);
-    model.field = fit.field;
-    model = rounded(std::move(model));
-    const std::lock_guard lock(reporting);
-    if (!known && options.keep_fit) options.keep_fit(model.id, fit);
-    if (options.progress) options.progress(++done, static_cast<int>(count));
-  });
+  fit_fields(samples, options_with_noise, options, result);
+  return samples;
 }
 
 void fill_in_friction(Model& model) {
@@ -278,13 +305,12 @@ void fill_in_friction(Model& model) {
 }
 
 // The largest force along the z axis that all but a quarter of the contacts were pressed with.
-double reference_force(const Probed& probed, const Model& model) {
+double reference_force(const std::vector<ForceSamples>& samples, const Model& model) {
   std::vector<double> largest;
-  for (std::size_t i = 0; i < probed.contacts.size(); ++i) {
+  for (std::size_t i = 0; i < samples.size(); ++i) {
     const Eigen::Vector3d pressing =
         model.T_surface_acquisition.linear().transpose() * model.contacts[i].frame.col(2);
-    const ForceSamples samples = realign(probed.contacts[i], probed.samples.of(probed.places[i]));
-    largest.push_back((pressing.transpose() * samples.forces).maxCoeff());
+    largest.push_back((pressing.transpose() * samples[i].forces).maxCoeff());
   }
   const auto quartile = largest.begin() + static_cast<std::ptrdiff_t>(largest.size() / 4);
   std::ranges::nth_element(largest, quartile);
@@ -342,9 +368,9 @@ BuildResult build_model(const probing::Acquisition& acquisition,
   for (const int i : triangulation.isolated) {
     result.isolated.push_back(contacts[static_cast<std::size_t>(i)].id);
   }
-  fit_contacts(probed, options, result);
+  const std::vector<ForceSamples> samples = fit_contacts(probed, options, result);
   fill_in_friction(result.model);
-  const double pressed = reference_force(probed, result.model);
+  const double pressed = reference_force(samples, result.model);
   if (options.blend_rule == BlendRule::compliances && pressed > 0) {
     result.model = with_compliances(std::move(result.model), pressed);
   }

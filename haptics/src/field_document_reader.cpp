@@ -1,15 +1,18 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
+#include <array>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <unordered_map>
+#include <utility>
 
 #include "document_node.h"
 #include "field_document.h"
 #include "field_document_format.h"
 #include "palpate/error.h"
 #include "palpate/haptics/rotation.h"
+#include "stored_form.h"
 
 namespace palpate::haptics {
 namespace {
@@ -74,7 +77,7 @@ json parse(const std::string& bytes, ModelEncoding encoding) {
   }
 }
 
-Eigen::Vector3d unit_vector(const Node& node) {
+Eigen::Vector3d unit_vector_of_version_2(const Node& node) {
   const Eigen::Vector3d result = node.vector();
   if (!(std::abs(result.norm() - 1) <= kFrameTolerance)) node.refuse("a unit vector");
   return result;
@@ -92,29 +95,77 @@ ForceField to_field_of_version_1(const Node& node) {
   return field;
 }
 
-Multiquadric to_base(const Node& node) {
-  const std::vector<Node> numbers = node.items();
-  constexpr std::size_t kNumbers = 8;
-  if (numbers.size() != kNumbers) {
-    node.refuse("eight numbers: weight, epsilon, three of the center, three of the ridge");
+// The numbers of a list of N.
+template <std::size_t N>
+std::array<Node, N> numbers(const Node& node, const char* right) {
+  const std::vector<Node> items = node.items();
+  if (items.size() != N) node.refuse(right);
+  return [&]<std::size_t... I>(std::index_sequence<I...>) {
+    return std::array<Node, N>{items[I]...};
   }
-  Multiquadric base;
-  base.weight = numbers[0].number();
-  base.epsilon = numbers[1].number_above_zero();
-  for (std::size_t i = 0; i < 3; ++i) {
-    base.center[static_cast<Eigen::Index>(i)] = numbers[2 + i].number();
-    base.ridge[static_cast<Eigen::Index>(i)] = numbers[5 + i].number();
-  }
+  (std::make_index_sequence<N>());
+}
+
+Multiquadric to_base_of_version_2(const Node& node) {
+  const auto of =
+      numbers<8>(node, "eight numbers: weight, epsilon, three of the center, three of the ridge");
+  const Multiquadric base{of[0].number(),
+                          of[1].number_above_zero(),
+                          {of[2].number(), of[3].number(), of[4].number()},
+                          {of[5].number(), of[6].number(), of[7].number()}};
   if (!base.ridge.isZero(0) && !(std::abs(base.ridge.norm() - 1) <= kRidgeTolerance)) {
     node.refuse("the last three numbers to be a unit vector, or zeros");
   }
   return base;
 }
 
-ForceField to_field(const Node& node) {
+ForceField to_field_of_version_2(const Node& node) {
   ForceField field;
-  for (const Node& base : node.items()) field.bases.push_back(to_base(base));
+  for (const Node& base : node.items()) field.bases.push_back(to_base_of_version_2(base));
   return field;
+}
+
+Multiquadric to_base(const Node& node) {
+  const auto of = numbers<5>(node, "five numbers: weight, epsilon, three of the center");
+  return {
+      of[0].number(), of[1].number_above_zero(), {of[2].number(), of[3].number(), of[4].number()}};
+}
+
+Multiquadric ridge_of(const Node& node) {
+  const auto of = numbers<5>(node, "five numbers: weight, offset, three of the slope");
+  const StoredRidge ridge{
+      of[0].number(), of[1].number(), {of[2].number(), of[3].number(), of[4].number()}};
+  if (ridge.slope.isZero(0)) node.refuse("the last three numbers not all to be zero");
+  return to_ridge(ridge);
+}
+
+ForceField to_field(const Node& contact, long long version) {
+  if (version == 1) return to_field_of_version_1(contact.at("field"));
+  if (version == 2) return to_field_of_version_2(contact.at("bases"));
+  ForceField field;
+  for (const Node& base : contact.at("bases").items()) field.bases.push_back(to_base(base));
+  for (const Node& ridge : contact.at("ridges").items()) field.bases.push_back(ridge_of(ridge));
+  return field;
+}
+
+Eigen::Matrix3d to_frame_of_version_2(const Node& axes) {
+  const Eigen::Matrix3d frame = axes.rows().transpose();
+  if (!is_rotation(frame, kFrameTolerance))
+    axes.refuse("three orthogonal unit vectors, right-handed");
+  return frame;
+}
+
+Eigen::Matrix3d frame_of(const Node& node) {
+  const auto of = numbers<4>(node, "four numbers of a quaternion: w, x, y, z");
+  const Eigen::Vector4d quaternion(of[0].number(), of[1].number(), of[2].number(), of[3].number());
+  if (quaternion.isZero(0)) node.refuse("four numbers that are not all zero");
+  return to_frame(quaternion);
+}
+
+Eigen::Vector3d to_unit_vector(const Node& node) {
+  const Eigen::Vector3d direction = node.vector();
+  if (direction.isZero(0)) node.refuse("three numbers that are not all zero");
+  return direction.normalized();
 }
 
 Interpolation to_interpolation(const Node& node) {
@@ -126,18 +177,16 @@ ContactModel to_contact(const Node& node, long long version) {
   ContactModel contact;
   contact.id = node.at("id").integer();
   contact.position = node.at("position").vector();
-  contact.frame = node.at("axes").rows().transpose();
-  if (!is_rotation(contact.frame, kFrameTolerance)) {
-    node.at("axes").refuse("three orthogonal unit vectors, right-handed");
-  }
-  contact.field =
-      version == 1 ? to_field_of_version_1(node.at("field")) : to_field(node.at("bases"));
+  const bool is_old = version <= 2;
+  contact.frame = is_old ? to_frame_of_version_2(node.at("axes")) : frame_of(node.at("rotation"));
+  contact.field = to_field(node, version);
   const Node friction = node.at("friction"), fit = node.at("fit");
   contact.friction = friction.at("coefficient").number_at_least_zero();
   contact.friction_source =
       static_cast<FrictionSource>(friction.at("source").choice(kFrictionSources));
-  contact.friction_axis = unit_vector(friction.at("axis"));
-  if (const auto error = friction.find("standard_error"))
+  contact.friction_axis =
+      is_old ? unit_vector_of_version_2(friction.at("axis")) : to_unit_vector(friction.at("axis"));
+  if (const auto error = friction.find(is_old ? "standard_error" : "error"))
     contact.friction_error = error->number_at_least_zero();
   if (const auto bound = friction.find("lower_bound"))
     contact.friction_lower_bound = bound->number_at_least_zero();
@@ -145,6 +194,7 @@ ContactModel to_contact(const Node& node, long long version) {
   contact.rms = fit.at("rms").number_at_least_zero();
   contact.fit_stop = fit.at("stop").text();
   if (const auto mode = fit.find("mode")) contact.fit_mode = mode->text();
+  if (!is_old) contact.passivity = contact.fit_mode;
   if (const auto passivity = fit.find("passivity")) contact.passivity = passivity->text();
   if (const auto chi2 = fit.find("chi2")) contact.chi2 = chi2->number_at_least_zero();
   if (const auto floor = fit.find("noise_floor"))

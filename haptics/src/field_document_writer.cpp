@@ -8,6 +8,7 @@
 
 #include "field_document.h"
 #include "field_document_format.h"
+#include "stored_form.h"
 
 namespace palpate::haptics {
 namespace {
@@ -33,33 +34,63 @@ Json to_json(const Eigen::Matrix3d& rows) {
 Json to_json(const Multiquadric& base) {
   Json result = {to_json(base.weight), to_json(base.epsilon)};
   for (const double coordinate : base.center) result.push_back(to_json(coordinate));
-  for (const double coordinate : base.ridge) result.push_back(to_json(coordinate));
   return result;
 }
 
-Json to_json(const ContactModel& contact) {
-  Json bases = Json::array();
-  for (const Multiquadric& base : contact.field.bases) bases.push_back(to_json(base));
-  Json result = {{"id", contact.id},
-                 {"position", to_json(contact.position)},
-                 {"axes", to_json(Eigen::Matrix3d(contact.frame.transpose()))},
-                 {"bases", bases},
-                 {"friction",
-                  {{"coefficient", to_json(contact.friction)},
-                   {"source", kFrictionSources[static_cast<std::size_t>(contact.friction_source)]},
-                   {"axis", to_json(contact.friction_axis)},
-                   {"standard_error", to_json(contact.friction_error)},
-                   {"lower_bound", to_json(contact.friction_lower_bound)}}},
-                 {"fit",
-                  {{"samples", contact.samples},
-                   {"rms", to_json(contact.rms)},
-                   {"stop", contact.fit_stop},
-                   {"mode", contact.fit_mode},
-                   {"passivity", contact.passivity},
-                   {"chi2", to_json(contact.chi2)},
-                   {"noise_floor", to_json(contact.noise_floor)},
-                   {"condition", to_json(contact.condition)}}}};
+Json to_json(const StoredRidge& ridge) {
+  Json result = {to_json(ridge.weight), to_json(ridge.offset)};
+  for (const double entry : ridge.slope) result.push_back(to_json(entry));
   return result;
+}
+
+// What was rounded before is what its rounded stored form stands for: that is told then, and read
+// back as it was. Anything else is told as exactly as its stored form can.
+Json ridge_to_json(const Multiquadric& base) {
+  const StoredRidge stored = to_stored(base), shortened = rounded(stored);
+  return to_json(to_ridge(shortened) == base ? shortened : stored);
+}
+
+Json frame_to_json(const Eigen::Matrix3d& frame) {
+  const Eigen::Vector4d stored = to_quaternion(frame), shortened = rounded(stored);
+  Json result = Json::array();
+  for (const double entry : to_frame(shortened) == frame ? shortened : stored)
+    result.push_back(to_json(entry));
+  return result;
+}
+
+Json axis_to_json(const Eigen::Vector3d& axis) {
+  const Eigen::Vector3d stored = to_direction(axis), shortened = rounded(stored);
+  return to_json(shortened.normalized() == axis ? shortened : stored);
+}
+
+Json to_json(const ContactModel& contact) {
+  Json bases = Json::array(), ridges = Json::array();
+  for (const Multiquadric& base : contact.field.bases) {
+    if (base.ridge.isZero(0))
+      bases.push_back(to_json(base));
+    else
+      ridges.push_back(ridge_to_json(base));
+  }
+  Json fit = {{"samples", contact.samples},
+              {"rms", to_json(contact.rms)},
+              {"stop", contact.fit_stop},
+              {"mode", contact.fit_mode},
+              {"chi2", to_json(contact.chi2)},
+              {"noise_floor", to_json(contact.noise_floor)},
+              {"condition", to_json(contact.condition)}};
+  if (contact.passivity != contact.fit_mode) fit["passivity"] = contact.passivity;
+  return {{"id", contact.id},
+          {"position", to_json(contact.position)},
+          {"rotation", frame_to_json(contact.frame)},
+          {"bases", bases},
+          {"ridges", ridges},
+          {"friction",
+           {{"coefficient", to_json(contact.friction)},
+            {"error", to_json(contact.friction_error)},
+            {"lower_bound", to_json(contact.friction_lower_bound)},
+            {"source", kFrictionSources[static_cast<std::size_t>(contact.friction_source)]},
+            {"axis", axis_to_json(contact.friction_axis)}}},
+          {"fit", fit}};
 }
 
 // An object, member by member, as text: short members take a line, each item of a list one.

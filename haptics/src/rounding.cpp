@@ -2,15 +2,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/haptics/rounding.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
 #include <utility>
 
+#include "stored_form.h"
+
 namespace palpate::haptics {
 namespace {
 
-constexpr int kAxisPlaces = 10;  // F^T F is then off by at most 2e-10
+constexpr int kPositionDigits = 9;
 constexpr int kFrictionDigits = 6;
 constexpr int kReportDigits = 4;  // of errors and other figures that nothing is computed from
 
@@ -26,20 +29,13 @@ double through_text(double value, std::chars_format format, int precision) {
   return result;
 }
 
-Multiquadric rounded(const Multiquadric& base) {
-  Multiquadric result;
-  result.weight = round_to_digits(base.weight, kFieldDigits);
-  result.epsilon = round_to_digits(base.epsilon, kFieldDigits);
-  for (int i = 0; i < 3; ++i) result.ridge[i] = round_to_places(base.ridge[i], kFieldDigits);
-  if (result.ridge.isZero(0)) {
-    for (int i = 0; i < 3; ++i) result.center[i] = round_to_digits(base.center[i], kFieldDigits);
-    return result;
+Multiquadric rounded(Multiquadric base) {
+  if (!base.ridge.isZero(0)) return to_ridge(rounded(to_stored(base)));
+  for (double* number :
+       {&base.weight, &base.epsilon, &base.center[0], &base.center[1], &base.center[2]}) {
+    *number = round_to_digits(*number, kFieldDigits);
   }
-  int axis = 0;
-  result.ridge.cwiseAbs().maxCoeff(&axis);
-  result.center[axis] =
-      round_to_digits(base.ridge.dot(base.center) / result.ridge[axis], kFieldDigits);
-  return result;
+  return base;
 }
 
 }  // namespace
@@ -56,12 +52,15 @@ double round_to_places(double value, int places) {
 
 ForceField rounded(ForceField field) {
   for (Multiquadric& base : field.bases) base = rounded(base);
+  std::ranges::stable_partition(field.bases,
+                                [](const Multiquadric& base) { return base.ridge.isZero(0); });
   return field;
 }
 
 ContactModel rounded(ContactModel contact) {
-  for (double& entry : contact.frame.reshaped()) entry = round_to_places(entry, kAxisPlaces);
-  for (double& entry : contact.friction_axis) entry = round_to_places(entry, kAxisPlaces);
+  for (double& entry : contact.position) entry = round_to_digits(entry, kPositionDigits);
+  contact.frame = to_frame(rounded(to_quaternion(contact.frame)));
+  contact.friction_axis = rounded(to_direction(contact.friction_axis)).normalized();
   contact.field = rounded(std::move(contact.field));
   contact.friction = round_to_digits(contact.friction, kFrictionDigits);
   for (double* figure : {&contact.friction_error, &contact.friction_lower_bound, &contact.rms,

@@ -39,11 +39,23 @@ class WayOfTheData : public testing::Test {
     return figures(call);
   }
 
-  nlohmann::json fit(const std::string& set) {
-    figures({"probe", "import", demo(set + "/contacts.csv"), demo(set + "/samples.csv"), "-o",
-             scratch / "acquisition.db"});
+  /// Makes acquisition.db and model/ of bundled measurements in `folder`.
+  static nlohmann::json fit(const std::string& set, const ScratchFolder& folder) {
+    const fs::path data = demo_data() / set;
+    figures({"probe", "import", data / "contacts.csv", data / "samples.csv", "-o",
+             folder / "acquisition.db"});
     return figures(
-        {"fit", scratch / "acquisition.db", demo(set + "/surface.ply"), "-o", scratch / "model"});
+        {"fit", folder / "acquisition.db", data / "surface.ply", "-o", folder / "model"});
+  }
+
+  /// That of the sheet, made once; not to be changed.
+  struct Sheet {
+    ScratchFolder folder;
+    nlohmann::json fitted = fit("sheet", folder);
+  };
+  static const Sheet& sheet() {
+    static const Sheet made;
+    return made;
   }
 
   ScratchFolder scratch;
@@ -123,18 +135,18 @@ TEST_F(WayOfTheData, MeasurementsSurviveTheStoreUnchanged) {
 }
 
 TEST_F(WayOfTheData, MeasurementsBecomeAModelThatAnswersQueries) {
-  const nlohmann::json model = fit("sheet");
-  EXPECT_EQ(model["contacts"], 46);
+  EXPECT_EQ(sheet().fitted["contacts"], 46);
+  const fs::path& folder = sheet().folder.path();
   const nlohmann::json errors =
-      figures({"evaluate", scratch / "model", "--queries", demo("sheet/queries.csv"),
-               "--leave-one-out", scratch / "acquisition.db"});
+      figures({"evaluate", folder / "model", "--queries", demo("sheet/queries.csv"),
+               "--leave-one-out", folder / "acquisition.db"});
   EXPECT_EQ(errors["queries"]["count"], 400);
   EXPECT_LT(errors["queries"]["median"], 0.33);  // N: a tenth of the largest force
   EXPECT_EQ(errors["leave_one_out"]["per_contact"].size(), 46u);
 }
 
 TEST_F(WayOfTheData, APlayedTraceIsTheSameOnEveryRunAndForEveryNumberOfThreads) {
-  fit("sheet_block");
+  fit("sheet_block", scratch);
   const std::string model = scratch / "model";
   figures({"play", model, "--trajectory", demo("trajectory.csv"), "--record", scratch / "one.csv"});
   figures({"fit", scratch / "acquisition.db", demo("sheet_block/surface.ply"), "-o",
@@ -151,12 +163,13 @@ TEST_F(WayOfTheData, APlayedTraceIsTheSameOnEveryRunAndForEveryNumberOfThreads) 
 
 TEST_F(WayOfTheData, EveryFileExplainsItself) {
   decode();
-  fit("sheet");
+  const fs::path& folder = sheet().folder.path();
   for (const std::string& file :
        {demo("rig.yaml"), demo("pattern.yaml"), scratch / "colors.yaml",
         scratch / "range/000000.tiff", demo("frames/duck.png"), demo("sheet/surface.ply"),
-        scratch / "acquisition.db", scratch / "model", demo("sheet/contacts.csv"),
-        demo("sheet/samples.csv"), demo("sheet/queries.csv"), demo("trajectory.csv")}) {
+        (folder / "acquisition.db").string(), (folder / "model").string(),
+        demo("sheet/contacts.csv"), demo("sheet/samples.csv"), demo("sheet/queries.csv"),
+        demo("trajectory.csv")}) {
     EXPECT_FALSE(figures({"info", file})["kind"].get<std::string>().empty()) << file;
   }
 }

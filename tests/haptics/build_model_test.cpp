@@ -8,20 +8,33 @@
 
 #include <map>
 
+#include "model_testing.h"
 #include "palpate/haptics/blended_field.h"
+#include "strip_acquisition.h"
 #include "synthetic_acquisition.h"
+#include "test_surfaces.h"
 
 namespace palpate::haptics {
 namespace {
 
-using testing::AllOf;
-using testing::ElementsAre;
-using testing::HasSubstr;
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
 
 // The samples below are exact.
 const BuildOptions kQuick{
     .fit = {.mode = FitMode::local, .accuracy = 0.01, .max_bases = 2, .epsilon = 20},
     .friction = {.force_noise = 1e-4}};
+
+// The undeformed surface of the strip's contacts.
+geometry::TriangleMesh strip_sheet() {
+  geometry::TriangleMesh mesh = geometry::test::flat_sheet(25, 35, 4);
+  const Eigen::Vector3d middle = mesh.vertices.rowwise().mean();
+  for (auto vertex : mesh.vertices.colwise()) {
+    vertex = testing::strip_surface(vertex.x() - middle.x(), vertex.y() - middle.y());
+  }
+  return mesh;
+}
 
 Eigen::Vector3d spring_force(const Eigen::Vector3d& d) { return 9 * d / std::hypot(d.norm(), 20); }
 
@@ -56,15 +69,23 @@ TEST(BuildModel, IsTheSameForAnyNumberOfThreads) {
   }
 }
 
-TEST(BuildModel, ReportsProgressToTheEnd) {
+TEST(BuildModel, ReportsProgressToTheEndOfEachStage) {
   BuildOptions options = kQuick;
-  std::vector<int> done;
-  options.progress = [&](int now, int total) {
+  std::map<BuildStage, std::vector<int>> done;
+  options.progress = [&](BuildStage stage, int now, int total) {
     EXPECT_EQ(total, 9);
-    done.push_back(now);
+    done[stage].push_back(now);
+  };
+  const BuildResult result = build_model(flat_acquisition(), flat_surface(), options);
+  EXPECT_THAT(done[BuildStage::friction], ElementsAre(1, 2, 3, 4, 5, 6, 7, 8, 9));
+  EXPECT_THAT(done[BuildStage::fields], ElementsAre(1, 2, 3, 4, 5, 6, 7, 8, 9));
+  // What was known is done when the stage begins.
+  done.clear();
+  options.known_fit = [&](long long contact) {
+    return contact % 3 == 0 ? &result.contacts[0].fit : nullptr;
   };
   static_cast<void>(build_model(flat_acquisition(), flat_surface(), options));
-  EXPECT_THAT(done, ElementsAre(1, 2, 3, 4, 5, 6, 7, 8, 9));
+  EXPECT_THAT(done[BuildStage::fields], ElementsAre(3, 4, 5, 6, 7, 8, 9));
 }
 
 TEST(BuildModel, TakesOverTheFitsThatAreKnown) {
@@ -82,7 +103,7 @@ TEST(BuildModel, TakesOverTheFitsThatAreKnown) {
   };
   options.keep_fit = [&](long long contact, const FitResult&) { fitted.push_back(contact); };
   const BuildResult rest = build_model(flat_acquisition(), flat_surface(), options);
-  EXPECT_THAT(fitted, testing::UnorderedElementsAre(20, 23, 27));
+  EXPECT_THAT(fitted, ::testing::UnorderedElementsAre(20, 23, 27));
   for (std::size_t i = 0; i < 9; ++i) {
     const ContactModel &l = rest.model.contacts[i], &r = whole.model.contacts[i];
     EXPECT_EQ(l.field, r.field);
@@ -110,6 +131,18 @@ TEST(BuildModel, RegistersAnAcquisitionThatIsOffTheSurface) {
       (BlendedField(result.model).force({7, -13, 700}, displacement) - spring_force(displacement))
           .norm(),
       0.1);
+}
+
+// The sheet above a block, as stiff and as noisy as what is measured.
+TEST(BuildModel, MakesModelsOfLessThanAKilobyteAContact) {
+  const probing::Acquisition acquisition =
+      testing::strip_acquisition({.block = 1.5}, {.spacing_x = 28});
+  const Model model = build_model(acquisition, strip_sheet()).model;
+  ASSERT_EQ(model.contacts.size(), 25u);
+  std::size_t bases = 0;
+  for (const ContactModel& contact : model.contacts) bases += contact.field.bases.size();
+  EXPECT_GE(bases, 5 * model.contacts.size());
+  EXPECT_LT(field_document(model, ModelEncoding::json).size(), 1000 * model.contacts.size());
 }
 
 TEST(BuildModel, RefusesAContactOffTheSurface) {

@@ -15,9 +15,9 @@ using nlohmann::json;
 using testing::AllOf;
 using testing::HasSubstr;
 
-std::string document_of_version_1() {
-  return read_text(std::filesystem::path(PALPATE_SOURCE_DIR) /
-                   "tests/haptics/data/model_version_1/field.json");
+std::string document_of_version(int version) {
+  return read_text(std::filesystem::path(PALPATE_SOURCE_DIR) / "tests/haptics/data" /
+                   ("model_version_" + std::to_string(version)) / "field.json");
 }
 
 // What reading says after a good document was changed; in CBOR as in JSON.
@@ -45,7 +45,7 @@ TEST(FieldDocumentReader, NamesThePlaceAndWhatIsRight) {
   EXPECT_THAT(refused_after([](json& d) { d["contacts"][1].erase("bases"); }),
               AllOf(HasSubstr("/contacts/1:"), HasSubstr("\"bases\"")));
   EXPECT_THAT(refused_after([](json& d) { d["contacts"][0]["bases"][1].push_back(1); }),
-              AllOf(HasSubstr("/contacts/0/bases/1:"), HasSubstr("eight numbers")));
+              AllOf(HasSubstr("/contacts/0/bases/1:"), HasSubstr("five numbers")));
   EXPECT_THAT(refused_after([](json& d) { d["contacts"][0]["friction"]["source"] = "guess"; }),
               AllOf(HasSubstr("/contacts/0/friction/source:"), HasSubstr("found \"guess\""),
                     HasSubstr("\"samples\", \"other_contacts\" or \"none\"")));
@@ -62,11 +62,11 @@ TEST(FieldDocumentReader, RefusesOtherUnitsFormatsAndVersions) {
               AllOf(HasSubstr("/units/force:"), HasSubstr("\"N\"")));
   EXPECT_THAT(refused_after([](json& d) { d["surface"] = "../other.ply"; }),
               HasSubstr("/surface:"));
-  EXPECT_THAT(refused_after([](json& d) { d["version"] = 0; }), HasSubstr("expected 1 to 2"));
-  EXPECT_THAT(refused_after([](json& d) { d["version"] = 3; }),
-              AllOf(HasSubstr("/version:"), HasSubstr("found 3"), HasSubstr("newer palpate")));
+  EXPECT_THAT(refused_after([](json& d) { d["version"] = 0; }), HasSubstr("expected 1 to 3"));
+  EXPECT_THAT(refused_after([](json& d) { d["version"] = 4; }),
+              AllOf(HasSubstr("/version:"), HasSubstr("found 4"), HasSubstr("newer palpate")));
   EXPECT_THAT(refused_after([](json& d) {
-                d["version"] = 3;
+                d["version"] = 4;
                 d["made"]["program"] = "palpate 7.5";
               }),
               HasSubstr("palpate 7.5, which is needed"));
@@ -81,14 +81,22 @@ TEST(FieldDocumentReader, RefusesWhatCannotBe) {
               HasSubstr("/triangles/0/1:"));
   EXPECT_THAT(refused_after([](json& d) { d["contacts"][3]["friction"]["coefficient"] = -1; }),
               AllOf(HasSubstr("/contacts/3/friction/coefficient:"), HasSubstr(">= 0")));
-  EXPECT_THAT(refused_after([](json& d) { d["contacts"][3]["friction"]["axis"][0] = 0.9; }),
-              AllOf(HasSubstr("/contacts/3/friction/axis:"), HasSubstr("unit vector")));
-  EXPECT_THAT(refused_after([](json& d) { d["contacts"][2]["axes"][0][0] = 0.9; }),
-              AllOf(HasSubstr("/contacts/2/axes:"), HasSubstr("right-handed")));
+  EXPECT_THAT(refused_after([](json& d) {
+                d["contacts"][3]["friction"]["axis"] = {0, 0, 0};
+              }),
+              AllOf(HasSubstr("/contacts/3/friction/axis:"), HasSubstr("not all zero")));
+  EXPECT_THAT(refused_after([](json& d) {
+                d["contacts"][2]["rotation"] = {0, 0, 0, 0};
+              }),
+              AllOf(HasSubstr("/contacts/2/rotation:"), HasSubstr("not all zero")));
+  EXPECT_THAT(refused_after([](json& d) { d["contacts"][2]["rotation"].erase(0); }),
+              AllOf(HasSubstr("/contacts/2/rotation:"), HasSubstr("four numbers")));
   EXPECT_THAT(refused_after([](json& d) { d["contacts"][0]["bases"][0][1] = 0; }),
               AllOf(HasSubstr("/contacts/0/bases/0/1:"), HasSubstr("> 0")));
-  EXPECT_THAT(refused_after([](json& d) { d["contacts"][0]["bases"][3][5] = 0.5; }),
-              AllOf(HasSubstr("/contacts/0/bases/3:"), HasSubstr("unit vector, or zeros")));
+  EXPECT_THAT(refused_after([](json& d) {
+                for (const std::size_t i : {2, 3, 4}) d["contacts"][0]["ridges"][0][i] = 0;
+              }),
+              AllOf(HasSubstr("/contacts/0/ridges/0:"), HasSubstr("last three")));
   EXPECT_THAT(refused_after([](json& d) { d["contacts"][0]["bases"][0][0] = 1.01e12; }),
               AllOf(HasSubstr("/contacts/0/bases/0/0:"), HasSubstr("at most 1e12")));
   EXPECT_THAT(refused_after([](json& d) { d["contacts"][2]["id"] = 11; }),
@@ -103,10 +111,11 @@ TEST(FieldDocumentReader, DoesWithoutWhatOlderFilesLack) {
   json document = json::parse(field_document(some_model(), ModelEncoding::json));
   Model expected = some_model();
   for (std::size_t i = 0; i < 4; ++i) {
-    for (const char* member : {"standard_error", "lower_bound"})
+    for (const char* member : {"error", "lower_bound"})
       EXPECT_EQ(document["contacts"][i]["friction"].erase(member), 1u);
-    for (const char* member : {"mode", "passivity", "chi2", "noise_floor", "condition"})
+    for (const char* member : {"mode", "chi2", "noise_floor", "condition"})
       EXPECT_EQ(document["contacts"][i]["fit"].erase(member), 1u);
+    document["contacts"][i]["fit"].erase("passivity");
     expected.contacts[i].fit_mode = expected.contacts[i].passivity = "";
     expected.contacts[i].chi2 = expected.contacts[i].noise_floor = 0;
     expected.contacts[i].condition = 0;
@@ -128,7 +137,7 @@ TEST(FieldDocumentReader, RefusesNumbersThatAreNotFinite) {
 }
 
 TEST(FieldDocumentReader, RefusesWrongDocumentsOfVersionOne) {
-  const std::string text = document_of_version_1();
+  const std::string text = document_of_version(1);
   EXPECT_THAT(
       refused_after([](json& d) { d["contacts"][0]["field"]["weights"].push_back(1); }, text),
       HasSubstr("as many centers as weights"));
@@ -138,6 +147,18 @@ TEST(FieldDocumentReader, RefusesWrongDocumentsOfVersionOne) {
               AllOf(HasSubstr("/surface_weights:"), HasSubstr("for each vertex")));
   EXPECT_THAT(refused_after([](json& d) { d["surface_weights"]["contacts"][7] = -2; }, text),
               HasSubstr("/surface_weights/contacts/7:"));
+}
+
+TEST(FieldDocumentReader, RefusesWrongDocumentsOfVersionTwo) {
+  const std::string text = document_of_version(2);
+  EXPECT_THAT(refused_after([](json& d) { d["contacts"][3]["friction"]["axis"][0] = 0.9; }, text),
+              AllOf(HasSubstr("/contacts/3/friction/axis:"), HasSubstr("unit vector")));
+  EXPECT_THAT(refused_after([](json& d) { d["contacts"][2]["axes"][0][0] = 0.9; }, text),
+              AllOf(HasSubstr("/contacts/2/axes:"), HasSubstr("right-handed")));
+  EXPECT_THAT(refused_after([](json& d) { d["contacts"][0]["bases"][0].push_back(1); }, text),
+              AllOf(HasSubstr("/contacts/0/bases/0:"), HasSubstr("eight numbers")));
+  EXPECT_THAT(refused_after([](json& d) { d["contacts"][0]["bases"][1][5] = 0.5; }, text),
+              AllOf(HasSubstr("/contacts/0/bases/1:"), HasSubstr("unit vector, or zeros")));
 }
 
 TEST(FieldDocumentReader, RefusesEveryTruncation) {

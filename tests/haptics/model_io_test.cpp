@@ -102,7 +102,45 @@ TEST(ModelIo, ReadsModelsOfVersionOne) {
   EXPECT_LE((BlendedField(model).force(place, displacement) - between).norm(), 1e-13);
   const ScratchFolder scratch;
   write_model(scratch / "model", model);
-  expect_same(read_model(scratch / "model"), model);
+  const Model again = read_model(scratch / "model");
+  for (std::size_t i = 0; i < forces.size(); ++i) {
+    EXPECT_EQ(again.contacts[i].field, model.contacts[i].field);
+    EXPECT_EQ(again.contacts[i].position, model.contacts[i].position);
+    EXPECT_LE((again.contacts[i].frame - model.contacts[i].frame).norm(), 1e-14);
+  }
+}
+
+// tests/haptics/data/model_version_2 has the contacts of the other with further bases. The forces
+// are those of the Python code that described version 2.
+TEST(ModelIo, ReadsModelsOfVersionTwo) {
+  const Model model =
+      read_model(fs::path(PALPATE_SOURCE_DIR) / "tests/haptics/data/model_version_2");
+  const Eigen::Vector3d displacement(1.2, -0.7, 2.5);
+  const std::vector<Eigen::Vector3d> forces = {
+      {-0.055086032836453899, -0.14121257365024872, 2.5191756165572503},
+      {-0.070550072546649106, -0.26700195327056747, 2.8380244598286044},
+      {0, 0, 0},
+      {1.3241954554656659, -0.56737517638176449, 2.7190371160286344}};
+  ASSERT_EQ(model.contacts.size(), forces.size());
+  for (std::size_t i = 0; i < forces.size(); ++i) {
+    const ContactModel& contact = model.contacts[i];
+    const Eigen::Vector3d found =
+        contact.frame * force(contact.field, contact.frame.transpose() * displacement);
+    // A ridge's seven decimal places are not quite a unit vector.
+    EXPECT_LE((found - forces[i]).norm(), 2 * kRidgeTolerance * weight_sum(contact.field));
+    EXPECT_NEAR(contact.friction_error, 0.0023 * static_cast<double>(i + 1), 1e-15);
+    EXPECT_EQ(contact.passivity, i == 1 ? "undecided" : "convex");
+    EXPECT_EQ(contact.fit_mode, "convex");
+  }
+  const ScratchFolder scratch;
+  write_model(scratch / "model", model);
+  const Model again = read_model(scratch / "model");
+  for (std::size_t i = 0; i < forces.size(); ++i) {
+    EXPECT_LE((force(again.contacts[i].field, displacement) -
+               force(model.contacts[i].field, displacement))
+                  .norm(),
+              2 * kRidgeTolerance * weight_sum(model.contacts[i].field));
+  }
 }
 
 TEST(ModelIo, RefusesASurfaceThatIsNotTheModels) {

@@ -4,9 +4,11 @@
 
 #include <sstream>
 #include <string>
+#include <utility>
 
 #include "field_document.h"
 #include "palpate/haptics/contact_compliance.h"
+#include "palpate/haptics/rounding.h"
 #include "sheet_model.h"
 
 namespace palpate::haptics {
@@ -53,7 +55,8 @@ inline void expect_same(const Model& left, const Model& right) {
   }
 }
 
-/// A model of awkward numbers in which every member differs from its default somewhere.
+/// A model of awkward numbers, rounded as it is stored, in which every member differs from its
+/// default somewhere.
 inline Model some_model() {
   Model model = moved(uneven_model(), some_motion());
   model.T_surface_acquisition = some_motion();
@@ -67,6 +70,7 @@ inline Model some_model() {
   model.contacts[1].condition = 1e5 / 3;
   model.contacts[2].field = {};
   model.contacts[3].field.bases[0].weight = -0.0;
+  for (ContactModel& contact : model.contacts) contact = rounded(std::move(contact));
   model.surface_weights = geometry::project_weights(model.surface, contact_mesh(model));
   return with_compliances(std::move(model), 1.9);
 }

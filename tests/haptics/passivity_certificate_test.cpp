@@ -5,6 +5,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include <limits>
 
 #include "haptics_testing.h"
@@ -117,7 +119,10 @@ TEST(CertifyPassivity, HoldsWhenAllNumbersChangeByTheirTolerance) {
 TEST(CertifyPassivity, CoversTheDigitsOfAStoredField) {
   const double tolerance = CertificateOptions{}.number_tolerance;
   for (unsigned seed = 0; seed < 30; ++seed) {
-    const ForceField field = mixed_field(6, seed), stored = rounded(field);
+    ForceField field = mixed_field(6, seed);
+    std::ranges::stable_partition(field.bases,
+                                  [](const auto& base) { return base.ridge.isZero(0); });
+    const ForceField stored = rounded(field);
     for (std::size_t k = 0; k < field.bases.size(); ++k) {
       const Multiquadric &base = field.bases[k], &other = stored.bases[k];
       const double length = base.center.norm() + base.epsilon;

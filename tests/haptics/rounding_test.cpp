@@ -4,8 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "haptics_testing.h"
 #include "palpate/haptics/rotation.h"
@@ -51,10 +53,18 @@ TEST(Rounding, KeepsForcesFarBelowWhatCanBeMeasured) {
 TEST(Rounding, MovesTheCentreOfARidgeWithinItsPlaneOnly) {
   const Multiquadric base{1.5, 2, {3.1, -4.2, 0.7}, {0.48, -0.6, 0.64}};
   const Multiquadric moved = rounded(ForceField{{base}}).bases[0];
-  EXPECT_EQ(moved.ridge, base.ridge);
-  EXPECT_EQ(moved.center.x(), 0);
-  EXPECT_EQ(moved.center.y(), 0);
-  EXPECT_NEAR(moved.ridge.dot(moved.center), base.ridge.dot(base.center), 1e-6);
+  EXPECT_NEAR((moved.ridge - base.ridge).norm(), 0, 1e-6);
+  EXPECT_NEAR(moved.ridge.norm(), 1, 1e-15);
+  EXPECT_NEAR(moved.ridge.cross(moved.center).norm(), 0, 1e-14);
+  EXPECT_NEAR(moved.ridge.dot(moved.center), base.ridge.dot(base.center), 2e-6);
+}
+
+TEST(Rounding, PutsIsotropicBasesFirst) {
+  const ForceField field = some_field_with_ridge();
+  ForceField turned = field;
+  std::ranges::rotate(turned.bases, turned.bases.end() - 1);
+  EXPECT_NE(turned, field);
+  EXPECT_EQ(rounded(turned), rounded(field));
 }
 
 TEST(Rounding, ChangesNothingTheSecondTime) {
@@ -70,18 +80,30 @@ TEST(Rounding, ChangesNothingTheSecondTime) {
   }
 }
 
-TEST(Rounding, KeepsFramesWithinTheirTolerance) {
+TEST(Rounding, KeepsFramesAndAxesExactlyWhatTheyAre) {
   for (int i = 0; i < 300; ++i) {
     const Eigen::Matrix3Xd points = random_points(2, 3, static_cast<unsigned>(i));
     ContactModel contact;
-    contact.frame = rotation_exp(points.col(0));
+    contact.position = 700 * points.col(0);
+    // Half turns and quarter turns about the axes have quaternions with entries that are alike.
+    contact.frame =
+        i < 27 ? rotation_exp(std::numbers::pi / 2 * Eigen::Vector3d(i % 3, i / 3 % 3, i / 9))
+               : rotation_exp(points.col(0));
     contact.friction_axis = points.col(1).normalized();
     contact.field = some_field_with_ridge();
     const ContactModel once = rounded(contact);
-    EXPECT_TRUE(is_rotation(once.frame, kFrameTolerance / 2));
-    EXPECT_NEAR(once.friction_axis.norm(), 1, kFrameTolerance / 2);
+    constexpr double kExactly = 1e-15;
+    EXPECT_TRUE(is_rotation(once.frame, kExactly));
+    EXPECT_NEAR(once.friction_axis.norm(), 1, kExactly);
     EXPECT_EQ(once.field, rounded(contact.field));
-    EXPECT_EQ(rounded(once).frame, once.frame);
+    const ContactModel twice = rounded(once);
+    EXPECT_EQ(twice.frame, once.frame);
+    EXPECT_EQ(twice.friction_axis, once.friction_axis);
+    EXPECT_EQ(twice.position, once.position);
+    // Half a unit of the seventh decimal of a quaternion, or an axis, whose largest entry is 1.
+    EXPECT_LE((once.frame - contact.frame).norm(), 4e-7);
+    EXPECT_LE((once.friction_axis - contact.friction_axis).norm(), 1e-7);
+    EXPECT_LE((once.position - contact.position).norm(), 1e-8 * contact.position.norm());
   }
 }
 

@@ -14,6 +14,12 @@
 
 namespace palpate::haptics {
 
+/// What takes its time.
+enum class BuildStage {
+  friction,  ///< the cone of each contact
+  fields     ///< the force field of each contact
+};
+
 struct BuildOptions {
   FitOptions fit;
   FrictionOptions friction = {};
@@ -25,10 +31,11 @@ struct BuildOptions {
   /// Of forces between contacts. The reference force of compliances is the lower quartile over
   /// contacts of the largest force along the z axis; if that is not positive, forces are blended.
   BlendRule blend_rule = BlendRule::compliances;
-  /// Called after each contact with the number of those done and of all, from one thread at a time.
-  std::function<void(int done, int total)> progress = {};
+  /// Called after each contact with the number of those done in that stage and of all, from one
+  /// thread at a time; those with a known fit count as one. What it throws ends the work.
+  std::function<void(BuildStage stage, int done, int total)> progress = {};
   /// Asked before a contact is fitted: what an earlier call with the same acquisition, surface and
-  /// fit options gave to `keep_fit`, or null. From any thread.
+  /// fit options gave to `keep_fit`, or null.
   std::function<const FitResult*(long long contact)> known_fit = {};
   /// Given each new fit, before `progress` is called, from one thread at a time.
   std::function<void(long long contact, const FitResult& fit)> keep_fit = {};
