@@ -19,7 +19,9 @@
 #include "palpate/haptics/realignment.h"
 #include "palpate/haptics/rotation.h"
 #include "palpate/haptics/rounding.h"
+#include "palpate/probing/fingerprint.h"
 #include "palpate/probing/samples_by_contact.h"
+#include "samples_fingerprint.h"
 
 namespace palpate::haptics {
 namespace {
@@ -338,6 +340,7 @@ BuildResult build_model(const probing::Acquisition& acquisition,
   check_options(options);
   probing::check_acquisition(acquisition);
   BuildResult result;
+  result.model.made[kSamplesFingerprint] = probing::fingerprint(acquisition);
   const Probed probed = probed_contacts(acquisition, result);
   const std::vector<probing::Contact>& contacts = probed.contacts;
   const SurfaceQuery query(surface);

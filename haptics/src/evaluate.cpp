@@ -21,6 +21,8 @@
 #include "palpate/haptics/blended_field.h"
 #include "palpate/haptics/contact_compliance.h"
 #include "palpate/haptics/realignment.h"
+#include "palpate/probing/fingerprint.h"
+#include "samples_fingerprint.h"
 
 namespace palpate::haptics {
 namespace {
@@ -35,6 +37,18 @@ constexpr Eigen::Index kMaxCandidates = 4000;
 // Suggestions lie no further from the contacts' triangles than this times the spacing of contacts:
 // beyond, the object may be held by something, and errors grow with the distance whatever it does.
 constexpr double kMaxBeyond = 0.5;
+
+// A model of an earlier version does not tell what it was made of.
+void check_same_samples(const Model& model, const probing::Acquisition& acquisition) {
+  const auto made_of = model.made.find(kSamplesFingerprint);
+  if (made_of == model.made.end()) return;
+  const std::string given = probing::fingerprint(acquisition);
+  if (made_of->second == given) return;
+  throw InvalidInput("leave_one_out(): the acquisition holds other samples (fingerprint " + given +
+                     ") than the model was made of (" + made_of->second +
+                     "): errors of prediction and of another measurement would be mixed up. Pass "
+                     "the acquisition that the model was made of, or fit it to this one");
+}
 
 // Samples of a contact in the frame of the surface; displacements count from the contact as
 // measured.
@@ -236,6 +250,7 @@ LeaveOneOut leave_one_out(const Model& model, const probing::Acquisition& acquis
         "leave_one_out(): the model has three contacts; without one of them nothing is left "
         "to interpolate, at least four are needed");
   }
+  check_same_samples(model, acquisition);
   const geometry::SurfaceQuery query(model.surface);
   std::vector<ForceSamples> samples;
   std::vector<geometry::SurfacePoint> points;

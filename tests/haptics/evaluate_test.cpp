@@ -5,7 +5,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "palpate/haptics/build_model.h"
+#include "samples_fingerprint.h"
 #include "synthetic_acquisition.h"
 
 namespace palpate::haptics {
@@ -96,6 +99,20 @@ TEST(EvaluateQueries, RefusesAPlaceOffTheSurface) {
   EXPECT_EQ(evaluate_queries(model, queries, {.max_distance = 4}).count, 2);
   EXPECT_THAT(refusal([&] { return evaluate_queries(model, queries, {.max_distance = -1}); }),
               HasSubstr("max_distance"));
+}
+
+TEST(LeaveOneOut, RefusesOtherSamplesOfTheSameContacts) {
+  probing::Acquisition acquisition = flat_acquisition();
+  Model model =
+      build_model(acquisition, flat_surface(), {.fit = {.accuracy = 0.01, .max_bases = 2}}).model;
+  std::reverse(acquisition.samples.begin(), acquisition.samples.end());
+  EXPECT_NO_THROW(static_cast<void>(leave_one_out(model, acquisition)));
+  acquisition.samples[5].b.z() += 1e-6;
+  EXPECT_THAT(refusal([&] { return leave_one_out(model, acquisition); }),
+              HasSubstr("other samples"));
+  // Models of earlier versions do not tell.
+  model.made.erase(kSamplesFingerprint);
+  EXPECT_NO_THROW(static_cast<void>(leave_one_out(model, acquisition)));
 }
 
 TEST(LeaveOneOut, RefusesAnotherAcquisitionAndTooFewContacts) {
