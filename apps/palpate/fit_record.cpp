@@ -5,8 +5,10 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <initializer_list>
 #include <limits>
 #include <ostream>
+#include <stdexcept>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -22,6 +24,8 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kKind = "fits of palpate fit";
+// Of the record; raised when a line's members change. What has none is older than 2.
+constexpr int kVersion = 2;
 
 /// What a run without --resume would do, for messages.
 constexpr const char* kAnew = "Leave out --resume to fit all contacts anew";
@@ -41,6 +45,37 @@ double to_number(const Json& json) {
                           : std::numeric_limits<double>::quiet_NaN();
 }
 
+// A word of a record that is none of those that it can be.
+struct UnknownWord : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+// The value that `to_string` has the word for.
+template <typename Value>
+Value to_value(const Json& json, std::initializer_list<Value> values) {
+  const auto word = json.get<std::string>();
+  for (const Value value : values) {
+    if (word == haptics::to_string(value)) return value;
+  }
+  throw UnknownWord(fmt::format("\"{}\" is no word of it", word));
+}
+
+haptics::FitStop to_stop(const Json& json) {
+  using enum haptics::FitStop;
+  return to_value(json, {accurate, explained, unexplained, rigid, max_bases, no_gain, not_converged,
+                         not_determined});
+}
+
+haptics::FitMode to_mode(const Json& json) {
+  using enum haptics::FitMode;
+  return to_value(json, {convex, certified, local});
+}
+
+haptics::Passivity to_passivity(const Json& json) {
+  using enum haptics::Passivity;
+  return to_value(json, {convex, certified, violated, undecided});
+}
+
 Json to_json(const haptics::FitResult& fit) {
   Json bases = Json::array();
   for (const haptics::Multiquadric& base : fit.field.bases) {
@@ -52,10 +87,11 @@ Json to_json(const haptics::FitResult& fit) {
   return {{"bases", bases},
           {"rms", number(fit.rms)},
           {"iterations", fit.iterations},
-          {"stop", fit.stop},
+          {"stop", haptics::to_string(fit.stop)},
           {"smallest_stiffness", number(fit.smallest_stiffness)},
-          {"mode", fit.mode},
-          {"passivity", fit.certificate.passivity},
+          {"mode", haptics::to_string(fit.mode)},
+          {"passivity", haptics::to_string(fit.certificate.passivity)},
+          {"radius", number(fit.certificate.volume.radius)},
           {"chi2", number(fit.chi2)},
           {"outliers", fit.outliers},
           {"noise_floor", number(fit.noise_floor)},
@@ -75,10 +111,11 @@ haptics::FitResult to_fit(const Json& json) {
   }
   fit.rms = to_number(json.at("rms"));
   fit.iterations = json.at("iterations");
-  fit.stop = json.at("stop");
+  fit.stop = to_stop(json.at("stop"));
   fit.smallest_stiffness = to_number(json.at("smallest_stiffness"));
-  fit.mode = json.at("mode");
-  fit.certificate.passivity = json.at("passivity");
+  fit.mode = to_mode(json.at("mode"));
+  fit.certificate.passivity = to_passivity(json.at("passivity"));
+  fit.certificate.volume.radius = to_number(json.at("radius"));
   fit.chi2 = to_number(json.at("chi2"));
   fit.outliers = json.at("outliers");
   fit.noise_floor = to_number(json.at("noise_floor"));
@@ -102,6 +139,11 @@ FitRecord::FitRecord(fs::path file, Json settings)
     : file_(std::move(file)), settings_(std::move(settings)) {}
 
 void FitRecord::check_same(const Json& head) const {
+  if (head.at("kind") == kKind && head.value("version", 0) != kVersion) {
+    throw InvalidInput(fmt::format(
+        "{}: another version of palpate kept these fits, in a way that this one does not read. {}.",
+        file_.string(), kAnew));
+  }
   const Json& before = head.at("settings");
   for (const auto& [name, value] : settings_.items()) {
     if (before.contains(name) && before.at(name) == value) continue;
@@ -116,6 +158,10 @@ void FitRecord::resume() {
   std::ifstream stream(file_, std::ios::binary);
   std::uintmax_t whole = 0;  // bytes of the lines that are
   bool is_head = true;
+  const auto refuse = [&](const std::exception& error) {
+    throw FileError(fmt::format("{}: is not the record of an earlier run ({}). {}.", file_.string(),
+                                error.what(), kAnew));
+  };
   for (std::string line; std::getline(stream, line) && !stream.eof(); is_head = false) {
     try {
       const Json entry = Json::parse(line);
@@ -124,8 +170,9 @@ void FitRecord::resume() {
       else
         fits_[entry.at("contact").get<long long>()] = to_fit(entry.at("fit"));
     } catch (const Json::exception& error) {
-      throw FileError(fmt::format("{}: is not the record of an earlier run ({}). {}.",
-                                  file_.string(), error.what(), kAnew));
+      refuse(error);
+    } catch (const UnknownWord& error) {
+      refuse(error);
     }
     whole += line.size() + 1;
   }
@@ -144,7 +191,7 @@ void FitRecord::open() {
   if (resumed_) {
     fs::resize_file(file_, whole_bytes_);
   } else {
-    const Json head = {{"kind", kKind}, {"settings", settings_}};
+    const Json head = {{"kind", kKind}, {"version", kVersion}, {"settings", settings_}};
     write_file(file_, [&](std::ostream& out) { out << head.dump() << '\n'; });
   }
   stream_.open(file_, std::ios::binary | std::ios::app);

@@ -137,6 +137,18 @@ TEST_F(FitResume, RefusesOtherSettingsDataAndRecords) {
             std::string::npos);
   EXPECT_NE(refusal({"--resume", "--unit", "cm"}).find("another --unit"), std::string::npos);
   EXPECT_EQ(read_text(scratch / "model.fits"), record);
+  // What is unreadable is said so, and not guessed.
+  const auto replaced = [&](const std::string& part, const std::string& other) {
+    const std::size_t at = record.find(part);
+    EXPECT_NE(at, std::string::npos) << part;
+    write_text(scratch / "model.fits", std::string(record).replace(at, part.size(), other));
+  };
+  replaced(R"("version":2,)", "");
+  EXPECT_NE(refusal({"--resume"}).find("another version of palpate"), std::string::npos);
+  replaced(R"("passivity":"convex")", R"("passivity":0)");
+  EXPECT_NE(refusal({"--resume"}).find("is not the record of an earlier run"), std::string::npos);
+  replaced(R"("mode":"convex")", R"("mode":"concave")");
+  EXPECT_NE(refusal({"--resume"}).find("concave"), std::string::npos);
   write_text(scratch / "model.fits", "{}\n");
   EXPECT_NE(refusal({"--resume"}).find("is not the record of an earlier run"), std::string::npos);
   write_text(scratch / "model.fits", "a letter\n");
