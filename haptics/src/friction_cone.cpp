@@ -25,6 +25,9 @@ constexpr int kMinLevels = 2;
 // [rad] An axis is determined iff its standard error is at most this (3 degrees): else the
 // directions lie all to one side.
 constexpr double kMaxAxisError = 0.05;
+// No more than noise held is a sign of no friction only where the coefficient cannot be larger than
+// this either: weak forces leave it open.
+constexpr double kSlippery = 0.1;
 // The search begins with both ends of the intervals alone and the noise at this part of their
 // median force: nearly least squares of their middles. It divides the noise by kCooling until it is
 // that of the forces.
@@ -262,7 +265,8 @@ FrictionFit fit_friction(std::span<const FrictionTrial> trials, const Eigen::Vec
   for (const FrictionTrial& trial : used) {
     largest_normal = std::max(largest_normal, trial.force.dot(pressing));
   }
-  if (fit.lower_bound * largest_normal <= options.force_noise) {
+  const double upper_bound = fit.coefficient + kBoundQuantile * fit.coefficient_error;
+  if (fit.lower_bound * largest_normal <= options.force_noise && upper_bound <= kSlippery) {
     fit.stop = FrictionStop::frictionless;
   } else if (!(fit.axis_error <= kMaxAxisError)) {
     fit.stop = FrictionStop::too_few_directions;

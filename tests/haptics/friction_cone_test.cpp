@@ -189,6 +189,19 @@ TEST(FitFriction, BoundsWhatTooFewDirectionsLeaveOpen) {
   EXPECT_GE(sum, 0.68 * kCount);
 }
 
+// The forces are a few times the noise: the lower bound is no more than that, and the coefficient
+// is anything.
+TEST(FitFriction, CallsNoWideConeFrictionless) {
+  int open = 0;
+  for (unsigned i = 0; i < 40; ++i) {
+    const FrictionFit fit =
+        fit_friction(probe({.levels = {0.02, 0.03}, .noise = 0.01, .most = 0.1}, i), kNormal);
+    EXPECT_NE(fit.stop, FrictionStop::frictionless) << fit.coefficient;
+    open += fit.lower_bound * 0.03 <= kForceNoise ? 1 : 0;
+  }
+  EXPECT_GT(open, 5);
+}
+
 TEST(FitFriction, RefusesWhatIsNotFinite) {
   std::vector<FrictionTrial> trials = probe({}, 1);
   EXPECT_THAT(refusal([&] {

@@ -27,7 +27,7 @@ enum class FrictionStop {
   too_few_directions,  ///< or all to one side: only the lower bound is to be used
   too_few_levels,      ///< of the normal force: the cone is the best one, but nothing confirms it
   never_slipped,       ///< only the lower bound is known
-  frictionless,        ///< every force across the surface slipped, or no more held than is noise
+  frictionless,        ///< what held across the surface is noise; the coefficient is below 0.1
   not_converged        ///< only the lower bound is to be used
 };
 
@@ -61,7 +61,7 @@ struct FrictionFit {
 /// 5.14's. A bisection (thesis 4.3) does not measure a force at which d = 0 but ends between one
 /// that held, d < 0, and one that slipped, d > 0, but for the noise of the applied forces. So the
 /// cone is the one of greatest likelihood of what was seen, a trial at d slipping with the
-/// probability e + (1 - 2 e) Phi(d / noise), Phi being the normal distribution and e (2 %) the
+/// probability e + (1 - 2 e) Phi(d / noise), Phi being the normal distribution and e (5 %) the
 /// chance that slip was told wrongly, which bounds the weight of any one trial. That uses both ends
 /// of each interval and needs no pairing; in place of Eq 5.15 the axis moves in a tangent plane.
 /// The noise is estimated too, but not below the option, nor below what the widths of the intervals
