@@ -246,9 +246,12 @@ void add_fit(CLI::App& app, const Settings& settings) {
   command->add_option("--max-bases", call->fit.max_bases, "Use at most so many in a field");
   command->add_option(
       "--budget", call->budget_us,
-      fmt::format("Time in which playback is to evaluate a force [us]: bounds the bases, taking "
-                  "{} us for each in the three fields of a blend",
-                  haptics::kEvaluationCost));
+      fmt::format(
+          "Time for the bases of a force [us], taking {} us for each in the three fields of "
+          "a blend: bounds their number. Not for what playback does beside: finding the "
+          "place and blending, some us, and a slipping contact asks for many forces a step; "
+          "see palpate play",
+          haptics::kEvaluationCost));
   command
       ->add_option("--force-noise", call->fit.noise.force,
                    "Standard deviation of each component of the measured forces [N]")
