@@ -5,6 +5,8 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -40,6 +42,8 @@ struct FitCall {
   std::optional<haptics::ModelEncoding> encoding;
   std::optional<double> budget_us;
   geometry::ReadOptions meshes;
+  bool shared_local = false;
+  int dense_samples = haptics::LocalGlobalOptions{}.dense_samples;
   bool resume = false;
 };
 
@@ -66,6 +70,60 @@ void tell_friction(const haptics::BuildResult& built) {
   }
 }
 
+/// The error with the local part over that without, by which sparse contacts gain.
+double ratio(const haptics::LocalPart& part) { return std::exp(part.gain); }
+
+/// Whether contacts share a local part, and why not; for messages and for the model.
+std::string sharing_in_words(const haptics::BuildResult& built) {
+  const haptics::LocalPart& part = *built.local_part;
+  const std::string counts = fmt::format("{} contacts with at least {} pairs, {} with fewer",
+                                         part.dense, part.dense_samples, part.sparse);
+  switch (part.outcome) {
+    case haptics::SharingOutcome::shared: {
+      const auto sharing = std::ranges::count_if(
+          built.contacts, [](const auto& contact) { return contact.fit.shared_local; });
+      return fmt::format(
+          "{} share the local part of the dense ones: {}; errors are {:.2f} times "
+          "those without, give or take {:.0f} % (tried at dense ones)",
+          sharing, counts, ratio(part), 100 * part.gain_error);
+    }
+    case haptics::SharingOutcome::no_gain:
+      return fmt::format(
+          "none shares a local part: {}; errors would be {:.2f} times those "
+          "without, give or take {:.0f} % (tried at dense ones), which is no "
+          "certain gain",
+          counts, ratio(part), 100 * part.gain_error);
+    case haptics::SharingOutcome::too_few_dense:
+      return fmt::format(
+          "none shares a local part: {}; at least {} must be dense, so probe more "
+          "there or lower --dense-samples",
+          counts, haptics::kFewestDense);
+    case haptics::SharingOutcome::none_sparse:
+      return fmt::format("none shares a local part: {}; none needs it", counts);
+  }
+  return {};
+}
+
+void tell_sharing(const haptics::BuildResult& built) {
+  if (!built.local_part) return;
+  if (built.local_part->outcome == haptics::SharingOutcome::shared) {
+    spdlog::info("of the contacts, {}.", sharing_in_words(built));
+  } else {
+    spdlog::warn("each contact is fitted on its own; {}.", sharing_in_words(built));
+  }
+}
+
+Json sharing_in_figures(const haptics::BuildResult& built) {
+  const haptics::LocalPart& part = *built.local_part;
+  const auto figure = [](double value) { return std::isfinite(value) ? Json(value) : Json(); };
+  return {{"outcome", haptics::to_string(part.outcome)},
+          {"dense_samples", part.dense_samples},
+          {"dense", part.dense},
+          {"sparse", part.sparse},
+          {"gain", figure(part.gain)},
+          {"gain_error", figure(part.gain_error)}};
+}
+
 void tell(const haptics::BuildResult& built) {
   spdlog::info("the contacts lie {:.3f} mm from the surface (RMS); registration: {}",
                built.distance_rms, haptics::to_string(built.registration));
@@ -78,6 +136,7 @@ void tell(const haptics::BuildResult& built) {
         id);
   }
   tell_friction(built);
+  tell_sharing(built);
   if (built.surface_flipped)
     spdlog::warn("the surface's triangles were turned over to face the contacts' normals.");
 }
@@ -108,6 +167,8 @@ Json settings_of(const FitCall& call) {
           {"--passive", haptics::to_string(call.fit.mode)},
           {"--force-noise", call.fit.noise.force},
           {"--max-bases", call.fit.max_bases ? Json(*call.fit.max_bases) : Json()},
+          {"--shared-local", call.shared_local},
+          {"--dense-samples", call.shared_local ? Json(call.dense_samples) : Json()},
           {"version of palpate", PALPATE_VERSION}};
 }
 
@@ -145,6 +206,7 @@ haptics::BuildResult build(const probing::Acquisition& acquisition,
       acquisition, surface,
       {.fit = call.fit,
        .blend_rule = call.blend_rule,
+       .dense_samples = call.shared_local ? std::optional(call.dense_samples) : std::nullopt,
        .progress = show,
        .known_fit = [&](long long contact) { return record.find(contact); },
        .keep_fit = [&](long long contact,
@@ -167,6 +229,7 @@ void fit(const Settings& settings, FitCall call) {
   built.model.made["program"] = "palpate " PALPATE_VERSION;
   built.model.made["acquisition"] = call.acquisition.filename().string();
   built.model.made["surface"] = call.surface.filename().string();
+  if (built.local_part) built.model.made["local part"] = sharing_in_words(built);
   haptics::write_model(call.output, built.model, call.encoding);
   record.remove();
   tell(built);
@@ -194,25 +257,29 @@ void fit(const Settings& settings, FitCall call) {
                              {"chi2", found.chi2},
                              {"noise_floor", found.noise_floor},
                              {"outliers", found.outliers},
-                             {"condition", found.condition}});
+                             {"condition", found.condition},
+                             {"shared_local", contact.shared_local}});
     } else {
       prose += fmt::format(
           "  contact {}: RMS {:.4f} N with {} bases from {} samples, friction {:.3f} +- {:.3f} (>= "
-          "{:.3f}), {}, passivity: {}\n",
+          "{:.3f}), {}, passivity: {}{}\n",
           contact.id, contact.rms, bases, contact.samples, contact.friction, contact.friction_error,
           contact.friction_lower_bound, contact.fit_stop,
-          haptics::to_string(found.certificate.passivity));
+          haptics::to_string(found.certificate.passivity),
+          contact.shared_local ? ", shares the local part" : "");
     }
   }
   const geometry::ErrorStatistics statistics = geometry::error_statistics(rms);
-  print(settings,
-        {{"contacts", built.contacts.size()},
-         {"kept", kept},
-         {"triangles", built.model.triangles.cols()},
-         {"registration", haptics::to_string(built.registration)},
-         {"rms", {{"median", statistics.median}, {"p90", statistics.p90}, {"max", statistics.max}}},
-         {"per_contact", per_contact},
-         {"file", call.output.string()}},
+  Json figures = {
+      {"contacts", built.contacts.size()},
+      {"kept", kept},
+      {"triangles", built.model.triangles.cols()},
+      {"registration", haptics::to_string(built.registration)},
+      {"rms", {{"median", statistics.median}, {"p90", statistics.p90}, {"max", statistics.max}}},
+      {"per_contact", per_contact},
+      {"file", call.output.string()}};
+  if (built.local_part) figures["shared_local"] = sharing_in_figures(built);
+  print(settings, figures,
         prose + fmt::format("{} contacts in {} triangles; RMS of a contact {:.4f} N in the median, "
                             "at most {:.4f} N. Written to {}",
                             built.contacts.size(), built.model.triangles.cols(), statistics.median,
@@ -255,6 +322,16 @@ void add_fit(CLI::App& app, const Settings& settings) {
   command
       ->add_option("--force-noise", call->fit.noise.force,
                    "Standard deviation of each component of the measured forces [N]")
+      ->capture_default_str();
+  CLI::Option* shared = command->add_flag(
+      "--shared-local", call->shared_local,
+      "Contacts with few samples share the local part of those with many, and keep a global "
+      "compliance of their own, if they gain by it (thesis 6.2.1.2): tried and told");
+  command
+      ->add_option("--dense-samples", call->dense_samples,
+                   "A contact has many samples from so many pairs on")
+      ->needs(shared)
+      ->check(CLI::Range(haptics::kFewestDenseSamples, std::numeric_limits<int>::max()))
       ->capture_default_str();
   command->add_flag_callback(
       "--cbor", [call] { call->encoding = haptics::ModelEncoding::cbor; },

@@ -96,7 +96,8 @@ Json to_json(const haptics::FitResult& fit) {
           {"outliers", fit.outliers},
           {"noise_floor", number(fit.noise_floor)},
           {"displacement_noise", number(fit.displacement_noise)},
-          {"condition", number(fit.condition)}};
+          {"condition", number(fit.condition)},
+          {"shared_local", fit.shared_local}};
 }
 
 haptics::FitResult to_fit(const Json& json) {
@@ -121,6 +122,7 @@ haptics::FitResult to_fit(const Json& json) {
   fit.noise_floor = to_number(json.at("noise_floor"));
   fit.displacement_noise = to_number(json.at("displacement_noise"));
   fit.condition = to_number(json.at("condition"));
+  fit.shared_local = json.at("shared_local");
   return fit;
 }
 

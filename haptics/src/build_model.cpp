@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <mutex>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -38,6 +39,10 @@ void check_options(const BuildOptions& options) {
   check(options.on_surface, "on_surface");
   check(options.max_distance, "max_distance");
   check(options.max_motion, "max_motion");
+  if (options.dense_samples && *options.dense_samples < kFewestDenseSamples) {
+    throw InvalidInput("build_model(): dense_samples is " + std::to_string(*options.dense_samples) +
+                       "; it must be >= " + std::to_string(kFewestDenseSamples));
+  }
 }
 
 // Contacts that have samples, and these.
@@ -196,18 +201,25 @@ double storable(double figure) {
   return std::isnan(figure) ? 0 : std::min(figure, kGreatest);
 }
 
-// The fit sees displacements and forces in the frame that the field is stored in.
-FitResult fit_field(const ForceSamples& samples, const ContactModel& model,
-                    const Eigen::Matrix3d& to_surface, const FitOptions& options) {
+// Pairs in the frame that the field of their contact is stored in.
+ForceSamples in_frame_of(const ContactModel& model, const Eigen::Matrix3d& to_surface,
+                         const ForceSamples& samples) {
   const Eigen::Matrix3d to_local = model.frame.transpose() * to_surface;
-  const Eigen::Matrix3Xd displacements = to_local * samples.displacements,
-                         forces = to_local * samples.forces;
-  FitResult fit = fit_force_field(displacements, forces, options);
+  ForceSamples local = samples;
+  local.displacements = to_local * samples.displacements;
+  local.forces = to_local * samples.forces;
+  return local;
+}
+
+FitResult fit_field(const ForceSamples& pairs, const std::optional<LocalPart>& local_part,
+                    const FitOptions& options) {
+  FitResult fit = local_part ? fit_with_local_part(pairs, *local_part, options).fit
+                             : fit_force_field(pairs.displacements, pairs.forces, options);
   fit.field = rounded(std::move(fit.field));
   double sum = 0;
-  for (Eigen::Index i = 0; i < forces.cols(); ++i)
-    sum += (force(fit.field, displacements.col(i)) - forces.col(i)).squaredNorm();
-  fit.rms = std::sqrt(sum / static_cast<double>(forces.cols()));
+  for (Eigen::Index i = 0; i < pairs.forces.cols(); ++i)
+    sum += (force(fit.field, pairs.displacements.col(i)) - pairs.forces.col(i)).squaredNorm();
+  fit.rms = std::sqrt(sum / static_cast<double>(pairs.forces.cols()));
   return fit;
 }
 
@@ -220,6 +232,7 @@ void take_fit(ContactModel& model, const ForceSamples& samples, const FitResult&
   model.chi2 = storable(fit.chi2);
   model.noise_floor = storable(fit.noise_floor);
   model.condition = storable(fit.condition);
+  model.shared_local = fit.shared_local;
   model.field = fit.field;
   model = rounded(std::move(model));
 }
@@ -238,11 +251,19 @@ void fit_fields(const std::vector<ForceSamples>& samples, const FitOptions& fit_
   int done = count - static_cast<int>(unknown.size());
   if (done > 0 && options.progress) options.progress(BuildStage::fields, done, count);
   const Eigen::Matrix3d to_surface = result.model.T_surface_acquisition.linear();
+  if (options.dense_samples) {
+    std::vector<ForceSamples> local;
+    for (std::size_t i = 0; i < samples.size(); ++i)
+      local.push_back(in_frame_of(result.model.contacts[i], to_surface, samples[i]));
+    result.local_part =
+        learn_local_part(local, {.fit = fit_options, .dense_samples = *options.dense_samples});
+  }
   std::mutex reporting;
   tbb::parallel_for(std::size_t{0}, unknown.size(), [&](std::size_t u) {
     const std::size_t i = unknown[u];
     ContactReport& report = result.contacts[i];
-    report.fit = fit_field(samples[i], result.model.contacts[i], to_surface, fit_options);
+    report.fit = fit_field(in_frame_of(result.model.contacts[i], to_surface, samples[i]),
+                           result.local_part, fit_options);
     const std::lock_guard lock(reporting);
     if (options.keep_fit) options.keep_fit(report.id, report.fit);
     if (options.progress) options.progress(BuildStage::fields, ++done, count);

@@ -110,6 +110,11 @@ int DocumentNode::integer_between(int lowest, int highest) const {
   return static_cast<int>(result);
 }
 
+bool DocumentNode::truth() const {
+  if (!value_->is_boolean()) refuse("true or false");
+  return value_->get<bool>();
+}
+
 const std::string& DocumentNode::text() const {
   if (!value_->is_string()) refuse("a string");
   return value_->get_ref<const std::string&>();

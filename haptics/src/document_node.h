@@ -34,6 +34,7 @@ class DocumentNode {
   [[nodiscard]] double number_above_zero() const;
   [[nodiscard]] long long integer() const;
   [[nodiscard]] int integer_between(int lowest, int highest) const;
+  [[nodiscard]] bool truth() const;
   [[nodiscard]] const std::string& text() const;
   void expect_text(const std::string& right) const;
   /// The position of a text among `words`.

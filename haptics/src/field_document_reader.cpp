@@ -201,6 +201,7 @@ ContactModel to_contact(const Node& node, long long version) {
     contact.noise_floor = floor->number_at_least_zero();
   if (const auto condition = fit.find("condition"))
     contact.condition = condition->number_at_least_zero();
+  if (const auto shared = fit.find("shared_local")) contact.shared_local = shared->truth();
   return contact;
 }
 

@@ -78,6 +78,7 @@ Json to_json(const ContactModel& contact) {
               {"chi2", to_json(contact.chi2)},
               {"noise_floor", to_json(contact.noise_floor)},
               {"condition", to_json(contact.condition)}};
+  if (contact.shared_local) fit["shared_local"] = true;
   if (contact.passivity != contact.fit_mode) fit["passivity"] = contact.passivity;
   return {{"id", contact.id},
           {"position", to_json(contact.position)},

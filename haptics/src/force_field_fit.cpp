@@ -17,6 +17,7 @@
 #include "field_objective.h"
 #include "local_fit.h"
 #include "palpate/error.h"
+#include "steady_fit.h"
 #include "whitened_problem.h"
 
 namespace palpate::haptics {
@@ -115,6 +116,19 @@ struct ScaledSamples {
   double force_scale = 0;  // [N]
 };
 
+ScaledSamples scaled(const Eigen::Ref<const Eigen::Matrix3Xd>& displacements,
+                     const Eigen::Ref<const Eigen::Matrix3Xd>& forces) {
+  const std::vector<Eigen::Index> order = canonical_order(displacements, forces);
+  ScaledSamples samples{displacements(Eigen::all, order), forces(Eigen::all, order),
+                        reachable_volume(displacements)};
+  const double length = extent(samples.displacements);
+  samples.force_scale = extent(samples.forces);
+  samples.length = length > 0 ? length : 1;
+  if (samples.force_scale > 0) samples.forces /= samples.force_scale;
+  samples.displacements /= samples.length;
+  return samples;
+}
+
 ForceField in_units(ForceField field, double length, double force_scale) {
   for (Multiquadric& base : field.bases) {
     base.center *= length;
@@ -129,8 +143,9 @@ SampleNoise noise_of(const ScaledSamples& samples, const FitOptions& options) {
           std::max(options.noise.force / samples.force_scale, kExact)};
 }
 
-// How the errors compare with what the noise makes with the field's own stiffness.
-void compare_with_noise(const ScaledSamples& samples, const ForceField& field,
+// How the errors compare with what the noise makes with the field's own stiffness, after so many
+// parameters were fitted.
+void compare_with_noise(const ScaledSamples& samples, const ForceField& field, double parameters,
                         const FitOptions& options, FitResult& result) {
   WhitenedProblem problem(samples.displacements, samples.forces, noise_of(samples, options));
   problem.whiten(field.bases.empty() ? ForceField{{Multiquadric{}}} : field);
@@ -145,8 +160,7 @@ void compare_with_noise(const ScaledSamples& samples, const ForceField& field,
       inside += square;
     }
   }
-  const double degrees = static_cast<double>(3 * problem.size()) -
-                         kParameters * static_cast<double>(field.bases.size());
+  const double degrees = static_cast<double>(3 * problem.size()) - parameters;
   const bool few = result.outliers <= kMaxOutliers * static_cast<double>(problem.size());
   result.chi2 =
       few ? inside / std::max(1.0, degrees - 3 * result.outliers) : all / std::max(1.0, degrees);
@@ -157,8 +171,8 @@ void compare_with_noise(const ScaledSamples& samples, const ForceField& field,
 // The field, and what holds of it however it was found. The certificate is that of the field as it
 // is returned: in its units the parameters are rounded anew.
 void finish(const ScaledSamples& samples, const FitOptions& options, ForceField field,
-            FitResult& result) {
-  compare_with_noise(samples, field, options, result);
+            double parameters, FitResult& result) {
+  compare_with_noise(samples, field, parameters, options, result);
   double sum = 0;
   for (Eigen::Index i = 0; i < samples.forces.cols(); ++i) {
     sum += (force(field, samples.displacements.col(i)) - samples.forces.col(i)).squaredNorm();
@@ -167,6 +181,18 @@ void finish(const ScaledSamples& samples, const FitOptions& options, ForceField 
   result.field = in_units(std::move(field), samples.length, samples.force_scale);
   result.smallest_stiffness = smallest_eigenvalue(result.field);
   result.certificate = certify_passivity(result.field, samples.reach);
+}
+
+void finish(const ScaledSamples& samples, const FitOptions& options, ForceField field,
+            FitResult& result) {
+  const double parameters = kParameters * static_cast<double>(field.bases.size());
+  finish(samples, options, std::move(field), parameters, result);
+}
+
+FitStop verdict(const FitResult& result, const FitOptions& options) {
+  return result.rms <= options.accuracy ? FitStop::accurate
+         : result.chi2 <= kMaxChi2      ? FitStop::explained
+                                        : FitStop::unexplained;
 }
 
 // As stiff as displacements that only just stood out from the noise would have it; in units of the
@@ -185,9 +211,7 @@ FitResult fit_as_convex(const ScaledSamples& samples, const FitOptions& options)
   finish(samples, options, std::move(fit.field), result);
   result.iterations = fit.iterations;
   result.condition = fit.condition;
-  result.stop = result.rms <= options.accuracy ? FitStop::accurate
-                : result.chi2 <= kMaxChi2      ? FitStop::explained
-                                               : FitStop::unexplained;
+  result.stop = verdict(result, options);
   return result;
 }
 
@@ -228,7 +252,7 @@ double robust_loss(const ScaledSamples& samples, const FitOptions& options, cons
       problem.residuals(in_units(fit.field, 1 / samples.length, 1 / samples.force_scale)));
 }
 
-FitResult fit_in_mode(const ScaledSamples& samples, const FitOptions& options) {
+FitResult fit_in_mode(const ScaledSamples& samples, const FitOptions& options, bool may_turn) {
   if (options.mode == FitMode::local) return fit_as_local(samples, options, FitMode::local);
   if (options.mode == FitMode::certified) {
     FitResult result = fit_as_local(samples, options, FitMode::certified);
@@ -236,31 +260,25 @@ FitResult fit_in_mode(const ScaledSamples& samples, const FitOptions& options) {
     return chosen(fit_as_convex(samples, options), result);
   }
   FitResult result = fit_as_convex(samples, options);
-  if (result.stop != FitStop::unexplained) return result;
+  if (result.stop != FitStop::unexplained || !may_turn) return result;
   FitResult other = fit_as_local(samples, options, FitMode::certified);
   const bool better = is_passive(other.certificate) &&
                       robust_loss(samples, options, other) < robust_loss(samples, options, result);
   return better ? chosen(std::move(other), result) : chosen(std::move(result), other);
 }
 
-}  // namespace
-
-FitResult fit_force_field(const Eigen::Ref<const Eigen::Matrix3Xd>& displacements,
-                          const Eigen::Ref<const Eigen::Matrix3Xd>& forces,
-                          const FitOptions& options) {
+// `may_turn`: from convex to certified, where that explains the samples better.
+FitResult fit(const Eigen::Ref<const Eigen::Matrix3Xd>& displacements,
+              const Eigen::Ref<const Eigen::Matrix3Xd>& forces, const FitOptions& options,
+              bool may_turn) {
   check(displacements, forces, options);
-  const std::vector<Eigen::Index> order = canonical_order(displacements, forces);
-  ScaledSamples samples{displacements(Eigen::all, order), forces(Eigen::all, order),
-                        reachable_volume(displacements)};
-  const double length = extent(samples.displacements);
+  const ScaledSamples samples = scaled(displacements, forces);
+  const double length = samples.displacements.isZero(0) ? 0 : samples.length;
   const double noise = options.noise.displacement.value_or(kDisplacementNoise);
-  samples.force_scale = extent(samples.forces);
-  samples.length = length > 0 ? length : 1;
-  if (samples.force_scale > 0) samples.forces /= samples.force_scale;
-  samples.displacements /= samples.length;
   const bool rigid = options.mode == FitMode::convex && noise > 0 &&
                      length <= kRigidRatio * std::sqrt(3.0) * noise;
-  if (samples.force_scale > 0 && length > 0 && !rigid) return fit_in_mode(samples, options);
+  if (samples.force_scale > 0 && length > 0 && !rigid)
+    return fit_in_mode(samples, options, may_turn);
 
   FitResult result;
   result.mode = options.mode;
@@ -274,6 +292,37 @@ FitResult fit_force_field(const Eigen::Ref<const Eigen::Matrix3Xd>& displacement
     result.noise_floor = std::sqrt(3.0) * options.noise.force;
     result.stop = FitStop::accurate;
   }
+  return result;
+}
+
+}  // namespace
+
+FitResult fit_force_field(const Eigen::Ref<const Eigen::Matrix3Xd>& displacements,
+                          const Eigen::Ref<const Eigen::Matrix3Xd>& forces,
+                          const FitOptions& options) {
+  return fit(displacements, forces, options, true);
+}
+
+FitResult fit_steadily(const Eigen::Ref<const Eigen::Matrix3Xd>& displacements,
+                       const Eigen::Ref<const Eigen::Matrix3Xd>& forces,
+                       const FitOptions& options) {
+  return fit(displacements, forces, options, false);
+}
+
+FitResult assess_force_field(ForceField field,
+                             const Eigen::Ref<const Eigen::Matrix3Xd>& displacements,
+                             const Eigen::Ref<const Eigen::Matrix3Xd>& forces, int parameters,
+                             const FitOptions& options) {
+  check(displacements, forces, options);
+  check_force_field(field, "assess_force_field(): the field");
+  ScaledSamples samples = scaled(displacements, forces);
+  if (samples.force_scale == 0) samples.force_scale = 1;
+  FitResult result;
+  result.mode = options.mode;
+  result.condition = kNotComputed;
+  finish(samples, options, in_units(std::move(field), 1 / samples.length, 1 / samples.force_scale),
+         parameters, result);
+  result.stop = verdict(result, options);
   return result;
 }
 

@@ -16,6 +16,7 @@ namespace palpate::apps {
 namespace {
 
 namespace fs = std::filesystem;
+using nlohmann::json;
 
 constexpr int kDone = 0;
 constexpr int kWrongCall = 2;
@@ -94,10 +95,10 @@ TEST_F(FitResume, GivesWhatAnUninterruptedRunGives) {
               read_text(fs::path(scratch / "whole") / file))
         << file;
   }
-  nlohmann::json figures = nlohmann::json::parse(rest.out);
+  json figures = json::parse(rest.out);
   EXPECT_GE(figures["kept"], 1);
   EXPECT_EQ(figures["kept"], std::count(record.begin(), record.end(), '\n') - 1);
-  nlohmann::json expected = nlohmann::json::parse(whole.out);
+  json expected = json::parse(whole.out);
   figures["kept"] = expected["kept"];
   figures["file"] = expected["file"];
   EXPECT_EQ(figures, expected);
@@ -112,12 +113,12 @@ TEST_F(FitResume, KeepsTheFitsOfTheRecord) {
   std::string head, line;
   std::getline(lines, head);
   std::getline(lines, line);
-  nlohmann::json entry = nlohmann::json::parse(line);
+  json entry = json::parse(line);
   entry["fit"]["rms"] = 0.125;
   write_text(scratch / "model.fits", head + "\n" + entry.dump() + "\n");
   const CommandResult rest = fit("model", {"--resume"});
   ASSERT_EQ(rest.status, kDone) << rest.err;
-  const nlohmann::json figures = nlohmann::json::parse(rest.out);
+  const json figures = json::parse(rest.out);
   EXPECT_EQ(figures["kept"], 1);
   for (const nlohmann::json& contact : figures["per_contact"]) {
     EXPECT_EQ(contact["rms"] == 0.125, contact["contact"] == entry["contact"]);
@@ -138,16 +139,21 @@ TEST_F(FitResume, RefusesOtherSettingsDataAndRecords) {
   EXPECT_NE(refusal({"--resume", "--unit", "cm"}).find("another --unit"), std::string::npos);
   EXPECT_EQ(read_text(scratch / "model.fits"), record);
   // What is unreadable is said so, and not guessed.
-  const auto replaced = [&](const std::string& part, const std::string& other) {
-    const std::size_t at = record.find(part);
-    EXPECT_NE(at, std::string::npos) << part;
-    write_text(scratch / "model.fits", std::string(record).replace(at, part.size(), other));
-  };
-  replaced(R"("version":2,)", "");
+  const std::size_t end_of_head = record.find('\n');
+  json head = json::parse(record.substr(0, end_of_head));
+  head.erase("version");
+  write_text(scratch / "model.fits", head.dump() + record.substr(end_of_head));
   EXPECT_NE(refusal({"--resume"}).find("another version of palpate"), std::string::npos);
-  replaced(R"("passivity":"convex")", R"("passivity":0)");
+  const auto with_fit = [&](const char* member, const json& value) {
+    const std::size_t end = record.find('\n', end_of_head + 1);
+    json entry = json::parse(record.substr(end_of_head + 1, end - end_of_head - 1));
+    entry["fit"][member] = value;
+    write_text(scratch / "model.fits",
+               record.substr(0, end_of_head + 1) + entry.dump() + record.substr(end));
+  };
+  with_fit("passivity", 0);
   EXPECT_NE(refusal({"--resume"}).find("is not the record of an earlier run"), std::string::npos);
-  replaced(R"("mode":"convex")", R"("mode":"concave")");
+  with_fit("mode", "concave");
   EXPECT_NE(refusal({"--resume"}).find("concave"), std::string::npos);
   write_text(scratch / "model.fits", "{}\n");
   EXPECT_NE(refusal({"--resume"}).find("is not the record of an earlier run"), std::string::npos);

@@ -6,8 +6,10 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
 #include <map>
 
+#include "beam_acquisition.h"
 #include "model_testing.h"
 #include "palpate/haptics/blended_field.h"
 #include "strip_acquisition.h"
@@ -112,6 +114,53 @@ TEST(BuildModel, TakesOverTheFitsThatAreKnown) {
   }
 }
 
+// A coarse search for the friction boundary is enough for dense contacts.
+const testing::StripProbing kDenselyProbed{.directions = 6, .resolution = 0.4, .seed = 31};
+
+TEST(BuildModel, SharesTheLocalPartOfDenselyProbedContacts) {
+  const testing::Beam beam;
+  const probing::Acquisition acquisition = testing::beam_acquisition(beam, 5, kDenselyProbed);
+  const geometry::TriangleMesh surface = testing::beam_surface(beam);
+  BuildOptions options;
+  options.dense_samples = 40;
+  std::map<long long, FitResult> kept;
+  options.keep_fit = [&](long long contact, const FitResult& fit) { kept[contact] = fit; };
+  const BuildResult built = build_model(acquisition, surface, options);
+  ASSERT_TRUE(built.local_part);
+  EXPECT_EQ(built.local_part->outcome, SharingOutcome::shared);
+  EXPECT_EQ(built.local_part->dense, 6);
+  EXPECT_NO_THROW(check_model(built.model));
+  const std::vector<Eigen::Vector2d> places = testing::beam_places(beam);
+  std::vector<double> errors;
+  int sharing = 0;  // noise may make one keep its own fit
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const ContactModel& contact = built.model.contacts[i];
+    EXPECT_FALSE(contact.shared_local && i % 5 == 1) << i;
+    sharing += contact.shared_local ? 1 : 0;
+    EXPECT_EQ(contact.passivity, "convex");
+    double sum = 0;
+    const auto truths = testing::strip_truths(beam, {places[i]}, 50);
+    for (const auto& truth : truths) {
+      sum += (contact.frame * force(contact.field, contact.frame.transpose() * truth.displacement) -
+              truth.force)
+                 .squaredNorm();
+    }
+    errors.push_back(std::sqrt(sum / static_cast<double>(truths.size())));
+  }
+  EXPECT_GE(sharing, 22);
+  std::ranges::sort(errors);
+  EXPECT_LT(errors[errors.size() / 2], 0.06);
+
+  // Taken over, they are as they were kept.
+  options.known_fit = [&](long long contact) { return &kept.at(contact); };
+  options.keep_fit = {};
+  const BuildResult again = build_model(acquisition, surface, options);
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    EXPECT_EQ(again.model.contacts[i].field, built.model.contacts[i].field);
+    EXPECT_EQ(again.model.contacts[i].shared_local, built.model.contacts[i].shared_local);
+  }
+}
+
 TEST(BuildModel, RegistersAnAcquisitionThatIsOffTheSurface) {
   const Eigen::Vector3d offset(0, 0, 1.5);
   probing::Acquisition acquisition = flat_acquisition();
@@ -203,6 +252,10 @@ TEST(BuildModel, RefusesBadOptionsAndAcquisitions) {
   options.max_distance = -1;
   EXPECT_THAT(refusal([&] { return build_model(flat_acquisition(), flat_surface(), options); }),
               HasSubstr("max_distance"));
+  options = kQuick;
+  options.dense_samples = 5;
+  EXPECT_THAT(refusal([&] { return build_model(flat_acquisition(), flat_surface(), options); }),
+              HasSubstr("dense_samples is 5; it must be >= 12"));
   probing::Acquisition acquisition = flat_acquisition();
   acquisition.contacts[1].position = acquisition.contacts[0].position;
   EXPECT_THAT(refusal([&] { return build_model(acquisition, flat_surface(), kQuick); }),

@@ -254,5 +254,31 @@ TEST(FitForceField, RefusesWhatItCannotUse) {
   EXPECT_THAT(refusal([&] { return fit_force_field(places, forces); }), HasSubstr("sample 3"));
 }
 
+TEST(AssessForceField, GivesTheFiguresOfTheFitThatFoundTheField) {
+  const Eigen::Matrix3Xd displacements = random_points(60, 5);
+  Eigen::Matrix3Xd forces(3, 60);
+  for (Eigen::Index i = 0; i < 60; ++i) {
+    forces.col(i) = force(spring(3, 4), displacements.col(i)) + 0.01 * random_points(60, 1).col(i);
+  }
+  forces.col(7) += Eigen::Vector3d(1, -1, 1);
+  const FitResult fit = fit_force_field(displacements, forces);
+  const int parameters = 5 * static_cast<int>(fit.field.bases.size());
+  const FitResult assessed = assess_force_field(fit.field, displacements, forces, parameters);
+  EXPECT_NEAR(assessed.rms, fit.rms, 1e-9);
+  EXPECT_NEAR(assessed.chi2, fit.chi2, 1e-6 * fit.chi2);
+  EXPECT_NEAR(assessed.noise_floor, fit.noise_floor, 1e-9);
+  EXPECT_EQ(assessed.outliers, 1);
+  EXPECT_EQ(assessed.stop, FitStop::explained);
+  EXPECT_EQ(assessed.certificate.passivity, Passivity::convex);
+  // A field that is none of the samples'.
+  EXPECT_EQ(assess_force_field(spring(1, 4), displacements, forces, 5).stop, FitStop::unexplained);
+  // Forces that are all zero.
+  EXPECT_NEAR(assess_force_field({}, displacements, 0 * forces, 5).rms, 0, 1e-12);
+  EXPECT_THAT(refusal([&] {
+                return assess_force_field({{{1, -1}}}, displacements, forces, 5);
+              }),
+              HasSubstr("epsilon"));
+}
+
 }  // namespace
 }  // namespace palpate::haptics

@@ -36,6 +36,7 @@ inline void expect_same_document(const Model& left, const Model& right) {
     EXPECT_EQ(l.rms, r.rms);
     EXPECT_EQ(l.fit_stop, r.fit_stop);
     EXPECT_EQ(l.fit_mode, r.fit_mode);
+    EXPECT_EQ(l.shared_local, r.shared_local);
     EXPECT_EQ(l.passivity, r.passivity);
     EXPECT_EQ(l.chi2, r.chi2);
     EXPECT_EQ(l.noise_floor, r.noise_floor);
@@ -64,6 +65,7 @@ inline Model some_model() {
   model.contacts[1].friction_error = 0.0123;
   model.contacts[0].friction_lower_bound = 0.39;
   model.contacts[1].fit_mode = "certified";
+  model.contacts[1].shared_local = true;
   model.contacts[2].passivity = "undecided";
   model.contacts[3].chi2 = 1.3;
   model.contacts[0].noise_floor = 0.017;

@@ -33,8 +33,8 @@ probing::Contact contact_at(double x, double y) {
 
 TEST(StripModel, MovesAsTheSheetThatWasMeasured) {
   constexpr double kTol = 1e-7;  // [mm] of the two searches for an equilibrium
-  for (const auto& truth :
-       palpate::testing::strip_truths({}, {{-42, -60}, {3, 11}, {28, 40}}, 30)) {
+  for (const auto& truth : palpate::testing::strip_truths(palpate::testing::Strip{},
+                                                          {{-42, -60}, {3, 11}, {28, 40}}, 30)) {
     const probing::Contact contact = contact_at(truth.contact.x(), truth.contact.y());
     EXPECT_LT((displacement(sheet(), contact, truth.force) - truth.displacement).norm(), kTol);
     EXPECT_LT((force(sheet(), contact, truth.displacement) - truth.force).norm(), kTol);

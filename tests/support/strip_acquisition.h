@@ -168,21 +168,32 @@ inline Eigen::Vector3d strip_displacement(const Strip& strip, double x, double y
   return e + strip.compliance * force;
 }
 
+/// What a probe has to know of an object: of a contact at (x, y) the rows of its local frame, its
+/// place, its friction, and its displacement (local) under a force (local).
+inline Eigen::Matrix3d frame_at(const Strip&, double x, double y) { return strip_frame(x, y); }
+inline Eigen::Vector3d surface_at(const Strip&, double x, double y) { return strip_surface(x, y); }
+inline StripCone cone_at(const Strip& strip, double x, double y) { return strip_cone(strip, x, y); }
+inline Eigen::Vector3d displacement_at(const Strip& strip, double x, double y,
+                                       const Eigen::Vector3d& force) {
+  return strip_displacement(strip, x, y, force);
+}
+
 /// A noise-free pair at a contact, inside the friction cone, in the camera's frame.
 struct StripTruth {
   Eigen::Vector3d contact, displacement, force;
 };
 
 /// Pairs at contacts of the given places.
-inline std::vector<StripTruth> strip_truths(const Strip& strip,
-                                            const std::vector<Eigen::Vector2d>& places,
-                                            int per_place, unsigned seed = 1) {
+template <typename Object>
+std::vector<StripTruth> strip_truths(const Object& object,
+                                     const std::vector<Eigen::Vector2d>& places, int per_place,
+                                     unsigned seed = 1) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> uniform(0, 1);
   std::vector<StripTruth> truths;
   for (const Eigen::Vector2d& at : places) {
-    const Eigen::Matrix3d frame = strip_frame(at.x(), at.y());
-    const StripCone cone = strip_cone(strip, at.x(), at.y());
+    const Eigen::Matrix3d frame = frame_at(object, at.x(), at.y());
+    const StripCone cone = cone_at(object, at.x(), at.y());
     for (int i = 0; i < per_place;) {
       const double normal = 0.1 + 2.9 * uniform(random);
       const double tangential = 0.75 * uniform(random) * normal;
@@ -190,8 +201,8 @@ inline std::vector<StripTruth> strip_truths(const Strip& strip,
       Eigen::Vector3d force(tangential * std::cos(angle), tangential * std::sin(angle), normal);
       force *= std::min(1.0, 3 / force.norm());
       if (!strip_holds(cone, force)) continue;
-      truths.push_back({strip_surface(at.x(), at.y()),
-                        frame.transpose() * strip_displacement(strip, at.x(), at.y(), force),
+      truths.push_back({surface_at(object, at.x(), at.y()),
+                        frame.transpose() * displacement_at(object, at.x(), at.y(), force),
                         frame.transpose() * force});
       ++i;
     }
@@ -199,20 +210,20 @@ inline std::vector<StripTruth> strip_truths(const Strip& strip,
   return truths;
 }
 
-/// Probes one contact with one normal force; local forces in the order of the samples, the index of
-/// the last that held in a direction that slipped is marked.
-class StripProbe {
+/// Probes contacts of an object; local forces in the order of the samples, the index of the last
+/// that held in a direction that slipped is marked.
+template <typename Object>
+class ObjectProbe {
  public:
-  StripProbe(const Strip& strip, const StripProbing& probing)
-      : strip_(strip), probing_(probing), random_(probing.seed) {}
+  /// `group`: id of its first group of samples; several probes of one acquisition need different
+  /// ones.
+  ObjectProbe(const Object& object, const StripProbing& probing, long long group = 0)
+      : object_(object), probing_(probing), random_(probing.seed), group_(group) {}
 
   /// Adds a contact at (x, y) and all its samples.
   void probe(probing::Acquisition& acquisition, double x, double y) {
-    const Eigen::Matrix3d frame = strip_frame(x, y);
-    const probing::Contact contact{static_cast<long long>(acquisition.contacts.size()),
-                                   strip_surface(x, y), -frame.row(2).transpose()};
-    acquisition.contacts.push_back(contact);
-    const StripCone cone = strip_cone(strip_, x, y);
+    const probing::Contact contact = add_contact(acquisition, x, y);
+    const StripCone cone = cone_at(object_, x, y);
     for (const double normal : probing_.normal_forces) {
       add(acquisition, contact, x, y, {0, 0, normal}, true);
       for (int k = 0; k < probing_.directions; ++k) {
@@ -236,7 +247,30 @@ class StripProbe {
     }
   }
 
+  /// Adds a contact at (x, y) with one group for each normal force: that alone, and with a
+  /// tangential force of `ratio` times it in each of the directions. Without a search for the
+  /// friction boundary, which takes most samples.
+  void probe_sparsely(probing::Acquisition& acquisition, double x, double y, double ratio) {
+    const probing::Contact contact = add_contact(acquisition, x, y);
+    for (const double normal : probing_.normal_forces) {
+      add(acquisition, contact, x, y, {0, 0, normal}, true);
+      for (int k = 0; k < probing_.directions; ++k) {
+        const double angle = 0.2 + 2 * std::numbers::pi * k / probing_.directions;
+        add(acquisition, contact, x, y,
+            normal * Eigen::Vector3d(ratio * std::cos(angle), ratio * std::sin(angle), 1), true);
+      }
+      ++group_;
+    }
+  }
+
  private:
+  probing::Contact add_contact(probing::Acquisition& acquisition, double x, double y) const {
+    acquisition.contacts.push_back({static_cast<long long>(acquisition.contacts.size()),
+                                    surface_at(object_, x, y),
+                                    -frame_at(object_, x, y).row(2).transpose()});
+    return acquisition.contacts.back();
+  }
+
   Eigen::Vector3d noise(double deviation) {
     return deviation * Eigen::Vector3d(normal_(random_), normal_(random_), normal_(random_));
   }
@@ -244,15 +278,16 @@ class StripProbe {
   void add(probing::Acquisition& acquisition, const probing::Contact& contact, double x, double y,
            const Eigen::Vector3d& force, bool held) {
     constexpr double kSlide = 4;  // [mm] how far a tool that slipped has gone
-    const Eigen::Matrix3d to_camera = strip_frame(x, y).transpose();
+    const Eigen::Matrix3d frame = frame_at(object_, x, y);
+    const Eigen::Matrix3d to_camera = frame.transpose();
     const Eigen::Vector3d wrong = noise(probing_.force_noise);
     Eigen::Vector3d location = noise(probing_.location_noise);
     location.z() = 0;
     const Eigen::Vector3d pressed(0, 0, force.z());
-    const Eigen::Vector3d a = strip_displacement(strip_, x, y, pressed + wrong / 2) + location +
+    const Eigen::Vector3d a = displacement_at(object_, x, y, pressed + wrong / 2) + location +
                               noise(probing_.position_noise);
     Eigen::Vector3d b =
-        strip_displacement(strip_, x, y, force + wrong) + location + noise(probing_.position_noise);
+        displacement_at(object_, x, y, force + wrong) + location + noise(probing_.position_noise);
     if (!held) b += kSlide * (force - pressed).normalized() + Eigen::Vector3d::UnitZ();
     const auto id = static_cast<long long>(acquisition.samples.size());
     acquisition.samples.push_back({.id = id,
@@ -265,12 +300,14 @@ class StripProbe {
                                    .time = 12.0 * static_cast<double>(id)});
   }
 
-  const Strip& strip_;
+  const Object& object_;
   const StripProbing& probing_;
   std::mt19937 random_;
   std::normal_distribution<double> normal_;
-  long long group_ = 0;
+  long long group_;
 };
+
+using StripProbe = ObjectProbe<Strip>;
 
 /// The places that are probed.
 inline std::vector<Eigen::Vector2d> strip_places(const StripProbing& probing = {}) {

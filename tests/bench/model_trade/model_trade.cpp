@@ -16,6 +16,7 @@
 #include "palpate/haptics/realignment.h"
 #include "palpate/output_file.h"
 #include "peers.h"
+#include "sharing.h"
 #include "strip_acquisition.h"
 
 namespace palpate::bench {
@@ -145,9 +146,17 @@ int main(int count, char** arguments) {
   CLI::App app("Measures what fitting force fields costs and buys; prints Markdown");
   std::filesystem::path csv = "trade-model.csv";
   app.add_option("-o,--output", csv, "The same figures as CSV");
+  unsigned sharing = 0;
+  app.add_option("--sharing", sharing,
+                 "In place of all that: what a local part that contacts share is worth, on so many "
+                 "objects of each kind");
   CLI11_PARSE(app, count, arguments);
   try {
-    palpate::bench::run(csv);
+    if (sharing > 0) {
+      palpate::bench::measure_sharing(sharing);
+    } else {
+      palpate::bench::run(csv);
+    }
   } catch (const std::exception& error) {
     std::cerr << error.what() << '\n';
     return 1;

@@ -3,12 +3,14 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "palpate/geometry/triangle_mesh.h"
 #include "palpate/haptics/force_field_fit.h"
 #include "palpate/haptics/friction_axis.h"
 #include "palpate/haptics/friction_cone.h"
+#include "palpate/haptics/local_global.h"
 #include "palpate/haptics/model.h"
 #include "palpate/probing/acquisition.h"
 
@@ -31,11 +33,15 @@ struct BuildOptions {
   /// Of forces between contacts. The reference force of compliances is the lower quartile over
   /// contacts of the largest force along the z axis; if that is not positive, forces are blended.
   BlendRule blend_rule = BlendRule::compliances;
+  /// Contacts with fewer pairs of displacement and force than this share the local part of those
+  /// that have as many or more, if they gain by it (`LocalGlobalOptions::dense_samples`); >= 12.
+  /// Without one each contact is fitted on its own.
+  std::optional<int> dense_samples = std::nullopt;
   /// Called after each contact with the number of those done in that stage and of all, from one
   /// thread at a time; those with a known fit count as one. What it throws ends the work.
   std::function<void(BuildStage stage, int done, int total)> progress = {};
   /// Asked before a contact is fitted: what an earlier call with the same acquisition, surface and
-  /// fit options gave to `keep_fit`, or null.
+  /// fit options, and the same `dense_samples`, gave to `keep_fit`, or null.
   std::function<const FitResult*(long long contact)> known_fit = {};
   /// Given each new fit, before `progress` is called, from one thread at a time.
   std::function<void(long long contact, const FitResult& fit)> keep_fit = {};
@@ -64,6 +70,8 @@ struct BuildResult {
   std::vector<ContactReport> contacts;     ///< in the order of the model's contacts
   std::vector<long long> without_samples;  ///< ids of contacts that were left out for that
   std::vector<long long> isolated;         ///< ids of contacts in no triangle of contacts
+  /// Where it was looked for, in the contacts' frames; with `dense_samples` only.
+  std::optional<LocalPart> local_part;
   RegistrationOutcome registration = RegistrationOutcome::not_needed;
   double distance_rms = 0;  ///< [mm] of the contacts to the surface as given
   bool surface_flipped =

@@ -91,6 +91,9 @@ struct FitResult {
   /// Of `convex` least squares in all parameters, columns of unit length; NaN elsewhere. Large ones
   /// (1e3) tell that bases could be exchanged, not that the field is uncertain.
   double condition = 1;
+  /// Fitted to a local part that contacts share and to its own samples (`local_global.h`), not to
+  /// these alone
+  bool shared_local = false;
 };
 
 /// Fits a field to pairs of displacement [mm] and force on the object [N], 3 x N each.
@@ -117,6 +120,15 @@ struct FitResult {
 [[nodiscard]] FitResult fit_force_field(const Eigen::Ref<const Eigen::Matrix3Xd>& displacements,
                                         const Eigen::Ref<const Eigen::Matrix3Xd>& forces,
                                         const FitOptions& options = {});
+
+/// What samples say of a field, however it was found: all figures of the result but `iterations`,
+/// `mode` and `condition`. `parameters` > 0: so many numbers were fitted to the samples. It is
+/// `accurate`, `explained` or `unexplained`.
+/// \throws InvalidInput as `fit_force_field`.
+[[nodiscard]] FitResult assess_force_field(ForceField field,
+                                           const Eigen::Ref<const Eigen::Matrix3Xd>& displacements,
+                                           const Eigen::Ref<const Eigen::Matrix3Xd>& forces,
+                                           int parameters, const FitOptions& options = {});
 
 /// In a word, for reports: "accurate", "max_bases", ...
 [[nodiscard]] const char* to_string(FitStop stop);

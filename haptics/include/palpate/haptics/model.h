@@ -84,11 +84,12 @@ struct ContactModel {
   /// same displacement, whatever the rule.
   std::optional<ContactCompliance> compliance = {};
   // What older files lack; empty or 0 if not known.
-  std::string fit_mode;    ///< what the fit promises: a FitMode in a word
-  std::string passivity;   ///< of the field over the reach of its samples: a Passivity in a word
-  double chi2 = 0;         ///< per degree of freedom (see FitResult); >= 0
-  double noise_floor = 0;  ///< [N] the rms that noise alone makes; >= 0
-  double condition = 0;    ///< of the fit's least squares (see FitResult); >= 0
+  std::string fit_mode;       ///< what the fit promises: a FitMode in a word
+  std::string passivity;      ///< of the field over the reach of its samples: a Passivity in a word
+  double chi2 = 0;            ///< per degree of freedom (see FitResult); >= 0
+  double noise_floor = 0;     ///< [N] the rms that noise alone makes; >= 0
+  double condition = 0;       ///< of the fit's least squares (see FitResult); >= 0
+  bool shared_local = false;  ///< fitted to a local part that contacts share (see FitResult)
 };
 
 /// A deformable object as it was measured: the folder of design and playback.
