@@ -10,6 +10,7 @@
 #include <map>
 #include <mutex>
 #include <string>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -22,6 +23,7 @@
 #include "palpate/haptics/contact_compliance.h"
 #include "palpate/haptics/realignment.h"
 #include "palpate/probing/fingerprint.h"
+#include "palpate/probing/samples_by_contact.h"
 #include "samples_fingerprint.h"
 
 namespace palpate::haptics {
@@ -50,35 +52,49 @@ void check_same_samples(const Model& model, const probing::Acquisition& acquisit
                      "the acquisition that the model was made of, or fit it to this one");
 }
 
-// Samples of a contact in the frame of the surface; displacements count from the contact as
+// Samples of contacts in the frame of the surface; displacements count from the contact as
 // measured.
-ForceSamples samples_on_surface(const Model& model, const probing::Acquisition& acquisition,
-                                const geometry::SurfaceQuery& query, long long contact,
-                                const Eigen::Vector3d& place) {
-  const auto found = std::find_if(acquisition.contacts.begin(), acquisition.contacts.end(),
-                                  [&](const probing::Contact& c) { return c.id == contact; });
-  ForceSamples samples;
-  if (found != acquisition.contacts.end()) {
-    const Eigen::Vector3d there = model.T_surface_acquisition * found->position;
-    const double distance = (query.closest_point(there).position - place).norm();
-    if (!(distance <= kSamePlaceRatio * geometry::bounding_diagonal(model.surface))) {
-      throw InvalidInput("leave_one_out(): contact " + std::to_string(contact) +
-                         " of the acquisition lies " + std::to_string(distance) +
-                         " mm along the surface from that of the model; pass the acquisition that "
-                         "the model was made of");
+class RealignedSamples {
+ public:
+  RealignedSamples(const Model& model, const probing::Acquisition& acquisition)
+      : model_(model), acquisition_(acquisition), samples_(acquisition) {
+    for (std::size_t i = 0; i < acquisition.contacts.size(); ++i)
+      index_of_.emplace(acquisition.contacts[i].id, i);
+  }
+
+  [[nodiscard]] ForceSamples of(const ContactModel& contact,
+                                const geometry::SurfaceQuery& surface) const {
+    const auto found = index_of_.find(contact.id);
+    ForceSamples samples;
+    if (found != index_of_.end()) {
+      const probing::Contact& measured = acquisition_.contacts[found->second];
+      const Eigen::Vector3d there = model_.T_surface_acquisition * measured.position;
+      const double distance = (surface.closest_point(there).position - contact.position).norm();
+      if (!(distance <= kSamePlaceRatio * geometry::bounding_diagonal(model_.surface))) {
+        throw InvalidInput("leave_one_out(): contact " + std::to_string(contact.id) +
+                           " of the acquisition lies " + std::to_string(distance) +
+                           " mm along the surface from that of the model; pass the acquisition "
+                           "that the model was made of");
+      }
+      samples = realign(measured, samples_.of(found->second));
     }
-    samples = realign(*found, acquisition.samples);
+    if (samples.forces.cols() == 0) {
+      throw InvalidInput("leave_one_out(): contact " + std::to_string(contact.id) +
+                         " of the model has no samples in the acquisition; pass the acquisition "
+                         "that the model was made of");
+    }
+    const Eigen::Matrix3d rotation = model_.T_surface_acquisition.linear();
+    samples.displacements = rotation * samples.displacements;
+    samples.forces = rotation * samples.forces;
+    return samples;
   }
-  if (samples.forces.cols() == 0) {
-    throw InvalidInput("leave_one_out(): contact " + std::to_string(contact) +
-                       " of the model has no samples in the acquisition; pass the acquisition that "
-                       "the model was made of");
-  }
-  const Eigen::Matrix3d rotation = model.T_surface_acquisition.linear();
-  samples.displacements = rotation * samples.displacements;
-  samples.forces = rotation * samples.forces;
-  return samples;
-}
+
+ private:
+  const Model& model_;
+  const probing::Acquisition& acquisition_;
+  probing::SamplesByContact samples_;
+  std::unordered_map<long long, std::size_t> index_of_;
+};
 
 Model without_contact(const Model& model, std::vector<geometry::SurfacePoint> points,
                       std::size_t i) {
@@ -252,10 +268,11 @@ LeaveOneOut leave_one_out(const Model& model, const probing::Acquisition& acquis
   }
   check_same_samples(model, acquisition);
   const geometry::SurfaceQuery query(model.surface);
+  const RealignedSamples realigned(model, acquisition);
   std::vector<ForceSamples> samples;
   std::vector<geometry::SurfacePoint> points;
   for (const ContactModel& contact : model.contacts) {
-    samples.push_back(samples_on_surface(model, acquisition, query, contact.id, contact.position));
+    samples.push_back(realigned.of(contact, query));
     points.push_back(query.closest_point(contact.position).at);
   }
   const bool by_compliance = model.interpolation.rule == BlendRule::compliances;
