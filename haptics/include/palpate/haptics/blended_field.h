@@ -45,8 +45,10 @@ struct Blend {
 /// frame of the contact, which g_k is in. Either way the force is the gradient of sum_k w_k beta_k
 /// p_k(A_k R_c^T delta): energies stay convex, and so nowhere below zero, if the contacts' are (a
 /// certified one may be led out of the ball it is certified in); at a contact it is the contact's
-/// own field; and it is continuous along the surface. It is the force
-/// of the tool ON THE OBJECT; what a user feels is its opposite. A place outside all triangles of
+/// own field; and it is continuous along the surface, but where the frames of a place's contacts
+/// differ by about half a turn and have no single mean, as x axes must somewhere on a closed
+/// surface (docs/trade-model.md has how much). It is the force of the tool ON THE OBJECT; what a
+/// user feels is its opposite. A place outside all triangles of
 /// contacts has the weights that the triangulation gave it. Real-time safe once made; thread-safe.
 /// A place that is not finite gives zero force; a place off the surface has the force of the
 /// nearest one on it.
