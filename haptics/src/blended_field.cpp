@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/haptics/blended_field.h"
 
+#include <algorithm>
 #include <array>
 #include <span>
 #include <vector>
@@ -21,6 +22,18 @@ std::vector<Eigen::Matrix3d> pressing_frames(const Model& model) {
   std::vector<Eigen::Matrix3d> frames;
   for (const ContactModel& contact : model.contacts) frames.push_back(pressing_frame(contact));
   return frames;
+}
+
+// A frame with the mean z axis; its x axis is that of the heaviest contact, carried there by the
+// smallest turn.
+Eigen::Matrix3d carried_frame(std::span<const Eigen::Matrix3d> frames,
+                              std::span<const double> weights) noexcept {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (std::size_t k = 0; k < frames.size(); ++k) mean += weights[k] * frames[k].col(2);
+  const auto heaviest = std::ranges::max_element(weights) - weights.begin();
+  const Eigen::Matrix3d& frame = frames[static_cast<std::size_t>(heaviest)];
+  // They cancel each other only where the object has no inside to press into.
+  return mean.norm() > 0 ? Eigen::Matrix3d(rotation_between(frame.col(2), mean) * frame) : frame;
 }
 
 geometry::ContactLocator make_locator(const Model& model, const geometry::SurfaceQuery& surface) {
@@ -68,11 +81,14 @@ Blend BlendedField::blend(const geometry::SurfacePoint& contact) const noexcept 
     axis += weight * contacts_[i].friction_axis;
     result.friction += weight * contacts_[i].friction;
   }
-  result.frame = blend_rotations({frames.data(), count}, {result.contacts.weights.data(), count});
+  const std::span span(frames.data(), count);
+  const std::span weights(result.contacts.weights.data(), count);
+  const bool by_compliance = interpolation_.rule == BlendRule::compliances;
+  result.frame = by_compliance ? carried_frame(span, weights) : blend_rotations(span, weights);
   // Axes of neighbours may cancel each other only if they are opposite.
   result.friction_axis = axis.norm() > 0 ? Eigen::Vector3d(axis.normalized()) : result.frame.col(2);
   result.field_frame = result.frame;
-  if (interpolation_.rule == BlendRule::compliances) warp_fields(contact, result);
+  if (by_compliance) warp_fields(contact, result);
   return result;
 }
 
@@ -87,18 +103,24 @@ void BlendedField::warp_fields(const geometry::SurfacePoint& place, Blend& at) c
     frames[k] = pressing_frames_[i];
     any = any || (weights[k] > 0 && contacts_[i].compliance);
   }
-  at.field_frame = blend_rotations({frames.data(), count}, weights);
+  at.field_frame = carried_frame({frames.data(), count}, weights);
   Compliance here;
   if (any) {
-    here = compliance_between(contacts_, pressing_frames_, indices, weights,
-                              geometry::position(mesh_, place), interpolation_.reach);
+    here =
+        compliance_between(contacts_, pressing_frames_, indices, weights,
+                           geometry::position(mesh_, place), at.field_frame, interpolation_.reach);
   }
   for (std::size_t k = 0; k < count; ++k) {
+    if (!(weights[k] > 0)) continue;
     const ContactModel& contact = contacts_[static_cast<std::size_t>(indices[k])];
-    if (!(weights[k] > 0) || !contact.compliance) continue;
-    at.warps[k] = warp_between(contact.compliance->values, here);
-    // From the pressing frame into the local frame, which the field is in.
-    at.warps[k].displacement = contact.frame.transpose() * frames[k] * at.warps[k].displacement;
+    if (contact.compliance) {
+      const Eigen::Matrix2d turn = turn_between(frames[k], at.field_frame);
+      at.warps[k] = warp_between(turned(contact.compliance->values, turn), here);
+    }
+    // From the place's frame into the local frame, which the field is in.
+    const Eigen::Matrix3d carry = rotation_between(frames[k].col(2), at.field_frame.col(2));
+    at.warps[k].displacement =
+        (carry * contact.frame).transpose() * at.field_frame * at.warps[k].displacement;
   }
 }
 

@@ -190,7 +190,8 @@ Surroundings surroundings(const Model& model, const std::vector<std::vector<int>
     const ContactModel& other = model.contacts[static_cast<std::size_t>(contact)];
     result.contacts.push_back(contact);
     result.places.col(j) = frame.leftCols<2>().transpose() * (other.position - place);
-    result.values.col(j) = other.compliance->values;
+    result.values.col(j) =
+        turned(other.compliance->values, turn_between(pressing_frame(other), frame));
   }
   return result;
 }

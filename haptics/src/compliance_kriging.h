@@ -14,7 +14,8 @@ namespace palpate::haptics {
 struct Surroundings {
   std::vector<int> contacts;
   Eigen::Matrix2Xd places;  ///< [mm] from there, along the x and y axes of the place's frame
-  Eigen::Matrix<double, 6, Eigen::Dynamic> values;  ///< compliances of the contacts
+  /// Compliances of the contacts, turned into the place's frame (`turn_between`).
+  Eigen::Matrix<double, 6, Eigen::Dynamic> values;
 };
 
 /// Which contacts have one another around them: sharing a triangle of contacts or a vertex of the

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "palpate/haptics/rotation.h"
+
 namespace palpate::haptics {
 namespace {
 
@@ -40,10 +42,23 @@ Compliance curvature(const ContactCompliance& contact, const Eigen::Vector2d& a,
 
 }  // namespace
 
+Compliance turned(const Compliance& compliance, const Eigen::Matrix2d& turn) noexcept {
+  const Eigen::Matrix2d c = turn * across(compliance) * turn.transpose();
+  Compliance result;
+  result << turn * compliance.head<2>(), compliance(2), c(0, 0), (c(0, 1) + c(1, 0)) / 2, c(1, 1);
+  return result;
+}
+
+Eigen::Matrix2d turn_between(const Eigen::Matrix3d& from, const Eigen::Matrix3d& to) noexcept {
+  const Eigen::Matrix3d carry = rotation_between(from.col(2), to.col(2));
+  return (to.transpose() * carry * from).topLeftCorner<2, 2>();
+}
+
 Compliance compliance_between(const std::vector<ContactModel>& contacts,
                               std::span<const Eigen::Matrix3d> pressing_frames,
                               std::span<const int> indices, std::span<const double> weights,
-                              const Eigen::Vector3d& place, double reach) noexcept {
+                              const Eigen::Vector3d& place, const Eigen::Matrix3d& frame,
+                              double reach) noexcept {
   double sum = 0;
   Eigen::Vector3d center = Eigen::Vector3d::Zero();
   for (std::size_t k = 0; k < indices.size(); ++k) {
@@ -60,15 +75,16 @@ Compliance compliance_between(const std::vector<ContactModel>& contacts,
   for (std::size_t k = 0; k < indices.size(); ++k) {
     const ContactModel& contact = contacts[static_cast<std::size_t>(indices[k])];
     if (!contact.compliance) continue;
-    const auto axes =
-        pressing_frames[static_cast<std::size_t>(indices[k])].leftCols<2>().transpose();
+    const Eigen::Matrix3d& own = pressing_frames[static_cast<std::size_t>(indices[k])];
+    const auto axes = own.leftCols<2>().transpose();
     const Eigen::Vector2d u = axes * (center - contact.position), v = axes * beyond;
     const Eigen::Vector2d step = 2.0 / 3 * u + v;
-    mean += weights[k] / sum * contact.compliance->values;
-    change +=
-        weights[k] / sum *
-        (contact.compliance->trend.leftCols<2>() * step + curvature(*contact.compliance, u, u) / 6 +
-         curvature(*contact.compliance, u, v) + curvature(*contact.compliance, v, v) / 2);
+    const Eigen::Matrix2d turn = turn_between(own, frame);
+    mean += weights[k] / sum * turned(contact.compliance->values, turn);
+    const Compliance step_change =
+        contact.compliance->trend.leftCols<2>() * step + curvature(*contact.compliance, u, u) / 6 +
+        curvature(*contact.compliance, u, v) + curvature(*contact.compliance, v, v) / 2;
+    change += weights[k] / sum * turned(step_change, turn);
   }
   const double size = relative_change(change, mean);
   if (size > kMaxChange) change *= kMaxChange / size;

@@ -5,7 +5,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <utility>
+
+#include "palpate/haptics/contact_compliance.h"
 #include "sheet_model.h"
+#include "sphere_model.h"
 
 namespace palpate::haptics {
 namespace {
@@ -92,6 +100,56 @@ TEST(BlendedField, DoesNotDependOnACommonTurnOfTheLocalAxes) {
   EXPECT_LT(
       (turned.force({7, 11, 700}, kDisplacement) - field.force({7, 11, 700}, kDisplacement)).norm(),
       kTolerance);
+}
+
+// A ball that is felt all round, at each contact stiffer in one direction along it, with the x axis
+// of contact i turned by `twist(i)`.
+Model grained_ball(int contacts, const std::function<double(int)>& twist) {
+  Model model =
+      ball_model([](const Eigen::Vector3d&) { return true; }, [](int) { return 0.0; }, contacts);
+  for (ContactModel& contact : model.contacts) {
+    contact.field.bases.push_back(
+        {.weight = 2, .epsilon = 5, .ridge = Eigen::Vector3d(1, 2, 0).normalized()});
+    const Eigen::Matrix3d turn = rotation_exp({0, 0, twist(static_cast<int>(contact.id))});
+    contact.frame = contact.frame * turn;
+    contact.field = rotated(contact.field, turn.transpose());
+  }
+  return with_compliances(std::move(model), 2);
+}
+
+TEST(BlendedField, ByComplianceDoesNotDependOnTheXAxesOfContacts) {
+  const BlendedField field(grained_ball(30, [](int) { return 0.0; }));
+  const BlendedField turned(grained_ball(30, [](int i) { return 2.3 * i; }));
+  for (const Eigen::Vector3d& place : places_on_sphere(500)) {
+    const Eigen::Vector3d difference =
+        turned.force(place, kDisplacement) - field.force(place, kDisplacement);
+    EXPECT_LT(difference.norm(), 1e-3);  // [N] of 3 N: trends have five digits
+  }
+}
+
+TEST(BlendedField, ByComplianceDoesNotJumpAnywhereOnAClosedSurface) {
+  for (const int contacts : {12, 30}) {
+    const BlendedField field(grained_ball(contacts, [](int i) { return 2.3 * i; }));
+    const auto largest_step = [&](const Eigen::Matrix3d& circle, int steps) {
+      double largest = 0;
+      Eigen::Vector3d before = field.force(kSphereRadius * circle.col(0), kDisplacement);
+      for (int i = 1; i <= steps; ++i) {
+        const double angle = 2 * std::numbers::pi * i / steps;
+        const Eigen::Vector3d place =
+            kSphereRadius * (std::cos(angle) * circle.col(0) + std::sin(angle) * circle.col(1));
+        const Eigen::Vector3d now = field.force(place, kDisplacement);
+        largest = std::max(largest, (now - before).norm());
+        before = now;
+      }
+      return largest;
+    };
+    for (int i = 0; i < 6; ++i) {
+      const Eigen::Matrix3d circle = rotation_exp(Eigen::Vector3d(0.3, 1.1, -0.4) * i);
+      // A quarter, but a jump would stay.
+      EXPECT_LT(largest_step(circle, 16000), 0.4 * largest_step(circle, 4000))
+          << contacts << " contacts, circle " << i;
+    }
+  }
 }
 
 TEST(BlendedField, GivesNoForceForWhatIsNotFinite) {

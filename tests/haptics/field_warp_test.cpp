@@ -48,16 +48,24 @@ TEST(WarpBetween, KeepsTheForceAtTheDisplacementAndGivesTheStiffnessAcross) {
 
 TEST(WarpBetween, TurnsWithTheAxes) {
   const Eigen::Matrix3d turn = rotation_exp({0, 0, 0.7});
-  const auto turned = [&](const Compliance& values) {
-    const Eigen::Vector3d u = turn * values.head<3>();
-    const Eigen::Matrix2d c =
-        turn.topLeftCorner<2, 2>() * across(values) * turn.topLeftCorner<2, 2>().transpose();
-    return compliance(u.x(), u.y(), u.z(), c(0, 0), c(0, 1), c(1, 1));
-  };
+  const Eigen::Matrix2d plane = turn.topLeftCorner<2, 2>();
   const Eigen::Matrix3d expected =
       turn * warp_between(kSoft, kStiff).displacement * turn.transpose();
-  const FieldWarp warp = warp_between(turned(kSoft), turned(kStiff));
+  const FieldWarp warp = warp_between(turned(kSoft, plane), turned(kStiff, plane));
   EXPECT_LT((warp.displacement - expected).norm(), kTolerance);
+}
+
+TEST(Turned, ByAQuarterExchangesTheAxes) {
+  const Eigen::Matrix2d quarter{{0, -1}, {1, 0}};
+  EXPECT_LT((turned(kSoft, quarter) - compliance(0.7, 2.1, 17, 5.1, 0.3, 1.2)).norm(), kTolerance);
+}
+
+TEST(TurnBetween, LeavesOnlyWhatTheXAxesDifferByAfterTheSmallestTurnOfZ) {
+  const Eigen::Matrix3d from = rotation_exp({0.4, -0.3, 0.9});
+  // Tilted about an axis across z, then turned about the new z.
+  const Eigen::Matrix3d to = from * rotation_exp({0.5, 0.2, 0}) * rotation_exp({0, 0, 0.6});
+  const Eigen::Matrix2d expected = rotation_exp({0, 0, -0.6}).topLeftCorner<2, 2>();
+  EXPECT_LT((turn_between(from, to) - expected).norm(), kTolerance);
 }
 
 // Three contacts in a plane whose compliances and trends are those of a cubic function of the
@@ -86,7 +94,8 @@ class CubicCompliance : public testing::Test {
   }
   [[nodiscard]] double at(const std::array<double, 3>& weights, const Eigen::Vector3d& place,
                           double reach = 100) const {
-    return compliance_between(contacts, frames, indices, weights, place, reach)(2);
+    return compliance_between(contacts, frames, indices, weights, place,
+                              Eigen::Matrix3d::Identity(), reach)(2);
   }
   [[nodiscard]] Eigen::Vector3d place(const std::array<double, 3>& weights) const {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -121,8 +130,8 @@ TEST_F(CubicCompliance, NeverChangesTheMeanByMoreThanItsPart) {
   const double value = contacts[1].compliance->values(2);
   EXPECT_NEAR(at({0, 1, 0}, outside), (1 - kMaxChange) * value, 1e-9 * value);
   contacts[1].compliance->trend.row(3).setConstant(-1e9);
-  const Compliance found =
-      compliance_between(contacts, frames, indices, std::array{0.0, 1.0, 0.0}, outside, 100);
+  const Compliance found = compliance_between(contacts, frames, indices, std::array{0.0, 1.0, 0.0},
+                                              outside, Eigen::Matrix3d::Identity(), 100);
   EXPECT_GE(across(found).eigenvalues().real().minCoeff(), (1 - kMaxChange) * (1 - kTolerance));
 }
 

@@ -32,26 +32,26 @@ struct Blend {
 
 /// The force field at any place of the surface, in blended frames (thesis 5.3.2.2).
 ///
-/// f(c, delta) = R_c sum_k w_k beta_k A_k^T g_k(A_k R_c^T delta), R_c the mean of the contacts'
-/// frames (with `BlendRule::forces`) or of their pressing frames; the weights w_k are those of
+/// f(c, delta) = R_c sum_k w_k beta_k A_k^T g_k(A_k R_c^T delta); the weights w_k are those of
 /// `geometry::ContactLocator`, in place of barycentric coordinates on flat triangles.
-/// With `BlendRule::forces` A_k = I and beta_k = 1: Eq 5.10. That lets a stiff neighbour resist
-/// displacements far beyond its own.
-/// With `BlendRule::compliances` every field is warped to yield to the reference force as the place
-/// does, whose compliance (u, c) is interpolated by the contacts' trends (docs/model-file.md
-/// has the formula). With (u_k, c_k) that of contact k, beta_k = u_z / u_kz, and A_k = B_k M_k: M_k
-/// maps u to u_k, has the third row (0, 0, 1 / beta_k) and the upper left block (c_k # c^-1) /
-/// sqrt(beta_k), # the geometric mean of matrices; B_k turns from the pressing frame into the local
-/// frame of the contact, which g_k is in. Either way the force is the gradient of sum_k w_k beta_k
-/// p_k(A_k R_c^T delta): energies stay convex, and so nowhere below zero, if the contacts' are (a
-/// certified one may be led out of the ball it is certified in); at a contact it is the contact's
-/// own field; and it is continuous along the surface, but where the frames of a place's contacts
-/// differ by about half a turn and have no single mean, as x axes must somewhere on a closed
-/// surface (docs/trade-model.md has how much). It is the force of the tool ON THE OBJECT; what a
-/// user feels is its opposite. A place outside all triangles of
-/// contacts has the weights that the triangulation gave it. Real-time safe once made; thread-safe.
-/// A place that is not finite gives zero force; a place off the surface has the force of the
-/// nearest one on it.
+/// With `BlendRule::forces` R_c is the (Karcher) mean of the contacts' frames, A_k = I and
+/// beta_k = 1: Eq 5.10. That lets a stiff neighbour resist displacements far beyond its own, and
+/// jumps where frames differ by about half a turn and have no single mean, as x axes of contacts
+/// must somewhere on a closed surface.
+/// With `BlendRule::compliances` every field is carried to the place by the smallest turn T_k of
+/// the inward normal there, so that its x axis does not matter, and warped to yield to the
+/// reference force as the place does, whose compliance (u, c) is interpolated by the contacts'
+/// trends (docs/model-file.md has the formula). R_c has as z axis the mean of the inward normals.
+/// With (u_k, c_k) that of contact k in R_c, beta_k = u_z / u_kz, and A_k = B_k M_k: M_k maps u to
+/// u_k, has the third row (0, 0, 1 / beta_k) and the upper left block (c_k # c^-1) / sqrt(beta_k),
+/// # the geometric mean of matrices; B_k = (T_k R_k)^T R_c leads to the local frame R_k of the
+/// contact, which g_k is in. Either way the force is the gradient of sum_k w_k beta_k p_k(A_k R_c^T
+/// delta): energies stay convex, and so nowhere below zero, if the contacts' are (a certified one
+/// may be led out of the ball it is certified in); at a contact it is the contact's own field; and
+/// it is continuous along the surface. It is the force of the tool ON THE OBJECT; what a user feels
+/// is its opposite. A place outside all triangles of contacts has the weights that the
+/// triangulation gave it. Real-time safe once made; thread-safe. A place that is not finite gives
+/// zero force; a place off the surface has the force of the nearest one on it.
 class BlendedField {
  public:
   /// \throws InvalidInput if `check_model` refuses.
