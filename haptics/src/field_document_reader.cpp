@@ -135,7 +135,9 @@ Multiquadric ridge_of(const Node& node) {
   const auto of = numbers<5>(node, "five numbers: weight, offset, three of the slope");
   const StoredRidge ridge{
       of[0].number(), of[1].number(), {of[2].number(), of[3].number(), of[4].number()}};
-  if (ridge.slope.isZero(0)) node.refuse("the last three numbers not all to be zero");
+  // Its epsilon, the inverse, would be beyond all numbers of a document.
+  if (!(ridge.slope.stableNorm() >= 1 / kLargestNumber))
+    node.refuse("the last three numbers to be a vector of a length of at least 1e-12");
   return to_ridge(ridge);
 }
 
@@ -165,7 +167,7 @@ Eigen::Matrix3d frame_of(const Node& node) {
 Eigen::Vector3d to_unit_vector(const Node& node) {
   const Eigen::Vector3d direction = node.vector();
   if (direction.isZero(0)) node.refuse("three numbers that are not all zero");
-  return direction.normalized();
+  return to_direction(direction).normalized();
 }
 
 Interpolation to_interpolation(const Node& node) {

@@ -6,8 +6,10 @@
 #include <ostream>
 #include <vector>
 
+#include "document_node.h"
 #include "field_document.h"
 #include "field_document_format.h"
+#include "palpate/error.h"
 #include "stored_form.h"
 
 namespace palpate::haptics {
@@ -15,8 +17,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Whole numbers are shorter without ".0"; -0 has no other form.
+// Whole numbers are shorter without ".0"; -0 has no other form. What the reader would refuse is not
+// written.
 Json to_json(double value) {
+  if (!(std::abs(value) <= kLargestNumber)) {
+    throw InvalidInput("field_document(): the model has a number of " + Json(value).dump() +
+                       ", or a ridge makes it; the document holds none beyond 1e12");
+  }
   constexpr double kExact = 0x1p53;  // below it every whole number is a double
   const bool is_whole = std::trunc(value) == value && std::abs(value) < kExact;
   if (is_whole && !(value == 0 && std::signbit(value))) return static_cast<std::int64_t>(value);

@@ -19,6 +19,16 @@ double largest_entry(const Vector& v) {
 
 double to_places(double entry) { return round_to_places(entry, kFieldDigits); }
 
+// Decimal places that a slope is rounded to. Weight and epsilon take over the errors of three
+// entries. A digit more for a largest entry that begins with 1 or 2 keeps them within
+// CertificateOptions::number_tolerance.
+int places_of(const Eigen::Vector3d& slope) {
+  constexpr double kEnough = 3;
+  const double largest = slope.cwiseAbs().maxCoeff();
+  const int before_point = static_cast<int>(std::floor(std::log10(largest / kEnough))) + 1;
+  return std::max(kFieldDigits - before_point, 0);
+}
+
 }  // namespace
 
 StoredRidge to_stored(const Multiquadric& ridge) {
@@ -35,13 +45,13 @@ Multiquadric to_ridge(const StoredRidge& stored) {
 StoredRidge rounded(StoredRidge stored) {
   stored.weight = round_to_digits(stored.weight, kFieldDigits);
   stored.offset = round_to_digits(stored.offset, kFieldDigits);
-  // Weight and epsilon take over the errors of three entries. A digit more for a largest entry that
-  // begins with 1 or 2 keeps them within CertificateOptions::number_tolerance.
-  constexpr double kEnough = 3;
-  const double largest = stored.slope.cwiseAbs().maxCoeff();
-  const int before_point = static_cast<int>(std::floor(std::log10(largest / kEnough))) + 1;
-  const int places = std::max(kFieldDigits - before_point, 0);
-  for (double& entry : stored.slope) entry = round_to_places(entry, places);
+  const auto slope_with = [&](int places) -> Eigen::Vector3d {
+    return stored.slope.unaryExpr([&](double entry) { return round_to_places(entry, places); });
+  };
+  // Rounding may take the largest entry over a bound at which places change: rounding again must
+  // not take one off.
+  const int places = places_of(stored.slope);
+  stored.slope = slope_with(std::min(places, places_of(slope_with(places))));
   return stored;
 }
 
@@ -52,8 +62,10 @@ Eigen::Vector4d to_quaternion(const Eigen::Matrix3d& frame) {
 }
 
 Eigen::Matrix3d to_frame(const Eigen::Vector4d& quaternion) {
-  const double w = quaternion[0], x = quaternion[1], y = quaternion[2], z = quaternion[3];
-  const double twice = 2 / quaternion.squaredNorm();
+  // The square of its length may be too small for a number.
+  const Eigen::Vector4d scaled = quaternion / std::abs(largest_entry(quaternion));
+  const double w = scaled[0], x = scaled[1], y = scaled[2], z = scaled[3];
+  const double twice = 2 / scaled.squaredNorm();
   Eigen::Matrix3d frame;
   frame << 1 - twice * (y * y + z * z), twice * (x * y - w * z), twice * (x * z + w * y),  //
       twice * (x * y + w * z), 1 - twice * (x * x + z * z), twice * (y * z - w * x),       //

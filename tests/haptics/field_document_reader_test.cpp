@@ -97,6 +97,10 @@ TEST(FieldDocumentReader, RefusesWhatCannotBe) {
                 for (const std::size_t i : {2, 3, 4}) d["contacts"][0]["ridges"][0][i] = 0;
               }),
               AllOf(HasSubstr("/contacts/0/ridges/0:"), HasSubstr("last three")));
+  EXPECT_THAT(refused_after([](json& d) {
+                for (const std::size_t i : {2, 3, 4}) d["contacts"][0]["ridges"][0][i] = 1e-310;
+              }),
+              AllOf(HasSubstr("/contacts/0/ridges/0:"), HasSubstr("at least 1e-12")));
   EXPECT_THAT(refused_after([](json& d) { d["contacts"][0]["bases"][0][0] = 1.01e12; }),
               AllOf(HasSubstr("/contacts/0/bases/0/0:"), HasSubstr("at most 1e12")));
   EXPECT_THAT(refused_after([](json& d) { d["contacts"][2]["id"] = 11; }),
@@ -105,6 +109,26 @@ TEST(FieldDocumentReader, RefusesWhatCannotBe) {
               HasSubstr("/registration/rotation:"));
   EXPECT_THAT(refused_after([](json& d) { d["contacts"].erase(0), d["contacts"].erase(0); }),
               AllOf(HasSubstr("/contacts:"), HasSubstr("at least three")));
+}
+
+// Also where the square of the length is no number.
+TEST(FieldDocumentReader, TakesRotationsAndAxesOfAnyLength) {
+  const Model expected = some_model();
+  const json original = json::parse(field_document(expected, ModelEncoding::json));
+  for (const double length : {-1e-300, 1e-170, 3.0, 1e11}) {
+    json document = original;
+    for (json& contact : document["contacts"]) {
+      for (json& entry : contact["rotation"]) entry = entry.get<double>() * length;
+      if (length < 0) continue;
+      for (json& entry : contact["friction"]["axis"]) entry = entry.get<double>() * length;
+    }
+    const Model model = read_field_document(document.dump(), ModelEncoding::json).model;
+    for (std::size_t i = 0; i < model.contacts.size(); ++i) {
+      const ContactModel &is = model.contacts[i], &was = expected.contacts[i];
+      EXPECT_TRUE(is.frame.isApprox(was.frame, 1e-14)) << length;
+      EXPECT_TRUE(is.friction_axis.isApprox(was.friction_axis, 1e-14)) << length;
+    }
+  }
 }
 
 TEST(FieldDocumentReader, DoesWithoutWhatOlderFilesLack) {

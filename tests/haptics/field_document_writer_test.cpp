@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <valijson/adapters/nlohmann_json_adapter.hpp>
@@ -18,6 +19,8 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
 
 const fs::path kDocs = fs::path(PALPATE_SOURCE_DIR) / "docs";
 
@@ -55,6 +58,17 @@ TEST(FieldDocumentWriter, LosesNoMoreThanTheLastBitsOfWhatIsNotRounded) {
     EXPECT_LE((force(is.field, displacement) - force(was.field, displacement)).norm(),
               kLastBits * weight_sum(was.field));
   }
+}
+
+TEST(FieldDocumentWriter, WritesNothingThatItsReaderRefuses) {
+  Model model = some_model();
+  model.contacts[0].position.x() = 2e12;
+  EXPECT_THAT(refusal([&] { return field_document(model, ModelEncoding::cbor); }),
+              AllOf(HasSubstr("2000000000000"), HasSubstr("1e12")));
+  model = some_model();
+  model.contacts[1].field.bases = {{1, 1e-13, {0, 0, 0}, {0, 0, 1}}};
+  EXPECT_THAT(refusal([&] { return field_document(model, ModelEncoding::json); }),
+              HasSubstr("a ridge"));
 }
 
 TEST(FieldDocumentWriter, WritesOneDocumentInTwoEncodings) {
@@ -124,7 +138,9 @@ TEST(FieldDocumentWriter, PythonComputesTheSameForces) {
   constexpr std::string_view kBegin = "```python\n", kEnd = "```";
   for (std::size_t begin = 0; (begin = rest.find(kBegin)) != std::string::npos;) {
     rest.erase(0, begin + kBegin.size());
-    script += rest.substr(0, rest.find(kEnd));
+    const std::string part = rest.substr(0, rest.find(kEnd));
+    EXPECT_LE(std::ranges::count(part, '\n'), 10) << "lines are to be few";
+    script += part;
   }
   script +=
       "for contact in document['contacts']:\n"

@@ -80,6 +80,16 @@ TEST(Rounding, ChangesNothingTheSecondTime) {
   }
 }
 
+// The largest entry of the slope is rounded up to where one decimal place less is stored.
+TEST(Rounding, ChangesNothingTheSecondTimeWherePlacesChange) {
+  const Eigen::Vector3d along = Eigen::Vector3d(0.9, 0.123456789, -0.35).normalized();
+  for (const double largest : {2.99999996, 29.9999996, 0.299999996, 0.0299999996}) {
+    const ForceField field = {{{1.5, along.x() / largest, {0.4, 0.2, 0.1}, along}}};
+    const ForceField once = rounded(field);
+    EXPECT_EQ(rounded(once), once) << largest;
+  }
+}
+
 TEST(Rounding, KeepsFramesAndAxesExactlyWhatTheyAre) {
   for (int i = 0; i < 300; ++i) {
     const Eigen::Matrix3Xd points = random_points(2, 3, static_cast<unsigned>(i));
