@@ -45,8 +45,8 @@ double to_number(const Json& json) {
                           : std::numeric_limits<double>::quiet_NaN();
 }
 
-// A word of a record that is none of those that it can be.
-struct UnknownWord : std::runtime_error {
+// What stands in a record and cannot be.
+struct Damaged : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
@@ -57,7 +57,7 @@ Value to_value(const Json& json, std::initializer_list<Value> values) {
   for (const Value value : values) {
     if (word == haptics::to_string(value)) return value;
   }
-  throw UnknownWord(fmt::format("\"{}\" is no word of it", word));
+  throw Damaged(fmt::format("\"{}\" is no word of it", word));
 }
 
 haptics::FitStop to_stop(const Json& json) {
@@ -109,6 +109,11 @@ haptics::FitResult to_fit(const Json& json) {
       base.ridge[static_cast<Eigen::Index>(i)] = numbers.at(5 + i);
     }
     fit.field.bases.push_back(base);
+  }
+  try {
+    haptics::check_force_field(fit.field, "a field");
+  } catch (const InvalidInput& error) {
+    throw Damaged(error.what());
   }
   fit.rms = to_number(json.at("rms"));
   fit.iterations = json.at("iterations");
@@ -173,7 +178,7 @@ void FitRecord::resume() {
         fits_[entry.at("contact").get<long long>()] = to_fit(entry.at("fit"));
     } catch (const Json::exception& error) {
       refuse(error);
-    } catch (const UnknownWord& error) {
+    } catch (const Damaged& error) {
       refuse(error);
     }
     whole += line.size() + 1;
