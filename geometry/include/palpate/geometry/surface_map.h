@@ -71,11 +71,11 @@ struct SurfaceMap {
 /// below zero left out) over twice the area, l from a quarter to a hundredth of the diagonal. In
 /// the end each vertex is put on the nearest point. Between landmarks the map is a guess that
 /// distorts little; it is exact for a rigid motion and a uniform scale, and for an affine map if
-/// the landmarks are not in a plane. \throws InvalidInput on a bad mesh or option, meshes that are
-/// not manifold, not of one component each, or differ in the number of border loops or holes
-/// through them (Euler characteristic), fewer than three landmarks, as many on both sides, that are
-/// finite, near their surface, and not nearly in a line on either; SolverError if the equations
-/// cannot be solved.
+/// the landmarks are not in a plane.
+/// \throws InvalidInput on a bad mesh or option, meshes that are not manifold, not of one component
+/// each, or differ in the number of border loops or holes through them (Euler characteristic),
+/// fewer than three landmarks, as many on both sides, that are finite, near their surface, and not
+/// nearly in a line on either; SolverError if the equations cannot be solved.
 [[nodiscard]] SurfaceMap map_surface(const TriangleMesh& source, const TriangleMesh& target,
                                      const Landmarks& landmarks,
                                      const SurfaceMapOptions& options = {});

@@ -68,10 +68,10 @@ struct LeaveOneOutOptions {
 };
 
 /// Predicts each contact's samples from the others (thesis 5.3.3): the model without that contact,
-/// its triangulation and all that is learnt of compliances made anew, against the contact's
-/// realigned samples. \throws InvalidInput if a contact of the model is not in the acquisition, is
-/// elsewhere there or has no samples there, the model has fewer than four contacts, or
-/// `check_model` refuses.
+/// its triangulation and all that is learnt of compliances made anew, against what was measured.
+/// \throws InvalidInput if a contact of the model is not in the acquisition, is elsewhere there or
+/// has no samples there, if the acquisition holds other samples than the model was made of, the
+/// model has fewer than four contacts, or `check_model` refuses.
 [[nodiscard]] LeaveOneOut leave_one_out(const Model& model, const probing::Acquisition& acquisition,
                                         const LeaveOneOutOptions& options = {});
 
