@@ -13,8 +13,8 @@ namespace palpate::haptics {
 /// How long to look for the least loss.
 struct Effort {
   int iterations = 0;  ///< at most
-  double worthwhile =
-      0;  ///< a step that gains less is the last; noise moves the loss by some units
+  /// A step that gains less is the last; noise moves the loss by some units.
+  double worthwhile = 0;
 };
 
 struct ConvexSolution {

@@ -13,8 +13,8 @@
 namespace palpate::haptics {
 namespace {
 
-// Candidates, lengths in units of the data's extent.
-// Octaves about what is expected of epsilon (`refine`).
+// Candidates, lengths in units of the data's extent: epsilons in octaves about what is expected
+// (`refine`), and quantiles of the samples that ridges stand at.
 constexpr std::array<double, 4> kEpsilons = {0.2, 0.4, 0.8, 1.6};
 constexpr std::array<double, 7> kQuantiles = {0, 0.1, 0.25, 0.5, 0.75, 0.9, 1};
 // Ridges also stand this part of the samples' width beyond them, on both sides.

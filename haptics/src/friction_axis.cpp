@@ -3,11 +3,12 @@
 #include "palpate/haptics/friction_axis.h"
 
 #include <Eigen/QR>
-#include <algorithm>
 #include <cmath>
 #include <string>
+#include <vector>
 
 #include "palpate/error.h"
+#include "palpate/geometry/median.h"
 #include "palpate/haptics/rotation.h"
 
 namespace palpate::haptics {
@@ -93,12 +94,6 @@ Ratios ratios_of(const ForceSamples& samples, const Eigen::Vector3d& cone_axis,
   return ratios;
 }
 
-double median(Eigen::ArrayXd values) {
-  const auto middle = values.begin() + values.size() / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 }  // namespace
 
 const char* to_string(FrictionAxisStop stop) {
@@ -139,7 +134,8 @@ FrictionAxisFit fit_friction_axis(const ForceSamples& samples, const Eigen::Vect
   Eigen::ArrayXd errors, shrunk = Eigen::ArrayXd::Ones(fit.pairs);
   for (int i = 0; i < kMaxIterations; ++i) {
     errors = (observed - design * solution).rowwise().norm();
-    const double most = kHuber * median(errors) / kMedianLength;
+    const double most =
+        kHuber * geometry::median(std::vector(errors.begin(), errors.end())) / kMedianLength;
     if (!(most > 0)) break;
     shrunk = (errors > most).select(most / errors, 1.0);
     const Eigen::ArrayXd roots = shrunk.sqrt();

@@ -349,8 +349,8 @@ LocalPart learn_local_part(std::span<const ForceSamples> contacts,
     part.outcome = SharingOutcome::no_gain;
   } else {
     part.outcome = sparse.empty() ? SharingOutcome::none_sparse : SharingOutcome::too_few_dense;
-    part.gain = part.gain_error = std::numeric_limits<double>::quiet_NaN();
   }
+  part.gain = part.gain_error = std::numeric_limits<double>::quiet_NaN();  // until it is tried
   part.noise = fit.noise;
   part.dense_samples = options.dense_samples;
   part.dense = static_cast<int>(dense.size());

@@ -10,6 +10,8 @@
 #include <limits>
 #include <vector>
 
+#include "palpate/geometry/median.h"
+
 namespace palpate::haptics {
 namespace {
 
@@ -62,12 +64,6 @@ Eigen::Matrix3d whitening(const Eigen::Matrix3d& compliance, const PairNoise& no
   return covariance.llt().matrixL().solve(Eigen::Matrix3d::Identity());
 }
 
-double median(Eigen::VectorXd values) {
-  const auto middle = values.begin() + values.size() / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 // The way from the prior's mean to G is gone as far as no compliance turns negative.
 Eigen::Matrix3d monotone(const Eigen::Matrix3d& global, const CompliancePrior& prior,
                          const ForceField& local, const Eigen::Matrix3Xd& forces) {
@@ -116,7 +112,8 @@ Eigen::Matrix3d fit_global_compliance(const ForceSamples& samples, const ForceFi
       target.segment<3>(3 * i) = whiten * (d - force(local, f));
       squares[i] = (whiten * (d - series.displacement(f))).squaredNorm();
     }
-    const double scale = kOutlier * std::max(1.0, median(squares) / kMedianChi2);
+    const double median = geometry::median(std::vector(squares.begin(), squares.end()));
+    const double scale = kOutlier * std::max(1.0, median / kMedianChi2);
     for (Eigen::Index i = 0; i < count; ++i) {
       const double weight = 1 / std::sqrt(1 + squares[i] / scale);
       rows.middleRows<3>(3 * i) *= weight;

@@ -102,7 +102,7 @@ struct FitResult {
 /// convex. The non-negative least squares over a dictionary of bases, laid out by the samples, is
 /// followed by a joint refinement of all parameters (projected Levenberg-Marquardt) and the removal
 /// of bases, those that the others can replace best first: for as long as noise explains the errors
-/// (chi^2 at most half a standard deviation below its mean), or Akaike's information criterion
+/// (chi^2 is below its mean, by half a deviation or more), or Akaike's information criterion
 /// gains. An error of sample i has the covariance force^2 I + displacement^2 K K^T of the noise,
 /// with K the stiffness there, and a robust loss (Cauchy). Where samples do not tell epsilon, it is
 /// near half the extent of the displacements: steps of a staircase between levels of force would

@@ -15,8 +15,8 @@ namespace palpate::haptics {
 /// What a pair of displacement and force stands for.
 enum class PairKind {
   settled,           ///< the mean position of a group under its normal force alone
-  held,              ///< a sample that held, but for
-  friction_boundary  ///< one that is marked `on_friction_boundary`
+  held,              ///< a sample that held, within the boundary
+  friction_boundary  ///< one that held and is marked `on_friction_boundary`
 };
 
 /// Pairs of displacement and force at one contact, what a force field is fitted to.
