@@ -156,7 +156,7 @@ TEST_F(FitResume, RefusesOtherSettingsDataAndRecords) {
   with_fit("mode", "concave");
   EXPECT_NE(refusal({"--resume"}).find("concave"), std::string::npos);
   with_fit("bases", {{1, 0, 0, 0, 0, 0, 0, 0}, {2, 1, 0, 0, 0, 0, 0, 0}});
-  EXPECT_NE(refusal({"--resume"}).find("epsilon"), std::string::npos);
+  EXPECT_NE(refusal({"--resume"}).find("a field: base 0: epsilon"), std::string::npos);
   write_text(scratch / "model.fits", "{}\n");
   EXPECT_NE(refusal({"--resume"}).find("is not the record of an earlier run"), std::string::npos);
   write_text(scratch / "model.fits", "a letter\n");
