@@ -50,13 +50,14 @@ struct FitCall {
 /// Which contacts have no friction of their own, one line for each reason.
 void tell_friction(const haptics::BuildResult& built) {
   std::map<std::string, std::vector<long long>> undetermined;
-  bool from_others = false;
+  bool from_others = false, bounded = false;
   for (std::size_t i = 0; i < built.contacts.size(); ++i) {
     const haptics::FrictionFit& friction = built.contacts[i].friction;
     if (friction.stop == haptics::FrictionStop::converged) continue;
     undetermined[haptics::to_string(friction.stop)].push_back(built.contacts[i].id);
-    from_others = from_others || built.model.contacts[i].friction_source ==
-                                     haptics::FrictionSource::other_contacts;
+    const haptics::FrictionSource source = built.model.contacts[i].friction_source;
+    from_others = from_others || source == haptics::FrictionSource::other_contacts;
+    bounded = bounded || source == haptics::FrictionSource::lower_bound;
   }
   constexpr std::size_t kNamed = 50;  // of contacts that are alike
   for (const auto& [stop, contacts] : undetermined) {
@@ -65,9 +66,15 @@ void tell_friction(const haptics::BuildResult& built) {
                  built.contacts.size(), stop, fmt::join(named, ", "),
                  named.size() < contacts.size() ? ", ..." : "");
   }
-  if (from_others) {
-    spdlog::warn("those take the mean of the other contacts' friction, or their own lower bound.");
-  }
+  if (from_others) spdlog::warn("some of those take the mean of the other contacts' friction.");
+  if (bounded) spdlog::warn("some of those take their own lower bound, which is no estimate.");
+}
+
+std::string friction_of(const haptics::ContactModel& contact) {
+  if (contact.friction_source == haptics::FrictionSource::lower_bound)
+    return fmt::format(">= {:.3f}", contact.friction);
+  return fmt::format("{:.3f} +- {:.3f} (>= {:.3f})", contact.friction, contact.friction_error,
+                     contact.friction_lower_bound);
 }
 
 /// The error with the local part over that without, by which sparse contacts gain.
@@ -250,6 +257,7 @@ void fit(const Settings& settings, FitCall call) {
                              {"friction", contact.friction},
                              {"friction_error", contact.friction_error},
                              {"friction_lower_bound", contact.friction_lower_bound},
+                             {"friction_source", haptics::to_string(contact.friction_source)},
                              {"friction_stop", haptics::to_string(built.contacts[i].friction.stop)},
                              {"samples", contact.samples},
                              {"stop", contact.fit_stop},
@@ -261,10 +269,9 @@ void fit(const Settings& settings, FitCall call) {
                              {"shared_local", contact.shared_local}});
     } else {
       prose += fmt::format(
-          "  contact {}: RMS {:.4f} N with {} bases from {} samples, friction {:.3f} +- {:.3f} (>= "
-          "{:.3f}), {}, passivity: {}{}\n",
-          contact.id, contact.rms, bases, contact.samples, contact.friction, contact.friction_error,
-          contact.friction_lower_bound, contact.fit_stop,
+          "  contact {}: RMS {:.4f} N with {} bases from {} samples, friction {}, {}, passivity: "
+          "{}{}\n",
+          contact.id, contact.rms, bases, contact.samples, friction_of(contact), contact.fit_stop,
           haptics::to_string(found.certificate.passivity),
           contact.shared_local ? ", shares the local part" : "");
     }

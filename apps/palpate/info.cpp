@@ -117,12 +117,13 @@ Description describe_acquisition(const fs::path& path) {
 Description describe_model(const fs::path& path) {
   const haptics::Model model = haptics::read_model(path);
   std::vector<double> bases, rms, friction;
-  int without_friction = 0;
+  int without_friction = 0, bounds = 0;
   for (const haptics::ContactModel& contact : model.contacts) {
     bases.push_back(static_cast<double>(contact.field.bases.size()));
     rms.push_back(contact.rms);
     friction.push_back(contact.friction);
     without_friction += contact.friction_source == haptics::FrictionSource::samples ? 0 : 1;
+    bounds += contact.friction_source == haptics::FrictionSource::lower_bound ? 1 : 0;
   }
   const geometry::ErrorStatistics base_counts = geometry::error_statistics(bases),
                                   errors = geometry::error_statistics(rms),
@@ -134,11 +135,12 @@ Description describe_model(const fs::path& path) {
       "model, {} contacts in {} triangles, on a surface of {} vertices\n"
       "  bases of a contact: {:.0f} in the median, at most {:.0f}\n"
       "  RMS of a contact's fit: {:.4f} N in the median, {:.4f} N at most\n"
-      "  friction coefficient: {:.3f} in the median; {} contacts have none of their own\n"
+      "  friction coefficient: {:.3f} in the median; {} contacts have none of their own, {} of "
+      "these a lower bound\n"
       "  {}: {} bytes, {:.0f} a contact",
       model.contacts.size(), model.triangles.cols(), model.surface.vertices.cols(),
       base_counts.median, base_counts.max, errors.median, errors.max, coefficients.median,
-      without_friction, is_text ? "field.json" : "field.cbor", bytes,
+      without_friction, bounds, is_text ? "field.json" : "field.cbor", bytes,
       static_cast<double>(bytes) / static_cast<double>(model.contacts.size()));
   for (const auto& [key, value] : model.made) prose += fmt::format("\n  {}: {}", key, value);
   return {{{"kind", "model"},
@@ -149,6 +151,7 @@ Description describe_model(const fs::path& path) {
            {"rms", {{"median", errors.median}, {"max", errors.max}}},
            {"friction", coefficients.median},
            {"without_own_friction", without_friction},
+           {"friction_lower_bounds", bounds},
            {"encoding", is_text ? "json" : "cbor"},
            {"bytes", bytes},
            {"made", made}},

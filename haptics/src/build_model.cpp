@@ -230,13 +230,13 @@ void fill_in_friction(Model& model) {
           : std::sqrt((values - mean).square().sum() / static_cast<double>(measured.size() - 1));
   for (ContactModel& contact : model.contacts) {
     if (contact.friction_source == FrictionSource::samples) continue;
-    contact.friction = std::max(mean, contact.friction_lower_bound);
-    contact.friction_error = scatter;
     // A lower bound of its own is a cautious coefficient (thesis 5.4.1).
-    if (!measured.empty())
-      contact.friction_source = FrictionSource::other_contacts;
-    else if (contact.friction > 0)
-      contact.friction_source = FrictionSource::samples;
+    const bool bounded = contact.friction_lower_bound > mean;
+    contact.friction = bounded ? contact.friction_lower_bound : mean;
+    contact.friction_error = bounded ? 0 : scatter;
+    contact.friction_source = bounded            ? FrictionSource::lower_bound
+                              : measured.empty() ? FrictionSource::none
+                                                 : FrictionSource::other_contacts;
     contact = rounded(std::move(contact));
   }
 }

@@ -13,8 +13,8 @@ inline constexpr const char* kFieldFormat = "palpate-model";
 /// vectors, and ridges among the bases, each with an epsilon and a center and along a unit vector.
 inline constexpr int kFieldVersion = 3;
 inline constexpr const char* kSurfaceFile = "surface.ply";
-inline constexpr std::array<const char*, 3> kFrictionSources = {"samples", "other_contacts",
-                                                                "none"};
+inline constexpr std::array<const char*, 4> kFrictionSources = {"samples", "other_contacts", "none",
+                                                                "lower_bound"};
 inline constexpr std::array<const char*, 2> kBlendRules = {"forces", "compliances"};
 
 }  // namespace palpate::haptics

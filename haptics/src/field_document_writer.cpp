@@ -96,7 +96,7 @@ Json to_json(const ContactModel& contact) {
            {{"coefficient", to_json(contact.friction)},
             {"error", to_json(contact.friction_error)},
             {"lower_bound", to_json(contact.friction_lower_bound)},
-            {"source", kFrictionSources[static_cast<std::size_t>(contact.friction_source)]},
+            {"source", to_string(contact.friction_source)},
             {"axis", axis_to_json(contact.friction_axis)}}},
           {"fit", fit}};
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <unordered_set>
 
+#include "field_document_format.h"
 #include "palpate/error.h"
 #include "palpate/haptics/rotation.h"
 
@@ -84,6 +85,10 @@ void check_weights(const Model& model) {
 }
 
 }  // namespace
+
+const char* to_string(FrictionSource source) {
+  return kFrictionSources[static_cast<std::size_t>(source)];
+}
 
 void check_model(const Model& model) {
   geometry::check_mesh(model.surface, "the model's surface");

@@ -231,6 +231,7 @@ TEST(BuildModel, LeavesOutContactsWithoutSamplesAndBorrowsFriction) {
   EXPECT_EQ(result.contacts[0].friction.stop, FrictionStop::never_slipped);
   // Forces held up to 0.99 of the limit.
   EXPECT_NEAR(result.model.contacts[0].friction_lower_bound, 0.594, 1e-3);
+  EXPECT_EQ(result.model.contacts[1].friction_source, FrictionSource::samples);
   acquisition.samples.clear();
   EXPECT_THAT(refusal([&] { return build_model(acquisition, flat_surface(), kQuick); }),
               HasSubstr("at least three"));
@@ -241,10 +242,25 @@ TEST(BuildModel, TakesTheLowerBoundOfFrictionWhereNothingSlipped) {
   std::erase_if(acquisition.samples, [](const probing::Sample& s) { return s.slipped; });
   for (const ContactModel& contact :
        build_model(acquisition, flat_surface(), kQuick).model.contacts) {
-    EXPECT_EQ(contact.friction_source, FrictionSource::samples);
-    EXPECT_NEAR(contact.friction, contact.friction_lower_bound, 1e-3);  // as it is stored
+    EXPECT_EQ(contact.friction_source, FrictionSource::lower_bound);
+    EXPECT_EQ(contact.friction_error, 0);
+    EXPECT_EQ(contact.friction, contact.friction_lower_bound);
     EXPECT_NEAR(contact.friction, 0.6, 0.02);
   }
+}
+
+TEST(BuildModel, TakesTheLowerBoundOfFrictionAboveThatOfOtherContacts) {
+  probing::Acquisition acquisition = flat_acquisition(0.6);
+  std::erase_if(acquisition.samples, [](const probing::Sample& s) { return s.contact == 20; });
+  for (const probing::Sample& sample : flat_acquisition(0.9).samples) {
+    if (sample.contact == 20 && !sample.slipped) acquisition.samples.push_back(sample);
+  }
+  const Model model = build_model(acquisition, flat_surface(), kQuick).model;
+  EXPECT_EQ(model.contacts[0].friction_source, FrictionSource::lower_bound);
+  EXPECT_EQ(model.contacts[0].friction_error, 0);
+  EXPECT_NEAR(model.contacts[0].friction, 0.891, 2e-3);  // forces held up to 0.99 of the limit
+  EXPECT_EQ(model.contacts[1].friction_source, FrictionSource::samples);
+  EXPECT_NEAR(model.contacts[1].friction, 0.6, 1e-4);
 }
 
 TEST(BuildModel, RefusesBadOptionsAndAcquisitions) {

@@ -48,7 +48,7 @@ TEST(FieldDocumentReader, NamesThePlaceAndWhatIsRight) {
               AllOf(HasSubstr("/contacts/0/bases/1:"), HasSubstr("five numbers")));
   EXPECT_THAT(refused_after([](json& d) { d["contacts"][0]["friction"]["source"] = "guess"; }),
               AllOf(HasSubstr("/contacts/0/friction/source:"), HasSubstr("found \"guess\""),
-                    HasSubstr("\"samples\", \"other_contacts\" or \"none\"")));
+                    HasSubstr("\"samples\", \"other_contacts\", \"none\" or \"lower_bound\"")));
   EXPECT_THAT(refused_after([](json& d) { d["made"]["a/b~c"] = 7; }),
               HasSubstr("/made/a~1b~0c: found 7"));
   EXPECT_THAT(refused_after([](json& d) { d = json::array({1, 2}); }), HasSubstr("at the top"));

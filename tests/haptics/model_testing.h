@@ -63,6 +63,7 @@ inline Model some_model() {
   model.T_surface_acquisition = some_motion();
   model.contacts[1].friction_source = FrictionSource::other_contacts;
   model.contacts[1].friction_error = 0.0123;
+  model.contacts[2].friction_source = FrictionSource::lower_bound;
   model.contacts[0].friction_lower_bound = 0.39;
   model.contacts[1].fit_mode = "certified";
   model.contacts[1].shared_local = true;

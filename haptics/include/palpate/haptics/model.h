@@ -17,12 +17,16 @@ namespace palpate::haptics {
 
 /// Where a friction coefficient comes from.
 enum class FrictionSource {
-  samples,  ///< a cone fitted to this contact's own samples
-  /// its samples determine none: the mean of those contacts that have one, or its own lower bound
-  /// if that is larger
-  other_contacts,
-  none  ///< no contact has one: 0, without friction
+  samples,         ///< a cone fitted to this contact's own samples
+  other_contacts,  ///< its samples determine none: the mean of those contacts that have one
+  none,            ///< no contact has one: 0, without friction
+  /// its samples determine none, as where nothing slipped, but tell that it is above the mean of
+  /// those contacts that have one, if any has: its own lower bound, which is no estimate
+  lower_bound
 };
+
+/// As the field document has it: "samples", "other_contacts", ...
+[[nodiscard]] const char* to_string(FrictionSource source);
 
 /// How a contact yields to the model's reference force F along a direction into the object, and how
 /// that is expected to change around it on the surface. The contact's pressing frame is its frame
@@ -68,8 +72,8 @@ struct ContactModel {
   Eigen::Matrix3d frame = Eigen::Matrix3d::Identity();
   ForceField field;     ///< in the local frame
   double friction = 0;  ///< coefficient; >= 0
-  /// Standard error of the coefficient; from other contacts: the standard deviation among them;
-  /// >= 0
+  /// Standard error of the coefficient; from other contacts: the standard deviation among them; of
+  /// a lower bound: 0; >= 0
   double friction_error = 0;
   /// The coefficient is as large or larger, with 95 %, by this contact's own samples; >= 0
   double friction_lower_bound = 0;
