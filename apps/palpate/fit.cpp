@@ -209,9 +209,13 @@ haptics::BuildResult build(const probing::Acquisition& acquisition,
     shown = stage;
     bar->show(done, total);
   };
+  // Friction is judged by a noise above zero: where there is none by its default.
+  haptics::FrictionOptions friction;
+  if (call.fit.noise.force > 0) friction.force_noise = call.fit.noise.force;
   return haptics::build_model(
       acquisition, surface,
       {.fit = call.fit,
+       .friction = friction,
        .blend_rule = call.blend_rule,
        .dense_samples = call.shared_local ? std::optional(call.dense_samples) : std::nullopt,
        .progress = show,
@@ -328,7 +332,8 @@ void add_fit(CLI::App& app, const Settings& settings) {
           haptics::kEvaluationCost));
   command
       ->add_option("--force-noise", call->fit.noise.force,
-                   "Standard deviation of each component of the measured forces [N]")
+                   "Standard deviation of each component of the measured forces, for fields and "
+                   "friction [N]")
       ->capture_default_str();
   CLI::Option* shared = command->add_flag(
       "--shared-local", call->shared_local,
