@@ -39,7 +39,7 @@ struct Workspace {
   Mask breaks;  ///< near a step of the phase
   SurfaceImages surfaces;
   Mask contradicting;  ///< the colours around say so
-  Plane sigma;  ///< [mm] of the depths
+  Plane sigma;         ///< [mm] of the depths
 };
 
 }  // namespace palpate::sensing
