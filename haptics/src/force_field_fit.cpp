@@ -17,6 +17,7 @@
 #include "field_objective.h"
 #include "local_fit.h"
 #include "palpate/error.h"
+#include "reduced_chi2.h"
 #include "steady_fit.h"
 #include "whitened_problem.h"
 
@@ -31,10 +32,6 @@ constexpr double kEpsilonRatio = 1;
 constexpr double kWeightPenalty = 1e-7;
 // Least noise of forces relative to their extent: some rounding errors.
 constexpr double kExact = 1e-9;
-// Squared length of a whitened error that makes an outlier: noise exceeds it once in 10^10 samples.
-// More than this part of the samples are no outliers but what the field cannot follow.
-constexpr double kOutlier = 50;
-constexpr double kMaxOutliers = 0.1;
 // Parameters of a base: weight, epsilon, centre.
 constexpr double kParameters = 5;
 // The spring of a rigid contact holds its force up to so many times the measured one.
@@ -150,20 +147,10 @@ void compare_with_noise(const ScaledSamples& samples, const ForceField& field, d
   WhitenedProblem problem(samples.displacements, samples.forces, noise_of(samples, options));
   problem.whiten(field.bases.empty() ? ForceField{{Multiquadric{}}} : field);
   const Eigen::VectorXd errors = problem.residuals(field);
-  double all = 0, inside = 0;
-  for (Eigen::Index i = 0; i < problem.size(); ++i) {
-    const double square = errors.segment<3>(3 * i).squaredNorm();
-    all += square;
-    if (square > kOutlier) {
-      ++result.outliers;
-    } else {
-      inside += square;
-    }
-  }
-  const double degrees = static_cast<double>(3 * problem.size()) - parameters;
-  const bool few = result.outliers <= kMaxOutliers * static_cast<double>(problem.size());
-  result.chi2 =
-      few ? inside / std::max(1.0, degrees - 3 * result.outliers) : all / std::max(1.0, degrees);
+  const ReducedChi2 chi2 =
+      reduced_chi2(errors.reshaped(3, problem.size()).colwise().squaredNorm(), parameters);
+  result.chi2 = chi2.value;
+  result.outliers = chi2.outliers;
   result.noise_floor = std::sqrt(problem.mean_noise()) * samples.force_scale;
   result.displacement_noise = options.noise.displacement.value_or(kDisplacementNoise);
 }

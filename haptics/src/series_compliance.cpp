@@ -11,16 +11,13 @@
 #include <vector>
 
 #include "palpate/geometry/median.h"
+#include "reduced_chi2.h"
 
 namespace palpate::haptics {
 namespace {
 
 // Least noise relative to the extent of what it is in: some rounding errors.
 constexpr double kExact = 1e-9;
-// As for fields (WhitenedProblem): squared length of a whitened error from which on it counts ever
-// less, and that makes an outlier; and the part of the samples that outliers are at most.
-constexpr double kOutlier = 50;
-constexpr double kMaxOutliers = 0.1;
 // Median of chi^2 with three degrees of freedom.
 constexpr double kMedianChi2 = 2.366;
 // Weights settle in three or four rounds.
@@ -113,6 +110,7 @@ Eigen::Matrix3d fit_global_compliance(const ForceSamples& samples, const ForceFi
       squares[i] = (whiten * (d - series.displacement(f))).squaredNorm();
     }
     const double median = geometry::median(std::vector(squares.begin(), squares.end()));
+    // As of fields: from there on an error counts ever less.
     const double scale = kOutlier * std::max(1.0, median / kMedianChi2);
     for (Eigen::Index i = 0; i < count; ++i) {
       const double weight = 1 / std::sqrt(1 + squares[i] / scale);
@@ -127,19 +125,14 @@ Eigen::Matrix3d fit_global_compliance(const ForceSamples& samples, const ForceFi
 double chi2(const Series& series, const ForceSamples& samples, const PairNoise& noise) {
   constexpr double kParameters = 6;
   const Eigen::Index count = samples.forces.cols();
-  double all = 0, inside = 0, outliers = 0;
+  Eigen::VectorXd squares(count);
   for (Eigen::Index i = 0; i < count; ++i) {
     const Eigen::Vector3d f = samples.forces.col(i);
-    const double square = (whitening(series.compliance(f), noise) *
-                           (samples.displacements.col(i) - series.displacement(f)))
-                              .squaredNorm();
-    all += square;
-    (square > kOutlier ? outliers : inside) += square > kOutlier ? 1 : square;
+    squares[i] = (whitening(series.compliance(f), noise) *
+                  (samples.displacements.col(i) - series.displacement(f)))
+                     .squaredNorm();
   }
-  const double degrees = static_cast<double>(3 * count) - kParameters;
-  return outliers <= kMaxOutliers * static_cast<double>(count)
-             ? inside / std::max(1.0, degrees - 3 * outliers)
-             : all / std::max(1.0, degrees);
+  return reduced_chi2(squares, kParameters).value;
 }
 
 ForceSamples columns(const ForceSamples& samples, const std::vector<Eigen::Index>& which) {
