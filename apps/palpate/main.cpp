@@ -9,9 +9,9 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "command_line.h"
 #include "palpate/error.h"
-#include "progress.h"
+#include "shared/command_line.h"
+#include "shared/progress.h"
 
 namespace palpate::apps {
 namespace {

@@ -11,14 +11,14 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/phase_unwrapping.hpp>
 
-#include "hue.h"
-#include "modulation.h"
+#include "decode/plausibility.h"
+#include "decode/workspace.h"
+#include "image/hue.h"
 #include "paired.h"
 #include "palpate/sensing/frame.h"
-#include "phase_variance.h"
-#include "plausibility.h"
-#include "workspace.h"
-#include "wrapped_phase.h"
+#include "phase/modulation.h"
+#include "phase/phase_variance.h"
+#include "phase/wrapped_phase.h"
 
 namespace {
 
@@ -81,8 +81,8 @@ struct Stages {
   cv::Mat frame = sensing::read_frame(demo / "frames/duck.png");
   sensing::TrainedColors trained = sensing::train_colors_from_folder(demo / "training");
   sensing::DecodeOptions options;
-  sensing::SensorModel model{sensing::read_rig(demo / "rig.yaml"),
-                             sensing::read_pattern(demo / "pattern.yaml")};
+  sensing::DecoderGeometry model{sensing::read_rig(demo / "rig.yaml"),
+                                 sensing::read_pattern(demo / "pattern.yaml")};
   sensing::Decoder decoder{model.rig(), model.pattern(), trained};
   sensing::DemodulationFilter filter = sensing::make_filter(model.carrier().along);
   sensing::HueClassifier classifier{model.pattern(), trained};

@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "field_document.h"
+#include "model/field_document.h"
 #include "palpate/haptics/contact_compliance.h"
 #include "palpate/haptics/rounding.h"
 #include "sheet_model.h"

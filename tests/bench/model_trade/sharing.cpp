@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "beam_contacts.h"
-#include "palpate/haptics/local_global.h"
+#include "palpate/haptics/shared_local_part.h"
 
 namespace palpate::bench {
 namespace {

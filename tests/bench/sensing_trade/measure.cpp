@@ -9,7 +9,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "palpate/geometry/comparison.h"
+#include "palpate/geometry/range_map_score.h"
 
 namespace palpate::bench {
 namespace {

@@ -10,8 +10,8 @@
 #include "palpate/haptics/force_field_fit.h"
 #include "palpate/haptics/friction_axis.h"
 #include "palpate/haptics/friction_cone.h"
-#include "palpate/haptics/local_global.h"
 #include "palpate/haptics/model.h"
+#include "palpate/haptics/shared_local_part.h"
 #include "palpate/probing/acquisition.h"
 
 namespace palpate::haptics {

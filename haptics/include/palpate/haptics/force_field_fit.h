@@ -91,8 +91,8 @@ struct FitResult {
   /// Of `convex` least squares in all parameters, columns of unit length; NaN elsewhere. Large ones
   /// (1e3) tell that bases could be exchanged, not that the field is uncertain.
   double condition = 1;
-  /// Fitted to a local part that contacts share and to its own samples (`local_global.h`), not to
-  /// these alone
+  /// Fitted to a local part that contacts share and to its own samples (`shared_local_part.h`), not
+  /// to these alone
   bool shared_local = false;
 };
 

@@ -1,0 +1,17 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "commands/calibrate.h"
+
+namespace palpate::apps {
+
+void add_calibrate(CLI::App& app, const Settings& settings) {
+  CLI::App* calibrate =
+      app.add_subcommand("calibrate", "Images become what decoding needs to know");
+  calibrate->require_subcommand(1);
+  add_calibrate_rig(*calibrate, settings);
+  add_calibrate_colors(*calibrate, settings);
+  add_calibrate_chromatic(*calibrate, settings);
+  add_calibrate_response(*calibrate, settings);
+}
+
+}  // namespace palpate::apps

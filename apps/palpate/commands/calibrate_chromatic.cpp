@@ -1,0 +1,180 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <limits>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "commands/calibrate.h"
+#include "palpate/error.h"
+#include "palpate/sensing/chromatic_calibration.h"
+#include "palpate/sensing/frame.h"
+#include "palpate/sensing/pattern_image.h"
+#include "shared/call_checks.h"
+#include "shared/inputs.h"
+
+namespace palpate::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// `--distances` hold over this part of the image's width and height.
+constexpr int kMiddle = 16;
+/// Above this the number of periods is a guess that holds only if the rig is exact.
+constexpr double kUncertainPeriods = 0.5;
+
+struct ChromaticCall {
+  std::vector<fs::path> images;
+  std::vector<double> distances;
+  std::vector<fs::path> ranges;
+  fs::path rig, pattern, output;
+};
+
+/// The depth in the middle of the image: on a tilted plane it is too small on one side and too
+/// large on the other, and right in the median.
+geometry::ImageF depth_in_the_middle(double distance, const geometry::Camera& camera) {
+  geometry::ImageF depth = geometry::ImageF::Constant(camera.height, camera.width,
+                                                      std::numeric_limits<float>::quiet_NaN());
+  const int height = std::max(1, camera.height / kMiddle);
+  const int width = std::max(1, camera.width / kMiddle);
+  depth.block((camera.height - height) / 2, (camera.width - width) / 2, height, width)
+      .setConstant(static_cast<float>(distance));
+  return depth;
+}
+
+std::vector<sensing::WhiteImage> read_images(const ChromaticCall& call, const sensing::Rig& rig) {
+  const std::vector<fs::path> paths = list_frames(call.images);
+  const std::vector<fs::path> ranges =
+      call.ranges.empty() ? std::vector<fs::path>() : list_frames(call.ranges);
+  const auto check_count = [&](std::size_t count, const char* what) {
+    if (count == 0 || count == paths.size()) return;
+    throw InvalidInput(fmt::format("{}: {} for {} images; one for each image is expected", what,
+                                   count, paths.size()));
+  };
+  check_count(call.distances.size(), "--distances");
+  check_count(ranges.size(), "--range");
+  std::vector<sensing::WhiteImage> images;
+  for (std::size_t i = 0; i < paths.size(); ++i) {
+    sensing::WhiteImage white;
+    white.name = paths[i].string();
+    white.image = sensing::read_frame(paths[i]);
+    if (!call.distances.empty()) white.depth = depth_in_the_middle(call.distances[i], rig.camera);
+    if (!ranges.empty()) check_is_depths(ranges[i]);
+    if (!ranges.empty()) white.depth = geometry::read_depth_tiff(ranges[i]);
+    images.push_back(std::move(white));
+  }
+  return images;
+}
+
+nlohmann::ordered_json figures_of(const sensing::ChannelCalibration& channel) {
+  return {{"alpha", channel.shift.alpha},     {"alpha_deviation", channel.deviation.alpha},
+          {"beta", channel.shift.beta},       {"beta_deviation", channel.deviation.beta},
+          {"gamma", channel.shift.gamma},     {"gamma_deviation", channel.deviation.gamma},
+          {"rms_before", channel.rms_before}, {"rms_after", channel.rms_after},
+          {"cells", channel.cells},           {"outliers", channel.outliers},
+          {"separation", channel.separation}};
+}
+
+std::string prose_of(const char* name, const sensing::ChannelCalibration& channel) {
+  return fmt::format(
+      "{}: alpha {:.6f} +- {:.1e}, beta {:.6f} +- {:.1e}, gamma {:.7f} +- {:.1e}; phase relative "
+      "to "
+      "green {:.4f} rad RMS, compensated {:.4f} (from {} places, {} outliers)\n",
+      name, channel.shift.alpha, channel.deviation.alpha, channel.shift.beta,
+      channel.deviation.beta, channel.shift.gamma, channel.deviation.gamma, channel.rms_before,
+      channel.rms_after, channel.cells, channel.outliers);
+}
+
+void calibrate_chromatic(const Settings& settings, const ChromaticCall& call) {
+  std::vector<fs::path> inputs = {call.rig, call.pattern};
+  inputs.insert(inputs.end(), call.images.begin(), call.images.end());
+  inputs.insert(inputs.end(), call.ranges.begin(), call.ranges.end());
+  check_outputs(inputs, {call.output});
+  sensing::Rig rig = sensing::read_rig(call.rig);
+  const sensing::Pattern pattern = sensing::read_pattern(call.pattern);
+  sensing::check_pattern_fits(sensing::without_stripes(pattern), rig.projector,
+                              call.pattern.string());
+  const sensing::ChromaticCalibration found =
+      sensing::calibrate_chromatic(read_images(call, rig), rig, pattern);
+  rig.red = found.red.shift;
+  rig.blue = found.blue.shift;
+  sensing::write_rig(call.output, rig);
+
+  nlohmann::ordered_json images = nlohmann::ordered_json::array();
+  std::string prose;
+  int uncertain = 0;
+  for (const sensing::WhiteImageUse& use : found.images) {
+    if (!use.problem.empty()) {
+      spdlog::warn("{}: not used: {}", use.name, use.problem);
+      images.push_back({{"image", use.name}, {"cells", 0}, {"problem", use.problem}});
+      continue;
+    }
+    images.push_back({{"image", use.name},
+                      {"cells", use.cells},
+                      {"median_depth", use.median_depth},
+                      {"period_deviation", use.period_deviation}});
+    if (use.period_deviation > kUncertainPeriods) ++uncertain;
+    prose += fmt::format("{}: phases at {} places, median depth {:.1f} mm\n", use.name, use.cells,
+                         use.median_depth);
+  }
+  const double separation = std::min(found.red.separation, found.blue.separation);
+  if (separation < sensing::kPoorSeparation) {
+    spdlog::warn(
+        "the surfaces hardly tell alpha, beta and gamma apart (separation {:.3f}, {:.2f} is "
+        "well): add images at other distances, or of tilted surfaces",
+        separation, sensing::kPoorSeparation);
+  }
+  if (uncertain > 0) {
+    spdlog::warn(
+        "{} of {} images: the distance was found from how plane the surface comes out, which is "
+        "right only if rig and lenses are calibrated exactly. Compare the median depths; give "
+        "--distances if they are not right to about a period",
+        uncertain, found.images.size());
+  }
+  const nlohmann::ordered_json figures = {{"red", figures_of(found.red)},
+                                          {"blue", figures_of(found.blue)},
+                                          {"images", images},
+                                          {"file", call.output.string()}};
+  print(settings, figures,
+        prose + prose_of("red", found.red) + prose_of("blue", found.blue) + "Written to " +
+            call.output.string());
+}
+
+}  // namespace
+
+void add_calibrate_chromatic(CLI::App& calibrate, const Settings& settings) {
+  auto call = std::make_shared<ChromaticCall>();
+  CLI::App* command = calibrate.add_subcommand(
+      "chromatic", "Images of a white sinusoid become the shifts of red and blue");
+  command
+      ->add_option("IMAGE", call->images,
+                   "Images (or folders of them) of surfaces at several distances under the "
+                   "pattern's sinusoid in white (white_sin.png)")
+      ->required();
+  command->add_option("--rig", call->rig, "Rig; its chromatic values are not used")->required();
+  command->add_option("--pattern", call->pattern, "Pattern; its stripes are not used")->required();
+  command->add_option("-o,--output", call->output, "Rig to write, with what was found")->required();
+  CLI::Option* distances =
+      command
+          ->add_option(
+              "--distances", call->distances,
+              "Distance of each surface in the middle of the image [mm], right to about "
+              "a period; needed only if the surfaces are not plane or the rig does not tell "
+              "one period from the next on a plane")
+          ->check(positive());
+  command
+      ->add_option("--range", call->ranges,
+                   "Range maps of the surfaces instead (from `palpate decode`), one an image")
+      ->excludes(distances);
+  command->footer(
+      "Example:\n  palpate calibrate chromatic white/ --rig rig.yaml --pattern pattern.yaml -o "
+      "rig_chromatic.yaml");
+  command->callback([call, &settings] { calibrate_chromatic(settings, *call); });
+}
+
+}  // namespace palpate::apps

@@ -1,0 +1,224 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <array>
+#include <charconv>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "commands/calibrate.h"
+#include "palpate/error.h"
+#include "palpate/output_file.h"
+#include "palpate/pictures/draw_residuals.h"
+#include "palpate/sensing/rig_calibration.h"
+#include "palpate/sensing/rig_view_files.h"
+#include "shared/call_checks.h"
+#include "shared/inputs.h"
+#include "shared/progress.h"
+
+namespace palpate::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct RigCall {
+  std::vector<fs::path> folders;
+  std::string board, projector_size;
+  sensing::Board printed;
+  sensing::ImageSize projector;
+  sensing::RigCalibrationOptions options;
+  fs::path output, picture, draw;
+};
+
+/// Two whole numbers such as 1024x768.
+std::pair<int, int> parse_pair(const std::string& text, const char* option) {
+  int first = 0;
+  int second = 0;
+  const char* const end = text.data() + text.size();
+  const auto one = std::from_chars(text.data(), end, first);
+  const bool has_two = one.ec == std::errc() && one.ptr != end && *one.ptr == 'x';
+  const auto two = has_two ? std::from_chars(one.ptr + 1, end, second) : one;
+  if (!has_two || two.ec != std::errc() || two.ptr != end) {
+    throw InvalidInput(fmt::format("{}: '{}' is not of the form 7x9.", option, text));
+  }
+  return {first, second};
+}
+
+void draw_patterns(const Settings& settings, const RigCall& call) {
+  const sensing::Board still = sensing::projected_board(call.projector, call.printed);
+  int images = 0;
+  // Views of the camera bear the same names: only what is empty is taken.
+  write_folder(call.draw, {}, [&](const fs::path& folder) {
+    images = sensing::write_projector_images(folder, call.projector, call.printed);
+  });
+  print(settings,
+        {{"folder", call.draw.string()},
+         {"gray_code_images", images},
+         {"projected_board", {still.columns, still.rows}}},
+        fmt::format("{} Gray code images and projected.png, a board of {} x {} inner corners, "
+                    "written to {}",
+                    images, still.columns, still.rows, call.draw.string()));
+}
+
+nlohmann::ordered_json lens_figures(const geometry::Camera& lens,
+                                    const sensing::CameraDeviation& deviation, double rms) {
+  return {{"rms", rms},
+          {"fx", lens.fx},
+          {"fy", lens.fy},
+          {"cx", lens.cx},
+          {"cy", lens.cy},
+          {"distortion", std::vector<double>(lens.distortion.begin(), lens.distortion.begin() + 5)},
+          {"deviation",
+           {{"fx", deviation.fx},
+            {"fy", deviation.fy},
+            {"cx", deviation.cx},
+            {"cy", deviation.cy},
+            {"distortion", deviation.distortion}}}};
+}
+
+std::string lens_prose(const char* name, const geometry::Camera& lens,
+                       const sensing::CameraDeviation& deviation, int terms) {
+  std::string text = fmt::format(
+      "{}: fx {:.1f} +- {:.1f}, fy {:.1f} +- {:.1f}, cx {:.1f} +- {:.1f}, cy {:.1f} +- {:.1f} px",
+      name, lens.fx, deviation.fx, lens.fy, deviation.fy, lens.cx, deviation.cx, lens.cy,
+      deviation.cy);
+  constexpr std::array<const char*, 5> kNames = {"k1", "k2", "p1", "p2", "k3"};
+  for (std::size_t i = 0; i < static_cast<std::size_t>(terms); ++i)
+    text += fmt::format(", {} {:.4f} +- {:.4f}", kNames.at(i), lens.distortion.at(i),
+                        deviation.distortion.at(i));
+  return text + "\n";
+}
+
+void report(const Settings& settings, const RigCall& call,
+            const sensing::RigCalibration& calibration) {
+  const sensing::Rig& rig = calibration.rig;
+  const Eigen::Vector3d t = rig.T_projector_camera.translation();
+  const Eigen::Vector3d t_deviation = calibration.translation_deviation;
+  const Eigen::Vector3d turn = calibration.rotation_deviation / kDegree;
+  nlohmann::ordered_json views = nlohmann::ordered_json::array();
+  nlohmann::ordered_json rejected = nlohmann::ordered_json::array();
+  std::string prose;
+  for (const sensing::ViewResiduals& view : calibration.views) {
+    views.push_back({{"view", view.name},
+                     {"camera_rms", view.camera_rms},
+                     {"projector_rms", view.projector_rms}});
+    prose += fmt::format("{}: {} points, camera {:.3f} px, projector {:.3f} px RMS\n", view.name,
+                         view.camera.cols(), view.camera_rms, view.projector_rms);
+  }
+  for (const sensing::RejectedView& view : calibration.rejected) {
+    rejected.push_back({{"view", view.name}, {"reason", view.reason}});
+    spdlog::warn("{}: left out: {}", view.name, view.reason);
+  }
+  prose +=
+      fmt::format("all {} views: camera {:.3f} px, projector {:.3f} px, stereo {:.3f} px RMS\n",
+                  calibration.views.size(), calibration.camera_rms, calibration.projector_rms,
+                  calibration.stereo_rms);
+  const int terms = call.options.distortion_terms;
+  prose += lens_prose("camera", rig.camera, calibration.camera_deviation, terms);
+  prose += lens_prose("projector", rig.projector, calibration.projector_deviation, terms);
+  prose += fmt::format(
+      "t: {:.2f} +- {:.2f}, {:.2f} +- {:.2f}, {:.2f} +- {:.2f} mm; R known to {:.3f}, {:.3f}, "
+      "{:.3f} degrees\n",
+      t.x(), t_deviation.x(), t.y(), t_deviation.y(), t.z(), t_deviation.z(), turn.x(), turn.y(),
+      turn.z());
+  print(settings,
+        {{"file", call.output.string()},
+         {"stereo_rms", calibration.stereo_rms},
+         {"camera", lens_figures(rig.camera, calibration.camera_deviation, calibration.camera_rms)},
+         {"projector",
+          lens_figures(rig.projector, calibration.projector_deviation, calibration.projector_rms)},
+         {"t", {t.x(), t.y(), t.z()}},
+         {"t_deviation", {t_deviation.x(), t_deviation.y(), t_deviation.z()}},
+         {"R_deviation_deg", {turn.x(), turn.y(), turn.z()}},
+         {"views", views},
+         {"rejected", rejected}},
+        prose + "Written to " + call.output.string());
+}
+
+void draw_picture(const fs::path& png, const sensing::RigCalibration& calibration) {
+  const geometry::Camera& camera = calibration.rig.camera;
+  const geometry::Camera& projector = calibration.rig.projector;
+  pictures::ResidualImage seen{"camera", camera.width, camera.height, {}};
+  pictures::ResidualImage shown{"projector", projector.width, projector.height, {}};
+  for (const sensing::ViewResiduals& view : calibration.views) {
+    seen.views.push_back({view.name, view.camera, view.camera_residual});
+    shown.views.push_back({view.name, view.projector, view.projector_residual});
+  }
+  pictures::draw_residuals(png, {seen, shown}, "Residuals of the calibration");
+}
+
+void calibrate_rig(const Settings& settings, const RigCall& call) {
+  check_outputs(call.folders, {call.output, call.picture});
+  check_pictures({call.picture});
+  Progress progress("reading views");
+  const sensing::RigViewFiles files =
+      sensing::read_rig_views(call.folders, call.printed, call.projector, {},
+                              [&](int done, int total) { progress.show(done, total); });
+  const sensing::RigCalibration calibration =
+      sensing::calibrate_rig(files.views, files.camera, call.projector, call.options);
+  sensing::write_rig(call.output, calibration.rig);
+  if (!call.picture.empty()) draw_picture(call.picture, calibration);
+  report(settings, call, calibration);
+}
+
+void run_call(const Settings& settings, RigCall call) {
+  std::tie(call.projector.width, call.projector.height) =
+      parse_pair(call.projector_size, "--projector-size");
+  if (!call.board.empty())
+    std::tie(call.printed.columns, call.printed.rows) = parse_pair(call.board, "--board");
+  if (!call.draw.empty()) {
+    draw_patterns(settings, call);
+    return;
+  }
+  if (call.folders.empty() || call.board.empty() || !(call.printed.square > 0) ||
+      call.output.empty()) {
+    throw InvalidInput(
+        "calibrate rig: give folders of views, --board, --square and -o; or --draw for the images "
+        "to project.");
+  }
+  calibrate_rig(settings, call);
+}
+
+}  // namespace
+
+void add_calibrate_rig(CLI::App& calibrate, const Settings& settings) {
+  auto call = std::make_shared<RigCall>();
+  CLI::App* rig =
+      calibrate.add_subcommand("rig", "Views of a chessboard become camera, projector and pose");
+  rig->add_option("FOLDER", call->folders,
+                  "Folders of images, one for each pose of the board, or a folder of such folders");
+  rig->add_option("--board", call->board, "Inner corners of the printed board, such as 7x9");
+  rig->add_option("--square", call->printed.square, "Side of its squares [mm]")->check(positive());
+  rig->add_option("--projector-size", call->projector_size, "Pixels of the projector: 1024x768")
+      ->required();
+  rig->add_option(
+         "--distortion", call->options.distortion_terms,
+         "Coefficients of each lens distortion to estimate: 0, 2 (k1 k2), 4 (and p1 p2) or 5 "
+         "(and k3; needs boards out to the corners of the image)")
+      ->capture_default_str()
+      ->check(CLI::IsMember({0, 2, 4, 5}));
+  rig->add_option("-o,--output", call->output, "Rig to write (rig.yaml)");
+  rig->add_option("--picture", call->picture, "Also draw the residuals (PNG)");
+  rig->add_option("--draw", call->draw,
+                  "Write the images to project into this new folder, nothing else");
+  rig->footer(
+      "A pose is a folder with what the camera saw of the images of --draw, the projector lighting "
+      "the printed\nboard: the Gray code in its order (PNG, TIFF or JPEG). A projector that can "
+      "show "
+      "only one still image\nshows projected.png onto the same plane, beside the printed board; a "
+      "pose is then two images, board.png\nand projected.png. Take ten poses or more, tilted by 20 "
+      "to 45 degrees about both axes of the board.\n"
+      "Example:\n  palpate calibrate rig --draw show/ --projector-size 1024x768\n"
+      "  palpate calibrate rig poses/ --board 7x9 --square 25 --projector-size 1024x768 -o "
+      "rig.yaml "
+      "--picture residuals.png");
+  rig->callback([call, &settings] { run_call(settings, *call); });
+}
+
+}  // namespace palpate::apps

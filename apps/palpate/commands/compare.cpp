@@ -1,0 +1,321 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <utility>
+#include <vector>
+
+#include "palpate/error.h"
+#include "palpate/geometry/cross_section.h"
+#include "palpate/geometry/mesh_distance.h"
+#include "palpate/geometry/mesh_io.h"
+#include "palpate/geometry/mesh_measures.h"
+#include "palpate/geometry/range_map_mesh.h"
+#include "palpate/geometry/range_map_score.h"
+#include "palpate/geometry/registration.h"
+#include "palpate/pictures/draw_differences.h"
+#include "palpate/pictures/draw_distances.h"
+#include "palpate/pictures/draw_section.h"
+#include "shared/call_checks.h"
+#include "shared/command_line.h"
+#include "shared/inputs.h"
+
+namespace palpate::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// [mm] Where a cross-section may lie: 1000 km either way.
+constexpr std::pair kPlaces(-1e9, 1e9);
+
+struct CompareCall {
+  fs::path a, b, rig, section, picture;
+  bool align = false;
+  double search_rotation_deg = 45;
+  double search_translation = std::numeric_limits<double>::infinity();
+  double section_y = 0;
+  double within = std::numeric_limits<double>::infinity();
+  geometry::ReadOptions meshes;
+};
+
+geometry::TriangleMesh load_surface(const fs::path& path, const CompareCall& call) {
+  geometry::TriangleMesh mesh = is_range_map(path)
+                                    ? geometry::mesh_range_map(load_range_map(path, call.rig)).mesh
+                                    : geometry::read_mesh(path, call.meshes);
+  if (mesh.triangles.cols() == 0) {
+    throw InvalidInput(
+        path.string() +
+        (is_range_map(path) ? ": no two neighbouring pixels have a depth" : ": has no triangles") +
+        "; there is no surface to compare");
+  }
+  return mesh;
+}
+
+/// A cross-section as one series of a chart: depth over X, a gap between its lines.
+pictures::SectionSeries section_series(const std::string& name, const geometry::TriangleMesh& mesh,
+                                       double y) {
+  const std::vector<geometry::Polyline> lines = geometry::cross_section(mesh, y);
+  if (lines.empty()) {
+    throw InvalidInput(fmt::format("{}: the plane Y = {} mm does not meet this surface.", name, y));
+  }
+  std::vector<double> x, z;
+  for (const geometry::Polyline& line : lines) {
+    x.insert(x.end(), line.row(0).begin(), line.row(0).end());
+    z.insert(z.end(), line.row(2).begin(), line.row(2).end());
+    x.push_back(std::numeric_limits<double>::quiet_NaN());
+    z.push_back(std::numeric_limits<double>::quiet_NaN());
+  }
+  const auto size = static_cast<Eigen::Index>(x.size());
+  return {.name = name,
+          .x = Eigen::Map<const Eigen::VectorXd>(x.data(), size),
+          .y = Eigen::Map<const Eigen::VectorXd>(z.data(), size)};
+}
+
+nlohmann::ordered_json to_json(const geometry::ErrorStatistics& s) {
+  return {{"count", s.count}, {"rms", s.rms}, {"median", s.median}, {"p90", s.p90}, {"max", s.max}};
+}
+
+std::string to_words(const geometry::ErrorStatistics& s) {
+  return fmt::format(
+      "RMS {:.3f} mm, median {:.3f} mm, 90 % within {:.3f} mm, largest {:.3f} mm ({} places)",
+      s.rms, s.median, s.p90, s.max, s.count);
+}
+
+/// [mm] The scale of a picture of differences goes at least so far, also where there are none.
+constexpr double kLeastScale = 1e-3;
+
+/// Two range maps of one camera: depth against depth, pixel by pixel.
+void compare_pixels(const Settings& settings, const CompareCall& call) {
+  check_is_depths(call.a);
+  check_is_depths(call.b);
+  const geometry::ImageF a = geometry::read_depth_tiff(call.a);
+  const geometry::ImageF b = geometry::read_depth_tiff(call.b);
+  if (a.rows() != b.rows() || a.cols() != b.cols()) {
+    throw InvalidInput(fmt::format(
+        "{} has {} x {} px and {} has {} x {} px: depth against depth takes two range maps of one "
+        "camera",
+        call.a.string(), a.cols(), a.rows(), call.b.string(), b.cols(), b.rows()));
+  }
+  const geometry::ImageF difference = geometry::depth_difference(a, b);
+  const geometry::ErrorStatistics statistics =
+      geometry::error_statistics({difference.data(), difference.data() + difference.size()});
+  if (statistics.count == 0) {
+    throw InvalidInput(call.a.string() + " and " + call.b.string() +
+                       ": no pixel is known in both; there is nothing to compare.");
+  }
+  const long known_in_b = (b == b).count();
+  if (!call.picture.empty()) {
+    pictures::draw_differences(call.picture, difference,
+                               call.a.filename().string() + " minus " + call.b.filename().string(),
+                               std::max(statistics.p90, kLeastScale));
+  }
+  nlohmann::ordered_json figures = to_json(statistics);
+  figures["known_in_b"] = known_in_b;
+  print(settings, figures,
+        "Depth of A minus depth of B, pixel by pixel: " + to_words(statistics) +
+            fmt::format(
+                "; {:.1f} % of the pixels known in B are known in both.",
+                100.0 * static_cast<double>(statistics.count) / static_cast<double>(known_in_b)));
+}
+
+nlohmann::ordered_json to_json(const geometry::LargestDistance& distance) {
+  return {{"lower", distance.lower},
+          {"upper", distance.upper},
+          {"at", {distance.at.x(), distance.at.y(), distance.at.z()}}};
+}
+
+/// So many points fix a pose far better than they are measured; more only take longer.
+constexpr Eigen::Index kAlignPoints = 20000;
+
+/// At most kAlignPoints of them, evenly.
+Eigen::Matrix3Xd thinned(const Eigen::Matrix3Xd& points) {
+  const Eigen::Index step = (points.cols() + kAlignPoints - 1) / kAlignPoints;
+  return points(Eigen::all, Eigen::seq(0, points.cols() - 1, step));
+}
+
+/// The smaller surface is moved onto the larger: a reference of the object alone lies on what a
+/// sensor saw of it and its surroundings, not the other way round.
+geometry::Registration register_smaller(const CompareCall& call, const geometry::TriangleMesh& a,
+                                        const geometry::TriangleMesh& b) {
+  const geometry::RegistrationOptions options{.search_rotation = call.search_rotation_deg * kDegree,
+                                              .search_translation = call.search_translation};
+  if (geometry::surface_area(a) <= geometry::surface_area(b))
+    return geometry::register_points(thinned(a.vertices), b, options);
+  geometry::Registration found = geometry::register_points(thinned(b.vertices), a, options);
+  found.T_target_source = found.T_target_source.inverse();
+  return found;
+}
+
+/// Moves A onto B; what that was goes into the figures. A pose that is not accepted is no ground to
+/// compare on: that is an error.
+/// \return the same in words.
+std::string align(const CompareCall& call, geometry::TriangleMesh& a,
+                  const geometry::TriangleMesh& b, nlohmann::ordered_json& figures) {
+  const geometry::Registration found = register_smaller(call, a, b);
+  if (found.verdict != geometry::RegistrationVerdict::accepted) {
+    const bool slides = found.verdict == geometry::RegistrationVerdict::slides;
+    throw SolverError(fmt::format(
+        "{} could not be aligned with {}: {}: {}. {}", call.a.string(), call.b.string(),
+        geometry::to_string(found.verdict), found.reason,
+        slides ? "The smaller surface has to have relief in all directions: leave large planes out "
+                 "of it, and take in more of the object."
+               : "Bring the surfaces closer to each other, and say how near they are with "
+                 "--search-rotation and --search-translation."));
+  }
+  a.vertices = found.T_target_source * a.vertices;
+  const Eigen::AngleAxisd turn(found.T_target_source.linear());
+  figures["aligned"] = {{"rotation", turn.angle()},
+                        {"translation", found.T_target_source.translation().norm()},
+                        {"verdict", geometry::to_string(found.verdict)},
+                        {"reason", found.reason},
+                        {"rms", found.rms},
+                        {"median", found.median},
+                        {"overlap", found.overlap},
+                        {"starts", found.starts}};
+  return fmt::format("A was turned by {:.4f} rad and moved by {:.3f} mm onto B; accepted: {}.\n",
+                     turn.angle(), found.T_target_source.translation().norm(), found.reason);
+}
+
+/// The accuracy of a sensor against a reference (thesis 3.5.1): over the parts that both have, in
+/// mm and, of a range map, as a part of their mean distance from the camera. \return the same in
+/// words.
+std::string compare_common_parts(const CompareCall& call, const geometry::TriangleMesh& a,
+                                 const geometry::TriangleMesh& b, const Eigen::ArrayXd& depths,
+                                 nlohmann::ordered_json& figures) {
+  const Eigen::VectorXd distances = geometry::distances_in_both(a.vertices, b, call.within);
+  const geometry::ErrorStatistics error =
+      geometry::error_statistics({distances.begin(), distances.end()});
+  const double share = static_cast<double>(error.count) / static_cast<double>(distances.size());
+  nlohmann::ordered_json& common = figures["in_both"];
+  common = to_json(error);
+  common["share"] = share;
+  std::string words = fmt::format("Parts present in both ({:.1f} % of A's points): {}", 100 * share,
+                                  to_words(error));
+  if (is_range_map(call.a) && error.count > 0) {
+    const double distance = (distances.array() == distances.array()).select(depths, 0).sum() /
+                            static_cast<double>(error.count);
+    common["distance"] = distance;
+    common["rms_percent"] = 100 * error.rms / distance;
+    words += fmt::format("; the RMS is {:.3f} % of the mean distance of {:.1f} mm",
+                         100 * error.rms / distance, distance);
+  }
+  return words + ".\n";
+}
+
+/// Anything else: the distance of A's surface from B's, over its area and at its largest.
+void compare_surfaces(const Settings& settings, const CompareCall& call) {
+  geometry::TriangleMesh a = load_surface(call.a, call);
+  const geometry::TriangleMesh b = load_surface(call.b, call);
+  nlohmann::ordered_json figures;
+  std::string prose;
+  const Eigen::ArrayXd depths = a.vertices.row(2);  // before A leaves its camera's frame
+  if (call.align) prose = align(call, a, b, figures);
+  prose += compare_common_parts(call, a, b, depths, figures);
+  const geometry::SurfaceDistances spread = geometry::surface_distances(a, b);
+  const geometry::HausdorffDistance largest = geometry::hausdorff_distance(a, b);
+  if (!call.section.empty()) {
+    const std::vector<pictures::SectionSeries> series = {
+        section_series(call.a.filename().string(), a, call.section_y),
+        section_series(call.b.filename().string(), b, call.section_y)};
+    pictures::draw_section(call.section, series,
+                           fmt::format("Cross-section at Y = {} mm", call.section_y),
+                           {.x = "X [mm]", .y = "Z [mm]"});
+  }
+  if (!call.picture.empty()) {
+    pictures::draw_distances(
+        call.picture, spread.cells, spread.distance,
+        {.title = call.a.filename().string() + ": distance from " + call.b.filename().string(),
+         .subtitle = fmt::format("root mean square {:.3f} mm, mean {:.3f} mm, 90 % of the area "
+                                 "within {:.3f} mm, largest {:.3f} mm; red lies outside",
+                                 spread.rms, spread.mean, spread.p90, largest.a_to_b.upper),
+         .limit = std::max(spread.p90, kLeastScale)});
+  }
+  figures.update({{"area", spread.area},
+                  {"rms", spread.rms},
+                  {"mean", spread.mean},
+                  {"median", spread.median},
+                  {"p90", spread.p90},
+                  {"max", largest.a_to_b.upper},
+                  {"hausdorff",
+                   {{"lower", largest.lower},
+                    {"upper", largest.upper},
+                    {"a_to_b", to_json(largest.a_to_b)},
+                    {"b_to_a", to_json(largest.b_to_a)}}}});
+  print(settings, figures,
+        prose + fmt::format(
+                    "Distance of A's surface from B's, over its area: RMS {:.3f} mm, mean {:.3f} "
+                    "mm, median {:.3f} mm, 90 % within {:.3f} mm.\n"
+                    "Hausdorff distance: A to B at most {:.3f} mm (at least {:.3f}), B to A at "
+                    "most {:.3f} mm (at least {:.3f}).",
+                    spread.rms, spread.mean, spread.median, spread.p90, largest.a_to_b.upper,
+                    largest.a_to_b.lower, largest.b_to_a.upper, largest.b_to_a.lower));
+}
+
+}  // namespace
+
+void add_compare(CLI::App& app, const Settings& settings) {
+  auto call = std::make_shared<CompareCall>();
+  CLI::App* command = app.add_subcommand("compare", "How far two range maps or surfaces lie apart");
+  command->add_option("A", call->a, "Range map or mesh")->required();
+  command->add_option("B", call->b, "Range map or mesh to compare with")->required();
+  command->add_option("--rig", call->rig, "Rig of the range maps (default: rig.yaml beside them)");
+  add_unit_option(*command, call->meshes);
+  CLI::Option* align = command->add_flag(
+      "--align", call->align,
+      "Move A rigidly onto B first, of which one may be a part of the other; it is an error (exit "
+      "status 1) if no pose can be relied on");
+  command
+      ->add_option("--search-rotation", call->search_rotation_deg,
+                   "With --align: by how much A may be turned [degrees]")
+      ->check(CLI::Range(0.0, 180.0))
+      ->capture_default_str()
+      ->needs(align);
+  command
+      ->add_option(
+          "--search-translation", call->search_translation,
+          "With --align: how far the centroid of the smaller surface may be from its place "
+          "[mm]; unless given, it covers the larger one or is near its place")
+      ->check(not_negative())
+      ->needs(align);
+  command
+      ->add_option(
+          "--within", call->within,
+          "Points of A further than so many mm from B have no counterpart in it: what else the "
+          "sensor saw beside the object of a reference")
+      ->check(positive());
+  CLI::Option* section =
+      command
+          ->add_option("--section", call->section,
+                       "Draw the cross-sections of both (PNG; section.png unless a name is given)")
+          ->expected(0, 1);
+  command->add_option("--section-y", call->section_y, "Where to cut: Y [mm]")
+      ->check(within(kPlaces))
+      ->capture_default_str()
+      ->needs(section);
+  command->add_option("--picture", call->picture,
+                      "Draw the differences of two range maps, or surface A coloured by its signed "
+                      "distance from B (PNG)");
+  command->footer(
+      "Two range maps of one camera are compared pixel by pixel, unless --align or --section is "
+      "given;\n"
+      "all else by the distance of A's surface from B's, over its area and at its largest\n"
+      "(Hausdorff distance, between bounds that hold, both ways).\n"
+      "Examples:\n  palpate compare range/000000.tiff truth.tiff --picture differences.png\n"
+      "  palpate compare range/000000.tiff reference.ply --align --within 5 --section "
+      "section.png\n"
+      "  palpate compare small.ply surface.ply --picture distances.png");
+  command->callback([call, section, &settings] {
+    if (section->count() > 0 && call->section.empty()) call->section = "section.png";
+    check_outputs({call->a, call->b}, {call->section, call->picture});
+    check_pictures({call->section, call->picture});
+    const bool pixels =
+        is_range_map(call->a) && is_range_map(call->b) && !call->align && call->section.empty();
+    pixels ? compare_pixels(settings, *call) : compare_surfaces(settings, *call);
+  });
+}
+
+}  // namespace palpate::apps

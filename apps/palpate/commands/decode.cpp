@@ -1,0 +1,377 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <chrono>
+#include <iterator>
+#include <limits>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "commands/decode_outputs.h"
+#include "commands/decode_record.h"
+#include "palpate/error.h"
+#include "palpate/geometry/median.h"
+#include "palpate/geometry/range_map_score.h"
+#include "palpate/sensing/decode_sequence.h"
+#include "palpate/sensing/pattern.h"
+#include "palpate/sensing/response.h"
+#include "palpate/sensing/rig.h"
+#include "palpate/sensing/trained_colors.h"
+#include "shared/command_line.h"
+#include "shared/fingerprint.h"
+#include "shared/inputs.h"
+#include "shared/progress.h"
+
+namespace palpate::apps {
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+struct DecodeCall {
+  std::vector<fs::path> frames;
+  fs::path rig, pattern, colors, response;
+  std::optional<sensing::Linearizer> linearizer;  ///< of `response`
+  std::string bayer;
+  std::string segmentation = "flood";
+  std::vector<double> anchor;
+  double window_periods = sensing::DecodeOptions{}.window_periods;
+  bool half = false;
+  DecodeOutputs outputs;
+  bool resume = false;
+};
+
+/// What one frame came to; `error` is empty when it worked.
+struct Outcome {
+  std::string error;
+  FinishedFrame frame;
+  bool kept = false;  ///< from an earlier run
+  double read_milliseconds = 0;
+  double write_milliseconds = 0;  ///< with what is counted and told of the frame
+};
+using Outcomes = std::map<std::size_t, Outcome>;  ///< by the number of the frame
+
+/// "1234 reconstructed, 56 unlit, ..."
+std::string counts(const sensing::ReasonImage& reasons) {
+  std::string text;
+  for (int code = 0; code < sensing::kReasonCount; ++code) {
+    const auto reason = static_cast<sensing::Reason>(code);
+    text += fmt::format("{}{} {}", code > 0 ? ", " : "", sensing::count(reasons, reason),
+                        sensing::name(reason));
+  }
+  return text;
+}
+
+/// Median of the known depths, and how many they are.
+void measure_depths(const geometry::ImageF& z, FinishedFrame& frame) {
+  std::vector<float> depths;
+  depths.reserve(static_cast<std::size_t>(z.size()));
+  std::copy_if(z.data(), z.data() + z.size(), std::back_inserter(depths),
+               [](float depth) { return depth > 0; });
+  frame.pixels = static_cast<long>(depths.size());
+  frame.median_depth = std::numeric_limits<double>::quiet_NaN();
+  if (depths.empty()) return;
+  frame.median_depth = static_cast<double>(geometry::median(std::move(depths)));
+}
+
+/// Runs in several threads at once.
+Outcome finish(const DecodeCall& call, const sensing::DecodedFrame& frame) {
+  const sensing::DecodeResult& result = frame.result;
+  const std::string file = frame.source.name;
+  if (spdlog::should_log(spdlog::level::info)) {  // counting takes longer than a line of a log may
+    spdlog::info("{}: {} stripe edges, {} regions ({} without an offset); pixels: {}", file,
+                 result.transitions, result.regions, result.unresolved_regions,
+                 counts(result.reasons));
+  }
+  Outcome outcome{.error = {}, .frame = stamped(frame.source)};
+  outcome.frame.milliseconds = frame.decode_milliseconds;
+  measure_depths(result.range.z, outcome.frame);
+  if (outcome.frame.pixels == 0) spdlog::warn("{}: nothing could be reconstructed.", file);
+  write_outputs(call.outputs, frame.source.number, result);
+  return outcome;
+}
+
+/// Gives the frames that are still to be decoded; those that need not be go to `outcomes`.
+std::optional<sensing::SourceFrame> next_unfinished(const DecodeCall& call,
+                                                    sensing::FrameSource& source,
+                                                    const DecodeRecord& record, Outcomes& kept) {
+  while (auto frame = source.next()) {
+    const FinishedFrame* finished = record.find(*frame);
+    if (finished == nullptr || !has_outputs(call.outputs, frame->number, finished->pixels > 0)) {
+      if (call.linearizer) {
+        frame->read = [read = std::move(frame->read), name = frame->name,
+                       &linearize = *call.linearizer] {
+          const cv::Mat image = read();
+          try {
+            return linearize(image);
+          } catch (const InvalidInput& misfit) {
+            throw InvalidInput(name + ": " + misfit.what());
+          }
+        };
+      }
+      return frame;
+    }
+    kept[frame->number] = {.error = {}, .frame = *finished, .kept = true};
+  }
+  return std::nullopt;
+}
+
+/// Whether the rig is the one that goes with the range maps.
+bool lies_in_output(const DecodeCall& call) {
+  return fs::weakly_canonical(call.rig) == fs::weakly_canonical(call.outputs.folder / "rig.yaml");
+}
+
+Outcomes decode_all(const sensing::Decoder& decoder, const DecodeCall& call,
+                    sensing::FrameSource& source, DecodeRecord& record) {
+  Outcomes outcomes;
+  std::mutex mutex;
+  std::once_flag begun;
+  Progress progress("decoding");
+  const auto write = [&](const sensing::DecodedFrame& frame) {
+    std::call_once(begun, [&] {
+      record.begin();
+      // Before the first range map: what is kept of an interrupted run is of use. A rig that lies
+      // there already is kept as it was written.
+      if (!lies_in_output(call))
+        sensing::write_rig(call.outputs.folder / "rig.yaml", decoder.rig());
+    });
+    Outcome outcome = finish(call, frame);
+    const std::lock_guard lock(mutex);
+    outcomes[frame.source.number] = std::move(outcome);
+  };
+  const auto deliver = [&](const sensing::DecodedFrame& frame) {
+    const std::lock_guard lock(mutex);
+    Outcome& outcome = outcomes[frame.source.number];
+    if (frame.error.empty()) {
+      outcome.read_milliseconds = frame.read_milliseconds;
+      outcome.write_milliseconds = frame.work_milliseconds;
+      record.add(outcome.frame);
+    } else {
+      outcome.error = frame.error;
+      outcome.frame.name = frame.source.name;
+    }
+    progress.show(static_cast<int>(frame.source.number) + 1,
+                  static_cast<int>(source.expected_frames()));
+  };
+  Outcomes kept;  // changed by one thread at a time, read at the end
+  const auto next = [&] { return next_unfinished(call, source, record, kept); };
+  try {
+    sensing::decode_sequence(next, decoder, deliver, {.in_parallel = write});
+  } catch (...) {
+    // What is finished shall be known to --resume.
+    if (!outcomes.empty() && is_there(call.outputs.folder / "decode.json")) record.write();
+    throw;
+  }
+  outcomes.merge(kept);
+  return outcomes;
+}
+
+double median_of(const Outcomes& outcomes, double Outcome::*milliseconds) {
+  std::vector<double> values;
+  for (const auto& [number, outcome] : outcomes) {
+    if (outcome.error.empty() && !outcome.kept) values.push_back(outcome.*milliseconds);
+  }
+  return geometry::error_statistics(values).median;
+}
+
+void report(const Settings& settings, const DecodeCall& call, const Outcomes& outcomes,
+            double seconds) {
+  nlohmann::ordered_json per_frame = nlohmann::ordered_json::array();
+  std::vector<double> milliseconds;
+  std::string prose;
+  std::size_t decoded = 0;
+  for (const auto& [number, outcome] : outcomes) {
+    const FinishedFrame& frame = outcome.frame;
+    if (!outcome.error.empty()) {
+      per_frame.push_back({{"frame", frame.name}, {"error", outcome.error}});
+      spdlog::error("{}", outcome.error);
+      continue;
+    }
+    const fs::path map = numbered(call.outputs.folder, number, ".tiff");
+    ++decoded;
+    milliseconds.push_back(frame.milliseconds);
+    per_frame.push_back({{"frame", frame.name},
+                         {"range_map", map.string()},
+                         {"pixels", frame.pixels},
+                         {"median_depth", frame.median_depth},
+                         {"ms", frame.milliseconds},
+                         {"kept", outcome.kept}});
+    prose += fmt::format("{} -> {}: {} pixels, median depth {}, {}\n", frame.name, map.string(),
+                         frame.pixels,
+                         frame.pixels > 0 ? fmt::format("{:.1f} mm", frame.median_depth) : "none",
+                         outcome.kept ? std::string("kept from an earlier run")
+                                      : fmt::format("{:.0f} ms", frame.milliseconds));
+  }
+  const auto kept = std::count_if(outcomes.begin(), outcomes.end(),
+                                  [](const auto& entry) { return entry.second.kept; });
+  const double median_ms = geometry::error_statistics(milliseconds).median;
+  const double rate =
+      static_cast<double>(outcomes.size() - static_cast<std::size_t>(kept)) / seconds;
+  const nlohmann::ordered_json figures = {
+      {"frames", outcomes.size()},
+      {"decoded", decoded},
+      {"kept", kept},
+      {"broken", outcomes.size() - decoded},
+      {"ms_per_frame", median_ms},
+      {"read_ms_per_frame", median_of(outcomes, &Outcome::read_milliseconds)},
+      {"write_ms_per_frame", median_of(outcomes, &Outcome::write_milliseconds)},
+      {"frames_per_second", rate},
+      {"per_frame", per_frame}};
+  print(settings, figures,
+        prose + fmt::format("{} of {} frames decoded, {:.0f} ms a frame (median), {:.1f} frames/s "
+                            "with reading and writing{}.",
+                            decoded, outcomes.size(), median_ms, rate,
+                            kept > 0 ? fmt::format("; {} kept from an earlier run", kept) : ""));
+}
+
+sensing::FrameSource open_frames(const DecodeCall& call) {
+  sensing::FrameSourceOptions options;
+  if (!call.bayer.empty()) options.bayer = sensing::bayer_pattern(call.bayer);
+  sensing::FrameSource source(call.frames, options);
+  check_outputs(call.frames, {call.outputs.folder});
+  for (const fs::path& file : source.files()) {
+    std::error_code not_there;
+    if (!fs::equivalent(fs::canonical(file).parent_path(), call.outputs.folder, not_there))
+      continue;
+    throw InvalidInput(file.string() + ": lies in " + call.outputs.folder.string() +
+                       ", where range maps and pictures could bear the names of frames; give "
+                       "another output.");
+  }
+  for (const std::string& warning : source.warnings()) spdlog::warn("{}", warning);
+  return source;
+}
+
+/// All that a range map depends on besides its frame.
+nlohmann::ordered_json settings_of(const DecodeCall& call) {
+  return {{"version", PALPATE_VERSION},
+          {"--rig", fingerprint(call.rig)},
+          {"--pattern", fingerprint(call.pattern)},
+          {"--colors", call.colors.empty() ? "" : fingerprint(call.colors)},
+          {"--response", call.response.empty() ? "" : fingerprint(call.response)},
+          {"--anchor", call.anchor},
+          {"--window", call.window_periods},
+          {"--half", call.half},
+          {"--bayer", call.bayer},
+          {"--segmentation", call.segmentation}};
+}
+
+void decode(const Settings& settings, DecodeCall call) {
+  if (call.half && lies_in_output(call)) {
+    throw InvalidInput("--half: " + call.rig.string() +
+                       " would be replaced by the rig of the smaller range maps; choose another "
+                       "folder for them");
+  }
+  sensing::FrameSource source = open_frames(call);
+  if (!call.response.empty()) call.linearizer.emplace(sensing::read_response(call.response));
+  const sensing::Rig rig = sensing::read_rig(call.rig);
+  const sensing::Pattern pattern = sensing::read_pattern(call.pattern);
+  sensing::check_pattern_fits(pattern, rig.projector, call.pattern.string());
+  sensing::TrainedColors colors;
+  if (!call.colors.empty()) colors = sensing::read_trained_colors(call.colors);
+  sensing::DecodeOptions options;
+  options.window_periods = call.window_periods;
+  options.half_resolution = call.half;
+  if (!call.anchor.empty())
+    options.anchor = sensing::Anchor{call.anchor[0], call.anchor[1], call.anchor[2]};
+  if (call.segmentation == "snakes") options.segmentation = sensing::Segmentation::snakes;
+  const sensing::Decoder decoder(rig, pattern, colors, options);
+  std::vector<std::string> inputs;
+  for (const fs::path& file : source.files()) inputs.push_back(file.filename().string());
+  const fs::path& folder = call.outputs.folder;
+  DecodeRecord record(folder, settings_of(call), inputs);
+  if (call.resume) record.resume();
+
+  const Clock::time_point start = Clock::now();
+  const Outcomes outcomes = decode_all(decoder, call, source, record);
+  const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  const auto broken = std::count_if(outcomes.begin(), outcomes.end(),
+                                    [](const auto& entry) { return !entry.second.error.empty(); });
+  if (outcomes.empty()) throw FileError(call.frames.front().string() + ": holds no frame.");
+  if (broken == static_cast<long>(outcomes.size())) throw FileError(outcomes.begin()->second.error);
+  record.write();
+  for (const auto& [number, outcome] : outcomes) {
+    if (outcome.error.empty()) draw_outputs(call.outputs, number, outcome.frame.name, outcome.kept);
+  }
+  report(settings, call, outcomes, seconds);
+  if (broken > 0)
+    throw Error(fmt::format("{} of {} frames could not be decoded; the others were.", broken,
+                            outcomes.size()));
+}
+
+}  // namespace
+
+void add_decode(CLI::App& app, const Settings& settings) {
+  auto call = std::make_shared<DecodeCall>();
+  CLI::App* command = app.add_subcommand("decode", "Camera frames become range maps, one each");
+  command->add_option("FRAMES", call->frames, "Images, folders of images, videos")->required();
+  command->add_option("--rig", call->rig, "Camera and projector (rig.yaml)")->required();
+  command->add_option("--pattern", call->pattern, "What the projector shows (pattern.yaml)")
+      ->required();
+  command->add_option("--colors", call->colors,
+                      "Trained colours (colors.yaml), for a pattern with stripes");
+  command->add_option(
+      "--response", call->response,
+      "Response of projector and camera (response.yaml): frames are linearised first");
+  command
+      ->add_option("--anchor", call->anchor,
+                   "u,v,z: for a pattern without stripes, a pixel [px] whose depth [mm] is known")
+      ->expected(3)
+      ->delimiter(',');
+  command
+      ->add_option("--window", call->window_periods,
+                   "Length of the window that measures the phase, in periods of the sinusoid, 1.25 "
+                   "to 8: longer is less noisy, shorter sees finer relief and nearer to edges")
+      ->capture_default_str();
+  command->add_flag("--half", call->half,
+                    "Decode at half the size of the frames, several times faster; the range maps "
+                    "and the rig beside them are of that size");
+  command
+      ->add_option("--bayer", call->bayer,
+                   "The frames are raw mosaics of a single-chip camera: the colours of its first "
+                   "two pixels, then of the two below")
+      ->check(CLI::IsMember({"rggb", "bggr", "grbg", "gbrg"}));
+  command
+      ->add_option("--segmentation", call->segmentation,
+                   "How smooth regions are found: flood, or snakes, which bridge gaps in their "
+                   "borders and take longer")
+      ->check(CLI::IsMember({"flood", "snakes"}))
+      ->capture_default_str();
+  DecodeOutputs& outputs = call->outputs;
+  command->add_option("-o,--output", outputs.folder, "Folder for the range maps")->required();
+  command->add_option("--meshes", outputs.meshes, "Also write each as a mesh")
+      ->check(CLI::IsMember({"ply", "obj", "stl"}));
+  command->add_flag("--pictures", outputs.pictures, "Also draw each in false colour (PNG)");
+  command->add_flag("--sigma", outputs.sigma,
+                    "Also write the standard deviation predicted for each depth [mm]: "
+                    "NNNNNN_sigma.tiff, and as a picture NNNNNN_sigma.png");
+  command->add_flag("--reasons", outputs.reasons,
+                    "Also write why a pixel has no depth: codes in NNNNNN_reasons.tiff, and as a "
+                    "picture with a legend NNNNNN_reasons.png");
+  command->add_flag("--resume", call->resume,
+                    "Keep the frames that an earlier run with the same settings finished in this "
+                    "folder");
+  command->footer(
+      "Frames are numbered in the order of their names, numbers in them as numbers: 000000.tiff is "
+      "the first; frames.csv lists "
+      "them.\nA frame that is broken is reported and left out, and the exit status is 1; the "
+      "others "
+      "keep their numbers.\nResults of an earlier run in the folder are replaced as a whole, "
+      "unless "
+      "--resume is given; Ctrl-C keeps what is finished.\n"
+      "Examples:\n  palpate decode frames/ --rig rig.yaml --pattern pattern.yaml --colors "
+      "colors.yaml -o range/ --meshes ply\n"
+      "  palpate decode wave.mkv --bayer rggb --rig rig.yaml --pattern pattern.yaml --colors "
+      "colors.yaml -o range/ --sigma --reasons --resume");
+  command->callback([call, &settings] { decode(settings, *call); });
+}
+
+}  // namespace palpate::apps

@@ -1,0 +1,126 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "commands/demo_feeling.h"
+#include "commands/demo_seeing.h"
+#include "palpate/error.h"
+#include "shared/command_line.h"
+
+namespace palpate::apps {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+/// The bundled data: beside the installed program, or in the sources it was built from.
+fs::path find_data(const fs::path& given) {
+  if (!given.empty()) return given;
+  const fs::path installed =
+      fs::read_symlink("/proc/self/exe").parent_path() / PALPATE_INSTALLED_DEMO;
+  if (fs::exists(installed)) return fs::canonical(installed);
+  if (fs::exists(PALPATE_SOURCE_DEMO)) return PALPATE_SOURCE_DEMO;
+  throw FileError(installed.string() +
+                  ": the bundled data are not there. Pass their folder with --data.");
+}
+
+std::string seeing_table(const Json& frames) {
+  std::string table =
+      "SEEING: a projector throws stripes, one camera frame becomes a map of depths, and that a "
+      "mesh.\n"
+      "  frame          distance   median error         reconstructed   wrong by > 5 mm   "
+      "triangles   time\n";
+  for (const Json& f : frames) {
+    const double distance = f["distance"], error = f["median_error"];
+    table += fmt::format(
+        "  {:<13}{:>7.0f} mm   {:.3f} mm = {:.4f} %   {:>11.1f} %   {:>13.2f} %   {:>9}   {:.0f} "
+        "ms\n",
+        f["frame"].get<std::string>(), distance, error, 100 * error / distance,
+        100 * f["reconstructed"].get<double>(), 100 * f["wrong"].get<double>(),
+        f["triangles"].get<long>(), f["ms"].get<double>());
+  }
+  return table +
+         "  (error: against the true depth; reconstructed: of the pixels that the camera sees "
+         "lit)\n";
+}
+
+std::string feeling_table(const Json& sheets) {
+  std::string table =
+      "FEELING: an arm presses and drags at contacts on a stretched sheet; force fields and "
+      "friction are fitted and played.\n"
+      "  object        contacts   samples   fit       RMS of fit   RMS against truth   leave one "
+      "out   friction error   step / slip\n";
+  for (const Json& s : sheets) {
+    table += fmt::format(
+        "  {:<12}{:>10}{:>10}{:>6.1f} s{:>11.3f} N{:>18.3f} N{:>14.3f} N{:>17.3f}{:>8.1f} / {:.1f} "
+        "us\n",
+        s["name"].get<std::string>(), s["contacts"].get<long>(), s["samples"].get<long>(),
+        s["fit_seconds"].get<double>(), s["fit_rms"].get<double>(), s["queries_rms"].get<double>(),
+        s["leave_one_out_rms"].get<double>(), s["friction_error"].get<double>(),
+        s["us_per_step"].get<double>(), s["us_per_slip"].get<double>());
+  }
+  return table +
+         "  (sheet_block: a block lies under the sheet. RMS of fit: median over the contacts, "
+         "forces up to 3.3 N; against\n"
+         "  truth: noise-free forces between the contacts; leave one out: each contact predicted "
+         "from its neighbours;\n"
+         "  friction error: median of |coefficient - truth|; step: median time of one tick of the "
+         "1 kHz loop)\n";
+}
+
+std::string list_files(const fs::path& output) {
+  std::vector<std::string> files;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(output)) {
+    if (entry.is_regular_file()) files.push_back(entry.path().string());
+  }
+  std::sort(files.begin(), files.end());
+  std::string list = "WRITTEN (look at the .png first):\n";
+  for (const std::string& file : files) list += "  " + file + "\n";
+  return list;
+}
+
+void demo(const Settings& settings, const fs::path& given_data, const fs::path& output) {
+  const fs::path data = find_data(given_data);
+  const auto start = std::chrono::steady_clock::now();
+  const Json seeing = demo_seeing(data, output);
+  const Json feeling = demo_feeling(data, output);
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+  const bool same = std::all_of(feeling.begin(), feeling.end(),
+                                [](const Json& s) { return s["same_and_finite"].get<bool>(); });
+  print(settings,
+        {{"seeing", seeing},
+         {"feeling", feeling},
+         {"seconds", elapsed.count()},
+         {"output", output.string()}},
+        seeing_table(seeing) + "\n" + feeling_table(feeling) + "\n" + list_files(output) +
+            fmt::format("\nThe whole way took {:.1f} s. Every played force is finite and the same "
+                        "in a second run: {}.",
+                        elapsed.count(), same ? "yes" : "NO"));
+  if (!same)
+    throw SolverError("palpate demo: a played force is not finite, or differs in a second run.");
+}
+
+}  // namespace
+
+void add_demo(CLI::App& app, const Settings& settings) {
+  struct Call {
+    fs::path data, output = "demo-output";
+  };
+  auto call = std::make_shared<Call>();
+  CLI::App* command = app.add_subcommand(
+      "demo", "The whole way on the bundled data: pictures, and a summary at the end");
+  command->add_option("-o,--output", call->output, "Folder for everything that is made")
+      ->capture_default_str();
+  command->add_option("--data", call->data,
+                      "Folder of the bundled data (default: where they were installed)");
+  command->footer("Example:\n  palpate demo -o demo-output");
+  command->callback([call, &settings] { demo(settings, call->data, call->output); });
+}
+
+}  // namespace palpate::apps

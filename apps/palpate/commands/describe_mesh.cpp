@@ -1,0 +1,154 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "commands/describe_mesh.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <Eigen/Geometry>
+#include <utility>
+#include <vector>
+
+#include "palpate/error.h"
+#include "palpate/geometry/mesh_defects.h"
+#include "palpate/geometry/mesh_measures.h"
+#include "palpate/geometry/mesh_topology.h"
+
+namespace palpate::apps {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+std::vector<std::string> names_of(const geometry::Attributes& attributes) {
+  std::vector<std::string> names;
+  for (const geometry::Attribute& attribute : attributes) names.push_back(attribute.name);
+  return names;
+}
+
+std::string in_words(const char* what, const geometry::Attributes& attributes) {
+  return attributes.empty()
+             ? std::string()
+             : fmt::format("; of each {}: {}", what, fmt::join(names_of(attributes), " "));
+}
+
+const char* name_of(geometry::UnitSource source) {
+  switch (source) {
+    case geometry::UnitSource::stated:
+      return "stated";
+    case geometry::UnitSource::declared:
+      return "declared";
+    case geometry::UnitSource::assumed:
+      break;
+  }
+  return "assumed";
+}
+
+std::string in_words(const geometry::FileUnit& unit) {
+  if (unit.source == geometry::UnitSource::assumed)
+    return "; it declares no unit and is taken as mm (--unit tells otherwise)";
+  return fmt::format("; {} units of {} mm",
+                     unit.source == geometry::UnitSource::stated ? "read in" : "it declares",
+                     unit.length);
+}
+
+/// Area, volume and topology of a mesh, or why they cannot be told.
+Description describe_surface(const geometry::TriangleMesh& mesh) {
+  try {
+    const double area = geometry::surface_area(mesh);
+    const std::size_t loops = geometry::boundary_loops(mesh).size();
+    const int components = geometry::connected_components(mesh).count;
+    const int euler = geometry::euler_characteristic(mesh);
+    Description surface = {
+        {{"area", area},
+         {"volume", nullptr},
+         {"components", components},
+         {"boundary_loops", loops},
+         {"euler_characteristic", euler}},
+        fmt::format(
+            "area {:.1f} mm^2, {} component(s), {} boundary loop(s), Euler characteristic {}", area,
+            components, loops, euler)};
+    if (loops == 0) {
+      const double volume = geometry::enclosed_volume(mesh);
+      surface.figures["volume"] = volume;
+      surface.prose += fmt::format(", volume {:.1f} mm^3", volume);
+    }
+    return surface;
+  } catch (const InvalidInput& refused) {
+    return {{{"not_a_surface", refused.what()}},
+            fmt::format("no area or topology, since it is not a surface: {}", refused.what())};
+  }
+}
+
+/// What is wrong, and what to do about it.
+Description describe_defects(const geometry::TriangleMesh& mesh) {
+  Json figures = Json::object();
+  std::string prose;
+  for (const geometry::MeshDefect& defect : geometry::find_defects(mesh)) {
+    figures[geometry::to_string(defect.kind)] = defect.elements.size();
+    prose += "\n  " + geometry::describe(defect);
+  }
+  return {{{"defects", figures}},
+          prose.empty() ? "no defects"
+                        : "defects (counted from 0; palpate mesh --repair mends what can be "
+                          "mended; needles stay):" +
+                              prose};
+}
+
+/// The box of the finite vertices; empty, from infinity to minus infinity, if there are none.
+std::pair<Eigen::Vector3d, Eigen::Vector3d> extent(const geometry::TriangleMesh& mesh) {
+  Eigen::AlignedBox3d box;
+  for (const auto& vertex : mesh.vertices.colwise()) {
+    if (vertex.allFinite()) box.extend(vertex);
+  }
+  return {box.min(), box.max()};
+}
+
+}  // namespace
+
+Description describe_mesh(const fs::path& path, geometry::ReadOptions options) {
+  options.keep_defects = true;
+  const geometry::MeshFile file = geometry::read_mesh_file(path, options);
+  const geometry::TriangleMesh& mesh = file.mesh;
+  const auto [low, high] = extent(mesh);
+  const Description defects = describe_defects(mesh);
+  const Description surface = describe_surface(mesh);
+  Description result = {
+      {{"kind", "mesh"},
+       {"vertices", mesh.vertices.cols()},
+       {"triangles", mesh.triangles.cols()},
+       {"min", {low.x(), low.y(), low.z()}},
+       {"max", {high.x(), high.y(), high.z()}},
+       {"unit", file.unit.length},
+       {"unit_source", name_of(file.unit.source)},
+       {"vertex_attributes", names_of(file.vertex_attributes)},
+       {"triangle_attributes", names_of(file.triangle_attributes)}},
+      fmt::format("mesh, {} vertices, {} triangles; X {:.1f} to {:.1f}, Y {:.1f} to {:.1f}, Z "
+                  "{:.1f} to {:.1f} mm",
+                  mesh.vertices.cols(), mesh.triangles.cols(), low.x(), high.x(), low.y(), high.y(),
+                  low.z(), high.z()) +
+          in_words(file.unit) + in_words("vertex", file.vertex_attributes) +
+          in_words("triangle", file.triangle_attributes) + "\n" + surface.prose + "\n" +
+          defects.prose};
+  result.figures.update(surface.figures);
+  result.figures.update(defects.figures);
+  return result;
+}
+
+Description describe_points(const fs::path& path, const geometry::ReadOptions& options) {
+  const geometry::PointCloud cloud = geometry::read_point_cloud(path, options);
+  const auto known = (cloud.points.array() == cloud.points.array()).colwise().all().count();
+  return {{{"kind", "points"},
+           {"points", cloud.points.cols()},
+           {"known", known},
+           {"width", cloud.width},
+           {"height", cloud.height},
+           {"unit", cloud.unit.length},
+           {"unit_source", name_of(cloud.unit.source)},
+           {"attributes", names_of(cloud.attributes)}},
+          fmt::format("point cloud, {} x {} points, {} of them known", cloud.width, cloud.height,
+                      known) +
+              in_words(cloud.unit) + in_words("point", cloud.attributes)};
+}
+
+}  // namespace palpate::apps

@@ -1,0 +1,150 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "palpate/error.h"
+#include "palpate/haptics/evaluate.h"
+#include "palpate/haptics/model_io.h"
+#include "palpate/haptics/trajectory_csv.h"
+#include "palpate/probing/acquisition_store.h"
+#include "shared/command_line.h"
+#include "shared/inputs.h"
+#include "shared/model_pictures.h"
+#include "shared/progress.h"
+
+namespace palpate::apps {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+struct EvaluateCall {
+  fs::path model, queries, acquisition, picture;
+  haptics::QueryOptions query_options;
+  haptics::LeaveOneOutOptions leave_one_out;
+};
+
+haptics::LeaveOneOut predict(const haptics::Model& model, const EvaluateCall& call) {
+  const probing::Acquisition acquisition = probing::read_acquisition(call.acquisition);
+  Progress progress("predicting");  // its bar goes before anything is printed
+  haptics::LeaveOneOutOptions options = call.leave_one_out;
+  options.progress = [&](int done, int total) { progress.show(done, total); };
+  return haptics::leave_one_out(model, acquisition, options);
+}
+
+// NaN has no form in JSON.
+Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json to_json(const haptics::LeaveOneOut& errors) {
+  Json per_contact = Json::array(), suggested = Json::array();
+  for (const haptics::ContactError& e : errors.per_contact) {
+    per_contact.push_back({{"contact", e.contact},
+                           {"rms", e.rms},
+                           {"samples", e.samples},
+                           {"at_border", e.at_border},
+                           {"spread", e.spread},
+                           {"expected", number_or_null(e.expected)}});
+  }
+  for (const haptics::SuggestedContact& s : errors.suggested) {
+    suggested.push_back(
+        {{"position", {s.position.x(), s.position.y(), s.position.z()}}, {"expected", s.expected}});
+  }
+  return {{"rms", errors.rms},
+          {"interior_rms", number_or_null(errors.interior_rms)},
+          {"border_rms", number_or_null(errors.border_rms)},
+          {"per_contact", per_contact},
+          {"suggested", suggested}};
+}
+
+std::string to_prose(const haptics::LeaveOneOut& errors) {
+  const auto newtons = [](double value) {
+    return std::isfinite(value) ? fmt::format("{:.4f} N", value) : std::string("unknown");
+  };
+  std::string prose;
+  for (const haptics::ContactError& e : errors.per_contact) {
+    prose += fmt::format(
+        "  contact {} ({}) predicted from its neighbours: RMS {:.4f} N, expected {}; they disagree "
+        "by {:.4f} N\n",
+        e.contact, e.at_border ? "border" : "inside", e.rms, newtons(e.expected), e.spread);
+  }
+  prose += fmt::format(
+      "Each contact predicted without itself: RMS {:.4f} N over {} contacts; inside {}, at the "
+      "border {}\n",
+      errors.rms, errors.per_contact.size(), newtons(errors.interior_rms),
+      newtons(errors.border_rms));
+  if (!errors.suggested.empty()) prose += "One more contact would tell most at\n";
+  for (const haptics::SuggestedContact& s : errors.suggested) {
+    prose += fmt::format("  ({:.1f}, {:.1f}, {:.1f}): expected error {:.4f} N\n", s.position.x(),
+                         s.position.y(), s.position.z(), s.expected);
+  }
+  return prose;
+}
+
+void evaluate(const Settings& settings, const EvaluateCall& call) {
+  if (call.queries.empty() && call.acquisition.empty()) {
+    throw InvalidInput(
+        "palpate evaluate: nothing to compare with. Pass --queries, --leave-one-out or both.");
+  }
+  if (!call.picture.empty() && call.acquisition.empty()) {
+    throw InvalidInput(
+        "palpate evaluate: --picture shows what --leave-one-out finds; pass that too.");
+  }
+  check_outputs({call.model, call.queries, call.acquisition}, {call.picture});
+  const haptics::Model model = haptics::read_model(call.model);
+  Json figures;
+  std::string prose;
+  if (!call.queries.empty()) {
+    const haptics::QueryErrors errors =
+        haptics::evaluate_queries(model, haptics::read_queries(call.queries), call.query_options);
+    figures["queries"] = {{"count", errors.count},
+                          {"rms", errors.rms},
+                          {"median", errors.median},
+                          {"p90", errors.p90}};
+    prose +=
+        fmt::format("Against {} queries: RMS {:.4f} N, median {:.4f} N, 90 % within {:.4f} N\n",
+                    errors.count, errors.rms, errors.median, errors.p90);
+  }
+  if (!call.acquisition.empty()) {
+    const haptics::LeaveOneOut errors = predict(model, call);
+    figures["leave_one_out"] = to_json(errors);
+    prose += to_prose(errors);
+    if (!call.picture.empty()) draw_leave_one_out(call.picture, model, errors);
+  }
+  prose.pop_back();
+  print(settings, figures, prose);
+}
+
+}  // namespace
+
+void add_evaluate(CLI::App& app, const Settings& settings) {
+  auto call = std::make_shared<EvaluateCall>();
+  CLI::App* command =
+      app.add_subcommand("evaluate", "How far a model's forces are from known ones");
+  command->add_option("MODEL", call->model, "Model folder")->required();
+  command->add_option(
+      "--queries", call->queries,
+      "Known forces: cx,cy,cz,dx,dy,dz,fx,fy,fz (contact, displacement, force on the object)");
+  command->add_option("--leave-one-out", call->acquisition,
+                      "Acquisition the model was fitted to: predict each contact from the others");
+  command
+      ->add_option("--max-distance", call->query_options.max_distance,
+                   "Refuse queries further from the surface [mm]")
+      ->capture_default_str();
+  command
+      ->add_option("--suggestions", call->leave_one_out.suggestions,
+                   "Places for further contacts to tell, with --leave-one-out, where the expected "
+                   "error is largest")
+      ->capture_default_str();
+  command->add_option("--picture", call->picture,
+                      "Also draw the errors of --leave-one-out over the surface (PNG)");
+  command->footer(
+      "RMS is the root of the mean squared length of the error vector, in N.\n"
+      "Example:\n  palpate evaluate model/ --queries queries.csv --leave-one-out acquisition.db");
+  command->callback([call, &settings] { evaluate(settings, *call); });
+}
+
+}  // namespace palpate::apps

@@ -1,0 +1,368 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "commands/fit_record.h"
+#include "palpate/error.h"
+#include "palpate/geometry/mesh_io.h"
+#include "palpate/geometry/range_map_score.h"
+#include "palpate/haptics/build_model.h"
+#include "palpate/haptics/model_io.h"
+#include "palpate/output_file.h"
+#include "palpate/probing/acquisition_store.h"
+#include "shared/command_line.h"
+#include "shared/fingerprint.h"
+#include "shared/inputs.h"
+#include "shared/model_pictures.h"
+#include "shared/progress.h"
+
+namespace palpate::apps {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+struct FitCall {
+  fs::path acquisition, surface, output, pictures;
+  haptics::FitOptions fit;
+  haptics::BlendRule blend_rule = haptics::BlendRule::compliances;
+  std::optional<haptics::ModelEncoding> encoding;
+  std::optional<double> budget_us;
+  geometry::ReadOptions meshes;
+  bool shared_local = false;
+  int dense_samples = haptics::LocalGlobalOptions{}.dense_samples;
+  bool resume = false;
+};
+
+/// Which contacts have no friction of their own, one line for each reason.
+void tell_friction(const haptics::BuildResult& built) {
+  std::map<std::string, std::vector<long long>> undetermined;
+  bool from_others = false, bounded = false;
+  for (std::size_t i = 0; i < built.contacts.size(); ++i) {
+    const haptics::FrictionFit& friction = built.contacts[i].friction;
+    if (friction.stop == haptics::FrictionStop::converged) continue;
+    undetermined[haptics::to_string(friction.stop)].push_back(built.contacts[i].id);
+    const haptics::FrictionSource source = built.model.contacts[i].friction_source;
+    from_others = from_others || source == haptics::FrictionSource::other_contacts;
+    bounded = bounded || source == haptics::FrictionSource::lower_bound;
+  }
+  constexpr std::size_t kNamed = 50;  // of contacts that are alike
+  for (const auto& [stop, contacts] : undetermined) {
+    const std::span named(contacts.data(), std::min(contacts.size(), kNamed));
+    spdlog::warn("{} of {} contacts do not determine their friction, {}: {}{}", contacts.size(),
+                 built.contacts.size(), stop, fmt::join(named, ", "),
+                 named.size() < contacts.size() ? ", ..." : "");
+  }
+  if (from_others) spdlog::warn("some of those take the mean of the other contacts' friction.");
+  if (bounded) spdlog::warn("some of those take their own lower bound, which is no estimate.");
+}
+
+std::string friction_of(const haptics::ContactModel& contact) {
+  if (contact.friction_source == haptics::FrictionSource::lower_bound)
+    return fmt::format(">= {:.3f}", contact.friction);
+  return fmt::format("{:.3f} +- {:.3f} (>= {:.3f})", contact.friction, contact.friction_error,
+                     contact.friction_lower_bound);
+}
+
+/// The error with the local part over that without, by which sparse contacts gain.
+double ratio(const haptics::LocalPart& part) { return std::exp(part.gain); }
+
+/// Whether contacts share a local part, and why not; for messages and for the model.
+std::string sharing_in_words(const haptics::BuildResult& built) {
+  const haptics::LocalPart& part = *built.local_part;
+  const std::string counts = fmt::format("{} contacts with at least {} pairs, {} with fewer",
+                                         part.dense, part.dense_samples, part.sparse);
+  switch (part.outcome) {
+    case haptics::SharingOutcome::shared: {
+      const auto sharing = std::ranges::count_if(
+          built.contacts, [](const auto& contact) { return contact.fit.shared_local; });
+      return fmt::format(
+          "{} share the local part of the dense ones: {}; errors are {:.2f} times "
+          "those without, give or take {:.0f} % (tried at dense ones)",
+          sharing, counts, ratio(part), 100 * part.gain_error);
+    }
+    case haptics::SharingOutcome::no_gain:
+      return fmt::format(
+          "none shares a local part: {}; errors would be {:.2f} times those "
+          "without, give or take {:.0f} % (tried at dense ones), which is no "
+          "certain gain",
+          counts, ratio(part), 100 * part.gain_error);
+    case haptics::SharingOutcome::too_few_dense:
+      return fmt::format(
+          "none shares a local part: {}; at least {} must be dense, so probe more "
+          "there or lower --dense-samples",
+          counts, haptics::kFewestDense);
+    case haptics::SharingOutcome::none_sparse:
+      return fmt::format("none shares a local part: {}; none needs it", counts);
+  }
+  return {};
+}
+
+void tell_sharing(const haptics::BuildResult& built) {
+  if (!built.local_part) return;
+  if (built.local_part->outcome == haptics::SharingOutcome::shared) {
+    spdlog::info("of the contacts, {}.", sharing_in_words(built));
+  } else {
+    spdlog::warn("each contact is fitted on its own; {}.", sharing_in_words(built));
+  }
+}
+
+Json sharing_in_figures(const haptics::BuildResult& built) {
+  const haptics::LocalPart& part = *built.local_part;
+  const auto figure = [](double value) { return std::isfinite(value) ? Json(value) : Json(); };
+  return {{"outcome", haptics::to_string(part.outcome)},
+          {"dense_samples", part.dense_samples},
+          {"dense", part.dense},
+          {"sparse", part.sparse},
+          {"gain", figure(part.gain)},
+          {"gain_error", figure(part.gain_error)}};
+}
+
+void tell(const haptics::BuildResult& built) {
+  spdlog::info("the contacts lie {:.3f} mm from the surface (RMS); registration: {}",
+               built.distance_rms, haptics::to_string(built.registration));
+  for (const long long id : built.without_samples)
+    spdlog::warn("contact {} has no samples and is left out.", id);
+  for (const long long id : built.isolated) {
+    spdlog::warn(
+        "contact {} lies in no triangle of contacts: there are too few around it; probe more "
+        "there.",
+        id);
+  }
+  tell_friction(built);
+  tell_sharing(built);
+  if (built.surface_flipped)
+    spdlog::warn("the surface's triangles were turned over to face the contacts' normals.");
+}
+
+void draw(const FitCall& call, const haptics::Model& model,
+          const probing::Acquisition& acquisition) {
+  draw_model_contacts(call.pictures / "contacts.png", model,
+                      "Contacts, their cells and triangulation");
+  const auto worst = std::max_element(model.contacts.begin(), model.contacts.end(),
+                                      [](const auto& a, const auto& b) { return a.rms < b.rms; });
+  draw_contact_field(call.pictures / fmt::format("contact_{}.png", worst->id), model, acquisition,
+                     static_cast<std::size_t>(worst - model.contacts.begin()));
+}
+
+/// Beside the model: `OUTPUT.fits`.
+fs::path record_file(const fs::path& output) {
+  fs::path file = fs::absolute(output).lexically_normal();
+  if (!file.has_filename()) file = file.parent_path();
+  return file += ".fits";
+}
+
+/// What the fits depend on.
+Json settings_of(const FitCall& call) {
+  return {{"ACQUISITION", fingerprint(call.acquisition)},
+          {"SURFACE", fingerprint(call.surface)},
+          {"--unit", call.meshes.unit ? Json(*call.meshes.unit) : Json()},
+          {"--accuracy", call.fit.accuracy},
+          {"--passive", haptics::to_string(call.fit.mode)},
+          {"--force-noise", call.fit.noise.force},
+          {"--max-bases", call.fit.max_bases ? Json(*call.fit.max_bases) : Json()},
+          {"--shared-local", call.shared_local},
+          {"--dense-samples", call.shared_local ? Json(call.dense_samples) : Json()},
+          {"version of palpate", PALPATE_VERSION}};
+}
+
+// A rendered force blends the fields of three contacts.
+constexpr int kBlended = 3;
+
+void limit_to_budget(FitCall& call) {
+  if (!call.budget_us) return;
+  const double bases = *call.budget_us / (kBlended * haptics::kEvaluationCost);
+  if (!(bases >= 1)) {
+    throw InvalidInput(
+        fmt::format("--budget is {} us; one base for each of the {} contacts of a "
+                    "blend takes {:.2f} us already, so give at least that",
+                    *call.budget_us, kBlended, kBlended * haptics::kEvaluationCost));
+  }
+  const int most = static_cast<int>(std::min(bases, 1000.0));
+  call.fit.max_bases =
+      std::min(most, call.fit.max_bases.value_or(call.fit.mode == haptics::FitMode::convex
+                                                     ? haptics::kMaxConvexBases
+                                                     : haptics::kMaxLocalBases));
+}
+
+haptics::BuildResult build(const probing::Acquisition& acquisition,
+                           const geometry::TriangleMesh& surface, const FitCall& call,
+                           FitRecord& record) {
+  std::optional<Progress> bar;  // goes before anything is printed
+  haptics::BuildStage shown{};
+  const auto show = [&](haptics::BuildStage stage, int done, int total) {
+    if (!bar || stage != shown)
+      bar.emplace(stage == haptics::BuildStage::friction ? "finding friction" : "fitting");
+    shown = stage;
+    bar->show(done, total);
+  };
+  // Friction is judged by a noise above zero: where there is none by its default.
+  haptics::FrictionOptions friction;
+  if (call.fit.noise.force > 0) friction.force_noise = call.fit.noise.force;
+  return haptics::build_model(
+      acquisition, surface,
+      {.fit = call.fit,
+       .friction = friction,
+       .blend_rule = call.blend_rule,
+       .dense_samples = call.shared_local ? std::optional(call.dense_samples) : std::nullopt,
+       .progress = show,
+       .known_fit = [&](long long contact) { return record.find(contact); },
+       .keep_fit = [&](long long contact,
+                       const haptics::FitResult& result) { record.add(contact, result); }});
+}
+
+void fit(const Settings& settings, FitCall call) {
+  limit_to_budget(call);
+  const fs::path record_path = record_file(call.output);
+  check_outputs({call.acquisition, call.surface}, {call.output, call.pictures, record_path});
+  check_output_folder({call.acquisition, call.surface}, call.output);
+  check_replaceable(call.output, haptics::model_entries());
+  const probing::Acquisition acquisition = probing::read_acquisition(call.acquisition);
+  const geometry::TriangleMesh surface = geometry::read_mesh(call.surface, call.meshes);
+  FitRecord record(record_path, settings_of(call));
+  if (call.resume) record.resume();
+  record.begin();
+  const std::size_t kept = record.size();
+  haptics::BuildResult built = build(acquisition, surface, call, record);
+  built.model.made["program"] = "palpate " PALPATE_VERSION;
+  built.model.made["acquisition"] = call.acquisition.filename().string();
+  built.model.made["surface"] = call.surface.filename().string();
+  if (built.local_part) built.model.made["local part"] = sharing_in_words(built);
+  haptics::write_model(call.output, built.model, call.encoding);
+  record.remove();
+  tell(built);
+  if (!call.pictures.empty()) draw(call, built.model, acquisition);
+
+  Json per_contact = Json::array();
+  std::vector<double> rms;
+  std::string prose;
+  for (std::size_t i = 0; i < built.contacts.size(); ++i) {
+    const haptics::ContactModel& contact = built.model.contacts[i];
+    const haptics::FitResult& found = built.contacts[i].fit;
+    rms.push_back(contact.rms);
+    const auto bases = contact.field.bases.size();
+    if (settings.json) {
+      per_contact.push_back({{"contact", contact.id},
+                             {"rms", contact.rms},
+                             {"bases", bases},
+                             {"friction", contact.friction},
+                             {"friction_error", contact.friction_error},
+                             {"friction_lower_bound", contact.friction_lower_bound},
+                             {"friction_source", haptics::to_string(contact.friction_source)},
+                             {"friction_stop", haptics::to_string(built.contacts[i].friction.stop)},
+                             {"samples", contact.samples},
+                             {"stop", contact.fit_stop},
+                             {"passive", haptics::to_string(found.certificate.passivity)},
+                             {"chi2", found.chi2},
+                             {"noise_floor", found.noise_floor},
+                             {"outliers", found.outliers},
+                             {"condition", found.condition},
+                             {"shared_local", contact.shared_local}});
+    } else {
+      prose += fmt::format(
+          "  contact {}: RMS {:.4f} N with {} bases from {} samples, friction {}, {}, passivity: "
+          "{}{}\n",
+          contact.id, contact.rms, bases, contact.samples, friction_of(contact), contact.fit_stop,
+          haptics::to_string(found.certificate.passivity),
+          contact.shared_local ? ", shares the local part" : "");
+    }
+  }
+  const geometry::ErrorStatistics statistics = geometry::error_statistics(rms);
+  Json figures = {
+      {"contacts", built.contacts.size()},
+      {"kept", kept},
+      {"triangles", built.model.triangles.cols()},
+      {"registration", haptics::to_string(built.registration)},
+      {"rms", {{"median", statistics.median}, {"p90", statistics.p90}, {"max", statistics.max}}},
+      {"per_contact", per_contact},
+      {"file", call.output.string()}};
+  if (built.local_part) figures["shared_local"] = sharing_in_figures(built);
+  print(settings, figures,
+        prose + fmt::format("{} contacts in {} triangles; RMS of a contact {:.4f} N in the median, "
+                            "at most {:.4f} N. Written to {}",
+                            built.contacts.size(), built.model.triangles.cols(), statistics.median,
+                            statistics.max, call.output.string()));
+}
+
+}  // namespace
+
+void add_fit(CLI::App& app, const Settings& settings) {
+  auto call = std::make_shared<FitCall>();
+  CLI::App* command = app.add_subcommand("fit", "Measurements and a surface become a model");
+  command->add_option("ACQUISITION", call->acquisition, "Measurements (acquisition.db)")
+      ->required();
+  command->add_option("SURFACE", call->surface, "Undeformed surface (mesh)")->required();
+  add_unit_option(*command, call->meshes);
+  command->add_option("-o,--output", call->output, "Model folder to write")->required();
+  command
+      ->add_option("--accuracy", call->fit.accuracy,
+                   "An RMS of a contact's field up to this is good enough [N]; 0: as good as the "
+                   "noise of the measurements allows")
+      ->capture_default_str();
+  const std::map<std::string, haptics::FitMode> modes = {{"convex", haptics::FitMode::convex},
+                                                         {"certified", haptics::FitMode::certified},
+                                                         {"local", haptics::FitMode::local}};
+  command
+      ->add_option_function<std::string>(
+          "--passive", [call, modes](const std::string& word) { call->fit.mode = modes.at(word); },
+          "How a field is kept passive: convex, everywhere by construction (default); "
+          "certified, proven where the measurements reach; local, near zero only")
+      ->check(CLI::IsMember({"convex", "certified", "local"}));
+  command->add_option("--max-bases", call->fit.max_bases, "Use at most so many in a field");
+  command->add_option(
+      "--budget", call->budget_us,
+      fmt::format(
+          "Time for the bases of a force [us], taking {} us for each in the three fields of "
+          "a blend: bounds their number. Not for what playback does beside: finding the "
+          "place and blending, some us, and a slipping contact asks for many forces a step; "
+          "see palpate play",
+          haptics::kEvaluationCost));
+  command
+      ->add_option("--force-noise", call->fit.noise.force,
+                   "Standard deviation of each component of the measured forces, for fields and "
+                   "friction [N]")
+      ->capture_default_str();
+  CLI::Option* shared = command->add_flag(
+      "--shared-local", call->shared_local,
+      "Contacts with few samples share the local part of those with many, and keep a global "
+      "compliance of their own, if they gain by it (thesis 6.2.1.2): tried and told");
+  command
+      ->add_option("--dense-samples", call->dense_samples,
+                   "A contact has many samples from so many pairs on")
+      ->needs(shared)
+      ->check(CLI::Range(haptics::kFewestDenseSamples, std::numeric_limits<int>::max()))
+      ->capture_default_str();
+  command->add_flag_callback(
+      "--cbor", [call] { call->encoding = haptics::ModelEncoding::cbor; },
+      fmt::format("Write the document in CBOR, field.cbor, as is done beyond {} contacts",
+                  haptics::kMaxJsonContacts));
+  command->add_flag_callback(
+      "--blend-forces", [call] { call->blend_rule = haptics::BlendRule::forces; },
+      "Between contacts blend their forces at the same displacement (thesis 5.3.2), not at "
+      "displacements that fit the compliance of the place");
+  command->add_option("--pictures", call->pictures,
+                      "Folder for pictures: the contacts, and the contact that fits worst");
+  command->add_flag("--resume", call->resume,
+                    "Keep the fits that an earlier run with the same measurements, surface and "
+                    "settings finished");
+  command->footer(
+      "Fits that are finished are kept in a file beside the model until that is written: for -o "
+      "model/ in model.fits. Ctrl-C keeps it; with --resume the result is what it would have been "
+      "without.\nExample:\n  palpate fit acquisition.db surface.ply -o model/");
+  command->callback([call, &settings] { fit(settings, *call); });
+}
+
+}  // namespace palpate::apps

@@ -1,0 +1,153 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/haptics/identify.h"
+
+#include <fmt/format.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "palpate/probing/acquisition_store.h"
+#include "shared/command_line.h"
+
+namespace palpate::apps {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct IdentifyCall {
+  std::filesystem::path acquisition;
+  std::string model = "strip";
+  double tool_radius = 0;
+  haptics::IdentifyOptions options;
+};
+
+Json number_or_null(const std::optional<double>& number) {
+  return number ? Json(*number) : Json(nullptr);
+}
+
+Json vector(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+/// What the parameters are measured from: only a strip has a place and a direction.
+Json place(const haptics::StripModel& strip) {
+  return {{"origin", vector(strip.origin)},
+          {"axis", vector(strip.axis)},
+          {"across", vector(strip.across)}};
+}
+
+const char* in_words(haptics::Verdict verdict) {
+  switch (verdict) {
+    case haptics::Verdict::describes:
+      return "this parametric model describes the object";
+    case haptics::Verdict::does_not_describe:
+      return "this parametric model does not describe the object";
+    case haptics::Verdict::not_testable:
+      return "whether this parametric model describes the object cannot be told: the noise is not "
+             "known, or there are too few samples";
+    case haptics::Verdict::not_converged:
+      return "the search did not settle: trust no parameter";
+  }
+  return "";
+}
+
+std::string describe(const haptics::ParameterEstimate& parameter) {
+  switch (parameter.status) {
+    case haptics::ParameterStatus::determined:
+      return fmt::format("  {}: {:.6g} +- {:.2g} {}\n", parameter.name, *parameter.value,
+                         *parameter.standard_error, parameter.unit);
+    case haptics::ParameterStatus::at_bound:
+      return fmt::format("  {}: not determined by these measurements, at its bound {:.6g} {}\n",
+                         parameter.name, *parameter.value, parameter.unit);
+    case haptics::ParameterStatus::undetermined:
+      return fmt::format("  {}: not determined by these measurements\n", parameter.name);
+  }
+  return "";
+}
+
+void report(const Settings& settings, const IdentifyCall& call,
+            const haptics::Identification& found, Json figures) {
+  Json parameters = Json::array(), contacts = Json::array();
+  std::string prose;
+  for (const haptics::ParameterEstimate& parameter : found.parameters) {
+    parameters.push_back({{"name", parameter.name},
+                          {"unit", parameter.unit},
+                          {"status", haptics::to_string(parameter.status)},
+                          {"value", number_or_null(parameter.value)},
+                          {"standard_error", number_or_null(parameter.standard_error)}});
+    prose += describe(parameter);
+  }
+  int disagreeing = 0;
+  for (const haptics::ContactAgreement& contact : found.contacts) {
+    contacts.push_back({{"contact", contact.contact},
+                        {"chi2", contact.chi2},
+                        {"pairs", contact.pairs},
+                        {"outliers", contact.outliers}});
+    disagreeing += contact.chi2 > call.options.max_chi2 ? 1 : 0;
+  }
+  figures["model"] = call.model;
+  figures["verdict"] = haptics::to_string(found.verdict);
+  figures["chi2"] = number_or_null(found.chi2);
+  figures["rms"] = found.rms;
+  figures["pairs"] = found.pairs;
+  figures["outliers"] = found.outliers;
+  figures["displacement_noise"] = found.displacement_noise;
+  figures["force_noise"] = found.force_noise;
+  figures["parameters"] = parameters;
+  figures["per_contact"] = contacts;
+  prose += fmt::format(
+      "chi^2 per degree of freedom {}, RMS {:.4f} mm over {} pairs, {} outliers; {} of {} contacts "
+      "disagree.\n{}.",
+      found.chi2 ? fmt::format("{:.3g}", *found.chi2) : "unknown", found.rms, found.pairs,
+      found.outliers, disagreeing, found.contacts.size(), in_words(found.verdict));
+  print(settings, figures, prose);
+}
+
+void identify(const Settings& settings, const IdentifyCall& call) {
+  const probing::Acquisition acquisition = probing::read_acquisition(call.acquisition);
+  if (call.model == "strip") {
+    const haptics::IdentifiedStrip found = haptics::identify_strip(acquisition, call.options);
+    report(settings, call, found.report, place(found.model));
+  } else {
+    report(settings, call,
+           haptics::identify_half_space(acquisition, call.tool_radius, call.options).report,
+           {{"tool_radius", call.tool_radius}});
+  }
+}
+
+}  // namespace
+
+void add_identify(CLI::App& app, const Settings& settings) {
+  auto call = std::make_shared<IdentifyCall>();
+  CLI::App* command = app.add_subcommand(
+      "identify", "Elastic parameters of an object, from measurements, with their errors");
+  command->add_option("ACQUISITION", call->acquisition, "Measurements (acquisition.db)")
+      ->required();
+  command
+      ->add_option(
+          "--model", call->model,
+          "strip: a sheet stretched between two supports; half-space: a large elastic body")
+      ->check(CLI::IsMember({"strip", "half-space"}))
+      ->capture_default_str();
+  command
+      ->add_option("--tool-radius", call->tool_radius,
+                   "Radius of the tool's flat end [mm], for the half-space")
+      ->check(positive());
+  auto* displacement =
+      command
+          ->add_option("--displacement-noise", call->options.displacement_noise,
+                       "Deviation of positions [mm]; estimated from repeated ones unless given")
+          ->check(positive());
+  auto* force = command
+                    ->add_option("--force-noise", call->options.force_noise,
+                                 "Deviation of forces [N]; goes with --displacement-noise")
+                    ->check(not_negative());
+  displacement->needs(force);
+  force->needs(displacement);
+  command->footer(
+      "Example:\n  palpate identify acquisition.db --model strip\n"
+      "  palpate identify acquisition.db --model half-space --tool-radius 3");
+  command->callback([call, &settings] { identify(settings, *call); });
+}
+
+}  // namespace palpate::apps

@@ -1,0 +1,319 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <opencv2/core/mat.hpp>
+
+#include "commands/describe_mesh.h"
+#include "palpate/error.h"
+#include "palpate/geometry/mesh_io.h"
+#include "palpate/geometry/range_map_score.h"
+#include "palpate/haptics/model_io.h"
+#include "palpate/probing/acquisition_store.h"
+#include "palpate/sensing/frame.h"
+#include "palpate/sensing/pattern.h"
+#include "palpate/sensing/reason_image.h"
+#include "palpate/sensing/response.h"
+#include "palpate/sensing/rig.h"
+#include "palpate/sensing/trained_colors.h"
+#include "palpate/sensing/virtual_sensor.h"
+#include "shared/command_line.h"
+#include "shared/inputs.h"
+
+namespace palpate::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct InfoCall {
+  fs::path path;
+  geometry::ReadOptions meshes;
+};
+
+Description describe_range_map(const fs::path& path) {
+  const geometry::ImageF z = geometry::read_depth_tiff(path);
+  const geometry::ErrorStatistics depth =
+      geometry::error_statistics({z.data(), z.data() + z.size()});
+  return {{{"kind", "range map"},
+           {"width", z.cols()},
+           {"height", z.rows()},
+           {"pixels", depth.count},
+           {"median", depth.median},
+           {"max", depth.max}},
+          fmt::format("range map, {} x {} px; depth known at {} ({:.1f} %), median {:.1f} mm, "
+                      "farthest {:.1f} mm",
+                      z.cols(), z.rows(), depth.count,
+                      100.0 * static_cast<double>(depth.count) / static_cast<double>(z.size()),
+                      depth.median, depth.max)};
+}
+
+Description describe_sigma(const fs::path& path) {
+  const geometry::ImageF sigma = geometry::read_depth_tiff(path);
+  const geometry::ErrorStatistics statistics =
+      geometry::error_statistics({sigma.data(), sigma.data() + sigma.size()});
+  return {
+      {{"kind", "predicted deviations"},
+       {"width", sigma.cols()},
+       {"height", sigma.rows()},
+       {"pixels", statistics.count},
+       {"median", statistics.median},
+       {"max", statistics.max}},
+      fmt::format("standard deviations predicted for depths, {} x {} px; known at {}, median "
+                  "{:.4f} mm, largest {:.4f} mm",
+                  sigma.cols(), sigma.rows(), statistics.count, statistics.median, statistics.max)};
+}
+
+Description describe_reasons(const fs::path& path) {
+  const sensing::ReasonImage reasons = sensing::read_reasons(path);
+  nlohmann::ordered_json pixels;
+  std::string prose;
+  for (int code = 0; code < sensing::kReasonCount; ++code) {
+    const auto reason = static_cast<sensing::Reason>(code);
+    pixels[std::string(sensing::name(reason))] = sensing::count(reasons, reason);
+    prose +=
+        fmt::format("\n  {} {}: {}", code, sensing::name(reason), sensing::count(reasons, reason));
+  }
+  return {{{"kind", "reasons"},
+           {"width", reasons.cols()},
+           {"height", reasons.rows()},
+           {"pixels", pixels}},
+          fmt::format("why pixels have no depth, {} x {} px; code, reason, pixels:{}",
+                      reasons.cols(), reasons.rows(), prose)};
+}
+
+Description describe_image(const fs::path& path) {
+  const cv::Mat image = sensing::read_frame(path);
+  const int bits = image.depth() == CV_8U ? 8 : 16;
+  return {{{"kind", "image"},
+           {"width", image.cols},
+           {"height", image.rows},
+           {"channels", image.channels()},
+           {"bits", bits}},
+          fmt::format("image, {} x {} px, {} channel(s) of {} bit", image.cols, image.rows,
+                      image.channels(), bits)};
+}
+
+Description describe_acquisition(const fs::path& path) {
+  const probing::Acquisition acquisition = probing::read_acquisition(path);
+  const auto slipped = std::count_if(acquisition.samples.begin(), acquisition.samples.end(),
+                                     [](const auto& s) { return s.slipped; });
+  const auto boundary = std::count_if(acquisition.samples.begin(), acquisition.samples.end(),
+                                      [](const auto& s) { return s.on_friction_boundary; });
+  return {{{"kind", "acquisition"},
+           {"contacts", acquisition.contacts.size()},
+           {"samples", acquisition.samples.size()},
+           {"slipped", slipped},
+           {"on_friction_boundary", boundary}},
+          fmt::format(
+              "acquisition, {} contacts, {} samples; {} slipped, {} lie on the friction boundary",
+              acquisition.contacts.size(), acquisition.samples.size(), slipped, boundary)};
+}
+
+Description describe_model(const fs::path& path) {
+  const haptics::Model model = haptics::read_model(path);
+  std::vector<double> bases, rms, friction;
+  int without_friction = 0, bounds = 0;
+  for (const haptics::ContactModel& contact : model.contacts) {
+    bases.push_back(static_cast<double>(contact.field.bases.size()));
+    rms.push_back(contact.rms);
+    friction.push_back(contact.friction);
+    without_friction += contact.friction_source == haptics::FrictionSource::samples ? 0 : 1;
+    bounds += contact.friction_source == haptics::FrictionSource::lower_bound ? 1 : 0;
+  }
+  const geometry::ErrorStatistics base_counts = geometry::error_statistics(bases),
+                                  errors = geometry::error_statistics(rms),
+                                  coefficients = geometry::error_statistics(friction);
+  const bool is_text = is_there(path / "field.json");
+  const std::uintmax_t bytes = fs::file_size(path / (is_text ? "field.json" : "field.cbor"));
+  const nlohmann::ordered_json made(model.made);
+  std::string prose = fmt::format(
+      "model, {} contacts in {} triangles, on a surface of {} vertices\n"
+      "  bases of a contact: {:.0f} in the median, at most {:.0f}\n"
+      "  RMS of a contact's fit: {:.4f} N in the median, {:.4f} N at most\n"
+      "  friction coefficient: {:.3f} in the median; {} contacts have none of their own, {} of "
+      "these a lower bound\n"
+      "  {}: {} bytes, {:.0f} a contact",
+      model.contacts.size(), model.triangles.cols(), model.surface.vertices.cols(),
+      base_counts.median, base_counts.max, errors.median, errors.max, coefficients.median,
+      without_friction, bounds, is_text ? "field.json" : "field.cbor", bytes,
+      static_cast<double>(bytes) / static_cast<double>(model.contacts.size()));
+  for (const auto& [key, value] : model.made) prose += fmt::format("\n  {}: {}", key, value);
+  return {{{"kind", "model"},
+           {"contacts", model.contacts.size()},
+           {"triangles", model.triangles.cols()},
+           {"surface_vertices", model.surface.vertices.cols()},
+           {"bases", {{"median", base_counts.median}, {"max", base_counts.max}}},
+           {"rms", {{"median", errors.median}, {"max", errors.max}}},
+           {"friction", coefficients.median},
+           {"without_own_friction", without_friction},
+           {"friction_lower_bounds", bounds},
+           {"encoding", is_text ? "json" : "cbor"},
+           {"bytes", bytes},
+           {"made", made}},
+          prose};
+}
+
+Description describe_rig(const fs::path& path) {
+  const sensing::Rig rig = sensing::read_rig(path);
+  const double baseline = rig.T_projector_camera.translation().norm();
+  return {
+      {{"kind", "rig"},
+       {"camera_size", {rig.camera.width, rig.camera.height}},
+       {"projector_size", {rig.projector.width, rig.projector.height}},
+       {"baseline", baseline}},
+      fmt::format("rig, camera {} x {} px, projector {} x {} px, {:.1f} mm apart", rig.camera.width,
+                  rig.camera.height, rig.projector.width, rig.projector.height, baseline)};
+}
+
+Description describe_pattern(const fs::path& path) {
+  const sensing::Pattern pattern = sensing::read_pattern(path);
+  return {{{"kind", "pattern"},
+           {"colors", pattern.colors.size()},
+           {"stripes", pattern.stripes.size()},
+           {"period_px", pattern.period}},
+          fmt::format("pattern, {} stripes of {} colours, a sinusoid of {} px along {}",
+                      pattern.stripes.size(), pattern.colors.size(), pattern.period,
+                      pattern.axis == sensing::Axis::x ? "x" : "y")};
+}
+
+Description describe_colors(const fs::path& path) {
+  const sensing::TrainedColors trained = sensing::read_trained_colors(path);
+  return {{{"kind", "trained colors"}, {"colors", trained.colors.size()}},
+          fmt::format("trained colours, {} of them", trained.colors.size())};
+}
+
+Description describe_sensor(const fs::path& path) {
+  const sensing::VirtualSensor sensor = sensing::read_virtual_sensor(path);
+  return {{{"kind", "virtual sensor"},
+           {"bits", sensor.bits},
+           {"full_well", sensor.full_well},
+           {"read_noise", sensor.read_noise},
+           {"camera_blur_px", sensor.camera_blur}},
+          fmt::format("virtual sensor, {} bit, {} electrons at full scale, read noise {}, blur of "
+                      "{} px",
+                      sensor.bits, sensor.full_well, sensor.read_noise, sensor.camera_blur)};
+}
+
+Description describe_response(const fs::path& path) {
+  const sensing::Response response = sensing::read_response(path);
+  std::vector<double> gammas;
+  std::string prose;
+  for (const sensing::ResponseCurve& curve : response.channels) {
+    gammas.push_back(curve.gamma);
+    prose += fmt::format("{} {:.3f}", prose.empty() ? "" : ",", curve.gamma);
+  }
+  return {{{"kind", "response"}, {"channels", response.channels.size()}, {"gamma", gammas}},
+          fmt::format("response of projector and camera, {} channel(s), exponents{}",
+                      response.channels.size(), prose)};
+}
+
+std::string read_text(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  if (!in) throw FileError(path.string() + ": cannot be opened.");
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+Description describe_record(const fs::path& path) {
+  const auto record = nlohmann::json::parse(read_text(path), nullptr, false);
+  if (!record.is_object() || !record.contains("frames") || !record["frames"].is_array())
+    throw FileError(path.string() + ": is no record of palpate decode.");
+  const std::size_t frames = record["frames"].size();
+  return {{{"kind", "record of decode"}, {"frames", frames}},
+          fmt::format("what palpate decode has finished in this folder, {} frames", frames)};
+}
+
+Description describe_yaml(const fs::path& path) {
+  const std::string text = read_text(path);
+  if (text.find("camera_matrix") != std::string::npos) return describe_rig(path);
+  if (text.find("period_px") != std::string::npos) return describe_pattern(path);
+  if (text.find("gamma_deviation") != std::string::npos) return describe_response(path);
+  if (text.find("variance") != std::string::npos) return describe_colors(path);
+  if (text.find("read_noise") != std::string::npos) return describe_sensor(path);
+  throw FileError(
+      path.string() +
+      ": neither a rig (camera_matrix), nor a pattern (period_px), nor trained colours "
+      "(variance), nor a response (gamma_deviation), nor a virtual sensor (read_noise).");
+}
+
+Description describe_csv(const fs::path& path) {
+  const std::string text = read_text(path);
+  const std::string header = text.substr(0, text.find_first_of("\r\n"));
+  if (text.empty()) throw FileError(path.string() + ": is empty.");
+  const auto lines =
+      std::count(text.begin(), text.end(), '\n') + (text.empty() || text.back() == '\n' ? 0 : 1);
+  const std::pair<const char*, const char*> kinds[] = {{"id,x,y,z,nx,ny,nz", "contacts"},
+                                                       {"id,contact,group_id", "samples"},
+                                                       {"cx,cy,cz,dx,dy,dz,fx,fy,fz", "queries"},
+                                                       {"t,x,y,z,cx,cy,cz,fx,fy,fz,state", "trace"},
+                                                       {"t,x,y,z", "trajectory"}};
+  for (const auto& [start, kind] : kinds) {
+    if (header.starts_with(start)) {
+      return {{{"kind", kind}, {"rows", lines - 1}},
+              fmt::format("{}, {} rows: {}", kind, lines - 1, header)};
+    }
+  }
+  return {{{"kind", "table"}, {"rows", lines - 1}},
+          fmt::format("a table unknown to Palpate, {} rows: {}", lines - 1, header)};
+}
+
+Description describe_folder(const fs::path& path) {
+  std::error_code ignored;
+  if (fs::exists(path / "field.json", ignored) || fs::exists(path / "field.cbor", ignored))
+    return describe_model(path);
+  if (fs::exists(path / "sensor.yaml", ignored) && fs::is_directory(path / "frames", ignored)) {
+    const std::size_t frames = list_frames({path / "frames"}).size();
+    return {{{"kind", "simulation"}, {"frames", frames}},
+            fmt::format("simulation of {} frame(s), with their true range maps", frames)};
+  }
+  const std::vector<fs::path> files = list_frames({path});
+  const auto sigmas = std::count_if(files.begin(), files.end(), is_sigma);
+  const auto reasons = std::count_if(files.begin(), files.end(), is_reasons);
+  const auto maps = std::count_if(files.begin(), files.end(), is_range_map) - sigmas - reasons;
+  const auto images = static_cast<long>(files.size()) - maps - sigmas - reasons;
+  return {{{"kind", "folder"},
+           {"range_maps", maps},
+           {"deviations", sigmas},
+           {"reasons", reasons},
+           {"images", images}},
+          fmt::format("folder of {} range maps ({} with deviations, {} with reasons) and {} images",
+                      maps, sigmas, reasons, images)};
+}
+
+Description describe(const fs::path& path, const geometry::ReadOptions& options) {
+  if (is_folder(path)) return describe_folder(path);
+  const std::string extension = path.extension().string();
+  if (is_sigma(path)) return describe_sigma(path);
+  if (is_reasons(path)) return describe_reasons(path);
+  if (is_range_map(path)) return describe_range_map(path);
+  if (extension == ".db") return describe_acquisition(path);
+  if (extension == ".yaml" || extension == ".yml") return describe_yaml(path);
+  if (path.filename() == "decode.json") return describe_record(path);
+  if (extension == ".csv") return describe_csv(path);
+  if (extension == ".pcd") return describe_points(path, options);
+  if (path.filename() == "field.json" || path.filename() == "field.cbor")
+    return describe_model(path.parent_path());
+  if (is_image(path)) return describe_image(path);
+  return describe_mesh(path, options);
+}
+
+}  // namespace
+
+void add_info(CLI::App& app, const Settings& settings) {
+  auto call = std::make_shared<InfoCall>();
+  CLI::App* command = app.add_subcommand("info", "What a file is, in words and numbers");
+  command->add_option("FILE", call->path, "Any file or folder that Palpate reads or writes")
+      ->required();
+  add_unit_option(*command, call->meshes);
+  command->footer("Example:\n  palpate info model/");
+  command->callback([call, &settings] {
+    const Description description = describe(call->path, call->meshes);
+    print(settings, description.figures, call->path.string() + ": " + description.prose);
+  });
+}
+
+}  // namespace palpate::apps

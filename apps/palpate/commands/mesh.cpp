@@ -1,0 +1,198 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+#include <string>
+
+#include "commands/mesh_steps.h"
+#include "palpate/error.h"
+#include "palpate/geometry/mesh_io.h"
+#include "palpate/pictures/draw_mesh.h"
+#include "palpate/work_in_order.h"
+#include "shared/call_checks.h"
+#include "shared/command_line.h"
+#include "shared/inputs.h"
+#include "shared/progress.h"
+
+namespace palpate::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Of smoothing. Long before that a surface has become smooth over all its width.
+constexpr int kMostIterations = 1000;
+
+struct MeshCall {
+  fs::path input, output, picture;
+  std::string format = "ply";
+  MeshSteps steps;
+};
+
+void mesh(const Settings& settings, const MeshCall& call) {
+  check_outputs({call.input}, {call.output, call.picture});
+  check_pictures({call.picture});
+  MadeMesh made = make_mesh(call.input, call.steps);
+  geometry::write_mesh(call.output, made.mesh);
+  if (!call.picture.empty())
+    pictures::draw_mesh(call.picture, made.mesh, call.input.filename().string());
+  made.figures["file"] = call.output.string();
+  print(settings, made.figures,
+        made.prose + fmt::format("{} vertices, {} triangles, written to {}",
+                                 made.mesh.vertices.cols(), made.mesh.triangles.cols(),
+                                 call.output.string()));
+}
+
+/// A range map of a sequence on its way to a mesh.
+struct SequenceItem {
+  fs::path input, output;
+  nlohmann::ordered_json figures;
+  std::string error;  ///< empty if it worked
+};
+
+/// Meshes that would lie among those of this sequence without belonging to it.
+void check_sequence_folder(const MeshCall& call, const std::vector<fs::path>& maps) {
+  if (!call.picture.empty())
+    throw InvalidInput("--picture: is for one mesh, not for a folder of range maps.");
+  if (!is_there(call.output)) return;
+  std::set<std::string> ours;
+  for (const fs::path& map : maps) ours.insert(map.stem().string());
+  for (const fs::directory_entry& entry : fs::directory_iterator(call.output)) {
+    const fs::path& other = entry.path();
+    if (other.extension() != "." + call.format || ours.contains(other.stem().string())) continue;
+    throw InvalidInput(other.string() + ": is a mesh of no range map in " + call.input.string() +
+                       "; the sequence would be mixed with it. Give a new or an empty folder, or "
+                       "remove it.");
+  }
+}
+
+void make_one(const MeshCall& call, SequenceItem& item) {
+  try {
+    MadeMesh made = make_mesh(item.input, call.steps);
+    geometry::write_mesh(item.output, made.mesh);
+    item.figures = std::move(made.figures);
+  } catch (const OutputError&) {
+    throw;  // no room for this one is no room for the others
+  } catch (const Error& error) {
+    item.error = error.what();
+  }
+}
+
+void mesh_sequence(const Settings& settings, const MeshCall& call) {
+  check_outputs({call.input}, {call.output});
+  const std::vector<fs::path> maps = list_range_maps(call.input);
+  check_sequence_folder(call, maps);
+  nlohmann::ordered_json per_mesh = nlohmann::ordered_json::array();
+  std::size_t broken = 0, begun = 0;
+  std::string first_error, prose;
+  Progress progress("meshing");
+  const auto next = [&]() -> std::optional<SequenceItem> {
+    if (begun == maps.size()) return std::nullopt;
+    const fs::path& map = maps[begun++];
+    return SequenceItem{.input = map,
+                        .output = call.output / (map.stem().string() + "." + call.format),
+                        .figures = {},
+                        .error = {}};
+  };
+  const auto deliver = [&](SequenceItem& item) {
+    nlohmann::ordered_json entry = {{"range_map", item.input.filename().string()}};
+    if (item.error.empty()) {
+      entry["file"] = item.output.string();
+      entry.update(item.figures);
+      prose += fmt::format("{} -> {}: {} triangles\n", item.input.filename().string(),
+                           item.output.string(), item.figures["triangles"].get<long>());
+    } else {
+      entry["error"] = item.error;
+      spdlog::error("{}", item.error);
+      if (broken++ == 0) first_error = item.error;
+    }
+    per_mesh.push_back(std::move(entry));
+    progress.show(static_cast<int>(per_mesh.size()), static_cast<int>(maps.size()));
+  };
+  work_in_order<SequenceItem>(
+      next, [&](SequenceItem& item) { make_one(call, item); }, deliver, usual_live_items());
+  if (broken == maps.size()) throw FileError(first_error);
+  print(settings,
+        {{"range_maps", maps.size()}, {"meshes", maps.size() - broken}, {"per_mesh", per_mesh}},
+        prose + fmt::format("{} of {} range maps became meshes in {}", maps.size() - broken,
+                            maps.size(), call.output.string()));
+  if (broken > 0)
+    throw Error(
+        fmt::format("{} of {} range maps became no mesh; the others did.", broken, maps.size()));
+}
+
+}  // namespace
+
+void add_mesh(CLI::App& app, const Settings& settings) {
+  auto call = std::make_shared<MeshCall>();
+  CLI::App* command = app.add_subcommand(
+      "mesh", "A range map or a depth image becomes a mesh; a mesh is mended, smoothed, decimated");
+  command
+      ->add_option("RANGE", call->input,
+                   "Range map (TIFF), a folder of range maps, depth image (16-bit PNG), or a mesh "
+                   "file (of which the surface alone is kept)")
+      ->required();
+  command
+      ->add_option(
+          "-o,--output", call->output,
+          "Mesh to write: .ply, .obj or .stl; of a folder of range maps: folder for their meshes")
+      ->required();
+  CLI::Option* format =
+      command->add_option("--format", call->format, "Of the meshes of a folder: ply, obj or stl")
+          ->check(CLI::IsMember({"ply", "obj", "stl"}))
+          ->capture_default_str();
+  command->add_option("--rig", call->steps.rig,
+                      "Rig of the range map (default: rig.yaml beside it)");
+  command->add_option("--scale", call->steps.scale, "Depth image: mm that one unit stands for");
+  command
+      ->add_option("--intrinsics", call->steps.intrinsics,
+                   "Depth image: fx,fy,cx,cy of its camera [px]")
+      ->expected(4)
+      ->delimiter(',');
+  add_unit_option(*command, call->steps.meshes);
+  command->add_flag("--smooth-depths", call->steps.smooth_depths,
+                    "Take noise from the depths of a range map, none moved by more than its "
+                    "predicted deviation (from decode --sigma), before they become a mesh");
+  command->add_flag("--repair", call->steps.repair,
+                    "Mend what palpate info lists: the result is manifold and oriented");
+  command
+      ->add_option("--fill-holes", call->steps.fill_holes,
+                   "Fill holes that are at most so many mm wide")
+      ->check(positive());
+  command
+      ->add_option("--smooth", call->steps.smooth,
+                   "Iterations of smoothing without shrinking (Taubin), at most 1000; 20 take most "
+                   "noise")
+      ->check(CLI::Range(0, kMostIterations));
+  command
+      ->add_option("--tolerance", call->steps.tolerance,
+                   "Take triangles away as long as the Hausdorff distance stays within so many mm")
+      ->check(positive());
+  command->add_option("--picture", call->picture, "Also draw the mesh (PNG)");
+  command->footer(
+      "What is asked for is done in the order smooth depths, repair, fill, smooth, decimate.\n"
+      "A folder of range maps becomes a sequence of meshes with the names of the range maps; one "
+      "that is broken is reported and left out, and the exit status is 1.\n\n"
+      "Examples:\n  palpate mesh range/000000.tiff -o surface.ply --tolerance 0.2\n"
+      "  palpate mesh range/ -o meshes/ --format obj --fill-holes 10 --tolerance 0.2\n"
+      "  palpate mesh broken.stl --repair --fill-holes 20 -o whole.ply\n"
+      "  palpate mesh depth.png --scale 0.125 --intrinsics 476.007,476.007,313.683,242.755 -o "
+      "hand.ply");
+  command->callback([call, format, &settings] {
+    if (is_there(call->input) && is_folder(call->input)) {
+      mesh_sequence(settings, *call);
+    } else if (format->count() > 0) {
+      throw InvalidInput(
+          "--format is for a folder of range maps; the format of one mesh is that of "
+          "its name's ending.");
+    } else {
+      mesh(settings, *call);
+    }
+  });
+}
+
+}  // namespace palpate::apps

@@ -1,0 +1,148 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "commands/mesh_steps.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "palpate/error.h"
+#include "palpate/geometry/decimation.h"
+#include "palpate/geometry/hole_filling.h"
+#include "palpate/geometry/mesh_defects.h"
+#include "palpate/geometry/mesh_repair.h"
+#include "palpate/geometry/range_map_mesh.h"
+#include "palpate/geometry/range_map_smoothing.h"
+#include "palpate/geometry/smoothing.h"
+#include "palpate/sensing/depth_image.h"
+#include "palpate/sensing/frame.h"
+#include "shared/inputs.h"
+
+namespace palpate::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+void check_no_depth_image(const fs::path& input, const MeshSteps& steps) {
+  if (steps.scale == 0 && steps.intrinsics.empty()) return;
+  throw InvalidInput(input.string() + ": " + (steps.scale == 0 ? "--intrinsics" : "--scale") +
+                     " is for depth images (16-bit PNG); this is none");
+}
+
+geometry::RangeMap load_map(const fs::path& input, const MeshSteps& steps) {
+  if (steps.meshes.unit) {
+    throw InvalidInput(input.string() + ": --unit is for mesh files; " +
+                       (is_range_map(input) ? "range maps are in mm"
+                                            : "the unit of a depth image is its --scale"));
+  }
+  if (is_range_map(input)) {
+    check_no_depth_image(input, steps);
+    return load_range_map(input, steps.rig);
+  }
+  if (!(steps.scale > 0)) {
+    throw InvalidInput(input.string() +
+                       ": a depth image needs --scale, the mm that one unit stands for (> 0).");
+  }
+  if (steps.intrinsics.empty()) {
+    throw InvalidInput(input.string() +
+                       ": a depth image needs its camera: --intrinsics fx,fy,cx,cy [px].");
+  }
+  const cv::Mat image = sensing::read_frame(input);
+  return sensing::read_depth_image(input, steps.scale,
+                                   {.width = image.cols,
+                                    .height = image.rows,
+                                    .fx = steps.intrinsics[0],
+                                    .fy = steps.intrinsics[1],
+                                    .cx = steps.intrinsics[2],
+                                    .cy = steps.intrinsics[3]});
+}
+
+/// With the deviations that `decode --sigma` has written beside the range map.
+void smooth_depths(const fs::path& input, geometry::RangeMap& map) {
+  const fs::path file = input.parent_path() / (input.stem().string() + "_sigma.tiff");
+  if (!is_range_map(input) || !is_there(file)) {
+    throw FileError(file.string() +
+                    ": missing. To smooth depths takes their predicted deviations, which palpate "
+                    "decode --sigma writes beside the range map.");
+  }
+  map.z = geometry::smooth_range_map(map.z, geometry::read_depth_tiff(file));
+}
+
+MadeMesh load(const fs::path& input, const MeshSteps& steps) {
+  if (!is_range_map(input) && !is_image(input)) {
+    if (steps.smooth_depths)
+      throw InvalidInput(input.string() + ": --smooth-depths is for range maps; a mesh has none.");
+    check_no_depth_image(input, steps);
+    geometry::ReadOptions options = steps.meshes;
+    options.keep_defects = steps.repair;
+    return {geometry::read_mesh(input, options), {}, ""};
+  }
+  geometry::RangeMap map = load_map(input, steps);
+  if (steps.smooth_depths) smooth_depths(input, map);
+  const auto known = (map.z == map.z).count();
+  MadeMesh made = {geometry::mesh_range_map(map).mesh,
+                   {{"pixels", known}},
+                   fmt::format("{} pixels with a depth\n", known)};
+  if (made.mesh.triangles.cols() == 0)
+    throw InvalidInput(input.string() + ": no two neighbouring pixels have a depth.");
+  return made;
+}
+
+void repair(MadeMesh& made) {
+  geometry::RepairedMesh repaired = geometry::repair_mesh(made.mesh);
+  made.mesh = std::move(repaired.mesh);
+  made.figures["repair"] = {{"removed_triangles", repaired.removed_triangles},
+                            {"flipped_edges", repaired.flipped_edges},
+                            {"turned_triangles", repaired.turned_triangles},
+                            {"welded_vertices", repaired.welded_vertices},
+                            {"removed_vertices", repaired.removed_vertices},
+                            {"cut_edges", repaired.cut_edges}};
+  made.prose += fmt::format(
+      "repaired: {} triangles removed, {} edges flipped, {} triangles turned, {} vertices welded "
+      "and {} removed, {} edges cut\n",
+      repaired.removed_triangles, repaired.flipped_edges, repaired.turned_triangles,
+      repaired.welded_vertices, repaired.removed_vertices, repaired.cut_edges);
+  for (const geometry::MeshDefect& defect : geometry::find_defects(made.mesh))
+    made.prose += "  left: " + geometry::describe(defect) + "\n";
+}
+
+void fill_holes(MadeMesh& made, double max_diameter) {
+  geometry::FilledMesh filled = geometry::fill_holes(made.mesh, {.max_diameter = max_diameter});
+  made.mesh = std::move(filled.mesh);
+  made.figures["holes"] = {{"filled", filled.filled}, {"left", filled.left}};
+  made.prose += fmt::format("{} holes filled, {} border loops left\n", filled.filled, filled.left);
+}
+
+void decimate(const fs::path& input, MadeMesh& made, double tolerance) {
+  const double diagonal = geometry::bounding_diagonal(made.mesh);
+  if (tolerance > diagonal) {
+    throw InvalidInput(fmt::format(
+        "{}: --tolerance: {:g} mm is more than the mesh's diagonal of {:.1f} mm; nothing of it "
+        "would be left",
+        input.string(), tolerance, diagonal));
+  }
+  geometry::Decimation decimated = geometry::decimate(made.mesh, {.tolerance = tolerance});
+  made.figures["decimation"] = {{"tolerance", tolerance},
+                                {"triangles_before", made.mesh.triangles.cols()},
+                                {"triangles_after", decimated.mesh.triangles.cols()},
+                                {"distance", decimated.distance}};
+  made.prose += fmt::format(
+      "{} triangles before, {} after; the Hausdorff distance is at most {:.4f} mm, verified\n",
+      made.mesh.triangles.cols(), decimated.mesh.triangles.cols(), decimated.distance);
+  made.mesh = std::move(decimated.mesh);
+}
+
+}  // namespace
+
+MadeMesh make_mesh(const fs::path& input, const MeshSteps& steps) {
+  MadeMesh made = load(input, steps);
+  if (steps.repair) repair(made);
+  if (steps.fill_holes > 0) fill_holes(made, steps.fill_holes);
+  if (steps.smooth > 0) made.mesh = geometry::smooth(made.mesh, {.iterations = steps.smooth});
+  if (steps.tolerance > 0) decimate(input, made, steps.tolerance);
+  made.figures["vertices"] = made.mesh.vertices.cols();
+  made.figures["triangles"] = made.mesh.triangles.cols();
+  return made;
+}
+
+}  // namespace palpate::apps

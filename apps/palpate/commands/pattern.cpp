@@ -1,0 +1,255 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <regex>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "palpate/output_file.h"
+#include "palpate/sensing/frame.h"
+#include "palpate/sensing/pattern.h"
+#include "palpate/sensing/pattern_colors.h"
+#include "palpate/sensing/pattern_design.h"
+#include "palpate/sensing/pattern_image.h"
+#include "palpate/sensing/rig.h"
+#include "palpate/sensing/trained_colors.h"
+#include "shared/command_line.h"
+#include "shared/inputs.h"
+
+namespace palpate::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Below this the period that a stripe edge tells may be a wrong one [camera px].
+constexpr double kLeastEdgeTolerance = 2;
+/// Below this most pixels are too insensitive to be reconstructed [rad].
+constexpr double kLeastPhasePerDepth = 10;
+
+struct PatternCall {
+  fs::path rig, colors, output;
+  std::vector<int> size = {1024, 768};
+  std::string axis;
+  std::vector<double> distances;
+  double period = 0;
+  int grey_steps = 18;
+  bool no_compensation = false;
+  sensing::PatternOptions design;
+  sensing::DrawOptions drawing;
+};
+
+using NamedImage = std::pair<std::string, cv::Mat>;
+
+/// Draws patterns either for a rig or for a panel of which only the size is known.
+struct Drawer {
+  std::optional<sensing::Rig> rig;
+  int width = 0;
+  int height = 0;
+  sensing::DrawOptions options;
+
+  [[nodiscard]] cv::Mat operator()(const sensing::Pattern& pattern) const {
+    return rig ? sensing::draw_pattern(pattern, *rig, options)
+               : sensing::draw_pattern(pattern, width, height, options.bits);
+  }
+  [[nodiscard]] cv::Mat uniform(const Eigen::Vector3d& rgb) const {
+    return sensing::draw_uniform(rgb, width, height, options.bits);
+  }
+};
+
+/// The pattern and everything that is projected for training.
+std::vector<NamedImage> draw_all(const sensing::Pattern& pattern, const Drawer& draw,
+                                 int grey_steps) {
+  std::vector<NamedImage> images = {{"pattern.png", draw(pattern)}};
+  const double brightest = pattern.mean + pattern.amplitude;
+  for (std::size_t i = 0; i < pattern.colors.size(); ++i) {
+    const sensing::PatternColor& color = pattern.colors[i];
+    images.emplace_back(color.name + "_flat.png", draw.uniform(brightest * color.rgb));
+    images.emplace_back(color.name + "_sin.png",
+                        draw(sensing::single_color(pattern, static_cast<int>(i))));
+  }
+  images.emplace_back("white_flat.png", draw.uniform(brightest * Eigen::Vector3d::Ones()));
+  images.emplace_back("white_sin.png", draw(sensing::without_stripes(pattern)));
+  images.emplace_back("projector_off.png", draw.uniform(Eigen::Vector3d::Zero()));
+  for (const int level : sensing::grey_levels(grey_steps)) {
+    images.emplace_back(fmt::format("grey_{:03}.png", level),
+                        draw.uniform(level / 255.0 * Eigen::Vector3d::Ones()));
+  }
+  return images;
+}
+
+void write_all(const fs::path& output, const sensing::Pattern& pattern, const Drawer& draw,
+               int grey_steps) {
+  const std::vector<NamedImage> images = draw_all(pattern, draw, grey_steps);
+  // An earlier pattern may have had other colours and grey steps.
+  const std::regex own(R"(pattern\.(yaml|png)|rig\.yaml|\w+_(flat|sin)\.png|projector_off\.png)"
+                       R"(|grey_\d+\.png)");
+  write_folder(output, own_entries(output, "pattern.yaml", own), [&](const fs::path& folder) {
+    sensing::write_pattern(folder / "pattern.yaml", pattern);
+    if (draw.rig)
+      sensing::write_rig(folder / "rig.yaml", sensing::rig_of_drawing(*draw.rig, draw.options));
+    for (const auto& [name, image] : images) sensing::write_png(folder / name, image);
+  });
+}
+
+bool shifts_panels(const sensing::Rig& rig) {
+  const auto shifts = [](const sensing::ChromaticShift& shift) {
+    return shift.beta != 1 || shift.gamma != 0;
+  };
+  return shifts(rig.red) || shifts(rig.blue);
+}
+
+void report(const Settings& settings, const PatternCall& call, const sensing::PatternDesign& design,
+            const Drawer& draw) {
+  const sensing::Pattern& pattern = design.pattern;
+  const std::string axis = pattern.axis == sensing::Axis::x ? "x" : "y";
+  nlohmann::ordered_json figures = {{"folder", call.output.string()},
+                                    {"projector_size", {draw.width, draw.height}},
+                                    {"colors", nlohmann::ordered_json::array()},
+                                    {"stripes", pattern.stripes.size()},
+                                    {"axis", axis},
+                                    {"period_px", pattern.period}};
+  std::string names;
+  for (const sensing::PatternColor& color : pattern.colors) {
+    figures["colors"].push_back(color.name);
+    names += " " + color.name;
+  }
+  std::string prose = fmt::format(
+      "{} stripes of {} colours ({}), a sinusoid of {:g} projector px along {}\n",
+      pattern.stripes.size(), pattern.colors.size(), names.substr(1), pattern.period, axis);
+  if (call.design.trained) {
+    const double before = sensing::largest_overlap(call.design.trained->colors);
+    figures["largest_overlap"] = design.largest_overlap;
+    figures["largest_overlap_of_trained"] = before;
+    prose += fmt::format(
+        "Colours are spread: the two most alike are expected to be confused at {:.2g} of the "
+        "pixels (the trained ones: {:.2g})\n",
+        design.largest_overlap, before);
+  }
+  if (draw.rig) {
+    const bool compensated = draw.options.compensate && shifts_panels(*draw.rig);
+    figures["camera_period_px"] = design.camera_period;
+    figures["phase_per_relative_depth"] = design.phase_per_relative_depth;
+    figures["edge_tolerance_px"] = design.edge_tolerance;
+    figures["rectified"] = draw.options.rectify;
+    figures["compensated"] = compensated;
+    prose += fmt::format(
+        "In the camera a period has {:.1f} px or more; a phase error of 0.01 rad is {:.3f} % of "
+        "the depth; a stripe edge may be misplaced by {:.1f} px\n",
+        design.camera_period, 1 / design.phase_per_relative_depth, design.edge_tolerance);
+    if (compensated)
+      prose += "Red and blue are shifted to meet green: in rig.yaml beta is 1 and gamma 0\n";
+    if (design.edge_tolerance < kLeastEdgeTolerance) {
+      spdlog::warn(
+          "the stripes hardly tell one period from the next: with this rig the depth moves them "
+          "too little. Take the other --axis, or a longer --period");
+    }
+    if (design.phase_per_relative_depth < kLeastPhasePerDepth) {
+      spdlog::warn("the phase hardly depends on the depth: take the other --axis, or a wider rig");
+    }
+  }
+  print(settings, figures,
+        prose + fmt::format("Written to {}{}", call.output.string(),
+                            draw.rig ? "; decode its frames with the rig.yaml in it" : ""));
+}
+
+void make_pattern(const Settings& settings, PatternCall call) {
+  check_output_folder({call.rig, call.colors}, call.output);
+  if (!call.colors.empty()) call.design.trained = sensing::read_trained_colors(call.colors);
+  if (!call.axis.empty()) call.design.axis = call.axis == "x" ? sensing::Axis::x : sensing::Axis::y;
+  if (!call.distances.empty()) call.design.range = {call.distances[0], call.distances[1]};
+  if (call.period != 0) call.design.period = call.period;
+  call.drawing.compensate = !call.no_compensation;
+  Drawer draw{.rig = {}, .width = call.size[0], .height = call.size[1], .options = call.drawing};
+  if (!call.rig.empty()) {
+    draw.rig = sensing::read_rig(call.rig);
+    draw.width = draw.rig->projector.width;
+    draw.height = draw.rig->projector.height;
+  }
+  const sensing::PatternDesign design =
+      draw.rig
+          ? sensing::design_pattern(sensing::rig_of_drawing(*draw.rig, draw.options), call.design)
+          : sensing::design_pattern(draw.width, draw.height, call.design);
+  write_all(call.output, design.pattern, draw, call.grey_steps);
+  report(settings, call, design, draw);
+}
+
+void add_design_options(CLI::App& command, PatternCall& call) {
+  command.add_option("--number-of-colors", call.design.colors, "Colours of the stripes")
+      ->capture_default_str();
+  command.add_option(
+      "--stripes", call.design.stripes,
+      "Number of stripes (default, and 0: as many as have each ordered pair of colours "
+      "as neighbours once)");
+  command.add_option("--colors", call.colors,
+                     "Trained colours (colors.yaml): spread the colours so that the camera tells "
+                     "them apart best");
+  command
+      .add_option("--axis", call.axis,
+                  "Along which the sinusoid varies (default: where depth moves it more)")
+      ->check(CLI::IsMember({"x", "y"}));
+  command
+      .add_option("--distances", call.distances,
+                  "Nearest and farthest object [mm] (default: where the views overlap)")
+      ->expected(2)
+      ->needs("--rig")
+      ->check(positive());
+  command
+      .add_option("--period", call.period,
+                  "Period of the sinusoid [projector px] (default: from the two limits below)")
+      ->check(positive());
+  command
+      .add_option("--min-camera-period", call.design.min_camera_period,
+                  "The period has at least so many camera pixels")
+      ->needs("--rig")
+      ->capture_default_str();
+  command
+      .add_option("--min-projector-period", call.design.min_projector_period,
+                  "and so many projector pixels")
+      ->capture_default_str();
+  command.add_option("--mean", call.design.mean, "Mean brightness, of 1")->capture_default_str();
+  command.add_option("--amplitude", call.design.amplitude, "Amplitude of the sinusoid, of 1")
+      ->capture_default_str();
+}
+
+}  // namespace
+
+void add_pattern(CLI::App& app, const Settings& settings) {
+  auto call = std::make_shared<PatternCall>();
+  CLI::App* command = app.add_subcommand("pattern", "Design and draw what the projector shows");
+  command->add_option("-o,--output", call->output, "Folder to write")->required();
+  CLI::Option* rig = command->add_option("--rig", call->rig, "Rig to design for (rig.yaml)");
+  command->add_option("--size", call->size, "Projector size without a rig [px] (default 1024 768)")
+      ->expected(2)
+      ->excludes(rig);
+  add_design_options(*command, *call);
+  command
+      ->add_flag("--rectify", call->drawing.rectify,
+                 "Bend the drawing so that it leaves the projector as from one without lens "
+                 "distortion, parallel to the camera; rig.yaml then describes that projector")
+      ->needs(rig);
+  command
+      ->add_flag("--no-compensation", call->no_compensation,
+                 "Do not shift the red and blue panels by the rig's chromatic values (default: do, "
+                 "and take them out of rig.yaml)")
+      ->needs(rig);
+  command->add_option("--bits", call->drawing.bits, "Bits a channel of the images: 8 or 16")
+      ->capture_default_str();
+  command->add_option("--grey-steps", call->grey_steps, "Grey images for the response curve")
+      ->capture_default_str();
+  command->footer(
+      "Writes pattern.yaml, pattern.png, rig.yaml (with --rig) and what is projected for "
+      "training:\n"
+      "R_flat.png, R_sin.png, ... (calibrate colors), white_sin.png (calibrate chromatic),\n"
+      "white_flat.png, projector_off.png, grey_000.png ... grey_255.png (calibrate response).\n"
+      "All images are linear in the light: show them on a projector without gamma curve.\n"
+      "Example:\n  palpate pattern --rig rig.yaml --distances 500 900 -o pattern/");
+  command->callback([call, &settings] { make_pattern(settings, *call); });
+}
+
+}  // namespace palpate::apps

@@ -1,0 +1,347 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <limits>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
+#include <optional>
+#include <regex>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "commands/simulate_report.h"
+#include "commands/simulate_scene.h"
+#include "palpate/error.h"
+#include "palpate/output_file.h"
+#include "palpate/sensing/frame.h"
+#include "palpate/sensing/pattern.h"
+#include "palpate/sensing/rig_assessment.h"
+#include "shared/call_checks.h"
+#include "shared/command_line.h"
+#include "shared/inputs.h"
+#include "shared/progress.h"
+
+namespace palpate::apps {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+/// The files in a folder of simulated frames.
+const std::regex kOwnFiles(
+    R"((rig|sensor)\.yaml|frames/\d{6,}\.png|truth/(rig\.yaml|\d{6,}(\.tiff|_lit\.png|_id\.png)))"
+    R"(|training/\d{6,}/[^/]+_flat\.png|report/\d{6,}\.png)");
+
+/// [mm] At which anything may stand.
+constexpr std::pair kDistances(0.1, 1e6);
+/// Of the light from everywhere; beyond, the projector's light is lost in the noise of any camera.
+constexpr double kBrightest = 1e6;
+
+struct SimulateCall {
+  SceneCall scene;
+  fs::path rig, pattern, decoder_rig, sensor, output;
+  std::vector<double> distances;
+  bool ideal = false, report = false;
+  std::optional<double> ambient, exposure_distance;
+  std::optional<int> bits;
+  std::optional<int> seed;  ///< as many as sensor.yaml holds
+  std::string readout;
+};
+
+/// One frame: a mesh of the sequence at a distance.
+struct Shot {
+  std::size_t mesh = 0;
+  std::optional<double> distance;
+};
+
+struct Setup {
+  sensing::Rig rig, decoder_rig;
+  sensing::Pattern pattern;
+  cv::Mat panel;
+  sensing::VirtualSensor sensor;
+  std::vector<Shot> shots;
+};
+
+sensing::VirtualSensor sensor_of(const SimulateCall& call) {
+  sensing::VirtualSensor sensor;
+  if (!call.sensor.empty()) sensor = sensing::read_virtual_sensor(call.sensor);
+  if (call.ideal) sensor = sensing::ideal(sensor);
+  if (call.readout == "color") sensor.readout = sensing::Readout::color;
+  if (call.readout == "mosaic") sensor.readout = sensing::Readout::mosaic;
+  if (call.readout == "demosaiced") sensor.readout = sensing::Readout::demosaiced;
+  sensor.bits = call.bits.value_or(sensor.bits);
+  sensor.ambient = call.ambient.value_or(sensor.ambient);
+  sensor.exposure_distance = call.exposure_distance.value_or(sensor.exposure_distance);
+  if (call.seed) sensor.seed = static_cast<std::uint64_t>(*call.seed);
+  return sensor;
+}
+
+/// The picture beside the pattern's file, which is shown by the projector of `rig`.
+cv::Mat read_panel(const fs::path& pattern, const fs::path& rig,
+                   const geometry::Camera& projector) {
+  const fs::path image = fs::path(pattern).replace_extension(".png");
+  std::error_code cannot_look;
+  if (!fs::exists(image, cannot_look)) {
+    throw FileError(image.string() + ": is missing; beside " + pattern.string() +
+                    " its picture for the projector is needed, as palpate pattern draws it");
+  }
+  cv::Mat panel = sensing::read_frame(image);
+  if (panel.cols != projector.width || panel.rows != projector.height) {
+    throw InvalidInput(fmt::format("{}: has {} x {} px, but the projector of {} has {} x {}",
+                                   image.string(), panel.cols, panel.rows, rig.string(),
+                                   projector.width, projector.height));
+  }
+  return panel;
+}
+
+/// What can be told before anything is read.
+void check_options(const SimulateCall& call) {
+  if (call.scene.reflectance.size() == 2) {
+    throw InvalidInput("--reflectance: 2 values; one, or three (red,green,blue) are expected");
+  }
+  if (call.scene.shutter > 0 && call.scene.meshes.size() == 1) {
+    throw InvalidInput(
+        "--shutter: one mesh is at rest and is not blurred; give the meshes of a motion");
+  }
+}
+
+std::vector<Shot> shots_of(const SimulateCall& call) {
+  std::vector<Shot> shots;
+  if (call.scene.meshes.size() > 1) {
+    if (call.distances.size() > 1) {
+      throw InvalidInput(
+          "--distance: several distances are for one mesh, a sequence of meshes takes one");
+    }
+    for (std::size_t i = 0; i < call.scene.meshes.size(); ++i) {
+      shots.push_back(
+          {i, call.distances.empty() ? std::nullopt : std::optional(call.distances.front())});
+    }
+    return shots;
+  }
+  for (const double distance : call.distances) shots.push_back({0, distance});
+  if (shots.empty()) shots.push_back({});
+  return shots;
+}
+
+/// Entries of the output folder that may be replaced.
+std::vector<fs::path> check_places(const SimulateCall& call) {
+  std::vector<fs::path> inputs = call.scene.meshes;
+  inputs.insert(inputs.end(),
+                {call.rig, call.pattern, call.decoder_rig, call.sensor, call.scene.texture});
+  check_output_folder(inputs, call.output);
+  return own_entries(call.output, "sensor.yaml", kOwnFiles);
+}
+
+Setup read_setup(const SimulateCall& call) {
+  Setup setup;
+  setup.rig = sensing::read_rig(call.rig);
+  setup.decoder_rig = call.decoder_rig.empty() ? setup.rig : sensing::read_rig(call.decoder_rig);
+  setup.pattern = sensing::read_pattern(call.pattern);
+  setup.panel = read_panel(call.pattern, call.rig, setup.rig.projector);
+  sensing::check_pattern_fits(setup.pattern, setup.decoder_rig.projector, call.pattern.string());
+  setup.sensor = sensor_of(call);
+  sensing::check_virtual_sensor(setup.sensor, "the sensor");
+  setup.shots = shots_of(call);
+  return setup;
+}
+
+using Bytes = Eigen::Array<unsigned char, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+void write_bytes(const fs::path& path, Bytes bytes) {
+  sensing::write_png(path, cv::Mat(static_cast<int>(bytes.rows()), static_cast<int>(bytes.cols()),
+                                   CV_8UC1, bytes.data()));
+}
+
+/// Frame number `number`, its truth, and the training images that are there.
+void write_shot(const fs::path& output, std::size_t number, const sensing::Simulation& simulation,
+                const std::vector<sensing::NamedImages>& training) {
+  const std::string name = fmt::format("{:06}", number);
+  sensing::write_png(output / "frames" / (name + ".png"), simulation.frames[0]);
+  const fs::path truth = output / "truth" / name;
+  geometry::write_depth_tiff(truth.string() + ".tiff", simulation.truth.range.z);
+  write_bytes(truth.string() + "_lit.png", simulation.truth.lit.cast<unsigned char>() * 255);
+  write_bytes(truth.string() + "_id.png", (simulation.truth.body + 1).cast<unsigned char>());
+  for (const sensing::NamedImages& color : training) {
+    sensing::write_png(output / "training" / name / (color.name + "_flat.png"), color.images[0]);
+  }
+}
+
+/// Does one shot and writes what comes of it; gives the report's line, if one is asked for.
+std::optional<ReportLine> do_shot(const SimulateCall& call, const Setup& setup,
+                                  const fs::path& output, std::size_t number) {
+  const Shot& shot = setup.shots[number];
+  const Placement placement = place_mesh(call.scene, setup.rig, shot.distance);
+  const std::vector<sensing::Body> bodies =
+      load_bodies(call.scene, setup.rig, placement, shot.mesh);
+  if (placement.chosen && number == 0) {
+    spdlog::warn(
+        "{}: is not all in view where its file has it; it is put where it fills the image. "
+        "--distance says another place.",
+        call.scene.meshes.front().string());
+  }
+  // Each shot has noise of its own.
+  const std::uint64_t first_frame = number * (1 + setup.pattern.colors.size());
+  sensing::TrialOptions options;
+  options.decoder_rig = setup.decoder_rig;
+  options.first_frame = first_frame;
+  const sensing::RigTrial trial =
+      call.report
+          ? sensing::try_rig(setup.rig, setup.pattern, setup.panel, bodies, setup.sensor, options)
+          : sensing::simulate_shot(setup.rig, setup.pattern, setup.panel, bodies, setup.sensor,
+                                   {.training = number == 0, .first_frame = first_frame});
+  if ((trial.simulation.truth.body != 0).all()) {
+    throw InvalidInput(call.scene.meshes[shot.mesh].string() +
+                       ": the camera sees nothing of it there; give another --distance");
+  }
+  write_shot(output, number, trial.simulation, trial.training);
+  if (!call.report) return std::nullopt;
+  return report_line(output / "report" / fmt::format("{:06}.png", number), trial);
+}
+
+void simulate(const Settings& settings, const SimulateCall& call) {
+  check_options(call);
+  const std::vector<fs::path> replaced = check_places(call);
+  const Setup setup = read_setup(call);
+  std::vector<ReportLine> lines;
+  write_folder(call.output, replaced, [&](const fs::path& output) {
+    sensing::write_rig(output / "rig.yaml", setup.decoder_rig);
+    sensing::write_rig(output / "truth" / "rig.yaml", setup.decoder_rig);
+    sensing::write_virtual_sensor(output / "sensor.yaml", setup.sensor);
+    Progress progress("simulating");
+    for (std::size_t i = 0; i < setup.shots.size(); ++i) {
+      if (auto line = do_shot(call, setup, output, i)) lines.push_back(std::move(*line));
+      progress.show(static_cast<int>(i + 1), static_cast<int>(setup.shots.size()));
+    }
+  });
+  Json figures = {{"frames", setup.shots.size()}, {"folder", call.output.string()}};
+  std::string prose = lines.empty() ? "" : report_table(lines);
+  if (!lines.empty()) {
+    figures["report"] = Json::array();
+    for (const ReportLine& line : lines) figures["report"].push_back(report_figures(line));
+  }
+  print(settings, figures,
+        prose + fmt::format("{} frame(s) with their true range maps written to {}",
+                            setup.shots.size(), call.output.string()));
+}
+
+void add_scene_options(CLI::App& command, SimulateCall& call) {
+  SceneCall& scene = call.scene;
+  const char* const group = "Scene";
+  command
+      .add_option("--distance", call.distances,
+                  "Depth [mm] of the mesh's centre, on the camera's axis; several (600,800) make a "
+                  "frame each. Default: where the file says if that is in view, else so that the "
+                  "mesh fills the image")
+      ->delimiter(',')
+      ->check(within(kDistances))
+      ->group(group);
+  command
+      .add_option("--turn", scene.turn,
+                  "x,y,z: turns the mesh about its centre, by so many degrees (-360 to 360) about "
+                  "each axis of the camera")
+      ->expected(3)
+      ->delimiter(',')
+      ->check(within({-360, 360}))
+      ->group(group);
+  command.add_option("--wall", scene.wall, "Put a white wall at this depth [mm]")
+      ->check(within(kDistances))
+      ->group(group);
+  command
+      .add_option("--reflectance", scene.reflectance,
+                  "Share of the light that the surface gives back: one number, or red,green,blue "
+                  "(default: 0.8); colours of the mesh's vertices come on top")
+      ->delimiter(',')
+      ->expected(1, 3)
+      ->group(group);
+  command
+      .add_option("--texture", scene.texture,
+                  "Picture on the surface, linear in the light; the mesh needs coordinates for "
+                  "it (s, t)")
+      ->group(group);
+  command
+      .add_option("--specular", scene.specular, "Strength of the highlight, 0 to 1 (default: 0)")
+      ->group(group);
+  command.add_option("--shininess", scene.shininess, "Its exponent, from 1 on (default: 50)")
+      ->group(group);
+  command
+      .add_option("--shutter", scene.shutter,
+                  "Share of the time from one mesh to the next for which the shutter is open "
+                  "(default: 0, no motion blur); the last mesh has none after it, and no blur")
+      ->check(within({0, 1}))
+      ->group(group);
+}
+
+void add_sensor_options(CLI::App& command, SimulateCall& call) {
+  const char* const group = "Sensor";
+  command
+      .add_option("--sensor", call.sensor,
+                  "Light, optics and electronics (sensor.yaml); default: a colour camera of 8 "
+                  "bits. OUT/sensor.yaml tells what was taken: copy it and change it")
+      ->group(group);
+  command.add_flag("--ideal", call.ideal, "No blur, no mosaic, no noise, 16 bits")->group(group);
+  command.add_option("--readout", call.readout, "What leaves the camera")
+      ->check(CLI::IsMember({"color", "mosaic", "demosaiced"}))
+      ->group(group);
+  command.add_option("--bits", call.bits, "Bits a channel")
+      ->check(CLI::IsMember({8, 16}))
+      ->group(group);
+  command
+      .add_option(
+          "--ambient", call.ambient,
+          "Light from everywhere, as a share of the projector's white on a surface 1 m away")
+      ->check(within({0, kBrightest}))
+      ->group(group);
+  command
+      .add_option("--exposure", call.exposure_distance,
+                  "Expose for a white surface at this distance [mm], 0.1 to 1e6 (default: for each "
+                  "frame as a camera would)")
+      ->check(within(kDistances))
+      ->group(group);
+  command.add_option("--seed", call.seed, "Of the noise: 0 to 2147483647 (default: 1)")
+      ->check(CLI::Range(0, std::numeric_limits<int>::max()))
+      ->group(group);
+}
+
+}  // namespace
+
+void add_simulate(CLI::App& app, const Settings& settings) {
+  auto call = std::make_shared<SimulateCall>();
+  call->scene.reflectance = {0.8};
+  CLI::App* command = app.add_subcommand(
+      "simulate", "Meshes, rig and pattern become camera frames and true range maps");
+  command->add_option("MESH", call->scene.meshes, "A mesh, or several: a sequence, a frame each")
+      ->required();
+  command->add_option("--rig", call->rig, "Camera and projector (rig.yaml)")->required();
+  command
+      ->add_option(
+          "--pattern", call->pattern,
+          "What the projector shows (pattern.yaml, with its picture pattern.png beside it)")
+      ->required();
+  command->add_option("-o,--output", call->output, "Folder to write")->required();
+  command->add_flag("--report", call->report,
+                    "Decode the frames and compare with the truth: coverage, depth errors, causes "
+                    "of loss, and a picture of the errors");
+  command->add_option("--decoder-rig", call->decoder_rig,
+                      "The rig that describes the frames, for a pattern drawn for the projector's "
+                      "pose or colours (default: --rig)");
+  add_unit_option(*command, call->scene.read);
+  add_scene_options(*command, *call);
+  add_sensor_options(*command, *call);
+  command->footer(
+      "Writes frames/NNNNNN.png; truth/NNNNNN.tiff, _id.png (1: the mesh, 2: the wall) and "
+      "_lit.png; "
+      "training/NNNNNN/ with images of each colour alone, for palpate calibrate colors (of the "
+      "first frame, with --report of all); rig.yaml and sensor.yaml.\n\n"
+      "Examples:\n"
+      "  palpate simulate meshes/hand.ply --rig demo/rig.yaml --pattern demo/pattern.yaml --report "
+      "-o out\n"
+      "  palpate simulate part.stl --unit cm --rig rig.yaml --pattern pattern.yaml --turn 0,30,0 "
+      "--distance 600,800,1000 --report -o out");
+  command->callback([call, &settings] { simulate(settings, *call); });
+}
+
+}  // namespace palpate::apps

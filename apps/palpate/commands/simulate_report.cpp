@@ -1,0 +1,134 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "commands/simulate_report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "palpate/pictures/draw_differences.h"
+
+namespace palpate::apps {
+namespace {
+
+/// [mm] The picture's scale is never finer.
+constexpr double kLeastScale = 0.01;
+/// What fewer of the lit pixels are lost to is not listed.
+constexpr double kWorthSaying = 0.001;
+
+double share(long part, long whole) {
+  return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : 0;
+}
+double percent(long part, long whole) { return 100 * share(part, whole); }
+
+/// With so many places; "none" where nothing was measured.
+std::string decimal(double value, int places) {
+  return std::isnan(value) ? "none" : fmt::format("{:.{}f}", value, places);
+}
+
+/// What a trial leaves to assess when it failed: the truth, and no depths.
+sensing::DecodeResult nothing_decoded(const sensing::SceneTruth& truth) {
+  sensing::DecodeResult none;
+  none.range = truth.range;
+  none.range.z.setConstant(std::nanf(""));
+  none.reasons = sensing::ReasonImage::Constant(truth.body.rows(), truth.body.cols(),
+                                                static_cast<std::uint8_t>(sensing::Reason::unlit));
+  return none;
+}
+
+/// "12.3 % border, 2.0 % grazing", the greatest first.
+std::string losses(const sensing::RigAssessment& found) {
+  std::vector<std::pair<long, int>> lost;
+  for (int i = 1; i < sensing::kReasonCount; ++i) {
+    const long pixels = found.reasons[static_cast<std::size_t>(i)];
+    if (share(pixels, found.lit) >= kWorthSaying) lost.emplace_back(pixels, i);
+  }
+  std::sort(lost.rbegin(), lost.rend());
+  std::string text;
+  for (const auto& [pixels, reason] : lost) {
+    text += fmt::format("{}{:.1f} % {}", text.empty() ? "" : ", ", percent(pixels, found.lit),
+                        sensing::name(static_cast<sensing::Reason>(reason)));
+  }
+  return text;
+}
+
+std::string causes(const ReportLine& line) {
+  const sensing::RigAssessment& found = line.found;
+  std::string text = fmt::format(
+      "{:.0f} mm: of {} pixels that see the object, {:.1f} % are beyond the projector's image and "
+      "{:.1f} % in shadow or turned away",
+      found.distance, found.visible, percent(found.outside, found.visible),
+      percent(found.dark, found.visible));
+  if (!line.failure.empty()) return text + "; nothing was measured: " + line.failure + "\n";
+  const std::string lost = losses(found);
+  if (!lost.empty()) text += "; of the lit ones were lost: " + lost;
+  if (found.stray > 0) text += fmt::format("; {} pixels got a depth where nothing is", found.stray);
+  return text + ".\n";
+}
+
+}  // namespace
+
+ReportLine report_line(const std::filesystem::path& picture, const sensing::RigTrial& trial) {
+  const sensing::SceneTruth& truth = trial.simulation.truth;
+  ReportLine line{.found = sensing::assess(trial.decoded ? *trial.decoded : nothing_decoded(truth),
+                                           truth, {.counted_bodies = 1}),
+                  .failure = trial.failure,
+                  .picture = {}};
+  if (line.found.measured == 0) return line;
+  line.picture = picture;
+  pictures::draw_differences(picture, line.found.difference,
+                             fmt::format("Predicted depth error at {:.0f} mm", line.found.distance),
+                             std::fmax(line.found.error.p95, kLeastScale));
+  return line;
+}
+
+nlohmann::ordered_json report_figures(const ReportLine& line) {
+  const sensing::RigAssessment& found = line.found;
+  nlohmann::ordered_json lost = nlohmann::ordered_json::object();
+  for (int i = 1; i < sensing::kReasonCount && line.failure.empty(); ++i) {
+    lost[std::string(sensing::name(static_cast<sensing::Reason>(i)))] =
+        found.reasons[static_cast<std::size_t>(i)];
+  }
+  nlohmann::ordered_json figures = {
+      {"distance", found.distance},
+      {"visible", found.visible},
+      {"outside", found.outside},
+      {"dark", found.dark},
+      {"lit", found.lit},
+      {"reconstructed", found.reconstructed},
+      {"facing", found.facing},
+      {"facing_reconstructed", found.facing_reconstructed},
+      {"measured", found.measured},
+      {"wrong", found.wrong},
+      {"stray", found.stray},
+      {"error",
+       {{"median", found.error.median}, {"rms", found.error.rms}, {"p95", found.error.p95}}},
+      {"lost", lost}};
+  if (!line.failure.empty()) figures["failure"] = line.failure;
+  return figures;
+}
+
+std::string report_table(const std::vector<ReportLine>& lines) {
+  std::string text =
+      "             of what is seen       of the lit    depth error [mm]\n"
+      "distance mm  lit %  with depth %   with depth %  median  RMS     95 %    median %  wrong "
+      "%\n";
+  for (const ReportLine& line : lines) {
+    const sensing::RigAssessment& found = line.found;
+    text += fmt::format(
+        "{:<11.0f}  {:<5.1f}  {:<13.1f}  {:<12.1f}  {:<6}  {:<6}  {:<6}  {:<8}  {:.2f}\n",
+        found.distance, percent(found.lit, found.visible), percent(found.measured, found.visible),
+        percent(found.reconstructed, found.lit), decimal(found.error.median, 3),
+        decimal(found.error.rms, 3), decimal(found.error.p95, 3),
+        decimal(100 * found.error.median / found.distance, 4),
+        percent(found.wrong, found.measured));
+  }
+  text += "(wrong: off by more than 1 % of the distance, and left out of the error)\n";
+  for (const ReportLine& line : lines) text += causes(line);
+  return text;
+}
+
+}  // namespace palpate::apps

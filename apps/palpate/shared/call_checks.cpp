@@ -1,0 +1,42 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "shared/call_checks.h"
+
+#include <fmt/format.h>
+
+#include <string>
+
+#include "palpate/error.h"
+#include "shared/inputs.h"
+
+namespace palpate::apps {
+
+namespace fs = std::filesystem;
+
+CLI::Validator within(std::pair<double, double> range) {
+  const std::string words = fmt::format("from {:g} to {:g}", range.first, range.second);
+  return {[range, words](const std::string& text) {
+            double number = 0;
+            const bool is_right = CLI::detail::lexical_cast(text, number) &&
+                                  number >= range.first && number <= range.second;
+            return is_right ? std::string() : text + " is no number " + words;
+          },
+          words};
+}
+
+void check_pictures(const std::vector<fs::path>& pictures) {
+  for (const fs::path& picture : pictures) {
+    if (picture.empty() || (is_image(picture) && !is_range_map(picture))) continue;
+    throw InvalidInput(picture.string() +
+                       ": pictures are PNG files; give a name that ends in .png");
+  }
+}
+
+void check_is_depths(const fs::path& path) {
+  if (!is_sigma(path) && !is_reasons(path)) return;
+  throw InvalidInput(path.string() + ": holds " +
+                     (is_sigma(path) ? "the deviations of depths" : "the reasons of lost pixels") +
+                     ", not depths; give the range map beside it");
+}
+
+}  // namespace palpate::apps

@@ -1,0 +1,50 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "shared/command_line.h"
+
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+namespace palpate::apps {
+
+void print(const Settings& settings, const nlohmann::ordered_json& figures,
+           const std::string& prose) {
+  // The name of a file need not be UTF-8, as JSON must be.
+  constexpr auto kReplace = nlohmann::ordered_json::error_handler_t::replace;
+  std::cout << (settings.json ? figures.dump(2, ' ', false, kReplace) : prose) << '\n';
+}
+
+void add_unit_option(CLI::App& command, geometry::ReadOptions& options) {
+  command.add_option_function<std::string>(
+      "--unit", [&options](const std::string& name) { options.unit = geometry::unit_length(name); },
+      "Unit of the meshes' coordinates: um, mm, cm, m or in (default: what a file declares, or "
+      "mm)");
+}
+
+CLI::Validator positive() {
+  return {[](const std::string& text) {
+            double number = 0;
+            const bool is_right = CLI::detail::lexical_cast(text, number) && number > 0;
+            return is_right ? std::string() : text + " is no number above 0";
+          },
+          "POSITIVE"};
+}
+
+CLI::Validator not_negative() {
+  return {[](const std::string& text) {
+            double number = 0;
+            const bool is_right = CLI::detail::lexical_cast(text, number) && number >= 0;
+            return is_right ? std::string() : text + " is no number from 0 on";
+          },
+          "NOT NEGATIVE"};
+}
+
+void refuse_empty_values(CLI::App& app) {
+  for (CLI::Option* option : app.get_options()) {
+    option->check([](const std::string& text) { return text.empty() ? "is empty" : std::string(); },
+                  "");
+  }
+  for (CLI::App* command : app.get_subcommands({})) refuse_empty_values(*command);
+}
+
+}  // namespace palpate::apps

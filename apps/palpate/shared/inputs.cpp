@@ -1,0 +1,170 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "shared/inputs.h"
+
+#include <algorithm>
+#include <string>
+#include <system_error>
+
+#include "palpate/error.h"
+#include "palpate/file_names.h"
+#include "palpate/sensing/frame_source.h"
+#include "palpate/sensing/reason.h"
+#include "palpate/sensing/rig.h"
+#include "shared/call_checks.h"
+
+namespace palpate::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Where a path leads; a path that cannot be looked at is left for its reader or writer to refuse.
+fs::path place_of(const fs::path& path) {
+  std::error_code cannot_look;
+  const fs::path place = fs::weakly_canonical(path, cannot_look);
+  if (cannot_look) return path;
+  return place.has_filename() ? place : place.parent_path();  // without a slash at the end
+}
+
+bool is_or_lies_in(const fs::path& path, const fs::path& folder) {
+  const fs::path inside = place_of(path).lexically_relative(place_of(folder));
+  return !inside.empty() && *inside.begin() != "..";
+}
+
+}  // namespace
+
+std::vector<fs::path> list_frames(const std::vector<fs::path>& paths) {
+  std::vector<fs::path> frames;
+  for (const fs::path& path : paths) {
+    if (!is_folder(path)) {
+      frames.push_back(path);
+      continue;
+    }
+    const std::vector<fs::path> in_folder = sensing::list_images(path);
+    frames.insert(frames.end(), in_folder.begin(), in_folder.end());
+  }
+  return frames;
+}
+
+std::vector<fs::path> list_range_maps(const fs::path& folder) {
+  std::vector<fs::path> maps = sensing::list_images(folder);
+  std::erase_if(maps, [](const fs::path& path) {
+    return !is_range_map(path) || is_sigma(path) || is_reasons(path);
+  });
+  if (maps.empty()) {
+    throw FileError(folder.string() +
+                    ": there is no range map in it; a folder of range maps (tiff), as palpate "
+                    "decode writes them, is expected.");
+  }
+  return maps;
+}
+
+std::vector<std::string> reason_words() {
+  std::vector<std::string> words;
+  for (int code = 0; code < sensing::kReasonCount; ++code) {
+    std::string word(sensing::name(static_cast<sensing::Reason>(code)));
+    std::replace(word.begin(), word.end(), '_', ' ');
+    words.push_back(std::move(word));
+  }
+  return words;
+}
+
+geometry::RangeMap load_range_map(const fs::path& path, const fs::path& rig) {
+  check_is_depths(path);
+  const fs::path beside = path.parent_path() / "rig.yaml";
+  std::error_code ignored;
+  if (rig.empty() && !fs::exists(beside, ignored)) {
+    throw FileError(
+        beside.string() +
+        ": missing. A range map needs its camera: put the rig beside it, or pass --rig.");
+  }
+  geometry::RangeMap map{.z = geometry::read_depth_tiff(path),
+                         .camera = sensing::read_rig(rig.empty() ? beside : rig).camera};
+  if (map.z.cols() != map.camera.width || map.z.rows() != map.camera.height) {
+    throw InvalidInput(
+        path.string() + ": " + std::to_string(map.z.cols()) + " x " + std::to_string(map.z.rows()) +
+        " pixels, but the camera of " + (rig.empty() ? beside : rig).string() + " has " +
+        std::to_string(map.camera.width) + " x " + std::to_string(map.camera.height) +
+        ". Pass the rig this map was made with.");
+  }
+  return map;
+}
+
+bool is_folder(const fs::path& path) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (status.type() == fs::file_type::not_found)
+    throw FileError(path.string() + ": there is no such file or folder.");
+  if (error) throw FileError(path.string() + ": cannot be read: " + error.message() + ".");
+  return fs::is_directory(status);
+}
+
+bool is_there(const fs::path& path) {
+  std::error_code cannot_look;
+  return fs::exists(path, cannot_look);
+}
+
+void check_outputs(const std::vector<fs::path>& inputs, const std::vector<fs::path>& outputs) {
+  std::vector<fs::path> taken = inputs;
+  for (const fs::path& output : outputs) {
+    if (output.empty()) continue;
+    for (const fs::path& other : taken) {
+      if (other.empty() || !is_or_lies_in(output, other)) continue;
+      throw InvalidInput(
+          output.string() + ": " +
+          (place_of(output) == place_of(other) ? "is"
+                                               : "lies in " + other.string() + ", which is") +
+          " already used in this call; nothing is written over what is read, or among it, or "
+          "twice. Give this output another name.");
+    }
+    taken.push_back(output);
+  }
+}
+
+void check_output_folder(const std::vector<fs::path>& inputs, const fs::path& folder) {
+  check_outputs(inputs, {folder});
+  for (const fs::path& input : inputs) {
+    if (input.empty() || !is_or_lies_in(input, folder)) continue;
+    throw InvalidInput(input.string() + ": lies in " + folder.string() +
+                       ", which is replaced; copy it to another place, or give another output.");
+  }
+}
+
+std::vector<fs::path> own_entries(const fs::path& folder, const std::string& mark,
+                                  const std::regex& own) {
+  std::vector<fs::path> entries;
+  if (!is_there(folder)) return entries;
+  if (!is_folder(folder)) throw InvalidInput(folder.string() + ": is a file; give a folder.");
+  const auto refusal = [&](const std::string& reason) {
+    return InvalidInput(folder.string() + ": holds " + reason +
+                        ", which would be lost, so it is not replaced; give a new or an empty "
+                        "folder.");
+  };
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
+    if (!entry.is_symlink() && entry.is_directory()) continue;
+    const std::string name = entry.path().lexically_relative(folder).generic_string();
+    if (!std::regex_match(name, own)) throw refusal(name);
+  }
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder))
+    entries.push_back(entry.path().filename());
+  if (!entries.empty() && !is_there(folder / mark))
+    throw refusal(entries.front().string() + " and no " + mark);
+  return entries;
+}
+
+bool is_image(const fs::path& path) {
+  return lower_extension(path) == ".png" || is_range_map(path);
+}
+
+bool is_range_map(const fs::path& path) {
+  const std::string extension = lower_extension(path);
+  return extension == ".tiff" || extension == ".tif";
+}
+
+bool is_sigma(const fs::path& path) { return path.filename().string().ends_with("_sigma.tiff"); }
+
+bool is_reasons(const fs::path& path) {
+  return path.filename().string().ends_with("_reasons.tiff");
+}
+
+}  // namespace palpate::apps

@@ -1,0 +1,112 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "shared/model_pictures.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "palpate/geometry/contact_triangulation.h"
+#include "palpate/haptics/realignment.h"
+#include "palpate/pictures/draw_contacts.h"
+#include "palpate/pictures/draw_distances.h"
+#include "palpate/pictures/draw_force_field.h"
+#include "palpate/pictures/draw_forces.h"
+
+namespace palpate::apps {
+
+namespace fs = std::filesystem;
+
+void draw_model_contacts(const fs::path& png, const haptics::Model& model,
+                         const std::string& title) {
+  // Every place belongs to the contact with the largest weight there.
+  const geometry::TriangleMesh contacts = haptics::contact_mesh(model);
+  const geometry::SurfaceWeights weights = model.surface_weights.contacts.cols() > 0
+                                               ? model.surface_weights
+                                               : geometry::project_weights(model.surface, contacts);
+  pictures::draw_contacts(png, model.surface, weights.contacts.row(0).transpose(), contacts, title);
+}
+
+void draw_contact_field(const fs::path& png, const haptics::Model& model,
+                        const probing::Acquisition& acquisition, std::size_t contact) {
+  const haptics::ContactModel& fitted = model.contacts.at(contact);
+  const auto measured = std::find_if(acquisition.contacts.begin(), acquisition.contacts.end(),
+                                     [&](const probing::Contact& c) { return c.id == fitted.id; });
+  const haptics::ForceSamples held = haptics::realign(*measured, acquisition.samples);
+
+  // Realignment moves a displacement a little: a sample on the boundary is the nearest one to it.
+  std::vector<bool> on_boundary(static_cast<std::size_t>(held.displacements.cols()), false);
+  for (const probing::Sample& sample : acquisition.samples) {
+    if (sample.contact != fitted.id || !sample.on_friction_boundary) continue;
+    const Eigen::Vector3d displacement = sample.b - measured->position;
+    Eigen::Index nearest = 0;
+    (held.displacements.colwise() - displacement).colwise().norm().minCoeff(&nearest);
+    on_boundary[static_cast<std::size_t>(nearest)] = true;
+  }
+
+  const Eigen::Matrix3d to_local = fitted.frame.transpose() * model.T_surface_acquisition.linear();
+  pictures::draw_force_field(
+      png,
+      {.displacements = to_local * held.displacements,
+       .forces = to_local * held.forces,
+       .on_boundary = on_boundary},
+      {.field =
+           [&](const Eigen::Vector3d& displacement) {
+             return haptics::force(fitted.field, displacement);
+           },
+       .friction_axis = Eigen::Vector3d::UnitZ(),
+       .friction_coefficient = fitted.friction},
+      fmt::format(
+          "Contact {}: measured and fitted forces, RMS {:.3f} N, friction coefficient {:.2f}",
+          fitted.id, fitted.rms, fitted.friction));
+}
+
+void draw_leave_one_out(const fs::path& png, const haptics::Model& model,
+                        const haptics::LeaveOneOut& errors) {
+  const geometry::SurfaceWeights weights =
+      model.surface_weights.contacts.cols() > 0
+          ? model.surface_weights
+          : geometry::project_weights(model.surface, haptics::contact_mesh(model));
+  Eigen::VectorXd at_vertices(weights.contacts.cols());
+  for (Eigen::Index v = 0; v < at_vertices.size(); ++v) {
+    at_vertices(v) = weights.contacts(0, v) < 0 ? std::nan("") : 0;
+    for (int k = 0; k < 3 && weights.contacts(k, v) >= 0; ++k) {
+      const auto contact = static_cast<std::size_t>(weights.contacts(k, v));
+      at_vertices(v) += weights.weights(k, v) * errors.per_contact[contact].rms;
+    }
+  }
+  Eigen::VectorXd of_triangles(model.surface.triangles.cols());
+  for (Eigen::Index t = 0; t < of_triangles.size(); ++t) {
+    of_triangles(t) = at_vertices(model.surface.triangles.col(t)).mean();
+  }
+  double largest = 0;
+  for (const haptics::ContactError& error : errors.per_contact)
+    largest = std::max(largest, error.rms);
+  pictures::draw_distances(
+      png, model.surface, of_triangles,
+      {.title = "Contacts predicted without themselves",
+       .subtitle = fmt::format("RMS {:.3f} N; inside {:.3f} N, at the border {:.3f} N", errors.rms,
+                               errors.interior_rms, errors.border_rms),
+       .limit = largest > 0 ? largest : 1,
+       .scale = "RMS of the force error (N)",
+       .one_sided = true});
+}
+
+void draw_trace(const fs::path& png, std::span<const haptics::TracePoint> trace,
+                const std::string& title) {
+  const auto count = static_cast<Eigen::Index>(trace.size());
+  Eigen::VectorXd times(count);
+  Eigen::Matrix3Xd forces(3, count);
+  Eigen::VectorXi states(count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const haptics::TracePoint& point = trace[static_cast<std::size_t>(i)];
+    times(i) = point.time;
+    forces.col(i) = point.force;
+    states(i) = static_cast<int>(point.state);
+  }
+  pictures::draw_forces(png, times, forces, states, title);
+}
+
+}  // namespace palpate::apps

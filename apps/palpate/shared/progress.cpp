@@ -1,0 +1,77 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "shared/progress.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <utility>
+
+namespace palpate::apps {
+namespace {
+
+volatile std::sig_atomic_t interrupted = 0;
+
+constexpr int kBarWidth = 40;                        // characters
+constexpr auto kPatience = std::chrono::seconds(1);  // shorter work shows no bar
+constexpr auto kRedraw = std::chrono::milliseconds(100);
+
+void watch_for_interrupt() {
+  // A second Ctrl-C kills at once.
+  struct sigaction action = {};
+  action.sa_handler = [](int) { interrupted = 1; };
+  action.sa_flags = static_cast<int>(SA_RESETHAND);
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+// ", 12 min left"
+std::string time_left(double seconds) {
+  const auto minutes = static_cast<long long>(std::ceil(seconds / 60));
+  if (seconds < 60) return fmt::format(", {:.0f} s left", std::ceil(seconds));
+  if (minutes < 60) return fmt::format(", {} min left", minutes);
+  return fmt::format(", {} h {} min left", minutes / 60, minutes % 60);
+}
+
+}  // namespace
+
+Progress::Progress(std::string what)
+    : what_(std::move(what)), terminal_(isatty(STDERR_FILENO) != 0), start_(Clock::now()) {
+  watch_for_interrupt();
+}
+
+Progress::~Progress() {
+  std::signal(SIGINT, SIG_DFL);
+  std::signal(SIGTERM, SIG_DFL);
+  if (shown_) std::fputs("\r\x1b[K", stderr);
+}
+
+void Progress::show(int done, int total) {
+  if (interrupted != 0) throw Interrupted{};
+  if (!terminal_ || total <= 0) return;
+  const Clock::time_point now = Clock::now();
+  const std::lock_guard lock(mutex_);
+  if (!counting_) {
+    counting_ = true;
+    first_done_ = done;
+    first_ = now;
+  }
+  if (now - start_ < kPatience || (now - drawn_ < kRedraw && done < total)) return;
+  drawn_ = now;
+  const double passed = std::chrono::duration<double>(now - first_).count();
+  const std::string left = done > first_done_ && done < total
+                               ? time_left(passed * (total - done) / (done - first_done_))
+                               : std::string();
+  const auto filled = static_cast<int>(static_cast<long long>(kBarWidth) * done / total);
+  const std::string bar = std::string(static_cast<std::size_t>(filled), '#') +
+                          std::string(static_cast<std::size_t>(kBarWidth - filled), ' ');
+  std::fputs(fmt::format("\r{} [{}] {} of {}{}\x1b[K", what_, bar, done, total, left).c_str(),
+             stderr);
+  std::fflush(stderr);
+  shown_ = true;
+}
+
+}  // namespace palpate::apps

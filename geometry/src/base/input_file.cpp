@@ -1,0 +1,60 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "base/input_file.h"
+
+#include <algorithm>
+#include <fstream>
+
+#include "palpate/error.h"
+
+namespace palpate::geometry {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::string_view kBlanks = " \t\r\n\v\f";
+
+}  // namespace
+
+std::string read_input_file(const fs::path& path) {
+  std::error_code error;
+  if (!fs::is_regular_file(path, error)) throw FileError(path.string() + ": no such file");
+  const std::uintmax_t size = fs::file_size(path, error);
+  std::ifstream stream(path, std::ios::binary);
+  if (error || !stream) throw FileError(path.string() + ": cannot be opened for reading");
+  if (size == 0) throw FileError(path.string() + ": is empty");
+  std::string content(size, '\0');
+  stream.read(content.data(), static_cast<std::streamsize>(size));
+  if (!stream) throw FileError(path.string() + ": cannot be read to its end");
+  return content;
+}
+
+std::size_t line_number(std::string_view content, std::size_t offset) {
+  const std::string_view before = content.substr(0, offset);
+  return 1 + static_cast<std::size_t>(std::count(before.begin(), before.end(), '\n'));
+}
+
+std::string_view next_word(std::string_view& rest) {
+  rest.remove_prefix(std::min(rest.find_first_not_of(kBlanks), rest.size()));
+  const std::string_view word = rest.substr(0, rest.find_first_of(kBlanks));
+  rest.remove_prefix(word.size());
+  return word;
+}
+
+std::string_view next_line(std::string_view& rest) {
+  std::string_view line = rest.substr(0, rest.find('\n'));
+  rest.remove_prefix(std::min(line.size() + 1, rest.size()));
+  if (line.ends_with('\r')) line.remove_suffix(1);
+  return line;
+}
+
+std::string quoted(std::string_view text) {
+  constexpr std::size_t kLongest = 60;  // characters
+  std::string result = "\"";
+  result += text.substr(0, kLongest);
+  result += text.size() > kLongest ? "...\"" : "\"";
+  return result;
+}
+
+}  // namespace palpate::geometry

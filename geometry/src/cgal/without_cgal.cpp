@@ -1,0 +1,33 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+// Takes the place of the sources in cgal/ in a build without them.
+#include <string>
+
+#include "geodesic/exact_geodesic_distance.h"
+#include "mesh/hole_patches.h"
+#include "palpate/error.h"
+#include "scans/poisson_surface.h"
+
+namespace palpate::geometry {
+namespace {
+
+[[noreturn]] void refuse(const std::string& what) {
+  throw Unavailable(what +
+                    " needs CGAL, which this build of the library was made without; build it with "
+                    "-DPALPATE_CGAL=ON");
+}
+
+}  // namespace
+
+GeodesicDistance exact_geodesic_distance(const TriangleMesh&, std::span<const SurfacePoint>,
+                                         double) {
+  refuse("geodesic_distance: GeodesicMethod::exact");
+}
+
+FilledMesh add_hole_patches(const TriangleMesh&, double) { refuse("fill_holes"); }
+
+TriangleMesh poisson_surface(const Eigen::Matrix3Xd&, const Eigen::Matrix3Xd&, double) {
+  refuse("merge_scans");
+}
+
+}  // namespace palpate::geometry

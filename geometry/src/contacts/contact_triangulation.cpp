@@ -1,0 +1,167 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/geometry/contact_triangulation.h"
+
+#include <algorithm>
+#include <array>
+#include <functional>
+#include <map>
+#include <numeric>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "contacts/coarse_triangulation.h"
+#include "palpate/error.h"
+#include "palpate/geometry/surface_query.h"
+
+namespace palpate::geometry {
+namespace {
+
+/// Two contacts are at one place iff they are no further apart than this fraction of the surface's
+/// bounding diagonal: far above rounding, far below what an arm can repeat.
+constexpr double kSamePlace = 1e-9;
+
+void check_apart(const Eigen::Matrix3Xd& places, double diagonal) {
+  const double tolerance = kSamePlace * diagonal;
+  std::vector<int> order(static_cast<size_t>(places.cols()));
+  std::iota(order.begin(), order.end(), 0);
+  std::ranges::stable_sort(order, {}, [&places](int i) { return places(0, i); });
+  for (size_t k = 0; k < order.size(); ++k) {
+    for (size_t l = k + 1; l < order.size(); ++l) {
+      const int i = std::min(order[k], order[l]);
+      const int j = std::max(order[k], order[l]);
+      if (places(0, order[l]) - places(0, order[k]) > tolerance) break;
+      if ((places.col(i) - places.col(j)).norm() > tolerance) continue;
+      throw InvalidInput("triangulate_contacts: contacts " + std::to_string(i) + " and " +
+                         std::to_string(j) + " are at the same place; remove one of them");
+    }
+  }
+}
+
+using Triangles = std::vector<std::array<int, 3>>;
+
+/// A vertex's triangles in fans, each of triangles that follow one another across edges at the
+/// vertex; positions in `triangles`. In a manifold there is one.
+std::vector<std::vector<size_t>> fans_around(int vertex, const Triangles& triangles) {
+  std::map<int, size_t> by_next;  // by the corner after the vertex
+  std::set<int> lasts;            // the corners before it
+  for (size_t t = 0; t < triangles.size(); ++t) {
+    const auto at = std::ranges::find(triangles[t], vertex);
+    if (at == triangles[t].end()) continue;
+    const auto k = static_cast<size_t>(at - triangles[t].begin());
+    by_next.emplace(triangles[t][(k + 1) % 3], t);
+    lasts.insert(triangles[t][(k + 2) % 3]);
+  }
+  std::vector<std::vector<size_t>> fans;
+  const auto walk_from = [&](int next) {
+    std::vector<size_t>& fan = fans.emplace_back();
+    for (auto found = by_next.find(next); found != by_next.end(); found = by_next.find(next)) {
+      const std::array<int, 3>& corners = triangles[found->second];
+      const auto k = static_cast<size_t>(std::ranges::find(corners, vertex) - corners.begin());
+      next = corners[(k + 2) % 3];
+      fan.push_back(found->second);
+      by_next.erase(found);
+    }
+  };
+  // Open fans begin where no triangle ends; what is left then are closed ones.
+  std::vector<int> beginnings;
+  for (const auto& [next, triangle] : by_next) {
+    if (!lasts.contains(next)) beginnings.push_back(next);
+  }
+  for (const int next : beginnings) walk_from(next);
+  while (!by_next.empty()) walk_from(by_next.begin()->first);
+  return fans;
+}
+
+/// Of several fans that touch in one vertex only the largest stays, the first of equals.
+Triangles keep_vertices_manifold(Triangles triangles, int vertex_count) {
+  for (bool changed = true; changed;) {
+    changed = false;
+    for (int vertex = 0; vertex < vertex_count; ++vertex) {
+      std::vector<std::vector<size_t>> fans = fans_around(vertex, triangles);
+      if (fans.size() < 2) continue;
+      changed = true;
+      std::ranges::stable_sort(fans, std::greater{}, &std::vector<size_t>::size);
+      std::set<size_t> dropped;
+      for (size_t i = 1; i < fans.size(); ++i) dropped.insert(fans[i].begin(), fans[i].end());
+      Triangles kept;
+      for (size_t t = 0; t < triangles.size(); ++t) {
+        if (!dropped.contains(t)) kept.push_back(triangles[t]);
+      }
+      triangles = std::move(kept);
+    }
+  }
+  return triangles;
+}
+
+}  // namespace
+
+ContactTriangulation triangulate_contacts(const TriangleMesh& surface,
+                                          std::span<const SurfacePoint> contacts,
+                                          const ContactTriangulationOptions& options) {
+  check_mesh(surface, "triangulate_contacts");
+  if (contacts.size() < 3) {
+    throw InvalidInput("triangulate_contacts: got " + std::to_string(contacts.size()) +
+                       " contacts; a triangulation needs at least three");
+  }
+  ContactTriangulation result;
+  result.mesh.vertices.resize(3, static_cast<Eigen::Index>(contacts.size()));
+  for (size_t i = 0; i < contacts.size(); ++i) {
+    const std::string what = "triangulate_contacts: contact " + std::to_string(i);
+    check_surface_point(surface, contacts[i], what.c_str());
+    result.mesh.vertices.col(static_cast<Eigen::Index>(i)) = position(surface, contacts[i]);
+  }
+  check_apart(result.mesh.vertices, bounding_diagonal(surface));
+
+  const bool by_dual = options.method == ContactTriangulationMethod::voronoi_dual;
+  TrianglesOfContacts found = by_dual
+                                  ? voronoi_dual(surface, contacts, result.mesh.vertices)
+                                  : coarsen_to_contacts(surface, contacts, result.mesh.vertices);
+  const Triangles triangles =
+      keep_vertices_manifold(std::move(found.triangles), static_cast<int>(contacts.size()));
+  if (by_dual && triangles.empty()) {
+    throw InvalidInput(
+        "triangulate_contacts: nowhere on the surface do the cells of three of the " +
+        std::to_string(contacts.size()) +
+        " contacts meet; contacts on one line, on separate parts or closer together "
+        "than the surface's vertices give no triangle");
+  }
+  result.mesh.triangles.resize(3, static_cast<Eigen::Index>(triangles.size()));
+  std::vector<bool> used(contacts.size(), false);
+  for (size_t t = 0; t < triangles.size(); ++t) {
+    for (size_t k = 0; k < 3; ++k) {
+      result.mesh.triangles(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(t)) =
+          triangles[t][k];
+      used[static_cast<size_t>(triangles[t][k])] = true;
+    }
+  }
+  for (size_t i = 0; i < used.size(); ++i) {
+    if (!used[i]) result.isolated.push_back(static_cast<int>(i));
+  }
+  result.weights = by_dual ? project_weights(surface, result.mesh) : std::move(found.weights);
+  result.surface_labels = std::move(found.surface_labels);
+  result.intrinsic = std::move(found.intrinsic);
+  return result;
+}
+
+SurfaceWeights project_weights(const TriangleMesh& surface, const TriangleMesh& contact_mesh) {
+  const SurfaceQuery query(contact_mesh);
+  SurfaceWeights result{.contacts = Eigen::Matrix3Xi::Constant(3, surface.vertices.cols(), -1),
+                        .weights = Eigen::Matrix3Xd::Zero(3, surface.vertices.cols())};
+  for (Eigen::Index v = 0; v < surface.vertices.cols(); ++v) {
+    const SurfacePoint at = query.closest_point(surface.vertices.col(v)).at;
+    if (at.triangle < 0) continue;
+    std::array<int, 3> order = {0, 1, 2};
+    std::ranges::stable_sort(order, std::greater{}, [&](int k) { return at.barycentric[k]; });
+    for (int k = 0; k < 3; ++k) {
+      const int corner = order[static_cast<size_t>(k)];
+      if (!(at.barycentric[corner] > 0)) continue;
+      result.contacts(k, v) = contact_mesh.triangles(corner, at.triangle);
+      result.weights(k, v) = at.barycentric[corner];
+    }
+  }
+  return result;
+}
+
+}  // namespace palpate::geometry

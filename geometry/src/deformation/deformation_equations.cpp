@@ -1,0 +1,225 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "deformation/deformation_equations.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <numeric>
+#include <utility>
+
+#include "base/cross_matrix.h"
+#include "palpate/error.h"
+
+// The unknowns of a node are a turn about its own place, times the spacing of the nodes, and a
+// shift: six lengths, so that the unit of length drops out of the matrix.
+
+namespace palpate::geometry {
+namespace {
+
+constexpr int kInfluences = DeformationGraph::kInfluences;
+constexpr int kUnknowns = 6;
+constexpr int kPairs = kInfluences * (kInfluences - 1) / 2;
+
+/// Sums are made in so many parts whatever the number of threads, and added in order.
+constexpr std::size_t kParts = 8;
+
+/// A node is held where it was by this fraction of the stiffness: what neither data nor neighbours
+/// hold (a sheet that slides in itself, a piece that is not seen) stays.
+constexpr double kAnchor = 0.005;
+
+/// Turns and shifts of a step are damped by this fraction of the weight of the data, so that the
+/// equations can be solved: nothing else holds the turn of a node that is alone and not seen.
+constexpr double kDamping = 1e-5;
+
+}  // namespace
+
+DeformationEquations::DeformationEquations(const DeformationGraph& graph, std::vector<int> samples)
+    : graph_(graph), samples_(std::move(samples)) {
+  const Eigen::Matrix2Xi& edges = graph.edges();
+  const auto nodes = static_cast<std::size_t>(graph.nodes().cols());
+  first_edge_.assign(nodes + 1, 0);
+  for (const int a : edges.row(0)) ++first_edge_[static_cast<std::size_t>(a) + 1];
+  std::partial_sum(first_edge_.begin(), first_edge_.end(), first_edge_.begin());
+
+  const auto edge_of = [&](int a, int b) {
+    const auto first = first_edge_[static_cast<std::size_t>(a)];
+    const auto end = first_edge_[static_cast<std::size_t>(a) + 1];
+    for (int e = first; e < end; ++e) {
+      if (edges(1, e) == b) return e;
+    }
+    return -1;  // one of them has no weight
+  };
+  pair_blocks_.reserve(samples_.size() * kPairs);
+  for (const int v : samples_) {
+    for (int i = 0; i < kInfluences; ++i) {
+      for (int j = i + 1; j < kInfluences; ++j) {
+        const int edge = edge_of(graph.influences()(i, v), graph.influences()(j, v));
+        pair_blocks_.push_back(edge < 0 ? -1 : static_cast<int>(nodes) + edge);
+      }
+    }
+  }
+
+  std::vector<Eigen::Triplet<double>> pattern;
+  const auto add_block = [&](int row, int col) {
+    for (int c = 0; c < kUnknowns; ++c) {
+      for (int r = row == col ? c : 0; r < kUnknowns; ++r) {
+        pattern.emplace_back(kUnknowns * row + r, kUnknowns * col + c, 1.0);
+      }
+    }
+  };
+  for (int a = 0; a < static_cast<int>(nodes); ++a) add_block(a, a);
+  for (const auto& edge : edges.colwise()) add_block(edge[1], edge[0]);
+  const auto size = static_cast<Eigen::Index>(kUnknowns * nodes);
+  matrix_.resize(size, size);
+  matrix_.setFromTriplets(pattern.begin(), pattern.end());
+  solver_.analyzePattern(matrix_);
+}
+
+DeformationEquations::Sums DeformationEquations::sum_of_planes(
+    std::span<const PlanePair> pairs, const std::vector<Eigen::Isometry3d>& motions) const {
+  const auto nodes = static_cast<std::size_t>(graph_.nodes().cols());
+  const std::size_t block_count = nodes + static_cast<std::size_t>(graph_.edges().cols());
+  std::vector<Sums> parts(kParts);
+  tbb::parallel_for(std::size_t{0}, kParts, [&](std::size_t part) {
+    Sums& sums = parts[part];
+    sums.blocks.assign(block_count, Matrix6d::Zero());
+    sums.gradient = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(kUnknowns * nodes));
+    for (std::size_t s = part * pairs.size() / kParts; s < (part + 1) * pairs.size() / kParts;
+         ++s) {
+      const PlanePair& pair = pairs[s];
+      if (!(pair.weight > 0)) continue;
+      const int v = samples_[s];
+      std::array<Vector6d, kInfluences> row;  // derivative of the distance by each node's unknowns
+      for (int k = 0; k < kInfluences; ++k) {
+        const int node = graph_.influences()(k, v);
+        const Eigen::Isometry3d& motion = motions[static_cast<std::size_t>(node)];
+        const Eigen::Vector3d arm =
+            motion.linear() * (graph_.mesh().vertices.col(v) - graph_.nodes().col(node));
+        row[static_cast<std::size_t>(k)] << arm.cross(pair.normal) / graph_.spacing(), pair.normal;
+        row[static_cast<std::size_t>(k)] *= graph_.weights()(k, v);
+      }
+      const int* block = &pair_blocks_[s * kPairs];
+      for (int i = 0; i < kInfluences; ++i) {
+        const Vector6d weighted = pair.weight * row[static_cast<std::size_t>(i)];
+        const auto node = static_cast<std::size_t>(graph_.influences()(i, v));
+        sums.blocks[node].noalias() += weighted * row[static_cast<std::size_t>(i)].transpose();
+        sums.gradient.segment<kUnknowns>(static_cast<Eigen::Index>(kUnknowns * node)) +=
+            pair.distance * weighted;
+        for (int j = i + 1; j < kInfluences; ++j) {
+          const int at = *block++;
+          if (at < 0) continue;
+          sums.blocks[static_cast<std::size_t>(at)].noalias() +=
+              row[static_cast<std::size_t>(j)] * weighted.transpose();
+        }
+      }
+    }
+  });
+  Sums total = std::move(parts[0]);
+  for (std::size_t part = 1; part < kParts; ++part) {
+    for (std::size_t b = 0; b < block_count; ++b) total.blocks[b] += parts[part].blocks[b];
+    total.gradient += parts[part].gradient;
+  }
+  // All samples together weigh as much as there are nodes.
+  const double scale = static_cast<double>(nodes) / static_cast<double>(pairs.size());
+  for (Matrix6d& block : total.blocks) block *= scale;
+  total.gradient *= scale;
+  return total;
+}
+
+/// |R_j (g_k - g_j) - (g'_k - g'_j)|^2 of both ends of each edge.
+void DeformationEquations::add_stiffness(double stiffness,
+                                         const std::vector<Eigen::Isometry3d>& motions,
+                                         Sums& sums) const {
+  const auto nodes = static_cast<std::size_t>(graph_.nodes().cols());
+  const Eigen::Matrix3d identity = Eigen::Matrix3d::Identity();
+  for (Eigen::Index e = 0; e < graph_.edges().cols(); ++e) {
+    const int low = graph_.edges()(0, e);
+    const int high = graph_.edges()(1, e);
+    Matrix6d& coupling = sums.blocks[nodes + static_cast<std::size_t>(e)];
+    for (const auto& [j, k] : {std::pair(low, high), std::pair(high, low)}) {
+      const Eigen::Isometry3d& motion = motions[static_cast<std::size_t>(j)];
+      const Eigen::Vector3d g_j = motion * graph_.nodes().col(j);
+      const Eigen::Vector3d g_k = motions[static_cast<std::size_t>(k)] * graph_.nodes().col(k);
+      const Eigen::Vector3d arm = motion.linear() * (graph_.nodes().col(k) - graph_.nodes().col(j));
+      const Eigen::Vector3d error = arm - (g_k - g_j);
+      Eigen::Matrix<double, 3, kUnknowns> of_j;
+      of_j << -cross_matrix(arm) / graph_.spacing(), identity;
+      sums.blocks[static_cast<std::size_t>(j)] += stiffness * of_j.transpose() * of_j;
+      sums.blocks[static_cast<std::size_t>(k)].bottomRightCorner<3, 3>() += stiffness * identity;
+      // The shift of k has the derivative -I.
+      if (j == low) {
+        coupling.bottomRows<3>() -= stiffness * of_j;
+      } else {
+        coupling.rightCols<3>() -= stiffness * of_j.transpose();
+      }
+      sums.gradient.segment<kUnknowns>(kUnknowns * j) += stiffness * of_j.transpose() * error;
+      sums.gradient.segment<3>(kUnknowns * k + 3) -= stiffness * error;
+    }
+  }
+}
+
+void DeformationEquations::add_anchors(double weight, const Eigen::Matrix3Xd& anchors,
+                                       const std::vector<Eigen::Isometry3d>& motions,
+                                       Sums& sums) const {
+  for (Eigen::Index node = 0; node < anchors.cols(); ++node) {
+    const auto i = static_cast<std::size_t>(node);
+    sums.blocks[i].bottomRightCorner<3, 3>().diagonal().array() += weight;
+    sums.gradient.segment<3>(kUnknowns * node + 3) +=
+        weight * (motions[i] * graph_.nodes().col(node) - anchors.col(node));
+  }
+}
+
+/// The columns of a node hold its diagonal block and those of its edges to higher nodes, ascending.
+void DeformationEquations::fill_matrix(const Sums& sums) {
+  const auto nodes = static_cast<std::size_t>(graph_.nodes().cols());
+  double* value = matrix_.valuePtr();
+  for (std::size_t a = 0; a < nodes; ++a) {
+    for (int c = 0; c < kUnknowns; ++c) {
+      for (int r = c; r < kUnknowns; ++r) {
+        *value++ = sums.blocks[a](r, c) + (r == c ? kDamping : 0);
+      }
+      for (int e = first_edge_[a]; e < first_edge_[a + 1]; ++e) {
+        const Matrix6d& block = sums.blocks[nodes + static_cast<std::size_t>(e)];
+        value = std::copy_n(block.col(c).data(), kUnknowns, value);
+      }
+    }
+  }
+}
+
+double DeformationEquations::step(std::span<const PlanePair> pairs, double stiffness,
+                                  const Eigen::Matrix3Xd& anchors,
+                                  std::vector<Eigen::Isometry3d>& motions) {
+  Sums sums = sum_of_planes(pairs, motions);
+  add_stiffness(stiffness, motions, sums);
+  add_anchors(kAnchor * stiffness, anchors, motions, sums);
+  fill_matrix(sums);
+  solver_.factorize(matrix_);
+  const Eigen::VectorXd moves = solver_.solve(-sums.gradient);
+  if (solver_.info() != Eigen::Success || !moves.allFinite()) {
+    throw SolverError(
+        "register_deformed: the equations of a step cannot be solved; raise the "
+        "stiffness");
+  }
+  double sum_of_squares = 0;
+  for (Eigen::Index node = 0; node < graph_.nodes().cols(); ++node) {
+    const Eigen::Vector3d turn = moves.segment<3>(kUnknowns * node) / graph_.spacing();
+    const Eigen::Vector3d shift = moves.segment<3>(kUnknowns * node + 3);
+    Eigen::Isometry3d& motion = motions[static_cast<std::size_t>(node)];
+    const Eigen::Vector3d place = motion * graph_.nodes().col(node);
+    const double angle = turn.norm();
+    if (angle > 0) {
+      const Eigen::Quaterniond turned =
+          Eigen::AngleAxisd(angle, turn / angle) * Eigen::Quaterniond(motion.linear());
+      motion.linear() = turned.normalized().toRotationMatrix();
+    }
+    motion.translation() = place + shift - motion.linear() * graph_.nodes().col(node);
+    sum_of_squares += shift.squaredNorm() + std::pow(angle * graph_.spacing(), 2);
+  }
+  return std::sqrt(sum_of_squares / static_cast<double>(graph_.nodes().cols()));
+}
+
+}  // namespace palpate::geometry

@@ -1,0 +1,318 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/geometry/nonrigid_registration.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <numbers>
+#include <string>
+
+#include "deformation/deformation_equations.h"
+#include "deformation/measured_surface.h"
+#include "palpate/error.h"
+
+namespace palpate::geometry {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr int kInfluences = DeformationGraph::kInfluences;
+
+/// About so many vertices a node are drawn to the map: more change the result by less than the
+/// noise of a sensor, and cost time.
+constexpr std::size_t kSamplesPerNode = 60;
+
+/// Below six pairs not even a rigid motion is determined.
+constexpr int kMinPairs = 6;
+
+/// From the start, the stiffness falls and the gate narrows in so many steps of equal ratio.
+constexpr int kLevels = 6;
+/// Where a surface that comes from a frame before starts.
+constexpr int kFirstTrackedLevel = 3;
+/// Stiffness at the start, relative to that at the end: the surface then moves almost rigidly.
+constexpr double kStiffStart = 1000;
+/// A level has done its work when the nodes move by at most this fraction of their spacing (rms),
+/// or after so many steps.
+constexpr double kLevelSettled = 0.02;
+constexpr int kMaxStepsOfLevel = 4;
+/// The same at the end: below it the moves are those of pixels that change, not of the surface.
+constexpr double kSettled = 1e-3;
+
+/// What limits the correspondences of one iteration.
+struct Gate {
+  double distance;    ///< [mm]
+  double min_cosine;  ///< of the angle between the normals
+};
+
+struct Association {
+  VertexSight sight = VertexSight::outside;
+  int pixel = -1;
+  MeasuredPlane plane;
+  PlanePair pair{.normal = Eigen::Vector3d::Zero(), .distance = 0, .weight = 0};
+};
+
+Association associate(const MeasuredSurface& surface, const Eigen::Vector3d& vertex,
+                      const Eigen::Vector3d& normal, const Gate& gate, int pixel_before = -1) {
+  Association found;
+  const int pixel = surface.pixel_of(vertex, pixel_before);
+  if (pixel < 0) return found;
+  if (normal.dot(vertex) >= 0) {
+    found.sight = VertexSight::turned_away;
+    return found;
+  }
+  found.plane = surface.at(pixel);
+  if (std::isnan(found.plane.point.z())) {
+    found.sight = VertexSight::hole;
+    return found;
+  }
+  const bool has_normal = !std::isnan(found.plane.normal.x());
+  const double distance = has_normal ? found.plane.normal.dot(vertex - found.plane.point)
+                                     : found.plane.point.z() - vertex.z();
+  if (std::abs(distance) >= gate.distance) {
+    found.sight = distance < 0 ? VertexSight::occluded : VertexSight::unmatched;
+  } else if (!has_normal) {
+    found.sight = VertexSight::hole;
+  } else if (!(found.plane.normal.dot(normal) >= gate.min_cosine)) {
+    found.sight = VertexSight::unmatched;
+  } else {
+    found.sight = VertexSight::seen;
+    found.pixel = pixel;
+    // Tukey's biweight: its influence falls to zero at the gate.
+    const double fraction = distance / gate.distance;
+    const double root = 1 - fraction * fraction;
+    found.pair = {found.plane.normal, distance, root * root};
+  }
+  return found;
+}
+
+struct PlacedVertex {
+  Eigen::Vector3d position;
+  Eigen::Vector3d normal;  ///< unit, but for a vertex without one: NaN
+};
+
+PlacedVertex place(const DeformationGraph& graph, const std::vector<Eigen::Isometry3d>& motions,
+                   int vertex) {
+  const Eigen::Vector3d rest = graph.mesh().vertices.col(vertex);
+  const Eigen::Vector3d rest_normal = graph.normals().col(vertex);
+  PlacedVertex placed{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+  for (int k = 0; k < kInfluences; ++k) {
+    const double weight = graph.weights()(k, vertex);
+    const Eigen::Isometry3d& motion =
+        motions[static_cast<std::size_t>(graph.influences()(k, vertex))];
+    placed.position += weight * (motion * rest);
+    placed.normal += weight * (motion.linear() * rest_normal);
+  }
+  placed.normal.normalize();
+  return placed;
+}
+
+/// About kSamplesPerNode vertices a node that have a normal, evenly but not on a grid: a regular
+/// choice from a range map would be columns of it.
+std::vector<int> choose_samples(const DeformationGraph& graph) {
+  const auto count = static_cast<std::size_t>(graph.mesh().vertices.cols());
+  const std::size_t wanted = kSamplesPerNode * static_cast<std::size_t>(graph.nodes().cols());
+  const double golden = std::numbers::phi - 1;
+  const double fraction = static_cast<double>(wanted) / static_cast<double>(count);
+  std::vector<int> samples;
+  for (std::size_t v = 0; v < count; ++v) {
+    // Multiples of the golden section modulo 1 fill [0, 1) evenly.
+    const double place = static_cast<double>(v) * golden;
+    if (place - std::floor(place) >= fraction) continue;
+    if (graph.normals().col(static_cast<Eigen::Index>(v)).allFinite()) {
+      samples.push_back(static_cast<int>(v));
+    }
+  }
+  return samples;
+}
+
+/// Stiffness and gate of level 0 (stiff, wide) to kLevels - 1.
+double between(double start, double end, int level) {
+  return start * std::pow(end / start, static_cast<double>(level) / (kLevels - 1));
+}
+
+void check_options(const NonRigidOptions& options) {
+  const auto refuse = [](const char* name, auto value, const char* right) {
+    throw InvalidInput("register_deformed: " + std::string(name) + " is " + std::to_string(value) +
+                       "; it must be " + right);
+  };
+  if (options.max_iterations < 1) refuse("max_iterations", options.max_iterations, ">= 1");
+  if (!(options.max_correspondence > 0 && std::isfinite(options.max_correspondence))) {
+    refuse("max_correspondence", options.max_correspondence, "> 0, of the mesh's diagonal");
+  }
+  if (!(options.min_correspondence > 0 &&
+        options.min_correspondence <= options.max_correspondence)) {
+    refuse("min_correspondence", options.min_correspondence, "> 0 and at most max_correspondence");
+  }
+  if (!(options.max_normal_angle > 0 && options.max_normal_angle < std::numbers::pi / 2)) {
+    refuse("max_normal_angle", options.max_normal_angle, "> 0 and < pi/2 rad");
+  }
+  if (!(options.stiffness > 0 && std::isfinite(options.stiffness))) {
+    refuse("stiffness", options.stiffness, "> 0");
+  }
+  if (!(options.min_matched >= 0 && options.min_matched <= 1)) {
+    refuse("min_matched", options.min_matched, "in [0, 1]");
+  }
+}
+
+std::vector<Eigen::Isometry3d> check_start(const DeformationGraph& graph,
+                                           std::span<const Eigen::Isometry3d> start) {
+  const auto nodes = static_cast<std::size_t>(graph.nodes().cols());
+  if (start.empty()) return std::vector(nodes, Eigen::Isometry3d::Identity());
+  if (start.size() != nodes) {
+    throw InvalidInput("register_deformed: the start has " + std::to_string(start.size()) +
+                       " node motions, the graph has " + std::to_string(nodes) +
+                       " nodes; pass those of a result of the same graph");
+  }
+  for (std::size_t i = 0; i < start.size(); ++i) {
+    if (!start[i].matrix().allFinite()) {
+      throw InvalidInput("register_deformed: motion " + std::to_string(i) +
+                         " of the start is not finite; pass those of a result");
+    }
+  }
+  return {start.begin(), start.end()};
+}
+
+class Fit {
+ public:
+  Fit(const DeformationGraph& graph, const RangeMap& map, const NonRigidOptions& options,
+      std::vector<Eigen::Isometry3d> start)
+      : graph_(graph),
+        options_(options),
+        diagonal_(bounding_diagonal(graph.mesh())),
+        surface_(map),
+        equations_(graph, choose_samples(graph)) {
+    result_.node_motions = std::move(start);
+  }
+
+  DeformedSurface run(bool is_tracked) {
+    iterate(is_tracked);
+    look_at_all_vertices();
+    return std::move(result_);
+  }
+
+ private:
+  [[nodiscard]] Gate gate(int level) const {
+    return {diagonal_ * between(options_.max_correspondence, options_.min_correspondence, level),
+            std::cos(options_.max_normal_angle)};
+  }
+
+  void iterate(bool is_tracked) {
+    int level = is_tracked ? kFirstTrackedLevel : 0;
+    int steps_of_level = 0;
+    std::vector<PlanePair> pairs(equations_.samples().size());
+    std::vector<int> pixels(pairs.size(), -1);
+    Eigen::Matrix3Xd anchors = places_of_nodes();
+    while (result_.iterations < options_.max_iterations) {
+      if (draw(gate(level), pixels, pairs) < kMinPairs) {
+        result_.stop = NonRigidStop::no_overlap;
+        return;
+      }
+      // A surface that comes from a frame before has moved already: stiffness would take it back.
+      const double stiffness =
+          options_.stiffness * (is_tracked ? 1 : between(kStiffStart, 1, level));
+      const double move = equations_.step(pairs, stiffness, anchors, result_.node_motions);
+      ++result_.iterations;
+      ++steps_of_level;
+      if (level + 1 < kLevels) {
+        if (move <= kLevelSettled * graph_.spacing() || steps_of_level >= kMaxStepsOfLevel) {
+          ++level;
+          steps_of_level = 0;
+          // From level to level, so that they slow the surface down but do not hold it back.
+          anchors = places_of_nodes();
+          // Pixels that were kept on the way lag behind.
+          std::ranges::fill(pixels, -1);
+        }
+      } else if (move <= kSettled * graph_.spacing()) {
+        result_.stop = NonRigidStop::converged;
+        return;
+      }
+    }
+  }
+
+  [[nodiscard]] Eigen::Matrix3Xd places_of_nodes() const {
+    Eigen::Matrix3Xd places = graph_.nodes();
+    for (Eigen::Index i = 0; i < places.cols(); ++i) {
+      places.col(i) = result_.node_motions[static_cast<std::size_t>(i)] * places.col(i);
+    }
+    return places;
+  }
+
+  /// Pairs the samples with the map; returns how many found a plane.
+  /// Pixels are kept while they can be: noise that jumps from pixel to pixel would never settle.
+  long draw(const Gate& limit, std::vector<int>& pixels, std::vector<PlanePair>& pairs) const {
+    tbb::parallel_for(std::size_t{0}, pairs.size(), [&](std::size_t s) {
+      const PlacedVertex placed = place(graph_, result_.node_motions, equations_.samples()[s]);
+      const Association found =
+          associate(surface_, placed.position, placed.normal, limit, pixels[s]);
+      pixels[s] = found.pixel;
+      pairs[s] = found.pair;
+    });
+    return std::ranges::count_if(pairs, [](const PlanePair& pair) { return pair.weight > 0; });
+  }
+
+  void look_at_all_vertices() {
+    const Eigen::Index count = graph_.mesh().vertices.cols();
+    result_.vertices.resize(3, count);
+    result_.measured.setConstant(3, count, kNan);
+    result_.confidence.setZero(count);
+    result_.sight.resize(static_cast<std::size_t>(count));
+    result_.pixel.resize(static_cast<std::size_t>(count));
+    const Gate last = gate(kLevels - 1);
+    Eigen::VectorXd distance = Eigen::VectorXd::Zero(count);
+    tbb::parallel_for(0, static_cast<int>(count), [&](int v) {
+      const PlacedVertex placed = place(graph_, result_.node_motions, v);
+      const Association found = associate(surface_, placed.position, placed.normal, last);
+      result_.vertices.col(v) = placed.position;
+      result_.sight[static_cast<std::size_t>(v)] = found.sight;
+      result_.pixel[static_cast<std::size_t>(v)] = found.pixel;
+      if (found.sight != VertexSight::seen) return;
+      result_.confidence[v] = found.pair.weight;
+      distance[v] = found.pair.distance;
+      // Along the ray, by as much as it is off the plane.
+      const double per_depth = found.plane.normal.dot(placed.position);
+      result_.measured.col(v) = placed.position * (1 - found.pair.distance / per_depth);
+    });
+    const auto with = [&](VertexSight sight) {
+      return static_cast<double>(std::ranges::count(result_.sight, sight));
+    };
+    const double seen = with(VertexSight::seen);
+    const double measured = seen + with(VertexSight::occluded) + with(VertexSight::unmatched);
+    result_.rms = std::sqrt(distance.squaredNorm() / seen);
+    result_.matched = measured > 0 ? seen / measured : 0;
+    if (result_.stop == NonRigidStop::converged && result_.matched < options_.min_matched) {
+      result_.stop = NonRigidStop::poor_match;
+    }
+  }
+
+  const DeformationGraph& graph_;
+  const NonRigidOptions& options_;
+  double diagonal_;  ///< [mm]
+  MeasuredSurface surface_;
+  DeformationEquations equations_;
+  DeformedSurface result_;
+};
+
+}  // namespace
+
+DeformedSurface register_deformed(const DeformationGraph& graph, const RangeMap& map,
+                                  const NonRigidOptions& options,
+                                  std::span<const Eigen::Isometry3d> start) {
+  check_options(options);
+  Fit fit(graph, map, options, check_start(graph, start));
+  return fit.run(!start.empty());
+}
+
+std::vector<DeformedSurface> register_deformed_frames(const DeformationGraph& graph,
+                                                      std::span<const RangeMap> maps,
+                                                      const NonRigidOptions& options) {
+  std::vector<DeformedSurface> surfaces(maps.size());
+  tbb::parallel_for(std::size_t{0}, maps.size(), [&](std::size_t i) {
+    surfaces[i] = register_deformed(graph, maps[i], options);
+  });
+  return surfaces;
+}
+
+}  // namespace palpate::geometry

@@ -1,0 +1,105 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "files/assimp_scene.h"
+
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+
+#include <array>
+#include <assimp/Importer.hpp>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+#include "base/input_file.h"
+#include "palpate/error.h"
+#include "palpate/file_names.h"
+
+namespace palpate::geometry {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kMetre = 1000;  // [mm]
+
+/// What a scene's parts become, one after the other.
+struct Scene {
+  PolygonMesh mesh;
+  std::array<std::vector<float>, 3> normals;
+  std::array<std::vector<float>, 4> colors;
+};
+
+void append_vertices(const aiMesh& part, const aiMatrix4x4& transform, Scene& scene) {
+  // Normals stay at right angles to a surface that is stretched under the inverse transpose.
+  aiMatrix3x3 of_normals(transform);
+  of_normals.Inverse().Transpose();
+  for (unsigned i = 0; i < part.mNumVertices; ++i) {
+    const aiVector3D vertex = transform * part.mVertices[i];
+    scene.mesh.vertices.emplace_back(vertex.x, vertex.y, vertex.z);
+    if (part.HasNormals()) {
+      aiVector3D normal = of_normals * part.mNormals[i];
+      normal.NormalizeSafe();
+      for (unsigned axis = 0; axis < 3; ++axis) scene.normals[axis].push_back(normal[axis]);
+    }
+    if (part.HasVertexColors(0))
+      for (unsigned channel = 0; channel < 4; ++channel)
+        scene.colors[channel].push_back(part.mColors[0][i][channel]);
+  }
+}
+
+void append_part(const aiMesh& part, const aiMatrix4x4& transform, Scene& scene) {
+  PolygonMesh& mesh = scene.mesh;
+  const auto first = static_cast<std::int64_t>(mesh.vertices.size());
+  append_vertices(part, transform, scene);
+  const bool mirrored = transform.Determinant() < 0;
+  for (unsigned i = 0; i < part.mNumFaces; ++i) {
+    const aiFace& face = part.mFaces[i];
+    if (face.mNumIndices < 3) continue;  // points and lines
+    for (unsigned corner = 0; corner < face.mNumIndices; ++corner)
+      mesh.corners.push_back(
+          first + std::int64_t{face.mIndices[mirrored ? face.mNumIndices - 1 - corner : corner]});
+    mesh.sizes.push_back(static_cast<int>(face.mNumIndices));
+  }
+}
+
+void append_node(const aiScene& whole, const aiNode& node, const aiMatrix4x4& parent,
+                 Scene& scene) {
+  const aiMatrix4x4 transform = parent * node.mTransformation;
+  for (unsigned i = 0; i < node.mNumMeshes; ++i)
+    append_part(*whole.mMeshes[node.mMeshes[i]], transform, scene);
+  for (unsigned i = 0; i < node.mNumChildren; ++i)
+    append_node(whole, *node.mChildren[i], transform, scene);
+}
+
+/// Keeps columns that have a value for every vertex.
+template <std::size_t N>
+void take_columns(const std::array<const char*, N>& names,
+                  std::array<std::vector<float>, N>& columns, PolygonMesh& mesh) {
+  for (std::size_t i = 0; i < N; ++i)
+    if (!columns[i].empty() && columns[i].size() == mesh.vertices.size())
+      mesh.vertex_attributes.push_back({names[i], std::move(columns[i]), {}});
+}
+
+}  // namespace
+
+PolygonMesh read_assimp_scene(const fs::path& path) {
+  static_cast<void>(read_input_file(path));  // for its clear messages
+  Assimp::Importer importer;
+  if (!importer.IsExtensionSupported(path.extension().string()))
+    throw FileError(path.string() + ": the ending \"" + path.extension().string() +
+                    "\" is not that of a mesh; .ply, .obj, .stl, .off or .glb is");
+  // Validation first: assimp's other steps trust the indices in the file.
+  const aiScene* whole = importer.ReadFile(path.string(), aiProcess_ValidateDataStructure);
+  if (whole == nullptr)
+    throw FileError(path.string() + ": is damaged or truncated: " + importer.GetErrorString());
+  Scene scene;
+  append_node(*whole, *whole->mRootNode, aiMatrix4x4(), scene);
+  take_columns<3>({"nx", "ny", "nz"}, scene.normals, scene.mesh);
+  take_columns<4>({"red", "green", "blue", "alpha"}, scene.colors, scene.mesh);
+  const std::string extension = lower_extension(path);
+  if (extension == ".gltf" || extension == ".glb") scene.mesh.unit = kMetre;
+  join_corners(scene.mesh);
+  return std::move(scene.mesh);
+}
+
+}  // namespace palpate::geometry

@@ -1,0 +1,198 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/geometry/mesh_io.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <ostream>
+#include <string>
+#include <utility>
+
+#include "base/input_file.h"
+#include "files/assimp_scene.h"
+#include "files/file_unit.h"
+#include "files/obj.h"
+#include "files/off.h"
+#include "files/pcd.h"
+#include "files/ply.h"
+#include "files/polygon_mesh.h"
+#include "files/stl.h"
+#include "palpate/error.h"
+#include "palpate/file_names.h"
+#include "palpate/output_file.h"
+
+namespace palpate::geometry {
+namespace {
+
+namespace fs = std::filesystem;
+
+PolygonMesh read_polygons(const fs::path& path) {
+  const std::string extension = lower_extension(path);
+  if (extension == ".ply") return read_ply(path);
+  if (extension == ".obj") return read_obj(path);
+  if (extension == ".off") return read_off(path);
+  if (extension == ".stl") return read_stl(path);
+  return read_assimp_scene(path);
+}
+
+/// Also 1 keeps every bit; a product that leaves the range of double is refused.
+void convert_to_mm(Eigen::Matrix3Xd& points, const FileUnit& unit, const std::string& file) {
+  for (Eigen::Index i = 0; i < points.cols(); ++i) {
+    const bool was_finite = points.col(i).allFinite();
+    points.col(i) *= unit.length;
+    if (was_finite && !points.col(i).allFinite())
+      throw FileError(file + ": vertex " + std::to_string(i) + " times " +
+                      std::to_string(unit.length) + " mm is beyond the range of numbers");
+  }
+}
+
+[[noreturn]] void refuse_ending(const fs::path& path, const char* what, const char* endings) {
+  throw InvalidInput(path.string() + ": " + what + " is written as " + endings + ", not as \"" +
+                     path.extension().string() + "\"");
+}
+
+void check_encoding(const fs::path& path, const WriteOptions& options) {
+  const std::string extension = lower_extension(path);
+  if (options.encoding == Encoding::binary_big_endian && extension != ".ply" && extension != ".obj")
+    throw InvalidInput(path.string() + ": only PLY can have its most significant byte first");
+}
+
+/// NaN and infinity are in the range of float too.
+bool fits_float(double number) {
+  return !(std::isfinite(number) && std::abs(number) > double{std::numeric_limits<float>::max()});
+}
+
+void check_float_range(const Eigen::Matrix3Xd& points, const std::string& file) {
+  for (Eigen::Index i = 0; i < points.cols(); ++i)
+    if (!points.col(i).unaryExpr(&fits_float).all())
+      throw InvalidInput(file + ": vertex " + std::to_string(i) +
+                         " is beyond the range of float; write float64, or STL as text");
+}
+
+void round_to_float(Attributes& attributes, const std::string& file) {
+  for (Attribute& attribute : attributes) {
+    const auto* numbers = std::get_if<std::vector<double>>(&attribute.values);
+    if (numbers == nullptr) continue;
+    if (!std::all_of(numbers->begin(), numbers->end(), fits_float))
+      throw InvalidInput(file + ": attribute \"" + attribute.name +
+                         "\" holds a number beyond the range of float; write float64");
+    attribute.values = std::vector<float>(numbers->begin(), numbers->end());
+  }
+}
+
+void write_checked(const fs::path& path, const MeshFile& file, const WriteOptions& options) {
+  const std::string extension = lower_extension(path);
+  const std::string name = path.string();
+  write_file(path, [&](std::ostream& stream) {
+    if (extension == ".ply")
+      write_ply(stream, file, options, name.c_str());
+    else if (extension == ".obj")
+      write_obj(stream, file);
+    else
+      write_stl(stream, file.mesh, options.encoding);
+  });
+}
+
+}  // namespace
+
+MeshFile read_mesh_file(const fs::path& path, const ReadOptions& options) {
+  check_options(options);
+  if (lower_extension(path) == ".pcd")
+    throw FileError(path.string() + ": holds points without a surface; a mesh is needed");
+  PolygonMesh polygons = read_polygons(path);
+  std::vector<std::string> comments = std::move(polygons.comments);
+  const FileUnit unit = take_unit(options, polygons.unit, comments);
+  MeshFile file = triangulate(std::move(polygons), path.string(), options.keep_defects);
+  file.comments = std::move(comments);
+  file.unit = unit;
+  convert_to_mm(file.mesh.vertices, unit, path.string());
+  return file;
+}
+
+TriangleMesh read_mesh(const fs::path& path, const ReadOptions& options) {
+  return read_mesh_file(path, options).mesh;
+}
+
+PointCloud read_point_cloud(const fs::path& path, const ReadOptions& options) {
+  check_options(options);
+  PointCloud cloud;
+  std::optional<double> declared;
+  if (lower_extension(path) == ".pcd") {
+    cloud = read_pcd(path);
+  } else {
+    PolygonMesh mesh = read_polygons(path);
+    if (mesh.vertices.empty()) throw FileError(path.string() + ": holds no points");
+    cloud.points = vertex_matrix(mesh);
+    cloud.width = cloud.points.cols();
+    cloud.attributes = std::move(mesh.vertex_attributes);
+    cloud.comments = std::move(mesh.comments);
+    declared = mesh.unit;
+  }
+  cloud.unit = take_unit(options, declared, cloud.comments);
+  convert_to_mm(cloud.points, cloud.unit, path.string());
+  return cloud;
+}
+
+Eigen::Matrix3Xd read_points(const fs::path& path, const ReadOptions& options) {
+  return read_point_cloud(path, options).points;
+}
+
+void write_mesh_file(const fs::path& path, const MeshFile& file, const WriteOptions& options) {
+  const std::string extension = lower_extension(path);
+  if (extension != ".ply" && extension != ".obj" && extension != ".stl")
+    refuse_ending(path, "a mesh", ".ply, .obj or .stl");
+  check_encoding(path, options);
+  const std::string name = path.string();
+  check_mesh(file.mesh, name.c_str());
+  check_attributes(file.vertex_attributes, file.mesh.vertices.cols(), name.c_str());
+  check_attributes(file.triangle_attributes, file.mesh.triangles.cols(), name.c_str());
+  check_comments(file.comments, name.c_str());
+  const bool as_float = extension == ".ply" && options.single_precision;
+  if (as_float || (extension == ".stl" && options.encoding == Encoding::binary))
+    check_float_range(file.mesh.vertices, name);
+  if (!as_float) return write_checked(path, file, options);
+  MeshFile rounded = file;
+  round_to_float(rounded.vertex_attributes, name);
+  round_to_float(rounded.triangle_attributes, name);
+  write_checked(path, rounded, options);
+}
+
+void write_mesh(const fs::path& path, const TriangleMesh& mesh, const WriteOptions& options) {
+  MeshFile file;
+  file.mesh = mesh;
+  write_mesh_file(path, file, options);
+}
+
+void write_point_cloud(const fs::path& path, const PointCloud& cloud, const WriteOptions& options) {
+  const std::string extension = lower_extension(path);
+  if (extension != ".ply" && extension != ".pcd")
+    refuse_ending(path, "a point cloud", ".pcd or .ply");
+  check_encoding(path, options);
+  const std::string name = path.string();
+  const Eigen::Index count = cloud.points.cols();
+  if (count == 0) throw InvalidInput(name + ": the cloud has no points; at least one is needed");
+  if (cloud.width < 1 || cloud.height < 1 || count % cloud.height != 0 ||
+      count / cloud.height != cloud.width)
+    throw InvalidInput(name + ": the cloud has " + std::to_string(count) +
+                       " points; width x height is " + std::to_string(cloud.width) + " x " +
+                       std::to_string(cloud.height));
+  check_attributes(cloud.attributes, count, name.c_str());
+  check_comments(cloud.comments, name.c_str());
+  PointCloud rounded = cloud;
+  if (options.single_precision) {
+    check_float_range(cloud.points, name);
+    round_to_float(rounded.attributes, name);
+  }
+  if (extension == ".ply") {
+    MeshFile file;
+    file.mesh.vertices = std::move(rounded.points);
+    file.vertex_attributes = std::move(rounded.attributes);
+    file.comments = std::move(rounded.comments);
+    return write_checked(path, file, options);
+  }
+  write_file(path,
+             [&](std::ostream& stream) { write_pcd(stream, rounded, options, name.c_str()); });
+}
+
+}  // namespace palpate::geometry

@@ -1,0 +1,237 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "files/polygon_mesh.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <limits>
+#include <span>
+#include <unordered_map>
+#include <variant>
+
+#include "palpate/error.h"
+
+namespace palpate::geometry {
+namespace {
+
+using Polygon = std::span<const std::int64_t>;
+
+/// Normal of a polygon that need not be plane or convex (Newell's method); its length is twice the
+/// area.
+Eigen::Vector3d polygon_normal(const PolygonMesh& mesh, const std::vector<int>& polygon) {
+  const Eigen::Vector3d& origin = mesh.vertices[static_cast<std::size_t>(polygon[0])];
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+  for (std::size_t i = 1; i + 1 < polygon.size(); ++i)
+    normal += (mesh.vertices[static_cast<std::size_t>(polygon[i])] - origin)
+                  .cross(mesh.vertices[static_cast<std::size_t>(polygon[i + 1])] - origin);
+  return normal;
+}
+
+/// Twice the area of the triangle as seen along `normal`; negative if it is clockwise.
+double turn(const PolygonMesh& mesh, const Eigen::Vector3d& normal,
+            const Eigen::Vector3i& triangle) {
+  const auto vertex = [&](int i) { return mesh.vertices[static_cast<std::size_t>(triangle[i])]; };
+  const Eigen::Vector3d a = vertex(0);
+  return (vertex(1) - a).cross(vertex(2) - a).dot(normal);
+}
+
+/// An ear is a convex corner whose triangle holds no other corner of the polygon.
+bool is_ear(const PolygonMesh& mesh, const Eigen::Vector3d& normal, const std::vector<int>& polygon,
+            const Eigen::Vector3i& triangle) {
+  if (!(turn(mesh, normal, triangle) > 0)) return false;
+  return std::none_of(polygon.begin(), polygon.end(), [&](int other) {
+    if ((triangle.array() == other).any()) return false;
+    for (int edge = 0; edge < 3; ++edge)
+      if (turn(mesh, normal, {triangle[edge], triangle[(edge + 1) % 3], other}) < 0) return false;
+    return true;
+  });
+}
+
+void clip_ears(const PolygonMesh& mesh, std::vector<int> polygon,
+               std::vector<Eigen::Vector3i>& triangles) {
+  const Eigen::Vector3d normal = polygon_normal(mesh, polygon);
+  // A clipped ear is followed by the next corner but one: a convex polygon then needs one round,
+  // and its triangles are less slender than those of a fan.
+  std::size_t corner = 0;
+  std::size_t refused = 0;
+  while (polygon.size() > 3) {
+    const std::size_t size = polygon.size();
+    corner %= size;
+    const Eigen::Vector3i triangle(polygon[corner], polygon[(corner + 1) % size],
+                                   polygon[(corner + 2) % size]);
+    // A polygon that crosses itself or has no area may have no ear; any corner will do then.
+    if (refused < size && !is_ear(mesh, normal, polygon, triangle)) {
+      ++corner;
+      ++refused;
+      continue;
+    }
+    triangles.push_back(triangle);
+    polygon.erase(polygon.begin() + static_cast<std::ptrdiff_t>((corner + 1) % size));
+    ++corner;
+    refused = 0;
+  }
+  triangles.emplace_back(polygon[0], polygon[1], polygon[2]);
+}
+
+void check_polygon(const PolygonMesh& mesh, const std::string& file, std::size_t face,
+                   Polygon corners) {
+  const std::string place = file + ": face " + std::to_string(face);
+  if (corners.size() < 3)
+    throw FileError(place + " has " + std::to_string(corners.size()) +
+                    " corners; at least 3 are needed");
+  for (std::size_t i = 0; i < corners.size(); ++i)
+    if (corners[i] < 0 || corners[i] >= static_cast<std::int64_t>(mesh.vertices.size()))
+      throw FileError(place + ", corner " + std::to_string(i) + ": there is no vertex " +
+                      std::to_string(corners[i]) + "; the file has " +
+                      std::to_string(mesh.vertices.size()) + ", counted from 0");
+}
+
+/// Triangles that show what is wrong with a polygon that cannot be cut into ears: a fan.
+void keep_broken(Polygon corners, std::vector<Eigen::Vector3i>& triangles) {
+  const auto corner = [&](std::size_t i) {
+    const std::int64_t index = corners[std::min(i, corners.size() - 1)];
+    return index == static_cast<int>(index) ? static_cast<int>(index) : -1;
+  };
+  for (std::size_t i = 1; i == 1 || i + 1 < corners.size(); ++i)
+    triangles.emplace_back(corner(0), corner(i), corner(i + 1));
+}
+
+bool names_vertices(const PolygonMesh& mesh, Polygon corners) {
+  return std::all_of(corners.begin(), corners.end(), [&](std::int64_t corner) {
+    return corner >= 0 && corner < static_cast<std::int64_t>(mesh.vertices.size());
+  });
+}
+
+void check_count(const PolygonMesh& mesh, const std::string& file) {
+  if (mesh.vertices.empty()) throw FileError(file + ": holds no vertices");
+  if (mesh.vertices.size() > static_cast<std::size_t>(std::numeric_limits<int>::max()))
+    throw FileError(file + ": holds " + std::to_string(mesh.vertices.size()) +
+                    " vertices; at most 2^31 - 1 can be used");
+}
+
+void check_finite(const PolygonMesh& mesh, const std::string& file) {
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
+    if (!mesh.vertices[i].allFinite())
+      throw FileError(file + ": vertex " + std::to_string(i) +
+                      " (counted from 0) is not finite; a mesh needs finite vertices");
+}
+
+bool uses_a_vertex_twice(const Eigen::Vector3i& triangle) {
+  return triangle[0] == triangle[1] || triangle[1] == triangle[2] || triangle[2] == triangle[0];
+}
+
+/// The attribute of elements `elements` of those that it is of.
+Attribute of_elements(const Attribute& attribute, const std::vector<std::size_t>& elements) {
+  const std::vector<int>& sizes = attribute.list_sizes;
+  std::vector<std::ptrdiff_t> first{0};  // number of each list
+  for (const int size : sizes) first.push_back(first.back() + size);
+  Attribute result{attribute.name, {}, {}};
+  for (const std::size_t element : elements)
+    if (!sizes.empty()) result.list_sizes.push_back(sizes[element]);
+  std::visit(
+      [&](const auto& numbers) {
+        std::decay_t<decltype(numbers)> chosen;
+        for (const std::size_t element : elements) {
+          if (sizes.empty()) {
+            chosen.push_back(numbers[element]);
+          } else {
+            chosen.insert(chosen.end(), numbers.begin() + first[element],
+                          numbers.begin() + first[element + 1]);
+          }
+        }
+        result.values = std::move(chosen);
+      },
+      attribute.values);
+  return result;
+}
+
+using Place = std::array<double, 3>;
+
+struct PlaceHash {
+  std::size_t operator()(const Place& place) const {
+    std::uint64_t hash = 0;
+    // + 0.0: the two zeros are equal and must hash alike. The multiplier is 2^64 / golden ratio.
+    for (const double x : place)
+      hash = (std::rotl(hash, 27) ^ std::bit_cast<std::uint64_t>(x + 0.0)) * 0x9e3779b97f4a7c15U;
+    return hash ^ (hash >> 32);
+  }
+};
+
+}  // namespace
+
+Eigen::Matrix3Xd vertex_matrix(const PolygonMesh& mesh) {
+  Eigen::Matrix3Xd vertices(3, static_cast<Eigen::Index>(mesh.vertices.size()));
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
+    vertices.col(static_cast<Eigen::Index>(i)) = mesh.vertices[i];
+  return vertices;
+}
+
+MeshFile triangulate(PolygonMesh mesh, const std::string& file, bool keep_defects) {
+  check_count(mesh, file);
+  if (!keep_defects) check_finite(mesh, file);
+  std::vector<Eigen::Vector3i> triangles;
+  triangles.reserve(mesh.sizes.size());
+  std::vector<std::size_t> face_of;  // of each triangle
+  face_of.reserve(mesh.sizes.size());
+  std::size_t first = 0;
+  for (std::size_t face = 0; face < mesh.sizes.size(); ++face) {
+    const Polygon corners(mesh.corners.data() + first, static_cast<std::size_t>(mesh.sizes[face]));
+    first += corners.size();
+    if (!keep_defects) check_polygon(mesh, file, face, corners);
+    if (corners.size() >= 3 && names_vertices(mesh, corners)) {
+      clip_ears(mesh, std::vector<int>(corners.begin(), corners.end()), triangles);
+    } else if (!corners.empty()) {
+      keep_broken(corners, triangles);
+    }
+    if (!keep_defects) {
+      const auto of_face = triangles.begin() + static_cast<std::ptrdiff_t>(face_of.size());
+      triangles.erase(std::remove_if(of_face, triangles.end(), uses_a_vertex_twice),
+                      triangles.end());
+    }
+    face_of.resize(triangles.size(), face);
+  }
+  if (triangles.empty())
+    throw FileError(file + ": holds " + std::to_string(mesh.vertices.size()) +
+                    " vertices but no triangle; a surface is needed");
+  MeshFile result;
+  result.mesh.vertices = vertex_matrix(mesh);
+  result.mesh.triangles.resize(3, static_cast<Eigen::Index>(triangles.size()));
+  for (std::size_t i = 0; i < triangles.size(); ++i)
+    result.mesh.triangles.col(static_cast<Eigen::Index>(i)) = triangles[i];
+  result.vertex_attributes = std::move(mesh.vertex_attributes);
+  result.triangle_attributes = std::move(mesh.face_attributes);
+  // As many triangles as faces are the faces, unless a face of none and one of two are among them.
+  if (triangles.size() != mesh.sizes.size() ||
+      std::adjacent_find(face_of.begin(), face_of.end()) != face_of.end())
+    for (Attribute& attribute : result.triangle_attributes)
+      attribute = of_elements(attribute, face_of);
+  return result;
+}
+
+void join_corners(PolygonMesh& mesh) {
+  if (mesh.vertices.size() != mesh.corners.size()) return;
+  std::unordered_map<Place, std::int64_t, PlaceHash> index_of;
+  index_of.reserve(mesh.vertices.size() / 4);  // a closed mesh has six corners at a vertex
+  std::vector<std::int64_t> joined;
+  joined.reserve(mesh.corners.size());
+  std::vector<Eigen::Vector3d> vertices;
+  for (const std::int64_t corner : mesh.corners) {
+    if (corner < 0 || corner >= static_cast<std::int64_t>(mesh.vertices.size())) return;
+    const Eigen::Vector3d& vertex = mesh.vertices[static_cast<std::size_t>(corner)];
+    // NaN equals nothing; the check that follows names the vertex.
+    if (!vertex.allFinite()) return;
+    const auto [place, is_new] = index_of.try_emplace({vertex.x(), vertex.y(), vertex.z()},
+                                                      static_cast<std::int64_t>(vertices.size()));
+    if (is_new) vertices.push_back(vertex);
+    joined.push_back(place->second);
+  }
+  if (vertices.size() == mesh.vertices.size()) return;  // no two are at one place
+  mesh.vertices = std::move(vertices);
+  mesh.corners = std::move(joined);
+  mesh.vertex_attributes.clear();
+}
+
+}  // namespace palpate::geometry

@@ -1,0 +1,33 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/geometry/geodesic_distance.h"
+
+#include <string>
+
+#include "geodesic/exact_geodesic_distance.h"
+#include "geodesic/fast_marching.h"
+#include "palpate/error.h"
+
+namespace palpate::geometry {
+
+GeodesicDistance geodesic_distance(const TriangleMesh& mesh, std::span<const SurfacePoint> sources,
+                                   const GeodesicOptions& options) {
+  if (!(options.stop_radius > 0)) {
+    throw InvalidInput("geodesic_distance: stop_radius is " + std::to_string(options.stop_radius) +
+                       " mm; it must be > 0");
+  }
+  check_mesh(mesh, "geodesic_distance");
+  if (sources.empty()) {
+    throw InvalidInput("geodesic_distance: there is no source; pass at least one");
+  }
+  for (size_t i = 0; i < sources.size(); ++i) {
+    const std::string what = "geodesic_distance: source " + std::to_string(i);
+    check_surface_point(mesh, sources[i], what.c_str());
+  }
+  if (options.method == GeodesicMethod::exact) {
+    return exact_geodesic_distance(mesh, sources, options.stop_radius);
+  }
+  return fast_marching_distance(mesh, sources, options.stop_radius);
+}
+
+}  // namespace palpate::geometry

@@ -1,0 +1,335 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/geometry/mesh_repair.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <span>
+#include <utility>
+
+#include "mesh/edge_table.h"
+#include "mesh/triangle_primitives.h"
+#include "palpate/error.h"
+
+namespace palpate::geometry {
+namespace {
+
+/// A round of flips can leave as many flat triangles as it found, other ones; after so many such
+/// rounds in a row what is left is folded onto itself.
+constexpr int kIdleRounds = 16;
+
+using Pair = std::pair<EdgeSide, EdgeSide>;
+
+class Repair {
+ public:
+  explicit Repair(const TriangleMesh& mesh)
+      : input_(mesh), triangles_(mesh.triangles), use_(count(mesh), true), place_(weld()) {}
+
+  RepairedMesh run() {
+    drop_broken_corners();
+    flip_flat();
+    drop_repeated();
+    const std::vector<Pair> pairs = pair_sides();
+    turn(pairs);
+    rebuild(pairs);
+    return std::move(result_);
+  }
+
+ private:
+  static size_t count(const TriangleMesh& mesh) {
+    return static_cast<size_t>(mesh.triangles.cols());
+  }
+
+  void drop(int t) {
+    use_[static_cast<size_t>(t)] = false;
+    ++result_.removed_triangles;
+  }
+
+  [[nodiscard]] Eigen::Vector3d at(int vertex) const { return input_.vertices.col(vertex); }
+
+  /// The first vertex at the same place; itself if it is not finite.
+  [[nodiscard]] std::vector<int> weld() const {
+    std::vector<int> order(static_cast<size_t>(input_.vertices.cols()));
+    std::iota(order.begin(), order.end(), 0);
+    std::vector<int> place = order;
+    std::erase_if(order, [&](int v) { return !at(v).allFinite(); });
+    const auto key = [&](int v) { return std::array{at(v).x(), at(v).y(), at(v).z()}; };
+    std::sort(order.begin(), order.end(),
+              [&](int a, int b) { return std::pair(key(a), a) < std::pair(key(b), b); });
+    for (size_t i = 1; i < order.size(); ++i) {
+      if (key(order[i]) == key(order[i - 1])) {
+        place[static_cast<size_t>(order[i])] = place[static_cast<size_t>(order[i - 1])];
+      }
+    }
+    return place;
+  }
+
+  void drop_broken_corners() {
+    for (int t = 0; t < triangles_.cols(); ++t) {
+      auto corners = triangles_.col(t);
+      const bool sound = corners.minCoeff() >= 0 && corners.maxCoeff() < input_.vertices.cols() &&
+                         input_.vertices(Eigen::all, corners).allFinite();
+      if (sound) {
+        for (int& corner : corners) corner = place_[static_cast<size_t>(corner)];
+      }
+      if (!sound || corners[0] == corners[1] || corners[1] == corners[2] ||
+          corners[2] == corners[0]) {
+        drop(t);
+      }
+    }
+  }
+
+  /// Triangles without area whose vertices are in line: each gives its longest side's neighbour its
+  /// middle vertex, or goes if there is none. Of a chain each round takes one at an end.
+  void flip_flat() {
+    std::vector<int> all(use_.size());
+    std::iota(all.begin(), all.end(), 0);
+    std::vector<int> flat = find_flat(all);
+    size_t fewest = flat.size();
+    for (int idle = 0; !flat.empty() && idle < kIdleRounds;) {
+      const std::vector<int> changed = flip_once(flat);
+      if (changed.empty()) return;
+      std::vector<bool> is_changed(use_.size());
+      for (const int t : changed) is_changed[static_cast<size_t>(t)] = true;
+      std::erase_if(flat, [&](int t) { return is_changed[static_cast<size_t>(t)]; });
+      const std::vector<int> again = find_flat(changed);
+      flat.insert(flat.end(), again.begin(), again.end());
+      idle = flat.size() < fewest ? 0 : idle + 1;
+      fewest = std::min(fewest, flat.size());
+    }
+  }
+
+  /// One round: flips that do not touch each other. Returns the triangles changed.
+  std::vector<int> flip_once(const std::vector<int>& flat) {
+    std::vector<bool> is_flat(use_.size());
+    for (const int t : flat) is_flat[static_cast<size_t>(t)] = true;
+    std::vector<bool> touched(use_.size());
+    std::vector<int> changed;
+    const auto touch = [&](int t) {
+      touched[static_cast<size_t>(t)] = true;
+      changed.push_back(t);
+    };
+    for_each_edge(sort_sides(triangles_, around(flat)), [&](std::span<const EdgeSide> sides) {
+      for (const EdgeSide& side : sides) {
+        const int t = side.triangle();
+        if (!is_flat[static_cast<size_t>(t)] || touched[static_cast<size_t>(t)] ||
+            !is_longest(side)) {
+          continue;
+        }
+        const auto other = std::find_if(sides.begin(), sides.end(), [&](const EdgeSide& s) {
+          return !is_flat[static_cast<size_t>(s.triangle())] &&
+                 !touched[static_cast<size_t>(s.triangle())];
+        });
+        if (other != sides.end()) {
+          flip(side, *other);
+          touch(t);
+          touch(other->triangle());
+        } else if (sides.size() == 1) {
+          drop(t);
+          touch(t);
+        }
+      }
+    });
+    return changed;
+  }
+
+  /// Those in use that have a vertex in common with one of these triangles.
+  [[nodiscard]] std::vector<bool> around(const std::vector<int>& triangles) const {
+    std::vector<bool> at_vertex(place_.size());
+    for (const int t : triangles) {
+      for (const int v : triangles_.col(t)) at_vertex[static_cast<size_t>(v)] = true;
+    }
+    std::vector<bool> near = use_;
+    for (int t = 0; t < triangles_.cols(); ++t) {
+      if (!use_[static_cast<size_t>(t)]) continue;
+      const auto corners = triangles_.col(t);
+      near[static_cast<size_t>(t)] = std::any_of(
+          corners.begin(), corners.end(), [&](int v) { return at_vertex[static_cast<size_t>(v)]; });
+    }
+    return near;
+  }
+
+  /// Those in use among these triangles that have no area.
+  [[nodiscard]] std::vector<int> find_flat(std::vector<int> triangles) const {
+    std::erase_if(triangles, [&](int t) { return !use_[static_cast<size_t>(t)]; });
+    TriangleMesh used;
+    used.vertices = input_.vertices(Eigen::all, triangles_(Eigen::all, triangles).reshaped());
+    used.triangles = Eigen::VectorXi::LinSpaced(static_cast<Eigen::Index>(3 * triangles.size()), 0,
+                                                static_cast<int>(3 * triangles.size()) - 1)
+                         .reshaped(3, static_cast<Eigen::Index>(triangles.size()));
+    const Eigen::Matrix3Xd normals = triangle_normals(used);
+    std::vector<int> flat;
+    for (size_t i = 0; i < triangles.size(); ++i) {
+      if (!normals.col(static_cast<Eigen::Index>(i)).allFinite()) flat.push_back(triangles[i]);
+    }
+    return flat;
+  }
+
+  [[nodiscard]] bool is_longest(const EdgeSide& side) const {
+    const double length = (at(side.high) - at(side.low)).squaredNorm();
+    const Eigen::Vector3d apex = at(apex_of(side));
+    return length > (apex - at(side.low)).squaredNorm() &&
+           length > (apex - at(side.high)).squaredNorm();
+  }
+
+  [[nodiscard]] int apex_of(const EdgeSide& side) const {
+    return triangles_((side.half_edge + 2) % 3, side.triangle());
+  }
+
+  /// The two triangles exchange the diagonal of their quadrangle; both run round as `other` did.
+  void flip(const EdgeSide& flat, const EdgeSide& other) {
+    const int from = triangles_(other.half_edge % 3, other.triangle());
+    const int to = triangles_((other.half_edge + 1) % 3, other.triangle());
+    const int apex = apex_of(other);
+    const int middle = apex_of(flat);
+    triangles_.col(other.triangle()) << from, middle, apex;
+    triangles_.col(flat.triangle()) << middle, to, apex;
+    ++result_.flipped_edges;
+  }
+
+  void drop_repeated() {
+    for (int t = 0; t < triangles_.cols(); ++t) {
+      const auto corners = triangles_.col(t);
+      if (use_[static_cast<size_t>(t)] &&
+          (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0])) {
+        drop(t);
+      }
+    }
+    for (const int t : repeated_triangles(triangles_, use_)) drop(t);
+  }
+
+  /// From the edge into the triangle, at right angles to the edge.
+  [[nodiscard]] Eigen::Vector3d into_triangle(const EdgeSide& side) const {
+    const Eigen::Vector3d along = (at(side.high) - at(side.low)).stableNormalized();
+    const Eigen::Vector3d to_apex = at(apex_of(side)) - at(side.low);
+    return (to_apex - along.dot(to_apex) * along).stableNormalized();
+  }
+
+  /// Which two sides of each edge are joined.
+  std::vector<Pair> pair_sides() {
+    std::vector<Pair> pairs;
+    for_each_edge(sort_sides(triangles_, use_), [&](std::span<const EdgeSide> sides) {
+      std::vector<EdgeSide> left(sides.begin(), sides.end());
+      if (left.size() > 2) ++result_.cut_edges;
+      while (left.size() >= 2) {
+        std::pair<size_t, size_t> best = {0, 1};
+        double straightest = std::numeric_limits<double>::infinity();
+        for (size_t i = 0; i < left.size(); ++i) {
+          for (size_t j = i + 1; j < left.size(); ++j) {
+            const double cosine = into_triangle(left[i]).dot(into_triangle(left[j]));
+            if (cosine < straightest) {
+              straightest = cosine;
+              best = {i, j};
+            }
+          }
+        }
+        pairs.emplace_back(left[best.first], left[best.second]);
+        left.erase(left.begin() + static_cast<std::ptrdiff_t>(best.second));
+        left.erase(left.begin() + static_cast<std::ptrdiff_t>(best.first));
+      }
+    });
+    return pairs;
+  }
+
+  /// Turns the smaller area of each connected surface, so that joined triangles agree.
+  void turn(const std::vector<Pair>& pairs) {
+    std::vector<std::vector<std::pair<int, bool>>> neighbors(use_.size());  // and: runs against
+    for (const auto& [a, b] : pairs) {
+      const bool against = a.upwards == b.upwards;
+      neighbors[static_cast<size_t>(a.triangle())].emplace_back(b.triangle(), against);
+      neighbors[static_cast<size_t>(b.triangle())].emplace_back(a.triangle(), against);
+    }
+    turned_.assign(use_.size(), false);
+    std::vector<bool> seen(use_.size());
+    for (int seed = 0; seed < triangles_.cols(); ++seed) {
+      if (!use_[static_cast<size_t>(seed)] || seen[static_cast<size_t>(seed)]) continue;
+      std::vector<int> surface = {seed};
+      seen[static_cast<size_t>(seed)] = true;
+      double excess = 0;  // [mm^2] of what runs as the seed does
+      for (size_t i = 0; i < surface.size(); ++i) {
+        const auto t = static_cast<size_t>(surface[i]);
+        excess +=
+            (turned_[t] ? -1 : 1) * area_vector(input_.vertices, triangles_.col(surface[i])).norm();
+        for (const auto& [next, against] : neighbors[t]) {
+          if (seen[static_cast<size_t>(next)]) continue;
+          seen[static_cast<size_t>(next)] = true;
+          turned_[static_cast<size_t>(next)] = turned_[t] != against;
+          surface.push_back(next);
+        }
+      }
+      for (const int t : surface) {
+        const auto i = static_cast<size_t>(t);
+        if (excess < 0) turned_[i] = !turned_[i];
+        if (turned_[i]) ++result_.turned_triangles;
+      }
+    }
+  }
+
+  /// One vertex for each fan of joined triangles.
+  void rebuild(const std::vector<Pair>& pairs) {
+    CornerClasses fans(triangles_.size());
+    for (const auto& [a, b] : pairs) {
+      const bool a_upwards = a.upwards != turned_[static_cast<size_t>(a.triangle())];
+      const bool b_upwards = b.upwards != turned_[static_cast<size_t>(b.triangle())];
+      if (a_upwards != b_upwards) {
+        fans.join(a, b);
+      } else {
+        ++result_.cut_edges;  // a one-sided surface
+      }
+    }
+    std::vector<std::pair<int, int>> vertices;  // input vertex, fan
+    for (int corner = 0; corner < triangles_.size(); ++corner) {
+      if (use_[static_cast<size_t>(corner / 3)] && fans.find(corner) == corner)
+        vertices.emplace_back(triangles_(corner % 3, corner / 3), corner);
+    }
+    if (vertices.empty())
+      throw InvalidInput("mesh: no triangle can be kept: each is broken or without area");
+    std::sort(vertices.begin(), vertices.end());
+    std::vector<int> index_of_fan(static_cast<size_t>(triangles_.size()), -1);
+    result_.mesh.vertices.resize(3, static_cast<Eigen::Index>(vertices.size()));
+    for (size_t v = 0; v < vertices.size(); ++v) {
+      index_of_fan[static_cast<size_t>(vertices[v].second)] = static_cast<int>(v);
+      result_.mesh.vertices.col(static_cast<Eigen::Index>(v)) = at(vertices[v].first);
+      result_.vertex_source.push_back(vertices[v].first);
+    }
+    Eigen::Index kept = 0;
+    result_.mesh.triangles.resize(3, triangles_.cols() - result_.removed_triangles);
+    for (int t = 0; t < triangles_.cols(); ++t) {
+      if (!use_[static_cast<size_t>(t)]) continue;
+      auto corners = result_.mesh.triangles.col(kept++);
+      for (int k = 0; k < 3; ++k)
+        corners[k] = index_of_fan[static_cast<size_t>(fans.find(3 * t + k))];
+      if (turned_[static_cast<size_t>(t)]) std::swap(corners[1], corners[2]);
+    }
+    count_vertices();
+  }
+
+  void count_vertices() {
+    std::vector<bool> kept(place_.size());
+    for (const int v : result_.vertex_source) kept[static_cast<size_t>(v)] = true;
+    for (size_t v = 0; v < place_.size(); ++v) {
+      if (place_[v] != static_cast<int>(v)) {
+        ++result_.welded_vertices;
+      } else if (!kept[v]) {
+        ++result_.removed_vertices;
+      }
+    }
+  }
+
+  const TriangleMesh& input_;
+  Eigen::Matrix3Xi triangles_;
+  std::vector<bool> use_;
+  std::vector<int> place_;  ///< of each vertex: the first one at its place
+  std::vector<bool> turned_;
+  RepairedMesh result_;
+};
+
+}  // namespace
+
+RepairedMesh repair_mesh(const TriangleMesh& mesh) { return Repair(mesh).run(); }
+
+}  // namespace palpate::geometry

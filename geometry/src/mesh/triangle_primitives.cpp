@@ -1,0 +1,113 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "mesh/triangle_primitives.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+
+namespace palpate::geometry {
+namespace {
+
+/// Nearest point of the edge from corner `i` to the next one.
+Nearest nearest_on_edge(const Eigen::Vector3d& point, const Corners& corners, int i) {
+  const int j = (i + 1) % 3;
+  const Eigen::Vector3d edge = corners[static_cast<size_t>(j)] - corners[static_cast<size_t>(i)];
+  const Eigen::Vector3d offset = point - corners[static_cast<size_t>(i)];
+  const double length_squared = edge.squaredNorm();
+  const double s = length_squared > 0 ? std::clamp(edge.dot(offset) / length_squared, 0.0, 1.0) : 0;
+  Nearest nearest;
+  nearest.barycentric[i] = 1 - s;
+  nearest.barycentric[j] = s;
+  // From the nearer end: exact at both ends, so that triangles that share a vertex agree on it.
+  nearest.squared_distance =
+      s < 0.5 ? (offset - s * edge).squaredNorm()
+              : (point - corners[static_cast<size_t>(j)] + (1 - s) * edge).squaredNorm();
+  return nearest;
+}
+
+/// Foot of the perpendicular on the triangle's plane; at infinity if it is outside the triangle.
+Nearest nearest_inside(const Eigen::Vector3d& point, const Corners& corners) {
+  const Eigen::Vector3d ab = corners[1] - corners[0];
+  const Eigen::Vector3d ac = corners[2] - corners[0];
+  const Eigen::Vector3d offset = point - corners[0];
+  const Eigen::Vector3d normal = ab.cross(ac);
+  const double area_squared = normal.squaredNorm();
+  Nearest nearest;
+  if (!(area_squared > 0)) return nearest;
+  const double v = offset.cross(ac).dot(normal) / area_squared;
+  const double w = ab.cross(offset).dot(normal) / area_squared;
+  if (!(v >= 0 && w >= 0 && v + w <= 1)) return nearest;
+  nearest.barycentric = Eigen::Vector3d(1 - v - w, v, w);
+  nearest.squared_distance = (offset - v * ab - w * ac).squaredNorm();
+  return nearest;
+}
+
+}  // namespace
+
+Eigen::Vector3d area_vector(const Eigen::Matrix3Xd& vertices, const Eigen::Vector3i& triangle) {
+  const Eigen::Vector3d a = vertices.col(triangle[0]);
+  const Eigen::Vector3d ab = vertices.col(triangle[1]) - a;
+  const Eigen::Vector3d ac = vertices.col(triangle[2]) - a;
+  return ab.cross(ac) / 2;
+}
+
+// All four candidates are compared by the distance to the point they really name, so a needle,
+// whose normal is mostly rounding, still gives a nearest point.
+Nearest nearest_on_triangle(const Eigen::Vector3d& point, const Corners& corners) {
+  Nearest best = nearest_inside(point, corners);
+  for (int i = 0; i < 3; ++i) {
+    const Nearest candidate = nearest_on_edge(point, corners, i);
+    if (candidate.squared_distance < best.squared_distance) best = candidate;
+  }
+  return best;
+}
+
+ShearedSegment::ShearedSegment(const Eigen::Vector3d& start, const Eigen::Vector3d& end)
+    : start_(start) {
+  const Eigen::Vector3d along = end - start;
+  int largest = 0;
+  along.cwiseAbs().maxCoeff(&largest);
+  axis_ = {(largest + 1) % 3, (largest + 2) % 3, largest};
+  length_ = along[axis_[2]];
+  shear_0_ = along[axis_[0]] / length_;
+  shear_1_ = along[axis_[1]] / length_;
+}
+
+Eigen::Vector3d ShearedSegment::shear(const Eigen::Vector3d& point) const {
+  const Eigen::Vector3d q = point - start_;
+  return {q[axis_[0]] - shear_0_ * q[axis_[2]], q[axis_[1]] - shear_1_ * q[axis_[2]], q[axis_[2]]};
+}
+
+Eigen::Vector3d ShearedSegment::direction() const {
+  const double sign = length_ < 0 ? -1 : 1;
+  Eigen::Vector3d direction;
+  direction[axis_[0]] = sign * shear_0_;
+  direction[axis_[1]] = sign * shear_1_;
+  direction[axis_[2]] = sign;
+  return direction;
+}
+
+Crossing cross_triangle(const ShearedSegment& segment, const Corners& corners) {
+  const Eigen::Vector3d a = segment.shear(corners[0]);
+  const Eigen::Vector3d b = segment.shear(corners[1]);
+  const Eigen::Vector3d c = segment.shear(corners[2]);
+  const Eigen::Vector3d areas(b[0] * c[1] - b[1] * c[0], c[0] * a[1] - c[1] * a[0],
+                              a[0] * b[1] - a[1] * b[0]);
+  Crossing crossing;
+  const bool inside = (areas.array() >= 0).all() || (areas.array() <= 0).all();
+  const double total = areas.sum();
+  if (!inside || total == 0) return crossing;
+  const Eigen::Vector3d barycentric = areas / total;
+  const double fraction = barycentric.dot(Eigen::Vector3d(a[2], b[2], c[2])) / segment.length();
+  if (!(fraction >= 0 && fraction <= 1)) return crossing;
+  crossing.fraction = fraction;
+  crossing.barycentric = barycentric;
+  return crossing;
+}
+
+Eigen::Vector3d snap_to_edges(const Eigen::Vector3d& barycentric) {
+  const Eigen::Vector3d inside = (barycentric.array() < kContactOnEdge).select(0, barycentric);
+  return inside / inside.sum();
+}
+
+}  // namespace palpate::geometry

@@ -1,0 +1,373 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "query/distance_bound.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "mesh/triangle_neighbours.h"
+#include "mesh/triangle_primitives.h"
+#include "palpate/error.h"
+
+namespace palpate::geometry {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// Triangles to one task: few, as those that are cut to pieces take far longer than others.
+constexpr std::size_t kGrain = 64;
+
+/// Of the diagonal of the mesh measured to: below it the bounds need not be told apart. Far above
+/// the rounding of distances, far below what is measured.
+constexpr double kLeastGap = 1e-9;
+
+/// A corner is beside a cutting line iff it is further from it than this fraction of the piece's
+/// size: corners made by a cut are on their line but for rounding, and must not be cut again.
+constexpr double kOnLine = 1e-9;
+
+/// After so many cuts in a row a piece is halved: cuts alone may go on without end where the
+/// target's triangles stand upright on the piece.
+constexpr int kMostCuts = 8;
+
+/// A piece wider than this many times the triangle it is compared with is halved before it is cut:
+/// long cuts across a large piece leave many slivers.
+constexpr double kCutWidth = 4;
+
+constexpr int kMostCorners = 12;
+
+/// A triangle is a line iff twice its area is at most this fraction of its longest edge squared: a
+/// few roundings.
+constexpr double kLeastSine = 8 * std::numeric_limits<double>::epsilon();
+
+/// A convex part of one triangle, and the triangle of the target that it is compared with.
+struct Piece {
+  std::array<Eigen::Vector3d, kMostCorners> corners;
+  int count = 0;
+  int triangle = -1;   ///< -1: not known yet
+  int cuts = 0;        ///< since the last halving
+  bool asked = false;  ///< `triangle` is the one nearest to the centre
+
+  void add(const Eigen::Vector3d& corner) { corners[static_cast<std::size_t>(count++)] = corner; }
+  [[nodiscard]] const Eigen::Vector3d& corner(int i) const {
+    return corners[static_cast<std::size_t>(i)];
+  }
+  [[nodiscard]] Eigen::Vector3d centre() const {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (int i = 0; i < count; ++i) sum += corner(i) - corner(0);
+    return corner(0) + sum / count;
+  }
+  /// No point of the piece is further from `point`.
+  [[nodiscard]] double reach(const Eigen::Vector3d& point) const {
+    double squared = 0;
+    for (int i = 0; i < count; ++i) squared = std::max(squared, (corner(i) - point).squaredNorm());
+    return std::sqrt(squared);
+  }
+};
+
+Corners corners_of(const TriangleMesh& mesh, Eigen::Index triangle) {
+  const Eigen::Vector3i of = mesh.triangles.col(triangle);
+  return {mesh.vertices.col(of[0]), mesh.vertices.col(of[1]), mesh.vertices.col(of[2])};
+}
+
+double longest_edge(const Corners& c) {
+  return std::sqrt(std::max(
+      {(c[1] - c[0]).squaredNorm(), (c[2] - c[1]).squaredNorm(), (c[0] - c[2]).squaredNorm()}));
+}
+
+struct Line {
+  Eigen::Vector3d point;
+  Eigen::Vector3d normal;  ///< unit length
+};
+
+/// The parts of a piece before and behind a plane.
+std::pair<Piece, Piece> split(const Piece& piece, const Line& line, double on_line) {
+  std::array<double, kMostCorners> side{};
+  for (int i = 0; i < piece.count; ++i) {
+    side[static_cast<std::size_t>(i)] = (piece.corner(i) - line.point).dot(line.normal);
+  }
+  Piece before, behind;
+  before.triangle = behind.triangle = piece.triangle;
+  const int sides = piece.count == 2 ? 1 : piece.count;  // a line has one side, not there and back
+  for (int i = 0; i < piece.count; ++i) {
+    const int j = (i + 1) % piece.count;
+    const double here = side[static_cast<std::size_t>(i)];
+    const double there = side[static_cast<std::size_t>(j)];
+    if (here >= -on_line) before.add(piece.corner(i));
+    if (here <= on_line) behind.add(piece.corner(i));
+    const bool crosses =
+        (here > on_line && there < -on_line) || (here < -on_line && there > on_line);
+    if (crosses && i < sides) {
+      const Eigen::Vector3d crossing =
+          piece.corner(i) + here / (here - there) * (piece.corner(j) - piece.corner(i));
+      before.add(crossing);
+      behind.add(crossing);
+    }
+  }
+  return {before, behind};
+}
+
+/// Bounds the distance of one triangle's points.
+class TriangleSearch {
+ public:
+  TriangleSearch(const DistanceTarget& to, const BoundGoal& goal, double known)
+      : to_(to), goal_(goal), known_(known) {}
+
+  /// `nearest`: of each corner.
+  LargestDistance run(const Corners& corners, const std::array<ClosestPoint, 3>& nearest) {
+    found_ = {.lower = nearest[0].distance, .upper = 0, .at = corners[0]};
+    for (std::size_t k = 1; k < 3; ++k) raise(nearest[k].distance, corners[k]);
+    Piece whole = whole_triangle(corners);
+    double least = kInfinity;
+    for (const ClosestPoint& candidate : nearest) {
+      const double bound = distances(whole, candidate.at.triangle).maxCoeff();
+      if (bound < least) {
+        least = bound;
+        whole.triangle = candidate.at.triangle;
+      }
+    }
+    todo_.assign(1, whole);
+    while (!todo_.empty() && found_.lower <= goal_.stop_above) {
+      const Piece piece = todo_.back();
+      todo_.pop_back();
+      treat(piece);
+    }
+    found_.upper = todo_.empty() ? std::max(found_.upper, found_.lower) : kInfinity;
+    return found_;
+  }
+
+ private:
+  using CornerDistances = Eigen::Array<double, Eigen::Dynamic, 1, 0, kMostCorners, 1>;
+
+  /// A triangle without area is its longest edge.
+  Piece whole_triangle(const Corners& corners) {
+    const double longest = longest_edge(corners);
+    const Eigen::Vector3d area = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+    Piece whole;
+    normal_.setZero();
+    if (area.norm() > kLeastSine * longest * longest) {
+      normal_ = area.stableNormalized();
+      for (const Eigen::Vector3d& corner : corners) whole.add(corner);
+      return whole;
+    }
+    for (std::size_t k = 0; k < 3 && whole.count == 0; ++k) {
+      if ((corners[(k + 1) % 3] - corners[k]).norm() < longest) continue;
+      whole.add(corners[k]);
+      whole.add(corners[(k + 1) % 3]);
+    }
+    return whole;
+  }
+
+  CornerDistances distances(const Piece& piece, int triangle) const {
+    const Corners target = corners_of(to_.mesh, triangle);
+    CornerDistances of(piece.count);
+    for (int i = 0; i < piece.count; ++i) {
+      of[i] = std::sqrt(nearest_on_triangle(piece.corner(i), target).squared_distance);
+    }
+    return of;
+  }
+
+  /// Pieces are done once they cannot lie further away than this.
+  [[nodiscard]] double enough() const {
+    const double lower = std::max(known_, found_.lower);
+    return std::max(goal_.ignore_below,
+                    lower + std::max(goal_.max_gap * lower, kLeastGap * to_.diagonal));
+  }
+
+  bool done(double upper) {
+    if (!(upper <= enough())) return false;
+    found_.upper = std::max(found_.upper, upper);
+    return true;
+  }
+
+  ClosestPoint ask(const Eigen::Vector3d& point) {
+    const ClosestPoint closest = to_.query.closest_point(point);
+    raise(closest.distance, point);
+    return closest;
+  }
+
+  void raise(double distance, const Eigen::Vector3d& at) {
+    if (distance > found_.lower) {
+      found_.lower = distance;
+      found_.at = at;
+    }
+  }
+
+  void treat(Piece piece) {
+    if (piece.triangle < 0) return ask_centre(piece);
+    const CornerDistances distance = distances(piece, piece.triangle);
+    int worst = 0;
+    const double upper = distance.maxCoeff(&worst);
+    if (done(upper)) return;
+    const Eigen::Vector3d centre = piece.centre();
+    const double width = 2 * piece.reach(centre);
+    const Corners target = corners_of(to_.mesh, piece.triangle);
+    if (width > kCutWidth * longest_edge(target)) {
+      return piece.asked ? halve(piece) : ask_centre(piece);
+    }
+    if (cut(piece, target, distance, kOnLine * width)) return;
+    if (!piece.asked) return ask_centre(piece);
+    const double reached = ask(piece.corner(worst)).distance;
+    if (done(std::min(upper, reached + width))) return;
+    halve(piece);
+  }
+
+  void ask_centre(Piece piece) {
+    const Eigen::Vector3d centre = piece.centre();
+    const ClosestPoint closest = ask(centre);
+    if (done(closest.distance + piece.reach(centre))) return;
+    piece.triangle = closest.at.triangle;
+    piece.asked = true;
+    todo_.push_back(piece);
+  }
+
+  /// Cuts along the edge of the target's triangle that the corners too far away are furthest
+  /// beyond, as seen along the normal; false if there is none.
+  bool cut(const Piece& piece, const Corners& target, const CornerDistances& distance,
+           double on_line) {
+    if (piece.cuts >= kMostCuts || piece.count + 1 >= kMostCorners) return false;
+    const double limit = enough();
+    double furthest = -on_line;
+    int edge = -1;
+    Line line;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Eigen::Vector3d& from = target[k];
+      const Eigen::Vector3d across = (target[(k + 1) % 3] - from).cross(normal_);
+      const double inwards = across.dot(target[(k + 2) % 3] - from);
+      if (inwards == 0) continue;
+      const Eigen::Vector3d normal = (inwards > 0 ? 1 : -1) * across.stableNormalized();
+      double beyond = 0;
+      double within = 0;
+      for (int i = 0; i < piece.count; ++i) {
+        const double side = normal.dot(piece.corner(i) - from);
+        if (distance[i] > limit) beyond = std::min(beyond, side);
+        within = std::max(within, side);
+      }
+      if (within > on_line && beyond < furthest) {
+        furthest = beyond;
+        edge = static_cast<int>(k);
+        line = {.point = from, .normal = normal};
+      }
+    }
+    if (edge < 0) return false;
+    auto [inside, outside] = split(piece, line, on_line);
+    outside.triangle = to_.neighbours(edge, piece.triangle);
+    inside.asked = piece.asked;
+    inside.cuts = outside.cuts = piece.cuts + 1;
+    todo_.push_back(outside);
+    todo_.push_back(inside);
+    return true;
+  }
+
+  /// Halves it across its longest diagonal.
+  void halve(const Piece& piece) {
+    if (piece.count + 1 >= kMostCorners) return part(piece);
+    int from = 0, to = 1;
+    double longest = -1;
+    for (int i = 0; i < piece.count; ++i) {
+      for (int j = i + 1; j < piece.count; ++j) {
+        const double length = (piece.corner(i) - piece.corner(j)).squaredNorm();
+        if (length > longest) {
+          longest = length;
+          from = i;
+          to = j;
+        }
+      }
+    }
+    const Eigen::Vector3d along = piece.corner(to) - piece.corner(from);
+    const auto [one, other] = split(
+        piece, {.point = piece.corner(from) + along / 2, .normal = along.stableNormalized()}, 0);
+    todo_.push_back(one);
+    todo_.push_back(other);
+  }
+
+  /// Two parts with fewer corners.
+  void part(const Piece& piece) {
+    Piece one, other;
+    one.triangle = other.triangle = piece.triangle;
+    const int middle = piece.count / 2;
+    for (int i = 0; i <= middle; ++i) one.add(piece.corner(i));
+    for (int i = middle; i < piece.count; ++i) other.add(piece.corner(i));
+    other.add(piece.corner(0));
+    todo_.push_back(one);
+    todo_.push_back(other);
+  }
+
+  const DistanceTarget& to_;
+  const BoundGoal& goal_;
+  double known_;  ///< [mm] some point is so far away
+  Eigen::Vector3d normal_;
+  LargestDistance found_{};
+  std::vector<Piece> todo_;
+};
+
+}  // namespace
+
+DistanceTarget::DistanceTarget(TriangleMesh surface)
+    : mesh(std::move(surface)),
+      query(mesh),
+      neighbours(triangle_neighbours(mesh.triangles)),
+      diagonal(bounding_diagonal(mesh)) {}
+
+std::vector<LargestDistance> bound_triangle_distances(const TriangleMesh& from,
+                                                      const DistanceTarget& to,
+                                                      const BoundGoal& goal) {
+  // First the vertices: where the bounds start, and which triangles are worth a try.
+  std::vector<ClosestPoint> of_vertex(static_cast<std::size_t>(from.vertices.cols()));
+  std::vector<char> used(of_vertex.size(), 0);
+  for (const int vertex : from.triangles.reshaped()) used[static_cast<std::size_t>(vertex)] = 1;
+  tbb::parallel_for(std::size_t{0}, of_vertex.size(), [&](std::size_t v) {
+    if (used[v] != 0)
+      of_vertex[v] = to.query.closest_point(from.vertices.col(static_cast<Eigen::Index>(v)));
+  });
+  double known = 0;
+  for (std::size_t v = 0; v < of_vertex.size(); ++v) {
+    if (used[v] == 0) continue;
+    if (of_vertex[v].at.triangle < 0) {
+      throw InvalidInput("the surfaces lie so far apart that distances overflow (vertex " +
+                         std::to_string(v) + "); are both in mm?");
+    }
+    known = std::max(known, of_vertex[v].distance);
+  }
+  // Judged against a limit, how far the others are does not matter.
+  if (goal.stop_above < kInfinity) known = 0;
+  // Each triangle for itself: the answer does not depend on which thread was first.
+  std::vector<LargestDistance> of_triangle(static_cast<std::size_t>(from.triangles.cols()));
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, of_triangle.size(), kGrain),
+                    [&](const auto& range) {
+                      TriangleSearch search(to, goal, known);
+                      for (std::size_t t = range.begin(); t != range.end(); ++t) {
+                        const auto triangle = static_cast<Eigen::Index>(t);
+                        std::array<ClosestPoint, 3> of_corner;
+                        for (std::size_t k = 0; k < 3; ++k) {
+                          of_corner[k] = of_vertex[static_cast<std::size_t>(
+                              from.triangles(static_cast<Eigen::Index>(k), triangle))];
+                        }
+                        of_triangle[t] = search.run(corners_of(from, triangle), of_corner);
+                      }
+                    });
+  return of_triangle;
+}
+
+LargestDistance bound_largest_distance(const TriangleMesh& from, const DistanceTarget& to,
+                                       const BoundGoal& goal) {
+  const std::vector<LargestDistance> of_triangle = bound_triangle_distances(from, to, goal);
+  LargestDistance largest = of_triangle.front();
+  for (const LargestDistance& found : of_triangle) {
+    largest.upper = std::max(largest.upper, found.upper);
+    if (found.lower > largest.lower) {
+      largest.lower = found.lower;
+      largest.at = found.at;
+    }
+  }
+  return largest;
+}
+
+}  // namespace palpate::geometry

@@ -1,0 +1,186 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/geometry/surface_query.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "palpate/error.h"
+#include "query/surface_tree.h"
+
+namespace palpate::geometry {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+/// Segments are cut to this cube (local frame) before they become float rays.
+constexpr double kSegmentCube = 2;
+
+/// The part of a line from `start` that is inside the cube, as multiples of `along`; none if begin
+/// > end.
+struct Clip {
+  double begin = 0;
+  double end = 1;
+};
+
+/// \param far the line ends at start + far * along; may be infinite.
+Clip clip_to_cube(const Eigen::Vector3d& start, const Eigen::Vector3d& along, double far) {
+  Clip clip{.begin = 0, .end = far};
+  for (int k = 0; k < 3; ++k) {
+    // Inside both ends nothing is cut, and they stay exact.
+    const bool starts_inside = std::abs(start[k]) <= kSegmentCube;
+    if (starts_inside && std::abs(start[k] + far * along[k]) <= kSegmentCube) continue;
+    if (along[k] == 0) {
+      if (starts_inside) continue;
+      return {.begin = 1, .end = 0};
+    }
+    const double middle = -start[k] / along[k], half = kSegmentCube / std::abs(along[k]);
+    clip.begin = std::max(clip.begin, middle - half);
+    clip.end = std::min(clip.end, middle + half);
+  }
+  return clip;
+}
+
+void set_hit(FirstHits& hits, Eigen::Index i, const auto& hit, double along) {
+  hits.triangles[i] = hit.at.triangle;
+  hits.barycentric.col(i) = hit.at.barycentric;
+  hits.positions.col(i) = hit.position;
+  hits.along[i] = along;
+}
+
+/// \param ask sets the answer with that number if there is one.
+FirstHits collect_hits(Eigen::Index count, const auto& ask) {
+  FirstHits hits{.triangles = Eigen::VectorXi::Constant(count, -1),
+                 .barycentric = Eigen::Matrix3Xd::Zero(3, count),
+                 .positions = Eigen::Matrix3Xd::Constant(3, count, kNan),
+                 .along = Eigen::VectorXd::Constant(count, kNan)};
+  tbb::parallel_for(Eigen::Index{0}, count, [&](Eigen::Index i) { ask(i, hits); });
+  return hits;
+}
+
+}  // namespace
+
+SurfaceQuery::SurfaceQuery(const TriangleMesh& mesh) {
+  check_mesh(mesh, "SurfaceQuery");
+  tree_ = std::make_unique<SurfaceTree>(mesh);
+}
+SurfaceQuery::~SurfaceQuery() = default;
+SurfaceQuery::SurfaceQuery(SurfaceQuery&&) noexcept = default;
+SurfaceQuery& SurfaceQuery::operator=(SurfaceQuery&&) noexcept = default;
+
+ClosestPoint SurfaceQuery::closest_point(const Eigen::Vector3d& point) const noexcept {
+  ClosestPoint closest;
+  closest.position.setConstant(kNan);
+  closest.distance = kNan;
+  const SurfaceTree& tree = *tree_;
+  const Eigen::Vector3d local = tree.to_local(point);
+  if (!local.allFinite()) return closest;
+  const NearestTriangle nearest = tree.nearest(local, kInfinity);
+  if (nearest.triangle < 0) return closest;
+  closest.at = {.triangle = nearest.triangle, .barycentric = nearest.at.barycentric};
+  closest.position = position(tree.mesh(), closest.at);
+  closest.distance = std::sqrt(nearest.at.squared_distance) / tree.scale();
+  return closest;
+}
+
+std::optional<SegmentHit> SurfaceQuery::first_hit(const Eigen::Vector3d& start,
+                                                  const Eigen::Vector3d& end) const noexcept {
+  const SurfaceTree& tree = *tree_;
+  const Eigen::Vector3d local_start = tree.to_local(start), local_end = tree.to_local(end);
+  if (!local_start.allFinite() || !local_end.allFinite()) return std::nullopt;
+  const Eigen::Vector3d along = local_end - local_start;
+  const Clip clip = clip_to_cube(local_start, along, 1);
+  if (clip.begin > clip.end) return std::nullopt;
+  const CrossedTriangle crossed =
+      tree.first_crossing(clip.begin > 0 ? local_start + clip.begin * along : local_start,
+                          clip.end < 1 ? local_start + clip.end * along : local_end);
+  if (crossed.triangle < 0) return std::nullopt;
+  const SurfacePoint at{.triangle = crossed.triangle, .barycentric = crossed.at.barycentric};
+  return SegmentHit{.at = at,
+                    .position = position(tree.mesh(), at),
+                    .fraction = clip.begin + crossed.at.fraction * (clip.end - clip.begin)};
+}
+
+std::optional<RayHit> SurfaceQuery::first_hit(const Ray& ray) const noexcept {
+  const SurfaceTree& tree = *tree_;
+  const Eigen::Vector3d origin = tree.to_local(ray.origin);
+  const double largest = ray.direction.cwiseAbs().maxCoeff();
+  if (!origin.allFinite() || !ray.direction.allFinite() || !(largest > 0) ||
+      !(ray.max_distance >= 0)) {
+    return std::nullopt;
+  }
+  // 1 along its main axis, so that the square of its length is a number whatever its length was.
+  const Eigen::Vector3d along = ray.direction / largest;
+  const double unit = along.norm() / tree.scale();  // [mm] that `along` is long
+  const Clip clip = clip_to_cube(origin, along, ray.max_distance / unit);
+  if (clip.begin > clip.end) return std::nullopt;
+  const CrossedTriangle crossed =
+      tree.first_crossing(clip.begin > 0 ? origin + clip.begin * along : origin,
+                          clip.end > 0 ? origin + clip.end * along : origin);
+  if (crossed.triangle < 0) return std::nullopt;
+  const SurfacePoint at{.triangle = crossed.triangle, .barycentric = crossed.at.barycentric};
+  return RayHit{.at = at,
+                .position = position(tree.mesh(), at),
+                .distance = (clip.begin + crossed.at.fraction * (clip.end - clip.begin)) * unit};
+}
+
+void SurfaceQuery::move_vertices(const Eigen::Ref<const Eigen::Matrix3Xd>& vertices) {
+  const Eigen::Index expected = tree_->mesh().vertices.cols();
+  if (vertices.cols() != expected) {
+    throw InvalidInput("SurfaceQuery::move_vertices: there are " + std::to_string(vertices.cols()) +
+                       " vertices, but the mesh has " + std::to_string(expected) +
+                       "; pass all of them");
+  }
+  for (Eigen::Index v = 0; v < expected; ++v) {
+    if (vertices.col(v).allFinite()) continue;
+    throw InvalidInput("SurfaceQuery::move_vertices: vertex " + std::to_string(v) +
+                       " is not finite");
+  }
+  tree_->move_vertices(vertices);
+}
+
+ClosestPoints closest_points(const SurfaceQuery& query,
+                             const Eigen::Ref<const Eigen::Matrix3Xd>& points) {
+  const Eigen::Index count = points.cols();
+  ClosestPoints closest{.triangles = Eigen::VectorXi(count),
+                        .barycentric = Eigen::Matrix3Xd(3, count),
+                        .positions = Eigen::Matrix3Xd(3, count),
+                        .distances = Eigen::VectorXd(count)};
+  tbb::parallel_for(Eigen::Index{0}, count, [&](Eigen::Index i) {
+    const ClosestPoint one = query.closest_point(points.col(i));
+    closest.triangles[i] = one.at.triangle;
+    closest.barycentric.col(i) = one.at.barycentric;
+    closest.positions.col(i) = one.position;
+    closest.distances[i] = one.distance;
+  });
+  return closest;
+}
+
+FirstHits first_hits(const SurfaceQuery& query, const Eigen::Ref<const Eigen::Matrix3Xd>& starts,
+                     const Eigen::Ref<const Eigen::Matrix3Xd>& ends) {
+  if (starts.cols() != ends.cols()) {
+    throw InvalidInput("first_hits: there are " + std::to_string(starts.cols()) +
+                       " starts of segments, but " + std::to_string(ends.cols()) +
+                       " ends; pass one end for each start");
+  }
+  return collect_hits(starts.cols(), [&](Eigen::Index i, FirstHits& hits) {
+    if (const auto hit = query.first_hit(starts.col(i), ends.col(i))) {
+      set_hit(hits, i, *hit, hit->fraction);
+    }
+  });
+}
+
+FirstHits first_hits(const SurfaceQuery& query, std::span<const Ray> rays) {
+  return collect_hits(static_cast<Eigen::Index>(rays.size()), [&](Eigen::Index i, FirstHits& hits) {
+    if (const auto hit = query.first_hit(rays[static_cast<std::size_t>(i)])) {
+      set_hit(hits, i, *hit, hit->distance);
+    }
+  });
+}
+
+}  // namespace palpate::geometry

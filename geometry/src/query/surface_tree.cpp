@@ -1,0 +1,291 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "query/surface_tree.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include "query/local_frame.h"
+#include "query/triangle_packet.h"
+
+namespace palpate::geometry {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// Beyond this distance from the mesh (local frame) the margin comes near the mesh's own size:
+/// single precision cannot cull any more and every triangle is visited.
+constexpr double kCullingReach = 0x1p16;
+
+/// An end of a segment is on the surface iff its distance to it is at most this fraction of the
+/// largest coordinate of the mesh: the rounding of a position computed from barycentric
+/// coordinates. Never more than the mesh's own size.
+constexpr double kOnSurface = 8 * std::numeric_limits<double>::epsilon();
+
+/// A tree that was fitted to moved vertices is built anew when walking it costs this many times
+/// what it cost when built.
+constexpr double kRebuildCost = 1.5;
+
+float round_up(double x) {
+  return std::nextafter(static_cast<float>(x), std::numeric_limits<float>::infinity());
+}
+
+/// Equals are decided by the lower index.
+bool improves(double candidate, int triangle, double best, int best_triangle) {
+  return candidate < best || (candidate == best && best_triangle >= 0 && triangle < best_triangle);
+}
+
+/// The square of a search radius in float that no triangle at `distance` or nearer escapes.
+float squared_radius(double distance, double reach) {
+  if (!(distance < kInfinity) || reach > kCullingReach) {
+    return std::numeric_limits<float>::infinity();
+  }
+  const double radius = distance * (1 + kFloatMargin) + kFloatMargin * (1 + reach);
+  return round_up(radius * radius);
+}
+
+/// Children that a walk has put off, each with how far away it is.
+class Stack {
+ public:
+  struct Entry {
+    float distance;
+    int child;
+  };
+  [[nodiscard]] bool empty() const { return size_ == 0; }
+  Entry pop() { return entries_[--size_]; }
+  [[nodiscard]] std::size_t size() const { return size_; }
+  /// Puts an entry above all of those from `base` on that are further.
+  void push(Entry entry, std::size_t base) {
+    std::size_t i = size_++;
+    for (; i > base && entries_[i - 1].distance < entry.distance; --i) {
+      entries_[i] = entries_[i - 1];
+    }
+    entries_[i] = entry;
+  }
+  /// Puts those children of a node there whose bits are set.
+  void push(const TreeNode& node, const Lanes& distances, unsigned bits) {
+    const std::size_t base = size_;
+    for (; bits != 0; bits &= bits - 1) {
+      const auto lane = static_cast<std::size_t>(std::countr_zero(bits));
+      push({.distance = distances.data()[lane], .child = node.child[lane]}, base);
+    }
+  }
+
+ private:
+  // Not set to zero: that would cost as much as a short walk.
+  std::array<Entry, 3 * BoundingTree::kMaxDepth + TrianglePacket::kSize> entries_;
+  std::size_t size_ = 0;
+};
+
+/// A segment in float that meets the side of a box at the fraction (side - origin) * inverse of its
+/// length.
+struct SlabSegment {
+  std::array<Lanes, 3> origin, inverse;
+  std::array<std::size_t, 3> near_side;  ///< index of the side where it enters a box
+
+  SlabSegment(const Eigen::Vector3d& start, const Eigen::Vector3d& end) {
+    // A segment along the side of a box is turned out of it by less than its rounding.
+    constexpr float kLeast = 1e-18F;
+    const Eigen::Array3f along = (end - start).cast<float>();
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto axis = static_cast<int>(k);
+      const bool backwards = along[axis] < 0;
+      near_side[k] = backwards ? 1 : 0;
+      origin[k] = Lanes::Constant(static_cast<float>(start[axis]));
+      const float length = std::max(std::abs(along[axis]), kLeast);
+      inverse[k] = Lanes::Constant(1 / (backwards ? -length : length));
+    }
+  }
+  /// Which boxes it meets before `far`, and where it enters them.
+  [[nodiscard]] unsigned meet(const TreeNode& node, float far, Lanes& enter) const {
+    enter = Lanes::Zero();
+    Lanes leave = Lanes::Constant(far);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const std::array<Lanes, 2>& sides = node.sides[axis];
+      enter = enter.max((sides[near_side[axis]] - origin[axis]) * inverse[axis]);
+      leave = leave.min((sides[1 - near_side[axis]] - origin[axis]) * inverse[axis]);
+    }
+    return where_not_above(enter, leave);
+  }
+};
+
+}  // namespace
+
+SurfaceTree::SurfaceTree(const TriangleMesh& mesh) : mesh_(mesh) {
+  set_frame();
+  build();
+}
+
+void SurfaceTree::build() {
+  tree_ = build_tree(local_, mesh_.triangles, 2 * margin_);
+  built_cost_ = walking_cost(tree_);
+}
+
+void SurfaceTree::move_vertices(const Eigen::Ref<const Eigen::Matrix3Xd>& vertices) {
+  mesh_.vertices = vertices;
+  set_frame();
+  refit(tree_, local_, mesh_.triangles, 2 * margin_);
+  if (walking_cost(tree_) > kRebuildCost * built_cost_) build();
+}
+
+void SurfaceTree::set_frame() {
+  const LocalFrame frame = local_frame(mesh_.vertices);
+  centre_ = frame.centre;
+  scale_ = frame.scale;
+  local_ = frame.to_local(mesh_.vertices);
+  const double largest = mesh_.vertices.cwiseAbs().maxCoeff();
+  on_surface_ = std::min(kOnSurface * largest * scale_, 1.0);
+  margin_ = std::max(kFloatMargin, 4 * on_surface_);
+}
+
+/// What a closest-point query remembers on its walk.
+struct SurfaceTree::NearestSearch {
+  Eigen::Vector3d point;
+  Eigen::Vector3f float_point;
+  double reach;  ///< largest coordinate of the point
+  float squared_radius;
+  NearestTriangle best;
+};
+
+void SurfaceTree::look_at(NearestSearch& search, const TrianglePacket& packet) const {
+  Lanes squared = squared_distances(search.float_point, packet);
+  for (int i = 0; i < TrianglePacket::kSize; ++i) {
+    int lane = 0;
+    // Most often the nearest of the four spares a look at the others.
+    if (!(squared.minCoeff(&lane) <= search.squared_radius)) break;
+    squared[lane] = std::numeric_limits<float>::infinity();
+    const int triangle = packet.triangle[static_cast<std::size_t>(lane)];
+    if (triangle < 0) continue;
+    const Nearest candidate = nearest_on_triangle(search.point, corners(triangle));
+    if (!improves(candidate.squared_distance, triangle, search.best.at.squared_distance,
+                  search.best.triangle)) {
+      continue;
+    }
+    search.best = {.at = candidate, .triangle = triangle};
+    search.squared_radius = std::min(
+        search.squared_radius, squared_radius(std::sqrt(candidate.squared_distance), search.reach));
+  }
+}
+
+NearestTriangle SurfaceTree::nearest(const Eigen::Vector3d& point, double radius) const noexcept {
+  const double reach = point.cwiseAbs().maxCoeff();
+  // Far away every triangle is visited whatever the float point is, as long as it is a number.
+  NearestSearch search{
+      .point = point,
+      .float_point = point.cwiseMax(-kCullingReach).cwiseMin(kCullingReach).cast<float>(),
+      .reach = reach,
+      .squared_radius = squared_radius(radius, reach),
+      .best = {}};
+  const std::array<Lanes, 3> p = {Lanes::Constant(search.float_point[0]),
+                                  Lanes::Constant(search.float_point[1]),
+                                  Lanes::Constant(search.float_point[2])};
+  Stack stack;
+  stack.push({.distance = 0, .child = 0}, 0);
+  while (!stack.empty()) {
+    const Stack::Entry next = stack.pop();
+    if (next.distance > search.squared_radius) continue;
+    if (next.child < 0) {
+      look_at(search, tree_.packets[static_cast<std::size_t>(~next.child)]);
+      continue;
+    }
+    const TreeNode& node = tree_.nodes[static_cast<std::size_t>(next.child)];
+    Lanes squared = Lanes::Zero();
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const Lanes outside =
+          (node.sides[axis][0] - p[axis]).max(p[axis] - node.sides[axis][1]).max(0.0F);
+      squared += outside * outside;
+    }
+    stack.push(node, squared,
+               where_not_above(squared, Lanes::Constant(search.squared_radius)) & node.children);
+  }
+  return search.best;
+}
+
+/// What a segment query remembers on its walk.
+struct SurfaceTree::CrossingSearch {
+  Eigen::Vector3d start, end;
+  ShearedSegment segment;
+  SegmentLanes lanes;
+  float length;              ///< along the main axis
+  float far = 1;             ///< fraction of the segment, beyond which nothing is of interest
+  CrossedTriangle best;      ///< between the ends
+  NearestTriangle at_start;  ///< triangles on which an end lies
+  NearestTriangle at_end;
+};
+
+/// Keeps the triangle if it is the nearest to `end` of those that touch it.
+void SurfaceTree::touch(NearestTriangle& nearest, const Eigen::Vector3d& end, int triangle) const {
+  const Nearest candidate = nearest_on_triangle(end, corners(triangle));
+  if (std::sqrt(candidate.squared_distance) <= on_surface_ &&
+      improves(candidate.squared_distance, triangle, nearest.at.squared_distance,
+               nearest.triangle)) {
+    nearest = {.at = candidate, .triangle = triangle};
+  }
+}
+
+void SurfaceTree::look_at(CrossingSearch& search, const TrianglePacket& packet) const {
+  const float margin = search.lanes.margin();
+  const Passing passing = search.lanes.pass(packet);
+  const Lanes away = passing.miss.max(-margin - passing.end)
+                         .max(passing.begin - (search.far * search.length + margin));
+  unsigned bits = where_not_above(away, Lanes::Zero());
+  for (; bits != 0; bits &= bits - 1) {
+    const int lane = std::countr_zero(bits);
+    const int triangle = packet.triangle[static_cast<std::size_t>(lane)];
+    if (triangle < 0) continue;
+    const Crossing candidate = cross_triangle(search.segment, corners(triangle));
+    if (improves(candidate.fraction, triangle, search.best.at.fraction, search.best.triangle)) {
+      search.best = {.at = candidate, .triangle = triangle};
+      search.far = std::min(search.far, round_up(candidate.fraction));
+    }
+    if (passing.begin[lane] <= margin) touch(search.at_start, search.start, triangle);
+    if (passing.end[lane] >= search.length - margin) touch(search.at_end, search.end, triangle);
+  }
+}
+
+CrossedTriangle SurfaceTree::first_crossing(const Eigen::Vector3d& start,
+                                            const Eigen::Vector3d& end) const noexcept {
+  if (start == end) {
+    const NearestTriangle touched = nearest(start, on_surface_);
+    if (std::sqrt(touched.at.squared_distance) > on_surface_) return {};
+    return {{.fraction = 0, .barycentric = touched.at.barycentric}, touched.triangle};
+  }
+  const SlabSegment slabs(start, end);
+  Stack stack;
+  Lanes enter;
+  const auto root_children = slabs.meet(tree_.nodes.front(), 1, enter);
+  if (root_children == 0) return {};
+  stack.push(tree_.nodes.front(), enter, root_children);
+  const ShearedSegment segment(start, end);
+  CrossingSearch search{.start = start,
+                        .end = end,
+                        .segment = segment,
+                        .lanes = SegmentLanes(start, segment, margin_),
+                        .length = static_cast<float>(std::abs(segment.length())),
+                        .best = {},
+                        .at_start = {},
+                        .at_end = {}};
+  while (!stack.empty()) {
+    const Stack::Entry next = stack.pop();
+    if (next.distance > search.far) continue;
+    if (next.child < 0) {
+      look_at(search, tree_.packets[static_cast<std::size_t>(~next.child)]);
+      continue;
+    }
+    const TreeNode& node = tree_.nodes[static_cast<std::size_t>(next.child)];
+    const unsigned met = slabs.meet(node, search.far, enter);
+    stack.push(node, enter, met);
+  }
+  if (search.at_start.triangle >= 0) {
+    return {{.fraction = 0, .barycentric = search.at_start.at.barycentric},
+            search.at_start.triangle};
+  }
+  if (search.best.triangle < 0 && search.at_end.triangle >= 0) {
+    return {{.fraction = 1, .barycentric = search.at_end.at.barycentric}, search.at_end.triangle};
+  }
+  return search.best;
+}
+
+}  // namespace palpate::geometry

@@ -1,0 +1,212 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/geometry/range_map.h"
+
+#include <tbb/parallel_for.h>
+#include <tiffio.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdarg>
+#include <cstdint>
+#include <cstdio>
+#include <limits>
+#include <memory>
+#include <string>
+#include <system_error>
+
+#include "palpate/error.h"
+#include "palpate/output_file.h"
+#include "range_map/pixel_rays.h"
+
+namespace palpate::geometry {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A header that asks for more is damaged: it is 1 GB of depths.
+constexpr std::uint64_t kMaxPixels = std::uint64_t{1} << 28;
+// Bytes a strip: few strips are quicker than many.
+constexpr std::size_t kStripBytes = 1024 * 1024;
+
+/// The first thing libtiff complained about. Fixed size: it is filled inside a C library, through
+/// which no exception may pass.
+struct TiffMessage {
+  std::array<char, 256> text{};
+  [[nodiscard]] bool empty() const { return text[0] == '\0'; }
+  [[nodiscard]] std::string str() const { return text.data(); }
+};
+
+int keep_first_message(TIFF* /*file*/, void* message, const char* /*module*/, const char* format,
+                       va_list arguments) {
+  auto& text = static_cast<TiffMessage*>(message)->text;
+  if (text[0] == '\0') std::vsnprintf(text.data(), text.size(), format, arguments);
+  return 1;  // handled: nothing is printed
+}
+
+int ignore_message(TIFF* /*file*/, void* /*user*/, const char* /*module*/, const char* /*format*/,
+                   va_list /*arguments*/) {
+  return 1;
+}
+
+using TiffFile = std::unique_ptr<TIFF, decltype(&TIFFClose)>;
+
+/// Null if it cannot be opened. `message` must outlive the file.
+TiffFile open_tiff(const fs::path& path, const char* mode, TiffMessage& message) {
+  const std::unique_ptr<TIFFOpenOptions, decltype(&TIFFOpenOptionsFree)> options(
+      TIFFOpenOptionsAlloc(), &TIFFOpenOptionsFree);
+  TIFFOpenOptionsSetErrorHandlerExtR(options.get(), keep_first_message, &message);
+  TIFFOpenOptionsSetWarningHandlerExtR(options.get(), ignore_message, nullptr);
+  return {TIFFOpenExt(path.c_str(), mode, options.get()), &TIFFClose};
+}
+
+std::string sample_name(int bits, int format, int channels) {
+  const char* kind = format == SAMPLEFORMAT_IEEEFP ? "floating-point"
+                     : format == SAMPLEFORMAT_UINT ? "unsigned integer"
+                     : format == SAMPLEFORMAT_INT  ? "signed integer"
+                                                   : "other";
+  return std::to_string(channels) + (channels == 1 ? " channel" : " channels") + " of " +
+         std::to_string(bits) + " bit " + kind;
+}
+
+/// An image of the size of the file, not yet filled.
+ImageF checked_image(TIFF* file, const fs::path& path) {
+  std::uint16_t bits = 1;
+  std::uint16_t format = SAMPLEFORMAT_UINT;
+  std::uint16_t channels = 1;
+  std::uint32_t width = 0;
+  std::uint32_t height = 0;
+  TIFFGetFieldDefaulted(file, TIFFTAG_BITSPERSAMPLE, &bits);
+  TIFFGetFieldDefaulted(file, TIFFTAG_SAMPLEFORMAT, &format);
+  TIFFGetFieldDefaulted(file, TIFFTAG_SAMPLESPERPIXEL, &channels);
+  TIFFGetField(file, TIFFTAG_IMAGEWIDTH, &width);
+  TIFFGetField(file, TIFFTAG_IMAGELENGTH, &height);
+  if (bits != 32 || format != SAMPLEFORMAT_IEEEFP || channels != 1)
+    throw FileError(path.string() + ": holds " + sample_name(bits, format, channels) +
+                    "; a range map is a TIFF of 1 channel of 32 bit floating-point");
+  if (width == 0 || height == 0 || std::uint64_t{width} * height > kMaxPixels)
+    throw FileError(path.string() + ": has a size of " + std::to_string(width) + " x " +
+                    std::to_string(height) + " px; a range map has 1 to 2^28 pixels");
+  return ImageF(static_cast<Eigen::Index>(height), static_cast<Eigen::Index>(width));
+}
+
+FileError truncated(const fs::path& path, const ImageF& z, Eigen::Index row,
+                    const TiffMessage& message) {
+  return FileError(path.string() + ": cannot be read from row " + std::to_string(row) + " of " +
+                   std::to_string(z.rows()) + " on; the file is truncated or damaged (" +
+                   message.str() + ")");
+}
+
+void read_strips(TIFF* file, const fs::path& path, const TiffMessage& message, ImageF& z) {
+  std::uint32_t rows_per_strip = 0;
+  TIFFGetFieldDefaulted(file, TIFFTAG_ROWSPERSTRIP, &rows_per_strip);
+  const Eigen::Index step = std::clamp<Eigen::Index>(rows_per_strip, 1, z.rows());
+  std::uint32_t strip = 0;
+  for (Eigen::Index row = 0; row < z.rows(); row += step, ++strip) {
+    const auto bytes = static_cast<tmsize_t>(std::min(step, z.rows() - row) * z.cols()) *
+                       static_cast<tmsize_t>(sizeof(float));
+    if (TIFFReadEncodedStrip(file, strip, z.row(row).data(), bytes) != bytes)
+      throw truncated(path, z, row, message);
+  }
+}
+
+void read_tiles(TIFF* file, const fs::path& path, const TiffMessage& message, ImageF& z) {
+  std::uint32_t width = 0;
+  std::uint32_t height = 0;
+  TIFFGetField(file, TIFFTAG_TILEWIDTH, &width);
+  TIFFGetField(file, TIFFTAG_TILELENGTH, &height);
+  if (width == 0 || height == 0 || std::uint64_t{width} * height > kMaxPixels)
+    throw FileError(path.string() + ": has tiles of " + std::to_string(width) + " x " +
+                    std::to_string(height) + " px; the file is damaged");
+  ImageF tile(static_cast<Eigen::Index>(height), static_cast<Eigen::Index>(width));
+  const auto bytes = static_cast<tmsize_t>(tile.size()) * static_cast<tmsize_t>(sizeof(float));
+  for (Eigen::Index row = 0; row < z.rows(); row += tile.rows())
+    for (Eigen::Index col = 0; col < z.cols(); col += tile.cols()) {
+      const std::uint32_t index = TIFFComputeTile(file, static_cast<std::uint32_t>(col),
+                                                  static_cast<std::uint32_t>(row), 0, 0);
+      if (TIFFReadEncodedTile(file, index, tile.data(), bytes) != bytes)
+        throw truncated(path, z, row, message);
+      const Eigen::Index rows = std::min(tile.rows(), z.rows() - row);
+      const Eigen::Index cols = std::min(tile.cols(), z.cols() - col);
+      z.block(row, col, rows, cols) = tile.topLeftCorner(rows, cols);
+    }
+}
+
+void write_strips(const fs::path& path, const fs::path& temporary, const ImageF& z) {
+  TiffMessage message;
+  const auto check = [&](bool good) {
+    if (!good || !message.empty())
+      throw OutputError(path.string() + ": cannot be written: " + message.str() +
+                        ". What was there before is unchanged.");
+  };
+  TiffFile file = open_tiff(temporary, "w", message);
+  check(file != nullptr);
+  const Eigen::Index step = std::clamp<Eigen::Index>(
+      static_cast<Eigen::Index>(kStripBytes / sizeof(float)) / z.cols(), 1, z.rows());
+  TIFFSetField(file.get(), TIFFTAG_IMAGEWIDTH, static_cast<std::uint32_t>(z.cols()));
+  TIFFSetField(file.get(), TIFFTAG_IMAGELENGTH, static_cast<std::uint32_t>(z.rows()));
+  TIFFSetField(file.get(), TIFFTAG_BITSPERSAMPLE, 32);
+  TIFFSetField(file.get(), TIFFTAG_SAMPLEFORMAT, SAMPLEFORMAT_IEEEFP);
+  TIFFSetField(file.get(), TIFFTAG_SAMPLESPERPIXEL, 1);
+  TIFFSetField(file.get(), TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG);
+  TIFFSetField(file.get(), TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISBLACK);
+  // Depths hold noise: the fastest deflate takes fourteen times as long for half the size.
+  TIFFSetField(file.get(), TIFFTAG_COMPRESSION, COMPRESSION_NONE);
+  TIFFSetField(file.get(), TIFFTAG_ROWSPERSTRIP, static_cast<std::uint32_t>(step));
+  std::uint32_t strip = 0;
+  for (Eigen::Index row = 0; row < z.rows(); row += step, ++strip) {
+    ImageF rows = z.middleRows(row, std::min(step, z.rows() - row));  // libtiff wants it mutable
+    const auto bytes = static_cast<tmsize_t>(rows.size()) * static_cast<tmsize_t>(sizeof(float));
+    check(TIFFWriteEncodedStrip(file.get(), strip, rows.data(), bytes) == bytes);
+  }
+  check(TIFFWriteDirectory(file.get()) == 1);
+  file.reset();  // TIFFClose returns nothing; a failure shows in the message
+  check(true);
+}
+
+}  // namespace
+
+Eigen::Matrix3Xd back_project(const RangeMap& map) {
+  check_camera(map.camera, "camera of the range map");
+  if (map.z.rows() != map.camera.height || map.z.cols() != map.camera.width)
+    throw InvalidInput("range map: depths are " + std::to_string(map.z.cols()) + " x " +
+                       std::to_string(map.z.rows()) + " px, but the camera is " +
+                       std::to_string(map.camera.width) + " x " +
+                       std::to_string(map.camera.height) + " px");
+  Eigen::Matrix3Xd points(3, map.z.size());
+  fill_pixel_rays(map.camera, points.topRows<2>());
+  const Eigen::Index width = map.z.cols();
+  tbb::parallel_for(Eigen::Index{0}, map.z.rows(), [&](Eigen::Index row) {
+    for (Eigen::Index i = row * width; i < (row + 1) * width; ++i) {
+      const auto z = static_cast<double>(map.z.data()[i]);
+      points.col(i) << z * points(0, i), z * points(1, i), z;
+    }
+  });
+  return points;
+}
+
+ImageF read_depth_tiff(const fs::path& path) {
+  std::error_code error;
+  if (!fs::is_regular_file(path, error))
+    throw FileError(path.string() + ": no such file; a range map is a TIFF file");
+  TiffMessage message;
+  const TiffFile file = open_tiff(path, "rm", message);
+  if (!file)
+    throw FileError(path.string() + ": is not a TIFF file, or it is truncated (" + message.str() +
+                    "); a range map is a TIFF of 1 channel of 32 bit floating-point");
+  ImageF z = checked_image(file.get(), path);
+  if (TIFFIsTiled(file.get()) != 0)
+    read_tiles(file.get(), path, message, z);
+  else
+    read_strips(file.get(), path, message, z);
+  return (z > 0 && z.isFinite()).select(z, std::numeric_limits<float>::quiet_NaN());
+}
+
+void write_depth_tiff(const fs::path& path, const ImageF& z) {
+  if (z.size() == 0) throw InvalidInput(path.string() + ": a range map without pixels to write");
+  write_file_by_path(path, [&](const fs::path& temporary) { write_strips(path, temporary, z); });
+}
+
+}  // namespace palpate::geometry

@@ -1,0 +1,44 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <vector>
+
+#include "registration/registration_target.h"
+
+namespace palpate::geometry {
+
+/// A pose and how well it fits.
+struct PoseCandidate {
+  Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
+  double score = 0;  ///< quantile of the distances from the surface
+};
+
+struct PoseSearch {
+  std::vector<PoseCandidate> candidates;  ///< poses that differ, the best first
+  int starts = 0;
+};
+
+/// How far to search, in the local frame.
+struct SearchRange {
+  double rotation = 0;     ///< [rad]
+  double translation = 0;  ///< of the centroid
+  double quantile = 0.5;   ///< fraction of the points that must fit
+};
+
+/// Every so many points are enough for a stage: at most `count` of them, spread evenly over the
+/// order of the points and not in step with the rows of an image.
+[[nodiscard]] Eigen::Matrix3Xd spread_subset(const Eigen::Matrix3Xd& points, Eigen::Index count);
+
+/// [local frame] mean distance between the places of points under two poses.
+[[nodiscard]] double mean_displacement(const Eigen::Isometry3d& one,
+                                       const Eigen::Isometry3d& another,
+                                       const Eigen::Matrix3Xd& points);
+
+/// Minima of the distance of points from the target on its coarse map, from many starts.
+[[nodiscard]] PoseSearch search_poses(const RegistrationTarget::Impl& target,
+                                      const Eigen::Matrix3Xd& points, const SearchRange& range);
+
+}  // namespace palpate::geometry

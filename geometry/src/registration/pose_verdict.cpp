@@ -1,0 +1,229 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "registration/pose_verdict.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "base/rank_quantile.h"
+#include "registration/pose_search.h"
+
+namespace palpate::geometry {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+/// Distances below this fraction of the target's diagonal are rounding and say nothing.
+constexpr double kLeastLength = 1e-6;
+
+/// A point belongs iff its distance is at most so many deviations.
+constexpr double kInlierDeviations = 3;
+
+/// The pose needs so many more inliers than the surface fixes degrees of freedom: with fewer,
+/// points of anything fit.
+constexpr int kSpareInliers = 10;
+
+/// Motions are tried that move the points by this fraction of their radius (root mean square).
+constexpr double kTrialLength = 0.1;
+
+/// A motion is weak, and tried, iff it changes the distances to the planes by less than this
+/// fraction of its length (root mean square): a relief of 18 degrees holds.
+constexpr double kWeakGain = 0.3;
+
+/// A motion is free iff at its trial the median distance grows by at most this fraction of the
+/// trial's length.
+constexpr double kFreeGrowth = 0.02;
+
+/// Where the median distance is a larger fraction of the trial's length than this, the fit is too
+/// poor to tell.
+constexpr double kFreeMedian = 0.25;
+
+/// A pose stands out iff at every trial, and at every other minimum, the median distance is at
+/// least c (1 + (f / spare)^2) times as large, where spare is the number of inliers beyond six: a
+/// few points fit a wrong place too, once one has looked at many.
+constexpr double kContrast = 2;
+constexpr double kFew = 20;
+
+constexpr Eigen::Index kTrialPoints = 200;
+
+/// A motion that the planes fix little, and the median distance it leads to.
+struct Trial {
+  Vector6d motion;    ///< of unit length
+  double median = 0;  ///< the smaller of both directions
+};
+
+double median_after(const RegistrationTarget::Impl& target, const Eigen::Matrix3Xd& moved,
+                    const RigidProblem& problem, const Vector6d& motion) {
+  return rank_quantile(target.pair(to_motion(motion, problem) * moved).distances, 0.5);
+}
+
+/// Motions in the order of how little the planes fix them.
+std::vector<Trial> try_weak_motions(const RegistrationTarget::Impl& target,
+                                    const Eigen::Matrix3Xd& moved, const RigidProblem& problem) {
+  // Points on a line can turn about it without moving; that counts as a motion too.
+  const Matrix6d lengths = problem.points + kLeastLength * problem.weight * Matrix6d::Identity();
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6d> gains(problem.planes, lengths);
+  std::vector<Trial> trials;
+  for (int k = 0; k < 6; ++k) {
+    if (k > 0 && !(gains.eigenvalues()[k] < kWeakGain * kWeakGain)) break;
+    const Vector6d unit = gains.eigenvectors().col(k) * std::sqrt(problem.weight);
+    const Vector6d step = kTrialLength * problem.radius * unit;
+    trials.push_back({.motion = unit,
+                      .median = std::min(median_after(target, moved, problem, step),
+                                         median_after(target, moved, problem, -step))});
+  }
+  return trials;
+}
+
+std::string describe(const Eigen::Vector3d& rotation, const Eigen::Vector3d& translation,
+                     double radius) {
+  const auto direction = [](const Eigen::Vector3d& v) {
+    const Eigen::Vector3d unit = v.normalized();
+    return fmt::format("({:.2f}, {:.2f}, {:.2f})", unit.x(), unit.y(), unit.z());
+  };
+  constexpr double kMixed =
+      0.1;  // a part is named iff it moves the points by this part of the rest
+  const double turned = rotation.norm() * radius;
+  const double shifted = translation.norm();
+  if (turned < kMixed * shifted) return "a shift along " + direction(translation);
+  if (shifted < kMixed * turned) return "a turn about " + direction(rotation);
+  return "a turn about " + direction(rotation) + " with a shift along " + direction(translation);
+}
+
+/// In the world's units: the turn in radians, the shift in mm. A motion that is not fixed is as
+/// uncertain as the target is large.
+Matrix6d pose_covariance(const RigidProblem& problem, const std::vector<Vector6d>& free,
+                         double variance, double diagonal, double scale) {
+  Matrix6d fixed = Matrix6d::Identity();  // projects onto what is fixed
+  for (const Vector6d& motion : free) {
+    const Vector6d unit = (fixed * motion).normalized();
+    fixed -= unit * unit.transpose();
+  }
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(fixed * problem.planes * fixed);
+  Matrix6d covariance = Matrix6d::Zero();
+  for (int k = 0; k < 6; ++k) {
+    const Vector6d direction = solver.eigenvectors().col(k);
+    const double eigenvalue = solver.eigenvalues()[k];
+    const bool is_fixed = eigenvalue * diagonal * diagonal > variance &&
+                          eigenvalue > kLeastLength * kLeastLength * problem.weight;
+    covariance += (is_fixed ? variance / eigenvalue : diagonal * diagonal) * direction *
+                  direction.transpose();
+  }
+  Vector6d unit;
+  unit << Eigen::Vector3d::Constant(1 / problem.radius), Eigen::Vector3d::Constant(1 / scale);
+  return unit.asDiagonal() * covariance * unit.asDiagonal();
+}
+
+struct Verdict {
+  RegistrationVerdict verdict;
+  std::string reason;
+};
+
+Verdict decide(const SettledPose& pose, const std::vector<Trial>& trials, double least,
+               double scale, const RegistrationOptions& options, const Registration& result) {
+  using enum RegistrationVerdict;
+  // Where the points slide the steps are small and many: the verdict names the cause.
+  if (!pose.converged && result.free_motions.empty()) {
+    return {not_converged,
+            fmt::format("the steps had not settled after {} iterations{}", pose.iterations,
+                        result.inliers < 3 ? ": no surface near the points" : "")};
+  }
+  if (result.overlap < options.min_overlap) {
+    return {little_overlap,
+            fmt::format("{:.0f} % of the points lie on the surface; at least {:.0f} % are needed",
+                        100 * result.overlap, 100 * options.min_overlap)};
+  }
+  const int fixed = 6 - static_cast<int>(result.free_motions.size());
+  if (result.inliers < fixed + kSpareInliers) {
+    return {too_few_points, fmt::format("{} points on the surface; to judge a pose it takes {}",
+                                        result.inliers, fixed + kSpareInliers)};
+  }
+  if (!(result.rms <= options.max_rms)) {
+    return {poor_fit, fmt::format("the points lie {:.3g} mm from the surface (RMS); at most {:.3g} "
+                                  "mm are allowed",
+                                  result.rms, options.max_rms)};
+  }
+  if (!result.free_motions.empty()) {
+    std::string motions;
+    for (const FreeMotion& motion : result.free_motions) {
+      motions += (motions.empty() ? "" : ", ") + motion.description;
+    }
+    return {slides, "the surface does not fix " + motions};
+  }
+  const double few = kFew / (result.inliers - fixed);
+  const double outstanding = kContrast * (1 + few * few) * std::max(result.median, least);
+  if (result.runner_up < outstanding) {
+    return {ambiguous, fmt::format("another pose fits nearly as well: median distance {:.3g} mm, "
+                                   "here {:.3g} mm",
+                                   result.runner_up, result.median)};
+  }
+  for (const Trial& trial : trials) {
+    if (trial.median / scale >= outstanding) continue;
+    return {poor_fit, fmt::format("the points fit hardly better than a little beside: median "
+                                  "distance {:.3g} mm, there {:.3g} mm",
+                                  result.median, trial.median / scale)};
+  }
+  return {accepted,
+          fmt::format("{:.0f} % of the points lie on the surface within {:.3g} mm (RMS), and "
+                      "nowhere else as well",
+                      100 * result.overlap, result.rms)};
+}
+
+}  // namespace
+
+double inlier_deviation(const RegistrationTarget::Impl& target, const Eigen::VectorXd& distances,
+                        double fraction) {
+  return std::max(deviation_of_median(rank_quantile(distances, fraction)),
+                  kLeastLength * target.diagonal);
+}
+
+void judge(const RegistrationTarget::Impl& target, const Eigen::Matrix3Xd& points,
+           const SettledPose& pose, double runner_up, const RegistrationOptions& options,
+           Registration& result) {
+  const Eigen::Matrix3Xd moved = pose.motion * points;
+  const Eigen::VectorXd& distances = pose.pairing.distances;
+  double squares = 0;
+  for (const double distance : distances) {
+    if (!(distance <= kInlierDeviations * pose.deviation)) continue;
+    ++result.inliers;
+    squares += distance * distance;
+  }
+  result.overlap = static_cast<double>(result.inliers) / static_cast<double>(distances.size());
+  result.rms = result.inliers > 0 ? std::sqrt(squares / result.inliers) / target.scale : kNan;
+  result.median = rank_quantile(distances, 0.5) / target.scale;
+  result.runner_up = runner_up / target.scale;
+
+  const RigidProblem problem = rigid_problem(moved, pose.pairing, pose.deviation);
+  result.centre = target.centre + problem.centre / target.scale;
+  std::vector<Trial> trials;
+  std::vector<Vector6d> free;
+  if (problem.used >= 3) {
+    trials = try_weak_motions(target, spread_subset(moved, kTrialPoints), problem);
+    const double median = rank_quantile(distances, 0.5);
+    const double length = kTrialLength * problem.radius;
+    for (const Trial& trial : trials) {
+      if (trial.median > median + kFreeGrowth * length || median > kFreeMedian * length) continue;
+      FreeMotion motion;
+      motion.rotation = kTrialLength * trial.motion.head<3>();
+      motion.translation = length * trial.motion.tail<3>() / target.scale;
+      motion.description =
+          describe(motion.rotation, motion.translation, problem.radius / target.scale);
+      result.free_motions.push_back(motion);
+      free.push_back(trial.motion);
+    }
+  }
+  const double variance = squares / std::max(1, result.inliers - 6);
+  result.covariance = pose_covariance(problem, free, variance, target.diagonal, target.scale);
+  const Verdict verdict = decide(pose, trials, kLeastLength * target.diagonal / target.scale,
+                                 target.scale, options, result);
+  result.verdict = verdict.verdict;
+  result.reason = verdict.reason;
+}
+
+}  // namespace palpate::geometry

@@ -1,0 +1,255 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/geometry/registration.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "base/rank_quantile.h"
+#include "base/rigid_motion.h"
+#include "palpate/error.h"
+#include "registration/pose_search.h"
+#include "registration/pose_verdict.h"
+#include "registration/registration_pcl.h"
+#include "registration/registration_target.h"
+
+namespace palpate::geometry {
+namespace {
+
+constexpr int kMinPoints = 3;
+
+/// Points are enough to search with, and to settle candidates with.
+constexpr Eigen::Index kSearchPoints = 200;
+constexpr Eigen::Index kCandidatePoints = 300;
+constexpr int kCandidateSteps = 12;
+
+/// Candidates are settled on the surface itself iff their score on the coarse map is at most so
+/// many times the best, or a quarter of a cell, and no more than so many.
+constexpr double kRival = 3;
+constexpr size_t kMaxRivals = 6;
+
+/// Candidates fit equally well iff their scores differ by no more than this factor (or rounding);
+/// of these the one is taken that moves the points least.
+constexpr double kEqualScore = 1.2;
+
+/// As `kStay` of the search, but near the surface.
+constexpr double kStay = 1e-3;
+
+/// A step is the last iff it moves the points by at most this (local frame), or by a hundredth of
+/// the error that their distances leave in their mean.
+constexpr double kConverged = 1e-10;
+constexpr double kOfMeanError = 0.01;
+
+void check_options(const RegistrationOptions& o) {
+  const auto refuse = [](const char* name, double value, const char* rule) {
+    throw InvalidInput(fmt::format("register_points: {} is {}; it must be {}", name, value, rule));
+  };
+  if (o.max_iterations < 1) refuse("max_iterations", o.max_iterations, ">= 1");
+  if (!(o.search_rotation >= 0 && o.search_rotation <= std::numbers::pi)) {
+    refuse("search_rotation", o.search_rotation, "in [0, pi]");
+  }
+  if (!(o.search_translation >= 0)) refuse("search_translation", o.search_translation, ">= 0");
+  if (!(o.min_overlap > 0 && o.min_overlap <= 1)) {
+    refuse("min_overlap", o.min_overlap, "in (0, 1]");
+  }
+  if (!(o.max_rms > 0)) refuse("max_rms", o.max_rms, "> 0");
+  if (!is_rigid(o.T_target_source_start)) {
+    throw InvalidInput(
+        "register_points: T_target_source_start is not a rotation and a finite shift");
+  }
+}
+
+Eigen::Matrix3Xd finite_points(const Eigen::Ref<const Eigen::Matrix3Xd>& points) {
+  Eigen::Matrix3Xd finite(3, points.cols());
+  Eigen::Index count = 0;
+  for (const auto& point : points.colwise()) {
+    if (point.allFinite()) finite.col(count++) = point;
+  }
+  finite.conservativeResize(3, count);
+  if (count < kMinPoints) {
+    throw InvalidInput(
+        fmt::format("register_points: {} of the {} points are finite; at least three are needed",
+                    count, points.cols()));
+  }
+  return finite;
+}
+
+/// What the steps make small: the mean of Tukey's loss, 0 for a pair that fits and 1 beyond the
+/// cut-off.
+double mean_loss(const Eigen::VectorXd& distances, double deviation) {
+  double sum = 0;
+  for (const double distance : distances) {
+    sum += 1 - std::pow(tukey_weight(distance, deviation), 1.5);
+  }
+  return sum / static_cast<double>(distances.size());
+}
+
+/// Steps to the planes of the triangles. A step that does not make the loss smaller is halved, so
+/// the steps end also where facets with noise would send them to and fro.
+SettledPose settle(const RegistrationTarget::Impl& target, const Eigen::Matrix3Xd& points,
+                   const Eigen::Isometry3d& start, double fraction, int max_iterations) {
+  SettledPose pose{.motion = start, .pairing = {}};
+  Eigen::Matrix3Xd moved = start * points;
+  pose.pairing = target.pair(moved);
+  pose.deviation = inlier_deviation(target, pose.pairing.distances, fraction);
+  while (pose.iterations < max_iterations) {
+    const RigidProblem problem = rigid_problem(moved, pose.pairing, pose.deviation);
+    if (problem.used < kMinPoints) return pose;
+    Vector6d x = solve(problem, kStay);
+    if (!x.allFinite()) return pose;
+    const double mean_error =
+        rank_quantile(pose.pairing.distances, 0.5) / std::sqrt(static_cast<double>(points.cols()));
+    const double least_step = std::max(kConverged, kOfMeanError * mean_error);
+    const double loss = mean_loss(pose.pairing.distances, pose.deviation);
+    for (bool descends = false; !descends; x /= 2) {
+      if (x.norm() <= least_step) {
+        pose.converged = true;
+        return pose;
+      }
+      if (pose.iterations == max_iterations) return pose;
+      ++pose.iterations;
+      const Eigen::Isometry3d motion = to_motion(x, problem) * pose.motion;
+      const Eigen::Matrix3Xd tried = motion * points;
+      Pairing pairing = target.pair(tried);
+      descends = mean_loss(pairing.distances, pose.deviation) < loss;
+      if (!descends) continue;
+      pose.motion = motion;
+      pose.pairing = std::move(pairing);
+      moved = tried;
+    }
+    // Never more than before: a loss that changes its shape for ever has no minimum.
+    pose.deviation =
+        std::min(pose.deviation, inlier_deviation(target, pose.pairing.distances, fraction));
+  }
+  return pose;
+}
+
+/// PCL pairs a point with a vertex no further away than this many deviations, beyond which Tukey's
+/// weight of a distance to the surface is 0, ...
+constexpr double kPclDeviations = 5;
+/// ... and this many coarse cells: a vertex is further than the surface by up to the length of a
+/// side.
+constexpr double kPclCells = 2;
+
+/// Steps of PCL's to the vertices.
+SettledPose settle_with_pcl(const RegistrationTarget::Impl& target, const Eigen::Matrix3Xd& points,
+                            const Eigen::Isometry3d& start, const RegistrationOptions& options) {
+  const Eigen::Matrix3Xd moved = start * points;
+  const double deviation =
+      inlier_deviation(target, target.pair(moved).distances, options.min_overlap);
+  const double max_distance = kPclDeviations * deviation + kPclCells * target.grid.cell_size();
+  const VertexCloud::Outcome outcome =
+      target.vertex_cloud().align(moved, options.method, max_distance, options.max_iterations);
+  SettledPose pose{.motion = outcome.motion * start, .pairing = {}};
+  pose.converged = outcome.converged;
+  pose.iterations = outcome.iterations;
+  pose.pairing = target.pair(pose.motion * points);
+  pose.deviation = inlier_deviation(target, pose.pairing.distances, options.min_overlap);
+  return pose;
+}
+
+struct Choice {
+  Eigen::Isometry3d best = Eigen::Isometry3d::Identity();
+  double runner_up = std::numeric_limits<double>::quiet_NaN();  ///< its median distance
+};
+
+/// Settles the promising candidates on the surface itself and takes the best.
+Choice choose(const RegistrationTarget::Impl& target, const Eigen::Matrix3Xd& points,
+              const PoseSearch& search, double fraction) {
+  const double cell = target.grid.cell_size();
+  const double bound = std::max(kRival * search.candidates.front().score, cell / 4);
+  const Eigen::Matrix3Xd some = spread_subset(points, kCandidatePoints);
+  std::vector<PoseCandidate> settled;
+  std::vector<double> medians;
+  Choice choice;
+  const auto note_runner_up = [&](double median) {
+    choice.runner_up = std::fmin(choice.runner_up, median);
+  };
+  for (const PoseCandidate& candidate : search.candidates) {
+    if (candidate.score > bound || settled.size() == kMaxRivals) break;
+    const SettledPose pose = settle(target, some, candidate.motion, fraction, kCandidateSteps);
+    settled.push_back({pose.motion, rank_quantile(pose.pairing.distances, fraction)});
+    medians.push_back(rank_quantile(pose.pairing.distances, 0.5));
+  }
+  double least = settled.front().score;
+  for (const PoseCandidate& pose : settled) least = std::min(least, pose.score);
+  size_t best = 0;
+  double least_motion = std::numeric_limits<double>::infinity();
+  for (size_t i = 0; i < settled.size(); ++i) {
+    if (settled[i].score > kEqualScore * least + kConverged) continue;
+    const double motion = mean_displacement(settled[i].motion, Eigen::Isometry3d::Identity(), some);
+    if (motion < least_motion) {
+      least_motion = motion;
+      best = i;
+    }
+  }
+  choice.best = settled[best].motion;
+  for (size_t i = 0; i < search.candidates.size(); ++i) {
+    const bool is_settled = i < settled.size();
+    const PoseCandidate& other = is_settled ? settled[i] : search.candidates[i];
+    if (mean_displacement(other.motion, choice.best, some) < 2 * cell) continue;
+    note_runner_up(is_settled ? medians[i] : other.score);
+  }
+  return choice;
+}
+
+}  // namespace
+
+Registration register_points(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
+                             const RegistrationTarget& target, const RegistrationOptions& options) {
+  check_options(options);
+  const RegistrationTarget::Impl& surface = target.impl();
+  Eigen::Matrix3Xd source = options.T_target_source_start * finite_points(points);
+  source = (source.colwise() - surface.centre) * surface.scale;
+
+  Registration result;
+  const SearchRange range{.rotation = options.search_rotation,
+                          .translation = options.search_translation * surface.scale,
+                          .quantile = options.min_overlap};
+  Choice choice;
+  result.starts = 1;
+  if (range.rotation > 0 || range.translation > 0) {
+    const PoseSearch search = search_poses(surface, spread_subset(source, kSearchPoints), range);
+    result.starts = search.starts;
+    choice = choose(surface, source, search, options.min_overlap);
+  }
+  const SettledPose pose =
+      options.method == RegistrationMethod::point_to_triangle
+          ? settle(surface, source, choice.best, options.min_overlap, options.max_iterations)
+          : settle_with_pcl(surface, source, choice.best, options);
+  result.T_target_source = surface.to_world(pose.motion) * options.T_target_source_start;
+  result.iterations = pose.iterations;
+  judge(surface, source, pose, choice.runner_up, options, result);
+  return result;
+}
+
+Registration register_points(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
+                             const TriangleMesh& target, const RegistrationOptions& options) {
+  check_options(options);
+  return register_points(points, RegistrationTarget(target), options);
+}
+
+const char* to_string(RegistrationVerdict verdict) {
+  switch (verdict) {
+    case RegistrationVerdict::accepted:
+      return "accepted";
+    case RegistrationVerdict::not_converged:
+      return "not_converged";
+    case RegistrationVerdict::too_few_points:
+      return "too_few_points";
+    case RegistrationVerdict::little_overlap:
+      return "little_overlap";
+    case RegistrationVerdict::slides:
+      return "slides";
+    case RegistrationVerdict::ambiguous:
+      return "ambiguous";
+    case RegistrationVerdict::poor_fit:
+      return "poor_fit";
+  }
+  return "unknown";
+}
+
+}  // namespace palpate::geometry

@@ -1,0 +1,93 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "registration/registration_pcl.h"
+
+#include <pcl/point_cloud.h>
+#include <pcl/point_types.h>
+#include <pcl/registration/icp.h>
+#include <pcl/search/kdtree.h>
+
+#include <limits>
+
+namespace palpate::geometry {
+namespace {
+
+using Point = pcl::PointNormal;
+using Cloud = pcl::PointCloud<Point>;
+
+/// PCL has converged iff a step moves by at most the rounding of its floats (local frame); it
+/// compares the square of the shift, and of the turn one minus its cosine.
+constexpr double kRounding = 4 * static_cast<double>(std::numeric_limits<float>::epsilon());
+
+/// Shows PCL's count of iterations.
+template <typename Icp>
+struct Counting : Icp {
+  [[nodiscard]] int iterations() const { return this->nr_iterations_; }
+};
+
+template <typename Icp>
+VertexCloud::Outcome align_with(const Cloud::Ptr& source, const Cloud::Ptr& target,
+                                const pcl::search::KdTree<Point>::Ptr& tree, double max_distance,
+                                int max_iterations) {
+  Counting<Icp> icp;
+  icp.setSearchMethodTarget(tree, true);
+  icp.setInputTarget(target);
+  icp.setInputSource(source);
+  icp.setMaxCorrespondenceDistance(max_distance);
+  icp.setMaximumIterations(max_iterations);
+  icp.setTransformationEpsilon(kRounding * kRounding);
+  Cloud moved;
+  icp.align(moved);
+  const Eigen::Matrix4d found = icp.getFinalTransformation().template cast<double>();
+  VertexCloud::Outcome outcome;
+  outcome.iterations = icp.iterations();
+  outcome.converged =
+      icp.hasConverged() && outcome.iterations < max_iterations && found.allFinite();
+  if (!found.allFinite()) return outcome;
+  outcome.motion.linear() = Eigen::Quaterniond(Eigen::Matrix3d(found.topLeftCorner<3, 3>()))
+                                .normalized()
+                                .toRotationMatrix();
+  outcome.motion.translation() = found.topRightCorner<3, 1>();
+  return outcome;
+}
+
+}  // namespace
+
+struct VertexCloud::Impl {
+  Cloud::Ptr cloud{new Cloud};
+  pcl::search::KdTree<Point>::Ptr tree{new pcl::search::KdTree<Point>};
+};
+
+VertexCloud::VertexCloud(const TriangleMesh& mesh) : impl_(std::make_unique<Impl>()) {
+  const Eigen::Matrix3Xd normals = vertex_normals(mesh);
+  for (Eigen::Index v = 0; v < mesh.vertices.cols(); ++v) {
+    if (!normals.col(v).allFinite()) continue;
+    Point point;
+    point.getVector3fMap() = mesh.vertices.col(v).cast<float>();
+    point.getNormalVector3fMap() = normals.col(v).cast<float>();
+    impl_->cloud->push_back(point);
+  }
+  impl_->tree->setInputCloud(impl_->cloud);
+}
+
+VertexCloud::~VertexCloud() = default;
+
+VertexCloud::Outcome VertexCloud::align(const Eigen::Matrix3Xd& points, RegistrationMethod method,
+                                        double max_distance, int max_iterations) const {
+  const Cloud::Ptr source(new Cloud);
+  for (const auto& point : points.colwise()) {
+    Point p;
+    p.getVector3fMap() = point.cast<float>();
+    // The step to planes uses the target's normals only, but PCL leaves out sources without one.
+    p.getNormalVector3fMap() = Eigen::Vector3f::UnitZ();
+    source->push_back(p);
+  }
+  if (method == RegistrationMethod::point_to_plane) {
+    return align_with<pcl::IterativeClosestPointWithNormals<Point, Point>>(
+        source, impl_->cloud, impl_->tree, max_distance, max_iterations);
+  }
+  return align_with<pcl::IterativeClosestPoint<Point, Point>>(source, impl_->cloud, impl_->tree,
+                                                              max_distance, max_iterations);
+}
+
+}  // namespace palpate::geometry

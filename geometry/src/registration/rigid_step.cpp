@@ -1,0 +1,111 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "registration/rigid_step.h"
+
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "base/cross_matrix.h"
+
+namespace palpate::geometry {
+namespace {
+
+/// Sums are made block by block and the blocks added in order: the same whatever the threads.
+constexpr Eigen::Index kBlock = 2048;
+
+/// Part of a problem: pairs [begin, end).
+void add_pairs(const Eigen::Matrix3Xd& points, const Pairing& pairing, double deviation,
+               Eigen::Index begin, Eigen::Index end, RigidProblem& sum) {
+  for (Eigen::Index i = begin; i < end; ++i) {
+    if (!pairing.usable[i]) continue;
+    const double weight = tukey_weight(pairing.distances[i], deviation);
+    if (!(weight > 0)) continue;
+    const Eigen::Vector3d arm = (points.col(i) - sum.centre) / sum.radius;
+    const Eigen::Vector3d normal = pairing.normals.col(i);
+    Vector6d row;
+    row << arm.cross(normal), normal;
+    const double error = normal.dot(points.col(i) - pairing.feet.col(i));
+    sum.planes.noalias() += weight * row * row.transpose();
+    sum.slope += weight * error * row;
+    sum.points.topLeftCorner<3, 3>() +=
+        weight * (arm.squaredNorm() * Eigen::Matrix3d::Identity() - arm * arm.transpose());
+    sum.points.topRightCorner<3, 3>() += weight * cross_matrix(arm);
+    sum.weight += weight;
+    ++sum.used;
+  }
+}
+
+}  // namespace
+
+void Pairing::resize(Eigen::Index count) {
+  feet.resize(3, count);
+  normals.resize(3, count);
+  distances.resize(count);
+  usable.resize(count);
+}
+
+double deviation_of_median(double median) {
+  // Half of a normal distribution lies within 0.6745 deviations, of which this is the inverse.
+  constexpr double kDeviationOfMedian = 1.4826;
+  return kDeviationOfMedian * median;
+}
+
+double tukey_weight(double distance, double deviation) {
+  constexpr double kCutOff = 4.685;
+  const double ratio = distance / (kCutOff * deviation);
+  if (!(ratio < 1)) return 0;
+  const double root = 1 - ratio * ratio;
+  return root * root;
+}
+
+RigidProblem rigid_problem(const Eigen::Matrix3Xd& points, const Pairing& pairing,
+                           double deviation) {
+  RigidProblem problem;
+  problem.centre = points.rowwise().mean();
+  problem.radius = std::sqrt((points.colwise() - problem.centre).colwise().squaredNorm().mean());
+  if (!(problem.radius > 0)) problem.radius = 1;  // all in one place: turns move nothing
+  const Eigen::Index blocks = (points.cols() + kBlock - 1) / kBlock;
+  if (blocks == 1) {
+    add_pairs(points, pairing, deviation, 0, points.cols(), problem);
+  } else {
+    std::vector<RigidProblem> parts(static_cast<size_t>(blocks), problem);
+    tbb::parallel_for(Eigen::Index{0}, blocks, [&](Eigen::Index block) {
+      add_pairs(points, pairing, deviation, block * kBlock,
+                std::min(points.cols(), (block + 1) * kBlock), parts[static_cast<size_t>(block)]);
+    });
+    for (const RigidProblem& part : parts) {
+      problem.planes += part.planes;
+      problem.points += part.points;
+      problem.slope += part.slope;
+      problem.weight += part.weight;
+      problem.used += part.used;
+    }
+  }
+  problem.points.bottomLeftCorner<3, 3>() = problem.points.topRightCorner<3, 3>().transpose();
+  problem.points.bottomRightCorner<3, 3>() = problem.weight * Eigen::Matrix3d::Identity();
+  return problem;
+}
+
+Vector6d solve(const RigidProblem& problem, double stay) {
+  // The normal equations square the condition number, which `stay` bounds.
+  Matrix6d equations = problem.planes + stay * problem.points;
+  // Points on a line can turn about it without being moved.
+  constexpr double kIdle = 1e-6;
+  equations.diagonal().array() += kIdle * stay * problem.weight;
+  return equations.ldlt().solve(-problem.slope);
+}
+
+Eigen::Isometry3d to_motion(const Vector6d& x, const RigidProblem& problem) {
+  const Eigen::Vector3d turn = x.head<3>() / problem.radius;
+  const double angle = turn.norm();
+  Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
+  if (angle > 0) motion.linear() = Eigen::AngleAxisd(angle, turn / angle).toRotationMatrix();
+  motion.translation() = problem.centre + x.tail<3>() - motion.linear() * problem.centre;
+  return motion;
+}
+
+}  // namespace palpate::geometry

@@ -1,0 +1,49 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/geometry/register_scans.h"
+
+#include <algorithm>
+#include <cstddef>
+
+#include "scans/registered_scans.h"
+
+namespace palpate::geometry {
+namespace {
+
+/// So many points fix a pose far better than they are measured; more only take longer.
+constexpr Eigen::Index kMaxPoints = 20000;
+
+Eigen::Matrix3Xd thinned(const Eigen::Matrix3Xd& points) {
+  const Eigen::Index step =
+      std::max<Eigen::Index>(1, (points.cols() + kMaxPoints - 1) / kMaxPoints);
+  return points(Eigen::all, Eigen::seq(0, points.cols() - 1, step));
+}
+
+/// Adds a mesh beside another; triangles are not joined.
+void append(TriangleMesh& mesh, const TriangleMesh& other) {
+  const Eigen::Index vertices = mesh.vertices.cols(), triangles = mesh.triangles.cols();
+  mesh.vertices.conservativeResize(3, vertices + other.vertices.cols());
+  mesh.vertices.rightCols(other.vertices.cols()) = other.vertices;
+  mesh.triangles.conservativeResize(3, triangles + other.triangles.cols());
+  mesh.triangles.rightCols(other.triangles.cols()) =
+      other.triangles.array() + static_cast<int>(vertices);
+}
+
+}  // namespace
+
+std::vector<Registration> register_scans(std::span<const Scan> scans,
+                                         const RegistrationOptions& options) {
+  TriangleMesh before = in_frame_of_object(scans, "register_scans").front();
+  std::vector<Registration> moves;
+  for (std::size_t i = 1; i < scans.size(); ++i) {
+    RegistrationOptions from_pose = options;
+    from_pose.T_target_source_start = scans[i].T_object_scan;
+    moves.push_back(register_points(thinned(scans[i].mesh.vertices), before, from_pose));
+    if (moves.back().verdict != RegistrationVerdict::accepted) break;
+    append(before, {.vertices = moves.back().T_target_source * scans[i].mesh.vertices,
+                    .triangles = scans[i].mesh.triangles});
+  }
+  return moves;
+}
+
+}  // namespace palpate::geometry

@@ -1,0 +1,45 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "scans/registered_scans.h"
+
+#include <cstddef>
+
+#include "base/rank_quantile.h"
+#include "base/rigid_motion.h"
+#include "palpate/error.h"
+
+namespace palpate::geometry {
+
+std::vector<TriangleMesh> in_frame_of_object(std::span<const Scan> scans,
+                                             const std::string& caller) {
+  if (scans.empty()) throw InvalidInput(caller + ": there is no scan");
+  std::vector<TriangleMesh> meshes;
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    const std::string name = caller + ": scan " + std::to_string(i);
+    check_mesh(scans[i].mesh, name.c_str());
+    if (!is_rigid(scans[i].T_object_scan)) {
+      throw InvalidInput(name + ": T_object_scan is not a rotation and a finite shift");
+    }
+    meshes.push_back({.vertices = scans[i].T_object_scan * scans[i].mesh.vertices,
+                      .triangles = scans[i].mesh.triangles});
+  }
+  return meshes;
+}
+
+double median_edge_length(const std::vector<TriangleMesh>& meshes, const std::string& caller) {
+  std::vector<double> lengths;
+  for (const TriangleMesh& mesh : meshes) {
+    for (const auto& t : mesh.triangles.colwise()) {
+      for (int k = 0; k < 3; ++k) {
+        lengths.push_back((mesh.vertices.col(t[k]) - mesh.vertices.col(t[(k + 1) % 3])).norm());
+      }
+    }
+  }
+  const double median = rank_quantile(lengths, 0.5);
+  if (!(median > 0)) {
+    throw InvalidInput(caller + ": the median edge of the scans has no length");
+  }
+  return median;
+}
+
+}  // namespace palpate::geometry

@@ -1,0 +1,317 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/haptics/build_model.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+
+#include "build/place_contacts.h"
+#include "palpate/error.h"
+#include "palpate/geometry/contact_triangulation.h"
+#include "palpate/geometry/surface_query.h"
+#include "palpate/haptics/contact_compliance.h"
+#include "palpate/haptics/realignment.h"
+#include "palpate/haptics/rotation.h"
+#include "palpate/haptics/rounding.h"
+#include "palpate/probing/fingerprint.h"
+#include "palpate/probing/samples_by_contact.h"
+#include "samples/samples_fingerprint.h"
+
+namespace palpate::haptics {
+namespace {
+
+void check_options(const BuildOptions& options) {
+  const auto check = [](double value, const char* name) {
+    if (value >= 0) return;
+    throw InvalidInput(std::string("build_model(): ") + name + " is " + std::to_string(value) +
+                       " mm; it must be >= 0");
+  };
+  check(options.on_surface, "on_surface");
+  check(options.max_distance, "max_distance");
+  check(options.max_motion, "max_motion");
+  if (options.dense_samples && *options.dense_samples < kFewestDenseSamples) {
+    throw InvalidInput("build_model(): dense_samples is " + std::to_string(*options.dense_samples) +
+                       "; it must be >= " + std::to_string(kFewestDenseSamples));
+  }
+}
+
+// Contacts that have samples, and these.
+struct Probed {
+  explicit Probed(const probing::Acquisition& acquisition) : samples(acquisition) {}
+
+  std::vector<probing::Contact> contacts;
+  std::vector<std::size_t> places;  // of the contacts in the acquisition
+  probing::SamplesByContact samples;
+};
+
+// The contacts without samples are named in the result.
+Probed probed_contacts(const probing::Acquisition& acquisition, BuildResult& result) {
+  Probed probed(acquisition);
+  for (std::size_t i = 0; i < acquisition.contacts.size(); ++i) {
+    if (probed.samples.count(i) > 0) {
+      probed.contacts.push_back(acquisition.contacts[i]);
+      probed.places.push_back(i);
+    } else {
+      result.without_samples.push_back(acquisition.contacts[i].id);
+    }
+  }
+  if (probed.contacts.size() < 3) {
+    throw InvalidInput("build_model(): only " + std::to_string(probed.contacts.size()) + " of " +
+                       std::to_string(acquisition.contacts.size()) +
+                       " contacts have samples; at least three are needed");
+  }
+  return probed;
+}
+
+// The directions of pressing and of friction, in the frame of the acquisition, and what is known of
+// the coefficient.
+void learn_friction(const probing::Contact& contact, std::span<const probing::Sample> samples,
+                    const ForceSamples& pairs, double displacement_noise,
+                    const FrictionOptions& options, ContactModel& model, ContactReport& report) {
+  const FrictionFit& fit = report.friction =
+      fit_friction(friction_trials(contact, samples), contact.normal, options);
+  const bool measured =
+      (fit.stop == FrictionStop::converged || fit.stop == FrictionStop::frictionless) &&
+      std::isfinite(fit.coefficient_error) && fit.axis.dot(contact.normal) < 0;
+  const Eigen::Vector3d pressing =
+      measured ? fit.axis : Eigen::Vector3d(-contact.normal.normalized());
+  model.frame.col(2) = pressing;
+  model.friction_source = measured ? FrictionSource::samples : FrictionSource::none;
+  model.friction = measured ? fit.coefficient : 0;
+  model.friction_error = measured ? fit.coefficient_error : 0;
+  model.friction_lower_bound = fit.lower_bound;
+  const FrictionAxisFit& axis = report.friction_axis = fit_friction_axis(
+      pairs, pressing,
+      {.displacement_noise = displacement_noise, .force_noise = options.force_noise});
+  model.friction_axis = axis.stop == FrictionAxisStop::converged ? axis.axis : pressing;
+}
+
+// All x axes come from one by the smallest turn from the mean pressing direction, so that
+// neighbours agree on them.
+void choose_frames(Model& model) {
+  const Eigen::Matrix3d to_surface = model.T_surface_acquisition.linear();
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const ContactModel& contact : model.contacts) mean += contact.frame.col(2);
+  // A closed object may press from all sides: then any direction will do.
+  if (!(mean.norm() > 0)) mean = model.contacts.front().frame.col(2);
+  const Eigen::Matrix3d mean_frame = rotation_between(Eigen::Vector3d::UnitZ(), mean);
+  for (ContactModel& contact : model.contacts) {
+    contact.frame = to_surface * rotation_between(mean, contact.frame.col(2)) * mean_frame;
+    contact.friction_axis = (to_surface * contact.friction_axis).normalized();
+    contact = rounded(std::move(contact));
+  }
+}
+
+// Figures of a model are at most the greatest that a file may hold, and 0 if not known (NaN).
+double storable(double figure) {
+  constexpr double kGreatest = 1e12;
+  return std::isnan(figure) ? 0 : std::min(figure, kGreatest);
+}
+
+// Pairs in the frame that the field of their contact is stored in.
+ForceSamples in_frame_of(const ContactModel& model, const Eigen::Matrix3d& to_surface,
+                         const ForceSamples& samples) {
+  const Eigen::Matrix3d to_local = model.frame.transpose() * to_surface;
+  ForceSamples local = samples;
+  local.displacements = to_local * samples.displacements;
+  local.forces = to_local * samples.forces;
+  return local;
+}
+
+FitResult fit_field(const ForceSamples& pairs, const std::optional<LocalPart>& local_part,
+                    const FitOptions& options) {
+  FitResult fit = local_part ? fit_with_local_part(pairs, *local_part, options).fit
+                             : fit_force_field(pairs.displacements, pairs.forces, options);
+  fit.field = rounded(std::move(fit.field));
+  double sum = 0;
+  for (Eigen::Index i = 0; i < pairs.forces.cols(); ++i)
+    sum += (force(fit.field, pairs.displacements.col(i)) - pairs.forces.col(i)).squaredNorm();
+  fit.rms = std::sqrt(sum / static_cast<double>(pairs.forces.cols()));
+  return fit;
+}
+
+void take_fit(ContactModel& model, const ForceSamples& samples, const FitResult& fit) {
+  model.samples = static_cast<int>(samples.forces.cols());
+  model.rms = fit.rms;
+  model.fit_stop = to_string(fit.stop);
+  model.fit_mode = to_string(fit.mode);
+  model.passivity = to_string(fit.certificate.passivity);
+  model.chi2 = storable(fit.chi2);
+  model.noise_floor = storable(fit.noise_floor);
+  model.condition = storable(fit.condition);
+  model.shared_local = fit.shared_local;
+  model.field = fit.field;
+  model = rounded(std::move(model));
+}
+
+void fit_fields(const std::vector<ForceSamples>& samples, const FitOptions& fit_options,
+                const BuildOptions& options, BuildResult& result) {
+  std::vector<std::size_t> unknown;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const FitResult* known = options.known_fit ? options.known_fit(result.contacts[i].id) : nullptr;
+    if (known)
+      result.contacts[i].fit = *known;
+    else
+      unknown.push_back(i);
+  }
+  const auto count = static_cast<int>(samples.size());
+  int done = count - static_cast<int>(unknown.size());
+  if (done > 0 && options.progress) options.progress(BuildStage::fields, done, count);
+  const Eigen::Matrix3d to_surface = result.model.T_surface_acquisition.linear();
+  if (options.dense_samples) {
+    std::vector<ForceSamples> local;
+    for (std::size_t i = 0; i < samples.size(); ++i)
+      local.push_back(in_frame_of(result.model.contacts[i], to_surface, samples[i]));
+    result.local_part =
+        learn_local_part(local, {.fit = fit_options, .dense_samples = *options.dense_samples});
+  }
+  std::mutex reporting;
+  tbb::parallel_for(std::size_t{0}, unknown.size(), [&](std::size_t u) {
+    const std::size_t i = unknown[u];
+    ContactReport& report = result.contacts[i];
+    report.fit = fit_field(in_frame_of(result.model.contacts[i], to_surface, samples[i]),
+                           result.local_part, fit_options);
+    const std::lock_guard lock(reporting);
+    if (options.keep_fit) options.keep_fit(report.id, report.fit);
+    if (options.progress) options.progress(BuildStage::fields, ++done, count);
+  });
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    take_fit(result.model.contacts[i], samples[i], result.contacts[i].fit);
+  }
+}
+
+// Returns what the fields were fitted to.
+std::vector<ForceSamples> fit_contacts(const Probed& probed, const BuildOptions& options,
+                                       BuildResult& result) {
+  const std::size_t count = probed.contacts.size();
+  std::vector<ForceSamples> samples(count);
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+    samples[i] = realign(probed.contacts[i], probed.samples.of(probed.places[i]));
+  });
+  // One tool and one tracker measured all contacts: together they tell their noise best.
+  FitOptions options_with_noise = options.fit;
+  if (!options.fit.noise.displacement) {
+    options_with_noise.noise.displacement = pooled_displacement_noise(samples);
+  }
+  const double displacement_noise =
+      options_with_noise.noise.displacement.value_or(kDisplacementNoise);
+  std::mutex reporting;
+  int done = 0;
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+    learn_friction(probed.contacts[i], probed.samples.of(probed.places[i]), samples[i],
+                   displacement_noise, options.friction, result.model.contacts[i],
+                   result.contacts[i]);
+    const std::lock_guard lock(reporting);
+    if (options.progress) options.progress(BuildStage::friction, ++done, static_cast<int>(count));
+  });
+  choose_frames(result.model);
+  fit_fields(samples, options_with_noise, options, result);
+  return samples;
+}
+
+void fill_in_friction(Model& model) {
+  std::vector<double> measured;
+  for (const ContactModel& contact : model.contacts) {
+    if (contact.friction_source == FrictionSource::samples) measured.push_back(contact.friction);
+  }
+  const Eigen::Map<const Eigen::ArrayXd> values(measured.data(),
+                                                static_cast<Eigen::Index>(measured.size()));
+  const double mean = measured.empty() ? 0 : values.mean();
+  const double scatter =
+      measured.size() < 2
+          ? 0
+          : std::sqrt((values - mean).square().sum() / static_cast<double>(measured.size() - 1));
+  for (ContactModel& contact : model.contacts) {
+    if (contact.friction_source == FrictionSource::samples) continue;
+    // A lower bound of its own is a cautious coefficient (thesis 5.4.1).
+    const bool bounded = contact.friction_lower_bound > mean;
+    contact.friction = bounded ? contact.friction_lower_bound : mean;
+    contact.friction_error = bounded ? 0 : scatter;
+    contact.friction_source = bounded            ? FrictionSource::lower_bound
+                              : measured.empty() ? FrictionSource::none
+                                                 : FrictionSource::other_contacts;
+    contact = rounded(std::move(contact));
+  }
+}
+
+// The largest force along the z axis that all but a quarter of the contacts were pressed with.
+double reference_force(const std::vector<ForceSamples>& samples, const Model& model) {
+  std::vector<double> largest;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const Eigen::Vector3d pressing =
+        model.T_surface_acquisition.linear().transpose() * model.contacts[i].frame.col(2);
+    largest.push_back((pressing.transpose() * samples[i].forces).maxCoeff());
+  }
+  const auto quartile = largest.begin() + static_cast<std::ptrdiff_t>(largest.size() / 4);
+  std::ranges::nth_element(largest, quartile);
+  return *quartile;
+}
+
+}  // namespace
+
+const char* to_string(RegistrationOutcome outcome) {
+  switch (outcome) {
+    case RegistrationOutcome::not_needed:
+      return "not_needed";
+    case RegistrationOutcome::accepted:
+      return "accepted";
+    case RegistrationOutcome::too_far:
+      return "too_far";
+    case RegistrationOutcome::not_converged:
+      return "not_converged";
+  }
+  return "unknown";
+}
+
+BuildResult build_model(const probing::Acquisition& acquisition,
+                        const geometry::TriangleMesh& surface, const BuildOptions& options) {
+  check_options(options);
+  probing::check_acquisition(acquisition);
+  BuildResult result;
+  result.model.made[kSamplesFingerprint] = probing::fingerprint(acquisition);
+  const Probed probed = probed_contacts(acquisition, result);
+  const std::vector<probing::Contact>& contacts = probed.contacts;
+  const geometry::SurfaceQuery query(surface);
+  result.model.surface = surface;
+  const std::vector<geometry::ClosestPoint> places =
+      place_contacts(contacts, query, options, result);
+
+  result.model.contacts.resize(contacts.size());
+  result.contacts.resize(contacts.size());
+  std::vector<geometry::SurfacePoint> points;
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    result.model.contacts[i].id = result.contacts[i].id = contacts[i].id;
+    result.model.contacts[i].position = places[i].position;
+    result.contacts[i].distance = places[i].distance;
+    points.push_back(places[i].at);
+  }
+  // The triangulation is oriented as the surface: after it was turned over. A surface point that
+  // was found before names the same triangle with two corners exchanged.
+  if (result.surface_flipped) {
+    for (geometry::SurfacePoint& point : points)
+      std::swap(point.barycentric[1], point.barycentric[2]);
+  }
+  geometry::ContactTriangulation triangulation =
+      geometry::triangulate_contacts(result.model.surface, points);
+  result.model.triangles = std::move(triangulation.mesh.triangles);
+  result.model.surface_weights = std::move(triangulation.weights);
+  for (const int i : triangulation.isolated) {
+    result.isolated.push_back(contacts[static_cast<std::size_t>(i)].id);
+  }
+  const std::vector<ForceSamples> samples = fit_contacts(probed, options, result);
+  fill_in_friction(result.model);
+  const double pressed = reference_force(samples, result.model);
+  if (options.blend_rule == BlendRule::compliances && pressed > 0) {
+    result.model = with_compliances(std::move(result.model), pressed);
+  }
+  return result;
+}
+
+}  // namespace palpate::haptics

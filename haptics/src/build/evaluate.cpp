@@ -1,0 +1,316 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/haptics/evaluate.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <string>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "model/compliance_kriging.h"
+#include "palpate/error.h"
+#include "palpate/geometry/contact_triangulation.h"
+#include "palpate/geometry/range_map_score.h"
+#include "palpate/geometry/surface_query.h"
+#include "palpate/haptics/blended_field.h"
+#include "palpate/haptics/contact_compliance.h"
+#include "palpate/haptics/realignment.h"
+#include "palpate/probing/fingerprint.h"
+#include "palpate/probing/samples_by_contact.h"
+#include "samples/samples_fingerprint.h"
+
+namespace palpate::haptics {
+namespace {
+
+// A contact of the acquisition, put on the surface, is that of the model within this, relative to
+// the surface's diagonal: surfaces are stored in single precision.
+constexpr double kSamePlaceRatio = 1e-5;
+// The stiffness is the difference of forces over this part of the displacement, on either side.
+constexpr double kStepRatio = 1e-3;
+// Suggestions are sought at no more vertices of the surface than this, evenly over them.
+constexpr Eigen::Index kMaxCandidates = 4000;
+// Suggestions lie no further from the contacts' triangles than this times the spacing of contacts:
+// beyond, the object may be held by something, and errors grow with the distance whatever it does.
+constexpr double kMaxBeyond = 0.5;
+
+// A model of an earlier version does not tell what it was made of.
+void check_same_samples(const Model& model, const probing::Acquisition& acquisition) {
+  const auto made_of = model.made.find(kSamplesFingerprint);
+  if (made_of == model.made.end()) return;
+  const std::string given = probing::fingerprint(acquisition);
+  if (made_of->second == given) return;
+  throw InvalidInput("leave_one_out(): the acquisition holds other samples (fingerprint " + given +
+                     ") than the model was made of (" + made_of->second +
+                     "): errors of prediction and of another measurement would be mixed up. Pass "
+                     "the acquisition that the model was made of, or fit it to this one");
+}
+
+// Samples of contacts in the frame of the surface; displacements count from the contact as
+// measured.
+class RealignedSamples {
+ public:
+  RealignedSamples(const Model& model, const probing::Acquisition& acquisition)
+      : model_(model), acquisition_(acquisition), samples_(acquisition) {
+    for (std::size_t i = 0; i < acquisition.contacts.size(); ++i)
+      index_of_.emplace(acquisition.contacts[i].id, i);
+  }
+
+  [[nodiscard]] ForceSamples of(const ContactModel& contact,
+                                const geometry::SurfaceQuery& surface) const {
+    const auto found = index_of_.find(contact.id);
+    ForceSamples samples;
+    if (found != index_of_.end()) {
+      const probing::Contact& measured = acquisition_.contacts[found->second];
+      const Eigen::Vector3d there = model_.T_surface_acquisition * measured.position;
+      const double distance = (surface.closest_point(there).position - contact.position).norm();
+      if (!(distance <= kSamePlaceRatio * geometry::bounding_diagonal(model_.surface))) {
+        throw InvalidInput("leave_one_out(): contact " + std::to_string(contact.id) +
+                           " of the acquisition lies " + std::to_string(distance) +
+                           " mm along the surface from that of the model; pass the acquisition "
+                           "that the model was made of");
+      }
+      samples = realign(measured, samples_.of(found->second));
+    }
+    if (samples.forces.cols() == 0) {
+      throw InvalidInput("leave_one_out(): contact " + std::to_string(contact.id) +
+                         " of the model has no samples in the acquisition; pass the acquisition "
+                         "that the model was made of");
+    }
+    const Eigen::Matrix3d rotation = model_.T_surface_acquisition.linear();
+    samples.displacements = rotation * samples.displacements;
+    samples.forces = rotation * samples.forces;
+    return samples;
+  }
+
+ private:
+  const Model& model_;
+  const probing::Acquisition& acquisition_;
+  probing::SamplesByContact samples_;
+  std::unordered_map<long long, std::size_t> index_of_;
+};
+
+Model without_contact(const Model& model, std::vector<geometry::SurfacePoint> points,
+                      std::size_t i) {
+  Model rest = model;
+  rest.contacts.erase(rest.contacts.begin() + static_cast<std::ptrdiff_t>(i));
+  points.erase(points.begin() + static_cast<std::ptrdiff_t>(i));
+  geometry::ContactTriangulation triangulation =
+      geometry::triangulate_contacts(model.surface, points);
+  rest.triangles = std::move(triangulation.mesh.triangles);
+  rest.surface_weights = std::move(triangulation.weights);
+  if (rest.interpolation.rule == BlendRule::compliances)
+    rest = with_compliances(std::move(rest), rest.interpolation.reference_force);
+  return rest;
+}
+
+// Which contacts lie on an edge of one triangle only.
+std::vector<bool> border_contacts(const Model& model) {
+  std::map<std::pair<int, int>, int> uses;
+  for (const auto& t : model.triangles.colwise()) {
+    for (int k = 0; k < 3; ++k) ++uses[std::minmax({t[k], t[(k + 1) % 3]})];
+  }
+  std::vector<bool> border(model.contacts.size(), false);
+  for (const auto& [edge, count] : uses) {
+    if (count > 1) continue;
+    border[static_cast<std::size_t>(edge.first)] = true;
+    border[static_cast<std::size_t>(edge.second)] = true;
+  }
+  return border;
+}
+
+// [N] Standard deviation of the normal force at the reference displacement at a place.
+double expected_error(const BlendedField& field, const Blend& at, const Surroundings& around,
+                      const Covariance& covariance) {
+  if (around.contacts.empty()) return std::nan("");
+  const KrigingPrediction predicted = predict_compliance(around, covariance);
+  const Eigen::Vector3d displacement = at.field_frame * predicted.value.head<3>();
+  const Eigen::Vector3d step = kStepRatio * predicted.value(2) * at.field_frame.col(2);
+  const double change =
+      (field.force(at, displacement + step) - field.force(at, displacement - step))
+          .dot(at.field_frame.col(2));
+  const double stiffness = change / (2 * step.norm());
+  return covariance.amplitude(2) * std::sqrt(predicted.variance) * std::abs(stiffness);
+}
+
+ContactError predict_contact(const BlendedField& field, const Blend& at,
+                             const ForceSamples& samples) {
+  std::vector<double> errors;
+  double spread = 0;
+  for (Eigen::Index s = 0; s < samples.forces.cols(); ++s) {
+    const Eigen::Vector3d displacement = samples.displacements.col(s);
+    const Eigen::Vector3d force = field.force(at, displacement);
+    errors.push_back((force - samples.forces.col(s)).norm());
+    for (std::size_t k = 0; k < static_cast<std::size_t>(at.contacts.count); ++k) {
+      Blend alone = at;
+      alone.contacts.count = 1;
+      alone.contacts.contacts[0] = at.contacts.contacts[k];
+      alone.contacts.weights[0] = 1;
+      alone.warps[0] = at.warps[k];
+      spread += at.contacts.weights[k] * (field.force(alone, displacement) - force).squaredNorm();
+    }
+  }
+  const geometry::ErrorStatistics statistics = geometry::error_statistics(std::move(errors));
+  ContactError error;
+  error.rms = statistics.rms;
+  error.samples = static_cast<int>(statistics.count);
+  error.spread = std::sqrt(spread / static_cast<double>(samples.forces.cols()));
+  return error;
+}
+
+double pooled_rms(const std::vector<ContactError>& errors, const std::vector<bool>& counts) {
+  double sum = 0, count = 0;
+  for (std::size_t i = 0; i < errors.size(); ++i) {
+    if (!counts[i]) continue;
+    sum += errors[i].rms * errors[i].rms * errors[i].samples;
+    count += errors[i].samples;
+  }
+  return std::sqrt(sum / count);
+}
+
+// How much larger errors are than expected.
+double expectation_scale(const std::vector<ContactError>& errors) {
+  double measured = 0, expected = 0;
+  for (const ContactError& error : errors) {
+    if (!(error.expected > 0)) continue;
+    measured += error.rms * error.rms;
+    expected += error.expected * error.expected;
+  }
+  return expected > 0 ? std::sqrt(measured / expected) : 1;
+}
+
+std::vector<SuggestedContact> suggest_contacts(const Model& model, const ComplianceKriging& kriging,
+                                               double scale, int count) {
+  if (model.triangles.cols() == 0) return {};
+  const BlendedField field(model);
+  const geometry::SurfaceQuery triangles(contact_mesh(model));
+  const geometry::TriangleMesh& surface = model.surface;
+  const Eigen::Index stride = (surface.vertices.cols() + kMaxCandidates - 1) / kMaxCandidates;
+  std::vector<SuggestedContact> candidates(
+      static_cast<std::size_t>((surface.vertices.cols() + stride - 1) / stride));
+  tbb::parallel_for(std::size_t{0}, candidates.size(), [&](std::size_t i) {
+    const Eigen::Vector3d place = surface.vertices.col(stride * static_cast<Eigen::Index>(i));
+    if (triangles.closest_point(place).distance > kMaxBeyond * kriging.spacing) return;
+    const Blend at = field.blend(place);
+    const std::vector<int> from(at.contacts.contacts.begin(),
+                                at.contacts.contacts.begin() + at.contacts.count);
+    const Surroundings around =
+        surroundings(model, kriging.neighbours, from, place, at.field_frame, -1);
+    candidates[i] = {place, scale * expected_error(field, at, around, kriging.covariance)};
+  });
+  std::erase_if(candidates, [](const SuggestedContact& c) { return !(c.expected > 0); });
+  std::ranges::stable_sort(candidates, std::greater{}, &SuggestedContact::expected);
+  std::vector<SuggestedContact> chosen;
+  const auto is_near = [&](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+    return (a - b).norm() < kriging.spacing / 2;
+  };
+  for (const SuggestedContact& candidate : candidates) {
+    if (static_cast<int>(chosen.size()) >= count) break;
+    const auto close_to = [&](const auto& other) {
+      return is_near(other.position, candidate.position);
+    };
+    if (std::ranges::none_of(chosen, close_to) && std::ranges::none_of(model.contacts, close_to))
+      chosen.push_back(candidate);
+  }
+  return chosen;
+}
+
+}  // namespace
+
+QueryErrors evaluate_queries(const Model& model, std::span<const Query> queries,
+                             const QueryOptions& options) {
+  if (!(options.max_distance >= 0)) {
+    throw InvalidInput("evaluate_queries(): max_distance is " +
+                       std::to_string(options.max_distance) + " mm; it must be >= 0");
+  }
+  if (queries.empty())
+    throw InvalidInput("evaluate_queries(): there is no query; pass at least one");
+  const BlendedField field(model);
+  std::vector<double> errors;
+  for (std::size_t i = 0; i < queries.size(); ++i) {
+    const Query& query = queries[i];
+    if (!query.contact.allFinite() || !query.displacement.allFinite() || !query.force.allFinite())
+      throw InvalidInput("evaluate_queries(): query " + std::to_string(i) +
+                         " is not finite; leave it out");
+    const double distance = field.surface().closest_point(query.contact).distance;
+    if (!(distance <= options.max_distance)) {
+      throw InvalidInput("evaluate_queries(): the contact of query " + std::to_string(i) + " is " +
+                         std::to_string(distance) + " mm from the surface; at most " +
+                         std::to_string(options.max_distance) +
+                         " mm are allowed. Check that queries and model are in one frame");
+    }
+    errors.push_back((field.force(query.contact, query.displacement) - query.force).norm());
+    if (!std::isfinite(errors.back()))
+      throw SolverError("evaluate_queries(): the model's force at query " + std::to_string(i) +
+                        " is not finite; the model is broken");
+  }
+  const geometry::ErrorStatistics statistics = geometry::error_statistics(std::move(errors));
+  return {static_cast<int>(statistics.count), statistics.rms, statistics.median, statistics.p90};
+}
+
+LeaveOneOut leave_one_out(const Model& model, const probing::Acquisition& acquisition,
+                          const LeaveOneOutOptions& options) {
+  check_model(model);
+  if (options.suggestions < 0) {
+    throw InvalidInput("leave_one_out(): suggestions is " + std::to_string(options.suggestions) +
+                       "; it must be >= 0");
+  }
+  if (model.contacts.size() < 4) {
+    throw InvalidInput(
+        "leave_one_out(): the model has three contacts; without one of them nothing is left "
+        "to interpolate, at least four are needed");
+  }
+  check_same_samples(model, acquisition);
+  const geometry::SurfaceQuery query(model.surface);
+  const RealignedSamples realigned(model, acquisition);
+  std::vector<ForceSamples> samples;
+  std::vector<geometry::SurfacePoint> points;
+  for (const ContactModel& contact : model.contacts) {
+    samples.push_back(realigned.of(contact, query));
+    points.push_back(query.closest_point(contact.position).at);
+  }
+  const bool by_compliance = model.interpolation.rule == BlendRule::compliances;
+  const ComplianceKriging kriging = by_compliance ? learn_kriging(model) : ComplianceKriging{};
+  std::vector<bool> at_border = border_contacts(model);
+  LeaveOneOut result;
+  result.per_contact.resize(model.contacts.size());
+  std::mutex reporting;
+  int done = 0;
+  tbb::parallel_for(std::size_t{0}, model.contacts.size(), [&](std::size_t i) {
+    const ContactModel& contact = model.contacts[i];
+    const BlendedField field(without_contact(model, points, i));
+    const Blend at = field.blend(contact.position);
+    ContactError& error = result.per_contact[i];
+    error = predict_contact(field, at, samples[i]);
+    error.contact = contact.id;
+    error.at_border = at_border[i];
+    error.expected = std::nan("");
+    if (by_compliance) {
+      const auto index = static_cast<int>(i);
+      error.expected = expected_error(
+          field, at,
+          surroundings(model, kriging.neighbours, {index}, contact.position, at.field_frame, index),
+          kriging.covariance);
+    }
+    if (!options.progress) return;
+    const std::lock_guard lock(reporting);
+    options.progress(++done, static_cast<int>(model.contacts.size()));
+  });
+  result.rms = pooled_rms(result.per_contact, std::vector<bool>(at_border.size(), true));
+  result.border_rms = pooled_rms(result.per_contact, at_border);
+  at_border.flip();
+  result.interior_rms = pooled_rms(result.per_contact, at_border);
+  if (by_compliance && options.suggestions > 0) {
+    result.suggested = suggest_contacts(model, kriging, expectation_scale(result.per_contact),
+                                        options.suggestions);
+  }
+  return result;
+}
+
+}  // namespace palpate::haptics

@@ -1,0 +1,334 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/haptics/merge_models.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numeric>
+#include <optional>
+#include <set>
+#include <sstream>
+#include <utility>
+
+#include "build/align_frames.h"
+#include "palpate/error.h"
+#include "palpate/geometry/contact_triangulation.h"
+#include "palpate/geometry/hole_filling.h"
+#include "palpate/geometry/merge_scans.h"
+#include "palpate/geometry/mesh_topology.h"
+#include "palpate/geometry/surface_query.h"
+#include "palpate/geometry/zipper_scans.h"
+#include "palpate/haptics/contact_compliance.h"
+#include "palpate/haptics/rounding.h"
+
+namespace palpate::haptics {
+namespace {
+
+using geometry::ClosestPoint;
+using geometry::SurfaceQuery;
+
+// Of the median distance between neighbouring contacts: nearer ones of different sides are one.
+constexpr double kSamePlace = 0.25;
+// Of the surface's diagonal: contacts this near cannot be triangulated (below 1e-9), so they are
+// one whatever the options say.
+constexpr double kCoincide = 1e-8;
+// Ids stay below: far from the end of `long long`, and exact in every JSON reader.
+constexpr long long kLargestId = 1LL << 53;
+
+std::string side_name(std::span<const SideModel> sides, std::size_t side) {
+  const std::string number = "model " + std::to_string(side);
+  return sides[side].name.empty() ? number : number + " (" + sides[side].name + ")";
+}
+
+void check_options(const MergeModelsOptions& options) {
+  const auto check = [](const char* name, double value) {
+    if (value >= 0 && !std::isnan(value)) return;
+    throw InvalidInput(std::string("merge_models(): ") + name + " is " + std::to_string(value) +
+                       " mm; it must be >= 0");
+  };
+  check("fill_holes", options.fill_holes);
+  check("max_distance", options.max_distance);
+  if (options.same_place) check("same_place", *options.same_place);
+}
+
+// A pose whose rotation is one to the last digit: a text file may carry six.
+Eigen::Isometry3d exact_pose(std::span<const SideModel> sides, std::size_t side) {
+  constexpr double kRotation = 1e-6;
+  const Eigen::Isometry3d& pose = sides[side].T_object_model;
+  if (!pose.matrix().allFinite() || !pose.linear().isUnitary(kRotation) ||
+      !(pose.linear().determinant() > 0)) {
+    throw InvalidInput(side_name(sides, side) +
+                       ": its pose must be a rotation (orthogonal to 1e-6, right-handed) and a "
+                       "finite shift");
+  }
+  Eigen::Isometry3d result = pose;
+  result.linear() = Eigen::Quaterniond(pose.linear()).normalized().toRotationMatrix();
+  return result;
+}
+
+/// A contact on its way into the merged model.
+struct Candidate {
+  ContactOrigin origin;
+  ContactModel contact;     ///< in the frame of the object
+  Eigen::Vector3d outward;  ///< normal of its side's surface there
+  geometry::SurfacePoint at;
+  double distance = 0;  ///< [mm] from the merged surface
+};
+
+void add_candidates(const SideModel& side, int index, const Eigen::Isometry3d& pose,
+                    std::vector<Candidate>& candidates) {
+  const SurfaceQuery query(side.model.surface);
+  const Eigen::Matrix3Xd normals = geometry::triangle_normals(side.model.surface);
+  for (const ContactModel& contact : side.model.contacts) {
+    Candidate candidate{.origin = {index, contact.id}, .contact = contact, .outward = {}, .at = {}};
+    candidate.contact.compliance.reset();  // was learnt among the contacts of this side
+    candidate.contact.position = pose * contact.position;
+    candidate.contact.frame = pose.linear() * contact.frame;
+    candidate.contact.friction_axis = (pose.linear() * contact.friction_axis).normalized();
+    candidate.outward =
+        pose.linear() * normals.col(query.closest_point(contact.position).at.triangle);
+    candidates.push_back(std::move(candidate));
+  }
+}
+
+void merge_surfaces(std::span<const SideModel> sides, const std::vector<Eigen::Isometry3d>& poses,
+                    const MergeModelsOptions& options, MergedModel& merged) {
+  std::vector<geometry::Scan> scans;
+  for (std::size_t i = 0; i < sides.size(); ++i)
+    scans.push_back({.mesh = sides[i].model.surface, .T_object_scan = poses[i]});
+  geometry::TriangleMesh& surface = merged.model.surface;
+  surface = options.surface == MergedSurface::zippered
+                ? std::move(geometry::zipper_scans(scans).mesh)
+                : std::move(geometry::merge_scans(scans).mesh);
+  if (options.fill_holes > 0) {
+    geometry::FilledMesh filled =
+        geometry::fill_holes(surface, {.max_diameter = options.fill_holes});
+    surface = std::move(filled.mesh);
+    merged.holes_filled = filled.filled;
+  }
+  merged.components = geometry::connected_components(surface).count;
+}
+
+void place_on_surface(std::span<const SideModel> sides, const MergeModelsOptions& options,
+                      MergedModel& merged, std::vector<Candidate>& candidates) {
+  const SurfaceQuery query(merged.model.surface);
+  const Eigen::Matrix3Xd normals = geometry::triangle_normals(merged.model.surface);
+  for (Candidate& candidate : candidates) {
+    const std::string name = side_name(sides, static_cast<std::size_t>(candidate.origin.side)) +
+                             ": contact " + std::to_string(candidate.origin.id);
+    const ClosestPoint place = query.closest_point(candidate.contact.position);
+    if (!(place.distance <= options.max_distance)) {
+      throw InvalidInput(
+          name + " is " + std::to_string(place.distance) + " mm from the merged surface; at most " +
+          std::to_string(options.max_distance) + " mm are allowed. Check the poses, or allow more");
+    }
+    // A normal that is NaN, of a triangle without area, is no reason to refuse.
+    if (normals.col(place.at.triangle).dot(candidate.outward) < 0) {
+      throw InvalidInput(name +
+                         " lies on the inside of the merged surface: two sides are nearer "
+                         "to each other there than the surface can be merged. Check the poses");
+    }
+    candidate.contact.position = place.position;
+    candidate.at = place.at;
+    candidate.distance = place.distance;
+    merged.largest_distance = std::max(merged.largest_distance, place.distance);
+  }
+}
+
+// [mm] median length of the edges between contacts, 0 if there is none.
+double neighbour_distance(std::span<const SideModel> sides) {
+  std::vector<double> lengths;
+  for (const SideModel& side : sides) {
+    const std::vector<ContactModel>& contacts = side.model.contacts;
+    for (const auto& t : side.model.triangles.colwise()) {
+      for (int k = 0; k < 3; ++k) {
+        lengths.push_back((contacts[static_cast<std::size_t>(t[k])].position -
+                           contacts[static_cast<std::size_t>(t[(k + 1) % 3])].position)
+                              .norm());
+      }
+    }
+  }
+  if (lengths.empty()) return 0;
+  const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
+  std::nth_element(lengths.begin(), middle, lengths.end());
+  return *middle;
+}
+
+/// Contacts along x, to look for those near a place.
+class NearContacts {
+ public:
+  NearContacts(const std::vector<Candidate>& candidates, double distance)
+      : candidates_(candidates), distance_(distance), along_x_(candidates.size()) {
+    std::iota(along_x_.begin(), along_x_.end(), std::size_t{0});
+    std::ranges::sort(along_x_, [&](std::size_t a, std::size_t b) { return x(a) < x(b); });
+  }
+
+  /// The nearest contact of another side at the same place that `counts`; itself if there is none.
+  [[nodiscard]] std::size_t nearest(std::size_t i, const std::vector<bool>& counts) const {
+    std::size_t found = i;
+    double least = distance_;
+    auto other = std::ranges::lower_bound(along_x_, x(i) - distance_, {},
+                                          [&](std::size_t k) { return x(k); });
+    for (; other != along_x_.end() && x(*other) <= x(i) + distance_; ++other) {
+      const Candidate &a = candidates_[i], &b = candidates_[*other];
+      if (!counts[*other] || a.origin.side == b.origin.side) continue;
+      if (!(a.contact.frame.col(2).dot(b.contact.frame.col(2)) > 0)) continue;
+      const double distance = (a.contact.position - b.contact.position).norm();
+      if (distance > least || (distance == least && found != i)) continue;
+      found = *other;
+      least = distance;
+    }
+    return found;
+  }
+
+ private:
+  [[nodiscard]] double x(std::size_t i) const { return candidates_[i].contact.position.x(); }
+
+  const std::vector<Candidate>& candidates_;
+  double distance_;
+  std::vector<std::size_t> along_x_;
+};
+
+// Which candidates stay; the best first, so that each is left out only for a better one that stays.
+std::vector<bool> keep_the_better(const std::vector<Candidate>& candidates, MergedModel& merged) {
+  std::vector<std::size_t> best_first(candidates.size());
+  std::iota(best_first.begin(), best_first.end(), std::size_t{0});
+  std::ranges::stable_sort(best_first, {}, [&](std::size_t i) {
+    const ContactModel& contact = candidates[i].contact;
+    return std::make_pair(contact.rms, -contact.samples);
+  });
+  const NearContacts near(candidates, merged.same_place);
+  std::vector<bool> kept(candidates.size(), false);
+  std::vector<std::size_t> instead(candidates.size());
+  for (const std::size_t i : best_first) {
+    instead[i] = near.nearest(i, kept);
+    kept[i] = instead[i] == i;
+  }
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    if (!kept[i]) merged.left_out.push_back({candidates[i].origin, candidates[instead[i]].origin});
+  }
+  return kept;
+}
+
+// What is added to the ids of each further side so that all differ: 0 if they do, else a power of
+// ten.
+long long id_stride(std::span<const SideModel> sides) {
+  std::set<long long> ids;
+  bool all_differ = true;
+  for (const SideModel& side : sides) {
+    for (const ContactModel& contact : side.model.contacts)
+      all_differ = ids.insert(contact.id).second && all_differ;
+  }
+  if (all_differ) return 0;
+  const auto further = static_cast<long long>(sides.size());
+  // Before anything is computed with ids, which may be as large as `long long` goes.
+  bool too_large = *ids.begin() < -kLargestId || *ids.rbegin() > kLargestId;
+  long long stride = 10;
+  if (!too_large) {
+    while (stride <= kLargestId && stride <= *ids.rbegin() - *ids.begin()) stride *= 10;
+    const long long largest = std::max(-*ids.begin(), *ids.rbegin());
+    too_large = stride > (kLargestId - largest) / further;
+  }
+  if (too_large) {
+    throw InvalidInput(
+        "merge_models(): contacts of different models have the same ids, and these "
+        "are too large to be told apart by adding to them; ids below " +
+        std::to_string(kLargestId / 100 / further) + " will do");
+  }
+  return stride;
+}
+
+void keep_contacts(std::span<const SideModel> sides, std::vector<Candidate>& candidates,
+                   std::vector<geometry::SurfacePoint>& places, MergedModel& merged) {
+  const long long stride = id_stride(sides);
+  const std::vector<bool> kept = keep_the_better(candidates, merged);
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    if (!kept[i]) continue;
+    Candidate& candidate = candidates[i];
+    candidate.contact.id += stride * candidate.origin.side;
+    places.push_back(candidate.at);
+    merged.origins.push_back(candidate.origin);
+    merged.model.contacts.push_back(std::move(candidate.contact));
+  }
+  for (std::size_t k = 0; k < sides.size(); ++k) {
+    const std::string side = "model " + std::to_string(k);
+    merged.model.made[side + " ids"] =
+        "those of the model plus " + std::to_string(stride * static_cast<long long>(k));
+  }
+}
+
+// The least of the sides that blend compliances; none if none does.
+std::optional<double> reference_force(std::span<const SideModel> sides) {
+  std::optional<double> least;
+  for (const SideModel& side : sides) {
+    const Interpolation& given = side.model.interpolation;
+    if (given.rule != BlendRule::compliances) continue;
+    least = std::min(given.reference_force, least.value_or(given.reference_force));
+  }
+  return least;
+}
+
+std::string to_text(const Eigen::Isometry3d& pose) {
+  const Eigen::IOFormat rows(Eigen::FullPrecision, Eigen::DontAlignCols, " ", "; ");
+  std::ostringstream out;
+  out << pose.matrix().topRows<3>().format(rows);
+  return out.str();
+}
+
+void tell_origin(std::span<const SideModel> sides, const std::vector<Eigen::Isometry3d>& poses,
+                 const MergeModelsOptions& options, MergedModel& merged) {
+  auto& made = merged.model.made;
+  made["merged"] = std::to_string(sides.size()) + " models";
+  made["surface"] = options.surface == MergedSurface::zippered ? "zippered" : "averaged";
+  for (std::size_t k = 0; k < sides.size(); ++k) {
+    const std::string side = "model " + std::to_string(k);
+    for (const auto& [key, value] : sides[k].model.made) made[side + " made " + key] = value;
+    made[side] = sides[k].name;
+    made[side + " pose"] = to_text(poses[k]);
+  }
+  for (const LeftOutContact& out : merged.left_out) {
+    std::ostringstream line;
+    line << out.contact.id << " for " << out.kept.id << " of model " << out.kept.side << "; ";
+    made["model " + std::to_string(out.contact.side) + " left out"] += line.str();
+  }
+}
+
+}  // namespace
+
+MergedModel merge_models(std::span<const SideModel> sides, const MergeModelsOptions& options) {
+  check_options(options);
+  if (sides.empty()) throw InvalidInput("merge_models(): there is no model");
+  std::vector<Eigen::Isometry3d> poses;
+  std::vector<Candidate> candidates;
+  for (std::size_t i = 0; i < sides.size(); ++i) {
+    try {
+      check_model(sides[i].model);
+    } catch (const InvalidInput& wrong) {
+      throw InvalidInput(side_name(sides, i) + ": " + wrong.what());
+    }
+    poses.push_back(exact_pose(sides, i));
+    add_candidates(sides[i], static_cast<int>(i), poses[i], candidates);
+  }
+  MergedModel merged;
+  merge_surfaces(sides, poses, options, merged);
+  merged.same_place = std::max(options.same_place.value_or(kSamePlace * neighbour_distance(sides)),
+                               kCoincide * geometry::bounding_diagonal(merged.model.surface));
+  place_on_surface(sides, options, merged, candidates);
+  std::vector<geometry::SurfacePoint> places;
+  keep_contacts(sides, candidates, places, merged);
+  geometry::ContactTriangulation triangulation =
+      geometry::triangulate_contacts(merged.model.surface, places);
+  merged.model.triangles = std::move(triangulation.mesh.triangles);
+  merged.model.surface_weights = std::move(triangulation.weights);
+  for (const int i : triangulation.isolated)
+    merged.isolated.push_back(merged.model.contacts[static_cast<std::size_t>(i)].id);
+  align_frames(merged.model);
+  for (ContactModel& contact : merged.model.contacts) contact = rounded(std::move(contact));
+  if (const std::optional<double> force = reference_force(sides))
+    merged.model = with_compliances(std::move(merged.model), *force);
+  tell_origin(sides, poses, options, merged);
+  return merged;
+}
+
+}  // namespace palpate::haptics

@@ -1,0 +1,350 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/haptics/force_field_fit.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "fit/certified_fit.h"
+#include "fit/convex_fit.h"
+#include "fit/field_objective.h"
+#include "fit/local_fit.h"
+#include "fit/reduced_chi2.h"
+#include "fit/steady_fit.h"
+#include "fit/whitened_problem.h"
+#include "palpate/error.h"
+
+namespace palpate::haptics {
+namespace {
+
+// epsilon over the root mean square of the displacements. Measured on two kinds of sheet: 0.5 to 1
+// fit best, 0.1 and 4 give twice the error.
+constexpr double kEpsilonRatio = 1;
+// Cost of weights against the squared error, both in units of the data: far below the noise of any
+// arm; settles what the samples leave open.
+constexpr double kWeightPenalty = 1e-7;
+// Least noise of forces relative to their extent: some rounding errors.
+constexpr double kExact = 1e-9;
+// Parameters of a base: weight, epsilon, centre.
+constexpr double kParameters = 5;
+// The spring of a rigid contact holds its force up to so many times the measured one.
+constexpr double kRigidReserve = 10;
+
+void check(const Eigen::Ref<const Eigen::Matrix3Xd>& displacements,
+           const Eigen::Ref<const Eigen::Matrix3Xd>& forces, const FitOptions& options) {
+  if (displacements.cols() != forces.cols() || forces.cols() == 0) {
+    throw InvalidInput("fit_force_field(): " + std::to_string(displacements.cols()) +
+                       " displacements and " + std::to_string(forces.cols()) +
+                       " forces; there must be as many of both, and at least one");
+  }
+  for (Eigen::Index i = 0; i < forces.cols(); ++i) {
+    if (!displacements.col(i).allFinite() || !forces.col(i).allFinite()) {
+      throw InvalidInput("fit_force_field(): sample " + std::to_string(i) +
+                         " is not finite; leave it out");
+    }
+  }
+  if (!(options.accuracy >= 0)) {
+    throw InvalidInput("fit_force_field(): accuracy is " + std::to_string(options.accuracy) +
+                       " N; it must be >= 0");
+  }
+  if (options.max_bases && *options.max_bases < 1) {
+    throw InvalidInput("fit_force_field(): max_bases is " + std::to_string(*options.max_bases) +
+                       "; it must be >= 1");
+  }
+  const auto check_noise = [](double noise, const char* name) {
+    if (noise >= 0 && std::isfinite(noise)) return;
+    throw InvalidInput(std::string("fit_force_field(): noise.") + name + " is " +
+                       std::to_string(noise) + "; it must be finite and >= 0");
+  };
+  check_noise(options.noise.force, "force");
+  check_noise(options.noise.displacement.value_or(0), "displacement");
+  if (options.epsilon && options.mode == FitMode::convex) {
+    throw InvalidInput(
+        "fit_force_field(): epsilon is given, but a convex fit chooses one for each base; leave it "
+        "out, or choose the mode certified or local");
+  }
+  if (options.epsilon && (!(*options.epsilon > 0) || !std::isfinite(*options.epsilon))) {
+    throw InvalidInput("fit_force_field(): epsilon is " + std::to_string(*options.epsilon) +
+                       " mm; it must be finite and > 0");
+  }
+}
+
+constexpr double kNotComputed = std::numeric_limits<double>::quiet_NaN();
+
+// Root mean square of the columns' lengths, without overflow.
+double extent(const Eigen::Ref<const Eigen::Matrix3Xd>& columns) {
+  const double largest = columns.cwiseAbs().maxCoeff();
+  if (largest == 0) return 0;
+  return largest * std::sqrt((columns / largest).colwise().squaredNorm().mean());
+}
+
+// Columns in an order that does not depend on how they came: sums round the same way.
+std::vector<Eigen::Index> canonical_order(const Eigen::Ref<const Eigen::Matrix3Xd>& displacements,
+                                          const Eigen::Ref<const Eigen::Matrix3Xd>& forces) {
+  std::vector<Eigen::Index> order(static_cast<std::size_t>(forces.cols()));
+  std::iota(order.begin(), order.end(), Eigen::Index{0});
+  const auto key = [&](Eigen::Index i) {
+    return std::array{displacements(0, i), displacements(1, i), displacements(2, i),
+                      forces(0, i),        forces(1, i),        forces(2, i)};
+  };
+  std::sort(order.begin(), order.end(),
+            [&](Eigen::Index i, Eigen::Index j) { return key(i) < key(j); });
+  return order;
+}
+
+double smallest_eigenvalue(const ForceField& field) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(
+      stiffness(field, Eigen::Vector3d::Zero()), Eigen::EigenvaluesOnly);
+  return eigen.eigenvalues()[0];
+}
+
+// Samples in canonical order, in units of their extents.
+struct ScaledSamples {
+  Eigen::Matrix3Xd displacements, forces;
+  ReachableVolume reach;   // [mm]
+  double length = 0;       // [mm]
+  double force_scale = 0;  // [N]
+};
+
+ScaledSamples scaled(const Eigen::Ref<const Eigen::Matrix3Xd>& displacements,
+                     const Eigen::Ref<const Eigen::Matrix3Xd>& forces) {
+  const std::vector<Eigen::Index> order = canonical_order(displacements, forces);
+  ScaledSamples samples{displacements(Eigen::all, order), forces(Eigen::all, order),
+                        reachable_volume(displacements)};
+  const double length = extent(samples.displacements);
+  samples.force_scale = extent(samples.forces);
+  samples.length = length > 0 ? length : 1;
+  if (samples.force_scale > 0) samples.forces /= samples.force_scale;
+  samples.displacements /= samples.length;
+  return samples;
+}
+
+ForceField in_units(ForceField field, double length, double force_scale) {
+  for (Multiquadric& base : field.bases) {
+    base.center *= length;
+    base.epsilon *= length;
+    base.weight *= force_scale;
+  }
+  return field;
+}
+
+SampleNoise noise_of(const ScaledSamples& samples, const FitOptions& options) {
+  return {options.noise.displacement.value_or(kDisplacementNoise) / samples.length,
+          std::max(options.noise.force / samples.force_scale, kExact)};
+}
+
+// How the errors compare with what the noise makes with the field's own stiffness, after so many
+// parameters were fitted.
+void compare_with_noise(const ScaledSamples& samples, const ForceField& field, double parameters,
+                        const FitOptions& options, FitResult& result) {
+  WhitenedProblem problem(samples.displacements, samples.forces, noise_of(samples, options));
+  problem.whiten(field.bases.empty() ? ForceField{{Multiquadric{}}} : field);
+  const Eigen::VectorXd errors = problem.residuals(field);
+  const ReducedChi2 chi2 =
+      reduced_chi2(errors.reshaped(3, problem.size()).colwise().squaredNorm(), parameters);
+  result.chi2 = chi2.value;
+  result.outliers = chi2.outliers;
+  result.noise_floor = std::sqrt(problem.mean_noise()) * samples.force_scale;
+  result.displacement_noise = options.noise.displacement.value_or(kDisplacementNoise);
+}
+
+// The field, and what holds of it however it was found. The certificate is that of the field as it
+// is returned: in its units the parameters are rounded anew.
+void finish(const ScaledSamples& samples, const FitOptions& options, ForceField field,
+            double parameters, FitResult& result) {
+  compare_with_noise(samples, field, parameters, options, result);
+  double sum = 0;
+  for (Eigen::Index i = 0; i < samples.forces.cols(); ++i) {
+    sum += (force(field, samples.displacements.col(i)) - samples.forces.col(i)).squaredNorm();
+  }
+  result.rms = samples.force_scale * std::sqrt(sum / static_cast<double>(samples.forces.cols()));
+  result.field = in_units(std::move(field), samples.length, samples.force_scale);
+  result.smallest_stiffness = smallest_eigenvalue(result.field);
+  result.certificate = certify_passivity(result.field, samples.reach);
+}
+
+void finish(const ScaledSamples& samples, const FitOptions& options, ForceField field,
+            FitResult& result) {
+  const double parameters = kParameters * static_cast<double>(field.bases.size());
+  finish(samples, options, std::move(field), parameters, result);
+}
+
+FitStop verdict(const FitResult& result, const FitOptions& options) {
+  return result.rms <= options.accuracy ? FitStop::accurate
+         : result.chi2 <= kMaxChi2      ? FitStop::explained
+                                        : FitStop::unexplained;
+}
+
+// As stiff as displacements that only just stood out from the noise would have it; in units of the
+// data.
+ForceField rigid_field(double displacement_noise) {
+  const double stiffness = 1 / (kRigidRatio * std::sqrt(3.0) * displacement_noise);
+  return {{{kRigidReserve, kRigidReserve / stiffness}}};
+}
+
+FitResult fit_as_convex(const ScaledSamples& samples, const FitOptions& options) {
+  FitResult result;
+  result.mode = FitMode::convex;
+  ConvexFit fit = fit_convex(samples.displacements, samples.forces, noise_of(samples, options),
+                             options.accuracy / samples.force_scale,
+                             options.max_bases.value_or(kMaxConvexBases));
+  finish(samples, options, std::move(fit.field), result);
+  result.iterations = fit.iterations;
+  result.condition = fit.condition;
+  result.stop = verdict(result, options);
+  return result;
+}
+
+// `local`, or `certified`, which then still has to be looked up in the certificate.
+FitResult fit_as_local(const ScaledSamples& samples, const FitOptions& options, FitMode mode) {
+  FieldObjective objective;
+  objective.displacements = samples.displacements;
+  objective.forces = samples.forces;
+  objective.weight_penalty = kWeightPenalty;
+  LocalFitOptions local;
+  local.accuracy = std::max(options.accuracy / samples.force_scale, kExact);
+  local.max_bases = options.max_bases.value_or(kMaxLocalBases);
+  local.epsilon = options.epsilon ? *options.epsilon / samples.length : kEpsilonRatio;
+  local.constraints.free_epsilon = !options.epsilon;
+  LocalFit fit = mode == FitMode::certified
+                     ? fit_certified(objective, local, {samples.reach.radius / samples.length}).fit
+                     : fit_local(objective, local);
+  FitResult result;
+  result.mode = mode;
+  result.iterations = fit.iterations;
+  result.stop = fit.stop;
+  result.condition = kNotComputed;
+  finish(samples, options, std::move(fit.field), result);
+  return result;
+}
+
+// Of two fits of the same samples; counts the work on both.
+FitResult chosen(FitResult taken, const FitResult& left) {
+  taken.iterations += left.iterations;
+  return taken;
+}
+
+// The same for all fields: errors in units of the noise with the samples' own secant stiffness, and
+// outliers hardly count, so that no field gains by being stiff or by running after outliers.
+double robust_loss(const ScaledSamples& samples, const FitOptions& options, const FitResult& fit) {
+  const WhitenedProblem problem(samples.displacements, samples.forces, noise_of(samples, options));
+  return problem.loss(
+      problem.residuals(in_units(fit.field, 1 / samples.length, 1 / samples.force_scale)));
+}
+
+FitResult fit_in_mode(const ScaledSamples& samples, const FitOptions& options, bool may_turn) {
+  if (options.mode == FitMode::local) return fit_as_local(samples, options, FitMode::local);
+  if (options.mode == FitMode::certified) {
+    FitResult result = fit_as_local(samples, options, FitMode::certified);
+    if (is_passive(result.certificate)) return result;
+    return chosen(fit_as_convex(samples, options), result);
+  }
+  FitResult result = fit_as_convex(samples, options);
+  if (result.stop != FitStop::unexplained || !may_turn) return result;
+  FitResult other = fit_as_local(samples, options, FitMode::certified);
+  const bool better = is_passive(other.certificate) &&
+                      robust_loss(samples, options, other) < robust_loss(samples, options, result);
+  return better ? chosen(std::move(other), result) : chosen(std::move(result), other);
+}
+
+// `may_turn`: from convex to certified, where that explains the samples better.
+FitResult fit(const Eigen::Ref<const Eigen::Matrix3Xd>& displacements,
+              const Eigen::Ref<const Eigen::Matrix3Xd>& forces, const FitOptions& options,
+              bool may_turn) {
+  check(displacements, forces, options);
+  const ScaledSamples samples = scaled(displacements, forces);
+  const double length = samples.displacements.isZero(0) ? 0 : samples.length;
+  const double noise = options.noise.displacement.value_or(kDisplacementNoise);
+  const bool rigid = options.mode == FitMode::convex && noise > 0 &&
+                     length <= kRigidRatio * std::sqrt(3.0) * noise;
+  if (samples.force_scale > 0 && length > 0 && !rigid)
+    return fit_in_mode(samples, options, may_turn);
+
+  FitResult result;
+  result.mode = options.mode;
+  result.displacement_noise = noise;
+  result.condition = kNotComputed;
+  if (samples.force_scale > 0) {
+    finish(samples, options, rigid ? rigid_field(noise / samples.length) : ForceField{}, result);
+    result.stop = rigid ? FitStop::rigid : FitStop::not_determined;
+  } else {
+    result.certificate = certify_passivity(result.field, samples.reach);
+    result.noise_floor = std::sqrt(3.0) * options.noise.force;
+    result.stop = FitStop::accurate;
+  }
+  return result;
+}
+
+}  // namespace
+
+FitResult fit_force_field(const Eigen::Ref<const Eigen::Matrix3Xd>& displacements,
+                          const Eigen::Ref<const Eigen::Matrix3Xd>& forces,
+                          const FitOptions& options) {
+  return fit(displacements, forces, options, true);
+}
+
+FitResult fit_steadily(const Eigen::Ref<const Eigen::Matrix3Xd>& displacements,
+                       const Eigen::Ref<const Eigen::Matrix3Xd>& forces,
+                       const FitOptions& options) {
+  return fit(displacements, forces, options, false);
+}
+
+FitResult assess_force_field(ForceField field,
+                             const Eigen::Ref<const Eigen::Matrix3Xd>& displacements,
+                             const Eigen::Ref<const Eigen::Matrix3Xd>& forces, int parameters,
+                             const FitOptions& options) {
+  check(displacements, forces, options);
+  check_force_field(field, "assess_force_field(): the field");
+  ScaledSamples samples = scaled(displacements, forces);
+  if (samples.force_scale == 0) samples.force_scale = 1;
+  FitResult result;
+  result.mode = options.mode;
+  result.condition = kNotComputed;
+  finish(samples, options, in_units(std::move(field), 1 / samples.length, 1 / samples.force_scale),
+         parameters, result);
+  result.stop = verdict(result, options);
+  return result;
+}
+
+const char* to_string(FitMode mode) {
+  switch (mode) {
+    case FitMode::convex:
+      return "convex";
+    case FitMode::certified:
+      return "certified";
+    case FitMode::local:
+      return "local";
+  }
+  return "unknown";
+}
+
+const char* to_string(FitStop stop) {
+  switch (stop) {
+    case FitStop::accurate:
+      return "accurate";
+    case FitStop::explained:
+      return "explained";
+    case FitStop::unexplained:
+      return "unexplained";
+    case FitStop::rigid:
+      return "rigid";
+    case FitStop::max_bases:
+      return "max_bases";
+    case FitStop::no_gain:
+      return "no_gain";
+    case FitStop::not_converged:
+      return "not_converged";
+    case FitStop::not_determined:
+      return "not_determined";
+  }
+  return "unknown";
+}
+
+}  // namespace palpate::haptics

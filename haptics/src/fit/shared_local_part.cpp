@@ -1,0 +1,395 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/haptics/shared_local_part.h"
+
+#include <tbb/parallel_for.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <numeric>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "fit/series_compliance.h"
+#include "fit/steady_fit.h"
+#include "palpate/error.h"
+
+namespace palpate::haptics {
+namespace {
+
+// The local part is shared iff its gain is at least so many standard errors.
+constexpr double kSignificance = 2;
+// l and G_i in turns: the first turn takes linear compliances for what depends on the force.
+constexpr int kTurns = 3;
+// Pairs that the local part is fitted to; of more, every second, third, ...: they would cost time
+// and tell nothing new.
+constexpr std::size_t kMostPairs = 1500;
+// Dense contacts that the local part is learnt from: these have more pairs than that.
+constexpr std::size_t kMostDense = 64;
+// Dense contacts that are tried, and groups of them that are left out together.
+constexpr std::size_t kMostTrials = 24;
+constexpr std::size_t kMostFolds = 6;
+// Forces that a series is sampled at, about as many as a dense contact is.
+constexpr Eigen::Index kSeriesForces = 150;
+// The series is exact where samples are not: its fit may take a part of their noise.
+constexpr double kSeriesNoise = 0.5;
+// Numbers of G.
+constexpr int kGlobalParameters = 6;
+// Deviation of a compliance of which nothing is known, over what the samples show.
+constexpr double kUnknown = 10;
+// Own fits that leave out a part of a sparse contact's pairs; of fewer pairs there are none.
+constexpr std::size_t kParts = 5;
+
+using Contacts = std::vector<const ForceSamples*>;
+
+// A pair of a force and a displacement in numbers that can be put in an order.
+std::array<double, 6> key(const ForceSamples& samples, Eigen::Index i) {
+  const Eigen::Vector3d f = samples.forces.col(i), d = samples.displacements.col(i);
+  return {f.x(), f.y(), f.z(), d.x(), d.y(), d.z()};
+}
+
+std::vector<Eigen::Index> ordered(const ForceSamples& samples) {
+  std::vector<Eigen::Index> order(static_cast<std::size_t>(samples.forces.cols()));
+  std::iota(order.begin(), order.end(), Eigen::Index{0});
+  std::ranges::sort(order, {}, [&](Eigen::Index i) { return key(samples, i); });
+  return order;
+}
+
+// Pairs in an order that does not depend on how they came: sums round the same way.
+ForceSamples in_order(const ForceSamples& samples) { return columns(samples, ordered(samples)); }
+
+// Contacts with many pairs first, then by their pairs, which are in order.
+bool comes_first(const ForceSamples& l, const ForceSamples& r) {
+  if (l.forces.cols() != r.forces.cols()) return l.forces.cols() > r.forces.cols();
+  for (Eigen::Index i = 0; i < l.forces.cols(); ++i) {
+    if (key(l, i) != key(r, i)) return key(l, i) < key(r, i);
+  }
+  return false;
+}
+
+// At most `most` of some elements, evenly.
+template <typename Element>
+std::vector<Element> some_of(const std::vector<Element>& all, std::size_t most) {
+  if (all.size() <= most) return all;
+  std::vector<Element> chosen;
+  for (std::size_t i = 0; i < most; ++i) chosen.push_back(all[i * all.size() / most]);
+  return chosen;
+}
+
+double rms(const Eigen::Matrix3Xd& columns) {
+  return std::sqrt(columns.colwise().squaredNorm().mean());
+}
+
+// One after the other, in an order that does not depend on how they came.
+ForceSamples pooled(const Contacts& contacts) {
+  Eigen::Index count = 0;
+  for (const ForceSamples* contact : contacts) count += contact->forces.cols();
+  ForceSamples all;
+  all.displacements.resize(3, count);
+  all.forces.resize(3, count);
+  Eigen::Index at = 0;
+  for (const ForceSamples* contact : contacts) {
+    all.displacements.middleCols(at, contact->forces.cols()) = contact->displacements;
+    all.forces.middleCols(at, contact->forces.cols()) = contact->forces;
+    at += contact->forces.cols();
+  }
+  return in_order(all);
+}
+
+// Of the whole displacement at a contact.
+Eigen::Matrix3d linear_compliance(const ForceSamples& samples, const FitNoise& noise) {
+  const PairNoise pairs = pair_noise(samples, noise);
+  const double largest = std::max(rms(samples.forces), pairs.force);
+  const double size = std::max(rms(samples.displacements), pairs.displacement) / largest;
+  return fit_global_compliance(samples, {}, {size * Eigen::Matrix3d::Identity(), kUnknown * size},
+                               pairs, samples.forces);
+}
+
+// The fit of displacements to forces: noises are exchanged with them. To the noise of the
+// displacements comes what that of the forces makes by the compliances taken off.
+FitOptions exchanged(const FitNoise& noise, const std::vector<Eigen::Matrix3d>& global) {
+  double squares = 0;
+  for (const Eigen::Matrix3d& compliance : global) squares += compliance.squaredNorm() / 3;
+  squares /= static_cast<double>(global.size());
+  FitOptions dual;
+  dual.noise.force =
+      std::hypot(noise.displacement.value_or(kDisplacementNoise), noise.force * std::sqrt(squares));
+  dual.noise.displacement = noise.force;
+  return dual;
+}
+
+ForceField fit_local(const Contacts& dense, const std::vector<Eigen::Matrix3d>& global,
+                     const FitNoise& noise) {
+  std::vector<ForceSamples> left;
+  Contacts view;
+  for (std::size_t i = 0; i < dense.size(); ++i) {
+    left.push_back(*dense[i]);
+    left.back().displacements -= global[i] * dense[i]->forces;
+  }
+  for (const ForceSamples& contact : left) view.push_back(&contact);
+  ForceSamples all = pooled(view);
+  std::vector<Eigen::Index> every(static_cast<std::size_t>(all.forces.cols()));
+  std::iota(every.begin(), every.end(), Eigen::Index{0});
+  all = columns(all, some_of(every, kMostPairs));
+  return fit_steadily(all.forces, all.displacements, exchanged(noise, global)).field;
+}
+
+// What is expected of G elsewhere.
+CompliancePrior prior_of(const ForceField& local, const Eigen::Matrix3d& mean_global,
+                         const Eigen::Matrix3Xd& forces) {
+  Eigen::Matrix3d mean = mean_global;
+  for (const auto& f : forces.colwise()) {
+    mean += stiffness(local, f) / static_cast<double>(forces.cols());
+  }
+  return {mean_global, std::max(mean.norm(), std::numeric_limits<double>::min())};
+}
+
+// The local part of some dense contacts, without a verdict.
+LocalPart learn(const Contacts& dense, const FitNoise& noise) {
+  LocalPart part;
+  part.noise = noise;
+  part.forces = spread_columns(pooled(dense).forces, kSeriesForces);
+  std::vector<Eigen::Matrix3d> global;
+  for (const ForceSamples* contact : dense) global.push_back(linear_compliance(*contact, noise));
+  const Eigen::Matrix3d stiffest = *std::ranges::min_element(
+      global, {}, [](const Eigen::Matrix3d& compliance) { return compliance.trace(); });
+  for (Eigen::Matrix3d& compliance : global) compliance -= stiffest;
+  for (int turn = 0; turn < kTurns; ++turn) {
+    part.local = fit_local(dense, global, noise);
+    part.mean_global.setZero();
+    for (const Eigen::Matrix3d& compliance : global) {
+      part.mean_global += compliance / static_cast<double>(global.size());
+    }
+    const CompliancePrior prior = prior_of(part.local, part.mean_global, part.forces);
+    part.mean_compliance = prior.deviation;
+    for (std::size_t i = 0; i < dense.size(); ++i) {
+      global[i] = fit_global_compliance(*dense[i], part.local, prior, pair_noise(*dense[i], noise),
+                                        part.forces);
+    }
+  }
+  return part;
+}
+
+Eigen::Matrix3d global_compliance(const ForceSamples& samples, const LocalPart& part) {
+  return fit_global_compliance(samples, part.local, {part.mean_global, part.mean_compliance},
+                               pair_noise(samples, part.noise), part.forces);
+}
+
+FitResult fit_series(const ForceSamples& samples, const Series& series, const LocalPart& part,
+                     const FitOptions& options) {
+  const Eigen::Index own = samples.forces.cols(), known = part.forces.cols();
+  Eigen::Matrix3Xd forces(3, own + known), displacements(3, own + known);
+  forces << samples.forces, part.forces;
+  for (Eigen::Index i = 0; i < forces.cols(); ++i) {
+    displacements.col(i) = series.displacement(forces.col(i));
+  }
+  FitOptions exact = options;
+  exact.noise.displacement = kSeriesNoise * part.noise.displacement.value_or(kDisplacementNoise);
+  exact.noise.force = kSeriesNoise * part.noise.force;
+  const FitResult fit = fit_steadily(displacements, forces, exact);
+  FitOptions measured = options;
+  measured.noise = part.noise;
+  FitResult result = assess_force_field(fit.field, samples.displacements, samples.forces,
+                                        kGlobalParameters, measured);
+  result.mode = fit.mode;
+  result.certificate = fit.certificate;
+  result.iterations = fit.iterations;
+  result.condition = fit.condition;
+  result.shared_local = true;
+  return result;
+}
+
+// The error in force that an error in displacement is.
+double force_error(const Series& series, const ForceSamples& samples, Eigen::Index i) {
+  const Eigen::Vector3d f = samples.forces.col(i);
+  return series.compliance(f)
+      .ldlt()
+      .solve(samples.displacements.col(i) - series.displacement(f))
+      .norm();
+}
+
+// Whether a fit of their own predicts pairs that are held out better than the series does;
+// by the product of the errors, so that outliers do not decide. Those of about the same force are
+// held out together: others as good as equal would tell them to any fit.
+bool own_is_better(const ForceSamples& samples, const LocalPart& part, const FitOptions& options) {
+  std::vector<Eigen::Index> order(static_cast<std::size_t>(samples.forces.cols()));
+  std::iota(order.begin(), order.end(), Eigen::Index{0});
+  std::ranges::stable_sort(order, {}, [&](Eigen::Index i) { return samples.forces.col(i).norm(); });
+  if (order.size() < kParts) return false;
+  const double least = pair_noise(samples, part.noise).force;
+  double gain = 0;
+  for (std::size_t fold = 0; fold < kParts; ++fold) {
+    std::vector<Eigen::Index> kept, held_out;
+    for (std::size_t i = 0; i < order.size(); ++i) {
+      (i * kParts / order.size() == fold ? held_out : kept).push_back(order[i]);
+    }
+    const ForceSamples rest = columns(samples, kept);
+    const ForceField own = fit_steadily(rest.displacements, rest.forces, options).field;
+    const Series series{part.local, global_compliance(rest, part)};
+    for (const Eigen::Index i : held_out) {
+      const double error =
+          (force(own, samples.displacements.col(i)) - samples.forces.col(i)).norm();
+      gain +=
+          std::log(std::hypot(least, force_error(series, samples, i)) / std::hypot(least, error));
+    }
+  }
+  return gain > 0;
+}
+
+double held_out_rms(const ForceField& field, const ForceSamples& samples) {
+  double sum = 0;
+  for (Eigen::Index i = 0; i < samples.forces.cols(); ++i) {
+    sum += (force(field, samples.displacements.col(i)) - samples.forces.col(i)).squaredNorm();
+  }
+  return std::sqrt(sum / static_cast<double>(samples.forces.cols()));
+}
+
+// log(error with the local part / error without) on the pairs of a dense contact, if only those
+// were known whose forces are nearest to some of a sparse contact.
+double gain_at(const ForceSamples& dense, const Eigen::Matrix3Xd& sparse_forces,
+               const LocalPart& part, const FitOptions& options) {
+  std::vector<bool> taken(static_cast<std::size_t>(dense.forces.cols()), false);
+  for (const auto& wanted : sparse_forces.colwise()) {
+    Eigen::Index nearest = 0;
+    (dense.forces.colwise() - wanted).colwise().squaredNorm().minCoeff(&nearest);
+    taken[static_cast<std::size_t>(nearest)] = true;
+  }
+  std::vector<Eigen::Index> kept, held_out;
+  for (std::size_t i = 0; i < taken.size(); ++i) {
+    (taken[i] ? kept : held_out).push_back(static_cast<Eigen::Index>(i));
+  }
+  const ForceSamples few = columns(dense, kept), others = columns(dense, held_out);
+  const FitResult own = fit_steadily(few.displacements, few.forces, options);
+  const SeriesFit series = fit_with_local_part(few, part, options);
+  // Exact data can be met exactly; its logarithm is to be finite.
+  const double least = std::numeric_limits<double>::min();
+  return std::log(std::max(held_out_rms(series.fit.field, others), least)) -
+         std::log(std::max(held_out_rms(own.field, others), least));
+}
+
+// Tries dense contacts as if they were sparse, with the local part of the others.
+void try_sharing(const Contacts& dense, const Contacts& sparse, const FitOptions& options,
+                 LocalPart& part) {
+  const Contacts tried = some_of(dense, kMostTrials);
+  const std::size_t folds = std::min(tried.size(), kMostFolds);
+  std::vector<LocalPart> parts(folds);
+  tbb::parallel_for(std::size_t{0}, folds, [&](std::size_t fold) {
+    Contacts others;
+    for (const ForceSamples* contact : dense) {
+      const auto place = std::ranges::find(tried, contact) - tried.begin();
+      const bool left_out = static_cast<std::size_t>(place) < tried.size() &&
+                            static_cast<std::size_t>(place) % folds == fold;
+      if (!left_out) others.push_back(contact);
+    }
+    parts[fold] = learn(others, part.noise);
+    parts[fold].outcome = SharingOutcome::shared;
+    parts[fold].dense_samples = part.dense_samples;
+  });
+  Eigen::ArrayXd gains(static_cast<Eigen::Index>(tried.size()));
+  tbb::parallel_for(std::size_t{0}, tried.size(), [&](std::size_t i) {
+    const ForceSamples& plan = *sparse[i * sparse.size() / tried.size()];
+    gains[static_cast<Eigen::Index>(i)] =
+        gain_at(*tried[i], plan.forces, parts[i % folds], options);
+  });
+  const auto count = static_cast<double>(tried.size());
+  part.gain = gains.mean();
+  part.gain_error = std::sqrt((gains - part.gain).square().sum() / (count * (count - 1)));
+  part.outcome = part.gain < -kSignificance * part.gain_error ? SharingOutcome::shared
+                                                              : SharingOutcome::no_gain;
+}
+
+void check(std::span<const ForceSamples> contacts, const LocalGlobalOptions& options) {
+  if (options.dense_samples < kFewestDenseSamples) {
+    throw InvalidInput("learn_local_part(): dense_samples is " +
+                       std::to_string(options.dense_samples) +
+                       "; it must be >= " + std::to_string(kFewestDenseSamples));
+  }
+  if (contacts.empty()) {
+    throw InvalidInput("learn_local_part(): there is no contact; give those of a whole object");
+  }
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    const ForceSamples& samples = contacts[i];
+    if (samples.forces.cols() > 0 && samples.forces.cols() == samples.displacements.cols() &&
+        samples.forces.allFinite() && samples.displacements.allFinite()) {
+      continue;
+    }
+    throw InvalidInput("learn_local_part(): contact " + std::to_string(i) + " has " +
+                       std::to_string(samples.displacements.cols()) + " displacements and " +
+                       std::to_string(samples.forces.cols()) +
+                       " forces; there must be as many of both, at least one, and all finite");
+  }
+}
+
+}  // namespace
+
+LocalPart learn_local_part(std::span<const ForceSamples> contacts,
+                           const LocalGlobalOptions& options) {
+  check(contacts, options);
+  std::vector<ForceSamples> all;
+  std::ranges::transform(contacts, std::back_inserter(all), in_order);
+  std::ranges::sort(all, comes_first);
+  Contacts dense, sparse;
+  for (const ForceSamples& contact : all) {
+    (contact.forces.cols() >= options.dense_samples ? dense : sparse).push_back(&contact);
+  }
+  // Few samples tell their noise less well than all do: one noise for all.
+  FitOptions fit = options.fit;
+  if (!fit.noise.displacement) {
+    fit.noise.displacement = pooled_displacement_noise(all).value_or(kDisplacementNoise);
+  }
+  LocalPart part;
+  const Contacts taught = some_of(dense, kMostDense);
+  if (dense.size() >= static_cast<std::size_t>(kFewestDense) && !sparse.empty()) {
+    part = learn(taught, fit.noise);
+    part.outcome = SharingOutcome::no_gain;
+  } else {
+    part.outcome = sparse.empty() ? SharingOutcome::none_sparse : SharingOutcome::too_few_dense;
+  }
+  part.gain = part.gain_error = std::numeric_limits<double>::quiet_NaN();  // until it is tried
+  part.noise = fit.noise;
+  part.dense_samples = options.dense_samples;
+  part.dense = static_cast<int>(dense.size());
+  part.sparse = static_cast<int>(sparse.size());
+  if (!part.local.bases.empty()) try_sharing(taught, sparse, fit, part);
+  return part;
+}
+
+SeriesFit fit_with_local_part(const ForceSamples& samples, const LocalPart& part,
+                              const FitOptions& options) {
+  FitOptions own = options;
+  if (!own.noise.displacement) own.noise.displacement = part.noise.displacement;
+  const bool sparse = samples.forces.cols() > 0 &&
+                      samples.forces.cols() == samples.displacements.cols() &&
+                      samples.forces.cols() < part.dense_samples && samples.forces.allFinite() &&
+                      samples.displacements.allFinite();
+  if (part.outcome == SharingOutcome::shared && sparse) {
+    const ForceSamples pairs = in_order(samples);
+    const Series series{part.local, global_compliance(pairs, part)};
+    if (chi2(series, pairs, pair_noise(pairs, part.noise)) <= kMaxChi2 ||
+        !own_is_better(pairs, part, own)) {
+      return {fit_series(pairs, series, part, own), series.global};
+    }
+  }
+  return {fit_force_field(samples.displacements, samples.forces, own), Eigen::Matrix3d::Zero()};
+}
+
+const char* to_string(SharingOutcome outcome) {
+  switch (outcome) {
+    case SharingOutcome::shared:
+      return "shared";
+    case SharingOutcome::no_gain:
+      return "no_gain";
+    case SharingOutcome::too_few_dense:
+      return "too_few_dense";
+    case SharingOutcome::none_sparse:
+      return "none_sparse";
+  }
+  return "unknown";
+}
+
+}  // namespace palpate::haptics

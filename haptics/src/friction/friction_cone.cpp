@@ -1,0 +1,280 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/haptics/friction_cone.h"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <boost/math/tools/toms748_solve.hpp>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <string>
+
+#include "friction/slip_intervals.h"
+#include "friction/slip_likelihood.h"
+#include "palpate/error.h"
+#include "palpate/haptics/rotation.h"
+
+namespace palpate::haptics {
+namespace {
+
+constexpr double kPlateau = 3;     // see least_noise
+constexpr int kMinDirections = 4;  // three unknowns and one to check them with
+constexpr int kMinLevels = 2;
+// [rad] An axis is determined iff its standard error is at most this (3 degrees): else the
+// directions lie all to one side.
+constexpr double kMaxAxisError = 0.05;
+// No more than noise held is a sign of no friction only where the coefficient cannot be larger than
+// this either: weak forces leave it open.
+constexpr double kSlippery = 0.1;
+// The search begins with both ends of the intervals alone and the noise at this part of their
+// median force: nearly least squares of their middles. It divides the noise by kCooling until it is
+// that of the forces.
+constexpr double kFirstNoise = 0.3;
+constexpr double kCooling = 4;
+// One-sided 95 % quantile of the normal distribution: of the signed root of twice the logarithm of
+// a likelihood ratio.
+constexpr double kBoundQuantile = 1.645;
+// The same where nothing slipped, so that no cone is the best: then all would have held with a
+// probability of 5 %, sqrt(-2 ln 0.05).
+constexpr double kHeldQuantile = 2.448;
+constexpr double kFirstStep = 0.1;        // [rad] in search of it where nothing slipped
+constexpr double kBoundTolerance = 1e-5;  // [rad] of the angle of the lower bound
+constexpr double kRightAngle = std::numbers::pi / 2;
+
+double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
+
+template <typename Measure>
+double median(std::span<const SlipInterval> intervals, Measure measure) {
+  std::vector<double> values;
+  for (const SlipInterval& interval : intervals) values.push_back(measure(interval));
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// The noise below which the likelihood becomes a plateau with steps: n intervals with a
+// width w leave about w / n between the ends nearest to the boundary. 3: some ends feel it.
+double least_noise(std::span<const SlipInterval> intervals, double force_noise) {
+  const double width = median(intervals, [](const SlipInterval& interval) {
+    return (interval.slipped - interval.held).norm();
+  });
+  return std::max(force_noise, kPlateau * width / static_cast<double>(intervals.size()));
+}
+
+double typical_force(std::span<const SlipInterval> intervals) {
+  return median(intervals, [](const SlipInterval& interval) {
+    return (interval.held + interval.slipped).norm() / 2;
+  });
+}
+
+// Searches with noise that falls from that of `cone` to `noise`, so that trials far from the
+// boundary tell the way to it at first.
+SlipOptimum cool(std::span<const FrictionTrial> trials, SlipCone cone, FreeParameters free,
+                 double noise) {
+  for (; cone.noise > noise; cone.noise /= kCooling) {
+    cone = maximise_likelihood(trials, cone, free, noise).cone;
+  }
+  cone.noise = noise;
+  return maximise_likelihood(trials, cone, free, noise);
+}
+
+SlipOptimum fit_cone(std::span<const FrictionTrial> trials, std::span<const SlipInterval> intervals,
+                     const Eigen::Vector3d& pressing, double noise) {
+  SlipCone cone{.frame = rotation_between(Eigen::Vector3d::UnitZ(), pressing)};
+  cone.angle = median(intervals, [&](const SlipInterval& interval) {
+    return angle_between(interval.held + interval.slipped, pressing);
+  });
+  cone.noise = kFirstNoise * typical_force(intervals);
+  std::vector<FrictionTrial> ends;
+  for (const SlipInterval& interval : intervals) {
+    ends.push_back({interval.held, false});
+    ends.push_back({interval.slipped, true});
+  }
+  cone = cool(ends, cone, FreeParameters::axis_angle, noise).cone;
+  cone = maximise_likelihood(trials, cone, FreeParameters::axis_angle, noise).cone;
+  return maximise_likelihood(trials, cone, FreeParameters::axis_angle_noise, noise);
+}
+
+// The least angle of a cone that is as likely as `quantile` asks, over all axes. `best` is the most
+// likely one; axes are searched for with noise that begins at `first_noise` if need be.
+double least_angle(std::span<const FrictionTrial> trials, const SlipOptimum& best, double quantile,
+                   double first_step, double first_noise) {
+  SlipCone feasible = best.cone;  // the nearest cone known from which to look for the axis
+  const auto root = [&](const SlipOptimum& found) {
+    return std::sqrt(2 * std::max(found.cost - best.cost, 0.0));
+  };
+  const auto excess = [&](double angle) {
+    SlipCone cone = feasible;
+    cone.angle = angle;
+    SlipOptimum found = maximise_likelihood(trials, cone, FreeParameters::axis, cone.noise);
+    if (first_noise > best.cone.noise && root(found) > quantile) {
+      cone.noise = first_noise;
+      const SlipOptimum other = cool(trials, cone, FreeParameters::axis, best.cone.noise);
+      if (other.cost < found.cost) found = other;
+    }
+    if (root(found) <= quantile && angle < feasible.angle) feasible = found.cone;
+    return root(found) - quantile;
+  };
+  const double at_best = excess(best.cone.angle);
+  if (at_best >= 0) return best.cone.angle;
+  // Down in steps that grow, until it is too narrow.
+  double high = best.cone.angle, low = high, at_high = at_best, at_low = at_best;
+  for (double step = first_step; at_low < 0; step *= 2) {
+    if (low <= 0) return 0;
+    high = low;
+    at_high = at_low;
+    low = std::max(0.0, high - step);
+    at_low = excess(low);
+  }
+  std::uintmax_t evaluations = 50;
+  return boost::math::tools::toms748_solve(
+             excess, low, high, at_low, at_high,
+             [](double a, double b) { return b - a < kBoundTolerance; }, evaluations)
+      .first;
+}
+
+// The same where the trials do not determine a cone.
+double least_angle_of_any(std::span<const FrictionTrial> trials, const Eigen::Vector3d& pressing,
+                          double noise) {
+  double largest = 0;
+  bool slipped = false;
+  for (const FrictionTrial& trial : trials) {
+    largest = std::max(largest, trial.force.norm());
+    slipped = slipped || trial.slipped;
+  }
+  const double first_noise = std::max(noise, kFirstNoise * largest);
+  SlipOptimum best{.cone = {.frame = rotation_between(Eigen::Vector3d::UnitZ(), pressing),
+                            .angle = kRightAngle,
+                            .noise = noise}};
+  best.cost = slip_cost(trials, best.cone);
+  if (slipped) {
+    SlipCone start = best.cone;
+    start.angle = kRightAngle / 2;
+    start.noise = first_noise;
+    const SlipOptimum found = cool(trials, start, FreeParameters::axis_angle, noise);
+    if (found.cost < best.cost) best = found;
+  }
+  return least_angle(trials, best, slipped ? kBoundQuantile : kHeldQuantile, kFirstStep,
+                     first_noise);
+}
+
+void check(std::span<const FrictionTrial> trials, const Eigen::Vector3d& normal,
+           const FrictionOptions& options) {
+  if (!(options.force_noise > 0) || !std::isfinite(options.force_noise)) {
+    throw InvalidInput("fit_friction(): force_noise is " + std::to_string(options.force_noise) +
+                       " N; it must be > 0");
+  }
+  if (!(normal.norm() > 0) || !normal.allFinite()) {
+    throw InvalidInput("fit_friction(): the normal must be finite and not zero");
+  }
+  for (std::size_t i = 0; i < trials.size(); ++i) {
+    if (trials[i].force.allFinite()) continue;
+    throw InvalidInput("fit_friction(): the force of trial " + std::to_string(i) +
+                       " is not finite; leave it out");
+  }
+}
+
+// Writes what the most likely cone says.
+void take(std::span<const FrictionTrial> trials, const SlipOptimum& best, double least_noise,
+          FrictionFit& fit) {
+  fit.coefficient = std::tan(best.cone.angle);
+  fit.axis = best.cone.frame.col(2);
+  fit.noise = best.cone.noise;
+  // With the noise at its lower end nothing is known to be lost by not knowing it.
+  const int unknowns = best.cone.noise > least_noise ? 4 : 3;
+  const Eigen::FullPivLU<Eigen::MatrixXd> information(
+      best.information.topLeftCorner(unknowns, unknowns));
+  // No trial near the boundary tells nothing about it.
+  const Eigen::MatrixXd covariance =
+      information.isInvertible()
+          ? Eigen::MatrixXd(information.inverse())
+          : Eigen::MatrixXd::Constant(unknowns, unknowns, std::numeric_limits<double>::infinity());
+  const double angle_error = std::sqrt(covariance(2, 2));
+  fit.axis_error = std::sqrt(covariance(0, 0) + covariance(1, 1));
+  fit.coefficient_error = angle_error * (1 + fit.coefficient * fit.coefficient);
+  const double step = std::clamp(kBoundQuantile * angle_error, kBoundTolerance, kFirstStep);
+  fit.lower_bound = std::tan(least_angle(trials, best, kBoundQuantile, step, fit.noise));
+}
+
+}  // namespace
+
+const char* to_string(FrictionStop stop) {
+  switch (stop) {
+    case FrictionStop::converged:
+      return "converged";
+    case FrictionStop::too_few_directions:
+      return "too_few_directions";
+    case FrictionStop::too_few_levels:
+      return "too_few_levels";
+    case FrictionStop::never_slipped:
+      return "never_slipped";
+    case FrictionStop::frictionless:
+      return "frictionless";
+    case FrictionStop::not_converged:
+      return "not_converged";
+  }
+  return "unknown";
+}
+
+std::vector<FrictionTrial> friction_trials(const probing::Contact& contact,
+                                           std::span<const probing::Sample> samples) {
+  std::vector<FrictionTrial> trials;
+  for (const probing::Sample& sample : samples) {
+    if (sample.contact == contact.id) trials.push_back({sample.force, sample.slipped});
+  }
+  return trials;
+}
+
+FrictionFit fit_friction(std::span<const FrictionTrial> trials, const Eigen::Vector3d& normal,
+                         const FrictionOptions& options) {
+  check(trials, normal, options);
+  const Eigen::Vector3d pressing = -normal.normalized();
+  FrictionFit fit;
+  fit.axis = pressing;
+  fit.noise = options.force_noise;
+  std::vector<FrictionTrial> used;
+  for (const FrictionTrial& trial : trials) {
+    // Where the tool pulls, contact is lost, and nothing can slip or hold.
+    if (trial.force.dot(pressing) > 0) used.push_back(trial);
+  }
+  const std::vector<SlipInterval> intervals = slip_intervals(used, pressing, options.force_noise);
+  fit.vectors = static_cast<int>(intervals.size());
+  fit.directions = count_directions(intervals);
+  fit.levels = count_levels(intervals);
+  // What is known where the cone is not determined.
+  const auto only_bound = [&](FrictionStop stop) {
+    fit.lower_bound = std::tan(least_angle_of_any(used, pressing, fit.noise));
+    fit.stop = stop;
+    return fit;
+  };
+  if (std::none_of(used.begin(), used.end(), [](const auto& trial) { return trial.slipped; })) {
+    return only_bound(FrictionStop::never_slipped);
+  }
+  if (fit.directions < kMinDirections) return only_bound(FrictionStop::too_few_directions);
+  const double noise = least_noise(intervals, options.force_noise);
+  const SlipOptimum best = fit_cone(used, intervals, pressing, noise);
+  if (!best.converged || best.cone.angle >= kRightAngle) {
+    return only_bound(FrictionStop::not_converged);
+  }
+  take(used, best, noise, fit);
+  double largest_normal = 0;
+  for (const FrictionTrial& trial : used) {
+    largest_normal = std::max(largest_normal, trial.force.dot(pressing));
+  }
+  const double upper_bound = fit.coefficient + kBoundQuantile * fit.coefficient_error;
+  if (fit.lower_bound * largest_normal <= options.force_noise && upper_bound <= kSlippery) {
+    fit.stop = FrictionStop::frictionless;
+  } else if (!(fit.axis_error <= kMaxAxisError)) {
+    fit.stop = FrictionStop::too_few_directions;
+  } else {
+    fit.stop = fit.levels < kMinLevels ? FrictionStop::too_few_levels : FrictionStop::converged;
+  }
+  if (!(fit.axis_error <= kMaxAxisError)) fit.axis = pressing;
+  return fit;
+}
+
+}  // namespace palpate::haptics

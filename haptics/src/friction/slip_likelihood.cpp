@@ -1,0 +1,166 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "friction/slip_likelihood.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "palpate/haptics/rotation.h"
+
+namespace palpate::haptics {
+namespace {
+
+constexpr int kMaxIterations = 100;
+constexpr double kFirstDamping = 1e-3;  // of the information's own diagonal; adapts from there
+constexpr double kMaxDamping = 1e9;     // no step this short helps: the end is reached
+// Smallest damping relative to the mean diagonal, for directions that nothing is known about.
+constexpr double kLeastInformation = 1e-9;
+// The search ends when a step promises no more of the logarithm of the likelihood: the parameters
+// are within some 1e-5 standard errors.
+constexpr double kSettled = 1e-10;
+constexpr double kMaxTurn = 0.2;  // [rad] and relative to the noise, in one step
+constexpr double kRightAngle = std::numbers::pi / 2;
+// Beyond so many standard deviations a trial's outcome is certain but for lapses: Phi < 1e-15.
+constexpr double kCertain = 8;
+const double kCertainCost = -std::log(1 - kLapse), kLapseCost = -std::log(kLapse);
+
+// Signed distance of a force to the cone, and its derivatives for turns about the frame's x and y
+// axes and for the angle.
+struct Distance {
+  double value;
+  Eigen::Vector3d slope;
+
+  Distance(const Eigen::Vector3d& force, const SlipCone& cone, double cosine, double sine) {
+    const Eigen::Vector3d f = cone.frame.transpose() * force;
+    const double across = std::hypot(f.x(), f.y());
+    value = cosine * across - sine * f.z();
+    // A turn (x, y) adds (y, -x) to the axis: f.z grows by that times f_xy, and |f_xy| shrinks by
+    // f.z times its part outwards.
+    const double pull = across > 0 ? cosine * f.z() / across + sine : sine;
+    slope = {pull * f.y(), -pull * f.x(), -sine * across - cosine * f.z()};
+  }
+};
+
+// A trial's part of the cost, its first and second derivative with respect to the distance (in
+// units of the noise), and the expected second derivative.
+struct Part {
+  double cost, slope = 0, curvature = 0, information = 0;
+
+  Part(double distance, bool slipped, double noise) {
+    const double z = (slipped ? distance : -distance) / noise;
+    if (std::abs(z) > kCertain) {
+      cost = z > 0 ? kCertainCost : kLapseCost;
+      return;
+    }
+    constexpr double kTrust = 1 - 2 * kLapse;
+    const double seen = kLapse + kTrust * std::erfc(-z / std::numbers::sqrt2) / 2;
+    const double density = kTrust * std::exp(-z * z / 2) / std::sqrt(2 * std::numbers::pi);
+    cost = -std::log(seen);
+    slope = (slipped ? -1 : 1) * density / seen;
+    curvature = z * density / seen + slope * slope;
+    information = density * density / (seen * (1 - seen));
+  }
+};
+
+struct Evaluation {
+  double cost = 0;
+  Eigen::Vector4d gradient = Eigen::Vector4d::Zero();
+  Eigen::Matrix4d information = Eigen::Matrix4d::Zero();
+  // For steps. Where the boundary lies between few trials these curve the cost more than is to be
+  // expected of them, and steps by the information alone would swing across the optimum.
+  Eigen::Matrix4d curvature = Eigen::Matrix4d::Zero();
+};
+
+Evaluation evaluate(std::span<const FrictionTrial> trials, const SlipCone& cone) {
+  const double cosine = std::cos(cone.angle), sine = std::sin(cone.angle);
+  Evaluation result;
+  for (const FrictionTrial& trial : trials) {
+    const Distance distance(trial.force, cone, cosine, sine);
+    const Part part(distance.value, trial.slipped, cone.noise);
+    result.cost += part.cost;
+    if (part.slope == 0) continue;
+    Eigen::Vector4d slope;  // of distance / noise
+    slope << distance.slope / cone.noise, -distance.value / cone.noise;
+    result.gradient += part.slope * slope;
+    const Eigen::Matrix4d square = slope * slope.transpose();
+    result.information += part.information * square;
+    result.curvature += std::max(part.information, part.curvature) * square;
+  }
+  return result;
+}
+
+// The step of those parameters that are free, within the limits; the others stay.
+Eigen::Vector4d damped_step(const Evaluation& at, const std::array<bool, 4>& free, double damping) {
+  Eigen::Vector4d gradient = at.gradient;
+  Eigen::Matrix4d matrix = at.curvature;
+  // Well-scaled unknowns (angles and a logarithm): normal equations lose nothing here.
+  const double mean = matrix.trace() / 4;
+  for (int i = 0; i < 4; ++i) {
+    matrix(i, i) += damping * matrix(i, i) + kLeastInformation * mean;
+    if (free[static_cast<std::size_t>(i)]) continue;
+    matrix.row(i).setZero();
+    matrix.col(i).setZero();
+    matrix(i, i) = 1;
+    gradient[i] = 0;
+  }
+  const Eigen::Vector4d step = -matrix.ldlt().solve(gradient);
+  const double largest = step.cwiseAbs().maxCoeff();
+  return largest > kMaxTurn ? Eigen::Vector4d(step * (kMaxTurn / largest)) : step;
+}
+
+}  // namespace
+
+SlipCone SlipCone::tilted(double x, double y) const {
+  SlipCone result = *this;
+  result.frame = frame * rotation_exp({x, y, 0});
+  return result;
+}
+
+double slip_cost(std::span<const FrictionTrial> trials, const SlipCone& cone) {
+  const double cosine = std::cos(cone.angle), sine = std::sin(cone.angle);
+  double cost = 0;
+  for (const FrictionTrial& trial : trials) {
+    const Eigen::Vector3d f = cone.frame.transpose() * trial.force;
+    cost += Part(cosine * std::hypot(f.x(), f.y()) - sine * f.z(), trial.slipped, cone.noise).cost;
+  }
+  return cost;
+}
+
+SlipOptimum maximise_likelihood(std::span<const FrictionTrial> trials, const SlipCone& start,
+                                FreeParameters free, double least_noise) {
+  SlipOptimum best{.cone = start};
+  Evaluation at = evaluate(trials, best.cone);
+  double damping = kFirstDamping;
+  for (int i = 0; i < kMaxIterations && !best.converged; ++i) {
+    // What is at its limit and pushed against it stays.
+    const bool narrowest = best.cone.angle <= 0 && at.gradient[2] >= 0,
+               widest = best.cone.angle >= kRightAngle && at.gradient[2] <= 0,
+               quietest = best.cone.noise <= least_noise && at.gradient[3] >= 0;
+    const std::array<bool, 4> moves = {true, true,
+                                       free != FreeParameters::axis && !narrowest && !widest,
+                                       free == FreeParameters::axis_angle_noise && !quietest};
+    const Eigen::Vector4d step = damped_step(at, moves, damping);
+    if (!step.allFinite()) break;
+    SlipCone next = best.cone.tilted(step[0], step[1]);
+    next.angle = std::clamp(next.angle + step[2], 0.0, kRightAngle);
+    next.noise = std::max(least_noise, next.noise * std::exp(step[3]));
+    best.converged = -at.gradient.dot(step) < kSettled;
+    const Evaluation there = evaluate(trials, next);
+    if (there.cost <= at.cost) {
+      best.cone = next;
+      at = there;
+      damping /= 10;
+    } else {
+      damping *= 10;
+    }
+    best.converged = best.converged || damping > kMaxDamping;
+  }
+  best.cost = at.cost;
+  best.information = at.information;
+  return best;
+}
+
+}  // namespace palpate::haptics

@@ -1,0 +1,270 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "identify/parameter_estimation.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "palpate/error.h"
+
+namespace palpate::haptics {
+namespace {
+
+/// Huber's loss is linear beyond so many deviations: 3 % of sound pairs (chi of three numbers).
+constexpr double kHuber = 3;
+/// A pair further off is an outlier: one sound pair in ten million is.
+constexpr double kOutlier = 6;
+/// Unless more than this share of its contact's pairs is: then the model is wrong there.
+constexpr double kOutlierShare = 0.1;
+/// The weights are renewed until no parameter moves by more than this times its standard error.
+constexpr double kRestingError = 0.02;
+constexpr int kMaxRounds = 12;
+/// The starts are compared on about so many pairs.
+constexpr std::size_t kStartPairs = 300;
+/// Damping of a search from afar, and of one that goes on from a solution with other weights.
+constexpr double kFar = 1e-2, kNear = 1e-6;
+/// A direction is undetermined iff its standard error >= this, in units of the parameters' scales:
+/// then a change of that size is less than three deviations.
+constexpr double kUndetermined = 1.0 / 3;
+/// A parameter belongs to a direction iff its component of the unit vector is larger.
+constexpr double kBelongs = 0.1;
+/// What errors of derivatives leave of an eigenvalue that is zero, relative to the largest.
+constexpr double kZeroEigenvalue = 1e-10;
+/// Noise is at least this times the displacements (what digits of files leave).
+constexpr double kLeastNoise = 1e-6;
+
+struct Noise {
+  double displacement = 0, force = 0;
+  bool known = false;
+};
+
+/// Variances of displacement and force from the scatter of the settled positions, in which force
+/// noise shows times the compliance C: scatter = 3 s_d^2 + |C|^2 s_f^2.
+Noise estimate_noise(const Problem& problem, const Predictions& predictions, double least) {
+  constexpr int kRounds = 5;
+  std::vector<Eigen::Vector3d> rows;  // |C|^2, scatter, degrees of freedom
+  for (std::size_t i = 0; i < problem.pairs.size(); ++i) {
+    const Pair& pair = problem.pairs[i];
+    if (pair.settled != i || pair.repeats < 2) continue;
+    rows.emplace_back(predictions[i].compliance.squaredNorm(),
+                      std::max(pair.scatter, 3 * least * least), pair.repeats - 1);
+  }
+  if (rows.empty()) return {};
+  Eigen::Vector2d variance(0, 0);
+  for (int round = 0; round < kRounds; ++round) {
+    Eigen::Matrix2d matrix = Eigen::Matrix2d::Zero();
+    Eigen::Vector2d right = Eigen::Vector2d::Zero();
+    for (const Eigen::Vector3d& row : rows) {
+      const Eigen::Vector2d unit(3, row[0]);
+      const double expected = round == 0 ? row[1] : std::max(unit.dot(variance), 3 * least * least);
+      const double weight = row[2] / (expected * expected);
+      matrix += weight * unit * unit.transpose();
+      right += weight * unit * row[1];
+    }
+    variance = matrix.completeOrthogonalDecomposition().solve(right);
+    if (variance[1] < 0) variance = Eigen::Vector2d(right[0] / matrix(0, 0), 0);
+    if (variance[0] < 0) variance = Eigen::Vector2d(0, right[1] / matrix(1, 1));
+  }
+  return {std::max(std::sqrt(variance[0]), least), std::sqrt(variance[1]), true};
+}
+
+/// Every displacement counts alike, in units of `size`.
+Weights equal_weights(std::size_t count, double size) {
+  return {std::vector<Eigen::Matrix3d>(count, Eigen::Matrix3d::Identity() / size)};
+}
+
+Weights noise_weights(const Problem& problem, const Predictions& predictions, const Noise& noise) {
+  Weights weights{.whiten = {}, .shared_error = true};
+  for (std::size_t i = 0; i < predictions.size(); ++i) {
+    const Pair& pair = problem.pairs[i];
+    const Eigen::Matrix3d& c = predictions[i].compliance;
+    const Eigen::Matrix3d covariance =
+        (noise.displacement * noise.displacement * Eigen::Matrix3d::Identity() +
+         noise.force * noise.force * c * c.transpose()) /
+        (pair.settled == i ? pair.repeats : 1);
+    weights.whiten.push_back(
+        covariance.llt().matrixL().solve(Eigen::Matrix3d(Eigen::Matrix3d::Identity())));
+  }
+  return weights;
+}
+
+/// Agreement of each contact; single outliers are left out.
+void judge(const Problem& problem, const std::vector<Eigen::Vector3d>& residual,
+           std::span<const probing::Contact> contacts, double max_chi2, Identification& report) {
+  std::vector<std::vector<double>> distances(contacts.size());
+  for (std::size_t i = 0; i < residual.size(); ++i) {
+    distances[problem.pairs[i].contact].push_back(residual[i].norm());
+  }
+  double sum = 0;
+  int numbers = 0;
+  for (std::size_t c = 0; c < contacts.size(); ++c) {
+    if (distances[c].empty()) continue;
+    ContactAgreement agreement;
+    agreement.contact = contacts[c].id;
+    agreement.pairs = static_cast<int>(distances[c].size());
+    const auto far = std::count_if(distances[c].begin(), distances[c].end(),
+                                   [](double s) { return s > kOutlier; });
+    const bool forgive = static_cast<double>(far) <= kOutlierShare * agreement.pairs;
+    agreement.outliers = forgive ? static_cast<int>(far) : 0;
+    double here = 0;
+    for (const double s : distances[c]) here += forgive && s > kOutlier ? 0 : s * s;
+    const int count = 3 * (agreement.pairs - agreement.outliers);
+    agreement.chi2 = count > 0 ? here / count : 0;
+    sum += here;
+    numbers += count;
+    report.outliers += agreement.outliers;
+    report.contacts.push_back(agreement);
+  }
+  const auto determined = std::count_if(
+      report.parameters.begin(), report.parameters.end(),
+      [](const auto& parameter) { return parameter.status == ParameterStatus::determined; });
+  const int freedom = numbers - static_cast<int>(determined);
+  if (freedom <= 0) return;
+  report.chi2 = sum / freedom;
+  report.verdict = *report.chi2 <= max_chi2 ? Verdict::describes : Verdict::does_not_describe;
+}
+
+/// Values and standard errors (for a chi^2 of 1) from the normal equations at the solution.
+std::vector<ParameterEstimate> describe(const ParametricLaw& law, const Eigen::VectorXd& at,
+                                        const NormalEquations& normal) {
+  std::vector<ParameterEstimate> result;
+  std::vector<Eigen::Index> free;
+  for (Eigen::Index k = 0; k < at.size(); ++k) {
+    ParameterEstimate& estimate = result.emplace_back();
+    estimate.name = law.names[static_cast<std::size_t>(k)];
+    estimate.unit = law.units[static_cast<std::size_t>(k)];
+    if (normal.matrix(k, k) * kUndetermined * kUndetermined <= 1) continue;
+    if (held_by_bound(law, at, normal, k)) {
+      estimate.status = ParameterStatus::at_bound;
+      estimate.value = at[k];
+    } else {
+      free.push_back(k);
+    }
+  }
+  if (free.empty()) return result;
+  const Eigen::MatrixXd matrix = normal.matrix(free, free);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(matrix);
+  const double zero = kZeroEigenvalue * eigen.eigenvalues().maxCoeff();
+  for (std::size_t k = 0; k < free.size(); ++k) {
+    double variance = 0;
+    bool determined = true;
+    for (Eigen::Index i = 0; i < eigen.eigenvalues().size(); ++i) {
+      const double component = eigen.eigenvectors()(static_cast<Eigen::Index>(k), i);
+      const double value = eigen.eigenvalues()[i];
+      if (value * kUndetermined * kUndetermined <= 1 || value <= zero) {
+        determined = determined && std::abs(component) <= kBelongs;
+      } else {
+        variance += component * component / value;
+      }
+    }
+    if (!determined) continue;
+    ParameterEstimate& estimate = result[static_cast<std::size_t>(free[k])];
+    estimate.status = ParameterStatus::determined;
+    estimate.value = at[free[k]];
+    estimate.standard_error = std::sqrt(variance) * law.scale[free[k]];
+  }
+  return result;
+}
+
+/// Best of the starts on some of the pairs.
+Eigen::VectorXd best_start(const Problem& problem, double size, int max_iterations) {
+  Problem part{.law = problem.law, .pairs = {}};
+  const std::size_t stride = 1 + problem.pairs.size() / kStartPairs;
+  for (std::size_t i = 0; i < problem.pairs.size(); i += stride) {
+    part.pairs.push_back(problem.pairs[i]);
+  }
+  const Weights weights = equal_weights(part.pairs.size(), size);
+  SearchResult best{.parameters = problem.law.starts.front(), .predictions = {}};
+  for (const Eigen::VectorXd& start : problem.law.starts) {
+    SearchResult found = search(part, weights, start, predict(part, start), max_iterations, kFar);
+    if (found.cost < best.cost) best = std::move(found);
+  }
+  return best.parameters;
+}
+
+double mean_square(std::span<const Pair> pairs, const Predictions& predictions) {
+  double sum = 0;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    sum += (pairs[i].displacement - predictions[i].displacement).squaredNorm();
+  }
+  return sum / static_cast<double>(pairs.size());
+}
+
+/// Whether no determined parameter moved by a share of its standard error that matters.
+bool rests(const std::vector<ParameterEstimate>& estimates, const Eigen::VectorXd& before,
+           const Eigen::VectorXd& after) {
+  for (Eigen::Index k = 0; k < before.size(); ++k) {
+    const auto& error = estimates[static_cast<std::size_t>(k)].standard_error;
+    if (error && std::abs(after[k] - before[k]) > kRestingError * *error) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+LawEstimate estimate(const ParametricLaw& law, std::span<const Pair> pairs,
+                     std::span<const probing::Contact> contacts, const IdentifyOptions& options) {
+  const Problem plain{.law = law, .pairs = {pairs.begin(), pairs.end()}};
+  Problem robust = plain;
+  robust.huber = kHuber;
+  double size = 0;
+  for (const Pair& pair : pairs) size += pair.displacement.squaredNorm();
+  size = std::sqrt(size / static_cast<double>(pairs.size()));
+  const double least = kLeastNoise * size;
+
+  const Eigen::VectorXd start = best_start(plain, size, options.max_iterations);
+  SearchResult found = search(plain, equal_weights(pairs.size(), size), start,
+                              predict(plain, start), options.max_iterations, kFar);
+  LawEstimate result;
+  Identification& report = result.report;
+  report.pairs = static_cast<int>(pairs.size());
+  report.iterations = found.iterations;
+  if (found.predictions.empty()) {
+    throw SolverError(
+        "identify: this parametric model has no equilibrium at some sample, whatever its "
+        "parameters; is a force or a position far from all others?");
+  }
+  Noise noise;
+  Weights weights;
+  bool settled = false;
+  for (int round = 0; round < kMaxRounds && !settled; ++round) {
+    noise = options.displacement_noise
+                ? Noise{*options.displacement_noise, options.force_noise.value_or(0), true}
+                : estimate_noise(robust, found.predictions, least);
+    // Without noise: equal weights, in units of the scatter that is left.
+    weights =
+        noise.known
+            ? noise_weights(robust, found.predictions, noise)
+            : equal_weights(pairs.size(),
+                            std::max(std::sqrt(mean_square(pairs, found.predictions) / 3), least));
+    const Eigen::VectorXd before = found.parameters;
+    found = search(robust, weights, before, std::move(found.predictions), options.max_iterations,
+                   kNear);
+    report.iterations += found.iterations;
+    report.parameters =
+        describe(law, found.parameters, normal_equations(robust, weights, found.predictions));
+    settled = found.converged && rests(report.parameters, before, found.parameters);
+  }
+  result.parameters = found.parameters;
+  report.displacement_noise = noise.displacement;
+  report.force_noise = noise.force;
+  report.rms = std::sqrt(mean_square(pairs, found.predictions));
+  judge(robust, residuals(robust, weights, found.predictions), contacts, options.max_chi2, report);
+  for (ParameterEstimate& parameter : report.parameters) {
+    if (parameter.standard_error && report.chi2) {
+      *parameter.standard_error *= std::sqrt(*report.chi2);
+    }
+  }
+  if (!noise.known) {
+    report.chi2.reset();
+    report.verdict = Verdict::not_testable;
+  }
+  if (!settled) report.verdict = Verdict::not_converged;
+  return result;
+}
+
+}  // namespace palpate::haptics

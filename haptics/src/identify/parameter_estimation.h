@@ -1,0 +1,26 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "identify/parameter_search.h"
+#include "palpate/haptics/identify.h"
+#include "palpate/probing/acquisition.h"
+#include "samples/realigned_pairs.h"
+
+namespace palpate::haptics {
+
+struct LawEstimate {
+  Eigen::VectorXd parameters;
+  Identification report;
+};
+
+/// Weighted least squares of all pairs (identify.h tells how).
+[[nodiscard]] LawEstimate estimate(const ParametricLaw& law, std::span<const Pair> pairs,
+                                   std::span<const probing::Contact> contacts,
+                                   const IdentifyOptions& options);
+
+}  // namespace palpate::haptics

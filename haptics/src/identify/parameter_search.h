@@ -1,0 +1,87 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "samples/realigned_pairs.h"
+
+namespace palpate::haptics {
+
+/// So many parameters a law may have: derivatives need no memory of their own.
+inline constexpr int kMaxParameters = 9;
+
+/// Where a law says that a force takes the tool, and how that changes.
+struct Prediction {
+  Eigen::Vector3d displacement;  ///< [mm]
+  Eigen::Matrix3d compliance;    ///< [mm/N] d displacement / d force, symmetric
+  Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::ColMajor, 3, kMaxParameters> by_parameters;
+};
+
+/// What is to be estimated.
+struct ParametricLaw {
+  std::vector<std::string> names, units;
+  Eigen::VectorXd scale;         ///< size at which a change of the parameter is large; > 0
+  Eigen::VectorXd lower, upper;  ///< bounds; may be infinite
+  std::vector<Eigen::VectorXd> starts;
+  /// The prediction at a pair's force; nothing if there is none for such parameters. `last` is the
+  /// one of nearby parameters, or null. Called from several threads.
+  std::function<std::optional<Prediction>(const Eigen::VectorXd& parameters, const Pair& pair,
+                                          const Prediction* last)>
+      predict;
+};
+
+/// The residual of pair i is whiten_i r_i, r = displacement - prediction; with `shared_error` it is
+/// whiten_i (r_i - r_settled) except for the settled pair itself.
+struct Weights {
+  std::vector<Eigen::Matrix3d> whiten;
+  bool shared_error = false;
+};
+
+struct Problem {
+  const ParametricLaw& law;
+  std::vector<Pair> pairs;
+  double huber = std::numeric_limits<double>::infinity();  ///< bound of Huber's loss
+};
+
+using Predictions = std::vector<Prediction>;
+
+/// Predictions for all pairs; empty if the law refuses the parameters at any of them.
+[[nodiscard]] Predictions predict(const Problem& problem, const Eigen::VectorXd& parameters,
+                                  const Predictions& last = {});
+
+[[nodiscard]] std::vector<Eigen::Vector3d> residuals(const Problem& problem, const Weights& weights,
+                                                     const Predictions& predictions);
+
+/// J^T W J and J^T W r, in units of the parameters' scales; W holds Huber's weights.
+struct NormalEquations {
+  Eigen::MatrixXd matrix;
+  Eigen::VectorXd gradient;
+};
+[[nodiscard]] NormalEquations normal_equations(const Problem& problem, const Weights& weights,
+                                               const Predictions& predictions);
+
+/// Whether a bound keeps parameter k from moving where the sum of losses falls.
+[[nodiscard]] bool held_by_bound(const ParametricLaw& law, const Eigen::VectorXd& parameters,
+                                 const NormalEquations& normal, Eigen::Index k);
+
+struct SearchResult {
+  Eigen::VectorXd parameters;
+  Predictions predictions;  ///< there; empty if the law refuses even the start
+  double cost = std::numeric_limits<double>::infinity();  ///< sum of Huber's losses
+  int iterations = 0;
+  bool converged = false;
+};
+
+/// Levenberg and Marquardt's method with bounds, from `start` whose predictions are given.
+/// `damping` is what it begins with: little near a solution.
+[[nodiscard]] SearchResult search(const Problem& problem, const Weights& weights,
+                                  const Eigen::VectorXd& start, Predictions predictions,
+                                  int max_iterations, double damping);
+
+}  // namespace palpate::haptics

@@ -1,0 +1,156 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/haptics/blended_field.h"
+
+#include <algorithm>
+#include <array>
+#include <span>
+#include <vector>
+
+#include "model/field_warp.h"
+#include "palpate/haptics/rotation.h"
+
+namespace palpate::haptics {
+namespace {
+
+const Model& checked(const Model& model) {
+  check_model(model);
+  return model;
+}
+
+std::vector<Eigen::Matrix3d> pressing_frames(const Model& model) {
+  std::vector<Eigen::Matrix3d> frames;
+  for (const ContactModel& contact : model.contacts) frames.push_back(pressing_frame(contact));
+  return frames;
+}
+
+// A frame with the mean z axis; its x axis is that of the heaviest contact, carried there by the
+// smallest turn.
+Eigen::Matrix3d carried_frame(std::span<const Eigen::Matrix3d> frames,
+                              std::span<const double> weights) noexcept {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (std::size_t k = 0; k < frames.size(); ++k) mean += weights[k] * frames[k].col(2);
+  const auto heaviest = std::ranges::max_element(weights) - weights.begin();
+  const Eigen::Matrix3d& frame = frames[static_cast<std::size_t>(heaviest)];
+  // They cancel each other only where the object has no inside to press into.
+  return mean.norm() > 0 ? Eigen::Matrix3d(rotation_between(frame.col(2), mean) * frame) : frame;
+}
+
+geometry::ContactLocator make_locator(const Model& model, const geometry::SurfaceQuery& surface) {
+  const bool has_weights = model.surface_weights.contacts.cols() > 0;
+  std::vector<bool> counts(model.contacts.size(), has_weights);
+  for (const int contact : model.triangles.reshaped()) {
+    counts[static_cast<std::size_t>(contact)] = true;
+  }
+  // A contact in no triangle has no influence where weights come from triangles.
+  std::vector<geometry::SurfacePoint> places;
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    places.push_back(counts[i] ? surface.closest_point(model.contacts[i].position).at
+                               : geometry::SurfacePoint{});
+  }
+  return {model.surface, places,
+          has_weights ? model.surface_weights
+                      : geometry::project_weights(model.surface, contact_mesh(model))};
+}
+
+}  // namespace
+
+BlendedField::BlendedField(const Model& model)
+    : contacts_(checked(model).contacts),
+      mesh_(model.surface),
+      interpolation_(model.interpolation),
+      pressing_frames_(pressing_frames(model)),
+      surface_(model.surface),
+      locator_(make_locator(model, surface_)) {}
+
+Blend BlendedField::blend(const Eigen::Vector3d& contact) const noexcept {
+  return blend(surface_.closest_point(contact).at);
+}
+
+Blend BlendedField::blend(const geometry::SurfacePoint& contact) const noexcept {
+  Blend result;
+  result.contacts = locator_.locate(contact);
+  const auto count = static_cast<std::size_t>(result.contacts.count);
+  if (count == 0) return result;
+  std::array<Eigen::Matrix3d, geometry::ContactWeights::kMaxCount> frames;
+  Eigen::Vector3d axis = Eigen::Vector3d::Zero();
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto i = static_cast<std::size_t>(result.contacts.contacts[k]);
+    const double weight = result.contacts.weights[k];
+    frames[k] = contacts_[i].frame;
+    axis += weight * contacts_[i].friction_axis;
+    result.friction += weight * contacts_[i].friction;
+  }
+  const std::span span(frames.data(), count);
+  const std::span weights(result.contacts.weights.data(), count);
+  const bool by_compliance = interpolation_.rule == BlendRule::compliances;
+  result.frame = by_compliance ? carried_frame(span, weights) : blend_rotations(span, weights);
+  // Axes of neighbours may cancel each other only if they are opposite.
+  result.friction_axis = axis.norm() > 0 ? Eigen::Vector3d(axis.normalized()) : result.frame.col(2);
+  result.field_frame = result.frame;
+  if (by_compliance) warp_fields(contact, result);
+  return result;
+}
+
+void BlendedField::warp_fields(const geometry::SurfacePoint& place, Blend& at) const noexcept {
+  const auto count = static_cast<std::size_t>(at.contacts.count);
+  const std::span indices(at.contacts.contacts.data(), count);
+  const std::span weights(at.contacts.weights.data(), count);
+  std::array<Eigen::Matrix3d, geometry::ContactWeights::kMaxCount> frames;
+  bool any = false;
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto i = static_cast<std::size_t>(indices[k]);
+    frames[k] = pressing_frames_[i];
+    any = any || (weights[k] > 0 && contacts_[i].compliance);
+  }
+  at.field_frame = carried_frame({frames.data(), count}, weights);
+  Compliance here;
+  if (any) {
+    here =
+        compliance_between(contacts_, pressing_frames_, indices, weights,
+                           geometry::position(mesh_, place), at.field_frame, interpolation_.reach);
+  }
+  for (std::size_t k = 0; k < count; ++k) {
+    if (!(weights[k] > 0)) continue;
+    const ContactModel& contact = contacts_[static_cast<std::size_t>(indices[k])];
+    if (contact.compliance) {
+      const Eigen::Matrix2d turn = turn_between(frames[k], at.field_frame);
+      at.warps[k] = warp_between(turned(contact.compliance->values, turn), here);
+    }
+    // From the place's frame into the local frame, which the field is in.
+    const Eigen::Matrix3d carry = rotation_between(frames[k].col(2), at.field_frame.col(2));
+    at.warps[k].displacement =
+        (carry * contact.frame).transpose() * at.field_frame * at.warps[k].displacement;
+  }
+}
+
+Eigen::Vector3d BlendedField::force(const Blend& at,
+                                    const Eigen::Vector3d& displacement) const noexcept {
+  Eigen::Vector3d local = Eigen::Vector3d::Zero();
+  if (!displacement.allFinite()) return local;
+  const Eigen::Vector3d local_displacement = at.field_frame.transpose() * displacement;
+  for (std::size_t k = 0; k < static_cast<std::size_t>(at.contacts.count); ++k) {
+    const auto i = static_cast<std::size_t>(at.contacts.contacts[k]);
+    const FieldWarp& warp = at.warps[k];
+    local += at.contacts.weights[k] * warp.energy *
+             (warp.displacement.transpose() *
+              haptics::force(contacts_[i].field, warp.displacement * local_displacement));
+  }
+  return at.field_frame * local;
+}
+
+Eigen::Vector3d BlendedField::force(const Eigen::Vector3d& contact,
+                                    const Eigen::Vector3d& displacement) const noexcept {
+  return force(blend(contact), displacement);
+}
+
+FrictionParts friction_parts(const Blend& at, const Eigen::Vector3d& force) noexcept {
+  const Eigen::Vector3d axis = at.frame.col(2);
+  FrictionParts parts;
+  parts.normal = force.dot(axis);
+  parts.tangential = (force - parts.normal * axis).norm();
+  parts.excess = parts.tangential - at.friction * parts.normal;
+  return parts;
+}
+
+}  // namespace palpate::haptics

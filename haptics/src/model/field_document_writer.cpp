@@ -1,0 +1,217 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <ostream>
+#include <vector>
+
+#include "model/document_node.h"
+#include "model/field_document.h"
+#include "model/field_document_format.h"
+#include "model/stored_form.h"
+#include "palpate/error.h"
+
+namespace palpate::haptics {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// Whole numbers are shorter without ".0"; -0 has no other form. What the reader would refuse is not
+// written.
+Json to_json(double value) {
+  if (!(std::abs(value) <= kLargestNumber)) {
+    throw InvalidInput("field_document(): the model has a number of " + Json(value).dump() +
+                       ", or a ridge makes it; the document holds none beyond 1e12");
+  }
+  constexpr double kExact = 0x1p53;  // below it every whole number is a double
+  const bool is_whole = std::trunc(value) == value && std::abs(value) < kExact;
+  if (is_whole && !(value == 0 && std::signbit(value))) return static_cast<std::int64_t>(value);
+  return value;
+}
+
+Json to_json(const Eigen::Vector3d& v) { return {to_json(v.x()), to_json(v.y()), to_json(v.z())}; }
+
+Json to_json(const Eigen::Matrix3d& rows) {
+  Json result = Json::array();
+  for (int i = 0; i < 3; ++i) result.push_back(to_json(Eigen::Vector3d(rows.row(i))));
+  return result;
+}
+
+Json to_json(const Multiquadric& base) {
+  Json result = {to_json(base.weight), to_json(base.epsilon)};
+  for (const double coordinate : base.center) result.push_back(to_json(coordinate));
+  return result;
+}
+
+Json to_json(const StoredRidge& ridge) {
+  Json result = {to_json(ridge.weight), to_json(ridge.offset)};
+  for (const double entry : ridge.slope) result.push_back(to_json(entry));
+  return result;
+}
+
+// What was rounded before is what its rounded stored form stands for: that is told then, and read
+// back as it was. Anything else is told as exactly as its stored form can.
+Json ridge_to_json(const Multiquadric& base) {
+  const StoredRidge stored = to_stored(base), shortened = rounded(stored);
+  return to_json(to_ridge(shortened) == base ? shortened : stored);
+}
+
+Json frame_to_json(const Eigen::Matrix3d& frame) {
+  const Eigen::Vector4d stored = to_quaternion(frame), shortened = rounded(stored);
+  Json result = Json::array();
+  for (const double entry : to_frame(shortened) == frame ? shortened : stored)
+    result.push_back(to_json(entry));
+  return result;
+}
+
+Json axis_to_json(const Eigen::Vector3d& axis) {
+  const Eigen::Vector3d stored = to_direction(axis), shortened = rounded(stored);
+  return to_json(shortened.normalized() == axis ? shortened : stored);
+}
+
+Json to_json(const ContactModel& contact) {
+  Json bases = Json::array(), ridges = Json::array();
+  for (const Multiquadric& base : contact.field.bases) {
+    if (base.ridge.isZero(0))
+      bases.push_back(to_json(base));
+    else
+      ridges.push_back(ridge_to_json(base));
+  }
+  Json fit = {{"samples", contact.samples},
+              {"rms", to_json(contact.rms)},
+              {"stop", contact.fit_stop},
+              {"mode", contact.fit_mode},
+              {"chi2", to_json(contact.chi2)},
+              {"noise_floor", to_json(contact.noise_floor)},
+              {"condition", to_json(contact.condition)}};
+  if (contact.shared_local) fit["shared_local"] = true;
+  if (contact.passivity != contact.fit_mode) fit["passivity"] = contact.passivity;
+  return {{"id", contact.id},
+          {"position", to_json(contact.position)},
+          {"rotation", frame_to_json(contact.frame)},
+          {"bases", bases},
+          {"ridges", ridges},
+          {"friction",
+           {{"coefficient", to_json(contact.friction)},
+            {"error", to_json(contact.friction_error)},
+            {"lower_bound", to_json(contact.friction_lower_bound)},
+            {"source", to_string(contact.friction_source)},
+            {"axis", axis_to_json(contact.friction_axis)}}},
+          {"fit", fit}};
+}
+
+// An object, member by member, as text: short members take a line, each item of a list one.
+class TextWriter {
+ public:
+  explicit TextWriter(std::ostream& stream) : stream_(stream) {}
+
+  void begin(int) { stream_ << '{'; }
+  void member(const char* key, const Json& value) {
+    name(key);
+    stream_ << text(value);
+  }
+  void begin_list(const char* key, std::size_t) {
+    name(key);
+    stream_ << '[';
+    separator_ = "\n";
+  }
+  void item(const Json& value) {
+    stream_ << separator_ << text(value);
+    separator_ = ",\n";
+  }
+  void end_list() {
+    stream_ << "\n]";
+    separator_ = ",\n";
+  }
+  void end() { stream_ << "}\n"; }
+
+ private:
+  void name(const char* key) {
+    stream_ << separator_ << '"' << key << "\":";
+    separator_ = ",\n";
+  }
+  // JSON is UTF-8; the name of a file in `made` may be anything.
+  static std::string text(const Json& value) {
+    return value.dump(-1, ' ', false, Json::error_handler_t::replace);
+  }
+
+  std::ostream& stream_;
+  const char* separator_ = "";
+};
+
+// The same in CBOR (RFC 8949): a head that says what follows and how much, then that.
+class CborWriter {
+ public:
+  explicit CborWriter(std::ostream& stream) : stream_(stream) {}
+
+  void begin(int members) { put(static_cast<char>(0xA0 | members)); }  // fewer than 24
+  void member(const char* key, const Json& value) {
+    put(Json(key));
+    put(value);
+  }
+  void begin_list(const char* key, std::size_t size) {
+    put(Json(key));
+    put(static_cast<char>(0x9B));  // a list with its size in eight bytes
+    for (int shift = 56; shift >= 0; shift -= 8) put(static_cast<char>(size >> shift & 0xFF));
+  }
+  void item(const Json& value) { put(value); }
+  void end_list() {}
+  void end() {}
+
+ private:
+  void put(char byte) { stream_.put(byte); }
+  void put(const Json& value) {
+    bytes_.clear();
+    Json::to_cbor(value, bytes_);
+    stream_.write(reinterpret_cast<const char*>(bytes_.data()),
+                  static_cast<std::streamsize>(bytes_.size()));
+  }
+
+  std::ostream& stream_;
+  std::vector<std::uint8_t> bytes_;
+};
+
+// A file name may be anything; CBOR's texts, like JSON's, are UTF-8.
+Json valid_texts(const std::map<std::string, std::string>& texts) {
+  const std::string text = Json(texts).dump(-1, ' ', false, Json::error_handler_t::replace);
+  return Json::parse(text);
+}
+
+template <typename Writer>
+void write(Writer writer, const Model& model) {
+  const bool has_weights = model.surface_weights.contacts.cols() > 0;
+  constexpr int kMembers = 9;
+  writer.begin(kMembers + (has_weights ? 1 : 0));
+  writer.member("format", kFieldFormat);
+  writer.member("version", kFieldVersion);
+  writer.member("units", {{"length", "mm"}, {"force", "N"}});
+  writer.member("made", valid_texts(model.made));
+  writer.member("surface", kSurfaceFile);
+  if (has_weights) writer.member("surface_weights", kSurfaceFile);
+  writer.member(
+      "registration",
+      {{"rotation", to_json(Eigen::Matrix3d(model.T_surface_acquisition.linear()))},
+       {"translation", to_json(Eigen::Vector3d(model.T_surface_acquisition.translation()))}});
+  const Interpolation& between = model.interpolation;
+  writer.member("interpolation", {{"rule", kBlendRules[static_cast<std::size_t>(between.rule)]},
+                                  {"reference_force", to_json(between.reference_force)}});
+  writer.begin_list("contacts", model.contacts.size());
+  for (const ContactModel& contact : model.contacts) writer.item(to_json(contact));
+  writer.end_list();
+  writer.begin_list("triangles", static_cast<std::size_t>(model.triangles.cols()));
+  for (const auto& t : model.triangles.colwise()) writer.item({t[0], t[1], t[2]});
+  writer.end_list();
+  writer.end();
+}
+
+}  // namespace
+
+void write_field_document(std::ostream& stream, const Model& model, ModelEncoding encoding) {
+  if (encoding == ModelEncoding::json)
+    write(TextWriter(stream), model);
+  else
+    write(CborWriter(stream), model);
+}
+
+}  // namespace palpate::haptics

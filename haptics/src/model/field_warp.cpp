@@ -1,0 +1,108 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "model/field_warp.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "palpate/haptics/rotation.h"
+
+namespace palpate::haptics {
+namespace {
+
+Eigen::Matrix2d across(const Compliance& compliance) {
+  Eigen::Matrix2d matrix;
+  matrix << compliance(3), compliance(4), compliance(4), compliance(5);
+  return matrix;
+}
+
+// The geometric mean of positive definite matrices: the only X > 0 with X a^-1 X = b.
+Eigen::Matrix2d geometric_mean(const Eigen::Matrix2d& a, const Eigen::Matrix2d& b) {
+  const double scale_a = std::sqrt(a.determinant()), scale_b = std::sqrt(b.determinant());
+  const Eigen::Matrix2d sum = a / scale_a + b / scale_b;
+  return std::sqrt(scale_a * scale_b / sum.determinant()) * sum;
+}
+
+// How far `change` goes relative to `mean`: the larger of the relative change of u_z and the
+// Frobenius norm of that of c, which bounds its eigenvalues.
+double relative_change(const Compliance& change, const Compliance& mean) {
+  const Eigen::Matrix2d relative = across(mean).inverse() * across(change);
+  // Similar to a symmetric matrix: this trace is its squared norm.
+  const double square = (relative * relative).trace();
+  return std::max(std::abs(change(2)) / mean(2), std::sqrt(std::max(square, 0.0)));
+}
+
+// D(place + step) - D(place) of second order, D and its derivatives as in `ContactCompliance`.
+Compliance curvature(const ContactCompliance& contact, const Eigen::Vector2d& a,
+                     const Eigen::Vector2d& b) {
+  return contact.trend.rightCols<3>() *
+         Eigen::Vector3d(a.x() * b.x(), a.x() * b.y() + a.y() * b.x(), a.y() * b.y());
+}
+
+}  // namespace
+
+Compliance turned(const Compliance& compliance, const Eigen::Matrix2d& turn) noexcept {
+  const Eigen::Matrix2d c = turn * across(compliance) * turn.transpose();
+  Compliance result;
+  result << turn * compliance.head<2>(), compliance(2), c(0, 0), (c(0, 1) + c(1, 0)) / 2, c(1, 1);
+  return result;
+}
+
+Eigen::Matrix2d turn_between(const Eigen::Matrix3d& from, const Eigen::Matrix3d& to) noexcept {
+  const Eigen::Matrix3d carry = rotation_between(from.col(2), to.col(2));
+  return (to.transpose() * carry * from).topLeftCorner<2, 2>();
+}
+
+Compliance compliance_between(const std::vector<ContactModel>& contacts,
+                              std::span<const Eigen::Matrix3d> pressing_frames,
+                              std::span<const int> indices, std::span<const double> weights,
+                              const Eigen::Vector3d& place, const Eigen::Matrix3d& frame,
+                              double reach) noexcept {
+  double sum = 0;
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();
+  for (std::size_t k = 0; k < indices.size(); ++k) {
+    const ContactModel& contact = contacts[static_cast<std::size_t>(indices[k])];
+    if (!contact.compliance) continue;
+    sum += weights[k];
+    center += weights[k] * contact.position;
+  }
+  center /= sum;
+  Eigen::Vector3d beyond = place - center;
+  const double distance = beyond.norm();
+  if (distance > reach) beyond *= reach / distance;
+  Compliance mean = Compliance::Zero(), change = Compliance::Zero();
+  for (std::size_t k = 0; k < indices.size(); ++k) {
+    const ContactModel& contact = contacts[static_cast<std::size_t>(indices[k])];
+    if (!contact.compliance) continue;
+    const Eigen::Matrix3d& own = pressing_frames[static_cast<std::size_t>(indices[k])];
+    const auto axes = own.leftCols<2>().transpose();
+    const Eigen::Vector2d u = axes * (center - contact.position), v = axes * beyond;
+    const Eigen::Vector2d step = 2.0 / 3 * u + v;
+    const Eigen::Matrix2d turn = turn_between(own, frame);
+    mean += weights[k] / sum * turned(contact.compliance->values, turn);
+    const Compliance step_change =
+        contact.compliance->trend.leftCols<2>() * step + curvature(*contact.compliance, u, u) / 6 +
+        curvature(*contact.compliance, u, v) + curvature(*contact.compliance, v, v) / 2;
+    change += weights[k] / sum * turned(step_change, turn);
+  }
+  const double size = relative_change(change, mean);
+  if (size > kMaxChange) change *= kMaxChange / size;
+  return mean + change;
+}
+
+FieldWarp warp_between(const Compliance& from, const Compliance& to) noexcept {
+  FieldWarp warp;
+  warp.energy = to(2) / from(2);
+  // With X = c_from # c_to^-1 the stiffness across, energy A^T c_from^-1 A, becomes c_to^-1 for
+  // A = X / sqrt(energy). The third row keeps the force at the displacement along z.
+  const Eigen::Matrix2d block =
+      geometric_mean(across(from), across(to).inverse()) / std::sqrt(warp.energy);
+  warp.displacement.setZero();
+  warp.displacement.topLeftCorner<2, 2>() = block;
+  warp.displacement.topRightCorner<2, 1>() = (from.head<2>() - block * to.head<2>()) / to(2);
+  warp.displacement(2, 2) = 1 / warp.energy;
+  return warp;
+}
+
+}  // namespace palpate::haptics

@@ -1,0 +1,133 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/haptics/model.h"
+
+#include <cmath>
+#include <unordered_set>
+
+#include "model/field_document_format.h"
+#include "palpate/error.h"
+#include "palpate/haptics/rotation.h"
+
+namespace palpate::haptics {
+namespace {
+
+void check_contact(const ContactModel& contact, const std::string& name) {
+  if (!contact.position.allFinite()) throw InvalidInput(name + ": its position is not finite");
+  if (!is_rotation(contact.frame, kFrameTolerance)) {
+    throw InvalidInput(name + ": its frame must hold three orthogonal unit axes, right-handed");
+  }
+  if (!(std::abs(contact.friction_axis.norm() - 1) <= kFrameTolerance)) {
+    throw InvalidInput(name + ": its friction axis must be a unit vector");
+  }
+  if (!(contact.friction >= 0) || !std::isfinite(contact.friction)) {
+    throw InvalidInput(name + ": its friction coefficient is " + std::to_string(contact.friction) +
+                       "; it must be finite and >= 0");
+  }
+  if (!(contact.friction_error >= 0 && contact.friction_lower_bound >= 0) ||
+      !std::isfinite(contact.friction_error + contact.friction_lower_bound)) {
+    throw InvalidInput(name + ": the error and the lower bound of its friction coefficient are " +
+                       std::to_string(contact.friction_error) + " and " +
+                       std::to_string(contact.friction_lower_bound) +
+                       "; they must be finite and >= 0");
+  }
+  for (const double figure : {contact.rms, contact.chi2, contact.noise_floor, contact.condition}) {
+    if (figure >= 0 && std::isfinite(figure)) continue;
+    throw InvalidInput(name + ": a figure of its fit is " + std::to_string(figure) +
+                       "; rms, chi2, noise floor and condition must be finite and >= 0");
+  }
+  check_force_field(contact.field, name.c_str());
+  if (!contact.compliance) return;
+  const Eigen::Vector<double, 6>& values = contact.compliance->values;
+  if (!(std::abs(contact.compliance->direction.norm() - 1) <= kFrameTolerance)) {
+    throw InvalidInput(name + ": the direction of its compliance must be a unit vector");
+  }
+  // Written so that NaN is refused.
+  const bool positive = values(2) > 0 && values(3) > 0 && values(5) > 0 &&
+                        values(3) * values(5) > values(4) * values(4);
+  if (!positive || !values.allFinite() || !contact.compliance->trend.allFinite()) {
+    throw InvalidInput(name +
+                       ": its compliance must be finite, with u_z > 0 and c positive definite");
+  }
+}
+
+void check_interpolation(const Interpolation& given) {
+  const bool counts = given.rule == BlendRule::compliances;
+  const double force = given.reference_force, reach = given.reach;
+  if (!(counts ? force > 0 : force >= 0) || !std::isfinite(force) || !(reach >= 0) ||
+      !std::isfinite(reach)) {
+    throw InvalidInput("the model's interpolation has the reference force " +
+                       std::to_string(force) + " N and the reach " + std::to_string(reach) +
+                       " mm; they must be finite and >= 0, the force > 0 to blend compliances");
+  }
+}
+
+void check_weights(const Model& model) {
+  const geometry::SurfaceWeights& given = model.surface_weights;
+  const Eigen::Index count = model.surface.vertices.cols();
+  if (given.contacts.cols() != count || given.weights.cols() != count) {
+    throw InvalidInput("the model has weights for " + std::to_string(given.contacts.cols()) +
+                       " vertices, its surface has " + std::to_string(count));
+  }
+  for (Eigen::Index v = 0; v < count; ++v) {
+    const std::string name = "the weights at vertex " + std::to_string(v) + " of the surface";
+    for (const int contact : given.contacts.col(v)) {
+      if (contact >= -1 && contact < static_cast<int>(model.contacts.size())) continue;
+      throw InvalidInput(name + " name contact " + std::to_string(contact) +
+                         "; expected -1 (none) to " + std::to_string(model.contacts.size() - 1));
+    }
+    // Written so that NaN is refused.
+    const bool is_none = given.contacts(0, v) < 0;
+    const double error = std::abs(given.weights.col(v).sum() - (is_none ? 0 : 1));
+    if (given.weights.col(v).minCoeff() >= 0 && error <= geometry::kBarycentricTolerance) continue;
+    throw InvalidInput(name + " must be >= 0 and sum to 1, or to 0 where no contact has influence");
+  }
+}
+
+}  // namespace
+
+const char* to_string(FrictionSource source) {
+  return kFrictionSources[static_cast<std::size_t>(source)];
+}
+
+void check_model(const Model& model) {
+  geometry::check_mesh(model.surface, "the model's surface");
+  if (model.contacts.size() < 3) {
+    throw InvalidInput("the model has " + std::to_string(model.contacts.size()) +
+                       " contacts; at least three are needed");
+  }
+  std::unordered_set<long long> ids;
+  for (std::size_t i = 0; i < model.contacts.size(); ++i) {
+    const std::string name =
+        "contact " + std::to_string(model.contacts[i].id) + " (entry " + std::to_string(i) + ")";
+    check_contact(model.contacts[i], name);
+    if (!ids.insert(model.contacts[i].id).second)
+      throw InvalidInput(name + ": another contact has the same id; ids must be unique");
+  }
+  check_interpolation(model.interpolation);
+  if (model.surface_weights.contacts.cols() > 0) check_weights(model);
+  if (model.triangles.cols() > 0 || model.surface_weights.contacts.cols() == 0) {
+    geometry::check_mesh(contact_mesh(model), "the model's triangles of contacts");
+  }
+  if (!is_rotation(model.T_surface_acquisition.linear(), kFrameTolerance) ||
+      !model.T_surface_acquisition.translation().allFinite()) {
+    throw InvalidInput("the model's registration must be a rotation and a finite translation");
+  }
+}
+
+Eigen::Matrix3d pressing_frame(const ContactModel& contact) {
+  if (!contact.compliance) return contact.frame;
+  return contact.frame * rotation_between(Eigen::Vector3d::UnitZ(), contact.compliance->direction);
+}
+
+geometry::TriangleMesh contact_mesh(const Model& model) {
+  geometry::TriangleMesh mesh;
+  mesh.vertices.resize(3, static_cast<Eigen::Index>(model.contacts.size()));
+  for (std::size_t i = 0; i < model.contacts.size(); ++i) {
+    mesh.vertices.col(static_cast<Eigen::Index>(i)) = model.contacts[i].position;
+  }
+  mesh.triangles = model.triangles;
+  return mesh;
+}
+
+}  // namespace palpate::haptics

@@ -1,0 +1,158 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/haptics/model_io.h"
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <fstream>
+#include <iterator>
+#include <ostream>
+#include <string>
+
+#include "model/field_document.h"
+#include "model/field_document_format.h"
+#include "palpate/error.h"
+#include "palpate/geometry/mesh_io.h"
+#include "palpate/haptics/contact_compliance.h"
+#include "palpate/output_file.h"
+
+namespace palpate::haptics {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kContacts = "contacts.ply";
+constexpr const char* kDocument = "field.json";
+constexpr const char* kBinaryDocument = "field.cbor";
+// What a vertex of surface.ply says of the contacts that have influence there.
+constexpr std::array<const char*, 3> kContactNames = {"contact_0", "contact_1", "contact_2"};
+constexpr std::array<const char*, 3> kWeightNames = {"weight_0", "weight_1", "weight_2"};
+
+void write_surface(const fs::path& path, const Model& model) {
+  const geometry::SurfaceWeights& given = model.surface_weights;
+  geometry::MeshFile file;
+  file.mesh = model.surface;
+  if (given.contacts.cols() > 0) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Eigen::RowVectorXi contacts = given.contacts.row(static_cast<Eigen::Index>(k));
+      file.vertex_attributes.push_back(
+          {kContactNames[k], std::vector<std::int32_t>(contacts.begin(), contacts.end()), {}});
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Eigen::RowVectorXd weights = given.weights.row(static_cast<Eigen::Index>(k));
+      file.vertex_attributes.push_back(
+          {kWeightNames[k], std::vector<double>(weights.begin(), weights.end()), {}});
+    }
+  }
+  geometry::write_mesh_file(path, file);
+}
+
+Eigen::VectorXd vertex_property(const fs::path& path, const geometry::MeshFile& file,
+                                const char* name) {
+  if (auto values = geometry::scalars(file.vertex_attributes, name)) return *std::move(values);
+  throw FileError(path.string() + ": its vertices have no property " + name +
+                  "; the model's document says that they tell the weights of the contacts");
+}
+
+geometry::SurfaceWeights read_weights(const fs::path& path, const geometry::MeshFile& file,
+                                      const Model& model) {
+  geometry::SurfaceWeights result;
+  const auto highest = static_cast<double>(model.contacts.size()) - 1;
+  result.contacts.resize(3, file.mesh.vertices.cols());
+  result.weights.resize(3, file.mesh.vertices.cols());
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Eigen::VectorXd contacts = vertex_property(path, file, kContactNames[k]);
+    for (Eigen::Index v = 0; v < contacts.size(); ++v) {
+      if (contacts[v] >= -1 && contacts[v] <= highest && std::trunc(contacts[v]) == contacts[v])
+        continue;
+      throw FileError(path.string() + ": " + kContactNames[k] + " of vertex " + std::to_string(v) +
+                      " is " + std::to_string(contacts[v]) + ", expected -1 (none) to " +
+                      std::to_string(model.contacts.size() - 1));
+    }
+    const auto row = static_cast<Eigen::Index>(k);
+    result.contacts.row(row) = contacts.transpose().cast<int>();
+    result.weights.row(row) = vertex_property(path, file, kWeightNames[k]).transpose();
+  }
+  return result;
+}
+
+std::string read_bytes(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::string bytes{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  if (!in) throw FileError(path.string() + ": cannot be read");
+  return bytes;
+}
+
+FieldDocument read_document(const fs::path& folder) {
+  std::error_code error;
+  fs::path path = folder / kDocument;
+  const bool binary = !fs::exists(path, error);
+  if (binary) path = folder / kBinaryDocument;
+  if (!fs::is_regular_file(path, error)) {
+    throw FileError(folder.string() + ": there is neither " + kDocument + " nor " +
+                    kBinaryDocument + " in it; expected a model folder");
+  }
+  try {
+    return read_field_document(read_bytes(path),
+                               binary ? ModelEncoding::cbor : ModelEncoding::json);
+  } catch (const FileError&) {
+    throw;
+  } catch (const InvalidInput& wrong) {
+    throw FileError(path.string() + ": " + wrong.what());
+  }
+}
+
+}  // namespace
+
+Model read_model(const fs::path& folder) {
+  std::error_code error;
+  if (!fs::is_directory(folder, error)) {
+    throw FileError(folder.string() + ": there is no such folder; expected a model folder with " +
+                    kSurfaceFile + " and " + kDocument);
+  }
+  FieldDocument document = read_document(folder);
+  const fs::path surface = folder / kSurfaceFile;
+  geometry::MeshFile file = geometry::read_mesh_file(surface);
+  Model& model = document.model;
+  if (document.weights_in_surface) model.surface_weights = read_weights(surface, file, model);
+  model.surface = std::move(file.mesh);
+  try {
+    check_model(model);
+    // They follow from the fields, and would take as much room as these.
+    if (model.interpolation.rule == BlendRule::compliances) {
+      model = with_compliances(std::move(model), model.interpolation.reference_force);
+    }
+  } catch (const InvalidInput& wrong) {
+    throw FileError(folder.string() + ": " + wrong.what());
+  }
+  return std::move(model);
+}
+
+std::vector<fs::path> model_entries() {
+  return {kSurfaceFile, kContacts, kDocument, kBinaryDocument};
+}
+
+void write_model(const fs::path& folder, const Model& model,
+                 std::optional<ModelEncoding> encoding) {
+  check_model(model);
+  const ModelEncoding chosen = encoding.value_or(
+      model.contacts.size() > kMaxJsonContacts ? ModelEncoding::cbor : ModelEncoding::json);
+  write_folder(folder, model_entries(), [&](const fs::path& temporary) {
+    write_surface(temporary / kSurfaceFile, model);
+    // For other programs' eyes: it says what the document says.
+    if (model.triangles.cols() > 0) {
+      geometry::write_mesh(temporary / kContacts, contact_mesh(model));
+    }
+    const bool is_text = chosen == ModelEncoding::json;
+    write_file(temporary / (is_text ? kDocument : kBinaryDocument),
+               [&](std::ostream& out) { write_field_document(out, model, chosen); });
+  });
+}
+
+void write_field_document(const fs::path& path, const Model& model, ModelEncoding encoding) {
+  check_model(model);
+  write_file(path, [&](std::ostream& out) { write_field_document(out, model, encoding); });
+}
+
+}  // namespace palpate::haptics

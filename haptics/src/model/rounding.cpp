@@ -1,0 +1,73 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/haptics/rounding.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <utility>
+
+#include "model/stored_form.h"
+
+namespace palpate::haptics {
+namespace {
+
+constexpr int kPositionDigits = 9;
+constexpr int kFrictionDigits = 6;
+constexpr int kReportDigits = 4;  // of errors and other figures that nothing is computed from
+
+// The decimal that `std::to_chars` writes is the nearest, and reading it gives the double that a
+// file's reader will get: neither is true of multiplying by powers of ten.
+double through_text(double value, std::chars_format format, int precision) {
+  constexpr std::size_t kLongest = 512;  // the greatest double with some decimal places takes 330
+  std::array<char, kLongest> text;
+  const auto written =
+      std::to_chars(text.data(), text.data() + text.size(), value, format, precision);
+  double result = value;
+  std::from_chars(text.data(), written.ptr, result);
+  return result;
+}
+
+Multiquadric rounded(Multiquadric base) {
+  if (!base.ridge.isZero(0)) return to_ridge(rounded(to_stored(base)));
+  for (double* number :
+       {&base.weight, &base.epsilon, &base.center[0], &base.center[1], &base.center[2]}) {
+    *number = round_to_digits(*number, kFieldDigits);
+  }
+  return base;
+}
+
+}  // namespace
+
+double round_to_digits(double value, int digits) {
+  if (!std::isfinite(value) || value == 0) return value;
+  return through_text(value, std::chars_format::scientific, digits - 1);
+}
+
+double round_to_places(double value, int places) {
+  if (!std::isfinite(value)) return value;
+  return through_text(value, std::chars_format::fixed, places) + 0.0;  // -0 + 0 = 0
+}
+
+ForceField rounded(ForceField field) {
+  for (Multiquadric& base : field.bases) base = rounded(base);
+  std::ranges::stable_partition(field.bases,
+                                [](const Multiquadric& base) { return base.ridge.isZero(0); });
+  return field;
+}
+
+ContactModel rounded(ContactModel contact) {
+  for (double& entry : contact.position) entry = round_to_digits(entry, kPositionDigits);
+  contact.frame = to_frame(rounded(to_quaternion(contact.frame)));
+  contact.friction_axis = rounded(to_direction(contact.friction_axis)).normalized();
+  contact.field = rounded(std::move(contact.field));
+  contact.friction = round_to_digits(contact.friction, kFrictionDigits);
+  for (double* figure : {&contact.friction_error, &contact.friction_lower_bound, &contact.rms,
+                         &contact.chi2, &contact.noise_floor, &contact.condition}) {
+    *figure = round_to_digits(*figure, kReportDigits);
+  }
+  return contact;
+}
+
+}  // namespace palpate::haptics

@@ -1,0 +1,203 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/haptics/transform_field.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "fit/convex_fit.h"
+#include "palpate/error.h"
+#include "palpate/haptics/force_field_fit.h"
+#include "palpate/haptics/rounding.h"
+
+namespace palpate::haptics {
+namespace {
+
+// A is a rotation times a scale iff no entry of A^T A / s^2 is further from the identity than this:
+// rounding of some operations.
+constexpr double kSimilarity = 1e-12;
+// Displacements to refit a field at: directions on some spheres within its reach.
+constexpr int kDirections = 48;
+constexpr int kSpheres = 4;
+// Of the root mean square force: how well a field is refitted, far better than it was measured.
+constexpr double kRefitAccuracy = 0.005;
+// Of the force that a field tends to: far beyond the place where it has reached so much, it is
+// nearly constant.
+constexpr double kSaturation = 0.75;
+// In extents of a field: where its force is constant to a thousandth.
+constexpr double kFarOut = 1e3;
+constexpr int kBisections = 50;  // from there to a millionth of a millionth of an extent
+
+bool is_negative(const Multiquadric& base) { return base.weight < 0; }
+
+// w sqrt((r.(A^-1 x - c))^2 + e^2), with q = A^-T r, is w |q| sqrt((q.x - r.c)^2 + e^2) / |q|.
+Multiquadric transformed_ridge(const Multiquadric& base, const Eigen::Matrix3d& inverse,
+                               double factor) {
+  const Eigen::Vector3d q = inverse.transpose() * base.ridge;
+  const double length = q.norm();
+  return {.weight = factor * base.weight * length,
+          .epsilon = base.epsilon / length,
+          .center = base.ridge.dot(base.center) / length * (q / length),
+          .ridge = (q / length).normalized()};
+}
+
+Multiquadric scaled(const Multiquadric& base, const Eigen::Matrix3d& A, double scale,
+                    double factor) {
+  return {.weight = factor * base.weight / scale,
+          .epsilon = base.epsilon * scale,
+          .center = A * base.center};
+}
+
+double extent(const Multiquadric& base) { return base.center.norm() + base.epsilon; }
+
+// Unit vectors, evenly spread; those of each sphere fall between those of the others.
+Eigen::Matrix3Xd directions(int sphere) {
+  Eigen::Matrix3Xd result(3, kDirections);
+  for (int i = 0; i < kDirections; ++i) {
+    const double z = 1 - (2 * i + 1.0) / kDirections;
+    const double angle = 2 * std::numbers::pi * std::numbers::phi * (i + sphere * kDirections);
+    const double across = std::sqrt(1 - z * z);
+    result.col(i) << across * std::cos(angle), across * std::sin(angle), z;
+  }
+  return result;
+}
+
+// On spheres whose radii are evenly spaced: denser towards zero, where each touch begins.
+Eigen::Matrix3Xd displacements_within(double reach) {
+  Eigen::Matrix3Xd result(3, kSpheres * kDirections);
+  for (int i = 0; i < kSpheres; ++i)
+    result.middleCols(i * kDirections, kDirections) = reach * (i + 1) / kSpheres * directions(i);
+  return result;
+}
+
+double root_mean_square(const Eigen::Matrix3Xd& columns) {
+  return columns.norm() / std::sqrt(static_cast<double>(columns.cols()));
+}
+
+// [mm] as far as a field with bases is refitted.
+double refit_reach(const ForceField& field, const std::optional<double>& largest_force) {
+  std::vector<double> extents;
+  for (const Multiquadric& base : field.bases) extents.push_back(extent(base));
+  if (!largest_force) {
+    const auto middle = extents.begin() + static_cast<std::ptrdiff_t>(extents.size() / 2);
+    std::ranges::nth_element(extents, middle);
+    return *middle;
+  }
+  const Eigen::Matrix3Xd sphere = directions(0);
+  const auto force_at = [&](double radius) {
+    Eigen::Matrix3Xd forces(3, sphere.cols());
+    for (Eigen::Index i = 0; i < sphere.cols(); ++i)
+      forces.col(i) = force(field, radius * sphere.col(i));
+    return root_mean_square(forces);
+  };
+  double below = 0, above = kFarOut * *std::ranges::max_element(extents);
+  const double wanted = std::min(*largest_force, kSaturation * force_at(above));
+  for (int i = 0; i < kBisections; ++i) {
+    const double middle = below + (above - below) / 2;
+    (force_at(middle) < wanted ? below : above) = middle;
+  }
+  return kReachFactor * above;
+}
+
+// Bases with the given forces, and with no negative weight if `convex`. All is in units of the
+// samples, for neither reach nor forces need be of the size of a measurement.
+ForceField fit_bases(const Eigen::Matrix3Xd& displacements, const Eigen::Matrix3Xd& forces,
+                     bool convex) {
+  const double length = root_mean_square(displacements), newton = root_mean_square(forces);
+  ForceField field;
+  if (convex) {
+    // `fit_force_field` would take bases of any sign where these fit worse.
+    field = fit_convex(displacements / length, forces / newton, {0, kRefitAccuracy / 2},
+                       kRefitAccuracy, kMaxConvexBases)
+                .field;
+  } else {
+    field = fit_force_field(displacements / length, forces / newton,
+                            {.mode = FitMode::certified,
+                             .accuracy = kRefitAccuracy,
+                             .noise = {.displacement = 0, .force = kRefitAccuracy / 2}})
+                .field;
+  }
+  for (Multiquadric& base : field.bases) {
+    base.weight *= newton;
+    base.epsilon *= length;
+    base.center *= length;
+  }
+  return rounded(std::move(field));
+}
+
+// Adds bases whose forces are those of `part`, transformed, within `result.reach`.
+void refit(const ForceField& part, const Eigen::Matrix3d& A, double factor,
+           TransformedField& result) {
+  const Eigen::Matrix3Xd before = displacements_within(result.reach);
+  const Eigen::Matrix3Xd after = A * before;
+  const Eigen::Matrix3d to_force = factor * A.inverse().transpose();
+  Eigen::Matrix3Xd forces(3, before.cols());
+  for (Eigen::Index i = 0; i < before.cols(); ++i)
+    forces.col(i) = to_force * force(part, before.col(i));
+  const double rms = root_mean_square(forces);
+  if (!std::isfinite(rms) || !(result.reach > 0) || !after.allFinite())
+    throw SolverError("transform_field(): the forces of the transformed field overflow");
+  if (rms == 0) return;
+  const bool convex = std::ranges::none_of(part.bases, is_negative);
+  const ForceField fit = fit_bases(after, forces, convex);
+  for (Eigen::Index i = 0; i < before.cols(); ++i) forces.col(i) -= force(fit, after.col(i));
+  result.rms = root_mean_square(forces);
+  result.largest = forces.colwise().norm().maxCoeff();
+  result.field.bases.insert(result.field.bases.end(), fit.bases.begin(), fit.bases.end());
+}
+
+}  // namespace
+
+TransformedField transform_field(const ForceField& field, const Eigen::Matrix3d& A, double factor,
+                                 std::optional<double> largest_force) {
+  check_force_field(field, "transform_field(): the field");
+  const double volume = A.determinant();
+  if (!A.allFinite() || !(volume > 0) || !std::isfinite(volume)) {
+    throw InvalidInput(
+        "transform_field(): the map of displacements must be finite and keep volumes "
+        "above zero; its determinant is " +
+        std::to_string(volume));
+  }
+  if (!(factor > 0) || !std::isfinite(factor)) {
+    throw InvalidInput("transform_field(): the factor is " + std::to_string(factor) +
+                       "; it must be finite and > 0");
+  }
+  if (largest_force && (!(*largest_force > 0) || !std::isfinite(*largest_force))) {
+    throw InvalidInput("transform_field(): the largest force is " + std::to_string(*largest_force) +
+                       " N; it must be finite and > 0");
+  }
+  const double scale = std::cbrt(volume);
+  const bool is_similarity = (A.transpose() * A / (scale * scale)).isIdentity(kSimilarity);
+  const Eigen::Matrix3d inverse = A.inverse();
+  const bool has_negative = std::ranges::any_of(field.bases, is_negative);
+  const bool has_isotropic = !std::ranges::all_of(field.bases, is_ridge);
+  TransformedField result;
+  ForceField to_refit;
+  for (const Multiquadric& base : field.bases) {
+    if (!is_similarity && has_isotropic && (!is_ridge(base) || has_negative)) {
+      to_refit.bases.push_back(base);
+    } else {
+      result.field.bases.push_back(is_ridge(base) ? transformed_ridge(base, inverse, factor)
+                                                  : scaled(base, A, scale, factor));
+    }
+  }
+  if (!to_refit.bases.empty()) {
+    result.exact = false;
+    result.reach = refit_reach(field, largest_force);
+    refit(to_refit, A, factor, result);
+  }
+  try {
+    check_force_field(result.field, "transform_field(): the transformed field");
+  } catch (const InvalidInput& overflow) {
+    throw SolverError(overflow.what());
+  }
+  return result;
+}
+
+}  // namespace palpate::haptics

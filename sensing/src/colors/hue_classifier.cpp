@@ -1,0 +1,64 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "colors/hue_classifier.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "image/hue.h"
+#include "palpate/error.h"
+
+namespace palpate::sensing {
+namespace {
+
+/// No colour's hue is known better than this [rad]: surfaces have colours of their own.
+constexpr double kLeastDeviation = 0.06;
+
+const TrainedColor& find_color(const TrainedColors& trained, const std::string& name) {
+  const auto found = std::find_if(trained.colors.begin(), trained.colors.end(),
+                                  [&](const TrainedColor& color) { return color.name == name; });
+  if (found == trained.colors.end()) {
+    std::string known;
+    for (const TrainedColor& color : trained.colors)
+      known += (known.empty() ? "" : ", ") + color.name;
+    throw InvalidInput("trained colours: colour " + name + " of the pattern was never trained; " +
+                       (known.empty() ? "there are none" : "there are " + known));
+  }
+  if (!std::isfinite(found->mean) || !std::isfinite(found->variance) || found->variance < 0) {
+    throw InvalidInput("trained colours: colour " + name +
+                       ": mean and variance must be finite, the variance >= 0");
+  }
+  return *found;
+}
+
+}  // namespace
+
+HueClassifier::HueClassifier(const Pattern& pattern, const TrainedColors& trained)
+    : colors_(static_cast<int>(pattern.colors.size())),
+      padded_((colors_ + kGroup - 1) / kGroup * kGroup) {
+  const auto count = static_cast<std::size_t>(colors_);
+  const auto padded = static_cast<std::size_t>(padded_);
+  table_.resize(kSteps * padded);
+  std::vector<double> exponent(count);
+  for (std::size_t step = 0; step < kSteps; ++step) {
+    const double hue = 2 * std::numbers::pi * (static_cast<double>(step) + 0.5) / kSteps;
+    for (std::size_t i = 0; i < count; ++i) {
+      const TrainedColor& color = find_color(trained, pattern.colors[i].name);
+      const double deviation = std::max(std::sqrt(color.variance), kLeastDeviation);
+      const double distance = wrap(hue - color.mean) / deviation;
+      exponent[i] = -0.5 * distance * distance - std::log(deviation);
+    }
+    // Relative to the largest, so that hues far from all colours do not divide zero by zero.
+    const auto largest = std::max_element(exponent.begin(), exponent.end());
+    double sum = 0;
+    for (const double e : exponent) sum += std::exp(e - *largest);
+    for (std::size_t i = 0; i < count; ++i) {
+      table_[step * padded + i] = static_cast<float>(std::exp(exponent[i] - *largest) / sum);
+    }
+    best_.push_back(static_cast<int>(largest - exponent.begin()));
+  }
+}
+
+}  // namespace palpate::sensing

@@ -1,0 +1,69 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "decode/color_evidence.h"
+
+#include <opencv2/imgproc.hpp>
+
+namespace palpate::sensing {
+namespace {
+
+/// A colour speaks for a patch iff it holds at least this share of the patch's pixels that are well
+/// inside a stripe: less may be a stripe edge that blur has moved.
+constexpr double kLeastShare = 0.05;
+
+/// Pixels of one colour that a patch's depths want.
+struct Evidence {
+  int wanted = 0;
+  int agreeing = 0;
+};
+
+}  // namespace
+
+void find_unproven_patches(const Plane& z, const Plane& stripe_pixel, const Plane& hue,
+                           const StripeColors& stripes, const HueClassifier& classifier,
+                           Mask& marked) {
+  const long rows = z.rows();
+  const long columns = z.cols();
+  marked = (z == z).cast<std::uint8_t>();
+  const cv::Mat known(static_cast<int>(rows), static_cast<int>(columns), CV_8U, marked.data());
+  cv::Mat_<int> patch;
+  constexpr int kNeighbours = 4;
+  const int patches = cv::connectedComponents(known, patch, kNeighbours, CV_32S);
+
+  const auto colors = static_cast<std::size_t>(classifier.colors());
+  std::vector<Evidence> evidence(static_cast<std::size_t>(patches) * colors);
+  for (long row = 0; row < rows; ++row) {
+    const int* const labels = patch[static_cast<int>(row)];
+    for (long column = 0; column < columns; ++column) {
+      if (labels[column] == 0) continue;
+      const int color = stripes.color(stripe_pixel(row, column));
+      if (color < 0) continue;
+      Evidence& one = evidence[static_cast<std::size_t>(labels[column]) * colors +
+                               static_cast<std::size_t>(color)];
+      ++one.wanted;
+      if (classifier.best(hue(row, column)) == color) ++one.agreeing;
+    }
+  }
+
+  std::vector<std::uint8_t> unproven(static_cast<std::size_t>(patches), 0);
+  for (std::size_t k = 1; k < unproven.size(); ++k) {
+    const Evidence* const of_patch = &evidence[k * colors];
+    int all = 0;
+    for (std::size_t color = 0; color < colors; ++color) all += of_patch[color].wanted;
+    int speaking = 0;
+    for (std::size_t color = 0; color < colors; ++color) {
+      const Evidence& one = of_patch[color];
+      if (one.wanted >= kLeastShare * all && one.wanted > 0 && 2 * one.agreeing > one.wanted)
+        ++speaking;
+    }
+    unproven[k] = speaking < 2 ? 1 : 0;
+  }
+  for (long row = 0; row < rows; ++row) {
+    const int* const labels = patch[static_cast<int>(row)];
+    for (long column = 0; column < columns; ++column) {
+      marked(row, column) = unproven[static_cast<std::size_t>(labels[column])];
+    }
+  }
+}
+
+}  // namespace palpate::sensing

@@ -1,0 +1,400 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/sensing/decode.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "colors/hue_classifier.h"
+#include "decode/color_evidence.h"
+#include "decode/decoder_geometry.h"
+#include "decode/plausibility.h"
+#include "decode/workspace.h"
+#include "image/half_size.h"
+#include "image/hot_loop.h"
+#include "image/hue.h"
+#include "image/pool.h"
+#include "image/reasons.h"
+#include "palpate/error.h"
+#include "phase/demodulation.h"
+#include "phase/modulation.h"
+#include "phase/phase_noise.h"
+#include "phase/phase_variance.h"
+#include "phase/saturation.h"
+#include "phase/wrapped_phase.h"
+#include "regions/phase_seams.h"
+#include "regions/snakes.h"
+#include "regions/stripe_transitions.h"
+
+namespace palpate::sensing {
+namespace {
+
+constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+
+/// Known neighbours whose phases differ by more than this belong to different surfaces [rad]: the
+/// limit of what wrapped differences can show is pi.
+constexpr double kBreak = 2;
+/// How far blur carries light beyond the edge of a surface [px].
+constexpr int kBlurRadius = 2;
+/// The colours are checked in squares of these half widths [px]: one that holds more than one
+/// stripe, and one so small that what lies beside a narrow part of a surface does not outvote it.
+constexpr std::array<long, 2> kNearby{16, 6};
+/// How far across the sinusoid a break reaches [px]: two standard deviations of the average along
+/// the rows, whose steps 1, 2, 4, ... have variances of 1, 4, 16, ... px^2.
+int break_columns(const DemodulationFilter& filter) {
+  return static_cast<int>(std::lround(2 * std::sqrt((std::pow(4, filter.averages) - 1) / 3)));
+}
+
+/// Half a trough of the sinusoid, with its flanks [px].
+int trough_radius(const Carrier& carrier) {
+  return (static_cast<int>(2 * std::numbers::pi / std::abs(carrier.along)) + 1) / 2;
+}
+
+void check_options(const DecodeOptions& options) {
+  const auto require = [](bool good, const char* name, const char* range) {
+    if (!good) throw InvalidInput(std::string("DecodeOptions: ") + name + " must lie in " + range);
+  };
+  const auto below = [](double value, double limit) { return value > 0 && value < limit; };
+  const auto positive = [](double value) { return value > 0 && std::isfinite(value); };
+  require(options.window_periods >= 1.25 && options.window_periods <= 8, "window_periods",
+          "[1.25, 8]");
+  require(below(options.min_signal, 1), "min_signal", "(0, 1)");
+  require(below(options.min_modulation, 1), "min_modulation", "(0, 1)");
+  require(below(options.min_contrast, 1), "min_contrast", "(0, 1)");
+  require(below(options.min_hue_step, std::numbers::pi), "min_hue_step", "(0, pi)");
+  require(options.color_window_px >= 1, "color_window_px", "[1, infinity)");
+  require(below(options.min_color_score, 1), "min_color_score", "(0, 1)");
+  require(positive(options.max_phase_variance), "max_phase_variance", "(0, infinity)");
+  require(below(options.max_phase_step, std::numbers::pi), "max_phase_step", "(0, pi)");
+  require(options.min_agreement > 0.5 && options.min_agreement <= 1, "min_agreement", "(0.5, 1]");
+  require(positive(options.max_sensitivity), "max_sensitivity", "(0, infinity)");
+}
+
+void check_anchor(const Anchor& anchor, const geometry::Camera& camera) {
+  const bool inside = anchor.u_px > -0.5 && anchor.u_px < camera.width - 0.5 &&
+                      anchor.v_px > -0.5 && anchor.v_px < camera.height - 0.5;
+  if (!inside || !(anchor.z > 0) || !std::isfinite(anchor.z)) {
+    throw InvalidInput("anchor " + std::to_string(anchor.u_px) + ", " +
+                       std::to_string(anchor.v_px) + ", " + std::to_string(anchor.z) +
+                       ": a pixel of the " + std::to_string(camera.width) + " x " +
+                       std::to_string(camera.height) + " image and a depth > 0 are expected");
+  }
+}
+
+/// The least period at half size [px]. From there on the sinusoid's mirror image at the negative
+/// frequency, seen from the sampling, is at least one carrier away: on a zero of the window's
+/// spectrum or beyond, like the second harmonic. Shorter periods would let it into the phase
+/// wherever a slope takes the sinusoid off the carrier.
+constexpr double kLeastHalfPeriod = 3;
+
+/// The rig whose camera sees what is decoded.
+Rig decoded_rig(const Rig& rig, const Pattern& pattern, bool half) {
+  if (!half) return rig;
+  check_rig(rig, "rig");
+  check_pattern(pattern, "pattern");
+  const double period = std::numbers::pi / std::abs(expected_carrier(rig, pattern).along);
+  if (period < kLeastHalfPeriod) {
+    throw InvalidInput(
+        "DecodeOptions: half_resolution: a period of the sinusoid would have about " +
+        std::to_string(period) + " px at half the frame's size; at least " +
+        std::to_string(kLeastHalfPeriod) + " px are needed, decode at full size");
+  }
+  Rig decoded = rig;
+  decoded.camera = half_size(rig.camera);
+  return decoded;
+}
+
+/// To each pixel what the entry of its label says.
+PALPATE_HOT_LOOP void add_entries(const int* label, const float* in, const float* to_add,
+                                  const int* reason, float* __restrict phase,
+                                  std::uint8_t* __restrict reasons, long pixels) {
+  for (long i = 0; i < pixels; ++i) {
+    phase[i] = in[i] + to_add[label[i]];
+    const int given = reason[label[i]];
+    reasons[i] = reasons[i] != 0 ? reasons[i] : static_cast<std::uint8_t>(given);
+  }
+}
+
+/// Adds to each region its offset; tells why the pixels of no resolved region have no phase.
+void add_offsets(const Regions& regions, const std::vector<RegionOffset>& offsets, Plane& phase,
+                 ReasonImage& reasons) {
+  phase.resize(regions.phase.rows(), regions.phase.cols());
+  // One entry before those of the regions, for the pixels of none: their label is -1.
+  std::vector<float> to_add(1, kUnknown);
+  std::vector<int> reason(1, code(Reason::uneven_phase));
+  for (const RegionOffset& offset : offsets) {
+    to_add.push_back(offset.phase ? static_cast<float>(*offset.phase) : kUnknown);
+    reason.push_back(code(offset.reason));
+  }
+  add_entries(regions.label.data(), regions.phase.data(), to_add.data() + 1, reason.data() + 1,
+              phase.data(), reasons.data(), phase.size());
+}
+
+/// From deviations of phases to those of the depths that are known.
+PALPATE_HOT_LOOP void scale_sigma(const float* z, const float* z_per_phase, float* __restrict sigma,
+                                  long pixels) {
+  for (long i = 0; i < pixels; ++i) sigma[i] = z[i] == z[i] ? sigma[i] * z_per_phase[i] : kUnknown;
+}
+
+/// What a pattern with stripes needs besides.
+struct Stripes {
+  Stripes(const Pattern& pattern, const TrainedColors& trained)
+      : classifier(pattern, trained), edges(pattern), colors(pattern) {}
+  HueClassifier classifier;
+  StripeEdges edges;
+  StripeColors colors;
+};
+
+}  // namespace
+
+struct Decoder::Impl {
+  Impl(const Rig& rig, const Pattern& pattern, const TrainedColors& colors,
+       const DecodeOptions& the_options);
+
+  void check_frame(const cv::Mat& frame) const;
+  void demodulate_frame(const cv::Mat& frame, Workspace& work) const;
+  void judge_light(Workspace& work) const;
+  void find_regions(Workspace& work) const;
+  void predict_sigma(Workspace& work) const;
+  void find_guesses(Workspace& work) const;
+  [[nodiscard]] std::vector<RegionOffset> anchor_offsets(const Regions& regions) const;
+  void drop_borders(Workspace& work) const;
+  void check_colors(Workspace& work) const;
+  void fill_result(Workspace& work, DecodeResult& result) const;
+  void decode(const cv::Mat& frame, DecodeResult& result) const;
+
+  DecodeOptions options;
+  geometry::Camera camera;  ///< of the frames
+  DecoderGeometry model;    ///< of what is decoded
+  DemodulationFilter filter;
+  std::optional<Stripes> stripes;  ///< iff the pattern has any
+  mutable Pool<Workspace> workspaces;
+};
+
+Decoder::Impl::Impl(const Rig& rig, const Pattern& pattern, const TrainedColors& colors,
+                    const DecodeOptions& the_options)
+    : options((check_options(the_options), the_options)),
+      camera(rig.camera),
+      model(decoded_rig(rig, pattern, options.half_resolution), pattern),
+      filter(make_filter(model.carrier().along, options.window_periods)) {
+  check_pattern_fits(pattern, rig.projector, "pattern");
+  if (pattern.stripe_edges.empty() && !options.anchor) {
+    throw InvalidInput(
+        "pattern: has no stripes to find depths from; an anchor (a pixel and its depth) is needed");
+  }
+  if (!pattern.stripe_edges.empty() && options.anchor) {
+    throw InvalidInput(
+        "DecodeOptions: anchor: is for a pattern without stripes; with them, leave it out");
+  }
+  if (options.anchor) {
+    geometry::Camera seen = rig.camera;
+    if (options.half_resolution) {
+      seen.width = 2 * model.rig().camera.width;
+      seen.height = 2 * model.rig().camera.height;
+    }
+    check_anchor(*options.anchor, seen);
+  }
+  if (!pattern.stripe_edges.empty()) stripes.emplace(pattern, colors);
+}
+
+void Decoder::Impl::check_frame(const cv::Mat& frame) const {
+  if (frame.cols != camera.width || frame.rows != camera.height) {
+    throw InvalidInput("frame: is " + std::to_string(frame.cols) + " x " +
+                       std::to_string(frame.rows) + " px, the rig's camera has " +
+                       std::to_string(camera.width) + " x " + std::to_string(camera.height));
+  }
+  if (stripes && frame.channels() != 3) {
+    throw InvalidInput("frame: has " + std::to_string(frame.channels()) +
+                       " channels; the pattern's coloured stripes need three");
+  }
+}
+
+void Decoder::Impl::find_guesses(Workspace& work) const {
+  const std::vector<Demodulated>& green_red_blue = work.demodulated.channels;
+  find_hues(green_red_blue[1].mean, green_red_blue[0].mean, green_red_blue[2].mean, work.hue);
+  find_transitions(work.hue, work.lit, stripes->edges, stripes->classifier,
+                   {.min_hue_step = options.min_hue_step,
+                    .window_px = options.color_window_px,
+                    .min_color_score = options.min_color_score,
+                    .reversed = model.carrier().stripes_reversed},
+                   work.transitions);
+  model.phases_at_edges(work.transitions, work.guesses);
+}
+
+std::vector<RegionOffset> Decoder::Impl::anchor_offsets(const Regions& regions) const {
+  const auto decoded = [&](double pixel) {
+    return static_cast<int>(std::lround(options.half_resolution ? half_size(pixel) : pixel));
+  };
+  const int u = decoded(options.anchor->u_px);
+  const int v = decoded(options.anchor->v_px);
+  PhaseGuess guess{.row = v, .column = u, .score = 1};
+  if (model.carrier().transposed) std::swap(guess.row, guess.column);
+  const auto phase = model.phase_at_depth(guess.row, guess.column, options.anchor->z);
+  if (!phase) return std::vector<RegionOffset>(static_cast<std::size_t>(regions.count));
+  guess.phase = *phase;
+  return anchored_offsets(regions, guess, filter.radius);
+}
+
+/// From the frame to the sinusoid in it.
+void Decoder::Impl::demodulate_frame(const cv::Mat& frame, Workspace& work) const {
+  if (options.half_resolution) {
+    split_frame(frame, model.carrier().transposed, work.whole);
+    half_size(work.whole, work.channels);
+  } else {
+    split_frame(frame, model.carrier().transposed, work.channels);
+  }
+  find_lit(work.channels,
+           {.colored = stripes.has_value(),
+            .radius = trough_radius(model.carrier()),
+            .min_signal = options.min_signal},
+           work.lit);
+  demodulate(work.channels, work.lit, filter, work.demodulated);
+  combine_channels(work.demodulated.channels, model.chromatic(), work.combined);
+}
+
+/// Where there is enough light and enough of the sinusoid in it.
+void Decoder::Impl::judge_light(Workspace& work) const {
+  const Pattern& pattern = model.pattern();
+  find_modulated(work.combined, work.demodulated.channels, work.lit,
+                 {.colored = stripes.has_value(),
+                  .min_amplitude = options.min_modulation,
+                  .min_ratio = options.min_contrast * pattern.amplitude / pattern.mean},
+                 work.modulated);
+  work.reasons.setZero(model.rows(), model.columns());
+  find_clipped(work.channels, work.clipped);
+  work.clipped *= 1 - work.modulated;
+  give_reason(work.clipped, Reason::saturated, work.reasons);
+  give_reason_unless(work.lit, Reason::unlit, work.reasons);
+  give_reason_unless(work.modulated, Reason::low_modulation, work.reasons);
+}
+
+/// From the wrapped phase to the absolute one.
+void Decoder::Impl::find_regions(Workspace& work) const {
+  const FloodLimits limits{options.max_phase_variance, options.max_phase_step};
+  find_wrapped_phase(work.combined.re, work.combined.im, work.wrapped);
+  phase_variance(work.wrapped, work.modulated, work.variance);
+  const bool snakes = options.segmentation == Segmentation::snakes;
+  if (snakes) {
+    grow_snakes(work.wrapped, work.variance, limits, work.regions);
+  } else {
+    grow_regions(work.wrapped, work.variance, limits, work.unwrapping, work.regions);
+  }
+  if (stripes) {
+    find_guesses(work);
+    if (!snakes) {
+      find_markers(work.regions, work.guesses, work.voting, work.markers);
+      split_regions(work.wrapped, work.variance, limits, work.markers, work.unwrapping,
+                    work.regions);
+    }
+    region_offsets(work.regions, work.guesses, options.min_agreement, work.voting, work.offsets);
+    solve_from_neighbours(work.regions,
+                          {.min_width = snakes ? 0 : 1,
+                           .max_width = filter.radius - 1,  // a period is `radius` long
+                           .min_agreement = options.min_agreement},
+                          work.offsets);
+  } else {
+    work.offsets = anchor_offsets(work.regions);
+  }
+  add_offsets(work.regions, work.offsets, work.phase, work.reasons);
+}
+
+/// Takes away the phases of windows that mix two surfaces, or a surface and the dark beside it.
+void Decoder::Impl::drop_borders(Workspace& work) const {
+  erode(work.lit, kBlurRadius, work.inner);
+  give_reason_unless(work.inner, Reason::border, work.reasons);
+  keep_reconstructed(work.reasons, work.phase);
+  find_breaks(work.phase, kBreak, {filter.radius / 2, break_columns(filter)}, work.breaks);
+  give_reason(work.breaks, Reason::border, work.reasons);
+  keep_reconstructed(work.reasons, work.phase);
+}
+
+/// From the phase's standard deviation to the depth's.
+void Decoder::Impl::predict_sigma(Workspace& work) const {
+  const Pattern& pattern = model.pattern();
+  const PhaseSignal signal{.wrapped = work.wrapped,
+                           .combined = work.combined,
+                           .channels = work.demodulated.channels,
+                           .residual = work.demodulated.residual,
+                           .modulated = work.modulated,
+                           .chromatic = model.chromatic(),
+                           .phase = work.phase,
+                           .pixels = {.along = model.carrier().along,
+                                      .offset = pattern.phase,
+                                      .per_pixel = 2 * std::numbers::pi / pattern.period}};
+  predict_phase_sigma(signal, estimate_noise(signal, filter), filter, work.sigma);
+  scale_sigma(work.surfaces.z.data(), work.surfaces.z_per_phase.data(), work.sigma.data(),
+              work.sigma.size());
+}
+
+/// Takes away the depths that the colours contradict.
+void Decoder::Impl::check_colors(Workspace& work) const {
+  for (const long nearby : kNearby) {
+    find_contradictions(work.surfaces.stripe_pixel, work.hue, stripes->colors, stripes->classifier,
+                        options.min_agreement, nearby, work.contradicting);
+    give_reason(work.contradicting, Reason::color_mismatch, work.reasons);
+  }
+  keep_reconstructed(work.reasons, work.surfaces.z);
+  find_unproven_patches(work.surfaces.z, work.surfaces.stripe_pixel, work.hue, stripes->colors,
+                        stripes->classifier, work.contradicting);
+  give_reason(work.contradicting, Reason::color_mismatch, work.reasons);
+  keep_reconstructed(work.reasons, work.surfaces.z);
+}
+
+/// Leaves the result's former images to the workspace.
+void Decoder::Impl::fill_result(Workspace& work, DecodeResult& result) const {
+  result.transitions = stripes ? static_cast<int>(work.guesses.size()) : 0;
+  result.regions = work.regions.count;
+  result.unresolved_regions =
+      static_cast<int>(std::count_if(work.offsets.begin(), work.offsets.end(),
+                                     [](const RegionOffset& offset) { return !offset.phase; }));
+  result.range.camera = model.rig().camera;
+  if (model.carrier().transposed) {
+    result.range.z = work.surfaces.z.transpose();
+    result.reasons = work.reasons.transpose();
+    result.sigma = work.sigma.transpose();
+  } else {
+    result.range.z.swap(work.surfaces.z);
+    result.reasons.swap(work.reasons);
+    result.sigma.swap(work.sigma);
+  }
+}
+
+void Decoder::Impl::decode(const cv::Mat& frame, DecodeResult& result) const {
+  check_frame(frame);
+  const auto work = workspaces.borrow();
+  demodulate_frame(frame, *work);
+  judge_light(*work);
+  find_regions(*work);
+  drop_borders(*work);
+  model.find_surfaces(work->phase, work->combined.shares, options.max_sensitivity, work->surfaces,
+                      work->reasons);
+  if (stripes) check_colors(*work);
+  predict_sigma(*work);
+  fill_result(*work, result);
+}
+
+Decoder::Decoder(const Rig& rig, const Pattern& pattern, const TrainedColors& colors,
+                 const DecodeOptions& options)
+    : impl_(std::make_unique<Impl>(rig, pattern, colors, options)) {}
+Decoder::~Decoder() = default;
+Decoder::Decoder(Decoder&&) noexcept = default;
+Decoder& Decoder::operator=(Decoder&&) noexcept = default;
+
+const Rig& Decoder::rig() const { return impl_->model.rig(); }
+
+DecodeResult Decoder::decode(const cv::Mat& frame) const {
+  DecodeResult result;
+  decode(frame, result);
+  return result;
+}
+
+void Decoder::decode(const cv::Mat& frame, DecodeResult& result) const {
+  impl_->decode(frame, result);
+}
+
+}  // namespace palpate::sensing

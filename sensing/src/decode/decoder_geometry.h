@@ -1,0 +1,80 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "decode/surface_rows.h"
+#include "palpate/sensing/reason.h"
+#include "phase/chromatic.h"
+#include "regions/phase_offset.h"
+#include "regions/stripe_transitions.h"
+#include "setup/carrier.h"
+#include "setup/triangulation.h"
+
+namespace palpate::sensing {
+
+/// What the phases of an image mean; NaN where that is not known.
+struct SurfaceImages {
+  Plane z;             ///< [mm]
+  Plane stripe_pixel;  ///< projector pixel across the stripes
+  Plane z_per_phase;   ///< [mm/rad] |dz / dphase|
+};
+
+/// What a rig and a pattern say about every pixel of the working image, computed once.
+///
+/// The working image is the camera's, transposed if the sinusoid varies along its rows. "Phase" is
+/// the absolute phase of the pattern with the carrier taken out: 2 pi pixel / period + phase -
+/// carrier.along * row.
+class DecoderGeometry {
+ public:
+  /// \throws InvalidInput if rig or pattern are not valid or the two views do not overlap.
+  DecoderGeometry(const Rig& rig, const Pattern& pattern);
+
+  [[nodiscard]] const Rig& rig() const { return rig_; }
+  [[nodiscard]] const Pattern& pattern() const { return pattern_; }
+  [[nodiscard]] const Carrier& carrier() const { return carrier_; }
+  [[nodiscard]] const ChromaticModel& chromatic() const { return chromatic_; }
+  [[nodiscard]] long rows() const { return rows_; }
+  [[nodiscard]] long columns() const { return columns_; }
+
+  /// Phase where a depth is known. Nothing if the projector does not light that point.
+  [[nodiscard]] std::optional<double> phase_at_depth(long row, long column, double z) const;
+
+  /// Phases at stripe edges. Those at which the projector would not light the surface fall out.
+  void phases_at_edges(const std::vector<Transition>& transitions,
+                       std::vector<PhaseGuess>& guesses) const;
+
+  /// Depth and projector pixel of each phase. A pixel that still is `reconstructed` becomes
+  /// `off_panel` if the projector does not light the point, or `grazing` if |dz / dphase| >
+  /// max_sensitivity * z per rad: near the line on which the phase says nothing of the depth
+  /// (Eq. 3.11 divides by zero there).
+  /// \param phase NaN where it is not known.
+  void find_surfaces(const Plane& phase, const ChannelShares& shares, double max_sensitivity,
+                     SurfaceImages& surfaces, ReasonImage& reasons) const;
+
+ private:
+  /// R (x, y, 1) of every pixel's ray, in projector coordinates along the axes of the pattern.
+  struct Rays {
+    Plane along;   ///< the axis of the sinusoid
+    Plane across;  ///< the other one, along which the stripes follow each other
+    Plane forward;
+  };
+
+  [[nodiscard]] Eigen::Vector3d direction(long row, long column) const;
+  void prepare_chromatic(const Eigen::Matrix2Xd& rays);
+  [[nodiscard]] double phase_of(double pixel, long row) const;
+
+  Rig rig_;
+  Pattern pattern_;
+  Triangulation triangulation_;
+  Carrier carrier_;
+  long rows_ = 0;
+  long columns_ = 0;
+  int axis_ = 0;  ///< of the sinusoid in projector pixels
+  Rays rays_;
+  ChromaticModel chromatic_;
+};
+
+}  // namespace palpate::sensing

@@ -1,0 +1,204 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "decode/plausibility.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "image/hot_loop.h"
+
+namespace palpate::sensing {
+namespace {
+
+/// A pixel is well inside a stripe iff it is this far from its edges [projector px]: farther than
+/// the blur of camera and projector and the sideways shift of their colour channels.
+constexpr double kEdgeMargin = 4;
+
+PALPATE_HOT_LOOP void keep_common(std::uint8_t* values, const std::uint8_t* other, long count) {
+  for (long i = 0; i < count; ++i) values[i] = values[i] & other[i];
+}
+
+/// Whether the phase breaks between each pixel and the next of its row, or the one below it; tells
+/// whether one does.
+PALPATE_HOT_LOOP bool break_row(const float* phase, const float* below, float limit,
+                                std::uint8_t* breaks, long columns) {
+  int any = 0;
+  for (long i = 0; i < columns; ++i) {
+    const int right = std::abs(phase[i + 1] - phase[i]) > limit ? 1 : 0;
+    const int down = std::abs(below[i] - phase[i]) > limit ? 1 : 0;
+    breaks[i] = static_cast<std::uint8_t>(right | down);
+    any |= right | down;
+  }
+  return any != 0;
+}
+
+/// What a pixel says of its depth: `kCompared` if its stripe colour is known, and `kAgreeing` if it
+/// has that colour.
+constexpr std::uint32_t kCompared = 1;
+constexpr std::uint32_t kAgreeing = 1 << 16;
+
+/// Table entries, then colours, of a row of pixels: of their hue, and of the stripe there.
+struct ColorRow {
+  explicit ColorRow(long columns)
+      : seen(static_cast<std::size_t>(columns)), expected(static_cast<std::size_t>(columns)) {}
+  std::vector<int> seen;
+  std::vector<int> expected;
+};
+
+PALPATE_HOT_LOOP void look_up(const int* table, int* __restrict entries, long count) {
+  for (long i = 0; i < count; ++i) entries[i] = table[entries[i]];
+}
+
+PALPATE_HOT_LOOP void find_entries(const float* stripe_pixel, const float* hue,
+                                   const StripeColors& stripes, int* __restrict expected,
+                                   int* __restrict seen, long columns) {
+  for (long i = 0; i < columns; ++i) {
+    expected[i] = stripes.entry(stripe_pixel[i]);
+    seen[i] = HueClassifier::step_of(hue[i]);
+  }
+}
+
+PALPATE_HOT_LOOP void compare_colors(const float* stripe_pixel, const int* expected,
+                                     const int* seen, std::uint32_t* __restrict said,
+                                     long columns) {
+  for (long i = 0; i < columns; ++i) {
+    const bool known = (stripe_pixel[i] == stripe_pixel[i]) & (expected[i] >= 0);
+    const std::uint32_t agreeing = seen[i] == expected[i] ? kAgreeing : 0;
+    said[i] = known ? kCompared + agreeing : 0;
+  }
+}
+
+/// Compares the stripes' colours with the hues.
+void compare_row(const float* stripe_pixel, const float* hue, const StripeColors& stripes,
+                 const HueClassifier& classifier, ColorRow& colors, std::uint32_t* said) {
+  const auto columns = static_cast<long>(colors.seen.size());
+  find_entries(stripe_pixel, hue, stripes, colors.expected.data(), colors.seen.data(), columns);
+  look_up(stripes.color_of_entries(), colors.expected.data(), columns);
+  look_up(classifier.best_of_steps(), colors.seen.data(), columns);
+  compare_colors(stripe_pixel, colors.expected.data(), colors.seen.data(), said, columns);
+}
+
+PALPATE_HOT_LOOP void add_row(std::uint32_t* __restrict sums, const std::uint32_t* row,
+                              long columns) {
+  for (long i = 0; i < columns; ++i) sums[i] += row[i];
+}
+
+PALPATE_HOT_LOOP void take_row(std::uint32_t* __restrict sums, const std::uint32_t* row,
+                               long columns) {
+  for (long i = 0; i < columns; ++i) sums[i] -= row[i];
+}
+
+/// Marks the pixels in whose square too few agree.
+/// \param until sums over all columns up to one, the counts of both kinds in one number: it may
+/// overflow, differences over a square do not.
+PALPATE_HOT_LOOP void judge_row(const std::uint32_t* until, const float* stripe_pixel,
+                                float min_agreement, long width, std::uint8_t* __restrict marked,
+                                long columns) {
+  for (long i = 0; i < columns; ++i) {
+    const std::uint32_t sum = until[i + width] - until[i];
+    const auto all = static_cast<float>(static_cast<int>(sum % kAgreeing));
+    const auto agreeing = static_cast<float>(static_cast<int>(sum / kAgreeing));
+    const bool known = stripe_pixel[i] == stripe_pixel[i];
+    marked[i] = known & (agreeing < min_agreement * all) ? 1 : 0;
+  }
+}
+
+}  // namespace
+
+void erode(const Mask& mask, int radius, Mask& inner) {
+  const long rows = mask.rows();
+  const long columns = mask.cols();
+  inner = mask;
+  // A row with `radius` pixels more on either side, which do no harm.
+  std::vector<std::uint8_t> wide(static_cast<std::size_t>(columns + 2 * radius), 1);
+  for (long row = 0; row < rows; ++row) {
+    std::uint8_t* const common = wide.data() + radius;
+    std::copy_n(&mask(row, 0), columns, common);
+    for (long other = std::max<long>(0, row - radius); other <= std::min(rows - 1, row + radius);
+         ++other) {
+      keep_common(common, &mask(other, 0), columns);
+    }
+    for (long k = 0; k <= 2 * radius; ++k) keep_common(&inner(row, 0), wide.data() + k, columns);
+  }
+}
+
+void find_breaks(const Plane& phase, double max_step, const Reach& reach, Mask& marked) {
+  const long rows = phase.rows();
+  const long columns = phase.cols();
+  marked.setZero(rows, columns);
+  const auto mark = [&](long row, long column) {
+    const long top = std::max<long>(0, row - reach.rows);
+    const long left = std::max<long>(0, column - reach.columns);
+    marked.block(top, left, std::min(rows - 1, row + reach.rows) - top + 1,
+                 std::min(columns - 1, column + reach.columns) - left + 1) = 1;
+  };
+  const auto limit = static_cast<float>(max_step);
+  std::vector<std::uint8_t> breaks(static_cast<std::size_t>(columns));
+  for (long row = 0; row < rows; ++row) {
+    const float* const here = &phase(row, 0);
+    const float* const below = row + 1 < rows ? here + columns : here;
+    // The last pixel of a row has no next one.
+    const long last = columns - 1;
+    const bool at_last = std::abs(below[last] - here[last]) > limit;
+    if (at_last) mark(row, last);
+    if (!break_row(here, below, limit, breaks.data(), last)) continue;
+    for (long column = 0; column < last; ++column) {
+      if (breaks[static_cast<std::size_t>(column)] != 0) mark(row, column);
+    }
+  }
+}
+
+StripeColors::StripeColors(const Pattern& pattern) {
+  const auto& edges = pattern.stripe_edges;
+  const double first = edges.front() - 2 * kEdgeMargin;
+  const double last = edges.back() + 2 * kEdgeMargin;
+  first_ = static_cast<float>(first);
+  for (double pixel = first + 0.5 / kEntriesPerPixel; pixel < last;
+       pixel += 1.0 / kEntriesPerPixel) {
+    const auto next = std::upper_bound(edges.begin(), edges.end(), pixel);
+    const bool near_next = next != edges.end() && *next - pixel < kEdgeMargin;
+    const bool near_last = next != edges.begin() && pixel - *(next - 1) < kEdgeMargin;
+    const auto stripe = static_cast<std::size_t>(next - edges.begin());
+    table_.push_back(near_next || near_last ? -1 : static_cast<int>(pattern.stripes[stripe]));
+  }
+  last_ = static_cast<float>(table_.size() - 1);
+}
+
+void find_contradictions(const Plane& stripe_pixel, const Plane& hue, const StripeColors& stripes,
+                         const HueClassifier& classifier, double min_agreement, long nearby,
+                         Mask& marked) {
+  const long rows = hue.rows();
+  const long columns = hue.cols();
+  marked.resize(rows, columns);
+  // What the pixels of the rows nearby say, row after row in a ring; its sum over these rows; and
+  // the sum of that over all columns before each, with `nearby` columns of nothing on either side.
+  using Numbers = Eigen::Array<std::uint32_t, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  const long width = 2 * nearby + 1;
+  Numbers said = Numbers::Zero(width, columns);
+  Numbers sums = Numbers::Zero(1, columns);
+  Numbers until = Numbers::Zero(1, columns + width);
+  ColorRow colors(columns);
+  for (long row = -nearby; row < rows; ++row) {
+    const long entering = row + nearby;
+    std::uint32_t* const place = &said(entering % width, 0);
+    take_row(sums.data(), place, columns);
+    if (entering < rows) {
+      compare_row(&stripe_pixel(entering, 0), &hue(entering, 0), stripes, classifier, colors,
+                  place);
+      add_row(sums.data(), place, columns);
+    } else {
+      std::fill_n(place, columns, 0U);
+    }
+    if (row < 0) continue;
+    std::uint32_t sum = 0;
+    for (long column = 0; column < columns; ++column) {
+      until(0, column + nearby) = sum;
+      sum += sums(0, column);
+    }
+    until.rightCols(nearby + 1) = sum;
+    judge_row(until.data(), &stripe_pixel(row, 0), static_cast<float>(min_agreement), width,
+              &marked(row, 0), columns);
+  }
+}
+
+}  // namespace palpate::sensing

@@ -1,0 +1,215 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "files/png_image.h"
+
+#include <libdeflate.h>
+
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <memory>
+#include <string_view>
+#include <vector>
+
+#include "files/png_check.h"
+#include "palpate/error.h"
+
+namespace palpate::sensing {
+namespace {
+
+using Byte = std::uint8_t;
+
+/// What the header says of the pixels, of the kinds that are read here.
+struct Layout {
+  int width = 0;
+  int height = 0;
+  int channels = 0;       ///< in the file: 1, 3, or 4 with alpha
+  int sample_bytes = 0;   ///< 1 or 2
+  bool is_known = false;  ///< false: a kind that is not read here
+  [[nodiscard]] std::size_t pixel_bytes() const {
+    return static_cast<std::size_t>(channels) * static_cast<std::size_t>(sample_bytes);
+  }
+  [[nodiscard]] std::size_t row_bytes() const {
+    return static_cast<std::size_t>(width) * pixel_bytes();
+  }
+};
+
+// Beyond it, a header is not believed: 2^28 pixels are 1 GB of depths.
+constexpr std::uint64_t kMaxPixels = std::uint64_t{1} << 28U;
+
+Layout read_layout(std::string_view header) {
+  constexpr std::size_t kHeaderBytes = 13;
+  if (header.size() != kHeaderBytes) throw InvalidInput("is damaged: its header has a wrong size");
+  const std::uint32_t width = png_number(header);
+  const std::uint32_t height = png_number(header.substr(4));
+  if (width == 0 || height == 0 || std::uint64_t{width} * height > kMaxPixels) {
+    throw InvalidInput("is damaged: its header says " + std::to_string(width) + " x " +
+                       std::to_string(height) + " px; 1 to 2^28 pixels are possible");
+  }
+  const auto bits = static_cast<Byte>(header[8]);
+  const auto kind = static_cast<Byte>(header[9]);  // 0 grey, 2 colour, 6 colour with alpha
+  const auto interlacing = static_cast<Byte>(header[12]);
+  Layout layout{.width = static_cast<int>(width), .height = static_cast<int>(height)};
+  layout.channels = kind == 0 ? 1 : kind == 2 ? 3 : 4;
+  layout.sample_bytes = bits / 8;
+  layout.is_known =
+      (kind == 0 || kind == 2 || kind == 6) && (bits == 8 || bits == 16) && interlacing == 0;
+  return layout;
+}
+
+std::vector<Byte> inflate(std::string_view packed, std::size_t size) {
+  const std::unique_ptr<libdeflate_decompressor, decltype(&libdeflate_free_decompressor)>
+      decompressor(libdeflate_alloc_decompressor(), &libdeflate_free_decompressor);
+  if (!decompressor) throw std::bad_alloc();
+  std::vector<Byte> rows(size);
+  // Without a place for the size, anything but exactly `size` bytes is an error.
+  if (libdeflate_zlib_decompress(decompressor.get(), packed.data(), packed.size(), rows.data(),
+                                 rows.size(), nullptr) != LIBDEFLATE_SUCCESS) {
+    throw InvalidInput("is damaged: its pixels cannot be unpacked");
+  }
+  return rows;
+}
+
+/// Which of left, above and above left is nearest to left + above - above left (PNG
+/// specification, 9.4).
+Byte paeth(int left, int above, int corner) {
+  const int to_left = std::abs(above - corner);
+  const int to_above = std::abs(left - corner);
+  const int to_corner = std::abs(left + above - 2 * corner);
+  const int nearer = to_above <= to_corner ? above : corner;
+  return static_cast<Byte>(to_left <= to_above && to_left <= to_corner ? left : nearer);
+}
+
+/// Undoes the filter of one row (PNG specification, 9.2): its bytes are differences from what the
+/// pixel to the left and the row above predict. `above` is zero for the first row.
+template <std::size_t kPixelBytes>
+void undo_filter(int filter, Byte* row, const Byte* above, std::size_t size) {
+  std::array<Byte, kPixelBytes> left{}, corner{};
+  for (std::size_t i = 0; i < size; i += kPixelBytes) {
+    for (std::size_t k = 0; k < kPixelBytes; ++k) {
+      const int up = above[i + k];
+      int predicted = 0;
+      switch (filter) {
+        case 1:
+          predicted = left[k];
+          break;
+        case 2:
+          predicted = up;
+          break;
+        case 3:
+          predicted = (left[k] + up) / 2;
+          break;
+        case 4:
+          predicted = paeth(left[k], up, corner[k]);
+          break;
+        default:
+          break;
+      }
+      left[k] = row[i + k] = static_cast<Byte>(row[i + k] + predicted);
+      corner[k] = static_cast<Byte>(up);
+    }
+  }
+}
+
+/// One filter at a time, so that the choice of it stays outside the loop.
+template <std::size_t kPixelBytes>
+void undo_filter_of_row(int filter, Byte* row, const Byte* above, std::size_t size) {
+  switch (filter) {
+    case 0:
+      return;
+    case 1:
+      return undo_filter<kPixelBytes>(1, row, above, size);
+    case 2:
+      return undo_filter<kPixelBytes>(2, row, above, size);
+    case 3:
+      return undo_filter<kPixelBytes>(3, row, above, size);
+    case 4:
+      return undo_filter<kPixelBytes>(4, row, above, size);
+    default:
+      throw InvalidInput("is damaged: a row has a filter that does not exist");
+  }
+}
+
+using UndoFilter = void (*)(int, Byte*, const Byte*, std::size_t);
+
+UndoFilter undo_filter_for(std::size_t pixel_bytes) {
+  switch (pixel_bytes) {
+    case 1:
+      return undo_filter_of_row<1>;
+    case 2:
+      return undo_filter_of_row<2>;
+    case 3:
+      return undo_filter_of_row<3>;
+    case 4:
+      return undo_filter_of_row<4>;
+    case 6:
+      return undo_filter_of_row<6>;
+    default:
+      return undo_filter_of_row<8>;
+  }
+}
+
+template <typename Sample>
+Sample load_sample(const Byte* bytes) {
+  if constexpr (sizeof(Sample) == 1) {
+    return *bytes;
+  } else {
+    return static_cast<Sample>((bytes[0] << 8U) | bytes[1]);
+  }
+}
+
+/// RGB(A) or grey of the file to BGR or grey.
+template <typename Sample>
+void copy_row(const Byte* bytes, const Layout& layout, Sample* pixels) {
+  const std::size_t step = layout.pixel_bytes();
+  if (layout.channels == 1) {
+    for (int i = 0; i < layout.width; ++i, bytes += step) pixels[i] = load_sample<Sample>(bytes);
+    return;
+  }
+  for (int i = 0; i < layout.width; ++i, bytes += step, pixels += 3) {
+    pixels[2] = load_sample<Sample>(bytes);
+    pixels[1] = load_sample<Sample>(bytes + sizeof(Sample));
+    pixels[0] = load_sample<Sample>(bytes + 2 * sizeof(Sample));
+  }
+}
+
+}  // namespace
+
+cv::Mat decode_png(const std::string& bytes) {
+  Layout layout;
+  std::string packed;
+  for (const PngChunk& chunk : png_chunks(bytes)) {
+    if (chunk.type == "IHDR") {
+      layout = read_layout(chunk.data);
+      if (!layout.is_known) return {};
+    } else if (chunk.type == "IDAT") {
+      packed += chunk.data;
+    }
+  }
+  if (layout.width == 0) throw InvalidInput("is damaged: it has no header");
+  const std::size_t row_bytes = layout.row_bytes();
+  std::vector<Byte> rows =
+      inflate(packed, static_cast<std::size_t>(layout.height) * (row_bytes + 1));
+
+  const int channels = layout.channels == 1 ? 1 : 3;
+  cv::Mat image(layout.height, layout.width,
+                CV_MAKETYPE(layout.sample_bytes == 1 ? CV_8U : CV_16U, channels));
+  const UndoFilter undo = undo_filter_for(layout.pixel_bytes());
+  const std::vector<Byte> nothing(row_bytes, 0);
+  const Byte* above = nothing.data();
+  for (int v = 0; v < layout.height; ++v) {
+    Byte* row = rows.data() + static_cast<std::size_t>(v) * (row_bytes + 1);
+    undo(row[0], row + 1, above, row_bytes);
+    above = row + 1;
+    if (layout.sample_bytes == 1) {
+      copy_row(above, layout, image.ptr<std::uint8_t>(v));
+    } else {
+      copy_row(above, layout, image.ptr<std::uint16_t>(v));
+    }
+  }
+  return image;
+}
+
+}  // namespace palpate::sensing

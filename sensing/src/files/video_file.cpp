@@ -1,0 +1,90 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "files/video_file.h"
+
+#include <algorithm>
+#include <array>
+#include <opencv2/videoio.hpp>
+#include <string>
+#include <string_view>
+
+#include "files/storage_file.h"
+#include "palpate/error.h"
+#include "palpate/file_names.h"
+
+namespace palpate::sensing {
+namespace {
+
+constexpr std::array<std::string_view, 9> kEndings{".avi", ".m4v", ".mj2", ".mkv", ".mov",
+                                                   ".mp4", ".mpg", ".ogv", ".webm"};
+/// Codecs that give back every value, by their four characters; raw video has those of its pixels.
+constexpr std::array<std::string_view, 6> kLosslessCodecs{"FFV1", "HFYU", "FFVH",
+                                                          "png ", "MPNG", "DIB "};
+/// Pixels with one value for each colour, or one value alone, as FFmpeg tags them. Others hold
+/// colour differences, rounded, and mostly at half the resolution.
+constexpr std::array<std::string_view, 11> kFullPixels{
+    "BGR", "RGB", "BGRA", "RGBA", "ABGR", "ARGB", "G3", "Y800", "GREY", "Y1", "GBRP"};
+
+/// The characters of a tag as they stand in memory, without what cannot be printed.
+std::string letters(double tag) {
+  const auto bits = static_cast<unsigned>(static_cast<int>(tag));
+  std::string text;
+  for (const unsigned shift : {0U, 8U, 16U, 24U}) {
+    const char letter = static_cast<char>((bits >> shift) & 0xFFU);
+    if (std::isprint(static_cast<unsigned char>(letter)) != 0) text += letter;
+  }
+  return text;
+}
+
+template <std::size_t N>
+bool is_among(const std::array<std::string_view, N>& known, const std::string& word) {
+  return std::find(known.begin(), known.end(), word) != known.end();
+}
+
+}  // namespace
+
+struct VideoFile::Impl {
+  cv::VideoCapture capture;
+};
+
+bool is_video(const std::filesystem::path& path) {
+  return is_among(kEndings, lower_extension(path));
+}
+
+VideoFile::VideoFile(const std::filesystem::path& path) : impl_(std::make_unique<Impl>()) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error))
+    throw FileError(path.string() + ": no such file");
+  const QuietOpenCv quiet;
+  // By name, as OpenCV's other ways to open a file take some names for patterns of image files.
+  if (!impl_->capture.open(path.string(), cv::CAP_FFMPEG)) {
+    throw FileError(path.string() +
+                    ": cannot be opened as a video; the file is damaged or cut off, or of a kind "
+                    "that OpenCV's FFmpeg does not read");
+  }
+}
+
+VideoFile::~VideoFile() = default;
+VideoFile::VideoFile(VideoFile&&) noexcept = default;
+VideoFile& VideoFile::operator=(VideoFile&&) noexcept = default;
+
+cv::Mat VideoFile::next() {
+  const QuietOpenCv quiet;
+  cv::Mat frame;
+  if (!impl_->capture.read(frame)) return {};
+  return frame.clone();  // the capture may use its memory again
+}
+
+std::size_t VideoFile::announced_frames() const {
+  const double frames = impl_->capture.get(cv::CAP_PROP_FRAME_COUNT);
+  return frames > 0 ? static_cast<std::size_t>(frames) : 0;
+}
+
+bool VideoFile::is_lossless() const {
+  const std::string codec = letters(impl_->capture.get(cv::CAP_PROP_FOURCC));
+  const std::string pixels = letters(impl_->capture.get(cv::CAP_PROP_CODEC_PIXEL_FORMAT));
+  const bool is_raw = codec.empty() || codec == pixels;
+  return (is_raw || is_among(kLosslessCodecs, codec)) && is_among(kFullPixels, pixels);
+}
+
+}  // namespace palpate::sensing

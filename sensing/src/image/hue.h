@@ -1,0 +1,44 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "image/image_plane.h"
+
+namespace palpate::sensing {
+
+/// An angle brought to [-pi, pi].
+template <typename T>
+[[nodiscard]] inline T wrap(T angle) {
+  constexpr T kTurn = 2 * std::numbers::pi_v<T>;
+  return angle - kTurn * std::round(angle / kTurn);
+}
+
+/// Hue of the HSV colour space [rad], in [0, 2 pi), and saturation in [0, 1]; both 0 for grey.
+/// Light that is added to all three channels alike does not change the hue.
+struct Hue {
+  float angle = 0;
+  float saturation = 0;
+};
+[[nodiscard]] inline Hue hue_of(float red, float green, float blue) {
+  const float high = std::max(std::max(red, green), blue);
+  const float low = std::min(std::min(red, green), blue);
+  const float range = high - low;
+  // Selections in place of branches: loops can take many pixels at once.
+  const float turn = green < blue ? 6.0F : 0.0F;
+  const float other_difference = high == green ? blue - red : red - green;
+  const float other_sectors = high == green ? 2.0F : 4.0F;
+  const float difference = high == red ? green - blue : other_difference;
+  const float sectors = high == red ? turn : other_sectors;
+  constexpr float kSector = std::numbers::pi_v<float> / 3;
+  const float divisor = range > 0 ? range : 1;
+  return {kSector * (difference / divisor + sectors), high > 0 ? range / high : 0};
+}
+
+/// The hues of an image.
+void find_hues(const Plane& red, const Plane& green, const Plane& blue, Plane& hue);
+
+}  // namespace palpate::sensing

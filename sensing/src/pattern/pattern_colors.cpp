@@ -1,0 +1,285 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/sensing/pattern_colors.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <numbers>
+
+#include "image/hue.h"
+#include "palpate/error.h"
+
+namespace palpate::sensing {
+namespace {
+
+constexpr double kTurn = 2 * std::numbers::pi;
+constexpr int kTurnDegrees = 360;
+constexpr int kLeastColors = 2;
+constexpr int kMostColors = 24;  // 15 degrees apart: what the best cameras tell
+constexpr int kLeastTrained = 3;
+
+/// A hue is never known better than this [rad]: half a degree, to which rounding to whole degrees
+/// moves it. It keeps a class trained on a perfect image from having no width.
+constexpr double kLeastDeviation = 0.5 * kTurn / kTurnDegrees;
+
+/// 2^-20 of the circle is far below the degree to which hues are rounded.
+constexpr int kBisections = 20;
+
+/// The rises between neighbours add up to one turn to within this share, or to more than one.
+constexpr double kRounding = 1e-9;
+
+/// Trained colours that are confused no oftener than this are left alone: regions are told by many
+/// stripe edges of many pixels each.
+constexpr double kNegligibleOverlap = 1e-4;
+
+constexpr std::array<char, 6> kNames = {'R', 'Y', 'G', 'C', 'B', 'M'};
+constexpr int kNamedStep = kTurnDegrees / static_cast<int>(kNames.size());
+
+void check_count(int count) {
+  if (count >= kLeastColors && count <= kMostColors) return;
+  throw InvalidInput("pattern colours: " + std::to_string(count) + " colours; " +
+                     std::to_string(kLeastColors) + " to " + std::to_string(kMostColors) +
+                     " can be told apart");
+}
+
+std::string name_of(int degrees) {
+  if (degrees % kNamedStep == 0)
+    return {kNames[static_cast<std::size_t>(degrees / kNamedStep) % kNames.size()]};
+  std::string digits = std::to_string(degrees);
+  digits.insert(0, 3 - digits.size(), '0');
+  return "H" + digits;
+}
+
+/// Degrees, or -1 if the name is none of ours.
+int degrees_of(const std::string& name) {
+  if (name.size() == 1) {
+    const auto* const found = std::find(kNames.begin(), kNames.end(), name[0]);
+    return found == kNames.end() ? -1 : kNamedStep * static_cast<int>(found - kNames.begin());
+  }
+  const bool is_number =
+      name.size() == 4 && name[0] == 'H' &&
+      std::all_of(name.begin() + 1, name.end(), [](unsigned char c) { return std::isdigit(c); });
+  const int degrees = is_number ? std::stoi(name.substr(1)) : -1;
+  return degrees < kTurnDegrees ? degrees : -1;
+}
+
+PatternColor color_at(int degrees) {
+  return {name_of(degrees), rgb_of_hue(degrees * kTurn / kTurnDegrees)};
+}
+
+double deviation(const TrainedColor& color) {
+  return std::max(std::sqrt(color.variance), kLeastDeviation);
+}
+
+/// An angle brought to [0, 2 pi).
+double within_turn(double angle) {
+  const double rest = std::fmod(angle, kTurn);
+  return rest < 0 ? rest + kTurn : rest;
+}
+
+/// What the camera sees of each projected degree.
+struct HueResponse {
+  std::array<double, kTurnDegrees> mean{};       ///< [rad], in [0, 2 pi)
+  std::array<double, kTurnDegrees> deviation{};  ///< [rad]
+};
+
+struct Knot {
+  int degrees = 0;
+  const TrainedColor* seen = nullptr;
+};
+
+std::vector<Knot> sorted_knots(const TrainedColors& trained) {
+  std::vector<Knot> knots;
+  for (const TrainedColor& color : trained.colors) {
+    const int degrees = degrees_of(color.name);
+    if (degrees < 0) {
+      throw InvalidInput("trained colours: '" + color.name +
+                         "' does not say what was projected; names R, Y, G, C, B, M or H and the "
+                         "hue in degrees (H072) are expected");
+    }
+    if (!(color.variance >= 0) || !std::isfinite(color.variance) || !std::isfinite(color.mean)) {
+      throw InvalidInput("trained colours: " + color.name +
+                         ": mean must be finite and variance finite and >= 0");
+    }
+    knots.push_back({degrees, &color});
+  }
+  if (knots.size() < kLeastTrained) {
+    throw InvalidInput("trained colours: only " + std::to_string(knots.size()) + "; at least " +
+                       std::to_string(kLeastTrained) + " are needed to interpolate between them");
+  }
+  std::sort(knots.begin(), knots.end(),
+            [](const Knot& a, const Knot& b) { return a.degrees < b.degrees; });
+  return knots;
+}
+
+HueResponse measured_response(const std::vector<Knot>& knots) {
+  HueResponse response;
+  double base = 0;
+  for (std::size_t i = 0; i < knots.size(); ++i) {
+    const Knot& from = knots[i];
+    const Knot& to = knots[(i + 1) % knots.size()];
+    int span = to.degrees - from.degrees;
+    if (i + 1 == knots.size()) span += kTurnDegrees;
+    const double rise = within_turn(to.seen->mean - from.seen->mean);
+    if (!(rise > 0) || span <= 0 || base + rise > kTurn * (1 + kRounding)) {
+      throw InvalidInput("trained colours: " + from.seen->name + " and " + to.seen->name +
+                         " are not seen in the order in which they were projected; check that the "
+                         "training images bear the right names");
+    }
+    for (int step = 0; step < span; ++step) {
+      const auto degree = static_cast<std::size_t>((from.degrees + step) % kTurnDegrees);
+      const double share = static_cast<double>(step) / span;
+      response.mean[degree] = within_turn(knots[0].seen->mean + base + share * rise);
+      response.deviation[degree] =
+          (1 - share) * deviation(*from.seen) + share * deviation(*to.seen);
+    }
+    base += rise;
+  }
+  return response;
+}
+
+/// Forward around the circle from one projected degree to a later one, less than a turn away: the
+/// difference of what the camera sees, in units of both deviations.
+double forward_separation(const HueResponse& response, int from, int to) {
+  const auto a = static_cast<std::size_t>(from % kTurnDegrees);
+  const auto b = static_cast<std::size_t>(to % kTurnDegrees);
+  return within_turn(response.mean[b] - response.mean[a]) /
+         (response.deviation[a] + response.deviation[b]);
+}
+
+/// `count` degrees from `start` on, each the first that lies at least `separation` beyond the one
+/// before, if the last one lies as far before the first. Sorted; empty if there is no room.
+std::vector<int> pack(const HueResponse& response, int count, int start, double separation) {
+  std::vector<int> degrees = {start};
+  while (static_cast<int>(degrees.size()) < count) {
+    int next = degrees.back() + 1;
+    while (next < start + kTurnDegrees &&
+           forward_separation(response, degrees.back(), next) < separation)
+      ++next;
+    if (next >= start + kTurnDegrees) return {};
+    degrees.push_back(next);
+  }
+  if (forward_separation(response, degrees.back(), start + kTurnDegrees) < separation) return {};
+  for (int& degree : degrees) degree %= kTurnDegrees;
+  std::sort(degrees.begin(), degrees.end());
+  return degrees;
+}
+
+double squared_distance_to_knots(const std::vector<int>& degrees, const std::vector<Knot>& knots) {
+  double sum = 0;
+  for (const int degree : degrees) {
+    int nearest = kTurnDegrees;
+    for (const Knot& knot : knots) {
+      const int distance = std::abs(degree - knot.degrees);
+      nearest = std::min({nearest, distance, kTurnDegrees - distance});
+    }
+    sum += nearest * nearest;
+  }
+  return sum;
+}
+
+/// Of all that reach a separation the degrees nearest to the trained ones; empty if none does.
+std::vector<int> nearest_packing(const HueResponse& response, const std::vector<Knot>& knots,
+                                 int count, double separation) {
+  std::vector<int> best;
+  double least = std::numeric_limits<double>::infinity();
+  for (int start = 0; start < kTurnDegrees; ++start) {
+    const std::vector<int> degrees = pack(response, count, start, separation);
+    if (degrees.empty()) continue;
+    const double distance = squared_distance_to_knots(degrees, knots);
+    if (!(distance < least)) continue;
+    least = distance;
+    best = degrees;
+  }
+  return best;
+}
+
+SpreadColors expected_colors(const std::vector<int>& degrees, const HueResponse& response) {
+  SpreadColors result;
+  for (const int degree : degrees) {
+    const auto i = static_cast<std::size_t>(degree);
+    const PatternColor color = color_at(degree);
+    result.colors.push_back(color);
+    result.expected.push_back({.name = color.name,
+                               .mean = response.mean[i],
+                               .variance = response.deviation[i] * response.deviation[i]});
+  }
+  return result;
+}
+
+}  // namespace
+
+Eigen::Vector3d rgb_of_hue(double hue) {
+  const double sector = 3 * hue / std::numbers::pi;
+  const auto channel = [&](double center) {
+    const double distance = std::abs(std::remainder(sector - center, 6));
+    return std::clamp(2 - distance, 0.0, 1.0);
+  };
+  return {channel(0), channel(2), channel(4)};
+}
+
+std::vector<PatternColor> evenly_spaced_colors(int count) {
+  check_count(count);
+  std::vector<PatternColor> colors;
+  colors.reserve(static_cast<std::size_t>(count));
+  for (int i = 0; i < count; ++i) {
+    colors.push_back(color_at(static_cast<int>(std::lround(i * double{kTurnDegrees} / count))));
+  }
+  return colors;
+}
+
+SpreadColors spread_colors(const TrainedColors& trained, int count) {
+  check_count(count);
+  const std::vector<Knot> knots = sorted_knots(trained);
+  const HueResponse response = measured_response(knots);
+  const bool as_trained = static_cast<int>(knots.size()) == count &&
+                          largest_overlap(trained.colors) <= kNegligibleOverlap;
+  if (as_trained) {
+    std::vector<int> degrees;
+    degrees.reserve(knots.size());
+    for (const Knot& knot : knots) degrees.push_back(knot.degrees);
+    return expected_colors(degrees, response);
+  }
+  // Bisection for the largest separation that leaves room for all.
+  double reached = 0;
+  double missed = kTurn / (2 * kLeastDeviation);
+  std::vector<int> best = nearest_packing(response, knots, count, reached);
+  for (int step = 0; step < kBisections; ++step) {
+    const double middle = 0.5 * (reached + missed);
+    std::vector<int> degrees = nearest_packing(response, knots, count, middle);
+    (degrees.empty() ? missed : reached) = middle;
+    if (!degrees.empty()) best = std::move(degrees);
+  }
+  return expected_colors(best, response);
+}
+
+Eigen::MatrixXd hue_separation(const std::vector<TrainedColor>& colors) {
+  const auto count = static_cast<Eigen::Index>(colors.size());
+  Eigen::MatrixXd separation = Eigen::MatrixXd::Zero(count, count);
+  for (Eigen::Index a = 0; a < count; ++a) {
+    for (Eigen::Index b = a + 1; b < count; ++b) {
+      const TrainedColor& first = colors[static_cast<std::size_t>(a)];
+      const TrainedColor& second = colors[static_cast<std::size_t>(b)];
+      separation(a, b) = separation(b, a) =
+          std::abs(wrap(first.mean - second.mean)) / (deviation(first) + deviation(second));
+    }
+  }
+  return separation;
+}
+
+double largest_overlap(const std::vector<TrainedColor>& colors) {
+  const Eigen::MatrixXd separation = hue_separation(colors);
+  double largest = 0;
+  for (Eigen::Index a = 0; a < separation.rows(); ++a) {
+    for (Eigen::Index b = a + 1; b < separation.cols(); ++b) {
+      largest = std::max(largest, 0.5 * std::erfc(separation(a, b) / std::numbers::sqrt2));
+    }
+  }
+  return largest;
+}
+
+}  // namespace palpate::sensing

@@ -1,0 +1,255 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/sensing/pattern_design.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <sstream>
+#include <string>
+
+#include "palpate/error.h"
+#include "palpate/sensing/pattern_colors.h"
+#include "palpate/sensing/stripe_sequence.h"
+#include "setup/triangulation.h"
+
+namespace palpate::sensing {
+namespace {
+
+constexpr double kNyquistPeriod = 2;
+/// Narrower stripes [projector px] are lost to the blur of both lenses.
+constexpr int kLeastStripeWidth = 4;
+/// The period without a rig [projector px]: what a camera that sees projector pixels at 1.4 times
+/// their number needs.
+constexpr double kPeriodWithoutRig = 10;
+/// Where the period in the camera is looked at: so many depths in equal ratios, and so many places
+/// along each side of the image.
+constexpr int kDepths = 5;
+constexpr int kPlaces = 9;
+/// Where nothing is said of the distances, so many are tried, from one to so many baselines: nearer
+/// the views do not overlap, farther the depth cannot be measured.
+constexpr int kTriedDepths = 30;
+constexpr double kFarthestBaselines = 20;
+/// [rad] The deviation that the phase of a pixel has in a good image. Where all depths beyond the
+/// working distance change the phase by less, no depth can be told from infinity.
+constexpr double kLeastPhase = 0.01;
+/// Numbers that lie above a whole one by less than this are that number but for rounding.
+constexpr double kWholeTolerance = 1e-9;
+
+void check_options(const PatternOptions& options) {
+  const auto require = [](bool good, const std::string& message) {
+    if (!good) throw InvalidInput("PatternOptions: " + message);
+  };
+  const auto period = [](double value) { return value >= kNyquistPeriod && std::isfinite(value); };
+  require(period(options.min_camera_period), "min_camera_period must be finite and >= 2");
+  require(period(options.min_projector_period), "min_projector_period must be finite and >= 2");
+  require(!options.period || period(*options.period), "period must be finite and >= 2");
+  if (options.range) {
+    require(options.range->near > 0 && options.range->far >= options.range->near &&
+                std::isfinite(options.range->far),
+            "range: 0 < near <= far are expected");
+  }
+}
+
+/// One of kPlaces x kPlaces places all over the camera image [px].
+Eigen::Vector2d place_in_image(const Rig& rig, int place) {
+  const int column = place % kPlaces;
+  const int row = place / kPlaces;
+  return {(column + 0.5) / kPlaces * rig.camera.width - 0.5,
+          (row + 0.5) / kPlaces * rig.camera.height - 0.5};
+}
+
+/// How the projector pixel that lights a place of the camera image depends on the place and on the
+/// depth. NaN or off the panel where there is none.
+struct LocalMap {
+  Eigen::Vector2d pixel;
+  Eigen::Matrix2d per_pixel;  ///< d pixel / d camera pixel, on a surface facing the camera
+  Eigen::Vector2d per_depth;  ///< [px/mm]
+};
+
+LocalMap local_map(const Rig& rig, const Triangulation& triangulation, const Eigen::Vector2d& place,
+                   double z) {
+  const auto projected = [&](double du, double dv) {
+    const Eigen::Vector2d ray = geometry::undistort(rig.camera, place + Eigen::Vector2d(du, dv));
+    return triangulation.project(triangulation.direction(ray), z);
+  };
+  LocalMap map;
+  map.pixel = projected(0, 0);
+  map.per_pixel.col(0) = projected(0.5, 0) - projected(-0.5, 0);
+  map.per_pixel.col(1) = projected(0, 0.5) - projected(0, -0.5);
+  const Eigen::Vector3d direction = triangulation.direction(geometry::undistort(rig.camera, place));
+  map.per_depth = {triangulation.slope(direction, Axis::x, z),
+                   triangulation.slope(direction, Axis::y, z)};
+  return map;
+}
+
+/// Figures of a rig over the working range.
+struct View {
+  /// Longest d pixel / d camera pixel of either coordinate over image and range.
+  std::array<double, 2> steepest{};
+  /// RMS |d pixel / d z| of either coordinate, and mean d pixel / d camera pixel.
+  std::array<double, 2> per_depth{};
+  std::array<double, 2> per_pixel{};
+  double middle_z = 0;
+};
+
+View look_at(const Rig& rig, const WorkingRange& range) {
+  const Triangulation triangulation(rig);
+  View view;
+  view.middle_z = std::sqrt(range.near * range.far);
+  int count = 0;
+  for (int step = 0; step < kDepths; ++step) {
+    const double z = range.near * std::pow(range.far / range.near, step / (kDepths - 1.0));
+    for (int place = 0; place < kPlaces * kPlaces; ++place) {
+      const LocalMap map = local_map(rig, triangulation, place_in_image(rig, place), z);
+      if (!triangulation.on_panel(map.pixel) || !map.per_pixel.allFinite()) continue;
+      ++count;
+      for (std::size_t axis = 0; axis < 2; ++axis) {
+        const auto row = static_cast<Eigen::Index>(axis);
+        const double length = map.per_pixel.row(row).norm();
+        view.steepest[axis] = std::max(view.steepest[axis], length);
+        view.per_pixel[axis] += length;
+        view.per_depth[axis] += map.per_depth[row] * map.per_depth[row];
+      }
+    }
+  }
+  if (count == 0) {
+    throw InvalidInput("rig: the projector lights nothing of what the camera sees from " +
+                       std::to_string(range.near) + " to " + std::to_string(range.far) +
+                       " mm; check the working distances, R and t");
+  }
+  for (std::size_t axis = 0; axis < 2; ++axis) {
+    view.per_pixel[axis] /= count;
+    view.per_depth[axis] = std::sqrt(view.per_depth[axis] / count);
+  }
+  return view;
+}
+
+/// The depth about which the views overlap: the geometric mean over depths from one to
+/// kFarthestBaselines baselines, weighted by how much of the image is lit.
+WorkingRange overlap_range(const Rig& rig) {
+  const Triangulation triangulation(rig);
+  const double baseline = rig.T_projector_camera.translation().norm();
+  double log_z = 0;
+  int count = 0;
+  for (int step = 0; step < kTriedDepths; ++step) {
+    const double z = baseline * std::pow(kFarthestBaselines, step / (kTriedDepths - 1.0));
+    for (int place = 0; place < kPlaces * kPlaces; ++place) {
+      const Eigen::Vector2d ray = geometry::undistort(rig.camera, place_in_image(rig, place));
+      if (!triangulation.on_panel(triangulation.project(triangulation.direction(ray), z))) continue;
+      log_z += std::log(z);
+      ++count;
+    }
+  }
+  const double z = count == 0 ? baseline : std::exp(log_z / count);
+  return {z, z};
+}
+
+void add_stripes(const PatternOptions& options, int length, PatternDesign& design) {
+  Pattern& pattern = design.pattern;
+  std::vector<TrainedColor> seen;
+  if (options.trained) {
+    SpreadColors spread = spread_colors(*options.trained, options.colors);
+    pattern.colors = std::move(spread.colors);
+    seen = std::move(spread.expected);
+    design.largest_overlap = largest_overlap(seen);
+  } else {
+    pattern.colors = evenly_spaced_colors(options.colors);
+    const auto count = static_cast<double>(pattern.colors.size());
+    for (const PatternColor& color : pattern.colors) {
+      const double mean = 2 * std::numbers::pi * static_cast<double>(seen.size()) / count;
+      seen.push_back({.name = color.name, .mean = mean, .variance = 1});
+    }
+  }
+  pattern.stripes = stripe_sequence(hue_separation(seen), options.stripes);
+  const auto count = static_cast<int>(pattern.stripes.size());
+  if (length < count * kLeastStripeWidth) {
+    throw InvalidInput("PatternOptions: stripes: " + std::to_string(count) + " stripes on " +
+                       std::to_string(length) + " projector pixels are narrower than " +
+                       std::to_string(kLeastStripeWidth) + " px; take fewer stripes or colours");
+  }
+  for (int i = 1; i < count; ++i) {
+    pattern.stripe_edges.push_back(std::round(static_cast<double>(length) * i / count) - 0.5);
+  }
+}
+
+PatternDesign start_design(const PatternOptions& options, Axis axis, int width, int height) {
+  PatternDesign design;
+  design.pattern.axis = axis;
+  design.pattern.mean = options.mean;
+  design.pattern.amplitude = options.amplitude;
+  design.pattern.projector_size = Eigen::Vector2i(width, height);
+  add_stripes(options, axis == Axis::y ? width : height, design);
+  return design;
+}
+
+/// The panel holds at least one period, and the numbers of a pattern are in range.
+void check_design(const Pattern& pattern) {
+  const int length =
+      pattern.axis == Axis::y ? pattern.projector_size->y() : pattern.projector_size->x();
+  if (!(pattern.period <= length)) {
+    std::ostringstream message;
+    message << "PatternOptions: period: " << pattern.period << " px does not fit on the " << length
+            << " px of the projector along " << (pattern.axis == Axis::y ? 'y' : 'x')
+            << "; take a shorter period, or smaller min_camera_period and min_projector_period";
+    throw InvalidInput(message.str());
+  }
+  check_pattern(pattern, "PatternOptions");
+}
+
+}  // namespace
+
+PatternDesign design_pattern(const Rig& rig, const PatternOptions& options) {
+  check_rig(rig, "rig");
+  check_options(options);
+  const View view = look_at(rig, options.range ? *options.range : overlap_range(rig));
+  const Axis axis =
+      options.axis.value_or(view.per_depth[0] > view.per_depth[1] ? Axis::x : Axis::y);
+  PatternDesign design = start_design(options, axis, rig.projector.width, rig.projector.height);
+  const std::size_t along = axis == Axis::x ? 0 : 1;
+  const std::size_t across = 1 - along;
+  if (!(view.per_depth[along] > 0)) {
+    throw InvalidInput(std::string("PatternOptions: axis: with this rig a sinusoid along ") +
+                       (axis == Axis::x ? "x" : "y") + " does not change with the depth; take " +
+                       (axis == Axis::x ? "y" : "x"));
+  }
+  const double least =
+      std::max(options.min_projector_period, options.min_camera_period * view.steepest[along]);
+  const double period = options.period.value_or(std::ceil(least - kWholeTolerance));
+  design.pattern.period = period;
+  design.camera_period = period / view.steepest[along];
+  design.phase_per_relative_depth =
+      2 * std::numbers::pi / period * view.per_depth[along] * view.middle_z;
+  // Half a period, as a depth, as a shift across the stripes, as camera pixels.
+  design.edge_tolerance =
+      period / 2 / view.per_depth[along] * view.per_depth[across] / view.per_pixel[across];
+  check_design(design.pattern);
+  if (!(design.phase_per_relative_depth >= kLeastPhase)) {
+    std::ostringstream message;
+    message << "PatternOptions: range: from a distance of " << view.middle_z
+            << " mm on, the phase changes by " << design.phase_per_relative_depth
+            << " rad alone, less than its noise; the distances are too far for the rig's baseline "
+               "of "
+            << rig.T_projector_camera.translation().norm() << " mm";
+    throw InvalidInput(message.str());
+  }
+  return design;
+}
+
+PatternDesign design_pattern(int projector_width, int projector_height,
+                             const PatternOptions& options) {
+  check_options(options);
+  if (projector_width <= 0 || projector_height <= 0) {
+    throw InvalidInput("projector size: " + std::to_string(projector_width) + " x " +
+                       std::to_string(projector_height) + " px; sizes > 0 are expected");
+  }
+  PatternDesign design =
+      start_design(options, options.axis.value_or(Axis::y), projector_width, projector_height);
+  design.pattern.period = options.period.value_or(
+      std::max(kPeriodWithoutRig, std::ceil(options.min_projector_period - kWholeTolerance)));
+  check_design(design.pattern);
+  return design;
+}
+
+}  // namespace palpate::sensing

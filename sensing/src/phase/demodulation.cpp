@@ -1,0 +1,192 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "phase/demodulation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+#include "image/hot_loop.h"
+#include "phase/local_frequency.h"
+#include "phase/window_fit.h"
+
+namespace palpate::sensing {
+namespace {
+/// Five pixels so many columns apart.
+PALPATE_HOT_LOOP void average_five(const float* in, long step, float* __restrict out,
+                                   long columns) {
+  for (long i = 2 * step; i + 2 * step < columns; ++i) {
+    out[i] =
+        (in[i - 2 * step] + in[i + 2 * step] + 4 * (in[i - step] + in[i + step]) + 6 * in[i]) / 16;
+  }
+}
+
+PALPATE_HOT_LOOP void change_counts(const std::uint8_t* entering, const std::uint8_t* leaving,
+                                    int* __restrict count, long columns) {
+  for (long i = 0; i < columns; ++i) count[i] += entering[i] - leaving[i];
+}
+
+/// For each pixel: how many pixels of the mask its window holds, image borders counting as outside.
+class WindowCount {
+ public:
+  WindowCount(const Mask& mask, int radius)
+      : mask_(mask),
+        radius_(radius),
+        nothing_(static_cast<std::size_t>(mask.cols()), 0),
+        count_(static_cast<std::size_t>(mask.cols()), 0) {
+    for (long row = 0; row < std::min<long>(radius, mask.rows()); ++row) move(row, -1);
+  }
+  /// To be called for rows 0, 1, 2, ... in turn.
+  const std::vector<int>& row(long row) {
+    move(row + radius_, row - radius_ - 1);
+    return count_;
+  }
+
+ private:
+  [[nodiscard]] const std::uint8_t* mask_row(long row) const {
+    return row >= 0 && row < mask_.rows() ? &mask_(row, 0) : nothing_.data();
+  }
+  void move(long entering, long leaving) {
+    change_counts(mask_row(entering), mask_row(leaving), count_.data(), mask_.cols());
+  }
+  const Mask& mask_;
+  long radius_;
+  std::vector<std::uint8_t> nothing_;
+  std::vector<int> count_;
+};
+
+/// Binomial weights over five pixels of a row, again and again twice as far apart; where they do
+/// not fit into the row, values stay.
+void smooth_row(const float* in, int averages, float* out, long columns) {
+  const long edge = std::min<long>(2, columns);
+  std::copy_n(in, edge, out);
+  std::copy_n(in + columns - edge, edge, out + columns - edge);
+  average_five(in, 1, out, columns);
+  std::vector<float> before;
+  for (int i = 1; i < averages; ++i) {
+    before.assign(out, out + columns);
+    average_five(before.data(), 1L << i, out, columns);
+  }
+}
+
+/// How the windows of some columns are fitted: by the least that any of them asks for.
+enum class Fit : std::uint8_t { nothing, whole, cut };
+
+/// So many columns are fitted alike.
+constexpr long kGroup = 16;
+
+PALPATE_HOT_LOOP void choose_fits(const std::uint8_t* mask, const int* count, int whole_count,
+                                  long columns, Fit* fits) {
+  for (long start = 0; start < columns; start += kGroup) {
+    const long end = start + kGroup < columns ? start + kGroup : columns;
+    int lit = 0;
+    int cut = 0;
+    for (long i = start; i < end; ++i) {
+      lit |= mask[i];
+      cut |= count[i] - whole_count;
+    }
+    fits[start / kGroup] = lit == 0 ? Fit::nothing : (cut == 0 ? Fit::whole : Fit::cut);
+  }
+}
+
+/// What is found in one row, before it is averaged along it.
+class UnsmoothedRow {
+ public:
+  UnsmoothedRow(std::size_t channels, long columns)
+      : values_(static_cast<long>(2 * channels) + 1, columns) {}
+  /// Where the fits write to; the mean needs no averaging.
+  FittedRow row(long row, Demodulation& out) {
+    FittedRow fitted;
+    fitted.residual = &values_(values_.rows() - 1, 0);
+    fitted.count = out.channels.size();
+    for (std::size_t i = 0; i < out.channels.size(); ++i) {
+      const auto first = static_cast<long>(2 * i);
+      fitted.channels[i] = {&out.channels[i].mean(row, 0), &values_(first, 0),
+                            &values_(first + 1, 0)};
+    }
+    return fitted;
+  }
+  static void smooth(const FittedRow& fitted, long row, int averages, Demodulation& out) {
+    const long columns = out.residual.cols();
+    smooth_row(fitted.residual, averages, &out.residual(row, 0), columns);
+    for (std::size_t i = 0; i < out.channels.size(); ++i) {
+      smooth_row(fitted.channels[i].re, averages, &out.channels[i].re(row, 0), columns);
+      smooth_row(fitted.channels[i].im, averages, &out.channels[i].im(row, 0), columns);
+    }
+  }
+
+ private:
+  Plane values_;
+};
+
+void resize(std::size_t channels, const Mask& mask, Demodulation& out) {
+  out.channels.resize(channels);
+  out.residual.resize(mask.rows(), mask.cols());
+  for (Demodulated& signal : out.channels) {
+    for (Plane* plane : {&signal.mean, &signal.re, &signal.im})
+      plane->resize(mask.rows(), mask.cols());
+  }
+}
+
+}  // namespace
+
+DemodulationFilter make_filter(double carrier, double periods) {
+  const double half_length = periods * std::numbers::pi / std::abs(carrier);
+  DemodulationFilter filter{
+      .radius = static_cast<int>(std::floor(half_length)), .carrier = carrier, .weight = {}};
+  double total = 0;
+  std::vector<double> weights;
+  for (int k = 0; k <= filter.radius; ++k) {
+    weights.push_back(0.5 + 0.5 * std::cos(std::numbers::pi * k / half_length));
+    total += (k == 0 ? 1 : 2) * weights.back();
+  }
+  for (const double weight : weights) filter.weight.push_back(static_cast<float>(weight / total));
+  const double period = 2 * std::numbers::pi / std::abs(carrier);
+  DemodulationFilter wider = filter;
+  for (++wider.averages; wider.width() <= period; ++wider.averages)
+    filter.averages = wider.averages;
+  return filter;
+}
+
+void demodulate(const std::vector<Plane>& channels, const Mask& mask,
+                const DemodulationFilter& filter, Demodulation& out) {
+  resize(channels.size(), mask, out);
+  const long columns = mask.cols();
+  const Window window(filter);
+  WindowCount counts(mask, filter.radius);
+  PowerRows power(channels, filter.radius);
+  UnsmoothedRow unsmoothed(channels.size(), columns);
+  std::vector<Fit> fits(static_cast<std::size_t>((columns + kGroup - 1) / kGroup));
+  LocalFrequency frequency(filter);
+  const int reach = frequency.reach();
+  const int whole_count = 2 * filter.radius + 1;
+  for (long row = 0; row < mask.rows(); ++row) {
+    choose_fits(&mask(row, 0), counts.row(row).data(), whole_count, columns, fits.data());
+    power.reach(row + filter.radius);
+    const std::complex<double> phase = std::polar(1.0, filter.carrier * static_cast<double>(row));
+    const Turn turn{static_cast<float>(phase.real()), static_cast<float>(phase.imag())};
+    const FittedRow fitted = unsmoothed.row(row, out);
+    for (auto first = fits.begin(); first != fits.end();) {
+      const auto last = std::find_if(first, fits.end(), [&](Fit fit) { return fit != *first; });
+      const long column = kGroup * (first - fits.begin());
+      const Block block{row, column, std::min(kGroup * (last - fits.begin()), columns) - column};
+      switch (*first) {
+        case Fit::nothing:
+          fit_nothing(block, fitted);
+          break;
+        case Fit::whole:
+          fit_whole_windows(channels, power, window, block, turn, fitted);
+          break;
+        case Fit::cut:
+          fit_cut_windows(channels, power, mask, window, block, turn, fitted);
+          break;
+      }
+      first = last;
+    }
+    UnsmoothedRow::smooth(fitted, row, filter.averages, out);
+    if (row >= 2 * reach) frequency.adapt(row - reach, out);
+  }
+}
+
+}  // namespace palpate::sensing

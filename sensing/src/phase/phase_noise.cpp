@@ -1,0 +1,205 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "phase/phase_noise.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "image/hot_loop.h"
+#include "image/hue.h"
+
+namespace palpate::sensing {
+namespace {
+
+/// Sum of the squared binomial coefficients 1 4 6 4 1: the variance of a fourth difference.
+constexpr double kDifferenceVariance = 70;
+/// A median of absolute values, times this, is a standard deviation, if normal.
+constexpr double kDeviationPerMedian = 1.4826;
+/// About so many pixels are looked at, those an average along the rows apart: the noise
+/// of those between hardly differs from theirs.
+constexpr long kSamples = 4000;
+/// Groups of like brightness, and how many samples one must have.
+constexpr std::size_t kGroups = 8;
+constexpr std::size_t kLeastSamples = 50;
+/// The residual of a few pixels scatters about its mean: up to so many medians of it are noise.
+constexpr float kUsualResidual = 2;
+
+struct Sample {
+  float light = 0;
+  float quadrature = 0;  ///< absolute value
+  float residual = 0;
+};
+
+float light_at(const PhaseSignal& signal, long row, long column) {
+  float sum = 0;
+  for (const Demodulated& channel : signal.channels) sum += channel.mean(row, column);
+  return sum;
+}
+
+/// Samples of one row.
+void add_samples(const PhaseSignal& signal, long row, long spacing, std::vector<Sample>& samples) {
+  const float* phase = &signal.wrapped(row, 0);
+  const std::uint8_t* known = &signal.modulated(row, 0);
+  for (long column = 2 * spacing; column + 2 * spacing < signal.wrapped.cols(); column += spacing) {
+    bool all = true;
+    for (long i = -2; i <= 2; ++i) all = all && known[column + i * spacing] != 0;
+    if (!all) continue;
+    std::array<float, 4> step{};
+    for (long i = 0; i < 4; ++i) {
+      const long left = column + (i - 2) * spacing;
+      step[static_cast<std::size_t>(i)] = wrap(phase[left + spacing] - phase[left]);
+    }
+    const float difference = step[3] - 3 * step[2] + 3 * step[1] - step[0];
+    const float amplitude =
+        std::hypot(signal.combined.re(row, column), signal.combined.im(row, column));
+    samples.push_back({light_at(signal, row, column), std::abs(amplitude * difference),
+                       signal.residual(row, column)});
+  }
+}
+
+template <typename Value>
+double median(std::vector<Sample>::iterator first, std::vector<Sample>::iterator last,
+              Value value) {
+  const auto middle = first + (last - first) / 2;
+  std::nth_element(first, middle, last,
+                   [&](const Sample& a, const Sample& b) { return value(a) < value(b); });
+  return static_cast<double>(value(*middle));
+}
+
+/// Values of groups as a function of their light.
+struct Points {
+  std::vector<double> light;
+  std::vector<double> value;
+};
+
+/// Least squares of the relative deviations; a term that would be negative is left out.
+LinearInLight fit_line(const Points& points) {
+  double n = 0;
+  double constants = 0;
+  double products = 0;
+  double slopes = 0;
+  double right_constant = 0;
+  double right_slope = 0;
+  for (std::size_t i = 0; i < points.value.size(); ++i) {
+    if (!(points.value[i] > 0)) continue;
+    const double a = 1 / points.value[i];
+    const double b = points.light[i] / points.value[i];
+    n += 1;
+    constants += a * a;
+    products += a * b;
+    slopes += b * b;
+    right_constant += a;
+    right_slope += b;
+  }
+  if (n == 0) return {};
+  const double determinant = constants * slopes - products * products;
+  /// Of the product of the two diagonal elements: below it all groups are equally bright.
+  constexpr double kLeastDeterminant = 1e-6;
+  if (determinant > kLeastDeterminant * constants * slopes) {
+    const LinearInLight line{(slopes * right_constant - products * right_slope) / determinant,
+                             (constants * right_slope - products * right_constant) / determinant};
+    if (line.constant >= 0 && line.slope >= 0) return line;
+    if (line.constant < 0) return {0, right_slope / slopes};
+  }
+  return {right_constant / constants, 0};
+}
+
+struct Coefficients {
+  float noise_constant = 0;
+  float noise_slope = 0;
+  float residual_constant = 0;
+  float residual_slope = 0;
+  float coherent = 0;
+  float red = 0;
+  float blue = 0;
+};
+
+/// One row of what the deviations are predicted from.
+struct SignalRow {
+  const float* re;
+  const float* im;
+  const float* residual;
+  std::array<const float*, 3> means;  ///< of the channels, whose sum is the light
+  const float* red;                   ///< shares
+  const float* blue;
+};
+
+PALPATE_HOT_LOOP void find_sigma(const SignalRow& row, const Coefficients& coefficients,
+                                 long columns, float* __restrict sigma) {
+  const SignalRow r = row;
+  const Coefficients c = coefficients;
+  for (long i = 0; i < columns; ++i) {
+    const float light = r.means[0][i] + r.means[1][i] + r.means[2][i];
+    const float excess = r.residual[i] - (c.residual_constant + c.residual_slope * light);
+    const float noise = c.noise_constant + c.noise_slope * light;
+    const float variance = noise + c.coherent * (excess > 0 ? excess : 0.0F);
+    const float power = r.re[i] * r.re[i] + r.im[i] * r.im[i];
+    sigma[i] =
+        std::sqrt(variance / power + c.red * r.red[i] * r.red[i] + c.blue * r.blue[i] * r.blue[i]);
+  }
+}
+
+}  // namespace
+
+FrameNoise estimate_noise(const PhaseSignal& signal, const DemodulationFilter& filter) {
+  const long spacing = filter.width();
+  const long rows = signal.wrapped.rows();
+  const long step = std::max<long>(1, signal.wrapped.size() / (spacing * kSamples));
+  std::vector<Sample> samples;
+  samples.reserve(static_cast<std::size_t>(2 * kSamples));
+  for (long row = step / 2; row < rows; row += step) add_samples(signal, row, spacing, samples);
+  std::sort(samples.begin(), samples.end(),
+            [](const Sample& a, const Sample& b) { return a.light < b.light; });
+  const std::size_t groups = std::min(kGroups, samples.size() / kLeastSamples);
+  Points quadrature;
+  Points residual;
+  for (std::size_t group = 0; group < groups; ++group) {
+    const auto first = samples.begin() + static_cast<long>(group * samples.size() / groups);
+    const auto last = samples.begin() + static_cast<long>((group + 1) * samples.size() / groups);
+    const double light = static_cast<double>((first + (last - first) / 2)->light);
+    quadrature.light.push_back(light);
+    residual.light.push_back(light);
+    residual.value.push_back(median(first, last, [](const Sample& s) { return s.residual; }));
+    const double deviation =
+        kDeviationPerMedian * median(first, last, [](const Sample& s) { return s.quadrature; });
+    quadrature.value.push_back(deviation * deviation / kDifferenceVariance);
+  }
+  return {fit_line(quadrature), fit_line(residual),
+          remaining_error(signal.channels, signal.chromatic, signal.phase, signal.pixels)};
+}
+
+void predict_phase_sigma(const PhaseSignal& signal, const FrameNoise& noise,
+                         const DemodulationFilter& filter, Plane& sigma) {
+  double squares = 0;
+  for (std::size_t k = 0; k < filter.weight.size(); ++k) {
+    const auto weight = static_cast<double>(filter.weight[k]);
+    squares += (k == 0 ? 1 : 2) * weight * weight;
+  }
+  const Coefficients model{
+      .noise_constant = static_cast<float>(noise.quadrature.constant),
+      .noise_slope = static_cast<float>(noise.quadrature.slope),
+      .residual_constant = kUsualResidual * static_cast<float>(noise.residual.constant),
+      .residual_slope = kUsualResidual * static_cast<float>(noise.residual.slope),
+      .coherent = static_cast<float>(squares / 2),
+      .red = static_cast<float>(noise.chromatic.red),
+      .blue = static_cast<float>(noise.chromatic.blue)};
+  sigma.resize(signal.wrapped.rows(), signal.wrapped.cols());
+  const std::vector<float> zeros(static_cast<std::size_t>(sigma.cols()), 0.0F);
+  const bool chromatic = model.red > 0 || model.blue > 0;
+  for (long row = 0; row < sigma.rows(); ++row) {
+    SignalRow values{.re = &signal.combined.re(row, 0),
+                     .im = &signal.combined.im(row, 0),
+                     .residual = &signal.residual(row, 0),
+                     .means = {zeros.data(), zeros.data(), zeros.data()},
+                     .red = chromatic ? &signal.combined.shares.red(row, 0) : zeros.data(),
+                     .blue = chromatic ? &signal.combined.shares.blue(row, 0) : zeros.data()};
+    for (std::size_t i = 0; i < signal.channels.size(); ++i) {
+      values.means.at(i) = &signal.channels[i].mean(row, 0);
+    }
+    find_sigma(values, model, sigma.cols(), &sigma(row, 0));
+  }
+}
+
+}  // namespace palpate::sensing

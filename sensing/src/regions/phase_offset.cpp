@@ -1,0 +1,176 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "regions/phase_offset.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+namespace palpate::sensing {
+namespace {
+
+constexpr double kTurn = 2 * std::numbers::pi;
+
+/// One guess may be wrong, and so may be its neighbours on the next scanlines.
+constexpr std::size_t kLeastGuesses = 5;
+
+/// A guess is near a whole number of turns iff it is at most this far from it. Stripe edges are
+/// found to about a pixel, a tenth of a turn.
+constexpr double kNearTurns = 0.3;
+
+/// A single stripe edge is trusted iff its guesses are on average at most this far from the whole
+/// number: an edge found to about a pixel, over many scanlines.
+constexpr double kProvenTurns = 0.1;
+
+/// Guesses of so many scanlines in a row confirm each other iff their columns differ by at most
+/// kChainColumns from one to the next.
+constexpr int kChainLength = 5;
+constexpr int kChainColumns = 3;
+
+/// The offset that the tallies of one region, sorted by their turns, come to.
+RegionOffset offset_of(const std::vector<Tally>& tallies, double min_agreement) {
+  std::size_t guesses = 0;
+  double total = 0;
+  for (const Tally& tally : tallies) {
+    guesses += static_cast<std::size_t>(tally.guesses);
+    total += tally.weight;
+  }
+  if (guesses < kLeastGuesses) return {{}, Reason::no_transition};
+  // Rounding keeps the order: the median of the rounded turns is the rounded median.
+  std::size_t median = 0;
+  for (double sum = tallies[0].weight; sum < total / 2 && median + 1 < tallies.size();) {
+    sum += tallies[++median].weight;
+  }
+  if (tallies[median].weight < min_agreement * total) return {{}, Reason::ambiguous_offset};
+  // What a misread edge asks for is as likely to lie anywhere between two whole numbers.
+  const Tally& best = tallies[median];
+  const bool proven = best.several_edges || best.residual <= kProvenTurns * best.weight;
+  if (!proven) return {{}, Reason::no_transition};
+  return {kTurn * tallies[median].turns, Reason::reconstructed};
+}
+
+/// Turns that a guess asks for.
+double turns_of(const Regions& regions, const PhaseGuess& guess) {
+  return (guess.phase - static_cast<double>(regions.phase(guess.row, guess.column))) / kTurn;
+}
+
+}  // namespace
+
+void find_markers(const Regions& regions, const std::vector<PhaseGuess>& guesses,
+                  OffsetBuffers& buffers, std::vector<Marker>& markers) {
+  // Each guess joins the chain it continues; of a stripe edge, only the chains that reach the row
+  // above are open.
+  auto& chains = buffers.chains;
+  chains.clear();
+  for (auto& of_edge : buffers.open_chains) of_edge.clear();
+  markers.clear();
+  buffers.chain_of_marker.clear();
+  const int columns = static_cast<int>(regions.label.cols());
+  for (const PhaseGuess& guess : guesses) {
+    const int label = regions.label(guess.row, guess.column);
+    if (label < 0) continue;
+    const double turns = turns_of(regions, guess);
+    const int whole = static_cast<int>(std::lround(turns));
+    if (std::abs(turns - whole) > kNearTurns) continue;
+    const auto edge = static_cast<std::size_t>(guess.edge);
+    if (buffers.open_chains.size() <= edge) buffers.open_chains.resize(edge + 1);
+    auto& open = buffers.open_chains[edge];
+    std::erase_if(open, [&](int chain) {
+      return chains[static_cast<std::size_t>(chain)].row < guess.row - 1;
+    });
+    const auto continued = std::find_if(open.begin(), open.end(), [&](int number) {
+      const Chain& chain = chains[static_cast<std::size_t>(number)];
+      return chain.row == guess.row - 1 && chain.label == label && chain.turns == whole &&
+             std::abs(chain.column - guess.column) <= kChainColumns;
+    });
+    int number = static_cast<int>(chains.size());
+    if (continued != open.end()) {
+      number = *continued;
+    } else {
+      chains.push_back({.label = label, .turns = whole});
+      open.push_back(number);
+    }
+    Chain& chain = chains[static_cast<std::size_t>(number)];
+    chain.row = guess.row;
+    chain.column = guess.column;
+    ++chain.length;
+    markers.push_back({guess.row * columns + guess.column, whole});
+    buffers.chain_of_marker.push_back(number);
+  }
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < markers.size(); ++i) {
+    const auto chain = static_cast<std::size_t>(buffers.chain_of_marker[i]);
+    if (chains[chain].length >= kChainLength) markers[kept++] = markers[i];
+  }
+  markers.resize(kept);
+}
+
+void region_offsets(const Regions& regions, const std::vector<PhaseGuess>& guesses,
+                    double min_agreement, OffsetBuffers& buffers,
+                    std::vector<RegionOffset>& offsets) {
+  constexpr int kEnd = -1;
+  auto& tallies = buffers.tallies;
+  tallies.clear();
+  buffers.first_tally.assign(static_cast<std::size_t>(regions.count), kEnd);
+  for (const PhaseGuess& guess : guesses) {
+    const int label = regions.label(guess.row, guess.column);
+    if (label < 0) continue;
+    const double asked = turns_of(regions, guess);
+    const int turns = static_cast<int>(std::lround(asked));
+    int& first = buffers.first_tally[static_cast<std::size_t>(label)];
+    int at = first;
+    while (at != kEnd && tallies[static_cast<std::size_t>(at)].turns != turns) {
+      at = tallies[static_cast<std::size_t>(at)].next;
+    }
+    if (at == kEnd) {
+      at = static_cast<int>(tallies.size());
+      tallies.push_back({.turns = turns, .next = first});
+      first = at;
+    }
+    Tally& tally = tallies[static_cast<std::size_t>(at)];
+    ++tally.guesses;
+    tally.weight += guess.score;
+    tally.residual += guess.score * std::abs(asked - turns);
+    if (tally.edge < 0) tally.edge = guess.edge;
+    tally.several_edges |= tally.edge != guess.edge;
+  }
+  offsets.clear();
+  for (const int first : buffers.first_tally) {
+    buffers.of_region.clear();
+    for (int at = first; at != kEnd; at = tallies[static_cast<std::size_t>(at)].next) {
+      buffers.of_region.push_back(tallies[static_cast<std::size_t>(at)]);
+    }
+    std::sort(buffers.of_region.begin(), buffers.of_region.end(),
+              [](const Tally& a, const Tally& b) { return a.turns < b.turns; });
+    offsets.push_back(offset_of(buffers.of_region, min_agreement));
+  }
+}
+
+std::vector<RegionOffset> anchored_offsets(const Regions& regions, const PhaseGuess& anchor,
+                                           long reach) {
+  std::vector<RegionOffset> offsets(static_cast<std::size_t>(regions.count));
+  const long bottom = std::min(regions.label.rows() - 1, anchor.row + reach);
+  const long right = std::min(regions.label.cols() - 1, anchor.column + reach);
+  std::optional<PhaseGuess> nearest;
+  long nearest_square = 0;
+  for (long row = std::max<long>(0, anchor.row - reach); row <= bottom; ++row) {
+    for (long column = std::max<long>(0, anchor.column - reach); column <= right; ++column) {
+      if (regions.label(row, column) < 0) continue;
+      const long down = row - anchor.row;
+      const long across = column - anchor.column;
+      const long square = down * down + across * across;
+      if (nearest && square >= nearest_square) continue;
+      nearest_square = square;
+      nearest = anchor;
+      nearest->row = static_cast<int>(row);
+      nearest->column = static_cast<int>(column);
+    }
+  }
+  if (!nearest) return offsets;
+  const auto label = static_cast<std::size_t>(regions.label(nearest->row, nearest->column));
+  offsets[label] = {kTurn * std::round(turns_of(regions, *nearest)), Reason::reconstructed};
+  return offsets;
+}
+
+}  // namespace palpate::sensing

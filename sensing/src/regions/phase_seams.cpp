@@ -1,0 +1,182 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "regions/phase_seams.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <optional>
+
+namespace palpate::sensing {
+namespace {
+
+constexpr double kTurn = 2 * std::numbers::pi;
+
+/// Slopes are measured over so many pixels on each side of a seam.
+constexpr int kSlopePixels = 4;
+
+/// Slopes on both sides may differ by this times the width of the seam [turns]:
+/// the phase bends.
+constexpr double kMaxBend = 0.08;
+
+/// A crossing of the border asks for a whole number of turns iff it comes so
+/// near to it [turns] ...
+constexpr double kNearTurns = 0.08;
+
+/// ... and all together iff their mean comes so near.
+constexpr double kMeanTurns = 0.03;
+
+/// Crossings of a border, rows and columns counted alike, that are enough.
+constexpr std::size_t kLeastCrossings = 20;
+
+/// One place where a line of pixels leaves a region and enters another beyond a
+/// seam.
+struct Crossing {
+  int from = 0;      ///< region
+  int to = 0;        ///< region
+  double turns = 0;  ///< that the phase of `from` lacks to continue that of `to`
+};
+
+/// Looks along a line of `length` pixels, `stride` apart, for crossings between
+/// two regions of which one at least is unsolved.
+class Line {
+ public:
+  Line(const int* label, const float* phase, long stride, int length)
+      : label_(label), phase_(phase), stride_(stride), length_(length) {}
+
+  template <typename Wanted, typename Add>
+  void find(const SeamLimits& limits, const Wanted& wanted, const Add& add) const {
+    int last = -1;  // pixel of a region
+    for (int i = 0; i < length_; ++i) {
+      const int here = label(i);
+      if (here < 0) continue;
+      const int before = last < 0 ? here : label(last);
+      const int width = i - last - 1;
+      const bool seam = before != here && width >= limits.min_width && width <= limits.max_width;
+      if (seam && wanted(before, here)) {
+        if (const auto turns = turns_between(last, i)) add(Crossing{before, here, *turns});
+      }
+      last = i;
+    }
+  }
+
+ private:
+  [[nodiscard]] int label(int i) const { return label_[i * stride_]; }
+  [[nodiscard]] double phase(int i) const { return static_cast<double>(phase_[i * stride_]); }
+
+  /// Slope at `i`, from there to `far`, if all between belongs to one region
+  /// [rad/px].
+  [[nodiscard]] std::optional<double> slope(int i, int far) const {
+    if (far < 0 || far >= length_) return std::nullopt;
+    for (int k = std::min(i, far); k <= std::max(i, far); ++k) {
+      if (label(k) != label(i)) return std::nullopt;
+    }
+    return (phase(far) - phase(i)) / (far - i);
+  }
+  [[nodiscard]] std::optional<double> turns_between(int a, int b) const {
+    const auto left = slope(a, a - kSlopePixels);
+    const auto right = slope(b, b + kSlopePixels);
+    if (!left || !right) return std::nullopt;
+    if (std::abs(*left - *right) * (b - a) > kMaxBend * kTurn) return std::nullopt;
+    return (phase(b) - phase(a) - (*left + *right) / 2 * (b - a)) / kTurn;
+  }
+
+  const int* label_;
+  const float* phase_;
+  long stride_;
+  int length_;
+};
+
+std::vector<Crossing> find_crossings(const Regions& regions, const SeamLimits& limits,
+                                     const std::vector<RegionOffset>& offsets) {
+  std::vector<Crossing> crossings;
+  const auto unsolved = [&](int label) { return !offsets[static_cast<std::size_t>(label)].phase; };
+  const auto wanted = [&](int a, int b) { return unsolved(a) || unsolved(b); };
+  const auto add = [&](const Crossing& crossing) {
+    if (unsolved(crossing.from)) crossings.push_back(crossing);
+    if (unsolved(crossing.to)) {
+      crossings.push_back({crossing.to, crossing.from, -crossing.turns});
+    }
+  };
+  const long rows = regions.label.rows();
+  const long columns = regions.label.cols();
+  for (long row = 0; row < rows; ++row) {
+    const long first = row * columns;
+    Line(regions.label.data() + first, regions.phase.data() + first, 1, static_cast<int>(columns))
+        .find(limits, wanted, add);
+  }
+  for (long column = 0; column < columns; ++column) {
+    Line(regions.label.data() + column, regions.phase.data() + column, columns,
+         static_cast<int>(rows))
+        .find(limits, wanted, add);
+  }
+  std::stable_sort(crossings.begin(), crossings.end(),
+                   [](const Crossing& a, const Crossing& b) { return a.from < b.from; });
+  return crossings;
+}
+
+/// What the crossings of one region to solved ones say; nothing while they are
+/// few.
+std::optional<RegionOffset> judge(const std::vector<double>& turns, double min_agreement) {
+  if (turns.size() < kLeastCrossings) return std::nullopt;
+  std::vector<double> sorted = turns;
+  const auto middle = sorted.begin() + static_cast<long>(sorted.size() / 2);
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  const double whole = std::round(*middle);
+  double agreeing = 0;
+  double elsewhere = 0;
+  double lean = 0;
+  for (const double value : turns) {
+    if (std::abs(value - whole) <= kNearTurns) {
+      ++agreeing;
+      lean += value - whole;
+    } else if (std::abs(value - std::round(value)) <= kNearTurns) {
+      ++elsewhere;
+    }
+  }
+  const auto all = static_cast<double>(turns.size());
+  const bool even = agreeing > 0 && std::abs(lean / agreeing) <= kMeanTurns;
+  if (agreeing >= min_agreement * all && even) {
+    return RegionOffset{kTurn * whole, Reason::reconstructed};
+  }
+  if (elsewhere > (1 - min_agreement) * all) return RegionOffset{{}, Reason::ambiguous_offset};
+  return std::nullopt;
+}
+
+}  // namespace
+
+void solve_from_neighbours(const Regions& regions, const SeamLimits& limits,
+                           std::vector<RegionOffset>& offsets) {
+  const auto open = [](const RegionOffset& offset) {
+    return !offset.phase && offset.reason == Reason::no_transition;
+  };
+  if (std::none_of(offsets.begin(), offsets.end(), open)) return;
+  const std::vector<Crossing> crossings = find_crossings(regions, limits, offsets);
+  std::vector<double> turns;
+  // Every round solves all it can from what the rounds before have solved.
+  for (bool solved = true; solved;) {
+    solved = false;
+    const std::vector<RegionOffset> before = offsets;
+    for (auto first = crossings.begin(); first != crossings.end();) {
+      const auto region = static_cast<std::size_t>(first->from);
+      const auto end = std::find_if(first, crossings.end(), [&](const Crossing& crossing) {
+        return crossing.from != first->from;
+      });
+      if (open(before[region])) {
+        turns.clear();
+        for (auto crossing = first; crossing != end; ++crossing) {
+          const RegionOffset& beyond = before[static_cast<std::size_t>(crossing->to)];
+          if (beyond.phase) turns.push_back(crossing->turns + *beyond.phase / kTurn);
+        }
+        if (const auto judged = judge(turns, limits.min_agreement)) {
+          offsets[region] = *judged;
+          solved = true;
+        }
+      }
+      first = end;
+    }
+  }
+}
+
+}  // namespace palpate::sensing

@@ -1,0 +1,85 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "setup/carrier.h"
+
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "palpate/error.h"
+#include "setup/triangulation.h"
+
+namespace palpate::sensing {
+namespace {
+
+/// Depths are tried from one to so many baselines, in equal ratios: nearer the views do not
+/// overlap, farther the depth cannot be measured.
+constexpr double kFarthestBaselines = 20;
+constexpr int kDepths = 30;
+/// And so many places along each side of the camera image.
+constexpr int kPlaces = 9;
+
+/// Shorter periods than this [camera px] are lost between the pixels (Nyquist).
+constexpr double kLeastPeriod = 2;
+
+/// Refuses a sinusoid of which the camera sees no period, or cannot tell one from the next.
+void check_period(const Carrier& carrier, const Pattern& pattern, const geometry::Camera& camera) {
+  const double period = 2 * std::numbers::pi / std::abs(carrier.along);
+  const int length = carrier.transposed ? camera.width : camera.height;
+  if (period >= kLeastPeriod && period <= length) return;
+  throw InvalidInput("pattern: period_px: " + std::to_string(pattern.period) +
+                     " projector pixels appear as about " + std::to_string(period) +
+                     " px in the camera's image; 2 to " + std::to_string(length) +
+                     " px can be decoded");
+}
+
+}  // namespace
+
+Carrier expected_carrier(const Rig& rig, const Pattern& pattern) {
+  const Triangulation triangulation(rig);
+  const double baseline = rig.T_projector_camera.translation().norm();
+  // Sums over all samples of d(projector pixel) / d(camera pixel).
+  Eigen::Matrix2d gradient = Eigen::Matrix2d::Zero();
+  double log_z = 0;
+  double count = 0;
+  for (int step = 0; step < kDepths; ++step) {
+    const double z = baseline * std::pow(kFarthestBaselines, step / (kDepths - 1.0));
+    for (int place = 0; place < kPlaces * kPlaces; ++place) {
+      const int across = place % kPlaces;
+      const int down = place / kPlaces;
+      const Eigen::Vector2d pixel((across + 0.5) / kPlaces * rig.camera.width,
+                                  (down + 0.5) / kPlaces * rig.camera.height);
+      const auto projected = [&](double du, double dv) {
+        const Eigen::Vector2d ray =
+            geometry::undistort(rig.camera, pixel + Eigen::Vector2d(du, dv));
+        return triangulation.project(triangulation.direction(ray), z);
+      };
+      Eigen::Matrix2d local;
+      local.col(0) = projected(0.5, 0) - projected(-0.5, 0);
+      local.col(1) = projected(0, 0.5) - projected(0, -0.5);
+      if (!triangulation.on_panel(projected(0, 0)) || !local.allFinite()) continue;
+      gradient += local;
+      log_z += std::log(z);
+      count += 1;
+    }
+  }
+  if (count == 0) {
+    throw InvalidInput(
+        "rig: the projector lights nothing of what the camera sees, at no depth up to " +
+        std::to_string(kFarthestBaselines * baseline) + " mm; check R and t");
+  }
+  gradient /= count;
+  const int row = pattern.axis == Axis::x ? 0 : 1;
+  const Eigen::Vector2d phase = 2 * std::numbers::pi / pattern.period * gradient.row(row);
+  const Eigen::Vector2d stripes = gradient.row(1 - row);
+  const bool transposed = std::abs(phase.x()) > std::abs(phase.y());
+  const Carrier carrier{.transposed = transposed,
+                        .along = transposed ? phase.x() : phase.y(),
+                        .across = transposed ? phase.y() : phase.x(),
+                        .z = std::exp(log_z / count),
+                        .stripes_reversed = (transposed ? stripes.y() : stripes.x()) < 0};
+  check_period(carrier, pattern, rig.camera);
+  return carrier;
+}
+
+}  // namespace palpate::sensing

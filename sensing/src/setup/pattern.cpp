@@ -1,0 +1,222 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/sensing/pattern.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <ostream>
+#include <set>
+#include <utility>
+
+#include "files/storage_file.h"
+#include "palpate/error.h"
+#include "palpate/output_file.h"
+
+namespace palpate::sensing {
+namespace {
+
+/// mean +- amplitude may leave [0, 1] by this much: the rounding of decimal numbers in a file.
+constexpr double kRangeTolerance = 1e-9;
+
+std::string at(const char* list, std::size_t index) {
+  return std::string(list) + "[" + std::to_string(index) + "]";
+}
+
+void check_colors(const Pattern& pattern, const std::string& what) {
+  std::set<std::string> names;
+  for (std::size_t i = 0; i < pattern.colors.size(); ++i) {
+    const PatternColor& color = pattern.colors[i];
+    if (color.name.empty() || !names.insert(color.name).second) {
+      throw InvalidInput(what + ": " + at("colors", i) + ": the name is empty or appears twice: '" +
+                         color.name + "'");
+    }
+    if (!((color.rgb.array() >= 0) && (color.rgb.array() <= 1)).all() ||
+        color.rgb.minCoeff() == color.rgb.maxCoeff()) {
+      throw InvalidInput(what + ": " + at("colors", i) +
+                         ": rgb must lie in [0, 1] and not be grey");
+    }
+  }
+}
+
+void check_stripes(const Pattern& pattern, const std::string& what) {
+  const auto& stripes = pattern.stripes;
+  const auto& edges = pattern.stripe_edges;
+  if (pattern.colors.empty() != stripes.empty()) {
+    throw InvalidInput(what + ": has " +
+                       (stripes.empty() ? "colors but no stripes" : "stripes but no colors") +
+                       "; both or neither are expected");
+  }
+  if (edges.size() + (stripes.empty() ? 0 : 1) != stripes.size()) {
+    throw InvalidInput(what + ": stripe_edges_px: " + std::to_string(edges.size()) + " edges for " +
+                       std::to_string(stripes.size()) + " stripes; one less is expected");
+  }
+  std::set<std::pair<int, int>> pairs;
+  for (std::size_t i = 0; i < stripes.size(); ++i) {
+    if (stripes[i] < 0 || stripes[i] >= static_cast<int>(pattern.colors.size())) {
+      throw InvalidInput(what + ": " + at("stripes", i) + ": no colour " +
+                         std::to_string(stripes[i]));
+    }
+    if (i == 0) continue;
+    if (stripes[i] == stripes[i - 1]) {
+      throw InvalidInput(what + ": " + at("stripes", i) + ": the same colour as its neighbour");
+    }
+    if (!pairs.insert({stripes[i - 1], stripes[i]}).second) {
+      throw InvalidInput(what + ": " + at("stripes", i) +
+                         ": this pair of neighbours appears before; a transition must be unique");
+    }
+    if (!std::isfinite(edges[i - 1]) || (i > 1 && !(edges[i - 1] > edges[i - 2]))) {
+      throw InvalidInput(what + ": " + at("stripe_edges_px", i - 1) + ": the edges must rise");
+    }
+  }
+}
+
+std::string pixels(const Eigen::Vector2i& size) {
+  return std::to_string(size.x()) + " x " + std::to_string(size.y()) + " px";
+}
+
+/// The shortest decimal number that is read back as this value.
+template <typename T>
+std::string shortest(T value) {
+  std::array<char, 32> digits{};
+  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value);
+  return {digits.data(), end.ptr};
+}
+
+/// A name as YAML text: as it is if it consists of letters and digits.
+std::string quoted(const std::string& name) {
+  const bool plain =
+      std::all_of(name.begin(), name.end(), [](unsigned char c) { return std::isalnum(c) != 0; }) &&
+      std::isalpha(static_cast<unsigned char>(name[0])) != 0;
+  if (plain) return name;
+  std::string text = "\"";
+  for (const char c : name) {
+    if (c == '"' || c == '\\') text += '\\';
+    text += c;
+  }
+  return text + '"';
+}
+
+}  // namespace
+
+void check_pattern(const Pattern& pattern, const std::string& what) {
+  if (!(pattern.period > 0) || !std::isfinite(pattern.period)) {
+    throw InvalidInput(what + ": period_px: must be > 0 and finite");
+  }
+  if (!std::isfinite(pattern.phase)) throw InvalidInput(what + ": phase: must be finite");
+  if (!(pattern.amplitude > 0) || !(pattern.mean - pattern.amplitude >= -kRangeTolerance) ||
+      !(pattern.mean + pattern.amplitude <= 1 + kRangeTolerance)) {
+    throw InvalidInput(what +
+                       ": mean, amplitude: amplitude must be > 0 and mean +- amplitude in [0, 1]");
+  }
+  if (pattern.projector_size && !(pattern.projector_size->array() > 0).all())
+    throw InvalidInput(what + ": projector_size: sizes > 0 are expected");
+  check_colors(pattern, what);
+  check_stripes(pattern, what);
+}
+
+void check_pattern_fits(const Pattern& pattern, const geometry::Camera& projector,
+                        const std::string& what) {
+  if (pattern.projector_size) {
+    if (*pattern.projector_size == Eigen::Vector2i(projector.width, projector.height)) return;
+    throw InvalidInput(what + ": projector_size: it was made for " +
+                       pixels(*pattern.projector_size) + ", but the rig's projector has " +
+                       pixels({projector.width, projector.height}) +
+                       "; take the rig and the pattern that belong together");
+  }
+  const int across = pattern.axis == Axis::y ? projector.width : projector.height;
+  for (std::size_t i = 0; i < pattern.stripe_edges.size(); ++i) {
+    if (pattern.stripe_edges[i] > -0.5 && pattern.stripe_edges[i] < across - 0.5) continue;
+    throw InvalidInput(what + ": " + at("stripe_edges_px", i) +
+                       ": lies beyond the rig's projector of " +
+                       pixels({projector.width, projector.height}) +
+                       "; take the rig and the pattern that belong together");
+  }
+}
+
+Pattern read_pattern(const std::filesystem::path& path) {
+  const StorageFile file(path);
+  const cv::FileNode root = file.root();
+  const auto number = [&](const char* key) { return file.number(file.child(root, key), key); };
+  Pattern pattern;
+  if (!root["colors"].empty()) {
+    for (const cv::FileNode& item : file.items(root["colors"], "colors")) {
+      const std::string key = at("colors", pattern.colors.size());
+      const auto rgb = file.numbers(file.child(item, "rgb", key + "."), key + ".rgb");
+      if (rgb.size() != 3) file.fail(key + ".rgb", "three values are expected");
+      pattern.colors.push_back({file.text(file.child(item, "name", key + "."), key + ".name"),
+                                Eigen::Vector3d(rgb[0], rgb[1], rgb[2])});
+    }
+  }
+  if (!root["stripes"].empty()) {
+    for (const cv::FileNode& item : file.items(root["stripes"], "stripes")) {
+      const std::string key = at("stripes", pattern.stripes.size());
+      pattern.stripes.push_back(static_cast<int>(file.whole_number(item, key)));
+    }
+  }
+  if (!root["stripe_edges_px"].empty()) {
+    pattern.stripe_edges = file.numbers(root["stripe_edges_px"], "stripe_edges_px");
+  }
+  const std::string axis = file.text(file.child(root, "axis"), "axis");
+  if (axis != "x" && axis != "y") file.fail("axis", "x or y is expected, not '" + axis + "'");
+  pattern.axis = axis == "x" ? Axis::x : Axis::y;
+  pattern.period = number("period_px");
+  pattern.phase = number("phase");
+  pattern.mean = number("mean");
+  pattern.amplitude = number("amplitude");
+  if (!root["projector_size"].empty()) {
+    const auto sizes = file.items(root["projector_size"], "projector_size");
+    if (sizes.size() != 2) file.fail("projector_size", "columns and rows are expected");
+    pattern.projector_size =
+        Eigen::Vector2i(static_cast<int>(file.whole_number(sizes[0], "projector_size[0]")),
+                        static_cast<int>(file.whole_number(sizes[1], "projector_size[1]")));
+  }
+  try {
+    check_pattern(pattern, path.string());
+  } catch (const InvalidInput& error) {
+    throw FileError(error.what());
+  }
+  return pattern;
+}
+
+void write_pattern(const std::filesystem::path& path, const Pattern& pattern) {
+  check_pattern(pattern, "write_pattern(" + path.string() + ")");
+  // Written by hand: FileStorage's own output ("name:R") is no YAML for others.
+  write_file(path, [&](std::ostream& out) {
+    const auto list = [&](const auto& values) {
+      const char* separator = "[ ";
+      for (const auto& value : values) {
+        out << separator << shortest(value);
+        separator = ", ";
+      }
+      out << (values.size() == 0 ? "[ ]" : " ]");
+    };
+    out << "%YAML:1.0\n---\n";
+    if (!pattern.colors.empty()) {
+      out << "colors:\n";
+      for (const PatternColor& color : pattern.colors) {
+        out << "   - { name: " << quoted(color.name) << ", rgb: ";
+        list(color.rgb);
+        out << " }\n";
+      }
+      out << "stripes: ";
+      list(pattern.stripes);
+      out << "\nstripe_edges_px: ";
+      list(pattern.stripe_edges);
+      out << '\n';
+    }
+    out << "axis: " << (pattern.axis == Axis::x ? "x" : "y")
+        << "\nperiod_px: " << shortest(pattern.period) << "\nphase: " << shortest(pattern.phase)
+        << "\nmean: " << shortest(pattern.mean) << "\namplitude: " << shortest(pattern.amplitude)
+        << '\n';
+    if (pattern.projector_size) {
+      out << "projector_size: ";
+      list(*pattern.projector_size);
+      out << '\n';
+    }
+  });
+}
+
+}  // namespace palpate::sensing

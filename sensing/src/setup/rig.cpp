@@ -1,0 +1,177 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/sensing/rig.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <opencv2/core.hpp>
+#include <opencv2/core/eigen.hpp>
+#include <ostream>
+
+#include "files/storage_file.h"
+#include "palpate/error.h"
+#include "palpate/output_file.h"
+
+namespace palpate::sensing {
+namespace {
+
+/// R counts as a rotation iff no entry of R^T R - I exceeds this: far above the rounding of numbers
+/// written with seven digits, far below what would move a point 1 m away by a tenth of a
+/// millimetre.
+constexpr double kRotationTolerance = 1e-5;
+
+/// How many distortion coefficients OpenCV's files hold.
+constexpr std::array<int, 4> kDistortionLengths = {0, 4, 5, 8};
+
+void check_chromatic(const ChromaticShift& shift, const std::string& what) {
+  if (!(shift.alpha > 0) || !std::isfinite(shift.alpha) || !(shift.beta > 0) ||
+      !std::isfinite(shift.beta) || !std::isfinite(shift.gamma)) {
+    throw InvalidInput(what + ": alpha and beta must be > 0 and gamma finite");
+  }
+}
+
+std::array<double, 8> read_distortion(const StorageFile& file, const std::string& key) {
+  std::array<double, 8> distortion{};
+  const cv::FileNode node = file.child(file.root(), key);
+  // FileStorage cannot write an empty matrix as one: no lens distortion may also be an empty list.
+  if (node.isSeq() && node.size() == 0) return distortion;
+  const cv::Mat_<double> values = file.matrix(key);
+  const int count = static_cast<int>(values.total());
+  const bool is_vector = count == 0 || values.rows == 1 || values.cols == 1;
+  if (!is_vector || std::find(kDistortionLengths.begin(), kDistortionLengths.end(), count) ==
+                        kDistortionLengths.end()) {
+    file.fail(key, "has " + std::to_string(values.rows) + " x " + std::to_string(values.cols) +
+                       " values; a vector of 0, 4, 5 or 8 coefficients is expected");
+  }
+  std::copy(values.begin(), values.end(), distortion.begin());
+  return distortion;
+}
+
+geometry::Camera read_camera(const StorageFile& file, const std::string& name) {
+  geometry::Camera camera;
+  const std::string size_key = name + "_size";
+  const auto size = file.items(file.child(file.root(), size_key), size_key);
+  if (size.size() != 2) file.fail(size_key, "width and height are expected");
+  camera.width = static_cast<int>(file.whole_number(size[0], size_key));
+  camera.height = static_cast<int>(file.whole_number(size[1], size_key));
+  if (camera.width <= 0 || camera.height <= 0) file.fail(size_key, "must be positive");
+  const std::string matrix_key = name + "_matrix";
+  const cv::Mat_<double> matrix = file.matrix(matrix_key);
+  if (matrix.rows != 3 || matrix.cols != 3) file.fail(matrix_key, "a 3 x 3 matrix is expected");
+  if (matrix(0, 1) != 0 || matrix(1, 0) != 0 || matrix(2, 0) != 0 || matrix(2, 1) != 0 ||
+      matrix(2, 2) != 1) {
+    file.fail(matrix_key, "must have the form [fx 0 cx; 0 fy cy; 0 0 1]");
+  }
+  camera.fx = matrix(0, 0);
+  camera.fy = matrix(1, 1);
+  camera.cx = matrix(0, 2);
+  camera.cy = matrix(1, 2);
+  if (!(camera.fx > 0) || !(camera.fy > 0)) file.fail(matrix_key, "fx and fy must be > 0");
+  camera.distortion = read_distortion(file, name + "_distortion");
+  return camera;
+}
+
+ChromaticShift read_chromatic(const StorageFile& file, const std::string& channel) {
+  const cv::FileNode chromatic = file.root()["chromatic"];
+  if (chromatic.empty() || chromatic[channel].empty()) return {};
+  const std::string key = "chromatic." + channel;
+  const auto value = [&](const char* name) {
+    return file.number(file.child(chromatic[channel], name, key + "."), key + "." + name);
+  };
+  const ChromaticShift shift{
+      .alpha = value("alpha"), .beta = value("beta"), .gamma = value("gamma")};
+  if (!(shift.alpha > 0) || !(shift.beta > 0)) file.fail(key, "alpha and beta must be > 0");
+  return shift;
+}
+
+Eigen::Isometry3d read_pose(const StorageFile& file) {
+  const cv::Mat_<double> R = file.matrix("R");
+  if (R.rows != 3 || R.cols != 3) file.fail("R", "a 3 x 3 matrix is expected");
+  const cv::Mat_<double> t = file.matrix("t");
+  if (t.total() != 3 || (t.rows != 1 && t.cols != 1)) file.fail("t", "three values are expected");
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) pose.linear()(row, column) = R(row, column);
+    pose.translation()[row] = t.begin()[row];
+  }
+  return pose;
+}
+
+void write_camera(cv::FileStorage& storage, const std::string& name,
+                  const geometry::Camera& camera) {
+  const cv::Mat matrix = (cv::Mat_<double>(3, 3) << camera.fx, 0, camera.cx,  //
+                          0, camera.fy, camera.cy,                            //
+                          0, 0, 1);
+  cv::Mat_<double> distortion(1, static_cast<int>(camera.distortion.size()));
+  std::copy(camera.distortion.begin(), camera.distortion.end(), distortion.begin());
+  storage << name + "_size"
+          << "[:" << camera.width << camera.height << "]";
+  storage << name + "_matrix" << matrix << name + "_distortion" << distortion;
+}
+
+void write_chromatic(cv::FileStorage& storage, const char* name, const ChromaticShift& shift) {
+  storage << name << "{"
+          << "alpha" << shift.alpha << "beta" << shift.beta << "gamma" << shift.gamma << "}";
+}
+
+}  // namespace
+
+void check_rig(const Rig& rig, const std::string& what) {
+  geometry::check_camera(rig.camera, (what + ": camera").c_str());
+  geometry::check_camera(rig.projector, (what + ": projector").c_str());
+  const Eigen::Matrix3d R = rig.T_projector_camera.linear();
+  const Eigen::Vector3d t = rig.T_projector_camera.translation();
+  if (!R.allFinite() || !t.allFinite()) throw InvalidInput(what + ": R and t must be finite");
+  const Eigen::Matrix3d rest = R.transpose() * R - Eigen::Matrix3d::Identity();
+  if (!(rest.cwiseAbs().maxCoeff() <= kRotationTolerance) || !(R.determinant() > 0)) {
+    throw InvalidInput(what + ": R: not a rotation (R^T R must be the identity, det R = 1)");
+  }
+  if (t.isZero(0)) {
+    throw InvalidInput(what +
+                       ": t: is zero; depth can be measured only if the projector stands "
+                       "beside the camera");
+  }
+  check_chromatic(rig.red, what + ": chromatic.red");
+  check_chromatic(rig.blue, what + ": chromatic.blue");
+}
+
+Rig read_rig(const std::filesystem::path& path) {
+  const StorageFile file(path);
+  Rig rig;
+  rig.camera = read_camera(file, "camera");
+  rig.projector = read_camera(file, "projector");
+  rig.T_projector_camera = read_pose(file);
+  rig.red = read_chromatic(file, "red");
+  rig.blue = read_chromatic(file, "blue");
+  try {
+    check_rig(rig, path.string());
+  } catch (const InvalidInput& error) {
+    throw FileError(error.what());
+  }
+  return rig;
+}
+
+void write_rig(const std::filesystem::path& path, const Rig& rig) {
+  check_rig(rig, "write_rig(" + path.string() + ")");
+  cv::FileStorage storage(".yaml", cv::FileStorage::WRITE | cv::FileStorage::MEMORY);
+  write_camera(storage, "camera", rig.camera);
+  write_camera(storage, "projector", rig.projector);
+  cv::Mat R;
+  cv::Mat t;
+  const Eigen::Matrix3d linear = rig.T_projector_camera.linear();
+  const Eigen::Vector3d translation = rig.T_projector_camera.translation();
+  cv::eigen2cv(linear, R);
+  cv::eigen2cv(translation, t);
+  storage << "R" << R << "t" << t;
+  storage << "chromatic"
+          << "{";
+  write_chromatic(storage, "red", rig.red);
+  write_chromatic(storage, "blue", rig.blue);
+  storage << "}";
+  const std::string text = storage.releaseAndGetString();
+  write_file(path, [&](std::ostream& out) { out << text; });
+}
+
+}  // namespace palpate::sensing

@@ -1,0 +1,153 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include <array>
+#include <cmath>
+#include <limits>
+#include <opencv2/core.hpp>
+#include <ostream>
+#include <set>
+#include <string>
+#include <type_traits>
+#include <utility>
+
+#include "files/storage_file.h"
+#include "palpate/error.h"
+#include "palpate/output_file.h"
+#include "palpate/sensing/virtual_sensor.h"
+
+namespace palpate::sensing {
+namespace {
+
+constexpr double kMaxBlur = 100;
+constexpr double kMaxFalloff = 10;
+constexpr int kMaxSamples = 64;
+constexpr int kMaxSteps = 1024;
+
+constexpr std::array<std::pair<Readout, const char*>, 3> kReadouts = {
+    {{Readout::color, "color"}, {Readout::mosaic, "mosaic"}, {Readout::demosaiced, "demosaiced"}}};
+
+/// Names of the numbers, as in the file; `visit(name, value)` may read or change them.
+template <typename Sensor, typename Visit>
+void for_each_number(Sensor& sensor, const Visit& visit) {
+  visit("projector_gamma", sensor.projector_gamma);
+  visit("projector_black", sensor.projector_black);
+  visit("projector_blur_px", sensor.projector_blur);
+  visit("projector_falloff", sensor.projector_falloff);
+  visit("ambient", sensor.ambient);
+  visit("camera_blur_px", sensor.camera_blur);
+  visit("samples_per_axis", sensor.samples_per_axis);
+  visit("exposure_steps", sensor.exposure_steps);
+  visit("bits", sensor.bits);
+  visit("camera_gamma", sensor.camera_gamma);
+  visit("full_well", sensor.full_well);
+  visit("read_noise", sensor.read_noise);
+  visit("exposure_distance", sensor.exposure_distance);
+  visit("exposure_percentile", sensor.exposure_percentile);
+  visit("exposure_level", sensor.exposure_level);
+}
+
+/// A misspelt name must not pass for one that was left out.
+void check_keys(const StorageFile& file) {
+  std::set<std::string> known = {"readout", "seed"};
+  VirtualSensor sensor;
+  for_each_number(sensor, [&](const char* name, double) { known.insert(name); });
+  for (const std::string& key : file.root().keys()) {
+    if (!known.contains(key)) file.fail(key, "no value of a sensor has this name");
+  }
+}
+
+Readout read_readout(const StorageFile& file) {
+  const std::string word = file.text(file.child(file.root(), "readout"), "readout");
+  for (const auto& [readout, name] : kReadouts) {
+    if (word == name) return readout;
+  }
+  file.fail("readout", "color, mosaic or demosaiced is expected, not '" + word + "'");
+}
+
+}  // namespace
+
+void check_virtual_sensor(const VirtualSensor& sensor, const std::string& what) {
+  const auto require = [&](bool holds, const char* message) {
+    if (!holds) throw InvalidInput(what + ": " + message);
+  };
+  for_each_number(sensor, [&](const char* name, auto value) {
+    require(std::isfinite(static_cast<double>(value)),
+            (std::string(name) + ": must be finite").c_str());
+  });
+  require(sensor.projector_gamma > 0, "projector_gamma: must be > 0");
+  require(sensor.projector_black >= 0 && sensor.projector_black < 1,
+          "projector_black: must lie in [0, 1)");
+  require(sensor.projector_blur >= 0 && sensor.projector_blur <= kMaxBlur,
+          "projector_blur: must lie in [0, 100] px");
+  require(std::abs(sensor.projector_falloff) <= kMaxFalloff,
+          "projector_falloff: must lie in [-10, 10]");
+  require(sensor.ambient >= 0, "ambient: must be >= 0");
+  require(sensor.camera_blur >= 0 && sensor.camera_blur <= kMaxBlur,
+          "camera_blur: must lie in [0, 100] px");
+  require(sensor.samples_per_axis >= 1 && sensor.samples_per_axis <= kMaxSamples,
+          "samples_per_axis: must lie in [1, 64]");
+  require(sensor.exposure_steps >= 1 && sensor.exposure_steps <= kMaxSteps,
+          "exposure_steps: must lie in [1, 1024]");
+  require(sensor.bits == 8 || sensor.bits == 16, "bits: must be 8 or 16");
+  require(sensor.camera_gamma > 0, "camera_gamma: must be > 0");
+  require(sensor.full_well >= 0, "full_well: must be >= 0");
+  require(sensor.read_noise >= 0, "read_noise: must be >= 0");
+  require(sensor.exposure_distance >= 0, "exposure_distance: must be >= 0");
+  require(sensor.exposure_percentile > 0 && sensor.exposure_percentile <= 1,
+          "exposure_percentile: must lie in (0, 1]");
+  require(sensor.exposure_level > 0 && sensor.exposure_level <= 1,
+          "exposure_level: must lie in (0, 1]");
+}
+
+VirtualSensor ideal(VirtualSensor sensor) {
+  sensor.projector_blur = sensor.camera_blur = 0;
+  sensor.readout = Readout::color;
+  sensor.bits = 16;
+  sensor.full_well = 0;
+  return sensor;
+}
+
+VirtualSensor read_virtual_sensor(const std::filesystem::path& path) {
+  const StorageFile file(path);
+  const cv::FileNode root = file.root();
+  check_keys(file);
+  VirtualSensor sensor;
+  for_each_number(sensor, [&](const char* name, auto& value) {
+    if (root[name].empty()) return;
+    if constexpr (std::is_same_v<std::remove_reference_t<decltype(value)>, int>) {
+      value = static_cast<int>(file.whole_number(root[name], name));
+    } else {
+      value = file.number(root[name], name);
+    }
+  });
+  if (!root["readout"].empty()) sensor.readout = read_readout(file);
+  if (!root["seed"].empty()) {
+    const long seed = file.whole_number(root["seed"], "seed");
+    if (seed < 0) file.fail("seed", "must be >= 0");
+    sensor.seed = static_cast<std::uint64_t>(seed);
+  }
+  try {
+    check_virtual_sensor(sensor, path.string());
+  } catch (const InvalidInput& error) {
+    throw FileError(error.what());
+  }
+  return sensor;
+}
+
+void write_virtual_sensor(const std::filesystem::path& path, const VirtualSensor& sensor) {
+  check_virtual_sensor(sensor, "write_virtual_sensor(" + path.string() + ")");
+  if (sensor.seed > static_cast<std::uint64_t>(std::numeric_limits<int>::max())) {
+    throw InvalidInput("write_virtual_sensor(" + path.string() +
+                       "): seed: the file holds whole numbers up to 2147483647");
+  }
+  cv::FileStorage storage(".yaml", cv::FileStorage::WRITE | cv::FileStorage::MEMORY);
+  for_each_number(sensor, [&](const char* name, auto value) { storage << name << value; });
+  for (const auto& [readout, name] : kReadouts) {
+    if (sensor.readout == readout) storage << "readout" << name;
+  }
+  storage << "seed" << static_cast<int>(sensor.seed);
+  const std::string text = storage.releaseAndGetString();
+  write_file(path, [&](std::ostream& out) { out << text; });
+}
+
+}  // namespace palpate::sensing

@@ -1,0 +1,305 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/geometry/nonrigid_registration.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include <limits>
+#include <vector>
+
+#include "file_testing.h"
+#include "mesh_corpus.h"
+#include "palpate/error.h"
+#include "palpate/geometry/range_map_score.h"
+#include "range_map_scene.h"
+#include "test_surfaces.h"
+
+namespace palpate::geometry {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Matrix3Xd;
+using Eigen::Vector3d;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr int kWidth = 192;  // pixels of 3 mm
+
+TriangleMesh rest_mesh() { return test::bumpy(12000); }
+
+const DeformationGraph& rest_graph() {
+  static const DeformationGraph graph(rest_mesh(), {.nodes = 250});
+  return graph;
+}
+
+Vector3d poked_and_bent(const Vector3d& rest, double depth = 20) {
+  return test::bent(test::dented_block(rest, depth));
+}
+
+/// Distances of the vertices from where they truly are, of those in `which`.
+ErrorStatistics errors(const Matrix3Xd& found, const Matrix3Xd& truth,
+                       const std::vector<bool>& which) {
+  std::vector<double> distances;
+  for (Eigen::Index v = 0; v < truth.cols(); ++v) {
+    if (which[static_cast<std::size_t>(v)]) {
+      distances.push_back((found.col(v) - truth.col(v)).norm());
+    }
+  }
+  return error_statistics(distances);
+}
+
+std::vector<bool> all(const TriangleMesh& mesh) {
+  return std::vector(static_cast<std::size_t>(mesh.vertices.cols()), true);
+}
+
+TEST(RegisterDeformed, LeavesASurfaceThatHasNotMoved) {
+  const TriangleMesh rest = rest_mesh();
+  const RangeMap map = test::render(rest, test::bumpy_camera(kWidth));
+  const DeformedSurface found = register_deformed(rest_graph(), map);
+  EXPECT_EQ(found.stop, NonRigidStop::converged);
+  // The planes of pixels 3 mm wide on ripples that bend by 1 / 20 mm.
+  EXPECT_LT(errors(found.vertices, rest.vertices, all(rest)).rms, 0.1);
+  EXPECT_LT(found.rms, 0.1);
+  EXPECT_GT(found.matched, 0.97);
+}
+
+TEST(RegisterDeformed, FindsARigidMotion) {
+  const TriangleMesh rest = rest_mesh();
+  const Isometry3d T = Eigen::Translation3d(9.1, -6.3, 690.7) *
+                       Eigen::AngleAxisd(0.05, Vector3d(0.3, 0.8, -0.5).normalized()) *
+                       Eigen::Translation3d(0, 0, -700);
+  const TriangleMesh moved = test::moved(rest, T);
+  const RangeMap map = test::render(moved, test::bumpy_camera(kWidth));
+  const DeformedSurface found = register_deformed(rest_graph(), map);
+  EXPECT_EQ(found.stop, NonRigidStop::converged);
+  EXPECT_LT(errors(found.vertices, moved.vertices, test::visible(moved.vertices, moved, map)).rms,
+            0.1);
+  for (const Isometry3d& motion : found.node_motions) {
+    EXPECT_LT(Eigen::AngleAxisd((motion.inverse() * T).linear()).angle(), 0.02);
+  }
+}
+
+TEST(RegisterDeformed, FollowsADentAndABend) {
+  for (const bool has_lens : {false, true}) {
+    Camera camera = test::bumpy_camera(kWidth);
+    if (has_lens) camera.distortion = {-0.21, 0.04, 0.003, -0.002};
+    const TriangleMesh moved =
+        test::deformed(rest_mesh(), [](const Vector3d& p) { return poked_and_bent(p); });
+    const RangeMap map = test::render(moved, camera);
+    const DeformedSurface found = register_deformed(rest_graph(), map);
+    EXPECT_EQ(found.stop, NonRigidStop::converged);
+    const std::vector<bool> visible = test::visible(moved.vertices, moved, map);
+    const ErrorStatistics error = errors(found.vertices, moved.vertices, visible);
+    EXPECT_LT(error.rms, 1.0);
+    EXPECT_LT(error.median, 0.5);
+    for (std::size_t v = 0; v < visible.size(); ++v) {
+      if (found.sight[v] != VertexSight::seen) continue;
+      const auto i = static_cast<Eigen::Index>(v);
+      // The measured point is on the vertex's ray, and that is in its pixel or the next.
+      const Vector3d measured = found.measured.col(i);
+      EXPECT_LT(measured.cross(found.vertices.col(i)).norm(), 1e-9 * measured.squaredNorm());
+      const Eigen::Vector2d image = distort(camera, measured.hnormalized());
+      EXPECT_EQ(std::lround(image.y()) * camera.width + std::lround(image.x()), found.pixel[v]);
+    }
+  }
+}
+
+TEST(RegisterDeformed, ToleratesNoiseHolesAndATool) {
+  const TriangleMesh moved =
+      test::deformed(rest_mesh(), [](const Vector3d& p) { return poked_and_bent(p); });
+  const Vector3d tip = poked_and_bent({test::kDent.x(), test::kDent.y(), 640});
+  const TriangleMesh scene =
+      test::together(moved, test::rod(tip, tip + Vector3d(-130, 90, -150), 9));
+  RangeMap map = test::render(scene, test::bumpy_camera(kWidth));
+  const std::vector<bool> before_tool = test::visible(moved.vertices, scene, map);
+  test::add_noise(map, 0.25, 5);
+  test::punch_holes(map, 0.15, 6);
+  const std::vector<bool> visible = test::visible(moved.vertices, scene, map);
+  const DeformedSurface found = register_deformed(rest_graph(), map);
+  EXPECT_EQ(found.stop, NonRigidStop::converged);
+  EXPECT_LT(errors(found.vertices, moved.vertices, visible).rms, 1.0);
+
+  std::vector<bool> hidden = visible;
+  hidden.flip();
+  EXPECT_LT(errors(found.vertices, moved.vertices, hidden).rms, 1.5);
+  // Under the tool nothing is measured of the surface; it has followed by most of the dent.
+  const double gate = NonRigidOptions{}.min_correspondence * bounding_diagonal(rest_mesh());
+  double least_confident = 1;
+  long behind = 0;
+  long named = 0;
+  for (std::size_t v = 0; v < before_tool.size(); ++v) {
+    const auto i = static_cast<Eigen::Index>(v);
+    const bool on_map = std::isfinite(found.measured(0, i));
+    EXPECT_EQ(on_map, found.sight[v] == VertexSight::seen);
+    EXPECT_EQ(on_map, found.pixel[v] >= 0);
+    EXPECT_EQ(on_map, found.confidence[i] > 0);
+    if (on_map) {
+      // Tukey's biweight of the distance from the plane, which is at most that along the ray.
+      const double along_ray = (found.measured.col(i) - found.vertices.col(i)).norm();
+      const double fraction = std::min(1.0, along_ray / gate);
+      EXPECT_GE(found.confidence[i], std::pow(1 - fraction * fraction, 2) - 1e-12);
+      least_confident = std::min(least_confident, found.confidence[i]);
+    }
+    if (before_tool[v] || (moved.vertices.col(i) - tip).norm() < 30) continue;
+    ++behind;
+    named += found.sight[v] == VertexSight::occluded || found.sight[v] == VertexSight::hole ||
+                     found.sight[v] == VertexSight::outside
+                 ? 1
+                 : 0;
+  }
+  EXPECT_LT(least_confident, 0.95);
+  EXPECT_GT(behind, 50);
+  EXPECT_GT(named, 0.85 * static_cast<double>(behind));
+}
+
+TEST(RegisterDeformed, StaysOnAPlateWhereNothingShowsAShift) {
+  // Sliding cannot be seen; it must not be invented either.
+  TriangleMesh plate = rest_mesh();
+  for (Eigen::Index v = 0; v < plate.vertices.cols(); ++v) {
+    plate.vertices.col(v) *= 700 / plate.vertices(2, v);
+  }
+  const DeformationGraph graph(plate, {.nodes = 250});
+  const TriangleMesh moved =
+      test::deformed(plate, [](const Vector3d& p) { return poked_and_bent(p); });
+  const RangeMap map = test::render(moved, test::bumpy_camera(kWidth));
+  const DeformedSurface found = register_deformed(graph, map);
+  EXPECT_EQ(found.stop, NonRigidStop::converged);
+  const ErrorStatistics error =
+      errors(found.vertices, moved.vertices, test::visible(moved.vertices, moved, map));
+  EXPECT_LT(error.rms, 5);
+  EXPECT_LT(found.rms, 0.3);
+}
+
+TEST(RegisterDeformed, TracksASequenceThatLeavesTheReachOfTheStart) {
+  const TriangleMesh rest = rest_mesh();
+  std::vector<Isometry3d> start;
+  RangeMap last;
+  for (int frame = 1; frame <= 7; ++frame) {
+    const TriangleMesh moved = test::deformed(rest, [&](const Vector3d& p) -> Vector3d {
+      return poked_and_bent(p, 3.0 * frame) + frame * Vector3d(3, 2, 11);
+    });
+    const RangeMap map = test::render(moved, test::bumpy_camera(kWidth));
+    const DeformedSurface surface = register_deformed(rest_graph(), map, {}, start);
+    EXPECT_EQ(surface.stop, NonRigidStop::converged) << frame;
+    const auto visible = test::visible(moved.vertices, moved, map);
+    EXPECT_LT(errors(surface.vertices, moved.vertices, visible).rms, 1.0) << frame;
+    start = surface.node_motions;
+    last = map;
+  }
+  EXPECT_NE(register_deformed(rest_graph(), last).stop, NonRigidStop::converged);
+}
+
+TEST(RegisterDeformed, SaysWhenThereIsNothingToLieOn) {
+  const TriangleMesh rest = rest_mesh();
+  RangeMap map = test::render(rest, test::bumpy_camera(kWidth));
+  const RangeMap unknown{ImageF::Constant(map.z.rows(), map.z.cols(), static_cast<float>(kNan)),
+                         map.camera};
+  RangeMap beside = map;
+  beside.camera.cx += 3 * kWidth;
+  RangeMap before = map;
+  before.z -= 200;
+  RangeMap negative = map;
+  negative.z *= -1;
+  for (const RangeMap& other : {unknown, beside, before, negative}) {
+    const DeformedSurface found = register_deformed(rest_graph(), other);
+    EXPECT_EQ(found.stop, NonRigidStop::no_overlap);
+    EXPECT_LT((found.vertices - rest.vertices).cwiseAbs().maxCoeff(), 1e-9);
+    EXPECT_TRUE(std::isnan(found.rms));
+    EXPECT_EQ(found.matched, 0);
+  }
+}
+
+TEST(RegisterDeformed, RefusesAMapThatMostlyShowsSomethingElse) {
+  RangeMap map = test::render(rest_mesh(), test::bumpy_camera(kWidth));
+  map.z.rightCols(kWidth * 8 / 10) = 400;
+  const DeformedSurface found = register_deformed(rest_graph(), map);
+  EXPECT_EQ(found.stop, NonRigidStop::poor_match);
+  EXPECT_NEAR(found.matched, 0.2, 0.05);
+  EXPECT_EQ(register_deformed(rest_graph(), map, {.min_matched = 0.1}).stop,
+            NonRigidStop::converged);
+}
+
+TEST(RegisterDeformed, StopsWhenItMayGoNoFurther) {
+  const TriangleMesh moved =
+      test::deformed(rest_mesh(), [](const Vector3d& p) { return poked_and_bent(p); });
+  const RangeMap map = test::render(moved, test::bumpy_camera(kWidth));
+  const DeformedSurface found = register_deformed(rest_graph(), map, {.max_iterations = 3});
+  EXPECT_EQ(found.stop, NonRigidStop::max_iterations);
+  EXPECT_EQ(found.iterations, 3);
+}
+
+TEST(RegisterDeformed, DoesNotDependOnTheUnitOfLength) {
+  const TriangleMesh moved =
+      test::deformed(rest_mesh(), [](const Vector3d& p) { return poked_and_bent(p); });
+  RangeMap map = test::render(moved, test::bumpy_camera(kWidth));
+  test::add_noise(map, 0.25, 5);
+  const DeformedSurface found = register_deformed(rest_graph(), map);
+  for (const double scale : {0x1p-10, 0x1p10}) {
+    const DeformationGraph graph(test::scaled(rest_mesh(), scale), {.nodes = 250});
+    RangeMap scaled = map;
+    scaled.z *= static_cast<float>(scale);
+    const DeformedSurface other = register_deformed(graph, scaled);
+    EXPECT_EQ(other.vertices, found.vertices * scale);
+    EXPECT_EQ(other.sight, found.sight);
+    EXPECT_EQ(other.rms, found.rms * scale);
+  }
+}
+
+TEST(RegisterDeformed, FramesInParallelAreThoseOfOneThread) {
+  std::vector<RangeMap> maps;
+  for (const double depth : {5.0, 12.0, 20.0}) {
+    const TriangleMesh moved =
+        test::deformed(rest_mesh(), [&](const Vector3d& p) { return poked_and_bent(p, depth); });
+    maps.push_back(test::render(moved, test::bumpy_camera(kWidth)));
+    test::add_noise(maps.back(), 0.25, 7);
+  }
+  const std::vector<DeformedSurface> together = register_deformed_frames(rest_graph(), maps);
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  ASSERT_EQ(together.size(), maps.size());
+  for (std::size_t i = 0; i < maps.size(); ++i) {
+    const DeformedSurface alone = register_deformed(rest_graph(), maps[i]);
+    EXPECT_EQ(together[i].vertices, alone.vertices);
+    EXPECT_EQ(together[i].pixel, alone.pixel);
+    EXPECT_EQ(together[i].confidence, alone.confidence);
+  }
+  EXPECT_TRUE(register_deformed_frames(rest_graph(), {}).empty());
+}
+
+TEST(RegisterDeformed, RefusesBadOptionsAndAnotherStart) {
+  const RangeMap map{ImageF::Constant(3, 4, 700.1F),
+                     {.width = 4, .height = 3, .fx = 4, .fy = 4, .cx = 1.5, .cy = 1}};
+  const auto refuse = [&](const NonRigidOptions& options, const char* words) {
+    EXPECT_THROWS_MESSAGE(static_cast<void>(register_deformed(rest_graph(), map, options)),
+                          InvalidInput, words);
+  };
+  refuse({.max_iterations = 0}, "max_iterations is 0; it must be >= 1");
+  for (const double bad : {0.0, -1.0, kNan}) {
+    refuse({.max_correspondence = bad}, "max_correspondence");
+    refuse({.min_correspondence = bad}, "min_correspondence");
+    refuse({.max_normal_angle = bad}, "max_normal_angle");
+    refuse({.stiffness = bad}, "stiffness");
+  }
+  refuse({.min_correspondence = 0.07}, "at most max_correspondence");
+  refuse({.max_normal_angle = 1.6}, "pi/2");
+  refuse({.min_matched = 1.1}, "min_matched");
+  refuse({.min_matched = kNan}, "min_matched");
+
+  std::vector<Isometry3d> start(3, Isometry3d::Identity());
+  EXPECT_THROWS_MESSAGE(static_cast<void>(register_deformed(rest_graph(), map, {}, start)),
+                        InvalidInput, "3 node motions, the graph has 250");
+  start.assign(250, Isometry3d::Identity());
+  start[17].translation().y() = kNan;
+  EXPECT_THROWS_MESSAGE(static_cast<void>(register_deformed(rest_graph(), map, {}, start)),
+                        InvalidInput, "motion 17");
+  RangeMap other = map;
+  other.camera.width = 5;
+  EXPECT_THROWS_MESSAGE(static_cast<void>(register_deformed(rest_graph(), other)), InvalidInput,
+                        "the camera is 5 x 3 px");
+}
+
+}  // namespace
+}  // namespace palpate::geometry

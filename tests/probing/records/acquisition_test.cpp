@@ -1,0 +1,89 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/probing/acquisition.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "records/probing_testing.h"
+
+namespace palpate::probing {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+std::string refused(const Acquisition& acquisition) {
+  return refusal([&] { check_acquisition(acquisition); });
+}
+
+TEST(CheckAcquisition, AcceptsWhatAnArmMeasures) {
+  EXPECT_NO_THROW(check_acquisition(small_acquisition()));
+}
+
+TEST(CheckAcquisition, RefusesAnEmptyAcquisition) {
+  EXPECT_THAT(refused({}), HasSubstr("no contact"));
+}
+
+TEST(CheckAcquisition, NamesTheContactThatIsWrong) {
+  Acquisition acquisition = small_acquisition();
+  acquisition.contacts[1].position.y() = kNaN;
+  EXPECT_THAT(refused(acquisition), AllOf(HasSubstr("contact 8"), HasSubstr("not finite")));
+  for (const Eigen::Vector3d& normal :
+       {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(0, 0, 2), Eigen::Vector3d(0, kNaN, 1)}) {
+    acquisition = small_acquisition();
+    acquisition.contacts[1].normal = normal;
+    EXPECT_THAT(refused(acquisition), AllOf(HasSubstr("contact 8"), HasSubstr("unit vector")));
+  }
+  acquisition = small_acquisition();
+  acquisition.contacts[1].id = 3;
+  EXPECT_THAT(refused(acquisition), AllOf(HasSubstr("contact 3"), HasSubstr("unique")));
+}
+
+TEST(CheckAcquisition, RefusesTwoContactsAtOnePlaceAtAnyScale) {
+  for (const double scale : {0x1p-30, 1.0, 0x1p30}) {
+    Acquisition acquisition = small_acquisition();
+    acquisition.contacts.push_back({5, acquisition.contacts[0].position, {0, 0, 1}});
+    acquisition.contacts.back().position.z() += 1e-7;
+    for (Contact& contact : acquisition.contacts) contact.position *= scale;
+    EXPECT_THAT(refused(acquisition), HasSubstr("contacts 3 and 5 are at one place"));
+    acquisition.contacts.back().position.z() += 1e-3 * scale;
+    EXPECT_NO_THROW(check_acquisition(acquisition));
+  }
+}
+
+TEST(CheckAcquisition, FindsOnePlaceAmongManyContactsWithTheSameX) {
+  Acquisition acquisition;
+  for (int i = 0; i < 50; ++i)
+    acquisition.contacts.push_back({i, {1.7, static_cast<double>(i * 37 % 50), 0}, {0, 0, 1}});
+  EXPECT_NO_THROW(check_acquisition(acquisition));
+  acquisition.contacts.push_back({50, acquisition.contacts[31].position, {0, 0, 1}});
+  EXPECT_THAT(refused(acquisition), HasSubstr("contacts 31 and 50"));
+}
+
+TEST(CheckAcquisition, NamesTheSampleThatIsWrong) {
+  const auto refused_with = [](auto change) {
+    Acquisition acquisition = small_acquisition();
+    change(acquisition.samples[2]);
+    return refused(acquisition);
+  };
+  EXPECT_THAT(refused_with([](Sample& s) { s.contact = 4; }),
+              AllOf(HasSubstr("sample 7"), HasSubstr("no contact 4")));
+  EXPECT_THAT(refused_with([](Sample& s) { s.force.x() = kNaN; }), HasSubstr("sample 7"));
+  EXPECT_THAT(refused_with([](Sample& s) { s.a.x() = -1 / 0.0; }), HasSubstr("sample 7"));
+  EXPECT_THAT(refused_with([](Sample& s) { s.b.x() = kNaN; }), HasSubstr("sample 7"));
+  EXPECT_THAT(refused_with([](Sample& s) { s.time = -0.5; }),
+              AllOf(HasSubstr("sample 7"), HasSubstr(">= 0")));
+  EXPECT_THAT(refused_with([](Sample& s) { s.time = kNaN; }), HasSubstr("sample 7"));
+  EXPECT_THAT(refused_with([](Sample& s) { s.id = 1; }),
+              AllOf(HasSubstr("sample 1"), HasSubstr("unique")));
+  EXPECT_THAT(refused_with([](Sample& s) { s.slipped = s.on_friction_boundary = true; }),
+              AllOf(HasSubstr("sample 7"), HasSubstr("both")));
+}
+
+}  // namespace
+}  // namespace palpate::probing

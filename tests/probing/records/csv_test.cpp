@@ -1,0 +1,110 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/probing/csv.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <limits>
+
+#include "records/probing_testing.h"
+
+namespace palpate::probing {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+constexpr std::array<std::string_view, 2> kColumns = {"b", "a"};
+
+// Before the first row. What is open can be read even after its folder is gone.
+CsvReader reader_of(const std::string& text) {
+  const ScratchFolder scratch;
+  const std::filesystem::path path = scratch / "t.csv";
+  write_text(path, text);
+  return {path, kColumns};
+}
+
+// Columns b and a of each row.
+std::vector<std::array<double, 2>> rows_of(const std::string& text) {
+  CsvReader row = reader_of(text);
+  std::vector<std::array<double, 2>> rows;
+  while (row.next()) rows.push_back({row.number(0), row.number(1)});
+  return rows;
+}
+
+std::string refused(const std::string& text) {
+  return refusal([&] { return rows_of(text); });
+}
+
+TEST(Csv, FindsColumnsByNameInAnyOrderAndIgnoresOthers) {
+  CsvReader row = reader_of("a,extra,b\n1,x,2\n\n3,y,4\n");
+  ASSERT_TRUE(row.next());
+  EXPECT_EQ(row.line(), 2u);
+  EXPECT_EQ(row.number(0), 2);
+  EXPECT_EQ(row.number(1), 1);
+  ASSERT_TRUE(row.next());
+  EXPECT_EQ(row.line(), 4u);
+  EXPECT_EQ(row.number(0), 4);
+  EXPECT_EQ(row.number(1), 3);
+  EXPECT_FALSE(row.next());
+}
+
+TEST(Csv, ReadsWindowsLinesAByteOrderMarkAndALastLineWithoutEnd) {
+  EXPECT_THAT(rows_of("\xEF\xBB\xBF"
+                      "a, b\r\n 1.5 ,-2e3\r\n+3,4"),
+              testing::ElementsAre(std::array{-2000.0, 1.5}, std::array{4.0, 3.0}));
+}
+
+TEST(Csv, ReadsBackWhatNeedsQuotes) {
+  for (const std::string& text :
+       std::vector<std::string>{"plain", "with,comma", "with \"quote\"", " blank ", ""}) {
+    for (const std::string& line : {"1," + to_cell(text), "\"1\"," + to_cell(text) + "\r"}) {
+      CsvReader row = reader_of("a,b\n" + line + "\n");
+      ASSERT_TRUE(row.next());
+      EXPECT_EQ(row.text(0), text);
+      EXPECT_EQ(row.integer(1), 1);
+    }
+  }
+  EXPECT_THROW(static_cast<void>(to_cell("two\nlines")), InvalidInput);
+}
+
+TEST(Csv, NumbersReadBackExactly) {
+  for (const double value : {0.1, -1.0 / 3, 1e-320, std::numeric_limits<double>::max(), 5e-324}) {
+    EXPECT_EQ(rows_of("a,b\n" + to_text(value) + ",0\n").at(0)[1], value);
+  }
+  EXPECT_EQ(to_text(0.1), "0.1");
+  EXPECT_EQ(to_text(-12LL), "-12");
+}
+
+TEST(Csv, NamesFileLineColumnTextAndWhatIsRight) {
+  for (const std::string& text :
+       std::vector<std::string>{"abc", "", "nan", "inf", "1.5x", "1 2", "0x10", "+-1"}) {
+    EXPECT_THAT(refused("a,b\n" + text + ",0\n"),
+                AllOf(HasSubstr("t.csv"), HasSubstr("line 2"), HasSubstr("column 'a'"),
+                      HasSubstr("'" + text + "'"), HasSubstr("finite number")));
+  }
+  CsvReader row = reader_of("a,b\n1.5,2\n");
+  ASSERT_TRUE(row.next());
+  EXPECT_THAT(refusal([&] { return row.integer(1); }), HasSubstr("whole number"));
+  EXPECT_THAT(refusal([&] { return row.flag(0); }), HasSubstr("0 or 1"));
+}
+
+TEST(Csv, RefusesWhatIsNotSuchATable) {
+  EXPECT_THAT(refused(""), HasSubstr("empty"));
+  EXPECT_THAT(refused("a,c\n1,2\n"), AllOf(HasSubstr("no column 'b'"), HasSubstr("b,a")));
+  EXPECT_THAT(refused("a,b,a\n1,2,3\n"), HasSubstr("'a' is there twice"));
+  EXPECT_THAT(refused("a,b\n1,2\n1\n"), AllOf(HasSubstr("line 3"), HasSubstr("1 cells")));
+  EXPECT_THAT(refused("a,b\n1,2,3\n"), AllOf(HasSubstr("line 2"), HasSubstr("3 cells")));
+  EXPECT_THAT(refused("a,b\n\"1,2\n"), AllOf(HasSubstr("line 2"), HasSubstr("quote")));
+  EXPECT_THAT(refused("a,b\n\"1\"0,2\n"), AllOf(HasSubstr("line 2"), HasSubstr("quote")));
+  EXPECT_THAT(refused(std::string("\x89PNG\r\n\0\1\2,", 10)), HasSubstr("no column"));
+  EXPECT_THAT(refused("a,b\n\x01\x02" + std::string(100, 'x') + ",2\n"), HasSubstr("'??xxx"));
+  const ScratchFolder folder;
+  EXPECT_THAT(refusal([&] { CsvReader(folder / "none.csv", kColumns); }),
+              AllOf(HasSubstr("none.csv"), HasSubstr("no such file")));
+}
+
+}  // namespace
+}  // namespace palpate::probing

@@ -1,0 +1,193 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/sensing/rig_calibration.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "calibration/synthetic_board.h"
+#include "palpate/error.h"
+#include "test_files.h"
+
+namespace palpate::sensing {
+namespace {
+
+constexpr ImageSize kCamera{640, 480};
+constexpr ImageSize kPanel{512, 384};
+
+RigCalibration calibrate(const std::vector<RigView>& views,
+                         const RigCalibrationOptions& options = {}) {
+  return calibrate_rig(views, kCamera, kPanel, options);
+}
+
+/// The same views as a still image gives them: where the camera sees what the projector shows.
+std::vector<RigView> as_still(std::vector<RigView> views) {
+  for (RigView& view : views) {
+    view.lit_camera = view.camera;
+    view.lit_board.resize(2, 0);
+  }
+  return views;
+}
+
+void expect_rig(const Rig& found, const Rig& truth, double pixels, double lengths) {
+  EXPECT_NEAR(found.camera.fx, truth.camera.fx, pixels);
+  EXPECT_NEAR(found.camera.cy, truth.camera.cy, pixels);
+  EXPECT_NEAR(found.projector.fy, truth.projector.fy, pixels);
+  EXPECT_NEAR(found.projector.cx, truth.projector.cx, pixels);
+  EXPECT_LT(
+      (found.T_projector_camera.translation() - truth.T_projector_camera.translation()).norm(),
+      lengths);
+}
+
+TEST(CalibrateRig, ExactPointsGiveTheExactRig) {
+  const Rig truth = make_board_rig();
+  const RigCalibration result = calibrate(make_views(truth, board_poses(8)));
+  expect_rig(result.rig, truth, 1e-5, 1e-5);
+  EXPECT_TRUE(
+      result.rig.T_projector_camera.linear().isApprox(truth.T_projector_camera.linear(), 1e-8));
+  for (std::size_t i = 0; i < 4; ++i)
+    EXPECT_NEAR(result.rig.projector.distortion.at(i), truth.projector.distortion.at(i), 1e-6) << i;
+  EXPECT_LT(result.stereo_rms, 1e-6);
+  EXPECT_TRUE(result.rejected.empty());
+  EXPECT_EQ(result.rig.camera.width, 640);
+  EXPECT_EQ(result.rig.projector.height, 384);
+  EXPECT_TRUE(result.views[3].T_camera_board.isApprox(board_poses(8)[3], 1e-7));
+}
+
+TEST(CalibrateRig, AStillImageGivesTheExactRigToo) {
+  const Rig truth = make_board_rig();
+  // The camera alone is fitted to pixels in single precision.
+  expect_rig(calibrate(as_still(make_views(truth, board_poses(8)))).rig, truth, 2e-3, 2e-3);
+}
+
+TEST(CalibrateRig, ErrorsAndResidualsAreWhatTheNoiseMakesThem) {
+  const Rig truth = make_board_rig();
+  const auto squared = [](double value) { return value * value; };
+  double sum = 0;
+  double count = 0;
+  constexpr int kRuns = 8;
+  for (unsigned seed = 1; seed <= kRuns; ++seed) {
+    const RigCalibration result = calibrate(make_views(truth, board_poses(10), 0.08, 0.2, seed));
+    EXPECT_NEAR(result.camera_rms, 0.08 * std::sqrt(2), 0.012);
+    EXPECT_NEAR(result.projector_rms, 0.2 * std::sqrt(2), 0.03);
+    const CameraDeviation& c = result.camera_deviation;
+    const CameraDeviation& p = result.projector_deviation;
+    const Eigen::Vector3d shift =
+        result.rig.T_projector_camera.translation() - truth.T_projector_camera.translation();
+    sum += squared((result.rig.camera.fx - truth.camera.fx) / c.fx) +
+           squared((result.rig.camera.cx - truth.camera.cx) / c.cx) +
+           squared((result.rig.projector.fy - truth.projector.fy) / p.fy) +
+           squared((result.rig.projector.cy - truth.projector.cy) / p.cy) +
+           squared((result.rig.projector.distortion[2] - truth.projector.distortion[2]) /
+                   p.distortion[2]) +
+           shift.cwiseQuotient(result.translation_deviation).squaredNorm();
+    count += 8;
+    EXPECT_LT(std::abs(result.rig.camera.fx / truth.camera.fx - 1), 0.005);
+  }
+  // Correlated within a run: the mean of 8 runs lies in this band unless the deviations are wrong.
+  EXPECT_GT(std::sqrt(sum / count), 0.6);
+  EXPECT_LT(std::sqrt(sum / count), 1.5);
+}
+
+TEST(CalibrateRig, AStillImageIsNearlyAsGood) {
+  const Rig truth = make_board_rig();
+  const RigCalibration result = calibrate(as_still(make_views(truth, board_poses(10), 0.05, 0)));
+  EXPECT_NEAR(result.rig.projector.fx, truth.projector.fx, 5 * result.projector_deviation.fx);
+  EXPECT_GT(result.camera_deviation.fx, 0);
+  EXPECT_LT(
+      (result.rig.T_projector_camera.translation() - truth.T_projector_camera.translation()).norm(),
+      3);
+}
+
+TEST(CalibrateRig, OrderOfViewsDoesNotMatter) {
+  const Rig truth = make_board_rig();
+  std::vector<RigView> views = make_views(truth, board_poses(7), 0.1, 0.2);
+  const Rig forwards = calibrate(views).rig;
+  std::reverse(views.begin(), views.end());
+  expect_rig(calibrate(views).rig, forwards, 1e-4, 1e-4);
+}
+
+TEST(CalibrateRig, TheSizeOfTheBoardIsTheSizeOfTheWorld) {
+  const Rig truth = make_board_rig();
+  std::vector<RigView> views = make_views(truth, board_poses(7), 0.1, 0.2);
+  const Eigen::Vector3d t = calibrate(views).rig.T_projector_camera.translation();
+  for (RigView& view : views) {
+    view.board *= 2;
+    view.lit_board *= 2;
+  }
+  EXPECT_LT((calibrate(views).rig.T_projector_camera.translation() - 2 * t).norm(), 1e-3);
+}
+
+TEST(CalibrateRig, AnOutlierIsRejectedWithItsReason) {
+  const Rig truth = make_board_rig();
+  std::vector<RigView> views = make_views(truth, board_poses(9), 0.08, 0.15);
+  const Rig without = calibrate({views.begin() + 1, views.end()}).rig;
+  views[0].projector.row(0) += 0.05 * views[0].projector.row(1);  // the rig was moved
+  const RigCalibration result = calibrate(views);
+  ASSERT_EQ(result.rejected.size(), 1U);
+  EXPECT_EQ(result.rejected[0].name, "view 0");
+  EXPECT_NE(result.rejected[0].reason.find("outlier"), std::string::npos);
+  EXPECT_EQ(result.views.size(), 8U);
+  expect_rig(result.rig, without, 1e-6, 1e-6);
+}
+
+TEST(CalibrateRig, ViewsWithoutEnoughPointsAreRejectedWithTheirReason) {
+  std::vector<RigView> views = make_views(make_board_rig(), board_poses(7));
+  views[1] = RigView{.name = "dark"};
+  views[4].lit_board.conservativeResize(Eigen::NoChange, 5);
+  views[4].projector.conservativeResize(Eigen::NoChange, 5);
+  const RigCalibration result = calibrate(views);
+  ASSERT_EQ(result.rejected.size(), 2U);
+  EXPECT_NE(result.rejected[0].reason.find("board was not found"), std::string::npos);
+  EXPECT_NE(result.rejected[1].reason.find("only 5"), std::string::npos);
+  expect_rig(result.rig, make_board_rig(), 1e-4, 1e-4);
+}
+
+TEST(CalibrateRig, ParallelBoardsAreRefused) {
+  const auto refusal = [](double sigma, double tilt, int terms) {
+    return message_of<SolverError>([&] {
+      (void)calibrate(make_views(make_board_rig(), board_poses(6, tilt), sigma, sigma),
+                      {.distortion_terms = terms});
+    });
+  };
+  const std::string next_step = "tilted by 20 to 45 degrees";
+  for (const int terms : {0, 2, 4}) {
+    for (const double sigma : {0.0, 0.1}) {
+      EXPECT_NE(refusal(sigma, 0, terms).find(next_step), std::string::npos)
+          << terms << ' ' << sigma;
+      EXPECT_NE(refusal(sigma, 0.02, terms).find(next_step), std::string::npos);
+    }
+  }
+  EXPECT_TRUE(refusal(0.1, 0.4, 4).empty());
+}
+
+TEST(CalibrateRig, FewerThanThreeViewsAreRefusedWithTheReasonsOfTheOthers) {
+  std::vector<RigView> views = make_views(make_board_rig(), board_poses(3));
+  views[2] = RigView{.name = "dark"};
+  const std::string message = message_of<SolverError>([&] { (void)calibrate(views); });
+  EXPECT_NE(message.find("2 views"), std::string::npos) << message;
+  EXPECT_NE(message.find("dark: the printed board was not found"), std::string::npos) << message;
+  EXPECT_THROW((void)calibrate({}), SolverError);
+}
+
+TEST(CalibrateRig, RefusesWrongInput) {
+  const std::vector<RigView> views = make_views(make_board_rig(), board_poses(5));
+  const auto refused = [&](auto change) {
+    std::vector<RigView> wrong = views;
+    change(wrong[3]);
+    return message_of<InvalidInput>([&] { (void)calibrate(wrong); }).find("calibrate_rig") == 0;
+  };
+  EXPECT_TRUE(refused([](RigView& view) { view.camera(0, 7) = std::nan(""); }));
+  EXPECT_TRUE(refused([](RigView& view) { view.camera.conservativeResize(Eigen::NoChange, 20); }));
+  EXPECT_TRUE(
+      refused([](RigView& view) { view.projector.conservativeResize(Eigen::NoChange, 20); }));
+  EXPECT_TRUE(refused([](RigView& view) { view = as_still({view})[0]; }));
+  EXPECT_THROW((void)calibrate(views, {.distortion_terms = 3}), InvalidInput);
+  EXPECT_THROW((void)calibrate(views, {.max_residual_ratio = std::nan("")}), InvalidInput);
+  EXPECT_THROW((void)calibrate(views, {.max_focal_deviation = 0}), InvalidInput);
+  EXPECT_THROW((void)calibrate(views, {.min_tilt_deg = std::nan("")}), InvalidInput);
+}
+
+}  // namespace
+}  // namespace palpate::sensing

@@ -1,0 +1,76 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "decode/color_evidence.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <numbers>
+
+#include "synthetic_scene.h"
+
+namespace palpate::sensing {
+namespace {
+
+constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+
+/// Two surfaces beside each other, under stripes of 33 px seen one to one, nothing between them.
+class ColorEvidence : public testing::Test {
+ protected:
+  static constexpr long kColumns = 200;
+  static constexpr long kGap = 100;  // column
+  ColorEvidence() : z_(Plane::Constant(40, kColumns, 700)), hue_(40, kColumns), pixel_(z_) {
+    for (long column = 0; column < kColumns; ++column) {
+      const double pixel = 100.0 + static_cast<double>(column);
+      hue_.col(column) = hue_at(pixel);
+      pixel_.col(column) = static_cast<float>(pixel);
+    }
+    z_.col(kGap) = kNaN;
+    pixel_.col(kGap) = kNaN;
+  }
+  float hue_at(double pixel) const {
+    std::size_t stripe = 0;
+    while (pixel > pattern_.stripe_edges[stripe]) ++stripe;
+    return std::numbers::pi_v<float> / 3 * static_cast<float>(pattern_.stripes[stripe]);
+  }
+  Mask unproven() const {
+    Mask marked;
+    find_unproven_patches(z_, pixel_, hue_, StripeColors(pattern_), classifier_, marked);
+    return marked;
+  }
+  Pattern pattern_ = make_pattern(Axis::y, 10, 1024);
+  HueClassifier classifier_{pattern_, ideal_colors()};
+  Plane z_;
+  Plane hue_;
+  Plane pixel_;
+};
+
+TEST_F(ColorEvidence, ASurfaceUnderSeveralStripesOfTheRightColoursIsProven) {
+  EXPECT_EQ(unproven().count(), 0);
+}
+
+TEST_F(ColorEvidence, ASurfaceOfOneHueIsNotWhateverItsDepth) {
+  for (const float shift : {0.F, 33.F, 66.F, 200.F}) {
+    hue_.rightCols(kColumns - kGap) = hue_(0, kGap + 20);
+    pixel_.rightCols(kColumns - kGap - 1) += shift;
+    const Mask marked = unproven();
+    EXPECT_EQ(marked.leftCols(kGap).count(), 0) << shift;
+    EXPECT_EQ(marked.rightCols(kColumns - kGap - 1).count(), 40 * (kColumns - kGap - 1)) << shift;
+  }
+}
+
+TEST_F(ColorEvidence, APatchWithinOneStripeIsNotProven) {
+  z_.leftCols(kGap) = kNaN;
+  z_.block(10, 50, 20, 8) = 700;  // one stripe is 33 px wide
+  const Mask marked = unproven();
+  EXPECT_EQ(marked.block(10, 50, 20, 8).count(), 20 * 8);
+  EXPECT_EQ(marked.count(), 20 * 8);
+}
+
+TEST_F(ColorEvidence, WhatIsNotKnownIsNotMarked) {
+  z_.setConstant(kNaN);
+  EXPECT_EQ(unproven().count(), 0);
+}
+
+}  // namespace
+}  // namespace palpate::sensing

@@ -1,0 +1,128 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "phase/chromatic.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <random>
+
+#include "synthetic_scene.h"
+
+namespace palpate::sensing {
+namespace {
+
+TEST(Chromatic, LagAgreesWithTheErratumOfEquation3_16) {
+  const Rig rig = make_rig(false);
+  Pattern pattern = make_pattern(Axis::y, 10, 1024);
+  pattern.phase = 0;
+  geometry::Camera projector = rig.projector;
+  projector.cy = 0;  // the thesis counts the phase from the optical axis
+  const ChromaticShift red{.alpha = 0.998, .beta = 1.003, .gamma = 4e-4};
+  const double omega = 2 * std::numbers::pi * projector.fy / pattern.period;
+  const double y_red = 0.0713;
+  const double y_panel = 0.21;
+  const double theta_red = omega * (y_red - y_panel);
+  // theta(alpha y_r) = beta theta_r(y_r) + omega ((alpha - beta) y_r - gamma)
+  const double theta = red.beta * theta_red + omega * ((red.alpha - red.beta) * y_red - red.gamma);
+  const double phase_green = omega * red.alpha * y_red - theta;
+  const double pixel = projector.fy * (red.beta * y_panel + red.gamma);
+  EXPECT_NEAR(omega * y_panel + chromatic_lag(red, projector, pattern).at(pixel), phase_green,
+              1e-9);
+}
+
+TEST(Chromatic, NoShiftMeansNoLagAndNoResampling) {
+  const Rig rig = make_rig(false);
+  const ChromaticLag lag = chromatic_lag({}, rig.projector, make_pattern(Axis::y, 10, 1024));
+  EXPECT_EQ(lag.slope, 0);
+  EXPECT_EQ(lag.offset, 0);
+  EXPECT_TRUE(channel_shift(rig.camera, 1, geometry::pixel_rays(rig.camera), {}).none());
+}
+
+TEST(Chromatic, ResamplingBringsARescaledChannelBack) {
+  const geometry::Camera camera{
+      .width = 30, .height = 80, .fx = 500, .fy = 500, .cx = 14.5, .cy = 39.5};
+  const double alpha = 1.02;
+  const double carrier = 0.86;
+  const double phase = 0.3;
+  // Green shows cos(carrier v + phase); the channel shows at c + (v - c) / alpha what green shows
+  // at v.
+  Demodulated channel{Plane(80, 30), Plane(80, 30), Plane::Zero(80, 30)};
+  for (long row = 0; row < 80; ++row) {
+    const double green_row = camera.cy + alpha * (static_cast<double>(row) - camera.cy);
+    const double baseband = carrier * (green_row - static_cast<double>(row)) + phase;
+    channel.re.row(row) = static_cast<float>(std::cos(baseband));
+    channel.im.row(row) = static_cast<float>(std::sin(baseband));
+  }
+  for (const bool transposed : {false, true}) {
+    geometry::Camera shown = camera;
+    if (transposed) std::swap(shown.width, shown.height), std::swap(shown.cx, shown.cy);
+    const Plane zero = Plane::Zero(80, 30);
+    const ChannelModel model =
+        channel_model(channel_shift(shown, alpha, geometry::pixel_rays(shown),
+                                    {.transposed = transposed, .along = carrier}),
+                      {}, zero);
+    const Demodulated dark{zero, zero, zero};
+    Combined moved;
+    combine_channels({dark, channel, dark}, {zero, {model, model}}, moved);
+    for (long row = 2; row < 78; ++row) {
+      // Bilinear interpolation of a phase that turns by 0.017 rad a pixel.
+      EXPECT_NEAR(std::atan2(moved.im(row, 15), moved.re(row, 15)), phase, 1e-4) << row;
+    }
+  }
+}
+
+TEST(Chromatic, SharesSumToOneWithGreen) {
+  const Plane one = Plane::Constant(4, 5, 1.0F);
+  ChromaticModel model;
+  for (ChannelModel& channel : model.channels) {
+    channel.cosine = one;
+    channel.sine = 0 * one;
+  }
+  const std::vector<Demodulated> channels = {
+      {3 * one, one, one}, {one, 2 * one, one}, {0 * one, one, one}};
+  Combined combined;
+  combine_channels(channels, model, combined);
+  EXPECT_EQ(combined.re(2, 2), 4);
+  EXPECT_EQ(combined.im(2, 2), 4);
+  EXPECT_FLOAT_EQ(combined.shares.red(2, 2), (1 * 4 + 2 * 4) / 32.0F);
+  EXPECT_FLOAT_EQ(combined.shares.blue(2, 2), 4 / 32.0F);
+}
+
+TEST(Chromatic, WhatTheModelLeavesIsFoundAndNoiseIsNot) {
+  constexpr long kRows = 60;
+  constexpr long kColumns = 200;
+  constexpr float kLeft = 0.06F;  // rad that blue runs ahead
+  const Plane zero = Plane::Zero(kRows, kColumns);
+  const Plane one = Plane::Ones(kRows, kColumns);
+  std::mt19937 generator(1);
+  std::normal_distribution<float> noise(0, 0.05F);
+  const auto phasor = [&](float phase) {
+    Demodulated signal{zero, zero, one};
+    for (long i = 0; i < zero.size(); ++i) {
+      const float angle = phase + noise(generator);
+      signal.re.data()[i] = std::cos(angle);
+      signal.im.data()[i] = std::sin(angle);
+    }
+    return signal;
+  };
+  // The surface is not where the lags were taken: the projector pixel is 3 farther.
+  const PixelOfPhase pixels{.along = 0, .offset = 0, .per_pixel = 0.5};
+  ChromaticModel model{.expected_pixel = zero, .channels = {}};
+  model.channels[0] = channel_model({}, {.slope = 0.02, .offset = 0.3}, zero);
+  model.channels[1] = channel_model({}, {.slope = -0.01, .offset = -0.1}, zero);
+  const std::vector<Demodulated> channels = {phasor(1.5F), phasor(1.5F - 0.3F - 0.06F),
+                                             phasor(1.5F + 0.1F + 0.03F + kLeft)};
+  const ChromaticError error =
+      remaining_error(channels, model, Plane::Constant(kRows, kColumns, 1.5F), pixels);
+  // Twice 0.05^2 of noise, averaged over a few thousand pixels.
+  EXPECT_NEAR(error.red, 0, 3e-4);
+  EXPECT_NEAR(error.blue, kLeft * kLeft, 8e-4);
+  const Plane unknown = Plane::Constant(kRows, kColumns, std::numeric_limits<float>::quiet_NaN());
+  EXPECT_EQ(remaining_error(channels, model, unknown, pixels).blue, 0);
+}
+
+}  // namespace
+}  // namespace palpate::sensing
