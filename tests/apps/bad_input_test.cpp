@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "repository.h"
 #include "run_palpate.h"
 
 namespace palpate::apps {
@@ -217,7 +218,7 @@ TEST_F(BadInput, ADepthImageWithoutAPositiveScaleOrACamera) {
 }
 
 TEST_F(BadInput, WhatIsDoneToAMeshTakesNumbersThatMakeSense) {
-  const std::string hand = PALPATE_SOURCE_DIR "/meshes/hand.ply";
+  const std::string hand = repository("meshes/hand.ply").string();
   for (const std::string option : {"--tolerance", "--fill-holes"}) {
     for (const std::string number : {"0", "-1", "nan", "much"})
       expect_refused({"mesh", hand, option, number, "-o", scratch / "x.ply"}, option);

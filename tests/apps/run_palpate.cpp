@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
 #include "run_palpate.h"
+#include "repository.h"
 
 #include <fcntl.h>
 #include <sys/resource.h>
@@ -66,7 +67,7 @@ CommandResult run_palpate(const std::vector<std::string>& arguments,
           .err = read_text(err)};
 }
 
-fs::path demo_data() { return fs::path(PALPATE_SOURCE_DIR) / "demo"; }
+fs::path demo_data() { return repository("demo"); }
 
 ScratchFolder::ScratchFolder() {
   std::string name = (fs::temp_directory_path() / "palpate-test-XXXXXX").string();

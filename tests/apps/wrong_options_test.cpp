@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "repository.h"
 #include "run_palpate.h"
 
 namespace palpate::apps {
@@ -17,7 +18,7 @@ namespace fs = std::filesystem;
 constexpr int kWrongCall = 2;
 
 std::string demo(const std::string& name) { return (demo_data() / name).string(); }
-std::string hand() { return PALPATE_SOURCE_DIR "/meshes/hand.ply"; }
+std::string hand() { return repository("meshes/hand.ply").string(); }
 
 struct WrongCall {
   std::vector<std::string> arguments;

@@ -19,6 +19,7 @@
 #include "phase/modulation.h"
 #include "phase/phase_variance.h"
 #include "phase/wrapped_phase.h"
+#include "repository.h"
 
 namespace {
 
@@ -77,7 +78,7 @@ struct Stages {
     }
   }
 
-  std::filesystem::path demo = std::filesystem::path(PALPATE_SOURCE_DIR) / "demo";
+  std::filesystem::path demo = palpate::repository("demo");
   cv::Mat frame = sensing::read_frame(demo / "frames/duck.png");
   sensing::TrainedColors trained = sensing::train_colors_from_folder(demo / "training");
   sensing::DecodeOptions options;

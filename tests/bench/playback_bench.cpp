@@ -11,6 +11,7 @@
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/haptics/build_model.h"
 #include "palpate/probing/acquisition_csv.h"
+#include "repository.h"
 
 namespace {
 
@@ -29,7 +30,7 @@ void play_proxy(const geometry::SurfaceQuery& surface,
 }
 
 void playback_against_proxy(benchmark::State& state) {
-  const std::filesystem::path demo = std::filesystem::path(PALPATE_SOURCE_DIR) / "demo";
+  const std::filesystem::path demo = palpate::repository("demo");
   const haptics::Model model =
       haptics::build_model(palpate::probing::read_acquisition_csv(demo / "sheet/contacts.csv",
                                                                   demo / "sheet/samples.csv"),

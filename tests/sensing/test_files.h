@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <string>
 
+#include "repository.h"
 #include "scratch_folder.h"
 
 namespace palpate::sensing {
@@ -22,7 +23,7 @@ inline std::string replaced(std::string text, const std::string& from, const std
 }
 
 inline std::filesystem::path demo_path(const std::string& name) {
-  return std::filesystem::path(PALPATE_SOURCE_DIR) / "demo" / name;
+  return repository("demo") / name;
 }
 
 /// The message of the exception of type E that `call` throws; empty if it throws nothing.

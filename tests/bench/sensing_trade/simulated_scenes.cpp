@@ -11,6 +11,7 @@
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/sensing/frame.h"
 #include "palpate/sensing/rig_assessment.h"
+#include "repository.h"
 #include "test_surfaces.h"
 
 namespace palpate::bench {
@@ -31,7 +32,7 @@ struct Bench {
 
 const Bench& bench() {
   static const Bench loaded = [] {
-    const fs::path demo = fs::path(PALPATE_SOURCE_DIR) / "demo";
+    const fs::path demo = repository("demo");
     return Bench{sensing::read_rig(demo / "rig.yaml"), sensing::read_pattern(demo / "pattern.yaml"),
                  sensing::read_frame(demo / "pattern.png")};
   }();
@@ -74,7 +75,7 @@ Body ball(const Eigen::Vector3d& center, double radius, const Eigen::Vector3d& r
 
 Body hand() {
   Body body;
-  body.mesh = geometry::read_mesh(fs::path(PALPATE_SOURCE_DIR) / "meshes/hand.ply");
+  body.mesh = geometry::read_mesh(repository("meshes/hand.ply"));
   const Eigen::Vector3d low = body.mesh.vertices.rowwise().minCoeff();
   const Eigen::Vector3d high = body.mesh.vertices.rowwise().maxCoeff();
   body.mesh.vertices.colwise() += Eigen::Vector3d(0, 0, 700) - (low + high) / 2;

@@ -13,6 +13,7 @@
 #include "mesh_corpus.h"
 #include "palpate/error.h"
 #include "palpate/geometry/mesh_io.h"
+#include "repository.h"
 #include "test_surfaces.h"
 
 namespace palpate::geometry {
@@ -87,7 +88,7 @@ std::vector<Corpus> corpus() {
           {"thin torus", test::torus(120, 20, 50, 2)},
           {"torus of triangular section", test::torus(800, 3, 50, 1)},
           {"sphere", test::icosphere(4, 30)},
-          {"hand", read_mesh(PALPATE_SOURCE_DIR "/meshes/hand.ply")}};
+          {"hand", read_mesh(repository("meshes/hand.ply"))}};
 }
 
 TEST(TriangulateContacts, IsADelaunayTriangulationOfTheSurfaceWhateverItsShape) {

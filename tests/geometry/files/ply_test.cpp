@@ -16,6 +16,7 @@
 #include "file_testing.h"
 #include "palpate/error.h"
 #include "palpate/geometry/mesh_io.h"
+#include "repository.h"
 
 namespace palpate::geometry {
 namespace {
@@ -78,7 +79,7 @@ void expect_refused(const std::string& content, const std::string& words) {
 }
 
 TEST(Ply, ReadsTheBundledSheet) {
-  const TriangleMesh mesh = read_mesh(fs::path(PALPATE_SOURCE_DIR) / "demo/sheet/surface.ply");
+  const TriangleMesh mesh = read_mesh(repository("demo/sheet/surface.ply"));
   EXPECT_EQ(mesh.vertices.cols(), 17061);
   EXPECT_EQ(mesh.triangles.cols(), 33600);
   // The sheet is 120 x 140 mm about the axis, and one disk: V - E + F = 1 (Euler).

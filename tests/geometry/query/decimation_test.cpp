@@ -19,6 +19,7 @@
 #include "palpate/error.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/mesh_topology.h"
+#include "repository.h"
 #include "test_surfaces.h"
 
 namespace palpate::geometry {
@@ -39,7 +40,7 @@ std::vector<Case> corpus() {
       {"thin sheet", test::closed_sheet(20, 14, 6), 0.6, 0.6},
       {"thin sheet, beyond its thickness", test::closed_sheet(20, 14, 6), 1.5, 0.6},
       {"torus", test::torus(40, 20, 30, 8), 1, 0.3},
-      {"hand", read_mesh(std::string(PALPATE_SOURCE_DIR) + "/meshes/hand.ply"), 0.5, 0.3},
+      {"hand", read_mesh(repository("meshes/hand.ply")), 0.5, 0.3},
   };
 }
 

@@ -17,6 +17,7 @@
 
 #include "file_testing.h"
 #include "palpate/error.h"
+#include "repository.h"
 
 namespace palpate::geometry {
 namespace {
@@ -282,7 +283,7 @@ TEST(RangeMapMesh, DoesNotDependOnTheUnitOfLength) {
 }
 
 TEST(RangeMapMesh, ARealHandIsNotJoinedToTheTorsoBehindIt) {
-  const fs::path path = fs::path(PALPATE_SOURCE_DIR) / "demo/depth_camera/hand.png";
+  const fs::path path = repository("demo/depth_camera/hand.png");
   const cv::Mat image = cv::imread(path.string(), cv::IMREAD_UNCHANGED);
   ASSERT_EQ(image.type(), CV_16UC1);
   // Also as a camera with a quarter of the pixels would see it: there hand and torso are
@@ -308,7 +309,7 @@ TEST(RangeMapMesh, ARealHandIsNotJoinedToTheTorsoBehindIt) {
 
 TEST(RangeMapMesh, RenderedObjectsStayWholeAndApart) {
   for (const char* name : {"duck", "flag_a", "flag_b", "plane"}) {
-    const fs::path path = fs::path(PALPATE_SOURCE_DIR) / "demo/truth" / name;
+    const fs::path path = repository("demo/truth") / name;
     const RangeMap map{
         read_depth_tiff(path.string() + ".tiff"),
         {.width = 640, .height = 480, .fx = 1100, .fy = 1100, .cx = 319.5, .cy = 239.5}};

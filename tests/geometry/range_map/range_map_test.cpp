@@ -18,6 +18,7 @@
 
 #include "file_testing.h"
 #include "palpate/error.h"
+#include "repository.h"
 
 namespace palpate::geometry {
 namespace {
@@ -25,7 +26,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-const fs::path kTruth = fs::path(PALPATE_SOURCE_DIR) / "demo/truth";
+const fs::path kTruth = repository("demo/truth");
 
 /// Values that use every bit of the mantissa, with holes.
 ImageF awkward_image(Eigen::Index rows, Eigen::Index cols) {

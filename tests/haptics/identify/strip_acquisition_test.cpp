@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
 #include "strip_acquisition.h"
+#include "repository.h"
 
 #include <gtest/gtest.h>
 
@@ -16,7 +17,7 @@ constexpr double kRounding = 2e-4;  // [mm] six digits of displacements up to 24
 double worst_query(const Strip& strip, const std::string& folder) {
   double worst = 0;
   for (const haptics::Query& query :
-       haptics::read_queries(std::string(PALPATE_SOURCE_DIR "/demo/") + folder + "/queries.csv")) {
+       haptics::read_queries(repository("demo/").string() + folder + "/queries.csv")) {
     const double x = query.contact.x(), y = query.contact.y();
     const Eigen::Matrix3d frame = strip_frame(x, y);
     const Eigen::Vector3d displacement =

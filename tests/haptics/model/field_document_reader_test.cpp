@@ -7,6 +7,7 @@
 #include <random>
 
 #include "model_testing.h"
+#include "repository.h"
 
 namespace palpate::haptics {
 namespace {
@@ -16,8 +17,8 @@ using testing::AllOf;
 using testing::HasSubstr;
 
 std::string document_of_version(int version) {
-  return read_text(std::filesystem::path(PALPATE_SOURCE_DIR) / "tests/haptics/data" /
-                   ("model_version_" + std::to_string(version)) / "field.json");
+  return read_text(repository("tests/haptics/data") / ("model_version_" + std::to_string(version)) /
+                   "field.json");
 }
 
 // What reading says after a good document was changed; in CBOR as in JSON.

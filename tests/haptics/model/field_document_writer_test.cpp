@@ -13,6 +13,7 @@
 
 #include "model_testing.h"
 #include "palpate/haptics/rounding.h"
+#include "repository.h"
 
 namespace palpate::haptics {
 namespace {
@@ -22,7 +23,7 @@ using nlohmann::json;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-const fs::path kDocs = fs::path(PALPATE_SOURCE_DIR) / "docs";
+const fs::path kDocs = repository("docs");
 
 bool is_valid(const json& document, const char* schema_file = "field.schema.json") {
   const json schema_document = json::parse(read_text(kDocs / schema_file));
@@ -119,9 +120,8 @@ TEST(FieldDocumentWriter, WritesWhatTheSchemaDescribes) {
 TEST(FieldDocumentWriter, TheSchemasOfOlderVersionsDescribeTheirDocuments) {
   const json now = json::parse(field_document(some_model(), ModelEncoding::json));
   for (const std::string version : {"1", "2"}) {
-    const json document =
-        json::parse(read_text(fs::path(PALPATE_SOURCE_DIR) / "tests/haptics/data" /
-                              ("model_version_" + version) / "field.json"));
+    const json document = json::parse(
+        read_text(repository("tests/haptics/data") / ("model_version_" + version) / "field.json"));
     const std::string schema = "field-v" + version + ".schema.json";
     EXPECT_TRUE(is_valid(document, schema.c_str())) << version;
     EXPECT_FALSE(is_valid(document)) << version;

@@ -8,6 +8,7 @@
 #include "model_testing.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/haptics/blended_field.h"
+#include "repository.h"
 
 namespace palpate::haptics {
 namespace {
@@ -78,8 +79,7 @@ TEST(ModelIo, WritesModelsOfManyContactsInCbor) {
 // tests/haptics/data/model_version_1 is what the program wrote when that was its version. The
 // forces are those of its library: of each contact, then of a place between them.
 TEST(ModelIo, ReadsModelsOfVersionOne) {
-  const Model model =
-      read_model(fs::path(PALPATE_SOURCE_DIR) / "tests/haptics/data/model_version_1");
+  const Model model = read_model(repository("tests/haptics/data/model_version_1"));
   const Eigen::Vector3d displacement(1.2, -0.7, 2.5);
   const std::vector<Eigen::Vector3d> forces = {
       {0.93944743622866256, -0.43354288452877721, 1.3085253038641562},
@@ -113,8 +113,7 @@ TEST(ModelIo, ReadsModelsOfVersionOne) {
 // tests/haptics/data/model_version_2 has the contacts of the other with further bases. The forces
 // are those of the Python code that described version 2.
 TEST(ModelIo, ReadsModelsOfVersionTwo) {
-  const Model model =
-      read_model(fs::path(PALPATE_SOURCE_DIR) / "tests/haptics/data/model_version_2");
+  const Model model = read_model(repository("tests/haptics/data/model_version_2"));
   const Eigen::Vector3d displacement(1.2, -0.7, 2.5);
   const std::vector<Eigen::Vector3d> forces = {
       {-0.055086032836453899, -0.14121257365024872, 2.5191756165572503},

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "records/probing_testing.h"
+#include "repository.h"
 
 namespace palpate::probing {
 namespace {
@@ -13,7 +14,7 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-const std::filesystem::path kSheet = std::filesystem::path(PALPATE_SOURCE_DIR) / "demo" / "sheet";
+const std::filesystem::path kSheet = repository("demo") / "sheet";
 
 TEST(AcquisitionCsv, ReadsBackExactlyWhatWasWritten) {
   const ScratchFolder folder;
