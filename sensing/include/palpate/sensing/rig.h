@@ -10,19 +10,19 @@
 
 namespace palpate::sensing {
 
-/// How the red or the blue light path differs from the green one (thesis 3.4.2).
+/// Chromatic aberration of the red or the blue light path, relative to green (thesis 3.4.2).
 ///
-/// A scene direction that green shows at the normalised camera coordinate y appears in this channel
-/// at y / alpha. A point of this channel's projector panel at the normalised coordinate y_panel is
-/// sent out in the direction beta * y_panel + gamma. No difference: 1, 1, 0.
+/// Green shows a scene direction at the normalised camera coordinate y; this channel shows it at
+/// y / alpha. This channel of the projector sends light from the normalised panel coordinate
+/// y_panel into the direction beta * y_panel + gamma. The values 1, 1, 0 mean no aberration.
 struct ChromaticShift {
   double alpha = 1;  ///< > 0
   double beta = 1;   ///< > 0
   double gamma =
-      0;  ///< in normalised direction (tangent of the angle) along the pattern's sinusoid
+      0;  ///< offset along the pattern's sinusoid, in normalised coordinates (tangent of the angle)
 };
 
-/// A camera and a projector, both calibrated, and where they stand.
+/// A calibrated camera and projector, and the pose between them.
 struct Rig {
   geometry::Camera camera;
   geometry::Camera projector;
@@ -32,20 +32,21 @@ struct Rig {
   ChromaticShift blue;  ///< relative to green
 };
 
-/// \throws InvalidInput, beginning with `what`, unless both cameras are valid, the pose is a
-/// rotation and a translation other than zero, and the chromatic shifts are finite with alpha, beta
-/// > 0.
+/// Checks that both cameras are valid, that the pose is a rotation and a non-zero translation, and
+/// that the chromatic shifts are finite with alpha, beta > 0.
+/// \throws InvalidInput otherwise; the message begins with `what`.
 void check_rig(const Rig& rig, const std::string& what);
 
-/// Reads a rig (OpenCV FileStorage: `camera_size`, `camera_matrix`, `camera_distortion`, the same
-/// for `projector`, `R`, `t`, and optionally `chromatic`). A distortion has 0, 4, 5 or 8
-/// coefficients.
-/// \throws FileError naming the file and the key if something is missing, of the wrong shape, not
-/// finite, or R is not a rotation.
+/// Reads a rig from OpenCV FileStorage: `camera_size`, `camera_matrix`, `camera_distortion`, the
+/// same three keys for `projector`, `R`, `t`, and optionally `chromatic`. A lens distortion has 0,
+/// 4, 5 or 8 coefficients.
+/// \throws FileError naming the file and the key if a value is missing, has the wrong shape or is
+/// not finite, or if R is not a rotation.
 [[nodiscard]] Rig read_rig(const std::filesystem::path& path);
 
-/// Writes a rig as `read_rig` reads it; every number survives exactly.
-/// \throws InvalidInput if the rig is not valid; OutputError.
+/// Writes a rig so that `read_rig` reads every number back exactly.
+/// \throws InvalidInput if the rig is not valid.
+/// \throws OutputError if the file cannot be written.
 void write_rig(const std::filesystem::path& path, const Rig& rig);
 
 }  // namespace palpate::sensing

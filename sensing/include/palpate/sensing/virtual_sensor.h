@@ -17,120 +17,121 @@
 
 namespace palpate::sensing {
 
-/// One thing the virtual sensor looks at. Its reflectance at a point is `reflectance` times the
-/// colour of the vertices around it times that of the texture, each where there is one.
+/// An object in front of the virtual sensor. The reflectance at a point is the product of
+/// `reflectance`, the interpolated vertex colour (if any) and the texture colour (if any).
 struct Body {
-  geometry::TriangleMesh mesh;  ///< camera frame [mm]; both sides of a triangle are seen and lit
-  /// [mm] 3 x V: where the vertices are when the shutter closes, at constant speed; empty: at rest.
+  geometry::TriangleMesh mesh;  ///< camera frame [mm]; triangles are visible and lit on both sides
+  /// [mm] 3 x V: vertex positions at the end of the exposure, reached at constant speed; empty if
+  /// the body is at rest.
   Eigen::Matrix3Xd end_vertices{};
   Eigen::Vector3d reflectance{0.8, 0.8, 0.8};  ///< red, green, blue in [0, 1]; Lambertian
   Eigen::Matrix3Xd vertex_colors{};            ///< 3 x V red, green, blue in [0, 1]; or empty
-  /// 8 or 16 bit, grey or BGR, linear in the light; with `texture_coordinates`, or empty.
+  /// 8 or 16 bit, grey or BGR, linear in the light; needs `texture_coordinates`. May be empty.
   cv::Mat texture{};
-  /// 2 x V: (0, 0) is the lower left corner of the texture, (1, 1) the upper right one; beyond, it
-  /// repeats.
+  /// 2 x V: (0, 0) is the lower left corner of the texture and (1, 1) the upper right one; the
+  /// texture repeats outside this square.
   Eigen::Matrix2Xd texture_coordinates{};
-  double specular = 0;    ///< strength of the highlight, which has the light's colour; in [0, 1]
-  double shininess = 50;  ///< its exponent (Blinn and Phong): the higher, the narrower; >= 1
-  /// Triangles that meet at an edge look smooth iff their normals differ by <= crease_angle [rad];
+  double specular = 0;  ///< strength of the highlight, which has the colour of the light; in [0, 1]
+  double shininess = 50;  ///< exponent of the highlight (Blinn-Phong): higher is narrower; >= 1
+  /// An edge is shaded smoothly iff the normals of its triangles differ by <= crease_angle [rad];
   /// in [0, pi].
   double crease_angle = 0.6;
 };
 
-/// What leaves the camera.
+/// Format of the camera's images.
 enum class Readout {
   color,       ///< every pixel measures all three channels
   mosaic,      ///< raw RGGB mosaic, one channel
   demosaiced,  ///< RGGB mosaic, missing channels interpolated bilinearly
 };
 
-/// Light, optics and electronics of a camera and a projector, beyond the geometry of their rig.
-/// The defaults are a common colour camera with 8 bits.
+/// Light, optics and electronics of a camera and a projector; their geometry is the `Rig`. The
+/// defaults describe a common 8-bit colour camera.
 struct VirtualSensor {
   double projector_gamma = 1;  ///< light = value ^ projector_gamma; > 0
-  double projector_black = 0;  ///< share of its white light that black lets through; in [0, 1)
-  double projector_blur = 0;   ///< px of the projector, standard deviation of the blur; in [0, 100]
-  /// The projector sends out light as the cosine of the angle to its axis to this power: 0 is a
-  /// point that shines evenly, -3 lights a screen that faces it evenly; in [-10, 10].
+  double projector_black = 0;  ///< light of a black pixel as a share of white; in [0, 1)
+  double projector_blur = 0;   ///< projector px, standard deviation of the blur; in [0, 100]
+  /// Exponent of cos(angle to the projector's axis) in the emitted light: 0 is a point source that
+  /// shines evenly in all directions; -3 lights a plane that faces it evenly; in [-10, 10].
   double projector_falloff = -2;
-  /// Light from everywhere, as a share of the projector's white on a surface that faces it 1 m
-  /// away; >= 0.
+  /// Ambient light, as a share of the projector's white on a surface that faces it at a distance
+  /// of 1 m; >= 0.
   double ambient = 0;
 
-  double camera_blur = 1;    ///< px of the camera, standard deviation of the blur; in [0, 100]
-  int samples_per_axis = 1;  ///< rays a pixel, across and down, on a regular grid; in [1, 64]
-  int exposure_steps = 8;  ///< moments into which motion is cut; in [1, 1024]; 1 if all is at rest
+  double camera_blur = 1;    ///< camera px, standard deviation of the blur; in [0, 100]
+  int samples_per_axis = 1;  ///< rays per pixel along each axis, on a regular grid; in [1, 64]
+  int exposure_steps = 8;    ///< time samples of motion per exposure; in [1, 1024]; 1 if at rest
 
   Readout readout = Readout::demosaiced;
-  int bits = 8;              ///< a channel: 8 or 16
+  int bits = 8;              ///< per channel: 8 or 16
   double camera_gamma = 1;   ///< value = light ^ (1 / camera_gamma); > 0
-  double full_well = 12000;  ///< electrons at full scale, >= 0; 0: no noise at all
+  double full_well = 12000;  ///< electrons at full scale, >= 0; 0 turns all noise off
   double read_noise = 20;    ///< electrons, standard deviation; >= 0
-  std::uint64_t seed = 1;    ///< of the noise
+  std::uint64_t seed = 1;    ///< seed of the noise
 
-  /// The camera sets its exposure so that a white surface that faces the projector's white at this
-  /// distance [mm] reads exposure_level of full scale; > 0. Or 0: so that exposure_percentile of
-  /// the lit pixels stay below it in the first frame.
+  /// Fixed exposure: a white surface facing the projector's white at this distance [mm] reads
+  /// exposure_level of full scale; > 0. With 0 the exposure is automatic: it puts
+  /// exposure_percentile of the lit pixels of the first frame below exposure_level.
   double exposure_distance = 0;
   double exposure_percentile = 0.97;  ///< in (0, 1]
   double exposure_level = 0.8;        ///< in (0, 1]
 };
 
-/// \throws InvalidInput, beginning with `what`, if a value is not in its range.
+/// Checks that every value is in its range.
+/// \throws InvalidInput otherwise; the message begins with `what`.
 void check_virtual_sensor(const VirtualSensor& sensor, const std::string& what);
 
-/// The same without any fault: no blur, no mosaic, no noise, 16 bits.
+/// Returns the sensor without imperfections: no blur, no mosaic, no noise, 16 bits.
 [[nodiscard]] VirtualSensor ideal(VirtualSensor sensor);
 
-/// Reads a sensor (OpenCV FileStorage: the names above, `readout` in words; what is missing keeps
-/// its default).
+/// Reads a sensor from OpenCV FileStorage. The keys are the member names of `VirtualSensor`, with
+/// `readout` as a word; a missing key keeps its default.
 /// \throws FileError naming the file and the key.
 [[nodiscard]] VirtualSensor read_virtual_sensor(const std::filesystem::path& path);
 
-/// Writes a sensor as `read_virtual_sensor` reads it.
-/// \throws InvalidInput if it is not valid; OutputError.
+/// Writes a sensor so that `read_virtual_sensor` reads it back.
+/// \throws InvalidInput if the sensor is not valid.
+/// \throws OutputError if the file cannot be written.
 void write_virtual_sensor(const std::filesystem::path& path, const VirtualSensor& sensor);
 
-/// rows x cols, row after row.
+/// Images of rows x cols, row-major.
 using PixelMask = Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 using PixelLabels = Eigen::Array<int, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// What is true of the scene, at pixel centres in green's optics, in the middle of the exposure.
+/// Ground truth at pixel centres, through green's optics, at the middle of the exposure.
 struct SceneTruth {
-  geometry::RangeMap range;  ///< NaN where no body is
-  PixelLabels body;          ///< number of the body; -1 where none is
-  PixelMask covered;         ///< there is a body, and the projector's image reaches its place ...
-  PixelMask lit;             ///< ... and nothing keeps the light away
-  /// [rad] angle of the surface's normal to the camera's or the projector's ray, whichever is
-  /// larger; NaN where no body is.
+  geometry::RangeMap range;  ///< NaN where there is no body
+  PixelLabels body;          ///< index of the body; -1 where there is none
+  PixelMask covered;         ///< a body that lies within the projector's field of view
+  PixelMask lit;             ///< `covered`, and the projector's light reaches it
+  /// [rad] angle between the surface normal and the ray to the camera or to the projector,
+  /// whichever is larger; NaN where there is no body.
   geometry::ImageF incidence;
 };
 
 struct Simulation {
-  std::vector<cv::Mat> frames;  ///< one for each of the projector's images, as the readout says
+  std::vector<cv::Mat> frames;  ///< one per projector image, in the format of the readout
   SceneTruth truth;
-  double exposure = 0;  ///< full scales per light on a white surface that faces white from 1 m
+  double exposure = 0;  ///< pixel value (1 = full scale) of a white surface facing white at 1 m
 };
 
-/// What a camera sees of bodies under a projector's images; one frame an image, all with the
-/// exposure of the first.
+/// Renders what the camera sees of bodies under projector images, one frame per image. All frames
+/// use the exposure of the first one. Interreflections are not simulated.
 ///
-/// A ray from the camera meets the first surface; its light is that of the panel at the place whose
-/// ray ends there, unless a body is in between:
+/// The light E on a surface and the radiance L towards the camera are
 ///
 ///     E = panel cos^falloff(angle to the axis) cos(incidence) / (distance / 1 m)^2
 ///     L = E (reflectance + specular (s + 8) / 8 cos^s(angle of normal and half vector))
 ///         + ambient reflectance
 ///
-/// Each colour has its own path through both lenses (`ChromaticShift`; beta acts on both axes of
-/// the panel, gamma along `axis` alone). The camera then blurs L, and turns it into electrons with
-/// shot and read noise, which depend on the seed, the number of the frame and the place alone.
-/// Light that goes from surface to surface is left out.
+/// with E = 0 in shadow. Each colour has its own path through both lenses (`ChromaticShift`: beta
+/// acts on both axes of the panel, gamma only along `axis`). The camera blurs L and converts it to
+/// electrons with shot and read noise, which depend only on seed, frame number and pixel.
 ///
 /// \param panels  the projector's images: 8 or 16 bit or float in [0, 1], grey or BGR, of the
-///                projector's size; bilinear between pixel centres.
-/// \param axis    along which the pattern's sinusoid varies: the direction of gamma.
-/// \param first_frame  number of the first frame, for the noise.
+///                projector's size; interpolated bilinearly between pixel centres.
+/// \param axis    the axis along which the pattern's sinusoid varies, and gamma shifts.
+/// \param first_frame  number of the first frame, used by the noise.
 /// \throws InvalidInput if a body, a panel, the rig or the sensor is not valid.
 [[nodiscard]] Simulation simulate(const Rig& rig, std::span<const Body> bodies,
                                   std::span<const cv::Mat> panels, const VirtualSensor& sensor,
