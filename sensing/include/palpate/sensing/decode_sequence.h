@@ -11,28 +11,29 @@
 
 namespace palpate::sensing {
 
-/// What one frame of a sequence came to.
+/// Result of one frame of a sequence.
 struct DecodedFrame {
   SourceFrame source;
-  std::string error;    ///< why there is no result; names the frame. Empty if there is one
-  DecodeResult result;  ///< empty if there is an error
+  std::string error;    ///< why there is no result; names the frame. Empty on success
+  DecodeResult result;  ///< empty on error
   double read_milliseconds = 0;
   double decode_milliseconds = 0;
-  double work_milliseconds = 0;  ///< in `DecodeSequenceOptions::in_parallel`
+  double work_milliseconds = 0;  ///< time spent in `DecodeSequenceOptions::in_parallel`
 };
 
 struct DecodeSequenceOptions {
-  /// Called in parallel and in no order on each frame that was decoded, before it is delivered: the
-  /// place for writing files.
+  /// Called for each decoded frame before its delivery, in parallel and in no fixed order. Write
+  /// files here.
   std::function<void(const DecodedFrame&)> in_parallel = {};
-  /// Never are more frames and results in memory; >= 1. Unless given, two a thread, at most 100.
+  /// Upper limit of frames and results in memory; >= 1. Default: two per thread, at most 100.
   std::optional<int> max_live_frames = {};
 };
 
-/// Decodes the frames that `next` gives until it gives none: each alone, read and decoded in
-/// parallel, delivered in their order. A frame that cannot be read or does not fit the decoder is
-/// delivered with its error, and does not stop the others. What `next`, `in_parallel` or `deliver`
-/// throws does, and passes through: frames that were delivered before are whole.
+/// Decodes the frames that `next` returns until it returns none. Frames are read and decoded in
+/// parallel, each on its own, and delivered in order. A frame that cannot be read or does not fit
+/// the decoder is delivered with its error, and decoding continues. An exception thrown by `next`,
+/// `in_parallel` or `deliver` stops the sequence and propagates; frames delivered before are
+/// complete.
 ///
 ///     FrameSource source({"frames/"});
 ///     decode_sequence([&] { return source.next(); }, decoder, [](const DecodedFrame& f) { ... });

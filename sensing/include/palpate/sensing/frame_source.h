@@ -15,44 +15,44 @@
 
 namespace palpate::sensing {
 
-/// One frame of a sequence, not yet read.
+/// A frame of a sequence that has not been read yet.
 struct SourceFrame {
-  std::size_t number = 0;      ///< its place in the sequence, from 0
-  std::string name;            ///< of its file; in a video with its number there: "wave.avi#12"
+  std::size_t number = 0;      ///< index in the sequence, from 0
+  std::string name;            ///< file name; for a video with the frame number: "wave.avi#12"
   std::filesystem::path file;  ///< image or video
-  /// Gives the image as `Decoder` wants it; may be called in any thread.
-  /// \throws FileError if the frame cannot be read; the others still can.
+  /// Reads the image in the form that `Decoder` takes; may be called from any thread.
+  /// \throws FileError if this frame cannot be read; other frames are not affected.
   std::function<cv::Mat()> read;
 };
 
 struct FrameSourceOptions {
-  /// Given: the frames are mosaics of a single-chip camera.
+  /// If given, the frames are raw mosaics of a single-chip camera.
   std::optional<BayerPattern> bayer = {};
 };
 
-/// The frames of images, folders of images and videos, one after another: nothing is read before
-/// its turn, and nothing is kept.
+/// The frames of images, folders of images and videos as one sequence. Each frame is read only when
+/// it is needed, and no frame is kept.
 class FrameSource {
  public:
-  /// `paths`: images (PNG, TIFF), folders (all PNG and TIFF in them by name), videos (whatever
-  /// OpenCV's FFmpeg reads: AVI, MP4, MKV and others), in the order of the sequence.
-  /// \throws FileError for a path that does not exist, a folder without an image, or a video that
-  /// cannot be opened.
+  /// \param paths images (PNG, TIFF), folders (all their PNG and TIFF images by name) and videos
+  /// (what OpenCV's FFmpeg reads: AVI, MP4, MKV and others), in the order of the sequence.
+  /// \throws FileError if a path does not exist, a folder has no image, or a video cannot be
+  /// opened.
   explicit FrameSource(const std::vector<std::filesystem::path>& paths,
                        const FrameSourceOptions& options = {});
   ~FrameSource();
   FrameSource(FrameSource&&) noexcept;
   FrameSource& operator=(FrameSource&&) noexcept;
 
-  /// The next frame; nothing at the end. A video that ends before its announced number of frames
-  /// gives a last frame that cannot be read and says so.
+  /// Returns the next frame; empty at the end. A video that ends before its announced number of
+  /// frames gives a last frame whose `read` throws an error that says so.
   [[nodiscard]] std::optional<SourceFrame> next();
 
-  /// The files in their order, folders replaced by their images.
+  /// The files in sequence order; folders are replaced by their images.
   [[nodiscard]] const std::vector<std::filesystem::path>& files() const;
-  /// How many frames there are, as far as the videos know: only for showing progress.
+  /// Number of frames as announced by the videos; may be wrong, so use it only for progress.
   [[nodiscard]] std::size_t expected_frames() const;
-  /// What should be known about the source, such as a video that is compressed with losses.
+  /// Warnings about the source, such as lossy compression of a video.
   [[nodiscard]] const std::vector<std::string>& warnings() const;
 
  private:
@@ -60,8 +60,9 @@ class FrameSource {
   std::unique_ptr<Impl> impl_;
 };
 
-/// The images (png, tif, tiff) in a folder, by name, numbers in it as numbers (`comes_before`).
-/// \throws FileError if it cannot be read or there are none.
+/// Lists the images (png, tif, tiff) in a folder, sorted by name, with numbers compared as numbers
+/// (`comes_before`).
+/// \throws FileError if the folder cannot be read or has no images.
 [[nodiscard]] std::vector<std::filesystem::path> list_images(const std::filesystem::path& folder);
 
 }  // namespace palpate::sensing

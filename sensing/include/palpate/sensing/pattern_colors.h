@@ -11,36 +11,37 @@
 
 namespace palpate::sensing {
 
-/// The fully saturated colour of a hue [rad], value 1.
+/// The fully saturated colour with a hue [rad] and the value 1.
 [[nodiscard]] Eigen::Vector3d rgb_of_hue(double hue);
 
-/// `count` fully saturated hues at equal distances, the first one red. Colours are named R, Y, G,
-/// C, B, M at multiples of 60 degrees, else H and the hue in whole degrees: H072.
+/// Makes `count` fully saturated colours at equal hue distances, starting with red. They are named
+/// R, Y, G, C, B, M at multiples of 60 degrees, otherwise H and the hue in whole degrees: H072.
 /// \throws InvalidInput unless 2 <= count <= 24.
 [[nodiscard]] std::vector<PatternColor> evenly_spaced_colors(int count);
 
-/// Colours of a pattern and how the camera is expected to see them.
+/// Colours of a pattern and the hues that the camera is expected to see.
 struct SpreadColors {
   std::vector<PatternColor> colors;    ///< in the order of their hues
   std::vector<TrainedColor> expected;  ///< predicted mean and variance of the hue; no pixels
 };
 
-/// Chooses projected hues so that the two neighbours the camera tells apart worst lie as far apart
-/// as possible in units of their standard deviations: this minimises the overlap of the Gaussians,
-/// as thesis 3.3.2 asks. What the camera sees of a projected hue is interpolated linearly between
-/// the trained colours, mean and deviation, around the circle. Of equally good choices it takes the
-/// one nearest to the trained hues, where least is interpolated. Hues are whole degrees. If as many
-/// colours are wanted as were trained, and no two of those overlap by more than 1e-4, they stay as
-/// they are: nothing is to be gained.
+/// Chooses hues to project so that the smallest separation of neighbouring hues in the camera, in
+/// units of their standard deviations, becomes as large as possible. This minimises the overlap of
+/// the Gaussians (thesis 3.3.2).
 ///
-/// \param trained names as in `evenly_spaced_colors`, which tell what was projected.
-/// \throws InvalidInput unless 2 <= count <= 24, there are at least 3 trained colours with such
-/// names and variances >= 0, and the camera sees them in the order in which they were projected.
+/// The camera's hue and deviation are interpolated linearly between the trained colours around the
+/// circle. Hues are whole degrees. Among equally good choices the one nearest to the trained hues
+/// is taken, since it needs the least interpolation. If `count` equals the number of trained
+/// colours and no two of them overlap by more than 1e-4, the trained colours are returned
+/// unchanged.
+/// \param trained names as in `evenly_spaced_colors`; they tell which hue was projected.
+/// \throws InvalidInput unless 2 <= count <= 24, at least 3 trained colours have such names and
+/// variances >= 0, and the camera sees them in the order in which they were projected.
 [[nodiscard]] SpreadColors spread_colors(const TrainedColors& trained, int count);
 
-/// How far two classes lie apart: |circular difference of the means| / (sum of the deviations). At
-/// the threshold that lies equally many deviations from both means, each is taken for the other
-/// with the probability 1/2 erfc(d / sqrt 2).
+/// Separation of each pair of classes: |circular difference of the means| / (sum of the standard
+/// deviations). With a threshold the same number of deviations from both means, each class is
+/// mistaken for the other with the probability 1/2 erfc(d / sqrt 2).
 /// \return n x n, zero on the diagonal.
 [[nodiscard]] Eigen::MatrixXd hue_separation(const std::vector<TrainedColor>& colors);
 

@@ -8,12 +8,14 @@
 
 namespace palpate::sensing {
 
-/// Writes the codes of `Reason` as an image of 8 bit, one channel (TIFF or PNG, by the ending).
-/// \throws InvalidInput if there are no pixels; OutputError.
+/// Writes the codes of `Reason` as an 8-bit image of one channel; the extension chooses TIFF or
+/// PNG.
+/// \throws InvalidInput if there are no pixels.
+/// \throws OutputError if the file cannot be written.
 void write_reasons(const std::filesystem::path& path, const ReasonImage& reasons);
 
-/// Reads what `write_reasons` wrote.
-/// \throws FileError if the file cannot be read, is of another type, or holds a code that is none.
+/// Reads a file of `write_reasons`.
+/// \throws FileError if the file cannot be read, has another type, or holds an unknown code.
 [[nodiscard]] ReasonImage read_reasons(const std::filesystem::path& path);
 
 }  // namespace palpate::sensing

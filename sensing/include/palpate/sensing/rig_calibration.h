@@ -15,21 +15,21 @@
 namespace palpate::sensing {
 
 struct RigCalibrationOptions {
-  /// Coefficients of each lens distortion that are estimated: 0, 2 (k1 k2), 4 (p1 p2 too) or 5 (k3
-  /// too, which only boards out to the corners of the image determine).
+  /// Estimated coefficients of each lens distortion: 0, 2 (k1 k2), 4 (also p1 p2) or 5 (also k3,
+  /// which only boards that reach the corners of the image determine).
   int distortion_terms = 4;
-  /// A view is an outlier iff one of its RMS residuals > max_residual_ratio times the median of the
-  /// other views' (or of 0.1 px, if that is more); > 1.
+  /// A view is an outlier iff one of its RMS residuals > max_residual_ratio times the median over
+  /// the other views (or times 0.1 px, if that is larger); > 1.
   double max_residual_ratio = 4;
-  /// The views determine a rig iff the standard deviation of every focal length <=
-  /// max_focal_deviation times that length, in (0, 1), ...
+  /// The views determine the rig iff the standard deviation of every focal length <=
+  /// max_focal_deviation times that focal length, in (0, 1), ...
   double max_focal_deviation = 0.02;
-  /// ... and two of the boards are inclined to one another by >= min_tilt_deg; > 0. Parallel boards
-  /// fix no focal length but for the lens distortion, which noise easily feigns.
+  /// ... and two boards are tilted relative to each other by >= min_tilt_deg; > 0. Parallel boards
+  /// determine the focal length only through lens distortion, which noise can imitate.
   double min_tilt_deg = 10;
 };
 
-/// Standard deviations of a camera's parameters.
+/// Standard deviations of the parameters of a camera.
 struct CameraDeviation {
   double fx = 0, fy = 0, cx = 0, cy = 0;  ///< px
   std::array<double, 5> distortion{};     ///< k1 k2 p1 p2 k3; 0 where not estimated
@@ -41,14 +41,14 @@ struct ViewResiduals {
   double projector_rms = 0;  ///< px
   Eigen::Isometry3d T_camera_board = Eigen::Isometry3d::Identity();  ///< mm
   Eigen::Matrix2Xd camera;              ///< 2 x N [px], where the camera sees the points
-  Eigen::Matrix2Xd camera_residual;     ///< 2 x N [px], seen minus predicted
+  Eigen::Matrix2Xd camera_residual;     ///< 2 x N [px], observed minus predicted
   Eigen::Matrix2Xd projector;           ///< 2 x M [px]
-  Eigen::Matrix2Xd projector_residual;  ///< 2 x M [px]
+  Eigen::Matrix2Xd projector_residual;  ///< 2 x M [px], observed minus predicted
 };
 
 struct RejectedView {
   std::string name;
-  std::string reason;  ///< in plain words, with figures
+  std::string reason;  ///< in words, with figures
 };
 
 struct RigCalibration {
@@ -59,23 +59,24 @@ struct RigCalibration {
   Eigen::Vector3d translation_deviation = Eigen::Vector3d::Zero();  ///< mm
   double camera_rms = 0;                                            ///< px, over all points
   double projector_rms = 0;                                         ///< px, over all points
-  /// px, over the points of both: what OpenCV's stereoCalibrate calls its re-projection error.
+  /// px, over the points of both: the re-projection error of OpenCV's stereoCalibrate.
   double stereo_rms = 0;
-  std::vector<ViewResiduals> views;  ///< those used, in the order given
+  std::vector<ViewResiduals> views;  ///< the views that were used, in input order
   std::vector<RejectedView> rejected;
 };
 
-/// Intrinsics of camera and projector and the pose between them, from views of a flat board.
+/// Calibrates the intrinsics of camera and projector and the pose between them from views of a flat
+/// board.
 ///
-/// Each lens alone is calibrated first (Zhang 2000, by OpenCV), the projector as an inverse camera
-/// (Moreno and Taubin 2012); then all parameters and the poses of the board together, with both
-/// instruments weighted by the inverse of their residual variance. Where `lit_camera` is given, the
-/// camera and the poses come from the printed points alone, and the lit points are the
-/// intersections of the camera's rays with the board. The standard deviations are those of the
-/// least-squares fit: they tell noise, not what the model leaves out. The order of the views does
-/// not matter. \throws InvalidInput if views are malformed or an option is outside its range;
-/// SolverError, saying what to show, if fewer than three views remain or they do not determine the
-/// parameters, such as boards that all stand parallel.
+/// Each lens is first calibrated alone (Zhang 2000, by OpenCV), with the projector as an inverse
+/// camera (Moreno and Taubin 2012). Then all parameters and board poses are refined together, each
+/// instrument weighted by the inverse of its residual variance. If the views have `lit_camera`,
+/// camera and poses come from the printed points alone, and the lit points are the intersections of
+/// the camera's rays with the board. The standard deviations cover noise, not model errors. The
+/// order of the views does not matter.
+/// \throws InvalidInput if views are malformed or an option is outside its range.
+/// \throws SolverError if fewer than three views remain or the views do not determine the
+/// parameters, for example because all boards are parallel. The message tells what to show.
 [[nodiscard]] RigCalibration calibrate_rig(const std::vector<RigView>& views,
                                            const ImageSize& camera, const ImageSize& projector,
                                            const RigCalibrationOptions& options = {});
