@@ -11,7 +11,7 @@
 
 namespace palpate::sensing {
 
-/// One lens, and where the boards stood before it.
+/// A lens, and the poses of the boards in front of it.
 struct LensCalibration {
   geometry::Camera lens;
   std::array<double, 9> deviation{};  ///< of fx fy cx cy k1 k2 p1 p2 k3
@@ -19,9 +19,9 @@ struct LensCalibration {
   double rms = 0;  ///< px, root of the mean squared length of the residuals
 };
 
-/// Calibrates a lens of the size of `lens` from flat boards (Zhang 2000): board points [mm] in
-/// z = 0 and their pixels, one pair of matrices a view. `distortion_terms` is 0, 2, 4 or 5.
-/// \throws SolverError if the views do not determine it so far that no numbers come out.
+/// Calibrates a lens with the image size of `lens` from flat boards (Zhang 2000): board points [mm]
+/// in z = 0 and their pixels, one pair of matrices per view. `distortion_terms` is 0, 2, 4 or 5.
+/// \throws SolverError if the views are so insufficient that the result is not finite.
 [[nodiscard]] LensCalibration calibrate_lens(const std::vector<Eigen::Matrix2Xd>& board,
                                              const std::vector<Eigen::Matrix2Xd>& pixels,
                                              const geometry::Camera& lens, int distortion_terms);

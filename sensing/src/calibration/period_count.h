@@ -12,12 +12,12 @@
 namespace palpate::sensing {
 
 struct PeriodCount {
-  double deviation = 0;  ///< largest of a region's number of periods; 0 if depths told it
-  std::string problem;   ///< why the last region failed; empty unless all did
+  double deviation = 0;  ///< largest standard deviation of a region's count; 0 if depths were given
+  std::string problem;   ///< why the last region failed; empty unless all regions failed
 };
 
-/// Decides how many periods each region's phase lacks and fills in `pixel` and `depth` of its
-/// cells; the cells of regions where that fails are taken out.
+/// Finds how many periods the phase of each region lacks and sets `pixel` and `depth` of its cells.
+/// Removes the cells of regions for which this fails.
 [[nodiscard]] PeriodCount count_periods(WhiteView& view, const Carrier& carrier, const Rig& rig,
                                         const Pattern& pattern,
                                         const std::optional<geometry::ImageF>& depth);

@@ -10,7 +10,7 @@
 
 namespace palpate::sensing {
 
-/// What one view contributes: points of the board's plane [mm] and where they are seen [px].
+/// Observations of one view: points in the board's plane [mm] and their pixels [px].
 struct BundleView {
   Eigen::Matrix2Xd board;      ///< 2 x N
   Eigen::Matrix2Xd camera;     ///< 2 x N
@@ -18,22 +18,22 @@ struct BundleView {
   Eigen::Matrix2Xd projector;  ///< 2 x M
 };
 
-/// What is estimated.
+/// Estimated parameters.
 struct Bundle {
   geometry::Camera camera;
   geometry::Camera projector;
   Eigen::Isometry3d T_projector_camera = Eigen::Isometry3d::Identity();
-  std::vector<Eigen::Isometry3d> T_camera_board;  ///< one a view
+  std::vector<Eigen::Isometry3d> T_camera_board;  ///< one per view
 };
 
 struct BundleOptions {
   int distortion_terms = 5;      ///< 0, 2, 4 or 5
-  bool camera_is_fixed = false;  ///< camera and poses of the board too: only the projector moves
+  bool camera_is_fixed = false;  ///< also fixes the board poses; only the projector is refined
   double camera_sigma = 1;       ///< px, > 0: standard deviation of a coordinate
   double projector_sigma = 1;    ///< px, > 0
 };
 
-/// Seen minus predicted [px], 2 x N and 2 x M.
+/// Observed minus predicted [px], 2 x N and 2 x M.
 struct BundleResiduals {
   Eigen::Matrix2Xd camera;
   Eigen::Matrix2Xd projector;
@@ -41,15 +41,16 @@ struct BundleResiduals {
 [[nodiscard]] BundleResiduals bundle_residuals(const Bundle& bundle, const BundleView& view,
                                                std::size_t index);
 
-/// Minimises the sum of squared residuals over sigma (Levenberg and Marquardt; each view's pose is
-/// eliminated by an orthogonal factorisation of its own rows, so that the cost is linear in the
-/// number of views).
-/// \throws SolverError if it comes to numbers that are not finite.
+/// Minimises the sum of squared residuals divided by sigma (Levenberg-Marquardt). Each view's pose
+/// is eliminated by an orthogonal factorisation of its own rows, so that the cost is linear in the
+/// number of views.
+/// \throws SolverError if the parameters become non-finite.
 [[nodiscard]] Bundle refine_bundle(const Bundle& start, const std::vector<BundleView>& views,
                                    const BundleOptions& options);
 
 /// Covariance of fx fy cx cy k1 k2 p1 p2 k3 of the camera, the same of the projector, then of a
-/// rotation [rad] after R and of t [mm]: 24 x 24, zero where fixed; infinite if undetermined.
+/// rotation [rad] applied after R and of t [mm]: 24 x 24, zero where fixed; infinite if
+/// undetermined.
 [[nodiscard]] Eigen::MatrixXd bundle_covariance(const Bundle& bundle,
                                                 const std::vector<BundleView>& views,
                                                 const BundleOptions& options);

@@ -14,18 +14,18 @@
 
 namespace palpate::sensing {
 
-/// A block of pixels about as large as the demodulation window: one phase measurement that hardly
-/// depends on its neighbours'.
+/// A block of pixels about as large as the demodulation window: one phase measurement that is
+/// nearly independent of its neighbours.
 struct PhaseCell {
-  long row = 0;  ///< of its first pixel in the working image
+  long row = 0;  ///< of the first pixel in the working image
   long column = 0;
   Eigen::Vector2d center = Eigen::Vector2d::Zero();  ///< mean (row, column) of its reliable pixels
   Eigen::Vector2d gradient =
-      Eigen::Vector2d::Zero();  ///< of green's phase by (row, column) [rad/px], carrier included
-  double phase = 0;  ///< green's at `center` [rad], carrier included, unwrapped in the region
+      Eigen::Vector2d::Zero();  ///< of green's phase along (row, column) [rad/px], with the carrier
+  double phase = 0;  ///< green's at `center` [rad], with the carrier, unwrapped in the region
   int region = 0;
-  double pixel = 0;  ///< the projector's along the axis there, once the period is known
-  double depth = 0;  ///< and the depth
+  double pixel = 0;  ///< projector pixel along the axis, once the period is known
+  double depth = 0;  ///< depth, once the period is known
 };
 
 /// The phases of all channels of one white image.
@@ -33,7 +33,7 @@ struct WhiteView {
   Demodulated green;
   std::array<Demodulated, 2> others;  ///< red, blue
   Mask reliable;
-  std::vector<PhaseCell> cells;  ///< at least three quarters of their pixels being reliable
+  std::vector<PhaseCell> cells;  ///< cells of which at least three quarters is reliable
   int cell_size = 0;             ///< [px]
   int regions = 0;
 };

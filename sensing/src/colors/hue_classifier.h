@@ -10,30 +10,30 @@
 
 namespace palpate::sensing {
 
-/// Bayesian classifier of hues: one Gaussian a colour (thesis 3.3.2, Eq. 3.4 with sigma^2 the
+/// Bayesian classifier of hues with one Gaussian per colour (thesis 3.3.2, Eq. 3.4 with sigma^2 the
 /// variance).
 class HueClassifier {
  public:
-  /// Probabilities are tabulated at so many hues around the circle.
+  /// Number of hues around the circle at which probabilities are tabulated.
   static constexpr int kSteps = 1024;
 
-  /// Probabilities come in groups of so many colours, zeros filling the last one.
+  /// The probabilities of a hue are padded with zeros to a multiple of this.
   static constexpr int kGroup = 8;
 
   /// \throws InvalidInput if a colour of the pattern was not trained.
   HueClassifier(const Pattern& pattern, const TrainedColors& trained);
 
   [[nodiscard]] int colors() const { return colors_; }
-  /// A multiple of kGroup.
+  /// Number of colours rounded up to a multiple of kGroup.
   [[nodiscard]] int padded_colors() const { return padded_; }
-  /// Probability of each colour of the pattern (in its order) given the hue [rad, in [0, 2 pi)]:
-  /// its density divided by the sum of all.
+  /// Probability of each colour of the pattern, in its order, given the hue [rad, in [0, 2 pi)]:
+  /// the density of the colour divided by the sum over all colours.
   [[nodiscard]] const float* probabilities(float hue) const {
     return &table_[static_cast<std::size_t>(step_of(hue) * padded_)];
   }
   /// Index of the most probable colour.
   [[nodiscard]] int best(float hue) const { return best_[static_cast<std::size_t>(step_of(hue))]; }
-  /// The same in two steps.
+  /// Index of a hue's table entry; `best_of_steps()[step_of(hue)]` equals `best(hue)`.
   [[nodiscard]] static int step_of(float hue) {
     constexpr float kPerRadian = kSteps / (2 * std::numbers::pi_v<float>);
     const int step = static_cast<int>(hue * kPerRadian);

@@ -8,8 +8,8 @@
 
 namespace palpate::sensing {
 
-/// The hues [rad, in [0, 2 pi)] of all pixels that are bright and saturated enough, and not
-/// clipped. \throws InvalidInput on an image of another type, or an option outside its range.
+/// The hues [rad, in [0, 2 pi)] of all pixels that are bright and saturated enough and not clipped.
+/// \throws InvalidInput if an image has another type or an option is outside its range.
 [[nodiscard]] std::vector<float> training_hues(const NamedImages& named,
                                                const TrainingOptions& options);
 

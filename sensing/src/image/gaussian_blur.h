@@ -6,11 +6,11 @@
 
 namespace palpate::sensing {
 
-/// What lies beyond the border of an image.
+/// Assumed values of the pixels outside an image.
 enum class Border { black, replicated };
 
-/// Convolves an image of float channels with a Gaussian bell of standard deviation `sigma` px; 0
-/// changes nothing. Not OpenCV's, whose last digit depends on the processor.
+/// Convolves an image of float channels with a Gaussian of standard deviation `sigma` px; 0 leaves
+/// the image unchanged. Replaces OpenCV's filter, whose last digit depends on the processor.
 [[nodiscard]] cv::Mat gaussian_blur(const cv::Mat& image, double sigma, Border border);
 
 }  // namespace palpate::sensing

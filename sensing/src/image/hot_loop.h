@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-/// Before a plain function over arrays that is worth compiling once for each generation of
-/// processors; the loader picks one. Sanitizers and unoptimised builds get one version. Results are
-/// the same in all: the build forbids fused multiply-add.
+/// Put before a plain function over arrays to compile it once for each generation of processors;
+/// the loader selects one version at run time. Sanitizer and unoptimised builds have one version.
+/// All versions give the same results, because the build forbids fused multiply-add.
 #if defined(__x86_64__) && defined(__OPTIMIZE__) && !defined(__SANITIZE_ADDRESS__) && \
     !defined(__SANITIZE_THREAD__)
 #define PALPATE_HOT_LOOP \

@@ -10,7 +10,7 @@
 
 namespace palpate::sensing {
 
-/// An angle brought to [-pi, pi].
+/// Wraps an angle to [-pi, pi].
 template <typename T>
 [[nodiscard]] inline T wrap(T angle) {
   constexpr T kTurn = 2 * std::numbers::pi_v<T>;
@@ -18,7 +18,7 @@ template <typename T>
 }
 
 /// Hue of the HSV colour space [rad], in [0, 2 pi), and saturation in [0, 1]; both 0 for grey.
-/// Light that is added to all three channels alike does not change the hue.
+/// Adding the same light to all three channels does not change the hue.
 struct Hue {
   float angle = 0;
   float saturation = 0;
@@ -27,7 +27,7 @@ struct Hue {
   const float high = std::max(std::max(red, green), blue);
   const float low = std::min(std::min(red, green), blue);
   const float range = high - low;
-  // Selections in place of branches: loops can take many pixels at once.
+  // Selections instead of branches, so that the compiler can vectorise loops.
   const float turn = green < blue ? 6.0F : 0.0F;
   const float other_difference = high == green ? blue - red : red - green;
   const float other_sectors = high == green ? 2.0F : 4.0F;
@@ -38,7 +38,7 @@ struct Hue {
   return {kSector * (difference / divisor + sectors), high > 0 ? range / high : 0};
 }
 
-/// The hues of an image.
+/// Computes the hue of each pixel.
 void find_hues(const Plane& red, const Plane& green, const Plane& blue, Plane& hue);
 
 }  // namespace palpate::sensing

@@ -9,8 +9,8 @@
 
 namespace palpate::sensing {
 
-/// Objects that are costly to make, kept for the next who needs one: as many as were ever in use at
-/// the same time. Safe from several threads; must outlive its loans.
+/// Keeps objects that are costly to construct for reuse; holds as many as were ever in use at the
+/// same time. Thread-safe; must outlive its loans.
 template <typename T>
 class Pool {
   struct GiveBack {
@@ -19,7 +19,7 @@ class Pool {
   };
 
  public:
-  /// Goes back into the pool at the end of its life, as it is then.
+  /// Returns the object to the pool on destruction, in its current state.
   using Loan = std::unique_ptr<T, GiveBack>;
 
   [[nodiscard]] Loan borrow() {

@@ -11,13 +11,14 @@ namespace palpate::sensing {
   return static_cast<std::uint8_t>(reason);
 }
 
-/// Gives a reason to the pixels of a mask that still are `reconstructed`: the first reason stays.
+/// Sets the reason of those pixels of a mask that are still `reconstructed`; an earlier reason
+/// stays.
 void give_reason(const Mask& where, Reason reason, ReasonImage& reasons);
 
 /// The same for the pixels outside a mask.
 void give_reason_unless(const Mask& where, Reason reason, ReasonImage& reasons);
 
-/// Makes all other pixels NaN.
+/// Sets all pixels to NaN that are not `reconstructed`.
 void keep_reconstructed(const ReasonImage& reasons, Plane& image);
 
 }  // namespace palpate::sensing

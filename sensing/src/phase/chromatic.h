@@ -12,10 +12,9 @@
 
 namespace palpate::sensing {
 
-/// By how much the phase of a colour channel lags behind green's, as a function of green's
-/// projector pixel along the pattern's axis (erratum to Eq. 3.16, for any pose): the channel's
-/// panel coordinate is (d - gamma) / beta where d is green's direction, so the lag is linear in the
-/// pixel.
+/// Phase lag of a colour channel behind green as a function of green's projector pixel along the
+/// pattern's axis (erratum to Eq. 3.16, for any pose). The channel's panel coordinate is
+/// (d - gamma) / beta for green's direction d, so the lag is linear in the pixel.
 struct ChromaticLag {
   double slope = 0;   ///< [rad/px]
   double offset = 0;  ///< [rad] at pixel 0
@@ -25,83 +24,84 @@ struct ChromaticLag {
 [[nodiscard]] ChromaticLag chromatic_lag(const ChromaticShift& shift,
                                          const geometry::Camera& projector, const Pattern& pattern);
 
-/// What varies smoothly along the rows is kept at the columns 0, kNodeSpacing, 2 kNodeSpacing, ...
-/// up to one that is not left of the last column; between, it is linear. Smooth are the lenses:
-/// over 16 pixels a place bends away from its chord by some 1e-4 px.
+/// Values that vary smoothly along the rows are stored at the columns 0, kNodeSpacing,
+/// 2 kNodeSpacing, ... up to the last column or beyond, and interpolated linearly in between. The
+/// lens shifts are smooth: over 16 pixels they deviate from a straight line by some 1e-4 px.
 inline constexpr long kNodeSpacing = 16;
 using Nodes = Plane;
 [[nodiscard]] Nodes nodes_of(const Plane& smooth);
 
 /// Where a channel shows what green shows at each pixel of the working image: alpha acts on the
-/// normalised camera coordinates (Eq. 3.14). The shift varies slowly, so the four pixels around
-/// such a place are the same number of pixels away over long runs of a row.
+/// normalised camera coordinates (Eq. 3.14). Because the shift varies slowly, the four pixels
+/// around that place keep the same distance from the pixel over long runs of a row.
 struct ChannelShift {
-  /// Pixels of a row, and the upper left of the four around the place that belongs to the first.
+  /// A range of pixels in a row, and the upper left of the four pixels around the first one's
+  /// place.
   struct Run {
     long begin = 0;
     long end = 0;
     long row = 0;
     long column = 0;
   };
-  std::vector<std::vector<Run>> runs;  ///< of each row; a pixel in none is outside the image
-  Nodes right;                         ///< [px] from the pixel to the place
-  Nodes down;                          ///< [px]
-  Plane turn;                          ///< [rad] of the carrier from the place to the pixel
+  std::vector<std::vector<Run>> runs;  ///< per row; a pixel in no run has no place in the image
+  Nodes right;                         ///< [px] horizontally from the pixel to the place
+  Nodes down;                          ///< [px] vertically
+  Plane turn;                          ///< [rad] phase of the carrier from the place to the pixel
   [[nodiscard]] bool none() const { return runs.empty(); }
 };
-/// Nothing if alpha is one, or the image too small to interpolate in.
+/// Empty if alpha is one or the image is too small for interpolation.
 [[nodiscard]] ChannelShift channel_shift(const geometry::Camera& camera, double alpha,
                                          const Eigen::Matrix2Xd& rays, const Carrier& carrier);
 
-/// How a channel other than green is brought to green.
+/// How a channel other than green is aligned with green.
 struct ChannelModel {
   ChannelShift shift;
   ChromaticLag lag;
-  Nodes cosine;  ///< of the lag at each pixel's expected projector pixel, plus the shift's turn
+  Nodes cosine;  ///< of the lag at each pixel's expected projector pixel, plus the shift's `turn`
   Nodes sine;
 };
 /// \param expected_pixel as in `ChromaticModel`.
 [[nodiscard]] ChannelModel channel_model(ChannelShift shift, const ChromaticLag& lag,
                                          const Plane& expected_pixel);
 
-/// Red and blue, and the projector pixel along the axis at which their lags were taken.
+/// The models of red and blue, and the projector pixels along the axis at which the lags hold.
 struct ChromaticModel {
   Plane expected_pixel;
   std::array<ChannelModel, 2> channels;
 };
 
-/// What part of the sum of all channels comes from red and from blue: Re(channel conj(sum)) /
-/// |sum|^2. Nothing in a frame of one channel.
+/// Share of red and of blue in the sum of all channels: Re(channel conj(sum)) / |sum|^2. Empty for
+/// frames of one channel.
 struct ChannelShares {
   Plane red;
   Plane blue;
 };
 
-/// The sinusoid of all channels as green sees it. Each is weighted by its own modulation, so a
-/// stripe that lacks a channel lacks nothing else.
+/// Sum of all channels after alignment with green. Each channel is weighted by its own modulation,
+/// so the sum stays valid in stripes that lack a channel.
 struct Combined {
   Plane re;
   Plane im;
   ChannelShares shares;
 };
-/// Red and blue are interpolated bilinearly in re and im, which vary slowly, the carrier being
-/// taken out and put back. Memory of `out` is used again.
+/// Aligns and adds the channels. Red and blue are interpolated bilinearly in re and im with the
+/// carrier removed, because these vary slowly. The memory of `out` is reused.
 void combine_channels(const std::vector<Demodulated>& channels, const ChromaticModel& model,
                       Combined& out);
 
-/// The projector pixel that an absolute phase means: (phase + along * row - offset) / per_pixel.
+/// Converts an absolute phase to a projector pixel: (phase + along * row - offset) / per_pixel.
 struct PixelOfPhase {
-  double along = 0;      ///< [rad/px] carrier down the working image
+  double along = 0;      ///< [rad/px] carrier frequency down the working image
   double offset = 0;     ///< [rad]
-  double per_pixel = 1;  ///< [rad/px] of the projector
+  double per_pixel = 1;  ///< [rad] per projector pixel
   [[nodiscard]] double at(long row, double phase) const {
     return (phase + along * static_cast<double>(row) - offset) / per_pixel;
   }
 };
 
-/// Systematic disagreement of red and of blue with green that the chromatic model leaves [rad^2]:
-/// the mean product of the phase differences at two pixels of a row, far enough apart for their
-/// noise to be independent. Zero where too few pixels show both channels.
+/// Systematic disagreement [rad^2] of red and of blue with green that remains after the chromatic
+/// model: the mean product of the phase differences at two pixels of a row that are far enough
+/// apart for independent noise. Zero where too few pixels show both channels.
 struct ChromaticError {
   double red = 0;
   double blue = 0;

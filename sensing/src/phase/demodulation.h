@@ -8,26 +8,26 @@
 
 namespace palpate::sensing {
 
-/// A window over a column and the sinusoid that is sought in it.
+/// A window over a column and the frequency of the sinusoid to be fitted in it.
 struct DemodulationFilter {
   int radius = 0;      ///< px; the window holds 2 radius + 1 pixels
   double carrier = 0;  ///< [rad/px]
   std::vector<float>
       weight;  ///< of the pixel k rows away, k = 0 ... radius; the whole window sums to 1
-  /// Binomial averages along the rows, the pixels of each twice as far apart as those before.
+  /// Number of binomial averages along the rows; each doubles the pixel spacing of the one before.
   int averages = 1;
 
-  /// Pixels of a row that an average holds.
+  /// Number of pixels of a row that the averages cover.
   [[nodiscard]] int width() const { return 4 * ((1 << averages) - 1) + 1; }
 };
 
-/// A Hann window so many periods long. Of two: light that does not vary, and the second harmonic of
-/// the sinusoid, fall on zeros of its spectrum. Along the rows it averages over as much of a period
-/// as five pixels are at 7 px: the most that a period holds, at least five pixels.
+/// Makes a Hann window of a number of periods. With two periods, constant light and the second
+/// harmonic of the sinusoid lie on zeros of its spectrum. Along the rows the filter averages over
+/// the same part of a period as five pixels at 7 px per period, and over five pixels at least.
 [[nodiscard]] DemodulationFilter make_filter(double carrier, double periods = 2);
 
-/// The sinusoid found around each pixel: v(row + k) = mean + Re(2 (re + i im) exp(i carrier (row +
-/// k))). What is not known is zero.
+/// Sinusoid around each pixel: v(row + k) = mean + Re(2 (re + i im) exp(i carrier (row + k))). Zero
+/// where unknown.
 struct Demodulated {
   Plane re;
   Plane im;
@@ -36,16 +36,18 @@ struct Demodulated {
 
 struct Demodulation {
   std::vector<Demodulated> channels;
-  /// Mean square of what mean and sinusoid leave in the window, fraction of full scale squared, the
-  /// sum of all channels: noise, texture, steps, a frequency off the carrier.
+  /// Mean square of the fit's residual in the window, in (fraction of full scale)^2, summed over
+  /// all channels: noise, texture, steps, or a frequency other than the carrier.
   Plane residual;
 };
 
-/// Weighted least squares of mean and sinusoid in the window around each pixel of the mask, from
-/// pixels of the mask alone (thesis 3.3.3, in its complex form). Away from the mask's borders that
-/// is multiplication by exp(-i carrier row) and a low-pass; at the borders it keeps the step of
-/// brightness out of the phase. Then re, im and the residual are averaged along the rows with
-/// binomial weights, those outside the mask being zero. Memory of `out` is used again.
+/// Fits mean and sinusoid by weighted least squares in the window around each pixel of the mask,
+/// using only pixels of the mask (thesis 3.3.3, in complex form).
+///
+/// Away from the mask's border this is multiplication by exp(-i carrier row) followed by a low-pass
+/// filter; at the border it keeps the step of brightness out of the phase. Then re, im and the
+/// residual are averaged along the rows with binomial weights, with zeros outside the mask. The
+/// memory of `out` is reused.
 void demodulate(const std::vector<Plane>& channels, const Mask& mask,
                 const DemodulationFilter& filter, Demodulation& out);
 

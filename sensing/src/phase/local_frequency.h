@@ -8,27 +8,27 @@
 
 namespace palpate::sensing {
 
-/// Adapts what a window of the carrier's frequency measured to the frequency that is really there.
+/// Corrects a demodulation at the carrier frequency for the actual local frequency.
 ///
-/// A surface that slopes, or lies nearer or farther than the carrier was made for, shows the
-/// sinusoid at carrier + delta. To first order in the window, z exp(i delta k), the fit then gives
+/// A surface that slopes, or whose depth differs from the carrier's, shows the sinusoid at the
+/// frequency carrier + delta. For z exp(i delta k), to first order in the window, the fit gives
 ///   G(delta) z + H(delta) conj(z) exp(-2 i carrier row):
-/// its mirror image leaks in as a ripple of half the period, and a part epsilon(delta) of the
-/// sinusoid's power stays in the residual. Both are taken out; the frequency is read from how the
-/// phase changes over `reach` rows up and down, all channels together.
+/// the mirror image leaks in as a ripple of half the period, and a part epsilon(delta) of the
+/// sinusoid's power remains in the residual. This class removes both. It measures the frequency
+/// from the change of the phase over `reach` rows up and down, over all channels together.
 class LocalFrequency {
  public:
   explicit LocalFrequency(const DemodulationFilter& filter);
 
-  /// px; half a period, so that the ripple itself does not enter the frequency.
+  /// px; half a period, so that the ripple cancels in the frequency.
   [[nodiscard]] int reach() const { return reach_; }
-  /// Adapts one row, where the mask holds the pixels `reach` rows above and below, too. To be
-  /// called for row after row; the rows below must not have been adapted.
+  /// Corrects one row, at pixels whose neighbours `reach` rows above and below are in the mask.
+  /// Call it for row after row; the rows below must not have been corrected yet.
   void adapt(long row, Demodulation& signal);
 
-  /// Degrees of the polynomials in delta that stand for H / G and epsilon.
+  /// Degree of the polynomials in delta that approximate H / G and epsilon.
   static constexpr int kDegree = 8;
-  /// Frequencies off by more than this part of the carrier are treated as off by so much.
+  /// Frequency deviations are clamped to this fraction of the carrier.
   static constexpr double kLargestDeviation = 0.25;
 
   using Polynomial = Eigen::Array<float, kDegree + 1, 1>;
@@ -37,7 +37,7 @@ class LocalFrequency {
   int reach_;
   double carrier_;
   Polynomial ripple_;  ///< H / G
-  Polynomial power_;   ///< residual over the sum of re^2 + im^2 that was measured
+  Polynomial power_;   ///< residual divided by the measured sum of re^2 + im^2
   Eigen::ArrayXf product_re_;
   Eigen::ArrayXf product_im_;
   Eigen::ArrayXf squares_;

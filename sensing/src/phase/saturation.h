@@ -8,7 +8,7 @@
 
 namespace palpate::sensing {
 
-/// Where a channel is at full scale.
+/// Finds the pixels where any channel is at full scale.
 void find_clipped(const std::vector<Plane>& channels, Mask& clipped);
 
 }  // namespace palpate::sensing

@@ -9,8 +9,8 @@
 
 namespace palpate::sensing {
 
-/// What a row at some distance counts: weight, and weight times cos and sin of the carrier and
-/// their products.
+/// Contribution of a row at some distance: its weight, and the weight times cosine and sine of the
+/// carrier and their products.
 struct Tap {
   float weight = 0;
   float cosine = 0;
@@ -19,7 +19,7 @@ struct Tap {
   float cosine_sine = 0;
 };
 
-/// The normal equations of a whole window: its symmetry leaves the sine alone.
+/// Normal equations of a complete window; by symmetry the sine decouples.
 struct WholeWindow {
   float cosine = 0;        ///< sum of weight * cos
   float cosine_scale = 0;  ///< 1 / (sum of weight * cos^2 - cosine^2)
@@ -42,11 +42,11 @@ struct Window {
   WholeWindow whole;
 };
 
-/// The sum over the channels of the squared values, for the rows of a window that moves downwards.
+/// Sum over the channels of the squared values, for the rows of a window that moves downwards.
 class PowerRows {
  public:
   PowerRows(const std::vector<Plane>& channels, int radius);
-  /// Makes the rows up to this one available, and drops those more than a window above.
+  /// Computes the rows up to this one, and drops rows more than a window above.
   void reach(long row);
   [[nodiscard]] const float* at(long row, long column) const {
     return &rows_(row % rows_.rows(), column);
@@ -58,17 +58,17 @@ class PowerRows {
   Plane rows_;
 };
 
-/// Green, red, blue.
+/// Green, red and blue.
 inline constexpr std::size_t kMostChannels = 3;
 
-/// Some columns of one row.
+/// A range of columns of one row.
 struct Block {
   long row = 0;
   long column = 0;
   long columns = 0;
 };
 
-/// What the windows of one row give, column by column.
+/// Output arrays of one row of windows, column by column.
 struct FittedRow {
   struct Channel {
     float* mean = nullptr;
@@ -79,19 +79,19 @@ struct FittedRow {
     }
   };
   std::array<Channel, kMostChannels> channels;
-  std::size_t count = 0;  ///< of the channels
+  std::size_t count = 0;  ///< number of channels
   float* residual = nullptr;
 };
 
-/// Fits the windows of a block, all of which lie wholly in the mask: plain convolution.
+/// Fits the windows of a block that all lie completely inside the mask: plain convolution.
 void fit_whole_windows(const std::vector<Plane>& channels, const PowerRows& power,
                        const Window& window, const Block& block, Turn turn, const FittedRow& out);
 
-/// Fits windows of which some are cut by the mask.
+/// Fits windows of which some are partly outside the mask.
 void fit_cut_windows(const std::vector<Plane>& channels, const PowerRows& power, const Mask& mask,
                      const Window& window, const Block& block, Turn turn, const FittedRow& out);
 
-/// Writes zeros, for windows around pixels outside the mask.
+/// Writes zeros for windows around pixels outside the mask.
 void fit_nothing(const Block& block, const FittedRow& out);
 
 }  // namespace palpate::sensing

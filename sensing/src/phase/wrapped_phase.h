@@ -6,7 +6,8 @@
 
 namespace palpate::sensing {
 
-/// The angle of re + i im [rad], in [-pi, pi], to within 4e-7 rad; zero where both are zero.
+/// Computes the angle of re + i im [rad], in [-pi, pi], to within 4e-7 rad; zero where both are
+/// zero.
 void find_wrapped_phase(const Plane& re, const Plane& im, Plane& wrapped);
 
 }  // namespace palpate::sensing

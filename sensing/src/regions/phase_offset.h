@@ -10,36 +10,36 @@
 
 namespace palpate::sensing {
 
-/// What a stripe transition says of the phase at a pixel.
+/// An estimate of the absolute phase at a pixel, from a stripe transition.
 struct PhaseGuess {
   int row = 0;
   int column = 0;
   double phase = 0;  ///< [rad] absolute
   double score = 0;  ///< weight, > 0
-  int edge = 0;      ///< of the pattern, from which it comes
+  int edge = 0;      ///< stripe edge of the pattern that it comes from
 };
 
-/// Guesses of one stripe edge on consecutive scanlines that agree.
+/// Consistent guesses from one stripe edge on consecutive scanlines.
 struct Chain {
   int label = 0;
   int turns = 0;
-  int row = 0;     ///< of its last guess
-  int column = 0;  ///< of its last guess
+  int row = 0;     ///< of the last guess
+  int column = 0;  ///< of the last guess
   int length = 0;
 };
 
-/// The guesses of one region that ask for one number of turns.
+/// The guesses in one region for the same number of turns.
 struct Tally {
   int turns = 0;
-  int next = 0;  ///< another of its region
+  int next = 0;  ///< index of another tally of the same region
   int guesses = 0;
   double weight = 0;
-  double residual = 0;         ///< weighted sum of their distances from `turns`
-  int edge = -1;               ///< stripe edge that the first comes from
-  bool several_edges = false;  ///< they come from more than one
+  double residual = 0;         ///< weighted sum of the guesses' distances from `turns`
+  int edge = -1;               ///< stripe edge of the first guess
+  bool several_edges = false;  ///< the guesses come from more than one stripe edge
 };
 
-/// Memory that the functions below use again from frame to frame; it says nothing between calls.
+/// Buffers reused by the functions below from frame to frame; they carry no state between calls.
 struct OffsetBuffers {
   std::vector<Chain> chains;
   std::vector<std::vector<int>> open_chains;
@@ -49,33 +49,33 @@ struct OffsetBuffers {
   std::vector<Tally> of_region;
 };
 
-/// The guesses that can be trusted one by one: they come near a whole number of turns, and so do
-/// guesses from the same stripe edge on the neighbouring scanlines, to the same number.
+/// Finds the guesses that are reliable individually: they are close to a whole number of turns, and
+/// guesses from the same stripe edge on the neighbouring scanlines give the same number.
 /// \param guesses in the order of rows.
-/// \param markers takes the result, in the order of the guesses.
+/// \param markers output, in the order of the guesses.
 void find_markers(const Regions& regions, const std::vector<PhaseGuess>& guesses,
                   OffsetBuffers& buffers, std::vector<Marker>& markers);
 
-/// What is to be added to the unwrapped phase of a region.
+/// Offset to be added to the unwrapped phase of a region.
 struct RegionOffset {
   std::optional<double> phase;            ///< [rad] a multiple of 2 pi
-  Reason reason = Reason::no_transition;  ///< `reconstructed`, or why there is none
+  Reason reason = Reason::no_transition;  ///< `reconstructed`, or why there is no offset
 };
 
-/// The multiple of 2 pi to be added to the unwrapped phase of each region (Eq. 3.12): the rounded
-/// weighted median of what its guesses say. Nothing for a region with too few guesses, or
-/// from a single stripe edge, which may have been misread all along, unless they come very near to
-/// the multiple (no_transition), or of
-/// whose guesses less than `min_agreement` (by weight) come to the same
-/// multiple (ambiguous_offset).
-/// \param offsets takes the result, one a region.
+/// Finds the multiple of 2 pi to be added to the unwrapped phase of each region (Eq. 3.12): the
+/// rounded weighted median of its guesses.
+///
+/// A region gets no offset (no_transition) if it has too few guesses, or if all come from a single
+/// stripe edge, which may be misread as a whole, unless they are very close to the multiple. It
+/// gets none (ambiguous_offset) if less than `min_agreement` of its guesses, by weight, give the
+/// same multiple.
+/// \param offsets output, one per region.
 void region_offsets(const Regions& regions, const std::vector<PhaseGuess>& guesses,
                     double min_agreement, OffsetBuffers& buffers,
                     std::vector<RegionOffset>& offsets);
 
-/// The same from one known phase, for a pattern without stripes: gives the region of the pixel
-/// nearest to the guess, at most `reach` px away in row and column, its offset. All other regions
-/// stay without.
+/// The same from one known phase, for a pattern without stripes. Only the region of the pixel
+/// nearest to the guess, at most `reach` px away in row and column, gets an offset.
 [[nodiscard]] std::vector<RegionOffset> anchored_offsets(const Regions& regions,
                                                          const PhaseGuess& anchor, long reach);
 

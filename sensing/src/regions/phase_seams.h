@@ -9,29 +9,26 @@
 namespace palpate::sensing {
 
 /// What counts as the continuation of a surface across a seam.
+/// Conditions for a surface to continue across a seam between two regions.
 struct SeamLimits {
-  /// Seams are at least so wide [px]. Where `split_regions` has cut, the phase
-  /// is continuous by construction, which says nothing: 1 to leave such borders
-  /// out.
+  /// Smallest width of a seam [px]. 1 excludes the borders cut by `split_regions`, across which the
+  /// phase is continuous by construction.
   int min_width = 0;
-  /// Seams are at most so wide [px], in rows and columns. A step of the depth
-  /// by a whole period throws a shadow one period wide: below a period.
+  /// Largest width of a seam [px], in rows and columns. It must be below one period, because a
+  /// depth step of a whole period throws a shadow one period wide.
   int max_width = 0;
-  /// The offset is accepted iff this share of the border asks for it; in (0.5,
-  /// 1].
+  /// An offset is accepted iff this share of the border gives it; in (0.5, 1].
   double min_agreement = 0;
 };
 
-/// Gives regions without stripe edges (no_transition) the offset that continues
-/// their solved neighbours: the phases on both sides of a seam are extrapolated
-/// along the row, or column, to its middle with the slopes that they have
-/// there. The offset is accepted where the border is long enough, the
-/// extrapolated phases come near the same whole number of turns along almost
-/// all of it, whatever the neighbour, and do not lean to one side; the turns of
-/// a depth step of some other height vary along the border. Where the phases
-/// disagree on the number the region becomes ambiguous_offset; where they meet
-/// at no whole number at all it stays no_transition. Regions solved so may
-/// solve others.
+/// Solves regions without stripe edges (no_transition) from their solved neighbours.
+///
+/// The phases on both sides of a seam are extrapolated to its middle along the row or column with
+/// their local slopes. The offset is accepted if the border is long enough and if, along almost all
+/// of it and for every neighbour, the extrapolated phases differ by nearly the same whole number of
+/// turns, without a bias; at a depth step of another height the turns vary along the border. If the
+/// neighbours give different numbers, the region becomes ambiguous_offset; if there is no whole
+/// number, it stays no_transition. Regions solved in this way can solve others.
 void solve_from_neighbours(const Regions& regions, const SeamLimits& limits,
                            std::vector<RegionOffset>& offsets);
 

@@ -10,38 +10,33 @@
 
 namespace palpate::sensing {
 
-/// A growing snake: a closed contour of points, which deforms until it fills a
-/// smooth region (thesis 3.3.4). Coordinates are (column, row) of an image
-/// [px].
+/// A growing snake: a closed contour of points that deforms until it fills a smooth region (thesis
+/// 3.3.4). Coordinates are (column, row) of an image [px].
 ///
-/// Each point moves, along the normal, by the sum of three forces: a constant
-/// expansion along the outward normal, which fades out as the roughness comes
-/// near 1; an image force against the gradient of the roughness, interpolated
-/// from four pixels; and a rigidity force proportional to the curvature.
-/// Between points that are held, a front can bulge no farther than to the
-/// radius at which rigidity and expansion cancel, so that gaps in a border
-/// narrower than twice that radius are not passed. Points are added where they
-/// get too far from each other and removed where they get too near. A point
-/// stays where it is if by its move the contour would cross itself, enter a
-/// finished region or leave the image.
+/// Each point moves along the normal by the sum of three forces: a constant outward expansion,
+/// which vanishes as the roughness approaches 1; an image force against the gradient of the
+/// roughness, interpolated from four pixels; and a rigidity force proportional to the curvature.
+/// Between points that are held, a front bulges no farther than the radius at which rigidity and
+/// expansion cancel, so the snake does not pass gaps in a border that are narrower than twice this
+/// radius. Points are added where they are too far apart and removed where they are too close. A
+/// point does not move if the contour would then cross itself, enter a finished region or leave the
+/// image.
 class SnakeContour {
  public:
-  /// A circle grows iff its radius is above this, at which rigidity cancels
-  /// expansion [px].
+  /// Radius at which rigidity cancels expansion [px]: a circle grows iff its radius is larger.
   static constexpr double kCriticalRadius = 4;
 
-  /// A circle.
-  /// \param roughness of each pixel, >= 0: 1 is where expansion ends.
+  /// Starts as a circle. `roughness` and `finished` must outlive the contour.
+  /// \param roughness of each pixel, >= 0: expansion ends at 1.
   /// \param finished labels >= 0 are regions that must not be entered.
-  /// Both must outlive the contour.
   SnakeContour(const Eigen::Vector2d& center, double radius, const Plane& roughness,
                const Labels& finished);
 
-  /// Moves the points until the contour is at rest or `max_rounds` are over.
-  /// Returns whether it rests.
+  /// Moves the points until the contour is at rest or `max_rounds` have passed.
+  /// \return whether the contour is at rest.
   bool grow(int max_rounds);
 
-  /// The points in their order, 2 x N.
+  /// The points in contour order, 2 x N.
   [[nodiscard]] Eigen::Matrix2Xd points() const;
 
  private:
@@ -49,7 +44,7 @@ class SnakeContour {
     Eigen::Vector2d at;
     int previous = 0;
     int next = 0;
-    int still = 0;  ///< rounds without a move; -1 once removed
+    int still = 0;  ///< rounds without a move; -1 if removed
   };
 
   [[nodiscard]] Eigen::Vector2d force(const Point& point) const;
@@ -72,7 +67,7 @@ class SnakeContour {
   long cells_across_ = 0;
   std::vector<Point> points_;
   int count_ = 0;
-  std::vector<std::vector<int>> cells_;  ///< points by place
+  std::vector<std::vector<int>> cells_;  ///< points by location
 };
 
 }  // namespace palpate::sensing

@@ -6,16 +6,14 @@
 
 namespace palpate::sensing {
 
-/// Finds the smooth regions by growing snakes (thesis 3.3.4; see `SnakeContour` for
-/// the forces) and unwraps each in order of quality from the centre of the
-/// circle its snake began as (3.3.5): the alternative to `grow_regions`, which
-/// knows nothing of the shape of a region.
+/// Finds the smooth regions with growing snakes (thesis 3.3.4; see `SnakeContour` for the forces)
+/// and unwraps each in order of quality from the centre of its snake's initial circle (3.3.5). This
+/// is the alternative to `grow_regions`, which ignores the shape of a region.
 ///
-/// Differs from the thesis: the circles are not placed at random but where the
-/// phase around is smoothest and no region has been found yet, so that the same
-/// image always gives the same regions; pixels that no snake reached, within
-/// two pixels of one region, join it. Pixels of a larger phase variance than
-/// the limit take part in the unwrapping, and belong to no region in the end.
+/// Differs from the thesis: the circles are not placed at random but where the phase is smoothest
+/// and no region has been found yet, so that the result is deterministic; pixels that no snake
+/// reached but that lie within two pixels of exactly one region join it. Pixels whose phase
+/// variance exceeds the limit take part in the unwrapping but belong to no region in the result.
 void grow_snakes(const Plane& wrapped, const Plane& variance, const FloodLimits& limits,
                  Regions& regions);
 

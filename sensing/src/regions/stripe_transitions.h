@@ -17,7 +17,7 @@ struct Transition {
   float score = 0;   ///< ES of the thesis, divided by the windows' length: in [0, 2]
 };
 
-/// For each ordered pair of colours the edge of the pattern between them.
+/// Maps each ordered pair of colours to the edge of the pattern between them.
 class StripeEdges {
  public:
   explicit StripeEdges(const Pattern& pattern);
@@ -35,12 +35,12 @@ struct TransitionOptions {
   double min_hue_step = 0;     ///< [rad] see DecodeOptions
   int window_px = 0;           ///< see DecodeOptions
   double min_color_score = 0;  ///< see DecodeOptions
-  bool reversed = false;       ///< the pattern's stripes follow each other from right to left
+  bool reversed = false;       ///< the stripes follow each other from right to left
 };
 
-/// Finds and names the stripe transitions of all scanlines (thesis 3.3.2). Consecutive pixels whose
-/// hue changes fast form one transition; the windows that name its colours lie on either side of
-/// it, of the same length, which is shorter than wished for where a stripe is narrow.
+/// Finds and identifies the stripe transitions on all scanlines (thesis 3.3.2). Consecutive pixels
+/// with a fast change of hue form one transition. Two windows of equal length, one on either side,
+/// classify its colours; they are shorter than `window_px` in narrow stripes.
 /// \param hue [rad], in [0, 2 pi).
 void find_transitions(const Plane& hue, const Mask& lit, const StripeEdges& edges,
                       const HueClassifier& classifier, const TransitionOptions& options,

@@ -11,26 +11,26 @@
 
 namespace palpate::sensing {
 
-/// What a region may go through.
+/// Limits within which a region grows.
 struct FloodLimits {
-  double max_variance = 0;  ///< pixels with at most this phase variance [rad^2]
-  double max_step = 0;      ///< steps of the phase of at most this [rad], < pi
+  double max_variance = 0;  ///< largest phase variance of a pixel [rad^2]
+  double max_step = 0;      ///< largest phase step between pixels [rad], < pi
 };
 
-/// Smooth regions of the phase, each unwrapped up to a multiple of 2 pi of its own.
+/// Smooth regions of the phase, each unwrapped up to its own multiple of 2 pi.
 struct Regions {
   Labels label;  ///< 0 ... count - 1, or -1
-  Plane phase;   ///< [rad] unwrapped; of no meaning where the label is -1
+  Plane phase;   ///< [rad] unwrapped; meaningless where the label is -1
   int count = 0;
 };
 
-/// A place in a region where the multiple of 2 pi is known that its unwrapped phase lacks.
+/// A pixel of a region where the multiple of 2 pi missing from its unwrapped phase is known.
 struct Marker {
   int pixel = 0;  ///< row * columns + column, in a region
   int turns = 0;
 };
 
-/// Memory that the functions below use again from frame to frame; it says nothing between calls.
+/// Buffers reused by the functions below from frame to frame; they carry no state between calls.
 struct UnwrappingBuffers {
   SmoothRuns runs;
   Mask classes;
@@ -48,16 +48,16 @@ struct UnwrappingBuffers {
 void grow_regions(const Plane& wrapped, const Plane& variance, const FloodLimits& limits,
                   UnwrappingBuffers& buffers, Regions& regions);
 
-/// Splits the regions whose markers disagree: where two surfaces meet at a depth step of about a
-/// whole period, the phase alone shows no border. The limits are those the regions were grown with.
+/// Splits the regions whose markers disagree. This is needed where two surfaces meet at a depth
+/// step of about a whole period, because the phase alone shows no border there. The limits are
+/// those of `grow_regions`.
 ///
-/// A core is what hangs together of the regions once all necks narrower than seven pixels are cut.
-/// The part of a region behind such a neck may be another surface: a core without a marker, large
-/// enough for a stripe edge to be expected in it, becomes a region of its own, whose depth must
-/// stay unknown. A core whose markers agree stays whole. The rest is
-/// flooded from these cores, and from the markers elsewhere, in the order of variance, so that the
-/// parts meet where the phase is least smooth. Parts of one region with the same number of turns
-/// share a label.
+/// A core is a connected part of a region after cutting all necks narrower than seven pixels. The
+/// part behind such a neck may be another surface: a core without a marker that is large enough to
+/// expect a stripe edge in it becomes a region of its own, whose depth stays unknown. A core whose
+/// markers agree stays whole. The remaining pixels are flooded from these cores, and elsewhere from
+/// the markers, in the order of variance, so that the parts meet where the phase is least smooth.
+/// Parts of one region with the same number of turns share a label.
 void split_regions(const Plane& wrapped, const Plane& variance, const FloodLimits& limits,
                    const std::vector<Marker>& markers, UnwrappingBuffers& buffers,
                    Regions& regions);

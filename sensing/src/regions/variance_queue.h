@@ -9,8 +9,8 @@
 
 namespace palpate::sensing {
 
-/// Pixels in the order of the rank of their variance, first come first served within a rank: the
-/// queue of a quality-guided flood in constant time. Keeps its memory.
+/// Priority queue of pixels by the rank of their variance, first in first out within a rank; serves
+/// a quality-guided flood in constant time. Keeps its memory.
 class VarianceQueue {
  public:
   static constexpr int kRanks = 128;

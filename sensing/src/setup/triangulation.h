@@ -9,26 +9,26 @@
 
 namespace palpate::sensing {
 
-/// One coordinate of a projector pixel as a function of depth along a camera ray, and back.
+/// One coordinate of a projector pixel as a function of depth along a camera ray, and its inverse.
 ///
-/// A ray is given by its direction in projector coordinates, d = R (x, y, 1): the point at camera
-/// depth z is z d + t there. A projector column, row, or phase is a plane through the projector's
-/// centre (a slightly bent one with lens distortion), so the depth is a ray-plane intersection, the
+/// A ray is given by its direction d = R (x, y, 1) in projector coordinates: the point at camera
+/// depth z is z d + t. A projector column, row or phase defines a plane through the projector's
+/// centre (slightly curved with lens distortion), so the depth is a ray-plane intersection, the
 /// general form of Eqs. 3.2 and 3.11.
 class Triangulation {
  public:
   explicit Triangulation(const Rig& rig);
 
-  /// R (x, y, 1) of a normalised image coordinate of the camera.
+  /// R (x, y, 1) for a normalised image coordinate of the camera.
   [[nodiscard]] Eigen::Vector3d direction(const Eigen::Vector2d& normalized) const {
     return rotation_ * normalized.homogeneous();
   }
-  /// Projector pixel that lights the point at depth z of a ray. NaN behind the projector.
+  /// Projector pixel that lights the point at depth z on a ray. NaN behind the projector.
   [[nodiscard]] Eigen::Vector2d project(const Eigen::Vector3d& direction, double z) const;
-  /// Depth at which the projector pixel of a ray has the coordinate `pixel` along `axis`. NaN if
-  /// there is no such depth > 0 in front of the projector.
+  /// Depth at which a ray's projector pixel has the coordinate `pixel` along `axis`. NaN if there
+  /// is no such depth > 0 in front of the projector.
   [[nodiscard]] double depth(const Eigen::Vector3d& direction, Axis axis, double pixel) const;
-  /// d pixel / d z along `axis` at depth z; zero on the singular line. Without lens distortion.
+  /// d pixel / d z along `axis` at depth z, without lens distortion; zero on the singular line.
   [[nodiscard]] double slope(const Eigen::Vector3d& direction, Axis axis, double z) const;
   /// Whether a pixel lies on the projector's panel.
   [[nodiscard]] bool on_panel(const Eigen::Vector2d& pixel) const;

@@ -8,14 +8,14 @@
 
 namespace palpate::sensing {
 
-/// Full scales per unit of light: as the sensor's exposure says.
-/// \param light  of the first frame behind the lens: float, blue, green, red.
-/// \param lit    the pixels that count for an exposure of its own; without any, or all black, 1.
+/// Computes the exposure, in full scales per unit of light, from the sensor's exposure settings.
+/// \param light  first frame behind the lens: float, blue, green, red.
+/// \param lit    pixels that count for an automatic exposure; if none, or all are black, it is 1.
 [[nodiscard]] double choose_exposure(const cv::Mat& light, const PixelMask& lit,
                                      const VirtualSensor& sensor);
 
-/// The frame that light behind the lens becomes: noise, mosaic, response, whole numbers.
-/// \param frame_number  with the sensor's seed and the pixel's place it determines the noise.
+/// Converts light behind the lens into a frame: noise, mosaic, response, quantisation.
+/// \param frame_number  determines the noise, together with the sensor's seed and the pixel.
 [[nodiscard]] cv::Mat read_out(const cv::Mat& light, double exposure, const VirtualSensor& sensor,
                                std::uint64_t frame_number);
 

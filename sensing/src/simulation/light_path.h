@@ -8,25 +8,25 @@
 
 namespace palpate::sensing {
 
-/// What the projector's white does to a place that the camera sees.
+/// Effect of the projector's white light at a place that the camera sees.
 struct Illumination {
-  bool covered = false;            ///< the projector's image, in green, reaches the place
-  bool lit = false;                ///< and nothing is in between
-  Eigen::Vector2d pixel{0, 0};     ///< px of the panel, in green; iff covered
-  double diffuse = 0;              ///< light that a white surface gives back; 0 unless lit
-  double highlight = 0;            ///< light of any surface's gloss; 0 unless lit
+  bool covered = false;            ///< the place lies in the projector's image (green)
+  bool lit = false;                ///< covered, and nothing blocks the light
+  Eigen::Vector2d pixel{0, 0};     ///< px of the panel (green); valid iff covered
+  double diffuse = 0;              ///< light reflected by a white diffuse surface; 0 unless lit
+  double highlight = 0;            ///< light of the specular highlight; 0 unless lit
   double projector_incidence = 0;  ///< [rad] angle of the normal to the light
 };
 
-/// From the projector's panel to places in the scene.
+/// The light path from the projector's panel to places in the scene.
 class LightPath {
  public:
   LightPath(const Rig& rig, Axis axis, double falloff);
 
   [[nodiscard]] Illumination illuminate(const VirtualScene& scene, const SurfaceView& place) const;
 
-  /// Where another colour's panel point is whose light goes where green's of `pixel` does; none if
-  /// it is not on the panel.
+  /// Panel pixel of another colour whose light goes to the same place as green's light from
+  /// `pixel`; empty if it is not on the panel.
   [[nodiscard]] std::optional<Eigen::Vector2d> shifted(const Eigen::Vector2d& pixel,
                                                        const ChromaticShift& shift) const;
 
