@@ -25,19 +25,22 @@ struct Camera {
   std::array<double, 8> distortion{};
 };
 
-/// \throws InvalidInput naming `what` unless fx, fy, size are > 0 (<= 2^28 px) and all is finite.
+/// Checks a camera.
+/// \throws InvalidInput naming `what` unless fx, fy and the size are > 0 (size <= 2^28 px) and all
+/// values are finite.
 void check_camera(const Camera& camera, const char* what);
 
-/// Normalised image coordinates (x / z, y / z) to the pixel where the lens shows them. Beyond the
-/// image the model may fold back: see `undistort`.
+/// Maps normalised image coordinates (x / z, y / z) to the pixel where the lens shows them. Outside
+/// the image the model may fold back: see `undistort`.
 [[nodiscard]] Eigen::Vector2d distort(const Camera& camera, const Eigen::Vector2d& normalized);
 
-/// Pixel to normalised image coordinates: the inverse of `distort`, by Newton's method to rounding.
-/// NaN where the lens model cannot be inverted: no place is shown there, or only one beyond a fold.
+/// Maps a pixel to normalised image coordinates: the inverse of `distort`, by Newton's method to
+/// rounding. NaN where the lens model cannot be inverted: no direction maps to the pixel, or only
+/// one beyond a fold.
 [[nodiscard]] Eigen::Vector2d undistort(const Camera& camera, const Eigen::Vector2d& pixel);
 
-/// `undistort` of every pixel centre: 2 x (width * height), row after row.
-/// \throws InvalidInput on a bad camera.
+/// Applies `undistort` to every pixel centre: 2 x (width * height), row by row.
+/// \throws InvalidInput if the camera is not valid.
 [[nodiscard]] Eigen::Matrix2Xd pixel_rays(const Camera& camera);
 
 }  // namespace palpate::geometry

@@ -11,13 +11,14 @@
 #include "palpate/error.h"
 #include "palpate/geometry/triangle_mesh.h"
 
-/// To and from CGAL's Surface_mesh. Nothing else of Palpate includes this header or needs CGAL to
-/// be compiled against; link CGAL::CGAL yourself.
+/// Conversion to and from CGAL's Surface_mesh. No other header of Palpate includes this one or
+/// needs CGAL to compile; link CGAL::CGAL yourself.
 namespace palpate::geometry {
 
-/// Vertices and triangles keep their order, so an index means the same on both sides.
-/// \tparam Point  of the wanted kernel, made from three doubles.
-/// \throws InvalidInput on a bad mesh, or naming the triangle at which it is not manifold.
+/// Converts a mesh. Vertices and triangles keep their order, so indices stay valid.
+/// \tparam Point  point type of the wanted kernel, constructible from three doubles.
+/// \throws InvalidInput if the mesh is not valid, or naming the triangle at which it is not
+/// manifold.
 template <class Point>
 [[nodiscard]] CGAL::Surface_mesh<Point> to_surface_mesh(const TriangleMesh& mesh) {
   check_mesh(mesh, "mesh");
@@ -42,8 +43,8 @@ template <class Point>
   return surface;
 }
 
-/// Vertices and triangles in their order; removed ones are left out.
-/// \throws InvalidInput naming the face if it is not a triangle, or if `check_mesh` refuses.
+/// Converts a mesh. Vertices and triangles keep their order; removed ones are skipped.
+/// \throws InvalidInput naming a face that is not a triangle, or if `check_mesh` fails.
 template <class Point>
 [[nodiscard]] TriangleMesh from_surface_mesh(const CGAL::Surface_mesh<Point>& surface) {
   TriangleMesh mesh;

@@ -12,24 +12,26 @@
 
 namespace palpate::geometry {
 
-/// Weights of the contacts at a place of the surface: of three where the surface's triangle lies in
-/// one triangle of contacts, of four where it lies across an edge between two; never of more than
-/// three at each of its corners.
+/// Weights of contacts at a place of the surface. Three contacts have weight where the surface's
+/// triangle lies inside one triangle of contacts, four where it crosses an edge between two; each
+/// of its corners has at most three.
 struct ContactWeights {
   static constexpr int kMaxCount = 9;
-  int count = 0;                            ///< 0 = no contact has influence, or no such place
+  int count = 0;                            ///< 0 if no contact has influence, or no such place
   std::array<int, kMaxCount> contacts{};    ///< the first `count`: all different
   std::array<double, kMaxCount> weights{};  ///< the first `count`: >= 0, sum to 1
 };
 
-/// Weights of contacts at any place of the surface, linear in each of its triangles between the
-/// weights of its corners, and so continuous. A triangle that contacts lie in is cut at them, so
-/// that each has weight one at its own place. Thread-safe, does not allocate, does not throw.
+/// Computes the weights of contacts at any place of a surface. The weights are linear in each
+/// triangle between those of its corners, and hence continuous. A triangle that contains contacts
+/// is subdivided at them, so that each contact has weight one at its own place. Thread-safe, does
+/// not allocate, does not throw.
 class ContactLocator {
  public:
-  /// A contact whose `triangle` is -1 is not on the surface: nothing is cut for it.
-  /// \throws InvalidInput on a bad mesh, a bad place, weights that are not those of the mesh's
-  /// vertices, or naming the vertex where one is negative or not finite, or of no contact.
+  /// A contact whose `triangle` is -1 is not on the surface and is ignored.
+  /// \throws InvalidInput if the mesh or a place is not valid, if the weights are not those of the
+  /// mesh's vertices, or, naming the vertex, if a weight is negative, not finite, or of a contact
+  /// that does not exist.
   ContactLocator(const TriangleMesh& surface, std::span<const SurfacePoint> contacts,
                  const SurfaceWeights& weights);
 
@@ -38,24 +40,24 @@ class ContactLocator {
  private:
   struct Row {
     std::array<double, 3> weights;
-    std::array<int, 3> contacts;  ///< -1 = no (further) contact
+    std::array<int, 3> contacts;  ///< -1 for no (further) contact
   };
-  /// A part of a triangle between contacts and corners.
+  /// A part of a triangle that is subdivided at contacts.
   struct Piece {
     std::array<int, 3> rows;
     Eigen::Matrix3d from_triangle;  ///< maps barycentric coordinates
   };
   struct Triangle {
     std::array<int, 3> rows;
-    int first_piece;  ///< -1 = in one piece
+    int first_piece;  ///< -1 if not subdivided
   };
 
   void cut(int triangle, std::span<const SurfacePoint> contacts, std::span<const int> inside);
 
-  std::vector<Row> rows_;  ///< of vertices, then of contacts
+  std::vector<Row> rows_;  ///< first those of vertices, then those of contacts
   std::vector<Triangle> triangles_;
-  std::vector<Piece> pieces_;  ///< of one triangle after the other
-  std::vector<int> end_;       ///< by first piece: where those of its triangle end
+  std::vector<Piece> pieces_;  ///< grouped by triangle
+  std::vector<int> end_;       ///< by first piece: end of the pieces of its triangle
 };
 
 }  // namespace palpate::geometry

@@ -11,11 +11,11 @@
 namespace palpate::geometry {
 
 enum class ContactTriangulationMethod {
-  /// Pinned intrinsic coarsening: an intrinsic Delaunay triangulation of the contacts, whatever the
-  /// shape of the surface and however few contacts there are.
+  /// Pinned intrinsic coarsening: an intrinsic Delaunay triangulation of the contacts, for surfaces
+  /// of any shape and any number of contacts.
   coarsening,
-  /// The dual of the geodesic Voronoi cells (thesis 5.3.2.1). Simple, and not always a
-  /// triangulation: on thin parts and near the border it leaves contacts out.
+  /// Dual of the geodesic Voronoi cells (thesis 5.3.2.1). Simple, but not always a triangulation:
+  /// contacts on thin parts and near the border are left out.
   voronoi_dual
 };
 
@@ -23,63 +23,69 @@ struct ContactTriangulationOptions {
   ContactTriangulationMethod method = ContactTriangulationMethod::coarsening;
 };
 
-/// Weights of contacts at each vertex of a surface. Between them they are linear in each triangle
-/// of the surface (see `ContactLocator`).
+/// Weights of contacts at each vertex of a surface. Inside a triangle of the surface they are
+/// linear (see `ContactLocator`).
 struct SurfaceWeights {
-  Eigen::Matrix3Xi contacts;  ///< 3 x V, the heaviest first; -1 = no (further) contact
+  Eigen::Matrix3Xi contacts;  ///< 3 x V, largest weight first; -1 for no (further) contact
   Eigen::Matrix3Xd weights;   ///< 3 x V, >= 0, sum to 1 where there is a contact, else all 0
 };
 
-/// Triangles that are known by the lengths of their edges: an intrinsic Delaunay triangulation of
-/// contacts and helpers, homeomorphic to the parts of the surface that have contacts (cut open
-/// where these touch in a vertex only). Half-edge k of triangle t runs from its corner k to corner
-/// (k + 1) % 3; the two angles opposite to an edge sum up to at most pi.
+/// Intrinsic Delaunay triangulation of contacts and helpers, given by edge lengths. It is
+/// homeomorphic to the parts of the surface that have contacts (separated where these touch only in
+/// a vertex). Half-edge k of triangle t runs from its corner k to corner (k + 1) % 3; the two
+/// angles opposite an edge sum to at most pi.
 struct IntrinsicDelaunay {
-  Eigen::Matrix3Xi triangles;  ///< corners; contacts come first, then helpers
+  Eigen::Matrix3Xi triangles;  ///< corners; contacts have the first indices, then helpers
   Eigen::Matrix3Xi opposite;   ///< half-edge 3 t + k on the other side; -1 at the border
   Eigen::Matrix3Xd lengths;    ///< [mm] of each half-edge
-  Eigen::Matrix3Xd helpers;    ///< [mm] 3 x H, their places on the surface
+  Eigen::Matrix3Xd helpers;    ///< [mm] 3 x H, positions on the surface
 };
 
-/// The geodesic Delaunay triangulation of contact points.
+/// Geodesic Delaunay triangulation of contact points.
 struct ContactTriangulation {
-  /// Vertices: the contacts, in their order [mm]. Triangles: oriented as the surface; always a
+  /// Vertices: the contacts, in their order [mm]. Triangles: oriented like the surface; always a
   /// manifold with border (an edge has at most one triangle on each side, a vertex one fan).
   TriangleMesh mesh;
   SurfaceWeights weights;
-  /// The contact a vertex of the surface belongs to, V: by `coarsening` the one with the largest
-  /// weight, by `voronoi_dual` the nearest; -1 = none (a part without contact).
+  /// V: contact to which each vertex of the surface belongs; the one with the largest weight for
+  /// `coarsening`, the nearest one for `voronoi_dual`; -1 on a part without contacts.
   Eigen::VectorXi surface_labels;
-  /// Contacts that are in no triangle of `mesh`, ascending; empty when all is well.
+  /// Contacts in no triangle of `mesh`, ascending; should be empty.
   std::vector<int> isolated;
-  IntrinsicDelaunay intrinsic;  ///< empty by `voronoi_dual`
+  IntrinsicDelaunay intrinsic;  ///< empty for `voronoi_dual`
 };
 
-/// `coarsening`: the contacts become vertices of an intrinsic triangulation and are pinned, and so
-/// are helpers on the border, about as far apart as contacts are; every other vertex is flattened
-/// and removed (Liu, Gillespie, Chislett, Sharp, Jacobson and Crane 2023) and keeps its place in
-/// the triangles that remain; one that cannot be flattened stays as a helper. More helpers are
-/// added where contacts alone would be joined by two edges, as around a finger. A helper's weights
-/// are spread over the contacts harmonically. A vertex of the surface has the weights of its place
-/// in its triangle, reduced to three contacts by taking the fourth largest weight off each; one
-/// that is a contact has weight one there. On a flat surface with a polygon for a border linear
-/// functions are reproduced between contacts. `mesh` has the triangles of contacts after helpers
-/// were flipped away as far as the surface's metric allows; on a closed surface without helpers
-/// left it has the surface's Euler characteristic. `voronoi_dual`: each place where three cells
-/// meet becomes a triangle, unless it is turned over against the surface at its contacts or
-/// excluded by one whose cells meet nearer to its contacts; the weights at a vertex of the surface
-/// are those of its nearest point on these flat triangles. \throws InvalidInput on a bad mesh,
-/// fewer than three contacts, two at one place (within 1e-9 of the surface's diagonal), one not on
-/// the surface; `coarsening` on an edge of more than two triangles, or of two turned against each
-/// other; `voronoi_dual` when no three cells meet. SolverError from `coarsening`, on numbers that
-/// overflow or where helpers do not suffice to tell edges apart: `voronoi_dual` may then do.
+/// Triangulates contacts on a surface.
+///
+/// `coarsening` (Liu, Gillespie, Chislett, Sharp, Jacobson and Crane 2023): the contacts become
+/// pinned vertices of an intrinsic triangulation, together with helpers on the border about as far
+/// apart as contacts. Every other vertex is flattened and removed, and keeps its place in the
+/// remaining triangles; a vertex that cannot be flattened stays as a helper. Further helpers are
+/// added where two edges would join the same contacts, as around a finger.
+/// - Weights: those of a helper are distributed harmonically over the contacts. A vertex of the
+///   surface has the weights of its place, reduced to three contacts by subtracting the fourth
+///   largest weight from each; a vertex that is a contact has weight one there. On a flat surface
+///   with a polygonal border linear functions between contacts are reproduced.
+/// - `mesh` has the triangles of contacts after edges at helpers were flipped as far as the metric
+///   allows. On a closed surface without remaining helpers it has the surface's Euler
+///   characteristic.
+///
+/// `voronoi_dual`: each place where three cells meet becomes a triangle, unless it is flipped
+/// relative to the surface at its contacts or conflicts with one whose cells meet closer to its
+/// contacts. The weights of a vertex are those of its nearest point on these flat triangles.
+/// \throws InvalidInput if the mesh is not valid; there are fewer than three contacts; two contacts
+/// coincide (within 1e-9 of the surface's diagonal); or one is not on the surface. Also, for
+/// `coarsening`, if an edge has more than two triangles or two of opposite orientation; for
+/// `voronoi_dual`, if no three cells meet.
+/// \throws SolverError from `coarsening` if numbers overflow or helpers do not suffice to make the
+/// edges distinct; `voronoi_dual` may then succeed.
 [[nodiscard]] ContactTriangulation triangulate_contacts(
     const TriangleMesh& surface, std::span<const SurfacePoint> contacts,
     const ContactTriangulationOptions& options = {});
 
-/// Weights at the vertices of a surface by the nearest point of flat triangles of contacts: for a
-/// mesh of contacts that is all that is known.
-/// \throws InvalidInput on a bad mesh.
+/// Computes weights at the vertices of a surface from the nearest points of flat triangles of
+/// contacts. Use it if nothing but the mesh of contacts is known.
+/// \throws InvalidInput if a mesh is not valid.
 [[nodiscard]] SurfaceWeights project_weights(const TriangleMesh& surface,
                                              const TriangleMesh& contact_mesh);
 

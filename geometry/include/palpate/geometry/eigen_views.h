@@ -5,15 +5,15 @@
 #include <Eigen/Core>
 #include <vector>
 
-/// The same numbers in the shapes that others use, without a copy. A view is valid as long as what
-/// it looks at is neither moved nor resized.
+/// Views of the same numbers in the shapes of other libraries, without a copy. A view is valid as
+/// long as its matrix or list is neither moved nor resized.
 namespace palpate::geometry {
 
-/// N x 3, a point or a triangle is a row, row after row in memory: the shape of NumPy arrays.
+/// N x 3, row-major, with a point or a triangle per row: the shape of NumPy arrays.
 template <class Scalar>
 using Rows3 = Eigen::Matrix<Scalar, Eigen::Dynamic, 3, Eigen::RowMajor>;
 
-/// The columns of a 3 x N matrix as rows; what is written to the view is written to the matrix.
+/// The columns of a 3 x N matrix as rows; writing to the view writes to the matrix.
 template <class Scalar>
 [[nodiscard]] Eigen::Map<Rows3<Scalar>> as_rows(
     Eigen::Matrix<Scalar, 3, Eigen::Dynamic>& columns) noexcept {
@@ -25,7 +25,7 @@ template <class Scalar>
   return {columns.data(), columns.cols(), 3};
 }
 
-/// The rows of an N x 3 matrix as columns, as the functions here take points.
+/// The rows of an N x 3 matrix as columns, the shape of points in this library.
 template <class Scalar>
 [[nodiscard]] Eigen::Map<Eigen::Matrix<Scalar, 3, Eigen::Dynamic>> as_columns(
     Rows3<Scalar>& rows) noexcept {
@@ -37,7 +37,7 @@ template <class Scalar>
   return {rows.data(), 3, rows.rows()};
 }
 
-/// A list of points or triangles (as Open3D keeps them) as columns.
+/// A list of points or triangles, as in Open3D, as columns.
 template <class Scalar, class Allocator>
 [[nodiscard]] Eigen::Map<const Eigen::Matrix<Scalar, 3, Eigen::Dynamic>> as_columns(
     const std::vector<Eigen::Matrix<Scalar, 3, 1>, Allocator>& list) noexcept {

@@ -8,8 +8,8 @@
 
 namespace palpate::geometry {
 
-/// The value in the middle of one or more values, none of them NaN; of an even number the upper one
-/// of the two.
+/// Median of one or more values, none of which is NaN; of an even number of values the upper of the
+/// two middle ones.
 template <typename Number>
 [[nodiscard]] Number median(std::vector<Number> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);

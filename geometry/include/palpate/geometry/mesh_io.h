@@ -13,40 +13,40 @@
 
 namespace palpate::geometry {
 
-/// [mm] Length of a unit by its name or sign: um, mm, cm, m or in.
-/// \throws InvalidInput for another word.
+/// [mm] Length of a unit given by name: um, mm, cm, m or in.
+/// \throws InvalidInput for any other word.
 [[nodiscard]] double unit_length(std::string_view name);
 
 struct ReadOptions {
-  /// [mm] what one unit of the file's coordinates is; > 0 and finite. Not given: what the file
-  /// declares, which is metres in glTF, and elsewhere a comment such as "unit mm" or "units: in";
-  /// and 1 where it declares nothing.
+  /// [mm] length of one unit of the file's coordinates; > 0 and finite. Default: the unit that the
+  /// file declares, which is metres for glTF and otherwise a comment such as "unit mm" or
+  /// "units: in"; 1 if it declares none.
   std::optional<double> unit;
-  /// Meshes: also read one that `check_mesh` refuses, for `find_defects` and `repair_mesh`. Corners
-  /// that name no vertex are then as in the file (-1 beyond the range of int); a face of one or two
-  /// corners is a triangle that repeats its last one.
+  /// For meshes: also read a mesh that `check_mesh` rejects, for `find_defects` and `repair_mesh`.
+  /// Corners keep the indices of the file even if there is no such vertex (-1 beyond the range of
+  /// int); a face of one or two corners becomes a triangle that repeats its last corner.
   bool keep_defects = false;
 };
 
-/// How the unit of a file was found: from ReadOptions, from the file, or not at all (mm).
+/// Where the unit of a file comes from: ReadOptions, the file, or neither (assumed mm).
 enum class UnitSource { stated, declared, assumed };
 
 struct FileUnit {
-  double length = 1;  ///< [mm] what one unit of the file's coordinates is
+  double length = 1;  ///< [mm] length of one unit of the file's coordinates
   UnitSource source = UnitSource::assumed;
 };
 
-/// What a mesh file holds.
+/// Content of a mesh file.
 struct MeshFile {
   TriangleMesh mesh;                  ///< [mm]
-  Attributes vertex_attributes;       ///< lengths among them are as in the file
-  Attributes triangle_attributes;     ///< of a polygon: each of its triangles has them
-  std::vector<std::string> comments;  ///< one a line, without one that declares a unit
-  FileUnit unit;                      ///< of the file that was read; files are written in mm
+  Attributes vertex_attributes;       ///< lengths in attributes keep the unit of the file
+  Attributes triangle_attributes;     ///< a polygon passes them on to each of its triangles
+  std::vector<std::string> comments;  ///< one per line, without those that declare a unit
+  FileUnit unit;                      ///< unit of the file that was read; files are written in mm
 };
 
-/// What a file of points holds. Points of a depth camera are organised: the point of column u and
-/// row v is number v * width + u, as `back_project` gives them.
+/// Content of a point file. Clouds of a depth camera are organised: the point of column u and row v
+/// has the index v * width + u, as in `back_project`.
 struct PointCloud {
   Eigen::Matrix3Xd points;  ///< [mm] 3 x N; NaN where unknown
   Eigen::Index width = 0;   ///< width * height = N
@@ -56,67 +56,72 @@ struct PointCloud {
   FileUnit unit;                      ///< as in MeshFile
 };
 
-/// `binary` has its least significant byte first.
+/// `binary` is little-endian.
 enum class Encoding { binary, binary_big_endian, text };
 
 struct WriteOptions {
-  Encoding encoding = Encoding::binary;  ///< OBJ is text whatever this says
+  Encoding encoding = Encoding::binary;  ///< OBJ is always text
   /// PLY, PCD: write coordinates and attributes of type double as float, as many programs expect
-  /// (those built on PCL read no other coordinates). Rounds, and halves the file.
+  /// (programs built on PCL read no other coordinates). This rounds, and halves the file size.
   bool single_precision = false;
 };
 
-/// Reads a surface; the ending of `path` says which format it is. Polygons are cut into triangles;
-/// a triangle that uses a vertex twice is left out.
+/// Reads a mesh; the extension of `path` determines the format. Polygons are triangulated, and
+/// triangles that use a vertex twice are left out. Coordinates are read to the last digit; vertices
+/// keep their order.
 ///
-/// Coordinates are read to the last digit, and vertices and their order are those of the file.
-/// What else is kept: PLY: all properties of vertices and faces, and comments; elements other than
-/// vertex, face and tristrips are skipped. OBJ: normals and colours, if every vertex has exactly
-/// one; comments. OFF: normals and colours of vertices; comments.
-///
-/// STL shares no vertices: corners at exactly the same place become one. Its attribute bytes are
-/// skipped. glTF and whatever else assimp knows are read in float; the parts of a scene are put
-/// together as it places them, with normals and colours if all parts have them. Where no two
-/// triangles share a vertex, equal corners become one there too, and lose normals and colours. Some
-/// damage assimp may mend without a word.
-/// \throws FileError if the file is missing, truncated, empty, not a mesh, or holds a bad index or
-/// a vertex that is not finite; InvalidInput for a bad option.
+/// Other content, by format:
+/// - PLY: all properties of vertices and faces, and comments; elements other than vertex, face and
+///   tristrips are skipped.
+/// - OBJ: normals and colours, if every vertex has exactly one; comments.
+/// - OFF: normals and colours of vertices; comments.
+/// - STL: has no shared vertices, so exactly equal corners are joined. Attribute bytes are skipped.
+/// - glTF and other formats of assimp: read in float. The parts of a scene are combined at their
+///   positions, with normals and colours if all parts have them. If no two triangles share a
+///   vertex, exactly equal corners are joined and lose normals and colours. Assimp may repair some
+///   damage without a message.
+/// \throws FileError if the file is missing, truncated, empty or not a mesh, or has a bad index or
+/// a vertex that is not finite.
+/// \throws InvalidInput if an option is not valid.
 [[nodiscard]] MeshFile read_mesh_file(const std::filesystem::path& path,
                                       const ReadOptions& options = {});
 
-/// The same, the surface alone.
+/// The same, without attributes, comments and unit.
 [[nodiscard]] TriangleMesh read_mesh(const std::filesystem::path& path,
                                      const ReadOptions& options = {});
 
 /// Reads points: PCD (text, binary or compressed; all fields, but not the viewpoint) or the
-/// vertices of any mesh file. PLY, OBJ and OFF need no faces. Unknown points (NaN) are kept.
-/// \throws FileError as `read_mesh_file`, or if there is no point; InvalidInput for a bad option.
+/// vertices of any mesh file. PLY, OBJ and OFF need not have faces. Unknown points (NaN) are kept.
+/// \throws FileError as `read_mesh_file`, or if there are no points.
+/// \throws InvalidInput if an option is not valid.
 [[nodiscard]] PointCloud read_point_cloud(const std::filesystem::path& path,
                                           const ReadOptions& options = {});
 
-/// The same, the points alone, 3 x N [mm].
+/// The same, only the points, 3 x N [mm].
 [[nodiscard]] Eigen::Matrix3Xd read_points(const std::filesystem::path& path,
                                            const ReadOptions& options = {});
 
-/// Writes by the ending of `path`, and declares mm in a comment. What is read back has the same
-/// bits, unless the format has no place for it:
-/// .ply: everything, coordinates as float64; `text` and both byte orders.
-/// .obj: text; vertices, triangles, normals, colours from 0 to 1, comments.
-/// .stl: triangles alone; `binary` (coordinates are rounded to float) or `text` (not rounded).
-/// \throws InvalidInput for another ending or encoding, a bad mesh, attribute or comment, or
-/// numbers beyond the range of float where they have to fit it; OutputError.
+/// Writes a mesh in the format of the extension of `path`, and declares mm in a comment. Reading
+/// the file gives the same bits, except for what the format cannot store: - .ply: everything,
+/// coordinates as float64; `text` and both byte orders. - .obj: text; vertices, triangles, normals,
+/// colours from 0 to 1, comments. - .stl: only triangles; `binary` (coordinates rounded to float)
+/// or `text` (not rounded).
+/// \throws InvalidInput for another extension or encoding, if the mesh, an attribute or a comment
+/// is not valid, or if a number that must be written as float is out of its range.
+/// \throws OutputError if the file cannot be written.
 void write_mesh_file(const std::filesystem::path& path, const MeshFile& file,
                      const WriteOptions& options = {});
 
-/// The same, the surface alone.
+/// The same for a mesh alone.
 void write_mesh(const std::filesystem::path& path, const TriangleMesh& mesh,
                 const WriteOptions& options = {});
 
-/// Writes .pcd (`binary` or `text`; normals and colours, where these are bytes, as PCL calls and
-/// packs them) or .ply (as a mesh without faces, which is not organised), with all attributes. PCD
-/// holds lists only if all have one size, PLY no integers of 64 bits.
-/// \throws InvalidInput for another ending or encoding, a bad size, attribute or comment, or
-/// numbers beyond the range of float where they have to fit it; OutputError.
+/// Writes points with all attributes: .pcd (`binary` or `text`; normals and byte colours get PCL's
+/// names and packing) or .ply (a mesh without faces, not organised). PCD supports lists only if all
+/// have the same size; PLY has no 64-bit integers.
+/// \throws InvalidInput for another extension or encoding, if the size, an attribute or a comment
+/// is not valid, or if a number that must be written as float is out of its range.
+/// \throws OutputError if the file cannot be written.
 void write_point_cloud(const std::filesystem::path& path, const PointCloud& cloud,
                        const WriteOptions& options = {});
 

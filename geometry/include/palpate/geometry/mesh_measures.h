@@ -6,14 +6,14 @@
 
 namespace palpate::geometry {
 
-/// [mm^2] the areas of all triangles in sum.
-/// \throws InvalidInput on a bad mesh.
+/// [mm^2] sum of the areas of all triangles.
+/// \throws InvalidInput if the mesh is not valid.
 [[nodiscard]] double surface_area(const TriangleMesh& mesh);
 
-/// [mm^3] what a closed surface encloses, by the divergence theorem: the sum of the tetrahedra
-/// a . (b x c) / 6 that the triangles span with one common point. Negative if the triangles are
-/// counter-clockwise seen from inside; several closed surfaces add up.
-/// \throws InvalidInput on a bad mesh, as `opposite_half_edges`, and naming an edge at the border
+/// [mm^3] volume enclosed by a closed surface, by the divergence theorem: the sum of the signed
+/// tetrahedra a . (b x c) / 6 that the triangles span with a common point. Negative if the
+/// triangles are counter-clockwise seen from inside. Several closed surfaces add up.
+/// \throws InvalidInput if the mesh is not valid, as `opposite_half_edges`, or naming a border edge
 /// if the mesh is open.
 [[nodiscard]] double enclosed_volume(const TriangleMesh& mesh);
 

@@ -14,11 +14,12 @@
 #include "palpate/geometry/range_map.h"
 #include "palpate/geometry/triangle_mesh.h"
 
-/// To and from PCL's PointCloud and PolygonMesh, whose coordinates are floats. Nothing else of
-/// Palpate includes this header or needs PCL to be compiled against; link PCL yourself.
+/// Conversion to and from PCL's PointCloud and PolygonMesh, whose coordinates are floats. No other
+/// header of Palpate includes this one or needs PCL to compile; link PCL yourself.
 namespace palpate::geometry {
 
-/// Points (3 x N) as a cloud of N x 1, in their unit; `is_dense` iff all are finite.
+/// Converts points (3 x N) to a cloud of N x 1, without a change of unit; `is_dense` iff all are
+/// finite.
 [[nodiscard]] inline pcl::PointCloud<pcl::PointXYZ> to_point_cloud(
     const Eigen::Ref<const Eigen::Matrix3Xd>& points) {
   pcl::PointCloud<pcl::PointXYZ> cloud;
@@ -29,7 +30,7 @@ namespace palpate::geometry {
   return cloud;
 }
 
-/// The pixels of a range map as an organised cloud, camera frame [mm]; NaN where it is unknown.
+/// Converts a range map to an organised cloud, camera frame [mm]; NaN where the depth is unknown.
 /// \throws InvalidInput as `back_project`.
 [[nodiscard]] inline pcl::PointCloud<pcl::PointXYZ> to_point_cloud(const RangeMap& map) {
   pcl::PointCloud<pcl::PointXYZ> cloud = to_point_cloud(back_project(map));
@@ -38,7 +39,7 @@ namespace palpate::geometry {
   return cloud;
 }
 
-/// The places of a cloud, 3 x N, row after row where it is organised.
+/// Positions of a cloud, 3 x N, row by row if it is organised.
 /// \tparam Point  any of PCL's point types with x, y and z.
 template <class Point>
 [[nodiscard]] Eigen::Matrix3Xd from_point_cloud(const pcl::PointCloud<Point>& cloud) {
@@ -49,7 +50,8 @@ template <class Point>
   return points;
 }
 
-/// \throws InvalidInput on a bad mesh.
+/// Converts a mesh.
+/// \throws InvalidInput if the mesh is not valid.
 [[nodiscard]] inline pcl::PolygonMesh to_polygon_mesh(const TriangleMesh& mesh) {
   check_mesh(mesh, "mesh");
   pcl::PolygonMesh polygons;
@@ -62,8 +64,8 @@ template <class Point>
   return polygons;
 }
 
-/// Vertices and triangles in their order.
-/// \throws InvalidInput naming the polygon if it is not a triangle, or if `check_mesh` refuses.
+/// Converts a mesh; vertices and triangles keep their order.
+/// \throws InvalidInput naming a polygon that is not a triangle, or if `check_mesh` fails.
 [[nodiscard]] inline TriangleMesh from_polygon_mesh(const pcl::PolygonMesh& polygons) {
   pcl::PointCloud<pcl::PointXYZ> cloud;
   pcl::fromPCLPointCloud2(polygons.cloud, cloud);

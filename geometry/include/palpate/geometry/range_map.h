@@ -9,17 +9,17 @@
 
 namespace palpate::geometry {
 
-/// rows x cols, row 0 at the top, row after row in memory as in an image.
+/// Image of rows x cols with row 0 at the top; row-major.
 using ImageF = Eigen::Array<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// Depth on the raw pixel grid of one camera.
+/// Depth on the raw pixel grid of a camera.
 struct RangeMap {
-  ImageF z;       ///< [mm] depth along the optical axis, not along the ray; NaN = unknown
-  Camera camera;  ///< of the same size as `z`
+  ImageF z;       ///< [mm] depth along the optical axis, not along the ray; NaN where unknown
+  Camera camera;  ///< has the size of `z`
 };
 
-/// Lifts each pixel to its point, 3 x (rows * cols), row after row, camera frame [mm]; NaN where
-/// the depth, or the ray of the pixel, is unknown.
+/// Computes the 3D point of each pixel, 3 x (rows * cols), row by row, camera frame [mm]; NaN where
+/// the depth or the ray of the pixel is unknown.
 /// \throws InvalidInput unless the camera is valid and of the size of `z`.
 [[nodiscard]] Eigen::Matrix3Xd back_project(const RangeMap& map);
 
@@ -28,8 +28,9 @@ struct RangeMap {
 /// \throws FileError if the file is missing, truncated, or of another type.
 [[nodiscard]] ImageF read_depth_tiff(const std::filesystem::path& path);
 
-/// Writes depths as a float32 TIFF (not packed), bit for bit; safe from several threads at once.
-/// \throws InvalidInput if there are no pixels; OutputError.
+/// Writes depths exactly, as an uncompressed float32 TIFF. Thread-safe.
+/// \throws InvalidInput if there are no pixels.
+/// \throws OutputError if the file cannot be written.
 void write_depth_tiff(const std::filesystem::path& path, const ImageF& z);
 
 }  // namespace palpate::geometry

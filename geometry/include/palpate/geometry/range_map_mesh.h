@@ -10,9 +10,9 @@
 namespace palpate::geometry {
 
 struct RangeMapMeshOptions {
-  /// Two neighbouring pixels lie on one surface iff their depths differ by at most this fraction of
-  /// the nearer one, or by as much as the slope on both sides of them explains, give or take this
-  /// fraction; > 0. A steep surface that is smooth is thus no step.
+  /// Two neighbouring pixels are on one surface iff their depths differ by at most this fraction of
+  /// the smaller depth, or agree within this fraction with the slopes on both sides; > 0. A smooth
+  /// steep surface is therefore not cut.
   double max_depth_step = 0.02;
   /// A triangle is kept iff the angle between its normal and its viewing ray is at most this [rad];
   /// in (0, pi/2].
@@ -21,16 +21,16 @@ struct RangeMapMeshOptions {
 
 struct RangeMapMesh {
   TriangleMesh mesh;       ///< camera frame [mm]; normals point towards the camera
-  std::vector<int> pixel;  ///< row * width + col of each vertex, ascending
+  std::vector<int> pixel;  ///< row * width + column of each vertex, ascending
   int width = 0;           ///< [px] of the range map
   int height = 0;          ///< [px]
 };
 
-/// Joins neighbouring pixels into triangles, two a cell of four pixels, along the shorter diagonal,
-/// one where a corner is unknown; cuts at depth steps and where the surface is seen at a grazing
-/// angle. Pixels in no triangle give no vertex; a map without any surface gives a mesh without
-/// triangles. Depths that are not finite or not positive are unknown.
-/// \throws InvalidInput on a bad camera, or an option outside its range.
+/// Triangulates a range map. Each cell of four pixels gives two triangles along its shorter
+/// diagonal, or one if a corner is unknown. The mesh is cut at depth steps and where the surface is
+/// seen at a grazing angle. Pixels without triangles give no vertex; a map without surface gives a
+/// mesh without triangles. Depths that are not finite or not positive are unknown.
+/// \throws InvalidInput if the camera is not valid or an option is outside its range.
 [[nodiscard]] RangeMapMesh mesh_range_map(const RangeMap& map,
                                           const RangeMapMeshOptions& options = {});
 

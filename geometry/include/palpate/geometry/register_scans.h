@@ -10,16 +10,16 @@
 
 namespace palpate::geometry {
 
-/// Moves scans of one object onto each other: the first stays where its pose puts it, each further
-/// one is registered by its vertices, from where its pose puts it, onto all before it. At most
-/// 20000 vertices of a scan are used, evenly.
+/// Registers scans of one object with each other. The first scan stays at its pose. The vertices of
+/// each further scan are registered, starting from its pose, to the surface of all scans before it.
+/// At most 20000 evenly chosen vertices of a scan are used.
 ///
-/// Scans have to come in an order in which each overlaps those before it; `options.min_overlap` is
-/// the part of its vertices that they saw too.
-/// \return of each scan after the first how it moves, T_target_source its new T_object_scan. Ends
-/// with the first that is not accepted: read the verdict of the last.
-/// \throws InvalidInput if there is no scan, one is not valid (see `check_mesh`) or its pose is not
-/// a rotation and a finite shift, or on an option out of range; the start in `options` is not used.
+/// The order must be such that each scan overlaps those before it; `options.min_overlap` is the
+/// share of its vertices that those also see.
+/// \return for each scan after the first its registration, where T_target_source is the new
+/// T_object_scan. Ends with the first one that is not accepted, so check the verdict of the last.
+/// \throws InvalidInput if there is no scan, a scan is not valid (see `check_mesh`), a pose is not
+/// rigid and finite, or an option is outside its range. The start in `options` is not used.
 [[nodiscard]] std::vector<Registration> register_scans(std::span<const Scan> scans,
                                                        const RegistrationOptions& options = {});
 

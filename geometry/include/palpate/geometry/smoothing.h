@@ -7,19 +7,20 @@
 namespace palpate::geometry {
 
 struct SmoothingOptions {
-  int iterations = 20;       ///< >= 0; each shrinks by lambda and swells by mu
-  double lambda = 0.5;       ///< in (0, 0.6]; beyond it, the shortest waves would soon grow
-  double pass_band = 0.1;    ///< in (0, 1); lower frequencies stay. The shortest waves have 2
-  bool keep_border = false;  ///< the border stays as it is; otherwise it is smoothed along itself
+  int iterations = 20;       ///< >= 0; each one shrinks by lambda and inflates by mu
+  double lambda = 0.5;       ///< in (0, 0.6]; for larger values the shortest waves grow
+  double pass_band = 0.1;    ///< in (0, 1); lower frequencies are kept. The highest frequency is 2
+  bool keep_border = false;  ///< keep the border fixed; otherwise smooth it along itself
 };
 
-/// Smooths without shrinking (Taubin 1995): each iteration moves every vertex towards the mean m of
-/// its neighbours, x += lambda (m - x), and then away, x += mu (m - x), with
-/// 1 / lambda + 1 / mu = pass_band, hence mu < -lambda. A wave of frequency k (the eigenvalues of I
-/// - mean) is multiplied by (1 - lambda k) (1 - mu k): at most a little above 1 below the pass
-/// band. Neighbours count alike, so that vertices also spread evenly; those of a vertex at the
-/// border are its neighbours there. \throws InvalidInput on an option outside its range, or as
-/// `opposite_half_edges`.
+/// Smooths a mesh without shrinking it (Taubin 1995).
+///
+/// With the mean m of its neighbours, each vertex x is moved by lambda (m - x) and then by
+/// mu (m - x), where 1 / lambda + 1 / mu = pass_band and hence mu < -lambda. A wave of frequency k
+/// (eigenvalue of I - mean) is multiplied by (1 - lambda k) (1 - mu k), which exceeds 1 only
+/// slightly below the pass band. Neighbours have equal weights, so vertices also spread evenly. A
+/// border vertex uses only its neighbours on the border.
+/// \throws InvalidInput if an option is outside its range, or as `opposite_half_edges`.
 [[nodiscard]] TriangleMesh smooth(const TriangleMesh& mesh, const SmoothingOptions& options = {});
 
 }  // namespace palpate::geometry

@@ -10,87 +10,90 @@
 
 namespace palpate::geometry {
 
-/// Pairs of points that belong to each other, 3 x L each [mm].
+/// Pairs of corresponding points, 3 x L each [mm].
 struct Landmarks {
   Eigen::Matrix3Xd source;
   Eigen::Matrix3Xd target;
 };
 
 struct SurfaceMapOptions {
-  /// A landmark further from its surface than this fraction of the surface's diagonal is refused;
-  /// > 0. (It is then put on the surface.)
+  /// A landmark is rejected iff its distance from its surface exceeds this fraction of the
+  /// surface's diagonal; > 0. Accepted landmarks are projected onto the surface.
   double max_landmark_distance = 0.02;
-  /// An area is distorted iff its image is stretched by more than this factor more, or less, than
-  /// the whole surface is, in area; > 1.
+  /// A triangle is distorted iff the ratio of its area stretch to that of the whole surface is
+  /// above this factor, or below its inverse; > 1.
   double max_area_distortion = 3;
-  /// An area is distorted iff it is stretched by more than this factor more in one direction than
-  /// across; > 1.
+  /// A triangle is distorted iff its stretch in one direction exceeds this factor times its stretch
+  /// in the perpendicular direction; > 1.
   double max_angle_distortion = 3;
-  /// The map is not sensible iff a larger share of the area than this is distorted or folded; in
+  /// The map is not sensible iff more than this share of the area is distorted or folded; in
   /// [0, 1].
   double max_bad_share = 0.2;
 };
 
 enum class SurfaceMapVerdict {
   sensible,
-  distorted,  ///< some of the area is distorted or folded, at most `max_bad_share`
+  distorted,  ///< some of the area, at most `max_bad_share`, is distorted or folded
   not_sensible
 };
 
-/// Where the points of one surface are on another.
+/// Map from one surface onto another.
 struct SurfaceMap {
-  /// Read this before you use the map.
+  /// Check this before you use the map.
   SurfaceMapVerdict verdict = SurfaceMapVerdict::not_sensible;
-  std::string reason;          ///< the verdict in a sentence, with its figures
-  Eigen::Matrix3Xd positions;  ///< [mm] 3 x V, on the target, of the source's vertices
-  /// Of the map of each source triangle, 2 x T, the larger first; NaN for one without area.
+  std::string reason;          ///< the verdict in a sentence, with figures
+  Eigen::Matrix3Xd positions;  ///< [mm] 3 x V, images of the source's vertices on the target
+  /// 2 x T: singular values of the map of each source triangle, the larger first; NaN for a
+  /// triangle without area.
   Eigen::Matrix2Xd singular_values;
-  Eigen::VectorXd area_distortion;               ///< T, their product over the mean of all; 1: none
-  Eigen::VectorXd angle_distortion;              ///< T, their ratio; 1: none
-  Eigen::Array<bool, Eigen::Dynamic, 1> folded;  ///< T: the image shows its back
-  Eigen::Array<bool, Eigen::Dynamic, 1> distorted;  ///< T: beyond the bounds, or folded
+  Eigen::VectorXd area_distortion;   ///< T, product of both over the mean product; 1 if undistorted
+  Eigen::VectorXd angle_distortion;  ///< T, ratio of both; 1 if undistorted
+  Eigen::Array<bool, Eigen::Dynamic, 1> folded;     ///< T: the image of the triangle is flipped
+  Eigen::Array<bool, Eigen::Dynamic, 1> distorted;  ///< T: beyond the limits, or folded
   double scale = 1;            ///< square root of the ratio of areas, image over source
   double distorted_share = 0;  ///< of the source's area, folded or not
   double folded_share = 0;     ///< of the source's area
-  double coverage = 0;         ///< area of the image, of what is not folded, over the target's
-  double landmark_rms = 0;     ///< [mm] from the images of the source's landmarks to the target's
+  double coverage = 0;         ///< area of the unfolded part of the image over the target's area
+  double landmark_rms = 0;     ///< [mm] between images of source landmarks and target landmarks
 };
 
 /// Maps a surface onto another of the same topology, guided by a few landmarks.
 ///
-/// The landmarks give a similarity (Umeyama 1991) and, by what is left of them, an affine map and a
-/// thin-plate spline, which bring the source near the target. From there it is drawn onto the
-/// target, as rigidly as possible (Sorkine and Alexa 2007) and less and less stiff, its border onto
-/// the target's, landmarks onto theirs:
+/// First a similarity (Umeyama 1991), then an affine map and a thin-plate spline fitted to the
+/// remaining landmark errors bring the source close to the target. Then the source is deformed as
+/// rigidly as possible (Sorkine and Alexa 2007), with decreasing stiffness l, towards the target,
+/// its border towards the target's border, and landmarks towards landmarks, minimising
 ///
 ///     sum_v a_v |x_v - q_v|^2 + mean_k |x(s_k) - t_k|^2
 ///       + l^2 sum_e w_e (|x_i - x_j - R_i (y_i - y_j)|^2 + |x_i - x_j - R_j (y_i - y_j)|^2) / 2
 ///
-/// with y the splined source, q the nearest points of the target that face the same way, a the
-/// vertices' shares of the area, ten times that for those of the border, w cotangent weights (those
-/// below zero left out) over twice the area, l from a quarter to a hundredth of the diagonal. In
-/// the end each vertex is put on the nearest point. Between landmarks the map is a guess that
-/// distorts little; it is exact for a rigid motion and a uniform scale, and for an affine map if
-/// the landmarks are not in a plane.
-/// \throws InvalidInput on a bad mesh or option, meshes that are not manifold, not of one component
-/// each, or differ in the number of border loops or holes through them (Euler characteristic),
-/// fewer than three landmarks, as many on both sides, that are finite, near their surface, and not
-/// nearly in a line on either; SolverError if the equations cannot be solved.
+/// where y is the source after the spline, q the nearest points of the target with a normal in the
+/// same half-space, a the vertices' shares of the area (ten times that at the border), w cotangent
+/// weights (negative ones omitted) over twice the area, and l goes from a quarter to a hundredth of
+/// the diagonal. Finally each vertex is projected onto the target. Between landmarks the map is a
+/// guess of low distortion. It is exact for a rigid motion with uniform scale, and for an affine
+/// map if the landmarks are not coplanar.
+/// \throws InvalidInput if a mesh or option is not valid; if a mesh is not manifold or has several
+/// components; if the meshes differ in border loops or Euler characteristic; or unless both sides
+/// have the same number, at least three, of landmarks that are finite, near their surface and not
+/// nearly collinear.
+/// \throws SolverError if the equations cannot be solved.
 [[nodiscard]] SurfaceMap map_surface(const TriangleMesh& source, const TriangleMesh& target,
                                      const Landmarks& landmarks,
                                      const SurfaceMapOptions& options = {});
 
-/// How the map turns the surface at each of the source's vertices, V rotations: the nearest to its
-/// mean gradient there, normal onto normal.
+/// Rotation of the surface by the map at each of the source's vertices, V rotations: the one
+/// nearest to the mean gradient there that maps normal to normal.
 [[nodiscard]] std::vector<Eigen::Matrix3d> local_rotations(const TriangleMesh& source,
                                                            const SurfaceMap& map);
 
-/// Means at the vertices, V, of values of the triangles, weighted by their areas; NaN where there
-/// is none that is finite. \throws InvalidInput unless there is one value a triangle.
+/// Area-weighted means at the vertices, V, of values of the triangles; NaN where no value is
+/// finite.
+/// \throws InvalidInput unless there is one value per triangle.
 [[nodiscard]] Eigen::VectorXd vertex_means(const TriangleMesh& mesh,
                                            const Eigen::Ref<const Eigen::VectorXd>& values);
 
-/// "sensible", ...
+/// Name of a verdict: "sensible", ...
 [[nodiscard]] const char* to_string(SurfaceMapVerdict verdict);
 
 }  // namespace palpate::geometry

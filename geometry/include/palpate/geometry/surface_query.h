@@ -23,13 +23,13 @@ struct ClosestPoint {
 struct SegmentHit {
   SurfacePoint at;
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< [mm]
-  double fraction = 0;  ///< where along the segment, 0 at its start, 1 at its end
+  double fraction = 0;  ///< position along the segment, 0 at its start, 1 at its end
 };
 
-/// A half-line, or the part of it up to a distance.
+/// A half-line, optionally limited to a distance.
 struct Ray {
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();               ///< [mm]
-  Eigen::Vector3d direction = Eigen::Vector3d::Zero();            ///< of any length but 0
+  Eigen::Vector3d direction = Eigen::Vector3d::Zero();            ///< any length except 0
   double max_distance = std::numeric_limits<double>::infinity();  ///< [mm] >= 0
 };
 
@@ -39,82 +39,83 @@ struct RayHit {
   double distance = 0;                                 ///< [mm] from the origin
 };
 
-/// Answers geometric questions about one mesh through a bounding volume hierarchy (built by
-/// Embree).
+/// Closest-point and ray queries on a mesh, with a bounding volume hierarchy built by Embree.
 ///
-/// The hierarchy only culls, in single precision on the centred and scaled mesh and with a margin
-/// for its rounding; the triangles that are left are compared in double. So the answers are those
-/// of a search through all triangles in double, and a mesh 1 km from the origin answers as well as
-/// one at it. Of triangles that answer equally well the one with the lowest index is named. Queries
-/// are const, thread-safe, do not allocate and do not throw (those of many points at once allocate
-/// their answers).
+/// The hierarchy only culls, in single precision on the centred and scaled mesh with a margin for
+/// rounding; the remaining triangles are compared in double. The results therefore equal those of
+/// an exhaustive search in double, also for a mesh 1 km from the origin. Among equally good
+/// triangles the one with the lowest index is returned. Queries are const, thread-safe, do not
+/// allocate and do not throw (batch queries allocate their results).
 class SurfaceQuery {
  public:
-  /// \throws InvalidInput if the mesh is not valid (see `check_mesh`); SolverError if there is not
-  /// the memory for the hierarchy.
+  /// \throws InvalidInput if the mesh is not valid (see `check_mesh`).
+  /// \throws SolverError if there is not enough memory for the hierarchy.
   explicit SurfaceQuery(const TriangleMesh& mesh);
   ~SurfaceQuery();
   SurfaceQuery(SurfaceQuery&&) noexcept;
   SurfaceQuery& operator=(SurfaceQuery&&) noexcept;
 
-  /// The point of the surface nearest to `point`; triangle = -1, position and distance NaN if
-  /// `point` is not finite (or so far away that the square of its distance is not).
+  /// Closest point of the surface to `point`. If `point` is not finite (or so far away that its
+  /// squared distance is not), triangle is -1 and position and distance are NaN.
   [[nodiscard]] ClosestPoint closest_point(const Eigen::Vector3d& point) const noexcept;
 
-  /// The first crossing on the way from `start` to `end`, from either side of the surface; none if
-  /// there is no crossing or an end is not finite. An end on the surface, within the rounding of
-  /// its coordinates, is a crossing (so a segment without length hits iff it is on the surface); a
-  /// segment within the plane of a triangle crosses it only with its ends. A segment 1e15 times as
-  /// long as the mesh is lost in its own rounding and may miss it.
+  /// First crossing on the way from `start` to `end`, from either side of the surface; none if
+  /// there is no crossing or an end is not finite.
+  ///
+  /// An end on the surface, within the rounding of its coordinates, is a crossing (so a segment of
+  /// zero length hits iff it is on the surface); a segment in the plane of a triangle crosses it
+  /// only with its ends. A segment 1e15 times as long as the mesh may miss it because of rounding.
   [[nodiscard]] std::optional<SegmentHit> first_hit(const Eigen::Vector3d& start,
                                                     const Eigen::Vector3d& end) const noexcept;
 
-  /// The first crossing on the way from the origin along the direction, by the rules of a segment:
-  /// an origin on the surface is a crossing at distance 0. None too if the origin is not finite,
-  /// the direction is not finite or zero, or `max_distance` is NaN or negative.
+  /// First crossing on the way from the origin along the direction, by the same rules: an origin on
+  /// the surface is a crossing at distance 0. Also none if the origin is not finite, the direction
+  /// is not finite or zero, or `max_distance` is NaN or negative.
   [[nodiscard]] std::optional<RayHit> first_hit(const Ray& ray) const noexcept;
 
-  /// The mesh deforms: its vertices are elsewhere, its triangles the same. Answers are those of a
-  /// new SurfaceQuery. The hierarchy is fitted to the new places, which takes a fraction of the
-  /// time of a new one; when that would leave it much slower to walk than it was, it is built anew.
-  /// Not while another thread asks. \param vertices [mm] 3 x V. \throws InvalidInput unless there
-  /// are as many vertices as before, all finite; then nothing has moved. SolverError if there is
-  /// not the memory to build anew.
+  /// Moves the vertices of the mesh; the triangles stay the same. Results equal those of a new
+  /// SurfaceQuery. The hierarchy is refitted, which takes a fraction of the time of a new one, or
+  /// rebuilt if refitting would make queries much slower. Must not run during queries of other
+  /// threads.
+  /// \param vertices [mm] 3 x V.
+  /// \throws InvalidInput unless there are as many vertices as before, all finite; nothing has then
+  /// moved.
+  /// \throws SolverError if there is not enough memory to rebuild.
   void move_vertices(const Eigen::Ref<const Eigen::Matrix3Xd>& vertices);
 
  private:
   std::unique_ptr<SurfaceTree> tree_;
 };
 
-/// Closest points of many; the columns are as in `ClosestPoint`.
+/// Closest points of many points; the columns are as in `ClosestPoint`.
 struct ClosestPoints {
-  Eigen::VectorXi triangles;     ///< N; -1 for a point that has none
-  Eigen::Matrix3Xd barycentric;  ///< 3 x N; 0 for a point that has none
-  Eigen::Matrix3Xd positions;    ///< [mm] 3 x N; NaN for a point that has none
-  Eigen::VectorXd distances;     ///< [mm] N; NaN for a point that has none
+  Eigen::VectorXi triangles;     ///< N; -1 if there is no closest point
+  Eigen::Matrix3Xd barycentric;  ///< 3 x N; 0 if there is no closest point
+  Eigen::Matrix3Xd positions;    ///< [mm] 3 x N; NaN if there is no closest point
+  Eigen::VectorXd distances;     ///< [mm] N; NaN if there is no closest point
 };
 
-/// `closest_point` of each column, on all threads.
+/// Computes `closest_point` of each column, using all threads.
 /// \param points [mm] 3 x N; a column that is not finite has no closest point.
 [[nodiscard]] ClosestPoints closest_points(const SurfaceQuery& query,
                                            const Eigen::Ref<const Eigen::Matrix3Xd>& points);
 
 /// First crossings of many segments or rays.
 struct FirstHits {
-  Eigen::VectorXi triangles;     ///< N; -1 where there is none
-  Eigen::Matrix3Xd barycentric;  ///< 3 x N; 0 where there is none
-  Eigen::Matrix3Xd positions;    ///< [mm] 3 x N; NaN where there is none
-  Eigen::VectorXd along;  ///< N; fraction of a segment, [mm] along a ray; NaN where there is none
+  Eigen::VectorXi triangles;     ///< N; -1 if there is no crossing
+  Eigen::Matrix3Xd barycentric;  ///< 3 x N; 0 if there is no crossing
+  Eigen::Matrix3Xd positions;    ///< [mm] 3 x N; NaN if there is no crossing
+  Eigen::VectorXd along;  ///< N; fraction of a segment or [mm] along a ray; NaN if there is none
 };
 
-/// `first_hit` of each segment, on all threads.
-/// \param starts, ends [mm] 3 x N each; a segment whose end is not finite hits nothing.
+/// Computes `first_hit` of each segment, using all threads.
+/// \param starts, ends [mm] 3 x N each; a segment with an end that is not finite hits nothing.
 /// \throws InvalidInput unless there are as many ends as starts.
 [[nodiscard]] FirstHits first_hits(const SurfaceQuery& query,
                                    const Eigen::Ref<const Eigen::Matrix3Xd>& starts,
                                    const Eigen::Ref<const Eigen::Matrix3Xd>& ends);
 
-/// `first_hit` of each ray, on all threads.
+/// Computes `first_hit` of each ray, using all threads.
 [[nodiscard]] FirstHits first_hits(const SurfaceQuery& query, std::span<const Ray> rays);
 
 }  // namespace palpate::geometry

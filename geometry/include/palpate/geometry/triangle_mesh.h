@@ -6,46 +6,45 @@
 
 namespace palpate::geometry {
 
-/// Vertices and triangles: the surface everything else stands on.
+/// A triangle mesh: vertices and triangles.
 struct TriangleMesh {
   Eigen::Matrix3Xd vertices;   ///< [mm] 3 x V
   Eigen::Matrix3Xi triangles;  ///< 3 x T vertex indices, counter-clockwise seen from outside
 };
 
-/// A place on a mesh: a triangle and barycentric coordinates in it.
+/// A point on a mesh: a triangle and barycentric coordinates in it.
 struct SurfacePoint {
   int triangle = -1;
   Eigen::Vector3d barycentric =
       Eigen::Vector3d::Zero();  ///< >= 0, sums to 1; order of the triangle's vertices
 };
 
-/// Checks what every algorithm here relies on: at least one triangle, finite vertices, indices in
-/// range, three different vertices a triangle.
+/// Checks the requirements of all algorithms: at least one triangle, finite vertices, indices in
+/// range, and three different vertices per triangle.
 /// \throws InvalidInput naming `what`, the first bad vertex or triangle, and what is wrong with it.
 void check_mesh(const TriangleMesh& mesh, const char* what);
 
-/// Barycentric coordinates are on their triangle iff each is >= -kBarycentricTolerance and their
-/// sum differs from 1 by at most kBarycentricTolerance. Six decimals, as text files carry them,
-/// pass.
+/// Barycentric coordinates are accepted iff each is >= -kBarycentricTolerance and their sum differs
+/// from 1 by at most kBarycentricTolerance. Values rounded to six decimals, as in text files, pass.
 inline constexpr double kBarycentricTolerance = 2e-6;
 
-/// Checks that a point is on the mesh: triangle in range, barycentric coordinates of a point in it.
+/// Checks that a point is on the mesh: its triangle is in range and its barycentric coordinates are
+/// accepted.
 /// \throws InvalidInput naming `what` and what is wrong.
 void check_surface_point(const TriangleMesh& mesh, const SurfacePoint& point, const char* what);
 
-/// [mm] position of a point of the surface. Pre: the point is on the mesh.
+/// [mm] position of a surface point. Precondition: the point is on the mesh.
 [[nodiscard]] Eigen::Vector3d position(const TriangleMesh& mesh, const SurfacePoint& point);
 
-/// Unit normals, 3 x T; NaN for a triangle without area (a sine of the angle at its first vertex
-/// within rounding of zero).
+/// Unit normals of the triangles, 3 x T; NaN for a triangle without area (the sine of the angle at
+/// its first vertex is zero within rounding).
 [[nodiscard]] Eigen::Matrix3Xd triangle_normals(const TriangleMesh& mesh);
 
-/// Unit normals, 3 x V, each the mean of its triangles' normals weighted by their angle at the
-/// vertex; NaN for a vertex without a triangle that has an area, or when the normals cancel.
+/// Unit normals of the vertices, 3 x V: means of the triangle normals weighted by the angle at the
+/// vertex; NaN if no triangle at the vertex has an area, or if the normals cancel.
 [[nodiscard]] Eigen::Matrix3Xd vertex_normals(const TriangleMesh& mesh);
 
-/// [mm] length of the diagonal of the bounding box: the length that tolerances are relative to;
-/// 0 without vertices.
+/// [mm] diagonal of the bounding box, to which tolerances are relative; 0 without vertices.
 [[nodiscard]] double bounding_diagonal(const TriangleMesh& mesh);
 
 }  // namespace palpate::geometry
