@@ -6,7 +6,7 @@
 
 namespace palpate::geometry {
 
-/// The matrix that takes w to v x w.
+/// The matrix that maps w to v x w.
 [[nodiscard]] inline Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
   Eigen::Matrix3d matrix;
   matrix << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;

@@ -15,19 +15,19 @@ namespace palpate::geometry {
 /// \throws FileError if it is missing, not a regular file, empty or unreadable.
 [[nodiscard]] std::string read_input_file(const std::filesystem::path& path);
 
-/// Line of the character at `offset`, from 1.
+/// Line number, from 1, of the character at `offset`.
 [[nodiscard]] std::size_t line_number(std::string_view content, std::size_t offset);
 
-/// Takes the first word (what stands between blanks) off `rest`; empty at the end.
+/// Removes the first blank-separated word from `rest` and returns it; empty at the end.
 [[nodiscard]] std::string_view next_word(std::string_view& rest);
 
-/// Takes the first line off `rest`, without its end (\n or \r\n).
+/// Removes the first line from `rest` and returns it without its end (\n or \r\n).
 [[nodiscard]] std::string_view next_line(std::string_view& rest);
 
-/// A piece of a file in quotes for a message, cut off where it gets long.
+/// Quotes a piece of a file for a message, truncated if it is long.
 [[nodiscard]] std::string quoted(std::string_view text);
 
-/// The number that `word` is, and nothing but; nullopt if it is something else or out of range.
+/// Parses a word as a number; nullopt if it contains anything else or is out of range.
 template <typename Number>
 [[nodiscard]] std::optional<Number> parse_number(std::string_view word) {
   if (word.starts_with('+')) word.remove_prefix(1);

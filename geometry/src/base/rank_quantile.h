@@ -9,8 +9,8 @@
 
 namespace palpate::geometry {
 
-/// The least of the values that a fraction of them does not exceed: one of them, not a value in
-/// between. Pre: there are values, none is NaN.
+/// The smallest of the values that is >= the given fraction of them; not interpolated.
+/// Precondition: there are values, none of them NaN.
 [[nodiscard]] double rank_quantile(const auto& values, double fraction) {
   std::vector<double> sorted(values.begin(), values.end());
   const auto rank =

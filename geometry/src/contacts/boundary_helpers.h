@@ -9,11 +9,12 @@
 
 namespace palpate::geometry {
 
-/// Pins vertices of the border so that the polygons through them stand for it: each edge is at most
-/// about `spacing` long (of its half-edge at the border, in the unit of `positions`) and no vertex
-/// is further from it than a tenth of that, as in the simplification of Douglas and Peucker (1973);
-/// a loop has at least three. `positions`: 3 x ids; `pinned`: one entry an id, those that are
-/// pinned already count.
+/// Pins vertices of the border so that the polygons through them approximate it: each polygon edge
+/// is at most about `spacing` long (the value of its border half-edge's triangle, in the unit of
+/// `positions`), and no border vertex is farther from it than a tenth of that, as in Douglas and
+/// Peucker (1973). A loop has at least three pinned vertices.
+/// \param positions 3 x ids.
+/// \param pinned one entry per id; vertices already pinned count.
 void pin_border(const IntrinsicTriangulation& surface, const Eigen::Matrix3Xd& positions,
                 const std::vector<double>& spacing_of_triangle, std::vector<char>& pinned);
 

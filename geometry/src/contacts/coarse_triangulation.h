@@ -10,20 +10,21 @@
 
 namespace palpate::geometry {
 
-/// What both methods hand over: triangles of contacts that may still touch in single vertices.
+/// Result of both methods: triangles of contacts that may still touch in single vertices.
 struct TrianglesOfContacts {
   std::vector<std::array<int, 3>> triangles;
-  SurfaceWeights weights;          ///< empty: to be projected on the triangles
+  SurfaceWeights weights;          ///< if empty, to be projected onto the triangles
   Eigen::VectorXi surface_labels;  ///< see ContactTriangulation
   IntrinsicDelaunay intrinsic;
 };
 
-/// By pinned intrinsic coarsening. `places`: positions of the contacts [mm]. Pre: input checked.
+/// Pinned intrinsic coarsening. `places`: positions of the contacts [mm]. Precondition: valid
+/// input.
 [[nodiscard]] TrianglesOfContacts coarsen_to_contacts(const TriangleMesh& surface,
                                                       std::span<const SurfacePoint> contacts,
                                                       const Eigen::Matrix3Xd& places);
 
-/// By the dual of geodesic Voronoi cells, edges already manifold. Pre: input checked.
+/// Dual of geodesic Voronoi cells, with edges already manifold. Precondition: valid input.
 [[nodiscard]] TrianglesOfContacts voronoi_dual(const TriangleMesh& surface,
                                                std::span<const SurfacePoint> contacts,
                                                const Eigen::Matrix3Xd& places);

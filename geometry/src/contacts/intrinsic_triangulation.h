@@ -11,26 +11,25 @@
 
 namespace palpate::geometry {
 
-/// A surface known by how its triangles are glued and how long their edges are, nothing else; it
-/// may be flipped and coarsened without an embedding. Two triangles may share several edges and an
-/// edge may begin and end in one vertex (a Delta-complex). Half-edge 3 t + k runs from corner k of
+/// A surface given only by the connectivity of its triangles and their edge lengths; it can be
+/// flipped and coarsened without an embedding. Two triangles may share several edges, and an edge
+/// may begin and end in the same vertex (a Delta-complex). Half-edge 3 t + k runs from corner k of
 /// triangle t to its corner (k + 1) % 3, as in mesh_topology.h.
 ///
-/// An id is a vertex, or a point that is tracked: it lies in a triangle and its barycentric
-/// coordinates follow every change. Lengths are in units of the mean edge of the mesh it was made
-/// of.
+/// An id is a vertex or a tracked point. A tracked point lies in a triangle, and its barycentric
+/// coordinates follow every change. Lengths are in units of the mean edge length of the original
+/// mesh.
 class IntrinsicTriangulation {
  public:
   /// Ids 0 .. V - 1 are the vertices of the mesh. A vertex where several fans of triangles touch
-  /// becomes one vertex for each fan; the further ones get ids from V on (see `fan_of`). Edges are
-  /// lengthened a little where a triangle has no area (Sharp and Crane 2020, mollification).
-  /// \throws InvalidInput if more than two triangles share an edge, or two that are turned against
-  /// each other.
+  /// becomes one vertex per fan; the additional ones get ids from V on (see `fan_of`). Edges are
+  /// lengthened slightly where a triangle has no area (mollification; Sharp and Crane 2020).
+  /// \throws InvalidInput if more than two triangles share an edge, or two of opposite orientation.
   explicit IntrinsicTriangulation(const TriangleMesh& mesh);
 
   static constexpr int kNone = -1;
-  /// Flipping to Delaunay takes a few flips an edge; should rounding ever drive it in circles, it
-  /// gives up after this many.
+  /// Flipping to Delaunay needs a few flips per edge; after this many it stops, in case rounding
+  /// makes it cycle.
   static constexpr size_t kFlipsPerEdge = 100;
   static int next(int h) { return h % 3 == 2 ? h - 2 : h + 1; }
   static int previous(int h) { return h % 3 == 0 ? h + 2 : h - 1; }
@@ -43,7 +42,7 @@ class IntrinsicTriangulation {
   [[nodiscard]] double length(int h) const {
     return triangle(h).length[static_cast<size_t>(h % 3)];
   }
-  [[nodiscard]] double unit() const { return unit_; }  ///< [mm] what length 1 is
+  [[nodiscard]] double unit() const { return unit_; }  ///< [mm] length of one unit
   [[nodiscard]] int triangle_slots() const { return static_cast<int>(triangles_.size()); }
   [[nodiscard]] bool is_alive(int t) const {
     return triangles_[static_cast<size_t>(t)].corner[0] >= 0;
@@ -51,7 +50,8 @@ class IntrinsicTriangulation {
   [[nodiscard]] int id_count() const { return static_cast<int>(out_.size()); }
   [[nodiscard]] bool is_vertex(int id) const { return out_[static_cast<size_t>(id)] != kNone; }
   [[nodiscard]] bool is_boundary(int v) const { return boundary_[static_cast<size_t>(v)] != 0; }
-  /// The vertex of the mesh that an id from V on is a further fan of; the id itself below V.
+  /// For an id from V on, the mesh vertex of which it is an additional fan; for others the id
+  /// itself.
   [[nodiscard]] int fan_of(int id) const { return fan_of_[static_cast<size_t>(id)]; }
   /// A half-edge that leaves the vertex; at the border the first one counter-clockwise.
   [[nodiscard]] int out(int v) const { return out_[static_cast<size_t>(v)]; }
@@ -61,14 +61,14 @@ class IntrinsicTriangulation {
 
   /// Whether there is an edge between two vertices.
   [[nodiscard]] bool are_joined(int a, int b) const;
-  /// Whether a flip would lead to an edge that there is already, or from a vertex to itself.
+  /// Whether a flip would duplicate an existing edge or join a vertex to itself.
   [[nodiscard]] bool flip_repeats_edge(int h) const {
     const int c = from(previous(h));
     const int d = from(previous(opposite(h)));
     return c == d || are_joined(c, d);
   }
 
-  /// A new tracked point; barycentric coordinates >= 0 that sum to 1.
+  /// Adds a tracked point; barycentric coordinates must be >= 0 and sum to 1.
   int track(int t, const Eigen::Vector3d& barycentric);
   [[nodiscard]] int triangle_of_point(int id) const {
     return points_[static_cast<size_t>(id)].triangle;
@@ -82,17 +82,17 @@ class IntrinsicTriangulation {
   }
   [[nodiscard]] int next_point(int id) const { return points_[static_cast<size_t>(id)].next; }
 
-  /// Makes a tracked point a vertex that splits its triangle, or its edge if it lies on one (within
-  /// rounding); lengths stay as they are.
+  /// Turns a tracked point into a vertex that splits its triangle, or its edge if it lies on one
+  /// (within rounding); existing lengths do not change.
   void make_vertex(int id);
 
-  /// Whether the angles opposite to an edge sum up to at most pi, within rounding.
+  /// Whether the angles opposite an edge sum to at most pi, within rounding.
   [[nodiscard]] bool is_delaunay(int h) const;
-  /// Exchanges the diagonal of the two triangles at an edge; false, and nothing changes, if the
-  /// quadrilateral is not strictly convex or the edge has one triangle only.
+  /// Exchanges the diagonal of the two triangles at an edge. Returns false without a change if the
+  /// quadrilateral is not strictly convex or the edge has only one triangle.
   bool flip(int h);
-  /// Flips until every edge is Delaunay, beginning with the given ones and following what a flip
-  /// affects (Lawson 1977); `may_flip` can forbid some. It ends in any case.
+  /// Flips until every edge is Delaunay, starting with the given edges and following those affected
+  /// by a flip (Lawson 1977); `may_flip` can forbid flips. Always terminates.
   template <typename MayFlip>
   void flip_to_delaunay(std::vector<int>& half_edges, const MayFlip& may_flip) {
     size_t left = kFlipsPerEdge * (half_edges.size() + kFlipsPerEdge);
@@ -112,8 +112,8 @@ class IntrinsicTriangulation {
     flip_to_delaunay(half_edges, [](int) { return true; });
   }
 
-  /// A polygon of triangles laid out in the plane, to be cut anew. A node is a corner; one vertex
-  /// may be several of them.
+  /// A polygon of triangles laid out in the plane, to be retriangulated. A node is a corner of it;
+  /// several nodes may be the same vertex.
   struct Patch {
     struct Node {
       int vertex;
@@ -122,18 +122,18 @@ class IntrinsicTriangulation {
     using Triangle = std::array<int, 3>;  ///< nodes, counter-clockwise
     std::vector<Node> nodes;
     std::vector<int> old_triangles;
-    std::vector<Triangle> old_nodes;  ///< of each old triangle, beginning with its corner 0
-    std::vector<Triangle> new_nodes;  ///< of the triangles to be
-    std::vector<int> new_triangles;   ///< filled in by `replace`
+    std::vector<Triangle> old_nodes;  ///< of each old triangle, starting at its corner 0
+    std::vector<Triangle> new_nodes;  ///< of the new triangles
+    std::vector<int> new_triangles;   ///< output of `replace`
   };
-  /// Puts the new triangles of the patch in the place of the old ones; edges that stay keep their
-  /// length, points their position. An edge that is new at the rim is at the border.
+  /// Replaces the old triangles of the patch by the new ones. Edges that remain keep their length,
+  /// and points their position. A new edge on the rim is a border edge.
   void replace(Patch& patch);
-  /// A vertex without triangles becomes a tracked point at the origin of the patch.
+  /// Turns a vertex without triangles into a tracked point at the origin of the patch.
   void retire_vertex(int v, const Patch& patch);
 
  private:
-  struct Triangle {  // one line of the cache
+  struct Triangle {  // one cache line
     std::array<double, 3> length;
     std::array<int, 3> corner;
     std::array<int, 3> opposite;

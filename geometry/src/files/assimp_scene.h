@@ -8,9 +8,9 @@
 
 namespace palpate::geometry {
 
-/// Reads glTF (whose unit is the metre) and whatever else assimp knows, in float: the parts of a
-/// scene are put together as it places them, with normals and colours if all parts have them.
-/// \throws FileError if the file is missing, empty, of an unknown ending or damaged.
+/// Reads glTF (in metres) and all other formats of assimp, in float. The parts of a scene are
+/// combined at their positions, with normals and colours if all parts have them.
+/// \throws FileError if the file is missing, empty, damaged, or has an unknown extension.
 [[nodiscard]] PolygonMesh read_assimp_scene(const std::filesystem::path& path);
 
 }  // namespace palpate::geometry

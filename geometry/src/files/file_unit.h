@@ -11,22 +11,23 @@
 
 namespace palpate::geometry {
 
-/// What our files declare, as a comment or in a header.
+/// The unit that our files declare, in a comment or in a header.
 inline constexpr std::string_view kUnitComment = "unit mm";
 
-/// [mm] The unit that a comment declares: "unit mm", "units: in", "UNIT=metre"; nullopt if it is
-/// about something else.
+/// [mm] Unit declared by a comment such as "unit mm", "units: in" or "UNIT=metre"; nullopt for
+/// other comments.
 [[nodiscard]] std::optional<double> declared_unit(std::string_view comment);
 
-/// The unit of a file: that of the options, else what the format declares, else the first that a
-/// comment declares, else 1. Takes comments that declare one out of `comments`.
+/// Determines the unit of a file: from the options, else from the format, else from the first
+/// comment that declares one, else 1. Removes the comments that declare a unit from `comments`.
 [[nodiscard]] FileUnit take_unit(const ReadOptions& options, std::optional<double> of_format,
                                  std::vector<std::string>& comments);
 
+/// Checks the options.
 /// \throws InvalidInput unless `options.unit` is > 0 and finite.
 void check_options(const ReadOptions& options);
 
-/// Checks that comments are one line each and leave the unit to the writer.
+/// Checks that each comment is a single line and does not declare a unit, which the writer does.
 /// \throws InvalidInput naming `what` and the comment.
 void check_comments(const std::vector<std::string>& comments, const char* what);
 

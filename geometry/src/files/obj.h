@@ -9,15 +9,15 @@
 
 namespace palpate::geometry {
 
-/// Reads the vertices and faces of a Wavefront OBJ, its comments, and colours and normals where
-/// every vertex has exactly one; what else it holds (textures, groups, materials) is skipped.
-/// Assimp is not used as it keeps coordinates in float only and gives every corner of every face a
-/// vertex of its own.
+/// Reads the vertices and faces of a Wavefront OBJ file, its comments, and colours and normals if
+/// every vertex has exactly one. Other content (textures, groups, materials) is skipped. Assimp is
+/// not used because it stores coordinates in float and gives every corner of every face its own
+/// vertex.
 /// \throws FileError naming the line if a vertex or a face is wrong.
 [[nodiscard]] PolygonMesh read_obj(const std::filesystem::path& path);
 
-/// Writes text with as many digits as it takes to read back the same numbers: vertices with their
-/// colours, normals, triangles.
+/// Writes text with enough digits to read back the same numbers: vertices with their colours,
+/// normals, triangles.
 void write_obj(std::ostream& stream, const MeshFile& file);
 
 }  // namespace palpate::geometry

@@ -8,10 +8,9 @@
 
 namespace palpate::geometry {
 
-/// Reads text OFF with the comments and, if its first word announces them (COFF, NOFF, CNOFF, with
-/// or without ST) and every vertex has them, colours and normals; what stands behind a face is
-/// skipped.
-/// Assimp is not used as it replaces a bad index by a good one without a word.
+/// Reads text OFF with its comments. Colours and normals are read if the first word announces them
+/// (COFF, NOFF, CNOFF, with or without ST) and every vertex has them; data after a face is skipped.
+/// Assimp is not used because it silently replaces an invalid index by a valid one.
 /// \throws FileError naming the line if a vertex or a face is wrong, or if the file is truncated.
 [[nodiscard]] PolygonMesh read_off(const std::filesystem::path& path);
 

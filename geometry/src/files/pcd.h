@@ -9,15 +9,15 @@
 
 namespace palpate::geometry {
 
-/// Reads all fields of a PCD file (text, binary or compressed) but padding; unknown points stay
-/// NaN. Coordinates are in the unit of the file, and comments are all still there. PCL's own reader
-/// is not used as its library brings VTK along.
-/// \throws FileError if the file is missing, truncated (saying how much of it is there) or wrong.
+/// Reads all fields of a PCD file (text, binary or compressed) except padding; unknown points stay
+/// NaN. Coordinates are in the unit of the file, and all comments are kept. PCL's reader is not
+/// used because its library depends on VTK.
+/// \throws FileError if the file is missing, not valid, or truncated (saying how much is there).
 [[nodiscard]] PointCloud read_pcd(const std::filesystem::path& path);
 
-/// Writes text, or binary with its least significant byte first.
-/// \throws InvalidInput naming `what` if an attribute is called as a coordinate, or is of lists of
-/// several sizes.
+/// Writes text or little-endian binary.
+/// \throws InvalidInput naming `what` if an attribute has the name of a coordinate, or consists of
+/// lists of different lengths.
 void write_pcd(std::ostream& stream, const PointCloud& cloud, const WriteOptions& options,
                const char* what);
 

@@ -6,11 +6,11 @@
 
 namespace palpate::geometry {
 
-/// From PCL's names of fields to ours: normal_x becomes nx, and the bytes of rgb (of which the
+/// Converts PCL's field names to ours: normal_x becomes nx, and the bytes of rgb (of which the
 /// highest has no meaning) and rgba become red, green, blue and alpha.
 [[nodiscard]] Attributes from_pcd_fields(Attributes fields);
 
-/// And back: nx becomes normal_x; colours are packed iff all are bytes.
+/// The inverse: nx becomes normal_x; colours are packed iff all of them are bytes.
 [[nodiscard]] Attributes to_pcd_fields(Attributes attributes);
 
 }  // namespace palpate::geometry

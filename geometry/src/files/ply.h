@@ -9,16 +9,16 @@
 
 namespace palpate::geometry {
 
-/// Reads PLY: text or binary of either byte order, coordinates and indices of any type. All
+/// Reads PLY: text or binary in either byte order, with coordinates and indices of any type. All
 /// properties of vertices and faces are kept; elements other than vertex, face and tristrips are
-/// skipped. Beside tristrips, attributes of faces are skipped too. Assimp is not used as it keeps
-/// coordinates in float only.
-/// \throws FileError if the file is missing, truncated (saying how much of it is there) or wrong.
+/// skipped, and so are face attributes if there are tristrips. Assimp is not used because it stores
+/// coordinates in float.
+/// \throws FileError if the file is missing, not valid, or truncated (saying how much is there).
 [[nodiscard]] PolygonMesh read_ply(const std::filesystem::path& path);
 
-/// Writes coordinates and the attributes in their types; no faces if there are no triangles.
-/// \throws InvalidInput naming `what` if an attribute has a name of PLY's own, or a type that PLY
-/// does not know.
+/// Writes coordinates and attributes in their types; no faces if there are no triangles.
+/// \throws InvalidInput naming `what` if an attribute has a name that PLY reserves, or a type that
+/// PLY does not have.
 void write_ply(std::ostream& stream, const MeshFile& file, const WriteOptions& options,
                const char* what);
 

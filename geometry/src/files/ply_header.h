@@ -17,7 +17,7 @@ namespace palpate::geometry {
 struct PlyProperty {
   std::string name;
   Scalar type = Scalar::float32;
-  std::optional<Scalar> list_size;  ///< type of the count, if it is a list
+  std::optional<Scalar> list_size;  ///< type of the list length; empty if not a list
 };
 
 struct PlyElement {
@@ -30,16 +30,16 @@ struct PlyHeader {
   bool text = false;
   std::endian order = std::endian::little;
   std::vector<PlyElement> elements;
-  std::vector<std::string> comments;  ///< and what stands behind obj_info
+  std::vector<std::string> comments;  ///< including the text of obj_info
   std::size_t size = 0;               ///< bytes
 };
 
-/// Lines may end with \n, \r\n or \r.
-/// \throws FileError naming the line that is wrong.
+/// Parses a header. Lines may end with \n, \r\n or \r.
+/// \throws FileError naming the line that is not valid.
 [[nodiscard]] PlyHeader parse_ply_header(std::string_view content, const std::string& file);
 
-/// The name of a type in a header.
-/// \throws InvalidInput for the integers of 64 bits, which PLY does not know.
+/// Name of a type in a header.
+/// \throws InvalidInput for 64-bit integers, which PLY does not have.
 [[nodiscard]] std::string_view ply_name(Scalar type);
 
 }  // namespace palpate::geometry

@@ -12,34 +12,33 @@
 
 namespace palpate::geometry {
 
-/// What a mesh file holds, before anything is checked.
+/// Unchecked content of a mesh file.
 struct PolygonMesh {
   std::vector<Eigen::Vector3d> vertices;  ///< in the unit of the file
-  std::vector<std::int64_t>
-      corners;             ///< vertex indices of all polygons, one polygon after the other
-  std::vector<int> sizes;  ///< corners of each polygon
+  std::vector<std::int64_t> corners;      ///< vertex indices of all polygons, grouped by polygon
+  std::vector<int> sizes;                 ///< number of corners of each polygon
   Attributes vertex_attributes;
   Attributes face_attributes;
-  std::vector<std::string> comments;  ///< also such as declare a unit
+  std::vector<std::string> comments;  ///< including those that declare a unit
   std::optional<double> unit;         ///< [mm] if the format itself declares one
 };
 
 /// The vertices, 3 x V.
 [[nodiscard]] Eigen::Matrix3Xd vertex_matrix(const PolygonMesh& mesh);
 
-/// Cuts polygons into triangles by clipping ears, so that one that is not convex keeps its outline;
-/// its attributes go along to each of its triangles. A triangle that uses a vertex twice has no
-/// area and is left out. Unit and comments are left to the caller.
-/// \throws FileError naming `file`, the polygon and its corner if an index is out of range, if a
-/// polygon has less than 3 corners, a vertex is not finite, or there is no triangle; of these only
-/// the last with `keep_defects` (see ReadOptions).
+/// Triangulates polygons by ear clipping, so that concave polygons keep their outline. Attributes
+/// of a polygon go to each of its triangles. A triangle that uses a vertex twice has no area and is
+/// left out. The caller handles unit and comments.
+/// \throws FileError naming `file`, the polygon and its corner if an index is out of range, a
+/// polygon has fewer than 3 corners, a vertex is not finite, or there is no triangle. With
+/// `keep_defects` (see ReadOptions) only the last is an error.
 [[nodiscard]] MeshFile triangulate(PolygonMesh mesh, const std::string& file,
                                    bool keep_defects = false);
 
-/// A format that lists the corners of every face anew loses which faces are neighbours. Exactly
-/// equal places tell it again; near ones are left alone, as only the user can say what near is.
-/// Does nothing if vertices are shared already, or one is not finite. Where corners become one,
-/// vertex attributes are dropped.
+/// Joins corners at exactly equal positions, for formats that repeat the corners of every face and
+/// so lose its neighbours. Close but different positions are not joined, because only the user
+/// knows what counts as close. Does nothing if vertices are already shared or one is not finite.
+/// Vertex attributes are dropped if corners are joined.
 void join_corners(PolygonMesh& mesh);
 
 }  // namespace palpate::geometry

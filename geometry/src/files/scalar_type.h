@@ -15,17 +15,17 @@
 
 namespace palpate::geometry {
 
-/// Types of the numbers in mesh files, in the order of the alternatives of AttributeValues.
+/// Number types in mesh files, in the order of the alternatives of AttributeValues.
 enum class Scalar { int8, uint8, int16, uint16, int32, uint32, int64, uint64, float32, float64 };
 
 [[nodiscard]] std::size_t size_of(Scalar type);
 [[nodiscard]] Scalar type_of(const AttributeValues& values);
 [[nodiscard]] bool is_integer(Scalar type);
 
-/// No numbers yet, of the given type.
+/// Empty values of a type.
 [[nodiscard]] AttributeValues no_values(Scalar type);
 
-/// Reads one number from as many bytes as it takes.
+/// Reads one number from its bytes.
 template <typename Number>
 [[nodiscard]] Number load(std::endian order, const char* bytes) {
   std::array<char, sizeof(Number)> ordered;
@@ -42,7 +42,7 @@ void append_bytes(std::string& bytes, std::endian order, Number value) {
   bytes.append(ordered.data(), ordered.size());
 }
 
-/// Appends a number in as many digits as it takes to read it back exactly.
+/// Appends a number with enough digits to read it back exactly.
 template <typename Number>
 void append_digits(std::string& text, Number value) {
   std::array<char, 32> digits;  // the longest double takes 24
@@ -50,12 +50,12 @@ void append_digits(std::string& text, Number value) {
   text.append(digits.begin(), end);
 }
 
-/// Appends `count` numbers that lie `step` bytes apart.
+/// Appends `count` numbers that are `step` bytes apart.
 void append_loaded(AttributeValues& values, std::endian order, const char* bytes, std::size_t count,
                    std::size_t step);
 
-/// Appends the number that `word` is; false if it is none that the type can hold. An integer may
-/// also be written as 3.0 or 3e2; a floating point number is rounded to its type.
+/// Parses `word` and appends the number; false if the type cannot hold it or it is not a number. An
+/// integer may be written as 3.0 or 3e2; a floating point number is rounded to its type.
 [[nodiscard]] bool append_parsed(AttributeValues& values, std::string_view word);
 
 /// Appends the number at `index` as bytes or as digits.

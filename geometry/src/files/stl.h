@@ -9,13 +9,13 @@
 
 namespace palpate::geometry {
 
-/// Reads STL, binary or text; corners at exactly the same place become one vertex. Normals and the
-/// attribute bytes of triangles are skipped. Assimp is not used as it rounds what a text says.
-/// \throws FileError naming the triangle or the line that is wrong, or if the file is truncated.
+/// Reads binary or text STL; corners at exactly the same place become one vertex. Normals and
+/// attribute bytes are skipped. Assimp is not used because it rounds the numbers of text files.
+/// \throws FileError naming the triangle or line that is not valid, or if the file is truncated.
 [[nodiscard]] PolygonMesh read_stl(const std::filesystem::path& path);
 
-/// Writes binary (float) or text (as many digits as it takes), with the triangles' normals (zero
-/// where there is no area). Pre: coordinates are in the range of float if binary.
+/// Writes binary (float) or text (enough digits to read back the same numbers), with the normals of
+/// the triangles (zero for zero area). Precondition: binary coordinates are in the range of float.
 void write_stl(std::ostream& stream, const TriangleMesh& mesh, Encoding encoding);
 
 }  // namespace palpate::geometry

@@ -8,10 +8,11 @@
 
 namespace palpate::geometry {
 
-/// What geodesic_distance answers with GeodesicMethod::exact. Pre: mesh, sources and radius are
-/// checked.
-/// \throws InvalidInput naming a triangle without area, an edge or a vertex that is not manifold.
-/// \throws SolverError where CGAL fails.
+/// Implements `geodesic_distance` for GeodesicMethod::exact. Precondition: mesh, sources and radius
+/// are valid.
+/// \throws InvalidInput naming a triangle without area, or an edge or a vertex that is not
+/// manifold.
+/// \throws SolverError if CGAL fails.
 /// \throws Unavailable if the library was built without CGAL.
 [[nodiscard]] GeodesicDistance exact_geodesic_distance(const TriangleMesh& mesh,
                                                        std::span<const SurfacePoint> sources,

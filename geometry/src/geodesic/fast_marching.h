@@ -8,8 +8,8 @@
 
 namespace palpate::geometry {
 
-/// What geodesic_distance answers with GeodesicMethod::fast_marching. Pre: mesh, sources and radius
-/// are checked.
+/// Implements `geodesic_distance` for GeodesicMethod::fast_marching. Precondition: mesh, sources
+/// and radius are valid.
 [[nodiscard]] GeodesicDistance fast_marching_distance(const TriangleMesh& mesh,
                                                       std::span<const SurfacePoint> sources,
                                                       double stop_radius);

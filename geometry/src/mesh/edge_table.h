@@ -9,15 +9,15 @@
 
 namespace palpate::geometry {
 
-/// A side of a triangle as it lies on an edge of a mesh that may be broken.
+/// A side of a triangle on an edge of a mesh that may be defective.
 struct EdgeSide {
   int low = -1;         ///< the end with the lower vertex index
   int high = -1;        ///< the other end
   int half_edge = -1;   ///< 3 t + k: from corner k of triangle t to its corner (k + 1) % 3
-  bool upwards = true;  ///< runs from `low` to `high`
+  bool upwards = true;  ///< whether it runs from `low` to `high`
 
   [[nodiscard]] int triangle() const { return half_edge / 3; }
-  /// The corner (3 t + k) at `low`, and that at `high`.
+  /// The corners (3 t + k) at `low` and at `high`.
   [[nodiscard]] int low_corner() const { return upwards ? half_edge : next_corner(); }
   [[nodiscard]] int high_corner() const { return upwards ? next_corner() : half_edge; }
 
@@ -25,8 +25,8 @@ struct EdgeSide {
   [[nodiscard]] int next_corner() const { return half_edge - half_edge % 3 + (half_edge + 1) % 3; }
 };
 
-/// The sides of all triangles, or of those for which `use` holds, edge by edge in ascending order,
-/// those of one edge in the order of their half-edges. Pre: these triangles name vertices.
+/// The sides of all triangles, or of those for which `use` holds, sorted by edge and within an edge
+/// by half-edge. Precondition: these triangles refer to existing vertices.
 [[nodiscard]] std::vector<EdgeSide> sort_sides(const Eigen::Matrix3Xi& triangles);
 [[nodiscard]] std::vector<EdgeSide> sort_sides(const Eigen::Matrix3Xi& triangles,
                                                const std::vector<bool>& use);
@@ -46,11 +46,11 @@ void for_each_edge(const std::vector<EdgeSide>& sides, auto&& visit) {
 [[nodiscard]] std::vector<int> repeated_triangles(const Eigen::Matrix3Xi& triangles,
                                                   const std::vector<bool>& use);
 
-/// Corners of triangles (3 t + k) joined into classes, each named by its least corner.
+/// Equivalence classes of triangle corners (3 t + k), each named by its lowest corner.
 class CornerClasses {
  public:
   explicit CornerClasses(Eigen::Index corner_count);
-  /// Joins what two sides of one edge have at its ends.
+  /// Joins the corners of two sides of one edge at both of its ends.
   void join(const EdgeSide& a, const EdgeSide& b);
   [[nodiscard]] int find(int corner);
 

@@ -6,8 +6,8 @@
 
 namespace palpate::geometry {
 
-/// What fill_holes answers. Pre: options are checked.
-/// \throws as fill_holes does.
+/// Implements `fill_holes`. Precondition: the options are valid.
+/// \throws as `fill_holes`.
 [[nodiscard]] FilledMesh add_hole_patches(const TriangleMesh& mesh, double max_diameter);
 
 }  // namespace palpate::geometry

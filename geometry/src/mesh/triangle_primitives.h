@@ -11,40 +11,40 @@ namespace palpate::geometry {
 /// The three corners of a triangle.
 using Corners = std::array<Eigen::Vector3d, 3>;
 
-/// A contact is at a corner, or on an edge, iff its barycentric coordinates are this near to 1, or
-/// 0. Its place moves by less than anybody measures, and no triangle thinner than this arises.
+/// A contact is snapped to a corner or an edge iff its barycentric coordinates are this close to 1
+/// or 0. This moves it by less than any measurement error, and avoids thinner triangles.
 inline constexpr double kContactOnEdge = 1e-4;
 
-/// Barycentric coordinates of a contact, at a corner or on an edge if it is near one; they sum
-/// to 1.
+/// Snaps the barycentric coordinates of a contact to a corner or an edge if it is close to one;
+/// they sum to 1.
 [[nodiscard]] Eigen::Vector3d snap_to_edges(const Eigen::Vector3d& barycentric);
 
-/// [mm^2] along the normal, as long as the area of a triangle of `vertices` (3 x N).
+/// [mm^2] vector along the normal of a triangle, with the length of its area. `vertices`: 3 x N.
 [[nodiscard]] Eigen::Vector3d area_vector(const Eigen::Matrix3Xd& vertices,
                                           const Eigen::Vector3i& triangle);
 
-/// The nearest point of one triangle.
+/// The nearest point on a triangle.
 struct Nearest {
   double squared_distance = std::numeric_limits<double>::infinity();
   Eigen::Vector3d barycentric = Eigen::Vector3d::Zero();  ///< >= 0, sums to 1
 };
 
-/// Nearest point of a triangle, which may be a needle or have no area. The distance is that to the
-/// point named by `barycentric`; infinite if its square is beyond the range of double.
+/// Finds the nearest point of a triangle, which may be a needle or have zero area. The distance is
+/// that to the point given by `barycentric`; infinite if its square overflows.
 [[nodiscard]] Nearest nearest_on_triangle(const Eigen::Vector3d& point, const Corners& corners);
 
-/// A segment in the form of Woop, Benthin and Wald 2013: axis 2 is the one along which it runs
-/// most, a shear makes it run along that axis alone. Neighbouring triangles see their common edge
-/// with exactly opposite signs, so no segment slips through between them. Pre: the ends differ.
+/// A segment in the form of Woop, Benthin and Wald 2013: axis 2 is the axis of its largest extent,
+/// and a shear aligns the segment with it. Neighbouring triangles see their common edge with
+/// exactly opposite signs, so no segment passes between them. Precondition: the ends differ.
 class ShearedSegment {
  public:
   ShearedSegment(const Eigen::Vector3d& start, const Eigen::Vector3d& end);
   [[nodiscard]] Eigen::Vector3d shear(const Eigen::Vector3d& point) const;
   [[nodiscard]] double length() const { return length_; }                 ///< signed, along axis 2
-  [[nodiscard]] const std::array<int, 3>& axis() const { return axis_; }  ///< their new order
+  [[nodiscard]] const std::array<int, 3>& axis() const { return axis_; }  ///< new order of the axes
   [[nodiscard]] double shear_0() const { return shear_0_; }
   [[nodiscard]] double shear_1() const { return shear_1_; }
-  /// From start to end, 1 or -1 along axis 2.
+  /// 1 or -1 along axis 2, from start to end.
   [[nodiscard]] Eigen::Vector3d direction() const;
 
  private:
@@ -57,7 +57,7 @@ class ShearedSegment {
 
 /// Where a segment crosses a triangle.
 struct Crossing {
-  double fraction = std::numeric_limits<double>::infinity();  ///< in [0, 1]; infinity = nowhere
+  double fraction = std::numeric_limits<double>::infinity();  ///< in [0, 1]; infinity if none
   Eigen::Vector3d barycentric = Eigen::Vector3d::Zero();      ///< >= 0, sums to 1
 };
 

@@ -13,55 +13,56 @@
 
 namespace palpate::geometry {
 
-/// How the triangles meet.
+/// How the triangles of a mesh are connected.
 struct Gluing {
-  /// Of each triangle, whether one of its edges has more than two triangles or two that are turned
-  /// against each other.
+  /// For each triangle, whether one of its edges has more than two triangles or two of opposite
+  /// orientation.
   std::vector<char> bad_edge;
-  /// Of each vertex, in how many fans its triangles come; 1 at a vertex where a manifold is one.
+  /// For each vertex, the number of fans its triangles form; 1 where the mesh is manifold.
   std::vector<int> fans;
 };
 
 [[nodiscard]] Gluing gluing(const TriangleMesh& mesh);
 
-/// Rids a mesh of triangles that are almost lines, as far as that moves its surface by no more than
-/// their height: at the border they are dropped, elsewhere their longest edge is flipped. That may
-/// be further than the tolerance: those with three `fixed` vertices stay.
+/// Removes almost degenerate triangles as far as this moves the surface by no more than their
+/// height: at the border they are dropped, elsewhere their longest edge is flipped. Since the
+/// height may exceed the tolerance, triangles with three `fixed` vertices stay.
 void mend_slivers(TriangleMesh& mesh, const std::vector<char>& fixed);
 
-/// What a decimated mesh is measured by.
+/// The reference for checking a decimated mesh.
 struct DecimationStandard {
   DistanceTarget input;
   Gluing input_gluing;
-  bool manifold_edges;                        ///< of the input
+  bool manifold_edges;                        ///< whether the input's edges are manifold
   Eigen::Matrix3Xd normals;                   ///< of the input's triangles
-  std::vector<std::array<int, 3>> triangles;  ///< of the input, each from its least corner on
+  std::vector<std::array<int, 3>> triangles;  ///< of the input, each starting at its lowest corner
 
   explicit DecimationStandard(const TriangleMesh& mesh);
 };
 
-/// What breaks that which `Decimation` promises. What is quicker to find is looked for first, and
-/// the rest only where there is none of it.
+/// Violations of what `Decimation` promises. Cheaper checks come first, and the others run only if
+/// these find nothing.
 struct Unfit {
-  std::vector<int> shapes;  ///< triangles that are badly glued, or turned over and no slivers
-  /// Triangles further from the input than the tolerance, or the nearest ones to what is `lost`.
+  std::vector<int> shapes;  ///< badly connected triangles, or flipped ones that are not slivers
+  /// Triangles whose distance from the input exceeds the tolerance, or those nearest to `lost`.
   std::vector<int> far;
-  std::vector<Eigen::Vector3d> lost;  ///< points of the input further away than the tolerance
+  std::vector<Eigen::Vector3d> lost;  ///< input points whose distance exceeds the tolerance
 
   [[nodiscard]] std::size_t count() const { return far.size() + shapes.size(); }
-  /// How far from fit: the checks that are still to come, then how much this one found.
+  /// Measure of progress: number of checks still to pass, then number of violations found.
   [[nodiscard]] std::pair<int, std::size_t> left() const {
     return {!shapes.empty() ? 2 : !lost.empty() ? 1 : 0, count()};
   }
 };
 
-/// Triangles, each from its least corner on, sorted, that are within the tolerance of the input.
+/// Triangles known to be within the tolerance of the input, sorted, each from its lowest corner.
 struct KnownNear {
   std::vector<std::array<int, 3>> near;
 };
 
-/// What is unfit of `candidate`, whose vertices are those of the input. Infinite `tolerance`: the
-/// distance does not count. `known`: of candidates with this tolerance; what is learnt is added.
+/// Finds the violations of `candidate`, whose vertices are a subset of the input's. An infinite
+/// `tolerance` skips the distance check. `known` collects results for candidates with the same
+/// tolerance and is extended.
 [[nodiscard]] Unfit find_unfit(const TriangleMesh& candidate,
                                const DistanceTarget& candidate_target,
                                const DecimationStandard& standard, double tolerance,

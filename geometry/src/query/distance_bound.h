@@ -12,7 +12,7 @@
 
 namespace palpate::geometry {
 
-/// A surface that the distances of others are bounded to.
+/// A surface to which distances are bounded.
 struct DistanceTarget {
   TriangleMesh mesh;
   SurfaceQuery query;
@@ -25,14 +25,14 @@ struct DistanceTarget {
 
 struct BoundGoal {
   double max_gap = 0.01;    ///< as in HausdorffOptions
-  double ignore_below = 0;  ///< [mm] distances up to here need not be told apart
-  /// [mm] A triangle with a point further away is left at that, its upper bound infinite.
+  double ignore_below = 0;  ///< [mm] distances up to this need not be distinguished
+  /// [mm] A triangle with a point farther away is not refined further; its upper bound is infinite.
   double stop_above = std::numeric_limits<double>::infinity();
 };
 
-/// The distances of the points of each triangle. Where they are below the largest of all, only as
-/// far as that shows. Pre: `from` is a valid mesh.
-/// \throws InvalidInput if a distance is beyond the range of double.
+/// Bounds the largest distance of each triangle's points. Triangles below the overall maximum are
+/// refined only as far as needed to show this. Precondition: `from` is a valid mesh.
+/// \throws InvalidInput if a distance overflows.
 [[nodiscard]] std::vector<LargestDistance> bound_triangle_distances(const TriangleMesh& from,
                                                                     const DistanceTarget& to,
                                                                     const BoundGoal& goal);

@@ -9,7 +9,7 @@
 namespace palpate::geometry {
 
 /// A frame in which points lie in about [-1, 1]: centred on their bounding box and scaled by a
-/// power of two, which rounds nothing.
+/// power of two, which is exact.
 struct LocalFrame {
   Eigen::Vector3d centre;
   double scale;  ///< local = (world - centre) * scale
@@ -19,13 +19,13 @@ struct LocalFrame {
   }
 };
 
-/// Pre: at least one point, all finite.
+/// Precondition: at least one point, all finite.
 [[nodiscard]] inline LocalFrame local_frame(const Eigen::Matrix3Xd& points) {
-  // Halves: the whole extent may be beyond the range of double.
+  // Use halves, because the whole extent may overflow.
   const Eigen::Vector3d lower = points.rowwise().minCoeff() / 2;
   const Eigen::Vector3d upper = points.rowwise().maxCoeff() / 2;
   const double half_extent = (upper - lower).maxCoeff();
-  // Not beyond the range in which the scale and its inverse are normal numbers.
+  // Keep the scale and its inverse normal numbers.
   constexpr int kMaxExponent = 1000;
   const int exponent = half_extent > 0 ? std::ilogb(half_extent) + 1 : 0;
   return {.centre = lower + upper,

@@ -16,20 +16,21 @@ struct NearestTriangle {
   int triangle = -1;
 };
 
-/// A triangle that a segment crosses; -1 if there is none.
+/// A triangle crossed by a segment; -1 if there is none.
 struct CrossedTriangle {
   Crossing at;
   int triangle = -1;
 };
 
-/// A mesh in its local frame, centred on its bounding box and scaled by a power of two to [-1, 1],
-/// which costs no precision, under a tree of boxes a little larger than the triangles.
+/// A mesh in its local frame (centred on its bounding box and scaled by a power of two to [-1, 1],
+/// which is exact) with a tree of boxes slightly larger than the triangles.
 ///
-/// Boxes and packets of triangles cull in single precision; which triangle is nearest or first is
-/// decided in double. Of equals the lowest index wins, so the order of visits does not matter.
+/// Boxes and packets of triangles cull in single precision; the nearest or first triangle is
+/// decided in double. Among equals the lowest index wins, so the traversal order does not matter.
 class SurfaceTree {
  public:
-  /// Pre: the mesh is valid. \throws SolverError if Embree fails.
+  /// Precondition: the mesh is valid.
+  /// \throws SolverError if Embree fails.
   explicit SurfaceTree(const TriangleMesh& mesh);
 
   [[nodiscard]] const TriangleMesh& mesh() const { return mesh_; }
@@ -39,15 +40,16 @@ class SurfaceTree {
     return (world - centre_) * scale_;
   }
 
-  /// All vertices elsewhere. Pre: as many as before, finite.
-  /// \throws SolverError if Embree fails to build anew.
+  /// Moves all vertices. Precondition: as many as before, all finite.
+  /// \throws SolverError if Embree fails to rebuild the tree.
   void move_vertices(const Eigen::Ref<const Eigen::Matrix3Xd>& vertices);
 
-  /// Nearest point no further than `radius` (or a little further), local frame.
+  /// Nearest point within `radius` (or slightly beyond), local frame.
   [[nodiscard]] NearestTriangle nearest(const Eigen::Vector3d& point, double radius) const noexcept;
 
-  /// First crossing of a segment, local frame. An end within rounding of the surface is a crossing,
-  /// the start the first one before all others, the end if there is no other. Pre: within [-2, 2].
+  /// First crossing of a segment, local frame. An end within rounding of the surface is a crossing:
+  /// the start precedes all others; the end counts if there is no other. Precondition: within
+  /// [-2, 2].
   [[nodiscard]] CrossedTriangle first_crossing(const Eigen::Vector3d& start,
                                                const Eigen::Vector3d& end) const noexcept;
 
@@ -68,10 +70,10 @@ class SurfaceTree {
   Eigen::Vector3d centre_;
   double scale_ = 1;
   Eigen::Matrix3Xd local_;
-  double on_surface_ = 0;  ///< an end no further from the surface is on it; local frame
-  double margin_ = 0;  ///< for rounding in single precision, and to reach what is on the surface
+  double on_surface_ = 0;  ///< ends closer than this are on the surface; local frame
+  double margin_ = 0;      ///< covers rounding in single precision and `on_surface_`
   BoundingTree tree_;
-  double built_cost_ = 0;  ///< of walking the tree when it was built
+  double built_cost_ = 0;  ///< traversal cost of the tree when it was built
 };
 
 }  // namespace palpate::geometry

@@ -29,40 +29,40 @@ inline unsigned where_not_above(const Lanes& a, const Lanes& b) {
 #endif
 }
 
-/// Four neighbouring triangles in single precision, to find out which of them are worth a look in
-/// double. All coordinates are in the local frame of a mesh, where it fills [-1, 1].
+/// Four neighbouring triangles in single precision, to select those to be tested in double. All
+/// coordinates are in the local frame of a mesh, where it fills [-1, 1].
 struct TrianglePacket {
   static constexpr int kSize = 4;
   std::array<std::array<Lanes, 3>, 3> corner;  ///< [corner][axis]
-  std::array<int, kSize> triangle;             ///< -1: none, and its lane repeats another triangle
+  std::array<int, kSize> triangle;             ///< -1 if none; its lane then repeats a triangle
 };
 
 /// Copies the corners from `vertices`.
 void set_corners(TrianglePacket& packet, const Eigen::Matrix3Xd& vertices,
                  const Eigen::Matrix3Xi& triangles);
 
-/// What float arithmetic on coordinates up to 1 may be off by: a point rounded to float is off by
-/// half an epsilon of its largest coordinate, and each step after adds a few roundings.
+/// Error bound of float arithmetic on coordinates up to 1: rounding a point to float costs half an
+/// epsilon of its largest coordinate, and each further step adds a few roundings.
 inline constexpr double kFloatMargin =
     16 * static_cast<double>(std::numeric_limits<float>::epsilon());
 
-/// Squared distances of a point to the triangles, not more than the true ones but for
-/// `kFloatMargin` times (1 + largest coordinate of the point) on the distance; less for a triangle
-/// that single precision cannot tell from a line.
+/// Lower bounds of the squared distances from a point to the triangles, up to an error of
+/// `kFloatMargin` times (1 + largest coordinate of the point) in the distance. The bound is lower
+/// for a triangle that is degenerate in single precision.
 [[nodiscard]] Lanes squared_distances(const Eigen::Vector3f& point, const TrianglePacket& packet);
 
-/// How a segment passes the triangles: lane for lane, coordinates along the segment in the measure
-/// of its main axis, 0 at its start.
+/// How a segment passes the triangles, lane by lane. Coordinates along the segment are measured on
+/// its main axis, 0 at its start.
 struct Passing {
-  Lanes miss;   ///< > 0: does not come nearer than the margin to the triangle
-  Lanes begin;  ///< the triangle's lowest coordinate along the segment
-  Lanes end;    ///< its highest
+  Lanes miss;   ///< > 0 if the segment stays farther than the margin from the triangle
+  Lanes begin;  ///< lowest coordinate of the triangle along the segment
+  Lanes end;    ///< highest coordinate of the triangle along the segment
 };
 
 /// A segment in single precision.
 class SegmentLanes {
  public:
-  /// \param margin no less than kFloatMargin times the largest coordinate of mesh and segment.
+  /// \param margin at least kFloatMargin times the largest coordinate of mesh and segment.
   SegmentLanes(const Eigen::Vector3d& start, const ShearedSegment& segment, double margin);
   [[nodiscard]] Passing pass(const TrianglePacket& packet) const;
   [[nodiscard]] float margin() const { return margin_; }

@@ -8,7 +8,7 @@
 
 namespace palpate::geometry {
 
-/// `pixel_rays` into memory that is there already, 2 x (width * height). Pre: the camera is valid.
+/// `pixel_rays` into existing memory, 2 x (width * height). Precondition: the camera is valid.
 void fill_pixel_rays(const Camera& camera,
                      Eigen::Ref<Eigen::Matrix2Xd, 0, Eigen::OuterStride<>> rays);
 

@@ -8,8 +8,9 @@
 
 namespace palpate::geometry {
 
-/// The closed surface through points with normals (3 x N each), as fine as their spacing [mm].
-/// \throws SolverError if there is none, Unavailable if the library was built without CGAL.
+/// Closed surface through points with normals (3 x N each), with a resolution of `spacing` [mm].
+/// \throws SolverError if there is none.
+/// \throws Unavailable if the library was built without CGAL.
 [[nodiscard]] TriangleMesh poisson_surface(const Eigen::Matrix3Xd& points,
                                            const Eigen::Matrix3Xd& normals, double spacing);
 

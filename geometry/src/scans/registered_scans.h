@@ -10,13 +10,13 @@
 
 namespace palpate::geometry {
 
-/// The scans in the frame of the object.
-/// \throws InvalidInput naming `caller` and the scan, if there is none, one is not valid or its
-/// pose is not a rotation and a finite shift.
+/// Transforms the scans to the frame of the object.
+/// \throws InvalidInput naming `caller` and the scan if there is none, one is not valid or its pose
+/// is not rigid and finite.
 [[nodiscard]] std::vector<TriangleMesh> in_frame_of_object(std::span<const Scan> scans,
                                                            const std::string& caller);
 
-/// [mm] the point spacing of scans.
+/// [mm] point spacing of scans: their median edge length.
 /// \throws InvalidInput naming `caller` if it is 0.
 [[nodiscard]] double median_edge_length(const std::vector<TriangleMesh>& meshes,
                                         const std::string& caller);
