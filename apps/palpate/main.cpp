@@ -24,7 +24,7 @@ constexpr int kInterrupted = 130;  // what a shell expects after Ctrl-C
 int run(int argc, char** argv) {
   CLI::App app("Palpate turns real deformable objects into models that can be seen and felt.",
                "palpate");
-  app.footer("Start with:  palpate demo\nEach command explains itself:  palpate COMMAND --help");
+  app.footer("Start with:  palpate demo\nHelp for a command:  palpate COMMAND --help");
   app.set_version_flag("--version", PALPATE_VERSION);
   app.require_subcommand(1);
   app.fallthrough();
@@ -32,9 +32,9 @@ int run(int argc, char** argv) {
   Settings settings;
   int threads = 0;
   int verbosity = 0;
-  app.add_flag("--json", settings.json, "Print one JSON object with the figures instead of prose");
+  app.add_flag("--json", settings.json, "Print the figures as one JSON object instead of text");
   app.add_option("--threads", threads, "Number of threads (default: all cores)")->check(positive());
-  app.add_flag("-v", verbosity, "Say what is being done; -vv says more");
+  app.add_flag("-v", verbosity, "Print what is being done; -vv prints more");
 
   std::optional<tbb::global_control> limit;
   app.parse_complete_callback([&] {
@@ -81,8 +81,8 @@ int run(int argc, char** argv) {
 int main(int argc, char** argv) {
   using namespace palpate;
   using namespace palpate::apps;
-  // FFmpeg, within OpenCV, writes on its own about videos that are damaged; what is wrong with them
-  // is said here. OpenCV wants both names; who has set either of them wants to read it.
+  // FFmpeg, inside OpenCV, prints its own messages about damaged videos; this program reports such
+  // damage itself. OpenCV needs both variables; a user who has set either wants FFmpeg's messages.
   if (std::getenv("OPENCV_FFMPEG_DEBUG") == nullptr &&
       std::getenv("OPENCV_FFMPEG_LOGLEVEL") == nullptr) {
     setenv("OPENCV_FFMPEG_DEBUG", "1", 0);
@@ -96,7 +96,7 @@ int main(int argc, char** argv) {
     spdlog::critical("{}", e.what());
     return kWrongCall;
   } catch (const Interrupted&) {
-    spdlog::critical("interrupted; files that were finished are kept, no other was changed");
+    spdlog::critical("interrupted; completed files are kept, no other file was changed");
     return kInterrupted;
   } catch (const std::exception& e) {
     spdlog::critical("{}", e.what());

@@ -44,7 +44,7 @@ TEST(Calibrate, ColoursThatCannotBeToldApartAreRefused) {
       run_palpate({"calibrate", "colors", scratch / "training", "-o", scratch / "colors.yaml"});
   EXPECT_EQ(result.status, kWrongCall);
   EXPECT_NE(result.err.find("training"), std::string::npos) << result.err;
-  EXPECT_NE(result.err.find("cannot be told apart"), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("cannot be distinguished"), std::string::npos) << result.err;
   EXPECT_EQ(read_text(scratch / "colors.yaml"), "kept");
 }
 

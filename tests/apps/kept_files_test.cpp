@@ -111,7 +111,7 @@ TEST_F(KeptFiles, NoOutputIsOrLiesInAnInput) {
     // Not for another fault of these files, which are stand-ins: for the place.
     const std::string reason = run_palpate(call).err;
     EXPECT_TRUE(reason.find("already used in this call") != std::string::npos ||
-                reason.find("which is replaced") != std::string::npos ||
+                reason.find("which would be replaced") != std::string::npos ||
                 reason.find("bear the names of frames") != std::string::npos)
         << reason;
   }

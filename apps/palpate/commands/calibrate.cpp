@@ -6,7 +6,7 @@ namespace palpate::apps {
 
 void add_calibrate(CLI::App& app, const Settings& settings) {
   CLI::App* calibrate =
-      app.add_subcommand("calibrate", "Images become what decoding needs to know");
+      app.add_subcommand("calibrate", "Calibrate rig, response, colours or chromatic aberration");
   calibrate->require_subcommand(1);
   add_calibrate_rig(*calibrate, settings);
   add_calibrate_colors(*calibrate, settings);

@@ -23,9 +23,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// `--distances` hold over this part of the image's width and height.
+/// `--distances` apply to this central part of the image's width and height.
 constexpr int kMiddle = 16;
-/// Above this the number of periods is a guess that holds only if the rig is exact.
+/// Above this deviation the number of periods is a guess that is right only if the rig is exact.
 constexpr double kUncertainPeriods = 0.5;
 
 struct ChromaticCall {
@@ -35,8 +35,8 @@ struct ChromaticCall {
   fs::path rig, pattern, output;
 };
 
-/// The depth in the middle of the image: on a tilted plane it is too small on one side and too
-/// large on the other, and right in the median.
+/// Constant depth, that of the image centre. On a tilted plane it is too small on one side and too
+/// large on the other, but right in the median.
 geometry::ImageF depth_in_the_middle(double distance, const geometry::Camera& camera) {
   geometry::ImageF depth = geometry::ImageF::Constant(camera.height, camera.width,
                                                       std::numeric_limits<float>::quiet_NaN());
@@ -125,15 +125,16 @@ void calibrate_chromatic(const Settings& settings, const ChromaticCall& call) {
   const double separation = std::min(found.red.separation, found.blue.separation);
   if (separation < sensing::kPoorSeparation) {
     spdlog::warn(
-        "the surfaces hardly tell alpha, beta and gamma apart (separation {:.3f}, {:.2f} is "
-        "well): add images at other distances, or of tilted surfaces",
+        "the surfaces hardly separate alpha, beta and gamma (separation {:.3f}; at least {:.2f} is "
+        "needed): add images at other distances, or of tilted surfaces",
         separation, sensing::kPoorSeparation);
   }
   if (uncertain > 0) {
     spdlog::warn(
-        "{} of {} images: the distance was found from how plane the surface comes out, which is "
-        "right only if rig and lenses are calibrated exactly. Compare the median depths; give "
-        "--distances if they are not right to about a period",
+        "{} of {} images: the distance was determined by assuming a plane surface, which is "
+        "reliable "
+        "only if rig and lenses are calibrated exactly. Compare the median depths; pass "
+        "--distances if they are wrong by about a period or more",
         uncertain, found.images.size());
   }
   const nlohmann::ordered_json figures = {{"red", figures_of(found.red)},
@@ -150,26 +151,27 @@ void calibrate_chromatic(const Settings& settings, const ChromaticCall& call) {
 void add_calibrate_chromatic(CLI::App& calibrate, const Settings& settings) {
   auto call = std::make_shared<ChromaticCall>();
   CLI::App* command = calibrate.add_subcommand(
-      "chromatic", "Images of a white sinusoid become the shifts of red and blue");
+      "chromatic", "Estimate the shifts of red and blue from images of a white sinusoid");
   command
       ->add_option("IMAGE", call->images,
-                   "Images (or folders of them) of surfaces at several distances under the "
+                   "Images (or folders of images) of surfaces at several distances under the "
                    "pattern's sinusoid in white (white_sin.png)")
       ->required();
   command->add_option("--rig", call->rig, "Rig; its chromatic values are not used")->required();
   command->add_option("--pattern", call->pattern, "Pattern; its stripes are not used")->required();
-  command->add_option("-o,--output", call->output, "Rig to write, with what was found")->required();
+  command->add_option("-o,--output", call->output, "Rig file to write, with the result")
+      ->required();
   CLI::Option* distances =
       command
           ->add_option(
               "--distances", call->distances,
-              "Distance of each surface in the middle of the image [mm], right to about "
-              "a period; needed only if the surfaces are not plane or the rig does not tell "
-              "one period from the next on a plane")
+              "Distance of each surface at the image centre [mm], accurate to about a period; "
+              "needed only if the surfaces are not plane or the rig cannot determine the period "
+              "on a plane")
           ->check(positive());
   command
       ->add_option("--range", call->ranges,
-                   "Range maps of the surfaces instead (from `palpate decode`), one an image")
+                   "Range maps of the surfaces instead (from `palpate decode`), one per image")
       ->excludes(distances);
   command->footer(
       "Example:\n  palpate calibrate chromatic white/ --rig rig.yaml --pattern pattern.yaml -o "

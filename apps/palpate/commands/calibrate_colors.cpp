@@ -23,10 +23,10 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-/// A colour is worth a warning when it is taken for another one this often. A transition needs two
-/// colours right, and a depth some transitions that agree.
+/// A colour that is mistaken for another one this often causes a warning. A transition needs two
+/// correct colours, and a depth needs several transitions that agree.
 constexpr double kWarn = 0.05;
-/// More often than this, the two cannot be told apart.
+/// Above this probability two colours cannot be distinguished.
 constexpr double kRefuse = 0.3;
 
 struct ColorsCall {
@@ -41,7 +41,7 @@ Json as_json(const Eigen::MatrixXd& matrix) {
   return rows;
 }
 
-/// A table in percent.
+/// Formats a matrix in percent.
 std::string as_table(const std::string& title, const sensing::TrainedColors& trained,
                      const Eigen::MatrixXd& overlap) {
   std::string text = fmt::format("{:<34}", title);
@@ -56,21 +56,22 @@ std::string as_table(const std::string& title, const sensing::TrainedColors& tra
   return text;
 }
 
-/// Warns of colours that are easily mistaken.
-/// \throws InvalidInput of those that cannot be told apart.
+/// Warns about colours that are easily confused.
+/// \throws InvalidInput if two colours cannot be distinguished.
 void judge(const ColorsCall& call, const sensing::TrainedColors& trained,
            const Eigen::MatrixXd& overlap) {
   for (const sensing::ConfusedColors& pair : sensing::find_confused(overlap, kWarn)) {
     const std::string what = fmt::format(
-        "{}: {} is taken for {} in {:.0f} % of the pixels", call.folders.front().string(),
+        "{}: {} is mistaken for {} in {:.0f} % of the pixels", call.folders.front().string(),
         trained.colors[static_cast<std::size_t>(pair.first)].name,
         trained.colors[static_cast<std::size_t>(pair.second)].name, 100 * pair.probability);
     if (pair.probability > kRefuse) {
-      throw InvalidInput(what +
-                         ": these colours cannot be told apart. Spread the colours of the pattern, "
-                         "or look whether the images bear the right names.");
+      throw InvalidInput(
+          what +
+          ": these colours cannot be distinguished. Spread the colours of the pattern, "
+          "or check that the images have the right names.");
     }
-    spdlog::warn("{}; colours farther apart would be safer.", what);
+    spdlog::warn("{}; colours with more different hues would be safer.", what);
   }
 }
 
@@ -84,7 +85,7 @@ void draw_picture(const fs::path& png, const std::vector<sensing::NamedImages>& 
     }
     hues.push_back(std::move(one));
   }
-  pictures::draw_hues(png, hues, "Hues of the training images and what was fitted to them");
+  pictures::draw_hues(png, hues, "Hues of the training images and fitted Gaussians");
 }
 
 void calibrate_colors(const Settings& settings, const ColorsCall& call) {
@@ -120,8 +121,8 @@ void calibrate_colors(const Settings& settings, const ColorsCall& call) {
                          color.name, color.mean / kDegree, std::sqrt(color.variance) / kDegree,
                          color.pixels);
   }
-  prose += as_table("taken for (%), from the Gaussians", trained, predicted);
-  prose += as_table("taken for (%), in the images", trained, measured);
+  prose += as_table("classified as (%), predicted", trained, predicted);
+  prose += as_table("classified as (%), measured", trained, measured);
   print(settings, figures, prose + "Written to " + call.output.string());
 }
 
@@ -130,18 +131,18 @@ void calibrate_colors(const Settings& settings, const ColorsCall& call) {
 void add_calibrate_colors(CLI::App& calibrate, const Settings& settings) {
   auto call = std::make_shared<ColorsCall>();
   CLI::App* colors =
-      calibrate.add_subcommand("colors", "Single-colour images become a hue classifier");
+      calibrate.add_subcommand("colors", "Train the hue classifier with single-colour images");
   colors
       ->add_option(
           "FOLDER", call->folders,
-          "Folders of images R_flat.png, R_sin.png, ...: a scene lit with one pattern colour")
+          "Folders of images R_flat.png, R_sin.png, ...: a scene lit by one pattern colour")
       ->required();
-  colors->add_option("-o,--output", call->output, "Trained colours to write (colors.yaml)")
+  colors->add_option("-o,--output", call->output, "File of trained colours to write (colors.yaml)")
       ->required();
   colors->add_option(
       "--response", call->response,
       "Response of projector and camera (response.yaml): linearise the images first, "
-      "as decode will");
+      "as decode does with --response");
   colors->add_option("--picture", call->picture,
                      "Also draw the hues and the fitted Gaussians (PNG)");
   colors->footer(

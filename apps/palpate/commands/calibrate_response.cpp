@@ -32,7 +32,7 @@ struct ResponseCall {
 
 bool is_known(const sensing::Harmonic& harmonic) { return std::isfinite(harmonic.deviation); }
 
-/// How a harmonic is written in prose.
+/// Formats a harmonic.
 std::string in_prose(const sensing::Harmonic& harmonic) {
   if (!is_known(harmonic)) return "unknown at this period";
   return fmt::format("{:+.2f} +- {:.2f} %", 100 * harmonic.ratio, 100 * harmonic.deviation);
@@ -56,8 +56,8 @@ void report_curves(const sensing::Response& response, Json& figures, std::string
                                    {"last_level", curve.levels.back()},
                                    {"levels", curve.levels.size()}});
     prose += fmt::format(
-        "{}: exponent {:.3f} +- {:.3f}, off the power law by {:.2f} % RMS; black {:.1f} %, white "
-        "{:.1f} % of full scale; {} levels up to {:.0f} of 255\n",
+        "{}: gamma {:.3f} +- {:.3f}, RMS deviation from the power law {:.2f} %; black {:.1f} %, "
+        "white {:.1f} % of full scale; {} levels up to {:.0f} of 255\n",
         names[i], curve.gamma, curve.gamma_deviation, 100 * curve.misfit, 100 * curve.black,
         100 * (curve.black + curve.gain), curve.levels.size(), 255 * curve.levels.back());
   }
@@ -76,7 +76,7 @@ void draw_curves(const fs::path& png, const sensing::Response& response) {
                          {"projected level", "light (1 at the last level)"});
 }
 
-/// Adds the figures of one check; `what` says which.
+/// Adds the figures of one check; `what` names it.
 sensing::HarmonicCheck report_harmonics(const ResponseCall& call, const cv::Mat& frame,
                                         const std::string& what, Json& figures,
                                         std::string& prose) {
@@ -101,7 +101,7 @@ sensing::HarmonicCheck report_harmonics(const ResponseCall& call, const cv::Mat&
   item["phase_wave"] = check.phase_wave;
   prose += fmt::format(
       "{}, {}: a sinusoid of {:.1f} px along {}, modulation {:.2f}; second harmonic {}, third {}; "
-      "waves of {:.4f} rad RMS in the phase",
+      "phase error {:.4f} rad RMS",
       call.check.string(), what, check.period, check.along_x ? "x" : "y", check.modulation,
       in_prose(check.second), in_prose(check.third), check.phase_wave);
   if (call.distance > 0) {
@@ -110,7 +110,7 @@ sensing::HarmonicCheck report_harmonics(const ResponseCall& call, const cv::Mat&
                                                      sensing::read_pattern(call.pattern),
                                                      call.distance);
     item["depth_wave"] = depth_wave;
-    prose += fmt::format(", {:.3f} mm RMS in the depth at {:.0f} mm", depth_wave, call.distance);
+    prose += fmt::format(", depth error {:.3f} mm RMS at {:.0f} mm", depth_wave, call.distance);
   }
   prose += "\n";
   item["distorted"] = check.distorted;
@@ -118,7 +118,7 @@ sensing::HarmonicCheck report_harmonics(const ResponseCall& call, const cv::Mat&
   return check;
 }
 
-/// Checks the frame as it is and, with a response, linearised.
+/// Checks the frame unchanged and, if there is a response, linearised.
 void check_frame(const ResponseCall& call, const std::optional<sensing::Response>& response,
                  Json& figures, std::string& prose) {
   const cv::Mat frame = sensing::read_frame(call.check);
@@ -129,27 +129,28 @@ void check_frame(const ResponseCall& call, const std::optional<sensing::Response
   }
   if (!distorted) return;
   spdlog::warn(
-      "{}: the sinusoid arrives distorted, which makes waves in the depth. {}", call.check.string(),
+      "{}: the sinusoid is distorted, which causes waves in the depth. {}", call.check.string(),
       response
-          ? "Either the response does not fit it: take both with the same projector mode, "
-            "exposure and camera settings. Or the camera blurs the sinusoid, which no response "
-            "undoes: take a longer period, a sharper lens or a projector without gamma."
+          ? "Either the response does not match: record it and the frame with the same projector "
+            "mode, exposure and camera settings. Or the camera blurs the sinusoid, which no "
+            "response "
+            "can correct: use a longer period, a sharper lens or a projector without gamma."
           : "Measure the response of projector and camera (palpate calibrate response "
             "FOLDER -o response.yaml) and pass it to decode.");
 }
 
 void check_call(const ResponseCall& call) {
   if (call.ramp.empty() && call.check.empty())
-    throw InvalidInput("calibrate response: give a folder of grey images and -o, or --check.");
+    throw InvalidInput("calibrate response: pass a folder of grey images and -o, or --check.");
   if (call.ramp.empty() != call.output.empty())
-    throw InvalidInput("calibrate response: a folder of grey images and -o belong together.");
+    throw InvalidInput("calibrate response: a folder of grey images and -o need each other.");
   if (!call.ramp.empty() && !call.response.empty())
-    throw InvalidInput("calibrate response: --response is for --check without a folder.");
+    throw InvalidInput("calibrate response: --response works only with --check and no folder.");
   const bool has_geometry = !call.rig.empty() && !call.pattern.empty() && call.distance > 0;
   const bool has_some = !call.rig.empty() || !call.pattern.empty() || call.distance > 0;
   if (has_some && (!has_geometry || call.check.empty()))
     throw InvalidInput(
-        "calibrate response: --rig, --pattern and --distance go together, with --check.");
+        "calibrate response: --rig, --pattern and --distance need each other and --check.");
 }
 
 void calibrate_response(const Settings& settings, const ResponseCall& call) {
@@ -184,25 +185,24 @@ void calibrate_response(const Settings& settings, const ResponseCall& call) {
 void add_calibrate_response(CLI::App& calibrate, const Settings& settings) {
   auto call = std::make_shared<ResponseCall>();
   CLI::App* response = calibrate.add_subcommand(
-      "response", "Images of uniform greys become a response curve; is a sinusoid distorted?");
+      "response", "Fit the response to images of uniform greys; check a sinusoid for distortion");
   response->add_option(
       "FOLDER", call->ramp,
-      "Images grey_000.png ... grey_255.png of a still scene, the level in the name");
-  response->add_option("-o,--output", call->output, "Response to write (response.yaml)");
+      "Images grey_000.png ... grey_255.png of a still scene; the number is the projected level");
+  response->add_option("-o,--output", call->output, "Response file to write (response.yaml)");
   response->add_option("--picture", call->picture, "Also draw the curves (PNG)");
   response->add_option(
       "--check", call->check,
-      "A frame of the white sinusoid: look for its second and third harmonic, as it is "
-      "and linearised");
-  response->add_option("--response", call->response, "For --check: a response from before");
-  response->add_option("--rig", call->rig, "For --check: also predict the waves in the depth ...");
-  response->add_option("--pattern", call->pattern, "... with this pattern ...");
-  response->add_option("--distance", call->distance, "... at this distance [mm]")
+      "Frame of the white sinusoid: measure its second and third harmonic, before and after "
+      "linearisation");
+  response->add_option("--response", call->response, "With --check: an existing response");
+  response->add_option("--rig", call->rig, "With --check: rig for predicting the depth error");
+  response->add_option("--pattern", call->pattern, "With --rig: the pattern");
+  response->add_option("--distance", call->distance, "With --rig: distance of the surface [mm]")
       ->check(positive());
   response->footer(
-      "Keep the exposure fixed and the brightest image below full scale; 16 levels or more are "
-      "good.\n"
-      "Train colours on linearised images too: calibrate colors --response.\n"
+      "Keep the exposure fixed and the brightest image below full scale. Use 16 levels or more.\n"
+      "Train the colours with linearised images too: calibrate colors --response.\n"
       "Examples:\n  palpate calibrate response greys/ -o response.yaml --check white_sin.png\n"
       "  palpate decode frames/ --response response.yaml ...");
   response->callback([call, &settings] { calibrate_response(settings, *call); });

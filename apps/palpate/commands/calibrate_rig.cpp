@@ -36,7 +36,7 @@ struct RigCall {
   fs::path output, picture, draw;
 };
 
-/// Two whole numbers such as 1024x768.
+/// Parses two whole numbers such as 1024x768.
 std::pair<int, int> parse_pair(const std::string& text, const char* option) {
   int first = 0;
   int second = 0;
@@ -53,7 +53,7 @@ std::pair<int, int> parse_pair(const std::string& text, const char* option) {
 void draw_patterns(const Settings& settings, const RigCall& call) {
   const sensing::Board still = sensing::projected_board(call.projector, call.printed);
   int images = 0;
-  // Views of the camera bear the same names: only what is empty is taken.
+  // The views of the camera have the same names, so fill in only what is empty.
   write_folder(call.draw, {}, [&](const fs::path& folder) {
     images = sensing::write_projector_images(folder, call.projector, call.printed);
   });
@@ -113,7 +113,7 @@ void report(const Settings& settings, const RigCall& call,
   }
   for (const sensing::RejectedView& view : calibration.rejected) {
     rejected.push_back({{"view", view.name}, {"reason", view.reason}});
-    spdlog::warn("{}: left out: {}", view.name, view.reason);
+    spdlog::warn("{}: not used: {}", view.name, view.reason);
   }
   prose +=
       fmt::format("all {} views: camera {:.3f} px, projector {:.3f} px, stereo {:.3f} px RMS\n",
@@ -123,8 +123,9 @@ void report(const Settings& settings, const RigCall& call,
   prose += lens_prose("camera", rig.camera, calibration.camera_deviation, terms);
   prose += lens_prose("projector", rig.projector, calibration.projector_deviation, terms);
   prose += fmt::format(
-      "t: {:.2f} +- {:.2f}, {:.2f} +- {:.2f}, {:.2f} +- {:.2f} mm; R known to {:.3f}, {:.3f}, "
-      "{:.3f} degrees\n",
+      "t: {:.2f} +- {:.2f}, {:.2f} +- {:.2f}, {:.2f} +- {:.2f} mm; standard deviation of R: "
+      "{:.3f}, "
+      "{:.3f}, {:.3f} degrees\n",
       t.x(), t_deviation.x(), t.y(), t_deviation.y(), t.z(), t_deviation.z(), turn.x(), turn.y(),
       turn.z());
   print(settings,
@@ -179,8 +180,8 @@ void run_call(const Settings& settings, RigCall call) {
   if (call.folders.empty() || call.board.empty() || !(call.printed.square > 0) ||
       call.output.empty()) {
     throw InvalidInput(
-        "calibrate rig: give folders of views, --board, --square and -o; or --draw for the images "
-        "to project.");
+        "calibrate rig: pass folders of views, --board, --square and -o; or --draw to write the "
+        "images to project.");
   }
   calibrate_rig(settings, call);
 }
@@ -190,30 +191,28 @@ void run_call(const Settings& settings, RigCall call) {
 void add_calibrate_rig(CLI::App& calibrate, const Settings& settings) {
   auto call = std::make_shared<RigCall>();
   CLI::App* rig =
-      calibrate.add_subcommand("rig", "Views of a chessboard become camera, projector and pose");
+      calibrate.add_subcommand("rig", "Calibrate camera, projector and pose from chessboard views");
   rig->add_option("FOLDER", call->folders,
-                  "Folders of images, one for each pose of the board, or a folder of such folders");
+                  "Folders of images, one per pose of the board, or a folder of such folders");
   rig->add_option("--board", call->board, "Inner corners of the printed board, such as 7x9");
-  rig->add_option("--square", call->printed.square, "Side of its squares [mm]")->check(positive());
-  rig->add_option("--projector-size", call->projector_size, "Pixels of the projector: 1024x768")
+  rig->add_option("--square", call->printed.square, "Side of a square [mm]")->check(positive());
+  rig->add_option("--projector-size", call->projector_size, "Projector size [px], such as 1024x768")
       ->required();
   rig->add_option(
          "--distortion", call->options.distortion_terms,
-         "Coefficients of each lens distortion to estimate: 0, 2 (k1 k2), 4 (and p1 p2) or 5 "
-         "(and k3; needs boards out to the corners of the image)")
+         "Coefficients of each lens distortion to estimate: 0, 2 (k1 k2), 4 (also p1 p2) or 5 "
+         "(also k3; needs boards that reach the corners of the image)")
       ->capture_default_str()
       ->check(CLI::IsMember({0, 2, 4, 5}));
-  rig->add_option("-o,--output", call->output, "Rig to write (rig.yaml)");
+  rig->add_option("-o,--output", call->output, "Rig file to write (rig.yaml)");
   rig->add_option("--picture", call->picture, "Also draw the residuals (PNG)");
-  rig->add_option("--draw", call->draw,
-                  "Write the images to project into this new folder, nothing else");
+  rig->add_option("--draw", call->draw, "Only write the images to project, into this new folder");
   rig->footer(
-      "A pose is a folder with what the camera saw of the images of --draw, the projector lighting "
-      "the printed\nboard: the Gray code in its order (PNG, TIFF or JPEG). A projector that can "
-      "show "
-      "only one still image\nshows projected.png onto the same plane, beside the printed board; a "
-      "pose is then two images, board.png\nand projected.png. Take ten poses or more, tilted by 20 "
-      "to 45 degrees about both axes of the board.\n"
+      "Each pose is a folder with the camera images of the board under the projected images of "
+      "--draw:\nthe Gray code sequence in its order (PNG, TIFF or JPEG). If the projector can show "
+      "only one still\nimage, project projected.png onto the same plane beside the printed board; "
+      "each pose then consists of\ntwo images, board.png and projected.png. Take at least ten "
+      "poses, tilted by 20 to 45 degrees about\nboth axes of the board.\n"
       "Example:\n  palpate calibrate rig --draw show/ --projector-size 1024x768\n"
       "  palpate calibrate rig poses/ --board 7x9 --square 25 --projector-size 1024x768 -o "
       "rig.yaml "

@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-/// The bundled data: beside the installed program, or in the sources it was built from.
+/// Folder of the bundled data: beside the installed program, or in the source tree.
 fs::path find_data(const fs::path& given) {
   if (!given.empty()) return given;
   const fs::path installed =
@@ -32,7 +32,7 @@ fs::path find_data(const fs::path& given) {
 
 std::string seeing_table(const Json& frames) {
   std::string table =
-      "SEEING: a projector throws stripes, one camera frame becomes a map of depths, and that a "
+      "SEEING: a projector shows stripes, and each camera frame becomes a range map and then a "
       "mesh.\n"
       "  frame          distance   median error         reconstructed   wrong by > 5 mm   "
       "triangles   time\n";
@@ -46,14 +46,15 @@ std::string seeing_table(const Json& frames) {
         f["triangles"].get<long>(), f["ms"].get<double>());
   }
   return table +
-         "  (error: against the true depth; reconstructed: of the pixels that the camera sees "
-         "lit)\n";
+         "  (error: relative to the true depth; reconstructed: share of the pixels that are "
+         "visible "
+         "and lit)\n";
 }
 
 std::string feeling_table(const Json& sheets) {
   std::string table =
       "FEELING: an arm presses and drags at contacts on a stretched sheet; force fields and "
-      "friction are fitted and played.\n"
+      "friction are fitted and played back.\n"
       "  object        contacts   samples   fit       RMS of fit   RMS against truth   leave one "
       "out   friction error   step / slip\n";
   for (const Json& s : sheets) {
@@ -70,7 +71,7 @@ std::string feeling_table(const Json& sheets) {
          "forces up to 3.3 N; against\n"
          "  truth: noise-free forces between the contacts; leave one out: each contact predicted "
          "from its neighbours;\n"
-         "  friction error: median of |coefficient - truth|; step: median time of one tick of the "
+         "  friction error: median of |coefficient - truth|; step: median time of one step of the "
          "1 kHz loop)\n";
 }
 
@@ -99,7 +100,7 @@ void demo(const Settings& settings, const fs::path& given_data, const fs::path& 
          {"seconds", elapsed.count()},
          {"output", output.string()}},
         seeing_table(seeing) + "\n" + feeling_table(feeling) + "\n" + list_files(output) +
-            fmt::format("\nThe whole way took {:.1f} s. Every played force is finite and the same "
+            fmt::format("\nThe whole demo took {:.1f} s. Every played force is finite and the same "
                         "in a second run: {}.",
                         elapsed.count(), same ? "yes" : "NO"));
   if (!same)
@@ -114,11 +115,10 @@ void add_demo(CLI::App& app, const Settings& settings) {
   };
   auto call = std::make_shared<Call>();
   CLI::App* command = app.add_subcommand(
-      "demo", "The whole way on the bundled data: pictures, and a summary at the end");
-  command->add_option("-o,--output", call->output, "Folder for everything that is made")
-      ->capture_default_str();
+      "demo", "Run the whole pipeline on the bundled data, with pictures and a summary");
+  command->add_option("-o,--output", call->output, "Folder for all results")->capture_default_str();
   command->add_option("--data", call->data,
-                      "Folder of the bundled data (default: where they were installed)");
+                      "Folder of the bundled data (default: where it was installed)");
   command->footer("Example:\n  palpate demo -o demo-output");
   command->callback([call, &settings] { demo(settings, call->data, call->output); });
 }

@@ -27,7 +27,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-/// Errors of the friction coefficients against the true ones of `truth_contacts.csv`.
+/// Errors of the friction coefficients relative to the true ones in `truth_contacts.csv`.
 geometry::ErrorStatistics friction_errors(const haptics::Model& model, const fs::path& truth) {
   const std::string_view columns[] = {"id", "mu"};
   probing::CsvReader row(truth, columns);
@@ -40,7 +40,7 @@ geometry::ErrorStatistics friction_errors(const haptics::Model& model, const fs:
   return geometry::error_statistics(std::move(errors));
 }
 
-/// The contact whose fit is in the middle of all, for a picture that does not flatter.
+/// The contact with the median fit error, for a representative picture.
 std::size_t median_contact(const haptics::Model& model) {
   std::vector<std::size_t> order(model.contacts.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
@@ -50,7 +50,7 @@ std::size_t median_contact(const haptics::Model& model) {
   return order[order.size() / 2];
 }
 
-/// Plays the bundled trajectory; false if the second run gives another trace than the first.
+/// Plays the bundled trajectory; false if a second run gives a different trace.
 bool play_twice(const haptics::Playback& playback,
                 const std::vector<haptics::TrajectoryPoint>& trajectory, const fs::path& output) {
   const std::vector<haptics::TracePoint> trace = haptics::play(playback, trajectory);

@@ -25,9 +25,9 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr double kWrongDepth = 5;  // mm; a pixel that is further off counts as wrong
+constexpr double kWrongDepth = 5;  // mm; a pixel with a larger error counts as wrong
 
-/// A frame of the bundled data, its rig, and `truth`, the start of the names of its true images.
+/// A frame of the bundled data, its rig, and `truth`, the common prefix of its truth images.
 struct DemoFrame {
   std::string name;
   fs::path image, rig, truth;
@@ -79,7 +79,7 @@ Json see(const DemoFrame& frame, const sensing::Pattern& pattern,
           {"ms", elapsed.count()}};
 }
 
-/// A depth image of another kind of camera, only meshed: nobody knows its truth.
+/// Meshes a depth image of another camera, whose truth is unknown.
 void mesh_depth_camera(const fs::path& data, const fs::path& output) {
   const geometry::Camera camera{
       .width = 640, .height = 480, .fx = 476.007, .fy = 476.007, .cx = 313.683, .cy = 242.755};
@@ -90,7 +90,7 @@ void mesh_depth_camera(const fs::path& data, const fs::path& output) {
           .mesh;
   geometry::write_mesh(output / "meshes/hand.ply", hand);
   pictures::draw_mesh(output / "pictures/hand_mesh.png", hand,
-                      "A hand before a torso, from a real depth camera");
+                      "A hand in front of a torso, from a real depth camera");
 }
 
 }  // namespace

@@ -29,7 +29,7 @@ std::vector<std::string> names_of(const geometry::Attributes& attributes) {
 std::string in_words(const char* what, const geometry::Attributes& attributes) {
   return attributes.empty()
              ? std::string()
-             : fmt::format("; of each {}: {}", what, fmt::join(names_of(attributes), " "));
+             : fmt::format("; {} attributes: {}", what, fmt::join(names_of(attributes), " "));
 }
 
 const char* name_of(geometry::UnitSource source) {
@@ -46,13 +46,13 @@ const char* name_of(geometry::UnitSource source) {
 
 std::string in_words(const geometry::FileUnit& unit) {
   if (unit.source == geometry::UnitSource::assumed)
-    return "; it declares no unit and is taken as mm (--unit tells otherwise)";
+    return "; the file declares no unit, so mm is assumed (change with --unit)";
   return fmt::format("; {} units of {} mm",
-                     unit.source == geometry::UnitSource::stated ? "read in" : "it declares",
+                     unit.source == geometry::UnitSource::stated ? "read in" : "the file declares",
                      unit.length);
 }
 
-/// Area, volume and topology of a mesh, or why they cannot be told.
+/// Area, volume and topology of a mesh, or why they are undefined.
 Description describe_surface(const geometry::TriangleMesh& mesh) {
   try {
     const double area = geometry::surface_area(mesh);
@@ -75,12 +75,13 @@ Description describe_surface(const geometry::TriangleMesh& mesh) {
     }
     return surface;
   } catch (const InvalidInput& refused) {
-    return {{{"not_a_surface", refused.what()}},
-            fmt::format("no area or topology, since it is not a surface: {}", refused.what())};
+    return {
+        {{"not_a_surface", refused.what()}},
+        fmt::format("no area or topology, because the mesh is not a surface: {}", refused.what())};
   }
 }
 
-/// What is wrong, and what to do about it.
+/// Lists the defects, and how to repair them.
 Description describe_defects(const geometry::TriangleMesh& mesh) {
   Json figures = Json::object();
   std::string prose;
@@ -90,12 +91,12 @@ Description describe_defects(const geometry::TriangleMesh& mesh) {
   }
   return {{{"defects", figures}},
           prose.empty() ? "no defects"
-                        : "defects (counted from 0; palpate mesh --repair mends what can be "
-                          "mended; needles stay):" +
+                        : "defects (counted from 0; palpate mesh --repair repairs all that can be "
+                          "repaired; needles stay):" +
                               prose};
 }
 
-/// The box of the finite vertices; empty, from infinity to minus infinity, if there are none.
+/// Bounding box of the finite vertices; from infinity to minus infinity if there are none.
 std::pair<Eigen::Vector3d, Eigen::Vector3d> extent(const geometry::TriangleMesh& mesh) {
   Eigen::AlignedBox3d box;
   for (const auto& vertex : mesh.vertices.colwise()) {

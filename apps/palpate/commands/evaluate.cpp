@@ -30,13 +30,13 @@ struct EvaluateCall {
 
 haptics::LeaveOneOut predict(const haptics::Model& model, const EvaluateCall& call) {
   const probing::Acquisition acquisition = probing::read_acquisition(call.acquisition);
-  Progress progress("predicting");  // its bar goes before anything is printed
+  Progress progress("predicting");  // in this scope, so that its bar is cleared before printing
   haptics::LeaveOneOutOptions options = call.leave_one_out;
   options.progress = [&](int done, int total) { progress.show(done, total); };
   return haptics::leave_one_out(model, acquisition, options);
 }
 
-// NaN has no form in JSON.
+// JSON cannot represent NaN.
 Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 Json to_json(const haptics::LeaveOneOut& errors) {
@@ -67,8 +67,9 @@ std::string to_prose(const haptics::LeaveOneOut& errors) {
   std::string prose;
   for (const haptics::ContactError& e : errors.per_contact) {
     prose += fmt::format(
-        "  contact {} ({}) predicted from its neighbours: RMS {:.4f} N, expected {}; they disagree "
-        "by {:.4f} N\n",
+        "  contact {} ({}) predicted from its neighbours: RMS {:.4f} N, expected {}; the "
+        "neighbours "
+        "disagree by {:.4f} N\n",
         e.contact, e.at_border ? "border" : "inside", e.rms, newtons(e.expected), e.spread);
   }
   prose += fmt::format(
@@ -76,7 +77,7 @@ std::string to_prose(const haptics::LeaveOneOut& errors) {
       "border {}\n",
       errors.rms, errors.per_contact.size(), newtons(errors.interior_rms),
       newtons(errors.border_rms));
-  if (!errors.suggested.empty()) prose += "One more contact would tell most at\n";
+  if (!errors.suggested.empty()) prose += "Suggested positions for further contacts:\n";
   for (const haptics::SuggestedContact& s : errors.suggested) {
     prose += fmt::format("  ({:.1f}, {:.1f}, {:.1f}): expected error {:.4f} N\n", s.position.x(),
                          s.position.y(), s.position.z(), s.expected);
@@ -91,7 +92,7 @@ void evaluate(const Settings& settings, const EvaluateCall& call) {
   }
   if (!call.picture.empty() && call.acquisition.empty()) {
     throw InvalidInput(
-        "palpate evaluate: --picture shows what --leave-one-out finds; pass that too.");
+        "palpate evaluate: --picture draws the errors of --leave-one-out; pass that option too.");
   }
   check_outputs({call.model, call.queries, call.acquisition}, {call.picture});
   const haptics::Model model = haptics::read_model(call.model);
@@ -123,24 +124,25 @@ void evaluate(const Settings& settings, const EvaluateCall& call) {
 void add_evaluate(CLI::App& app, const Settings& settings) {
   auto call = std::make_shared<EvaluateCall>();
   CLI::App* command =
-      app.add_subcommand("evaluate", "How far a model's forces are from known ones");
+      app.add_subcommand("evaluate", "Compare the forces of a model with known ones");
   command->add_option("MODEL", call->model, "Model folder")->required();
   command->add_option(
       "--queries", call->queries,
       "Known forces: cx,cy,cz,dx,dy,dz,fx,fy,fz (contact, displacement, force on the object)");
-  command->add_option("--leave-one-out", call->acquisition,
-                      "Acquisition the model was fitted to: predict each contact from the others");
+  command->add_option(
+      "--leave-one-out", call->acquisition,
+      "Acquisition that the model was fitted to: predict each contact from the others");
   command
       ->add_option("--max-distance", call->query_options.max_distance,
-                   "Refuse queries further from the surface [mm]")
+                   "Reject queries that are farther from the surface [mm]")
       ->capture_default_str();
   command
       ->add_option("--suggestions", call->leave_one_out.suggestions,
-                   "Places for further contacts to tell, with --leave-one-out, where the expected "
-                   "error is largest")
+                   "With --leave-one-out: number of positions for further contacts to suggest, "
+                   "where the expected error is largest")
       ->capture_default_str();
   command->add_option("--picture", call->picture,
-                      "Also draw the errors of --leave-one-out over the surface (PNG)");
+                      "Also draw the errors of --leave-one-out on the surface (PNG)");
   command->footer(
       "RMS is the root of the mean squared length of the error vector, in N.\n"
       "Example:\n  palpate evaluate model/ --queries queries.csv --leave-one-out acquisition.db");

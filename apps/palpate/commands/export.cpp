@@ -24,7 +24,8 @@ void export_model(const Settings& settings, const ExportCall& call) {
   const fs::path output = call.output.empty() ? fs::path("model" + ending) : call.output;
   check_outputs({call.model}, {output});
   if (output.extension() != ending) {
-    throw InvalidInput(output.string() + ": the name of this export has to end in " + ending + ".");
+    throw InvalidInput(output.string() + ": the output file of this format must end in " + ending +
+                       ".");
   }
   const haptics::Model model = haptics::read_model(call.model);
   if (call.json) {
@@ -41,8 +42,7 @@ void export_model(const Settings& settings, const ExportCall& call) {
 
 void add_export(CLI::App& app, const Settings& settings) {
   auto call = std::make_shared<ExportCall>();
-  CLI::App* command =
-      app.add_subcommand("export", "A model's surface, or its fields, for other tools");
+  CLI::App* command = app.add_subcommand("export", "Export the surface or the fields of a model");
   command->add_option("MODEL", call->model, "Model folder")->required();
   CLI::Option_group* format = command->add_option_group("format", "What to write");
   format->add_flag("--ply", call->ply, "The undeformed surface as PLY");

@@ -29,7 +29,7 @@ Json number_or_null(const std::optional<double>& number) {
 
 Json vector(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
-/// What the parameters are measured from: only a strip has a place and a direction.
+/// Settings of a strip model; only a strip has a position and a direction.
 Json place(const haptics::StripModel& strip) {
   return {{"origin", vector(strip.origin)},
           {"axis", vector(strip.axis)},
@@ -43,10 +43,10 @@ const char* in_words(haptics::Verdict verdict) {
     case haptics::Verdict::does_not_describe:
       return "this parametric model does not describe the object";
     case haptics::Verdict::not_testable:
-      return "whether this parametric model describes the object cannot be told: the noise is not "
-             "known, or there are too few samples";
+      return "it is undecided whether this parametric model describes the object: the noise is "
+             "unknown, or there are too few samples";
     case haptics::Verdict::not_converged:
-      return "the search did not settle: trust no parameter";
+      return "the search did not converge: do not use the parameters";
   }
   return "";
 }
@@ -57,7 +57,7 @@ std::string describe(const haptics::ParameterEstimate& parameter) {
       return fmt::format("  {}: {:.6g} +- {:.2g} {}\n", parameter.name, *parameter.value,
                          *parameter.standard_error, parameter.unit);
     case haptics::ParameterStatus::at_bound:
-      return fmt::format("  {}: not determined by these measurements, at its bound {:.6g} {}\n",
+      return fmt::format("  {}: not determined by these measurements; at its bound {:.6g} {}\n",
                          parameter.name, *parameter.value, parameter.unit);
     case haptics::ParameterStatus::undetermined:
       return fmt::format("  {}: not determined by these measurements\n", parameter.name);
@@ -120,7 +120,7 @@ void identify(const Settings& settings, const IdentifyCall& call) {
 void add_identify(CLI::App& app, const Settings& settings) {
   auto call = std::make_shared<IdentifyCall>();
   CLI::App* command = app.add_subcommand(
-      "identify", "Elastic parameters of an object, from measurements, with their errors");
+      "identify", "Estimate elastic parameters of an object, with errors, from measurements");
   command->add_option("ACQUISITION", call->acquisition, "Measurements (acquisition.db)")
       ->required();
   command
@@ -131,16 +131,16 @@ void add_identify(CLI::App& app, const Settings& settings) {
       ->capture_default_str();
   command
       ->add_option("--tool-radius", call->tool_radius,
-                   "Radius of the tool's flat end [mm], for the half-space")
+                   "For the half-space: radius of the tool's flat end [mm]")
       ->check(positive());
   auto* displacement =
       command
           ->add_option("--displacement-noise", call->options.displacement_noise,
-                       "Deviation of positions [mm]; estimated from repeated ones unless given")
+                       "Standard deviation of positions [mm] (default: estimated from repetitions)")
           ->check(positive());
   auto* force = command
                     ->add_option("--force-noise", call->options.force_noise,
-                                 "Deviation of forces [N]; goes with --displacement-noise")
+                                 "Standard deviation of forces [N]; needs --displacement-noise")
                     ->check(not_negative());
   displacement->needs(force);
   force->needs(displacement);

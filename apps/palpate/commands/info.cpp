@@ -134,6 +134,7 @@ Description describe_model(const fs::path& path) {
   std::string prose = fmt::format(
       "model, {} contacts in {} triangles, on a surface of {} vertices\n"
       "  bases of a contact: {:.0f} in the median, at most {:.0f}\n"
+      "  bases of a contact: {:.0f} in the median, at most {:.0f}\n"
       "  RMS of a contact's fit: {:.4f} N in the median, {:.4f} N at most\n"
       "  friction coefficient: {:.3f} in the median; {} contacts have none of their own, {} of "
       "these a lower bound\n"
@@ -221,10 +222,10 @@ std::string read_text(const fs::path& path) {
 Description describe_record(const fs::path& path) {
   const auto record = nlohmann::json::parse(read_text(path), nullptr, false);
   if (!record.is_object() || !record.contains("frames") || !record["frames"].is_array())
-    throw FileError(path.string() + ": is no record of palpate decode.");
+    throw FileError(path.string() + ": is not a record of palpate decode.");
   const std::size_t frames = record["frames"].size();
   return {{{"kind", "record of decode"}, {"frames", frames}},
-          fmt::format("what palpate decode has finished in this folder, {} frames", frames)};
+          fmt::format("frames that palpate decode has finished in this folder: {}", frames)};
 }
 
 Description describe_yaml(const fs::path& path) {
@@ -305,7 +306,7 @@ Description describe(const fs::path& path, const geometry::ReadOptions& options)
 
 void add_info(CLI::App& app, const Settings& settings) {
   auto call = std::make_shared<InfoCall>();
-  CLI::App* command = app.add_subcommand("info", "What a file is, in words and numbers");
+  CLI::App* command = app.add_subcommand("info", "Describe a file in words and numbers");
   command->add_option("FILE", call->path, "Any file or folder that Palpate reads or writes")
       ->required();
   add_unit_option(*command, call->meshes);

@@ -35,8 +35,8 @@ struct MergeCall {
 std::vector<haptics::SideModel> read_sides(const MergeCall& call) {
   if (!call.poses.empty() && call.poses.size() != call.models.size()) {
     throw InvalidInput(
-        fmt::format("palpate merge: {} poses for {} models; give one for each, in "
-                    "the same order, or none.",
+        fmt::format("palpate merge: {} poses for {} models; pass one for each model, in the same "
+                    "order, or none.",
                     call.poses.size(), call.models.size()));
   }
   std::vector<haptics::SideModel> sides;
@@ -48,8 +48,8 @@ std::vector<haptics::SideModel> read_sides(const MergeCall& call) {
   return sides;
 }
 
-/// Moves the sides onto the first. A pose that is not accepted is no ground to merge on.
-/// \return what that was, of each but the first.
+/// Registers each side to the sides before it. Throws if a pose is not accepted.
+/// \return the registration of each side but the first.
 Json register_sides(const MergeCall& call, std::vector<haptics::SideModel>& sides) {
   std::vector<geometry::Scan> scans;
   for (const haptics::SideModel& side : sides)
@@ -62,10 +62,9 @@ Json register_sides(const MergeCall& call, std::vector<haptics::SideModel>& side
     haptics::SideModel& side = sides[i + 1];
     if (moves[i].verdict != geometry::RegistrationVerdict::accepted) {
       throw SolverError(fmt::format(
-          "{} could not be registered to the models before it: {}: {}. Give the poses with --pose "
-          "and leave --register out, or bring the models nearer to their places with --pose and "
-          "say "
-          "how near they are with --search-rotation and --search-translation.",
+          "{} could not be registered to the models before it: {}: {}. Pass the poses with --pose "
+          "and omit --register, or pass closer start poses with --pose and their uncertainty with "
+          "--search-rotation and --search-translation.",
           side.name, geometry::to_string(moves[i].verdict), moves[i].reason));
     }
     side.T_object_model = moves[i].T_target_source;
@@ -97,10 +96,10 @@ void merge(const Settings& settings, const MergeCall& call) {
                         "Merged contacts, their cells and triangulation");
 
   for (const long long id : merged.isolated)
-    spdlog::warn("contact {} lies in no triangle of contacts: there are too few around it.", id);
+    spdlog::warn("contact {} is in no triangle of contacts: there are too few around it.", id);
   if (merged.components > 1) {
     spdlog::warn(
-        "the merged surface is in {} pieces: where an object is in one, its models do not "
+        "the merged surface has {} pieces: if the object has only one, its models do not "
         "overlap; check the poses.",
         merged.components);
   }
@@ -115,9 +114,9 @@ void merge(const Settings& settings, const MergeCall& call) {
     left_out.push_back({{"model", from},
                         {"contact", out.contact.id},
                         {"kept", {{"model", kept}, {"contact", out.kept.id}}}});
-    prose +=
-        fmt::format("  contact {} of {} is left out for contact {} of {}, which fits no worse\n",
-                    out.contact.id, from, out.kept.id, kept);
+    prose += fmt::format(
+        "  contact {} of {} is omitted in favour of contact {} of {}, which fits no worse\n",
+        out.contact.id, from, out.kept.id, kept);
   }
   print(
       settings,
@@ -131,9 +130,9 @@ void merge(const Settings& settings, const MergeCall& call) {
        {"components", merged.components},
        {"registered", registered},
        {"file", call.output.string()}},
-      prose + fmt::format("{} models became one of {} contacts in {} triangles; {} contacts were "
-                          "left out, none is further than {:.3f} mm from the merged surface. "
-                          "Written to {}",
+      prose + fmt::format("{} models were merged into one with {} contacts in {} triangles; {} "
+                          "contacts were omitted; contacts are at most {:.3f} mm from the merged "
+                          "surface. Written to {}",
                           sides.size(), merged.model.contacts.size(), merged.model.triangles.cols(),
                           merged.left_out.size(), merged.largest_distance, call.output.string()));
 }
@@ -141,22 +140,22 @@ void merge(const Settings& settings, const MergeCall& call) {
 void add_registration_options(CLI::App& command, const std::shared_ptr<MergeCall>& call) {
   CLI::Option* here = command.add_flag(
       "--register", call->register_here,
-      "Move each model rigidly onto those before it first, from its pose; it is an error (exit "
-      "status 1) if no pose can be relied on");
+      "Register each model rigidly to those before it, starting from its pose; fails (exit status "
+      "1) if no pose is reliable");
   command
       .add_option("--search-rotation", call->search_rotation_deg,
-                  "With --register: by how much a model may be turned [degrees]")
+                  "With --register: largest rotation from the start pose [degrees]")
       ->check(CLI::Range(0.0, 180.0))
       ->capture_default_str()
       ->needs(here);
   command
       .add_option("--search-translation", call->registration.search_translation,
-                  "With --register: how far a model's centroid may be from its place [mm]")
+                  "With --register: largest shift of a model's centroid from the start pose [mm]")
       ->check(not_negative())
       ->needs(here);
   command
       .add_option("--min-overlap", call->registration.min_overlap,
-                  "With --register: part of a model's surface that those before it have too")
+                  "With --register: share of a model's surface that those before it also have")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str()
       ->needs(here);
@@ -167,36 +166,36 @@ void add_registration_options(CLI::App& command, const std::shared_ptr<MergeCall
 void add_merge(CLI::App& app, const Settings& settings) {
   auto call = std::make_shared<MergeCall>();
   CLI::App* command =
-      app.add_subcommand("merge", "Models of several sides of an object become one");
-  command->add_option("MODEL", call->models, "Model folders, one a side")->required();
+      app.add_subcommand("merge", "Merge models of several sides of an object into one");
+  command->add_option("MODEL", call->models, "Model folders, one per side")->required();
   command->add_option("-o,--output", call->output, "Model folder to write")->required();
   command->add_option(
       "--pose", call->poses,
-      "Where a model belongs: a text file of its 4 x 4 matrix (rotation and shift "
-      "[mm]), one for each model in their order; unless given, all are in one frame");
+      "Pose of a model: a text file with its 4 x 4 matrix (rotation and translation "
+      "[mm]), one per model in the same order (default: all models are in one frame)");
   add_registration_options(*command, call);
   command->add_flag("--average", call->average,
-                    "One smooth surface through all, instead of the measured ones joined by seams");
+                    "Fit one smooth surface to all, instead of joining the measured ones at seams");
   command
       ->add_option("--fill-holes", call->options.fill_holes,
-                   "Fill holes of the merged surface that are at most so many mm wide")
+                   "Fill holes of the merged surface up to this diameter [mm]")
       ->check(positive());
   command
       ->add_option("--max-distance", call->options.max_distance,
-                   "Refuse a contact that is further from the merged surface [mm]")
+                   "Reject a contact that is farther from the merged surface [mm]")
       ->check(not_negative())
       ->capture_default_str();
   command
       ->add_option(
           "--same-place", call->options.same_place,
-          "Contacts of two models that are at most so far apart are one, the one that fits "
-          "better [mm] (default: a quarter of the median distance between neighbours)")
+          "Contacts of two models that are at most this far apart count as one; the one that fits "
+          "better is kept [mm] (default: a quarter of the median distance between neighbours)")
       ->check(not_negative());
   command->add_option("--picture", call->picture,
                       "Draw the merged surface, its contacts and their triangulation (PNG)");
   command->footer(
-      "Contacts keep their fields and friction; where ids of models are the same those of the k-th "
-      "further model are raised by k times a power of ten.\n"
+      "Contacts keep their fields and friction. If models use the same ids, those of the k-th "
+      "further model are increased by k times a power of ten.\n"
       "Examples:\n  palpate merge front/ back/ --pose front.txt --pose back.txt -o whole/\n"
       "  palpate merge front/ left/ back/ --register --min-overlap 0.3 -o whole/ --picture "
       "whole.png");

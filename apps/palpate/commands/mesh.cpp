@@ -24,7 +24,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Of smoothing. Long before that a surface has become smooth over all its width.
+/// Iterations of smoothing. A surface is smooth over its whole width long before.
 constexpr int kMostIterations = 1000;
 
 struct MeshCall {
@@ -47,17 +47,17 @@ void mesh(const Settings& settings, const MeshCall& call) {
                                  call.output.string()));
 }
 
-/// A range map of a sequence on its way to a mesh.
+/// A range map of a sequence, to be meshed.
 struct SequenceItem {
   fs::path input, output;
   nlohmann::ordered_json figures;
   std::string error;  ///< empty if it worked
 };
 
-/// Meshes that would lie among those of this sequence without belonging to it.
+/// Rejects an output folder that holds meshes of another sequence.
 void check_sequence_folder(const MeshCall& call, const std::vector<fs::path>& maps) {
   if (!call.picture.empty())
-    throw InvalidInput("--picture: is for one mesh, not for a folder of range maps.");
+    throw InvalidInput("--picture: works for one mesh, not for a folder of range maps.");
   if (!is_there(call.output)) return;
   std::set<std::string> ours;
   for (const fs::path& map : maps) ours.insert(map.stem().string());
@@ -65,8 +65,8 @@ void check_sequence_folder(const MeshCall& call, const std::vector<fs::path>& ma
     const fs::path& other = entry.path();
     if (other.extension() != "." + call.format || ours.contains(other.stem().string())) continue;
     throw InvalidInput(other.string() + ": is a mesh of no range map in " + call.input.string() +
-                       "; the sequence would be mixed with it. Give a new or an empty folder, or "
-                       "remove it.");
+                       ", so two sequences would be mixed. Pass a new or an empty folder, or "
+                       "remove this file.");
   }
 }
 
@@ -76,7 +76,7 @@ void make_one(const MeshCall& call, SequenceItem& item) {
     geometry::write_mesh(item.output, made.mesh);
     item.figures = std::move(made.figures);
   } catch (const OutputError&) {
-    throw;  // no room for this one is no room for the others
+    throw;  // if there is no space for this file, there is none for the others
   } catch (const Error& error) {
     item.error = error.what();
   }
@@ -118,11 +118,11 @@ void mesh_sequence(const Settings& settings, const MeshCall& call) {
   if (broken == maps.size()) throw FileError(first_error);
   print(settings,
         {{"range_maps", maps.size()}, {"meshes", maps.size() - broken}, {"per_mesh", per_mesh}},
-        prose + fmt::format("{} of {} range maps became meshes in {}", maps.size() - broken,
+        prose + fmt::format("{} of {} range maps were meshed, in {}", maps.size() - broken,
                             maps.size(), call.output.string()));
   if (broken > 0)
-    throw Error(
-        fmt::format("{} of {} range maps became no mesh; the others did.", broken, maps.size()));
+    throw Error(fmt::format("{} of {} range maps could not be meshed; the others were.", broken,
+                            maps.size()));
 }
 
 }  // namespace
@@ -130,53 +130,55 @@ void mesh_sequence(const Settings& settings, const MeshCall& call) {
 void add_mesh(CLI::App& app, const Settings& settings) {
   auto call = std::make_shared<MeshCall>();
   CLI::App* command = app.add_subcommand(
-      "mesh", "A range map or a depth image becomes a mesh; a mesh is mended, smoothed, decimated");
+      "mesh", "Mesh a range map or a depth image; repair, smooth or decimate a mesh");
   command
       ->add_option("RANGE", call->input,
                    "Range map (TIFF), a folder of range maps, depth image (16-bit PNG), or a mesh "
-                   "file (of which the surface alone is kept)")
+                   "file (of which only the surface is used)")
       ->required();
   command
       ->add_option(
           "-o,--output", call->output,
-          "Mesh to write: .ply, .obj or .stl; of a folder of range maps: folder for their meshes")
+          "Mesh to write (.ply, .obj or .stl); for a folder of range maps: folder for the meshes")
       ->required();
   CLI::Option* format =
-      command->add_option("--format", call->format, "Of the meshes of a folder: ply, obj or stl")
+      command->add_option("--format", call->format, "Format of a folder's meshes: ply, obj or stl")
           ->check(CLI::IsMember({"ply", "obj", "stl"}))
           ->capture_default_str();
   command->add_option("--rig", call->steps.rig,
                       "Rig of the range map (default: rig.yaml beside it)");
-  command->add_option("--scale", call->steps.scale, "Depth image: mm that one unit stands for");
+  command->add_option("--scale", call->steps.scale, "Depth image: length of one unit [mm]");
   command
       ->add_option("--intrinsics", call->steps.intrinsics,
                    "Depth image: fx,fy,cx,cy of its camera [px]")
       ->expected(4)
       ->delimiter(',');
   add_unit_option(*command, call->steps.meshes);
-  command->add_flag("--smooth-depths", call->steps.smooth_depths,
-                    "Take noise from the depths of a range map, none moved by more than its "
-                    "predicted deviation (from decode --sigma), before they become a mesh");
-  command->add_flag("--repair", call->steps.repair,
-                    "Mend what palpate info lists: the result is manifold and oriented");
-  command
-      ->add_option("--fill-holes", call->steps.fill_holes,
-                   "Fill holes that are at most so many mm wide")
+  command->add_flag(
+      "--smooth-depths", call->steps.smooth_depths,
+      "Reduce the noise of the depths of a range map before meshing; no depth moves by "
+      "more than its predicted deviation (from decode --sigma)");
+  command->add_flag(
+      "--repair", call->steps.repair,
+      "Repair the defects that palpate info lists; the result is manifold and oriented");
+  command->add_option("--fill-holes", call->steps.fill_holes, "Fill holes up to this diameter [mm]")
       ->check(positive());
   command
-      ->add_option("--smooth", call->steps.smooth,
-                   "Iterations of smoothing without shrinking (Taubin), at most 1000; 20 take most "
-                   "noise")
+      ->add_option(
+          "--smooth", call->steps.smooth,
+          "Iterations of smoothing without shrinking (Taubin), at most 1000; 20 remove most "
+          "noise")
       ->check(CLI::Range(0, kMostIterations));
   command
-      ->add_option("--tolerance", call->steps.tolerance,
-                   "Take triangles away as long as the Hausdorff distance stays within so many mm")
+      ->add_option(
+          "--tolerance", call->steps.tolerance,
+          "Remove triangles while the Hausdorff distance to the surface is within this [mm]")
       ->check(positive());
   command->add_option("--picture", call->picture, "Also draw the mesh (PNG)");
   command->footer(
-      "What is asked for is done in the order smooth depths, repair, fill, smooth, decimate.\n"
-      "A folder of range maps becomes a sequence of meshes with the names of the range maps; one "
-      "that is broken is reported and left out, and the exit status is 1.\n\n"
+      "The steps are done in this order: smooth depths, repair, fill holes, smooth, decimate.\n"
+      "A folder of range maps gives a sequence of meshes with the same names; a range map that "
+      "cannot be meshed is reported and skipped, and the exit status is 1.\n\n"
       "Examples:\n  palpate mesh range/000000.tiff -o surface.ply --tolerance 0.2\n"
       "  palpate mesh range/ -o meshes/ --format obj --fill-holes 10 --tolerance 0.2\n"
       "  palpate mesh broken.stl --repair --fill-holes 20 -o whole.ply\n"
@@ -187,8 +189,8 @@ void add_mesh(CLI::App& app, const Settings& settings) {
       mesh_sequence(settings, *call);
     } else if (format->count() > 0) {
       throw InvalidInput(
-          "--format is for a folder of range maps; the format of one mesh is that of "
-          "its name's ending.");
+          "--format works for a folder of range maps; the format of one mesh follows from its "
+          "extension.");
     } else {
       mesh(settings, *call);
     }

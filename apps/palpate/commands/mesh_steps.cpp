@@ -26,12 +26,12 @@ namespace fs = std::filesystem;
 void check_no_depth_image(const fs::path& input, const MeshSteps& steps) {
   if (steps.scale == 0 && steps.intrinsics.empty()) return;
   throw InvalidInput(input.string() + ": " + (steps.scale == 0 ? "--intrinsics" : "--scale") +
-                     " is for depth images (16-bit PNG); this is none");
+                     " works for depth images (16-bit PNG), which this is not");
 }
 
 geometry::RangeMap load_map(const fs::path& input, const MeshSteps& steps) {
   if (steps.meshes.unit) {
-    throw InvalidInput(input.string() + ": --unit is for mesh files; " +
+    throw InvalidInput(input.string() + ": --unit works for mesh files; " +
                        (is_range_map(input) ? "range maps are in mm"
                                             : "the unit of a depth image is its --scale"));
   }
@@ -41,7 +41,7 @@ geometry::RangeMap load_map(const fs::path& input, const MeshSteps& steps) {
   }
   if (!(steps.scale > 0)) {
     throw InvalidInput(input.string() +
-                       ": a depth image needs --scale, the mm that one unit stands for (> 0).");
+                       ": a depth image needs --scale, the length of one unit in mm (> 0).");
   }
   if (steps.intrinsics.empty()) {
     throw InvalidInput(input.string() +
@@ -57,12 +57,12 @@ geometry::RangeMap load_map(const fs::path& input, const MeshSteps& steps) {
                                     .cy = steps.intrinsics[3]});
 }
 
-/// With the deviations that `decode --sigma` has written beside the range map.
+/// Uses the deviations that `decode --sigma` has written beside the range map.
 void smooth_depths(const fs::path& input, geometry::RangeMap& map) {
   const fs::path file = input.parent_path() / (input.stem().string() + "_sigma.tiff");
   if (!is_range_map(input) || !is_there(file)) {
     throw FileError(file.string() +
-                    ": missing. To smooth depths takes their predicted deviations, which palpate "
+                    ": missing. --smooth-depths needs the predicted deviations, which palpate "
                     "decode --sigma writes beside the range map.");
   }
   map.z = geometry::smooth_range_map(map.z, geometry::read_depth_tiff(file));
@@ -71,7 +71,8 @@ void smooth_depths(const fs::path& input, geometry::RangeMap& map) {
 MadeMesh load(const fs::path& input, const MeshSteps& steps) {
   if (!is_range_map(input) && !is_image(input)) {
     if (steps.smooth_depths)
-      throw InvalidInput(input.string() + ": --smooth-depths is for range maps; a mesh has none.");
+      throw InvalidInput(input.string() +
+                         ": --smooth-depths works for range maps, not for meshes.");
     check_no_depth_image(input, steps);
     geometry::ReadOptions options = steps.meshes;
     options.keep_defects = steps.repair;
@@ -98,12 +99,13 @@ void repair(MadeMesh& made) {
                             {"removed_vertices", repaired.removed_vertices},
                             {"cut_edges", repaired.cut_edges}};
   made.prose += fmt::format(
-      "repaired: {} triangles removed, {} edges flipped, {} triangles turned, {} vertices welded "
+      "repaired: {} triangles removed, {} edges flipped, {} triangles reoriented, {} vertices "
+      "welded "
       "and {} removed, {} edges cut\n",
       repaired.removed_triangles, repaired.flipped_edges, repaired.turned_triangles,
       repaired.welded_vertices, repaired.removed_vertices, repaired.cut_edges);
   for (const geometry::MeshDefect& defect : geometry::find_defects(made.mesh))
-    made.prose += "  left: " + geometry::describe(defect) + "\n";
+    made.prose += "  remaining: " + geometry::describe(defect) + "\n";
 }
 
 void fill_holes(MadeMesh& made, double max_diameter) {
@@ -117,8 +119,8 @@ void decimate(const fs::path& input, MadeMesh& made, double tolerance) {
   const double diagonal = geometry::bounding_diagonal(made.mesh);
   if (tolerance > diagonal) {
     throw InvalidInput(fmt::format(
-        "{}: --tolerance: {:g} mm is more than the mesh's diagonal of {:.1f} mm; nothing of it "
-        "would be left",
+        "{}: --tolerance: {:g} mm exceeds the mesh's diagonal of {:.1f} mm; nothing of the mesh "
+        "would remain",
         input.string(), tolerance, diagonal));
   }
   geometry::Decimation decimated = geometry::decimate(made.mesh, {.tolerance = tolerance});
@@ -127,7 +129,7 @@ void decimate(const fs::path& input, MadeMesh& made, double tolerance) {
                                 {"triangles_after", decimated.mesh.triangles.cols()},
                                 {"distance", decimated.distance}};
   made.prose += fmt::format(
-      "{} triangles before, {} after; the Hausdorff distance is at most {:.4f} mm, verified\n",
+      "{} triangles before, {} after; the Hausdorff distance is at most {:.4f} mm (verified)\n",
       made.mesh.triangles.cols(), decimated.mesh.triangles.cols(), decimated.distance);
   made.mesh = std::move(decimated.mesh);
 }

@@ -27,9 +27,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Below this the period that a stripe edge tells may be a wrong one [camera px].
+/// If stripe edges tolerate less misplacement than this, they may identify the wrong period [camera
+/// px].
 constexpr double kLeastEdgeTolerance = 2;
-/// Below this most pixels are too insensitive to be reconstructed [rad].
+/// Below this sensitivity most pixels cannot be reconstructed [rad].
 constexpr double kLeastPhasePerDepth = 10;
 
 struct PatternCall {
@@ -46,7 +47,7 @@ struct PatternCall {
 
 using NamedImage = std::pair<std::string, cv::Mat>;
 
-/// Draws patterns either for a rig or for a panel of which only the size is known.
+/// Draws patterns, either for a rig or for a panel of which only the size is known.
 struct Drawer {
   std::optional<sensing::Rig> rig;
   int width = 0;
@@ -62,7 +63,7 @@ struct Drawer {
   }
 };
 
-/// The pattern and everything that is projected for training.
+/// The images of the pattern and for training.
 std::vector<NamedImage> draw_all(const sensing::Pattern& pattern, const Drawer& draw,
                                  int grey_steps) {
   std::vector<NamedImage> images = {{"pattern.png", draw(pattern)}};
@@ -86,7 +87,7 @@ std::vector<NamedImage> draw_all(const sensing::Pattern& pattern, const Drawer& 
 void write_all(const fs::path& output, const sensing::Pattern& pattern, const Drawer& draw,
                int grey_steps) {
   const std::vector<NamedImage> images = draw_all(pattern, draw, grey_steps);
-  // An earlier pattern may have had other colours and grey steps.
+  // An earlier pattern may have had other colours and grey levels.
   const std::regex own(R"(pattern\.(yaml|png)|rig\.yaml|\w+_(flat|sin)\.png|projector_off\.png)"
                        R"(|grey_\d+\.png)");
   write_folder(output, own_entries(output, "pattern.yaml", own), [&](const fs::path& folder) {
@@ -127,8 +128,8 @@ void report(const Settings& settings, const PatternCall& call, const sensing::Pa
     figures["largest_overlap"] = design.largest_overlap;
     figures["largest_overlap_of_trained"] = before;
     prose += fmt::format(
-        "Colours are spread: the two most alike are expected to be confused at {:.2g} of the "
-        "pixels (the trained ones: {:.2g})\n",
+        "The colours are spread: the two most similar are expected to be confused in {:.2g} of the "
+        "pixels (trained colours: {:.2g})\n",
         design.largest_overlap, before);
   }
   if (draw.rig) {
@@ -139,23 +140,25 @@ void report(const Settings& settings, const PatternCall& call, const sensing::Pa
     figures["rectified"] = draw.options.rectify;
     figures["compensated"] = compensated;
     prose += fmt::format(
-        "In the camera a period has {:.1f} px or more; a phase error of 0.01 rad is {:.3f} % of "
-        "the depth; a stripe edge may be misplaced by {:.1f} px\n",
+        "In the camera a period has at least {:.1f} px; a phase error of 0.01 rad is {:.3f} % of "
+        "the depth; a stripe edge may be misplaced by up to {:.1f} px\n",
         design.camera_period, 1 / design.phase_per_relative_depth, design.edge_tolerance);
     if (compensated)
-      prose += "Red and blue are shifted to meet green: in rig.yaml beta is 1 and gamma 0\n";
+      prose += "Red and blue are shifted to match green: in rig.yaml beta is 1 and gamma 0\n";
     if (design.edge_tolerance < kLeastEdgeTolerance) {
       spdlog::warn(
-          "the stripes hardly tell one period from the next: with this rig the depth moves them "
-          "too little. Take the other --axis, or a longer --period");
+          "the stripes do not reliably identify the period: with this rig the depth moves them "
+          "too little. Use the other --axis, or a longer --period");
     }
     if (design.phase_per_relative_depth < kLeastPhasePerDepth) {
-      spdlog::warn("the phase hardly depends on the depth: take the other --axis, or a wider rig");
+      spdlog::warn(
+          "the phase hardly depends on the depth: use the other --axis, or a longer baseline");
     }
   }
-  print(settings, figures,
-        prose + fmt::format("Written to {}{}", call.output.string(),
-                            draw.rig ? "; decode its frames with the rig.yaml in it" : ""));
+  print(
+      settings, figures,
+      prose + fmt::format("Written to {}{}", call.output.string(),
+                          draw.rig ? "; decode its frames with the rig.yaml in this folder" : ""));
 }
 
 void make_pattern(const Settings& settings, PatternCall call) {
@@ -180,22 +183,23 @@ void make_pattern(const Settings& settings, PatternCall call) {
 }
 
 void add_design_options(CLI::App& command, PatternCall& call) {
-  command.add_option("--number-of-colors", call.design.colors, "Colours of the stripes")
+  command.add_option("--number-of-colors", call.design.colors, "Number of stripe colours")
       ->capture_default_str();
   command.add_option(
       "--stripes", call.design.stripes,
-      "Number of stripes (default, and 0: as many as have each ordered pair of colours "
-      "as neighbours once)");
+      "Number of stripes (default, and 0: the maximum, with each ordered pair of colours as "
+      "neighbours once)");
   command.add_option("--colors", call.colors,
-                     "Trained colours (colors.yaml): spread the colours so that the camera tells "
-                     "them apart best");
+                     "Trained colours (colors.yaml): choose the colours that the camera "
+                     "distinguishes best");
   command
       .add_option("--axis", call.axis,
-                  "Along which the sinusoid varies (default: where depth moves it more)")
+                  "Axis along which the sinusoid varies (default: where depth moves it more)")
       ->check(CLI::IsMember({"x", "y"}));
   command
       .add_option("--distances", call.distances,
-                  "Nearest and farthest object [mm] (default: where the views overlap)")
+                  "Distance of the nearest and the farthest object [mm] (default: where the views "
+                  "overlap)")
       ->expected(2)
       ->needs("--rig")
       ->check(positive());
@@ -205,15 +209,16 @@ void add_design_options(CLI::App& command, PatternCall& call) {
       ->check(positive());
   command
       .add_option("--min-camera-period", call.design.min_camera_period,
-                  "The period has at least so many camera pixels")
+                  "Shortest period in the camera [px]")
       ->needs("--rig")
       ->capture_default_str();
   command
       .add_option("--min-projector-period", call.design.min_projector_period,
-                  "and so many projector pixels")
+                  "Shortest period in the projector [px]")
       ->capture_default_str();
-  command.add_option("--mean", call.design.mean, "Mean brightness, of 1")->capture_default_str();
-  command.add_option("--amplitude", call.design.amplitude, "Amplitude of the sinusoid, of 1")
+  command.add_option("--mean", call.design.mean, "Mean brightness; 1 is white")
+      ->capture_default_str();
+  command.add_option("--amplitude", call.design.amplitude, "Amplitude of the sinusoid; 1 is white")
       ->capture_default_str();
 }
 
@@ -221,33 +226,35 @@ void add_design_options(CLI::App& command, PatternCall& call) {
 
 void add_pattern(CLI::App& app, const Settings& settings) {
   auto call = std::make_shared<PatternCall>();
-  CLI::App* command = app.add_subcommand("pattern", "Design and draw what the projector shows");
+  CLI::App* command = app.add_subcommand("pattern", "Design and draw the pattern to project");
   command->add_option("-o,--output", call->output, "Folder to write")->required();
   CLI::Option* rig = command->add_option("--rig", call->rig, "Rig to design for (rig.yaml)");
-  command->add_option("--size", call->size, "Projector size without a rig [px] (default 1024 768)")
+  command
+      ->add_option("--size", call->size,
+                   "Projector size if there is no rig [px] (default 1024 768)")
       ->expected(2)
       ->excludes(rig);
   add_design_options(*command, *call);
   command
       ->add_flag("--rectify", call->drawing.rectify,
-                 "Bend the drawing so that it leaves the projector as from one without lens "
+                 "Warp the pattern so that it leaves the projector as if from one without lens "
                  "distortion, parallel to the camera; rig.yaml then describes that projector")
       ->needs(rig);
   command
       ->add_flag("--no-compensation", call->no_compensation,
-                 "Do not shift the red and blue panels by the rig's chromatic values (default: do, "
-                 "and take them out of rig.yaml)")
+                 "Do not shift the red and blue panels by the rig's chromatic values (by default "
+                 "they are shifted, and rig.yaml has no shift)")
       ->needs(rig);
-  command->add_option("--bits", call->drawing.bits, "Bits a channel of the images: 8 or 16")
+  command->add_option("--bits", call->drawing.bits, "Bits per channel of the images: 8 or 16")
       ->capture_default_str();
-  command->add_option("--grey-steps", call->grey_steps, "Grey images for the response curve")
+  command->add_option("--grey-steps", call->grey_steps, "Number of grey images for the response")
       ->capture_default_str();
   command->footer(
-      "Writes pattern.yaml, pattern.png, rig.yaml (with --rig) and what is projected for "
+      "Writes pattern.yaml, pattern.png, rig.yaml (with --rig) and the images to project for "
       "training:\n"
       "R_flat.png, R_sin.png, ... (calibrate colors), white_sin.png (calibrate chromatic),\n"
       "white_flat.png, projector_off.png, grey_000.png ... grey_255.png (calibrate response).\n"
-      "All images are linear in the light: show them on a projector without gamma curve.\n"
+      "All images are linear in the light: use a projector without a gamma curve.\n"
       "Example:\n  palpate pattern --rig rig.yaml --distances 500 900 -o pattern/");
   command->callback([call, &settings] { make_pattern(settings, *call); });
 }

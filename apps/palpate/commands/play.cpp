@@ -53,7 +53,7 @@ void play(const Settings& settings, const PlayCall& call) {
            {"slip_median", times.slip.median}}}},
         fmt::format("{} steps: {} free, {} stick, {} slip; largest force {:.3f} N\n"
                     "A step of the loop takes {:.1f} us (median), 90 % within {:.1f} us, at most "
-                    "{:.1f} us; a slipping one {:.1f} us (median).{}",
+                    "{:.1f} us; a slipping step {:.1f} us (median).{}",
                     trace.size(), times.free.count, times.stick.count, times.slip.count, largest,
                     times.all.median, times.all.p90, times.all.max, times.slip.median,
                     call.record.empty() ? "" : "\nWritten to " + call.record.string()));
@@ -64,10 +64,11 @@ void play(const Settings& settings, const PlayCall& call) {
 void add_play(CLI::App& app, const Settings& settings) {
   auto call = std::make_shared<PlayCall>();
   CLI::App* command = app.add_subcommand(
-      "play", "A tool's path over a model becomes forces, as in the haptic loop");
+      "play", "Compute the forces along a tool's path over a model, as in the haptic loop");
   command->add_option("MODEL", call->model, "Model folder")->required();
   command
-      ->add_option("--trajectory", call->trajectory, "Tool positions, one a step: t,x,y,z [s, mm]")
+      ->add_option("--trajectory", call->trajectory,
+                   "Tool positions, one per step: t,x,y,z [s, mm]")
       ->required();
   command->add_option("--record", call->record,
                       "Trace to write: t,x,y,z,cx,cy,cz,fx,fy,fz,state (f: force on the user)");

@@ -18,11 +18,11 @@
 namespace palpate::apps {
 namespace {
 
-constexpr double kRotation = 1e-6;  // six decimals, as text files carry them, pass
+constexpr double kRotation = 1e-6;  // accepts values rounded to six decimals, as in text files
 constexpr std::size_t kWithoutLastRow = 12, kWhole = 16;
 
 std::vector<double> numbers(const std::filesystem::path& path) {
-  if (is_folder(path)) throw FileError(path.string() + ": is a folder; expected a file of a pose.");
+  if (is_folder(path)) throw FileError(path.string() + ": is a folder; expected a pose file.");
   std::ifstream in(path);
   std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
   if (!in.good()) throw FileError(path.string() + ": cannot be read.");
@@ -47,7 +47,7 @@ Eigen::Isometry3d read_pose(const std::filesystem::path& path) {
   if (entries.size() == kWithoutLastRow) entries.insert(entries.end(), {0, 0, 0, 1});
   if (entries.size() != kWhole) {
     throw FileError(fmt::format(
-        "{}: {} numbers; expected the 12 or 16 of a matrix of a rotation and a shift [mm].",
+        "{}: {} numbers; expected the 12 or 16 of a matrix of rotation and translation [mm].",
         path.string(), entries.size()));
   }
   Eigen::Isometry3d pose;

@@ -31,14 +31,14 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-/// The files in a folder of simulated frames.
+/// Files in a folder of simulated frames.
 const std::regex kOwnFiles(
     R"((rig|sensor)\.yaml|frames/\d{6,}\.png|truth/(rig\.yaml|\d{6,}(\.tiff|_lit\.png|_id\.png)))"
     R"(|training/\d{6,}/[^/]+_flat\.png|report/\d{6,}\.png)");
 
-/// [mm] At which anything may stand.
+/// [mm] Range of the distances of objects.
 constexpr std::pair kDistances(0.1, 1e6);
-/// Of the light from everywhere; beyond, the projector's light is lost in the noise of any camera.
+/// Largest ambient light; with more, every camera's noise hides the projector's light.
 constexpr double kBrightest = 1e6;
 
 struct SimulateCall {
@@ -48,11 +48,11 @@ struct SimulateCall {
   bool ideal = false, report = false;
   std::optional<double> ambient, exposure_distance;
   std::optional<int> bits;
-  std::optional<int> seed;  ///< as many as sensor.yaml holds
+  std::optional<int> seed;  ///< in the range of sensor.yaml
   std::string readout;
 };
 
-/// One frame: a mesh of the sequence at a distance.
+/// A frame: a mesh of the sequence at a distance.
 struct Shot {
   std::size_t mesh = 0;
   std::optional<double> distance;
@@ -80,14 +80,14 @@ sensing::VirtualSensor sensor_of(const SimulateCall& call) {
   return sensor;
 }
 
-/// The picture beside the pattern's file, which is shown by the projector of `rig`.
+/// The image beside the pattern file, which the projector of `rig` shows.
 cv::Mat read_panel(const fs::path& pattern, const fs::path& rig,
                    const geometry::Camera& projector) {
   const fs::path image = fs::path(pattern).replace_extension(".png");
   std::error_code cannot_look;
   if (!fs::exists(image, cannot_look)) {
-    throw FileError(image.string() + ": is missing; beside " + pattern.string() +
-                    " its picture for the projector is needed, as palpate pattern draws it");
+    throw FileError(image.string() + ": is missing; " + pattern.string() +
+                    " needs this image for the projector, as palpate pattern draws it");
   }
   cv::Mat panel = sensing::read_frame(image);
   if (panel.cols != projector.width || panel.rows != projector.height) {
@@ -98,14 +98,14 @@ cv::Mat read_panel(const fs::path& pattern, const fs::path& rig,
   return panel;
 }
 
-/// What can be told before anything is read.
+/// Checks the options as far as possible before reading files.
 void check_options(const SimulateCall& call) {
   if (call.scene.reflectance.size() == 2) {
-    throw InvalidInput("--reflectance: 2 values; one, or three (red,green,blue) are expected");
+    throw InvalidInput("--reflectance: 2 values; expected one, or three (red,green,blue)");
   }
   if (call.scene.shutter > 0 && call.scene.meshes.size() == 1) {
     throw InvalidInput(
-        "--shutter: one mesh is at rest and is not blurred; give the meshes of a motion");
+        "--shutter: a single mesh is at rest and not blurred; pass several meshes of a motion");
   }
 }
 
@@ -114,7 +114,7 @@ std::vector<Shot> shots_of(const SimulateCall& call) {
   if (call.scene.meshes.size() > 1) {
     if (call.distances.size() > 1) {
       throw InvalidInput(
-          "--distance: several distances are for one mesh, a sequence of meshes takes one");
+          "--distance: several distances work only for one mesh; a sequence of meshes needs one");
     }
     for (std::size_t i = 0; i < call.scene.meshes.size(); ++i) {
       shots.push_back(
@@ -156,7 +156,7 @@ void write_bytes(const fs::path& path, Bytes bytes) {
                                    CV_8UC1, bytes.data()));
 }
 
-/// Frame number `number`, its truth, and the training images that are there.
+/// Writes the frame with the given number, its truth, and its training images if there are any.
 void write_shot(const fs::path& output, std::size_t number, const sensing::Simulation& simulation,
                 const std::vector<sensing::NamedImages>& training) {
   const std::string name = fmt::format("{:06}", number);
@@ -170,7 +170,7 @@ void write_shot(const fs::path& output, std::size_t number, const sensing::Simul
   }
 }
 
-/// Does one shot and writes what comes of it; gives the report's line, if one is asked for.
+/// Simulates one shot and writes the results; returns its line of the report if there is one.
 std::optional<ReportLine> do_shot(const SimulateCall& call, const Setup& setup,
                                   const fs::path& output, std::size_t number) {
   const Shot& shot = setup.shots[number];
@@ -179,11 +179,11 @@ std::optional<ReportLine> do_shot(const SimulateCall& call, const Setup& setup,
       load_bodies(call.scene, setup.rig, placement, shot.mesh);
   if (placement.chosen && number == 0) {
     spdlog::warn(
-        "{}: is not all in view where its file has it; it is put where it fills the image. "
-        "--distance says another place.",
+        "{}: at its own position it is not completely in view, so it is moved to where it fills "
+        "the image. Use --distance for another position.",
         call.scene.meshes.front().string());
   }
-  // Each shot has noise of its own.
+  // Each shot has its own noise.
   const std::uint64_t first_frame = number * (1 + setup.pattern.colors.size());
   sensing::TrialOptions options;
   options.decoder_rig = setup.decoder_rig;
@@ -195,7 +195,7 @@ std::optional<ReportLine> do_shot(const SimulateCall& call, const Setup& setup,
                                    {.training = number == 0, .first_frame = first_frame});
   if ((trial.simulation.truth.body != 0).all()) {
     throw InvalidInput(call.scene.meshes[shot.mesh].string() +
-                       ": the camera sees nothing of it there; give another --distance");
+                       ": the camera sees nothing of it at this place; pass another --distance");
   }
   write_shot(output, number, trial.simulation, trial.training);
   if (!call.report) return std::nullopt;
@@ -233,44 +233,45 @@ void add_scene_options(CLI::App& command, SimulateCall& call) {
   const char* const group = "Scene";
   command
       .add_option("--distance", call.distances,
-                  "Depth [mm] of the mesh's centre, on the camera's axis; several (600,800) make a "
-                  "frame each. Default: where the file says if that is in view, else so that the "
-                  "mesh fills the image")
+                  "Depth [mm] of the mesh's centre, on the camera's axis; several depths (600,800) "
+                  "give one frame each. Default: the position in the file if it is in view, "
+                  "otherwise so that the mesh fills the image")
       ->delimiter(',')
       ->check(within(kDistances))
       ->group(group);
   command
       .add_option("--turn", scene.turn,
-                  "x,y,z: turns the mesh about its centre, by so many degrees (-360 to 360) about "
+                  "x,y,z: rotation of the mesh about its centre, in degrees (-360 to 360) about "
                   "each axis of the camera")
       ->expected(3)
       ->delimiter(',')
       ->check(within({-360, 360}))
       ->group(group);
-  command.add_option("--wall", scene.wall, "Put a white wall at this depth [mm]")
+  command.add_option("--wall", scene.wall, "Add a white wall at this depth [mm]")
       ->check(within(kDistances))
       ->group(group);
   command
       .add_option("--reflectance", scene.reflectance,
-                  "Share of the light that the surface gives back: one number, or red,green,blue "
-                  "(default: 0.8); colours of the mesh's vertices come on top")
+                  "Share of the light that the surface reflects: one number, or red,green,blue "
+                  "(default: 0.8); multiplied with the colours of the mesh's vertices")
       ->delimiter(',')
       ->expected(1, 3)
       ->group(group);
   command
       .add_option("--texture", scene.texture,
-                  "Picture on the surface, linear in the light; the mesh needs coordinates for "
-                  "it (s, t)")
+                  "Image on the surface, linear in the light; the mesh needs texture coordinates "
+                  "(s, t)")
       ->group(group);
   command
       .add_option("--specular", scene.specular, "Strength of the highlight, 0 to 1 (default: 0)")
       ->group(group);
-  command.add_option("--shininess", scene.shininess, "Its exponent, from 1 on (default: 50)")
+  command
+      .add_option("--shininess", scene.shininess, "Exponent of the highlight, >= 1 (default: 50)")
       ->group(group);
   command
       .add_option("--shutter", scene.shutter,
-                  "Share of the time from one mesh to the next for which the shutter is open "
-                  "(default: 0, no motion blur); the last mesh has none after it, and no blur")
+                  "Share of the time between two meshes during which the shutter is open "
+                  "(default: 0, no motion blur); the last mesh has no successor and no blur")
       ->check(within({0, 1}))
       ->group(group);
 }
@@ -279,29 +280,29 @@ void add_sensor_options(CLI::App& command, SimulateCall& call) {
   const char* const group = "Sensor";
   command
       .add_option("--sensor", call.sensor,
-                  "Light, optics and electronics (sensor.yaml); default: a colour camera of 8 "
-                  "bits. OUT/sensor.yaml tells what was taken: copy it and change it")
+                  "Light, optics and electronics (sensor.yaml); default: a colour camera with 8 "
+                  "bits. To change it, edit a copy of OUT/sensor.yaml, which lists all values")
       ->group(group);
   command.add_flag("--ideal", call.ideal, "No blur, no mosaic, no noise, 16 bits")->group(group);
-  command.add_option("--readout", call.readout, "What leaves the camera")
+  command.add_option("--readout", call.readout, "Format of the camera's images")
       ->check(CLI::IsMember({"color", "mosaic", "demosaiced"}))
       ->group(group);
-  command.add_option("--bits", call.bits, "Bits a channel")
+  command.add_option("--bits", call.bits, "Bits per channel")
       ->check(CLI::IsMember({8, 16}))
       ->group(group);
   command
-      .add_option(
-          "--ambient", call.ambient,
-          "Light from everywhere, as a share of the projector's white on a surface 1 m away")
+      .add_option("--ambient", call.ambient,
+                  "Ambient light, as a share of the projector's white on a surface 1 m away")
       ->check(within({0, kBrightest}))
       ->group(group);
   command
-      .add_option("--exposure", call.exposure_distance,
-                  "Expose for a white surface at this distance [mm], 0.1 to 1e6 (default: for each "
-                  "frame as a camera would)")
+      .add_option(
+          "--exposure", call.exposure_distance,
+          "Expose for a white surface at this distance [mm], 0.1 to 1e6 (default: automatic "
+          "exposure of each frame)")
       ->check(within(kDistances))
       ->group(group);
-  command.add_option("--seed", call.seed, "Of the noise: 0 to 2147483647 (default: 1)")
+  command.add_option("--seed", call.seed, "Seed of the noise: 0 to 2147483647 (default: 1)")
       ->check(CLI::Range(0, std::numeric_limits<int>::max()))
       ->group(group);
 }
@@ -312,30 +313,29 @@ void add_simulate(CLI::App& app, const Settings& settings) {
   auto call = std::make_shared<SimulateCall>();
   call->scene.reflectance = {0.8};
   CLI::App* command = app.add_subcommand(
-      "simulate", "Meshes, rig and pattern become camera frames and true range maps");
-  command->add_option("MESH", call->scene.meshes, "A mesh, or several: a sequence, a frame each")
+      "simulate", "Render camera frames and true range maps from meshes, rig and pattern");
+  command->add_option("MESH", call->scene.meshes, "A mesh, or a sequence of meshes, one per frame")
       ->required();
   command->add_option("--rig", call->rig, "Camera and projector (rig.yaml)")->required();
   command
-      ->add_option(
-          "--pattern", call->pattern,
-          "What the projector shows (pattern.yaml, with its picture pattern.png beside it)")
+      ->add_option("--pattern", call->pattern,
+                   "Projected pattern (pattern.yaml, with its image pattern.png beside it)")
       ->required();
   command->add_option("-o,--output", call->output, "Folder to write")->required();
   command->add_flag("--report", call->report,
-                    "Decode the frames and compare with the truth: coverage, depth errors, causes "
-                    "of loss, and a picture of the errors");
+                    "Decode the frames and compare them with the truth: coverage, depth errors, "
+                    "causes of loss, and a picture of the errors");
   command->add_option("--decoder-rig", call->decoder_rig,
-                      "The rig that describes the frames, for a pattern drawn for the projector's "
-                      "pose or colours (default: --rig)");
+                      "Rig for decoding the frames, if the pattern was drawn to compensate the "
+                      "projector's pose or chromatic aberration (default: --rig)");
   add_unit_option(*command, call->scene.read);
   add_scene_options(*command, *call);
   add_sensor_options(*command, *call);
   command->footer(
       "Writes frames/NNNNNN.png; truth/NNNNNN.tiff, _id.png (1: the mesh, 2: the wall) and "
-      "_lit.png; "
+      "_lit.png;\n"
       "training/NNNNNN/ with images of each colour alone, for palpate calibrate colors (of the "
-      "first frame, with --report of all); rig.yaml and sensor.yaml.\n\n"
+      "first frame, with --report of all frames); rig.yaml and sensor.yaml.\n\n"
       "Examples:\n"
       "  palpate simulate meshes/hand.ply --rig demo/rig.yaml --pattern demo/pattern.yaml --report "
       "-o out\n"

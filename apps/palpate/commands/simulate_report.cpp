@@ -14,9 +14,9 @@
 namespace palpate::apps {
 namespace {
 
-/// [mm] The picture's scale is never finer.
+/// [mm] Finest scale of the picture.
 constexpr double kLeastScale = 0.01;
-/// What fewer of the lit pixels are lost to is not listed.
+/// Causes that affect a smaller share of the lit pixels are not listed.
 constexpr double kWorthSaying = 0.001;
 
 double share(long part, long whole) {
@@ -24,12 +24,12 @@ double share(long part, long whole) {
 }
 double percent(long part, long whole) { return 100 * share(part, whole); }
 
-/// With so many places; "none" where nothing was measured.
+/// Formats a number with this many decimals; "none" for NaN, where nothing was measured.
 std::string decimal(double value, int places) {
   return std::isnan(value) ? "none" : fmt::format("{:.{}f}", value, places);
 }
 
-/// What a trial leaves to assess when it failed: the truth, and no depths.
+/// What can be assessed of a failed trial: the truth, without depths.
 sensing::DecodeResult nothing_decoded(const sensing::SceneTruth& truth) {
   sensing::DecodeResult none;
   none.range = truth.range;
@@ -39,7 +39,7 @@ sensing::DecodeResult nothing_decoded(const sensing::SceneTruth& truth) {
   return none;
 }
 
-/// "12.3 % border, 2.0 % grazing", the greatest first.
+/// "12.3 % border, 2.0 % grazing", the largest first.
 std::string losses(const sensing::RigAssessment& found) {
   std::vector<std::pair<long, int>> lost;
   for (int i = 1; i < sensing::kReasonCount; ++i) {
@@ -58,14 +58,15 @@ std::string losses(const sensing::RigAssessment& found) {
 std::string causes(const ReportLine& line) {
   const sensing::RigAssessment& found = line.found;
   std::string text = fmt::format(
-      "{:.0f} mm: of {} pixels that see the object, {:.1f} % are beyond the projector's image and "
-      "{:.1f} % in shadow or turned away",
+      "{:.0f} mm: of {} pixels that see the object, {:.1f} % are outside the projector's image and "
+      "{:.1f} % in shadow or facing away",
       found.distance, found.visible, percent(found.outside, found.visible),
       percent(found.dark, found.visible));
   if (!line.failure.empty()) return text + "; nothing was measured: " + line.failure + "\n";
   const std::string lost = losses(found);
-  if (!lost.empty()) text += "; of the lit ones were lost: " + lost;
-  if (found.stray > 0) text += fmt::format("; {} pixels got a depth where nothing is", found.stray);
+  if (!lost.empty()) text += "; lost of the lit pixels: " + lost;
+  if (found.stray > 0)
+    text += fmt::format("; {} pixels have a depth where there is no object", found.stray);
   return text + ".\n";
 }
 
@@ -126,7 +127,7 @@ std::string report_table(const std::vector<ReportLine>& lines) {
         decimal(100 * found.error.median / found.distance, 4),
         percent(found.wrong, found.measured));
   }
-  text += "(wrong: off by more than 1 % of the distance, and left out of the error)\n";
+  text += "(wrong: error above 1 % of the distance; excluded from the depth error)\n";
   for (const ReportLine& line : lines) text += causes(line);
   return text;
 }

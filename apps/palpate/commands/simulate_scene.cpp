@@ -17,9 +17,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Share of the camera's view that a mesh fills for which nobody said how far it stands.
+/// Share of the camera's view that a mesh fills if no distance is given.
 constexpr double kFill = 0.8;
-/// The wall reaches so far beyond the camera's view, so that it also fills what a lens bends in.
+/// How far the wall extends beyond the camera's view, to cover what lens distortion brings into it.
 constexpr double kWallReach = 1.5;
 constexpr double kWallReflectance = 0.8;
 
@@ -40,7 +40,7 @@ bool all_in_view(const Eigen::Matrix3Xd& points, const geometry::Camera& camera)
   return true;
 }
 
-/// [mm] at which a ball fills the image.
+/// [mm] Distance at which a ball fills the image.
 double filling_distance(double radius, const geometry::Camera& camera) {
   const double half_view = std::min(camera.width / camera.fx, camera.height / camera.fy) / 2;
   return radius / (kFill * half_view);
@@ -54,7 +54,7 @@ Eigen::Matrix3d turned(const std::vector<double>& degrees) {
       .toRotationMatrix();
 }
 
-/// Under the names that programs give them in PLY files.
+/// Finds texture coordinates under the names that programs use in PLY files.
 Eigen::Matrix2Xd texture_coordinates(const geometry::MeshFile& file, const fs::path& path) {
   const std::pair<const char*, const char*> names[] = {
       {"s", "t"}, {"u", "v"}, {"texture_u", "texture_v"}};
@@ -67,8 +67,8 @@ Eigen::Matrix2Xd texture_coordinates(const geometry::MeshFile& file, const fs::p
     return coordinates;
   }
   throw InvalidInput(path.string() +
-                     ": --texture: the mesh has no texture coordinates; vertices of a PLY file "
-                     "have them as s and t, u and v, or texture_u and texture_v");
+                     ": --texture: the mesh has no texture coordinates; in PLY files they are "
+                     "vertex properties s and t, u and v, or texture_u and texture_v");
 }
 
 sensing::Body wall_at(double z, const geometry::Camera& camera) {
@@ -83,7 +83,7 @@ sensing::Body wall_at(double z, const geometry::Camera& camera) {
   return wall;
 }
 
-/// Where the vertices are when the shutter closes, on their way to the next mesh.
+/// Positions of the vertices when the shutter closes, on their way to the next mesh.
 Eigen::Matrix3Xd closing_vertices(const SceneCall& call, const Placement& placement,
                                   std::size_t number, const geometry::TriangleMesh& mesh) {
   const fs::path& path = call.meshes[number + 1];
@@ -92,10 +92,10 @@ Eigen::Matrix3Xd closing_vertices(const SceneCall& call, const Placement& placem
       (next.triangles.cols() != mesh.triangles.cols() ||
        next.vertices.cols() != mesh.vertices.cols() ||
        (next.triangles.array() != mesh.triangles.array()).any())) {
-    throw InvalidInput(path.string() + ": --shutter: its triangles are not those of " +
+    throw InvalidInput(path.string() + ": --shutter: its triangles differ from those of " +
                        call.meshes[number].string() +
-                       "; motion is known only between meshes that differ in nothing but the "
-                       "places of their vertices");
+                       "; motion is known only between meshes that differ only in the positions of "
+                       "their vertices");
   }
   return (1 - call.shutter) * mesh.vertices +
          call.shutter * (placement.T_camera_mesh * next.vertices);

@@ -59,7 +59,7 @@ void scale(const Settings& settings, const TransferCall& call) {
       scaled.refitted == 0
           ? "every field exactly"
           : fmt::format(
-                "{} fields fitted anew, with errors of at most {:.4f} N (RMS at most {:.4f} N)",
+                "{} fields were refitted, with errors of at most {:.4f} N (RMS at most {:.4f} N)",
                 scaled.refitted, scaled.refit_largest, scaled.refit_rms);
   print(settings,
         {{"contacts", scaled.model.contacts.size()},
@@ -73,7 +73,7 @@ void scale(const Settings& settings, const TransferCall& call) {
                     refitted, call.output.string()));
 }
 
-/// Columns sx,sy,sz (on the model's surface) and tx,ty,tz (on the target), one pair a line.
+/// Columns sx,sy,sz (on the model's surface) and tx,ty,tz (on the target), one pair per line.
 geometry::Landmarks read_landmarks(const fs::path& path) {
   constexpr std::array<std::string_view, 6> kColumns = {"sx", "sy", "sz", "tx", "ty", "tz"};
   probing::CsvReader row(path, kColumns);
@@ -89,7 +89,7 @@ geometry::Landmarks read_landmarks(const fs::path& path) {
           .target = Eigen::Matrix3Xd::Map(target.data(), 3, count)};
 }
 
-/// What the map does to the surface, on the target: as a picture, and as a mesh with attributes.
+/// Writes the distortion of the map on the target, as a picture and as a mesh with attributes.
 void write_distortion(const TransferCall& call, const geometry::TriangleMesh& source,
                       const geometry::SurfaceMap& map) {
   const geometry::TriangleMesh image{.vertices = map.positions, .triangles = source.triangles};
@@ -98,7 +98,7 @@ void write_distortion(const TransferCall& call, const geometry::TriangleMesh& so
     Eigen::VectorXd doublings = map.area_distortion.array().log() / std::log(2.0);
     for (Eigen::Index t = 0; t < doublings.size(); ++t)
       if (map.folded[t]) doublings[t] = std::nan("");
-    if (!doublings.array().isFinite().any()) doublings.setZero();  // all of it is folded
+    if (!doublings.array().isFinite().any()) doublings.setZero();  // everything is folded
     pictures::draw_distances(
         call.distortion, image, doublings,
         {.title = "Map of the surface: " + std::string(to_string(map.verdict)),
@@ -132,11 +132,11 @@ void map_onto(const Settings& settings, const TransferCall& call) {
       geometry::map_surface(model.surface, target, read_landmarks(call.landmarks), call.map);
   write_distortion(call, model.surface, map);
   if (map.verdict == geometry::SurfaceMapVerdict::not_sensible) {
-    throw SolverError(fmt::format(
-        "{} has no sensible map onto {}: {}. Check that the landmarks belong to each other, add "
-        "some where the map is distorted (--distortion draws it), or allow more with "
-        "--max-bad-share.",
-        call.model.string(), call.onto.string(), map.reason));
+    throw SolverError(
+        fmt::format("{} has no sensible map onto {}: {}. Check that the landmarks correspond, add "
+                    "landmarks where the map is distorted (--distortion draws it), or increase "
+                    "--max-bad-share.",
+                    call.model.string(), call.onto.string(), map.reason));
   }
   if (map.verdict == geometry::SurfaceMapVerdict::distorted)
     spdlog::warn("the map is distorted: {}", map.reason);
@@ -151,7 +151,7 @@ void map_onto(const Settings& settings, const TransferCall& call) {
   for (const long long id : transferred.distorted)
     spdlog::warn("contact {} is where the map is distorted; it may feel wrong.", id);
   for (const long long id : transferred.isolated)
-    spdlog::warn("contact {} lies in no triangle of contacts: there are too few around it.", id);
+    spdlog::warn("contact {} is in no triangle of contacts: there are too few around it.", id);
   print(settings,
         {{"contacts", transferred.model.contacts.size()},
          {"verdict", geometry::to_string(map.verdict)},
@@ -164,7 +164,7 @@ void map_onto(const Settings& settings, const TransferCall& call) {
          {"distorted_contacts", transferred.distorted},
          {"file", call.output.string()}},
         fmt::format(
-            "{} contacts were carried to {}, which is {:.3f} times as large: {}. Written to {}",
+            "{} contacts were transferred to {}, which is {:.3f} times as large: {}. Written to {}",
             transferred.model.contacts.size(), call.onto.string(), map.scale, map.reason,
             call.output.string()));
 }
@@ -188,7 +188,7 @@ void add_map_options(CLI::App& command, const std::shared_ptr<TransferCall>& cal
                      CLI::Option* scale) {
   CLI::Option* onto = command
                           .add_option("--onto", call->onto,
-                                      "Surface (mesh) of the same topology that gets the model")
+                                      "Mesh of the same topology to which the model is transferred")
                           ->excludes(scale);
   CLI::Option* landmarks = command.add_option(
       "--landmarks", call->landmarks,
@@ -198,21 +198,20 @@ void add_map_options(CLI::App& command, const std::shared_ptr<TransferCall>& cal
   landmarks->needs(onto);
   add_unit_option(command, call->meshes);
   command
-      .add_option(
-          "--distortion", call->distortion,
-          "With --onto: draw by how much the map stretches areas (PNG), also of one that is "
-          "refused; what is folded is grey")
+      .add_option("--distortion", call->distortion,
+                  "With --onto: draw how much the map stretches areas (PNG), also if the map is "
+                  "rejected; folded parts are grey")
       ->needs(onto);
   command
       .add_option("--distortion-mesh", call->distortion_mesh,
-                  "With --onto: the model's surface on the other, with its distortions at vertices "
-                  "(PLY)")
+                  "With --onto: the model's surface mapped onto the other, with distortions as "
+                  "vertex attributes (PLY)")
       ->needs(onto);
   command
       .add_option(
           "--max-bad-share", call->map.max_bad_share,
-          "With --onto: refuse a map that distorts areas or angles by more than 3, or folds, "
-          "in a larger share of the area")
+          "With --onto: reject a map that distorts areas or angles by more than a factor of 3, or "
+          "folds, in more than this share of the area")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str()
       ->needs(onto);
@@ -223,13 +222,14 @@ void add_map_options(CLI::App& command, const std::shared_ptr<TransferCall>& cal
 void add_transfer(CLI::App& app, const Settings& settings) {
   auto call = std::make_shared<TransferCall>();
   CLI::App* command =
-      app.add_subcommand("transfer", "A model goes to an object of another size or shape");
+      app.add_subcommand("transfer", "Transfer a model to an object of another size or shape");
   command->add_option("MODEL", call->model, "Model folder")->required();
   command->add_option("-o,--output", call->output, "Model folder to write")->required();
   CLI::Option* by =
-      command->add_option("--scale", call->scale, "Multiply lengths by so much, about the middle")
+      command->add_option("--scale", call->scale, "Factor for lengths, about the centre")
           ->check(positive());
-  command->add_option("--axis", call->axis, "With --scale: only along this direction, as 1,0,0")
+  command
+      ->add_option("--axis", call->axis, "With --scale: only along this direction, such as 1,0,0")
       ->expected(3)
       ->delimiter(',')
       ->needs(by);
@@ -237,15 +237,15 @@ void add_transfer(CLI::App& app, const Settings& settings) {
   command
       ->add_option(
           "--forces", call->forces,
-          "What becomes of forces where lengths go with s. material: of the same material, "
-          "so forces [N] go with s^2 at displacements that go with s; forces: stay at "
-          "these displacements; feel: stay at the same displacements [mm] (default: "
-          "material with --scale, feel with --onto)")
+          "How forces scale if lengths scale by s. material: as for the same material, by s^2 at "
+          "displacements scaled by s; forces: unchanged at displacements scaled by s; feel: "
+          "unchanged at the same displacements [mm] (default: material with --scale, feel with "
+          "--onto)")
       ->transform(CLI::CheckedTransformer(kForceScalings).description("{material,forces,feel}"));
   command->add_option("--picture", call->picture, "Draw the new model's contacts (PNG)");
   command->footer(
-      "Along an axis fields of ridges are scaled exactly, isotropic bases are fitted anew; the "
-      "largest error is told.\n"
+      "Along an axis, ridge bases are scaled exactly and isotropic bases are refitted; the largest "
+      "error is reported.\n"
       "Examples:\n  palpate transfer model/ --scale 1.5 -o larger/\n"
       "  palpate transfer model/ --scale 2 --axis 1,0,0 --forces material -o longer/\n"
       "  palpate transfer model/ --onto patient.ply --landmarks pairs.csv -o patient/ --distortion "

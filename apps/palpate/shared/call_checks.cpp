@@ -28,7 +28,7 @@ void check_pictures(const std::vector<fs::path>& pictures) {
   for (const fs::path& picture : pictures) {
     if (picture.empty() || (is_image(picture) && !is_range_map(picture))) continue;
     throw InvalidInput(picture.string() +
-                       ": pictures are PNG files; give a name that ends in .png");
+                       ": pictures are PNG files; choose a name that ends in .png");
   }
 }
 
@@ -36,7 +36,7 @@ void check_is_depths(const fs::path& path) {
   if (!is_sigma(path) && !is_reasons(path)) return;
   throw InvalidInput(path.string() + ": holds " +
                      (is_sigma(path) ? "the deviations of depths" : "the reasons of lost pixels") +
-                     ", not depths; give the range map beside it");
+                     ", not depths; pass the range map beside it");
 }
 
 }  // namespace palpate::apps

@@ -9,7 +9,7 @@ namespace palpate::apps {
 
 void print(const Settings& settings, const nlohmann::ordered_json& figures,
            const std::string& prose) {
-  // The name of a file need not be UTF-8, as JSON must be.
+  // JSON must be UTF-8, but file names need not be.
   constexpr auto kReplace = nlohmann::ordered_json::error_handler_t::replace;
   std::cout << (settings.json ? figures.dump(2, ' ', false, kReplace) : prose) << '\n';
 }
@@ -17,8 +17,8 @@ void print(const Settings& settings, const nlohmann::ordered_json& figures,
 void add_unit_option(CLI::App& command, geometry::ReadOptions& options) {
   command.add_option_function<std::string>(
       "--unit", [&options](const std::string& name) { options.unit = geometry::unit_length(name); },
-      "Unit of the meshes' coordinates: um, mm, cm, m or in (default: what a file declares, or "
-      "mm)");
+      "Unit of the coordinates in mesh files: um, mm, cm, m or in (default: as declared in the "
+      "file, or mm)");
 }
 
 CLI::Validator positive() {

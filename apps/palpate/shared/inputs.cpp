@@ -18,12 +18,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Where a path leads; a path that cannot be looked at is left for its reader or writer to refuse.
+/// Canonical form of a path; a path that cannot be resolved is left to its reader or writer.
 fs::path place_of(const fs::path& path) {
   std::error_code cannot_look;
   const fs::path place = fs::weakly_canonical(path, cannot_look);
   if (cannot_look) return path;
-  return place.has_filename() ? place : place.parent_path();  // without a slash at the end
+  return place.has_filename() ? place : place.parent_path();  // without a trailing slash
 }
 
 bool is_or_lies_in(const fs::path& path, const fs::path& folder) {
@@ -53,8 +53,8 @@ std::vector<fs::path> list_range_maps(const fs::path& folder) {
   });
   if (maps.empty()) {
     throw FileError(folder.string() +
-                    ": there is no range map in it; a folder of range maps (tiff), as palpate "
-                    "decode writes them, is expected.");
+                    ": there is no range map in it; expected a folder of range maps (tiff), as "
+                    "palpate decode writes them.");
   }
   return maps;
 }
@@ -85,7 +85,7 @@ geometry::RangeMap load_range_map(const fs::path& path, const fs::path& rig) {
         path.string() + ": " + std::to_string(map.z.cols()) + " x " + std::to_string(map.z.rows()) +
         " pixels, but the camera of " + (rig.empty() ? beside : rig).string() + " has " +
         std::to_string(map.camera.width) + " x " + std::to_string(map.camera.height) +
-        ". Pass the rig this map was made with.");
+        ". Pass the rig that this range map was made with.");
   }
   return map;
 }
@@ -114,8 +114,8 @@ void check_outputs(const std::vector<fs::path>& inputs, const std::vector<fs::pa
           output.string() + ": " +
           (place_of(output) == place_of(other) ? "is"
                                                : "lies in " + other.string() + ", which is") +
-          " already used in this call; nothing is written over what is read, or among it, or "
-          "twice. Give this output another name.");
+          " already used in this call; an output never overwrites an input or another output. "
+          "Choose another name.");
     }
     taken.push_back(output);
   }
@@ -126,7 +126,7 @@ void check_output_folder(const std::vector<fs::path>& inputs, const fs::path& fo
   for (const fs::path& input : inputs) {
     if (input.empty() || !is_or_lies_in(input, folder)) continue;
     throw InvalidInput(input.string() + ": lies in " + folder.string() +
-                       ", which is replaced; copy it to another place, or give another output.");
+                       ", which would be replaced; copy it elsewhere, or choose another output.");
   }
 }
 
@@ -134,11 +134,11 @@ std::vector<fs::path> own_entries(const fs::path& folder, const std::string& mar
                                   const std::regex& own) {
   std::vector<fs::path> entries;
   if (!is_there(folder)) return entries;
-  if (!is_folder(folder)) throw InvalidInput(folder.string() + ": is a file; give a folder.");
+  if (!is_folder(folder)) throw InvalidInput(folder.string() + ": is a file; expected a folder.");
   const auto refusal = [&](const std::string& reason) {
     return InvalidInput(folder.string() + ": holds " + reason +
-                        ", which would be lost, so it is not replaced; give a new or an empty "
-                        "folder.");
+                        ", which would be lost, so the folder is not replaced; choose a new or an "
+                        "empty folder.");
   };
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
     if (!entry.is_symlink() && entry.is_directory()) continue;

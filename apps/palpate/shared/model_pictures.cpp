@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 void draw_model_contacts(const fs::path& png, const haptics::Model& model,
                          const std::string& title) {
-  // Every place belongs to the contact with the largest weight there.
+  // Each vertex belongs to the contact with the largest weight there.
   const geometry::TriangleMesh contacts = haptics::contact_mesh(model);
   const geometry::SurfaceWeights weights = model.surface_weights.contacts.cols() > 0
                                                ? model.surface_weights
@@ -36,7 +36,7 @@ void draw_contact_field(const fs::path& png, const haptics::Model& model,
                                      [&](const probing::Contact& c) { return c.id == fitted.id; });
   const haptics::ForceSamples held = haptics::realign(*measured, acquisition.samples);
 
-  // Realignment moves a displacement a little: a sample on the boundary is the nearest one to it.
+  // Realignment changes displacements slightly, so take the nearest sample on the boundary.
   std::vector<bool> on_boundary(static_cast<std::size_t>(held.displacements.cols()), false);
   for (const probing::Sample& sample : acquisition.samples) {
     if (sample.contact != fitted.id || !sample.on_friction_boundary) continue;

@@ -20,7 +20,7 @@ constexpr auto kPatience = std::chrono::seconds(1);  // shorter work shows no ba
 constexpr auto kRedraw = std::chrono::milliseconds(100);
 
 void watch_for_interrupt() {
-  // A second Ctrl-C kills at once.
+  // A second Ctrl-C terminates at once.
   struct sigaction action = {};
   action.sa_handler = [](int) { interrupted = 1; };
   action.sa_flags = static_cast<int>(SA_RESETHAND);
