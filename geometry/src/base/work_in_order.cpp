@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <string>
 
+#include "base/thread_order.h"
 #include "palpate/error.h"
 
 namespace palpate {
@@ -21,21 +22,38 @@ void work_in_order_erased(const std::function<std::shared_ptr<void>()>& next,
                        "; at least 1 is needed");
   }
   using Item = std::shared_ptr<void>;
+  // Places whose addresses stand for the beginning and end of the call, and for its two serial
+  // functions.
+  char started = 0, taking = 0, delivering = 0, done = 0;
+  leave(&started);
   tbb::parallel_pipeline(
       static_cast<std::size_t>(max_live),
       tbb::make_filter<void, Item>(tbb::filter_mode::serial_in_order,
                                    [&](tbb::flow_control& control) {
+                                     enter(&started);
+                                     enter(&taking);
                                      Item item = next();
+                                     leave(&taking);
                                      if (!item) control.stop();
+                                     leave(item.get());
                                      return item;
                                    }) &
           tbb::make_filter<Item, Item>(tbb::filter_mode::parallel,
                                        [&](Item item) {
+                                         enter(item.get());
                                          work(item.get());
+                                         leave(item.get());
                                          return item;
                                        }) &
-          tbb::make_filter<Item, void>(tbb::filter_mode::serial_in_order,
-                                       [&](const Item& item) { deliver(item.get()); }));
+          tbb::make_filter<Item, void>(tbb::filter_mode::serial_in_order, [&](const Item& item) {
+            enter(item.get());
+            enter(&delivering);
+            deliver(item.get());
+            leave(&delivering);
+            leave(&done);
+          }));
+  enter(&taking);
+  enter(&done);
 }
 
 int usual_live_items() {

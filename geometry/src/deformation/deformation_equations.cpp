@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "deformation/deformation_equations.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,6 +11,7 @@
 
 #include "base/cross_matrix.h"
 #include "palpate/error.h"
+#include "palpate/parallel_for.h"
 
 // The unknowns of a node are a turn about its own place, times the spacing of the nodes, and a
 // shift: six lengths, so that the unit of length drops out of the matrix.
@@ -84,7 +83,7 @@ DeformationEquations::Sums DeformationEquations::sum_of_planes(
   const auto nodes = static_cast<std::size_t>(graph_.nodes().cols());
   const std::size_t block_count = nodes + static_cast<std::size_t>(graph_.edges().cols());
   std::vector<Sums> parts(kParts);
-  tbb::parallel_for(std::size_t{0}, kParts, [&](std::size_t part) {
+  parallel_for(kParts, [&](std::size_t part) {
     Sums& sums = parts[part];
     sums.blocks.assign(block_count, Matrix6d::Zero());
     sums.gradient = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(kUnknowns * nodes));

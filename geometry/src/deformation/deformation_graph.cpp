@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/geometry/deformation_graph.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <limits>
@@ -15,6 +13,7 @@
 #include <vector>
 
 #include "palpate/error.h"
+#include "palpate/parallel_for.h"
 
 namespace palpate::geometry {
 namespace {
@@ -243,7 +242,7 @@ Eigen::Matrix3Xd deformed_vertices(const DeformationGraph& graph,
                        std::to_string(graph.nodes().cols()) + " nodes; pass one for each");
   }
   Eigen::Matrix3Xd vertices(3, graph.mesh().vertices.cols());
-  tbb::parallel_for(Eigen::Index{0}, vertices.cols(), [&](Eigen::Index v) {
+  parallel_for(vertices.cols(), [&](Eigen::Index v) {
     const Eigen::Vector3d rest = graph.mesh().vertices.col(v);
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     for (int k = 0; k < kInfluences; ++k) {

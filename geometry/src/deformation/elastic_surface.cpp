@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "deformation/elastic_surface.h"
 
-#include <tbb/parallel_for.h>
-
 #include <Eigen/Geometry>
 #include <cstddef>
 #include <map>
@@ -11,6 +9,7 @@
 
 #include "deformation/nearest_rotation.h"
 #include "palpate/error.h"
+#include "palpate/parallel_for.h"
 
 namespace palpate::geometry {
 namespace {
@@ -89,8 +88,7 @@ void ElasticSurface::relax(const Eigen::Matrix3Xd& targets, const Eigen::Matrix3
       turns[static_cast<std::size_t>(edge.a)] += outer;
       turns[static_cast<std::size_t>(edge.b)] += outer;
     }
-    tbb::parallel_for(std::size_t{0}, turns.size(),
-                      [&](std::size_t v) { turns[v] = nearest_rotation(turns[v]); });
+    parallel_for(turns.size(), [&](std::size_t v) { turns[v] = nearest_rotation(turns[v]); });
     Eigen::MatrixXd right = drawn;
     for (const Edge& edge : edges_) {
       const Eigen::RowVector3d pull =

@@ -2,13 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "deformation/measured_surface.h"
 
-#include <tbb/parallel_for.h>
-
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "palpate/parallel_for.h"
 
 namespace palpate::geometry {
 namespace {
@@ -41,7 +41,7 @@ MeasuredSurface::MeasuredSurface(const RangeMap& map)
     }
   }
   normals_.resize(3, points_.cols());
-  tbb::parallel_for(Eigen::Index{0}, map.z.rows(), [&](Eigen::Index row) {
+  parallel_for(map.z.rows(), [&](Eigen::Index row) {
     for (Eigen::Index col = 0; col < map.z.cols(); ++col) fit_normal(row, col);
   });
 }

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/geometry/nonrigid_registration.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -14,6 +12,7 @@
 #include "deformation/deformation_equations.h"
 #include "deformation/measured_surface.h"
 #include "palpate/error.h"
+#include "palpate/parallel_for.h"
 
 namespace palpate::geometry {
 namespace {
@@ -243,7 +242,7 @@ class Fit {
   /// Pairs the samples with the map; returns how many found a plane.
   /// Pixels are kept while they can be: noise that jumps from pixel to pixel would never settle.
   long draw(const Gate& limit, std::vector<int>& pixels, std::vector<PlanePair>& pairs) const {
-    tbb::parallel_for(std::size_t{0}, pairs.size(), [&](std::size_t s) {
+    parallel_for(pairs.size(), [&](std::size_t s) {
       const PlacedVertex placed = place(graph_, result_.node_motions, equations_.samples()[s]);
       const Association found =
           associate(surface_, placed.position, placed.normal, limit, pixels[s]);
@@ -262,7 +261,7 @@ class Fit {
     result_.pixel.resize(static_cast<std::size_t>(count));
     const Gate last = gate(kLevels - 1);
     Eigen::VectorXd distance = Eigen::VectorXd::Zero(count);
-    tbb::parallel_for(0, static_cast<int>(count), [&](int v) {
+    parallel_for(static_cast<int>(count), [&](int v) {
       const PlacedVertex placed = place(graph_, result_.node_motions, v);
       const Association found = associate(surface_, placed.position, placed.normal, last);
       result_.vertices.col(v) = placed.position;
@@ -309,9 +308,8 @@ std::vector<DeformedSurface> register_deformed_frames(const DeformationGraph& gr
                                                       std::span<const RangeMap> maps,
                                                       const NonRigidOptions& options) {
   std::vector<DeformedSurface> surfaces(maps.size());
-  tbb::parallel_for(std::size_t{0}, maps.size(), [&](std::size_t i) {
-    surfaces[i] = register_deformed(graph, maps[i], options);
-  });
+  parallel_for(maps.size(),
+               [&](std::size_t i) { surfaces[i] = register_deformed(graph, maps[i], options); });
   return surfaces;
 }
 

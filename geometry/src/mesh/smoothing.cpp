@@ -3,8 +3,6 @@
 #include "palpate/geometry/smoothing.h"
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include <Eigen/Core>
 #include <numeric>
@@ -14,6 +12,7 @@
 
 #include "palpate/error.h"
 #include "palpate/geometry/mesh_topology.h"
+#include "palpate/parallel_for.h"
 
 namespace palpate::geometry {
 namespace {
@@ -77,8 +76,8 @@ Neighbors list_neighbors(const TriangleMesh& mesh, bool keep_border) {
 /// x + factor (mean of the neighbours - x) for every vertex.
 void move_to_mean(const Neighbors& neighbors, const Eigen::Matrix3Xd& x, double factor,
                   Eigen::Matrix3Xd& moved) {
-  tbb::parallel_for(tbb::blocked_range<Eigen::Index>(0, x.cols(), kGrain), [&](const auto& range) {
-    for (Eigen::Index i = range.begin(); i < range.end(); ++i) {
+  parallel_ranges(x.cols(), kGrain, [&](Eigen::Index begin, Eigen::Index end) {
+    for (Eigen::Index i = begin; i < end; ++i) {
       const int first = neighbors.start[static_cast<std::size_t>(i)];
       const int last = neighbors.start[static_cast<std::size_t>(i) + 1];
       Eigen::Vector3d sum = Eigen::Vector3d::Zero();

@@ -3,7 +3,6 @@
 #include "query/bounding_tree.h"
 
 #include <embree3/rtcore.h>
-#include <tbb/parallel_for.h>
 
 #include <bit>
 #include <memory>
@@ -11,6 +10,7 @@
 #include <type_traits>
 
 #include "palpate/error.h"
+#include "palpate/parallel_for.h"
 
 namespace palpate::geometry {
 namespace {
@@ -61,7 +61,7 @@ void* create_leaf(RTCThreadLocalAllocator allocator, const RTCBuildPrimitive* pr
 std::vector<RTCBuildPrimitive> triangle_boxes(const Eigen::Matrix3Xd& vertices,
                                               const Eigen::Matrix3Xi& triangles) {
   std::vector<RTCBuildPrimitive> boxes(static_cast<std::size_t>(triangles.cols()));
-  tbb::parallel_for(std::size_t{0}, boxes.size(), [&](std::size_t i) {
+  parallel_for(boxes.size(), [&](std::size_t i) {
     const auto t = static_cast<Eigen::Index>(i);
     const Eigen::Vector3f a = vertices.col(triangles(0, t)).cast<float>();
     const Eigen::Vector3f b = vertices.col(triangles(1, t)).cast<float>();
@@ -160,8 +160,8 @@ BoundingTree build_tree(const Eigen::Matrix3Xd& vertices, const Eigen::Matrix3Xi
 
 void refit(BoundingTree& tree, const Eigen::Matrix3Xd& vertices, const Eigen::Matrix3Xi& triangles,
            double margin) {
-  tbb::parallel_for(std::size_t{0}, tree.packets.size(),
-                    [&](std::size_t i) { set_corners(tree.packets[i], vertices, triangles); });
+  parallel_for(tree.packets.size(),
+               [&](std::size_t i) { set_corners(tree.packets[i], vertices, triangles); });
   const auto float_margin = static_cast<float>(margin);
   for (auto node = tree.nodes.rbegin(); node != tree.nodes.rend(); ++node) {
     for (auto& [lower, upper] : node->sides) {

@@ -2,14 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "query/decimation_check.h"
 
-#include <tbb/parallel_for.h>
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <limits>
 #include <numeric>
 #include <utility>
+
+#include "palpate/parallel_for.h"
 
 namespace palpate::geometry {
 namespace {
@@ -227,7 +227,7 @@ std::vector<int> bad_shapes(const TriangleMesh& candidate, const DecimationStand
   const Eigen::Matrix3Xd normals = triangle_normals(candidate);
   std::vector<char> bad(count, 0);
   const std::vector<int> slivers = sliver_sides(candidate);
-  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t t) {
+  parallel_for(count, [&](std::size_t t) {
     const auto triangle = static_cast<Eigen::Index>(t);
     bad[t] =
         slivers[t] == kNone && turned_over(candidate, triangle, normals.col(triangle), standard);

@@ -2,9 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "query/distance_bound.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
@@ -16,6 +13,7 @@
 #include "mesh/triangle_neighbours.h"
 #include "mesh/triangle_primitives.h"
 #include "palpate/error.h"
+#include "palpate/parallel_for.h"
 
 namespace palpate::geometry {
 namespace {
@@ -23,7 +21,7 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Triangles to one task: few, as those that are cut to pieces take far longer than others.
-constexpr std::size_t kGrain = 64;
+constexpr std::ptrdiff_t kGrain = 64;
 
 /// Of the diagonal of the mesh measured to: below it the bounds need not be told apart. Far above
 /// the rounding of distances, far below what is measured.
@@ -323,7 +321,7 @@ std::vector<LargestDistance> bound_triangle_distances(const TriangleMesh& from,
   std::vector<ClosestPoint> of_vertex(static_cast<std::size_t>(from.vertices.cols()));
   std::vector<char> used(of_vertex.size(), 0);
   for (const int vertex : from.triangles.reshaped()) used[static_cast<std::size_t>(vertex)] = 1;
-  tbb::parallel_for(std::size_t{0}, of_vertex.size(), [&](std::size_t v) {
+  parallel_for(of_vertex.size(), [&](std::size_t v) {
     if (used[v] != 0)
       of_vertex[v] = to.query.closest_point(from.vertices.col(static_cast<Eigen::Index>(v)));
   });
@@ -340,19 +338,20 @@ std::vector<LargestDistance> bound_triangle_distances(const TriangleMesh& from,
   if (goal.stop_above < kInfinity) known = 0;
   // Each triangle for itself: the answer does not depend on which thread was first.
   std::vector<LargestDistance> of_triangle(static_cast<std::size_t>(from.triangles.cols()));
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, of_triangle.size(), kGrain),
-                    [&](const auto& range) {
-                      TriangleSearch search(to, goal, known);
-                      for (std::size_t t = range.begin(); t != range.end(); ++t) {
-                        const auto triangle = static_cast<Eigen::Index>(t);
-                        std::array<ClosestPoint, 3> of_corner;
-                        for (std::size_t k = 0; k < 3; ++k) {
-                          of_corner[k] = of_vertex[static_cast<std::size_t>(
-                              from.triangles(static_cast<Eigen::Index>(k), triangle))];
-                        }
-                        of_triangle[t] = search.run(corners_of(from, triangle), of_corner);
+  parallel_ranges(static_cast<std::ptrdiff_t>(of_triangle.size()), kGrain,
+                  [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+                    TriangleSearch search(to, goal, known);
+                    for (auto t = static_cast<std::size_t>(begin);
+                         t != static_cast<std::size_t>(end); ++t) {
+                      const auto triangle = static_cast<Eigen::Index>(t);
+                      std::array<ClosestPoint, 3> of_corner;
+                      for (std::size_t k = 0; k < 3; ++k) {
+                        of_corner[k] = of_vertex[static_cast<std::size_t>(
+                            from.triangles(static_cast<Eigen::Index>(k), triangle))];
                       }
-                    });
+                      of_triangle[t] = search.run(corners_of(from, triangle), of_corner);
+                    }
+                  });
   return of_triangle;
 }
 

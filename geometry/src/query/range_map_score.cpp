@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/geometry/range_map_score.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -12,6 +10,7 @@
 #include "mesh/triangle_neighbours.h"
 #include "palpate/error.h"
 #include "palpate/geometry/surface_query.h"
+#include "palpate/parallel_for.h"
 
 namespace palpate::geometry {
 namespace {
@@ -167,7 +166,7 @@ Eigen::VectorXd distances_to_surface(const Eigen::Ref<const Eigen::Matrix3Xd>& p
   const SurfaceQuery query(surface);
   const Sides sides(surface);
   Eigen::VectorXd distances(points.cols());
-  tbb::parallel_for(Eigen::Index{0}, points.cols(), [&](Eigen::Index i) {
+  parallel_for(points.cols(), [&](Eigen::Index i) {
     const ClosestPoint closest = query.closest_point(points.col(i));
     const bool behind = closest.at.triangle >= 0 &&
                         sides.normal(closest.at).dot(points.col(i) - closest.position) < 0;
@@ -182,7 +181,7 @@ Eigen::VectorXd distances_in_both(const Eigen::Ref<const Eigen::Matrix3Xd>& poin
   const SurfaceQuery query(surface);
   const Border border(surface);
   Eigen::VectorXd distances(points.cols());
-  tbb::parallel_for(Eigen::Index{0}, points.cols(), [&](Eigen::Index i) {
+  parallel_for(points.cols(), [&](Eigen::Index i) {
     const ClosestPoint closest = query.closest_point(points.col(i));
     const bool is_common = closest.at.triangle >= 0 && closest.distance <= max_distance &&
                            !border.contains(closest.at);

@@ -2,14 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/geometry/surface_query.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
 
 #include "palpate/error.h"
+#include "palpate/parallel_for.h"
 #include "query/surface_tree.h"
 
 namespace palpate::geometry {
@@ -59,7 +58,7 @@ FirstHits collect_hits(Eigen::Index count, const auto& ask) {
                  .barycentric = Eigen::Matrix3Xd::Zero(3, count),
                  .positions = Eigen::Matrix3Xd::Constant(3, count, kNan),
                  .along = Eigen::VectorXd::Constant(count, kNan)};
-  tbb::parallel_for(Eigen::Index{0}, count, [&](Eigen::Index i) { ask(i, hits); });
+  parallel_for(count, [&](Eigen::Index i) { ask(i, hits); });
   return hits;
 }
 
@@ -151,7 +150,7 @@ ClosestPoints closest_points(const SurfaceQuery& query,
                         .barycentric = Eigen::Matrix3Xd(3, count),
                         .positions = Eigen::Matrix3Xd(3, count),
                         .distances = Eigen::VectorXd(count)};
-  tbb::parallel_for(Eigen::Index{0}, count, [&](Eigen::Index i) {
+  parallel_for(count, [&](Eigen::Index i) {
     const ClosestPoint one = query.closest_point(points.col(i));
     closest.triangles[i] = one.at.triangle;
     closest.barycentric.col(i) = one.at.barycentric;

@@ -2,9 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/geometry/camera.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -12,6 +9,7 @@
 #include <string>
 
 #include "palpate/error.h"
+#include "palpate/parallel_for.h"
 #include "range_map/pixel_rays.h"
 
 namespace palpate::geometry {
@@ -211,13 +209,16 @@ Eigen::Vector2d undistort(const Camera& camera, const Eigen::Vector2d& pixel) {
 void fill_pixel_rays(const Camera& camera,
                      Eigen::Ref<Eigen::Matrix2Xd, 0, Eigen::OuterStride<>> rays) {
   const bool distorted = has_distortion(camera);
-  tbb::parallel_for(tbb::blocked_range<int>(0, camera.width, kLanes), [&](const auto& cols) {
+  // Blocks of fixed width: which columns are solved side by side never depends on the threads.
+  constexpr int kBlock = 16 * kLanes;
+  parallel_for((camera.width + kBlock - 1) / kBlock, [&](int block) {
+    const int end = std::min(camera.width, (block + 1) * kBlock);
     for (int row = 0; row < camera.height; ++row) {
-      int col = cols.begin();
+      int col = block * kBlock;
       if (distorted && row >= kRowsBefore) {
-        for (; col + kLanes <= cols.end(); col += kLanes) continue_rays(camera, row, col, rays);
+        for (; col + kLanes <= end; col += kLanes) continue_rays(camera, row, col, rays);
       }
-      for (; col < cols.end(); ++col) {
+      for (; col < end; ++col) {
         rays.col(Eigen::Index{row} * camera.width + col) =
             distorted ? undistort(camera, {col, row}) : to_normalized(camera, {col, row});
       }

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/geometry/range_map.h"
 
-#include <tbb/parallel_for.h>
 #include <tiffio.h>
 
 #include <Eigen/Geometry>
@@ -19,6 +18,7 @@
 
 #include "palpate/error.h"
 #include "palpate/output_file.h"
+#include "palpate/parallel_for.h"
 #include "range_map/pixel_rays.h"
 
 namespace palpate::geometry {
@@ -178,7 +178,7 @@ Eigen::Matrix3Xd back_project(const RangeMap& map) {
   Eigen::Matrix3Xd points(3, map.z.size());
   fill_pixel_rays(map.camera, points.topRows<2>());
   const Eigen::Index width = map.z.cols();
-  tbb::parallel_for(Eigen::Index{0}, map.z.rows(), [&](Eigen::Index row) {
+  parallel_for(map.z.rows(), [&](Eigen::Index row) {
     for (Eigen::Index i = row * width; i < (row + 1) * width; ++i) {
       const auto z = static_cast<double>(map.z.data()[i]);
       points.col(i) << z * points(0, i), z * points(1, i), z;

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/geometry/range_map_mesh.h"
 
-#include <tbb/parallel_for.h>
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
@@ -16,6 +14,7 @@
 #include <string>
 
 #include "palpate/error.h"
+#include "palpate/parallel_for.h"
 
 namespace palpate::geometry {
 namespace {
@@ -40,7 +39,7 @@ class DepthSteps {
         stride_(z.cols() + 2),
         inverse_depth_(static_cast<std::size_t>((z.rows() + 2) * stride_),
                        std::numeric_limits<double>::quiet_NaN()) {
-    tbb::parallel_for(Eigen::Index{0}, z.rows(), [&](Eigen::Index row) {
+    parallel_for(z.rows(), [&](Eigen::Index row) {
       for (Eigen::Index col = 0; col < z.cols(); ++col) {
         const double depth = static_cast<double>(z(row, col));
         if (depth > 0 && std::isfinite(depth)) *at(row, col) = 1 / depth;
@@ -175,8 +174,8 @@ Cells join_pixels(const RangeMap& map, const Eigen::Matrix3Xd& points,
   const DepthSteps steps(map.z, options.max_depth_step);
   const double min_cosine = std::cos(options.max_incidence);
   Cells cells = Cells::Zero(map.z.rows() + 1, map.z.cols() + 1);
-  tbb::parallel_for(Eigen::Index{0}, map.z.rows() - 1,
-                    [&](Eigen::Index row) { join_row(points, steps, min_cosine, row, cells); });
+  parallel_for(map.z.rows() - 1,
+               [&](Eigen::Index row) { join_row(points, steps, min_cosine, row, cells); });
   return cells;
 }
 
@@ -191,9 +190,8 @@ bool is_used(const Cells& cells, Eigen::Index row, Eigen::Index col) {
 template <typename Count>
 std::vector<Eigen::Index> row_starts(Eigen::Index rows, const Count& count) {
   std::vector<Eigen::Index> starts(static_cast<std::size_t>(rows + 1), 0);
-  tbb::parallel_for(Eigen::Index{0}, rows, [&](Eigen::Index row) {
-    starts[static_cast<std::size_t>(row + 1)] = count(row);
-  });
+  parallel_for(rows,
+               [&](Eigen::Index row) { starts[static_cast<std::size_t>(row + 1)] = count(row); });
   std::partial_sum(starts.begin(), starts.end(), starts.begin());
   return starts;
 }
@@ -216,7 +214,7 @@ std::vector<int> take_vertices(const Cells& cells, const Eigen::Matrix3Xd& point
   });
   result.pixel.resize(static_cast<std::size_t>(starts.back()));
   result.mesh.vertices.resize(3, starts.back());
-  tbb::parallel_for(Eigen::Index{0}, cells.rows() - 1, [&](Eigen::Index row) {
+  parallel_for(cells.rows() - 1, [&](Eigen::Index row) {
     const auto start = static_cast<int>(starts[static_cast<std::size_t>(row)]);
     for (Eigen::Index pixel = row * width; pixel < (row + 1) * width; ++pixel) {
       int& number = vertex[static_cast<std::size_t>(pixel)];
@@ -239,7 +237,7 @@ void take_triangles(const Cells& cells, const std::vector<int>& vertex, RangeMap
     return count;
   });
   result.mesh.triangles.resize(3, starts.back());
-  tbb::parallel_for(Eigen::Index{0}, rows_of_cells, [&](Eigen::Index row) {
+  parallel_for(rows_of_cells, [&](Eigen::Index row) {
     Eigen::Index triangle = starts[static_cast<std::size_t>(row)];
     for (Eigen::Index col = 0; col + 1 < width; ++col) {
       const auto a = static_cast<std::size_t>(row * width + col);

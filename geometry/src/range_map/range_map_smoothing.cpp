@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/geometry/range_map_smoothing.h"
 
-#include <tbb/parallel_for.h>
-
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
@@ -14,6 +12,7 @@
 #include <vector>
 
 #include "palpate/error.h"
+#include "palpate/parallel_for.h"
 
 namespace palpate::geometry {
 namespace {
@@ -191,7 +190,7 @@ ImageF smooth_range_map(const ImageF& z, const ImageF& sigma,
                         const RangeMapSmoothingOptions& options) {
   check(z, sigma, options);
   ImageF result(z.rows(), z.cols());
-  tbb::parallel_for(Eigen::Index{0}, z.rows(), [&](Eigen::Index row) {
+  parallel_for(z.rows(), [&](Eigen::Index row) {
     Smoother smoother(z, sigma, options);
     for (Eigen::Index col = 0; col < z.cols(); ++col)
       result(row, col) = smoother.smoothed(row, col);

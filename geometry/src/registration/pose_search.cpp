@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "registration/pose_search.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,6 +9,7 @@
 #include <numbers>
 
 #include "base/rank_quantile.h"
+#include "palpate/parallel_for.h"
 
 namespace palpate::geometry {
 namespace {
@@ -140,7 +139,7 @@ PoseSearch search_poses(const RegistrationTarget::Impl& target, const Eigen::Mat
   PoseSearch search;
   search.starts = static_cast<int>(candidates.size());
   for (const Round& round : kRounds) {
-    tbb::parallel_for(size_t{0}, candidates.size(), [&](size_t i) {
+    parallel_for(candidates.size(), [&](size_t i) {
       descend(target, points, range.quantile, round.steps, candidates[i]);
     });
     sort_by_score(candidates);

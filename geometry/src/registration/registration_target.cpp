@@ -2,15 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "registration/registration_target.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <cmath>
 #include <limits>
 #include <span>
 
 #include "mesh/edge_table.h"
 #include "palpate/error.h"
+#include "palpate/parallel_for.h"
 #include "registration/registration_pcl.h"
 
 namespace palpate::geometry {
@@ -79,22 +77,20 @@ bool RegistrationTarget::Impl::is_on_border(const SurfacePoint& foot) const {
 Pairing RegistrationTarget::Impl::pair(const Eigen::Matrix3Xd& points) const {
   Pairing pairing;
   pairing.resize(points.cols());
-  tbb::parallel_for(tbb::blocked_range<Eigen::Index>(0, points.cols(), kGrain),
-                    [&](const tbb::blocked_range<Eigen::Index>& range) {
-                      for (Eigen::Index i = range.begin(); i < range.end(); ++i) {
-                        const ClosestPoint closest = query.closest_point(points.col(i));
-                        pairing.feet.col(i) = closest.position;
-                        pairing.distances[i] = closest.distance;
-                        if (closest.at.triangle < 0) {  // so far away that the distance overflows
-                          pairing.distances[i] = std::numeric_limits<double>::infinity();
-                          pairing.usable[i] = false;
-                          continue;
-                        }
-                        pairing.normals.col(i) = normals.col(closest.at.triangle);
-                        pairing.usable[i] =
-                            pairing.normals.col(i).allFinite() && !is_on_border(closest.at);
-                      }
-                    });
+  parallel_ranges(points.cols(), kGrain, [&](Eigen::Index begin, Eigen::Index end) {
+    for (Eigen::Index i = begin; i < end; ++i) {
+      const ClosestPoint closest = query.closest_point(points.col(i));
+      pairing.feet.col(i) = closest.position;
+      pairing.distances[i] = closest.distance;
+      if (closest.at.triangle < 0) {  // so far away that the distance overflows
+        pairing.distances[i] = std::numeric_limits<double>::infinity();
+        pairing.usable[i] = false;
+        continue;
+      }
+      pairing.normals.col(i) = normals.col(closest.at.triangle);
+      pairing.usable[i] = pairing.normals.col(i).allFinite() && !is_on_border(closest.at);
+    }
+  });
   return pairing;
 }
 

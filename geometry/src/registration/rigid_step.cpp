@@ -2,14 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "registration/rigid_step.h"
 
-#include <tbb/parallel_for.h>
-
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "base/cross_matrix.h"
+#include "palpate/parallel_for.h"
 
 namespace palpate::geometry {
 namespace {
@@ -73,7 +72,7 @@ RigidProblem rigid_problem(const Eigen::Matrix3Xd& points, const Pairing& pairin
     add_pairs(points, pairing, deviation, 0, points.cols(), problem);
   } else {
     std::vector<RigidProblem> parts(static_cast<size_t>(blocks), problem);
-    tbb::parallel_for(Eigen::Index{0}, blocks, [&](Eigen::Index block) {
+    parallel_for(blocks, [&](Eigen::Index block) {
       add_pairs(points, pairing, deviation, block * kBlock,
                 std::min(points.cols(), (block + 1) * kBlock), parts[static_cast<size_t>(block)]);
     });

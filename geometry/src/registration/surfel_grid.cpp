@@ -2,13 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "registration/surfel_grid.h"
 
-#include <tbb/parallel_for.h>
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
+
+#include "palpate/parallel_for.h"
 
 namespace palpate::geometry {
 namespace {
@@ -124,7 +124,7 @@ void SurfelGrid::spread_along(int axis, std::vector<int>& squared_distance) {
   const int length = cells_[axis];
   const int other = axis == 0 ? 1 : 0;
   const int another = axis == 2 ? 1 : 2;
-  tbb::parallel_for(0, cells_[another], [&](int outer) {
+  parallel_for(cells_[another], [&](int outer) {
     std::vector<int> apex(static_cast<size_t>(length));  // places of the parabolas of the envelope
     std::vector<double> begin(static_cast<size_t>(length));  // where each begins to be the lowest
     std::vector<int> distance(static_cast<size_t>(length));

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/haptics/build_model.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <mutex>
@@ -20,6 +18,7 @@
 #include "palpate/haptics/realignment.h"
 #include "palpate/haptics/rotation.h"
 #include "palpate/haptics/rounding.h"
+#include "palpate/parallel_for.h"
 #include "palpate/probing/fingerprint.h"
 #include "palpate/probing/samples_by_contact.h"
 #include "samples/samples_fingerprint.h"
@@ -173,7 +172,7 @@ void fit_fields(const std::vector<ForceSamples>& samples, const FitOptions& fit_
         learn_local_part(local, {.fit = fit_options, .dense_samples = *options.dense_samples});
   }
   std::mutex reporting;
-  tbb::parallel_for(std::size_t{0}, unknown.size(), [&](std::size_t u) {
+  parallel_for(unknown.size(), [&](std::size_t u) {
     const std::size_t i = unknown[u];
     ContactReport& report = result.contacts[i];
     report.fit = fit_field(in_frame_of(result.model.contacts[i], to_surface, samples[i]),
@@ -192,7 +191,7 @@ std::vector<ForceSamples> fit_contacts(const Probed& probed, const BuildOptions&
                                        BuildResult& result) {
   const std::size_t count = probed.contacts.size();
   std::vector<ForceSamples> samples(count);
-  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+  parallel_for(count, [&](std::size_t i) {
     samples[i] = realign(probed.contacts[i], probed.samples.of(probed.places[i]));
   });
   // One tool and one tracker measured all contacts: together they tell their noise best.
@@ -204,7 +203,7 @@ std::vector<ForceSamples> fit_contacts(const Probed& probed, const BuildOptions&
       options_with_noise.noise.displacement.value_or(kDisplacementNoise);
   std::mutex reporting;
   int done = 0;
-  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+  parallel_for(count, [&](std::size_t i) {
     learn_friction(probed.contacts[i], probed.samples.of(probed.places[i]), samples[i],
                    displacement_noise, options.friction, result.model.contacts[i],
                    result.contacts[i]);

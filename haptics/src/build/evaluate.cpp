@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/haptics/evaluate.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -22,6 +20,7 @@
 #include "palpate/haptics/blended_field.h"
 #include "palpate/haptics/contact_compliance.h"
 #include "palpate/haptics/realignment.h"
+#include "palpate/parallel_for.h"
 #include "palpate/probing/fingerprint.h"
 #include "palpate/probing/samples_by_contact.h"
 #include "samples/samples_fingerprint.h"
@@ -194,7 +193,7 @@ std::vector<SuggestedContact> suggest_contacts(const Model& model, const Complia
   const Eigen::Index stride = (surface.vertices.cols() + kMaxCandidates - 1) / kMaxCandidates;
   std::vector<SuggestedContact> candidates(
       static_cast<std::size_t>((surface.vertices.cols() + stride - 1) / stride));
-  tbb::parallel_for(std::size_t{0}, candidates.size(), [&](std::size_t i) {
+  parallel_for(candidates.size(), [&](std::size_t i) {
     const Eigen::Vector3d place = surface.vertices.col(stride * static_cast<Eigen::Index>(i));
     if (triangles.closest_point(place).distance > kMaxBeyond * kriging.spacing) return;
     const Blend at = field.blend(place);
@@ -282,7 +281,7 @@ LeaveOneOut leave_one_out(const Model& model, const probing::Acquisition& acquis
   result.per_contact.resize(model.contacts.size());
   std::mutex reporting;
   int done = 0;
-  tbb::parallel_for(std::size_t{0}, model.contacts.size(), [&](std::size_t i) {
+  parallel_for(model.contacts.size(), [&](std::size_t i) {
     const ContactModel& contact = model.contacts[i];
     const BlendedField field(without_contact(model, points, i));
     const Blend at = field.blend(contact.position);

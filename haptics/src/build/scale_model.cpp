@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/haptics/scale_model.h"
 
-#include <tbb/parallel_for.h>
-
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -18,6 +16,7 @@
 #include "palpate/haptics/rotation.h"
 #include "palpate/haptics/rounding.h"
 #include "palpate/haptics/transform_field.h"
+#include "palpate/parallel_for.h"
 
 namespace palpate::haptics {
 namespace {
@@ -120,7 +119,7 @@ ScaledModel scale_model(const Model& model, const ScaleModelOptions& options) {
   std::optional<double> largest_force;
   if (compliances) largest_force = model.interpolation.reference_force;
   std::vector<TransformedField> fields(scaled.contacts.size());
-  tbb::parallel_for(std::size_t{0}, scaled.contacts.size(), [&](std::size_t i) {
+  parallel_for(scaled.contacts.size(), [&](std::size_t i) {
     ContactModel& contact = scaled.contacts[i];
     contact.position = moved(contact.position);
     fields[i] = scale_contact(S, options.forces, largest_force, contact);

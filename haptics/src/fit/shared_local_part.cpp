@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/haptics/shared_local_part.h"
 
-#include <tbb/parallel_for.h>
-
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
@@ -18,6 +16,7 @@
 #include "fit/series_compliance.h"
 #include "fit/steady_fit.h"
 #include "palpate/error.h"
+#include "palpate/parallel_for.h"
 
 namespace palpate::haptics {
 namespace {
@@ -278,7 +277,7 @@ void try_sharing(const Contacts& dense, const Contacts& sparse, const FitOptions
   const Contacts tried = some_of(dense, kMostTrials);
   const std::size_t folds = std::min(tried.size(), kMostFolds);
   std::vector<LocalPart> parts(folds);
-  tbb::parallel_for(std::size_t{0}, folds, [&](std::size_t fold) {
+  parallel_for(folds, [&](std::size_t fold) {
     Contacts others;
     for (const ForceSamples* contact : dense) {
       const auto place = std::ranges::find(tried, contact) - tried.begin();
@@ -291,7 +290,7 @@ void try_sharing(const Contacts& dense, const Contacts& sparse, const FitOptions
     parts[fold].dense_samples = part.dense_samples;
   });
   Eigen::ArrayXd gains(static_cast<Eigen::Index>(tried.size()));
-  tbb::parallel_for(std::size_t{0}, tried.size(), [&](std::size_t i) {
+  parallel_for(tried.size(), [&](std::size_t i) {
     const ForceSamples& plan = *sparse[i * sparse.size() / tried.size()];
     gains[static_cast<Eigen::Index>(i)] =
         gain_at(*tried[i], plan.forces, parts[i % folds], options);

@@ -2,12 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "identify/parameter_search.h"
 
-#include <tbb/parallel_for.h>
-
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+
+#include "palpate/parallel_for.h"
 
 namespace palpate::haptics {
 namespace {
@@ -60,7 +60,7 @@ Predictions predict(const Problem& problem, const Eigen::VectorXd& parameters,
                     const Predictions& last) {
   Predictions result(problem.pairs.size());
   std::atomic<bool> refused = false;
-  tbb::parallel_for(std::size_t{0}, result.size(), [&](std::size_t i) {
+  parallel_for(result.size(), [&](std::size_t i) {
     if (refused) return;
     const auto found =
         problem.law.predict(parameters, problem.pairs[i], last.empty() ? nullptr : &last[i]);

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/haptics/contact_compliance.h"
 
-#include <tbb/parallel_for.h>
-
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
@@ -15,6 +13,7 @@
 #include "palpate/error.h"
 #include "palpate/haptics/rotation.h"
 #include "palpate/haptics/rounding.h"
+#include "palpate/parallel_for.h"
 
 namespace palpate::haptics {
 namespace {
@@ -125,7 +124,7 @@ Model with_compliances(Model model, double reference_force) {
   check_model(model);
   const double limit = geometry::bounding_diagonal(model.surface);
   const std::vector<Eigen::Vector3d> normals = inward_normals(model);
-  tbb::parallel_for(std::size_t{0}, model.contacts.size(), [&](std::size_t i) {
+  parallel_for(model.contacts.size(), [&](std::size_t i) {
     ContactModel& contact = model.contacts[i];
     const Eigen::Vector3d direction = (contact.frame.transpose() * normals[i]).normalized();
     contact.compliance = measure(contact.field, direction, reference_force, limit);
@@ -134,7 +133,7 @@ Model with_compliances(Model model, double reference_force) {
 
   const ComplianceKriging kriging = learn_kriging(model);
   model.interpolation.reach = kReachRatio * kriging.spacing;
-  tbb::parallel_for(std::size_t{0}, kriging.known.size(), [&](std::size_t i) {
+  parallel_for(kriging.known.size(), [&](std::size_t i) {
     ContactModel& contact = model.contacts[static_cast<std::size_t>(kriging.known[i])];
     contact.compliance->trend =
         kriging_trend(kriging.around[i], contact.compliance->values, kriging.covariance)

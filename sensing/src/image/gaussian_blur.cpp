@@ -2,12 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "image/gaussian_blur.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <vector>
+
+#include "palpate/parallel_for.h"
 
 namespace palpate::sensing {
 namespace {
@@ -34,7 +34,7 @@ cv::Mat blur_columns(const cv::Mat& image, const std::vector<float>& weights, Bo
   const int radius = static_cast<int>(weights.size() / 2);
   const int length = image.cols * image.channels();
   cv::Mat out(image.size(), image.type(), cv::Scalar::all(0));
-  tbb::parallel_for(0, image.rows, [&](int row) {
+  parallel_for(image.rows, [&](int row) {
     float* to = out.ptr<float>(row);
     for (std::size_t w = 0; w < weights.size(); ++w) {
       const int i = static_cast<int>(w) - radius;

@@ -2,12 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "simulation/camera_electronics.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
+
+#include "palpate/parallel_for.h"
 
 namespace palpate::sensing {
 namespace {
@@ -57,7 +57,7 @@ cv::Mat measure(const cv::Mat& light, double exposure, const VirtualSensor& sens
   const int channels = mosaic ? 1 : 3;
   const std::uint64_t key = mix(mix(sensor.seed) ^ frame_number);
   cv::Mat measured(light.size(), CV_32FC(channels));
-  tbb::parallel_for(0, light.rows, [&](int row) {
+  parallel_for(light.rows, [&](int row) {
     const float* from = light.ptr<float>(row);
     float* to = measured.ptr<float>(row);
     for (int i = 0; i < channels * light.cols; ++i) {

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/sensing/virtual_sensor.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,6 +11,7 @@
 
 #include "image/gaussian_blur.h"
 #include "palpate/error.h"
+#include "palpate/parallel_for.h"
 #include "simulation/camera_electronics.h"
 #include "simulation/light_path.h"
 #include "simulation/projector_panel.h"
@@ -64,7 +63,7 @@ struct Renderer {
     const int samples = sensor.samples_per_axis;
     const float share = weight / static_cast<float>(samples * samples);
     const auto offset = [samples](int i) { return (i + 0.5) / samples - 0.5; };
-    tbb::parallel_for(0, camera.height, [&](int v) {
+    parallel_for(camera.height, [&](int v) {
       for (int u = 0; u < camera.width; ++u) {
         for (int s = 0; s < samples * samples; ++s) {
           const Eigen::Vector2d ray = geometry::undistort(
@@ -93,7 +92,7 @@ SceneTruth scene_truth(const VirtualScene& scene, const geometry::Camera& camera
                    .covered = PixelMask::Constant(rows, columns, false),
                    .lit = PixelMask::Constant(rows, columns, false),
                    .incidence = geometry::ImageF::Constant(rows, columns, kNaN)};
-  tbb::parallel_for(0L, rows, [&](long v) {
+  parallel_for(rows, [&](long v) {
     for (long u = 0; u < columns; ++u) {
       const Eigen::Vector2d pixel(static_cast<double>(u), static_cast<double>(v));
       const auto place = scene.look(geometry::undistort(camera, pixel).homogeneous());
