@@ -1,12 +1,12 @@
 # SPDX-FileCopyrightText: Palpate contributors
 # SPDX-License-Identifier: Apache-2.0
 
-# palpate_add_module(name HEADERS ... CONVERTERS ... SOURCES ... PUBLIC ... PRIVATE ...)
+# palpate_add_module(name HEADERS ... CONVERTERS ... SOURCES ... PRECOMPILE ... PUBLIC ... PRIVATE ...)
 # One folder, one shared library palpate::<name>, one installable component.
 # CONVERTERS are headers for users of another library: installed, but they compile only where that library is linked.
 # Shared, so that what a library uses inside never reaches the build of its users.
 function(palpate_add_module name)
-  cmake_parse_arguments(ARG "" "" "HEADERS;CONVERTERS;SOURCES;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "HEADERS;CONVERTERS;SOURCES;PRECOMPILE;PUBLIC;PRIVATE" ${ARGN})
   list(TRANSFORM ARG_HEADERS PREPEND include/)
   list(TRANSFORM ARG_CONVERTERS PREPEND include/)
   list(TRANSFORM ARG_SOURCES PREPEND src/)
@@ -20,8 +20,11 @@ function(palpate_add_module name)
   target_compile_options(palpate_${name} PRIVATE -ffp-contract=off)
   target_link_libraries(palpate_${name} PUBLIC ${ARG_PUBLIC}
                         PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:palpate_warnings>)
+  palpate_precompile(palpate_${name} ${ARG_PRECOMPILE})
+  # Before 1.0 only versions with the same minor number are compatible.
   set_target_properties(palpate_${name} PROPERTIES
-    EXPORT_NAME ${name} INSTALL_RPATH "$ORIGIN" VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}
+    EXPORT_NAME ${name} INSTALL_RPATH "$ORIGIN"
+    VERSION ${PROJECT_VERSION} SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
     VERIFY_INTERFACE_HEADER_SETS ON INTERFACE_HEADER_SETS_TO_VERIFY HEADERS)
   install(TARGETS palpate_${name} EXPORT palpate_${name}
           LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT ${name}
