@@ -20,7 +20,7 @@ class vtkOutputWindow;
 
 namespace palpate::pictures {
 
-/// A part of a picture, px from its lower left corner.
+/// A rectangle of a picture, in px from its lower left corner.
 struct Box {
   double x = 0;
   double y = 0;
@@ -28,7 +28,7 @@ struct Box {
   double height = 0;
 };
 
-/// Opaque pixels, the lowest row first.
+/// Opaque pixels, starting with the lowest row.
 struct Pixels {
   int width = 0;
   int height = 0;
@@ -43,18 +43,18 @@ struct TextStyle {
   Align across = Align::middle;
   Align up = Align::middle;
   bool bold = false;
-  bool upwards = false;  ///< runs from below to above
+  bool upwards = false;  ///< whether the text runs from bottom to top
 };
 
-/// A white picture that flat drawings and 3-D panels are put on, then written as PNG.
+/// A white picture with flat drawings and 3-D panels, written as PNG.
 ///
-/// Coordinates are px, (0, 0) in the lower left corner. What is drawn later lies above; flat
-/// drawings lie above the 3-D panels.
+/// Coordinates are px, (0, 0) in the lower left corner. Later drawings cover earlier ones; flat
+/// drawings cover the 3-D panels.
 class Canvas {
  public:
   static constexpr int kWidth = 1200;
 
-  /// `title` stands at the top, `subtitle` (may be empty) below it in grey.
+  /// `title` is drawn at the top, and `subtitle` (may be empty) below it in grey.
   /// \throws OutputError if there is no display to draw on.
   Canvas(int height, const std::string& title, const std::string& subtitle);
   ~Canvas();
@@ -65,27 +65,28 @@ class Canvas {
   [[nodiscard]] double top() const { return top_; }
 
   void add_text(const Eigen::Vector2d& at, const std::string& text, const TextStyle& style = {});
-  /// The size on the picture, px.
+  /// Size of a text in the picture, px.
   [[nodiscard]] Eigen::Vector2d text_size(const std::string& text,
                                           const TextStyle& style = {}) const;
-  /// One line through all points; where one is not finite the line is broken.
+  /// Draws one line through all points, interrupted where a point is not finite.
   void add_line(const Eigen::Ref<const Eigen::Matrix2Xd>& points, const Rgb& color,
                 double width = 1);
   void add_markers(const Eigen::Ref<const Eigen::Matrix2Xd>& centers, const Rgb& color,
                    double size);
   void add_rectangle(const Box& box, const Rgb& color);
   void add_outline(const Box& box);
-  /// A scale bar with its meaning above it; `at` is its left end.
+  /// Draws a scale bar with its text above it; `at` is its left end.
   void add_bar(const Eigen::Vector2d& at, double length, const std::string& text);
   void add_pixels(const Eigen::Vector2d& lower_left, const Pixels& pixels);
-  /// A panel for 3-D actors.
+  /// Adds a panel for 3-D actors.
   [[nodiscard]] vtkRenderer* add_panel(const Box& box);
 
-  /// \throws OutputError if it cannot be drawn or written; the file is then as it was.
+  /// Writes the picture.
+  /// \throws OutputError if it cannot be drawn or written; an existing file is then unchanged.
   void write(const std::filesystem::path& png);
 
  private:
-  OffscreenDisplay display_;  // first: the window goes before its connection
+  OffscreenDisplay display_;  // first member: the window must be destroyed before its connection
   vtkSmartPointer<vtkOutputWindow> previous_messages_;
   vtkNew<vtkStringOutputWindow> messages_;
   vtkSmartPointer<vtkRenderWindow> window_;

@@ -7,10 +7,10 @@
 
 namespace palpate::pictures {
 
-/// A colour number below `palette` for each of `count` cells so that cells that meet differ.
-///
-/// `labels` V: cell of each vertex, -1 = none, all < count; `triangles` 3 x T vertex indices. On a
-/// plane or a sphere it takes at most six numbers (Matula and Beck 1983: smallest last).
+/// Assigns each of `count` cells a colour number below `palette` so that neighbouring cells differ.
+/// On a plane or a sphere at most six numbers are needed (smallest last; Matula and Beck 1983).
+/// \param triangles 3 x T vertex indices.
+/// \param labels V: cell of each vertex, -1 if none, all < count.
 [[nodiscard]] std::vector<int> color_cells(const Eigen::Ref<const Eigen::Matrix3Xi>& triangles,
                                            const Eigen::Ref<const Eigen::VectorXi>& labels,
                                            int count, int palette);

@@ -12,36 +12,37 @@
 
 namespace palpate::pictures {
 
-/// From `low` to `high`, both finite.
+/// An interval; both ends are finite.
 struct Span {
   double low = 0;
   double high = 0;
 
-  /// Takes in the finite ones of `values`.
+  /// Extends the span to the finite values.
   void include(const Eigen::Ref<const Eigen::VectorXd>& values);
-  /// Widens it a little, so that lines and markers keep off the frame; an end at zero stays there.
+  /// Extends the span slightly, so that lines and markers do not touch the frame; an end at zero
+  /// stays.
   void pad();
 };
 
-/// Takes in nothing yet.
+/// A span without any value.
 inline constexpr Span kEmptySpan{HUGE_VAL, -HUGE_VAL};
 
 struct Axis {
   Span span;
   std::string label;      ///< quantity and unit
-  double least_step = 0;  ///< between two ticks: 1 where only whole numbers mean something
+  double least_step = 0;  ///< smallest distance of ticks: 1 if only whole numbers make sense
 };
 
-/// Axes with ticks, labels and a grid on a part of a canvas; data are then drawn into them.
+/// A chart with axes, ticks, labels and a grid on a part of a canvas.
 class Chart {
  public:
-  /// `box` holds all of the chart, numbers and labels too. The spans, not empty, are widened to
-  /// whole ticks.
+  /// `box` contains the whole chart with its numbers and labels. The spans must not be empty; they
+  /// are extended to whole ticks.
   Chart(Canvas& canvas, const Box& box, const Axis& x, const Axis& y);
 
-  /// A rectangle behind the data, over the whole height.
+  /// Draws a rectangle behind the data, over the whole height.
   void add_band(const Span& x, const Rgb& color);
-  /// The grid, the frame and the numbers: after the bands, before the data.
+  /// Draws the grid, the frame and the numbers. Call it after the bands and before the data.
   void add_axes();
   void add_line(const Eigen::Ref<const Eigen::VectorXd>& x,
                 const Eigen::Ref<const Eigen::VectorXd>& y, const Rgb& color, double width);
@@ -63,7 +64,7 @@ class Chart {
   Box plot_;  // between the axes
 };
 
-/// How an entry of a legend looks.
+/// Symbol of a legend entry.
 enum class Mark { line, dot, patch };
 
 struct LegendEntry {
@@ -72,8 +73,8 @@ struct LegendEntry {
   Mark mark = Mark::line;
 };
 
-/// The entries beside one another with their middle at `at`, in as many rows as fit `width`,
-/// downwards.
+/// Draws the entries side by side, centred at `at`, in as many rows as needed for `width`, from top
+/// to bottom.
 void add_legend(Canvas& canvas, const Eigen::Vector2d& at, double width,
                 const std::vector<LegendEntry>& entries);
 

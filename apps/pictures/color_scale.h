@@ -10,13 +10,13 @@
 namespace palpate::pictures {
 
 struct FalseColor {
-  double low = 0;   ///< value of the map's first colour; smaller ones have it too
-  double high = 0;  ///< value of its last; > low
+  double low = 0;   ///< value of the map's first colour; smaller values get the same colour
+  double high = 0;  ///< value of the last colour; > low
   ColorMap map = ColorMap::sequential;
-  std::string scale;  ///< what the scale says: quantity and unit
+  std::string scale;  ///< label of the scale: quantity and unit
 };
 
-/// Draws the bar of colours with its numbers and meaning to its right; `box` is the bar alone.
+/// Draws the colour bar with its numbers and label to the right; `box` is the bar alone.
 void add_color_scale(Canvas& canvas, const Box& box, const FalseColor& options);
 
 }  // namespace palpate::pictures

@@ -10,8 +10,8 @@
 
 namespace palpate::pictures {
 
-/// Draws an image in false colour with its scale, row 0 at the top; what is not finite is grey.
-/// \throws OutputError.
+/// Draws an image in false colour with its scale, row 0 at the top; non-finite values are grey.
+/// \throws OutputError if the picture cannot be written.
 void draw_false_color(const std::filesystem::path& png, const geometry::ImageF& image,
                       const FalseColor& options, const std::string& title,
                       const std::string& subtitle);

@@ -15,7 +15,7 @@ inline constexpr Rgb kFittedColor = kBlack;
 inline constexpr Rgb kConeColor = kOrange;
 inline constexpr Rgb kPlaneColor{170, 170, 170};
 
-/// The samples of one contact with what the fit says about them.
+/// The samples of one contact and the fit's results for them.
 struct FittedSamples {
   const ContactSamples& samples;
   Eigen::Matrix3Xd fitted;  ///< [N] 3 x N
@@ -23,8 +23,8 @@ struct FittedSamples {
   double friction_coefficient = 0;
 };
 
-/// Draws them in space on a part of the canvas.
-/// \return [mm] width of the cells of the grid on the plane of the surface.
+/// Draws them in 3-D on a part of the canvas.
+/// \return [mm] cell size of the grid on the tangent plane.
 double add_force_field_scene(Canvas& canvas, const Box& box, const FittedSamples& contact);
 
 }  // namespace palpate::pictures

@@ -6,15 +6,15 @@
 
 namespace palpate::pictures {
 
-/// A connection to an X server on which VTK draws without showing anything.
+/// A connection to an X server on which VTK draws without showing a window.
 ///
-/// Where DISPLAY names a server with OpenGL, it is that one. Otherwise (a server, a container, CI)
-/// the first connection of the process starts Debian's Xvfb, which draws in memory. That one ends
-/// with the process, however the process ends. Pictures are drawn one at a time: a second thread
-/// waits until the first gives its connection back.
+/// If DISPLAY names a server with OpenGL, that one is used. Otherwise (on a server, in a container,
+/// in CI) the first connection of the process starts Debian's Xvfb, which draws in memory and ends
+/// with the process in all cases. Pictures are drawn one at a time: a second thread waits until the
+/// first one closes its connection.
 class OffscreenDisplay {
  public:
-  /// \throws OutputError saying what to install if there is no server and none can be started.
+  /// \throws OutputError, saying what to install, if there is no server and none can be started.
   OffscreenDisplay();
   ~OffscreenDisplay();
   OffscreenDisplay(const OffscreenDisplay&) = delete;

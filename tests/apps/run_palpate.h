@@ -16,9 +16,9 @@ struct CommandResult {
 };
 
 struct CommandOptions {
-  /// Ctrl-C as soon as there is this file.
+  /// Sends Ctrl-C as soon as this file exists.
   std::optional<std::filesystem::path> interrupt_when_there_is = {};
-  /// No file may grow beyond this [bytes]: to the program it is a disk that is full.
+  /// Limit of the file size [bytes], which looks like a full disk to the program.
   std::optional<unsigned long> max_file_size = {};
 };
 
@@ -29,7 +29,7 @@ CommandResult run_palpate(const std::vector<std::string>& arguments,
 /// The bundled data.
 std::filesystem::path demo_data();
 
-/// A folder of its own for one test, removed at the end.
+/// A folder for one test, removed at the end.
 class ScratchFolder {
  public:
   ScratchFolder();

@@ -14,8 +14,8 @@ inline double seconds(auto&& work) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// Times ours and a peer in turns, the order changing every time, and reports ours [ms], the peer's
-/// [ms] and their ratio (< 1: ours is faster).
+/// Measures ours and a peer alternately, changing the order each time, and reports our time [ms],
+/// the peer's time [ms] and their ratio (< 1: ours is faster).
 void run_paired(benchmark::State& state, auto&& ours, auto&& peer) {
   double ours_total = 0, peer_total = 0;
   bool ours_first = true;

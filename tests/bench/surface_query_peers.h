@@ -9,7 +9,7 @@
 
 namespace palpate::bench {
 
-/// Embree as it is used without us: its own triangles, all in single precision.
+/// Plain Embree, with its own triangles in single precision.
 class EmbreePeer {
  public:
   explicit EmbreePeer(const geometry::TriangleMesh& mesh, bool moves = false);

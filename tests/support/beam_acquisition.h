@@ -9,16 +9,17 @@
 #include "palpate/geometry/triangle_mesh.h"
 #include "strip_acquisition.h"
 
-// Measurements of a foam beam mounted at one end (thesis Figure 6.1) whose truth is known: pressing
+// Measurements of a foam beam clamped at one end (thesis Figure 6.1) whose truth is known: a force
 // on its upper side indents the foam and bends the whole beam. The upper side is the plane z = 700
-// mm, seen by a camera; the beam goes along x from its mount at x = 0; local frames are the
-// camera's. Nothing of the library is used but its records.
+// mm, seen by a camera; the beam runs along x from its clamp at x = 0; local frames are the
+// camera's. Only the records of the library are used.
 namespace palpate::testing {
 
-/// What the beam is made of. The displacement by a force f is the gradient of
+/// Material of the beam. The displacement under a force f is the gradient of
 ///   shear / 2 (f_x^2 + f_y^2) + pressed h^2 u(f_z / h) + coupled c^2 log cosh(|f| / c),
-///   u(s) = s asinh s - sqrt(1 + s^2): the foam, a curve that stiffens, alike everywhere;
-///   and of the beam's bending, stretching and twisting, which are linear.
+///   u(s) = s asinh s - sqrt(1 + s^2),
+/// for the foam, a stiffening curve that is the same everywhere, plus the linear terms of the
+/// beam's bending, stretching and twisting.
 struct Beam {
   double length = 200;  ///< [mm]
   double width = 40;    ///< [mm] |y| <= width / 2
@@ -26,10 +27,10 @@ struct Beam {
 
   double shear = 0.35;         ///< [mm/N] of the foam
   double pressed = 1.6;        ///< [mm/N] of the foam at rest, along z
-  double pressed_force = 0.8;  ///< [N] h, from which on it stiffens
+  double pressed_force = 0.8;  ///< [N] h, where stiffening starts
   double coupled = 0.5;        ///< [mm/N] of the foam at rest, along each axis
-  double coupled_force = 1.5;  ///< [N] c, from which on it stiffens
-  double local_variation = 0;  ///< relative amplitude by which the foam changes over the beam
+  double coupled_force = 1.5;  ///< [N] c, where stiffening starts
+  double local_variation = 0;  ///< relative amplitude by which the foam varies over the beam
 
   double bending = 4;        ///< [mm/N] at the tip by a force along z
   double sideways = 0.8;     ///< [mm/N] at the tip by a force along y
@@ -39,10 +40,10 @@ struct Beam {
   double friction = 0.8;
 };
 
-/// [mm/N] of the beam as a whole: the inverse stiffness of a cantilever, loaded at its upper side.
+/// [mm/N] compliance of the whole beam: that of a cantilever loaded at its upper side.
 inline Eigen::Matrix3d beam_compliance(const Beam& beam, double x, double y) {
   const double part = x / beam.length;
-  // A force at x makes the moment f_z (x - s) + f_x height at s; 1 / EI of a cantilever is 3
+  // A force at x causes the moment f_z (x - s) + f_x height at s; 1 / EI of a cantilever is 3
   // bending / length^3.
   const double flexibility = 3 * beam.bending / std::pow(beam.length, 3);
   const Eigen::Vector3d twist(0, -beam.height, y);
@@ -55,7 +56,7 @@ inline Eigen::Matrix3d beam_compliance(const Beam& beam, double x, double y) {
   return compliance;
 }
 
-/// [mm] of the foam under a force.
+/// [mm] displacement of the foam under a force.
 inline Eigen::Vector3d beam_indentation(const Beam& beam, const Eigen::Vector3d& force) {
   const double size = force.norm();
   Eigen::Vector3d displacement(
@@ -88,8 +89,8 @@ inline std::vector<Eigen::Vector2d> beam_places(const Beam& beam = {}) {
   return places;
 }
 
-/// Of the places every `every`th is probed densely, from the second on, the others with 10 samples
-/// each; the ids of contacts are those of the places.
+/// Every `every`th place, from the second on, is probed densely, and the others with 10 samples
+/// each; contacts have the ids of their places.
 inline probing::Acquisition beam_acquisition(const Beam& beam, std::size_t every,
                                              const StripProbing& dense) {
   constexpr double kRatio = 0.5;
@@ -108,7 +109,7 @@ inline probing::Acquisition beam_acquisition(const Beam& beam, std::size_t every
   return acquisition;
 }
 
-/// The upper side.
+/// Mesh of the upper side.
 inline geometry::TriangleMesh beam_surface(const Beam& beam = {}) {
   constexpr int kAlong = 20, kAcross = 4;
   geometry::TriangleMesh mesh;

@@ -17,7 +17,7 @@ inline ForceSamples turned(ForceSamples samples, const Eigen::Matrix3d& rotation
   return samples;
 }
 
-/// What a sparse probing gives at each place, in the frame there.
+/// Measurements of a sparse probing at each place, in its frame.
 template <typename Object>
 std::vector<ForceSamples> sparse_samples(const Object& object,
                                          const std::vector<Eigen::Vector2d>& places,
@@ -34,19 +34,19 @@ std::vector<ForceSamples> sparse_samples(const Object& object,
   return result;
 }
 
-/// How contacts of an object are probed densely, and how sparsely.
+/// Settings for probing contacts densely and sparsely.
 struct SparseProbing {
   testing::StripProbing dense;
   testing::StripProbing sparse{.normal_forces = {0.8, 2.4}, .directions = 4, .seed = 101};
-  double ratio = 0.5;  ///< of tangential to normal force, at the sparse ones
+  double ratio = 0.5;  ///< tangential over normal force at sparsely probed contacts
 };
 
-/// What was measured at contacts of an object, in their frames, and what is true there.
+/// Measurements at contacts of an object, in their frames, with the truth.
 struct ProbedContacts {
   std::vector<ForceSamples> dense, sparse, truth;
 };
 
-/// Both ways of probing at each place.
+/// Probes each place both ways.
 template <typename Object>
 ProbedContacts probed_contacts(const Object& object, const std::vector<Eigen::Vector2d>& places,
                                SparseProbing probing = {}) {

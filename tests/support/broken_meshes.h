@@ -9,17 +9,17 @@
 #include "palpate/geometry/mesh_defects.h"
 #include "test_surfaces.h"
 
-/// Meshes with one thing wrong, each made from a sound one.
+/// Meshes with exactly one defect, each made from a valid mesh.
 namespace palpate::geometry::test {
 
 struct BrokenMesh {
   std::string name;
   TriangleMesh mesh;
   DefectKind kind;
-  std::vector<int> elements;  ///< what is wrong, by index
+  std::vector<int> elements;  ///< indices of the defective elements
 };
 
-/// The mesh with some triangles more.
+/// The mesh with additional triangles.
 inline TriangleMesh with_triangles(TriangleMesh mesh, const Eigen::Matrix3Xi& more) {
   const Eigen::Index old = mesh.triangles.cols();
   mesh.triangles.conservativeResize(3, old + more.cols());

@@ -11,8 +11,8 @@
 
 #include "palpate/geometry/triangle_mesh.h"
 
-/// Distances between meshes by nothing but sampling and trying every triangle: slow, and
-/// independent of the library.
+/// Distances between meshes by sampling and testing every triangle: slow, and independent of the
+/// library.
 namespace palpate::geometry::test {
 
 /// Squared distance to a triangle (Eberly's regions, by the constrained minimum of the quadratic).
@@ -34,7 +34,7 @@ inline double squared_distance(const Eigen::Vector3d& p, const Eigen::Vector3d& 
   return std::min(rim, height * height / normal.squaredNorm());
 }
 
-/// Distances to a mesh by trying every triangle whose bounding sphere does not rule it out.
+/// Distances to a mesh by testing every triangle that its bounding sphere does not exclude.
 class EveryTriangle {
  public:
   explicit EveryTriangle(const TriangleMesh& mesh) : mesh_(mesh) {
@@ -49,7 +49,7 @@ class EveryTriangle {
       radii_.push_back(radius);
     }
   }
-  /// [mm] to the nearest; those within `slack` of it are added to `nearest`.
+  /// [mm] to the nearest triangle; those within `slack` of it are added to `nearest`.
   double distance(const Eigen::Vector3d& point, double slack, std::vector<int>* nearest) const {
     double bound = std::numeric_limits<double>::infinity();
     std::vector<double> to_centre(centres_.size());
@@ -80,12 +80,12 @@ class EveryTriangle {
   std::vector<double> radii_;
 };
 
-/// [mm] to the nearest of all triangles.
+/// [mm] to the nearest triangle.
 inline double brute_force_distance(const Eigen::Vector3d& point, const TriangleMesh& mesh) {
   return EveryTriangle(mesh).distance(point, 0, nullptr);
 }
 
-/// Points of the surface, each triangle in rows, no point of it further than `spacing` from one.
+/// Samples of the surface, in rows on each triangle; every point is within `spacing` of a sample.
 struct Samples {
   std::vector<Eigen::Vector3d> points;
   double spacing = 0;
@@ -119,11 +119,11 @@ inline Samples sample(const TriangleMesh& mesh, int count) {
 }
 
 struct SampledDistance {
-  double largest = 0;  ///< [mm] of the samples; some point may be further by `spacing`
+  double largest = 0;  ///< [mm] of the samples; other points may be farther by up to `spacing`
   double spacing = 0;  ///< [mm]
 };
 
-/// From the points of `from`, about `count` of them, to `to`.
+/// Distances from about `count` points of `from` to `to`.
 inline SampledDistance sampled_distance(const TriangleMesh& from, const TriangleMesh& to,
                                         int count) {
   const Samples samples = sample(from, count);

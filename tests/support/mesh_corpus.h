@@ -17,7 +17,7 @@
 
 #include "palpate/geometry/triangle_mesh.h"
 
-/// Meshes as users bring them: range maps with noise and holes, gloves, thin closed shapes.
+/// Meshes as users have them: range maps with noise and holes, gloves, thin closed shapes.
 namespace palpate::geometry::test {
 
 /// [mm] depth of `bumpy` at s in [0, 1] from left to right and t in [0, 0.75] downwards.
@@ -36,9 +36,9 @@ inline bool in_bumpy_hole(double s, double t) {
   return std::hypot(s - 0.25, t - 0.25) < 0.06 || std::hypot(s - 0.75, t - 0.5) < 0.04;
 }
 
-/// A range map of about `triangle_count` triangles: a bump, waves and ripples 640..720 mm before a
-/// pinhole camera, two circular holes, each cell cut along its shorter diagonal, and uniform noise
-/// of +-`noise` mm on the depth.
+/// A range map of about `triangle_count` triangles: a bump, waves and ripples 640..720 mm in front
+/// of a pinhole camera, with two circular holes, cells split along their shorter diagonal, and
+/// uniform noise of +-`noise` mm on the depth.
 inline TriangleMesh bumpy(int triangle_count, double noise = 0, unsigned seed = 1) {
   const int rows = static_cast<int>(std::lround(std::sqrt(0.375 * triangle_count))) + 1;
   const int cols = static_cast<int>(std::lround((rows - 1) / 0.75)) + 1;
@@ -82,7 +82,7 @@ inline TriangleMesh bumpy(int triangle_count, double noise = 0, unsigned seed = 
       }
     }
   }
-  // Vertices that no triangle uses are left out.
+  // Leave out vertices that no triangle uses.
   std::vector<int> compact(points.size(), -1);
   TriangleMesh mesh;
   mesh.triangles.resize(3, static_cast<Eigen::Index>(triangles.size()));
@@ -103,13 +103,13 @@ inline TriangleMesh bumpy(int triangle_count, double noise = 0, unsigned seed = 
   return mesh;
 }
 
-/// The closed surface where `distance` is zero, cut out of a box by marching tetrahedra: every cube
-/// of the grid is six tetrahedra about one diagonal, so neighbours always agree and the result is
-/// manifold; many of its triangles are needles. `distance` is negative inside.
+/// The closed surface where `distance` is zero, extracted from a box by marching tetrahedra. Every
+/// cube of the grid consists of six tetrahedra around one diagonal, so neighbours always agree and
+/// the result is manifold; many triangles are needles. `distance` is negative inside.
 inline TriangleMesh polygonise(const std::function<double(const Eigen::Vector3d&)>& distance,
                                const Eigen::AlignedBox3d& box, double spacing) {
   const Eigen::Array3i n =
-      (box.sizes().array() / spacing).ceil().cast<int>() + 1;  // grid points an axis
+      (box.sizes().array() / spacing).ceil().cast<int>() + 1;  // grid points per axis
   const auto grid_point = [&](int i) {
     return Eigen::Vector3d(
         box.min() + spacing * Eigen::Vector3d(i % n.x(), i / n.x() % n.y(), i / (n.x() * n.y())));
@@ -182,7 +182,7 @@ inline TriangleMesh polygonise(const std::function<double(const Eigen::Vector3d&
   return mesh;
 }
 
-/// A closed glove, 150 mm high: a palm and five finger capsules, two fingers near each other.
+/// A closed glove, 150 mm high: a palm and five finger capsules, two of them close together.
 inline TriangleMesh glove(double spacing = 3.1) {
   using Eigen::Vector3d;
   struct Capsule {
@@ -195,7 +195,7 @@ inline TriangleMesh glove(double spacing = 3.1) {
                                            {{9, 48, 0}, {12, 115, 3}, 8.2},
                                            {{26, 43, 0}, {36, 96, 5}, 7.1}}};
   const auto distance = [&](const Vector3d& p) {
-    // The palm: a box with a large rounding.
+    // The palm is a box with a large rounding.
     const Vector3d outside = (p - Vector3d(0, 22, 0)).cwiseAbs() - Vector3d(27, 26, 2);
     double nearest = outside.cwiseMax(0).norm() + std::min(outside.maxCoeff(), 0.0) - 9.7;
     for (const Capsule& f : fingers) {
@@ -248,7 +248,7 @@ inline TriangleMesh closed_sheet(int cols = 60, int rows = 40, double spacing = 
   return mesh;
 }
 
-/// A torus about the z axis: genus one, and with a small tube thin as well.
+/// A torus about the z axis: genus one, and thin if the tube is small.
 inline TriangleMesh torus(int around, int across, double radius, double tube_radius) {
   TriangleMesh mesh;
   mesh.vertices.resize(3, around * across);

@@ -16,7 +16,7 @@
 #include "palpate/geometry/surface_query.h"
 #include "palpate/geometry/triangle_mesh.h"
 
-/// Range maps of meshes by ray casting, with the faults of real ones, and what is true of them.
+/// Range maps of meshes by ray casting, with the faults of real range maps and with their truth.
 namespace palpate::geometry::test {
 
 /// The camera that sees `bumpy` as a range map of `width` x 3/4 `width` pixels.
@@ -30,18 +30,18 @@ inline Camera bumpy_camera(int width) {
           .cy = (height - 1) / 2.0};
 }
 
-/// Where the dents below are, and how wide (standard deviation of a bell).
+/// Positions of the dents below, and their width (standard deviation of a Gaussian).
 inline const Eigen::Vector3d kDent{-60.3, -41.1, 700};
 constexpr double kDentWidth = 45;
 
-/// A dent, away from the camera, in a soft block: what lies above the middle plane z = 700 moves
-/// along z and is sheared.
+/// A dent, away from the camera, in a soft block: points above the middle plane z = 700 move along
+/// z and are sheared.
 inline Eigen::Vector3d dented_block(const Eigen::Vector3d& rest, double depth = 20) {
   const double r2 = (rest - kDent).head<2>().squaredNorm();
   return rest + Eigen::Vector3d(0, 0, depth * std::exp(-r2 / (2 * kDentWidth * kDentWidth)));
 }
 
-/// The half x > 20 mm of a sheet at z = 700 rolled about an axis along y, without stretch there.
+/// Rolls the half x > 20 mm of a sheet at z = 700 about an axis along y, without stretching it.
 inline Eigen::Vector3d bent(const Eigen::Vector3d& rest, double radius = 2000) {
   constexpr double kFirst = 20;
   if (rest.x() <= kFirst) return rest;
@@ -58,7 +58,7 @@ TriangleMesh deformed(TriangleMesh mesh, const Map& map) {
   return mesh;
 }
 
-/// Depth of the first surface on the ray of each pixel; rays end at `far` mm.
+/// Depth of the first surface on each pixel's ray; rays end at `far` mm.
 inline RangeMap render(const TriangleMesh& mesh, const Camera& camera, double far = 5000) {
   const SurfaceQuery query(mesh);
   const Eigen::Matrix2Xd rays = pixel_rays(camera);
@@ -75,15 +75,15 @@ inline RangeMap render(const TriangleMesh& mesh, const Camera& camera, double fa
   return map;
 }
 
-/// Normal noise of standard deviation `sigma` mm on each depth.
+/// Adds normal noise of standard deviation `sigma` mm to each depth.
 inline void add_noise(RangeMap& map, double sigma, unsigned seed) {
   std::mt19937 random(seed);
   std::normal_distribution<double> normal(0, sigma);
   for (float& z : map.z.reshaped<Eigen::RowMajor>()) z += static_cast<float>(normal(random));
 }
 
-/// Round holes, up to 1/20 of the image's width across, until `fraction` of the pixels with a depth
-/// have lost it.
+/// Makes round holes, up to 1/20 of the image width across, until `fraction` of the known depths
+/// are lost.
 inline void punch_holes(RangeMap& map, double fraction, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> uniform(0, 1);
@@ -138,8 +138,8 @@ inline TriangleMesh together(const TriangleMesh& a, const TriangleMesh& b) {
   return both;
 }
 
-/// Which of `points` the camera sees in the scene and has a depth for: nothing is before them, and
-/// their pixel has not been lost.
+/// Which of `points` the camera measures in the scene: nothing occludes them, and the depth of
+/// their pixel is known.
 inline std::vector<bool> visible(const Eigen::Matrix3Xd& points, const TriangleMesh& scene,
                                  const RangeMap& map) {
   const SurfaceQuery query(scene);

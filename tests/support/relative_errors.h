@@ -13,7 +13,7 @@ struct RelativeErrors {
   double max = 0;
 };
 
-/// Errors relative to true distances, of the vertices further from the source than `near`.
+/// Errors relative to true distances, for vertices farther from the source than `near`.
 inline RelativeErrors relative_errors(const Eigen::VectorXd& measured, const Eigen::VectorXd& truth,
                                       double near) {
   RelativeErrors errors;

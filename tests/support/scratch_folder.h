@@ -13,7 +13,7 @@
 
 namespace palpate {
 
-/// A folder of its own for one test, empty at first, removed with all that is in it at the end.
+/// An initially empty folder for one test, removed with its content at the end.
 class ScratchFolder {
  public:
   ScratchFolder() {
@@ -32,7 +32,7 @@ class ScratchFolder {
     return path_ / name;
   }
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-  /// How many files and folders lie in it: shows whether a temporary was left behind.
+  /// Number of files and folders in it, which shows whether a temporary was left behind.
   [[nodiscard]] std::ptrdiff_t entries() const {
     return std::distance(std::filesystem::directory_iterator(path_), {});
   }

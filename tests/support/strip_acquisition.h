@@ -14,49 +14,49 @@
 #include "palpate/probing/acquisition.h"
 
 // Measurements of a stretched sheet whose truth is known: a gently curved surface near z = 700 mm
-// that faces the camera, stretched along x between supports, on wish with a stiff block below it.
-// Local frame of a contact: X is the camera's X projected onto the tangent plane, Z goes into the
-// object. Positions follow from forces by minimising the energy; nothing of the library is used but
-// its records.
+// that faces the camera, stretched along x between supports, optionally with a stiff block below
+// it. Local frame of a contact: X is the camera's X projected onto the tangent plane, Z points into
+// the object. Positions follow from forces by minimising the energy. Only the records of the
+// library are used.
 namespace palpate::testing {
 
-/// What the sheet is made of. With e the displacement at the contact less compliance * force,
-/// L_1 = support + x, L_2 = support - x and l_i the deformed lengths of the two segments, the
-/// energy is w (sum_i tension (l_i - L_i) + axial / (2 L_i) (l_i - L_i)^2) + lateral / 2 e_y^2,
-/// w = 1 - taper (y / 75 mm)^2. The block adds
-/// block / 2 (softness softplus((e_z - depth) / softness))^2 times windows with logistic edges.
+/// Material of the sheet. With e = displacement at the contact minus compliance * force, L_1 =
+/// support + x, L_2 = support - x, and l_i the deformed lengths of the two segments, the energy is
+/// w (sum_i tension (l_i - L_i) + axial / (2 L_i) (l_i - L_i)^2) + lateral / 2 e_y^2, where w = 1 -
+/// taper (y / 75 mm)^2. The block adds block / 2 (softness softplus((e_z - depth) / softness))^2
+/// times windows with logistic edges.
 struct Strip {
   double tension = 0.8;      ///< [N]
   double axial = 42;         ///< [N] axial stiffness of a segment times its length
   double support = 50;       ///< [mm] the supports lie at x = +-support
   double compliance = 0.25;  ///< [mm/N] local, the same in all directions
   double lateral = 0.04;     ///< [N/mm] against motion along y
-  double taper = 0.35;       ///< less tension and stiffness towards the free edges
+  double taper = 0.35;       ///< decrease of tension and stiffness towards the free edges
 
-  double block = 0;       ///< [N/mm] stiffness of the block; 0: there is none. 1.5 is a stiff one
-  double depth = 15;      ///< [mm] of the block below the sheet
-  double softness = 0.4;  ///< [mm] of the block's contact
-  double edge = 2;        ///< [mm] of its windows
+  double block = 0;                   ///< [N/mm] stiffness of the block; 0 for none, 1.5 is stiff
+  double depth = 15;                  ///< [mm] of the block below the sheet
+  double softness = 0.4;              ///< [mm] of the block's contact
+  double edge = 2;                    ///< [mm] of its windows
   Eigen::Vector2d block_low{5, -20};  ///< [mm] corners of the block
   Eigen::Vector2d block_high{35, 20};
 
   double friction = 0.9;             ///< mean coefficient
   double friction_variation = 0.05;  ///< amplitude of its variation over the sheet
-  double tilt = 4;                   ///< [degrees] of the cone's axis against the normal, amplitude
+  double tilt = 4;                   ///< [degrees] amplitude of the angle between axis and normal
 };
 
-/// How it is probed.
+/// Settings of the probing.
 struct StripProbing {
   double spacing_x = 14;  ///< [mm] of contacts in a row, |x| <= 42 mm; rows alternate
   double spacing_y = 20;  ///< [mm] between rows, |y| <= 60 mm
   std::vector<double> normal_forces{0.15, 0.5, 1.1, 2, 3};  ///< [N]
   int directions = 8;                                       ///< of the tangential force
-  double resolution = 0.05;                                 ///< [N] where bisection ends
-  double max_force = 3.3;                                   ///< [N] |f| stays below
+  double resolution = 0.05;                                 ///< [N] at which bisection ends
+  double max_force = 3.3;                                   ///< [N] upper limit of |f|
   double position_noise = 0.02;                             ///< [mm] deviation of a and of b
   /// [mm] along the surface, shared by a and b of one sample
   double location_noise = 0.02;
-  double force_noise = 0.01;  ///< [N] of the force at b; at a half the same error acts
+  double force_noise = 0.01;  ///< [N] of the force at b; at a, half of the same error applies
   unsigned seed = 1;
 };
 
@@ -89,13 +89,13 @@ inline StripCone strip_cone(const Strip& strip, double x, double y) {
           strip.friction + strip.friction_variation * std::sin(x / 20) * std::cos(y / 30)};
 }
 
-/// Whether the cone holds a force (local).
+/// Whether a force (local) lies inside the cone.
 inline bool strip_holds(const StripCone& cone, const Eigen::Vector3d& force) {
   const double along = force.dot(cone.axis);
   return (force - along * cone.axis).norm() <= cone.friction * along;
 }
 
-/// [N] The energy's gradient with respect to e (local).
+/// [N] Gradient of the energy by e (local).
 inline Eigen::Vector3d strip_gradient(const Strip& strip, double x, double y,
                                       const Eigen::Vector3d& e) {
   const double width = 1 - strip.taper * y * y / (75.0 * 75.0);
@@ -124,8 +124,8 @@ inline Eigen::Vector3d strip_gradient(const Strip& strip, double x, double y,
                                     in_x[0] * in_y[0] * strip.block * penetration * logistic(u));
 }
 
-/// [mm] Displacement (local) of the contact (x, y) under a force (local): the equilibrium that is
-/// reached by raising the force from zero.
+/// [mm] Displacement (local) of the contact (x, y) under a force (local): the equilibrium reached
+/// by increasing the force from zero.
 /// \throws std::runtime_error if Newton's method does not find it.
 inline Eigen::Vector3d strip_displacement(const Strip& strip, double x, double y,
                                           const Eigen::Vector3d& force) {
@@ -155,7 +155,8 @@ inline Eigen::Vector3d strip_displacement(const Strip& strip, double x, double y
           (eigen.eigenvectors().transpose() * unbalanced)
               .cwiseQuotient(eigen.eigenvalues().cwiseAbs().cwiseMax(kSmallestStiffness));
       double part = std::min(1.0, kLongestStep / step.norm());
-      // Less residual each time: enough for the convex sheet, and for the block's smooth edge.
+      // Require a smaller residual each time, which suffices for the convex sheet and for the
+      // block.
       while (part > 1e-3 && (strip_gradient(strip, x, y, e + part * step) -
                              force * load / static_cast<double>(kLoads))
                                     .norm() > residual) {
@@ -168,8 +169,8 @@ inline Eigen::Vector3d strip_displacement(const Strip& strip, double x, double y
   return e + strip.compliance * force;
 }
 
-/// What a probe has to know of an object: of a contact at (x, y) the rows of its local frame, its
-/// place, its friction, and its displacement (local) under a force (local).
+/// What a probe needs to know of an object: for a contact at (x, y) the rows of its local frame,
+/// its position, its friction, and its displacement (local) under a force (local).
 inline Eigen::Matrix3d frame_at(const Strip&, double x, double y) { return strip_frame(x, y); }
 inline Eigen::Vector3d surface_at(const Strip&, double x, double y) { return strip_surface(x, y); }
 inline StripCone cone_at(const Strip& strip, double x, double y) { return strip_cone(strip, x, y); }
@@ -183,7 +184,7 @@ struct StripTruth {
   Eigen::Vector3d contact, displacement, force;
 };
 
-/// Pairs at contacts of the given places.
+/// Pairs at contacts at the given places.
 template <typename Object>
 std::vector<StripTruth> strip_truths(const Object& object,
                                      const std::vector<Eigen::Vector2d>& places, int per_place,
@@ -210,13 +211,12 @@ std::vector<StripTruth> strip_truths(const Object& object,
   return truths;
 }
 
-/// Probes contacts of an object; local forces in the order of the samples, the index of the last
-/// that held in a direction that slipped is marked.
+/// Probes contacts of an object. Stores local forces in the order of the samples; in each direction
+/// that slipped, the last sample that stuck is marked.
 template <typename Object>
 class ObjectProbe {
  public:
-  /// `group`: id of its first group of samples; several probes of one acquisition need different
-  /// ones.
+  /// `group`: id of the first group of samples; probes of one acquisition need different ids.
   ObjectProbe(const Object& object, const StripProbing& probing, long long group = 0)
       : object_(object), probing_(probing), random_(probing.seed), group_(group) {}
 
@@ -247,9 +247,9 @@ class ObjectProbe {
     }
   }
 
-  /// Adds a contact at (x, y) with one group for each normal force: that alone, and with a
-  /// tangential force of `ratio` times it in each of the directions. Without a search for the
-  /// friction boundary, which takes most samples.
+  /// Adds a contact at (x, y) with one group per normal force: the normal force alone, and with a
+  /// tangential force of `ratio` times it in each direction. Omits the search for the friction
+  /// boundary, which takes most samples.
   void probe_sparsely(probing::Acquisition& acquisition, double x, double y, double ratio) {
     const probing::Contact contact = add_contact(acquisition, x, y);
     for (const double normal : probing_.normal_forces) {
@@ -277,7 +277,7 @@ class ObjectProbe {
 
   void add(probing::Acquisition& acquisition, const probing::Contact& contact, double x, double y,
            const Eigen::Vector3d& force, bool held) {
-    constexpr double kSlide = 4;  // [mm] how far a tool that slipped has gone
+    constexpr double kSlide = 4;  // [mm] distance that a slipping tool moves
     const Eigen::Matrix3d frame = frame_at(object_, x, y);
     const Eigen::Matrix3d to_camera = frame.transpose();
     const Eigen::Vector3d wrong = noise(probing_.force_noise);
@@ -309,7 +309,7 @@ class ObjectProbe {
 
 using StripProbe = ObjectProbe<Strip>;
 
-/// The places that are probed.
+/// The places to be probed.
 inline std::vector<Eigen::Vector2d> strip_places(const StripProbing& probing = {}) {
   std::vector<Eigen::Vector2d> places;
   bool shifted = false;
@@ -330,7 +330,7 @@ inline probing::Acquisition strip_acquisition(const Strip& strip = {},
   return acquisition;
 }
 
-/// One contact of it.
+/// One contact of the sheet.
 inline probing::Acquisition strip_contact(double x, double y, const Strip& strip = {},
                                           const StripProbing& probing = {}) {
   probing::Acquisition acquisition;

@@ -54,7 +54,7 @@ inline TriangleMesh flat_sheet(int cols, int rows, double spacing) {
   return height_field(cols, rows, spacing, [](double, double) { return 0.0; });
 }
 
-/// An icosahedron, each triangle cut in four `levels` times, on a sphere about the origin.
+/// An icosahedron on a sphere about the origin, with each triangle split into four `levels` times.
 inline TriangleMesh icosphere(int levels, double radius) {
   const double g = std::numbers::phi;
   std::vector<Eigen::Vector3d> points = {{-1, g, 0}, {1, g, 0}, {-1, -g, 0}, {1, -g, 0},
@@ -96,7 +96,7 @@ inline TriangleMesh icosphere(int levels, double radius) {
   return mesh;
 }
 
-/// Triangles at random in a cube of half-width `size`: they cross, and some are needles.
+/// Random triangles in a cube of half-width `size`; they intersect, and some are needles.
 inline TriangleMesh random_triangles(int count, double size, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> uniform(-size, size);
@@ -114,7 +114,7 @@ inline TriangleMesh random_triangles(int count, double size, unsigned seed) {
   return mesh;
 }
 
-/// The mesh moved rigidly.
+/// The mesh after a rigid motion.
 inline TriangleMesh moved(TriangleMesh mesh, const Eigen::Isometry3d& T) {
   mesh.vertices = T * mesh.vertices;
   return mesh;

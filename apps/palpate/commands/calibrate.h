@@ -6,7 +6,7 @@
 
 namespace palpate::apps {
 
-// Each adds one kind of calibration to `palpate calibrate`.
+// Each function adds one kind of calibration to `palpate calibrate`.
 void add_calibrate_chromatic(CLI::App& calibrate, const Settings& settings);
 void add_calibrate_colors(CLI::App& calibrate, const Settings& settings);
 void add_calibrate_response(CLI::App& calibrate, const Settings& settings);

@@ -7,9 +7,9 @@
 
 namespace palpate::apps {
 
-/// The second half of the demo: the measurements of two sheets become models, which are evaluated
-/// against the truth and played; pictures below `output`.
-/// \return the figures, one entry a sheet.
+/// Second half of the demo: builds models from the measurements of two sheets, evaluates them
+/// against the truth and plays them; writes pictures below `output`.
+/// \return the figures, one entry per sheet.
 [[nodiscard]] nlohmann::ordered_json demo_feeling(const std::filesystem::path& data,
                                                   const std::filesystem::path& output);
 

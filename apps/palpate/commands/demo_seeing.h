@@ -7,9 +7,9 @@
 
 namespace palpate::apps {
 
-/// The first half of the demo: training images and frames become range maps, meshes and pictures
-/// below `output`, measured against the truth.
-/// \return the figures, one entry a frame.
+/// First half of the demo: makes range maps, meshes and pictures below `output` from training
+/// images and frames, and compares them with the truth.
+/// \return the figures, one entry per frame.
 [[nodiscard]] nlohmann::ordered_json demo_seeing(const std::filesystem::path& data,
                                                  const std::filesystem::path& output);
 

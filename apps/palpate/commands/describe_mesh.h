@@ -10,18 +10,18 @@
 
 namespace palpate::apps {
 
-/// What a file is, in numbers and in words.
+/// Description of a file in numbers and in words.
 struct Description {
   nlohmann::ordered_json figures;
   std::string prose;
 };
 
-/// A mesh file: its size, unit and attributes, its defects, and what its surface measures.
-/// \throws FileError if it cannot be read as a mesh, broken or not.
+/// Describes a mesh file: size, unit and attributes, defects, and measures of its surface.
+/// \throws FileError if it cannot be read as a mesh, even a defective one.
 [[nodiscard]] Description describe_mesh(const std::filesystem::path& path,
                                         geometry::ReadOptions options);
 
-/// A file of points.
+/// Describes a file of points.
 /// \throws FileError if it cannot be read.
 [[nodiscard]] Description describe_points(const std::filesystem::path& path,
                                           const geometry::ReadOptions& options);

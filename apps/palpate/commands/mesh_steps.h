@@ -12,20 +12,20 @@
 
 namespace palpate::apps {
 
-/// What `mesh` does on the way from a file to a mesh.
+/// Processing steps of `mesh`.
 struct MeshSteps {
-  std::filesystem::path rig;       ///< of range maps; empty: rig.yaml beside them
-  double scale = 0;                ///< [mm] of a unit of a depth image
+  std::filesystem::path rig;       ///< for range maps; if empty, rig.yaml beside them
+  double scale = 0;                ///< [mm] length of one unit of a depth image
   std::vector<double> intrinsics;  ///< fx, fy, cx, cy [px] of its camera
   geometry::ReadOptions meshes;    ///< for mesh files
   bool smooth_depths = false;
   bool repair = false;
-  double fill_holes = 0;  ///< [mm] 0: none
+  double fill_holes = 0;  ///< [mm] 0 for none
   int smooth = 0;         ///< iterations
-  double tolerance = 0;   ///< [mm] 0: no decimation
+  double tolerance = 0;   ///< [mm] 0 for no decimation
 };
 
-/// A mesh, and what was done to it in numbers and in words.
+/// A mesh, and a description of the steps in numbers and in words.
 struct MadeMesh {
   geometry::TriangleMesh mesh;
   nlohmann::ordered_json figures;

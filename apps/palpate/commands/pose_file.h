@@ -7,10 +7,11 @@
 
 namespace palpate::apps {
 
-/// Reads a rigid motion: a text file of the 3 x 4 or 4 x 4 numbers of its matrix, row by row,
-/// between spaces, commas or line ends; shift in mm.
-/// \throws FileError naming what is wrong: missing, not so many numbers, one that is not finite, a
-/// last row other than 0 0 0 1, or no rotation (orthogonal to 1e-6, right-handed).
+/// Reads a rigid motion: a text file with the 3 x 4 or 4 x 4 numbers of its matrix, row by row,
+/// separated by spaces, commas or line ends; translation in mm.
+/// \throws FileError naming what is wrong: the file is missing, has another count of numbers or one
+/// that is not finite, has a last row other than 0 0 0 1, or the matrix is not a rotation
+/// (orthogonal to 1e-6, right-handed).
 [[nodiscard]] Eigen::Isometry3d read_pose(const std::filesystem::path& path);
 
 }  // namespace palpate::apps

@@ -11,7 +11,7 @@
 
 namespace palpate::apps {
 
-/// What a trial of a rig came to.
+/// Result of a trial of a rig.
 struct ReportLine {
   sensing::RigAssessment found;
   std::string failure;            ///< why nothing was measured; else empty

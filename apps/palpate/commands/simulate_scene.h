@@ -13,33 +13,33 @@
 
 namespace palpate::apps {
 
-/// What stands before the virtual sensor, and how.
+/// The scene in front of the virtual sensor.
 struct SceneCall {
   std::vector<std::filesystem::path> meshes;  ///< one, or a sequence
   geometry::ReadOptions read;
-  std::vector<double> turn;         ///< [degrees] about the camera's x, y and z; empty: not
+  std::vector<double> turn;         ///< [degrees] about the camera's x, y and z; empty for none
   std::optional<double> wall;       ///< [mm]
   std::vector<double> reflectance;  ///< one number, or red, green, blue
   double specular = 0, shininess = 50;
   std::filesystem::path texture;
-  double shutter = 0;  ///< share of the time between two meshes for which the shutter is open
+  double shutter = 0;  ///< share of the time between two meshes during which the shutter is open
 };
 
-/// The pose of a mesh, so that all meshes of a sequence get that of the first.
+/// The pose of a mesh; all meshes of a sequence get that of the first.
 struct Placement {
   Eigen::Isometry3d T_camera_mesh = Eigen::Isometry3d::Identity();
-  bool chosen = false;  ///< the distance is neither the user's nor the file's
+  bool chosen = false;  ///< the distance comes neither from the user nor from the file
 };
 
-/// The first mesh of the call stands with the centre of its bounding box in the middle of the
-/// image at that depth; without one where its file says, or, if that is not all in view, where it
-/// fills the image.
+/// Places the first mesh with the centre of its bounding box at the image centre at the given
+/// depth. Without a depth it stays where its file has it or, if it is not completely in view there,
+/// is moved to where it fills the image.
 [[nodiscard]] Placement place_mesh(const SceneCall& call, const sensing::Rig& rig,
                                    std::optional<double> distance);
 
-/// The mesh of that number, and after it the wall if there is one.
-/// \throws InvalidInput if it has no texture coordinates for a texture, or if not all meshes that
-/// the shutter blurs have the same vertices.
+/// The mesh with this index, followed by the wall if there is one.
+/// \throws InvalidInput if a texture needs texture coordinates that the mesh does not have, or if
+/// the meshes blurred by the shutter do not all have the same vertices.
 [[nodiscard]] std::vector<sensing::Body> load_bodies(const SceneCall& call, const sensing::Rig& rig,
                                                      const Placement& placement,
                                                      std::size_t number);

@@ -11,30 +11,30 @@
 
 namespace palpate::apps {
 
-/// [rad] What is said in degrees on the command line, times this, is what the library takes.
+/// [rad] Factor from degrees, used on the command line, to radians, used by the library.
 constexpr double kDegree = std::numbers::pi / 180;
 
-/// What every command understands.
+/// Settings that all commands have.
 struct Settings {
-  bool json = false;  ///< print one JSON object with the figures instead of prose
+  bool json = false;  ///< print the figures as one JSON object instead of text
 };
 
-/// Prints a result: the figures as one JSON object, or the prose.
+/// Prints a result: the figures as one JSON object, or the text.
 void print(const Settings& settings, const nlohmann::ordered_json& figures,
            const std::string& prose);
 
-/// Adds --unit: what one unit of the coordinates is in the meshes that a command reads.
+/// Adds the option --unit, the unit of the coordinates in the mesh files that a command reads.
 void add_unit_option(CLI::App& command, geometry::ReadOptions& options);
 
-/// Accepts numbers above 0, or at least 0, and no NaN.
+/// Accepts numbers > 0, or >= 0, respectively; never NaN.
 [[nodiscard]] CLI::Validator positive();
 [[nodiscard]] CLI::Validator not_negative();
 
-/// Makes an empty text a wrong value of every option of `app` and its subcommands: as the name of a
-/// file it would mean nothing, or the option left out.
+/// Rejects an empty value for every option of `app` and its subcommands. Otherwise an empty file
+/// name would count as an option that was not given.
 void refuse_empty_values(CLI::App& app);
 
-// Each adds one subcommand, whose callback does the work and throws what goes wrong.
+// Each function adds a subcommand; its callback does the work and throws exceptions on failure.
 void add_calibrate(CLI::App& app, const Settings& settings);
 void add_compare(CLI::App& app, const Settings& settings);
 void add_decode(CLI::App& app, const Settings& settings);

@@ -7,7 +7,7 @@
 
 namespace palpate::apps {
 
-/// A text that differs, in all likelihood, where the content of files does.
+/// A text that almost certainly differs if the content of the files differs.
 [[nodiscard]] std::string fingerprint(const std::filesystem::path& file);
 
 }  // namespace palpate::apps

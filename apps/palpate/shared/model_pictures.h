@@ -22,8 +22,8 @@ void draw_model_contacts(const std::filesystem::path& png, const haptics::Model&
 void draw_contact_field(const std::filesystem::path& png, const haptics::Model& model,
                         const probing::Acquisition& acquisition, std::size_t contact);
 
-/// Draws the errors of contacts that were predicted without themselves over the surface, between
-/// contacts by their weights, and unknown where no contact has influence.
+/// Draws the leave-one-out errors of contacts on the surface, interpolated between contacts by
+/// their weights, and unknown where no contact has influence.
 void draw_leave_one_out(const std::filesystem::path& png, const haptics::Model& model,
                         const haptics::LeaveOneOut& errors);
 

@@ -8,22 +8,22 @@
 
 namespace palpate::apps {
 
-/// Thrown by `Progress` after Ctrl-C, so that everything on the way out is cleaned up.
+/// Thrown by `Progress` after Ctrl-C, so that stack unwinding cleans up.
 struct Interrupted {};
 
-/// A progress bar on standard error, shown only on a terminal and only when the work takes more
-/// than a second, with the time that is left if the rest goes as what was done since the first
-/// `show`. While there is one, Ctrl-C and SIGTERM do not kill the process in the middle of a file:
-/// the next `show` throws. One at a time.
+/// A progress bar on standard error with the estimated time left. It appears only on a terminal and
+/// only if the work takes more than a second. While it exists, Ctrl-C and SIGTERM do not kill the
+/// process in the middle of a file; instead the next `show` throws. Only one may exist at a time.
 class Progress {
  public:
-  /// `what` in plain words, such as "decoding".
+  /// `what` describes the work, such as "decoding".
   explicit Progress(std::string what);
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// What an earlier run did belongs into the first call: it tells nothing of how fast this one is.
+  /// Updates the bar. The first call must include work done by an earlier run, which does not count
+  /// for the estimated time.
   /// Thread-safe.
   /// \throws Interrupted after Ctrl-C or SIGTERM.
   void show(int done, int total);
@@ -34,7 +34,7 @@ class Progress {
   std::string what_;
   bool terminal_;
   Clock::time_point start_;
-  bool counting_ = false;  // from the first call on
+  bool counting_ = false;  // since the first call
   int first_done_ = 0;
   Clock::time_point first_;
   Clock::time_point drawn_;

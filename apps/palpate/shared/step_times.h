@@ -10,12 +10,12 @@
 
 namespace palpate::apps {
 
-/// How long single steps of the haptic loop take [us], by what the contact did in them.
+/// Duration of single steps of the haptic loop [us], by contact state.
 struct StepTimes {
   geometry::ErrorStatistics all, free, stick, slip;
 };
 
-/// Plays a trajectory once more, with a clock around every step.
+/// Plays a trajectory again and measures every step.
 [[nodiscard]] StepTimes time_steps(const haptics::Playback& playback,
                                    std::span<const haptics::TrajectoryPoint> trajectory);
 

@@ -11,7 +11,7 @@
 
 namespace palpate::bench {
 
-/// What was measured at one contact, and what is true there.
+/// Measurements and truth at one contact.
 struct ContactData {
   Eigen::Matrix3Xd displacements;        ///< [mm] 3 x N, measured
   Eigen::Matrix3Xd forces;               ///< [N] 3 x N, measured
@@ -19,7 +19,7 @@ struct ContactData {
   Eigen::Matrix3Xd truth_forces;         ///< [N] 3 x M, without noise
 };
 
-/// One way to make a force field of a contact's samples.
+/// A method that makes a force field from a contact's samples.
 struct Method {
   std::string name;
   std::function<Predictor(const ContactData&)> fit;
@@ -30,14 +30,14 @@ struct Figures {
   double training_rms = 0;  ///< [N] median over the contacts
   double truth_rms = 0;     ///< [N] median over the contacts
   double truth_rms_p90 = 0;
-  /// [%] of the contacts: the work of pushing the tool straight from rest to somewhere in reach is
-  /// negative
+  /// [%] of the contacts where the work of pushing the tool straight from rest to some place within
+  /// reach is negative.
   double not_passive = 0;
-  /// [N mm] the most that a closed way through three places in reach gives or takes, largest
+  /// [N mm] largest energy that a closed path through three places within reach gains or loses
   double loop_energy = 0;
-  double numbers = 0;   ///< stored a contact, mean
-  double fit_ms = 0;    ///< processor time a contact, median
-  double force_us = 0;  ///< of one evaluation, median over the contacts of the mean
+  double numbers = 0;   ///< stored per contact, mean
+  double fit_ms = 0;    ///< processor time per contact, median
+  double force_us = 0;  ///< time of one evaluation, median over the contacts of the mean
 };
 
 [[nodiscard]] Figures measure(const Method& method, const std::vector<ContactData>& contacts);

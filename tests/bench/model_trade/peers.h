@@ -8,15 +8,16 @@
 
 namespace palpate::bench {
 
-/// Force [N] against displacement [mm] at one contact, however it was learnt.
+/// Force [N] as a function of displacement [mm] at one contact, learnt by any method.
 struct Predictor {
   std::function<Eigen::Vector3d(const Eigen::Vector3d&)> force;
-  std::size_t numbers = 0;  ///< that must be stored to evaluate it
+  std::size_t numbers = 0;  ///< that must be stored for evaluation
 };
 
-/// What one would write at home: a regular grid of `nodes` to the power of three over the bounding
-/// box of the displacements, at each node a local linear fit to the nearest samples, linear between
-/// nodes; outside the box the force at its border. 3 x N displacements and forces.
+/// A simple baseline: a regular grid of `nodes` to the power of three over the bounding box of the
+/// displacements, with a local linear fit to the nearest samples at each node and linear
+/// interpolation between nodes; outside the box the force at its border. 3 x N displacements and
+/// forces.
 [[nodiscard]] Predictor grid_lookup(const Eigen::Matrix3Xd& displacements,
                                     const Eigen::Matrix3Xd& forces, int nodes);
 
@@ -27,16 +28,16 @@ struct Predictor {
 [[nodiscard]] Predictor exact_rbf(const Eigen::Matrix3Xd& displacements,
                                   const Eigen::Matrix3Xd& forces);
 
-/// A Gaussian process for each component, squared exponential kernel with one length scale, noise
-/// as a share of the signal: both by the marginal likelihood, searched on a logarithmic grid. Zero
-/// displacement with zero force is one sample more.
+/// A Gaussian process for each component with a squared exponential kernel with one length scale
+/// and noise as a share of the signal, both chosen by the marginal likelihood on a logarithmic
+/// grid. Zero force at zero displacement is one additional sample.
 [[nodiscard]] Predictor gaussian_process(const Eigen::Matrix3Xd& displacements,
                                          const Eigen::Matrix3Xd& forces);
 
-/// The least squares of isotropic multiquadrics alone with weights >= 0, as many as it takes, of a
-/// dense dictionary: centres on a grid over three times the bounding box of displacements and zero,
-/// some roundings each (Lawson and Hanson's active set, to its optimum). How near such bases can
-/// get to the samples, whatever their number.
+/// Least squares with isotropic multiquadrics alone, with weights >= 0 and any number of bases from
+/// a dense dictionary: centres on a grid over three times the bounding box of displacements and
+/// zero, with some roundings each (Lawson and Hanson's active set method, run to its optimum).
+/// Shows how closely such bases can approximate the samples.
 [[nodiscard]] Predictor isotropic_only(const Eigen::Matrix3Xd& displacements,
                                        const Eigen::Matrix3Xd& forces);
 

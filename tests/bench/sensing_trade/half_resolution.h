@@ -6,9 +6,9 @@
 
 namespace palpate::bench {
 
-/// The same scene as a camera with a quarter of the pixels sees it: each is the mean of four. The
-/// truth is the mean of the four depths, and counts where all four do.
-/// Frames must have an even number of rows and columns, the camera no lens distortion to speak of.
+/// The same scene for a camera with a quarter of the pixels: each is the mean of four. The true
+/// depth is the mean of the four depths, and a pixel counts if all four do. Frames must have an
+/// even number of rows and columns, and the camera almost no lens distortion.
 [[nodiscard]] Scene half_resolution(Scene scene);
 
 }  // namespace palpate::bench

@@ -7,7 +7,7 @@
 
 namespace palpate::bench {
 
-/// What became of all views of a scene.
+/// Results over all views of a scene.
 struct Figures {
   double median = 0;    ///< [%] of the distance: absolute error of the counted pixels ...
   double rms = 0;       ///< [%] ... and its root mean square, without pixels that are off
@@ -21,11 +21,12 @@ struct Figures {
   double ms = 0;        ///< [ms] processor time of one frame on one thread
 };
 
-/// [px] So near to a depth step a pixel sees both sides.
+/// [px] A pixel this close to a depth step sees both sides.
 inline constexpr int kAtStep = 2;
 
-/// Decodes every view. The time of a frame is the least of `repeats`, the figure their median over
-/// the views. \param repeats > 0.
+/// Decodes every view. The time of a frame is the minimum of `repeats` runs, and the figure the
+/// median over the views.
+/// \param repeats > 0.
 [[nodiscard]] Figures measure(const Scene& scene, const sensing::DecodeOptions& options,
                               int repeats);
 

@@ -14,14 +14,14 @@
 
 namespace palpate::bench {
 
-/// One frame of which everything is known.
+/// A frame with known truth.
 struct View {
   cv::Mat frame;
   geometry::ImageF z;          ///< [mm] true depth, NaN where nothing is
   sensing::PixelMask counted;  ///< lit, visible, and facing both lenses within 65 degrees
 };
 
-/// Frames that one decoder decodes.
+/// Frames for one decoder.
 struct Scene {
   std::string name;
   sensing::Rig rig;

@@ -8,22 +8,22 @@
 
 namespace palpate::bench {
 
-/// A camera as good or bad as the noise it has.
+/// A camera, characterised by its noise.
 struct CameraNoise {
   double percent;    ///< of full scale: standard deviation at half of it
   double full_well;  ///< electrons; 0: no noise
 };
-/// The second one is the virtual sensor's own. All read with 20 electrons of noise.
+/// The second one is the default of the virtual sensor. All have a read noise of 20 electrons.
 inline constexpr CameraNoise kCameraNoises[] = {{0, 0}, {0.67, 12000}, {1.45, 3000}, {3, 1000}};
 inline constexpr CameraNoise kUsualNoise = kCameraNoises[1];
 
-/// Before the bundled rig (demo/), as a Bayer camera with a blur of 1 px and 8 bits sees them:
-/// planes that are tilted, folds of up to 50 degrees, a scanned hand before a wall, and a curved
+/// Scenes in front of the bundled rig (demo/), seen by a Bayer camera with a blur of 1 px and 8
+/// bits: tilted planes, folds of up to 50 degrees, a scanned hand in front of a wall, and a curved
 /// wall with a printed texture.
 [[nodiscard]] std::vector<Scene> smooth_scenes(const CameraNoise& noise = kUsualNoise);
 
-/// What misleads a decoder: colours that swallow stripes, gloss, steps of whole periods, wires,
-/// too much and too little light.
+/// Scenes that mislead a decoder: colours that absorb stripes, gloss, steps of whole periods,
+/// wires, too much and too little light.
 [[nodiscard]] std::vector<Scene> hard_scenes();
 
 }  // namespace palpate::bench

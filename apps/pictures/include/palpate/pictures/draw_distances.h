@@ -13,18 +13,19 @@ namespace palpate::pictures {
 struct DistancePicture {
   std::string title;
   std::string subtitle;
-  double limit = 0;  ///< [mm] the colours span -limit to limit, > 0; beyond, they stay the ends'
+  double limit = 0;  ///< [mm] the colours span -limit to limit, > 0; values outside are clamped
   std::string scale =
-      "signed distance (mm)";  ///< what the scale says: another quantity may be drawn
+      "signed distance (mm)";  ///< label of the scale; change it to draw another quantity
   bool one_sided = false;      ///< the colours span 0 to limit instead, from dark to light
 };
 
-/// Draws a surface whose triangles are coloured by a signed distance [mm], one a triangle, as a PNG
-/// of 1200 x 900 px with its scale: blue is negative, white is zero, red is positive, unknown (NaN)
-/// is light grey. Seen as `draw_mesh` shows a mesh, shaded only a little, so that the colours stay
-/// those of the scale. Works without a display.
-/// \throws InvalidInput if the mesh is not valid, the distances are not one a triangle or none of
-/// them is finite, or limit <= 0; OutputError.
+/// Draws a surface whose triangles are coloured by a signed distance [mm], one per triangle, as a
+/// PNG of 1200 x 900 px with its scale: blue is negative, white is zero, red is positive, unknown
+/// (NaN) is light grey. The view is that of `draw_mesh`, with little shading so that the colours
+/// match the scale. Works without a display.
+/// \throws InvalidInput if the mesh is not valid, there is not one distance per triangle or none is
+/// finite, or limit <= 0.
+/// \throws OutputError if the picture cannot be written.
 void draw_distances(const std::filesystem::path& png, const geometry::TriangleMesh& mesh,
                     const Eigen::Ref<const Eigen::VectorXd>& distances,
                     const DistancePicture& picture);

@@ -9,7 +9,7 @@
 
 namespace palpate::pictures {
 
-/// The hues under which one colour is seen.
+/// Distribution of the hues that are seen of one colour.
 struct HueDistribution {
   std::string name;
   double mean = 0;            ///< rad, in [0, 2 pi)
@@ -17,10 +17,11 @@ struct HueDistribution {
   Eigen::VectorXd histogram;  ///< counts, from hue 0 around the circle in equal steps
 };
 
-/// Draws as a PNG of 1200 x 700 px: for each colour, in its hue, the histogram as a thin line and
-/// the Gaussian around the circle as a thick one, both as densities. Works without a display.
-/// \throws InvalidInput naming the colour if there is none, a number is not finite, or a histogram
-/// is empty; OutputError.
+/// Draws as a PNG of 1200 x 700 px, for each colour and in its hue: the histogram as a thin line
+/// and the Gaussian around the circle as a thick one, both as densities. Works without a display.
+/// \throws InvalidInput, naming the colour, if there is no colour, a number is not finite, or a
+/// histogram is empty.
+/// \throws OutputError if the picture cannot be written.
 void draw_hues(const std::filesystem::path& png, const std::vector<HueDistribution>& hues,
                const std::string& title);
 

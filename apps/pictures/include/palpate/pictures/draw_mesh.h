@@ -9,10 +9,12 @@
 
 namespace palpate::pictures {
 
-/// Draws a shaded mesh as a PNG of 1200 x 900 px, from the camera's side: the viewer is where the
-/// origin is (X right, Y down, Z away), but 25 degrees to the right and 15 above, so that relief
-/// shows. Without perspective, so that the scale bar holds all over. Works without a display.
-/// \throws InvalidInput if the mesh is not valid; OutputError.
+/// Draws a shaded mesh as a PNG of 1200 x 900 px, seen from the camera's side: the viewer is at the
+/// origin (X right, Y down, Z away), moved by 25 degrees to the right and 15 degrees upwards to
+/// show relief. The projection is parallel, so that the scale bar is valid everywhere. Works
+/// without a display.
+/// \throws InvalidInput if the mesh is not valid.
+/// \throws OutputError if the picture cannot be written.
 void draw_mesh(const std::filesystem::path& png, const geometry::TriangleMesh& mesh,
                const std::string& title);
 

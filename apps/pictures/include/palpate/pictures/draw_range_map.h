@@ -10,9 +10,10 @@
 namespace palpate::pictures {
 
 /// Draws the depths of a range map in false colour as a PNG of 1200 x 900 px: near is blue, far is
-/// yellow, unknown (NaN) is light grey. The colours span the depths but for the nearest and the
+/// yellow, unknown (NaN) is light grey. The colours span the depths without the nearest and the
 /// farthest 0.5 %, so that a few wrong pixels do not hide the shape. Works without a display.
-/// \throws InvalidInput if the map is empty or holds no finite depth; OutputError.
+/// \throws InvalidInput if the map is empty or has no finite depth.
+/// \throws OutputError if the picture cannot be written.
 void draw_range_map(const std::filesystem::path& png, const geometry::RangeMap& map,
                     const std::string& title);
 

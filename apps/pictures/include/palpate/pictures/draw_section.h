@@ -12,19 +12,20 @@ namespace palpate::pictures {
 struct SectionSeries {
   std::string name;
   Eigen::VectorXd x;
-  Eigen::VectorXd y;  ///< as many as x; NaN breaks the line
+  Eigen::VectorXd y;  ///< one per x; NaN interrupts the line
 };
 
-/// What stands at the axes: quantity and unit.
+/// Labels of the axes: quantity and unit.
 struct SectionLabels {
   std::string x = "x (mm)";
   std::string y = "z (mm)";
 };
 
-/// Draws lines over one another as a PNG of 1200 x 700 px: cross-sections of surfaces, for one. Up
-/// to six colours, then they repeat. Works without a display.
-/// \throws InvalidInput naming the series if there is none, if x and y differ in size, or if
-/// nothing is finite; OutputError.
+/// Draws several lines in one chart as a PNG of 1200 x 700 px, for example cross-sections of
+/// surfaces. There are six colours, which repeat. Works without a display.
+/// \throws InvalidInput, naming the series, if there is none, if x and y differ in size, or if
+/// nothing is finite.
+/// \throws OutputError if the picture cannot be written.
 void draw_section(const std::filesystem::path& png, std::span<const SectionSeries> series,
                   const std::string& title, const SectionLabels& labels = {});
 
