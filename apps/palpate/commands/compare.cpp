@@ -181,8 +181,8 @@ std::string align(const CompareCall& call, geometry::TriangleMesh& a,
 }
 
 /// The accuracy of a sensor against a reference (thesis 3.5.1): over the parts that both have, in
-/// mm and, of a range map, as a part of their mean distance from the camera. \return the same in
-/// words.
+/// mm and, of a range map, as a part of their mean distance from the camera.
+/// \return the same in words.
 std::string compare_common_parts(const CompareCall& call, const geometry::TriangleMesh& a,
                                  const geometry::TriangleMesh& b, const Eigen::ArrayXd& depths,
                                  nlohmann::ordered_json& figures) {

@@ -14,7 +14,7 @@ namespace palpate::apps {
 
 /// Pictures are PNG files.
 /// \throws InvalidInput for a name with another ending. Empty paths stand for options that were not
-///         given.
+/// given.
 void check_pictures(const std::vector<std::filesystem::path>& pictures);
 
 /// \throws InvalidInput if `path` bears the name of the deviations or reasons that `decode` writes

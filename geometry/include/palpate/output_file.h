@@ -28,8 +28,7 @@ void write_file_by_path(const std::filesystem::path& path,
 /// place. A folder that is already there is replaced only if all it holds is among `entries`, the
 /// names in a folder of this kind: nothing that somebody else put there is ever removed.
 /// \throws InvalidInput as `check_replaceable`, before `write` is called; OutputError if it cannot
-/// be
-///         written.
+/// be written.
 void write_folder(const std::filesystem::path& path,
                   const std::vector<std::filesystem::path>& entries,
                   const std::function<void(const std::filesystem::path&)>& write);

@@ -30,8 +30,8 @@ class DeformationEquations {
 
   /// Moves the nodes by one step. `pairs`: one a sample. The weight of the planes is divided so
   /// that all samples together would weigh as much as there are nodes. Returns the largest move of
-  /// a node [mm], turns at the spacing of the nodes. \throws SolverError if the equations cannot be
-  /// solved.
+  /// a node [mm], turns at the spacing of the nodes.
+  /// \throws SolverError if the equations cannot be solved.
   /// \param anchors  3 x N [mm], where the nodes are held by kAnchor of the stiffness
   double step(std::span<const PlanePair> pairs, double stiffness, const Eigen::Matrix3Xd& anchors,
               std::vector<Eigen::Isometry3d>& motions);

@@ -169,7 +169,8 @@ std::complex<double> sample(const Demodulated& signal, const Eigen::Vector2d& pl
 }
 
 /// Mean phase over a cell of a channel relative to green, where green's pixels appear in the
-/// channel. \param center where the cell's centre appears.
+/// channel.
+/// \param center where the cell's centre appears.
 double relative_phase(const WhiteView& view, const Demodulated& channel, const PhaseCell& cell,
                       const Eigen::Vector2d& center, double alpha, double carrier) {
   std::complex<double> sum = 0;

@@ -146,7 +146,8 @@ Count count_by_plane(const std::vector<Sample>& samples, const Triangulation& tr
   return {periods, std::sqrt(std::max(rest.noise, rest.slow)) / change.norm(), {}};
 }
 
-/// The number of periods that known depths tell. \param missing periods that each sample lacks.
+/// The number of periods that known depths tell.
+/// \param missing periods that each sample lacks.
 Count count_by_depth(const std::vector<double>& missing) {
   if (missing.empty()) return {{}, 0, "no depth is known where its phase is reliable"};
   const double number = std::round(geometry::median(missing));

@@ -20,8 +20,8 @@ namespace palpate::haptics {
 /// around one another that share a triangle of contacts or a vertex of the surface's weights, or do
 /// so with one between. The reach is twice the median distance of a contact to the nearest one
 /// around it. The result does not depend on the frame of the world or, but for rounding, on the
-/// order of contacts and a common turn of the local axes about z. \throws InvalidInput unless the
-/// force is > 0 and finite, or if `check_model` refuses.
+/// order of contacts and a common turn of the local axes about z.
+/// \throws InvalidInput unless the force is > 0 and finite, or if `check_model` refuses.
 [[nodiscard]] Model with_compliances(Model model, double reference_force);
 
 }  // namespace palpate::haptics

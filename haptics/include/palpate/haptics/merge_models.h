@@ -72,8 +72,8 @@ struct MergedModel {
 /// does, learnt anew from all contacts, under the least reference force of those sides: with that
 /// much they were all pressed. All but places is `rounded`. Where all ids differ they stay;
 /// otherwise those of side k are raised by k times the same power of ten. `Model::made` says what
-/// came from where. Sides of which one has friction and one none are merged as they are. \throws
-/// InvalidInput if there is no side, one is refused by `check_model` or its surface is not
+/// came from where. Sides of which one has friction and one none are merged as they are.
+/// \throws InvalidInput if there is no side, one is refused by `check_model` or its surface is not
 /// manifold, a pose is not a rotation and a finite shift, an option is out of its range, a contact
 /// is further from the merged surface than `max_distance` or faces its inside, or fewer than three
 /// contacts are left; SolverError and Unavailable as merging and triangulating do.

@@ -22,9 +22,10 @@ inline constexpr std::size_t kMaxJsonContacts = 10'000;
 /// CBOR) if there is no `field.json`. docs/model-file.md tells what is in it, and
 /// docs/field.schema.json describes the document; those of older versions
 /// (docs/field-v1.schema.json) are read too. Compliances of contacts are not stored but computed
-/// again (`with_compliances`). \throws FileError if a file is missing, truncated, of
-/// a version to come, or holds what `check_model` refuses or a number beyond 1e12; it names the
-/// file, the JSON pointer and what would be right.
+/// again (`with_compliances`).
+/// \throws FileError if a file is missing, truncated, of a version to come, or holds what
+/// `check_model` refuses or a number beyond 1e12; it names the file, the JSON pointer and what
+/// would be right.
 [[nodiscard]] Model read_model(const std::filesystem::path& folder);
 
 /// Names of what `write_model` may replace in a folder (see `check_replaceable`).

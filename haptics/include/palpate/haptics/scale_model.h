@@ -53,9 +53,9 @@ struct ScaledModel {
 /// axes, `rms` grows by what refitting lost; `passivity` and `fit_mode` are those of a refitted
 /// field, whose `chi2` and `condition` are not known; `samples` and `fit_stop` tell of the fit
 /// to the measurements. Compliances are learnt anew. The registration of the acquisition is
-/// dropped: samples belong to the object as it was measured. \throws InvalidInput if the model
-/// is refused by `check_model` or an option is out of its range; SolverError if numbers
-/// overflow.
+/// dropped: samples belong to the object as it was measured.
+/// \throws InvalidInput if the model is refused by `check_model` or an option is out of its range;
+/// SolverError if numbers overflow.
 [[nodiscard]] ScaledModel scale_model(const Model& model, const ScaleModelOptions& options);
 
 /// "material", "forces" or "feel".
