@@ -1,0 +1,62 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/require.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "palpate/error.h"
+
+namespace palpate {
+namespace {
+
+/// The shortest decimal that reads back as this number; pi by its name.
+std::string limit(double value) {
+  if (value == std::numbers::pi) return "pi";
+  if (value == std::numbers::pi / 2) return "pi/2";
+  return fmt::format("{}", value);
+}
+
+}  // namespace
+
+std::string to_string(const Interval& range) {
+  const bool from = std::isfinite(range.low);
+  const bool to = std::isfinite(range.high);
+  if (from && to) {
+    return fmt::format("in {}{}, {}{}", range.low_open ? '(' : '[', limit(range.low),
+                       limit(range.high), range.high_open ? ')' : ']');
+  }
+  const bool is_finite = (from || range.low_open) && (to || range.high_open);
+  const char* and_finite = is_finite ? " and finite" : "";
+  if (from)
+    return fmt::format("{} {}{}", range.low_open ? ">" : ">=", limit(range.low), and_finite);
+  if (to)
+    return fmt::format("{} {}{}", range.high_open ? "<" : "<=", limit(range.high), and_finite);
+  return is_finite ? "finite" : "a number";
+}
+
+void require(std::string_view name, double value, const Interval& range, std::string_view unit) {
+  if (range.contains(value)) return;
+  throw InvalidInput(fmt::format("{} is {}{}{}; it must be {}", name, value,
+                                 unit.empty() ? "" : " ", unit, to_string(range)));
+}
+
+void require(std::string_view name, const std::optional<double>& value, const Interval& range,
+             std::string_view unit) {
+  if (value) require(name, *value, range, unit);
+}
+
+void require_one_of(std::string_view name, int value, std::initializer_list<int> choices) {
+  if (std::find(choices.begin(), choices.end(), value) != choices.end()) return;
+  std::string words;
+  for (const int& choice : choices) {
+    if (&choice != choices.begin()) words += &choice + 1 == choices.end() ? " or " : ", ";
+    words += fmt::format("{}", choice);
+  }
+  throw InvalidInput(fmt::format("{} is {}; it must be {}", name, value, words));
+}
+
+}  // namespace palpate
