@@ -7,20 +7,17 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
-#include <string>
 
 #include "base/thread_order.h"
 #include "palpate/error.h"
+#include "palpate/require.h"
 
 namespace palpate {
 
 void work_in_order_erased(const std::function<std::shared_ptr<void>()>& next,
                           const std::function<void(void*)>& work,
                           const std::function<void(void*)>& deliver, int max_live) {
-  if (max_live < 1) {
-    throw InvalidInput("work_in_order: max_live is " + std::to_string(max_live) +
-                       "; at least 1 is needed");
-  }
+  require("work_in_order(): max_live", max_live, at_least(1));
   using Item = std::shared_ptr<void>;
   // Places whose addresses stand for the beginning and end of the call, and for its two serial
   // functions.

@@ -12,6 +12,7 @@
 
 #include "mesh/triangle_primitives.h"
 #include "palpate/error.h"
+#include "palpate/require.h"
 
 namespace palpate::geometry {
 namespace {
@@ -83,10 +84,8 @@ void check_weights(const TriangleMesh& surface, size_t contact_count,
                            " name contact " + std::to_string(contact) + "; there are " +
                            std::to_string(contact_count) + ", and -1 stands for none");
       }
-      if (!(weight >= 0 && weight < std::numeric_limits<double>::infinity())) {
-        throw InvalidInput("ContactLocator: a weight of vertex " + std::to_string(v) + " is " +
-                           std::to_string(weight) + "; it must be >= 0 and finite");
-      }
+      require("ContactLocator(): a weight of vertex " + std::to_string(v), weight,
+              at_least(0).finite());
     }
   }
 }

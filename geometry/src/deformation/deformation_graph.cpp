@@ -14,6 +14,7 @@
 
 #include "palpate/error.h"
 #include "palpate/parallel_for.h"
+#include "palpate/require.h"
 
 namespace palpate::geometry {
 namespace {
@@ -202,10 +203,7 @@ Eigen::Matrix2Xi node_pairs(const DeformationGraph::Influences& influences,
 
 DeformationGraph::DeformationGraph(TriangleMesh mesh, const DeformationGraphOptions& options)
     : mesh_(std::move(mesh)) {
-  if (options.nodes < 1) {
-    throw InvalidInput("DeformationGraph: nodes is " + std::to_string(options.nodes) +
-                       "; it must be >= 1");
-  }
+  require("DeformationGraphOptions::nodes", options.nodes, at_least(1));
   check_mesh(mesh_, "DeformationGraph");
   normals_ = vertex_normals(mesh_);
   const EdgeLists edge_lists(mesh_);

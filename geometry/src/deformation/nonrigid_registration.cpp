@@ -13,6 +13,7 @@
 #include "deformation/measured_surface.h"
 #include "palpate/error.h"
 #include "palpate/parallel_for.h"
+#include "palpate/require.h"
 
 namespace palpate::geometry {
 namespace {
@@ -133,27 +134,15 @@ double between(double start, double end, int level) {
 }
 
 void check_options(const NonRigidOptions& options) {
-  const auto refuse = [](const char* name, auto value, const char* right) {
-    throw InvalidInput("register_deformed: " + std::string(name) + " is " + std::to_string(value) +
-                       "; it must be " + right);
-  };
-  if (options.max_iterations < 1) refuse("max_iterations", options.max_iterations, ">= 1");
-  if (!(options.max_correspondence > 0 && std::isfinite(options.max_correspondence))) {
-    refuse("max_correspondence", options.max_correspondence, "> 0, of the mesh's diagonal");
-  }
-  if (!(options.min_correspondence > 0 &&
-        options.min_correspondence <= options.max_correspondence)) {
-    refuse("min_correspondence", options.min_correspondence, "> 0 and at most max_correspondence");
-  }
-  if (!(options.max_normal_angle > 0 && options.max_normal_angle < std::numbers::pi / 2)) {
-    refuse("max_normal_angle", options.max_normal_angle, "> 0 and < pi/2 rad");
-  }
-  if (!(options.stiffness > 0 && std::isfinite(options.stiffness))) {
-    refuse("stiffness", options.stiffness, "> 0");
-  }
-  if (!(options.min_matched >= 0 && options.min_matched <= 1)) {
-    refuse("min_matched", options.min_matched, "in [0, 1]");
-  }
+  require("NonRigidOptions::max_iterations", options.max_iterations, at_least(1));
+  require("NonRigidOptions::max_correspondence", options.max_correspondence, above(0).finite(),
+          "of the mesh's diagonal");
+  require("NonRigidOptions::min_correspondence", options.min_correspondence,
+          above(0).at_most(options.max_correspondence), "of the mesh's diagonal");
+  require("NonRigidOptions::max_normal_angle", options.max_normal_angle,
+          above(0).below(std::numbers::pi / 2), "rad");
+  require("NonRigidOptions::stiffness", options.stiffness, above(0).finite());
+  require("NonRigidOptions::min_matched", options.min_matched, at_least(0).at_most(1));
 }
 
 std::vector<Eigen::Isometry3d> check_start(const DeformationGraph& graph,

@@ -20,6 +20,7 @@
 #include "palpate/error.h"
 #include "palpate/geometry/mesh_topology.h"
 #include "palpate/geometry/surface_query.h"
+#include "palpate/require.h"
 
 namespace palpate::geometry {
 namespace {
@@ -40,17 +41,10 @@ constexpr double kSettled = 1e-12;
 constexpr double kBorderWeight = 10;
 
 void check_options(const SurfaceMapOptions& options) {
-  const auto refuse = [](const char* name, double value, const char* right) {
-    throw InvalidInput(fmt::format("map_surface: {} is {}, but must be {}", name, value, right));
-  };
-  if (!(options.max_landmark_distance > 0))
-    refuse("max_landmark_distance", options.max_landmark_distance, "> 0");
-  if (!(options.max_area_distortion > 1))
-    refuse("max_area_distortion", options.max_area_distortion, "> 1");
-  if (!(options.max_angle_distortion > 1))
-    refuse("max_angle_distortion", options.max_angle_distortion, "> 1");
-  if (!(options.max_bad_share >= 0 && options.max_bad_share <= 1))
-    refuse("max_bad_share", options.max_bad_share, "in [0, 1]");
+  require("SurfaceMapOptions::max_landmark_distance", options.max_landmark_distance, above(0));
+  require("SurfaceMapOptions::max_area_distortion", options.max_area_distortion, above(1));
+  require("SurfaceMapOptions::max_angle_distortion", options.max_angle_distortion, above(1));
+  require("SurfaceMapOptions::max_bad_share", options.max_bad_share, at_least(0).at_most(1));
 }
 
 void check_topology(const TriangleMesh& source, const TriangleMesh& target) {

@@ -12,6 +12,7 @@
 
 #include "base/input_file.h"
 #include "palpate/error.h"
+#include "palpate/require.h"
 
 namespace palpate::geometry {
 namespace {
@@ -115,9 +116,8 @@ void set_colors(Attributes& attributes, const Eigen::Ref<const Eigen::MatrixXd>&
     std::vector<std::uint8_t> bytes;
     bytes.reserve(static_cast<std::size_t>(colors.cols()));
     for (const double value : colors.row(row)) {
-      if (!(value >= 0 && value <= 1))
-        throw InvalidInput("set_colors(): column " + std::to_string(bytes.size()) + " holds " +
-                           std::to_string(value) + "; numbers from 0 to 1 are needed");
+      require("set_colors(): a colour of column " + std::to_string(bytes.size()), value,
+              at_least(0).at_most(1));
       bytes.push_back(
           static_cast<std::uint8_t>(std::lround(value * std::numeric_limits<std::uint8_t>::max())));
     }

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <cmath>
 
 #include "base/input_file.h"
 #include "palpate/error.h"
+#include "palpate/require.h"
 
 namespace palpate::geometry {
 namespace {
@@ -74,9 +74,7 @@ FileUnit take_unit(const ReadOptions& options, std::optional<double> of_format,
 }
 
 void check_options(const ReadOptions& options) {
-  if (options.unit && !(*options.unit > 0 && std::isfinite(*options.unit)))
-    throw InvalidInput("ReadOptions: unit is " + std::to_string(*options.unit) +
-                       " mm; a length > 0 is needed");
+  require("ReadOptions::unit", options.unit, above(0).finite(), "mm");
 }
 
 void check_comments(const std::vector<std::string>& comments, const char* what) {

@@ -7,15 +7,13 @@
 #include "geodesic/exact_geodesic_distance.h"
 #include "geodesic/fast_marching.h"
 #include "palpate/error.h"
+#include "palpate/require.h"
 
 namespace palpate::geometry {
 
 GeodesicDistance geodesic_distance(const TriangleMesh& mesh, std::span<const SurfacePoint> sources,
                                    const GeodesicOptions& options) {
-  if (!(options.stop_radius > 0)) {
-    throw InvalidInput("geodesic_distance: stop_radius is " + std::to_string(options.stop_radius) +
-                       " mm; it must be > 0");
-  }
+  require("GeodesicOptions::stop_radius", options.stop_radius, above(0), "mm");
   check_mesh(mesh, "geodesic_distance");
   if (sources.empty()) {
     throw InvalidInput("geodesic_distance: there is no source; pass at least one");

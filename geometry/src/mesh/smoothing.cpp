@@ -3,16 +3,17 @@
 #include "palpate/geometry/smoothing.h"
 
 #include <fmt/format.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
 
 #include <Eigen/Core>
 #include <numeric>
-#include <string>
 #include <utility>
 #include <vector>
 
-#include "palpate/error.h"
 #include "palpate/geometry/mesh_topology.h"
 #include "palpate/parallel_for.h"
+#include "palpate/require.h"
 
 namespace palpate::geometry {
 namespace {
@@ -23,15 +24,9 @@ constexpr double kMaxLambda = 0.6;
 constexpr Eigen::Index kGrain = 4096;
 
 void check_options(const SmoothingOptions& options) {
-  if (options.iterations < 0)
-    throw InvalidInput("iterations is " + std::to_string(options.iterations) +
-                       "; a number of at least 0 is needed");
-  if (!(options.lambda > 0 && options.lambda <= kMaxLambda))
-    throw InvalidInput(fmt::format("lambda is {}; a number above 0 and up to {} is needed",
-                                   options.lambda, kMaxLambda));
-  if (!(options.pass_band > 0 && options.pass_band < 1))
-    throw InvalidInput("pass_band is " + std::to_string(options.pass_band) +
-                       "; a number above 0 and below 1 is needed");
+  require("SmoothingOptions::iterations", options.iterations, at_least(0));
+  require("SmoothingOptions::lambda", options.lambda, above(0).at_most(kMaxLambda));
+  require("SmoothingOptions::pass_band", options.pass_band, above(0).below(1));
 }
 
 /// The vertices that each vertex is drawn to, one list after the other.

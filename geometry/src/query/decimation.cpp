@@ -2,18 +2,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/geometry/decimation.h"
 
+#include <fmt/format.h>
 #include <meshoptimizer.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <numeric>
 #include <optional>
-#include <string>
 #include <utility>
 
 #include "mesh/triangle_neighbours.h"
 #include "palpate/error.h"
+#include "palpate/require.h"
 #include "query/decimation_check.h"
 #include "query/local_frame.h"
 
@@ -206,18 +206,12 @@ Decimation compact(const TriangleMesh& mesh) {
 }
 
 void check(const DecimationOptions& options) {
-  const bool by_tolerance = options.tolerance != 0;
-  if (by_tolerance && !(options.tolerance > 0 && std::isfinite(options.tolerance))) {
-    throw InvalidInput("decimate(): tolerance is " + std::to_string(options.tolerance) +
-                       " mm; it must be > 0 and finite");
-  }
-  if (options.max_triangles < 0) {
-    throw InvalidInput("decimate(): max_triangles is " + std::to_string(options.max_triangles) +
-                       "; it must be > 0");
-  }
-  if (by_tolerance == (options.max_triangles > 0)) {
+  require("DecimationOptions::tolerance", options.tolerance, above(0).finite(), "mm");
+  require("DecimationOptions::max_triangles", options.max_triangles, at_least(1));
+  if (options.tolerance.has_value() == options.max_triangles.has_value()) {
     throw InvalidInput(
-        "decimate(): give either the tolerance [mm] or max_triangles, exactly one of both");
+        fmt::format("DecimationOptions: {} given; give either the tolerance [mm] or max_triangles",
+                    options.tolerance ? "both tolerance and max_triangles are" : "no limit is"));
   }
 }
 
@@ -271,9 +265,9 @@ Decimation decimate(const TriangleMesh& mesh, const DecimationOptions& options) 
   check_mesh(mesh, "decimate(): mesh");
   const DecimationStandard standard(mesh);
   int tries = 0;
-  const TriangleMesh best = options.tolerance > 0
-                                ? to_tolerance(mesh, standard, options.tolerance, tries)
-                                : to_count(mesh, standard, options.max_triangles, tries);
+  const TriangleMesh best = options.tolerance
+                                ? to_tolerance(mesh, standard, *options.tolerance, tries)
+                                : to_count(mesh, standard, *options.max_triangles, tries);
   if (best.triangles.cols() == mesh.triangles.cols()) {
     Decimation same{.mesh = mesh, .vertex = {}, .distance = 0, .tries = tries};
     same.vertex.resize(static_cast<std::size_t>(mesh.vertices.cols()));
@@ -285,7 +279,7 @@ Decimation decimate(const TriangleMesh& mesh, const DecimationOptions& options) 
   const HausdorffDistance distance = hausdorff_distance(mesh, result.mesh);
   // Both bounds hold; that by which the mesh passed may be the tighter one.
   result.distance =
-      options.tolerance > 0 ? std::min(distance.upper, options.tolerance) : distance.upper;
+      options.tolerance ? std::min(distance.upper, *options.tolerance) : distance.upper;
   return result;
 }
 

@@ -4,22 +4,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
 #include <vector>
 
 #include "mesh/triangle_primitives.h"
 #include "palpate/error.h"
 #include "palpate/geometry/range_map_score.h"
+#include "palpate/require.h"
 #include "query/distance_bound.h"
 
 namespace palpate::geometry {
 namespace {
-
-void check(const char* function, const HausdorffOptions& options) {
-  if (options.max_gap > 0 && options.max_gap <= 1) return;
-  throw InvalidInput(std::string(function) + ": max_gap is " + std::to_string(options.max_gap) +
-                     "; it must be in (0, 1]");
-}
 
 /// More take more memory than there is: each has three points, and a place in the result.
 constexpr int kMaxCells = 100'000'000;
@@ -120,7 +114,7 @@ double weighted_quantile(const std::vector<std::pair<double, double>>& sorted, d
 
 LargestDistance one_sided_hausdorff_distance(const TriangleMesh& from, const TriangleMesh& to,
                                              const HausdorffOptions& options) {
-  check("one_sided_hausdorff_distance()", options);
+  require("HausdorffOptions::max_gap", options.max_gap, above(0).at_most(1));
   check_mesh(from, "one_sided_hausdorff_distance(): from");
   check_mesh(to, "one_sided_hausdorff_distance(): to");
   return bound_largest_distance(from, DistanceTarget(to), {.max_gap = options.max_gap});
@@ -128,7 +122,7 @@ LargestDistance one_sided_hausdorff_distance(const TriangleMesh& from, const Tri
 
 HausdorffDistance hausdorff_distance(const TriangleMesh& a, const TriangleMesh& b,
                                      const HausdorffOptions& options) {
-  check("hausdorff_distance()", options);
+  require("HausdorffOptions::max_gap", options.max_gap, above(0).at_most(1));
   check_mesh(a, "hausdorff_distance(): a");
   check_mesh(b, "hausdorff_distance(): b");
   const BoundGoal goal{.max_gap = options.max_gap};
@@ -142,10 +136,7 @@ HausdorffDistance hausdorff_distance(const TriangleMesh& a, const TriangleMesh& 
 
 SurfaceDistances surface_distances(const TriangleMesh& from, const TriangleMesh& to,
                                    const SurfaceDistanceOptions& options) {
-  if (options.cells < 1 || options.cells > kMaxCells) {
-    throw InvalidInput("surface_distances(): cells is " + std::to_string(options.cells) +
-                       "; it must be in [1, " + std::to_string(kMaxCells) + "]");
-  }
+  require("SurfaceDistanceOptions::cells", options.cells, at_least(1).at_most(kMaxCells));
   check_mesh(from, "surface_distances(): from");
   check_mesh(to, "surface_distances(): to");
   Eigen::VectorXd areas(from.triangles.cols());

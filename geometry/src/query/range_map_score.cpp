@@ -11,6 +11,7 @@
 #include "palpate/error.h"
 #include "palpate/geometry/surface_query.h"
 #include "palpate/parallel_for.h"
+#include "palpate/require.h"
 
 namespace palpate::geometry {
 namespace {
@@ -132,9 +133,7 @@ RangeMapScore score_range_map(
     double max_error) {
   check_same_size("score_range_map()", measured.rows(), measured.cols(), truth);
   check_same_size("score_range_map()", measurable.rows(), measurable.cols(), truth);
-  if (!(max_error > 0))
-    throw InvalidInput("score_range_map(): max_error is " + std::to_string(max_error) +
-                       " mm; it must be > 0");
+  require("score_range_map(): max_error", max_error, above(0), "mm");
   std::vector<double> errors, distances;
   long known = 0, wrong = 0, found = 0, wanted = 0;
   for (Eigen::Index i = 0; i < truth.size(); ++i) {
@@ -177,7 +176,7 @@ Eigen::VectorXd distances_to_surface(const Eigen::Ref<const Eigen::Matrix3Xd>& p
 
 Eigen::VectorXd distances_in_both(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
                                   const TriangleMesh& surface, double max_distance) {
-  if (!(max_distance > 0)) throw InvalidInput("distances_in_both: max_distance has to be > 0");
+  require("distances_in_both(): max_distance", max_distance, above(0), "mm");
   const SurfaceQuery query(surface);
   const Border border(surface);
   Eigen::VectorXd distances(points.cols());

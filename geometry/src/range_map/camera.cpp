@@ -10,6 +10,7 @@
 
 #include "palpate/error.h"
 #include "palpate/parallel_for.h"
+#include "palpate/require.h"
 #include "range_map/pixel_rays.h"
 
 namespace palpate::geometry {
@@ -173,22 +174,19 @@ void continue_rays(const Camera& camera, int row, int col,
 
 void check_camera(const Camera& camera, const char* what) {
   const std::string name(what);
-  if (camera.width <= 0 || camera.height <= 0)
-    throw InvalidInput(name + ": size is " + std::to_string(camera.width) + " x " +
-                       std::to_string(camera.height) + " px; both must be positive");
+  require(name + ": width", camera.width, at_least(1), "px");
+  require(name + ": height", camera.height, at_least(1), "px");
   if (std::int64_t{camera.width} * camera.height > kMaxPixels)
     throw InvalidInput(name + ": size is " + std::to_string(camera.width) + " x " +
-                       std::to_string(camera.height) + " px; at most 2^28 pixels can be used");
-  if (!std::isfinite(camera.fx) || !std::isfinite(camera.fy) || camera.fx <= 0 || camera.fy <= 0)
-    throw InvalidInput(name + ": focal lengths are " + std::to_string(camera.fx) + ", " +
-                       std::to_string(camera.fy) + " px; both must be positive and finite");
-  if (!std::isfinite(camera.cx) || !std::isfinite(camera.cy))
-    throw InvalidInput(name + ": principal point is " + std::to_string(camera.cx) + ", " +
-                       std::to_string(camera.cy) + " px; both must be finite");
+                       std::to_string(camera.height) + " px; it must be at most 2^28 pixels");
+  require(name + ": fx", camera.fx, above(0).finite(), "px");
+  require(name + ": fy", camera.fy, above(0).finite(), "px");
+  require(name + ": cx", camera.cx, finite(), "px");
+  require(name + ": cy", camera.cy, finite(), "px");
   for (std::size_t i = 0; i < camera.distortion.size(); ++i)
-    if (!std::isfinite(camera.distortion[i]))
-      throw InvalidInput(name + ": distortion coefficient " + std::to_string(i) +
-                         " (of k1 k2 p1 p2 k3 k4 k5 k6, from 0) is not finite");
+    require(name + ": distortion coefficient " + std::to_string(i) +
+                " (of k1 k2 p1 p2 k3 k4 k5 k6, from 0)",
+            camera.distortion[i], finite());
 }
 
 Eigen::Vector2d distort(const Camera& camera, const Eigen::Vector2d& normalized) {

@@ -11,21 +11,19 @@
 #include <limits>
 #include <numbers>
 #include <numeric>
-#include <string>
 
 #include "palpate/error.h"
 #include "palpate/parallel_for.h"
+#include "palpate/require.h"
 
 namespace palpate::geometry {
 namespace {
 
 void check_options(const RangeMapMeshOptions& options) {
-  if (!(options.max_depth_step > 0) || !std::isfinite(options.max_depth_step))
-    throw InvalidInput("max_depth_step is " + std::to_string(options.max_depth_step) +
-                       "; a fraction of the depth above 0 is needed, such as 0.01");
-  if (!(options.max_incidence > 0 && options.max_incidence <= std::numbers::pi / 2))
-    throw InvalidInput("max_incidence is " + std::to_string(options.max_incidence) +
-                       "; an angle above 0 and up to pi/2 rad is needed");
+  require("RangeMapMeshOptions::max_depth_step", options.max_depth_step, above(0).finite(),
+          "of the depth");
+  require("RangeMapMeshOptions::max_incidence", options.max_incidence,
+          above(0).at_most(std::numbers::pi / 2), "rad");
 }
 
 /// Tells which neighbouring pixels lie on one surface.

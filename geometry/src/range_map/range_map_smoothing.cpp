@@ -13,6 +13,7 @@
 
 #include "palpate/error.h"
 #include "palpate/parallel_for.h"
+#include "palpate/require.h"
 
 namespace palpate::geometry {
 namespace {
@@ -45,13 +46,10 @@ void check(const ImageF& z, const ImageF& sigma, const RangeMapSmoothingOptions&
                        std::to_string(sigma.cols()) + " x " + std::to_string(sigma.rows()) +
                        "; both have to be of one frame");
   }
-  if (options.radius_px < 1 || options.radius_px > kMostRadius) {
-    throw InvalidInput("smooth_range_map: radius_px is " + std::to_string(options.radius_px) +
-                       "; it has to be in [1, " + std::to_string(kMostRadius) + "]");
-  }
-  if (!(options.max_residual > 0))
-    throw InvalidInput("smooth_range_map: max_residual has to be > 0");
-  if (!(options.max_move > 0)) throw InvalidInput("smooth_range_map: max_move has to be > 0");
+  require("RangeMapSmoothingOptions::radius_px", options.radius_px,
+          at_least(1).at_most(kMostRadius), "px");
+  require("RangeMapSmoothingOptions::max_residual", options.max_residual, above(0));
+  require("RangeMapSmoothingOptions::max_move", options.max_move, above(0));
 }
 
 bool is_usable(float z, float sigma) {

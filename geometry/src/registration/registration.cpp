@@ -11,6 +11,7 @@
 #include "base/rank_quantile.h"
 #include "base/rigid_motion.h"
 #include "palpate/error.h"
+#include "palpate/require.h"
 #include "registration/pose_search.h"
 #include "registration/pose_verdict.h"
 #include "registration/registration_pcl.h"
@@ -43,22 +44,16 @@ constexpr double kStay = 1e-3;
 constexpr double kConverged = 1e-10;
 constexpr double kOfMeanError = 0.01;
 
-void check_options(const RegistrationOptions& o) {
-  const auto refuse = [](const char* name, double value, const char* rule) {
-    throw InvalidInput(fmt::format("register_points: {} is {}; it must be {}", name, value, rule));
-  };
-  if (o.max_iterations < 1) refuse("max_iterations", o.max_iterations, ">= 1");
-  if (!(o.search_rotation >= 0 && o.search_rotation <= std::numbers::pi)) {
-    refuse("search_rotation", o.search_rotation, "in [0, pi]");
-  }
-  if (!(o.search_translation >= 0)) refuse("search_translation", o.search_translation, ">= 0");
-  if (!(o.min_overlap > 0 && o.min_overlap <= 1)) {
-    refuse("min_overlap", o.min_overlap, "in (0, 1]");
-  }
-  if (!(o.max_rms > 0)) refuse("max_rms", o.max_rms, "> 0");
-  if (!is_rigid(o.T_target_source_start)) {
+void check_options(const RegistrationOptions& options) {
+  require("RegistrationOptions::max_iterations", options.max_iterations, at_least(1));
+  require("RegistrationOptions::search_rotation", options.search_rotation,
+          at_least(0).at_most(std::numbers::pi), "rad");
+  require("RegistrationOptions::search_translation", options.search_translation, at_least(0), "mm");
+  require("RegistrationOptions::min_overlap", options.min_overlap, above(0).at_most(1));
+  require("RegistrationOptions::max_rms", options.max_rms, above(0), "mm");
+  if (!is_rigid(options.T_target_source_start)) {
     throw InvalidInput(
-        "register_points: T_target_source_start is not a rotation and a finite shift");
+        "RegistrationOptions::T_target_source_start is not a rotation and a finite shift");
   }
 }
 

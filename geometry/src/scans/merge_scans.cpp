@@ -3,12 +3,12 @@
 #include "palpate/geometry/merge_scans.h"
 
 #include <cstddef>
-#include <string>
 #include <vector>
 
 #include "palpate/error.h"
 #include "palpate/geometry/mesh_repair.h"
 #include "palpate/geometry/surface_query.h"
+#include "palpate/require.h"
 #include "scans/poisson_surface.h"
 #include "scans/registered_scans.h"
 
@@ -67,10 +67,7 @@ std::vector<bool> near_scans(const TriangleMesh& mesh, const std::vector<Triangl
 }  // namespace
 
 MergedScans merge_scans(std::span<const Scan> scans, const MergeScansOptions& options) {
-  if (!(options.reach > 0)) {
-    throw InvalidInput("merge_scans: reach is " + std::to_string(options.reach) +
-                       ", but must be > 0");
-  }
+  require("MergeScansOptions::reach", options.reach, above(0));
   const std::vector<TriangleMesh> meshes = in_frame_of_object(scans, "merge_scans");
   MergedScans merged{.mesh = {}, .spacing = median_edge_length(meshes, "merge_scans")};
   const OrientedPoints all = points_with_normals(meshes);

@@ -4,7 +4,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <limits>
 #include <string>
@@ -15,6 +14,7 @@
 #include "palpate/geometry/mesh_repair.h"
 #include "palpate/geometry/mesh_topology.h"
 #include "palpate/geometry/surface_query.h"
+#include "palpate/require.h"
 #include "scans/registered_scans.h"
 #include "scans/scan_seam.h"
 
@@ -297,10 +297,7 @@ class Zipper {
 }  // namespace
 
 ZipperedScans zipper_scans(std::span<const Scan> scans, const ZipperScansOptions& options) {
-  if (!(options.reach > 0) || !std::isfinite(options.reach)) {
-    throw InvalidInput("zipper_scans: reach is " + std::to_string(options.reach) +
-                       ", but must be > 0 and finite");
-  }
+  require("ZipperScansOptions::reach", options.reach, above(0).finite());
   const std::vector<TriangleMesh> meshes = in_frame_of_object(scans, "zipper_scans");
   for (std::size_t i = 0; i < meshes.size(); ++i) {
     try {

@@ -243,10 +243,12 @@ TEST(Decimate, BearsAMeshThatIsNoManifold) {
 
 TEST(Decimate, RefusesBadOptionsAndMeshes) {
   const TriangleMesh mesh = test::flat_sheet(4, 4, 1);
-  for (const double tolerance : {-1.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
+  for (const double tolerance :
+       {-1.0, 0.0, std::nan(""), std::numeric_limits<double>::infinity()}) {
     EXPECT_THROW((void)decimate(mesh, {.tolerance = tolerance}), InvalidInput);
   }
   EXPECT_THROW((void)decimate(mesh, {.max_triangles = -1}), InvalidInput);
+  EXPECT_THROW((void)decimate(mesh, {.max_triangles = 0}), InvalidInput);
   EXPECT_THROW((void)decimate(mesh, {}), InvalidInput);
   EXPECT_THROW((void)decimate(mesh, {.tolerance = 1, .max_triangles = 5}), InvalidInput);
   EXPECT_THROW((void)decimate({}, {.tolerance = 1}), InvalidInput);

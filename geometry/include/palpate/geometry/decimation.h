@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "palpate/geometry/triangle_mesh.h"
@@ -10,8 +11,8 @@ namespace palpate::geometry {
 
 /// Target of a decimation; set exactly one of the two.
 struct DecimationOptions {
-  double tolerance = 0;   ///< [mm] Hausdorff distance <= tolerance; > 0, or 0 if not set
-  int max_triangles = 0;  ///< triangle count <= max_triangles, if possible; > 0, or 0 if not set
+  std::optional<double> tolerance = {};   ///< [mm] largest Hausdorff distance; > 0
+  std::optional<int> max_triangles = {};  ///< largest number of triangles; >= 1
 };
 
 struct Decimation {
