@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <concepts>
 #include <initializer_list>
 #include <limits>
 #include <optional>
@@ -54,6 +55,12 @@ void require(std::string_view name, double value, const Interval& range,
 /// The same for an option that may be left out.
 void require(std::string_view name, const std::optional<double>& value, const Interval& range,
              std::string_view unit = {});
+
+/// The same for checks of many values: `name` is a function, called only for the message.
+template <std::invocable Name>
+void require(const Name& name, double value, const Interval& range, std::string_view unit = {}) {
+  if (!range.contains(value)) require(std::string_view(name()), value, range, unit);
+}
 
 /// \throws InvalidInput unless `value` is one of `choices`: "bits is 12; it must be 8 or 16".
 void require_one_of(std::string_view name, int value, std::initializer_list<int> choices);

@@ -84,7 +84,7 @@ void check_weights(const TriangleMesh& surface, size_t contact_count,
                            " name contact " + std::to_string(contact) + "; there are " +
                            std::to_string(contact_count) + ", and -1 stands for none");
       }
-      require("ContactLocator(): a weight of vertex " + std::to_string(v), weight,
+      require([&] { return "ContactLocator(): a weight of vertex " + std::to_string(v); }, weight,
               at_least(0).finite());
     }
   }

@@ -116,8 +116,8 @@ void set_colors(Attributes& attributes, const Eigen::Ref<const Eigen::MatrixXd>&
     std::vector<std::uint8_t> bytes;
     bytes.reserve(static_cast<std::size_t>(colors.cols()));
     for (const double value : colors.row(row)) {
-      require("set_colors(): a colour of column " + std::to_string(bytes.size()), value,
-              at_least(0).at_most(1));
+      require([&] { return "set_colors(): a colour of column " + std::to_string(bytes.size()); },
+              value, at_least(0).at_most(1));
       bytes.push_back(
           static_cast<std::uint8_t>(std::lround(value * std::numeric_limits<std::uint8_t>::max())));
     }

@@ -21,24 +21,17 @@
 #include "palpate/parallel_for.h"
 #include "palpate/probing/fingerprint.h"
 #include "palpate/probing/samples_by_contact.h"
+#include "palpate/require.h"
 #include "samples/samples_fingerprint.h"
 
 namespace palpate::haptics {
 namespace {
 
 void check_options(const BuildOptions& options) {
-  const auto check = [](double value, const char* name) {
-    if (value >= 0) return;
-    throw InvalidInput(std::string("build_model(): ") + name + " is " + std::to_string(value) +
-                       " mm; it must be >= 0");
-  };
-  check(options.on_surface, "on_surface");
-  check(options.max_distance, "max_distance");
-  check(options.max_motion, "max_motion");
-  if (options.dense_samples && *options.dense_samples < kFewestDenseSamples) {
-    throw InvalidInput("build_model(): dense_samples is " + std::to_string(*options.dense_samples) +
-                       "; it must be >= " + std::to_string(kFewestDenseSamples));
-  }
+  require("BuildOptions::on_surface", options.on_surface, at_least(0), "mm");
+  require("BuildOptions::max_distance", options.max_distance, at_least(0), "mm");
+  require("BuildOptions::max_motion", options.max_motion, at_least(0), "mm");
+  require("BuildOptions::dense_samples", options.dense_samples, at_least(kFewestDenseSamples));
 }
 
 // Contacts that have samples, and these.

@@ -23,6 +23,7 @@
 #include "palpate/parallel_for.h"
 #include "palpate/probing/fingerprint.h"
 #include "palpate/probing/samples_by_contact.h"
+#include "palpate/require.h"
 #include "samples/samples_fingerprint.h"
 
 namespace palpate::haptics {
@@ -224,10 +225,7 @@ std::vector<SuggestedContact> suggest_contacts(const Model& model, const Complia
 
 QueryErrors evaluate_queries(const Model& model, std::span<const Query> queries,
                              const QueryOptions& options) {
-  if (!(options.max_distance >= 0)) {
-    throw InvalidInput("evaluate_queries(): max_distance is " +
-                       std::to_string(options.max_distance) + " mm; it must be >= 0");
-  }
+  require("QueryOptions::max_distance", options.max_distance, at_least(0), "mm");
   if (queries.empty())
     throw InvalidInput("evaluate_queries(): there is no query; pass at least one");
   const BlendedField field(model);
@@ -256,10 +254,7 @@ QueryErrors evaluate_queries(const Model& model, std::span<const Query> queries,
 LeaveOneOut leave_one_out(const Model& model, const probing::Acquisition& acquisition,
                           const LeaveOneOutOptions& options) {
   check_model(model);
-  if (options.suggestions < 0) {
-    throw InvalidInput("leave_one_out(): suggestions is " + std::to_string(options.suggestions) +
-                       "; it must be >= 0");
-  }
+  require("LeaveOneOutOptions::suggestions", options.suggestions, at_least(0));
   if (model.contacts.size() < 4) {
     throw InvalidInput(
         "leave_one_out(): the model has three contacts; without one of them nothing is left "

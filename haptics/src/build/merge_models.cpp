@@ -3,7 +3,6 @@
 #include "palpate/haptics/merge_models.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <numeric>
 #include <optional>
@@ -21,6 +20,7 @@
 #include "palpate/geometry/zipper_scans.h"
 #include "palpate/haptics/contact_compliance.h"
 #include "palpate/haptics/rounding.h"
+#include "palpate/require.h"
 
 namespace palpate::haptics {
 namespace {
@@ -42,14 +42,9 @@ std::string side_name(std::span<const SideModel> sides, std::size_t side) {
 }
 
 void check_options(const MergeModelsOptions& options) {
-  const auto check = [](const char* name, double value) {
-    if (value >= 0 && !std::isnan(value)) return;
-    throw InvalidInput(std::string("merge_models(): ") + name + " is " + std::to_string(value) +
-                       " mm; it must be >= 0");
-  };
-  check("fill_holes", options.fill_holes);
-  check("max_distance", options.max_distance);
-  if (options.same_place) check("same_place", *options.same_place);
+  require("MergeModelsOptions::fill_holes", options.fill_holes, at_least(0), "mm");
+  require("MergeModelsOptions::max_distance", options.max_distance, at_least(0), "mm");
+  require("MergeModelsOptions::same_place", options.same_place, at_least(0), "mm");
 }
 
 // A pose whose rotation is one to the last digit: a text file may carry six.

@@ -17,16 +17,15 @@
 #include "palpate/haptics/rounding.h"
 #include "palpate/haptics/transform_field.h"
 #include "palpate/parallel_for.h"
+#include "palpate/require.h"
 
 namespace palpate::haptics {
 namespace {
 
 Eigen::Matrix3d stretch(const ScaleModelOptions& options) {
   const double volume = options.factor * options.factor * options.factor;
-  if (!(options.factor > 0 && volume > 0) || !std::isfinite(volume)) {
-    throw InvalidInput("scale_model(): factor is " + std::to_string(options.factor) +
-                       "; it and its cube must be finite and > 0");
-  }
+  require("ScaleModelOptions::factor", options.factor, above(0).finite());
+  require("the cube of ScaleModelOptions::factor", volume, above(0).finite());
   if (!options.axis) return options.factor * Eigen::Matrix3d::Identity();
   const Eigen::Vector3d axis = options.axis->stableNormalized();
   if (!options.axis->allFinite() || !(axis.norm() > 0)) {

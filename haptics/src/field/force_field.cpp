@@ -6,6 +6,7 @@
 #include <string>
 
 #include "palpate/error.h"
+#include "palpate/require.h"
 
 namespace palpate::haptics {
 namespace {
@@ -28,10 +29,7 @@ void check_force_field(const ForceField& field, const char* what) {
     if (!base.center.allFinite() || !base.ridge.allFinite() || !std::isfinite(base.weight)) {
       throw InvalidInput(name + " is not finite");
     }
-    if (!(base.epsilon > 0) || !std::isfinite(base.epsilon)) {
-      throw InvalidInput(name + ": epsilon is " + std::to_string(base.epsilon) +
-                         " mm; it must be finite and > 0");
-    }
+    require([&] { return name + ": epsilon"; }, base.epsilon, above(0).finite(), "mm");
     if (is_ridge(base) && !(std::abs(base.ridge.norm() - 1) <= kRidgeTolerance)) {
       throw InvalidInput(name + ": the length of its ridge is " +
                          std::to_string(base.ridge.norm()) + "; it must be 1, or 0 for none");

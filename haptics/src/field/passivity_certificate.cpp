@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "field/energy_bound.h"
-#include "palpate/error.h"
+#include "palpate/require.h"
 
 namespace palpate::haptics {
 namespace {
@@ -30,22 +30,11 @@ constexpr double kMaxNumberTolerance = 1e-3;
 void check(const ForceField& field, const ReachableVolume& volume,
            const CertificateOptions& options) {
   check_force_field(field, "certify_passivity()");
-  if (!(volume.radius >= 0) || !std::isfinite(volume.radius)) {
-    throw InvalidInput("certify_passivity(): the radius is " + std::to_string(volume.radius) +
-                       " mm; it must be finite and >= 0");
-  }
-  if (!(options.number_tolerance >= 0 && options.number_tolerance <= kMaxNumberTolerance)) {
-    throw InvalidInput("certify_passivity(): number_tolerance is " +
-                       std::to_string(options.number_tolerance) + "; it must be in [0, 1e-3]");
-  }
-  if (!(options.energy_tolerance >= 0)) {
-    throw InvalidInput("certify_passivity(): energy_tolerance is " +
-                       std::to_string(options.energy_tolerance) + " N mm; it must be >= 0");
-  }
-  if (options.max_cells < 1) {
-    throw InvalidInput("certify_passivity(): max_cells is " + std::to_string(options.max_cells) +
-                       "; it must be >= 1");
-  }
+  require("ReachableVolume::radius", volume.radius, at_least(0).finite(), "mm");
+  require("CertificateOptions::number_tolerance", options.number_tolerance,
+          at_least(0).at_most(kMaxNumberTolerance));
+  require("CertificateOptions::energy_tolerance", options.energy_tolerance, at_least(0), "N mm");
+  require("CertificateOptions::max_cells", options.max_cells, at_least(1));
 }
 
 // Not below `length`, with so few digits that the middles of a cube's cells have no rounding error.

@@ -20,6 +20,7 @@
 #include "fit/steady_fit.h"
 #include "fit/whitened_problem.h"
 #include "palpate/error.h"
+#include "palpate/require.h"
 
 namespace palpate::haptics {
 namespace {
@@ -50,30 +51,16 @@ void check(const Eigen::Ref<const Eigen::Matrix3Xd>& displacements,
                          " is not finite; leave it out");
     }
   }
-  if (!(options.accuracy >= 0)) {
-    throw InvalidInput("fit_force_field(): accuracy is " + std::to_string(options.accuracy) +
-                       " N; it must be >= 0");
-  }
-  if (options.max_bases && *options.max_bases < 1) {
-    throw InvalidInput("fit_force_field(): max_bases is " + std::to_string(*options.max_bases) +
-                       "; it must be >= 1");
-  }
-  const auto check_noise = [](double noise, const char* name) {
-    if (noise >= 0 && std::isfinite(noise)) return;
-    throw InvalidInput(std::string("fit_force_field(): noise.") + name + " is " +
-                       std::to_string(noise) + "; it must be finite and >= 0");
-  };
-  check_noise(options.noise.force, "force");
-  check_noise(options.noise.displacement.value_or(0), "displacement");
+  require("FitOptions::accuracy", options.accuracy, at_least(0), "N");
+  require("FitOptions::max_bases", options.max_bases, at_least(1));
+  require("FitOptions::noise.force", options.noise.force, at_least(0).finite(), "N");
+  require("FitOptions::noise.displacement", options.noise.displacement, at_least(0).finite(), "mm");
   if (options.epsilon && options.mode == FitMode::convex) {
     throw InvalidInput(
         "fit_force_field(): epsilon is given, but a convex fit chooses one for each base; leave it "
         "out, or choose the mode certified or local");
   }
-  if (options.epsilon && (!(*options.epsilon > 0) || !std::isfinite(*options.epsilon))) {
-    throw InvalidInput("fit_force_field(): epsilon is " + std::to_string(*options.epsilon) +
-                       " mm; it must be finite and > 0");
-  }
+  require("FitOptions::epsilon", options.epsilon, above(0).finite(), "mm");
 }
 
 constexpr double kNotComputed = std::numeric_limits<double>::quiet_NaN();

@@ -17,6 +17,7 @@
 #include "fit/steady_fit.h"
 #include "palpate/error.h"
 #include "palpate/parallel_for.h"
+#include "palpate/require.h"
 
 namespace palpate::haptics {
 namespace {
@@ -303,11 +304,8 @@ void try_sharing(const Contacts& dense, const Contacts& sparse, const FitOptions
 }
 
 void check(std::span<const ForceSamples> contacts, const LocalGlobalOptions& options) {
-  if (options.dense_samples < kFewestDenseSamples) {
-    throw InvalidInput("learn_local_part(): dense_samples is " +
-                       std::to_string(options.dense_samples) +
-                       "; it must be >= " + std::to_string(kFewestDenseSamples));
-  }
+  require("LocalGlobalOptions::dense_samples", options.dense_samples,
+          at_least(kFewestDenseSamples));
   if (contacts.empty()) {
     throw InvalidInput("learn_local_part(): there is no contact; give those of a whole object");
   }

@@ -10,6 +10,7 @@
 #include "palpate/error.h"
 #include "palpate/geometry/median.h"
 #include "palpate/haptics/rotation.h"
+#include "palpate/require.h"
 
 namespace palpate::haptics {
 namespace {
@@ -43,15 +44,9 @@ struct Ratios {
 
 void check(const ForceSamples& samples, const Eigen::Vector3d& cone_axis,
            const FrictionAxisOptions& options) {
-  if (!(options.displacement_noise >= 0) || !std::isfinite(options.displacement_noise)) {
-    throw InvalidInput("fit_friction_axis(): displacement_noise is " +
-                       std::to_string(options.displacement_noise) +
-                       " mm; it must be finite and >= 0");
-  }
-  if (!(options.force_noise > 0) || !std::isfinite(options.force_noise)) {
-    throw InvalidInput("fit_friction_axis(): force_noise is " +
-                       std::to_string(options.force_noise) + " N; it must be finite and > 0");
-  }
+  require("FrictionAxisOptions::displacement_noise", options.displacement_noise,
+          at_least(0).finite(), "mm");
+  require("FrictionAxisOptions::force_noise", options.force_noise, above(0).finite(), "N");
   if (!(cone_axis.norm() > 0) || !cone_axis.allFinite()) {
     throw InvalidInput("fit_friction_axis(): the cone's axis must be finite and not zero");
   }

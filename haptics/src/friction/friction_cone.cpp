@@ -15,6 +15,7 @@
 #include "friction/slip_likelihood.h"
 #include "palpate/error.h"
 #include "palpate/haptics/rotation.h"
+#include "palpate/require.h"
 
 namespace palpate::haptics {
 namespace {
@@ -164,10 +165,7 @@ double least_angle_of_any(std::span<const FrictionTrial> trials, const Eigen::Ve
 
 void check(std::span<const FrictionTrial> trials, const Eigen::Vector3d& normal,
            const FrictionOptions& options) {
-  if (!(options.force_noise > 0) || !std::isfinite(options.force_noise)) {
-    throw InvalidInput("fit_friction(): force_noise is " + std::to_string(options.force_noise) +
-                       " N; it must be > 0");
-  }
+  require("FrictionOptions::force_noise", options.force_noise, above(0).finite(), "N");
   if (!(normal.norm() > 0) || !normal.allFinite()) {
     throw InvalidInput("fit_friction(): the normal must be finite and not zero");
   }

@@ -2,22 +2,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/haptics/half_space_model.h"
 
-#include <fmt/format.h>
-
 #include <Eigen/Cholesky>
 
-#include "palpate/error.h"
+#include "palpate/require.h"
 
 namespace palpate::haptics {
 
 Eigen::Matrix3d stiffness(const HalfSpaceModel& model, const probing::Contact& contact) {
   const double nu = model.poisson_ratio;
-  if (!(model.young_modulus > 0 && model.tool_radius > 0 && nu > -1 && nu <= 0.5)) {
-    throw InvalidInput(fmt::format(
-        "half-space: Young's modulus {} N/mm^2, Poisson's ratio {} and tool radius {} mm; modulus "
-        "and radius have to be > 0, the ratio in (-1, 0.5].",
-        model.young_modulus, nu, model.tool_radius));
-  }
+  require("HalfSpaceModel::young_modulus", model.young_modulus, above(0), "N/mm^2");
+  require("HalfSpaceModel::poisson_ratio", nu, above(-1).at_most(0.5));
+  require("HalfSpaceModel::tool_radius", model.tool_radius, above(0), "mm");
   const double normal = 2 * model.tool_radius * model.young_modulus / (1 - nu * nu);
   const double tangential = 4 * model.tool_radius * model.young_modulus / ((1 + nu) * (2 - nu));
   const Eigen::Vector3d n = contact.normal.normalized();

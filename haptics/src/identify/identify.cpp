@@ -16,6 +16,7 @@
 #include "identify/parameter_estimation.h"
 #include "identify/strip_energy.h"
 #include "palpate/error.h"
+#include "palpate/require.h"
 
 namespace palpate::haptics {
 namespace {
@@ -23,16 +24,18 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 void check(const probing::Acquisition& acquisition, const IdentifyOptions& options) {
-  if (options.displacement_noise.has_value() != options.force_noise.has_value() ||
-      (options.displacement_noise &&
-       !(*options.displacement_noise > 0 && *options.force_noise >= 0 &&
-         std::isfinite(*options.displacement_noise) && std::isfinite(*options.force_noise)))) {
+  require("IdentifyOptions::displacement_noise", options.displacement_noise, above(0).finite(),
+          "mm");
+  require("IdentifyOptions::force_noise", options.force_noise, at_least(0).finite(), "N");
+  if (options.displacement_noise.has_value() != options.force_noise.has_value()) {
     throw InvalidInput(
-        "identify: displacement_noise [mm] > 0 and force_noise [N] >= 0 are given both or not.");
+        fmt::format("IdentifyOptions: {} is given alone; give both displacement_noise [mm] and "
+                    "force_noise [N], "
+                    "or neither",
+                    options.displacement_noise ? "displacement_noise" : "force_noise"));
   }
-  if (!(options.max_chi2 > 1) || options.max_iterations < 1) {
-    throw InvalidInput("identify: max_chi2 has to be > 1 and max_iterations >= 1.");
-  }
+  require("IdentifyOptions::max_chi2", options.max_chi2, above(1));
+  require("IdentifyOptions::max_iterations", options.max_iterations, at_least(1));
   probing::check_acquisition(acquisition);
 }
 
@@ -275,10 +278,7 @@ IdentifiedStrip identify_strip(const probing::Acquisition& acquisition,
 IdentifiedHalfSpace identify_half_space(const probing::Acquisition& acquisition, double tool_radius,
                                         const IdentifyOptions& options) {
   check(acquisition, options);
-  if (!(tool_radius > 0 && std::isfinite(tool_radius))) {
-    throw InvalidInput(fmt::format(
-        "identify_half_space: the tool's radius is {} mm, it has to be > 0.", tool_radius));
-  }
+  require("identify_half_space(): tool_radius", tool_radius, above(0).finite(), "mm");
   const std::vector<Pair> pairs = realigned_pairs(acquisition);
   const Sizes sizes = sizes_of(pairs);
   // Materials beyond either are not known; at nu = -1 the stiffness is infinite.

@@ -13,6 +13,7 @@
 
 #include "identify/strip_energy.h"
 #include "palpate/error.h"
+#include "palpate/require.h"
 
 namespace palpate::haptics {
 namespace {
@@ -36,11 +37,8 @@ Strip sound_strip(const StripModel& model, const probing::Contact& contact,
         "across the axis.",
         contact.id, strip.length_low, strip.length_high, strip.tension, strip.axial));
   }
-  if (!(model.lateral_stiffness >= 0 && model.compliance >= 0)) {
-    throw InvalidInput(
-        fmt::format("strip: lateral stiffness {} N/mm and compliance {} mm/N have to be >= 0.",
-                    model.lateral_stiffness, model.compliance));
-  }
+  require("StripModel::lateral_stiffness", model.lateral_stiffness, at_least(0), "N/mm");
+  require("StripModel::compliance", model.compliance, at_least(0), "mm/N");
   if (!given.allFinite()) throw InvalidInput("strip: a displacement or force is not finite.");
   return strip;
 }

@@ -6,14 +6,12 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
-#include <cmath>
-#include <string>
 
 #include "model/compliance_kriging.h"
-#include "palpate/error.h"
 #include "palpate/haptics/rotation.h"
 #include "palpate/haptics/rounding.h"
 #include "palpate/parallel_for.h"
+#include "palpate/require.h"
 
 namespace palpate::haptics {
 namespace {
@@ -117,10 +115,7 @@ std::optional<ContactCompliance> measure(const ForceField& local_field,
 }  // namespace
 
 Model with_compliances(Model model, double reference_force) {
-  if (!(reference_force > 0) || !std::isfinite(reference_force)) {
-    throw InvalidInput("with_compliances(): the reference force is " +
-                       std::to_string(reference_force) + " N; it must be finite and > 0");
-  }
+  require("with_compliances(): reference_force", reference_force, above(0).finite(), "N");
   check_model(model);
   const double limit = geometry::bounding_diagonal(model.surface);
   const std::vector<Eigen::Vector3d> normals = inward_normals(model);

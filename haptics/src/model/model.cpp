@@ -8,6 +8,7 @@
 #include "model/field_document_format.h"
 #include "palpate/error.h"
 #include "palpate/haptics/rotation.h"
+#include "palpate/require.h"
 
 namespace palpate::haptics {
 namespace {
@@ -20,22 +21,16 @@ void check_contact(const ContactModel& contact, const std::string& name) {
   if (!(std::abs(contact.friction_axis.norm() - 1) <= kFrameTolerance)) {
     throw InvalidInput(name + ": its friction axis must be a unit vector");
   }
-  if (!(contact.friction >= 0) || !std::isfinite(contact.friction)) {
-    throw InvalidInput(name + ": its friction coefficient is " + std::to_string(contact.friction) +
-                       "; it must be finite and >= 0");
-  }
-  if (!(contact.friction_error >= 0 && contact.friction_lower_bound >= 0) ||
-      !std::isfinite(contact.friction_error + contact.friction_lower_bound)) {
-    throw InvalidInput(name + ": the error and the lower bound of its friction coefficient are " +
-                       std::to_string(contact.friction_error) + " and " +
-                       std::to_string(contact.friction_lower_bound) +
-                       "; they must be finite and >= 0");
-  }
-  for (const double figure : {contact.rms, contact.chi2, contact.noise_floor, contact.condition}) {
-    if (figure >= 0 && std::isfinite(figure)) continue;
-    throw InvalidInput(name + ": a figure of its fit is " + std::to_string(figure) +
-                       "; rms, chi2, noise floor and condition must be finite and >= 0");
-  }
+  const auto check = [&](const char* field, double value, const char* unit = "") {
+    require([&] { return name + ": " + field; }, value, at_least(0).finite(), unit);
+  };
+  check("friction", contact.friction);
+  check("friction_error", contact.friction_error);
+  check("friction_lower_bound", contact.friction_lower_bound);
+  check("rms", contact.rms, "N");
+  check("chi2", contact.chi2);
+  check("noise_floor", contact.noise_floor, "N");
+  check("condition", contact.condition);
   check_force_field(contact.field, name.c_str());
   if (!contact.compliance) return;
   const Eigen::Vector<double, 6>& values = contact.compliance->values;
@@ -54,12 +49,9 @@ void check_contact(const ContactModel& contact, const std::string& name) {
 void check_interpolation(const Interpolation& given) {
   const bool counts = given.rule == BlendRule::compliances;
   const double force = given.reference_force, reach = given.reach;
-  if (!(counts ? force > 0 : force >= 0) || !std::isfinite(force) || !(reach >= 0) ||
-      !std::isfinite(reach)) {
-    throw InvalidInput("the model's interpolation has the reference force " +
-                       std::to_string(force) + " N and the reach " + std::to_string(reach) +
-                       " mm; they must be finite and >= 0, the force > 0 to blend compliances");
-  }
+  require("the model's interpolation: reference_force", force,
+          (counts ? above(0) : at_least(0)).finite(), "N");
+  require("the model's interpolation: reach", reach, at_least(0).finite(), "mm");
 }
 
 void check_weights(const Model& model) {

@@ -15,6 +15,7 @@
 #include "palpate/error.h"
 #include "palpate/haptics/force_field_fit.h"
 #include "palpate/haptics/rounding.h"
+#include "palpate/require.h"
 
 namespace palpate::haptics {
 namespace {
@@ -164,14 +165,8 @@ TransformedField transform_field(const ForceField& field, const Eigen::Matrix3d&
         "above zero; its determinant is " +
         std::to_string(volume));
   }
-  if (!(factor > 0) || !std::isfinite(factor)) {
-    throw InvalidInput("transform_field(): the factor is " + std::to_string(factor) +
-                       "; it must be finite and > 0");
-  }
-  if (largest_force && (!(*largest_force > 0) || !std::isfinite(*largest_force))) {
-    throw InvalidInput("transform_field(): the largest force is " + std::to_string(*largest_force) +
-                       " N; it must be finite and > 0");
-  }
+  require("transform_field(): factor", factor, above(0).finite());
+  require("transform_field(): largest_force", largest_force, above(0).finite(), "N");
   const double scale = std::cbrt(volume);
   const bool is_similarity = (A.transpose() * A / (scale * scale)).isIdentity(kSimilarity);
   const Eigen::Matrix3d inverse = A.inverse();

@@ -9,6 +9,7 @@
 #include <unordered_set>
 
 #include "palpate/error.h"
+#include "palpate/require.h"
 
 namespace palpate::probing {
 namespace {
@@ -65,10 +66,8 @@ void check_sample(const Sample& sample, const std::unordered_set<long long>& con
     throw InvalidInput(sample_name(sample) + " (contact " + std::to_string(sample.contact) +
                        "): its force p or its positions a, b are not finite; remove the sample");
   }
-  if (!(sample.time >= 0) || std::isinf(sample.time)) {
-    throw InvalidInput(sample_name(sample) + ": time is " + std::to_string(sample.time) +
-                       " s; it must be >= 0, counted from the beginning of the acquisition");
-  }
+  require([&] { return sample_name(sample) + ": time since the acquisition began"; }, sample.time,
+          at_least(0).finite(), "s");
   if (sample.slipped && sample.on_friction_boundary) {
     throw InvalidInput(
         sample_name(sample) +

@@ -10,17 +10,16 @@
 
 #include "files/storage_file.h"
 #include "palpate/error.h"
+#include "palpate/require.h"
 #include "palpate/sensing/gray_code.h"
 
 namespace palpate::sensing {
 namespace {
 
 void check_board(const Board& board) {
-  if (board.columns < 3 || board.rows < 3 || !(board.square > 0) || !std::isfinite(board.square)) {
-    throw InvalidInput("board: " + std::to_string(board.columns) + " x " +
-                       std::to_string(board.rows) +
-                       " inner corners; at least 3 x 3 and a square above 0 are expected");
-  }
+  require("Board::columns", board.columns, at_least(3), "inner corners");
+  require("Board::rows", board.rows, at_least(3), "inner corners");
+  require("Board::square", board.square, above(0).finite(), "mm");
 }
 
 cv::Mat as_gray8(const cv::Mat& image) {
@@ -137,10 +136,8 @@ double spacing(const Eigen::Matrix2Xd& corners, const Board& board) {
 }
 
 void check_options(const BoardViewOptions& options) {
-  if (!(options.window >= 0.25) || !(options.window <= 4) || !(options.min_agreement > 0) ||
-      !(options.min_agreement < 1)) {
-    throw InvalidInput("board view: window must lie in [0.25, 4] and min_agreement in (0, 1)");
-  }
+  require("BoardViewOptions::window", options.window, at_least(0.25).at_most(4), "squares");
+  require("BoardViewOptions::min_agreement", options.min_agreement, above(0).below(1));
 }
 
 /// Where the projected board begins on the panel [px]: a multiple of a pixel.

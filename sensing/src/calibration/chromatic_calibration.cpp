@@ -18,6 +18,7 @@
 #include "calibration/white_view.h"
 #include "palpate/error.h"
 #include "palpate/geometry/median.h"
+#include "palpate/require.h"
 #include "palpate/sensing/pattern_image.h"
 #include "phase/chromatic.h"
 
@@ -66,17 +67,10 @@ struct Residuals {
 };
 
 void check_options(const ChromaticCalibrationOptions& options) {
-  const auto require = [](bool good, const char* name, const char* range) {
-    if (!good) {
-      throw InvalidInput(std::string("ChromaticCalibrationOptions: ") + name + " must lie in " +
-                         range);
-    }
-  };
-  const auto inside = [](double value) { return value > 0 && value < 1; };
-  require(inside(options.min_signal), "min_signal", "(0, 1)");
-  require(inside(options.min_modulation), "min_modulation", "(0, 1)");
-  require(inside(options.min_contrast), "min_contrast", "(0, 1)");
-  require(options.search_range > 0 && options.search_range <= 0.2, "search_range", "(0, 0.2]");
+  require("ChromaticCalibrationOptions::min_signal", options.min_signal, above(0).below(1));
+  require("ChromaticCalibrationOptions::min_modulation", options.min_modulation, above(0).below(1));
+  require("ChromaticCalibrationOptions::min_contrast", options.min_contrast, above(0).below(1));
+  require("ChromaticCalibrationOptions::search_range", options.search_range, above(0).at_most(0.2));
 }
 
 void check_image(const WhiteImage& white, const geometry::Camera& camera) {

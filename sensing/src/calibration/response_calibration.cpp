@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "palpate/error.h"
+#include "palpate/require.h"
 #include "palpate/sensing/frame.h"
 #include "palpate/sensing/response.h"
 
@@ -32,14 +33,12 @@ constexpr double kMostGamma = 5;
 
 std::vector<GreyImage> sorted_and_checked(std::vector<GreyImage> ramp,
                                           const ResponseOptions& options) {
-  const auto inside = [](double value) { return value > 0 && value < 1; };
-  if (!inside(options.min_range) || !inside(options.min_contrast))
-    fail("min_range and min_contrast must lie between 0 and 1");
+  require("ResponseOptions::min_range", options.min_range, above(0).below(1));
+  require("ResponseOptions::min_contrast", options.min_contrast, above(0).below(1));
   if (ramp.empty()) fail("there are no images");
   for (const GreyImage& grey : ramp) {
     const cv::Mat& image = grey.image;
-    if (!(grey.level >= 0) || !(grey.level <= 1))
-      fail(grey.name + ": the level must lie in [0, 1]");
+    require("calibrate_response: " + grey.name + ": the level", grey.level, at_least(0).at_most(1));
     if (image.empty() || (image.depth() != CV_8U && image.depth() != CV_16U) ||
         (image.channels() != 1 && image.channels() != 3)) {
       fail(grey.name + ": an image of 8 or 16 bit with 1 or 3 channels is expected");

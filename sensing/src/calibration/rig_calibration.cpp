@@ -15,6 +15,7 @@
 #include "calibration/rig_bundle.h"
 #include "palpate/error.h"
 #include "palpate/geometry/median.h"
+#include "palpate/require.h"
 
 namespace palpate::sensing {
 namespace {
@@ -30,15 +31,11 @@ constexpr double kLeastSigma = 0.02;
 constexpr double kHarmlessRms = 0.1;
 
 void check(const std::vector<RigView>& views, const RigCalibrationOptions& options) {
-  const int terms = options.distortion_terms;
-  if (terms != 0 && terms != 2 && terms != 4 && terms != 5)
-    throw InvalidInput("calibrate_rig: distortion_terms must be 0, 2, 4 or 5");
-  if (!(options.max_residual_ratio > 1) || !(options.max_focal_deviation > 0) ||
-      !(options.max_focal_deviation < 1) || !(options.min_tilt_deg > 0)) {
-    throw InvalidInput(
-        "calibrate_rig: max_residual_ratio must be > 1, max_focal_deviation in (0, 1) and "
-        "min_tilt_deg > 0");
-  }
+  require_one_of("RigCalibrationOptions::distortion_terms", options.distortion_terms, {0, 2, 4, 5});
+  require("RigCalibrationOptions::max_residual_ratio", options.max_residual_ratio, above(1));
+  require("RigCalibrationOptions::max_focal_deviation", options.max_focal_deviation,
+          above(0).below(1));
+  require("RigCalibrationOptions::min_tilt_deg", options.min_tilt_deg, above(0), "degrees");
   const auto any = [&](auto lit) {
     return std::any_of(views.begin(), views.end(),
                        [&](const RigView& view) { return (view.*lit).cols() > 0; });

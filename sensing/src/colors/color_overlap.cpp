@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <string>
 
 #include "colors/hue_classifier.h"
 #include "colors/training_hues.h"
 #include "palpate/error.h"
+#include "palpate/require.h"
 
 namespace palpate::sensing {
 namespace {
@@ -77,7 +77,7 @@ Eigen::MatrixXd measure_overlap(const std::vector<NamedImages>& images,
 
 Eigen::VectorXd hue_histogram(const NamedImages& images, int steps,
                               const TrainingOptions& options) {
-  if (steps <= 0) throw InvalidInput("hue_histogram: steps must be > 0");
+  require("hue_histogram(): steps", steps, at_least(1));
   Eigen::VectorXd histogram = Eigen::VectorXd::Zero(steps);
   for (const float hue : training_hues(images, options)) {
     const double part = static_cast<double>(hue) / (2 * std::numbers::pi);

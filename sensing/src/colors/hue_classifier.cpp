@@ -9,6 +9,7 @@
 
 #include "image/hue.h"
 #include "palpate/error.h"
+#include "palpate/require.h"
 
 namespace palpate::sensing {
 namespace {
@@ -26,10 +27,9 @@ const TrainedColor& find_color(const TrainedColors& trained, const std::string& 
     throw InvalidInput("trained colours: colour " + name + " of the pattern was never trained; " +
                        (known.empty() ? "there are none" : "there are " + known));
   }
-  if (!std::isfinite(found->mean) || !std::isfinite(found->variance) || found->variance < 0) {
-    throw InvalidInput("trained colours: colour " + name +
-                       ": mean and variance must be finite, the variance >= 0");
-  }
+  require("trained colours: colour " + name + ": mean", found->mean, finite(), "rad");
+  require("trained colours: colour " + name + ": variance", found->variance, at_least(0).finite(),
+          "rad^2");
   return *found;
 }
 

@@ -16,6 +16,7 @@
 #include "image/hue.h"
 #include "palpate/error.h"
 #include "palpate/output_file.h"
+#include "palpate/require.h"
 #include "palpate/sensing/frame.h"
 
 namespace palpate::sensing {
@@ -25,10 +26,8 @@ namespace {
 constexpr long kLeastPixels = 100;
 
 void check_options(const TrainingOptions& options) {
-  const auto inside = [](double value) { return value > 0 && value < 1; };
-  if (!inside(options.min_value) || !inside(options.min_saturation)) {
-    throw InvalidInput("train_colors: min_value and min_saturation must lie between 0 and 1");
-  }
+  require("TrainingOptions::min_value", options.min_value, above(0).below(1));
+  require("TrainingOptions::min_saturation", options.min_saturation, above(0).below(1));
 }
 
 void collect_hues(const cv::Mat& image, const TrainingOptions& options, std::vector<float>& hues) {

@@ -21,6 +21,7 @@
 #include "image/pool.h"
 #include "image/reasons.h"
 #include "palpate/error.h"
+#include "palpate/require.h"
 #include "phase/demodulation.h"
 #include "phase/modulation.h"
 #include "phase/phase_noise.h"
@@ -56,34 +57,26 @@ int trough_radius(const Carrier& carrier) {
 }
 
 void check_options(const DecodeOptions& options) {
-  const auto require = [](bool good, const char* name, const char* range) {
-    if (!good) throw InvalidInput(std::string("DecodeOptions: ") + name + " must lie in " + range);
-  };
-  const auto below = [](double value, double limit) { return value > 0 && value < limit; };
-  const auto positive = [](double value) { return value > 0 && std::isfinite(value); };
-  require(options.window_periods >= 1.25 && options.window_periods <= 8, "window_periods",
-          "[1.25, 8]");
-  require(below(options.min_signal, 1), "min_signal", "(0, 1)");
-  require(below(options.min_modulation, 1), "min_modulation", "(0, 1)");
-  require(below(options.min_contrast, 1), "min_contrast", "(0, 1)");
-  require(below(options.min_hue_step, std::numbers::pi), "min_hue_step", "(0, pi)");
-  require(options.color_window_px >= 1, "color_window_px", "[1, infinity)");
-  require(below(options.min_color_score, 1), "min_color_score", "(0, 1)");
-  require(positive(options.max_phase_variance), "max_phase_variance", "(0, infinity)");
-  require(below(options.max_phase_step, std::numbers::pi), "max_phase_step", "(0, pi)");
-  require(options.min_agreement > 0.5 && options.min_agreement <= 1, "min_agreement", "(0.5, 1]");
-  require(positive(options.max_sensitivity), "max_sensitivity", "(0, infinity)");
+  require("DecodeOptions::window_periods", options.window_periods, at_least(1.25).at_most(8));
+  require("DecodeOptions::min_signal", options.min_signal, above(0).below(1));
+  require("DecodeOptions::min_modulation", options.min_modulation, above(0).below(1));
+  require("DecodeOptions::min_contrast", options.min_contrast, above(0).below(1));
+  require("DecodeOptions::min_hue_step", options.min_hue_step, above(0).below(std::numbers::pi),
+          "rad");
+  require("DecodeOptions::color_window_px", options.color_window_px, at_least(1), "px");
+  require("DecodeOptions::min_color_score", options.min_color_score, above(0).below(1));
+  require("DecodeOptions::max_phase_variance", options.max_phase_variance, above(0).finite(),
+          "rad^2");
+  require("DecodeOptions::max_phase_step", options.max_phase_step, above(0).below(std::numbers::pi),
+          "rad");
+  require("DecodeOptions::min_agreement", options.min_agreement, above(0.5).at_most(1));
+  require("DecodeOptions::max_sensitivity", options.max_sensitivity, above(0).finite());
 }
 
 void check_anchor(const Anchor& anchor, const geometry::Camera& camera) {
-  const bool inside = anchor.u_px > -0.5 && anchor.u_px < camera.width - 0.5 &&
-                      anchor.v_px > -0.5 && anchor.v_px < camera.height - 0.5;
-  if (!inside || !(anchor.z > 0) || !std::isfinite(anchor.z)) {
-    throw InvalidInput("anchor " + std::to_string(anchor.u_px) + ", " +
-                       std::to_string(anchor.v_px) + ", " + std::to_string(anchor.z) +
-                       ": a pixel of the " + std::to_string(camera.width) + " x " +
-                       std::to_string(camera.height) + " image and a depth > 0 are expected");
-  }
+  require("Anchor::u_px", anchor.u_px, above(-0.5).below(camera.width - 0.5), "px");
+  require("Anchor::v_px", anchor.v_px, above(-0.5).below(camera.height - 0.5), "px");
+  require("Anchor::z", anchor.z, above(0).finite(), "mm");
 }
 
 /// The least period at half size [px]. From there on the sinusoid's mirror image at the negative

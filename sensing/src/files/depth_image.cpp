@@ -2,13 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/sensing/depth_image.h"
 
-#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <opencv2/core.hpp>
 #include <string>
 
 #include "palpate/error.h"
+#include "palpate/require.h"
 #include "palpate/sensing/frame.h"
 
 namespace palpate::sensing {
@@ -16,10 +16,7 @@ namespace palpate::sensing {
 geometry::RangeMap read_depth_image(const std::filesystem::path& path, double mm_per_unit,
                                     const geometry::Camera& camera) {
   geometry::check_camera(camera, "read_depth_image: camera");
-  if (!(mm_per_unit > 0) || !std::isfinite(mm_per_unit)) {
-    throw InvalidInput("read_depth_image: mm_per_unit is " + std::to_string(mm_per_unit) +
-                       "; a finite number > 0 is expected");
-  }
+  require("read_depth_image(): mm_per_unit", mm_per_unit, above(0).finite(), "mm");
   const cv::Mat image = read_frame(path);
   if (image.type() != CV_16UC1) {
     throw FileError(path.string() + ": a depth image has 16 bit and one channel");

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "palpate/error.h"
+#include "palpate/require.h"
 
 namespace palpate::sensing {
 namespace {
@@ -15,12 +16,9 @@ namespace {
 constexpr int kLargestPanel = 1 << 15;  ///< px
 
 void check_panel(const ImageSize& panel) {
-  const auto right = [](int size) { return size >= 2 && size <= kLargestPanel; };
-  if (!right(panel.width) || !right(panel.height)) {
-    throw InvalidInput("Gray code: the projector has " + std::to_string(panel.width) + " x " +
-                       std::to_string(panel.height) + " px; 2 to " + std::to_string(kLargestPanel) +
-                       " px a side are expected");
-  }
+  const Interval possible = at_least(2).at_most(kLargestPanel);
+  require("Gray code: the projector's width", panel.width, possible, "px");
+  require("Gray code: the projector's height", panel.height, possible, "px");
 }
 
 /// How many bits the coordinates 0 ... size - 1 need.
@@ -102,8 +100,7 @@ std::vector<cv::Mat> draw_gray_code(const ImageSize& panel) {
 
 cv::Mat_<cv::Vec2f> decode_gray_code(const std::vector<cv::Mat>& images, const ImageSize& panel,
                                      const GrayCodeOptions& options) {
-  if (!(options.min_contrast > 0) || !(options.min_contrast < 1))
-    throw InvalidInput("Gray code: min_contrast must lie between 0 and 1");
+  require("GrayCodeOptions::min_contrast", options.min_contrast, above(0).below(1));
   check_images(images, panel);
   const int x_bits = bits_of(panel.width);
   const int y_bits = bits_of(panel.height);

@@ -12,6 +12,7 @@
 
 #include "image/hue.h"
 #include "palpate/error.h"
+#include "palpate/require.h"
 
 namespace palpate::sensing {
 namespace {
@@ -40,10 +41,7 @@ constexpr std::array<char, 6> kNames = {'R', 'Y', 'G', 'C', 'B', 'M'};
 constexpr int kNamedStep = kTurnDegrees / static_cast<int>(kNames.size());
 
 void check_count(int count) {
-  if (count >= kLeastColors && count <= kMostColors) return;
-  throw InvalidInput("pattern colours: " + std::to_string(count) + " colours; " +
-                     std::to_string(kLeastColors) + " to " + std::to_string(kMostColors) +
-                     " can be told apart");
+  require("pattern colours: count", count, at_least(kLeastColors).at_most(kMostColors));
 }
 
 std::string name_of(int degrees) {
@@ -101,10 +99,9 @@ std::vector<Knot> sorted_knots(const TrainedColors& trained) {
                          "' does not say what was projected; names R, Y, G, C, B, M or H and the "
                          "hue in degrees (H072) are expected");
     }
-    if (!(color.variance >= 0) || !std::isfinite(color.variance) || !std::isfinite(color.mean)) {
-      throw InvalidInput("trained colours: " + color.name +
-                         ": mean must be finite and variance finite and >= 0");
-    }
+    require("trained colours: " + color.name + ": mean", color.mean, finite(), "rad");
+    require("trained colours: " + color.name + ": variance", color.variance, at_least(0).finite(),
+            "rad^2");
     knots.push_back({degrees, &color});
   }
   if (knots.size() < kLeastTrained) {

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "palpate/error.h"
+#include "palpate/require.h"
 #include "palpate/sensing/pattern_colors.h"
 #include "palpate/sensing/stripe_sequence.h"
 #include "setup/triangulation.h"
@@ -38,17 +39,14 @@ constexpr double kLeastPhase = 0.01;
 constexpr double kWholeTolerance = 1e-9;
 
 void check_options(const PatternOptions& options) {
-  const auto require = [](bool good, const std::string& message) {
-    if (!good) throw InvalidInput("PatternOptions: " + message);
-  };
-  const auto period = [](double value) { return value >= kNyquistPeriod && std::isfinite(value); };
-  require(period(options.min_camera_period), "min_camera_period must be finite and >= 2");
-  require(period(options.min_projector_period), "min_projector_period must be finite and >= 2");
-  require(!options.period || period(*options.period), "period must be finite and >= 2");
+  const Interval periods = at_least(kNyquistPeriod).finite();
+  require("PatternOptions::min_camera_period", options.min_camera_period, periods, "px");
+  require("PatternOptions::min_projector_period", options.min_projector_period, periods, "px");
+  require("PatternOptions::period", options.period, periods, "px");
   if (options.range) {
-    require(options.range->near > 0 && options.range->far >= options.range->near &&
-                std::isfinite(options.range->far),
-            "range: 0 < near <= far are expected");
+    require("PatternOptions::range.near", options.range->near, above(0).finite(), "mm");
+    require("PatternOptions::range.far", options.range->far, at_least(options.range->near).finite(),
+            "mm");
   }
 }
 
@@ -240,10 +238,8 @@ PatternDesign design_pattern(const Rig& rig, const PatternOptions& options) {
 PatternDesign design_pattern(int projector_width, int projector_height,
                              const PatternOptions& options) {
   check_options(options);
-  if (projector_width <= 0 || projector_height <= 0) {
-    throw InvalidInput("projector size: " + std::to_string(projector_width) + " x " +
-                       std::to_string(projector_height) + " px; sizes > 0 are expected");
-  }
+  require("design_pattern(): projector_width", projector_width, at_least(1), "px");
+  require("design_pattern(): projector_height", projector_height, at_least(1), "px");
   PatternDesign design =
       start_design(options, options.axis.value_or(Axis::y), projector_width, projector_height);
   design.pattern.period = options.period.value_or(

@@ -11,6 +11,7 @@
 #include <numbers>
 
 #include "palpate/error.h"
+#include "palpate/require.h"
 
 namespace palpate::sensing {
 namespace {
@@ -24,14 +25,8 @@ constexpr double kSizeTolerance = 1e-6;
 constexpr int kGreyTop = 255;
 
 void check_size(int width, int height) {
-  if (width >= 1 && height >= 1 && width <= kLargestSize && height <= kLargestSize) return;
-  throw InvalidInput("projector size: " + std::to_string(width) + " x " + std::to_string(height) +
-                     " px; 1 to " + std::to_string(kLargestSize) + " are expected");
-}
-
-void check_bits(int bits) {
-  if (bits != 8 && bits != 16)
-    throw InvalidInput("bits: " + std::to_string(bits) + " a channel; 8 or 16 are expected");
+  require("the projector's width", width, at_least(1).at_most(kLargestSize), "px");
+  require("the projector's height", height, at_least(1).at_most(kLargestSize), "px");
 }
 
 /// The direction in the camera's axes in which light leaves a panel pixel, z = 1.
@@ -197,7 +192,7 @@ Rig rig_of_drawing(const Rig& rig, const DrawOptions& options) {
 }
 
 cv::Mat draw_pattern(const Pattern& pattern, const Rig& rig, const DrawOptions& options) {
-  check_bits(options.bits);
+  require_one_of("DrawOptions::bits", options.bits, {8, 16});
   const Rig drawn = rig_of_drawing(rig, options);
   const auto map = [&](const ChromaticShift& shift) {
     return PanelMap(rig, drawn, options, shift, pattern.axis);
@@ -207,16 +202,15 @@ cv::Mat draw_pattern(const Pattern& pattern, const Rig& rig, const DrawOptions& 
 }
 
 cv::Mat draw_pattern(const Pattern& pattern, int width, int height, int bits) {
-  check_bits(bits);
+  require_one_of("bits", bits, {8, 16});
   const auto identity = [](double u, double v) { return Eigen::Vector2d(u, v); };
   return draw(pattern, width, height, bits, std::array{identity, identity, identity});
 }
 
 cv::Mat draw_uniform(const Eigen::Vector3d& rgb, int width, int height, int bits) {
   check_size(width, height);
-  check_bits(bits);
-  if (!(rgb.array() >= 0 && rgb.array() <= 1).all())
-    throw InvalidInput("draw_uniform: rgb must lie in [0, 1]");
+  require_one_of("bits", bits, {8, 16});
+  for (const double value : rgb) require("draw_uniform(): rgb", value, at_least(0).at_most(1));
   const double top = bits == 8 ? 255 : 65535;
   const Eigen::Vector3d levels = (top * rgb).array().round();
   return {height, width, bits == 8 ? CV_8UC3 : CV_16UC3,
@@ -224,10 +218,8 @@ cv::Mat draw_uniform(const Eigen::Vector3d& rgb, int width, int height, int bits
 }
 
 Pattern single_color(const Pattern& pattern, int color) {
-  if (color < 0 || color >= static_cast<int>(pattern.colors.size())) {
-    throw InvalidInput("single_color: no colour " + std::to_string(color) + "; the pattern has " +
-                       std::to_string(pattern.colors.size()));
-  }
+  require("single_color(): color", color,
+          at_least(0).below(static_cast<double>(pattern.colors.size())));
   Pattern single = without_stripes(pattern);
   single.colors = {pattern.colors[static_cast<std::size_t>(color)]};
   single.stripes = {0};
@@ -243,10 +235,7 @@ Pattern without_stripes(const Pattern& pattern) {
 }
 
 std::vector<int> grey_levels(int steps) {
-  if (steps < 2 || steps > kGreyTop + 1) {
-    throw InvalidInput("grey_levels: " + std::to_string(steps) + " steps; 2 to " +
-                       std::to_string(kGreyTop + 1) + " are expected");
-  }
+  require("grey_levels(): steps", steps, at_least(2).at_most(kGreyTop + 1));
   std::vector<int> levels;
   levels.reserve(static_cast<std::size_t>(steps));
   for (int i = 0; i < steps; ++i) {

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "palpate/error.h"
+#include "palpate/require.h"
 #include "setup/triangulation.h"
 
 namespace palpate::sensing {
@@ -275,11 +276,9 @@ void check_input(const cv::Mat& frame, const HarmonicOptions& options) {
       (frame.channels() != 1 && frame.channels() != 3)) {
     throw InvalidInput("check_harmonics: a frame of 8 or 16 bit with 1 or 3 channels is expected");
   }
-  const auto inside = [](double value) { return value > 0 && value < 1; };
-  if (!inside(options.min_modulation) || !(options.max_misfit > 0) || !inside(options.max_ratio)) {
-    throw InvalidInput(
-        "check_harmonics: min_modulation and max_ratio must lie between 0 and 1, max_misfit > 0");
-  }
+  require("HarmonicOptions::min_modulation", options.min_modulation, above(0).below(1));
+  require("HarmonicOptions::max_misfit", options.max_misfit, above(0));
+  require("HarmonicOptions::max_ratio", options.max_ratio, above(0).below(1));
 }
 
 }  // namespace
@@ -329,7 +328,7 @@ HarmonicCheck check_harmonics(const cv::Mat& frame, const HarmonicOptions& optio
 double depth_per_radian(const Rig& rig, const Pattern& pattern, double z) {
   check_rig(rig, "depth_per_radian: rig");
   check_pattern(pattern, "depth_per_radian: pattern");
-  if (!(z > 0) || !std::isfinite(z)) throw InvalidInput("depth_per_radian: z must be > 0");
+  require("depth_per_radian(): z", z, above(0).finite(), "mm");
   const Triangulation triangulation(rig);
   const Eigen::Vector2d middle((rig.camera.width - 1) / 2.0, (rig.camera.height - 1) / 2.0);
   const Eigen::Vector3d ray = triangulation.direction(geometry::undistort(rig.camera, middle));

@@ -14,6 +14,7 @@
 #include "files/storage_file.h"
 #include "palpate/error.h"
 #include "palpate/output_file.h"
+#include "palpate/require.h"
 
 namespace palpate::sensing {
 namespace {
@@ -102,17 +103,20 @@ std::string quoted(const std::string& name) {
 }  // namespace
 
 void check_pattern(const Pattern& pattern, const std::string& what) {
-  if (!(pattern.period > 0) || !std::isfinite(pattern.period)) {
-    throw InvalidInput(what + ": period_px: must be > 0 and finite");
+  require(what + ": period_px", pattern.period, above(0).finite(), "px");
+  require(what + ": phase", pattern.phase, finite(), "rad");
+  require(what + ": mean", pattern.mean, finite());
+  require(what + ": amplitude", pattern.amplitude, above(0).finite());
+  if (pattern.mean - pattern.amplitude < -kRangeTolerance ||
+      pattern.mean + pattern.amplitude > 1 + kRangeTolerance) {
+    throw InvalidInput(what + ": mean " + shortest(pattern.mean) + " and amplitude " +
+                       shortest(pattern.amplitude) +
+                       " leave [0, 1]; mean - amplitude must be >= 0, mean + amplitude <= 1");
   }
-  if (!std::isfinite(pattern.phase)) throw InvalidInput(what + ": phase: must be finite");
-  if (!(pattern.amplitude > 0) || !(pattern.mean - pattern.amplitude >= -kRangeTolerance) ||
-      !(pattern.mean + pattern.amplitude <= 1 + kRangeTolerance)) {
-    throw InvalidInput(what +
-                       ": mean, amplitude: amplitude must be > 0 and mean +- amplitude in [0, 1]");
+  if (pattern.projector_size) {
+    require(what + ": projector_size: width", pattern.projector_size->x(), at_least(1), "px");
+    require(what + ": projector_size: height", pattern.projector_size->y(), at_least(1), "px");
   }
-  if (pattern.projector_size && !(pattern.projector_size->array() > 0).all())
-    throw InvalidInput(what + ": projector_size: sizes > 0 are expected");
   check_colors(pattern, what);
   check_stripes(pattern, what);
 }

@@ -5,7 +5,6 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <opencv2/core.hpp>
 #include <opencv2/core/eigen.hpp>
 #include <ostream>
@@ -13,6 +12,7 @@
 #include "files/storage_file.h"
 #include "palpate/error.h"
 #include "palpate/output_file.h"
+#include "palpate/require.h"
 
 namespace palpate::sensing {
 namespace {
@@ -26,10 +26,9 @@ constexpr double kRotationTolerance = 1e-5;
 constexpr std::array<int, 4> kDistortionLengths = {0, 4, 5, 8};
 
 void check_chromatic(const ChromaticShift& shift, const std::string& what) {
-  if (!(shift.alpha > 0) || !std::isfinite(shift.alpha) || !(shift.beta > 0) ||
-      !std::isfinite(shift.beta) || !std::isfinite(shift.gamma)) {
-    throw InvalidInput(what + ": alpha and beta must be > 0 and gamma finite");
-  }
+  require(what + ".alpha", shift.alpha, above(0).finite());
+  require(what + ".beta", shift.beta, above(0).finite());
+  require(what + ".gamma", shift.gamma, finite());
 }
 
 std::array<double, 8> read_distortion(const StorageFile& file, const std::string& key) {

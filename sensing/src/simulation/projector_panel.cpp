@@ -8,6 +8,7 @@
 
 #include "image/gaussian_blur.h"
 #include "palpate/error.h"
+#include "palpate/require.h"
 
 namespace palpate::sensing {
 
@@ -31,10 +32,12 @@ cv::Mat panel_light(const cv::Mat& image, const geometry::Camera& projector,
     float* to = light.ptr<float>(row);
     for (int i = 0; i < 3 * image.cols; ++i) {
       const double value = from[channels == 1 ? i / 3 : i];
-      if (!(value >= 0 && value <= 1)) {
-        throw InvalidInput(what + ": the value at row " + std::to_string(row) + ", column " +
-                           std::to_string(i / 3) + " is not in [0, 1]");
-      }
+      require(
+          [&] {
+            return what + ": the value at row " + std::to_string(row) + ", column " +
+                   std::to_string(i / 3);
+          },
+          value, at_least(0).at_most(1));
       to[i] =
           static_cast<float>(sensor.projector_black + (1 - sensor.projector_black) *
                                                           std::pow(value, sensor.projector_gamma));

@@ -6,22 +6,19 @@
 #include <limits>
 #include <numbers>
 #include <opencv2/core.hpp>
-#include <string>
 
 #include "palpate/error.h"
+#include "palpate/require.h"
 #include "palpate/sensing/bayer.h"
 
 namespace palpate::sensing {
 namespace {
 
 void check_options(const AssessmentOptions& options) {
-  if (options.counted_bodies && *options.counted_bodies <= 0) {
-    throw InvalidInput("assess: counted_bodies must be > 0");
-  }
-  if (!(options.max_incidence > 0 && options.max_incidence <= std::numbers::pi / 2)) {
-    throw InvalidInput("assess: max_incidence must lie in (0, pi/2]");
-  }
-  if (!(options.wrong_depth > 0)) throw InvalidInput("assess: wrong_depth must be > 0");
+  require("AssessmentOptions::counted_bodies", options.counted_bodies, at_least(1));
+  require("AssessmentOptions::max_incidence", options.max_incidence,
+          above(0).at_most(std::numbers::pi / 2), "rad");
+  require("AssessmentOptions::wrong_depth", options.wrong_depth, above(0), "mm");
 }
 
 /// The lit pixel nearest to the middle of the image.

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "palpate/error.h"
+#include "palpate/require.h"
 
 namespace palpate::sensing {
 namespace {
@@ -19,8 +20,10 @@ namespace {
 constexpr double kLift = 1e-8;
 
 void check_colors(const Eigen::Matrix3Xd& colors, const std::string& name) {
-  if (!((colors.array() >= 0) && (colors.array() <= 1)).all()) {
-    throw InvalidInput(name + ": red, green and blue must lie in [0, 1]");
+  for (Eigen::Index i = 0; i < colors.cols(); ++i) {
+    for (const double value : colors.col(i))
+      require([&] { return name + ": a colour of column " + std::to_string(i); }, value,
+              at_least(0).at_most(1));
   }
 }
 
@@ -86,15 +89,9 @@ void check_body(const Body& body, std::size_t number) {
       throw InvalidInput(name + ".texture: 8 or 16 bit, 1 or 3 channels are expected");
     }
   }
-  if (!(body.specular >= 0 && body.specular <= 1)) {
-    throw InvalidInput(name + ".specular: must lie in [0, 1]");
-  }
-  if (!(body.shininess >= 1) || !std::isfinite(body.shininess)) {
-    throw InvalidInput(name + ".shininess: must be >= 1 and finite");
-  }
-  if (!(body.crease_angle >= 0 && body.crease_angle <= std::numbers::pi)) {
-    throw InvalidInput(name + ".crease_angle: must lie in [0, pi]");
-  }
+  require(name + ".specular", body.specular, at_least(0).at_most(1));
+  require(name + ".shininess", body.shininess, at_least(1).finite());
+  require(name + ".crease_angle", body.crease_angle, at_least(0).at_most(std::numbers::pi), "rad");
 }
 
 VirtualScene::VirtualScene(std::span<const Body> bodies) : bodies_(bodies) {

@@ -13,6 +13,7 @@
 #include "files/storage_file.h"
 #include "palpate/error.h"
 #include "palpate/output_file.h"
+#include "palpate/require.h"
 #include "palpate/sensing/virtual_sensor.h"
 
 namespace palpate::sensing {
@@ -67,36 +68,25 @@ Readout read_readout(const StorageFile& file) {
 }  // namespace
 
 void check_virtual_sensor(const VirtualSensor& sensor, const std::string& what) {
-  const auto require = [&](bool holds, const char* message) {
-    if (!holds) throw InvalidInput(what + ": " + message);
+  const auto check = [&](const char* name, double value, const Interval& range,
+                         const char* unit = "") {
+    require(what + ": " + name, value, range, unit);
   };
-  for_each_number(sensor, [&](const char* name, auto value) {
-    require(std::isfinite(static_cast<double>(value)),
-            (std::string(name) + ": must be finite").c_str());
-  });
-  require(sensor.projector_gamma > 0, "projector_gamma: must be > 0");
-  require(sensor.projector_black >= 0 && sensor.projector_black < 1,
-          "projector_black: must lie in [0, 1)");
-  require(sensor.projector_blur >= 0 && sensor.projector_blur <= kMaxBlur,
-          "projector_blur: must lie in [0, 100] px");
-  require(std::abs(sensor.projector_falloff) <= kMaxFalloff,
-          "projector_falloff: must lie in [-10, 10]");
-  require(sensor.ambient >= 0, "ambient: must be >= 0");
-  require(sensor.camera_blur >= 0 && sensor.camera_blur <= kMaxBlur,
-          "camera_blur: must lie in [0, 100] px");
-  require(sensor.samples_per_axis >= 1 && sensor.samples_per_axis <= kMaxSamples,
-          "samples_per_axis: must lie in [1, 64]");
-  require(sensor.exposure_steps >= 1 && sensor.exposure_steps <= kMaxSteps,
-          "exposure_steps: must lie in [1, 1024]");
-  require(sensor.bits == 8 || sensor.bits == 16, "bits: must be 8 or 16");
-  require(sensor.camera_gamma > 0, "camera_gamma: must be > 0");
-  require(sensor.full_well >= 0, "full_well: must be >= 0");
-  require(sensor.read_noise >= 0, "read_noise: must be >= 0");
-  require(sensor.exposure_distance >= 0, "exposure_distance: must be >= 0");
-  require(sensor.exposure_percentile > 0 && sensor.exposure_percentile <= 1,
-          "exposure_percentile: must lie in (0, 1]");
-  require(sensor.exposure_level > 0 && sensor.exposure_level <= 1,
-          "exposure_level: must lie in (0, 1]");
+  check("projector_gamma", sensor.projector_gamma, above(0).finite());
+  check("projector_black", sensor.projector_black, at_least(0).below(1));
+  check("projector_blur_px", sensor.projector_blur, at_least(0).at_most(kMaxBlur), "px");
+  check("projector_falloff", sensor.projector_falloff, at_least(-kMaxFalloff).at_most(kMaxFalloff));
+  check("ambient", sensor.ambient, at_least(0).finite());
+  check("camera_blur_px", sensor.camera_blur, at_least(0).at_most(kMaxBlur), "px");
+  check("samples_per_axis", sensor.samples_per_axis, at_least(1).at_most(kMaxSamples));
+  check("exposure_steps", sensor.exposure_steps, at_least(1).at_most(kMaxSteps));
+  require_one_of(what + ": bits", sensor.bits, {8, 16});
+  check("camera_gamma", sensor.camera_gamma, above(0).finite());
+  check("full_well", sensor.full_well, at_least(0).finite(), "electrons");
+  check("read_noise", sensor.read_noise, at_least(0).finite(), "electrons");
+  check("exposure_distance", sensor.exposure_distance, at_least(0).finite(), "mm");
+  check("exposure_percentile", sensor.exposure_percentile, above(0).at_most(1));
+  check("exposure_level", sensor.exposure_level, above(0).at_most(1));
 }
 
 VirtualSensor ideal(VirtualSensor sensor) {

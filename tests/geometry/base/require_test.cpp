@@ -109,6 +109,24 @@ TEST(Require, AsksNothingOfAnOptionThatIsNotGiven) {
   EXPECT_EQ(message(std::optional<int>(3), at_least(4)), "Options::size is 3; it must be >= 4");
 }
 
+TEST(Require, MakesANameOnlyForAMessage) {
+  int made = 0;
+  const auto name = [&] {
+    ++made;
+    return std::string("vertex ") + std::to_string(7);
+  };
+  require(name, 1, above(0));
+  EXPECT_EQ(made, 0);
+  EXPECT_THROW(require(name, kNaN, above(0)), InvalidInput);
+  EXPECT_EQ(made, 1);
+  try {
+    require(name, -1, above(0), "mm");
+    FAIL();
+  } catch (const InvalidInput& error) {
+    EXPECT_STREQ(error.what(), "vertex 7 is -1 mm; it must be > 0");
+  }
+}
+
 TEST(Require, ListsTheChoicesThatThereAre) {
   EXPECT_NO_THROW(require_one_of("bits", 16, {8, 16}));
   const auto message_of = [](int value) {
