@@ -10,6 +10,8 @@
 #include <optional>
 
 #include "palpate/error.h"
+#include "palpate/require.h"
+#include "shared/call_checks.h"
 #include "shared/command_line.h"
 #include "shared/progress.h"
 
@@ -33,7 +35,8 @@ int run(int argc, char** argv) {
   int threads = 0;
   int verbosity = 0;
   app.add_flag("--json", settings.json, "Print the figures as one JSON object instead of text");
-  app.add_option("--threads", threads, "Number of threads (default: all cores)")->check(positive());
+  app.add_option("--threads", threads, "Number of threads (default: all cores)")
+      ->check(within(above(0)));
   app.add_flag("-v", verbosity, "Print what is being done; -vv prints more");
 
   std::optional<tbb::global_control> limit;

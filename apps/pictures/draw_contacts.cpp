@@ -59,17 +59,17 @@ void check_input(const geometry::TriangleMesh& surface,
                  const geometry::TriangleMesh& contact_mesh) {
   check_surface(surface, "surface");
   check_count(labels.size(), surface.vertices.cols(), "labels");
-  require(contact_mesh.vertices.cols() > 0, "contact mesh",
-          "has no contact: there is nothing to draw");
-  require(contact_mesh.vertices.allFinite(), "contact mesh", "a contact is not finite");
+  refuse_unless(contact_mesh.vertices.cols() > 0, "contact mesh",
+                "has no contact: there is nothing to draw");
+  refuse_unless(contact_mesh.vertices.allFinite(), "contact mesh", "a contact is not finite");
   if (contact_mesh.triangles.cols() > 0) {
     check_surface(contact_mesh, "contact mesh");
   }
   for (Eigen::Index vertex = 0; vertex < labels.size(); ++vertex) {
-    require(labels(vertex) >= -1 && labels(vertex) < contact_mesh.vertices.cols(), "labels",
-            "vertex " + std::to_string(vertex) + " has " + std::to_string(labels(vertex)) +
-                ": -1 or one of the " + std::to_string(contact_mesh.vertices.cols()) +
-                " contacts is needed");
+    refuse_unless(labels(vertex) >= -1 && labels(vertex) < contact_mesh.vertices.cols(), "labels",
+                  "vertex " + std::to_string(vertex) + " has " + std::to_string(labels(vertex)) +
+                      ": -1 or one of the " + std::to_string(contact_mesh.vertices.cols()) +
+                      " contacts is needed");
   }
 }
 

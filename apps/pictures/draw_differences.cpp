@@ -6,6 +6,7 @@
 
 #include "false_color_image.h"
 #include "input_checks.h"
+#include "palpate/require.h"
 #include "ticks.h"
 
 namespace palpate::pictures {
@@ -19,8 +20,7 @@ constexpr double kFigureStep = 0.001;
 void draw_differences(const std::filesystem::path& png, const geometry::ImageF& differences,
                       const std::string& title, double limit) {
   check_image(differences, "differences");
-  require(std::isfinite(limit) && limit > 0, "limit",
-          "is " + std::to_string(limit) + ": a length above 0 mm is needed");
+  require("draw_differences(): limit", limit, above(0).finite(), "mm");
   double squares = 0;
   double count = 0;
   double beyond = 0;

@@ -13,6 +13,7 @@
 #include "canvas.h"
 #include "color_scale.h"
 #include "input_checks.h"
+#include "palpate/require.h"
 #include "surface_view.h"
 
 namespace palpate::pictures {
@@ -50,8 +51,7 @@ void draw_distances(const std::filesystem::path& png, const geometry::TriangleMe
   check_surface(mesh, "mesh");
   check_count(distances.size(), mesh.triangles.cols(), "distances");
   check_some_finite(distances, "distances");
-  require(std::isfinite(picture.limit) && picture.limit > 0, "limit",
-          "is " + std::to_string(picture.limit) + ": a length above 0 mm is needed");
+  require("DistancePicture::limit", picture.limit, above(0).finite(), "mm");
   const double low = picture.one_sided ? 0 : -picture.limit;
   const ColorMap map = picture.one_sided ? ColorMap::sequential : ColorMap::diverging;
   Canvas canvas(kHeight, picture.title, picture.subtitle);

@@ -9,6 +9,7 @@
 #include "chart.h"
 #include "force_field_scene.h"
 #include "input_checks.h"
+#include "palpate/require.h"
 #include "ticks.h"
 
 namespace palpate::pictures {
@@ -25,20 +26,18 @@ constexpr double kMarkerSize = 5;  ///< px
 
 void check_input(const ContactSamples& samples, const ContactFit& fit) {
   const Eigen::Index count = samples.displacements.cols();
-  require(count > 0, "displacements", "is empty: there is nothing to draw");
+  refuse_unless(count > 0, "displacements", "is empty: there is nothing to draw");
   check_count(samples.forces.cols(), count, "forces");
   check_count(static_cast<Eigen::Index>(samples.on_boundary.size()), count, "on_boundary");
   for (Eigen::Index sample = 0; sample < count; ++sample) {
     const std::string place = "sample " + std::to_string(sample) + " is not finite";
-    require(samples.displacements.col(sample).allFinite(), "displacements", place);
-    require(samples.forces.col(sample).allFinite(), "forces", place);
+    refuse_unless(samples.displacements.col(sample).allFinite(), "displacements", place);
+    refuse_unless(samples.forces.col(sample).allFinite(), "forces", place);
   }
-  require(static_cast<bool>(fit.field), "field", "there is none");
-  require(fit.friction_axis.allFinite() && fit.friction_axis.norm() > 0, "friction axis",
-          "a finite direction is needed");
-  require(std::isfinite(fit.friction_coefficient) && fit.friction_coefficient >= 0,
-          "friction coefficient",
-          "is " + std::to_string(fit.friction_coefficient) + ": a number of at least 0 is needed");
+  refuse_unless(static_cast<bool>(fit.field), "field", "there is none");
+  refuse_unless(fit.friction_axis.allFinite() && fit.friction_axis.norm() > 0, "friction axis",
+                "a finite direction is needed");
+  require("ContactFit::friction_coefficient", fit.friction_coefficient, at_least(0).finite());
 }
 
 FittedSamples evaluate(const ContactSamples& samples, const ContactFit& fit) {
@@ -46,8 +45,8 @@ FittedSamples evaluate(const ContactSamples& samples, const ContactFit& fit) {
                         fit.friction_axis.normalized(), fit.friction_coefficient};
   for (Eigen::Index sample = 0; sample < samples.forces.cols(); ++sample) {
     contact.fitted.col(sample) = fit.field(samples.displacements.col(sample));
-    require(contact.fitted.col(sample).allFinite(), "field",
-            "is not finite at the displacement of sample " + std::to_string(sample));
+    refuse_unless(contact.fitted.col(sample).allFinite(), "field",
+                  "is not finite at the displacement of sample " + std::to_string(sample));
   }
   return contact;
 }

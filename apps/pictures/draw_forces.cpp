@@ -9,6 +9,7 @@
 #include "canvas.h"
 #include "chart.h"
 #include "input_checks.h"
+#include "palpate/require.h"
 #include "ticks.h"
 
 namespace palpate::pictures {
@@ -24,17 +25,18 @@ constexpr std::array<Rgb, 3> kStateColors{{{255, 255, 255}, {219, 233, 246}, {25
 void check_input(const Eigen::Ref<const Eigen::VectorXd>& times,
                  const Eigen::Ref<const Eigen::Matrix3Xd>& forces,
                  const Eigen::Ref<const Eigen::VectorXi>& states) {
-  require(times.size() >= 2, "times", "at least two are needed");
+  refuse_unless(times.size() >= 2, "times", "at least two are needed");
   check_count(forces.cols(), times.size(), "forces");
   check_count(states.size(), times.size(), "states");
   for (Eigen::Index index = 0; index < times.size(); ++index) {
     const std::string place = "entry " + std::to_string(index);
-    require(std::isfinite(times(index)), "times", place + " is not finite");
-    require(index == 0 || times(index) >= times(index - 1), "times",
-            place + " is earlier than the one before");
-    require(states(index) >= 0 && states(index) < static_cast<int>(kStateColors.size()), "states",
-            place + " is " + std::to_string(states(index)) +
-                ": 0 (free), 1 (stick) or 2 (slip) is needed");
+    require([&] { return "times: " + place; }, times(index), finite(), "s");
+    refuse_unless(index == 0 || times(index) >= times(index - 1), "times",
+                  place + " is earlier than the one before");
+    refuse_unless(states(index) >= 0 && states(index) < static_cast<int>(kStateColors.size()),
+                  "states",
+                  place + " is " + std::to_string(states(index)) +
+                      ": 0 (free), 1 (stick) or 2 (slip) is needed");
   }
   check_some_finite(forces, "forces");
 }

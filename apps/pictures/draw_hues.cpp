@@ -9,6 +9,7 @@
 #include "canvas.h"
 #include "chart.h"
 #include "input_checks.h"
+#include "palpate/require.h"
 
 namespace palpate::pictures {
 namespace {
@@ -43,13 +44,13 @@ Eigen::VectorXd density(const HueDistribution& hue, const Eigen::VectorXd& degre
 }
 
 void check_input(const std::vector<HueDistribution>& hues) {
-  require(!hues.empty(), "hues", "there is none: at least one colour is needed");
+  refuse_unless(!hues.empty(), "hues", "there is none: at least one colour is needed");
   for (const HueDistribution& hue : hues) {
     const std::string what = "colour '" + hue.name + "'";
-    require(std::isfinite(hue.mean) && std::isfinite(hue.deviation) && hue.deviation >= 0,
-            what.c_str(), "mean and deviation must be finite, the deviation >= 0");
-    require(hue.histogram.size() > 0 && hue.histogram.allFinite() && hue.histogram.sum() > 0,
-            what.c_str(), "the histogram is empty");
+    require(what + ": mean", hue.mean, finite(), "rad");
+    require(what + ": deviation", hue.deviation, at_least(0).finite(), "rad");
+    refuse_unless(hue.histogram.size() > 0 && hue.histogram.allFinite() && hue.histogram.sum() > 0,
+                  what.c_str(), "the histogram is empty");
   }
 }
 

@@ -9,6 +9,7 @@
 #include "canvas.h"
 #include "chart.h"
 #include "input_checks.h"
+#include "palpate/require.h"
 #include "ticks.h"
 
 namespace palpate::pictures {
@@ -23,16 +24,18 @@ constexpr double kArrow = 40;         ///< px, the length of the longest arrow
 constexpr std::array<Rgb, 2> kColors{kBlue, kVermilion};
 
 void check_input(const std::vector<ResidualImage>& images) {
-  require(images.size() == 1 || images.size() == kColors.size(), "images", "one or two are needed");
+  refuse_unless(images.size() == 1 || images.size() == kColors.size(), "images",
+                "one or two are needed");
   for (const ResidualImage& image : images) {
-    require(image.width > 0 && image.height > 0, image.title.c_str(), "the size must be positive");
-    require(!image.views.empty(), image.title.c_str(), "there is no view");
+    require(image.title + ": width", image.width, at_least(1), "px");
+    require(image.title + ": height", image.height, at_least(1), "px");
+    refuse_unless(!image.views.empty(), image.title.c_str(), "there is no view");
     for (const ResidualView& view : image.views) {
       const std::string what = image.title + ", view '" + view.name + "'";
-      require(view.at.cols() > 0, what.c_str(), "there is no point");
+      refuse_unless(view.at.cols() > 0, what.c_str(), "there is no point");
       check_count(view.residual.cols(), view.at.cols(), what.c_str());
-      require(view.at.allFinite() && view.residual.allFinite(), what.c_str(),
-              "a point or residual is not finite");
+      refuse_unless(view.at.allFinite() && view.residual.allFinite(), what.c_str(),
+                    "a point or residual is not finite");
     }
   }
 }

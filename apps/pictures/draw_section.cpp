@@ -21,7 +21,7 @@ constexpr std::array<Rgb, 6> kColors{kBlue, kVermilion, kGreen, kPurple, kOrange
 
 void draw_section(const std::filesystem::path& png, std::span<const SectionSeries> series,
                   const std::string& title, const SectionLabels& labels) {
-  require(!series.empty(), "series", "there is none: at least one line is needed");
+  refuse_unless(!series.empty(), "series", "there is none: at least one line is needed");
   Axis x{kEmptySpan, labels.x};
   Axis y{kEmptySpan, labels.y};
   std::vector<LegendEntry> legend;

@@ -11,7 +11,7 @@
 namespace palpate::pictures {
 
 /// \throws InvalidInput with "`what`: `reason`" unless `holds`.
-void require(bool holds, const char* what, const std::string& reason);
+void refuse_unless(bool holds, const char* what, const std::string& reason);
 
 /// \throws InvalidInput naming `what` if the image is empty or holds no finite value.
 void check_image(const geometry::ImageF& image, const char* what);

@@ -145,6 +145,17 @@ TEST_F(WrongOptions, OfCompare) {
        {{"compare", scratch / "points.ply", hand()}, "points.ply"}});
 }
 
+TEST_F(WrongOptions, ANumberThatIsNone) {
+  expect_refused({{{"compare", hand(), hand(), "--align", "--search-rotation", "nan"},
+                   "--search-rotation: is nan; it must be in [0, 180]"},
+                  {{"merge", hand(), hand(), "--register", "--min-overlap", "nan", "-o", "m"},
+                   "--min-overlap: is nan; it must be in (0, 1]"},
+                  {{"mesh", hand(), "--tolerance", "much", "-o", scratch / "x.ply"},
+                   "--tolerance: is much; it must be > 0"},
+                  {{"mesh", hand(), "--smooth", "-1", "-o", scratch / "x.ply"},
+                   "--smooth: is -1; it must be in [0, "}});
+}
+
 TEST_F(WrongOptions, OfAVideoThatIsNone) {
   write_text(scratch / "a.mp4", std::string(5000, 'x'));
   const CommandResult result =

@@ -12,6 +12,7 @@
 
 #include "commands/calibrate.h"
 #include "palpate/error.h"
+#include "palpate/require.h"
 #include "palpate/sensing/chromatic_calibration.h"
 #include "palpate/sensing/frame.h"
 #include "palpate/sensing/pattern_image.h"
@@ -168,7 +169,7 @@ void add_calibrate_chromatic(CLI::App& calibrate, const Settings& settings) {
               "Distance of each surface at the image centre [mm], accurate to about a period; "
               "needed only if the surfaces are not plane or the rig cannot determine the period "
               "on a plane")
-          ->check(positive());
+          ->check(within(above(0)));
   command
       ->add_option("--range", call->ranges,
                    "Range maps of the surfaces instead (from `palpate decode`), one per image")

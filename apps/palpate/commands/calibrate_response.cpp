@@ -14,9 +14,11 @@
 #include "commands/calibrate.h"
 #include "palpate/error.h"
 #include "palpate/pictures/draw_section.h"
+#include "palpate/require.h"
 #include "palpate/sensing/frame.h"
 #include "palpate/sensing/harmonics.h"
 #include "palpate/sensing/response.h"
+#include "shared/call_checks.h"
 #include "shared/inputs.h"
 
 namespace palpate::apps {
@@ -199,7 +201,7 @@ void add_calibrate_response(CLI::App& calibrate, const Settings& settings) {
   response->add_option("--rig", call->rig, "With --check: rig for predicting the depth error");
   response->add_option("--pattern", call->pattern, "With --rig: the pattern");
   response->add_option("--distance", call->distance, "With --rig: distance of the surface [mm]")
-      ->check(positive());
+      ->check(within(above(0)));
   response->footer(
       "Keep the exposure fixed and the brightest image below full scale. Use 16 levels or more.\n"
       "Train the colours with linearised images too: calibrate colors --response.\n"

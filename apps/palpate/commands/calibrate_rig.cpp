@@ -16,6 +16,7 @@
 #include "palpate/error.h"
 #include "palpate/output_file.h"
 #include "palpate/pictures/draw_residuals.h"
+#include "palpate/require.h"
 #include "palpate/sensing/rig_calibration.h"
 #include "palpate/sensing/rig_view_files.h"
 #include "shared/call_checks.h"
@@ -195,7 +196,8 @@ void add_calibrate_rig(CLI::App& calibrate, const Settings& settings) {
   rig->add_option("FOLDER", call->folders,
                   "Folders of images, one per pose of the board, or a folder of such folders");
   rig->add_option("--board", call->board, "Inner corners of the printed board, such as 7x9");
-  rig->add_option("--square", call->printed.square, "Side of a square [mm]")->check(positive());
+  rig->add_option("--square", call->printed.square, "Side of a square [mm]")
+      ->check(within(above(0)));
   rig->add_option("--projector-size", call->projector_size, "Projector size [px], such as 1024x768")
       ->required();
   rig->add_option(

@@ -20,6 +20,7 @@
 #include "palpate/pictures/draw_differences.h"
 #include "palpate/pictures/draw_distances.h"
 #include "palpate/pictures/draw_section.h"
+#include "palpate/require.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
 #include "shared/inputs.h"
@@ -30,7 +31,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// [mm] Where a cross-section may lie: 1000 km either way.
-constexpr std::pair kPlaces(-1e9, 1e9);
+constexpr Interval kPlaces = at_least(-1e9).at_most(1e9);
 
 struct CompareCall {
   fs::path a, b, rig, section, picture;
@@ -271,7 +272,7 @@ void add_compare(CLI::App& app, const Settings& settings) {
   command
       ->add_option("--search-rotation", call->search_rotation_deg,
                    "With --align: by how much A may be turned [degrees]")
-      ->check(CLI::Range(0.0, 180.0))
+      ->check(within(at_least(0).at_most(180)))
       ->capture_default_str()
       ->needs(align);
   command
@@ -279,14 +280,14 @@ void add_compare(CLI::App& app, const Settings& settings) {
           "--search-translation", call->search_translation,
           "With --align: how far the centroid of the smaller surface may be from its place "
           "[mm]; unless given, it covers the larger one or is near its place")
-      ->check(not_negative())
+      ->check(within(at_least(0)))
       ->needs(align);
   command
       ->add_option(
           "--within", call->within,
           "Points of A further than so many mm from B have no counterpart in it: what else the "
           "sensor saw beside the object of a reference")
-      ->check(positive());
+      ->check(within(above(0)));
   CLI::Option* section =
       command
           ->add_option("--section", call->section,

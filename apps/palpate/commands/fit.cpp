@@ -23,6 +23,8 @@
 #include "palpate/haptics/model_io.h"
 #include "palpate/output_file.h"
 #include "palpate/probing/acquisition_store.h"
+#include "palpate/require.h"
+#include "shared/call_checks.h"
 #include "shared/command_line.h"
 #include "shared/fingerprint.h"
 #include "shared/inputs.h"
@@ -343,7 +345,7 @@ void add_fit(CLI::App& app, const Settings& settings) {
       ->add_option("--dense-samples", call->dense_samples,
                    "A contact has many samples from so many pairs on")
       ->needs(shared)
-      ->check(CLI::Range(haptics::kFewestDenseSamples, std::numeric_limits<int>::max()))
+      ->check(within(at_least(haptics::kFewestDenseSamples)))
       ->capture_default_str();
   command->add_flag_callback(
       "--cbor", [call] { call->encoding = haptics::ModelEncoding::cbor; },

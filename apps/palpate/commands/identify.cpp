@@ -9,6 +9,8 @@
 #include <string>
 
 #include "palpate/probing/acquisition_store.h"
+#include "palpate/require.h"
+#include "shared/call_checks.h"
 #include "shared/command_line.h"
 
 namespace palpate::apps {
@@ -132,16 +134,16 @@ void add_identify(CLI::App& app, const Settings& settings) {
   command
       ->add_option("--tool-radius", call->tool_radius,
                    "For the half-space: radius of the tool's flat end [mm]")
-      ->check(positive());
+      ->check(within(above(0)));
   auto* displacement =
       command
           ->add_option("--displacement-noise", call->options.displacement_noise,
                        "Standard deviation of positions [mm] (default: estimated from repetitions)")
-          ->check(positive());
+          ->check(within(above(0)));
   auto* force = command
                     ->add_option("--force-noise", call->options.force_noise,
                                  "Standard deviation of forces [N]; needs --displacement-noise")
-                    ->check(not_negative());
+                    ->check(within(at_least(0)));
   displacement->needs(force);
   force->needs(displacement);
   command->footer(

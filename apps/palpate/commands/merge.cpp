@@ -13,6 +13,8 @@
 #include "palpate/haptics/merge_models.h"
 #include "palpate/haptics/model_io.h"
 #include "palpate/output_file.h"
+#include "palpate/require.h"
+#include "shared/call_checks.h"
 #include "shared/command_line.h"
 #include "shared/inputs.h"
 #include "shared/model_pictures.h"
@@ -145,18 +147,18 @@ void add_registration_options(CLI::App& command, const std::shared_ptr<MergeCall
   command
       .add_option("--search-rotation", call->search_rotation_deg,
                   "With --register: largest rotation from the start pose [degrees]")
-      ->check(CLI::Range(0.0, 180.0))
+      ->check(within(at_least(0).at_most(180)))
       ->capture_default_str()
       ->needs(here);
   command
       .add_option("--search-translation", call->registration.search_translation,
                   "With --register: largest shift of a model's centroid from the start pose [mm]")
-      ->check(not_negative())
+      ->check(within(at_least(0)))
       ->needs(here);
   command
       .add_option("--min-overlap", call->registration.min_overlap,
                   "With --register: share of a model's surface that those before it also have")
-      ->check(CLI::Range(0.0, 1.0))
+      ->check(within(above(0).at_most(1)))
       ->capture_default_str()
       ->needs(here);
 }
@@ -179,18 +181,18 @@ void add_merge(CLI::App& app, const Settings& settings) {
   command
       ->add_option("--fill-holes", call->options.fill_holes,
                    "Fill holes of the merged surface up to this diameter [mm]")
-      ->check(positive());
+      ->check(within(above(0)));
   command
       ->add_option("--max-distance", call->options.max_distance,
                    "Reject a contact that is farther from the merged surface [mm]")
-      ->check(not_negative())
+      ->check(within(at_least(0)))
       ->capture_default_str();
   command
       ->add_option(
           "--same-place", call->options.same_place,
           "Contacts of two models that are at most this far apart count as one; the one that fits "
           "better is kept [mm] (default: a quarter of the median distance between neighbours)")
-      ->check(not_negative());
+      ->check(within(at_least(0)));
   command->add_option("--picture", call->picture,
                       "Draw the merged surface, its contacts and their triangulation (PNG)");
   command->footer(

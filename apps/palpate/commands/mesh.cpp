@@ -13,6 +13,7 @@
 #include "palpate/error.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/pictures/draw_mesh.h"
+#include "palpate/require.h"
 #include "palpate/work_in_order.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
@@ -162,18 +163,18 @@ void add_mesh(CLI::App& app, const Settings& settings) {
       "--repair", call->steps.repair,
       "Repair the defects that palpate info lists; the result is manifold and oriented");
   command->add_option("--fill-holes", call->steps.fill_holes, "Fill holes up to this diameter [mm]")
-      ->check(positive());
+      ->check(within(above(0)));
   command
       ->add_option(
           "--smooth", call->steps.smooth,
           "Iterations of smoothing without shrinking (Taubin), at most 1000; 20 remove most "
           "noise")
-      ->check(CLI::Range(0, kMostIterations));
+      ->check(within(at_least(0).at_most(kMostIterations)));
   command
       ->add_option(
           "--tolerance", call->steps.tolerance,
           "Remove triangles while the Hausdorff distance to the surface is within this [mm]")
-      ->check(positive());
+      ->check(within(above(0)));
   command->add_option("--picture", call->picture, "Also draw the mesh (PNG)");
   command->footer(
       "The steps are done in this order: smooth depths, repair, fill holes, smooth, decimate.\n"

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "palpate/output_file.h"
+#include "palpate/require.h"
 #include "palpate/sensing/frame.h"
 #include "palpate/sensing/pattern.h"
 #include "palpate/sensing/pattern_colors.h"
@@ -19,6 +20,7 @@
 #include "palpate/sensing/pattern_image.h"
 #include "palpate/sensing/rig.h"
 #include "palpate/sensing/trained_colors.h"
+#include "shared/call_checks.h"
 #include "shared/command_line.h"
 #include "shared/inputs.h"
 
@@ -202,11 +204,11 @@ void add_design_options(CLI::App& command, PatternCall& call) {
                   "overlap)")
       ->expected(2)
       ->needs("--rig")
-      ->check(positive());
+      ->check(within(above(0)));
   command
       .add_option("--period", call.period,
                   "Period of the sinusoid [projector px] (default: from the two limits below)")
-      ->check(positive());
+      ->check(within(above(0)));
   command
       .add_option("--min-camera-period", call.design.min_camera_period,
                   "Shortest period in the camera [px]")

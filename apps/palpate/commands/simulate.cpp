@@ -17,6 +17,7 @@
 #include "commands/simulate_scene.h"
 #include "palpate/error.h"
 #include "palpate/output_file.h"
+#include "palpate/require.h"
 #include "palpate/sensing/frame.h"
 #include "palpate/sensing/pattern.h"
 #include "palpate/sensing/rig_assessment.h"
@@ -37,7 +38,7 @@ const std::regex kOwnFiles(
     R"(|training/\d{6,}/[^/]+_flat\.png|report/\d{6,}\.png)");
 
 /// [mm] Range of the distances of objects.
-constexpr std::pair kDistances(0.1, 1e6);
+constexpr Interval kDistances = at_least(0.1).at_most(1e6);
 /// Largest ambient light; with more, every camera's noise hides the projector's light.
 constexpr double kBrightest = 1e6;
 
@@ -245,7 +246,7 @@ void add_scene_options(CLI::App& command, SimulateCall& call) {
                   "each axis of the camera")
       ->expected(3)
       ->delimiter(',')
-      ->check(within({-360, 360}))
+      ->check(within(at_least(-360).at_most(360)))
       ->group(group);
   command.add_option("--wall", scene.wall, "Add a white wall at this depth [mm]")
       ->check(within(kDistances))
@@ -272,7 +273,7 @@ void add_scene_options(CLI::App& command, SimulateCall& call) {
       .add_option("--shutter", scene.shutter,
                   "Share of the time between two meshes during which the shutter is open "
                   "(default: 0, no motion blur); the last mesh has no successor and no blur")
-      ->check(within({0, 1}))
+      ->check(within(at_least(0).at_most(1)))
       ->group(group);
 }
 
@@ -293,7 +294,7 @@ void add_sensor_options(CLI::App& command, SimulateCall& call) {
   command
       .add_option("--ambient", call.ambient,
                   "Ambient light, as a share of the projector's white on a surface 1 m away")
-      ->check(within({0, kBrightest}))
+      ->check(within(at_least(0).at_most(kBrightest)))
       ->group(group);
   command
       .add_option(
@@ -303,7 +304,7 @@ void add_sensor_options(CLI::App& command, SimulateCall& call) {
       ->check(within(kDistances))
       ->group(group);
   command.add_option("--seed", call.seed, "Seed of the noise: 0 to 2147483647 (default: 1)")
-      ->check(CLI::Range(0, std::numeric_limits<int>::max()))
+      ->check(within(at_least(0)))
       ->group(group);
 }
 

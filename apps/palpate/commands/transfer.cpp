@@ -21,6 +21,8 @@
 #include "palpate/output_file.h"
 #include "palpate/pictures/draw_distances.h"
 #include "palpate/probing/csv.h"
+#include "palpate/require.h"
+#include "shared/call_checks.h"
 #include "shared/command_line.h"
 #include "shared/inputs.h"
 #include "shared/model_pictures.h"
@@ -212,7 +214,7 @@ void add_map_options(CLI::App& command, const std::shared_ptr<TransferCall>& cal
           "--max-bad-share", call->map.max_bad_share,
           "With --onto: reject a map that distorts areas or angles by more than a factor of 3, or "
           "folds, in more than this share of the area")
-      ->check(CLI::Range(0.0, 1.0))
+      ->check(within(at_least(0).at_most(1)))
       ->capture_default_str()
       ->needs(onto);
 }
@@ -227,7 +229,7 @@ void add_transfer(CLI::App& app, const Settings& settings) {
   command->add_option("-o,--output", call->output, "Model folder to write")->required();
   CLI::Option* by =
       command->add_option("--scale", call->scale, "Factor for lengths, about the centre")
-          ->check(positive());
+          ->check(within(above(0)));
   command
       ->add_option("--axis", call->axis, "With --scale: only along this direction, such as 1,0,0")
       ->expected(3)

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "shared/call_checks.h"
 
-#include <fmt/format.h>
-
 #include <string>
 
 #include "palpate/error.h"
@@ -13,15 +11,13 @@ namespace palpate::apps {
 
 namespace fs = std::filesystem;
 
-CLI::Validator within(std::pair<double, double> range) {
-  const std::string words = fmt::format("from {:g} to {:g}", range.first, range.second);
-  return {[range, words](const std::string& text) {
+CLI::Validator within(const Interval& range) {
+  return {[range](const std::string& text) {
             double number = 0;
-            const bool is_right = CLI::detail::lexical_cast(text, number) &&
-                                  number >= range.first && number <= range.second;
-            return is_right ? std::string() : text + " is no number " + words;
+            const bool is_right = CLI::detail::lexical_cast(text, number) && range.contains(number);
+            return is_right ? std::string() : "is " + text + "; it must be " + to_string(range);
           },
-          words};
+          to_string(range)};
 }
 
 void check_pictures(const std::vector<fs::path>& pictures) {

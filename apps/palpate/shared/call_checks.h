@@ -4,13 +4,15 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
-#include <utility>
 #include <vector>
+
+#include "palpate/require.h"
 
 namespace palpate::apps {
 
-/// Accepts numbers from `range.first` to `range.second`, and no NaN.
-[[nodiscard]] CLI::Validator within(std::pair<double, double> range);
+/// Accepts the numbers of a range, and no NaN. The message is that of `require`, after the name of
+/// the option: "--tolerance: is -1; it must be > 0".
+[[nodiscard]] CLI::Validator within(const Interval& range);
 
 /// Pictures are PNG files.
 /// \throws InvalidInput for a name with another ending. Empty paths stand for options that were not

@@ -21,24 +21,6 @@ void add_unit_option(CLI::App& command, geometry::ReadOptions& options) {
       "file, or mm)");
 }
 
-CLI::Validator positive() {
-  return {[](const std::string& text) {
-            double number = 0;
-            const bool is_right = CLI::detail::lexical_cast(text, number) && number > 0;
-            return is_right ? std::string() : text + " is no number above 0";
-          },
-          "POSITIVE"};
-}
-
-CLI::Validator not_negative() {
-  return {[](const std::string& text) {
-            double number = 0;
-            const bool is_right = CLI::detail::lexical_cast(text, number) && number >= 0;
-            return is_right ? std::string() : text + " is no number from 0 on";
-          },
-          "NOT NEGATIVE"};
-}
-
 void refuse_empty_values(CLI::App& app) {
   for (CLI::Option* option : app.get_options()) {
     option->check([](const std::string& text) { return text.empty() ? "is empty" : std::string(); },

@@ -26,10 +26,6 @@ void print(const Settings& settings, const nlohmann::ordered_json& figures,
 /// Adds the option --unit, the unit of the coordinates in the mesh files that a command reads.
 void add_unit_option(CLI::App& command, geometry::ReadOptions& options);
 
-/// Accepts numbers > 0, or >= 0, respectively; never NaN.
-[[nodiscard]] CLI::Validator positive();
-[[nodiscard]] CLI::Validator not_negative();
-
 /// Rejects an empty value for every option of `app` and its subcommands. Otherwise an empty file
 /// name would count as an option that was not given.
 void refuse_empty_values(CLI::App& app);

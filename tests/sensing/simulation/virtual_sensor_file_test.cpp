@@ -68,7 +68,7 @@ TEST(VirtualSensorFile, RefusesMisspeltAndImpossibleValues) {
   };
   EXPECT_NE(refusal("readnoise: 5").find("readnoise: no value"), std::string::npos);
   EXPECT_NE(refusal("readout: rgb").find("demosaiced is expected"), std::string::npos);
-  EXPECT_NE(refusal("bits: 12").find("bits: must be 8 or 16"), std::string::npos);
+  EXPECT_NE(refusal("bits: 12").find("bits is 12; it must be 8 or 16"), std::string::npos);
   EXPECT_NE(refusal("bits: 8.5").find("whole number"), std::string::npos);
   EXPECT_NE(refusal("seed: -1").find("seed"), std::string::npos);
   EXPECT_NE(refusal("ambient: .nan").find("ambient"), std::string::npos);

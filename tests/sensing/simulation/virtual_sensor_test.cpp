@@ -314,7 +314,7 @@ TEST(VirtualSensor, RefusesWhatItCannotSimulate) {
   EXPECT_NE(refusal({good}, panel, {}).find("row 5, column 6"), std::string::npos);
   VirtualSensor sensor;
   sensor.bits = 12;
-  EXPECT_NE(refusal({good}, white(rig), sensor).find("bits: must be 8 or 16"), std::string::npos);
+  EXPECT_NE(refusal({good}, white(rig), sensor).find("; it must be 8 or 16"), std::string::npos);
 }
 
 }  // namespace
