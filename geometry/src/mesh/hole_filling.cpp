@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/geometry/hole_filling.h"
 
-
 #include "mesh/hole_patches.h"
 #include "palpate/require.h"
 
