@@ -9,17 +9,23 @@
 
 namespace palpate {
 
-/// `work_in_order` for items whose type is hidden; null is the end.
+/// `work_in_order` for items of a hidden type. A null pointer from `next` ends the sequence.
 void work_in_order_erased(const std::function<std::shared_ptr<void>()>& next,
                           const std::function<void(void*)>& work,
                           const std::function<void(void*)>& deliver, int max_live);
 
-/// Takes items from `next` until there are no more, calls `work` on each in parallel, and hands
-/// them to `deliver` in the order in which they came. `next` and `deliver` are each called by one
-/// thread at a time, not always the same. Never are more than `max_live` items (>= 1) between
-/// `next` and the end of their `deliver`: a sequence of any length takes bounded memory. What any
-/// of them throws ends it and passes through; items that came before may then be missing from
-/// `deliver`.
+/// Works on a sequence of items in parallel, in bounded memory: takes items from `next` until there
+/// are no more, calls `work` on each, and passes them to `deliver` in the order in which they came.
+///
+/// Which calls overlap in time: `work` runs in several threads at once, on different items. `next`
+/// is called by one thread at a time, and so is `deliver`, but not always by the same one. `next`,
+/// `work` and `deliver` overlap with one another. So data that only `next` or only `deliver` uses
+/// need no lock; data that two of the three use must be constant or locked. An item is in one call
+/// at a time: what belongs to it is best kept in it.
+///
+/// At most `max_live` items are between `next` and the end of their `deliver`. An exception of any
+/// of the three ends the work and passes through; items that came before may then be missing from
+/// `deliver`. All calls have ended when `work_in_order` returns or throws.
 /// \throws InvalidInput unless max_live >= 1.
 template <typename Item>
 void work_in_order(const std::function<std::optional<Item>()>& next,
@@ -34,7 +40,7 @@ void work_in_order(const std::function<std::optional<Item>()>& next,
       [&deliver](void* item) { deliver(*static_cast<Item*>(item)); }, max_live);
 }
 
-/// Enough items to keep all threads at work: two for each, at most 100.
+/// The number of items that keeps all threads busy: two for each thread, at most 100.
 [[nodiscard]] int usual_live_items();
 
 }  // namespace palpate

@@ -2,13 +2,20 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/output_file.h"
 
+#include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
+#include <cctype>
 #include <cerrno>
 #include <fstream>
+#include <initializer_list>
 #include <locale>
+#include <random>
+#include <sstream>
 #include <string>
 #include <system_error>
 
@@ -26,8 +33,8 @@ OutputError output_error(const fs::path& path, const std::string& reason) {
                      ". What was there before is unchanged.");
 }
 
-/// The place that is to be replaced: `path` without trailing separators and symbolic links. A link
-/// may point to something that does not exist yet, so fs::canonical will not do.
+/// The place that is replaced: `path` without trailing separators and symbolic links. A link may
+/// point to something that does not exist yet, so `fs::canonical` cannot be used.
 fs::path replaced_place(const fs::path& path) {
   fs::path place = fs::absolute(path).lexically_normal();
   if (!place.has_filename()) place = place.parent_path();
@@ -38,20 +45,88 @@ fs::path replaced_place(const fs::path& path) {
   return place;
 }
 
-/// A name beside `place` that nobody else has: other processes differ in the number of the process,
-/// other threads in the counter. The extension stays, as libraries choose the format by it.
-fs::path temporary_beside(const fs::path& place) {
-  static std::atomic<unsigned> counter{0};
-  fs::path temporary;
-  do {
-    temporary =
-        place.parent_path() / (place.stem().string() + ".tmp-" + std::to_string(::getpid()) + "-" +
-                               std::to_string(counter++) + place.extension().string());
-  } while (fs::exists(fs::symlink_status(temporary)));
-  return temporary;
+/// The host name with letters, digits and hyphens only.
+std::string host_name() {
+  constexpr std::size_t kLongest = 64;  // on Linux
+  std::array<char, kLongest + 1> name{};
+  if (::gethostname(name.data(), kLongest) != 0) return "unknown";
+  std::string text = name.data();
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return std::isalnum(c) == 0; }, '-');
+  return text;
 }
 
-/// Removes the temporary on every way out; after a rename there is nothing left to remove.
+/// A name beside `place` that nobody else chooses: the host, the process and the counter tell most
+/// writers apart; random bits tell apart containers that share all three. The extension stays,
+/// because libraries choose the format by it.
+fs::path temporary_name(const fs::path& place) {
+  static std::atomic<unsigned> counter{0};
+  std::ostringstream mark;
+  mark.imbue(std::locale::classic());
+  mark << ".tmp-" << host_name() << '-' << ::getpid() << '-' << counter++ << '-' << std::hex
+       << std::random_device()();
+  return place.parent_path() / (place.stem().string() + mark.str() + place.extension().string());
+}
+
+/// Creates a temporary beside `place`. `create` gets its path and, as system calls do, returns -1
+/// and sets `errno` if it fails; it must fail with EEXIST if there is anything at the path.
+template <typename Create>
+fs::path create_temporary(const fs::path& place, Create&& create) {
+  while (true) {
+    fs::path temporary = temporary_name(place);
+    if (create(temporary.c_str()) != -1) return temporary;
+    if (errno != EEXIST) {
+      throw fs::filesystem_error("temporary", temporary,
+                                 std::error_code(errno, std::generic_category()));
+    }
+  }
+}
+
+fs::path create_temporary_file(const fs::path& place) {
+  return create_temporary(place, [](const char* path) {
+    constexpr mode_t kAllThatUmaskAllows = 0666;
+    const int file = ::open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kAllThatUmaskAllows);
+    return file == -1 ? -1 : ::close(file);
+  });
+}
+
+fs::path create_temporary_folder(const fs::path& place) {
+  return create_temporary(place, [](const char* path) {
+    constexpr mode_t kAllThatUmaskAllows = 0777;
+    return ::mkdir(path, kAllThatUmaskAllows);
+  });
+}
+
+/// Waits until the content of a file, or the names in a folder, are on the disk.
+/// \throws fs::filesystem_error if the disk reports an error, for example that it is full.
+void flush_to_disk(const fs::path& path, int flags = 0) {
+  const auto check = [&](int result, std::initializer_list<int> allowed) {
+    if (result != -1 || std::find(allowed.begin(), allowed.end(), errno) != allowed.end()) return;
+    throw fs::filesystem_error("flush", path, std::error_code(errno, std::generic_category()));
+  };
+  const int opened = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | flags);
+  check(opened, {EACCES});  // one may write to a folder that one may not read
+  if (opened == -1) return;
+  const int flushed = ::fsync(opened);
+  const int reason = errno;
+  ::close(opened);
+  errno = reason;
+  check(flushed, {EINVAL, ENOTSUP});  // some network file systems do not flush folders
+}
+
+void flush_folder(const fs::path& folder) { flush_to_disk(folder, O_DIRECTORY); }
+
+/// All that lies in a folder, and the folder itself.
+void flush_tree(const fs::path& folder) {
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
+    if (entry.is_symlink()) continue;
+    if (entry.is_directory()) flush_folder(entry.path());
+    if (entry.is_regular_file()) flush_to_disk(entry.path());
+  }
+  flush_folder(folder);
+}
+
+/// Removes the temporary whichever way the scope is left; after a rename nothing is left of it.
 class Temporary {
  public:
   explicit Temporary(fs::path path) : path_(std::move(path)) {}
@@ -130,7 +205,7 @@ void swap_in(const fs::path& temporary, const fs::path& place) {
     fs::rename(temporary, place);
     return;
   }
-  const fs::path old = temporary_beside(place);
+  const fs::path old = create_temporary_folder(place);  // an empty folder may be renamed onto
   fs::rename(place, old);
   try {
     fs::rename(temporary, place);
@@ -138,29 +213,41 @@ void swap_in(const fs::path& temporary, const fs::path& place) {
     fs::rename(old, place);
     throw;
   }
-  std::error_code ignored;  // the result is in its place; what is left of the old one does no harm
+  std::error_code ignored;  // the result is in place; what is left of the old one does no harm
   fs::remove_all(old, ignored);
 }
 
-}  // namespace
-
-void write_file_by_path(const fs::path& path, const std::function<void(const fs::path&)>& write) {
+/// `write` gets the path of an empty temporary.
+void replace_file(const fs::path& path, const std::function<void(const fs::path&)>& write) {
   const fs::path place = on_file_system(path, [&] {
     fs::path resolved = replaced_place(path);
     check_replaceable_file(path, resolved);
     fs::create_directories(resolved.parent_path());
     return resolved;
   });
-  const Temporary temporary(temporary_beside(place));
+  const Temporary temporary(on_file_system(path, [&] { return create_temporary_file(place); }));
   write(temporary.path());
   on_file_system(path, [&] {
+    flush_to_disk(temporary.path());
     if (fs::exists(place)) fs::permissions(temporary.path(), fs::status(place).permissions());
     fs::rename(temporary.path(), place);
+    flush_folder(place.parent_path());
   });
 }
 
+}  // namespace
+
 void write_file(const fs::path& path, const std::function<void(std::ostream&)>& write) {
-  write_file_by_path(path, [&](const fs::path& temporary) { fill_stream(path, temporary, write); });
+  replace_file(path, [&](const fs::path& temporary) { fill_stream(path, temporary, write); });
+}
+
+void write_file_by_path(const fs::path& path, const std::function<void(const fs::path&)>& write) {
+  replace_file(path, [&](const fs::path& temporary) {
+    write(temporary);
+    const bool has_content =
+        on_file_system(path, [&] { return fs::exists(temporary) && !fs::is_empty(temporary); });
+    if (!has_content) throw output_error(path, "nothing was written to it");
+  });
 }
 
 void check_replaceable(const fs::path& path, const std::vector<fs::path>& entries) {
@@ -175,19 +262,22 @@ void write_folder(const fs::path& path, const std::vector<fs::path>& entries,
     fs::create_directories(resolved.parent_path());
     return resolved;
   });
-  const Temporary temporary(temporary_beside(place));
-  on_file_system(path, [&] { fs::create_directory(temporary.path()); });
+  const Temporary temporary(on_file_system(path, [&] { return create_temporary_folder(place); }));
   try {
     write(temporary.path());
   } catch (const OutputError& error) {
-    // The user knows the folder, not the temporary.
+    // The user knows the folder, but not the temporary.
     std::string message = error.what();
     const std::string name = temporary.path().string();
     if (const auto at = message.find(name); at != std::string::npos)
       message.replace(at, name.size(), path.string());
     throw OutputError(message);
   }
-  on_file_system(path, [&] { swap_in(temporary.path(), place); });
+  on_file_system(path, [&] {
+    flush_tree(temporary.path());
+    swap_in(temporary.path(), place);
+    flush_folder(place.parent_path());
+  });
 }
 
 }  // namespace palpate

@@ -2,9 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/output_file.h"
 
+#include <dlfcn.h>
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
+#include <cstdarg>
 #include <filesystem>
+#include <functional>
 #include <ostream>
 #include <stdexcept>
 #include <string>
@@ -21,6 +27,42 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kRoom = 10000;  // bytes on the disk that is full
 const std::string kBig(10 * kRoom, 'x');
+
+/// While it lives, the system calls below tell it what they do in `folder`.
+class WatchedCalls {
+ public:
+  explicit WatchedCalls(fs::path folder) : folder_(std::move(folder)) { current = this; }
+  ~WatchedCalls() { current = nullptr; }
+  WatchedCalls(const WatchedCalls&) = delete;
+  WatchedCalls& operator=(const WatchedCalls&) = delete;
+
+  /// Called with the path of each temporary before it is created.
+  std::function<void(const fs::path&)> before_creation = [](const fs::path&) {};
+  /// "flush result.tmp", "rename result.tmp result.txt": names of temporaries without their marks.
+  std::vector<std::string> events;
+
+  void created(const fs::path& path) {
+    if (path.string().find(".tmp-") != std::string::npos) before_creation(path);
+  }
+  void flushed(int file) {
+    events.push_back("flush " + name(fs::read_symlink("/proc/self/fd/" + std::to_string(file))));
+  }
+  void renamed(const fs::path& from, const fs::path& to) {
+    events.push_back("rename " + name(from) + " " + name(to));
+  }
+
+  static inline WatchedCalls* current = nullptr;
+
+ private:
+  [[nodiscard]] std::string name(const fs::path& path) const {
+    std::string text = path.lexically_relative(folder_).string();
+    const std::size_t mark = text.find(".tmp-");
+    if (mark == std::string::npos) return text;
+    return text.erase(mark + 4, text.find_first_of("./", mark + 1) - (mark + 4));
+  }
+
+  fs::path folder_;
+};
 
 auto text(const std::string& content) {
   return [content](std::ostream& stream) { stream << content; };
@@ -160,7 +202,46 @@ TEST(WriteFileByPath, KeepsTheExtensionAndRemovesWhatTheWriterLeft) {
 
 TEST(WriteFileByPath, ReportsAWriterThatWroteNothing) {
   const ScratchFolder folder;
-  EXPECT_THROW(write_file_by_path(folder / "result.ply", [](const fs::path&) {}), OutputError);
+  EXPECT_THROWS_MESSAGE(write_file_by_path(folder / "result.ply", [](const fs::path&) {}),
+                        OutputError, "nothing was written");
+  EXPECT_EQ(folder.entries(), 0);
+}
+
+// Another host can come to the same name until the file exists.
+TEST(WriteFileByPath, ReservesTheTemporaryBeforeTheWriterOpensIt) {
+  const ScratchFolder folder;
+  write_file_by_path(folder / "result.ply", [](const fs::path& temporary) {
+    EXPECT_TRUE(fs::is_empty(temporary));
+    write_text(temporary, "new");
+  });
+}
+
+TEST(WriteFile, NeverOverwritesATemporaryOfAnotherHost) {
+  const ScratchFolder folder;
+  fs::path taken;
+  {
+    WatchedCalls calls(folder.path());
+    calls.before_creation = [&](const fs::path& temporary) {
+      if (!taken.empty()) return;
+      taken = temporary;
+      write_text(temporary, "of another host");
+    };
+    write_file(folder / "result.txt", text("new"));
+  }
+  ASSERT_FALSE(taken.empty());
+  EXPECT_EQ(read_text(taken), "of another host");
+  EXPECT_EQ(read_text(folder / "result.txt"), "new");
+  EXPECT_EQ(folder.entries(), 2);
+}
+
+TEST(WriteFile, FlushesTheFileBeforeTheRenameAndTheFolderAfterIt) {
+  const ScratchFolder folder;
+  fs::create_directory(folder / "a");
+  WatchedCalls calls(folder.path());
+  write_file(folder / "a/result.txt", text("new"));
+  EXPECT_EQ(calls.events,
+            (std::vector<std::string>{"flush a/result.tmp.txt",
+                                      "rename a/result.tmp.txt a/result.txt", "flush a"}));
 }
 
 const std::vector<fs::path> kEntries = {"field.json", "old"};
@@ -176,6 +257,37 @@ TEST(WriteFolder, MakesReplacesAndRemovesOldFiles) {
   EXPECT_EQ(read_text(folder / "model/field.json"), "2");
   EXPECT_FALSE(fs::exists(folder / "model/old"));
   EXPECT_EQ(folder.entries(), 1);
+}
+
+TEST(WriteFolder, NeverUsesATemporaryOfAnotherHost) {
+  const ScratchFolder folder;
+  fs::path taken;
+  {
+    WatchedCalls calls(folder.path());
+    calls.before_creation = [&](const fs::path& temporary) {
+      if (!taken.empty()) return;
+      taken = temporary;
+      fs::create_directory(taken);
+      write_text(taken / "field.json", "of another host");
+    };
+    write_folder(folder / "model", kEntries,
+                 [](const fs::path& temporary) { write_text(temporary / "field.json", "new"); });
+  }
+  ASSERT_FALSE(taken.empty());
+  EXPECT_EQ(read_text(taken / "field.json"), "of another host");
+  EXPECT_EQ(read_text(folder / "model/field.json"), "new");
+}
+
+TEST(WriteFolder, FlushesAllItHoldsBeforeTheRenameAndItsParentAfterIt) {
+  const ScratchFolder folder;
+  WatchedCalls calls(folder.path());
+  write_folder(folder / "model", kEntries, [](const fs::path& temporary) {
+    fs::create_directory(temporary / "old");
+    write_text(temporary / "old/1.ply", "1");
+  });
+  EXPECT_EQ(calls.events,
+            (std::vector<std::string>{"flush model.tmp/old", "flush model.tmp/old/1.ply",
+                                      "flush model.tmp", "rename model.tmp model", "flush ."}));
 }
 
 TEST(WriteFolder, KeepsTheOldFolderWhenTheWriterThrows) {
@@ -240,3 +352,44 @@ TEST(WriteFolder, RefusesAFolderOfAnotherKindBeforeItWritesAnything) {
 
 }  // namespace
 }  // namespace palpate::geometry
+
+// The calls of the library come here first, because the program is searched before the system's
+// libraries.
+namespace {
+
+template <typename Function>
+Function* next(const char* name) {
+  return reinterpret_cast<Function*>(::dlsym(RTLD_NEXT, name));
+}
+
+palpate::geometry::WatchedCalls* watch() { return palpate::geometry::WatchedCalls::current; }
+
+}  // namespace
+
+extern "C" {
+
+int fsync(int file) {
+  if (watch() != nullptr) watch()->flushed(file);
+  return next<int(int)>("fsync")(file);
+}
+
+int rename(const char* from, const char* to) noexcept {
+  if (watch() != nullptr) watch()->renamed(from, to);
+  return next<int(const char*, const char*)>("rename")(from, to);
+}
+
+int mkdir(const char* path, mode_t mode) noexcept {
+  if (watch() != nullptr) watch()->created(path);
+  return next<int(const char*, mode_t)>("mkdir")(path, mode);
+}
+
+int open(const char* path, int flags, ...) {
+  std::va_list more;
+  va_start(more, flags);
+  const mode_t mode = (flags & O_CREAT) != 0 ? va_arg(more, mode_t) : 0;
+  va_end(more);
+  if (watch() != nullptr && (flags & O_EXCL) != 0) watch()->created(path);
+  return next<int(const char*, int, ...)>("open")(path, flags, mode);
+}
+
+}  // extern "C"
