@@ -4,11 +4,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/videoio.hpp>
 #include <string>
+#include <system_error>
+#include <thread>
 #include <vector>
 
 #include "run_palpate.h"
@@ -90,6 +93,50 @@ TEST_F(DecodeSequence, ResumingDecodesAFrameAnewThatIsAnotherNow) {
   EXPECT_TRUE(fs::exists(scratch / "range/000002_reasons.tiff"));
 }
 
+TEST_F(DecodeSequence, ResumingSurvivesARecordThatACrashCutOff) {
+  figures(scratch / "frames");
+  const std::string record = read_text(scratch / "range/decode.jsonl");
+  EXPECT_EQ(std::count(record.begin(), record.end(), '\n'), 1 + 3);
+  write_text(scratch / "range/decode.jsonl", record.substr(0, record.size() - 10));
+  EXPECT_EQ(figures(scratch / "frames", {"--resume"})["kept"], 2);
+  EXPECT_EQ(figures(scratch / "frames", {"--resume"})["kept"], 3);
+}
+
+TEST_F(DecodeSequence, ResumingDecodesFramesAnewWhosePicturesAreMissing) {
+  figures(scratch / "frames", {"--pictures", "--sigma", "--reasons"});
+  for (const char* ending : {".png", "_sigma.png", "_reasons.png"}) {
+    const std::string picture = scratch / (std::string("range/000001") + ending);
+    const std::string drawn = read_text(picture);
+    fs::remove(picture);
+    const nlohmann::json again =
+        figures(scratch / "frames", {"--pictures", "--sigma", "--reasons", "--resume"});
+    EXPECT_EQ(again["kept"], 2) << ending;
+    EXPECT_EQ(read_text(picture), drawn) << ending;
+  }
+}
+
+// Nothing that the run has written is read again: results that are gone at once do not matter.
+TEST_F(DecodeSequence, PicturesNeedNoFileThatTheRunHasWritten) {
+  fs::create_directory(scratch / "range");
+  for (int i = 3; i < 40; ++i) add_frame(std::to_string(i) + ".png");
+  std::atomic<bool> done = false;
+  std::thread remover([&] {
+    while (!done) {
+      for (const char* file : {"rig.yaml", "000000.tiff", "000000_sigma.tiff", "000039.tiff"}) {
+        std::error_code ignored;
+        fs::remove(fs::path(scratch / "range") / file, ignored);
+      }
+      std::this_thread::yield();
+    }
+  });
+  const CommandResult result = decode(scratch / "frames", {"--pictures", "--sigma"});
+  done = true;
+  remover.join();
+  EXPECT_EQ(result.status, kDone) << result.err;
+  EXPECT_TRUE(fs::exists(scratch / "range/000000.png"));
+  EXPECT_TRUE(fs::exists(scratch / "range/000039_sigma.png"));
+}
+
 TEST_F(DecodeSequence, ResumingWithOtherSettingsOrFramesIsRefused) {
   figures(scratch / "frames");
   const std::string before = read_text(map(1));
@@ -105,9 +152,9 @@ TEST_F(DecodeSequence, ResumingWithOtherSettingsOrFramesIsRefused) {
   EXPECT_NE(refusal({"--half"}).find("another --half"), std::string::npos);
   EXPECT_NE(refusal({"--window", "3"}).find("another --window"), std::string::npos);
   fs::rename(scratch / "frames/0.png", scratch / "frames/9.png");
-  EXPECT_NE(refusal({}).find("file 0 of the frames was 0.png, now it is 1.png"), std::string::npos);
-  write_text(scratch / "range/decode.json", "{}");
-  EXPECT_NE(refusal({}).find("is not the record of an earlier run"), std::string::npos);
+  EXPECT_NE(refusal({}).find("file 0 of the frames was 0.png and is now 1.png"), std::string::npos);
+  write_text(scratch / "range/decode.jsonl", "{}\n");
+  EXPECT_NE(refusal({}).find("this is not a record of palpate decode"), std::string::npos);
 }
 
 TEST_F(DecodeSequence, TheRigBesideHalfRangeMapsIsTheirs) {
@@ -133,8 +180,8 @@ TEST_F(DecodeSequence, ALaterRunLeavesNothingOfAnEarlierOne) {
   for (const auto& entry : fs::directory_iterator(scratch / "range"))
     left.push_back(entry.path().filename().string());
   std::sort(left.begin(), left.end());
-  EXPECT_EQ(left, (std::vector<std::string>{"000000.tiff", "decode.json", "frames.csv", "notes.txt",
-                                            "rig.yaml"}));
+  EXPECT_EQ(left, (std::vector<std::string>{"000000.tiff", "decode.jsonl", "frames.csv",
+                                            "notes.txt", "rig.yaml"}));
 }
 
 TEST_F(DecodeSequence, RangeMapsThatNoRunMadeAreNotTouched) {
@@ -142,7 +189,7 @@ TEST_F(DecodeSequence, RangeMapsThatNoRunMadeAreNotTouched) {
   write_text(scratch / "range/000007.tiff", "somebody's");
   const CommandResult result = decode(scratch / "frames");
   EXPECT_EQ(result.status, kWrongCall);
-  EXPECT_NE(result.err.find("000007.tiff: lies where range maps are to be written"),
+  EXPECT_NE(result.err.find("000007.tiff: would be replaced, but the folder has no decode.jsonl"),
             std::string::npos)
       << result.err;
   EXPECT_EQ(read_text(scratch / "range/000007.tiff"), "somebody's");

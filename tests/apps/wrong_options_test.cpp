@@ -170,14 +170,19 @@ TEST_F(WrongOptions, WhatPalpateWritesIsRecognised) {
   fs::create_directory(scratch.path() / "range");
   fs::copy(demo("truth/duck.tiff"), scratch / "range/000000.tiff");
   fs::copy(demo("truth/duck.tiff"), scratch / "range/000000_sigma.tiff");
-  write_text(scratch / "range/decode.json", R"({"settings": {}, "inputs": [], "frames": [{}]})");
+  write_text(
+      scratch / "range/decode.jsonl",
+      R"({"settings": {}, "inputs": []})"
+      "\n"
+      R"({"number":0,"frame":"a","bytes":1,"modified":1,"pixels":0,"median_depth":null,"ms":1})"
+      "\n");
   const auto figures = [](const std::string& path) {
     return nlohmann::json::parse(run_palpate({"info", path, "--json"}).out);
   };
   const nlohmann::json range = figures(scratch / "range");
   EXPECT_EQ(range["range_maps"], 1);
   EXPECT_EQ(range["images"], 0);
-  EXPECT_EQ(figures(scratch / "range/decode.json")["frames"], 1);
+  EXPECT_EQ(figures(scratch / "range/decode.jsonl")["frames"], 1);
   const CommandResult moved = run_palpate(simulate({"--ideal"}));
   ASSERT_EQ(moved.status, 0) << moved.err;
   EXPECT_NE(moved.err.find("hand.ply: is not all in view"), std::string::npos) << moved.err;

@@ -21,11 +21,12 @@
 #include "palpate/error.h"
 #include "palpate/geometry/median.h"
 #include "palpate/geometry/range_map_score.h"
-#include "palpate/sensing/decode_sequence.h"
+#include "palpate/sensing/decode_frame.h"
 #include "palpate/sensing/pattern.h"
 #include "palpate/sensing/response.h"
 #include "palpate/sensing/rig.h"
 #include "palpate/sensing/trained_colors.h"
+#include "palpate/work_in_order.h"
 #include "shared/command_line.h"
 #include "shared/fingerprint.h"
 #include "shared/inputs.h"
@@ -50,13 +51,20 @@ struct DecodeCall {
   bool resume = false;
 };
 
-/// What one frame came to; `error` is empty when it worked.
+/// A frame on its way through the pipeline. Each stage has it alone.
+struct FrameItem {
+  sensing::DecodedFrame decoded;
+  FinishedFrame finished;
+  double write_milliseconds = 0;  ///< with counting its pixels and logging
+};
+
+/// The result of one frame, for the report.
 struct Outcome {
-  std::string error;
+  std::string error;  ///< empty if there is a range map
   FinishedFrame frame;
   bool kept = false;  ///< from an earlier run
   double read_milliseconds = 0;
-  double write_milliseconds = 0;  ///< with what is counted and told of the frame
+  double write_milliseconds = 0;
 };
 using Outcomes = std::map<std::size_t, Outcome>;  ///< by the number of the frame
 
@@ -71,7 +79,7 @@ std::string counts(const sensing::ReasonImage& reasons) {
   return text;
 }
 
-/// Median of the known depths, and how many they are.
+/// Counts the known depths and finds their median.
 void measure_depths(const geometry::ImageF& z, FinishedFrame& frame) {
   std::vector<float> depths;
   depths.reserve(static_cast<std::size_t>(z.size()));
@@ -83,46 +91,52 @@ void measure_depths(const geometry::ImageF& z, FinishedFrame& frame) {
   frame.median_depth = static_cast<double>(geometry::median(std::move(depths)));
 }
 
-/// Runs in several threads at once.
-Outcome finish(const DecodeCall& call, const sensing::DecodedFrame& frame) {
-  const sensing::DecodeResult& result = frame.result;
-  const std::string file = frame.source.name;
+/// Adds the linearisation of `call` to what reads the frame.
+void linearize_when_read(const DecodeCall& call, sensing::SourceFrame& frame) {
+  frame.read = [read = std::move(frame.read), name = frame.name, &linearize = *call.linearizer] {
+    const cv::Mat image = read();
+    try {
+      return linearize(image);
+    } catch (const InvalidInput& misfit) {
+      throw InvalidInput(name + ": " + misfit.what());
+    }
+  };
+}
+
+/// The next frame that is to be decoded. Frames that an earlier run has finished go to `kept`.
+std::optional<FrameItem> next_unfinished(const DecodeCall& call, sensing::FrameSource& source,
+                                         const DecodeRecord& record, Outcomes& kept) {
+  while (auto frame = source.next()) {
+    const FinishedFrame* finished = record.find(*frame);
+    if (finished != nullptr && has_outputs(call.outputs, frame->number, finished->pixels > 0)) {
+      kept[frame->number] = {.error = {}, .frame = *finished, .kept = true};
+      continue;
+    }
+    if (call.linearizer) linearize_when_read(call, *frame);
+    FrameItem item;
+    item.decoded.source = std::move(*frame);
+    return item;
+  }
+  return std::nullopt;
+}
+
+/// Writes the data of a frame that was decoded, and measures it.
+void write_frame(const DecodeCall& call, FrameItem& item) {
+  const Clock::time_point start = Clock::now();
+  const sensing::DecodeResult& result = item.decoded.result;
+  const sensing::SourceFrame& source = item.decoded.source;
   if (spdlog::should_log(spdlog::level::info)) {  // counting takes longer than a line of a log may
-    spdlog::info("{}: {} stripe edges, {} regions ({} without an offset); pixels: {}", file,
+    spdlog::info("{}: {} stripe edges, {} regions ({} without an offset); pixels: {}", source.name,
                  result.transitions, result.regions, result.unresolved_regions,
                  counts(result.reasons));
   }
-  Outcome outcome{.error = {}, .frame = stamped(frame.source)};
-  outcome.frame.milliseconds = frame.decode_milliseconds;
-  measure_depths(result.range.z, outcome.frame);
-  if (outcome.frame.pixels == 0) spdlog::warn("{}: nothing could be reconstructed.", file);
-  write_outputs(call.outputs, frame.source.number, result);
-  return outcome;
-}
-
-/// Gives the frames that are still to be decoded; those that need not be go to `outcomes`.
-std::optional<sensing::SourceFrame> next_unfinished(const DecodeCall& call,
-                                                    sensing::FrameSource& source,
-                                                    const DecodeRecord& record, Outcomes& kept) {
-  while (auto frame = source.next()) {
-    const FinishedFrame* finished = record.find(*frame);
-    if (finished == nullptr || !has_outputs(call.outputs, frame->number, finished->pixels > 0)) {
-      if (call.linearizer) {
-        frame->read = [read = std::move(frame->read), name = frame->name,
-                       &linearize = *call.linearizer] {
-          const cv::Mat image = read();
-          try {
-            return linearize(image);
-          } catch (const InvalidInput& misfit) {
-            throw InvalidInput(name + ": " + misfit.what());
-          }
-        };
-      }
-      return frame;
-    }
-    kept[frame->number] = {.error = {}, .frame = *finished, .kept = true};
-  }
-  return std::nullopt;
+  item.finished = stamped(source);
+  item.finished.milliseconds = item.decoded.decode_milliseconds;
+  measure_depths(result.range.z, item.finished);
+  if (item.finished.pixels == 0)
+    spdlog::warn("{}: no pixel has a depth; -v says why.", source.name);
+  write_outputs(call.outputs, source.number, result);
+  item.write_milliseconds = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
 /// Whether the rig is the one that goes with the range maps.
@@ -130,47 +144,50 @@ bool lies_in_output(const DecodeCall& call) {
   return fs::weakly_canonical(call.rig) == fs::weakly_canonical(call.outputs.folder / "rig.yaml");
 }
 
+/// Decodes all frames that are not finished. Everything that is wanted of a frame is written or
+/// drawn as it passes, and only its figures are kept.
 Outcomes decode_all(const sensing::Decoder& decoder, const DecodeCall& call,
                     sensing::FrameSource& source, DecodeRecord& record) {
-  Outcomes outcomes;
-  std::mutex mutex;
   std::once_flag begun;
-  Progress progress("decoding");
-  const auto write = [&](const sensing::DecodedFrame& frame) {
-    std::call_once(begun, [&] {
-      record.begin();
-      // Before the first range map: what is kept of an interrupted run is of use. A rig that lies
-      // there already is kept as it was written.
-      if (!lies_in_output(call))
-        sensing::write_rig(call.outputs.folder / "rig.yaml", decoder.rig());
-    });
-    Outcome outcome = finish(call, frame);
-    const std::lock_guard lock(mutex);
-    outcomes[frame.source.number] = std::move(outcome);
+  const auto begin = [&] {
+    record.begin();
+    // Before the first range map, so that an interrupted run leaves range maps that can be used.
+    // A rig that is there already is kept as it was written.
+    if (!lies_in_output(call)) sensing::write_rig(call.outputs.folder / "rig.yaml", decoder.rig());
   };
-  const auto deliver = [&](const sensing::DecodedFrame& frame) {
-    const std::lock_guard lock(mutex);
-    Outcome& outcome = outcomes[frame.source.number];
-    if (frame.error.empty()) {
-      outcome.read_milliseconds = frame.read_milliseconds;
-      outcome.write_milliseconds = frame.work_milliseconds;
-      record.add(outcome.frame);
-    } else {
-      outcome.error = frame.error;
-      outcome.frame.name = frame.source.name;
-    }
-    progress.show(static_cast<int>(frame.source.number) + 1,
-                  static_cast<int>(source.expected_frames()));
-  };
-  Outcomes kept;  // changed by one thread at a time, read at the end
+  Outcomes kept;
   const auto next = [&] { return next_unfinished(call, source, record, kept); };
+  const auto work = [&](FrameItem& item) {
+    item.decoded = sensing::decode_frame(std::move(item.decoded.source), decoder);
+    if (!item.decoded.error.empty()) return;
+    std::call_once(begun, begin);
+    write_frame(call, item);
+  };
+  Outcomes outcomes;
+  Progress progress("decoding");
+  const auto deliver = [&](FrameItem& item) {
+    const sensing::SourceFrame& frame = item.decoded.source;
+    Outcome& outcome = outcomes[frame.number];
+    if (item.decoded.error.empty()) {
+      draw_outputs(call.outputs, frame.number, item.decoded.result, frame.name);
+      record.add(item.finished);
+      outcome = {.error = {},
+                 .frame = item.finished,
+                 .read_milliseconds = item.decoded.read_milliseconds,
+                 .write_milliseconds = item.write_milliseconds};
+    } else {
+      outcome.error = item.decoded.error;
+      outcome.frame.name = frame.name;
+    }
+    progress.show(static_cast<int>(frame.number) + 1, static_cast<int>(source.expected_frames()));
+  };
   try {
-    sensing::decode_sequence(next, decoder, deliver, {.in_parallel = write});
+    work_in_order<FrameItem>(next, work, deliver, usual_live_items());
   } catch (...) {
-    // What is finished shall be known to --resume.
-    if (!outcomes.empty() && is_there(call.outputs.folder / "decode.json")) record.write();
+    record.write_table();
     throw;
   }
+  record.write_table();
   outcomes.merge(kept);
   return outcomes;
 }
@@ -228,7 +245,7 @@ void report(const Settings& settings, const DecodeCall& call, const Outcomes& ou
       {"per_frame", per_frame}};
   print(settings, figures,
         prose + fmt::format("{} of {} frames decoded, {:.0f} ms a frame (median), {:.1f} frames/s "
-                            "with reading and writing{}.",
+                            "in all{}.",
                             decoded, outcomes.size(), median_ms, rate,
                             kept > 0 ? fmt::format("; {} kept from an earlier run", kept) : ""));
 }
@@ -243,14 +260,14 @@ sensing::FrameSource open_frames(const DecodeCall& call) {
     if (!fs::equivalent(fs::canonical(file).parent_path(), call.outputs.folder, not_there))
       continue;
     throw InvalidInput(file.string() + ": lies in " + call.outputs.folder.string() +
-                       ", where range maps and pictures could bear the names of frames; give "
-                       "another output.");
+                       ", the folder for the results, which could replace frames of the same "
+                       "name. Give another --output.");
   }
   for (const std::string& warning : source.warnings()) spdlog::warn("{}", warning);
   return source;
 }
 
-/// All that a range map depends on besides its frame.
+/// Everything on which a range map depends besides its frame, by the names of the options.
 nlohmann::ordered_json settings_of(const DecodeCall& call) {
   return {{"version", PALPATE_VERSION},
           {"--rig", fingerprint(call.rig)},
@@ -295,16 +312,13 @@ void decode(const Settings& settings, DecodeCall call) {
   const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
   const auto broken = std::count_if(outcomes.begin(), outcomes.end(),
                                     [](const auto& entry) { return !entry.second.error.empty(); });
-  if (outcomes.empty()) throw FileError(call.frames.front().string() + ": holds no frame.");
+  if (outcomes.empty())
+    throw FileError(call.frames.front().string() + ": holds no frame; give images or a video.");
   if (broken == static_cast<long>(outcomes.size())) throw FileError(outcomes.begin()->second.error);
-  record.write();
-  for (const auto& [number, outcome] : outcomes) {
-    if (outcome.error.empty()) draw_outputs(call.outputs, number, outcome.frame.name, outcome.kept);
-  }
   report(settings, call, outcomes, seconds);
   if (broken > 0)
-    throw Error(fmt::format("{} of {} frames could not be decoded; the others were.", broken,
-                            outcomes.size()));
+    throw Error(fmt::format("{} of {} frames could not be decoded; the others were decoded.",
+                            broken, outcomes.size()));
 }
 
 }  // namespace
@@ -360,13 +374,14 @@ void add_decode(CLI::App& app, const Settings& settings) {
                     "Keep the frames that an earlier run with the same settings finished in this "
                     "folder");
   command->footer(
-      "Frames are numbered in the order of their names, numbers in them as numbers: 000000.tiff is "
-      "the first; frames.csv lists "
-      "them.\nA frame that is broken is reported and left out, and the exit status is 1; the "
-      "others "
-      "keep their numbers.\nResults of an earlier run in the folder are replaced as a whole, "
-      "unless "
-      "--resume is given; Ctrl-C keeps what is finished.\n"
+      "Frames are numbered from 0 in the order of their file names, in which numbers count as "
+      "numbers: the range map of the first frame is 000000.tiff. frames.csv lists which frame "
+      "belongs to which range map.\n"
+      "A broken frame is reported and skipped, and the exit status is 1; the other frames keep "
+      "their numbers.\n"
+      "Without --resume, results of an earlier run in the folder are removed first. With --resume, "
+      "frames are kept for which decode.jsonl, the record of finished frames, and all requested "
+      "files exist. Ctrl-C keeps the frames that are finished.\n"
       "Examples:\n  palpate decode frames/ --rig rig.yaml --pattern pattern.yaml --colors "
       "colors.yaml -o range/ --meshes ply\n"
       "  palpate decode wave.mkv --bayer rggb --rig rig.yaml --pattern pattern.yaml --colors "

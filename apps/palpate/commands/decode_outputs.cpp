@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <functional>
 #include <string_view>
 
 #include "palpate/error.h"
@@ -25,7 +24,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kDigits = 6;
 
-bool ends_so(std::string_view rest) {
+bool is_ending(std::string_view rest) {
   for (const char* ending : {".tiff", ".png", ".ply", ".obj", ".stl", "_sigma.tiff", "_sigma.png",
                              "_reasons.tiff", "_reasons.png"}) {
     if (rest == ending) return true;
@@ -33,7 +32,8 @@ bool ends_so(std::string_view rest) {
   return false;
 }
 
-/// The name without the mark of a temporary: "000001.tmp-12-3.tiff" is for "000001.tiff".
+/// The name of the file for which a temporary file is made: "000001.tmp-host-12-3-a5.tiff" is for
+/// "000001.tiff". Other names stay.
 std::string final_name(std::string name) {
   const std::size_t mark = name.find(".tmp-");
   if (mark != std::string::npos) name.erase(mark, name.find_last_of('.') - mark);
@@ -51,7 +51,7 @@ bool is_numbered(const fs::path& name) {
   const auto digits = static_cast<std::size_t>(
       std::find_if(text.begin(), text.end(), [](unsigned char c) { return std::isdigit(c) == 0; }) -
       text.begin());
-  return digits >= kDigits && ends_so(std::string_view(text).substr(digits));
+  return digits >= kDigits && is_ending(std::string_view(text).substr(digits));
 }
 
 void write_outputs(const DecodeOutputs& outputs, std::size_t number,
@@ -66,39 +66,30 @@ void write_outputs(const DecodeOutputs& outputs, std::size_t number,
     if (surface.mesh.triangles.cols() > 0)
       geometry::write_mesh(file("." + outputs.meshes), surface.mesh);
   }
-  // Last: where there is a range map, the rest is there.
+  // Last: whoever waits for the range map finds the rest.
   geometry::write_depth_tiff(file(".tiff"), result.range.z);
 }
 
-bool has_outputs(const DecodeOutputs& outputs, std::size_t number, bool has_surface) {
-  const auto lacks = [&](const std::string& ending) {
-    return !is_there(numbered(outputs.folder, number, ending));
-  };
-  if (lacks(".tiff")) return false;
-  if (outputs.sigma && lacks("_sigma.tiff")) return false;
-  if (outputs.reasons && lacks("_reasons.tiff")) return false;
-  return outputs.meshes.empty() || !has_surface || !lacks("." + outputs.meshes);
-}
-
-void draw_outputs(const DecodeOutputs& outputs, std::size_t number, const std::string& title,
-                  bool missing_only) {
+void draw_outputs(const DecodeOutputs& outputs, std::size_t number,
+                  const sensing::DecodeResult& result, const std::string& title) {
   const auto file = [&](const std::string& ending) {
     return numbered(outputs.folder, number, ending);
   };
-  const auto draw = [&](bool wanted, const std::string& ending,
-                        const std::function<void(const fs::path&)>& drawing) {
-    if (wanted && !(missing_only && is_there(file(ending)))) drawing(file(ending));
+  if (outputs.reasons)
+    pictures::draw_labels(file("_reasons.png"), result.reasons, reason_words(), title);
+  if (!(result.range.z > 0).any()) return;
+  if (outputs.pictures) pictures::draw_range_map(file(".png"), result.range, title);
+  if (outputs.sigma) pictures::draw_deviation(file("_sigma.png"), result.sigma, title);
+}
+
+bool has_outputs(const DecodeOutputs& outputs, std::size_t number, bool has_surface) {
+  const auto has = [&](bool wanted, const std::string& ending) {
+    return !wanted || is_there(numbered(outputs.folder, number, ending));
   };
-  draw(outputs.reasons, "_reasons.png", [&](const fs::path& png) {
-    pictures::draw_labels(png, sensing::read_reasons(file("_reasons.tiff")), reason_words(), title);
-  });
-  const geometry::RangeMap map = load_range_map(file(".tiff"), outputs.folder / "rig.yaml");
-  if (!(map.z > 0).any()) return;
-  draw(outputs.pictures, ".png",
-       [&](const fs::path& png) { pictures::draw_range_map(png, map, title); });
-  draw(outputs.sigma, "_sigma.png", [&](const fs::path& png) {
-    pictures::draw_deviation(png, geometry::read_depth_tiff(file("_sigma.tiff")), title);
-  });
+  return has(true, ".tiff") && has(outputs.sigma, "_sigma.tiff") &&
+         has(outputs.sigma && has_surface, "_sigma.png") && has(outputs.reasons, "_reasons.tiff") &&
+         has(outputs.reasons, "_reasons.png") && has(outputs.pictures && has_surface, ".png") &&
+         has(!outputs.meshes.empty() && has_surface, "." + outputs.meshes);
 }
 
 }  // namespace palpate::apps

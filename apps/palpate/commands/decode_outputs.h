@@ -11,33 +11,35 @@
 
 namespace palpate::apps {
 
-/// What `decode` writes of each frame, into which folder. Data are TIFF and meshes, pictures PNG.
+/// What `decode` writes for each frame, and into which folder: data as TIFF and meshes, pictures as
+/// PNG.
 struct DecodeOutputs {
   std::filesystem::path folder;
-  std::string meshes;     ///< ending without the dot; empty for none
+  std::string meshes;     ///< file extension without the dot; empty for no meshes
   bool sigma = false;     ///< NNNNNN_sigma.tiff, NNNNNN_sigma.png
   bool reasons = false;   ///< NNNNNN_reasons.tiff, NNNNNN_reasons.png
   bool pictures = false;  ///< NNNNNN.png
 };
 
-/// The file of frame `number`: folder/NNNNNN and `ending`.
+/// The file of frame `number`: folder/NNNNNN followed by `ending`.
 [[nodiscard]] std::filesystem::path numbered(const std::filesystem::path& folder,
                                              std::size_t number, const std::string& ending);
 
-/// Whether a name is one that `numbered` gives, or a temporary of one.
+/// Whether `numbered` gives such a name, or it is the temporary file of such a name.
 [[nodiscard]] bool is_numbered(const std::filesystem::path& name);
 
-/// Writes the data of a frame. A frame without a surface gets no mesh.
-/// \throws OutputError; InvalidInput if sigma is asked for and the decoder predicts none.
+/// Writes the data of a frame. A frame without a surface has no mesh.
+/// \throws OutputError if a file cannot be written.
 void write_outputs(const DecodeOutputs& outputs, std::size_t number,
                    const sensing::DecodeResult& result);
 
-/// Whether the data of a frame are there; `has_surface`: a mesh belongs to them.
-[[nodiscard]] bool has_outputs(const DecodeOutputs& outputs, std::size_t number, bool has_surface);
+/// Draws the pictures of a frame. A frame without a depth has only that of its reasons.
+/// \throws OutputError if a picture cannot be drawn.
+void draw_outputs(const DecodeOutputs& outputs, std::size_t number,
+                  const sensing::DecodeResult& result, const std::string& title);
 
-/// Draws from the data what is asked for; with `missing_only`, what is not there. Needs the rig
-/// beside the range map.
-void draw_outputs(const DecodeOutputs& outputs, std::size_t number, const std::string& title,
-                  bool missing_only);
+/// Whether all data and pictures of a frame exist.
+/// \param has_surface whether the frame has a depth, and thus a mesh and pictures of the depths.
+[[nodiscard]] bool has_outputs(const DecodeOutputs& outputs, std::size_t number, bool has_surface);
 
 }  // namespace palpate::apps

@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
 #include <limits>
 #include <ostream>
 #include <system_error>
@@ -22,10 +21,10 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr auto kWritingPause = std::chrono::seconds(1);
+constexpr const char* kKind = "frames of palpate decode";
 
-/// What a run without --resume would do, for messages.
-constexpr const char* kAnew = "Leave out --resume to decode all frames anew";
+/// What the user can do without the record, for messages.
+constexpr const char* kRemedy = "Leave out --resume to decode all frames anew";
 
 Json to_json(const FinishedFrame& frame) {
   return {{"number", frame.number},  {"frame", frame.name},
@@ -35,7 +34,7 @@ Json to_json(const FinishedFrame& frame) {
 }
 
 FinishedFrame from_json(const Json& json) {
-  const Json& depth = json.at("median_depth");  // JSON has no NaN, and writes null
+  const Json& depth = json.at("median_depth");  // JSON has no NaN and writes null
   return {.number = json.at("number"),
           .name = json.at("frame"),
           .bytes = json.at("bytes"),
@@ -46,7 +45,34 @@ FinishedFrame from_json(const Json& json) {
           .milliseconds = json.at("ms")};
 }
 
+using FinishedFrames = std::map<std::size_t, FinishedFrame>;
+
+/// The frames in a record, by number. A frame that was decoded anew has two lines.
+/// \throws nlohmann::json::exception if an item is not a frame.
+FinishedFrames frames_of(const RunRecord& record) {
+  FinishedFrames frames;
+  for (const Json& item : record.items) {
+    const FinishedFrame frame = from_json(item);
+    frames[frame.number] = frame;
+  }
+  return frames;
+}
+
+FileError no_record(const fs::path& file, const Json::exception& error, const char* remedy) {
+  return FileError(fmt::format("{}: this is not a record of palpate decode ({}). {}.",
+                               file.string(), error.what(), remedy));
+}
+
 }  // namespace
+
+std::size_t count_finished_frames(const fs::path& file) {
+  constexpr const char* kWanted = "Give the decode.jsonl that palpate decode has written";
+  try {
+    return frames_of(read_run_record(file, kWanted)).size();
+  } catch (const Json::exception& error) {
+    throw no_record(file, error, kWanted);
+  }
+}
 
 FinishedFrame stamped(const sensing::SourceFrame& frame) {
   FinishedFrame stamp{.number = frame.number, .name = frame.name};
@@ -61,89 +87,77 @@ FinishedFrame stamped(const sensing::SourceFrame& frame) {
 DecodeRecord::DecodeRecord(fs::path folder, Json settings, std::vector<std::string> inputs)
     : folder_(std::move(folder)), settings_(std::move(settings)), inputs_(std::move(inputs)) {}
 
-void DecodeRecord::check_same(const Json& earlier) const {
-  const Json& before = earlier.at("settings");
-  for (const auto& [name, value] : settings_.items()) {
-    if (before.contains(name) && before.at(name) == value) continue;
-    throw InvalidInput(fmt::format(
-        "{}: the frames that are finished were decoded with another {}. {}, or give the same.",
-        file().string(), name, kAnew));
-  }
-  const auto inputs = earlier.at("inputs").get<std::vector<std::string>>();
-  for (std::size_t i = 0; i < inputs.size(); ++i) {
-    const std::string now = i < inputs_.size() ? "now it is " + inputs_[i] : "now there is none";
-    if (i < inputs_.size() && inputs[i] == inputs_[i]) continue;
-    throw InvalidInput(fmt::format(
-        "{}: file {} of the frames was {}, {}; the numbers of the range maps would not fit. {}; "
-        "frames may only be added at the end.",
-        file().string(), i, inputs[i], now, kAnew));
+void DecodeRecord::check_inputs(const Json& head) const {
+  const auto before = head.at("inputs").get<std::vector<std::string>>();
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    const std::string now = i < inputs_.size() ? "is now " + inputs_[i] : "is now missing";
+    if (i < inputs_.size() && before[i] == inputs_[i]) continue;
+    throw InvalidInput(
+        fmt::format("{}: file {} of the frames was {} and {}, so the numbers of the range maps "
+                    "would not fit. New frames may only follow the old ones. {}.",
+                    file().string(), i, before[i], now, kRemedy));
   }
 }
 
 void DecodeRecord::resume() {
   resumed_ = is_there(file());
   if (!resumed_) return;
-  std::ifstream stream(file(), std::ios::binary);
+  const RunRecord record = read_run_record(file(), kRemedy);
   try {
-    const Json earlier = Json::parse(stream);
-    check_same(earlier);
-    for (const Json& entry : earlier.at("frames")) {
-      const FinishedFrame frame = from_json(entry);
-      frames_[frame.number] = frame;
-    }
+    check_same_settings(file(), record.head.at("settings"), settings_, kRemedy);
+    check_inputs(record.head);
+    earlier_ = frames_of(record);
   } catch (const Json::exception& error) {
-    throw FileError(fmt::format("{}: is not the record of an earlier run ({}). {}.",
-                                file().string(), error.what(), kAnew));
+    throw no_record(file(), error, kRemedy);
   }
+}
+
+void DecodeRecord::remove_earlier_outputs() const {
+  if (!is_there(folder_)) return;
+  const bool is_ours = is_there(file());
+  const auto refusal = [](const fs::path& path) {
+    return InvalidInput(path.string() +
+                        ": would be replaced, but the folder has no decode.jsonl, which shows that "
+                        "palpate decode wrote it. Nothing was changed. Give a new or an empty "
+                        "folder, or remove the file.");
+  };
+  if (!is_ours && is_there(folder_ / "frames.csv")) throw refusal(folder_ / "frames.csv");
+  std::vector<fs::path> old;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder_)) {
+    if (!is_numbered(entry.path().filename())) continue;
+    if (!is_ours) throw refusal(entry.path());
+    old.push_back(entry.path());
+  }
+  for (const fs::path& path : old) fs::remove(path);
 }
 
 void DecodeRecord::begin() {
-  const bool is_claimed = is_there(file());
-  if (!resumed_ && is_there(folder_)) {
-    if (!is_claimed && is_there(folder_ / "frames.csv")) {
-      throw InvalidInput((folder_ / "frames.csv").string() +
-                         ": would be replaced, and no decode.json says that it comes from an "
-                         "earlier run; nothing is changed. Give a new or an empty folder.");
-    }
-    std::vector<fs::path> old;
-    for (const fs::directory_entry& entry : fs::directory_iterator(folder_)) {
-      if (!is_numbered(entry.path().filename())) continue;
-      if (!is_claimed) {
-        throw InvalidInput(
-            entry.path().string() +
-            ": lies where range maps are to be written, and no decode.json says that it comes from "
-            "an earlier run; nothing is changed. Give a new or an empty folder, or remove it.");
-      }
-      old.push_back(entry.path());
-    }
-    for (const fs::path& path : old) fs::remove(path);
-  }
-  write();
+  if (!resumed_) remove_earlier_outputs();
+  RunRecord record{.head = {{"kind", kKind}, {"settings", settings_}, {"inputs", inputs_}},
+                   .items = {}};
+  for (const auto& [number, frame] : earlier_) record.items.push_back(to_json(frame));
+  writer_.emplace(file(), record);
 }
 
 void DecodeRecord::add(const FinishedFrame& frame) {
-  frames_[frame.number] = frame;
-  if (std::chrono::steady_clock::now() - written_ > kWritingPause) write();
+  writer_->add(to_json(frame));
+  added_[frame.number] = frame.name;
 }
 
-void DecodeRecord::write() {
-  Json entries = Json::array();
-  for (const auto& [number, frame] : frames_) entries.push_back(to_json(frame));
-  const Json record = {{"settings", settings_}, {"inputs", inputs_}, {"frames", entries}};
-  write_file(file(), [&](std::ostream& out) {
-    out << record.dump(1, ' ', false, Json::error_handler_t::replace) << '\n';
-  });
+void DecodeRecord::write_table() const {
+  if (!writer_) return;
+  std::map<std::size_t, std::string> names = added_;
+  for (const auto& [number, frame] : earlier_) names.try_emplace(number, frame.name);
   write_file(folder_ / "frames.csv", [&](std::ostream& out) {
     out << "range_map,frame\n";
-    for (const auto& [number, frame] : frames_)
-      out << numbered({}, number, ".tiff").string() << ',' << probing::to_cell(frame.name) << '\n';
+    for (const auto& [number, name] : names)
+      out << numbered({}, number, ".tiff").string() << ',' << probing::to_cell(name) << '\n';
   });
-  written_ = std::chrono::steady_clock::now();
 }
 
 const FinishedFrame* DecodeRecord::find(const sensing::SourceFrame& frame) const {
-  const auto found = frames_.find(frame.number);
-  if (found == frames_.end()) return nullptr;
+  const auto found = earlier_.find(frame.number);
+  if (found == earlier_.end()) return nullptr;
   const FinishedFrame now = stamped(frame);
   const FinishedFrame& then = found->second;
   const bool is_same =

@@ -2,67 +2,83 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "palpate/sensing/frame_source.h"
+#include "shared/run_record.h"
 
 namespace palpate::apps {
 
-/// A frame whose range map is written.
+/// A frame for which all outputs are written.
 struct FinishedFrame {
   std::size_t number = 0;
   std::string name;
-  std::uintmax_t bytes = 0;   ///< of the file that it came from, as is
-  std::int64_t modified = 0;  ///< when that was written
-  long pixels = 0;            ///< with a depth
-  double median_depth = 0;    ///< [mm] NaN if there is none
-  double milliseconds = 0;    ///< for decoding
+  std::uintmax_t bytes = 0;   ///< size of the file that holds the frame
+  std::int64_t modified = 0;  ///< time at which that file was last written
+  long pixels = 0;            ///< number of pixels with a depth
+  double median_depth = 0;    ///< [mm] NaN if no pixel has a depth
+  double milliseconds = 0;    ///< time for decoding
 };
 
-/// Of the frame's file: whether it changed since is seen from them. 0 where it cannot be looked at.
+/// The name of a frame with the size and time of its file, by which a later run sees whether the
+/// file has changed. Both are 0 if the file cannot be examined.
 [[nodiscard]] FinishedFrame stamped(const sensing::SourceFrame& frame);
 
-/// What made the range maps of a folder, and which are finished: decode.json, and frames.csv for
-/// people. Both are whole at any time, and at most a second behind.
+/// The number of frames that are finished according to a `decode.jsonl`.
+/// \throws FileError if it is not a record of `palpate decode`.
+[[nodiscard]] std::size_t count_finished_frames(const std::filesystem::path& file);
+
+/// Records in `decode.jsonl` which frames of a folder of range maps are finished, for --resume.
+///
+/// `find` reads only what `resume` read, and `begin` and `add` do not change that: one thread may
+/// call `find` while another calls `begin`, `add` or `write_table`. These three must not overlap.
 class DecodeRecord {
  public:
-  /// `settings`: by name, all that range maps depend on besides the frames; `inputs`: the files.
+  /// \param settings all options on which range maps depend, by name.
+  /// \param inputs names of the files that hold the frames, in their order.
   DecodeRecord(std::filesystem::path folder, nlohmann::ordered_json settings,
                std::vector<std::string> inputs);
 
-  /// Takes over what an earlier run finished; without one there is nothing to take over.
-  /// \throws InvalidInput unless its settings are the same and its inputs the first of these;
-  /// FileError if its record cannot be read.
+  /// Takes over the frames that an earlier run has finished in this folder, if there was one.
+  /// \throws InvalidInput if that run had other settings, or its files are not the first of these;
+  /// \throws FileError if its record cannot be read.
   void resume();
 
-  /// Before the first range map is written. Unless resumed, files of an earlier run are removed,
-  /// so that the folder never holds frames of two sequences.
-  /// \throws InvalidInput if there are range maps that no record claims.
+  /// Starts the record, before the first range map is written. Files of an earlier run are removed
+  /// unless it was resumed, so that the folder never holds frames of two sequences.
+  /// \throws InvalidInput if the folder holds range maps but no record.
   void begin();
 
+  /// Appends a frame. \pre `begin` was called.
+  /// \throws OutputError if the record cannot be written.
   void add(const FinishedFrame& frame);
-  /// \throws OutputError.
-  void write();
 
-  /// Null if it is not finished, or its file is another now.
+  /// Writes `frames.csv`: which range map belongs to which frame. Does nothing before `begin`.
+  /// \throws OutputError if it cannot be written.
+  void write_table() const;
+
+  /// The record of a frame that an earlier run finished.
+  /// \return null if there is none, or the frame's file has changed since.
   [[nodiscard]] const FinishedFrame* find(const sensing::SourceFrame& frame) const;
 
  private:
-  [[nodiscard]] std::filesystem::path file() const { return folder_ / "decode.json"; }
-  void check_same(const nlohmann::ordered_json& earlier) const;
+  [[nodiscard]] std::filesystem::path file() const { return folder_ / "decode.jsonl"; }
+  void check_inputs(const nlohmann::ordered_json& head) const;
+  void remove_earlier_outputs() const;
 
   std::filesystem::path folder_;
   nlohmann::ordered_json settings_;
   std::vector<std::string> inputs_;
-  std::map<std::size_t, FinishedFrame> frames_;
   bool resumed_ = false;
-  std::chrono::steady_clock::time_point written_ = std::chrono::steady_clock::now();
+  std::map<std::size_t, FinishedFrame> earlier_;  ///< constant after `resume`
+  std::map<std::size_t, std::string> added_;      ///< names by number
+  std::optional<RunRecordWriter> writer_;         ///< after `begin`
 };
 
 }  // namespace palpate::apps

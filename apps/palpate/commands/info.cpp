@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/core/mat.hpp>
 
+#include "commands/decode_record.h"
 #include "commands/describe_mesh.h"
 #include "palpate/error.h"
 #include "palpate/geometry/mesh_io.h"
@@ -220,10 +221,7 @@ std::string read_text(const fs::path& path) {
 }
 
 Description describe_record(const fs::path& path) {
-  const auto record = nlohmann::json::parse(read_text(path), nullptr, false);
-  if (!record.is_object() || !record.contains("frames") || !record["frames"].is_array())
-    throw FileError(path.string() + ": is not a record of palpate decode.");
-  const std::size_t frames = record["frames"].size();
+  const std::size_t frames = count_finished_frames(path);
   return {{{"kind", "record of decode"}, {"frames", frames}},
           fmt::format("frames that palpate decode has finished in this folder: {}", frames)};
 }
@@ -293,7 +291,7 @@ Description describe(const fs::path& path, const geometry::ReadOptions& options)
   if (is_range_map(path)) return describe_range_map(path);
   if (extension == ".db") return describe_acquisition(path);
   if (extension == ".yaml" || extension == ".yml") return describe_yaml(path);
-  if (path.filename() == "decode.json") return describe_record(path);
+  if (path.filename() == "decode.jsonl") return describe_record(path);
   if (extension == ".csv") return describe_csv(path);
   if (extension == ".pcd") return describe_points(path, options);
   if (path.filename() == "field.json" || path.filename() == "field.cbor")
