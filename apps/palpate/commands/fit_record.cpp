@@ -5,16 +5,15 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <fstream>
 #include <initializer_list>
 #include <limits>
-#include <ostream>
 #include <stdexcept>
 #include <string>
 #include <system_error>
 #include <utility>
 
 #include "palpate/error.h"
-#include "palpate/output_file.h"
 #include "shared/inputs.h"
 
 namespace palpate::apps {
@@ -148,43 +147,29 @@ FitRecord::FitRecord(fs::path file, Json settings)
 void FitRecord::check_same(const Json& head) const {
   if (head.at("kind") == kKind && head.value("version", 0) != kVersion) {
     throw InvalidInput(fmt::format(
-        "{}: another version of palpate kept these fits, in a way that this one does not read. {}.",
+        "{}: was written by another version of palpate, whose record this version cannot read. {}.",
         file_.string(), kAnew));
   }
-  const Json& before = head.at("settings");
-  for (const auto& [name, value] : settings_.items()) {
-    if (before.contains(name) && before.at(name) == value) continue;
-    throw InvalidInput(fmt::format(
-        "{}: the fits that are finished were made with another {}. {}, or give the same.",
-        file_.string(), name, kAnew));
-  }
+  check_same_settings(file_, head.at("settings"), settings_, kAnew);
 }
 
 void FitRecord::resume() {
-  if (!is_there(file_)) return;
-  std::ifstream stream(file_, std::ios::binary);
-  std::uintmax_t whole = 0;  // bytes of the lines that are
-  bool is_head = true;
+  resumed_ = is_there(file_);
+  if (!resumed_) return;
+  const RunRecord record = read_run_record(file_, kAnew);
   const auto refuse = [&](const std::exception& error) {
-    throw FileError(fmt::format("{}: is not the record of an earlier run ({}). {}.", file_.string(),
-                                error.what(), kAnew));
+    throw FileError(fmt::format("{}: this is not the record of an earlier run ({}). {}.",
+                                file_.string(), error.what(), kAnew));
   };
-  for (std::string line; std::getline(stream, line) && !stream.eof(); is_head = false) {
-    try {
-      const Json entry = Json::parse(line);
-      if (is_head)
-        check_same(entry);
-      else
-        fits_[entry.at("contact").get<long long>()] = to_fit(entry.at("fit"));
-    } catch (const Json::exception& error) {
-      refuse(error);
-    } catch (const Damaged& error) {
-      refuse(error);
-    }
-    whole += line.size() + 1;
+  try {
+    check_same(record.head);
+    for (const Json& item : record.items)
+      fits_[item.at("contact").get<long long>()] = to_fit(item.at("fit"));
+  } catch (const Json::exception& error) {
+    refuse(error);
+  } catch (const Damaged& error) {
+    refuse(error);
   }
-  resumed_ = !is_head;
-  whole_bytes_ = whole;
 }
 
 void FitRecord::begin() const {
@@ -194,21 +179,17 @@ void FitRecord::begin() const {
                      "is changed. Choose another output, or remove it.");
 }
 
-void FitRecord::open() {
-  if (resumed_) {
-    fs::resize_file(file_, whole_bytes_);
-  } else {
-    const Json head = {{"kind", kKind}, {"version", kVersion}, {"settings", settings_}};
-    write_file(file_, [&](std::ostream& out) { out << head.dump() << '\n'; });
-  }
-  stream_.open(file_, std::ios::binary | std::ios::app);
-  if (!stream_) throw OutputError(file_.string() + ": cannot be written; check its permissions");
-}
-
 void FitRecord::add(long long contact, const haptics::FitResult& fit) {
-  if (!stream_.is_open()) open();
-  stream_ << Json{{"contact", contact}, {"fit", to_json(fit)}}.dump() << '\n' << std::flush;
-  if (!stream_) throw OutputError(file_.string() + ": cannot be written; free some space");
+  const auto item = [](long long id, const haptics::FitResult& result) {
+    return Json{{"contact", id}, {"fit", to_json(result)}};
+  };
+  if (!writer_) {
+    RunRecord record{.head = {{"kind", kKind}, {"version", kVersion}, {"settings", settings_}},
+                     .items = {}};
+    for (const auto& [id, earlier] : fits_) record.items.push_back(item(id, earlier));
+    writer_.emplace(file_, record);
+  }
+  writer_->add(item(contact, fit));
 }
 
 const haptics::FitResult* FitRecord::find(long long contact) const {
@@ -217,7 +198,7 @@ const haptics::FitResult* FitRecord::find(long long contact) const {
 }
 
 void FitRecord::remove() {
-  if (stream_.is_open()) stream_.close();
+  writer_.reset();
   if (is_there(file_)) fs::remove(file_);
 }
 

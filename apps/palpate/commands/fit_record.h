@@ -2,53 +2,51 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "palpate/haptics/force_field_fit.h"
+#include "shared/run_record.h"
 
 namespace palpate::apps {
 
-/// The fits of contacts that are finished, in a file beside the model that they are for: what they
-/// depend on, then one line a contact, written at once. A kill may cut the last line, which then
-/// does not count.
+/// Records which contacts are fitted, for --resume, in a `RunRecord` beside the model.
 class FitRecord {
  public:
-  /// `settings`: by name, all that the fits depend on.
+  /// \param settings all options and data on which the fits depend, by name.
   FitRecord(std::filesystem::path file, nlohmann::ordered_json settings);
 
-  /// Takes over what an earlier run finished; without one there is nothing to take over.
-  /// \throws InvalidInput unless its settings are the same; FileError if its record cannot be read.
+  /// Takes over the fits that an earlier run has finished, if there was one.
+  /// \throws InvalidInput if that run had other settings.
+  /// \throws FileError if its record cannot be read.
   void resume();
 
-  /// Before there is much work. Unless resumed, the record of an earlier run is to be replaced.
-  /// \throws InvalidInput if there is a file that is no such record.
+  /// Checks that the record may be written, before the fits are computed. The record of an earlier
+  /// run is replaced unless it was resumed.
+  /// \throws InvalidInput if the file exists and is not such a record.
   void begin() const;
 
-  /// The first one makes the file.
-  /// \throws OutputError.
+  /// Appends a fit. The first call creates the file.
+  /// \throws OutputError if it cannot be written.
   void add(long long contact, const haptics::FitResult& fit);
 
-  /// Null if it is not finished.
+  /// The fit of a contact that an earlier run has finished, or null.
   [[nodiscard]] const haptics::FitResult* find(long long contact) const;
   [[nodiscard]] std::size_t size() const { return fits_.size(); }
 
-  /// The model is written: nothing is left to resume.
+  /// Removes the record, after the model is written.
   void remove();
 
  private:
   void check_same(const nlohmann::ordered_json& head) const;
-  void open();
 
   std::filesystem::path file_;
   nlohmann::ordered_json settings_;
   std::map<long long, haptics::FitResult> fits_;  ///< of the earlier run
   bool resumed_ = false;
-  std::uintmax_t whole_bytes_ = 0;  ///< of the earlier run's file, without a line that was cut
-  std::ofstream stream_;
+  std::optional<RunRecordWriter> writer_;  ///< after the first `add`
 };
 
 }  // namespace palpate::apps
