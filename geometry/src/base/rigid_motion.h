@@ -13,4 +13,11 @@ namespace palpate::geometry {
          motion.linear().determinant() > 0;
 }
 
+/// The matrix that maps w to v x w.
+[[nodiscard]] inline Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
+  Eigen::Matrix3d matrix;
+  matrix << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+  return matrix;
+}
+
 }  // namespace palpate::geometry

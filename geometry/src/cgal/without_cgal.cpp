@@ -3,9 +3,9 @@
 // Takes the place of the sources in cgal/ in a build without them.
 #include <string>
 
-#include "geodesic/exact_geodesic_distance.h"
-#include "mesh/hole_patches.h"
+#include "geodesic/geodesic_methods.h"
 #include "palpate/error.h"
+#include "palpate/geometry/hole_filling.h"
 #include "scans/poisson_surface.h"
 
 namespace palpate::geometry {
@@ -24,7 +24,7 @@ GeodesicDistance exact_geodesic_distance(const TriangleMesh&, std::span<const Su
   refuse("geodesic_distance: GeodesicMethod::exact");
 }
 
-FilledMesh add_hole_patches(const TriangleMesh&, double) { refuse("fill_holes"); }
+FilledMesh fill_holes(const TriangleMesh&, const HoleFillingOptions&) { refuse("fill_holes"); }
 
 TriangleMesh poisson_surface(const Eigen::Matrix3Xd&, const Eigen::Matrix3Xd&, double) {
   refuse("merge_scans");

@@ -10,7 +10,6 @@
 #include "contacts/helper_elimination.h"
 #include "contacts/intrinsic_coarsening.h"
 #include "contacts/intrinsic_triangulation.h"
-#include "mesh/plane_geometry.h"
 #include "mesh/triangle_primitives.h"
 #include "palpate/error.h"
 

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <tuple>
 
-#include "mesh/plane_geometry.h"
+#include "mesh/triangle_primitives.h"
 #include "palpate/error.h"
 
 namespace palpate::geometry {

@@ -12,7 +12,7 @@
 #include <tuple>
 #include <utility>
 
-#include "mesh/plane_geometry.h"
+#include "mesh/triangle_primitives.h"
 
 namespace palpate::geometry {
 namespace {

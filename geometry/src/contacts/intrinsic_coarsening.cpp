@@ -8,7 +8,7 @@
 #include <numbers>
 #include <optional>
 
-#include "mesh/plane_geometry.h"
+#include "mesh/triangle_primitives.h"
 
 namespace palpate::geometry {
 namespace {

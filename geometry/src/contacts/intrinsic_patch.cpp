@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "contacts/intrinsic_triangulation.h"
-#include "mesh/plane_geometry.h"
+#include "mesh/triangle_primitives.h"
 
 namespace palpate::geometry {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "mesh/plane_geometry.h"
+#include "mesh/triangle_primitives.h"
 #include "palpate/geometry/mesh_topology.h"
 
 namespace palpate::geometry {

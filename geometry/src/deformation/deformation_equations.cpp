@@ -9,7 +9,7 @@
 #include <numeric>
 #include <utility>
 
-#include "base/cross_matrix.h"
+#include "base/rigid_motion.h"
 #include "palpate/error.h"
 #include "palpate/parallel_for.h"
 

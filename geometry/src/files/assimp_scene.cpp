@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "files/assimp_scene.h"
+#include "files/file_formats.h"
 
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>

@@ -10,14 +10,9 @@
 #include <utility>
 
 #include "base/input_file.h"
-#include "files/assimp_scene.h"
+#include "files/file_formats.h"
 #include "files/file_unit.h"
-#include "files/obj.h"
-#include "files/off.h"
-#include "files/pcd.h"
-#include "files/ply.h"
 #include "files/polygon_mesh.h"
-#include "files/stl.h"
 #include "palpate/error.h"
 #include "palpate/file_names.h"
 #include "palpate/output_file.h"

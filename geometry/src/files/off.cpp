@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "files/off.h"
+#include "files/file_formats.h"
 
 #include <cmath>
 #include <cstddef>

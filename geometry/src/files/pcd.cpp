@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "files/pcd.h"
+#include "files/file_formats.h"
 
 #include <lzf.h>
 

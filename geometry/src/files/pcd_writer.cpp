@@ -5,8 +5,8 @@
 #include <sstream>
 #include <string>
 
+#include "files/file_formats.h"
 #include "files/file_unit.h"
-#include "files/pcd.h"
 #include "files/pcd_fields.h"
 #include "files/scalar_type.h"
 #include "palpate/error.h"

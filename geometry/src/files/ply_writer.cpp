@@ -6,8 +6,8 @@
 #include <ostream>
 #include <string>
 
+#include "files/file_formats.h"
 #include "files/file_unit.h"
-#include "files/ply.h"
 #include "files/ply_header.h"
 #include "files/scalar_type.h"
 #include "palpate/error.h"

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "files/stl.h"
+#include "files/file_formats.h"
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "geodesic/fast_marching.h"
+#include "geodesic/geodesic_methods.h"
 
 #include <algorithm>
 #include <cmath>

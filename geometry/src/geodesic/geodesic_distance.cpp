@@ -4,8 +4,7 @@
 
 #include <string>
 
-#include "geodesic/exact_geodesic_distance.h"
-#include "geodesic/fast_marching.h"
+#include "geodesic/geodesic_methods.h"
 #include "palpate/error.h"
 #include "palpate/require.h"
 

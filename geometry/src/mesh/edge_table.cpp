@@ -52,6 +52,17 @@ std::vector<EdgeSide> sort_sides(const Eigen::Matrix3Xi& triangles, const std::v
   return sort_sides_of(triangles, [&](int t) { return use[static_cast<std::size_t>(t)]; });
 }
 
+Eigen::Matrix3Xi triangle_neighbours(const Eigen::Matrix3Xi& triangles) {
+  Eigen::Matrix3Xi neighbours = Eigen::Matrix3Xi::Constant(3, triangles.cols(), -1);
+  for_each_edge(sort_sides(triangles), [&](std::span<const EdgeSide> sides) {
+    for (std::size_t i = 0; sides.size() > 1 && i < sides.size(); ++i) {
+      neighbours(sides[i].half_edge % 3, sides[i].triangle()) =
+          sides[(i + 1) % sides.size()].triangle();
+    }
+  });
+  return neighbours;
+}
+
 std::vector<int> repeated_triangles(const Eigen::Matrix3Xi& triangles,
                                     const std::vector<bool>& use) {
   std::vector<std::pair<std::array<int, 3>, int>> sorted;

@@ -42,6 +42,12 @@ void for_each_edge(const std::vector<EdgeSide>& sides, auto&& visit) {
   }
 }
 
+/// A neighbouring triangle across each edge, 3 x T; row k belongs to the edge from corner k to
+/// corner (k + 1) % 3. -1 at the border. Unlike `opposite_half_edges` it accepts any mesh:
+/// orientation is ignored, and where more than two triangles meet, each names the next one by
+/// index, cyclically.
+[[nodiscard]] Eigen::Matrix3Xi triangle_neighbours(const Eigen::Matrix3Xi& triangles);
+
 /// Triangles in use that have the same three vertices as an earlier one, ascending.
 [[nodiscard]] std::vector<int> repeated_triangles(const Eigen::Matrix3Xi& triangles,
                                                   const std::vector<bool>& use);

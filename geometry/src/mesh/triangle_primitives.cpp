@@ -4,6 +4,8 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
+#include <utility>
 
 namespace palpate::geometry {
 namespace {
@@ -108,6 +110,23 @@ Crossing cross_triangle(const ShearedSegment& segment, const Corners& corners) {
 Eigen::Vector3d snap_to_edges(const Eigen::Vector3d& barycentric) {
   const Eigen::Vector3d inside = (barycentric.array() < kContactOnEdge).select(0, barycentric);
   return inside / inside.sum();
+}
+
+double area_of_lengths(double a, double b, double c) {
+  if (a < b) std::swap(a, b);
+  if (b < c) std::swap(b, c);
+  if (a < b) std::swap(a, b);
+  const double product = (a + (b + c)) * (c - (a - b)) * (c + (a - b)) * (a + (b - c));
+  return product > 0 ? std::sqrt(product) / 4 : 0;
+}
+
+double angle_of_lengths(double a, double b, double c) {
+  return std::atan2(4 * area_of_lengths(a, b, c), a * a + (b - c) * (b + c));
+}
+
+Eigen::Vector2d apex_of_lengths(double base, double from_start, double from_end) {
+  const double x = (base + (from_start - from_end) * (from_start + from_end) / base) / 2;
+  return {x, 2 * area_of_lengths(base, from_start, from_end) / base};
 }
 
 }  // namespace palpate::geometry

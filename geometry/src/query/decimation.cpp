@@ -11,7 +11,7 @@
 #include <optional>
 #include <utility>
 
-#include "mesh/triangle_neighbours.h"
+#include "mesh/edge_table.h"
 #include "palpate/error.h"
 #include "palpate/require.h"
 #include "query/decimation_check.h"

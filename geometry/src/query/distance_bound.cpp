@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "mesh/triangle_neighbours.h"
+#include "mesh/edge_table.h"
 #include "mesh/triangle_primitives.h"
 #include "palpate/error.h"
 #include "palpate/parallel_for.h"

@@ -7,7 +7,7 @@
 #include <limits>
 #include <string>
 
-#include "mesh/triangle_neighbours.h"
+#include "mesh/edge_table.h"
 #include "palpate/error.h"
 #include "palpate/geometry/surface_query.h"
 #include "palpate/parallel_for.h"

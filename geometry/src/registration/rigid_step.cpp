@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "base/cross_matrix.h"
+#include "base/rigid_motion.h"
 #include "palpate/parallel_for.h"
 
 namespace palpate::geometry {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "mesh/hole_patches.h"
+#include "palpate/geometry/hole_filling.h"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/border.h>
@@ -12,6 +12,7 @@
 
 #include "palpate/error.h"
 #include "palpate/geometry/cgal_mesh.h"
+#include "palpate/require.h"
 
 namespace palpate::geometry {
 namespace {
@@ -46,13 +47,14 @@ bool fill(Surface& surface, Surface::Halfedge_index border) {
 
 }  // namespace
 
-FilledMesh add_hole_patches(const TriangleMesh& mesh, double max_diameter) {
+FilledMesh fill_holes(const TriangleMesh& mesh, const HoleFillingOptions& options) {
+  require("HoleFillingOptions::max_diameter", options.max_diameter, above(0), "mm");
   Surface surface = to_surface_mesh<Point>(mesh);
   std::vector<Surface::Halfedge_index> loops;
   pmp::extract_boundary_cycles(surface, std::back_inserter(loops));
   FilledMesh result;
   for (const auto border : loops) {
-    if (diameter(surface, border) <= max_diameter && fill(surface, border)) {
+    if (diameter(surface, border) <= options.max_diameter && fill(surface, border)) {
       ++result.filled;
     } else {
       ++result.left;

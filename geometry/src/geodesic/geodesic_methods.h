@@ -14,4 +14,14 @@ namespace palpate::geometry {
                                                       std::span<const SurfacePoint> sources,
                                                       double stop_radius);
 
+/// Implements `geodesic_distance` for GeodesicMethod::exact. Precondition: mesh, sources and radius
+/// are valid.
+/// \throws InvalidInput naming a triangle without area, or an edge or a vertex that is not
+/// manifold.
+/// \throws SolverError if CGAL fails.
+/// \throws Unavailable if the library was built without CGAL.
+[[nodiscard]] GeodesicDistance exact_geodesic_distance(const TriangleMesh& mesh,
+                                                       std::span<const SurfacePoint> sources,
+                                                       double stop_radius);
+
 }  // namespace palpate::geometry
