@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::string_view kDigits = "0123456789";
 
-/// Takes the digits at the beginning off `rest`, without leading zeros.
+/// Removes the leading digits from `rest` and returns them without leading zeros.
 std::string_view take_number(std::string_view& rest) {
   std::string_view number = rest.substr(0, rest.find_first_not_of(kDigits));
   rest.remove_prefix(number.size());

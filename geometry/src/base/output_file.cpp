@@ -26,7 +26,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kMaxLinks = 40;  // of symbolic links in a row, as in the kernel
+constexpr int kMaxLinks = 40;  // longest chain of symbolic links, as in the kernel
 
 OutputError output_error(const fs::path& path, const std::string& reason) {
   return OutputError(path.string() + ": cannot be written: " + reason +
@@ -142,8 +142,8 @@ class Temporary {
   fs::path path_;
 };
 
-/// Turns what the file system reports on the way into an OutputError that names `path`. Calls of
-/// the user's `write` must stay outside: its errors may be about other files.
+/// Converts an error of the file system into an OutputError that names `path`. The user's `write`
+/// must be called outside of this, because its errors may concern other files.
 template <typename Action>
 auto on_file_system(const fs::path& path, Action&& action) {
   try {
@@ -186,7 +186,7 @@ void fill_stream(const fs::path& path, const fs::path& temporary,
   errno = 0;
   stream.open(temporary, std::ios::binary);
   if (!stream) throw output_error(path, reason());
-  stream.exceptions(std::ios::badbit);  // stops `write` at the first byte that finds no room
+  stream.exceptions(std::ios::badbit);  // stop `write` at the first byte that does not fit
   errno = 0;
   try {
     write(stream);
@@ -199,7 +199,7 @@ void fill_stream(const fs::path& path, const fs::path& temporary,
   if (!stream) throw output_error(path, reason());
 }
 
-/// Two renames, as a folder that is not empty cannot be renamed onto.
+/// Uses two renames, because a non-empty folder cannot be the target of a rename.
 void swap_in(const fs::path& temporary, const fs::path& place) {
   if (!fs::exists(place)) {
     fs::rename(temporary, place);

@@ -28,8 +28,8 @@ using ShortestPath = CGAL::Surface_mesh_shortest_path<Traits>;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// A triangle is out of reach iff it is further than the radius by more than this fraction of both
-/// and its size: above the rounding of the few operations that measure it.
+/// A triangle is out of reach iff it is farther than the radius by more than this fraction of
+/// radius and size: above the rounding of the few operations that compute it.
 constexpr double kReachRounding = 1e-12;
 
 void refuse_triangles_without_area(const TriangleMesh& mesh) {
@@ -42,7 +42,8 @@ void refuse_triangles_without_area(const TriangleMesh& mesh) {
   }
 }
 
-/// The triangles that a way of at most `radius` can touch: it stays in the balls about its sources.
+/// The triangles that a path of length `radius` can touch: it stays in the balls around its
+/// sources.
 std::vector<int> within_reach(const TriangleMesh& mesh, std::span<const SurfacePoint> sources,
                               double radius) {
   Eigen::Matrix3Xd from(3, static_cast<Eigen::Index>(sources.size()));
@@ -65,9 +66,9 @@ std::vector<int> within_reach(const TriangleMesh& mesh, std::span<const SurfaceP
   return reached;
 }
 
-/// Vertices are moved by up to this fraction of the mean length of the edges. Where ways tie
-/// exactly, as through the vertices of a flat grid, CGAL's rounding may drop all of them (the
-/// answer is then percents too long); in general position it is good to twelve digits.
+/// Vertices are perturbed by up to this fraction of the mean edge length. If paths tie exactly, as
+/// through the vertices of a flat grid, CGAL's rounding may discard all of them, and the result is
+/// several percent too long; in general position it is accurate to twelve digits.
 constexpr double kOutOfTies = 1e-9;
 
 double mean_edge_length(const TriangleMesh& mesh) {
@@ -80,7 +81,7 @@ double mean_edge_length(const TriangleMesh& mesh) {
   return sum / static_cast<double>(mesh.triangles.size());
 }
 
-/// The vertices a little out of place, always in the same way.
+/// The vertices, slightly perturbed, always in the same way.
 Eigen::Matrix3Xd in_general_position(const TriangleMesh& mesh) {
   std::mt19937 random(1);
   const double largest = kOutOfTies * mean_edge_length(mesh);
@@ -92,15 +93,15 @@ Eigen::Matrix3Xd in_general_position(const TriangleMesh& mesh) {
   return vertices;
 }
 
-/// What CGAL works on: our vertices, and those of our triangles that are within reach.
+/// Input of CGAL: all vertices, and the triangles within reach.
 struct Part {
   CgalMesh mesh;
-  std::vector<int> face_of;  ///< T; -1 = out of reach
+  std::vector<int> face_of;  ///< T; -1 if out of reach
 };
 
 Part reachable_part(const TriangleMesh& mesh, std::span<const SurfacePoint> sources,
                     double radius) {
-  // All of it is refused or none, whatever the radius.
+  // Reject the mesh as a whole, independently of the radius.
   (void)to_surface_mesh<Kernel::Point_3>(mesh);
   const std::vector<int> reached = within_reach(mesh, sources, radius);
   const TriangleMesh reached_mesh{.vertices = in_general_position(mesh),
@@ -113,8 +114,8 @@ Part reachable_part(const TriangleMesh& mesh, std::span<const SurfacePoint> sour
   return part;
 }
 
-/// A place on a face in CGAL's terms: barycentric coordinates belong to the corners in the order of
-/// the face's half-edge.
+/// A place on a face in CGAL's convention: barycentric coordinates in the order of the corners from
+/// the face's half-edge on.
 ShortestPath::Face_location face_location(const TriangleMesh& mesh, const Part& part,
                                           const SurfacePoint& place) {
   const CgalMesh::Face_index face(
@@ -126,18 +127,18 @@ ShortestPath::Face_location face_location(const TriangleMesh& mesh, const Part& 
   return {face, {weights[k], weights[(k + 1) % 3], weights[(k + 2) % 3]}};
 }
 
-/// The same place without the tolerated rounding below zero.
+/// The same place without slightly negative coordinates due to rounding.
 SurfacePoint rounded(const SurfacePoint& place) {
   const Eigen::Vector3d weights = place.barycentric.cwiseMax(0);
   return {.triangle = place.triangle, .barycentric = weights / weights.sum()};
 }
 
-/// What stands for zero on an edge: not zero, and nowhere felt.
+/// Replaces zero for places on an edge: positive, but without effect on the result.
 constexpr double kAlmostZero = std::numeric_limits<double>::min();
 
-/// Where CGAL is to start for one source. CGAL 5.5 mistakes the ends of an edge that a source is on
-/// (it takes the weight of one for the distance from it), so a place on an edge becomes one in each
-/// of the two triangles there.
+/// CGAL's starting points for one source. CGAL 5.5 confuses the ends of an edge that contains a
+/// source (it uses the weight of one end as the distance from it), so a place on an edge becomes
+/// one place in each of the two adjacent triangles.
 std::vector<SurfacePoint> starts(const Eigen::Matrix3Xi& opposite, const SurfacePoint& source) {
   SurfacePoint start = rounded(source);
   if ((start.barycentric.array() > 0).count() != 2) return {start};
@@ -146,7 +147,7 @@ std::vector<SurfacePoint> starts(const Eigen::Matrix3Xi& opposite, const Surface
   start.barycentric[apex] = kAlmostZero;
   const int across = opposite((apex + 1) % 3, start.triangle);
   if (across < 0) return {start};
-  // Corner k of the other triangle is where this one has corner apex + 2.
+  // Corner k of the other triangle corresponds to corner apex + 2 of this one.
   const int k = across % 3;
   SurfacePoint other{.triangle = across / 3};
   other.barycentric[k] = start.barycentric[(apex + 2) % 3];
@@ -155,7 +156,7 @@ std::vector<SurfacePoint> starts(const Eigen::Matrix3Xi& opposite, const Surface
   return {start, other};
 }
 
-/// Pre: as `exact_geodesic_distance`; triangles have an area.
+/// Preconditions: those of `exact_geodesic_distance`; triangles have an area.
 GeodesicDistance measure(const TriangleMesh& mesh, std::span<const SurfacePoint> sources,
                          double stop_radius) {
   const Eigen::Matrix3Xi opposite = opposite_half_edges(mesh);

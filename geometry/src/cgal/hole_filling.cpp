@@ -18,7 +18,7 @@ namespace palpate::geometry {
 namespace {
 
 namespace pmp = CGAL::Polygon_mesh_processing;
-// CGAL looks for patches in a Delaunay tetrahedralisation, which needs exact predicates.
+// CGAL searches patches in a Delaunay tetrahedralisation, which needs exact predicates.
 using Point = CGAL::Exact_predicates_inexact_constructions_kernel::Point_3;
 using Surface = CGAL::Surface_mesh<Point>;
 
@@ -61,7 +61,7 @@ FilledMesh fill_holes(const TriangleMesh& mesh, const HoleFillingOptions& option
     }
   }
   result.mesh = from_surface_mesh(surface);
-  // CGAL may begin a triangle at another of its corners.
+  // CGAL may start a triangle at another corner.
   result.mesh.triangles.leftCols(mesh.triangles.cols()) = mesh.triangles;
   return result;
 }

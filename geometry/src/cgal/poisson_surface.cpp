@@ -20,8 +20,8 @@ namespace {
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Sample = std::pair<Kernel::Point_3, Kernel::Vector_3>;
 
-constexpr double kLeastAngle = 20;  // [deg] of a triangle: the mesher ends for up to 30 only
-/// Circumradius of a triangle and its distance from the surface, at most, in spacings.
+constexpr double kLeastAngle = 20;  // [deg] of a triangle: the mesher terminates only up to 30
+/// Largest circumradius of a triangle and distance from the surface, in spacings.
 constexpr double kRadius = 1.5;
 constexpr double kDistance = 0.25;
 
@@ -34,7 +34,7 @@ TriangleMesh poisson_surface(const Eigen::Matrix3Xd& points, const Eigen::Matrix
     samples.emplace_back(Kernel::Point_3(points(0, i), points(1, i), points(2, i)),
                          Kernel::Vector_3(normals(0, i), normals(1, i), normals(2, i)));
   }
-  // The mesher begins at random points, which would be others, and so the surface, each time.
+  // Fix the seed: the mesher starts at random points, so the surface would differ each time.
   CGAL::get_default_random() = CGAL::Random(0);
   CGAL::Surface_mesh<Kernel::Point_3> surface;
   bool found = false;

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-// Takes the place of the sources in cgal/ in a build without them.
+// Replaces the sources in cgal/ in a build without CGAL.
 #include <string>
 
 #include "geodesic/geodesic_methods.h"

@@ -10,12 +10,11 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// The border may deviate from the polygon of helpers by this fraction of the spacing: little
-/// against a triangle of contacts, much against the steps of a border along pixels.
+/// Largest deviation of the border from the polygon of helpers, as a fraction of the spacing: small
+/// relative to a triangle of contacts, large relative to the steps of a border along pixels.
 constexpr double kDeviation = 0.1;
 
-/// A chain of the border between two helpers is cut iff it is longer than so many spacings: half as
-/// long again is near enough.
+/// A chain of the border between two helpers is split iff it is longer than this many spacings.
 constexpr double kLongestChain = 1.5;
 
 constexpr int kLeastHelpers = 3;
@@ -27,7 +26,7 @@ double distance_to_segment(const Vector3d& p, const Vector3d& a, const Vector3d&
   return (p - a - s * along).norm();
 }
 
-/// One border from a first vertex around to it again.
+/// A loop of the border, starting at some vertex.
 class Loop {
  public:
   Loop(const IntrinsicTriangulation& surface, const Eigen::Matrix3Xd& positions, int first)
@@ -56,7 +55,7 @@ class Loop {
     };
     if (count() == 0) is_pinned(0) = 1;
     while (count() < kLeastHelpers) {
-      // The vertex furthest from those that are pinned, along the loop.
+      // The vertex farthest along the loop from those that are pinned.
       size_t best = 0;
       double furthest = -1;
       for (size_t i = 0; i < vertices_.size(); ++i) {
@@ -98,7 +97,7 @@ class Loop {
     return i < vertices_.size() ? arc_[i] : arc_.back() + arc_[i - vertices_.size()];
   }
 
-  /// Where the chain has to be cut; `begin` if it need not or cannot be.
+  /// Where the chain has to be split; `begin` if this is not needed or not possible.
   [[nodiscard]] size_t cut(size_t begin, size_t end, double spacing) const {
     if (end - begin < 2) return begin;
     size_t furthest = begin;

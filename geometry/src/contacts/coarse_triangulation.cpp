@@ -18,11 +18,11 @@ namespace {
 
 constexpr int kNone = IntrinsicTriangulation::kNone;
 
-/// A tracked point is at a vertex iff the barycentric coordinate there is within this of 1: the
-/// rounding of those that were snapped.
+/// A tracked point is at a vertex iff the barycentric coordinate there is this close to 1: the
+/// rounding of snapped coordinates.
 constexpr double kAtVertex = 1e-7;
 
-/// The part of each triangle, by id of the lowest; -1 for slots without one.
+/// The connected part of each triangle, numbered by its lowest triangle; -1 for unused slots.
 std::vector<int> parts(const IntrinsicTriangulation& surface, int& count) {
   std::vector<int> part(static_cast<size_t>(surface.triangle_slots()), -1);
   std::vector<int> pending;
@@ -77,7 +77,7 @@ class CoarseTriangulation {
   }
 
  private:
-  /// Parts without a contact are left out: nothing is known there.
+  /// Leaves out parts without a contact, where nothing is known.
   IntrinsicTriangulation parts_with_contacts() {
     IntrinsicTriangulation all(mesh_);
     int count = 0;
@@ -100,7 +100,7 @@ class CoarseTriangulation {
     return IntrinsicTriangulation(some);
   }
 
-  /// Positions and contacts of ids that are new.
+  /// Sets positions and contacts of new ids.
   void list_new_ids() {
     for (auto id = positions_.size(); id < static_cast<size_t>(surface_.id_count()); ++id) {
       const int original = surface_.fan_of(static_cast<int>(id));
@@ -124,7 +124,7 @@ class CoarseTriangulation {
       int corner = 0;
       if (surface_.barycentric(id).maxCoeff(&corner) > 1 - kAtVertex) {
         const int v = surface_.from(3 * surface_.triangle_of_point(id) + corner);
-        // Another contact may be there already, hardly further away than what is one place.
+        // Another contact may be there already, hardly farther away than coinciding contacts.
         if (contact_of_id_[static_cast<size_t>(v)] < 0) id = v;
       }
       if (!surface_.is_vertex(id)) surface_.make_vertex(id);
@@ -212,7 +212,7 @@ class CoarseTriangulation {
     const Eigen::Index count = mesh_.vertices.cols();
     SurfaceWeights result{.contacts = Eigen::Matrix3Xi::Constant(3, count, -1),
                           .weights = Eigen::Matrix3Xd::Zero(3, count)};
-    // Where several fans touch in one vertex it has the mean of their weights.
+    // A vertex in which several fans touch gets the mean of their weights.
     std::vector<std::vector<int>> further(static_cast<size_t>(count));
     for (int id = static_cast<int>(count); id < fans_end_; ++id) {
       further[static_cast<size_t>(surface_.fan_of(id))].push_back(id);
@@ -240,9 +240,9 @@ class CoarseTriangulation {
   const TriangleMesh& mesh_;
   std::span<const SurfacePoint> contacts_;
   const Eigen::Matrix3Xd& places_;
-  std::vector<int> slot_;  ///< of each triangle of the mesh in the surface; kNone: left out
+  std::vector<int> slot_;  ///< slot of each triangle of the mesh; kNone if left out
   IntrinsicTriangulation surface_;
-  int fans_end_ = 0;  ///< ids below are vertices of the mesh and their further fans
+  int fans_end_ = 0;  ///< lower ids are vertices of the mesh and their additional fans
   std::vector<Eigen::Vector3d> positions_;  ///< [mm] by id
   std::vector<int> contact_of_id_;          ///< -1 = none
   std::vector<char> pinned_;

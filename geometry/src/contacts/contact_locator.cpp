@@ -19,7 +19,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// A point is on a side of a part of a triangle iff a coordinate is this near to 0: rounding.
+/// A point is on a side of a piece iff a coordinate is this close to 0 (rounding).
 constexpr double kOnSide = 1e-7;
 
 /// A contact in a triangle, seen from it.
@@ -28,8 +28,8 @@ struct Visit {
   int contact;
 };
 
-/// Where contacts lie inside of triangles or on their edges; those on an edge are seen from every
-/// triangle there.
+/// The contacts inside triangles or on their edges; those on an edge belong to every triangle
+/// there.
 std::vector<Visit> list_visits(const TriangleMesh& surface,
                                std::span<const SurfacePoint> contacts) {
   std::vector<Visit> visits;
@@ -90,7 +90,7 @@ void check_weights(const TriangleMesh& surface, size_t contact_count,
   }
 }
 
-/// None if the weights say nothing.
+/// Empty if there are no weights.
 ContactWeights normalised(ContactWeights weights, double sum) {
   if (!(sum > 0 && sum < std::numeric_limits<double>::infinity())) return {};
   const double factor = 1 / sum;
@@ -105,7 +105,7 @@ ContactLocator::ContactLocator(const TriangleMesh& surface, std::span<const Surf
   check_mesh(surface, "ContactLocator");
   check_weights(surface, contacts.size(), weights);
   for (Eigen::Index v = 0; v < surface.vertices.cols(); ++v) {
-    // In one order, so that most neighbours have the same contacts at the same places.
+    // Sorted, so that most neighbours have the same contacts in the same places.
     std::array<std::pair<int, double>, 3> entries;
     for (int k = 0; k < 3; ++k) {
       const int contact = weights.contacts(k, v);
@@ -151,7 +151,7 @@ void ContactLocator::cut(int triangle, std::span<const SurfacePoint> contacts,
     const SurfacePoint& place = contacts[static_cast<size_t>(contact)];
     const Vector3d own = snap_to_edges(place.barycentric);
     Vector3d at = Vector3d::Zero();
-    // By the vertices' indices: the place may be named in the triangle across the edge.
+    // Compare the vertices' indices, because the place may be given in the neighbouring triangle.
     for (int k = 0; k < 3; ++k) {
       const int vertex =
           triangles_[static_cast<size_t>(place.triangle)].rows[static_cast<size_t>(k)];

@@ -18,8 +18,8 @@
 namespace palpate::geometry {
 namespace {
 
-/// Two contacts are at one place iff they are no further apart than this fraction of the surface's
-/// bounding diagonal: far above rounding, far below what an arm can repeat.
+/// Two contacts coincide iff their distance is at most this fraction of the surface's bounding
+/// diagonal: far above rounding, far below the repeatability of an arm.
 constexpr double kSamePlace = 1e-9;
 
 void check_apart(const Eigen::Matrix3Xd& places, double diagonal) {
@@ -41,8 +41,8 @@ void check_apart(const Eigen::Matrix3Xd& places, double diagonal) {
 
 using Triangles = std::vector<std::array<int, 3>>;
 
-/// A vertex's triangles in fans, each of triangles that follow one another across edges at the
-/// vertex; positions in `triangles`. In a manifold there is one.
+/// Groups a vertex's triangles (indices into `triangles`) into fans of triangles connected across
+/// edges at the vertex. In a manifold there is one fan.
 std::vector<std::vector<size_t>> fans_around(int vertex, const Triangles& triangles) {
   std::map<int, size_t> by_next;  // by the corner after the vertex
   std::set<int> lasts;            // the corners before it
@@ -64,7 +64,7 @@ std::vector<std::vector<size_t>> fans_around(int vertex, const Triangles& triang
       by_next.erase(found);
     }
   };
-  // Open fans begin where no triangle ends; what is left then are closed ones.
+  // Open fans start where no triangle ends; the remaining ones are closed.
   std::vector<int> beginnings;
   for (const auto& [next, triangle] : by_next) {
     if (!lasts.contains(next)) beginnings.push_back(next);
@@ -74,7 +74,7 @@ std::vector<std::vector<size_t>> fans_around(int vertex, const Triangles& triang
   return fans;
 }
 
-/// Of several fans that touch in one vertex only the largest stays, the first of equals.
+/// Keeps only the largest of several fans that touch in one vertex, the first one of equals.
 Triangles keep_vertices_manifold(Triangles triangles, int vertex_count) {
   for (bool changed = true; changed;) {
     changed = false;

@@ -12,13 +12,13 @@
 namespace palpate::geometry {
 namespace {
 
-/// The weight of an edge is kept between these, where 1 is that of two right-angled triangles: an
-/// edge of the border may have an obtuse angle opposite, and a needle an infinite cotangent.
+/// Limits of an edge's weight, where 1 is that of two right-angled triangles: a border edge may be
+/// opposite an obtuse angle, and a needle may have an infinite cotangent.
 constexpr double kLeastConductance = 1e-6;
 constexpr double kLargestConductance = 1e6;
 
-/// How many contacts a helper may speak for, and from which weight on: what is further away has
-/// nearly none.
+/// Largest number of contacts that determine a helper, and their smallest weight; contacts farther
+/// away have almost none.
 constexpr size_t kContactsOfHelper = 8;
 constexpr double kLeastWeight = 1e-3;
 
@@ -26,7 +26,7 @@ double cotangent_opposite(const IntrinsicTriangulation& surface, int h) {
   const double c = surface.length(h);
   const double a = surface.length(IntrinsicTriangulation::next(h));
   const double b = surface.length(IntrinsicTriangulation::previous(h));
-  // 0 / 0 of a triangle without any size says nothing.
+  // 0 / 0 of a degenerate triangle carries no information.
   const double area = area_of_lengths(a, b, c);
   return area > 0 ? (a * a + (b - c) * (b + c)) / (4 * area) : 0;
 }
@@ -112,7 +112,7 @@ std::vector<WeightRow> spread_weights(const IntrinsicTriangulation& surface,
   }
   for (Eigen::Index i = 0; i < count; ++i) {
     WeightRow& row = rows[static_cast<size_t>(helpers[static_cast<size_t>(i)])];
-    // The largest is kept even if it is small, as where a thousand contacts are next to a helper.
+    // Keep the largest even if it is small, for example with a thousand contacts around a helper.
     const double least = std::min(kLeastWeight, weights.row(i).maxCoeff());
     for (Eigen::Index j = 0; j < weights.cols(); ++j) {
       if (weights(i, j) < least) continue;

@@ -21,22 +21,23 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 constexpr int kNone = IntrinsicTriangulation::kNone;
 
-/// Adding helpers ends after some; if the metric is so distorted that it does not, equal edges are
-/// left after this many.
+/// Upper limit of the rounds of adding helpers, in case the metric is so distorted that equal edges
+/// remain.
 constexpr int kMaxAdded = 2000;
 
-/// A triangle of contacts is made at the rim of the contacts iff its largest angle is below this
-/// [rad]: in flatter ones weights would change from one contact to another within a small height.
+/// A triangle of contacts is added at the rim of the contacts iff its largest angle is below this
+/// [rad]; in flatter triangles weights would change from one contact to another over a small
+/// height.
 constexpr double kLargestRimAngle = 150 * std::numbers::pi / 180;
 
-/// A tracked point becomes a helper iff none of its barycentric coordinates is larger.
+/// A tracked point becomes a helper iff none of its barycentric coordinates exceeds this.
 constexpr double kLargestCoordinate = 0.9;
 
 /// A triangle has an area iff its largest angle is below this [rad].
 constexpr double kLargestAngle = 179.9 * std::numbers::pi / 180;
 
-/// Neighbours are folded onto each other iff the cosine between their normals is at most this: 150
-/// degrees.
+/// Neighbours are folded onto each other iff the cosine between their normals is at most this (150
+/// degrees).
 constexpr double kFoldedBack = -0.866;
 
 bool is_edge(const IntrinsicTriangulation& surface, int h) {
@@ -48,8 +49,8 @@ std::array<int, 3> ascending(std::array<int, 3> corners) {
   return corners;
 }
 
-/// Edges that stand in the way of a triangulation by corners alone: loops, all but the shortest of
-/// those with the same ends, the first edge of a triangle that there is already.
+/// Edges that violate a simplicial triangulation: loops, all but the shortest edge with the same
+/// ends, and the first edge of a repeated triangle.
 std::vector<int> ambiguous_edges(const IntrinsicTriangulation& surface) {
   std::vector<std::tuple<int, int, double, int>> edges;
   std::vector<std::pair<std::array<int, 3>, int>> triangles;
@@ -79,8 +80,8 @@ std::vector<int> ambiguous_edges(const IntrinsicTriangulation& surface) {
   return found;
 }
 
-/// The tracked point of the two triangles at an edge that is nearest to its middle; kNone if there
-/// is none within a quarter of its length.
+/// The tracked point, in the two triangles at an edge, that is nearest to the edge's middle; kNone
+/// if there is none within a quarter of the edge's length.
 int point_near_middle(const IntrinsicTriangulation& surface, int edge) {
   int best = kNone;
   double nearest = std::numeric_limits<double>::infinity();
@@ -95,7 +96,7 @@ int point_near_middle(const IntrinsicTriangulation& surface, int edge) {
       const Vector3d& at = surface.barycentric(id);
       const Vector2d place = at[(k + 1) % 3] * Vector2d(l, 0) + at[(k + 2) % 3] * apex;
       const double distance = (place - Vector2d(l / 2, 0)).squaredNorm();
-      // One that is at a corner would give an edge without length.
+      // A point at a corner would give an edge of zero length.
       const bool is_apart = at.maxCoeff() < kLargestCoordinate && distance < l * l / 16;
       if (!is_apart || !(std::tie(distance, id) < std::tie(nearest, best))) continue;
       nearest = distance;
@@ -126,7 +127,7 @@ class EdgeTurning {
 
   void run() {
     turn_all([](double angle, int) { return angle < kLargestRimAngle; });
-    // A contact that is in no triangle yet takes flatter ones too.
+    // A contact that has no triangle yet also accepts flatter ones.
     turn_all([this](double, int corner) { return !has_triangle(corner); });
     std::vector<int> pending;
     for (int h = 0; h < 3 * surface_.triangle_slots(); ++h) pending.push_back(h);
@@ -151,8 +152,8 @@ class EdgeTurning {
     return is_of_contacts(h) && is_of_contacts(o) && !surface_.flip_repeats_edge(h);
   }
 
-  /// Flips every edge that has more helpers at its ends than it would have after, until none is
-  /// left; `is_welcome(angle, corner)` decides on a triangle of contacts with that angle there.
+  /// Flips every edge that has more helpers at its ends than after the flip, until none is left;
+  /// `is_welcome(angle, corner)` decides on a triangle of contacts with this angle.
   template <typename IsWelcome>
   void turn_all(const IsWelcome& is_welcome) {
     for (bool changed = true; changed;) {
@@ -183,7 +184,7 @@ class EdgeTurning {
   std::vector<int> fan_;
 };
 
-/// Triangles of contacts of which every edge has at most one on each side.
+/// A set of triangles of contacts in which every edge has at most one triangle on each side.
 class ContactTriangles {
  public:
   explicit ContactTriangles(const Eigen::Matrix3Xd& places) : places_(places) {}
@@ -197,8 +198,8 @@ class ContactTriangles {
            !normal_of_side_.contains({c, a});
   }
 
-  /// An angle is larger than those at the rim may be; a contact that is in no triangle yet takes
-  /// flatter ones too.
+  /// Whether an angle exceeds the limit at the rim; a contact that has no triangle yet also accepts
+  /// flatter ones.
   [[nodiscard]] bool is_too_flat(const std::array<int, 3>& corners, bool for_single) const {
     const bool is_single = std::ranges::any_of(corners, [&](int c) { return !used_.contains(c); });
     const double largest = for_single && is_single ? kLargestAngle : kLargestRimAngle;
@@ -252,7 +253,7 @@ bool make_simplicial(IntrinsicTriangulation& surface,
   while (allowed > 0) {
     const std::vector<int> edges = ambiguous_edges(surface);
     if (edges.empty()) return true;
-    std::set<int> changed;  // triangles of this pass: their edges are looked at in the next one
+    std::set<int> changed;  // triangles of this pass; their edges are visited in the next one
     for (const int h : edges) {
       const int o = surface.opposite(h);
       if (changed.contains(h / 3) || (o != kNone && changed.contains(o / 3))) continue;

@@ -15,15 +15,14 @@ namespace {
 
 using Eigen::Vector2d;
 
-/// A vertex is flat iff its angles sum up to 2 pi (pi at the border) within this [rad]: rounding of
-/// some tens of angles.
+/// A vertex is flat iff its angles sum to 2 pi (pi at the border) within this [rad]: the rounding
+/// of some tens of angles.
 constexpr double kFlat = 1e-11;
 
-/// A triangle of a flattened vertex keeps this margin to one without area, as a factor of the
-/// square of its sides.
+/// Margin of a flattened vertex's triangles from zero area, as a fraction of their squared sides.
 constexpr double kTriangleMargin = 1e-9;
 
-/// Newton's method with bisection halves its bracket at worst.
+/// Newton's method with bisection at least halves its bracket.
 constexpr int kMaxIterations = 60;
 
 /// The triangles around a vertex: each has two spokes, and a link opposite to the vertex.
@@ -31,7 +30,7 @@ struct Star {
   std::vector<int> half_edges;  ///< leaving the vertex, counter-clockwise
   std::vector<double> spokes;   ///< one more than triangles at the border
   std::vector<double> links;
-  double full_angle = 0;  ///< what its angles sum up to when flat
+  double full_angle = 0;  ///< sum of its angles when flat
 
   [[nodiscard]] double spoke(size_t i) const { return spokes[i % spokes.size()]; }
 };
@@ -59,8 +58,8 @@ double angle_sum(const Star& star, double stretch) {
   return sum;
 }
 
-/// By which factor all links have to be stretched (or the spokes shortened) for the vertex to be
-/// flat; none if a triangle would have to be without area.
+/// Factor by which all links must be stretched (or the spokes shortened) to make the vertex flat;
+/// none if this would give a triangle without area.
 std::optional<double> flattening_stretch(const Star& star) {
   double low = 0;
   double high = std::numeric_limits<double>::infinity();
@@ -125,8 +124,8 @@ class Coarsening {
     surface_.flip_to_delaunay(pending_, [this](int h) { return !surface_.flip_repeats_edge(h); });
   }
 
-  /// The flatter half, no two of them neighbours: what one removal moves to its neighbours is seen
-  /// before they are next.
+  /// The flatter half of the vertices, without neighbours among them, so that the effect of one
+  /// removal on its neighbours is known before they are removed.
   void remove_round(std::vector<int>& candidates, int round, bool all_allowed) {
     costs_.clear();
     for (const int v : candidates) {
@@ -169,7 +168,7 @@ class Coarsening {
     return removed;
   }
 
-  /// Reads the star. A vertex at the border with one triangle only is given a second one first.
+  /// Reads the star. A border vertex with only one triangle is given a second one first.
   bool open_star(int v) {
     read_star(surface_, v, star_);
     if (star_.half_edges.size() > 1 || !surface_.is_boundary(v)) return true;
@@ -217,9 +216,9 @@ class Coarsening {
     return rim >= 3;
   }
 
-  /// Cuts ears off the polygon around the origin until a triangle is left, the ear whose circle
-  /// reaches least beyond the origin first: if the star was Delaunay the result is (Devillers
-  /// 1999).
+  /// Cuts ears off the polygon around the origin until a triangle is left, starting with the ear
+  /// whose circumcircle extends least beyond the origin. If the star is Delaunay, so is the result
+  /// (Devillers 1999).
   bool triangulate_polygon(bool at_border) {
     patch_.new_nodes.clear();
     ring_.clear();
@@ -264,8 +263,8 @@ class Coarsening {
     return a == b || surface_.are_joined(a, b);
   }
 
-  /// Whether the three links of the star have one triangle on their other side: the star and it are
-  /// a closed surface.
+  /// Whether the three links of the star border the same triangle, which with the star forms a
+  /// closed surface.
   [[nodiscard]] bool is_closed_by_one_triangle() const {
     std::array<int, 3> across{};
     for (size_t i = 0; i < 3; ++i) {
@@ -280,7 +279,7 @@ class Coarsening {
   IntrinsicTriangulation::Patch patch_;
   std::vector<int> ring_;
   std::vector<int> pending_;
-  std::vector<int> last_change_;  ///< the round in which a removal last touched the vertex
+  std::vector<int> last_change_;  ///< the last round in which a removal affected the vertex
   std::vector<double> costs_;
   std::vector<double> sorted_;
 };

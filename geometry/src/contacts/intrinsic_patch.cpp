@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-// The parts of IntrinsicTriangulation that cut a polygon of triangles anew.
+// The parts of IntrinsicTriangulation that retriangulate a polygon of triangles.
 #include <algorithm>
 #include <limits>
 
@@ -13,7 +13,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-/// A point lies on an edge iff a barycentric coordinate is this near to 0.
+/// A point lies on an edge iff a barycentric coordinate is this close to 0.
 constexpr double kOnEdge = 1e-7;
 
 }  // namespace
@@ -112,7 +112,7 @@ void IntrinsicTriangulation::glue_patch(const Patch& patch) {
   }
   for (const RimEdge& edge : rim_) {
     if (edge.new_half_edge == kNone) continue;
-    // The rim may be glued to itself.
+    // The rim may be joined to itself.
     const auto self = std::ranges::find(rim_, edge.opposite, &RimEdge::old_half_edge);
     const bool is_self = edge.opposite != kNone && self != rim_.end();
     glue(edge.new_half_edge, is_self ? self->new_half_edge : edge.opposite);
@@ -157,7 +157,7 @@ void IntrinsicTriangulation::replace(Patch& patch) {
 }
 
 void IntrinsicTriangulation::place_point(int id, const Vector2d& at, const Patch& patch) {
-  // The triangle that it is inside of, or outside of the least.
+  // The triangle that contains it, or the one that it is least outside of.
   double best_least = -std::numeric_limits<double>::infinity();
   int best = patch.new_triangles.front();
   Vector3d best_coordinates(1, 0, 0);

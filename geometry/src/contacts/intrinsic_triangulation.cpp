@@ -15,12 +15,12 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-/// Two sides of a triangle are longer than the third by at least this fraction of the mean edge,
-/// once edges are lengthened. Large against rounding, small against what anybody measures.
+/// After lengthening, the sum of two sides of a triangle exceeds the third by at least this
+/// fraction of the mean edge. Large relative to rounding, small relative to any measurement error.
 constexpr double kMollification = 1e-6;
 
-/// An edge is flipped iff the angles opposite to it exceed pi by more than rounding, so that
-/// flipping ends: relative to squares of sides times areas.
+/// An edge is flipped iff the angles opposite it exceed pi by more than rounding, so that flipping
+/// terminates; relative to squared sides times areas.
 constexpr double kDelaunayRounding = 1e-12;
 
 /// A quadrilateral is strictly convex iff its diagonals cross at least this fraction of the
@@ -54,7 +54,7 @@ void IntrinsicTriangulation::measure(const TriangleMesh& mesh) {
       const auto difference =
           mesh.vertices.col(triangle.corner[(k + 1) % 3]) - mesh.vertices.col(triangle.corner[k]);
       triangle.length[k] = difference.stableNorm();
-      // The same on both sides, to the last digit.
+      // Bitwise equal on both sides.
       const int other = triangle.opposite[k];
       if (other != kNone && other < static_cast<int>(3 * t + k)) triangle.length[k] = length(other);
       sum += triangle.length[k];
@@ -88,7 +88,7 @@ void IntrinsicTriangulation::separate_fans(int vertex_count) {
   for (int begin = 0; begin < static_cast<int>(visited.size()); ++begin) {
     if (visited[static_cast<size_t>(begin)] != 0) continue;
     const int v = from(begin);
-    // Clockwise to the first half-edge, or around.
+    // Turn clockwise to the first half-edge, or once around.
     int first = begin;
     while (opposite(first) != kNone && next(opposite(first)) != begin) {
       first = next(opposite(first));
@@ -159,7 +159,7 @@ void IntrinsicTriangulation::glue(int h, int other) {
 
 void IntrinsicTriangulation::update_out(int t) {
   for (int h = 3 * t; h < 3 * t + 3; ++h) {
-    // Where the border begins stays the way into a vertex there.
+    // A border vertex keeps the half-edge at which its border begins.
     if (opposite(h) == kNone || !is_boundary(from(h))) out_[static_cast<size_t>(from(h))] = h;
   }
 }
@@ -174,13 +174,13 @@ bool IntrinsicTriangulation::is_delaunay(int h) const {
   const double b = here.length[(i + 2) % 3];
   const double c = there.length[(j + 1) % 3];
   const double d = there.length[(j + 2) % 3];
-  // cot + cot >= 0, times both areas: a triangle without area is no exception.
+  // cot + cot >= 0, multiplied by both areas so that it includes triangles without area.
   const double cosine = a * a + (b - l) * (b + l);
   const double other_cosine = c * c + (d - l) * (d + l);
   if (cosine >= 0 && other_cosine >= 0) return true;
   const double area = area_of_lengths(l, a, b);
   const double other_area = area_of_lengths(l, c, d);
-  // Right angles opposite to each other leave rounding of the squares, however it falls.
+  // Two opposite right angles leave only the rounding error of the squares.
   const double size = (a * a + b * b + l * l) * other_area + (c * c + d * d + l * l) * area;
   return cosine * other_area + other_cosine * area >= -kDelaunayRounding * size;
 }
@@ -254,7 +254,7 @@ bool IntrinsicTriangulation::flip(int h) {
   for (const auto& [id, at] : moving_) {
     const double side = cross(down, at - at_c);
     const bool right = side >= 0;
-    // Coordinate of the corner that is not on the diagonal, then of c.
+    // Coordinate of the corner off the diagonal, then of c.
     const double far = std::min(1.0, side / (right ? right_area : left_area));
     const Vector2d& corner = right ? at_b : at_a;
     const double at_end = std::clamp(

@@ -23,20 +23,20 @@
 namespace palpate::geometry {
 namespace {
 
-/// Three cells that meet: what may become a triangle.
+/// Three cells that meet: a candidate triangle.
 struct Meeting {
-  double radius;                ///< [mm] distance from the place of meeting to the contacts
-  std::array<int, 3> contacts;  ///< in the surface's sense of rotation, the lowest first
+  double radius;                ///< [mm] distance from the meeting place to the contacts
+  std::array<int, 3> contacts;  ///< oriented like the surface, the lowest first
 };
 
-/// The lowest label first, without changing the sense of rotation.
+/// Rotates the labels so that the lowest is first, without changing the orientation.
 std::array<int, 3> lowest_first(std::array<int, 3> labels) {
   std::rotate(labels.begin(), std::ranges::min_element(labels), labels.end());
   return labels;
 }
 
-/// Every place where three cells meet, the nearest to its contacts first: there the surface is
-/// sampled best.
+/// All places where three cells meet, those nearest to their contacts first, where the sampling is
+/// best.
 std::vector<Meeting> find_meetings(const TriangleMesh& surface, const GeodesicDistance& geodesic) {
   std::vector<Meeting> meetings;
   for (const Eigen::Vector3i corners : surface.triangles.colwise()) {
@@ -64,8 +64,8 @@ Eigen::VectorXd disk_radii(const Eigen::Matrix3Xd& places) {
   return radii;
 }
 
-/// Unit normals at the contacts, 3 x contacts: means over the contact's triangle and over a disk,
-/// in which the roughness of the surface averages out.
+/// Unit normals at the contacts, 3 x contacts: means over the contact's triangle and over a disk
+/// that averages out the roughness of the surface.
 Eigen::Matrix3Xd contact_normals(const TriangleMesh& surface, const GeodesicDistance& geodesic,
                                  std::span<const SurfacePoint> contacts,
                                  const Eigen::VectorXd& radii) {
@@ -85,8 +85,8 @@ Eigen::Matrix3Xd contact_normals(const TriangleMesh& surface, const GeodesicDist
   return normals.colwise().normalized();
 }
 
-/// The triangle is turned over against the surface at its contacts, or has no area. On a closed
-/// surface that is touched on one side only, such are the cells that meet behind it.
+/// Whether the triangle is flipped relative to the surface at its contacts, or has no area. On a
+/// closed surface with contacts on one side only, this applies to the cells that meet behind it.
 bool folds_over(const std::array<int, 3>& contacts, const Eigen::Matrix3Xd& places,
                 const Eigen::Matrix3Xd& normals) {
   const auto& [a, b, c] = contacts;

@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 constexpr double kMetre = 1000;  // [mm]
 
-/// What a scene's parts become, one after the other.
+/// Accumulates the parts of a scene.
 struct Scene {
   PolygonMesh mesh;
   std::array<std::vector<float>, 3> normals;
@@ -83,12 +83,12 @@ void take_columns(const std::array<const char*, N>& names,
 }  // namespace
 
 PolygonMesh read_assimp_scene(const fs::path& path) {
-  static_cast<void>(read_input_file(path));  // for its clear messages
+  static_cast<void>(read_input_file(path));  // for its clear error messages
   Assimp::Importer importer;
   if (!importer.IsExtensionSupported(path.extension().string()))
     throw FileError(path.string() + ": the ending \"" + path.extension().string() +
                     "\" is not that of a mesh; .ply, .obj, .stl, .off or .glb is");
-  // Validation first: assimp's other steps trust the indices in the file.
+  // Validate first, because assimp's other steps trust the indices in the file.
   const aiScene* whole = importer.ReadFile(path.string(), aiProcess_ValidateDataStructure);
   if (whole == nullptr)
     throw FileError(path.string() + ": is damaged or truncated: " + importer.GetErrorString());

@@ -20,7 +20,7 @@ namespace {
 constexpr std::array<const char*, 3> kNormalNames{"nx", "ny", "nz"};
 constexpr std::array<const char*, 4> kColorNames{"red", "green", "blue", "alpha"};
 
-/// What a colour of full intensity is in the type of `values`.
+/// Value of full colour intensity in the type of `values`.
 double full_intensity(const AttributeValues& values) {
   return std::visit(
       [](const auto& numbers) -> double {

@@ -56,7 +56,7 @@ std::optional<double> declared_unit(std::string_view comment) {
   const std::string_view keyword = next_word(rest);
   if (keyword != "unit" && keyword != "units") return std::nullopt;
   const std::optional<double> length = find_unit(next_word(rest));
-  // More words: a sentence that happens to begin like a declaration.
+  // More words follow, so this is a sentence that happens to begin like a declaration.
   return next_word(rest).empty() ? length : std::nullopt;
 }
 

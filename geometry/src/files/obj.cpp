@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Where we are in a file, for messages.
+/// The current position in a file, for messages.
 struct Place {
   const std::string& file;
   std::string_view content;
@@ -33,7 +33,7 @@ struct Place {
   }
 };
 
-/// A backslash at the end of a line joins it with the next. Every offset stays what it was.
+/// Joins lines that end in a backslash with the next line. Offsets do not change.
 std::string join_continued_lines(std::string content) {
   for (const std::string_view end : {"\\\n", "\\\r\n"})
     for (std::size_t at = content.find(end); at != std::string::npos; at = content.find(end, at))
@@ -41,7 +41,7 @@ std::string join_continued_lines(std::string content) {
   return content;
 }
 
-/// The numbers behind a keyword, as many as there are before a comment, at most `N`.
+/// The numbers after a keyword, up to a comment, at most `N`.
 template <int N>
 struct Numbers {
   Eigen::Matrix<double, N, 1> values;
@@ -63,7 +63,7 @@ Numbers<N> parse_numbers(std::string_view words, const char* what, const Place& 
   return numbers;
 }
 
-/// The index counted from 0 of one counted from 1, or back from the last if negative.
+/// Converts an index counted from 1, or backwards from the end if negative, to one counted from 0.
 std::int64_t parse_index(std::string_view word, std::size_t size, const char* what,
                          const Place& place) {
   const auto number = parse_number<std::int64_t>(word);
@@ -74,7 +74,7 @@ std::int64_t parse_index(std::string_view word, std::size_t size, const char* wh
   return *number > 0 ? *number - 1 : count + *number;
 }
 
-/// What the lines of a file say, one after the other.
+/// Interprets the lines of a file one by one.
 class Reader {
  public:
   explicit Reader(const std::string& file) : file_(file) {}
@@ -150,7 +150,7 @@ class Reader {
   /// Normals belong to corners: they are those of vertices iff each vertex has exactly one.
   void keep_normals() {
     normal_of_.resize(mesh_.vertices.size(), kNoNormal);
-    // A file of points names no normals: they are in the order of the vertices then.
+    // A file of points refers to no normals; they are then in the order of the vertices.
     if (mesh_.corners.empty() && normals_.size() == mesh_.vertices.size())
       std::iota(normal_of_.begin(), normal_of_.end(), 0);
     std::vector<Eigen::Vector3d> of_vertices;

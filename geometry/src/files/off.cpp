@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The lines of an OFF file without blank ones and comments, which are put into `comments`.
+/// The lines of an OFF file without blank lines and comments; comments are added to `comments`.
 class Lines {
  public:
   Lines(std::string_view content, std::string file, std::vector<std::string>& comments)
@@ -40,7 +40,7 @@ class Lines {
     return {};
   }
 
-  /// The same where row `row` of `count` must be.
+  /// The same, for row `row` of `count`, which must exist.
   std::string_view next_row(const char* what, std::uint64_t row, std::uint64_t count) {
     const std::string_view line = next();
     if (line.empty())
@@ -70,14 +70,15 @@ class Lines {
   std::size_t offset_ = 0;
 };
 
-/// What the first word announces behind the coordinates of each vertex, in this order.
+/// Per-vertex data after the coordinates, announced by the first word, in this order.
 struct Layout {
   bool normals = false;
   bool colors = false;
   bool texture = false;
 };
 
-/// Takes the first word off `line`. 4 and n would change what a coordinate is.
+/// Removes the first word from `line`. The letters 4 and n would change the meaning of a
+/// coordinate.
 Layout take_magic(std::string_view& line, const std::string& file) {
   const std::string_view magic = next_word(line);
   const std::size_t prefix = magic.find("OFF");
@@ -95,7 +96,7 @@ std::size_t count_words(std::string_view line) {
   return count;
 }
 
-/// The columns behind the coordinates. How many channels a colour has, its first line tells.
+/// The columns after the coordinates. The first line determines the number of colour channels.
 class VertexColumns {
  public:
   explicit VertexColumns(const Layout& layout) : layout_(layout) {}
@@ -107,7 +108,7 @@ class VertexColumns {
       columns_[i].values.push_back(lines.number<double>(words));
   }
 
-  /// Nothing unless every vertex has all that was announced.
+  /// Empty unless every vertex has everything that was announced.
   [[nodiscard]] Attributes result() const {
     Attributes attributes;
     if (!complete_) return attributes;

@@ -52,14 +52,14 @@ class Body {
   }
 
  private:
-  /// A coordinate in a text may have more digits than its type can hold.
+  /// Text coordinates may have more digits than their type can hold.
   [[nodiscard]] Scalar column_type(const PlyProperty& property) const {
     const bool coordinate = element_->name == "vertex" && property.name.size() == 1 &&
                             std::string_view("xyz").find(property.name) != std::string_view::npos;
     return text_ && coordinate && !property.list_size ? Scalar::float64 : property.type;
   }
 
-  /// With empty lists; in a text a number takes a digit and a blank.
+  /// Empty lists count as one number; a number in a text needs at least a digit and a blank.
   [[nodiscard]] std::uint64_t least_row_bytes() const {
     std::uint64_t bytes = 0;
     for (const PlyProperty& property : element_->properties)
@@ -67,7 +67,7 @@ class Body {
     return bytes;
   }
 
-  /// Before memory is taken: the file must be long enough for as many rows.
+  /// Checks, before allocating memory, that the file is long enough for this many rows.
   void check_count(std::uint64_t row_bytes) const {
     // The last number of a text may lack its blank.
     const std::uint64_t room = (rest_.size() + (text_ ? 1 : 0)) / row_bytes;
@@ -77,7 +77,7 @@ class Body {
                       "; it is truncated or its header is wrong");
   }
 
-  /// Binary rows of one length: column by column.
+  /// Reads binary rows of fixed length, column by column.
   void read_table(Attributes& columns) {
     std::size_t row_bytes = 0;
     for (const Attribute& column : columns) row_bytes += size_of(type_of(column.values));
@@ -91,7 +91,7 @@ class Body {
   }
 
   void read_rows(Attributes& columns) {
-    Attributes sizes;  // of the list that is read now, in the type of its count
+    Attributes sizes;  // of the current list, in the type of its count
     for (std::size_t i = 0; i < columns.size(); ++i) {
       const PlyProperty& property = element_->properties[i];
       sizes.push_back({"size of list " + property.name,
@@ -218,8 +218,8 @@ std::vector<std::int64_t> whole_numbers(const AttributeValues& values) {
       values);
 }
 
-/// Every vertex of a strip but the first two makes a triangle with the two before it; every other
-/// one is turned round so that all face one way. -1 starts a new strip.
+/// Every vertex of a strip but the first two forms a triangle with the two before it; every other
+/// triangle is reversed so that all have the same orientation. -1 starts a new strip.
 void take_strip(std::span<const std::int64_t> strip, PolygonMesh& mesh) {
   std::size_t first = 0;
   for (std::size_t i = 0; i < strip.size(); ++i) {

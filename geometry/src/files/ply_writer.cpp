@@ -15,7 +15,7 @@
 namespace palpate::geometry {
 namespace {
 
-/// Numbers of rows, as text or bytes.
+/// Writes the numbers of rows as text or bytes.
 class Rows {
  public:
   Rows(std::string& bytes, Encoding encoding)

@@ -53,8 +53,8 @@ bool is_ear(const PolygonMesh& mesh, const Eigen::Vector3d& normal, const std::v
 void clip_ears(const PolygonMesh& mesh, std::vector<int> polygon,
                std::vector<Eigen::Vector3i>& triangles) {
   const Eigen::Vector3d normal = polygon_normal(mesh, polygon);
-  // A clipped ear is followed by the next corner but one: a convex polygon then needs one round,
-  // and its triangles are less slender than those of a fan.
+  // After clipping an ear continue with the next corner but one: a convex polygon then needs one
+  // round, and its triangles are less slender than those of a fan.
   std::size_t corner = 0;
   std::size_t refused = 0;
   while (polygon.size() > 3) {
@@ -62,7 +62,7 @@ void clip_ears(const PolygonMesh& mesh, std::vector<int> polygon,
     corner %= size;
     const Eigen::Vector3i triangle(polygon[corner], polygon[(corner + 1) % size],
                                    polygon[(corner + 2) % size]);
-    // A polygon that crosses itself or has no area may have no ear; any corner will do then.
+    // A self-intersecting or degenerate polygon may have no ear; then any corner is clipped.
     if (refused < size && !is_ear(mesh, normal, polygon, triangle)) {
       ++corner;
       ++refused;
@@ -89,7 +89,7 @@ void check_polygon(const PolygonMesh& mesh, const std::string& file, std::size_t
                       std::to_string(mesh.vertices.size()) + ", counted from 0");
 }
 
-/// Triangles that show what is wrong with a polygon that cannot be cut into ears: a fan.
+/// Fan of triangles that represents a defective polygon, which cannot be cut into ears.
 void keep_broken(Polygon corners, std::vector<Eigen::Vector3i>& triangles) {
   const auto corner = [&](std::size_t i) {
     const std::int64_t index = corners[std::min(i, corners.size() - 1)];
@@ -123,7 +123,7 @@ bool uses_a_vertex_twice(const Eigen::Vector3i& triangle) {
   return triangle[0] == triangle[1] || triangle[1] == triangle[2] || triangle[2] == triangle[0];
 }
 
-/// The attribute of elements `elements` of those that it is of.
+/// Selects the values of `elements` from an attribute.
 Attribute of_elements(const Attribute& attribute, const std::vector<std::size_t>& elements) {
   const std::vector<int>& sizes = attribute.list_sizes;
   std::vector<std::ptrdiff_t> first{0};  // number of each list
@@ -153,7 +153,8 @@ using Place = std::array<double, 3>;
 struct PlaceHash {
   std::size_t operator()(const Place& place) const {
     std::uint64_t hash = 0;
-    // + 0.0: the two zeros are equal and must hash alike. The multiplier is 2^64 / golden ratio.
+    // + 0.0 because both zeros are equal and must hash alike. The multiplier is 2^64 / golden
+    // ratio.
     for (const double x : place)
       hash = (std::rotl(hash, 27) ^ std::bit_cast<std::uint64_t>(x + 0.0)) * 0x9e3779b97f4a7c15U;
     return hash ^ (hash >> 32);
@@ -203,7 +204,8 @@ MeshFile triangulate(PolygonMesh mesh, const std::string& file, bool keep_defect
     result.mesh.triangles.col(static_cast<Eigen::Index>(i)) = triangles[i];
   result.vertex_attributes = std::move(mesh.vertex_attributes);
   result.triangle_attributes = std::move(mesh.face_attributes);
-  // As many triangles as faces are the faces, unless a face of none and one of two are among them.
+  // If there are as many triangles as faces, they are the faces, unless some face gave none and
+  // another two.
   if (triangles.size() != mesh.sizes.size() ||
       std::adjacent_find(face_of.begin(), face_of.end()) != face_of.end())
     for (Attribute& attribute : result.triangle_attributes)
@@ -221,14 +223,14 @@ void join_corners(PolygonMesh& mesh) {
   for (const std::int64_t corner : mesh.corners) {
     if (corner < 0 || corner >= static_cast<std::int64_t>(mesh.vertices.size())) return;
     const Eigen::Vector3d& vertex = mesh.vertices[static_cast<std::size_t>(corner)];
-    // NaN equals nothing; the check that follows names the vertex.
+    // NaN equals nothing; the check that follows reports the vertex.
     if (!vertex.allFinite()) return;
     const auto [place, is_new] = index_of.try_emplace({vertex.x(), vertex.y(), vertex.z()},
                                                       static_cast<std::int64_t>(vertices.size()));
     if (is_new) vertices.push_back(vertex);
     joined.push_back(place->second);
   }
-  if (vertices.size() == mesh.vertices.size()) return;  // no two are at one place
+  if (vertices.size() == mesh.vertices.size()) return;  // no two vertices coincide
   mesh.vertices = std::move(vertices);
   mesh.corners = std::move(joined);
   mesh.vertex_attributes.clear();

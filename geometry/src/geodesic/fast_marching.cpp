@@ -17,24 +17,24 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kNone = -1;
 
-/// A shorter way is passed on iff its square is shorter by more than this fraction: far above
-/// rounding, so that the march ends, and far below its accuracy.
+/// A shorter path is propagated iff its squared length is shorter by more than this fraction: far
+/// above rounding, so that the march terminates, and far below its accuracy.
 constexpr double kWorthPassingOn = 2e-12;
 
-/// Sources whose distances differ by no more than this fraction are equally near; the one with the
-/// lowest index gets the vertex. Above what rounding and kWorthPassingOn add up to along a way.
+/// Sources whose distances differ by at most this fraction are equally near, and the one with the
+/// lowest index gets the vertex. Larger than what rounding and kWorthPassingOn add up to on a path.
 constexpr double kEquallyNear = 1e-9;
 
-/// A wave is passed on as far beyond its cell, in lengths of the longest edge at a vertex: its
-/// distances inside the cell are built on those of neighbours outside. Further than this is not
-/// felt in the labels.
+/// How far beyond its cell a wave is propagated, in units of the longest edge at a vertex.
+/// Distances inside the cell depend on those of neighbours outside; a larger value does not change
+/// the labels.
 constexpr double kBeyondCell = 1;
 
-/// The same beyond the radius, where nothing is at hand to put a label right.
+/// The same beyond the radius, where no other wave can correct a label.
 constexpr double kBeyondRadius = 3;
 
-/// Width of a bucket of events in lengths of the mean longest edge: short enough that few vertices
-/// are passed on too early.
+/// Width of a bucket of events in units of the mean longest edge: small enough that few vertices
+/// are propagated too early.
 constexpr double kBucketWidth = 0.1;
 
 double mean(const std::vector<double>& values) {
@@ -48,15 +48,15 @@ double distance_along(double distance, double squared_length, double known) {
   return distance + std::sqrt(squared_length);
 }
 
-/// Distance at corner `c` of a wave that passed the corners `a` and `b` at the given distances: the
-/// triangle is laid in a plane, a = (0, 0), b = (e, 0), c above; the wave came from the point S
-/// below that is as far from `a` and `b` as they say. With the foot of S at u e, its depth y,
-/// and c = (c_x, c_y):
+/// Distance at corner `c` of a wave that passed the corners `a` and `b` at the given distances. The
+/// triangle is laid in a plane with a = (0, 0), b = (e, 0) and c above. The wave comes from the
+/// point S below with these distances from `a` and `b`. With the foot of S at u e, its depth y, and
+/// c = (c_x, c_y):
 ///   2 u = (d_a^2 - d_b^2) / e^2 + 1
 ///   4 e^2 y^2 = ((d_a + d_b)^2 - e^2) (e^2 - (d_a - d_b)^2)
 ///   d_c^2 = d_a^2 + |ac|^2 - 2 u e c_x + 2 y c_y
-/// Infinite if d_c is not shorter than `known`, which is found out without a square root, or if the
-/// straight line from S to `c` misses the edge: the shortest way then runs along an edge, or
+/// Infinite if d_c is not shorter than `known`, which is tested without a square root, or if the
+/// straight line from S to `c` misses the edge; the shortest path then runs along an edge or
 /// through another triangle.
 /// \param edge  e^2
 /// \param side  |ac|^2
@@ -77,7 +77,7 @@ double distance_across(double distance_a, double distance_b, double edge, double
   const double squared = reach * steepness * inverse * inverse * cross;  // (2 y c_y)^2
   if (!(gain > 0 && gain * gain > squared)) return kInfinity;
   const double depth = std::sqrt(squared);
-  // Where the line crosses the edge, times positive factors: not before `a`, not behind `b`.
+  // Test that the line crosses the edge between `a` and `b`, multiplied by positive factors.
   if (!(twice_foot * cross + dot * depth >= 0)) return kInfinity;
   if (!((twice_foot - 2) * cross + (dot - edge) * depth <= 0)) return kInfinity;
   return std::sqrt(without_depth + depth);
@@ -86,13 +86,13 @@ double distance_across(double distance_a, double distance_b, double edge, double
 /// A wave at a vertex.
 struct Front {
   double distance = kInfinity;
-  double start = 0;  ///< distance at the centre of the circle that it is on: 0, or of a corner
+  double start = 0;  ///< distance at the centre of its circle: 0, or that of a border corner
 };
 
-/// The start of the circle through two points, one of which may have been reached past a corner
-/// that the other is not hidden behind. Equal weights flatten the front behind the corner, and
-/// weights in proportion to the curvatures bend it too much; halfway between, most of both errors
-/// is gone.
+/// Start distance of the circle through two points, one of which may have been reached around a
+/// corner that does not hide the other. Equal weights flatten the front behind the corner, and
+/// weights in proportion to the curvatures bend it too much; the mean of both removes most of both
+/// errors.
 double common_start(const Front& a, const Front& b) {
   if (a.start == b.start) return a.start;
   const double radius_a = a.distance - a.start;
@@ -102,13 +102,13 @@ double common_start(const Front& a, const Front& b) {
   return 0.5 * (even + weighted);
 }
 
-/// The first distance of one source at one vertex that the march knows so far.
+/// The shortest distance found so far from one source to one vertex.
 struct Arrival {
   Front front = {};
   int source = kNone;
   int next = kNone;  ///< arrival of another source at the same vertex
   int vertex = kNone;
-  bool waits = false;  ///< to be passed on
+  bool waits = false;  ///< still to be propagated
 };
 
 struct Event {
@@ -116,9 +116,9 @@ struct Event {
   int arrival;
 };
 
-/// Arrivals that wait, the nearest first, but in a bucket as they came. That is enough for a march
-/// that corrects what was passed on too early, takes no time to sort, and leaves neighbours
-/// together.
+/// Queue of arrivals to be propagated, nearest bucket first and first in first out within a bucket.
+/// This is sufficient because the march corrects what was propagated too early; it needs no sorting
+/// and keeps neighbours together.
 class Events {
  public:
   /// \param width  [mm] of a bucket
@@ -149,14 +149,14 @@ class Events {
   std::vector<std::vector<Event>> buckets_;
 };
 
-/// The waves of all sources on their way over the mesh. Each source has a wave of its own, because
-/// a triangle that mixes two of them says nothing about either; it ends a little way inside its
-/// neighbours' cells. Past a corner of a border a wave goes on in circles about the corner. A
-/// vertex that is reached on a shorter way later is passed on again (as a march in strict order
-/// would not): in an obtuse triangle the wave may get to a corner before it has been at the two
-/// that it came between. Distances at two corners never make a third shorter by being longer, so
-/// the order of events does not matter to the outcome, but for how much of a corner's circles is
-/// felt at the edge of what it hides.
+/// The waves of all sources on the mesh.
+///
+/// Each source has its own wave, because a triangle that mixes two of them is valid for neither; it
+/// ends a little inside the neighbouring cells. Around a corner of the border a wave continues in
+/// circles about the corner. Unlike in a march in strict order, a vertex that is reached later on a
+/// shorter path is propagated again: in an obtuse triangle the wave may reach one corner before the
+/// other two. A longer distance at two corners never makes the third one shorter, so the order of
+/// events does not affect the result, except for the circles at the edge of a corner's shadow.
 class March {
  public:
   March(const TriangleMesh& mesh, double stop_radius)
@@ -178,7 +178,7 @@ class March {
   void run() {
     while (const std::optional<Event> event = events_.pop()) {
       Arrival& arrival = arrivals_[static_cast<size_t>(event->arrival)];
-      // Superseded by a shorter way meanwhile?
+      // Skip the event if a shorter path was found meanwhile.
       if (!arrival.waits || event->distance > arrival.front.distance) continue;
       arrival.waits = false;
       const double edge = fans_.longest[static_cast<size_t>(arrival.vertex)];
@@ -224,7 +224,7 @@ class March {
     return nearest;
   }
 
-  /// \param known  what find says
+  /// \param known  result of `find`
   void arrive(int vertex, int source, int known, const Front& front) {
     const double distance = front.distance;
     if (known == kNone) {
@@ -289,12 +289,12 @@ class March {
     }
   }
 
-  /// What a vertex that passes its wave on knows of a neighbour.
+  /// Knowledge about a neighbour of the vertex that is being propagated.
   struct Reached {
-    int arrival;     ///< of the wave; kNone = not yet
-    bool settled;    ///< its distance has been passed on, so that others may build on it
+    int arrival;     ///< of the wave; kNone if it has not arrived
+    bool settled;    ///< its distance has been propagated, so others may depend on it
     Front known;     ///< infinite if not reached
-    Front shortest;  ///< of the ways found now; infinite if none is shorter
+    Front shortest;  ///< of the paths found now; infinite if none is shorter
   };
 
   const TriangleMesh& mesh_;

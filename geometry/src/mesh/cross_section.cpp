@@ -41,7 +41,7 @@ Eigen::Vector3d crossing_point(const TriangleMesh& mesh, const Eigen::VectorXd& 
   return (1 - t) * a + t * b;
 }
 
-/// Follows a line from `start` and takes what it passes out of `neighbors`.
+/// Follows a line from `start` and removes the edges it passes from `neighbors`.
 std::vector<Edge> take_line(std::map<Edge, std::vector<Edge>>& neighbors, Edge start) {
   std::vector<Edge> line;
   for (Edge at = start;;) {
@@ -87,7 +87,7 @@ std::vector<Polyline> cross_section(const TriangleMesh& mesh, const Plane& plane
     if (joined.size() == 1) ends.push_back(edge);
   }
   std::vector<Polyline> lines;
-  for (const Edge& end : ends) {  // open lines first; what then remains is closed
+  for (const Edge& end : ends) {  // open lines first; the remaining ones are closed
     if (neighbors.contains(end))
       lines.push_back(to_polyline(mesh, height, axis, take_line(neighbors, end)));
   }

@@ -23,8 +23,8 @@ Eigen::Matrix3d edges_of(const TriangleMesh& mesh, const Eigen::Vector3i& corner
   return edges;
 }
 
-/// [1/mm] the tensor, in the plane of the triangle, that maps its edges best to `turns`, the
-/// changes of the normal along them.
+/// [1/mm] Tensor in the plane of the triangle that best maps its edges to `turns`, the changes of
+/// the normal along them.
 Eigen::Matrix3d fit_tensor(const Eigen::Matrix3d& edges, const Eigen::Vector3d& normal,
                            const Eigen::Matrix3d& turns) {
   Eigen::Matrix<double, 3, 2> axes;  // of the plane
@@ -44,8 +44,8 @@ Eigen::Matrix3d fit_tensor(const Eigen::Matrix3d& edges, const Eigen::Vector3d& 
   return axes * tensor * axes.transpose();
 }
 
-/// [mm^2] the parts of a triangle's area that belong to its corners: those nearest to each, but for
-/// an obtuse triangle, where half goes to the obtuse corner.
+/// [mm^2] Shares of a triangle's area that belong to its corners: the parts nearest to each corner;
+/// in an obtuse triangle half of the area belongs to the obtuse corner.
 Eigen::Vector3d corner_areas(const Eigen::Matrix3d& edges) {
   const double twice_area = edges.col(0).cross(edges.col(1)).norm();
   Eigen::Vector3d dot;  // of the edges at each corner; < 0 if the angle is obtuse
@@ -65,7 +65,7 @@ Eigen::Vector3d corner_areas(const Eigen::Matrix3d& edges) {
   return areas;
 }
 
-/// Vertices at the border or of a triangle without area: what is around them is not known.
+/// Vertices at the border or of a triangle without area, where the curvature is unknown.
 std::vector<bool> unknown_vertices(const TriangleMesh& mesh, const Eigen::Matrix3Xd& of_triangles) {
   const Eigen::Matrix3Xi opposite = opposite_half_edges(mesh);
   std::vector<bool> unknown(static_cast<std::size_t>(mesh.vertices.cols()), false);

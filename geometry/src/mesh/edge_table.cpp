@@ -11,7 +11,7 @@ namespace palpate::geometry {
 
 namespace {
 
-/// First into buckets by the lower vertex, in each of which few sides are left to sort.
+/// Sorts into buckets by the lower vertex first, which leaves few sides to sort in each.
 std::vector<EdgeSide> sort_sides_of(const Eigen::Matrix3Xi& triangles, const auto& use) {
   const auto each_side = [&](const auto& visit) {
     for (int t = 0; t < triangles.cols(); ++t) {

@@ -29,7 +29,7 @@ double enclosed_volume(const TriangleMesh& mesh) {
                        std::to_string(mesh.triangles((h + 1) % 3, h / 3)) +
                        " is at its border; close the mesh first");
   }
-  // From a point of the mesh: from a far origin, large tetrahedra would cancel.
+  // Use a point of the mesh as the apex: large tetrahedra from a far origin would cancel.
   const Eigen::Vector3d origin = mesh.vertices.col(mesh.triangles(0, 0));
   double six_times = 0;
   for (const auto& corners : mesh.triangles.colwise()) {

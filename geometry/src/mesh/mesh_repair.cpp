@@ -18,8 +18,8 @@
 namespace palpate::geometry {
 namespace {
 
-/// A round of flips can leave as many flat triangles as it found, other ones; after so many such
-/// rounds in a row what is left is folded onto itself.
+/// A round of flips can replace flat triangles by as many others. After this many such rounds in a
+/// row the remaining flat triangles are folded onto themselves.
 constexpr int kIdleRounds = 16;
 
 using Pair = std::pair<EdgeSide, EdgeSide>;
@@ -51,7 +51,7 @@ class Repair {
 
   [[nodiscard]] Eigen::Vector3d at(int vertex) const { return input_.vertices.col(vertex); }
 
-  /// The first vertex at the same place; itself if it is not finite.
+  /// The first vertex at the same place; the vertex itself if it is not finite.
   [[nodiscard]] std::vector<int> weld() const {
     std::vector<int> order(static_cast<size_t>(input_.vertices.cols()));
     std::iota(order.begin(), order.end(), 0);
@@ -83,8 +83,9 @@ class Repair {
     }
   }
 
-  /// Triangles without area whose vertices are in line: each gives its longest side's neighbour its
-  /// middle vertex, or goes if there is none. Of a chain each round takes one at an end.
+  /// Removes triangles without area whose vertices are collinear. Each gives its middle vertex to
+  /// the neighbour across its longest side, or is dropped if there is none. In a chain of such
+  /// triangles each round handles one at an end.
   void flip_flat() {
     std::vector<int> all(use_.size());
     std::iota(all.begin(), all.end(), 0);
@@ -137,7 +138,7 @@ class Repair {
     return changed;
   }
 
-  /// Those in use that have a vertex in common with one of these triangles.
+  /// The triangles in use that share a vertex with one of these triangles.
   [[nodiscard]] std::vector<bool> around(const std::vector<int>& triangles) const {
     std::vector<bool> at_vertex(place_.size());
     for (const int t : triangles) {
@@ -153,7 +154,7 @@ class Repair {
     return near;
   }
 
-  /// Those in use among these triangles that have no area.
+  /// The triangles in use, among these, that have no area.
   [[nodiscard]] std::vector<int> find_flat(std::vector<int> triangles) const {
     std::erase_if(triangles, [&](int t) { return !use_[static_cast<size_t>(t)]; });
     TriangleMesh used;
@@ -180,7 +181,8 @@ class Repair {
     return triangles_((side.half_edge + 2) % 3, side.triangle());
   }
 
-  /// The two triangles exchange the diagonal of their quadrangle; both run round as `other` did.
+  /// Exchanges the diagonal of the quadrilateral of two triangles; both get the orientation of
+  /// `other`.
   void flip(const EdgeSide& flat, const EdgeSide& other) {
     const int from = triangles_(other.half_edge % 3, other.triangle());
     const int to = triangles_((other.half_edge + 1) % 3, other.triangle());
@@ -202,14 +204,14 @@ class Repair {
     for (const int t : repeated_triangles(triangles_, use_)) drop(t);
   }
 
-  /// From the edge into the triangle, at right angles to the edge.
+  /// Direction from the edge into the triangle, perpendicular to the edge.
   [[nodiscard]] Eigen::Vector3d into_triangle(const EdgeSide& side) const {
     const Eigen::Vector3d along = (at(side.high) - at(side.low)).stableNormalized();
     const Eigen::Vector3d to_apex = at(apex_of(side)) - at(side.low);
     return (to_apex - along.dot(to_apex) * along).stableNormalized();
   }
 
-  /// Which two sides of each edge are joined.
+  /// Decides which two sides of each edge are joined.
   std::vector<Pair> pair_sides() {
     std::vector<Pair> pairs;
     for_each_edge(sort_sides(triangles_, use_), [&](std::span<const EdgeSide> sides) {
@@ -235,9 +237,9 @@ class Repair {
     return pairs;
   }
 
-  /// Turns the smaller area of each connected surface, so that joined triangles agree.
+  /// Reverses the smaller area of each connected surface, so that joined triangles agree.
   void turn(const std::vector<Pair>& pairs) {
-    std::vector<std::vector<std::pair<int, bool>>> neighbors(use_.size());  // and: runs against
+    std::vector<std::vector<std::pair<int, bool>>> neighbors(use_.size());  // and whether opposed
     for (const auto& [a, b] : pairs) {
       const bool against = a.upwards == b.upwards;
       neighbors[static_cast<size_t>(a.triangle())].emplace_back(b.triangle(), against);
@@ -249,7 +251,7 @@ class Repair {
       if (!use_[static_cast<size_t>(seed)] || seen[static_cast<size_t>(seed)]) continue;
       std::vector<int> surface = {seed};
       seen[static_cast<size_t>(seed)] = true;
-      double excess = 0;  // [mm^2] of what runs as the seed does
+      double excess = 0;  // [mm^2] area oriented like the seed minus the rest
       for (size_t i = 0; i < surface.size(); ++i) {
         const auto t = static_cast<size_t>(surface[i]);
         excess +=
@@ -269,7 +271,7 @@ class Repair {
     }
   }
 
-  /// One vertex for each fan of joined triangles.
+  /// Makes one vertex for each fan of joined triangles.
   void rebuild(const std::vector<Pair>& pairs) {
     CornerClasses fans(triangles_.size());
     for (const auto& [a, b] : pairs) {
@@ -323,7 +325,7 @@ class Repair {
   const TriangleMesh& input_;
   Eigen::Matrix3Xi triangles_;
   std::vector<bool> use_;
-  std::vector<int> place_;  ///< of each vertex: the first one at its place
+  std::vector<int> place_;  ///< for each vertex, the first one at the same place
   std::vector<bool> turned_;
   RepairedMesh result_;
 };

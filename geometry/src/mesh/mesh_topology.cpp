@@ -30,7 +30,7 @@ constexpr int kNone = -1;
 Eigen::Matrix3Xi opposite_half_edges(const TriangleMesh& mesh) {
   check_mesh(mesh, "mesh");
   Eigen::Matrix3Xi opposite = Eigen::Matrix3Xi::Constant(3, mesh.triangles.cols(), kNone);
-  // The first half-edge that runs as an earlier one does, and that one.
+  // The first half-edge with the same direction as an earlier one, and that earlier one.
   std::pair<int, int> repeated = {std::numeric_limits<int>::max(), kNone};
   for_each_edge(sort_sides(mesh.triangles), [&](std::span<const EdgeSide> sides) {
     if (sides.size() == 1) return;
@@ -41,7 +41,7 @@ Eigen::Matrix3Xi opposite_half_edges(const TriangleMesh& mesh) {
       return;
     }
     for (const bool upwards : {false, true}) {
-      std::pair<int, int> found = {kNone, kNone};  // the first two that run so
+      std::pair<int, int> found = {kNone, kNone};  // the first two of this direction
       for (const EdgeSide& side : sides) {
         if (side.upwards != upwards || found.second != kNone) continue;
         (found.first == kNone ? found.first : found.second) = side.half_edge;
@@ -64,7 +64,7 @@ std::vector<std::vector<int>> boundary_loops(const TriangleMesh& mesh) {
     for (int h = start; !done[static_cast<std::size_t>(h)];) {
       done[static_cast<std::size_t>(h)] = true;
       loop.push_back(mesh.triangles(h % 3, h / 3));
-      // Around the vertex at the end of h, through the triangles that hang together there.
+      // Turn around the vertex at the end of h, through connected triangles.
       h = next(h);
       while (opposite(h % 3, h / 3) != kNone) h = next(opposite(h % 3, h / 3));
     }

@@ -18,9 +18,9 @@
 namespace palpate::geometry {
 namespace {
 
-/// Up to here the shortest waves, of frequency 2, get smaller whatever the pass band.
+/// Up to this lambda the highest frequency, 2, is damped for every pass band.
 constexpr double kMaxLambda = 0.6;
-// Vertices that one thread works on at a time.
+// Vertices per parallel task.
 constexpr Eigen::Index kGrain = 4096;
 
 void check_options(const SmoothingOptions& options) {
@@ -29,7 +29,7 @@ void check_options(const SmoothingOptions& options) {
   require("SmoothingOptions::pass_band", options.pass_band, above(0).below(1));
 }
 
-/// The vertices that each vertex is drawn to, one list after the other.
+/// The vertices that attract each vertex, grouped by vertex.
 struct Neighbors {
   std::vector<int> start;  ///< of each vertex, and the end
   std::vector<int> vertex;
@@ -44,7 +44,7 @@ Neighbors list_neighbors(const TriangleMesh& mesh, bool keep_border) {
   for (int h = 0; h < opposite.size(); ++h) {
     if (at_border(h)) border[static_cast<std::size_t>(from(h))] = true;
   }
-  // Every edge that leaves an inner vertex does so as a half-edge.
+  // Every edge that leaves an inner vertex is one of its outgoing half-edges.
   const auto visit_pairs = [&](const auto& visit) {
     for (int h = 0; h < opposite.size(); ++h) {
       if (!border[static_cast<std::size_t>(from(h))]) {

@@ -12,12 +12,12 @@ namespace {
 
 constexpr int kNone = -1;
 
-/// Squared sine that a corner of a triangle without area is given, so that the signs of its
-/// products still tell where its apex lies: the square of the rounding of a double.
+/// Squared sine assigned to a corner of a triangle without area, so that the signs of its products
+/// still indicate where its apex is: the square of the rounding of a double.
 constexpr double kLeastSquaredSine = 1e-32;
 
-/// A way turns at a vertex of a border iff the angle there on the surface is more than pi by this
-/// many radians: noise on a straight border is no corner.
+/// A path bends at a vertex of the border iff the angle of the surface there exceeds pi by this
+/// many radians, so that noise on a straight border does not count as a corner.
 constexpr double kCornerAngle = 0.1;
 
 /// The half-edges 3 t + k that leave each vertex: those of vertex v are number first[v] to

@@ -14,11 +14,12 @@ namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-/// A triangle has an area iff |ab x ac| > kMinSine |ab| |ac|: below it rounding decides the normal.
+/// A triangle has an area iff |ab x ac| > kMinSine |ab| |ac|; below this, rounding determines the
+/// normal.
 constexpr double kMinSine = 8 * std::numeric_limits<double>::epsilon();
 
 /// Twice the area vector in units of the square of the longest coordinate difference, so that
-/// neither huge nor tiny triangles leave the range of double; NaN for a triangle without area.
+/// neither huge nor tiny triangles over- or underflow; NaN for a triangle without area.
 Eigen::Vector3d scaled_area_vector(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
                                    const Eigen::Vector3d& c) {
   const double length = std::max((b - a).cwiseAbs().maxCoeff(), (c - a).cwiseAbs().maxCoeff());
@@ -71,7 +72,7 @@ void check_surface_point(const TriangleMesh& mesh, const SurfacePoint& point, co
     refuse("triangle " + std::to_string(point.triangle) + " is not one of the mesh's 0 to " +
            std::to_string(mesh.triangles.cols() - 1));
   }
-  // Written so that NaN is refused.
+  // Written so that NaN is rejected.
   const bool inside = (point.barycentric.array() >= -kBarycentricTolerance).all() &&
                       std::abs(point.barycentric.sum() - 1) <= kBarycentricTolerance;
   if (!inside) {
@@ -83,7 +84,8 @@ void check_surface_point(const TriangleMesh& mesh, const SurfacePoint& point, co
 
 Eigen::Vector3d position(const TriangleMesh& mesh, const SurfacePoint& point) {
   const Eigen::Vector3i corners = mesh.triangles.col(point.triangle);
-  // Relative to one corner: far from the origin the weighted sum of the corners would lose digits.
+  // Computed relative to one corner: far from the origin a weighted sum of the corners would lose
+  // digits.
   const Eigen::Vector3d a = mesh.vertices.col(corners[0]);
   return a + (point.barycentric[1] * (mesh.vertices.col(corners[1]) - a) +
               point.barycentric[2] * (mesh.vertices.col(corners[2]) - a));

@@ -20,7 +20,8 @@ Nearest nearest_on_edge(const Eigen::Vector3d& point, const Corners& corners, in
   Nearest nearest;
   nearest.barycentric[i] = 1 - s;
   nearest.barycentric[j] = s;
-  // From the nearer end: exact at both ends, so that triangles that share a vertex agree on it.
+  // Interpolate from the nearer end, which is exact at both ends, so that triangles that share a
+  // vertex give the same point.
   nearest.squared_distance =
       s < 0.5 ? (offset - s * edge).squaredNorm()
               : (point - corners[static_cast<size_t>(j)] + (1 - s) * edge).squaredNorm();
@@ -53,8 +54,8 @@ Eigen::Vector3d area_vector(const Eigen::Matrix3Xd& vertices, const Eigen::Vecto
   return ab.cross(ac) / 2;
 }
 
-// All four candidates are compared by the distance to the point they really name, so a needle,
-// whose normal is mostly rounding, still gives a nearest point.
+// All four candidates are compared by the distance to the point that their barycentric coordinates
+// give, so that a needle, whose normal is mostly rounding error, still has a valid nearest point.
 Nearest nearest_on_triangle(const Eigen::Vector3d& point, const Corners& corners) {
   Nearest best = nearest_inside(point, corners);
   for (int i = 0; i < 3; ++i) {

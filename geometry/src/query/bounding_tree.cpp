@@ -27,7 +27,7 @@ struct ReleaseBvh {
 using Device = std::unique_ptr<std::remove_pointer_t<RTCDevice>, ReleaseDevice>;
 using Bvh = std::unique_ptr<std::remove_pointer_t<RTCBVH>, ReleaseBvh>;
 
-/// A node as Embree makes it, in memory of Embree: an inner one, or a leaf with `triangle` set.
+/// A node built by Embree, in Embree's memory: an inner node, or a leaf with `triangle` set.
 struct BuiltNode {
   std::array<const BuiltNode*, kWidth> child;
   std::array<int, kWidth> triangle;
@@ -45,7 +45,7 @@ void set_children(void* node, void** children, unsigned count, void* /*user*/) {
   }
 }
 
-/// Boxes are fitted later, as after every move.
+/// Boxes are set later by `refit`, as after every move.
 void ignore_bounds(void* /*node*/, const RTCBounds** /*bounds*/, unsigned /*count*/,
                    void* /*user*/) {}
 
@@ -73,8 +73,8 @@ std::vector<RTCBuildPrimitive> triangle_boxes(const Eigen::Matrix3Xd& vertices,
   return boxes;
 }
 
-/// Copies what Embree built: the packet of a leaf, or the node and all below it. Returns its name
-/// in `TreeNode::child`.
+/// Copies what Embree built: the packet of a leaf, or a node and everything below it. Returns its
+/// value in `TreeNode::child`.
 int copy(BoundingTree& tree, const BuiltNode& built, int depth) {
   if (depth > BoundingTree::kMaxDepth)
     throw SolverError("SurfaceQuery: the search tree is too deep");

@@ -22,33 +22,33 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// The error allowed to meshoptimizer, as fractions of the tolerance: what it begins with, and how
-/// far it rises. Its own estimate is a half to a third of the distance, but only where that is
-/// largest. What is held fast because a large error fits it badly then is as coarse as a smaller
-/// one left it.
+/// Error allowed to meshoptimizer as a fraction of the tolerance: initial value and maximum. Its
+/// own estimate is a half to a third of the distance, but only where the distance is largest. Parts
+/// that are fixed because a large error does not fit there stay as coarse as a smaller error left
+/// them.
 constexpr double kFirstError = 0.2;
 constexpr double kLastError = 0.7;
 
-/// What it is multiplied by when a mesh passes, and when none does.
+/// Factors of the error after a mesh passes, and after none does.
 constexpr double kGrow = 2;
 constexpr double kShrink = 0.6;
 
-/// Of the tolerance: below it the search ends.
+/// The search ends when the error falls below this fraction of the tolerance.
 constexpr double kLeastError = 0.02;
 
-/// How often the unfit parts of a mesh are held fast before its error is given up; also as soon as
-/// they are no nearer to none than kPatience times before. The first time does not count: around
-/// what is held fast new ones arise, of each of the three kinds.
+/// An error is given up after fixing the unfit parts of a mesh this many times, or when there are
+/// no fewer unfit parts than kPatience rounds before. The first round does not count, because new
+/// unfit parts of all three kinds arise around those that are fixed.
 constexpr std::size_t kMostRounds = 24;
 constexpr std::size_t kPatience = 6;
 
-/// No new error is tried after so many meshes.
+/// No new error is tried after this many meshes.
 constexpr int kMostTries = 40;
 
-/// A mesh is worth going on with iff it has at least this fraction fewer triangles.
+/// A mesh is a useful intermediate result iff it has at least this fraction fewer triangles.
 constexpr double kLeastGain = 0.03;
 
-/// A mesh with vertices that meshoptimizer is not to move.
+/// A mesh with vertices that meshoptimizer must not move.
 struct Draft {
   TriangleMesh mesh;  ///< with all vertices of the input
   std::vector<char> fixed;
@@ -72,14 +72,15 @@ struct FloatPositions {
   }
 };
 
-/// No error at all for meshoptimizer, which squares it in float.
+/// A zero error for meshoptimizer, which squares it in float.
 constexpr double kMostRelativeError = 1e6;
 
 /// One run of meshoptimizer: `error` in mm by its own estimate.
 TriangleMesh simplify(const Draft& draft, FloatPositions positions, double error,
                       Eigen::Index target_triangles) {
   const Eigen::Index count = draft.mesh.vertices.cols();
-  // It never moves a vertex that two more have the place of: a corner of several surfaces.
+  // meshoptimizer never moves a vertex that coincides with two others: a corner of several
+  // surfaces.
   const auto fixed =
       static_cast<Eigen::Index>(std::count(draft.fixed.begin(), draft.fixed.end(), 1));
   Eigen::Matrix3Xf& local = positions.local;
@@ -109,8 +110,8 @@ TriangleMesh simplify(const Draft& draft, FloatPositions positions, double error
   return mesh;
 }
 
-/// Fixes what of the draft is around the corners of the unfit triangles of its candidate and where
-/// points of the input were lost, and all that lies under those that are too far away.
+/// Fixes the parts of the draft around the corners of unfit triangles and around lost points of the
+/// input, and everything below triangles that are too far away.
 void fix_below(Draft& draft, const TriangleMesh& candidate, const DistanceTarget& target,
                const Unfit& unfit) {
   std::vector<char> is_far(static_cast<std::size_t>(candidate.triangles.cols()), 0);
@@ -122,7 +123,7 @@ void fix_below(Draft& draft, const TriangleMesh& candidate, const DistanceTarget
     }
   }
   std::vector<int> todo;
-  // Of what was folded, nothing of the candidate need be left nearby.
+  // Where the surface was folded, the candidate may have nothing left nearby.
   if (!unfit.lost.empty()) {
     const SurfaceQuery draft_query(draft.mesh);
     for (const Eigen::Vector3d& point : unfit.lost) {
@@ -141,7 +142,7 @@ void fix_below(Draft& draft, const TriangleMesh& candidate, const DistanceTarget
       if (at_corner[static_cast<std::size_t>(v)] != 0) visit(t);
     }
   }
-  // All around the corners: of a sliver nothing else may lie below it.
+  // Include all triangles around the corners, since a sliver may have nothing else below it.
   for (const int t : todo) {
     for (const int v : draft.mesh.triangles.col(t)) draft.fixed[static_cast<std::size_t>(v)] = 1;
   }
@@ -156,16 +157,16 @@ void fix_below(Draft& draft, const TriangleMesh& candidate, const DistanceTarget
   }
 }
 
-/// What a mesh made from another one is to be.
+/// Requirements of a mesh to be made from another one.
 struct Aim {
   double error;                   ///< [mm] by meshoptimizer's estimate
   double tolerance;               ///< [mm]
-  Eigen::Index target_triangles;  ///< it stops there
-  double gain;                    ///< the fraction of the triangles to go at least
+  Eigen::Index target_triangles;  ///< stop at this count
+  double gain;                    ///< smallest fraction of the triangles to be removed
 };
 
-/// A mesh made from `draft` that passes; none if too little is gained, also because parts of it
-/// that do not fit are held fast.
+/// Makes a mesh from `draft` that passes; none if too little is gained, for example because unfit
+/// parts of it are fixed.
 std::optional<TriangleMesh> pass(Draft draft, const FloatPositions& positions, const Aim& aim,
                                  const DecimationStandard& standard, KnownNear& known, int& tries) {
   const double most = (1 - aim.gain) * static_cast<double>(draft.mesh.triangles.cols());
@@ -215,8 +216,8 @@ void check(const DecimationOptions& options) {
   }
 }
 
-/// The smallest mesh found that keeps the tolerance. Each is made from the last one that did, not
-/// from the input: parts held fast then are as coarse as they were.
+/// Finds the smallest mesh within the tolerance. Each mesh is made from the last one that passed,
+/// not from the input, so parts fixed at that time keep the coarseness they had.
 TriangleMesh to_tolerance(const TriangleMesh& mesh, const DecimationStandard& standard,
                           double tolerance, int& tries) {
   const FloatPositions positions(mesh);
@@ -229,7 +230,7 @@ TriangleMesh to_tolerance(const TriangleMesh& mesh, const DecimationStandard& st
         .error = error, .tolerance = tolerance, .target_triangles = 0, .gain = kLeastGain};
     std::optional<TriangleMesh> smaller = pass(Draft(best), positions, aim, standard, known, tries);
     if (smaller) best = std::move(*smaller);
-    // Too little to gain as well: a larger error may do more.
+    // If too little was gained, try a larger error as well.
     const bool rise = grow > 1 && error < kLastError * tolerance;
     if (smaller || rise) {
       error = std::min(error * grow, kLastError * tolerance);
@@ -242,7 +243,7 @@ TriangleMesh to_tolerance(const TriangleMesh& mesh, const DecimationStandard& st
   return best;
 }
 
-/// A mesh of at most `max_triangles`, or as near to that as one passes.
+/// Finds a mesh of at most `max_triangles`, or the closest to it that passes.
 TriangleMesh to_count(const TriangleMesh& mesh, const DecimationStandard& standard,
                       int max_triangles, int& tries) {
   const FloatPositions positions(mesh);
@@ -277,7 +278,7 @@ Decimation decimate(const TriangleMesh& mesh, const DecimationOptions& options) 
   Decimation result = compact(best);
   result.tries = tries;
   const HausdorffDistance distance = hausdorff_distance(mesh, result.mesh);
-  // Both bounds hold; that by which the mesh passed may be the tighter one.
+  // Both bounds hold; the one by which the mesh passed may be tighter.
   result.distance =
       options.tolerance ? std::min(distance.upper, *options.tolerance) : distance.upper;
   return result;

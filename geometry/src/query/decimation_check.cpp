@@ -46,14 +46,14 @@ std::vector<Side> sorted_sides(const TriangleMesh& mesh) {
 
 constexpr int kNone = -1;
 
-/// A triangle is a sliver iff its height is at most this fraction of its longest side: which way it
-/// faces is then little but noise.
+/// A triangle is a sliver iff its height is at most this fraction of its longest side; its
+/// orientation is then mostly noise.
 constexpr double kThin = 1e-2;
 
-/// Slivers may lie beside slivers; each pass mends those that do not touch.
+/// Slivers may be adjacent to slivers; each pass mends those that do not touch each other.
 constexpr int kMostPasses = 12;
 
-/// The longest side of a triangle that is lower than kThin of it; none for others.
+/// The longest side of a triangle that is a sliver; none for others.
 std::vector<int> sliver_sides(const TriangleMesh& mesh) {
   std::vector<int> longest(static_cast<std::size_t>(mesh.triangles.cols()), kNone);
   for (Eigen::Index t = 0; t < mesh.triangles.cols(); ++t) {
@@ -73,9 +73,9 @@ std::vector<int> sliver_sides(const TriangleMesh& mesh) {
   return longest;
 }
 
-/// Takes a sliver off the border, or gives the neighbour across its longest edge the sliver's
-/// middle corner: the surface moves by the sliver's height at most. False if that cannot be done
-/// now.
+/// Removes a sliver at the border, or gives its middle corner to the neighbour across its longest
+/// edge. This moves the surface by at most the sliver's height. False if it cannot be done in this
+/// pass.
 bool mend(TriangleMesh& mesh, int half_edge, int other, const auto& edge_exists,
           const std::vector<char>& fixed, std::vector<char>& touched, std::vector<char>& drop) {
   const int sliver = half_edge / 3;
@@ -91,7 +91,7 @@ bool mend(TriangleMesh& mesh, int half_edge, int other, const auto& edge_exists,
   if (drop[static_cast<std::size_t>(sliver)] != 0) return false;
   if (other == kNone) {
     drop[static_cast<std::size_t>(sliver)] = 1;
-    // Out of the way of the next pass.
+    // Exclude it from the rest of this pass.
     mesh.triangles.col(sliver).setConstant(a);
   } else {
     if (d == b || mesh.triangles(other % 3, other / 3) != c || edge_exists(b, d)) return false;
@@ -102,7 +102,7 @@ bool mend(TriangleMesh& mesh, int half_edge, int other, const auto& edge_exists,
   return true;
 }
 
-/// The corners, turned so that the smallest comes first: the same for the same triangle.
+/// The corners, rotated so that the smallest comes first, which identifies a triangle.
 std::array<int, 3> turned_corners(const TriangleMesh& mesh, Eigen::Index triangle) {
   const Eigen::Vector3i of = mesh.triangles.col(triangle);
   std::array<int, 3> corners = {of[0], of[1], of[2]};
@@ -110,9 +110,9 @@ std::array<int, 3> turned_corners(const TriangleMesh& mesh, Eigen::Index triangl
   return corners;
 }
 
-/// Whether a triangle that the input has not looks the other way than the input does below it, at
-/// its centre and half-way to each corner. At all of these: across a steep step of the input the
-/// nearest triangle may well be one that stands upright.
+/// Whether a new triangle faces the other way than the input below it, at its centre and half-way
+/// to each corner. All of these are required, because across a steep step of the input the nearest
+/// triangle may be an upright one.
 bool turned_over(const TriangleMesh& candidate, Eigen::Index triangle,
                  const Eigen::Vector3d& normal, const DecimationStandard& standard) {
   if (std::binary_search(standard.triangles.begin(), standard.triangles.end(),
@@ -138,7 +138,7 @@ bool turned_over(const TriangleMesh& candidate, Eigen::Index triangle,
 Gluing gluing(const TriangleMesh& mesh) {
   Gluing found{.bad_edge = std::vector<char>(static_cast<std::size_t>(mesh.triangles.cols()), 0),
                .fans = std::vector<int>(static_cast<std::size_t>(mesh.vertices.cols()), 0)};
-  // Corners, named by the half-edge that leaves them, joined where their triangles share an edge.
+  // Corners, named by their outgoing half-edge, are joined where their triangles share an edge.
   std::vector<int> parent(static_cast<std::size_t>(mesh.triangles.size()));
   std::iota(parent.begin(), parent.end(), 0);
   const auto from = [&](int h) { return mesh.triangles(h % 3, h / 3); };
@@ -189,8 +189,8 @@ void mend_slivers(TriangleMesh& mesh, const std::vector<char>& fixed) {
       const auto count = last - first;
       if (sliver != last && count <= 2) {
         const int other = count == 1 ? kNone : (sliver == first ? first + 1 : first)->half_edge;
-        // Beside another sliver: that one's longest side is further out, so it goes first; every
-        // other time not, lest two wait for each other.
+        // If the neighbour is a sliver with another longest side, mend that one first. Every other
+        // pass ignores this rule, so that two slivers do not wait for each other forever.
         const bool waits = pass % 2 == 0 && other != kNone &&
                            longest[static_cast<std::size_t>(other / 3)] != kNone &&
                            longest[static_cast<std::size_t>(other / 3)] != other;
@@ -221,7 +221,7 @@ DecimationStandard::DecimationStandard(const TriangleMesh& mesh)
 
 namespace {
 
-/// Triangles of the candidate that are badly glued, or turned over and no slivers.
+/// Triangles of the candidate that are badly connected, or flipped without being slivers.
 std::vector<int> bad_shapes(const TriangleMesh& candidate, const DecimationStandard& standard) {
   const auto count = static_cast<std::size_t>(candidate.triangles.cols());
   const Eigen::Matrix3Xd normals = triangle_normals(candidate);
@@ -264,7 +264,7 @@ Unfit find_unfit(const TriangleMesh& candidate, const DistanceTarget& candidate_
     unfit.far.erase(std::unique(unfit.far.begin(), unfit.far.end()), unfit.far.end());
     return unfit;
   }
-  // What is near the input stays so, and of most triangles that is known from earlier candidates.
+  // A triangle near the input stays near; for most triangles this is known from earlier candidates.
   std::vector<int> unknown;
   for (Eigen::Index t = 0; t < candidate.triangles.cols(); ++t) {
     if (!std::binary_search(known.near.begin(), known.near.end(), turned_corners(candidate, t)))

@@ -20,23 +20,23 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Triangles to one task: few, as those that are cut to pieces take far longer than others.
+/// Triangles per task: few, because those that are subdivided take far longer than others.
 constexpr std::ptrdiff_t kGrain = 64;
 
-/// Of the diagonal of the mesh measured to: below it the bounds need not be told apart. Far above
-/// the rounding of distances, far below what is measured.
+/// Fraction of the diagonal of the target mesh below which bounds need not be distinguished. Far
+/// above the rounding of distances, far below any measured distance.
 constexpr double kLeastGap = 1e-9;
 
-/// A corner is beside a cutting line iff it is further from it than this fraction of the piece's
-/// size: corners made by a cut are on their line but for rounding, and must not be cut again.
+/// A corner is off a cutting line iff its distance from it exceeds this fraction of the piece's
+/// size. Corners made by a cut are on their line except for rounding, and must not be cut again.
 constexpr double kOnLine = 1e-9;
 
-/// After so many cuts in a row a piece is halved: cuts alone may go on without end where the
-/// target's triangles stand upright on the piece.
+/// After this many consecutive cuts a piece is halved, because cuts alone may not terminate where
+/// the target's triangles are perpendicular to the piece.
 constexpr int kMostCuts = 8;
 
-/// A piece wider than this many times the triangle it is compared with is halved before it is cut:
-/// long cuts across a large piece leave many slivers.
+/// A piece wider than this many times its target triangle is halved before it is cut, because long
+/// cuts across a large piece leave many slivers.
 constexpr double kCutWidth = 4;
 
 constexpr int kMostCorners = 12;
@@ -49,7 +49,7 @@ constexpr double kLeastSine = 8 * std::numeric_limits<double>::epsilon();
 struct Piece {
   std::array<Eigen::Vector3d, kMostCorners> corners;
   int count = 0;
-  int triangle = -1;   ///< -1: not known yet
+  int triangle = -1;   ///< -1 if not known yet
   int cuts = 0;        ///< since the last halving
   bool asked = false;  ///< `triangle` is the one nearest to the centre
 
@@ -62,7 +62,7 @@ struct Piece {
     for (int i = 0; i < count; ++i) sum += corner(i) - corner(0);
     return corner(0) + sum / count;
   }
-  /// No point of the piece is further from `point`.
+  /// Upper bound of the distance of the piece's points from `point`.
   [[nodiscard]] double reach(const Eigen::Vector3d& point) const {
     double squared = 0;
     for (int i = 0; i < count; ++i) squared = std::max(squared, (corner(i) - point).squaredNorm());
@@ -85,7 +85,7 @@ struct Line {
   Eigen::Vector3d normal;  ///< unit length
 };
 
-/// The parts of a piece before and behind a plane.
+/// The parts of a piece on both sides of a plane.
 std::pair<Piece, Piece> split(const Piece& piece, const Line& line, double on_line) {
   std::array<double, kMostCorners> side{};
   for (int i = 0; i < piece.count; ++i) {
@@ -93,7 +93,7 @@ std::pair<Piece, Piece> split(const Piece& piece, const Line& line, double on_li
   }
   Piece before, behind;
   before.triangle = behind.triangle = piece.triangle;
-  const int sides = piece.count == 2 ? 1 : piece.count;  // a line has one side, not there and back
+  const int sides = piece.count == 2 ? 1 : piece.count;  // a line has only one side
   for (int i = 0; i < piece.count; ++i) {
     const int j = (i + 1) % piece.count;
     const double here = side[static_cast<std::size_t>(i)];
@@ -118,7 +118,7 @@ class TriangleSearch {
   TriangleSearch(const DistanceTarget& to, const BoundGoal& goal, double known)
       : to_(to), goal_(goal), known_(known) {}
 
-  /// `nearest`: of each corner.
+  /// `nearest`: closest point of each corner.
   LargestDistance run(const Corners& corners, const std::array<ClosestPoint, 3>& nearest) {
     found_ = {.lower = nearest[0].distance, .upper = 0, .at = corners[0]};
     for (std::size_t k = 1; k < 3; ++k) raise(nearest[k].distance, corners[k]);
@@ -144,7 +144,7 @@ class TriangleSearch {
  private:
   using CornerDistances = Eigen::Array<double, Eigen::Dynamic, 1, 0, kMostCorners, 1>;
 
-  /// A triangle without area is its longest edge.
+  /// Treats a triangle without area as its longest edge.
   Piece whole_triangle(const Corners& corners) {
     const double longest = longest_edge(corners);
     const Eigen::Vector3d area = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
@@ -172,7 +172,7 @@ class TriangleSearch {
     return of;
   }
 
-  /// Pieces are done once they cannot lie further away than this.
+  /// A piece is finished once its distance cannot exceed this.
   [[nodiscard]] double enough() const {
     const double lower = std::max(known_, found_.lower);
     return std::max(goal_.ignore_below,
@@ -226,8 +226,8 @@ class TriangleSearch {
     todo_.push_back(piece);
   }
 
-  /// Cuts along the edge of the target's triangle that the corners too far away are furthest
-  /// beyond, as seen along the normal; false if there is none.
+  /// Cuts along the edge of the target's triangle beyond which the too distant corners are
+  /// farthest, seen along the normal; false if there is none.
   bool cut(const Piece& piece, const Corners& target, const CornerDistances& distance,
            double on_line) {
     if (piece.cuts >= kMostCuts || piece.count + 1 >= kMostCorners) return false;
@@ -300,7 +300,7 @@ class TriangleSearch {
 
   const DistanceTarget& to_;
   const BoundGoal& goal_;
-  double known_;  ///< [mm] some point is so far away
+  double known_;  ///< [mm] distance of some point: a lower bound
   Eigen::Vector3d normal_;
   LargestDistance found_{};
   std::vector<Piece> todo_;
@@ -317,7 +317,7 @@ DistanceTarget::DistanceTarget(TriangleMesh surface)
 std::vector<LargestDistance> bound_triangle_distances(const TriangleMesh& from,
                                                       const DistanceTarget& to,
                                                       const BoundGoal& goal) {
-  // First the vertices: where the bounds start, and which triangles are worth a try.
+  // Start with the vertices: they give first bounds and candidate triangles.
   std::vector<ClosestPoint> of_vertex(static_cast<std::size_t>(from.vertices.cols()));
   std::vector<char> used(of_vertex.size(), 0);
   for (const int vertex : from.triangles.reshaped()) used[static_cast<std::size_t>(vertex)] = 1;
@@ -334,9 +334,9 @@ std::vector<LargestDistance> bound_triangle_distances(const TriangleMesh& from,
     }
     known = std::max(known, of_vertex[v].distance);
   }
-  // Judged against a limit, how far the others are does not matter.
+  // If there is a limit, triangles are compared with it and not with each other.
   if (goal.stop_above < kInfinity) known = 0;
-  // Each triangle for itself: the answer does not depend on which thread was first.
+  // Process each triangle independently, so that the result does not depend on the thread order.
   std::vector<LargestDistance> of_triangle(static_cast<std::size_t>(from.triangles.cols()));
   parallel_ranges(static_cast<std::ptrdiff_t>(of_triangle.size()), kGrain,
                   [&](std::ptrdiff_t begin, std::ptrdiff_t end) {

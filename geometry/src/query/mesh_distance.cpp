@@ -15,10 +15,11 @@
 namespace palpate::geometry {
 namespace {
 
-/// More take more memory than there is: each has three points, and a place in the result.
+/// Upper limit of the cells: each has three points and a place in the result, so more would exhaust
+/// the memory.
 constexpr int kMaxCells = 100'000'000;
 
-/// How often each side of each triangle is cut so that about `cells` of equal area come out.
+/// Number of parts of each triangle's sides that gives about `cells` cells of equal area.
 std::vector<Eigen::Index> divisions(const Eigen::VectorXd& areas, double total, int cells) {
   std::vector<Eigen::Index> n;
   n.reserve(static_cast<std::size_t>(areas.size()));
@@ -81,10 +82,10 @@ TriangleMesh cut_evenly(const TriangleMesh& mesh, const std::vector<Eigen::Index
   return cells;
 }
 
-constexpr int kPoints = 3;  ///< of the quadrature, a cell
+constexpr int kPoints = 3;  ///< quadrature points per cell
 
-/// Three points a cell, at barycentric (2/3, 1/6, 1/6) and its turns: exact for quadratic functions
-/// (Strang and Fix 1973).
+/// Three points per cell, at barycentric (2/3, 1/6, 1/6) and its permutations: exact for quadratic
+/// functions (Strang and Fix 1973).
 Eigen::Matrix3Xd quadrature_points(const TriangleMesh& cells) {
   Eigen::Matrix3Xd points(3, kPoints * cells.triangles.cols());
   for (Eigen::Index c = 0; c < cells.triangles.cols(); ++c) {

@@ -16,7 +16,7 @@
 namespace palpate::geometry {
 namespace {
 
-/// The value below which a fraction of the sorted values lies, linear between neighbours.
+/// Quantile of sorted values, interpolated linearly.
 double quantile(const std::vector<double>& sorted, double fraction) {
   const double place = fraction * static_cast<double>(sorted.size() - 1);
   const auto below = static_cast<std::size_t>(place);
@@ -34,9 +34,9 @@ void check_same_size(const char* function, Eigen::Index rows, Eigen::Index cols,
                      " pixels. Compare maps of one camera.");
 }
 
-/// Which way is out. At an edge or a vertex not the normal of one of the triangles there but that
-/// which decides correctly (Baerentzen and Aanaes 2005): the sum of both triangles', and the mean
-/// weighted by angle.
+/// Outward direction. At an edge or a vertex the normal of a single triangle may give the wrong
+/// sign; correct are the sum of both normals and the angle-weighted mean, respectively (Baerentzen
+/// and Aanaes 2005).
 struct Sides {
   Eigen::Matrix3Xd of_triangles;
   Eigen::Matrix3Xd of_vertices;
@@ -58,7 +58,7 @@ struct Sides {
       const int across = at.barycentric[(k + 2) % 3] == 0 ? neighbours(k, at.triangle) : -1;
       if (across < 0) continue;
       const Eigen::Vector3d other = of_triangles.col(across);
-      // One without area has no say.
+      // A triangle without area has no normal.
       if (!own.allFinite()) return other;
       if (other.allFinite()) return own + other;
     }
@@ -66,7 +66,7 @@ struct Sides {
   }
 };
 
-/// Where a surface ends.
+/// Finds the border of a surface.
 class Border {
  public:
   explicit Border(const TriangleMesh& surface)
@@ -82,7 +82,7 @@ class Border {
     }
   }
 
-  /// A point that is nearest to one beyond the border is exactly on it, but for rounding.
+  /// The nearest point of a point beyond the border is exactly on the border, except for rounding.
   [[nodiscard]] bool contains(const SurfacePoint& point) const {
     for (int k = 0; k < 3; ++k) {
       const bool at_vertex = point.barycentric[k] >= 1 - kBarycentricTolerance;
@@ -110,7 +110,7 @@ ErrorStatistics error_statistics(std::vector<double> errors) {
   }
   for (double& e : errors) e = std::abs(e);
   std::sort(errors.begin(),
-            errors.end());  // before the sum: the order of the errors does not matter
+            errors.end());  // sort before summing, so that the order of the errors does not matter
   double sum_of_squares = 0;
   for (const double e : errors) sum_of_squares += e * e;
   return {.count = static_cast<long>(errors.size()),

@@ -31,7 +31,7 @@ struct Clip {
 Clip clip_to_cube(const Eigen::Vector3d& start, const Eigen::Vector3d& along, double far) {
   Clip clip{.begin = 0, .end = far};
   for (int k = 0; k < 3; ++k) {
-    // Inside both ends nothing is cut, and they stay exact.
+    // If both ends are inside, nothing is clipped and they stay exact.
     const bool starts_inside = std::abs(start[k]) <= kSegmentCube;
     if (starts_inside && std::abs(start[k] + far * along[k]) <= kSegmentCube) continue;
     if (along[k] == 0) {
@@ -52,7 +52,7 @@ void set_hit(FirstHits& hits, Eigen::Index i, const auto& hit, double along) {
   hits.along[i] = along;
 }
 
-/// \param ask sets the answer with that number if there is one.
+/// \param ask sets the answer with this index if there is one.
 FirstHits collect_hits(Eigen::Index count, const auto& ask) {
   FirstHits hits{.triangles = Eigen::VectorXi::Constant(count, -1),
                  .barycentric = Eigen::Matrix3Xd::Zero(3, count),
@@ -113,9 +113,9 @@ std::optional<RayHit> SurfaceQuery::first_hit(const Ray& ray) const noexcept {
       !(ray.max_distance >= 0)) {
     return std::nullopt;
   }
-  // 1 along its main axis, so that the square of its length is a number whatever its length was.
+  // Scaled to 1 along its main axis, so that its squared length is finite for any length.
   const Eigen::Vector3d along = ray.direction / largest;
-  const double unit = along.norm() / tree.scale();  // [mm] that `along` is long
+  const double unit = along.norm() / tree.scale();  // [mm] length of `along`
   const Clip clip = clip_to_cube(origin, along, ray.max_distance / unit);
   if (clip.begin > clip.end) return std::nullopt;
   const CrossedTriangle crossed =

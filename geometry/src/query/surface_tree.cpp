@@ -15,29 +15,28 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Beyond this distance from the mesh (local frame) the margin comes near the mesh's own size:
-/// single precision cannot cull any more and every triangle is visited.
+/// Beyond this distance from the mesh (local frame) the margin approaches the mesh's own size:
+/// single precision can no longer cull, and every triangle is visited.
 constexpr double kCullingReach = 0x1p16;
 
-/// An end of a segment is on the surface iff its distance to it is at most this fraction of the
-/// largest coordinate of the mesh: the rounding of a position computed from barycentric
-/// coordinates. Never more than the mesh's own size.
+/// An end of a segment is on the surface iff its distance from it is at most this fraction of the
+/// largest coordinate of the mesh, but never more than the mesh's size. This is the rounding of a
+/// position computed from barycentric coordinates.
 constexpr double kOnSurface = 8 * std::numeric_limits<double>::epsilon();
 
-/// A tree that was fitted to moved vertices is built anew when walking it costs this many times
-/// what it cost when built.
+/// A refitted tree is rebuilt if traversing it costs this many times as much as when it was built.
 constexpr double kRebuildCost = 1.5;
 
 float round_up(double x) {
   return std::nextafter(static_cast<float>(x), std::numeric_limits<float>::infinity());
 }
 
-/// Equals are decided by the lower index.
+/// Ties go to the lower index.
 bool improves(double candidate, int triangle, double best, int best_triangle) {
   return candidate < best || (candidate == best && best_triangle >= 0 && triangle < best_triangle);
 }
 
-/// The square of a search radius in float that no triangle at `distance` or nearer escapes.
+/// A squared search radius in float that includes every triangle within `distance`.
 float squared_radius(double distance, double reach) {
   if (!(distance < kInfinity) || reach > kCullingReach) {
     return std::numeric_limits<float>::infinity();
@@ -46,7 +45,7 @@ float squared_radius(double distance, double reach) {
   return round_up(radius * radius);
 }
 
-/// Children that a walk has put off, each with how far away it is.
+/// Children deferred by a traversal, with their distances.
 class Stack {
  public:
   struct Entry {
@@ -56,7 +55,7 @@ class Stack {
   [[nodiscard]] bool empty() const { return size_ == 0; }
   Entry pop() { return entries_[--size_]; }
   [[nodiscard]] std::size_t size() const { return size_; }
-  /// Puts an entry above all of those from `base` on that are further.
+  /// Inserts an entry above all farther ones from `base` on.
   void push(Entry entry, std::size_t base) {
     std::size_t i = size_++;
     for (; i > base && entries_[i - 1].distance < entry.distance; --i) {
@@ -64,7 +63,7 @@ class Stack {
     }
     entries_[i] = entry;
   }
-  /// Puts those children of a node there whose bits are set.
+  /// Inserts the children of a node whose bits are set.
   void push(const TreeNode& node, const Lanes& distances, unsigned bits) {
     const std::size_t base = size_;
     for (; bits != 0; bits &= bits - 1) {
@@ -74,7 +73,7 @@ class Stack {
   }
 
  private:
-  // Not set to zero: that would cost as much as a short walk.
+  // Not zero-initialised, because that would cost as much as a short traversal.
   std::array<Entry, 3 * BoundingTree::kMaxDepth + TrianglePacket::kSize> entries_;
   std::size_t size_ = 0;
 };
@@ -86,7 +85,7 @@ struct SlabSegment {
   std::array<std::size_t, 3> near_side;  ///< index of the side where it enters a box
 
   SlabSegment(const Eigen::Vector3d& start, const Eigen::Vector3d& end) {
-    // A segment along the side of a box is turned out of it by less than its rounding.
+    // A segment parallel to a side of a box is tilted by less than its rounding.
     constexpr float kLeast = 1e-18F;
     const Eigen::Array3f along = (end - start).cast<float>();
     for (std::size_t k = 0; k < 3; ++k) {
@@ -98,7 +97,7 @@ struct SlabSegment {
       inverse[k] = Lanes::Constant(1 / (backwards ? -length : length));
     }
   }
-  /// Which boxes it meets before `far`, and where it enters them.
+  /// Finds the boxes that it enters before `far`, and where.
   [[nodiscard]] unsigned meet(const TreeNode& node, float far, Lanes& enter) const {
     enter = Lanes::Zero();
     Lanes leave = Lanes::Constant(far);
@@ -140,7 +139,7 @@ void SurfaceTree::set_frame() {
   margin_ = std::max(kFloatMargin, 4 * on_surface_);
 }
 
-/// What a closest-point query remembers on its walk.
+/// State of a closest-point query.
 struct SurfaceTree::NearestSearch {
   Eigen::Vector3d point;
   Eigen::Vector3f float_point;
@@ -153,7 +152,7 @@ void SurfaceTree::look_at(NearestSearch& search, const TrianglePacket& packet) c
   Lanes squared = squared_distances(search.float_point, packet);
   for (int i = 0; i < TrianglePacket::kSize; ++i) {
     int lane = 0;
-    // Most often the nearest of the four spares a look at the others.
+    // Usually the nearest of the four makes testing the others unnecessary.
     if (!(squared.minCoeff(&lane) <= search.squared_radius)) break;
     squared[lane] = std::numeric_limits<float>::infinity();
     const int triangle = packet.triangle[static_cast<std::size_t>(lane)];
@@ -171,7 +170,7 @@ void SurfaceTree::look_at(NearestSearch& search, const TrianglePacket& packet) c
 
 NearestTriangle SurfaceTree::nearest(const Eigen::Vector3d& point, double radius) const noexcept {
   const double reach = point.cwiseAbs().maxCoeff();
-  // Far away every triangle is visited whatever the float point is, as long as it is a number.
+  // Far away every triangle is visited for any finite float point.
   NearestSearch search{
       .point = point,
       .float_point = point.cwiseMax(-kCullingReach).cwiseMin(kCullingReach).cast<float>(),
@@ -203,13 +202,13 @@ NearestTriangle SurfaceTree::nearest(const Eigen::Vector3d& point, double radius
   return search.best;
 }
 
-/// What a segment query remembers on its walk.
+/// State of a segment query.
 struct SurfaceTree::CrossingSearch {
   Eigen::Vector3d start, end;
   ShearedSegment segment;
   SegmentLanes lanes;
   float length;              ///< along the main axis
-  float far = 1;             ///< fraction of the segment, beyond which nothing is of interest
+  float far = 1;             ///< fraction of the segment up to which crossings matter
   CrossedTriangle best;      ///< between the ends
   NearestTriangle at_start;  ///< triangles on which an end lies
   NearestTriangle at_end;

@@ -9,7 +9,7 @@ namespace {
 
 using Vector3Lanes = std::array<Lanes, 3>;
 
-// Inlined whatever the compiler thinks of it: else the lanes travel through memory.
+// Always inlined; otherwise the lanes pass through memory.
 [[gnu::always_inline]] inline Vector3Lanes operator-(const Vector3Lanes& a, const Vector3Lanes& b) {
   return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
 }
@@ -20,7 +20,7 @@ using Vector3Lanes = std::array<Lanes, 3>;
   return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
 }
 
-/// Squares below it are no divisors: edges and areas of that size are lost in rounding.
+/// Smaller squares are not used as divisors: edges and areas of that size are lost in rounding.
 constexpr float kTiny = std::numeric_limits<float>::min();
 
 }  // namespace
@@ -39,12 +39,12 @@ void set_corners(TrianglePacket& packet, const Eigen::Matrix3Xd& vertices,
   }
 }
 
-// The edges from the scalar products of two of them and the offset from their common corner; what
-// rounding may have added to a small difference of large squares is taken off. The plane counts a
-// little outside the triangle too: it is never further than the triangle.
+// Edge distances follow from scalar products of two edges and the offset from their common corner,
+// minus the possible rounding error of a small difference of large squares. The plane also counts
+// slightly outside the triangle, since it is never farther away than the triangle.
 Lanes squared_distances(const Eigen::Vector3f& point, const TrianglePacket& packet) {
   constexpr float kRounding = 16 * std::numeric_limits<float>::epsilon();
-  constexpr float kOutside = 1e-3F;  // of the triangle's heights
+  constexpr float kOutside = 1e-3F;  // fraction of the triangle's heights
   constexpr float kFar = 1e30F;
   const auto& [a, b, c] = packet.corner;
   const Vector3Lanes p = {Lanes::Constant(point[0]), Lanes::Constant(point[1]),
@@ -53,7 +53,7 @@ Lanes squared_distances(const Eigen::Vector3f& point, const TrianglePacket& pack
   const Lanes bb = dot(ab, ab), bc = dot(ab, ac), cc = dot(ac, ac);
   const Lanes bp = dot(ab, ap), cp = dot(ac, ap), pp = dot(ap, ap);
 
-  // The edge from a corner where the point has the offset o: o.o - 2 s (o.e) + s^2 (e.e).
+  // The edge from a corner to which the point has the offset o: o.o - 2 s (o.e) + s^2 (e.e).
   const Lanes s_ab = (bp / bb.max(kTiny)).max(0.0F).min(1.0F);
   const Lanes s_ac = (cp / cc.max(kTiny)).max(0.0F).min(1.0F);
   const Lanes along_bc = cp - bp - bc + bb, square_bc = bb + cc - 2.0F * bc;
@@ -83,9 +83,10 @@ SegmentLanes::SegmentLanes(const Eigen::Vector3d& start, const ShearedSegment& s
       sign_(segment.length() < 0 ? -1.0F : 1.0F),
       margin_(static_cast<float>(margin)) {}
 
-// The three areas of Woop, Benthin and Wald have one sign where the segment meets the triangle. A
-// sheared coordinate is off by the margin at most, hence an area, the difference of two products of
-// them, by the margin times the coordinates; twice that, for the rounding of the products.
+// The three areas of Woop, Benthin and Wald have the same sign where the segment meets the
+// triangle. The error of a sheared coordinate is at most the margin, so the error of an area, a
+// difference of two products of coordinates, is at most the margin times the coordinates; twice
+// that with the rounding of the products.
 Passing SegmentLanes::pass(const TrianglePacket& packet) const {
   std::array<Lanes, 3> x, y, z;
   const auto axis = [&](std::size_t k) { return static_cast<std::size_t>(axis_[k]); };

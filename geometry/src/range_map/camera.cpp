@@ -17,19 +17,19 @@ namespace palpate::geometry {
 namespace {
 
 // Newton's method squares the error in every step: after a step of at most this (relative to the
-// length of the homogeneous coordinates) what is left is rounding.
+// length of the homogeneous coordinates) only rounding error remains.
 constexpr double kMaxLastStep = 1e-8;
 constexpr int kMaxNewtonSteps = 20;
 // Fixed-point steps bring the start near enough for every lens whose image is not folded.
 constexpr int kFixedPointSteps = 2;
-// The lens is tested for folds at so many places between the axis and the solution.
+// Number of places between the axis and the solution at which the lens is tested for folds.
 constexpr int kFoldTests = 4;
-// Pixels undistorted together: as many as the registers of every x86-64 hold.
+// Pixels undistorted together: as many as fit into the registers of every x86-64.
 constexpr int kLanes = 2;
 // Rows of rays from which the next is predicted.
 constexpr int kRowsBefore = 4;
 
-// More pixels are no camera's: pixels are counted in int, and each costs some 100 bytes.
+// No camera has more pixels: pixels are counted in int, and each needs some 100 bytes.
 constexpr std::int64_t kMaxPixels = std::int64_t{1} << 28;
 
 bool has_distortion(const Camera& camera) {
@@ -37,8 +37,7 @@ bool has_distortion(const Camera& camera) {
                      [](double k) { return k != 0; });
 }
 
-/// The same number of each of `n` points: they are undistorted together, several a machine
-/// instruction.
+/// One number for each of `n` points, which are undistorted together by vector instructions.
 template <int n>
 using Lanes = Eigen::Array<double, n, 1>;
 
@@ -96,9 +95,9 @@ bool surely_unfolded(const Camera& camera, double r2) {
   return radial + 8 * (std::abs(p1) + std::abs(p2)) * std::sqrt(r2) < 1;
 }
 
-/// Beyond a fold the lens model shows another place at the same pixel; only the one that is joined
-/// to the axis without a fold is real. Between, the lens maps one to one and without a mirror
-/// image.
+/// Beyond a fold the lens model shows another place at the same pixel. Only the place connected to
+/// the axis without a fold is real; up to the fold the lens is one-to-one and
+/// orientation-preserving.
 template <int n>
 bool all_unfolded(const Camera& camera, const Points<n>& p) {
   if (surely_unfolded(camera, (p.x * p.x + p.y * p.y).maxCoeff())) return true;
@@ -110,7 +109,7 @@ bool all_unfolded(const Camera& camera, const Points<n>& p) {
   return true;
 }
 
-/// Turns starts into the places that the lens shows at `distorted`; false if that fails for one.
+/// Refines starts to the places that the lens shows at `distorted`; false if this fails for any.
 template <int n>
 bool undistort_normalized(const Camera& camera, const Points<n>& distorted, Points<n>& p) {
   for (int step = 0; step < kMaxNewtonSteps; ++step) {
@@ -130,7 +129,7 @@ bool undistort_normalized(const Camera& camera, const Points<n>& distorted, Poin
   return false;
 }
 
-/// A place near the one that the lens shows at `distorted`.
+/// A place close to the one that the lens shows at `distorted`.
 Points<1> fixed_point_start(const Camera& camera, const Points<1>& distorted) {
   Points<1> p = distorted;
   for (int step = 0; step < kFixedPointSteps; ++step) {
@@ -146,7 +145,7 @@ Eigen::Vector2d to_normalized(const Camera& camera, const Eigen::Vector2d& pixel
   return {(pixel.x() - camera.cx) / camera.fx, (pixel.y() - camera.cy) / camera.fy};
 }
 
-/// Rays of `kLanes` pixels from (row, col) on. The rays above tell these so well that one step of
+/// Rays of `kLanes` pixels from (row, col) on. The rays above predict them so well that one step of
 /// Newton's method is enough.
 void continue_rays(const Camera& camera, int row, int col,
                    Eigen::Ref<Eigen::Matrix2Xd, 0, Eigen::OuterStride<>> rays) {

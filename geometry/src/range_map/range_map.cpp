@@ -26,13 +26,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A header that asks for more is damaged: it is 1 GB of depths.
+// Largest accepted image, 1 GB of depths; a header that announces more is damaged.
 constexpr std::uint64_t kMaxPixels = std::uint64_t{1} << 28;
-// Bytes a strip: few strips are quicker than many.
+// Bytes per strip: few strips are faster than many.
 constexpr std::size_t kStripBytes = 1024 * 1024;
 
-/// The first thing libtiff complained about. Fixed size: it is filled inside a C library, through
-/// which no exception may pass.
+/// The first error message of libtiff. Fixed size, because it is filled in a callback of a C
+/// library, through which no exception may propagate.
 struct TiffMessage {
   std::array<char, 256> text{};
   [[nodiscard]] bool empty() const { return text[0] == '\0'; }
@@ -152,7 +152,7 @@ void write_strips(const fs::path& path, const fs::path& temporary, const ImageF&
   TIFFSetField(file.get(), TIFFTAG_SAMPLESPERPIXEL, 1);
   TIFFSetField(file.get(), TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG);
   TIFFSetField(file.get(), TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISBLACK);
-  // Depths hold noise: the fastest deflate takes fourteen times as long for half the size.
+  // Depths contain noise: even the fastest deflate takes fourteen times as long for half the size.
   TIFFSetField(file.get(), TIFFTAG_COMPRESSION, COMPRESSION_NONE);
   TIFFSetField(file.get(), TIFFTAG_ROWSPERSTRIP, static_cast<std::uint32_t>(step));
   std::uint32_t strip = 0;
@@ -162,7 +162,7 @@ void write_strips(const fs::path& path, const fs::path& temporary, const ImageF&
     check(TIFFWriteEncodedStrip(file.get(), strip, rows.data(), bytes) == bytes);
   }
   check(TIFFWriteDirectory(file.get()) == 1);
-  file.reset();  // TIFFClose returns nothing; a failure shows in the message
+  file.reset();  // TIFFClose returns nothing; a failure is seen in the message
   check(true);
 }
 

@@ -26,10 +26,10 @@ void check_options(const RangeMapMeshOptions& options) {
           above(0).at_most(std::numbers::pi / 2), "rad");
 }
 
-/// Tells which neighbouring pixels lie on one surface.
+/// Decides which neighbouring pixels lie on one surface.
 ///
-/// It works on w = 1 / z, which is linear in the image where the surface is plane: what a surface
-/// does beyond a pixel is then predicted from the two pixels before, however steep it is.
+/// Uses w = 1 / z, which is linear in the image where the surface is plane, so that the two pixels
+/// before predict the surface beyond a pixel, however steep it is.
 class DepthSteps {
  public:
   DepthSteps(const ImageF& z, double max_depth_step)
@@ -45,14 +45,14 @@ class DepthSteps {
     });
   }
 
-  /// Whether the surface goes on from a pixel to the one on its right, or below it.
+  /// Whether the surface continues from a pixel to the one on its right, or below it.
   [[nodiscard]] bool joined_right(Eigen::Index row, Eigen::Index col) const {
     return goes_on(at(row, col), 1, false);
   }
   [[nodiscard]] bool joined_below(Eigen::Index row, Eigen::Index col) const {
     return goes_on(at(row, col), stride_, false);
   }
-  /// Whether it goes on to the pixel across the cell, given that it does so along two of its sides.
+  /// Whether it continues to the pixel across the cell, given that it does along two of its sides.
   [[nodiscard]] bool joined_falling(Eigen::Index row, Eigen::Index col) const {
     return goes_on(at(row, col), stride_ + 1, true);
   }
@@ -61,16 +61,14 @@ class DepthSteps {
   }
 
  private:
-  /// `unseen`: the answer for a step too large to be taken as it is if the surface is unknown both
-  /// before and after it.
+  /// `unseen`: the answer for a large step if the surface is unknown both before and after it.
   [[nodiscard]] bool goes_on(const double* w, Eigen::Index next, bool unseen) const {
     const double step = w[next] - w[0];
-    // |w - w'| <= s min(w, w') is |z - z'| <= s min(z, z').
+    // |w - w'| <= s min(w, w') is equivalent to |z - z'| <= s min(z, z').
     const double limit = max_step_ * std::min(w[0], w[next]);
     if (std::abs(step) <= limit) return true;
-    // A steep surface comes at this slope and goes on at it. One side alone proves nothing: a pixel
-    // that saw half of the one surface and half of the other lies between them. A side that is
-    // unknown cannot object.
+    // A steep surface has this slope before and after the step. One side alone is no proof, because
+    // a pixel that sees half of two surfaces lies between them. An unknown side does not object.
     const double bend_before = std::abs(step - (w[0] - w[-next]));
     const double bend_after = std::abs(step - (w[2 * next] - w[next]));
     if (std::isnan(bend_before) && std::isnan(bend_after)) return unseen && !std::isnan(step);
@@ -87,7 +85,7 @@ class DepthSteps {
   double max_step_;
   Eigen::Index stride_;
   std::vector<double>
-      inverse_depth_;  ///< with a frame of unknown pixels, so that all have neighbours
+      inverse_depth_;  ///< padded with unknown pixels, so that all pixels have neighbours
 };
 
 /// Whether a triangle faces the camera at an angle of at most acos(`min_cosine`) to its viewing
@@ -100,7 +98,7 @@ bool well_seen(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::
   return towards > 0 && towards >= min_cosine * std::sqrt(normal.squaredNorm() * ray.squaredNorm());
 }
 
-/// Which triangles a cell of four pixels has, as bits:
+/// The triangles of a cell of four pixels, as bits:
 ///
 ///     a b     falling diagonal (a d): first (a c d), second (a d b)
 ///     c d     rising diagonal (b c):  first (a c b), second (b c d)
@@ -128,8 +126,8 @@ constexpr std::array<unsigned, 8> kUsedCorners = {0, 0b1101, 0b1011, 0b1111,
 
 bool has_corner(Cell cell, unsigned corner) { return (kUsedCorners[cell] >> corner & 1U) != 0; }
 
-/// The cell with pixel (row, col) as its corner d; with a frame of empty cells all around, so that
-/// every pixel has four.
+/// The cell with pixel (row, col) as its corner d; padded with empty cells, so that every pixel has
+/// four cells.
 using Cells = Eigen::Array<Cell, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 /// The triangles of one row of cells.
@@ -183,8 +181,8 @@ bool is_used(const Cells& cells, Eigen::Index row, Eigen::Index col) {
          has_corner(cells(row, col + 1), 2) || has_corner(cells(row, col), 3);
 }
 
-/// Where the items of each row start when `count(row)` items of all rows lie one after the other,
-/// and at the end how many there are.
+/// Start index of each row if `count(row)` items per row are stored one row after another, followed
+/// by the total.
 template <typename Count>
 std::vector<Eigen::Index> row_starts(Eigen::Index rows, const Count& count) {
   std::vector<Eigen::Index> starts(static_cast<std::size_t>(rows + 1), 0);
@@ -194,8 +192,8 @@ std::vector<Eigen::Index> row_starts(Eigen::Index rows, const Count& count) {
   return starts;
 }
 
-/// Numbers the pixels that have a triangle, row after row: pixel and point of each vertex, and
-/// returned is the vertex of each such pixel.
+/// Numbers the pixels that have a triangle, row by row: fills in pixel and point of each vertex,
+/// and returns the vertex of each such pixel.
 std::vector<int> take_vertices(const Cells& cells, const Eigen::Matrix3Xd& points,
                                RangeMapMesh& result) {
   constexpr int kUnused = -1;

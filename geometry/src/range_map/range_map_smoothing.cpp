@@ -20,13 +20,13 @@ namespace {
 
 constexpr int kMostRadius = 15;
 constexpr int kReweightings = 3;
-/// One surface explains a window iff the mean square of its residuals, in deviations, is at most
-/// this. Of noise as predicted it is 1 with a spread of 0.2 (49 pixels); deviations predicted 0.7
-/// times too small still pass.
+/// One surface explains a window iff the mean square of its residuals, in units of their
+/// deviations, is at most this. With noise as predicted it is 1 with a spread of 0.2 (49 pixels);
+/// deviations that are predicted too small by a factor of 0.7 still pass.
 constexpr double kGoodFit = 2;
 /// A fit is trusted iff the smallest pivot of its normal equations is at least this fraction of the
-/// largest: the window's coordinates are scaled to [-1, 1], so that only a shape of the known
-/// pixels that does not fix the surface (a line, a corner) comes near it.
+/// largest. The window's coordinates are scaled to [-1, 1], so only known pixels whose arrangement
+/// does not determine the surface (a line, a corner) come close to this limit.
 constexpr double kLeastPivot = 1e-4;
 
 using Row6 = Eigen::Matrix<double, 6, 1>;
@@ -35,7 +35,7 @@ using Row6 = Eigen::Matrix<double, 6, 1>;
 struct Neighbour {
   Row6 basis;          ///< 1, x, y, x^2, x y, y^2 with x and y from -1 to 1
   double inverse = 0;  ///< 1 / z minus that of the middle
-  double sigma = 0;    ///< of it
+  double sigma = 0;    ///< of `inverse`
   double weight = 0;
 };
 
@@ -107,8 +107,8 @@ class Smoother {
     }
   }
 
-  /// More than one surface is in the window: the middle belongs to that one of its halves that is
-  /// most of a plane. From there, what fits is taken in.
+  /// If the window contains more than one surface, the middle belongs to the half that is most
+  /// planar. Starting from there, pixels that fit are added.
   std::optional<Row6> fit_one_side() {
     std::optional<Row6> surface;
     double best = std::numeric_limits<double>::infinity();
@@ -131,7 +131,7 @@ class Smoother {
     return surface;
   }
 
-  /// Of the residuals in deviations, over the pixels with a weight.
+  /// Mean square of the residuals in units of their deviations, over the pixels with a weight.
   [[nodiscard]] double mean_square(const Row6& surface) const {
     double sum = 0, count = 0;
     for (const Neighbour& n : window_) {
@@ -143,7 +143,7 @@ class Smoother {
     return sum / count;
   }
 
-  /// Weighted least squares; of first order where the pixels do not fix a second.
+  /// Weighted least squares; of first order if the pixels do not determine a second-order surface.
   [[nodiscard]] std::optional<Row6> fit() const {
     const auto [normal, right] = normal_equations();
     const Eigen::LDLT<Eigen::Matrix<double, 6, 6>> second(normal);

@@ -84,7 +84,7 @@ MergedScans merge_scans(std::span<const Scan> scans, const MergeScansOptions& op
     throw SolverError("merge_scans: no triangle of the surface is within reach of a scan");
   }
   merged.trimmed = static_cast<int>(closed.triangles.cols() - trimmed.triangles.cols());
-  // Vertices of no triangle are left over, and some at which two fans are.
+  // Vertices without triangles are left over, and some vertices with two fans.
   merged.mesh = repair_mesh(trimmed).mesh;
   return merged;
 }

@@ -10,7 +10,7 @@
 namespace palpate::geometry {
 namespace {
 
-/// So many points fix a pose far better than they are measured; more only take longer.
+/// This many points determine a pose far better than needed; more only take longer.
 constexpr Eigen::Index kMaxPoints = 20000;
 
 Eigen::Matrix3Xd thinned(const Eigen::Matrix3Xd& points) {

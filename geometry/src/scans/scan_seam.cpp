@@ -22,21 +22,22 @@ namespace {
 using Eigen::Vector3d;
 using Edge = std::pair<int, int>;
 
-/// Longest edges of a seam, in spacings of the wider end. A gap is where triangles were cut off
-/// that had a corner on the other side: up to two edges wide, some of them longer than others.
+/// Longest edges of a seam, in spacings of the end with the larger spacing. A gap arises where
+/// triangles with a corner on the other side were removed: it is up to two edges wide, of varying
+/// length.
 constexpr double kLongestAcross = 3;
 constexpr double kLongestAlong = 2.5;  ///< between vertices of one piece
 
-/// Edges of a face that is filled whatever its corners are, and of one that is filled if at least a
-/// third of them was laid bare; others are holes that were measured.
+/// Number of edges of a face that is always filled, and of one that is filled if at least a third
+/// of its corners were exposed by a cut; others are holes in the measurement.
 constexpr std::size_t kSmallFace = 8;
 constexpr std::size_t kLargestFace = 12;
 
-/// Of a grid: what is farther is in this one, so that an outlier has an index too.
+/// Largest index of a grid; farther points use it too, so that outliers have an index.
 constexpr double kFarCell = 1e9;
 
-/// A free sector at a border vertex: neighbours counter-clockwise from the border edge that comes
-/// in over the edges of the seam to the border edge that goes out.
+/// A free sector at a border vertex: its neighbours counter-clockwise from the incoming border
+/// edge, over the edges of the seam, to the outgoing border edge.
 using Sector = std::vector<int>;
 
 struct Candidate {
@@ -81,7 +82,7 @@ class SeamTriangulation {
     for (auto& [vertex, sectors] : sectors_) {
       if (sectors.size() > 1 && joinable(vertex)) part(vertex, sectors);
     }
-    // Edges that are taken already: of all triangles at border vertices.
+    // Edges that exist already, of all triangles at border vertices.
     for (const auto& t : mesh.triangles.colwise()) {
       for (int k = 0; k < 3; ++k) {
         const Edge edge = std::minmax(t[k], t[(k + 1) % 3]);
@@ -115,8 +116,8 @@ class SeamTriangulation {
     return !seam_.laid_bare[static_cast<std::size_t>(vertex)];
   }
 
-  /// Border vertices near to each border vertex, found in a grid of cubes; and the edges between
-  /// them that a seam may have, shortest first.
+  /// Pairs of nearby border vertices, found in a grid of cubes, that may become edges of the seam,
+  /// shortest first.
   std::vector<Candidate> candidates() {
     double cell_size = 0;
     for (const auto& [v, sectors] : sectors_) {
@@ -157,13 +158,13 @@ class SeamTriangulation {
     if (!joinable(v) || !joinable(w) || edges_.contains({v, w})) return false;
     const bool crosses_gap =
         seam_.piece[static_cast<std::size_t>(v)] != seam_.piece[static_cast<std::size_t>(w)];
-    // A notch in the border of a scan is none of the seam's.
+    // A notch in the border of one scan does not belong to the seam.
     if (!crosses_gap && measured(v) && measured(w)) return false;
     const double limit = longest(v, w, crosses_gap);
     return squared_length > 0 && squared_length <= limit * limit && normal(v).dot(normal(w)) > 0;
   }
 
-  /// [mm] an edge between two vertices at most.
+  /// [mm] Largest length of an edge between two vertices.
   [[nodiscard]] double longest(int v, int w, bool crosses_gap) const {
     const double spacing = std::max(seam_.spacing[v], seam_.spacing[w]);
     return crosses_gap ? std::hypot(kLongestAcross * spacing, seam_.step) : kLongestAlong * spacing;
@@ -176,7 +177,7 @@ class SeamTriangulation {
     return angle < 0 ? angle + 2 * std::numbers::pi : angle;
   }
 
-  /// Where an edge from `vertex` to `to` would stand: sector, and place in it.
+  /// Where an edge from `vertex` to `to` would be: its sector, and the position in it.
   [[nodiscard]] std::optional<std::pair<std::size_t, std::size_t>> place_at(int vertex,
                                                                             int to) const {
     const std::vector<Sector>& sectors = sectors_.at(vertex);
@@ -205,7 +206,7 @@ class SeamTriangulation {
 
   [[nodiscard]] bool crosses_another(const Edge& edge) const {
     const Vector3d along = normal(edge.first) + normal(edge.second);
-    // Of two edges that cross, neither longer than a cell, two ends are within a cell.
+    // If two edges cross and neither is longer than a cell, two of their ends are within a cell.
     for (const int end : {edge.first, edge.second}) {
       for (const int v : near_.at(end)) {
         if (v == edge.first || v == edge.second || !(normal(v).dot(along) > 0)) continue;
@@ -235,7 +236,7 @@ class SeamTriangulation {
     sector.insert(sector.begin() + static_cast<std::ptrdiff_t>(place.second), to);
   }
 
-  /// The face on the left of the edge: at each vertex on to the next edge clockwise.
+  /// The face on the left of an edge, found by taking the next edge clockwise at each vertex.
   [[nodiscard]] std::vector<int> face(int from, int to) const {
     std::vector<int> corners = {from};
     const int start = from;
@@ -271,8 +272,8 @@ class SeamTriangulation {
     for (const std::vector<int>& corners : faces) cut_into_triangles(corners);
   }
 
-  /// Whether a face is a part of the gap, and lies as the surface does there: not the outside of an
-  /// island, nor a hole of one piece.
+  /// Whether a face is part of the gap and oriented like the surface: not the outside of an island,
+  /// nor a hole of one piece.
   [[nodiscard]] bool is_of_seam(const std::vector<int>& corners) const {
     const std::set<int> distinct(corners.begin(), corners.end());
     if (corners.size() < 3 || distinct.size() != corners.size()) return false;
@@ -292,8 +293,8 @@ class SeamTriangulation {
     return twice_area.dot(normals) > 0;
   }
 
-  /// The corner whose ear has the shortest new edge goes first, one whose ear would be folded over
-  /// last; a face stays open where each new edge would be one that is there already.
+  /// Clips the ear with the shortest new edge first, and folded ears last; a face stays open if
+  /// each new edge would duplicate an existing one.
   void cut_into_triangles(std::vector<int> corners) {
     while (corners.size() > 3) {
       const std::size_t count = corners.size();

@@ -22,14 +22,14 @@ namespace palpate::geometry {
 namespace {
 
 /// Lengths in point spacings.
-constexpr double kLead = 4;        ///< a later scan is farther from its border than the earlier one
-constexpr double kLeastGap = 0.5;  ///< between pieces, so that no needles lie in the seam
-/// Rounds of dropping what lies over the other piece; the second finds nothing but what the first
-/// has laid bare.
+constexpr double kLead = 4;        ///< a later scan must be this much farther from its border
+constexpr double kLeastGap = 0.5;  ///< between pieces, so that the seam has no needles
+/// Rounds of removing what overlaps the other piece; the second one only handles what the first one
+/// has exposed.
 constexpr int kClipRounds = 4;
 
-/// A surface in the making: oriented and manifold, of measured vertices. A vertex may be unused, or
-/// two fans may touch in it.
+/// A surface under construction: oriented, manifold, with measured vertices. A vertex may be
+/// unused, or two fans may touch in it.
 struct Piece {
   TriangleMesh mesh;
   std::vector<ScanVertex> source;
@@ -39,7 +39,7 @@ struct Piece {
   [[nodiscard]] bool empty() const { return mesh.triangles.cols() == 0; }
 };
 
-/// The corners of half-edges without an opposite: at the border.
+/// The corners of half-edges without an opposite: the border vertices.
 std::vector<bool> border_vertices(const TriangleMesh& mesh) {
   std::vector<bool> border(static_cast<std::size_t>(mesh.vertices.cols()), false);
   if (mesh.triangles.cols() == 0) return border;
@@ -52,7 +52,7 @@ std::vector<bool> border_vertices(const TriangleMesh& mesh) {
   return border;
 }
 
-/// [mm] of the edges at each vertex, those within the surface counted twice; 0 without one.
+/// [mm] mean length of the edges at each vertex, with inner edges counted twice; 0 without edges.
 Eigen::VectorXd mean_edge_lengths(const TriangleMesh& mesh) {
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(mesh.vertices.cols());
   Eigen::VectorXd count = Eigen::VectorXd::Zero(mesh.vertices.cols());
@@ -69,7 +69,7 @@ Eigen::VectorXd mean_edge_lengths(const TriangleMesh& mesh) {
   return sum.array() / count.array().max(1);
 }
 
-/// [mm] along the surface from each vertex to the border; infinite if there is none.
+/// [mm] distance along the surface from each vertex to the border; infinite if there is none.
 Eigen::VectorXd distance_to_border(const TriangleMesh& mesh) {
   const std::vector<bool> border = border_vertices(mesh);
   std::vector<SurfacePoint> sources;
@@ -88,10 +88,10 @@ Eigen::VectorXd distance_to_border(const TriangleMesh& mesh) {
   return geodesic_distance(mesh, sources).distance;
 }
 
-/// Where the vertices of one surface see another.
+/// How the vertices of one surface see another surface.
 class Overlap {
  public:
-  /// Pre: `mesh` has a triangle.
+  /// Precondition: `mesh` has a triangle.
   Overlap(const TriangleMesh& mesh, const Eigen::Matrix3Xd& points,
           const Eigen::Matrix3Xd& point_normals, double reach)
       : mesh_(mesh),
@@ -111,7 +111,7 @@ class Overlap {
   /// Within reach, and facing the same way.
   [[nodiscard]] bool sees(Eigen::Index v) const { return seen_[static_cast<std::size_t>(v)]; }
 
-  /// Sees the inside of the surface, or its border from less than `margin` beside it.
+  /// Whether it sees the inside of the surface, or its border from a distance below `margin`.
   [[nodiscard]] bool covered(Eigen::Index v, double margin) const {
     return sees(v) && (!at_border(v) || beside(v) < margin);
   }
@@ -128,7 +128,7 @@ class Overlap {
     return touches_border_in_a_corner(v);
   }
 
-  /// A value of the surface's vertices at the closest point.
+  /// Interpolates a value of the surface's vertices at the closest point.
   [[nodiscard]] double value(const Eigen::VectorXd& of_vertices, Eigen::Index v) const {
     return of_vertices(mesh_.triangles.col(triangle(v))).dot(closest_.barycentric.col(v));
   }
@@ -138,7 +138,7 @@ class Overlap {
     return normals_.col(closest_.triangles[v]);
   }
 
-  /// [mm] from the closest point, within the plane there.
+  /// [mm] distance from the closest point, within the plane there.
   [[nodiscard]] double beside(Eigen::Index v) const {
     const Eigen::Vector3d offset = points_.col(v) - closest_.positions.col(v);
     return (offset - offset.dot(normal_at(v)) * normal_at(v)).norm();
@@ -179,7 +179,7 @@ int drop_triangles_at(TriangleMesh& mesh, const std::vector<bool>& vertices) {
   });
 }
 
-/// Drops of the surface what the scan sees from farther inside its border.
+/// Removes from the surface what the scan sees from farther inside its own border.
 int give_way(Piece& surface, const Piece& scan, double reach, double lead) {
   const Overlap overlap(scan.mesh, surface.mesh.vertices, surface.normals, reach);
   const Eigen::VectorXd inside_surface = distance_to_border(surface.mesh);
@@ -192,7 +192,7 @@ int give_way(Piece& surface, const Piece& scan, double reach, double lead) {
   return drop_triangles_at(surface.mesh, worse);
 }
 
-/// Drops of the scan what lies over the surface, or too near to it for a seam.
+/// Removes from the scan what covers the surface, or is too close to it for a seam.
 int clip(Piece& scan, const Piece& surface, double reach, double gap) {
   int dropped = 0;
   if (surface.empty()) return dropped;
@@ -202,7 +202,7 @@ int clip(Piece& scan, const Piece& surface, double reach, double gap) {
     covered[static_cast<std::size_t>(v)] = on_surface.covered(v, gap);
   }
   dropped += drop_triangles_at(scan.mesh, covered);
-  // A corner of the surface may still reach into a triangle.
+  // A corner of the surface may still extend into a triangle.
   const std::vector<bool> border = border_vertices(surface.mesh);
   for (int round = 0; round < kClipRounds && !scan.empty(); ++round) {
     const Overlap on_scan(scan.mesh, surface.mesh.vertices, surface.normals, reach);
@@ -219,8 +219,8 @@ int clip(Piece& scan, const Piece& surface, double reach, double gap) {
   return dropped;
 }
 
-/// Adds the vertices of a piece to a seam. Those of its border may be joined where it was cut, or
-/// saw the other piece before.
+/// Adds the vertices of a piece to a seam. Border vertices may be joined if they were exposed by a
+/// cut or saw the other piece before.
 void add_to_seam(const Piece& piece, const TriangleMesh& before, const TriangleMesh& other_before,
                  double reach, Seam& seam) {
   const std::vector<bool> border = border_vertices(piece.mesh);
@@ -321,7 +321,7 @@ ZipperedScans zipper_scans(std::span<const Scan> scans, const ZipperScansOptions
     zipper.add(std::move(scan));
   }
   result.dropped = zipper.dropped();
-  // Fans that touch in one vertex are parted, vertices without a triangle left out.
+  // Separate fans that touch in one vertex, and leave out vertices without a triangle.
   RepairedMesh repaired = repair_mesh(zipper.surface().mesh);
   result.mesh = std::move(repaired.mesh);
   for (const int v : repaired.vertex_source) {
