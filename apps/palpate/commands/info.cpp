@@ -135,7 +135,6 @@ Description describe_model(const fs::path& path) {
   std::string prose = fmt::format(
       "model, {} contacts in {} triangles, on a surface of {} vertices\n"
       "  bases of a contact: {:.0f} in the median, at most {:.0f}\n"
-      "  bases of a contact: {:.0f} in the median, at most {:.0f}\n"
       "  RMS of a contact's fit: {:.4f} N in the median, {:.4f} N at most\n"
       "  friction coefficient: {:.3f} in the median; {} contacts have none of their own, {} of "
       "these a lower bound\n"
