@@ -26,25 +26,25 @@ namespace palpate::sensing {
 namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
-/// So many phase measurements at least, for three parameters and their deviations.
+/// Smallest number of phase measurements for three parameters and their deviations.
 constexpr std::size_t kLeastCells = 30;
-/// Below this `separation` nothing but noise tells the parameters apart.
+/// Below this `separation` only noise separates the parameters.
 constexpr double kLeastSeparation = 0.01;
-/// Tukey's weights leave out what is off by more than so many robust standard deviations.
+/// Tukey's weights are zero beyond this many robust standard deviations.
 constexpr double kTukey = 4.685;
-/// Median absolute deviation to standard deviation, of a Gaussian.
+/// Factor from the median absolute deviation to the standard deviation of a Gaussian.
 constexpr double kMadToSigma = 1.4826;
-/// No phase is measured better than this [rad]; keeps the weights defined for perfect images.
+/// Smallest deviation of a phase [rad]; keeps the weights defined for perfect images.
 constexpr double kLeastSigma = 1e-6;
 constexpr int kMaxSteps = 30;
-/// The steps end when the compensated phase moves by no more than this [rad RMS]: a thousandth of
-/// what a phase is measured to.
+/// Iteration ends when the compensated phase changes by at most this [rad RMS], a thousandth of the
+/// measurement error of a phase.
 constexpr double kStepTolerance = 1e-6;
-/// The start is sought in steps that turn the phase by at most this [rad]: far less than the pi at
-/// which Gauss-Newton would go the wrong way.
+/// The start is searched in steps that change the phase by at most this [rad], far less than the pi
+/// at which Gauss-Newton would diverge.
 constexpr double kStartStep = 0.5;
-/// Residuals within blocks of so many pixels are taken to hang together: slow errors of the lens
-/// models and of the light are of this size and larger.
+/// Residuals within blocks of this many pixels are treated as correlated: slow errors of the lens
+/// models and of the light have this size or a larger one.
 constexpr int kBlock = 64;
 
 /// A prepared image.
@@ -128,13 +128,13 @@ std::size_t count_cells(const Problem& problem) {
   return count;
 }
 
-/// Where a channel shows what green shows at a ray: (row, column) of the working image.
+/// Where a channel shows what green shows on a ray: (row, column) of the working image.
 Eigen::Vector2d place_in_channel(const Problem& problem, const Eigen::Vector3d& ray, double alpha) {
   const Eigen::Vector2d pixel = geometry::distort(problem.rig.camera, ray.head<2>() / alpha);
   return problem.carrier.transposed ? pixel : Eigen::Vector2d(pixel.y(), pixel.x());
 }
 
-/// How far that place moves with alpha.
+/// Derivative of that place by alpha.
 Eigen::Vector2d place_by_alpha(const Problem& problem, const Eigen::Vector3d& ray, double alpha) {
   constexpr double kHalfStep = 1e-4;
   return (place_in_channel(problem, ray, alpha + kHalfStep) -
@@ -142,7 +142,7 @@ Eigen::Vector2d place_by_alpha(const Problem& problem, const Eigen::Vector3d& ra
          (2 * kHalfStep);
 }
 
-/// A signal between its pixels, bilinear in re and im, which vary slowly. Zero outside.
+/// Interpolates a signal bilinearly in re and im, which vary slowly. Zero outside.
 std::complex<double> sample(const Demodulated& signal, const Eigen::Vector2d& place) {
   const Eigen::Vector2d corner = place.array().floor();
   if (!(corner.minCoeff() >= 0) || !(corner.x() + 1 < static_cast<double>(signal.re.rows())) ||
@@ -162,8 +162,8 @@ std::complex<double> sample(const Demodulated& signal, const Eigen::Vector2d& pl
   return {value(signal.re), value(signal.im)};
 }
 
-/// Mean phase over a cell of a channel relative to green, where green's pixels appear in the
-/// channel.
+/// Mean phase over a cell of a channel relative to green, at the places where green's pixels appear
+/// in the channel.
 /// \param center where the cell's centre appears.
 double relative_phase(const WhiteView& view, const Demodulated& channel, const PhaseCell& cell,
                       const Eigen::Vector2d& center, double alpha, double carrier) {
@@ -213,8 +213,8 @@ Residuals evaluate(const Problem& problem, std::size_t channel, const ChromaticS
   return residuals;
 }
 
-/// The shift at which the phases of most cells agree, whatever whole turns they lack: the residuals
-/// are taken as linear in alpha and beta, and gamma only turns them all alike.
+/// The shift at which the phases of most cells agree up to whole turns. The residuals are taken as
+/// linear in alpha and beta; gamma adds the same phase to all.
 ChromaticShift find_start(const Residuals& at_none, double range) {
   const auto steps = [&](int column) {
     const double largest = at_none.jacobian.col(column).cwiseAbs().maxCoeff();
@@ -254,7 +254,7 @@ double weighted_rms(const Eigen::VectorXd& values, const Eigen::VectorXd& weight
   return std::sqrt(values.cwiseAbs2().dot(weights) / weights.sum());
 }
 
-/// Which cells hang together: image, and block of the image.
+/// Index of the correlated group of a cell: image, and block of the image.
 std::vector<int> blocks_of_cells(const Problem& problem) {
   std::map<std::tuple<std::size_t, long, long>, int> number;
   std::vector<int> blocks;
@@ -267,9 +267,9 @@ std::vector<int> blocks_of_cells(const Problem& problem) {
   return blocks;
 }
 
-/// Covariance of the parameters when the residuals of a block hang together (Liang and Zeger's
-/// sandwich): B (sum over blocks of s s^T) B, B the inverse normal matrix, s the block's sum of
-/// weighted residual times Jacobian row.
+/// Covariance of the parameters for residuals that are correlated within a block (Liang and Zeger's
+/// sandwich): B (sum over blocks of s s^T) B, where B is the inverse normal matrix and s the
+/// block's sum of weighted residual times Jacobian row.
 Eigen::Matrix3d covariance(const Residuals& residuals, const Eigen::VectorXd& weights,
                            const std::vector<int>& blocks) {
   const Eigen::Matrix3d normal =
@@ -293,7 +293,7 @@ double separation_of(const Eigen::MatrixX3d& jacobian) {
   return std::sqrt(gram.jacobiSvd().singularValues().minCoeff());
 }
 
-/// Why images were not used, for messages.
+/// Reasons why images were not used, for messages.
 std::string reasons(const std::vector<WhiteImageUse>& uses) {
   std::string text;
   for (const WhiteImageUse& use : uses) {

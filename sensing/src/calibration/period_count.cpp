@@ -17,26 +17,26 @@ namespace palpate::sensing {
 namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
-/// Regions of fewer cells say too little.
+/// Smallest number of cells of a usable region.
 constexpr std::size_t kLeastCells = 12;
-/// A surface counts as plane if its phase deviates from one by at most this [rad RMS].
+/// A surface counts as plane iff its phase deviates from that of a plane by at most this [rad RMS].
 constexpr double kMaxPlaneResidual = 0.3;
-/// The number of periods counts as known if its standard deviation is at most this. A number that
-/// is wrong by one does little harm: it moves the lag of a channel by 2 pi (1 - 1 / beta).
+/// The number of periods counts as known iff its standard deviation is at most this. A number that
+/// is wrong by one does little harm: it changes the lag of a channel by 2 pi (1 - 1 / beta).
 constexpr double kMaxCountDeviation = 0.5;
 /// Keeps the scale of a column of zeros defined.
 constexpr double kTiny = std::numeric_limits<double>::min();
-/// This share of the cells with a known depth must tell the same number.
+/// This share of the cells with a known depth must give the same number.
 constexpr double kLeastAgreement = 0.8;
 
-/// A cell as the period's search sees it.
+/// A cell as used in the search for the period.
 struct Sample {
   Eigen::Vector3d ray;        ///< (x, y, 1) of the camera
   Eigen::Vector3d direction;  ///< in projector coordinates
   double pixel = 0;           ///< the projector's along the axis, up to whole periods
 };
 
-/// Depths if `pixel` holds; empty if one of them has none.
+/// Depths for the values of `pixel`; empty if one of them has none.
 std::vector<double> depths(const std::vector<Sample>& samples, const Triangulation& triangulation,
                            Axis axis, double more_pixels) {
   std::vector<double> result;
@@ -48,14 +48,14 @@ std::vector<double> depths(const std::vector<Sample>& samples, const Triangulati
   return result;
 }
 
-/// How the samples lie about the plane that fits them best.
+/// Deviation of the samples from their best plane.
 struct PlaneFit {
-  Eigen::MatrixX3d equations;  ///< of the plane's parameters, a row a sample [rad]
+  Eigen::MatrixX3d equations;  ///< of the plane's parameters, one row per sample [rad]
   Eigen::VectorXd residual;    ///< [rad]
 };
 
-/// A plane has 1 / z = m . (x, y, 1), linear in m, and the phase is nearly linear in 1 / z. Nothing
-/// if a sample has no depth.
+/// A plane has 1 / z = m . (x, y, 1), which is linear in m, and the phase is nearly linear in 1 /
+/// z. Empty if a sample has no depth.
 std::optional<PlaneFit> fit_plane(const std::vector<Sample>& samples,
                                   const Triangulation& triangulation, const Pattern& pattern,
                                   double more_pixels) {
@@ -75,12 +75,11 @@ std::optional<PlaneFit> fit_plane(const std::vector<Sample>& samples,
   return fit;
 }
 
-/// What is not explained by the plane nor by `change`, the variance of one direction of the
-/// residual.
+/// Variance, per direction of the residual, of what neither the plane nor `change` explains.
 struct Unexplained {
   double noise = 0;  ///< over all directions
   /// Over polynomials of the second and third degree: slow errors of a lens, of the rig's
-  /// calibration or of the surface, which pass for a wrong number of periods.
+  /// calibration or of the surface, which can be mistaken for a wrong number of periods.
   double slow = 0;
 };
 Unexplained unexplained(const std::vector<Sample>& samples, const PlaneFit& fit,
@@ -105,14 +104,14 @@ Unexplained unexplained(const std::vector<Sample>& samples, const PlaneFit& fit,
   return {.noise = fit.residual.squaredNorm() / static_cast<double>(count - kTaken), .slow = slow};
 }
 
-/// A number of periods, or why there is none.
+/// The number of periods, or the reason why there is none.
 struct Count {
   std::optional<int> periods;
   double deviation = 0;  ///< of the number
   std::string problem;
 };
 
-/// The number of periods with which the samples lie best in a plane.
+/// The number of periods for which the samples are closest to a plane.
 Count count_by_plane(const std::vector<Sample>& samples, const Triangulation& triangulation,
                      const Pattern& pattern, int first, int last) {
   const auto fit = [&](int periods) {
@@ -146,7 +145,7 @@ Count count_by_plane(const std::vector<Sample>& samples, const Triangulation& tr
   return {periods, std::sqrt(std::max(rest.noise, rest.slow)) / change.norm(), {}};
 }
 
-/// The number of periods that known depths tell.
+/// The number of periods that follows from known depths.
 /// \param missing periods that each sample lacks.
 Count count_by_depth(const std::vector<double>& missing) {
   if (missing.empty()) return {{}, 0, "no depth is known where its phase is reliable"};
@@ -164,7 +163,7 @@ Eigen::Vector2d camera_pixel(const PhaseCell& cell, const Carrier& carrier) {
   return carrier.transposed ? cell.center : Eigen::Vector2d(cell.center.y(), cell.center.x());
 }
 
-/// The depth given nearest to a cell's centre; NaN if unknown.
+/// The given depth nearest to a cell's centre; NaN if unknown.
 double depth_at(const geometry::ImageF& depth, const Eigen::Vector2d& pixel) {
   return static_cast<double>(depth(std::lround(pixel.y()), std::lround(pixel.x())));
 }

@@ -14,7 +14,7 @@
 namespace palpate::sensing {
 namespace {
 
-/// Empty if the curve can be used.
+/// Why a curve cannot be used; empty if it can.
 std::string fault_of(const ResponseCurve& curve) {
   if (!std::isfinite(curve.black) || !(curve.gain > 0) || !std::isfinite(curve.gain) ||
       !(curve.gamma > 0) || !std::isfinite(curve.gamma)) {
@@ -34,14 +34,14 @@ std::string fault_of(const ResponseCurve& curve) {
   return {};
 }
 
-/// Level as a function of light. Between the measured levels, what is left beside the power law is
-/// interpolated: it bends far less than the curve itself.
+/// Level as a function of light. Between measured levels the deviation from the power law is
+/// interpolated, because it is much straighter than the curve itself.
 class InverseCurve {
  public:
   explicit InverseCurve(const ResponseCurve& curve) : exponent_(1 / curve.gamma) {
     for (std::size_t i = 0; i < curve.levels.size(); ++i) {
       const double root = std::pow(curve.light[i], exponent_);
-      // Levels that look alike: the middle of them.
+      // For levels with equal light take the middle one.
       if (!roots_.empty() && !(root > roots_.back())) {
         levels_.back() = (levels_.back() + curve.levels[i]) / 2;
         continue;

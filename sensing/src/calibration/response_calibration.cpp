@@ -17,13 +17,13 @@
 namespace palpate::sensing {
 namespace {
 
-/// A curve needs black, gain, exponent, and something to check them with.
+/// Smallest number of levels: a curve needs black, gain, exponent, and some redundancy.
 constexpr std::size_t kLeastLevels = 5;
-/// Share of the lit pixels that must be left when clipped ones are taken out.
+/// Share of the lit pixels that must remain without the clipped ones.
 constexpr double kLeastUsable = 0.2;
-/// A level may look darker than the one below by so much of the whole range: flicker and noise.
+/// A level may look darker than the one below by this share of the whole range (flicker, noise).
 constexpr double kFlicker = 0.01;
-/// Exponents between which the power law is sought.
+/// Range of exponents for the power law.
 constexpr double kLeastGamma = 0.2;
 constexpr double kMostGamma = 5;
 
@@ -54,7 +54,7 @@ std::vector<GreyImage> sorted_and_checked(std::vector<GreyImage> ramp,
   return ramp;
 }
 
-/// Everything of one channel, as fractions of full scale.
+/// Data of one channel, as fractions of full scale.
 struct Channel {
   std::vector<double> levels;
   std::vector<std::string> names;
@@ -86,7 +86,7 @@ cv::Mat find_lit(const Channel& channel, const ResponseOptions& options) {
     fail("even " + channel.names.front() + " is clipped; shorten the exposure");
   cv::Mat_<float> range;
   cv::subtract(high, low, range);
-  // Single glints and broken pixels are not what the others are measured by.
+  // Highlights and defective pixels must not set the scale for the others.
   std::vector<float> ranges(range.begin(), range.end());
   const auto widest = ranges.begin() + static_cast<std::ptrdiff_t>(ranges.size() * 19 / 20);
   std::nth_element(ranges.begin(), widest, ranges.end());
@@ -98,8 +98,8 @@ cv::Mat find_lit(const Channel& channel, const ResponseOptions& options) {
   return range >= options.min_range * static_cast<double>(*widest);
 }
 
-/// Takes clipped pixels out of the mask, and with them the brightest levels where hardly any pixel
-/// is not clipped.
+/// Removes clipped pixels from the mask, and the brightest levels if they would leave too few
+/// pixels.
 void drop_clipped(Channel& channel, cv::Mat& mask) {
   const double lit = cv::countNonZero(mask);
   while (true) {
@@ -119,7 +119,7 @@ void drop_clipped(Channel& channel, cv::Mat& mask) {
   }
 }
 
-/// Mean value at each level, rising.
+/// Mean value at each level, increasing.
 Eigen::VectorXd mean_values(const Channel& channel, const cv::Mat& mask) {
   Eigen::VectorXd values(static_cast<Eigen::Index>(channel.images.size()));
   for (Eigen::Index i = 0; i < values.size(); ++i)

@@ -16,19 +16,19 @@ namespace palpate::sensing {
 namespace {
 
 constexpr int kLens = 9;                    ///< parameters of a lens: fx fy cx cy and distortion
-constexpr int kMove = 6;                    ///< of a pose: rotation, then translation
-constexpr int kShared = 2 * kLens + kMove;  ///< of all views: camera, projector, pose
+constexpr int kMove = 6;                    ///< parameters of a pose: rotation, then translation
+constexpr int kShared = 2 * kLens + kMove;  ///< parameters of all views: camera, projector, pose
 constexpr int kProjector = kLens;           ///< first column of the projector
 constexpr int kPose = 2 * kLens;            ///< first column of R and t
 
 using SharedVector = Eigen::Matrix<double, kShared, 1>;
 using MoveVector = Eigen::Matrix<double, kMove, 1>;
 
-/// The effect of small changes on the pixels of a lens, two rows a point.
+/// Derivatives of the pixels of a lens, two rows per point.
 struct LensView {
   Eigen::Matrix2Xd predicted;
   Eigen::MatrixXd by_lens;  ///< 2N x 9
-  Eigen::MatrixXd by_move;  ///< 2N x 6: the points turned about the lens, then shifted
+  Eigen::MatrixXd by_move;  ///< 2N x 6: by a rotation of the points about the lens, then a shift
 };
 
 /// `points`: 3 x N in the lens' frame.
@@ -40,7 +40,7 @@ LensView look(const geometry::Camera& lens, const Eigen::Matrix3Xd& points) {
   const cv::Mat objects(count, 1, CV_64FC3, const_cast<double*>(points.data()));
   cv::Mat_<cv::Vec2d> pixels;
   cv::Mat_<double> jacobian;
-  // Zero rotation and translation: their columns become the derivatives by a move of the points.
+  // With zero rotation and translation their columns are the derivatives by a motion of the points.
   cv::projectPoints(objects, cv::Vec3d(), cv::Vec3d(), matrix, distortion, pixels, jacobian);
   LensView view{Eigen::Matrix2Xd(2, count), Eigen::MatrixXd(2 * count, kLens),
                 Eigen::MatrixXd(2 * count, kMove)};
@@ -64,7 +64,8 @@ Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
   return matrix;
 }
 
-/// Rows of one view, divided by sigma: columns of the view's pose, of what all share, residuals.
+/// Rows of one view, divided by sigma: columns of the view's pose, of the shared parameters,
+/// residuals.
 Eigen::MatrixXd view_rows(const Bundle& bundle, const BundleView& view, std::size_t index,
                           const BundleOptions& options) {
   const Eigen::Isometry3d& T_camera_board = bundle.T_camera_board[index];
@@ -96,7 +97,7 @@ Eigen::MatrixXd view_rows(const Bundle& bundle, const BundleView& view, std::siz
   return rows;
 }
 
-/// Which of the shared parameters are estimated.
+/// The shared parameters that are estimated.
 std::array<bool, kShared> free_parameters(const BundleOptions& options) {
   std::array<bool, kShared> free{};
   for (int i = 0; i < kShared; ++i) {
@@ -155,7 +156,7 @@ Linearization linearize_bundle(const Bundle& bundle, const std::vector<BundleVie
   }
   Eigen::MatrixXd diagonal = Eigen::MatrixXd::Zero(kShared, kShared + 1);
   for (int i = 0; i < kShared; ++i) {
-    // What is not estimated gets an equation of its own: it stays.
+    // A fixed parameter gets an equation of its own that keeps its value.
     diagonal(i, i) = free.at(static_cast<std::size_t>(i)) ? damping * std::sqrt(squares[i]) : 1;
   }
   append(diagonal);
@@ -168,7 +169,7 @@ Eigen::Isometry3d moved(const Eigen::Isometry3d& T, const MoveVector& move) {
   Eigen::Isometry3d result = T;
   if (angle > 0) result.prerotate(Eigen::AngleAxisd(angle, move.head<3>() / angle));
   result.pretranslate(move.tail<3>());
-  // Many small turns: keep it a rotation.
+  // Orthogonalise again, because many small rotations accumulate rounding.
   result.linear() = Eigen::Quaterniond(result.linear()).normalized().toRotationMatrix();
   return result;
 }
@@ -229,8 +230,8 @@ Bundle refine_bundle(const Bundle& start, const std::vector<BundleView>& views,
                      const BundleOptions& options) {
   constexpr int kMaxIterations = 200;
   constexpr double kStart = 1e-3;    // relative to the columns' norms
-  constexpr double kHopeless = 1e6;  // no step is short enough: rounding
-  constexpr double kGain = 1e-12;    // relative decrease of the cost that is worth a step
+  constexpr double kHopeless = 1e6;  // damping at which only rounding prevents a smaller cost
+  constexpr double kGain = 1e-12;    // smallest relative decrease of the cost that justifies a step
   Bundle best = start;
   double cost = cost_of(best, views, options);
   if (!std::isfinite(cost)) throw SolverError("rig calibration: the start is not finite");
@@ -260,7 +261,7 @@ Eigen::MatrixXd bundle_covariance(const Bundle& bundle, const std::vector<Bundle
   triangle.triangularView<Eigen::Upper>().solveInPlace(root);
   for (int i = 0; i < kShared; ++i)
     if (!free.at(static_cast<std::size_t>(i))) root.col(i).setZero();
-  // The translation moves with the turn as well: dt = turn x t + shift.
+  // The rotation also moves the translation: dt = turn x t + shift.
   Eigen::MatrixXd to_pose = Eigen::MatrixXd::Identity(kShared, kShared);
   to_pose.block<3, 3>(kPose + 3, kPose) = -cross_matrix(bundle.T_projector_camera.translation());
   const Eigen::MatrixXd spread = to_pose * root;

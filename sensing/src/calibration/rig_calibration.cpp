@@ -20,14 +20,14 @@
 namespace palpate::sensing {
 namespace {
 
-/// Two views fix the numbers but leave nothing to check them with.
+/// Smallest number of views: two would determine the parameters without any redundancy.
 constexpr std::size_t kLeastViews = 3;
-/// A view of fewer points hardly fixes its own pose.
+/// A view with fewer points hardly determines its own pose.
 constexpr Eigen::Index kLeastPoints = 8;
-/// Corners are never found better than this [px]: without it, exact numbers of a board that does
-/// not determine the rig would seem to.
+/// Smallest standard deviation of corners [px]. Otherwise exact data of a board that does not
+/// determine the rig would seem to determine it.
 constexpr double kLeastSigma = 0.02;
-/// Residuals below this [px] make no outlier.
+/// Residuals below this [px] never make an outlier.
 constexpr double kHarmlessRms = 0.1;
 
 void check(const std::vector<RigView>& views, const RigCalibrationOptions& options) {
@@ -55,7 +55,7 @@ void check(const std::vector<RigView>& views, const RigCalibrationOptions& optio
   }
 }
 
-/// Why a view cannot be used at all; empty if it can.
+/// Why a view cannot be used; empty if it can.
 std::string what_is_missing(const RigView& view) {
   if (view.camera.cols() == 0) return "the printed board was not found";
   if (view.camera.cols() < kLeastPoints)
@@ -72,7 +72,7 @@ std::string what_is_missing(const RigView& view) {
   return {};
 }
 
-/// Where camera pixels lie on the board.
+/// Points of the board that camera pixels see.
 Eigen::Matrix2Xd on_board(const Eigen::Matrix2Xd& pixels, const geometry::Camera& camera,
                           const Eigen::Isometry3d& T_camera_board) {
   const Eigen::Isometry3d T_board_camera = T_camera_board.inverse();
@@ -121,7 +121,7 @@ Squares sum_squares(const Bundle& bundle, const std::vector<BundleView>& views) 
   return sum;
 }
 
-/// What is estimated together, and how well.
+/// Result of the joint estimate, with its accuracy.
 struct Fit {
   Bundle bundle;
   std::vector<BundleView> views;
@@ -129,7 +129,7 @@ struct Fit {
   LensCalibration camera_alone;
 };
 
-/// Of the poses that each view alone gives, the one under which all views fit best.
+/// Among the poses of the single views, the one that fits all views best.
 Eigen::Isometry3d first_pose(Bundle bundle, const std::vector<BundleView>& views,
                              const LensCalibration& projector) {
   double least = std::numeric_limits<double>::infinity();
@@ -145,12 +145,12 @@ Eigen::Isometry3d first_pose(Bundle bundle, const std::vector<BundleView>& views
   return best;
 }
 
-/// Standard deviations of the camera's and the projector's coordinates, from what is left over.
+/// Standard deviations of the camera's and the projector's coordinates, from the residuals.
 void set_sigmas(BundleOptions& options, const Squares& left, std::size_t views, double least) {
   const double lens = 4.0 + options.distortion_terms;
   const double equations = 2 * (left.camera_points + left.projector_points);
   const double parameters = 2 * lens + 6 + 6 * static_cast<double>(views);
-  // Each equation pays the same share of the parameters.
+  // Each equation bears the same share of the parameters.
   const double share = std::max(1 - parameters / equations, 1 / equations);
   options.camera_sigma = std::max(std::sqrt(left.camera / (2 * left.camera_points * share)), least);
   options.projector_sigma =
@@ -188,8 +188,7 @@ Fit fit_views(const std::vector<RigView>& views, const ImageSize& camera_size,
   fit.bundle = {fit.camera_alone.lens, projector.lens, Eigen::Isometry3d::Identity(),
                 fit.camera_alone.T_lens_board};
   fit.bundle.T_projector_camera = first_pose(fit.bundle, fit.views, projector);
-  // The weights follow from the residuals and these from the weights; after two rounds neither
-  // moves.
+  // Weights and residuals depend on each other; after two rounds neither changes.
   constexpr double kLeastWeightSigma = 1e-4;  // px: exact numbers must not give infinite weights
   fit.options.camera_sigma = std::max(fit.camera_alone.rms, kLeastWeightSigma);
   fit.options.projector_sigma = std::max(projector.rms, kLeastWeightSigma);
@@ -204,7 +203,7 @@ double rms(const Eigen::Matrix2Xd& residuals) {
   return std::sqrt(residuals.squaredNorm() / static_cast<double>(residuals.cols()));
 }
 
-/// The view that fits worst, if it fits much worse than the others.
+/// The worst-fitting view, if it fits much worse than the others.
 struct Outlier {
   std::size_t view = 0;
   std::string reason;

@@ -45,7 +45,7 @@ cv::Mat read_jpeg(const fs::path& path) {
   return image;
 }
 
-/// Grey, 8 or 16 bit, of the size that all images so far have.
+/// Reads a grey image, 8 or 16 bit, of the same size as all images so far.
 cv::Mat read_view_image(const fs::path& path, ImageSize& size) {
   cv::Mat image = is_jpeg(path) ? read_jpeg(path) : read_frame(path);
   if (image.channels() == 3) cv::cvtColor(image, image, cv::COLOR_BGR2GRAY);
@@ -58,7 +58,7 @@ cv::Mat read_view_image(const fs::path& path, ImageSize& size) {
   return image;
 }
 
-/// What lies in a folder, in the order of `comes_before`.
+/// Entries of a folder, in the order of `comes_before`.
 struct Entries {
   std::vector<fs::path> images;
   std::vector<fs::path> folders;
@@ -79,7 +79,7 @@ Entries list_entries(const fs::path& folder) {
   return entries;
 }
 
-/// The folders that hold images, each a pose.
+/// The folders that contain images, one per pose.
 std::vector<fs::path> list_poses(const std::vector<fs::path>& folders) {
   std::vector<fs::path> poses;
   for (const fs::path& folder : folders) {
@@ -132,7 +132,7 @@ RigView read_pose(const fs::path& folder, const Board& printed, const ImageSize&
 RigViewFiles read_rig_views(const std::vector<fs::path>& folders, const Board& printed,
                             const ImageSize& projector, const BoardViewOptions& options,
                             const std::function<void(int, int)>& on_view) {
-  (void)board_corners(printed);  // a bad board is refused before anything is read
+  (void)board_corners(printed);  // rejects a bad board before reading anything
   const std::vector<fs::path> poses = list_poses(folders);
   RigViewFiles result;
   for (const fs::path& pose : poses) {

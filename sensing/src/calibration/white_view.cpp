@@ -13,9 +13,9 @@ namespace palpate::sensing {
 namespace {
 
 /// Regions of the phase grow through pixels with at most this variance [rad^2] and steps [rad], as
-/// the decoder's do.
+/// in the decoder.
 constexpr FloodLimits kRegionLimits{0.01, 1.5};
-/// How far the demodulation's average along the rows reaches [px].
+/// Reach of the demodulation's average along the rows [px].
 constexpr long kSmoothedColumns = 2;
 /// This share of a cell's pixels must be reliable.
 constexpr double kLeastShare = 0.75;
@@ -74,7 +74,7 @@ std::complex<double> at(const Demodulated& signal, long row, long column) {
   return {static_cast<double>(signal.re(row, column)), static_cast<double>(signal.im(row, column))};
 }
 
-/// Nothing if too few of the cell's pixels are reliable or they belong to several regions.
+/// Empty if too few of the cell's pixels are reliable or they belong to several regions.
 std::optional<PhaseCell> measure_cell(const WhiteView& view, const Regions& regions, long top,
                                       long left, double carrier) {
   PhaseCell cell{.row = top, .column = left, .region = -1};
@@ -92,7 +92,7 @@ std::optional<PhaseCell> measure_cell(const WhiteView& view, const Regions& regi
       ++count;
       center += Eigen::Vector2d(static_cast<double>(row), static_cast<double>(column));
       phase += static_cast<double>(regions.phase(row, column));
-      // Reliable pixels lie off the border, and so do their neighbours.
+      // Reliable pixels are not at the border, so their neighbours exist.
       down += at(view.green, row + 1, column) * std::conj(at(view.green, row - 1, column));
       right += at(view.green, row, column + 1) * std::conj(at(view.green, row, column - 1));
     }
@@ -131,7 +131,7 @@ WhiteView measure_white_view(const cv::Mat& image, const Carrier& carrier, const
   UnwrappingBuffers buffers;
   Regions regions;
   grow_regions(wrapped, variance, kRegionLimits, buffers, regions);
-  // A window beside a border of its region mixes the phases of both sides.
+  // A window at a border of its region mixes the phases of both sides.
   view.reliable *=
       shrunk((regions.label >= 0).cast<std::uint8_t>(), filter.radius, kSmoothedColumns);
   view.regions = regions.count;

@@ -14,7 +14,7 @@
 namespace palpate::sensing {
 namespace {
 
-/// No colour's hue is known better than this [rad]: surfaces have colours of their own.
+/// Smallest deviation of a colour's hue [rad], because surfaces have their own colours.
 constexpr double kLeastDeviation = 0.06;
 
 const TrainedColor& find_color(const TrainedColors& trained, const std::string& name) {
@@ -50,7 +50,7 @@ HueClassifier::HueClassifier(const Pattern& pattern, const TrainedColors& traine
       const double distance = wrap(hue - color.mean) / deviation;
       exponent[i] = -0.5 * distance * distance - std::log(deviation);
     }
-    // Relative to the largest, so that hues far from all colours do not divide zero by zero.
+    // Relative to the largest, so that hues far from all colours do not cause 0 / 0.
     const auto largest = std::max_element(exponent.begin(), exponent.end());
     double sum = 0;
     for (const double e : exponent) sum += std::exp(e - *largest);

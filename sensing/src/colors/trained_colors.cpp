@@ -22,7 +22,7 @@
 namespace palpate::sensing {
 namespace {
 
-/// A mean and a variance of fewer pixels say little.
+/// Smallest number of pixels for a meaningful mean and variance.
 constexpr long kLeastPixels = 100;
 
 void check_options(const TrainingOptions& options) {
@@ -36,14 +36,14 @@ void collect_hues(const cv::Mat& image, const TrainingOptions& options, std::vec
   image.convertTo(bgr, CV_32F, 1.0 / static_cast<double>(full_scale));
   for (const cv::Vec3f& pixel : bgr) {
     const float value = std::max({pixel[0], pixel[1], pixel[2]});
-    // A channel at full scale is clipped: the ratio of the channels is no longer the hue.
+    // A channel at full scale is clipped, so the ratio of the channels no longer gives the hue.
     if (static_cast<double>(value) < options.min_value || value >= 1) continue;
     const Hue hue = hue_of(pixel[2], pixel[1], pixel[0]);
     if (static_cast<double>(hue.saturation) >= options.min_saturation) hues.push_back(hue.angle);
   }
 }
 
-/// Where images come from, for messages.
+/// Source of an image, for messages.
 std::string place_of(const NamedImages& named) {
   if (named.sources.empty()) return "train_colors: colour " + named.name;
   const std::size_t more = named.sources.size() - 1;
@@ -178,7 +178,7 @@ void write_trained_colors(const std::filesystem::path& path, const TrainedColors
   storage << "colors"
           << "[";
   for (const TrainedColor& color : colors.colors) {
-    // FileStorage knows whole numbers of 32 bit only.
+    // FileStorage supports only integers of 32 bits.
     const int saturated = static_cast<int>(std::min<long>(color.pixels, INT_MAX));
     storage << "{"
             << "name" << color.name << "mean" << color.mean << "variance" << color.variance

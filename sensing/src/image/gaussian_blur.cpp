@@ -12,7 +12,7 @@
 namespace palpate::sensing {
 namespace {
 
-/// The bell is cut off at this many standard deviations, where it has 4e-6 of its height.
+/// The Gaussian is truncated at this many standard deviations, where it has 4e-6 of its height.
 constexpr double kReach = 5;
 
 std::vector<float> bell(double sigma) {

@@ -7,7 +7,7 @@
 namespace palpate::sensing {
 namespace {
 
-/// Of the four rows around the middle of two, and of two neighbours in each.
+/// Weights of the four rows around the middle of two, and of the two neighbours in each row.
 PALPATE_HOT_LOOP void average(const float* above, const float* upper, const float* lower,
                               const float* below, float outer, float inner, long columns,
                               float* __restrict out) {
@@ -38,7 +38,7 @@ void half_size(const std::vector<Plane>& whole, std::vector<Plane>& half) {
     Plane& out = half[channel];
     out.resize(in.rows() / 2, in.cols() / 2);
     for (long row = 0; row < out.rows(); ++row) {
-      // At the image's border the two rows alone, which lie about the same middle.
+      // At the image's border use only the two rows, which have the same middle.
       const bool border = row == 0 || 2 * row + 2 >= in.rows();
       const long reach = border ? 0 : 1;
       average(&in(2 * row - reach, 0), &in(2 * row, 0), &in(2 * row + 1, 0),

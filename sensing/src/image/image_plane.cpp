@@ -14,7 +14,7 @@
 namespace palpate::sensing {
 namespace {
 
-/// Where the channels of an image in BGR order go: green first, then red and blue.
+/// Order of the channels of a BGR image: green first, then red and blue.
 constexpr int plane_of_channel(int channel, int channels) {
   return channels == 1 ? 0 : (channel + 2) % 3;
 }
@@ -42,13 +42,13 @@ void split(const cv::Mat& frame, std::vector<Plane>& planes) {
   }
 }
 
-/// Where the only channel reaches `least`.
+/// Finds where the only channel reaches `least`.
 PALPATE_HOT_LOOP void find_bright(const float* values, float least, long count,
                                   std::uint8_t* __restrict bright) {
   for (long i = 0; i < count; ++i) bright[i] = values[i] >= least ? 1 : 0;
 }
 
-/// Where the largest of three channels, less the smallest iff `colored`, does.
+/// Finds where the largest of three channels, minus the smallest iff `colored`, reaches `least`.
 PALPATE_HOT_LOOP void find_bright(const float* a, const float* b, const float* c, bool colored,
                                   float least, long count, std::uint8_t* __restrict bright) {
   const float share = colored ? 1.0F : 0.0F;

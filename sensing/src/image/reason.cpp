@@ -15,7 +15,7 @@ constexpr std::array<std::string_view, kReasonCount> kNames = {
     "reconstructed",    "unlit",  "saturated", "low_modulation", "uneven_phase",  "no_transition",
     "ambiguous_offset", "border", "off_panel", "grazing",        "color_mismatch"};
 
-/// \param unless what the mask holds where no reason is given.
+/// \param unless mask value of the pixels that get no reason.
 PALPATE_HOT_LOOP void give_reason_to(const std::uint8_t* where, std::uint8_t unless,
                                      std::uint8_t reason, std::uint8_t* reasons, long count) {
   for (long i = 0; i < count; ++i) {

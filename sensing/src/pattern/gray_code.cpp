@@ -21,7 +21,7 @@ void check_panel(const ImageSize& panel) {
   require("Gray code: the projector's height", panel.height, possible, "px");
 }
 
-/// How many bits the coordinates 0 ... size - 1 need.
+/// Number of bits of the coordinates 0 ... size - 1.
 int bits_of(int size) { return std::bit_width(static_cast<unsigned>(size - 1)); }
 
 unsigned encode(unsigned number) { return number ^ (number >> 1); }
@@ -62,7 +62,7 @@ void append_bit(const cv::Mat& image, const cv::Mat& inverse, cv::Mat_<int>& cod
   }
 }
 
-/// Codes of one coordinate, from the pairs of images that begin at `first`.
+/// Decodes one coordinate from the pairs of images that begin at `first`.
 cv::Mat_<int> read_codes(const std::vector<cv::Mat>& images, std::size_t first, int bits) {
   cv::Mat_<int> codes(images[0].size(), 0);
   for (std::size_t bit = 0; bit < static_cast<std::size_t>(bits); ++bit)

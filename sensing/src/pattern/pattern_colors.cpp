@@ -20,21 +20,21 @@ namespace {
 constexpr double kTurn = 2 * std::numbers::pi;
 constexpr int kTurnDegrees = 360;
 constexpr int kLeastColors = 2;
-constexpr int kMostColors = 24;  // 15 degrees apart: what the best cameras tell
+constexpr int kMostColors = 24;  // 15 degrees apart, the limit of the best cameras
 constexpr int kLeastTrained = 3;
 
-/// A hue is never known better than this [rad]: half a degree, to which rounding to whole degrees
-/// moves it. It keeps a class trained on a perfect image from having no width.
+/// Smallest deviation of a hue [rad]: half a degree, the error of rounding to whole degrees. Keeps
+/// a class trained with a perfect image from having zero width.
 constexpr double kLeastDeviation = 0.5 * kTurn / kTurnDegrees;
 
 /// 2^-20 of the circle is far below the degree to which hues are rounded.
 constexpr int kBisections = 20;
 
-/// The rises between neighbours add up to one turn to within this share, or to more than one.
+/// The steps between neighbouring hues sum to one turn within this share, or to more than one.
 constexpr double kRounding = 1e-9;
 
-/// Trained colours that are confused no oftener than this are left alone: regions are told by many
-/// stripe edges of many pixels each.
+/// Trained colours that are confused no more often than this are left unchanged, because regions
+/// are identified by many stripe edges of many pixels each.
 constexpr double kNegligibleOverlap = 1e-4;
 
 constexpr std::array<char, 6> kNames = {'R', 'Y', 'G', 'C', 'B', 'M'};
@@ -52,7 +52,7 @@ std::string name_of(int degrees) {
   return "H" + digits;
 }
 
-/// Degrees, or -1 if the name is none of ours.
+/// Hue in degrees, or -1 if the name is not one of ours.
 int degrees_of(const std::string& name) {
   if (name.size() == 1) {
     const auto* const found = std::find(kNames.begin(), kNames.end(), name[0]);
@@ -79,7 +79,7 @@ double within_turn(double angle) {
   return rest < 0 ? rest + kTurn : rest;
 }
 
-/// What the camera sees of each projected degree.
+/// Hues that the camera sees for each projected degree.
 struct HueResponse {
   std::array<double, kTurnDegrees> mean{};       ///< [rad], in [0, 2 pi)
   std::array<double, kTurnDegrees> deviation{};  ///< [rad]
@@ -139,8 +139,8 @@ HueResponse measured_response(const std::vector<Knot>& knots) {
   return response;
 }
 
-/// Forward around the circle from one projected degree to a later one, less than a turn away: the
-/// difference of what the camera sees, in units of both deviations.
+/// Separation, going forward around the circle from one projected degree to a later one by less
+/// than a turn: the difference of the hues that the camera sees, in units of both deviations.
 double forward_separation(const HueResponse& response, int from, int to) {
   const auto a = static_cast<std::size_t>(from % kTurnDegrees);
   const auto b = static_cast<std::size_t>(to % kTurnDegrees);
@@ -148,8 +148,8 @@ double forward_separation(const HueResponse& response, int from, int to) {
          (response.deviation[a] + response.deviation[b]);
 }
 
-/// `count` degrees from `start` on, each the first that lies at least `separation` beyond the one
-/// before, if the last one lies as far before the first. Sorted; empty if there is no room.
+/// `count` degrees starting at `start`, each the first with at least `separation` from the one
+/// before, if the last also has this separation from the first. Sorted; empty if there is no room.
 std::vector<int> pack(const HueResponse& response, int count, int start, double separation) {
   std::vector<int> degrees = {start};
   while (static_cast<int>(degrees.size()) < count) {
@@ -179,7 +179,7 @@ double squared_distance_to_knots(const std::vector<int>& degrees, const std::vec
   return sum;
 }
 
-/// Of all that reach a separation the degrees nearest to the trained ones; empty if none does.
+/// Among all choices that reach a separation, the degrees nearest to the trained ones; else empty.
 std::vector<int> nearest_packing(const HueResponse& response, const std::vector<Knot>& knots,
                                  int count, double separation) {
   std::vector<int> best;

@@ -19,23 +19,23 @@ namespace palpate::sensing {
 namespace {
 
 constexpr double kNyquistPeriod = 2;
-/// Narrower stripes [projector px] are lost to the blur of both lenses.
+/// Narrower stripes [projector px] vanish in the blur of both lenses.
 constexpr int kLeastStripeWidth = 4;
-/// The period without a rig [projector px]: what a camera that sees projector pixels at 1.4 times
-/// their number needs.
+/// Period without a rig [projector px], suitable for a camera with 1.4 times as many pixels as the
+/// projector.
 constexpr double kPeriodWithoutRig = 10;
-/// Where the period in the camera is looked at: so many depths in equal ratios, and so many places
-/// along each side of the image.
+/// Samples at which the period in the camera is evaluated: this many depths in equal ratios, and
+/// this many places along each side of the image.
 constexpr int kDepths = 5;
 constexpr int kPlaces = 9;
-/// Where nothing is said of the distances, so many are tried, from one to so many baselines: nearer
-/// the views do not overlap, farther the depth cannot be measured.
+/// If no distances are given, this many are tried, from one to this many baselines: closer, the
+/// views do not overlap; farther, the depth cannot be measured.
 constexpr int kTriedDepths = 30;
 constexpr double kFarthestBaselines = 20;
-/// [rad] The deviation that the phase of a pixel has in a good image. Where all depths beyond the
-/// working distance change the phase by less, no depth can be told from infinity.
+/// [rad] Standard deviation of the phase of a pixel in a good image. If all depths beyond the
+/// working distance change the phase by less, no depth can be distinguished from infinity.
 constexpr double kLeastPhase = 0.01;
-/// Numbers that lie above a whole one by less than this are that number but for rounding.
+/// Numbers that exceed a whole number by less than this equal it up to rounding.
 constexpr double kWholeTolerance = 1e-9;
 
 void check_options(const PatternOptions& options) {
@@ -50,7 +50,7 @@ void check_options(const PatternOptions& options) {
   }
 }
 
-/// One of kPlaces x kPlaces places all over the camera image [px].
+/// One of kPlaces x kPlaces positions that cover the camera image [px].
 Eigen::Vector2d place_in_image(const Rig& rig, int place) {
   const int column = place % kPlaces;
   const int row = place / kPlaces;
@@ -124,8 +124,8 @@ View look_at(const Rig& rig, const WorkingRange& range) {
   return view;
 }
 
-/// The depth about which the views overlap: the geometric mean over depths from one to
-/// kFarthestBaselines baselines, weighted by how much of the image is lit.
+/// Depth around which the views overlap: the geometric mean over depths from one to
+/// kFarthestBaselines baselines, weighted by the lit share of the image.
 WorkingRange overlap_range(const Rig& rig) {
   const Triangulation triangulation(rig);
   const double baseline = rig.T_projector_camera.translation().norm();
@@ -182,7 +182,7 @@ PatternDesign start_design(const PatternOptions& options, Axis axis, int width, 
   return design;
 }
 
-/// The panel holds at least one period, and the numbers of a pattern are in range.
+/// Checks that the panel holds at least one period and that all numbers are in range.
 void check_design(const Pattern& pattern) {
   const int length =
       pattern.axis == Axis::y ? pattern.projector_size->y() : pattern.projector_size->x();
@@ -219,7 +219,7 @@ PatternDesign design_pattern(const Rig& rig, const PatternOptions& options) {
   design.camera_period = period / view.steepest[along];
   design.phase_per_relative_depth =
       2 * std::numbers::pi / period * view.per_depth[along] * view.middle_z;
-  // Half a period, as a depth, as a shift across the stripes, as camera pixels.
+  // Half a period, converted to a depth, to a shift across the stripes, and to camera pixels.
   design.edge_tolerance =
       period / 2 / view.per_depth[along] * view.per_depth[across] / view.per_pixel[across];
   check_design(design.pattern);

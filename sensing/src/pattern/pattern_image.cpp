@@ -17,10 +17,10 @@ namespace palpate::sensing {
 namespace {
 
 constexpr int kLargestSize = 65535;
-/// The parallel projector's panel grows without bound as light leaves at right angles to the
-/// camera's axis: cos 60 degrees.
+/// Limit of light directions, cos 60 degrees: the parallel projector's panel would grow without
+/// bound towards directions perpendicular to the camera's axis.
 constexpr double kLeastForward = 0.5;
-/// Sizes [px] that exceed a whole number by less are that number but for rounding.
+/// Sizes [px] that exceed a whole number by less than this equal it up to rounding.
 constexpr double kSizeTolerance = 1e-6;
 constexpr int kGreyTop = 255;
 
@@ -29,7 +29,7 @@ void check_size(int width, int height) {
   require("the projector's height", height, at_least(1).at_most(kLargestSize), "px");
 }
 
-/// The direction in the camera's axes in which light leaves a panel pixel, z = 1.
+/// Direction, in the camera's axes with z = 1, of the light from a panel pixel.
 Eigen::Vector2d direction_in_camera(const Rig& rig, const Eigen::Vector2d& panel_pixel) {
   const Eigen::Vector3d ray = geometry::undistort(rig.projector, panel_pixel).homogeneous();
   const Eigen::Vector3d turned = rig.T_projector_camera.linear().transpose() * ray;
@@ -66,7 +66,7 @@ geometry::Camera parallel_projector(const Rig& rig) {
           .cy = -0.5 - real.fy * low.y()};
 }
 
-/// From a panel pixel to the pixel in which the pattern is defined, for one channel.
+/// Maps a panel pixel to the pixel in which the pattern is defined, for one channel.
 class PanelMap {
  public:
   PanelMap(const Rig& real, const Rig& drawn, const DrawOptions& options,
@@ -75,7 +75,7 @@ class PanelMap {
     const geometry::Camera& panel = real.projector;
     scale_ = options.compensate ? shift.beta : 1;
     const double gamma = options.compensate ? shift.gamma : 0;
-    // The channel's normalised coordinate n leaves the lens where green's beta n + gamma does.
+    // The channel's normalised coordinate n goes in the same direction as green's beta n + gamma.
     offset_ = (1 - scale_) * Eigen::Vector2d(panel.cx, panel.cy);
     (axis == Axis::x ? offset_.x() : offset_.y()) +=
         gamma * (axis == Axis::x ? panel.fx : panel.fy);
@@ -100,7 +100,7 @@ class StripeChannel {
  public:
   StripeChannel(const Pattern& pattern, int channel) : pattern_(pattern), channel_(channel) {}
 
-  /// Mean from `a` to `b`, which lie at most a few pixels apart, in either order.
+  /// Mean from `a` to `b`, which are at most a few pixels apart, in either order.
   [[nodiscard]] double mean(double a, double b) const {
     if (pattern_.stripes.empty()) return 1;
     const double low = std::min(a, b);
@@ -128,7 +128,7 @@ class StripeChannel {
 
 template <typename T>
 T level(double value) {
-  // NaN, where nothing is to be shown, becomes black.
+  // NaN marks places where nothing is shown; they become black.
   return static_cast<T>(
       std::lround(std::numeric_limits<T>::max() * std::fmin(std::fmax(value, 0), 1)));
 }

@@ -29,7 +29,7 @@ void check_separation(const Eigen::Ref<const Eigen::MatrixXd>& separation) {
   }
 }
 
-/// All pairs, the easiest to tell apart first.
+/// All pairs, those that are easiest to distinguish first.
 std::vector<Pair> ranked_pairs(const Eigen::Ref<const Eigen::MatrixXd>& separation) {
   std::vector<Pair> pairs;
   const int colors = static_cast<int>(separation.rows());
@@ -42,13 +42,13 @@ std::vector<Pair> ranked_pairs(const Eigen::Ref<const Eigen::MatrixXd>& separati
   return pairs;
 }
 
-/// Which colours hang together.
+/// Connected sets of colours.
 class Components {
  public:
   explicit Components(int colors) : parent_(static_cast<std::size_t>(colors)) {
     std::iota(parent_.begin(), parent_.end(), 0);
   }
-  /// Whether they did not hang together before.
+  /// Connects two colours; returns whether they were not connected before.
   bool join(int a, int b) {
     const int root_a = root(a);
     const int root_b = root(b);
@@ -65,8 +65,8 @@ class Components {
   std::vector<int> parent_;
 };
 
-/// The best `count` pairs among those that join all colours: a spanning tree of the best ones
-/// (Kruskal), then the best of the rest.
+/// The best `count` pairs that connect all colours: a spanning tree of the best ones (Kruskal),
+/// then the best of the rest.
 std::vector<Pair> choose_pairs(const Eigen::Ref<const Eigen::MatrixXd>& separation,
                                std::size_t count) {
   Components components(static_cast<int>(separation.rows()));
@@ -81,8 +81,8 @@ std::vector<Pair> choose_pairs(const Eigen::Ref<const Eigen::MatrixXd>& separati
   return tree;
 }
 
-/// Hierholzer's circuit from colour 0 through every pair once in each direction: each colour is
-/// left as often as it is reached, so there is one.
+/// Hierholzer's circuit from colour 0 through every pair once in each direction. It exists because
+/// each colour is left as often as it is reached.
 std::vector<int> eulerian_circuit(const std::vector<Pair>& pairs, int colors) {
   std::vector<std::vector<int>> unused(static_cast<std::size_t>(colors));
   for (const Pair& pair : pairs) {

@@ -12,7 +12,8 @@
 namespace palpate::sensing {
 namespace {
 
-/// Adds a channel to the sum, turned by the angle of `cosine` and `sine`, and keeps what was added.
+/// Adds a channel, rotated by the angle of `cosine` and `sine`, to the sum, and stores what was
+/// added.
 PALPATE_HOT_LOOP void add_turned(const float* re, const float* im, const float* cosine,
                                  const float* sine, long columns, float* __restrict added_re,
                                  float* __restrict added_im, float* __restrict sum_re,
@@ -25,14 +26,14 @@ PALPATE_HOT_LOOP void add_turned(const float* re, const float* im, const float* 
   }
 }
 
-/// Weight of the second of two pixels, `shift` px to the right of a pixel being `first` px.
+/// Weight of the second of two pixels for a place `shift` px to the right of a pixel.
 [[gnu::always_inline]] inline float weight_of(float shift, float first) {
   const float weight = shift - first;
   const float positive = weight > 0 ? weight : 0;
   return positive < 1 ? positive : 1;
 }
 
-/// How many pixels farther right and down the upper left of four pixels is.
+/// Offset of the upper left of four pixels, to the right and down.
 struct FirstOfFour {
   float right;
   float down;
@@ -49,7 +50,7 @@ PALPATE_HOT_LOOP void interpolate(const float* above, const float* below_it, con
   }
 }
 
-/// Between the nodes.
+/// Interpolates between the nodes.
 PALPATE_HOT_LOOP void fill_row(const float* nodes, long columns, float* __restrict out) {
   for (long first = 0; first < columns; first += kNodeSpacing, ++nodes) {
     const float slope = (nodes[1] - nodes[0]) / kNodeSpacing;
@@ -73,8 +74,8 @@ struct SignalRow {
   Eigen::ArrayXf im;
 };
 
-/// One row of what a model says of every pixel, and of the channel where green sees it, the carrier
-/// and the lag not yet put in.
+/// One row of a model and of the channel at the places where green sees it, without carrier and
+/// lag.
 struct ShiftedRow {
   explicit ShiftedRow(long columns)
       : signal(columns), cosine(columns), sine(columns), right_(columns), down_(columns) {}
@@ -113,18 +114,18 @@ struct ShiftedRow {
   Eigen::ArrayXf down_;
 };
 
-/// About so many pixels tell of the chromatic error, every kErrorSpacing-th [px] of evenly spaced
-/// rows: as far as the averaging along the rows reaches.
+/// Approximate number of pixels for estimating the chromatic error: every kErrorSpacing-th [px] of
+/// evenly spaced rows, the reach of the averaging along the rows.
 constexpr long kErrorSamples = 4000;
 constexpr long kErrorSpacing = 5;
-/// The noise of pixels twice as far apart is independent.
+/// At twice this distance the noise of two pixels is independent.
 constexpr std::size_t kIndependent = 2;
-/// Of a channel that counts in the sum, the squared modulation over green's lies between this and
-/// its inverse.
+/// A channel is used iff its squared modulation relative to green's is between this and its
+/// inverse.
 constexpr float kLeastRatio = 0.3F;
-/// Differences beyond this are of steps, not of lenses [rad].
+/// Larger differences come from steps of the depth, not from lenses [rad].
 constexpr double kLargestDifference = 0.5;
-/// A mean is taken of so many products.
+/// Smallest number of products for a mean.
 constexpr int kLeastProducts = 100;
 
 struct Phasors {
@@ -132,17 +133,17 @@ struct Phasors {
   const float* im;
 };
 
-/// One row of what `remaining_error` compares.
+/// One row of the input of `remaining_error`.
 struct ComparedRow {
   Phasors green;
   const SignalRow& channel;
   Phasors turn;
   const float* phase;     ///< absolute
-  const float* expected;  ///< projector pixel for which the channel was turned
+  const float* expected;  ///< projector pixel for which the lag was applied
   long row;
 };
 
-/// By how much a channel runs ahead of green at a pixel; NaN where they cannot be compared.
+/// Phase of a channel minus that of green at a pixel; NaN where they cannot be compared.
 double difference(const ComparedRow& row, long i, const ChromaticLag& lag,
                   const PixelOfPhase& pixels) {
   const float channel_re = row.channel.re[i];

@@ -13,7 +13,7 @@
 
 namespace palpate::sensing {
 namespace {
-/// Five pixels so many columns apart.
+/// Binomial mean of five pixels with this spacing in columns.
 PALPATE_HOT_LOOP void average_five(const float* in, long step, float* __restrict out,
                                    long columns) {
   for (long i = 2 * step; i + 2 * step < columns; ++i) {
@@ -27,7 +27,7 @@ PALPATE_HOT_LOOP void change_counts(const std::uint8_t* entering, const std::uin
   for (long i = 0; i < columns; ++i) count[i] += entering[i] - leaving[i];
 }
 
-/// For each pixel: how many pixels of the mask its window holds, image borders counting as outside.
+/// For each pixel, the number of mask pixels in its window; pixels beyond the image do not count.
 class WindowCount {
  public:
   WindowCount(const Mask& mask, int radius)
@@ -37,7 +37,7 @@ class WindowCount {
         count_(static_cast<std::size_t>(mask.cols()), 0) {
     for (long row = 0; row < std::min<long>(radius, mask.rows()); ++row) move(row, -1);
   }
-  /// To be called for rows 0, 1, 2, ... in turn.
+  /// Must be called for rows 0, 1, 2, ... in this order.
   const std::vector<int>& row(long row) {
     move(row + radius_, row - radius_ - 1);
     return count_;
@@ -56,8 +56,8 @@ class WindowCount {
   std::vector<int> count_;
 };
 
-/// Binomial weights over five pixels of a row, again and again twice as far apart; where they do
-/// not fit into the row, values stay.
+/// Averages a row with binomial weights over five pixels, repeatedly with twice the spacing; values
+/// whose pixels are not all in the row stay unchanged.
 void smooth_row(const float* in, int averages, float* out, long columns) {
   const long edge = std::min<long>(2, columns);
   std::copy_n(in, edge, out);
@@ -70,10 +70,10 @@ void smooth_row(const float* in, int averages, float* out, long columns) {
   }
 }
 
-/// How the windows of some columns are fitted: by the least that any of them asks for.
+/// Method for fitting the windows of some columns; the most general one that any of them needs.
 enum class Fit : std::uint8_t { nothing, whole, cut };
 
-/// So many columns are fitted alike.
+/// Number of columns that are fitted with the same method.
 constexpr long kGroup = 16;
 
 PALPATE_HOT_LOOP void choose_fits(const std::uint8_t* mask, const int* count, int whole_count,
@@ -90,7 +90,7 @@ PALPATE_HOT_LOOP void choose_fits(const std::uint8_t* mask, const int* count, in
   }
 }
 
-/// What is found in one row, before it is averaged along it.
+/// Results of one row, before averaging along it.
 class UnsmoothedRow {
  public:
   UnsmoothedRow(std::size_t channels, long columns)

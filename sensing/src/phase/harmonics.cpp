@@ -22,27 +22,28 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// Columns of the fit: mean, slope, fundamental (growing too, which takes up what the frequency is
-/// off), then two for each harmonic from the second on.
+/// Columns of the fit: mean, slope, fundamental (also with growing amplitude, which absorbs a
+/// frequency error), then two for each harmonic from the second on.
 enum Column { kMean, kSlope, kCosine, kSine, kGrowingCosine, kGrowingSine, kHarmonics };
 
-/// A harmonic of fewer pixels a period than this cannot be told from others (Nyquist, and room).
+/// Smallest period of a harmonic in pixels at which it can be measured (Nyquist with a margin).
 constexpr double kLeastHarmonicPeriod = 2.2;
 /// The second and the third.
 constexpr int kLastHarmonic = 3;
 constexpr double kWindowPeriods = 3;
-/// Local frequencies are sought around the image's within this factor, in so many steps.
+/// Local frequencies are searched around the image's frequency within this factor, in this many
+/// steps.
 constexpr double kFrequencyRange = 1.35;
 constexpr int kFrequencies = 41;
-/// A line must hold so many periods.
+/// Smallest number of periods in a line.
 constexpr int kLeastPeriods = 4;
-/// Fewer windows tell no average. They are taken in so many groups for the deviation.
+/// Smallest number of windows for an average, and number of groups for its deviation.
 constexpr std::size_t kLeastPlaces = 160;
 constexpr std::size_t kGroups = 16;
-/// A harmonic is known iff so many of the windows know it: few stand where the period is odd, as at
-/// steps in the depth.
+/// A harmonic is reported iff this share of the windows measures it; fewer do if their period is
+/// unusual, as at depth steps.
 constexpr double kLeastShare = 0.2;
-/// A harmonic is there iff it is so many standard deviations.
+/// A harmonic exists iff it is this many standard deviations.
 constexpr double kSignificance = 4;
 
 cv::Mat_<float> brightest_channel(const cv::Mat& frame) {
@@ -56,7 +57,7 @@ cv::Mat_<float> brightest_channel(const cv::Mat& frame) {
   return plane;
 }
 
-/// The frequency along the rows that stands out, and how far.
+/// Dominant frequency along the rows, and its significance.
 struct Peak {
   double frequency = 0;  ///< cycles/px
   double share = 0;      ///< of the power above the lowest frequencies
@@ -80,7 +81,7 @@ Peak find_peak(const cv::Mat_<float>& image) {
   for (int k = kLeastPeriods; k <= highest; ++k) {
     for (int y = 0; y < rows.rows; ++y) {
       const cv::Vec2f& value = spectrum(y, k);
-      // Surfaces have spectra that fall with the frequency; times its square they are level.
+      // Multiply by the squared frequency, because the spectra of surfaces fall with the frequency.
       power[static_cast<std::size_t>(k)] += static_cast<double>(value.dot(value)) * k * k;
     }
     total += power[static_cast<std::size_t>(k)];
@@ -94,15 +95,15 @@ Peak find_peak(const cv::Mat_<float>& image) {
   return {static_cast<double>(at) / length, near / total};
 }
 
-/// Whether so many pixels a period are enough for a harmonic of a frequency [cycles/px].
+/// Whether a frequency [cycles/px] has enough pixels per period for a harmonic.
 bool is_resolved(int harmonic, double frequency) {
   return harmonic * frequency * kLeastHarmonicPeriod <= 1;
 }
 
-/// Whether a harmonic is told from what a colour mosaic leaves of the sinusoid, at half the
-/// sampling frequency less its own. Where both fall together (the second at 6 px, the third at
-/// 8 px) their phases stay together too, and no average parts them; a window tells frequencies
-/// apart that differ by a period over its length.
+/// Whether a harmonic can be separated from the alias that a colour mosaic makes of the sinusoid,
+/// at half the sampling frequency minus its own. Where both coincide (the second harmonic at 6 px,
+/// the third at 8 px) their phases are locked too, so averaging does not separate them. A window
+/// separates frequencies that differ by one period over its length.
 bool is_told_from_mosaic(int harmonic, double frequency, int length) {
   return std::abs(0.5 - frequency - harmonic * frequency) * length >= 1;
 }
@@ -144,20 +145,20 @@ std::vector<Basis> make_bases(double frequency, int length) {
   return bases;
 }
 
-/// What one window shows.
+/// Result of one window.
 struct Place {
   double frequency = 0;
   double modulation = 0;
-  /// Part of the second and third harmonic in phase with the fundamental, relative to it; NaN if
-  /// it cannot be told.
+  /// Second and third harmonic in phase with the fundamental, relative to it; NaN if it cannot be
+  /// measured.
   std::array<double, kLastHarmonic - 1> harmonics{};
 };
 
 /// Fits one window; false if it shows no clear sinusoid.
 bool fit_window(const Eigen::VectorXd& values, const std::vector<Basis>& bases,
                 const HarmonicOptions& options, Place& place) {
-  // Mean, slope and fundamental alone choose the frequency: whatever else there is, such as what a
-  // colour mosaic leaves, would pull it to where a harmonic fits.
+  // Choose the frequency with mean, slope and fundamental alone; other signals, such as the alias
+  // of a colour mosaic, would pull it to where a harmonic fits them.
   constexpr int kPlain = kSine + 1;
   const Basis* best = nullptr;
   double most = -1;
@@ -167,7 +168,7 @@ bool fit_window(const Eigen::VectorXd& values, const std::vector<Basis>& bases,
     best = &basis;
     most = explained;
   }
-  // At the end of the range the frequency is not the sinusoid's.
+  // At the end of the range, this is not the frequency of the sinusoid.
   if (best == nullptr || best == &bases.front() || best == &bases.back()) return false;
   const Eigen::VectorXd projection = best->columns.transpose() * values;
   const Eigen::VectorXd c = best->triangle.triangularView<Eigen::Upper>().solve(projection);
@@ -204,7 +205,7 @@ std::vector<Place> fit_windows(const cv::Mat_<float>& image, const std::vector<B
     for (int x = 0; x + length <= image.cols; x += step) {
       for (int i = 0; i < length; ++i) values[i] = static_cast<double>(image(y, x + i));
       Place place;
-      // What is clipped has harmonics of its own.
+      // Clipping causes harmonics of its own.
       if (values.maxCoeff() < 1 && fit_window(values, bases, options, place))
         places.push_back(place);
     }
@@ -225,8 +226,8 @@ std::vector<double> collect(const std::vector<Place>& places, double Place::*fie
   return values;
 }
 
-/// The median, and its deviation from the medians of groups of neighbouring windows, which hold
-/// together what is alike in one part of the image.
+/// Median, and its standard deviation from the medians of groups of neighbouring windows, which
+/// share local errors of the image.
 Harmonic summarize(const std::vector<Place>& places, int order) {
   std::vector<double> values;
   for (const Place& place : places) {
@@ -248,16 +249,16 @@ Harmonic summarize(const std::vector<Place>& places, int order) {
   return harmonic;
 }
 
-/// Spectrum of a Hann window of so many px, 1 at frequency 0.
+/// Spectrum of a Hann window of this many px, 1 at frequency 0.
 double hann_spectrum(double frequency, double length) {
-  constexpr double kNearLimit = 1e-9;  // of x: there the formula is 0 / 0, and this its limit
+  constexpr double kNearLimit = 1e-9;  // of x, where the formula is 0 / 0 and this its limit
   const double x = frequency * length;
   if (std::abs(x) < kNearLimit) return 1;
   if (std::abs(std::abs(x) - 1) < kNearLimit) return 0.5;
   return std::sin(kPi * x) / (kPi * x * (1 - x * x));
 }
 
-/// RMS over the places: the harmonic k of a frequency f lies k f - carrier away from the carrier.
+/// RMS over the places: the harmonic k of a frequency f is at k f - carrier from the carrier.
 double phase_wave(const HarmonicCheck& check, const std::vector<Place>& places) {
   const double carrier = 1 / check.period;
   const double length = 2 * check.period;

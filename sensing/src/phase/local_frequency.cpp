@@ -13,11 +13,11 @@
 namespace palpate::sensing {
 namespace {
 
-/// What the fit makes of cos((carrier + delta) k + phase), on the average over the phase.
+/// Response of the fit to cos((carrier + delta) k + phase), averaged over the phase.
 struct Response {
   double own = 0;       ///< G
   double mirror = 0;    ///< H
-  double residual = 0;  ///< what is left of its power
+  double residual = 0;  ///< remaining part of its power
 };
 
 /// The fit of mean and sinusoid as sums over the window.
@@ -99,7 +99,7 @@ inline float value(const Polynomials& polynomial, float x) {
   return sum;
 }
 
-/// From products to ripple, in place of `product_re`; takes the sinusoid's part from the residual.
+/// Replaces `product_re` by the ripple, and subtracts the sinusoid's part from the residual.
 PALPATE_HOT_LOOP void find_ripple(float* __restrict product_re, const float* product_im,
                                   const float* squares, float per_angle, float largest,
                                   Polynomials ripple, Polynomials power, long columns,
@@ -113,7 +113,7 @@ PALPATE_HOT_LOOP void find_ripple(float* __restrict product_re, const float* pro
   }
 }
 
-/// Takes ripple * conj(z) * (cosine - i sine) from z.
+/// Subtracts ripple * conj(z) * (cosine - i sine) from z.
 PALPATE_HOT_LOOP void remove_ripple(const float* ripple, float cosine, float sine, long columns,
                                     float* __restrict re, float* __restrict im) {
   for (long i = 0; i < columns; ++i) {
@@ -138,7 +138,8 @@ LocalFrequency::LocalFrequency(const DemodulationFilter& filter)
   constexpr int kNodes = 8 * kDegree;
   const Fit fit(filter);
   const double largest = kLargestDeviation * std::abs(carrier_);
-  Eigen::MatrixXd powers(kNodes, kDegree);  // of delta, from the first: both vanish at zero
+  Eigen::MatrixXd powers(kNodes,
+                         kDegree);  // of delta, from the first: both polynomials vanish at 0
   Eigen::VectorXd ripple(kNodes);
   Eigen::VectorXd power(kNodes);
   for (int i = 0; i < kNodes; ++i) {
@@ -147,7 +148,8 @@ LocalFrequency::LocalFrequency(const DemodulationFilter& filter)
       powers(i, degree - 1) = std::pow(delta / largest, degree);
     const Response response = fit.response(delta);
     ripple[i] = response.mirror / response.own;
-    // An amplitude a leaves a^2 residual and is measured as re^2 + im^2 = (a own / 2)^2.
+    // An amplitude a leaves the residual a^2 residual and is measured as re^2 + im^2 = (a own /
+    // 2)^2.
     power[i] = 4 * response.residual / (response.own * response.own);
   }
   const Eigen::HouseholderQR<Eigen::MatrixXd> qr(powers);

@@ -15,15 +15,15 @@ namespace {
 
 /// Sum of the squared binomial coefficients 1 4 6 4 1: the variance of a fourth difference.
 constexpr double kDifferenceVariance = 70;
-/// A median of absolute values, times this, is a standard deviation, if normal.
+/// Factor from the median of absolute values to the standard deviation of a Gaussian.
 constexpr double kDeviationPerMedian = 1.4826;
-/// About so many pixels are looked at, those an average along the rows apart: the noise
-/// of those between hardly differs from theirs.
+/// Approximate number of samples, spaced by the reach of the averaging along the rows; pixels in
+/// between have almost the same noise.
 constexpr long kSamples = 4000;
-/// Groups of like brightness, and how many samples one must have.
+/// Number of groups of similar brightness, and smallest number of samples in one.
 constexpr std::size_t kGroups = 8;
 constexpr std::size_t kLeastSamples = 50;
-/// The residual of a few pixels scatters about its mean: up to so many medians of it are noise.
+/// The residual of a few pixels scatters: up to this many medians it counts as noise.
 constexpr float kUsualResidual = 2;
 
 struct Sample {
@@ -74,7 +74,7 @@ struct Points {
   std::vector<double> value;
 };
 
-/// Least squares of the relative deviations; a term that would be negative is left out.
+/// Least squares of the relative deviations; a term that would become negative is left out.
 LinearInLight fit_line(const Points& points) {
   double n = 0;
   double constants = 0;
@@ -95,7 +95,8 @@ LinearInLight fit_line(const Points& points) {
   }
   if (n == 0) return {};
   const double determinant = constants * slopes - products * products;
-  /// Of the product of the two diagonal elements: below it all groups are equally bright.
+  /// If the product of the two diagonal elements is below this share, all groups are equally
+  /// bright.
   constexpr double kLeastDeterminant = 1e-6;
   if (determinant > kLeastDeterminant * constants * slopes) {
     const LinearInLight line{(slopes * right_constant - products * right_slope) / determinant,
@@ -116,7 +117,7 @@ struct Coefficients {
   float blue = 0;
 };
 
-/// One row of what the deviations are predicted from.
+/// One row of the input for predicting deviations.
 struct SignalRow {
   const float* re;
   const float* im;

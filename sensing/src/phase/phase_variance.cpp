@@ -16,11 +16,11 @@ namespace {
 
 constexpr float kPi = std::numbers::pi_v<float>;
 
-/// Of the differences in one direction: their count, sum and sum of squares, row after row.
+/// Count, sum and sum of squares of the differences in one direction, row by row.
 constexpr long kMoments = 3;
 
-/// The moments of one difference for each pixel: from `phase` to `other`, zero unless both are
-/// inside.
+/// The moments of one difference for each pixel, from `phase` to `other`; zero unless both are
+/// inside the mask.
 PALPATE_HOT_LOOP void take_differences(const float* phase, const float* other,
                                        const std::uint8_t* inside, const std::uint8_t* other_inside,
                                        float* __restrict count, float* __restrict sum,
@@ -71,11 +71,11 @@ class DirectionRows {
     sums_[1] = sums_[2] = sums_[0];
   }
 
-  /// Moves one row on: below comes what is found between the first `pixels` of two rows of pixels.
+  /// Advances by one row; adds below the differences between the first `pixels` of two pixel rows.
   void append(const float* phase, const float* other, const std::uint8_t* inside,
               const std::uint8_t* other_inside, long pixels) {
     rotate();
-    // A zero on either side of the row, and after the last difference.
+    // Zeros on both sides of the row, and after the last difference.
     const long stride = columns_ + 2;
     float* first = single_.data() + 1;
     take_differences(phase, other, inside, other_inside, first, first + stride, first + 2 * stride,
@@ -84,7 +84,7 @@ class DirectionRows {
       add_neighbours(first + moment * stride, sums_[2].data() + moment * columns_, columns_);
     }
   }
-  /// Moves one row on, to where no differences are.
+  /// Advances by one row to a row without differences.
   void append_nothing() {
     rotate();
     sums_[2].assign(sums_[2].size(), 0.0F);

@@ -7,7 +7,7 @@
 namespace palpate::sensing {
 namespace {
 
-/// A value is clipped iff it is nearer to full scale than half a step of 8 bit.
+/// A value is clipped iff it is within half an 8-bit step of full scale.
 constexpr float kFullScale = 1 - 0.5F / 255;
 
 PALPATE_HOT_LOOP void add_clipped(const float* values, std::uint8_t* clipped, long count) {

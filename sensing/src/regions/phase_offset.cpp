@@ -12,23 +12,23 @@ namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
 
-/// One guess may be wrong, and so may be its neighbours on the next scanlines.
+/// Smallest number of guesses; one guess and its neighbours on the next scanlines may be wrong.
 constexpr std::size_t kLeastGuesses = 5;
 
-/// A guess is near a whole number of turns iff it is at most this far from it. Stripe edges are
-/// found to about a pixel, a tenth of a turn.
+/// A guess is close to a whole number of turns iff it is within this distance. Stripe edges are
+/// located to about a pixel, a tenth of a turn.
 constexpr double kNearTurns = 0.3;
 
-/// A single stripe edge is trusted iff its guesses are on average at most this far from the whole
-/// number: an edge found to about a pixel, over many scanlines.
+/// A single stripe edge is trusted iff the mean distance of its guesses from the whole number is at
+/// most this, as for an edge located to about a pixel over many scanlines.
 constexpr double kProvenTurns = 0.1;
 
-/// Guesses of so many scanlines in a row confirm each other iff their columns differ by at most
-/// kChainColumns from one to the next.
+/// Guesses on this many consecutive scanlines confirm each other iff their columns differ by at
+/// most kChainColumns from one to the next.
 constexpr int kChainLength = 5;
 constexpr int kChainColumns = 3;
 
-/// The offset that the tallies of one region, sorted by their turns, come to.
+/// The offset that follows from the tallies of one region, sorted by turns.
 RegionOffset offset_of(const std::vector<Tally>& tallies, double min_agreement) {
   std::size_t guesses = 0;
   double total = 0;
@@ -37,20 +37,20 @@ RegionOffset offset_of(const std::vector<Tally>& tallies, double min_agreement) 
     total += tally.weight;
   }
   if (guesses < kLeastGuesses) return {{}, Reason::no_transition};
-  // Rounding keeps the order: the median of the rounded turns is the rounded median.
+  // Rounding preserves the order, so the median of the rounded turns is the rounded median.
   std::size_t median = 0;
   for (double sum = tallies[0].weight; sum < total / 2 && median + 1 < tallies.size();) {
     sum += tallies[++median].weight;
   }
   if (tallies[median].weight < min_agreement * total) return {{}, Reason::ambiguous_offset};
-  // What a misread edge asks for is as likely to lie anywhere between two whole numbers.
+  // The guesses of a misread edge are spread uniformly between two whole numbers.
   const Tally& best = tallies[median];
   const bool proven = best.several_edges || best.residual <= kProvenTurns * best.weight;
   if (!proven) return {{}, Reason::no_transition};
   return {kTurn * tallies[median].turns, Reason::reconstructed};
 }
 
-/// Turns that a guess asks for.
+/// Number of turns that a guess implies.
 double turns_of(const Regions& regions, const PhaseGuess& guess) {
   return (guess.phase - static_cast<double>(regions.phase(guess.row, guess.column))) / kTurn;
 }
@@ -59,8 +59,8 @@ double turns_of(const Regions& regions, const PhaseGuess& guess) {
 
 void find_markers(const Regions& regions, const std::vector<PhaseGuess>& guesses,
                   OffsetBuffers& buffers, std::vector<Marker>& markers) {
-  // Each guess joins the chain it continues; of a stripe edge, only the chains that reach the row
-  // above are open.
+  // Each guess joins the chain that it continues. Open chains of a stripe edge are those that reach
+  // the row above.
   auto& chains = buffers.chains;
   chains.clear();
   for (auto& of_edge : buffers.open_chains) of_edge.clear();

@@ -13,33 +13,31 @@ namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
 
-/// Slopes are measured over so many pixels on each side of a seam.
+/// Number of pixels on each side of a seam over which slopes are measured.
 constexpr int kSlopePixels = 4;
 
-/// Slopes on both sides may differ by this times the width of the seam [turns]:
-/// the phase bends.
+/// Slopes on both sides may differ by this times the width of the seam [turns], because the phase
+/// is curved.
 constexpr double kMaxBend = 0.08;
 
-/// A crossing of the border asks for a whole number of turns iff it comes so
-/// near to it [turns] ...
+/// A crossing of the border gives a whole number of turns iff it is this close to it [turns] ...
 constexpr double kNearTurns = 0.08;
 
-/// ... and all together iff their mean comes so near.
+/// ... and all crossings together iff their mean is this close.
 constexpr double kMeanTurns = 0.03;
 
-/// Crossings of a border, rows and columns counted alike, that are enough.
+/// Smallest number of crossings of a border, counting rows and columns.
 constexpr std::size_t kLeastCrossings = 20;
 
-/// One place where a line of pixels leaves a region and enters another beyond a
-/// seam.
+/// A place where a line of pixels leaves a region and enters another one beyond a seam.
 struct Crossing {
   int from = 0;      ///< region
   int to = 0;        ///< region
-  double turns = 0;  ///< that the phase of `from` lacks to continue that of `to`
+  double turns = 0;  ///< to be added to the phase of `from` to continue that of `to`
 };
 
-/// Looks along a line of `length` pixels, `stride` apart, for crossings between
-/// two regions of which one at least is unsolved.
+/// Searches a line of `length` pixels, `stride` apart, for crossings between two regions of which
+/// at least one is unsolved.
 class Line {
  public:
   Line(const int* label, const float* phase, long stride, int length)
@@ -65,8 +63,7 @@ class Line {
   [[nodiscard]] int label(int i) const { return label_[i * stride_]; }
   [[nodiscard]] double phase(int i) const { return static_cast<double>(phase_[i * stride_]); }
 
-  /// Slope at `i`, from there to `far`, if all between belongs to one region
-  /// [rad/px].
+  /// Slope at `i`, from there to `far`, if all pixels in between belong to one region [rad/px].
   [[nodiscard]] std::optional<double> slope(int i, int far) const {
     if (far < 0 || far >= length_) return std::nullopt;
     for (int k = std::min(i, far); k <= std::max(i, far); ++k) {
@@ -116,8 +113,7 @@ std::vector<Crossing> find_crossings(const Regions& regions, const SeamLimits& l
   return crossings;
 }
 
-/// What the crossings of one region to solved ones say; nothing while they are
-/// few.
+/// Result of the crossings from one region to solved ones; empty if there are too few.
 std::optional<RegionOffset> judge(const std::vector<double>& turns, double min_agreement) {
   if (turns.size() < kLeastCrossings) return std::nullopt;
   std::vector<double> sorted = turns;
@@ -154,7 +150,7 @@ void solve_from_neighbours(const Regions& regions, const SeamLimits& limits,
   if (std::none_of(offsets.begin(), offsets.end(), open)) return;
   const std::vector<Crossing> crossings = find_crossings(regions, limits, offsets);
   std::vector<double> turns;
-  // Every round solves all it can from what the rounds before have solved.
+  // Each round solves what follows from the regions solved in the rounds before.
   for (bool solved = true; solved;) {
     solved = false;
     const std::vector<RegionOffset> before = offsets;

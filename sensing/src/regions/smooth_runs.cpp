@@ -14,8 +14,8 @@ namespace {
 
 constexpr float kPi = std::numbers::pi_v<float>;
 
-/// How two neighbours are linked: not at all, or by a step that crosses no turn (kLevel), or one
-/// downwards or upwards (one less or one more).
+/// Link of two neighbours: none, a step without a turn (kLevel), or a step with one turn down or
+/// up.
 constexpr std::uint8_t kNoLink = 0;
 constexpr std::uint8_t kLevel = 2;
 
@@ -33,8 +33,8 @@ PALPATE_HOT_LOOP void find_links(const float* phase, const float* other,
   }
 }
 
-/// Where runs start: the class changes, or the step from the left needs a turn or is too large.
-/// `links` are those to the right.
+/// Finds where runs start: the class changes, or the step from the left needs a turn or is too
+/// large. `links` are those to the right.
 PALPATE_HOT_LOOP void find_starts(const std::uint8_t* classes, const std::uint8_t* links,
                                   std::uint8_t* starts, long pixels) {
   starts[0] = 1;
@@ -78,7 +78,7 @@ void SmoothRuns::start_rows(long rows, long columns) {
   runs_.clear();
   nodes_.clear();
   for (auto& links : links_) links.clear();
-  // Zeros after the row's end, to a multiple of eight.
+  // Pad the row with zeros to a multiple of eight.
   const auto padded = (static_cast<std::size_t>(columns) + 7) / 8 * 8;
   for (auto* bytes : {&across_, &down_, &starts_, &above_, &events_}) bytes->assign(padded, 0);
   first_above_ = 0;
@@ -88,7 +88,7 @@ int SmoothRuns::root_of(int run) {
   for (;;) {
     Node& node = nodes_[static_cast<std::size_t>(run)];
     if (node.parent == run) return run;
-    // Halves the path; a root has no turns over itself.
+    // Path halving; a root has no turns relative to itself.
     const Node& parent = nodes_[static_cast<std::size_t>(node.parent)];
     node.turns += parent.turns;
     node.parent = parent.parent;
@@ -109,7 +109,7 @@ void SmoothRuns::join(const Link& link) {
     }
     return turns;
   };
-  // phase(b) = phase(a) + turns; of the two roots the first one stays.
+  // phase(b) = phase(a) + turns; the first of the two roots stays.
   const int over = turns_over(link.a, a) + link.turns - turns_over(link.b, b);
   if (a < b) {
     nodes_[static_cast<std::size_t>(b)] = {a, over};
@@ -167,7 +167,7 @@ void SmoothRuns::label_runs() {
     } else if (node.parent == static_cast<int>(i)) {
       runs_[i].label = count_++;
     } else {
-      // A parent comes before its children, and points at its root by now.
+      // A parent comes before its children, so it already points at its root.
       const Node& parent = nodes_[static_cast<std::size_t>(node.parent)];
       node = {parent.parent, node.turns + parent.turns};
       runs_[i].label = runs_[static_cast<std::size_t>(node.parent)].label;

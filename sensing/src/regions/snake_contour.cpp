@@ -12,34 +12,32 @@ namespace {
 
 using Eigen::Vector2d;
 
-/// The forces in units of the expansion force; time such that a front of no
-/// curvature moves by kTimeStep in a round [px].
+/// Forces in units of the expansion force. The unit of time is such that a straight front moves by
+/// kTimeStep per round [px].
 constexpr double kRigidity = SnakeContour::kCriticalRadius;
 constexpr double kImageForce = 3;  ///< per roughness / px
 constexpr double kTimeStep = 0.4;
 
-/// Distances between neighbouring points [px]. The explicit steps are stable as
-/// long as kTimeStep * kRigidity <= kNearest^2 / 2.
+/// Distances between neighbouring points [px]. The explicit steps are stable if
+/// kTimeStep * kRigidity <= kNearest^2 / 2.
 constexpr double kNearest = 1.8;
 constexpr double kFarthest = 4;
 static_assert(kTimeStep * kRigidity <= kNearest * kNearest / 2);
 
-/// Longest move in a round [px]; segments are never longer than kFarthest + 2
-/// kLongestMove.
+/// Longest move per round [px]; segments are never longer than kFarthest + 2 kLongestMove.
 constexpr double kLongestMove = 0.5;
 
-/// Cells of the grid that finds what is near [px]: two segments that cross
-/// begin within two lengths of each other.
+/// Cell size of the grid for finding neighbours [px]: two segments that cross start within two
+/// segment lengths of each other.
 constexpr double kCell = 12;
 static_assert(kCell >= 2 * (kFarthest + 2 * kLongestMove));
 
-/// A point that moved by less than kRest [px] for kPatience rounds sleeps until
-/// a neighbour moves.
+/// A point that moved by less than kRest [px] for kPatience rounds sleeps until a neighbour moves.
 constexpr double kRest = 0.04;
 constexpr int kPatience = 4;
 
-/// A contour is at rest if so many rounds add less area than this [px^2]: far
-/// less than what the narrowest front that can advance adds.
+/// A contour is at rest if this many rounds add less than this area [px^2], which is far less than
+/// what the narrowest advancing front adds.
 constexpr int kRoundsBetween = 100;
 constexpr double kLeastGrowth = 20;
 
@@ -90,7 +88,7 @@ bool SnakeContour::open(const Vector2d& at) const {
   return (*finished_)(row, column) < 0;
 }
 
-/// Bilinear between the central differences of the four pixels around a place.
+/// Interpolates bilinearly between the central differences of the four pixels around a place.
 Vector2d SnakeContour::gradient(const Vector2d& at) const {
   const Plane& q = *roughness_;
   const long last_column = q.cols() - 1;
@@ -128,12 +126,12 @@ Vector2d SnakeContour::force(const Point& point) const {
       static_cast<double>((*roughness_)(std::lround(point.at.y()), std::lround(point.at.x())));
   const Vector2d sum =
       std::max(0.0, 1 - rough) * outward + kRigidity * curvature - kImageForce * gradient(point.at);
-  // What moves a point along the contour moves no contour.
+  // Motion of points along the contour does not move the contour.
   return sum.dot(outward) * outward;
 }
 
-/// Whether a segment meets one of the contour, other than those that begin at
-/// `first`, `last` or between them in the contour's order.
+/// Whether a segment meets one of the contour, except those that begin at `first`, `last` or
+/// between them in contour order.
 bool SnakeContour::crosses(const Vector2d& a, const Vector2d& b, int first, int last) const {
   const long rows = static_cast<long>(cells_.size()) / cells_across_;
   const auto column = static_cast<long>(std::max(0.0, b.x()) / kCell);
@@ -173,7 +171,7 @@ bool SnakeContour::move(int number) {
   if (!open(target)) return false;
   const Point& before = points_[static_cast<std::size_t>(point.previous)];
   const Point& after = points_[static_cast<std::size_t>(point.next)];
-  // The new segments end in points that their neighbours share.
+  // The ends of the new segments are shared with neighbouring segments.
   if (crosses(before.at, target, before.previous, number)) return false;
   if (crosses(after.at, target, point.previous, point.next)) return false;
   forget(number);
@@ -230,7 +228,7 @@ double SnakeContour::area() const {
   return twice / 2;
 }
 
-/// One move for each point that is awake. Returns whether any moved.
+/// Moves each awake point once. Returns whether any point moved.
 bool SnakeContour::move_all() {
   bool moved = false;
   const int last = static_cast<int>(points_.size());

@@ -15,20 +15,19 @@
 namespace palpate::sensing {
 namespace {
 
-/// Radius of the circles that snakes begin as [px]: narrower regions are not
-/// found.
+/// Initial radius of the snakes [px]; narrower regions are not found.
 constexpr long kRadius = 6;
 static_assert(static_cast<double>(kRadius) > SnakeContour::kCriticalRadius);
 
-/// Roughness is the phase variance over its limit, and no more than this: a
-/// step of the depth, the edge of the light and noise are all just rough.
+/// The roughness is the phase variance divided by its limit, at most this: depth steps, borders of
+/// the light and noise are not distinguished.
 constexpr float kRoughest = 2;
 
-/// Pixels beside a region that no snake reached join it from so far away [px].
+/// Unreached pixels join a region within this distance [px].
 constexpr int kReach = 2;
 
-/// A front crosses an image of this many pixels along its sides in less than
-/// twenty times as many rounds; what moves longer creeps.
+/// Limit of the rounds per pixel of the image sides: a front crosses the image in fewer; slower
+/// motion is creeping.
 constexpr int kRoundsPerPixel = 20;
 
 int rank_of(float roughness) {
@@ -36,8 +35,7 @@ int rank_of(float roughness) {
                   VarianceQueue::kRanks - 1);
 }
 
-/// The centres of all squares of half width kRadius that hold smooth pixels
-/// alone, by their mean roughness.
+/// Centres of all squares of half-width kRadius that contain only smooth pixels, by mean roughness.
 void queue_centers(const Plane& roughness, VarianceQueue& queue) {
   const long rows = roughness.rows();
   const long columns = roughness.cols();
@@ -103,7 +101,7 @@ void fill(const Eigen::Matrix2Xd& polygon, int label, Labels& labels) {
   }
 }
 
-/// Free smooth pixels beside regions join them, from all around at once.
+/// Lets free smooth pixels beside regions join them, from all sides simultaneously.
 void absorb(const Plane& wrapped, const Plane& roughness, double max_step, Labels& labels) {
   for (int reached = 0; reached < kReach; ++reached) {
     const Labels before = labels;
@@ -125,8 +123,8 @@ void absorb(const Plane& wrapped, const Plane& roughness, double max_step, Label
   }
 }
 
-/// Unwraps the pixels of each label from its seed on, the smoothest at the
-/// border first; takes the label from those that are not reached or not smooth.
+/// Unwraps the pixels of each label from its seed, the smoothest border pixel first. Pixels that
+/// are not reached or not smooth lose their label.
 void unwrap(const Plane& wrapped, const Plane& variance, const Plane& roughness,
             const std::vector<int>& seeds, Regions& regions) {
   const int columns = static_cast<int>(wrapped.cols());
@@ -165,7 +163,7 @@ void grow_snakes(const Plane& wrapped, const Plane& variance, const FloodLimits&
                  Regions& regions) {
   const auto limit = static_cast<float>(limits.max_variance);
   const Plane roughness = variance.unaryExpr([limit](float value) {
-    return value < kRoughest * limit ? value / limit : kRoughest;  // NaN too
+    return value < kRoughest * limit ? value / limit : kRoughest;  // includes NaN
   });
   regions = {Labels::Constant(wrapped.rows(), wrapped.cols(), -1), wrapped, 0};
   VarianceQueue centers;
@@ -180,7 +178,7 @@ void grow_snakes(const Plane& wrapped, const Plane& variance, const FloodLimits&
                          roughness, regions.label);
     contour.grow(max_rounds);
     fill(contour.points(), regions.count, regions.label);
-    // Wherever the contour went, the next circle begins elsewhere.
+    // Wherever the contour went, the next circle starts somewhere else.
     regions.label(row, column) = regions.count++;
     seeds.push_back(center);
   }

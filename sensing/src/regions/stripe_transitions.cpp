@@ -13,7 +13,7 @@
 namespace palpate::sensing {
 namespace {
 
-/// Shorter windows say too little of a colour [px].
+/// Smallest length of a window that classifies a colour [px].
 constexpr int kLeastWindow = 3;
 
 struct WindowColor {
@@ -57,7 +57,7 @@ PALPATE_HOT_LOOP void find_steps(const float* hues, const std::uint8_t* lit, flo
 
 class Scanline {
  public:
-  /// \param steps room for a number per column.
+  /// \param steps buffer with one number per column.
   Scanline(const Plane& hue, const Mask& lit, int row, double min_step, std::vector<float>& steps)
       : hues_(&hue(row, 0)),
         lit_(&lit(row, 0)),
@@ -68,14 +68,14 @@ class Scanline {
   }
 
   /// The next group of fast changes at or after `column`: from its first pixel to the pixel after
-  /// its last change. An empty group at the end.
+  /// its last change. Returns an empty group at the end.
   [[nodiscard]] std::pair<int, int> next_group(int column) const {
     while (column + 1 < columns_ && steps_[column] < min_step_) ++column;
     int last = column;
     while (last + 1 < columns_ && steps_[last] >= min_step_) ++last;
     return {column, last};
   }
-  /// Where between the two the hue changes, each pixel weighted with its change.
+  /// Position of the hue change between the two: the mean of the pixels weighted by their change.
   [[nodiscard]] float center(int first, int last) const {
     float total = 0;
     float moment = 0;
@@ -85,7 +85,7 @@ class Scanline {
     }
     return moment / total;
   }
-  /// How many pixels from `column` on, going by `direction`, are lit and of one hue, up to `most`.
+  /// Number of pixels from `column` on in `direction` that are lit and of one hue, up to `most`.
   [[nodiscard]] int run(int column, int direction, int most) const {
     int length = 0;
     while (length < most && column >= 0 && column < columns_ && lit_[column] != 0) {

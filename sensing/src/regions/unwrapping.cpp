@@ -16,10 +16,10 @@ namespace {
 /// Half the width of the necks that are cut [px].
 constexpr long kNeck = 3;
 
-/// A core of fewer pixels may lie between two stripe edges.
+/// A smaller core may lie between two stripe edges [px].
 constexpr int kLeastCorePixels = 300;
 
-/// Classes of equal width of the square root of the variance.
+/// Smoothness classes have equal width in the square root of the variance.
 PALPATE_HOT_LOOP void classify(const float* variance, float max_variance, std::uint8_t* classes,
                                long pixels) {
   const float per_class = max_variance / (kSmoothClasses * kSmoothClasses);
@@ -41,8 +41,8 @@ PALPATE_HOT_LOOP void keep_cores(std::uint8_t* classes, long count) {
   for (long i = 0; i < count; ++i) classes[i] = classes[i] == kNotSmooth ? kNotSmooth : 0;
 }
 
-/// Takes away from the smooth pixels those within kNeck of others; what remains is of one class.
-/// The image's border does no harm.
+/// Erodes the smooth pixels by kNeck; the remaining ones have one class. The image's border does
+/// not erode.
 void cut_necks(Mask& classes, Mask& row_minima) {
   const long rows = classes.rows();
   const long columns = classes.cols();
@@ -62,13 +62,13 @@ void cut_necks(Mask& classes, Mask& row_minima) {
   keep_cores(classes.data(), classes.size());
 }
 
-/// The parts of the regions and the labels they get; the first part of a region keeps its label.
+/// The parts of the regions and their labels; the first part of a region keeps its label.
 class Parts {
  public:
   explicit Parts(Regions& regions)
       : regions_(&regions), of_region_(static_cast<std::size_t>(regions.count)) {}
 
-  /// The part of a region with a number of turns, which is made if there is none yet.
+  /// The part of a region with this number of turns; created if it does not exist.
   int with_turns(int region, int turns) {
     auto& parts = of_region_[static_cast<std::size_t>(region)];
     for (const auto& [known, label] : parts) {
@@ -103,7 +103,7 @@ class Parts {
   std::vector<std::vector<std::pair<int, int>>> of_region_;
 };
 
-/// Cores by the part they belong to: a label, or one of these.
+/// Part of a core: a label, or one of these.
 constexpr int kNoMarker = -1;
 constexpr int kDisagreeing = -2;
 
@@ -129,13 +129,13 @@ void doubt_cores(const Labels& label, const std::vector<SmoothRuns::Extent>& cor
   }
 }
 
-/// The roles of pixels in the flood: a rank of the VarianceQueue while it waits, or one of these.
+/// Role of a pixel in the flood: a rank of the VarianceQueue while it waits, or one of these.
 constexpr std::uint8_t kApart = 255;
 constexpr std::uint8_t kSeed = 254;
 static_assert(VarianceQueue::kRanks < kSeed);
 bool waits(std::uint8_t role) { return role < kSeed; }
 
-/// Ranks of equal width of the square root of the variance; any for variances above the largest.
+/// Ranks have equal width in the square root of the variance; larger variances get any rank.
 PALPATE_HOT_LOOP void rank_pixels(const float* variance, float max_variance, std::uint8_t* ranks,
                                   long pixels) {
   const float per_deviation = (VarianceQueue::kRanks - 1) / std::sqrt(max_variance);
@@ -145,8 +145,8 @@ PALPATE_HOT_LOOP void rank_pixels(const float* variance, float max_variance, std
   }
 }
 
-/// Gives the pixels of the regions that have several parts their role, and those of cores with a
-/// part their label.
+/// Assigns a role to the pixels of regions with several parts, and a label to the pixels of cores
+/// that belong to a part.
 void assign_roles(const Labels& core, const std::vector<int>& core_parts, const Parts& parts,
                   Labels& labels, Mask& roles) {
   const std::vector<bool> several = parts.several();

@@ -12,17 +12,17 @@
 namespace palpate::sensing {
 namespace {
 
-/// Depths are tried from one to so many baselines, in equal ratios: nearer the views do not
-/// overlap, farther the depth cannot be measured.
+/// Depths are sampled from one to this many baselines in equal ratios: closer, the views do not
+/// overlap; farther, the depth cannot be measured.
 constexpr double kFarthestBaselines = 20;
 constexpr int kDepths = 30;
-/// And so many places along each side of the camera image.
+/// Number of samples along each side of the camera image.
 constexpr int kPlaces = 9;
 
 /// Shorter periods than this [camera px] are lost between the pixels (Nyquist).
 constexpr double kLeastPeriod = 2;
 
-/// Refuses a sinusoid of which the camera sees no period, or cannot tell one from the next.
+/// Rejects a sinusoid of which the camera sees no full period, or cannot resolve the periods.
 void check_period(const Carrier& carrier, const Pattern& pattern, const geometry::Camera& camera) {
   const double period = 2 * std::numbers::pi / std::abs(carrier.along);
   const int length = carrier.transposed ? camera.width : camera.height;

@@ -19,7 +19,7 @@
 namespace palpate::sensing {
 namespace {
 
-/// mean +- amplitude may leave [0, 1] by this much: the rounding of decimal numbers in a file.
+/// mean +- amplitude may leave [0, 1] by this much, the rounding of decimal numbers in a file.
 constexpr double kRangeTolerance = 1e-9;
 
 std::string at(const char* list, std::size_t index) {
@@ -78,7 +78,7 @@ std::string pixels(const Eigen::Vector2i& size) {
   return std::to_string(size.x()) + " x " + std::to_string(size.y()) + " px";
 }
 
-/// The shortest decimal number that is read back as this value.
+/// The shortest decimal number that reads back as this value.
 template <typename T>
 std::string shortest(T value) {
   std::array<char, 32> digits{};
@@ -86,7 +86,7 @@ std::string shortest(T value) {
   return {digits.data(), end.ptr};
 }
 
-/// A name as YAML text: as it is if it consists of letters and digits.
+/// A name as YAML text, without quotes if it consists of letters and digits.
 std::string quoted(const std::string& name) {
   const bool plain =
       std::all_of(name.begin(), name.end(), [](unsigned char c) { return std::isalnum(c) != 0; }) &&
@@ -187,7 +187,7 @@ Pattern read_pattern(const std::filesystem::path& path) {
 
 void write_pattern(const std::filesystem::path& path, const Pattern& pattern) {
   check_pattern(pattern, "write_pattern(" + path.string() + ")");
-  // Written by hand: FileStorage's own output ("name:R") is no YAML for others.
+  // Written by hand, because FileStorage's own output ("name:R") is not valid YAML for others.
   write_file(path, [&](std::ostream& out) {
     const auto list = [&](const auto& values) {
       const char* separator = "[ ";

@@ -18,11 +18,10 @@ namespace palpate::sensing {
 namespace {
 
 /// R counts as a rotation iff no entry of R^T R - I exceeds this: far above the rounding of numbers
-/// written with seven digits, far below what would move a point 1 m away by a tenth of a
-/// millimetre.
+/// with seven digits, and far below what would move a point at 1 m by a tenth of a millimetre.
 constexpr double kRotationTolerance = 1e-5;
 
-/// How many distortion coefficients OpenCV's files hold.
+/// Numbers of distortion coefficients in OpenCV's files.
 constexpr std::array<int, 4> kDistortionLengths = {0, 4, 5, 8};
 
 void check_chromatic(const ChromaticShift& shift, const std::string& what) {
@@ -34,7 +33,7 @@ void check_chromatic(const ChromaticShift& shift, const std::string& what) {
 std::array<double, 8> read_distortion(const StorageFile& file, const std::string& key) {
   std::array<double, 8> distortion{};
   const cv::FileNode node = file.child(file.root(), key);
-  // FileStorage cannot write an empty matrix as one: no lens distortion may also be an empty list.
+  // FileStorage cannot write an empty matrix; an empty list also means no lens distortion.
   if (node.isSeq() && node.size() == 0) return distortion;
   const cv::Mat_<double> values = file.matrix(key);
   const int count = static_cast<int>(values.total());

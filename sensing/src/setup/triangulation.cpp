@@ -11,10 +11,11 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-/// The secant method stops when the projector pixel is met to this [px]: a thousandth of what the
+/// The secant method stops when the projector pixel is within this [px], a thousandth of what the
 /// phase can resolve.
 constexpr double kPixelTolerance = 1e-6;
-/// It gains about 1.6 times the digits a step; lenses whose image does not fold need 4 or 5.
+/// The number of digits grows 1.6 times per step; lenses whose image does not fold need 4 or 5
+/// steps.
 constexpr int kMaxSecantSteps = 20;
 
 }  // namespace
@@ -49,7 +50,7 @@ double Triangulation::depth(const Eigen::Vector3d& direction, Axis axis, double 
   double normalized = (pixel - center) / focal;
   double z = plane_depth(direction, row, normalized);
   if (!distorted_) return z;
-  // The secant method on the undistorted coordinate; its first step takes the lens as free of
+  // The secant method on the undistorted coordinate; the first step assumes a lens without
   // distortion (slope one).
   double miss = project(direction, z)[row] - pixel;
   if (std::abs(miss) <= kPixelTolerance) return z;

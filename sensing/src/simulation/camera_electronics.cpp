@@ -12,8 +12,8 @@
 namespace palpate::sensing {
 namespace {
 
-/// Below so many electrons their number is drawn from the law of Poisson itself; above, where its
-/// skewness is below 0.13, from the normal one.
+/// Below this many electrons their number is drawn from a Poisson distribution; above, where its
+/// skewness is below 0.13, from a normal distribution.
 constexpr double kFewElectrons = 64;
 
 /// The finaliser of SplitMix64 (Steele, Lea and Flood 2014): random bits out of a counter.
@@ -39,7 +39,7 @@ double poisson(double mean, double u) {
   return k;
 }
 
-/// Electrons of one measurement; `site` is different for each of them.
+/// Electrons of one measurement; `site` differs for each measurement.
 double electrons(double mean, double read_noise, std::uint64_t key, std::uint64_t site) {
   const std::uint64_t start = key + 4 * site;
   // Box and Muller: two independent normal numbers.
@@ -50,7 +50,7 @@ double electrons(double mean, double read_noise, std::uint64_t key, std::uint64_
   return shot + read_noise * radius * std::sin(angle);
 }
 
-/// What the pixels measure, in full scales; `channel_of` tells which channel of `light`.
+/// Values that the pixels measure, in full scales; `channel_of` selects the channel of `light`.
 cv::Mat measure(const cv::Mat& light, double exposure, const VirtualSensor& sensor,
                 std::uint64_t frame_number) {
   const bool mosaic = sensor.readout != Readout::color;
@@ -76,8 +76,8 @@ cv::Mat measure(const cv::Mat& light, double exposure, const VirtualSensor& sens
   return measured;
 }
 
-/// OpenCV copies the outermost row and column from their neighbours: it gets mirror images of the
-/// mosaic, which keep its order, around the true one.
+/// Demosaics with a border of mirrored pixels, which keep the order of the mosaic, because OpenCV
+/// copies the outermost rows and columns from their neighbours.
 cv::Mat demosaic(const cv::Mat& measured) {
   constexpr int kMargin = 2;
   cv::Mat raw, wide, color;

@@ -9,15 +9,15 @@
 namespace palpate::sensing {
 namespace {
 
-/// [mm] at which the projector's white is 1.
+/// [mm] Distance at which the projector's white is 1.
 constexpr double kUnitDistance = 1000;
 
 /// A panel pixel is the image of a direction iff the lens model leads back to it within this
-/// [tangent]; farther off, the model has folded, and no real lens would send light there.
+/// [tangent]; otherwise the model has folded, and no real lens would send light there.
 constexpr double kFoldTolerance = 1e-6;
 
-/// Lambertian surfaces give back 1 / pi of the light each way, of which Blinn's highlight is
-/// (s + 8) / 8 times cos^s.
+/// Lambertian surfaces reflect 1 / pi of the light in each direction; Blinn's highlight relative to
+/// that is (s + 8) / 8 times cos^s.
 double highlight(const Body& body, const Eigen::Vector3d& normal, const Eigen::Vector3d& to_light,
                  const Eigen::Vector3d& to_camera) {
   if (body.specular == 0) return 0;
@@ -64,7 +64,7 @@ Illumination LightPath::illuminate(const VirtualScene& scene, const SurfaceView&
   if (!pixel) return light;
   light.covered = true;
   light.pixel = *pixel;
-  // The normal of the triangle decides what is dark: it is the one that casts shadows.
+  // The triangle's own normal decides what is dark, because it is the one that casts shadows.
   if (!(place.facet.dot(direction) > 0) || !scene.sees(place, origin_)) return light;
   light.lit = true;
   const double axis_cosine = (rig_.T_projector_camera * place.position).z() / distance;

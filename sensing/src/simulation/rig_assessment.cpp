@@ -21,7 +21,7 @@ void check_options(const AssessmentOptions& options) {
   require("AssessmentOptions::wrong_depth", options.wrong_depth, above(0), "mm");
 }
 
-/// The lit pixel nearest to the middle of the image.
+/// The lit pixel nearest to the image centre.
 std::optional<Anchor> anchor_of(const SceneTruth& truth) {
   const double middle_row = static_cast<double>(truth.lit.rows() - 1) / 2;
   const double middle_column = static_cast<double>(truth.lit.cols() - 1) / 2;

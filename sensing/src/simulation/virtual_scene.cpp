@@ -14,9 +14,9 @@
 namespace palpate::sensing {
 namespace {
 
-/// Rays to the light start this fraction of the scene's size, or of the distance to the origin if
-/// that is larger, above the surface: far above the rounding of a hit (1e-15), far below what a
-/// shadow shows.
+/// Rays to the light start above the surface by this fraction of the scene's size, or of the
+/// distance from the origin if that is larger: far above the rounding of a hit (1e-15), far below
+/// the resolution of a shadow.
 constexpr double kLift = 1e-8;
 
 void check_colors(const Eigen::Matrix3Xd& colors, const std::string& name) {
@@ -134,8 +134,8 @@ void VirtualScene::move_to(double time) {
   set_normals();
 }
 
-/// The normal at a corner is the mean of those triangles' around its vertex that differ from its
-/// own triangle's by no more than the crease angle, weighted by area.
+/// The normal at a corner is the area-weighted mean of the triangle normals around its vertex that
+/// differ from its own triangle's normal by no more than the crease angle.
 void VirtualScene::set_normals() {
   const Eigen::Index triangles = mesh_.triangles.cols();
   facets_ = geometry::triangle_normals(mesh_);

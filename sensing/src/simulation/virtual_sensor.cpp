@@ -20,10 +20,10 @@
 namespace palpate::sensing {
 namespace {
 
-/// Bilinear interpolation of a mosaic needs so many pixels each way.
+/// Smallest size of a mosaic for bilinear interpolation, in pixels along each axis.
 constexpr int kSmallestMosaic = 3;
 
-/// What a ray of one colour brings back, whatever the panel shows.
+/// What a ray of one colour sees, independently of the panel.
 struct Echo {
   Eigen::Vector3d reflectance{0, 0, 0};  ///< blue, green, red
   Illumination light;
@@ -44,7 +44,7 @@ struct Renderer {
                 .light = path.illuminate(scene, *place)};
   }
 
-  /// Adds `weight` times the light of one colour that comes back to one pixel of each image.
+  /// Adds `weight` times the light of one colour to one pixel of each image.
   void add(const Echo& echo, int channel, float weight, cv::Point pixel,
            std::vector<cv::Mat>& images) const {
     const auto panel =
@@ -58,7 +58,7 @@ struct Renderer {
     }
   }
 
-  /// Adds `weight` times the light of one moment to each image.
+  /// Adds `weight` times the light at one time to each image.
   void add_moment(const VirtualScene& scene, float weight, std::vector<cv::Mat>& images) const {
     const int samples = sensor.samples_per_axis;
     const float share = weight / static_cast<float>(samples * samples);
@@ -70,7 +70,7 @@ struct Renderer {
               camera, Eigen::Vector2d(u + offset(s % samples), v + offset(s / samples)));
           std::optional<Echo> echo;
           for (std::size_t c = 0; c < 3; ++c) {
-            // Colours that go the same way are followed once.
+            // Colours with the same path are traced once.
             if (c == 0 || shifts[c].alpha != shifts[c - 1].alpha) {
               echo = follow(scene, shifts[c].alpha * ray);
             }
@@ -111,7 +111,7 @@ SceneTruth scene_truth(const VirtualScene& scene, const geometry::Camera& camera
   return truth;
 }
 
-/// Light on the camera's chip before its lens blurs, one image a panel.
+/// Light on the camera's chip before lens blur, one image per panel.
 std::vector<cv::Mat> expose(const Renderer& renderer, VirtualScene& scene, std::size_t count) {
   std::vector<cv::Mat> images;
   for (std::size_t i = 0; i < count; ++i) {

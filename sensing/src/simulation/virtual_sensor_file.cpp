@@ -27,7 +27,7 @@ constexpr int kMaxSteps = 1024;
 constexpr std::array<std::pair<Readout, const char*>, 3> kReadouts = {
     {{Readout::color, "color"}, {Readout::mosaic, "mosaic"}, {Readout::demosaiced, "demosaiced"}}};
 
-/// Names of the numbers, as in the file; `visit(name, value)` may read or change them.
+/// Names of the numbers in the file; `visit(name, value)` may read or change them.
 template <typename Sensor, typename Visit>
 void for_each_number(Sensor& sensor, const Visit& visit) {
   visit("projector_gamma", sensor.projector_gamma);
@@ -47,7 +47,7 @@ void for_each_number(Sensor& sensor, const Visit& visit) {
   visit("exposure_level", sensor.exposure_level);
 }
 
-/// A misspelt name must not pass for one that was left out.
+/// Rejects unknown names, because a misspelt name would count as one that was left out.
 void check_keys(const StorageFile& file) {
   std::set<std::string> known = {"readout", "seed"};
   VirtualSensor sensor;
