@@ -37,7 +37,7 @@ int main() try {
   std::printf("%ld vertices, %ld triangles in %d surfaces; vertex 0 is pixel %d\n",
               static_cast<long>(surface.mesh.vertices.cols()),
               static_cast<long>(surface.mesh.triangles.cols()),
-              geometry::connected_components(surface.mesh).count, surface.pixel[0]);
+              geometry::connected_components(surface.mesh).count, surface.source[0]);
   geometry::write_mesh("ball.ply", surface.mesh);
 } catch (const palpate::Error& error) {
   std::fprintf(stderr, "%s\n", error.what());

@@ -296,7 +296,7 @@ class Repair {
     for (size_t v = 0; v < vertices.size(); ++v) {
       index_of_fan[static_cast<size_t>(vertices[v].second)] = static_cast<int>(v);
       result_.mesh.vertices.col(static_cast<Eigen::Index>(v)) = at(vertices[v].first);
-      result_.vertex_source.push_back(vertices[v].first);
+      result_.source.push_back(vertices[v].first);
     }
     Eigen::Index kept = 0;
     result_.mesh.triangles.resize(3, triangles_.cols() - result_.removed_triangles);
@@ -312,7 +312,7 @@ class Repair {
 
   void count_vertices() {
     std::vector<bool> kept(place_.size());
-    for (const int v : result_.vertex_source) kept[static_cast<size_t>(v)] = true;
+    for (const int v : result_.source) kept[static_cast<size_t>(v)] = true;
     for (size_t v = 0; v < place_.size(); ++v) {
       if (place_[v] != static_cast<int>(v)) {
         ++result_.welded_vertices;

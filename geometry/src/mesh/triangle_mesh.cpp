@@ -91,6 +91,21 @@ Eigen::Vector3d position(const TriangleMesh& mesh, const SurfacePoint& point) {
               point.barycentric[2] * (mesh.vertices.col(corners[2]) - a));
 }
 
+SurfacePoint corner_point(int triangle, int corner) {
+  return {.triangle = triangle, .barycentric = Eigen::Vector3d::Unit(corner)};
+}
+
+std::vector<SurfacePoint> vertex_points(const TriangleMesh& mesh) {
+  std::vector<SurfacePoint> points(static_cast<std::size_t>(mesh.vertices.cols()));
+  for (int t = 0; t < mesh.triangles.cols(); ++t) {
+    for (int k = 0; k < 3; ++k) {
+      SurfacePoint& point = points[static_cast<std::size_t>(mesh.triangles(k, t))];
+      if (point.triangle < 0) point = corner_point(t, k);
+    }
+  }
+  return points;
+}
+
 Eigen::Matrix3Xd triangle_normals(const TriangleMesh& mesh) {
   Eigen::Matrix3Xd normals(3, mesh.triangles.cols());
   for (Eigen::Index t = 0; t < mesh.triangles.cols(); ++t) {

@@ -197,10 +197,10 @@ Decimation compact(const TriangleMesh& mesh) {
   Decimation result;
   for (std::size_t v = 0; v < index.size(); ++v) {
     if (index[v] < 0) continue;
-    index[v] = static_cast<int>(result.vertex.size());
-    result.vertex.push_back(static_cast<int>(v));
+    index[v] = static_cast<int>(result.source.size());
+    result.source.push_back(static_cast<int>(v));
   }
-  result.mesh.vertices = mesh.vertices(Eigen::all, result.vertex);
+  result.mesh.vertices = mesh.vertices(Eigen::all, result.source);
   result.mesh.triangles =
       mesh.triangles.unaryExpr([&index](int v) { return index[static_cast<std::size_t>(v)]; });
   return result;
@@ -270,9 +270,9 @@ Decimation decimate(const TriangleMesh& mesh, const DecimationOptions& options) 
                                 ? to_tolerance(mesh, standard, *options.tolerance, tries)
                                 : to_count(mesh, standard, *options.max_triangles, tries);
   if (best.triangles.cols() == mesh.triangles.cols()) {
-    Decimation same{.mesh = mesh, .vertex = {}, .distance = 0, .tries = tries};
-    same.vertex.resize(static_cast<std::size_t>(mesh.vertices.cols()));
-    std::iota(same.vertex.begin(), same.vertex.end(), 0);
+    Decimation same{.mesh = mesh, .source = {}, .distance = 0, .tries = tries};
+    same.source.resize(static_cast<std::size_t>(mesh.vertices.cols()));
+    std::iota(same.source.begin(), same.source.end(), 0);
     return same;
   }
   Decimation result = compact(best);

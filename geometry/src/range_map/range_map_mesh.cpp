@@ -208,7 +208,7 @@ std::vector<int> take_vertices(const Cells& cells, const Eigen::Matrix3Xd& point
     }
     return count;
   });
-  result.pixel.resize(static_cast<std::size_t>(starts.back()));
+  result.source.resize(static_cast<std::size_t>(starts.back()));
   result.mesh.vertices.resize(3, starts.back());
   parallel_for(cells.rows() - 1, [&](Eigen::Index row) {
     const auto start = static_cast<int>(starts[static_cast<std::size_t>(row)]);
@@ -216,7 +216,7 @@ std::vector<int> take_vertices(const Cells& cells, const Eigen::Matrix3Xd& point
       int& number = vertex[static_cast<std::size_t>(pixel)];
       if (number == kUnused) continue;
       number += start;
-      result.pixel[static_cast<std::size_t>(number)] = static_cast<int>(pixel);
+      result.source[static_cast<std::size_t>(number)] = static_cast<int>(pixel);
       result.mesh.vertices.col(number) = points.col(pixel);
     }
   });

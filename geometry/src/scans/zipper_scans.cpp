@@ -72,15 +72,10 @@ Eigen::VectorXd mean_edge_lengths(const TriangleMesh& mesh) {
 /// [mm] distance along the surface from each vertex to the border; infinite if there is none.
 Eigen::VectorXd distance_to_border(const TriangleMesh& mesh) {
   const std::vector<bool> border = border_vertices(mesh);
+  const std::vector<SurfacePoint> points = vertex_points(mesh);
   std::vector<SurfacePoint> sources;
-  std::vector<bool> done(border.size(), false);
-  for (int t = 0; t < mesh.triangles.cols(); ++t) {
-    for (int k = 0; k < 3; ++k) {
-      const auto v = static_cast<std::size_t>(mesh.triangles(k, t));
-      if (!border[v] || done[v]) continue;
-      done[v] = true;
-      sources.push_back({.triangle = t, .barycentric = Eigen::Vector3d::Unit(k)});
-    }
+  for (std::size_t v = 0; v < points.size(); ++v) {
+    if (border[v]) sources.push_back(points[v]);
   }
   if (sources.empty()) {
     return Eigen::VectorXd::Constant(mesh.vertices.cols(), std::numeric_limits<double>::infinity());
@@ -324,7 +319,7 @@ ZipperedScans zipper_scans(std::span<const Scan> scans, const ZipperScansOptions
   // Separate fans that touch in one vertex, and leave out vertices without a triangle.
   RepairedMesh repaired = repair_mesh(zipper.surface().mesh);
   result.mesh = std::move(repaired.mesh);
-  for (const int v : repaired.vertex_source) {
+  for (const int v : repaired.source) {
     result.source.push_back(zipper.surface().source[static_cast<std::size_t>(v)]);
   }
   for (const auto& t : result.mesh.triangles.colwise()) {

@@ -64,7 +64,7 @@ Eigen::Isometry3d exact_pose(std::span<const SideModel> sides, std::size_t side)
 
 /// A contact on its way into the merged model.
 struct Candidate {
-  ContactOrigin origin;
+  SideContact source;
   ContactModel contact;     ///< in the frame of the object
   Eigen::Vector3d outward;  ///< normal of its side's surface there
   geometry::SurfacePoint at;
@@ -76,7 +76,7 @@ void add_candidates(const SideModel& side, int index, const Eigen::Isometry3d& p
   const SurfaceQuery query(side.model.surface);
   const Eigen::Matrix3Xd normals = geometry::triangle_normals(side.model.surface);
   for (const ContactModel& contact : side.model.contacts) {
-    Candidate candidate{.origin = {index, contact.id}, .contact = contact, .outward = {}, .at = {}};
+    Candidate candidate{.source = {index, contact.id}, .contact = contact, .outward = {}, .at = {}};
     candidate.contact.compliance.reset();  // was learnt among the contacts of this side
     candidate.contact.position = pose * contact.position;
     candidate.contact.frame = pose.linear() * contact.frame;
@@ -110,8 +110,8 @@ void place_on_surface(std::span<const SideModel> sides, const MergeModelsOptions
   const SurfaceQuery query(merged.model.surface);
   const Eigen::Matrix3Xd normals = geometry::triangle_normals(merged.model.surface);
   for (Candidate& candidate : candidates) {
-    const std::string name = side_name(sides, static_cast<std::size_t>(candidate.origin.side)) +
-                             ": contact " + std::to_string(candidate.origin.id);
+    const std::string name = side_name(sides, static_cast<std::size_t>(candidate.source.side)) +
+                             ": contact " + std::to_string(candidate.source.id);
     const ClosestPoint place = query.closest_point(candidate.contact.position);
     if (!(place.distance <= options.max_distance)) {
       throw InvalidInput(
@@ -167,7 +167,7 @@ class NearContacts {
                                           [&](std::size_t k) { return x(k); });
     for (; other != along_x_.end() && x(*other) <= x(i) + distance_; ++other) {
       const Candidate &a = candidates_[i], &b = candidates_[*other];
-      if (!counts[*other] || a.origin.side == b.origin.side) continue;
+      if (!counts[*other] || a.source.side == b.source.side) continue;
       if (!(a.contact.frame.col(2).dot(b.contact.frame.col(2)) > 0)) continue;
       const double distance = (a.contact.position - b.contact.position).norm();
       if (distance > least || (distance == least && found != i)) continue;
@@ -201,7 +201,7 @@ std::vector<bool> keep_the_better(const std::vector<Candidate>& candidates, Merg
     kept[i] = instead[i] == i;
   }
   for (std::size_t i = 0; i < candidates.size(); ++i) {
-    if (!kept[i]) merged.left_out.push_back({candidates[i].origin, candidates[instead[i]].origin});
+    if (!kept[i]) merged.left_out.push_back({candidates[i].source, candidates[instead[i]].source});
   }
   return kept;
 }
@@ -241,9 +241,9 @@ void keep_contacts(std::span<const SideModel> sides, std::vector<Candidate>& can
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     if (!kept[i]) continue;
     Candidate& candidate = candidates[i];
-    candidate.contact.id += stride * candidate.origin.side;
+    candidate.contact.id += stride * candidate.source.side;
     places.push_back(candidate.at);
-    merged.origins.push_back(candidate.origin);
+    merged.source.push_back(candidate.source);
     merged.model.contacts.push_back(std::move(candidate.contact));
   }
   for (std::size_t k = 0; k < sides.size(); ++k) {

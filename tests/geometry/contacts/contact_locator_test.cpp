@@ -28,7 +28,7 @@ class ContactLocatorTest : public ::testing::Test {
     std::vector<SurfacePoint> contacts =
         test::nearest_places(surface, test::jittered_grid(5, 4, 13, 0.3));
     contacts.push_back({.triangle = 11, .barycentric = {0.31, 0.69, 0}});
-    contacts.push_back({.triangle = 1301, .barycentric = {0, 0, 1}});
+    contacts.push_back(corner_point(1301, 2));
     contacts.push_back({.triangle = 2500, .barycentric = {0.2, 0.3, 0.5}});
     contacts.push_back({.triangle = 2500, .barycentric = {0.6, 0.3, 0.1}});
     contacts.push_back({.triangle = 2500, .barycentric = {0.4, 0, 0.6}});

@@ -26,16 +26,12 @@ constexpr int kInfluences = DeformationGraph::kInfluences;
 /// The vertex on which each node stands, as a place on the mesh.
 std::vector<SurfacePoint> node_places(const DeformationGraph& graph) {
   const TriangleMesh& mesh = graph.mesh();
-  std::vector<SurfacePoint> places(static_cast<size_t>(graph.nodes().cols()));
-  for (Eigen::Index t = 0; t < mesh.triangles.cols(); ++t) {
-    for (int k = 0; k < 3; ++k) {
-      for (size_t n = 0; n < places.size(); ++n) {
-        if (mesh.vertices.col(mesh.triangles(k, t)) != graph.nodes().col(static_cast<int>(n))) {
-          continue;
-        }
-        places[n] = {.triangle = static_cast<int>(t), .barycentric = Vector3d::Unit(k)};
-      }
-    }
+  const std::vector<SurfacePoint> vertices = vertex_points(mesh);
+  std::vector<SurfacePoint> places;
+  for (const auto& node : graph.nodes().colwise()) {
+    Eigen::Index v = 0;
+    while (mesh.vertices.col(v) != node) ++v;
+    places.push_back(vertices[static_cast<size_t>(v)]);
   }
   return places;
 }

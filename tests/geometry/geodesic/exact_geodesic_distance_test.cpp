@@ -35,7 +35,7 @@ class ExactGeodesicDistance : public testing::Test {
   /// A build without CGAL says so, and has nothing more to test.
   void SetUp() override {
     try {
-      (void)exact(test::flat_sheet(1, 1, 1), {{.triangle = 0, .barycentric = {1, 0, 0}}});
+      (void)exact(test::flat_sheet(1, 1, 1), {corner_point(0, 0)});
     } catch (const Unavailable& error) {
       EXPECT_NE(std::string(error.what()).find("PALPATE_CGAL"), std::string::npos);
       GTEST_SKIP() << error.what();
@@ -235,7 +235,7 @@ TEST_F(ExactGeodesicDistance, PassesWhereSheetsMeetAtOneVertexOfTheirBorders) {
       0, 0, 0, 0, 0, 9;                    // the last is in no triangle
   bow_tie.triangles.resize(3, 2);
   bow_tie.triangles << 0, 0, 2, 3, 1, 4;
-  const GeodesicDistance geodesic = exact(bow_tie, {{.triangle = 0, .barycentric = {0, 1, 0}}});
+  const GeodesicDistance geodesic = exact(bow_tie, {corner_point(0, 1)});
   EXPECT_NEAR(geodesic.distance[3], 2 * std::sqrt(5), kAccuracy);
   EXPECT_NEAR(geodesic.distance[4], 2 * std::sqrt(5), kAccuracy);
   EXPECT_EQ(geodesic.distance[5], kInfinity);
@@ -260,7 +260,7 @@ TEST_F(ExactGeodesicDistance, ScalesExactlyWithTheUnitOfLengthAndMovesAlong) {
 
 std::string refusal(const TriangleMesh& mesh) {
   try {
-    (void)exact(mesh, {{.triangle = 0, .barycentric = {1, 0, 0}}});
+    (void)exact(mesh, {corner_point(0, 0)});
   } catch (const InvalidInput& error) {
     return error.what();
   }

@@ -45,9 +45,8 @@ std::optional<GeodesicDistance> exact(const TriangleMesh& mesh,
 TEST(FastMarching, OnRangeMapsIsNearTheExactOne) {
   for (const double noise : {0.0, 0.25}) {
     const TriangleMesh mesh = test::bumpy(8000, noise);
-    for (const SurfacePoint& source :
-         {SurfacePoint{3000, {0, 1, 0}}, SurfacePoint{777, {0.5, 0.5, 0}},
-          SurfacePoint{6100, {0.2, 0.3, 0.5}}}) {
+    for (const SurfacePoint& source : {corner_point(3000, 1), SurfacePoint{777, {0.5, 0.5, 0}},
+                                       SurfacePoint{6100, {0.2, 0.3, 0.5}}}) {
       const auto truth = exact(mesh, {source});
       if (!truth) GTEST_SKIP() << "no CGAL";
       const test::RelativeErrors errors = test::relative_errors(
@@ -143,7 +142,7 @@ TEST(FastMarching, InTheShadowOfAHoleIsThatRoundItsCorners) {
   constexpr int kCells = 14;
   constexpr double kSpacing = 0.7;
   const TriangleMesh plate = plate_with_hole(kCells, kSpacing);
-  const SurfacePoint source{.triangle = 0, .barycentric = {1, 0, 0}};
+  const SurfacePoint source = corner_point(0, 0);
   const Vector3d from = position(plate, source);
   const double side = kCells * kSpacing;
   constexpr double kTouch = 1e-9;  // mm; a way along the hole is free

@@ -152,7 +152,7 @@ TEST(GeodesicDistance, IsNearlyTheSameBackwards) {
   std::vector<GeodesicDistance> from;
   std::vector<int> vertices;
   for (const int t : {37, 1500, 3333, 5001, 7600}) {
-    from.push_back(from_one(mesh, {.triangle = t, .barycentric = {0, 0, 1}}));
+    from.push_back(from_one(mesh, corner_point(t, 2)));
     vertices.push_back(mesh.triangles(2, t));
   }
   for (size_t i = 0; i < from.size(); ++i) {
@@ -218,14 +218,9 @@ TEST(GeodesicDistance, SymmetricSourcesGetSymmetricLabels) {
   const TriangleMesh mesh = test::height_field(kCols, 30, 1.0, [](double x, double y) {
     return 3 * std::cos((x - kCols / 2.0) / 5) * std::cos(y / 6);
   });
-  const auto at_vertex = [&mesh](int vertex) {
-    int t = 0;
-    while ((mesh.triangles.col(t).array() != vertex).all()) ++t;
-    const Vector3d barycentric = (mesh.triangles.col(t).array() == vertex).cast<double>().matrix();
-    return SurfacePoint{.triangle = t, .barycentric = barycentric};
-  };
-  const int row = 15 * (kCols + 1);
-  const std::vector<SurfacePoint> sources = {at_vertex(row + 8), at_vertex(row + kCols - 8)};
+  const std::vector<SurfacePoint> vertices = vertex_points(mesh);
+  const size_t row = 15 * (kCols + 1);
+  const std::vector<SurfacePoint> sources = {vertices[row + 8], vertices[row + kCols - 8]};
   const GeodesicDistance geodesic = geodesic_distance(mesh, sources);
   for (int v = 0; v < mesh.vertices.cols(); ++v) {
     const int c = v % (kCols + 1);
@@ -256,7 +251,7 @@ TEST(GeodesicDistance, DoesNotReachADisconnectedPart) {
   two.triangles.conservativeResize(3, 2 * triangles);
   two.triangles.rightCols(triangles) =
       two.triangles.leftCols(triangles).array() + static_cast<int>(vertices);
-  const GeodesicDistance geodesic = from_one(two, {.triangle = 3, .barycentric = {1, 0, 0}});
+  const GeodesicDistance geodesic = from_one(two, corner_point(3, 0));
   EXPECT_TRUE(geodesic.distance.head(vertices).allFinite());
   EXPECT_TRUE((geodesic.distance.tail(vertices + 1).array() == kInfinity).all());
   EXPECT_TRUE((geodesic.label.tail(vertices + 1).array() == -1).all());
@@ -294,7 +289,7 @@ TEST(GeodesicDistance, PassesTrianglesWithoutArea) {
   TriangleMesh strip = test::flat_sheet(6, 2, 1);
   // The third column of vertices falls upon the second.
   for (int r = 0; r < 3; ++r) strip.vertices(0, 7 * r + 2) = 1;
-  const GeodesicDistance geodesic = from_one(strip, {.triangle = 0, .barycentric = {1, 0, 0}});
+  const GeodesicDistance geodesic = from_one(strip, corner_point(0, 0));
   for (Eigen::Index v = 0; v < strip.vertices.cols(); ++v) {
     const double truth = strip.vertices.col(v).norm();
     EXPECT_GE(geodesic.distance[v], truth * (1 - kRounding));
@@ -314,11 +309,10 @@ std::string refusal(const TriangleMesh& mesh, const std::vector<SurfacePoint>& s
 
 TEST(GeodesicDistance, RefusesBadInputAndNamesIt) {
   const TriangleMesh sheet = test::flat_sheet(2, 2, 1);
-  const SurfacePoint good{.triangle = 0, .barycentric = {1, 0, 0}};
+  const SurfacePoint good = corner_point(0, 0);
   EXPECT_NE(refusal({}, {good}).find("no triangles"), std::string::npos);
   EXPECT_NE(refusal(sheet, {}).find("no source"), std::string::npos);
-  EXPECT_NE(refusal(sheet, {good, {.triangle = 8, .barycentric = {1, 0, 0}}}).find("source 1"),
-            std::string::npos);
+  EXPECT_NE(refusal(sheet, {good, corner_point(8, 0)}).find("source 1"), std::string::npos);
   EXPECT_NE(refusal(sheet, {{.triangle = 0, .barycentric = {1, 1, 0}}}).find("source 0"),
             std::string::npos);
   TriangleMesh broken = sheet;

@@ -41,10 +41,10 @@ TEST(MeshRepair, EachBrokenMeshIsMendedAndKeepsWhatWasSound) {
     expect_sound(repaired.mesh, broken.name);
     // At most the triangles around one vertex go.
     EXPECT_GE(repaired.mesh.triangles.cols(), broken.mesh.triangles.cols() - 6) << broken.name;
-    ASSERT_EQ(repaired.vertex_source.size(), static_cast<size_t>(repaired.mesh.vertices.cols()));
+    ASSERT_EQ(repaired.source.size(), static_cast<size_t>(repaired.mesh.vertices.cols()));
     for (Eigen::Index v = 0; v < repaired.mesh.vertices.cols(); ++v) {
       EXPECT_EQ(repaired.mesh.vertices.col(v),
-                broken.mesh.vertices.col(repaired.vertex_source[static_cast<size_t>(v)]));
+                broken.mesh.vertices.col(repaired.source[static_cast<size_t>(v)]));
     }
   }
 }

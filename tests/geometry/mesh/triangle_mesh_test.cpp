@@ -94,6 +94,21 @@ TEST(Position, WeighsTheCorners) {
   EXPECT_LT((p - Eigen::Vector3d(0.4, 0.9, 0)).norm(), kRounding);
 }
 
+TEST(VertexPoints, LieOnTheirVertices) {
+  TriangleMesh mesh = test::icosphere(1, 1.7);
+  mesh.vertices.conservativeResize(3, mesh.vertices.cols() + 1);
+  mesh.vertices.rightCols<1>() << 9, 9, 9;  // in no triangle
+  const std::vector<SurfacePoint> points = vertex_points(mesh);
+  ASSERT_EQ(static_cast<Eigen::Index>(points.size()), mesh.vertices.cols());
+  for (std::size_t v = 0; v + 1 < points.size(); ++v) {
+    EXPECT_NO_THROW(check_surface_point(mesh, points[v], "vertex"));
+    EXPECT_LT((position(mesh, points[v]) - mesh.vertices.col(static_cast<int>(v))).norm(),
+              kRounding);
+    EXPECT_EQ(points[v].barycentric.maxCoeff(), 1);
+  }
+  EXPECT_EQ(points.back().triangle, -1);
+}
+
 TEST(TriangleNormals, PointToTheSideFromWhichTheCornersRunCounterClockwise) {
   EXPECT_EQ(triangle_normals(one_triangle()).col(0), Eigen::Vector3d::UnitZ());
 }

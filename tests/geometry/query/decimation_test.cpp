@@ -113,7 +113,7 @@ TEST(Decimate, KeepsAManifoldAManifold) {
     EXPECT_EQ(border_edges(result.mesh) == 0, border_edges(one.mesh) == 0) << one.name;
     const std::map<int, int> before = fans(one.mesh);
     for (const auto& [v, count] : fans(result.mesh)) {
-      EXPECT_LE(count, before.at(result.vertex[static_cast<std::size_t>(v)])) << one.name;
+      EXPECT_LE(count, before.at(result.source[static_cast<std::size_t>(v)])) << one.name;
     }
   }
 }
@@ -152,18 +152,18 @@ TEST(Decimate, TakesItsVerticesFromTheInput) {
       test::glove(9), Eigen::Isometry3d(Eigen::Translation3d(1e6 + 0.1, -2e6 + 0.7, 0.3)));
   const Decimation result = decimate(mesh, {.tolerance = 1});
   ASSERT_LT(result.mesh.triangles.cols(), mesh.triangles.cols() / 2);
-  ASSERT_EQ(static_cast<Eigen::Index>(result.vertex.size()), result.mesh.vertices.cols());
-  EXPECT_TRUE(std::is_sorted(result.vertex.begin(), result.vertex.end()));
+  ASSERT_EQ(static_cast<Eigen::Index>(result.source.size()), result.mesh.vertices.cols());
+  EXPECT_TRUE(std::is_sorted(result.source.begin(), result.source.end()));
   for (Eigen::Index v = 0; v < result.mesh.vertices.cols(); ++v) {
     EXPECT_EQ(result.mesh.vertices.col(v),
-              mesh.vertices.col(result.vertex[static_cast<std::size_t>(v)]));
+              mesh.vertices.col(result.source[static_cast<std::size_t>(v)]));
   }
 }
 
 TEST(Decimate, OfAFlatSheetLeavesItsFourCorners) {
   const Decimation result = decimate(test::flat_sheet(40, 30, 2), {.tolerance = 0.1});
   EXPECT_EQ(result.mesh.triangles.cols(), 2);
-  EXPECT_EQ(result.vertex, (std::vector<int>{0, 40, 30 * 41, 31 * 41 - 1}));
+  EXPECT_EQ(result.source, (std::vector<int>{0, 40, 30 * 41, 31 * 41 - 1}));
   EXPECT_LT(result.distance, 1e-12);
 }
 
@@ -229,7 +229,7 @@ TEST(Decimate, DoesNotDependOnTheUnitOfLength) {
   const Decimation here = decimate(mesh, {.tolerance = 1.1});
   for (const double unit : {0x1p-20, 0x1p20}) {
     const Decimation there = decimate(test::scaled(mesh, unit), {.tolerance = 1.1 * unit});
-    EXPECT_EQ(there.vertex, here.vertex);
+    EXPECT_EQ(there.source, here.source);
     EXPECT_EQ(there.mesh.triangles, here.mesh.triangles);
     EXPECT_EQ(there.distance, unit * here.distance);
   }

@@ -278,7 +278,7 @@ TEST(RangeMapMesh, DoesNotDependOnTheUnitOfLength) {
     const RangeMapMesh scaled = mesh_range_map({map.z * scale, camera});
     EXPECT_EQ(scaled.mesh.vertices, mesh.vertices * double{scale});
     EXPECT_EQ(scaled.mesh.triangles, mesh.triangles);
-    EXPECT_EQ(scaled.pixel, pixel);
+    EXPECT_EQ(scaled.source, pixel);
   }
 }
 

@@ -160,7 +160,7 @@ TEST(MergeModels, KeepsTheBetterOfTwoContactsAtOnePlace) {
     EXPECT_EQ(out.contact.id, out.kept.id);  // the same contact of the other side
     EXPECT_EQ(out.kept.side, out.kept.id % 2 ? 1 : 0);
   }
-  EXPECT_EQ(merged.origins.size(), merged.model.contacts.size());
+  EXPECT_EQ(merged.source.size(), merged.model.contacts.size());
   sides = halves();
   EXPECT_EQ(merge_models(sides, {.same_place = 0}).model.contacts.size(), 120u);
   sides[1].T_object_model.pretranslate(Vector3d(0.5, 0, 0));
@@ -171,10 +171,10 @@ TEST(MergeModels, KeepsTheBetterOfTwoContactsAtOnePlace) {
 TEST(MergeModels, MakesIdsUniqueAndSaysWhereTheyAreFrom) {
   const MergedModel merged = merge_models(halves());
   std::set<long long> ids;
-  for (std::size_t i = 0; i < merged.origins.size(); ++i) {
+  for (std::size_t i = 0; i < merged.source.size(); ++i) {
     const long long id = merged.model.contacts[i].id;
     EXPECT_TRUE(ids.insert(id).second);
-    EXPECT_EQ(id, merged.origins[i].id + 1000 * merged.origins[i].side);
+    EXPECT_EQ(id, merged.source[i].id + 1000 * merged.source[i].side);
   }
   EXPECT_EQ(merged.model.made.at("model 1"), "below");
   EXPECT_EQ(merged.model.made.at("model 1 ids"), "those of the model plus 1000");

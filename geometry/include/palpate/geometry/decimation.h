@@ -17,7 +17,7 @@ struct DecimationOptions {
 
 struct Decimation {
   TriangleMesh mesh;
-  std::vector<int> vertex;  ///< input vertex of each vertex of `mesh`, ascending
+  std::vector<int> source;  ///< input vertex of each vertex of `mesh`, ascending
   /// [mm] verified upper bound of the Hausdorff distance between `mesh` and the input, in both
   /// directions and including the border. 0 if the input is returned.
   double distance = 0;

@@ -12,7 +12,7 @@ struct RepairedMesh {
   TriangleMesh mesh;  ///< oriented and manifold, with border where the surface was open or cut
   /// Input vertex of each vertex, to copy attributes. An input vertex at which fans or sheets were
   /// separated appears several times.
-  std::vector<int> vertex_source;
+  std::vector<int> source;
   int removed_triangles = 0;  ///< invalid corners, repeated, or zero area without use
   int flipped_edges = 0;      ///< flipped to remove triangles with collinear vertices
   int turned_triangles = 0;   ///< reoriented to match the larger part of their surface

@@ -20,10 +20,10 @@ struct RangeMapMeshOptions {
 };
 
 struct RangeMapMesh {
-  TriangleMesh mesh;       ///< camera frame [mm]; normals point towards the camera
-  std::vector<int> pixel;  ///< row * width + column of each vertex, ascending
-  int width = 0;           ///< [px] of the range map
-  int height = 0;          ///< [px]
+  TriangleMesh mesh;        ///< camera frame [mm]; normals point towards the camera
+  std::vector<int> source;  ///< pixel of each vertex, row * width + column, ascending
+  int width = 0;            ///< [px] of the range map
+  int height = 0;           ///< [px]
 };
 
 /// Triangulates a range map. Each cell of four pixels gives two triangles along its shorter

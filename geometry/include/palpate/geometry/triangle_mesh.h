@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
 
 namespace palpate::geometry {
 
@@ -35,6 +36,13 @@ void check_surface_point(const TriangleMesh& mesh, const SurfacePoint& point, co
 
 /// [mm] position of a surface point. Precondition: the point is on the mesh.
 [[nodiscard]] Eigen::Vector3d position(const TriangleMesh& mesh, const SurfacePoint& point);
+
+/// Returns the vertex at corner 0, 1 or 2 of a triangle as a place on the mesh.
+[[nodiscard]] SurfacePoint corner_point(int triangle, int corner);
+
+/// Returns each of the V vertices as a place on the mesh, in the first triangle that has it. The
+/// triangle is -1 for a vertex without one.
+[[nodiscard]] std::vector<SurfacePoint> vertex_points(const TriangleMesh& mesh);
 
 /// Unit normals of the triangles, 3 x T; NaN for a triangle without area (the sine of the angle at
 /// its first vertex is zero within rounding).

@@ -38,20 +38,20 @@ struct MergeModelsOptions {
   std::optional<double> same_place = std::nullopt;
 };
 
-/// Which contact of which side a contact was.
-struct ContactOrigin {
+/// A contact of one of the sides.
+struct SideContact {
   int side = 0;      ///< index
   long long id = 0;  ///< there
 };
 
 struct LeftOutContact {
-  ContactOrigin contact;
-  ContactOrigin kept;  ///< that it fell on
+  SideContact contact;
+  SideContact kept;  ///< that it fell on
 };
 
 struct MergedModel {
   Model model;                           ///< in the frame of the object
-  std::vector<ContactOrigin> origins;    ///< of each of its contacts
+  std::vector<SideContact> source;       ///< of each contact, the contact of a side that it is
   std::vector<LeftOutContact> left_out;  ///< in the order of the sides
   std::vector<long long> isolated;       ///< ids of contacts in no triangle of contacts
   double same_place = 0;                 ///< [mm] that was used
