@@ -8,6 +8,7 @@
 #include <coin/IpTNLP.hpp>
 #include <mutex>
 
+#include "fit/stiffness_constraint.h"
 #include "palpate/error.h"
 
 namespace palpate::haptics {
@@ -36,7 +37,6 @@ class FieldProgram : public Ipopt::TNLP {
       : objective_(objective),
         start_(start),
         constraints_(constraints),
-        stiffness_{constraints.form},
         size_(static_cast<Index>(start.size())),
         places_(static_cast<Index>(constraints.places.size())) {}
 
@@ -44,8 +44,8 @@ class FieldProgram : public Ipopt::TNLP {
 
   bool get_nlp_info(Index& n, Index& m, Index& nnz_jac_g, Index& nnz_h_lag,
                     IndexStyleEnum& index_style) override {
-    n = size_ + static_cast<Index>(stiffness_.slacks());
-    m = static_cast<Index>(stiffness_.count()) + places_;
+    n = size_ + static_cast<Index>(stiffness_constraint::kSlacks);
+    m = static_cast<Index>(stiffness_constraint::kCount) + places_;
     nnz_jac_g = m * n;
     nnz_h_lag = n * (n + 1) / 2;
     index_style = C_STYLE;
@@ -69,7 +69,7 @@ class FieldProgram : public Ipopt::TNLP {
     }
     std::fill(g_l, g_l + m, 0.0);
     std::fill(g_u, g_u + m, kUnbounded);
-    if (stiffness_.is_equality()) std::fill(g_u, g_u + stiffness_.count(), 0.0);
+    std::fill(g_u, g_u + stiffness_constraint::kCount, 0.0);
     return true;
   }
 
@@ -77,8 +77,8 @@ class FieldProgram : public Ipopt::TNLP {
                           Number*) override {
     Eigen::Map<Eigen::VectorXd> values(x, n);
     values.head(size_) = start_;
-    values.tail(stiffness_.slacks()) =
-        stiffness_.start(stiffness(to_field(start_), Eigen::Vector3d::Zero()));
+    values.tail(stiffness_constraint::kSlacks) =
+        stiffness_constraint::start(stiffness(to_field(start_), Eigen::Vector3d::Zero()));
     return true;
   }
 
@@ -90,13 +90,13 @@ class FieldProgram : public Ipopt::TNLP {
   bool eval_grad_f(Index n, const Number* x, bool, Number* gradient) override {
     Eigen::Map<Eigen::VectorXd> result(gradient, n);
     result.head(size_) = objective_.gradient(parameters(x));
-    result.tail(stiffness_.slacks()).setZero();
+    result.tail(stiffness_constraint::kSlacks).setZero();
     return true;
   }
 
   bool eval_g(Index n, const Number* x, bool, Index m, Number* g) override {
     Eigen::Map<Eigen::VectorXd> result(g, m);
-    result.head(stiffness_.count()) = stiffness_.values(entries(n, x));
+    result.head(stiffness_constraint::kCount) = stiffness_constraint::values(entries(n, x));
     for (Index i = 0; i < places_; ++i) {
       const Eigen::Vector3d& place = constraints_.places[static_cast<std::size_t>(i)];
       result[m - places_ + i] =
@@ -117,11 +117,11 @@ class FieldProgram : public Ipopt::TNLP {
     Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> result(
         values, m, n);
     result.setZero();
-    const Eigen::MatrixXd slopes = stiffness_.jacobian(entries(n, x));
-    result.topLeftCorner(stiffness_.count(), size_) =
+    const Eigen::MatrixXd slopes = stiffness_constraint::jacobian(entries(n, x));
+    result.topLeftCorner(stiffness_constraint::kCount, size_) =
         slopes.leftCols(kEntries) * entry_slopes(x).transpose();
-    result.topRightCorner(stiffness_.count(), stiffness_.slacks()) =
-        slopes.rightCols(stiffness_.slacks());
+    result.topRightCorner(stiffness_constraint::kCount, stiffness_constraint::kSlacks) =
+        slopes.rightCols(stiffness_constraint::kSlacks);
     for (Index i = 0; i < places_; ++i) {
       const Eigen::Vector3d& place = constraints_.places[static_cast<std::size_t>(i)];
       result.row(m - places_ + i).head(size_) =
@@ -145,7 +145,7 @@ class FieldProgram : public Ipopt::TNLP {
     const Eigen::Map<const Eigen::VectorXd> multipliers(lambda, m);
     Eigen::MatrixXd hessian = Eigen::MatrixXd::Zero(n, n);
     hessian.topLeftCorner(size_, size_) = objective_factor * objective_.hessian(parameters(x));
-    add_stiffness(n, x, multipliers.head(stiffness_.count()), hessian);
+    add_stiffness(n, x, multipliers.head(stiffness_constraint::kCount), hessian);
     for (Index i = 0; i < places_; ++i) {
       const Eigen::Vector3d& place = constraints_.places[static_cast<std::size_t>(i)];
       hessian.topLeftCorner(size_, size_) +=
@@ -211,8 +211,8 @@ class FieldProgram : public Ipopt::TNLP {
                      Eigen::MatrixXd& hessian) const {
     const Eigen::VectorXd y = entries(n, x);
     const Eigen::VectorXd factors =
-        stiffness_.jacobian(y).leftCols(kEntries).transpose() * multipliers;
-    const Eigen::MatrixXd curvature = stiffness_.hessian(y, multipliers);
+        stiffness_constraint::jacobian(y).leftCols(kEntries).transpose() * multipliers;
+    const Eigen::MatrixXd curvature = stiffness_constraint::hessian(multipliers);
     const Eigen::MatrixXd slopes = entry_slopes(x);
     hessian.topLeftCorner(size_, size_) +=
         stiffness_at_zero(parameters(x), contraction(factors)).hessian +
@@ -224,7 +224,6 @@ class FieldProgram : public Ipopt::TNLP {
   const FieldObjective& objective_;
   Eigen::VectorXd start_;
   const FieldConstraints& constraints_;
-  StiffnessConstraint stiffness_;
   Index size_, places_;
   FieldSolution solution_;
 };

@@ -6,13 +6,11 @@
 #include <vector>
 
 #include "fit/field_objective.h"
-#include "fit/stiffness_constraint.h"
 
 namespace palpate::haptics {
 
 /// What a field has to keep, in units of the data.
 struct FieldConstraints {
-  StiffnessForm form = StiffnessForm::factor;
   /// Smallest eigenvalue of the stiffness at zero, > 0: above what the solver leaves of a
   /// constraint, so that the result is semi-definite in floating point too.
   double least_stiffness = 1e-5;

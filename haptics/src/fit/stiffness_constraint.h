@@ -7,35 +7,27 @@
 
 namespace palpate::haptics {
 
-/// Ways to say that a symmetric 3 x 3 matrix K is positive semi-definite, for a solver that wants
-/// smooth functions.
-enum class StiffnessForm {
-  factor,      ///< K = C C^T, six equalities and the six entries of a lower triangular C
-  eigenvalue,  ///< the smallest eigenvalue is >= 0; not smooth where two are equal
-  minors       ///< all seven principal minors are >= 0
-};
-
-/// The entries of a symmetric or lower triangular matrix in the order used here.
+/// The entries of a symmetric or lower triangular 3 x 3 matrix in the order used here.
 inline constexpr std::size_t kEntries = 6;
 inline constexpr std::array<int, kEntries> kEntryRow = {0, 1, 1, 2, 2, 2};
 inline constexpr std::array<int, kEntries> kEntryColumn = {0, 0, 1, 0, 1, 2};
 
-/// Constraint functions of y = (entries of K, slacks).
-struct StiffnessConstraint {
-  StiffnessForm form = StiffnessForm::factor;
+/// Says by smooth functions that a symmetric 3 x 3 matrix K is positive semi-definite: K = C C^T
+/// with a lower triangular C. The functions are the six entries of K - C C^T, all to be zero; their
+/// arguments y are the entries of K, then those of C, which are further unknowns of a solver.
+namespace stiffness_constraint {
 
-  [[nodiscard]] Eigen::Index count() const;   ///< of functions
-  [[nodiscard]] Eigen::Index slacks() const;  ///< variables that only the form has
-  [[nodiscard]] bool is_equality() const;     ///< functions are to be = 0, else >= 0
+inline constexpr Eigen::Index kCount = kEntries;   ///< number of functions
+inline constexpr Eigen::Index kSlacks = kEntries;  ///< number of further unknowns
 
-  [[nodiscard]] Eigen::VectorXd values(const Eigen::Ref<const Eigen::VectorXd>& y) const;
-  /// count() x y.size()
-  [[nodiscard]] Eigen::MatrixXd jacobian(const Eigen::Ref<const Eigen::VectorXd>& y) const;
-  /// Sum of the functions' Hessians times multipliers.
-  [[nodiscard]] Eigen::MatrixXd hessian(const Eigen::Ref<const Eigen::VectorXd>& y,
-                                        const Eigen::Ref<const Eigen::VectorXd>& multipliers) const;
-  /// Slacks to start with, well inside.
-  [[nodiscard]] Eigen::VectorXd start(const Eigen::Matrix3d& stiffness) const;
-};
+[[nodiscard]] Eigen::VectorXd values(const Eigen::Ref<const Eigen::VectorXd>& y);
+/// 6 x 12
+[[nodiscard]] Eigen::MatrixXd jacobian(const Eigen::Ref<const Eigen::VectorXd>& y);
+/// 12 x 12, the sum of the functions' Hessians times `multipliers`; it is the same everywhere.
+[[nodiscard]] Eigen::MatrixXd hessian(const Eigen::Ref<const Eigen::VectorXd>& multipliers);
+/// The entries of C to start with, well inside.
+[[nodiscard]] Eigen::VectorXd start(const Eigen::Matrix3d& stiffness);
+
+}  // namespace stiffness_constraint
 
 }  // namespace palpate::haptics
