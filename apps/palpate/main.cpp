@@ -32,7 +32,7 @@ int run(int argc, char** argv) {
   app.fallthrough();
 
   Settings settings;
-  int threads = 0;
+  std::optional<int> threads;
   int verbosity = 0;
   app.add_flag("--json", settings.json, "Print the figures as one JSON object instead of text");
   app.add_option("--threads", threads, "Number of threads (default: all cores)")
@@ -41,9 +41,9 @@ int run(int argc, char** argv) {
 
   std::optional<tbb::global_control> limit;
   app.parse_complete_callback([&] {
-    if (threads > 0)
+    if (threads)
       limit.emplace(tbb::global_control::max_allowed_parallelism,
-                    static_cast<std::size_t>(threads));
+                    static_cast<std::size_t>(*threads));
     spdlog::set_level(verbosity == 0   ? spdlog::level::warn
                       : verbosity == 1 ? spdlog::level::info
                                        : spdlog::level::debug);

@@ -14,6 +14,7 @@
 #include "palpate/haptics/build_model.h"
 #include "palpate/haptics/evaluate.h"
 #include "palpate/haptics/model_io.h"
+#include "palpate/haptics/trajectory_csv.h"
 #include "palpate/probing/acquisition_csv.h"
 #include "palpate/probing/acquisition_store.h"
 #include "palpate/probing/csv.h"
@@ -63,7 +64,7 @@ bool play_twice(const haptics::Playback& playback,
 }
 
 Json feel(const std::string& name, const fs::path& data, const fs::path& output) {
-  const probing::Acquisition acquisition =
+  const probing::CheckedAcquisition acquisition =
       probing::read_acquisition_csv(data / name / "contacts.csv", data / name / "samples.csv");
   probing::write_acquisition(output / "acquisition.db", acquisition);
 
@@ -97,7 +98,7 @@ Json feel(const std::string& name, const fs::path& data, const fs::path& output)
 
   return {{"name", name},
           {"contacts", model.contacts.size()},
-          {"samples", acquisition.samples.size()},
+          {"samples", acquisition.samples().size()},
           {"fit_seconds", elapsed.count()},
           {"fit_rms", geometry::error_statistics(rms).median},
           {"queries_rms", queries.rms},

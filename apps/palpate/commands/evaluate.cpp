@@ -2,14 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "palpate/error.h"
 #include "palpate/haptics/evaluate.h"
 #include "palpate/haptics/model_io.h"
-#include "palpate/haptics/trajectory_csv.h"
 #include "palpate/probing/acquisition_store.h"
 #include "shared/command_line.h"
 #include "shared/inputs.h"
@@ -29,15 +28,12 @@ struct EvaluateCall {
 };
 
 haptics::LeaveOneOut predict(const haptics::Model& model, const EvaluateCall& call) {
-  const probing::Acquisition acquisition = probing::read_acquisition(call.acquisition);
+  const probing::CheckedAcquisition acquisition = probing::read_acquisition(call.acquisition);
   Progress progress("predicting");  // in this scope, so that its bar is cleared before printing
   haptics::LeaveOneOutOptions options = call.leave_one_out;
   options.progress = [&](int done, int total) { progress.show(done, total); };
   return haptics::leave_one_out(model, acquisition, options);
 }
-
-// JSON cannot represent NaN.
-Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 Json to_json(const haptics::LeaveOneOut& errors) {
   Json per_contact = Json::array(), suggested = Json::array();
@@ -61,8 +57,8 @@ Json to_json(const haptics::LeaveOneOut& errors) {
 }
 
 std::string to_prose(const haptics::LeaveOneOut& errors) {
-  const auto newtons = [](double value) {
-    return std::isfinite(value) ? fmt::format("{:.4f} N", value) : std::string("unknown");
+  const auto newtons = [](std::optional<double> value) {
+    return value ? fmt::format("{:.4f} N", *value) : std::string("unknown");
   };
   std::string prose;
   for (const haptics::ContactError& e : errors.per_contact) {

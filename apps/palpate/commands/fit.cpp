@@ -41,6 +41,8 @@ struct FitCall {
   fs::path acquisition, surface, output, pictures;
   haptics::FitOptions fit;
   haptics::BlendRule blend_rule = haptics::BlendRule::compliances;
+  geometry::ContactTriangulationMethod triangulation =
+      geometry::ContactTriangulationMethod::coarsening;
   std::optional<haptics::ModelEncoding> encoding;
   std::optional<double> budget_us;
   geometry::ReadOptions meshes;
@@ -75,13 +77,12 @@ void tell_friction(const haptics::BuildResult& built) {
 std::string friction_of(const haptics::ContactModel& contact) {
   if (contact.friction_source == haptics::FrictionSource::lower_bound)
     return fmt::format(">= {:.3f}", contact.friction);
-  const std::string error =
-      contact.friction_error ? fmt::format(" +- {:.3f}", *contact.friction_error) : "";
-  return fmt::format("{:.3f}{} (>= {:.3f})", contact.friction, error, contact.friction_lower_bound);
+  return fmt::format("{:.3f} +- {:.3f} (>= {:.3f})", contact.friction, contact.friction_error,
+                     contact.friction_lower_bound);
 }
 
 /// The error with the local part over that without, by which sparse contacts gain.
-double ratio(const haptics::LocalPart& part) { return std::exp(part.gain); }
+double ratio(const haptics::LocalPart& part) { return std::exp(*part.gain); }
 
 /// Whether contacts share a local part, and why not; for messages and for the model.
 std::string sharing_in_words(const haptics::BuildResult& built) {
@@ -95,14 +96,14 @@ std::string sharing_in_words(const haptics::BuildResult& built) {
       return fmt::format(
           "{} share the local part of the dense ones: {}; errors are {:.2f} times "
           "those without, give or take {:.0f} % (tried at dense ones)",
-          sharing, counts, ratio(part), 100 * part.gain_error);
+          sharing, counts, ratio(part), 100 * *part.gain_error);
     }
     case haptics::SharingOutcome::no_gain:
       return fmt::format(
           "none shares a local part: {}; errors would be {:.2f} times those "
           "without, give or take {:.0f} % (tried at dense ones), which is no "
           "certain gain",
-          counts, ratio(part), 100 * part.gain_error);
+          counts, ratio(part), 100 * *part.gain_error);
     case haptics::SharingOutcome::too_few_dense:
       return fmt::format(
           "none shares a local part: {}; at least {} must be dense, so probe more "
@@ -125,13 +126,12 @@ void tell_sharing(const haptics::BuildResult& built) {
 
 Json sharing_in_figures(const haptics::BuildResult& built) {
   const haptics::LocalPart& part = *built.local_part;
-  const auto figure = [](double value) { return std::isfinite(value) ? Json(value) : Json(); };
   return {{"outcome", haptics::to_string(part.outcome)},
           {"dense_samples", part.dense_samples},
           {"dense", part.dense},
           {"sparse", part.sparse},
-          {"gain", figure(part.gain)},
-          {"gain_error", figure(part.gain_error)}};
+          {"gain", number_or_null(part.gain)},
+          {"gain_error", number_or_null(part.gain_error)}};
 }
 
 void tell(const haptics::BuildResult& built) {
@@ -152,7 +152,7 @@ void tell(const haptics::BuildResult& built) {
 }
 
 void draw(const FitCall& call, const haptics::Model& model,
-          const probing::Acquisition& acquisition) {
+          const probing::CheckedAcquisition& acquisition) {
   draw_model_contacts(call.pictures / "contacts.png", model,
                       "Contacts, their cells and triangulation");
   const auto worst = std::max_element(model.contacts.begin(), model.contacts.end(),
@@ -201,7 +201,7 @@ void limit_to_budget(FitCall& call) {
                                                      : haptics::kMaxLocalBases));
 }
 
-haptics::BuildResult build(const probing::Acquisition& acquisition,
+haptics::BuildResult build(const probing::CheckedAcquisition& acquisition,
                            const geometry::TriangleMesh& surface, const FitCall& call,
                            FitRecord& record) {
   std::optional<Progress> bar;  // goes before anything is printed
@@ -220,6 +220,7 @@ haptics::BuildResult build(const probing::Acquisition& acquisition,
       {.fit = call.fit,
        .friction = friction,
        .blend_rule = call.blend_rule,
+       .triangulation = call.triangulation,
        .dense_samples = call.shared_local ? std::optional(call.dense_samples) : std::nullopt,
        .progress = show,
        .known_fit = [&](long long contact) { return record.find(contact); },
@@ -233,7 +234,7 @@ void fit(const Settings& settings, FitCall call) {
   check_outputs({call.acquisition, call.surface}, {call.output, call.pictures, record_path});
   check_output_folder({call.acquisition, call.surface}, call.output);
   check_replaceable(call.output, haptics::model_entries());
-  const probing::Acquisition acquisition = probing::read_acquisition(call.acquisition);
+  const probing::CheckedAcquisition acquisition = probing::read_acquisition(call.acquisition);
   const geometry::TriangleMesh surface = geometry::read_mesh(call.surface, call.meshes);
   FitRecord record(record_path, settings_of(call));
   if (call.resume) record.resume();
@@ -258,29 +259,28 @@ void fit(const Settings& settings, FitCall call) {
     rms.push_back(contact.rms);
     const auto bases = contact.field.bases.size();
     if (settings.json) {
-      per_contact.push_back(
-          {{"contact", contact.id},
-           {"rms", contact.rms},
-           {"bases", bases},
-           {"friction", contact.friction},
-           {"friction_error", contact.friction_error ? Json(*contact.friction_error) : Json()},
-           {"friction_lower_bound", contact.friction_lower_bound},
-           {"friction_source", haptics::to_string(contact.friction_source)},
-           {"friction_stop", haptics::to_string(built.contacts[i].friction.stop)},
-           {"samples", contact.samples},
-           {"stop", haptics::to_string(found.stop)},
-           {"passive", haptics::to_string(found.certificate.passivity)},
-           {"chi2", found.chi2},
-           {"noise_floor", found.noise_floor},
-           {"outliers", found.outliers},
-           {"condition", found.condition},
-           {"shared_local", contact.shared_local}});
+      per_contact.push_back({{"contact", contact.id},
+                             {"rms", contact.rms},
+                             {"bases", bases},
+                             {"friction", contact.friction},
+                             {"friction_error", contact.friction_error},
+                             {"friction_lower_bound", contact.friction_lower_bound},
+                             {"friction_source", haptics::to_string(contact.friction_source)},
+                             {"friction_stop", haptics::to_string(built.contacts[i].friction.stop)},
+                             {"samples", contact.samples},
+                             {"stop", contact.fit_stop},
+                             {"passive", haptics::to_string(found.certificate.passivity)},
+                             {"chi2", found.chi2},
+                             {"noise_floor", found.noise_floor},
+                             {"outliers", found.outliers},
+                             {"condition", number_or_null(found.condition)},
+                             {"shared_local", contact.shared_local}});
     } else {
       prose += fmt::format(
           "  contact {}: RMS {:.4f} N with {} bases from {} samples, friction {}, {}, passivity: "
           "{}{}\n",
-          contact.id, contact.rms, bases, contact.samples, friction_of(contact),
-          haptics::to_string(found.stop), haptics::to_string(found.certificate.passivity),
+          contact.id, contact.rms, bases, contact.samples, friction_of(contact), contact.fit_stop,
+          haptics::to_string(found.certificate.passivity),
           contact.shared_local ? ", shares the local part" : "");
     }
   }
@@ -325,6 +325,19 @@ void add_fit(CLI::App& app, const Settings& settings) {
           "How a field is kept passive: convex, everywhere by construction (default); "
           "certified, proven where the measurements reach; local, near zero only")
       ->check(CLI::IsMember({"convex", "certified", "local"}));
+  const std::map<std::string, geometry::ContactTriangulationMethod> triangulations = {
+      {"delaunay", geometry::ContactTriangulationMethod::coarsening},
+      {"voronoi-dual", geometry::ContactTriangulationMethod::voronoi_dual}};
+  command
+      ->add_option_function<std::string>(
+          "--triangulation",
+          [call, triangulations](const std::string& word) {
+            call->triangulation = triangulations.at(word);
+          },
+          "How contacts are joined into triangles: delaunay, the geodesic Delaunay triangulation "
+          "(default); voronoi-dual, the dual of the geodesic Voronoi cells, which may leave out "
+          "contacts on thin parts and near the border. Choose it where delaunay fails")
+      ->check(CLI::IsMember({"delaunay", "voronoi-dual"}));
   command->add_option("--max-bases", call->fit.max_bases, "Use at most so many in a field");
   command->add_option(
       "--budget", call->budget_us,

@@ -23,8 +23,8 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kKind = "fits of palpate fit";
-// Of the record; raised when a line's members change. What has none is older than 2.
-constexpr int kVersion = 2;
+// Of the record; raised when the members of a line change. A record without one is older than 2.
+constexpr int kVersion = 3;
 
 /// What a run without --resume would do, for messages.
 constexpr const char* kAnew = "Leave out --resume to fit all contacts anew";
@@ -95,7 +95,7 @@ Json to_json(const haptics::FitResult& fit) {
           {"outliers", fit.outliers},
           {"noise_floor", number(fit.noise_floor)},
           {"displacement_noise", number(fit.displacement_noise)},
-          {"condition", number(fit.condition)},
+          {"condition", fit.condition ? number(*fit.condition) : Json()},
           {"shared_local", fit.shared_local}};
 }
 
@@ -125,7 +125,7 @@ haptics::FitResult to_fit(const Json& json) {
   fit.outliers = json.at("outliers");
   fit.noise_floor = to_number(json.at("noise_floor"));
   fit.displacement_noise = to_number(json.at("displacement_noise"));
-  fit.condition = to_number(json.at("condition"));
+  if (!json.at("condition").is_null()) fit.condition = to_number(json.at("condition"));
   fit.shared_local = json.at("shared_local");
   return fit;
 }

@@ -6,8 +6,10 @@
 
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 
+#include "palpate/error.h"
 #include "palpate/probing/acquisition_store.h"
 #include "palpate/require.h"
 #include "shared/call_checks.h"
@@ -21,13 +23,9 @@ using Json = nlohmann::ordered_json;
 struct IdentifyCall {
   std::filesystem::path acquisition;
   std::string model = "strip";
-  double tool_radius = 0;
+  std::optional<double> tool_radius;
   haptics::IdentifyOptions options;
 };
-
-Json number_or_null(const std::optional<double>& number) {
-  return number ? Json(*number) : Json(nullptr);
-}
 
 Json vector(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
@@ -106,14 +104,18 @@ void report(const Settings& settings, const IdentifyCall& call,
 }
 
 void identify(const Settings& settings, const IdentifyCall& call) {
-  const probing::Acquisition acquisition = probing::read_acquisition(call.acquisition);
+  if (call.model == "half-space" && !call.tool_radius) {
+    throw InvalidInput(
+        "palpate identify: --model half-space needs the radius of the tool; give --tool-radius");
+  }
+  const probing::CheckedAcquisition acquisition = probing::read_acquisition(call.acquisition);
   if (call.model == "strip") {
     const haptics::IdentifiedStrip found = haptics::identify_strip(acquisition, call.options);
     report(settings, call, found.report, place(found.model));
   } else {
     report(settings, call,
-           haptics::identify_half_space(acquisition, call.tool_radius, call.options).report,
-           {{"tool_radius", call.tool_radius}});
+           haptics::identify_half_space(acquisition, *call.tool_radius, call.options).report,
+           {{"tool_radius", *call.tool_radius}});
   }
 }
 

@@ -100,19 +100,19 @@ Description describe_image(const fs::path& path) {
 }
 
 Description describe_acquisition(const fs::path& path) {
-  const probing::Acquisition acquisition = probing::read_acquisition(path);
-  const auto slipped = std::count_if(acquisition.samples.begin(), acquisition.samples.end(),
+  const probing::CheckedAcquisition acquisition = probing::read_acquisition(path);
+  const auto slipped = std::count_if(acquisition.samples().begin(), acquisition.samples().end(),
                                      [](const auto& s) { return s.slipped; });
-  const auto boundary = std::count_if(acquisition.samples.begin(), acquisition.samples.end(),
+  const auto boundary = std::count_if(acquisition.samples().begin(), acquisition.samples().end(),
                                       [](const auto& s) { return s.on_friction_boundary; });
   return {{{"kind", "acquisition"},
-           {"contacts", acquisition.contacts.size()},
-           {"samples", acquisition.samples.size()},
+           {"contacts", acquisition.contacts().size()},
+           {"samples", acquisition.samples().size()},
            {"slipped", slipped},
            {"on_friction_boundary", boundary}},
           fmt::format(
               "acquisition, {} contacts, {} samples; {} slipped, {} lie on the friction boundary",
-              acquisition.contacts.size(), acquisition.samples.size(), slipped, boundary)};
+              acquisition.contacts().size(), acquisition.samples().size(), slipped, boundary)};
 }
 
 Description describe_model(const fs::path& path) {

@@ -148,7 +148,8 @@ void add_mesh(CLI::App& app, const Settings& settings) {
           ->capture_default_str();
   command->add_option("--rig", call->steps.rig,
                       "Rig of the range map (default: rig.yaml beside it)");
-  command->add_option("--scale", call->steps.scale, "Depth image: length of one unit [mm]");
+  command->add_option("--scale", call->steps.scale, "Depth image: length of one unit [mm]")
+      ->check(within(above(0)));
   command
       ->add_option("--intrinsics", call->steps.intrinsics,
                    "Depth image: fx,fy,cx,cy of its camera [px]")

@@ -24,8 +24,8 @@ namespace {
 namespace fs = std::filesystem;
 
 void check_no_depth_image(const fs::path& input, const MeshSteps& steps) {
-  if (steps.scale == 0 && steps.intrinsics.empty()) return;
-  throw InvalidInput(input.string() + ": " + (steps.scale == 0 ? "--intrinsics" : "--scale") +
+  if (!steps.scale && steps.intrinsics.empty()) return;
+  throw InvalidInput(input.string() + ": " + (steps.scale ? "--scale" : "--intrinsics") +
                      " works for depth images (16-bit PNG), which this is not");
 }
 
@@ -39,16 +39,16 @@ geometry::RangeMap load_map(const fs::path& input, const MeshSteps& steps) {
     check_no_depth_image(input, steps);
     return load_range_map(input, steps.rig);
   }
-  if (!(steps.scale > 0)) {
+  if (!steps.scale) {
     throw InvalidInput(input.string() +
-                       ": a depth image needs --scale, the length of one unit in mm (> 0).");
+                       ": a depth image needs --scale, the length of one unit in mm.");
   }
   if (steps.intrinsics.empty()) {
     throw InvalidInput(input.string() +
                        ": a depth image needs its camera: --intrinsics fx,fy,cx,cy [px].");
   }
   const cv::Mat image = sensing::read_frame(input);
-  return sensing::read_depth_image(input, steps.scale,
+  return sensing::read_depth_image(input, *steps.scale,
                                    {.width = image.cols,
                                     .height = image.rows,
                                     .fx = steps.intrinsics[0],
@@ -139,9 +139,9 @@ void decimate(const fs::path& input, MadeMesh& made, double tolerance) {
 MadeMesh make_mesh(const fs::path& input, const MeshSteps& steps) {
   MadeMesh made = load(input, steps);
   if (steps.repair) repair(made);
-  if (steps.fill_holes > 0) fill_holes(made, steps.fill_holes);
+  if (steps.fill_holes) fill_holes(made, *steps.fill_holes);
   if (steps.smooth > 0) made.mesh = geometry::smooth(made.mesh, {.iterations = steps.smooth});
-  if (steps.tolerance > 0) decimate(input, made, steps.tolerance);
+  if (steps.tolerance) decimate(input, made, *steps.tolerance);
   made.figures["vertices"] = made.mesh.vertices.cols();
   made.figures["triangles"] = made.mesh.triangles.cols();
   return made;

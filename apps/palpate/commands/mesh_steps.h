@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,14 +16,14 @@ namespace palpate::apps {
 /// Processing steps of `mesh`.
 struct MeshSteps {
   std::filesystem::path rig;       ///< for range maps; if empty, rig.yaml beside them
-  double scale = 0;                ///< [mm] length of one unit of a depth image
+  std::optional<double> scale;     ///< [mm] length of one unit of a depth image
   std::vector<double> intrinsics;  ///< fx, fy, cx, cy [px] of its camera
   geometry::ReadOptions meshes;    ///< for mesh files
   bool smooth_depths = false;
   bool repair = false;
-  double fill_holes = 0;  ///< [mm] 0 for none
-  int smooth = 0;         ///< iterations
-  double tolerance = 0;   ///< [mm] 0 for no decimation
+  std::optional<double> fill_holes;  ///< [mm] greatest width of a hole to fill
+  int smooth = 0;                    ///< iterations
+  std::optional<double> tolerance;   ///< [mm] of decimation
 };
 
 /// A mesh, and a description of the steps in numbers and in words.

@@ -38,9 +38,8 @@ constexpr double kLeastPhasePerDepth = 10;
 struct PatternCall {
   fs::path rig, colors, output;
   std::vector<int> size = {1024, 768};
-  std::string axis;
+  std::optional<std::string> axis;
   std::vector<double> distances;
-  double period = 0;
   int grey_steps = 18;
   bool no_compensation = false;
   sensing::PatternOptions design;
@@ -166,9 +165,8 @@ void report(const Settings& settings, const PatternCall& call, const sensing::Pa
 void make_pattern(const Settings& settings, PatternCall call) {
   check_output_folder({call.rig, call.colors}, call.output);
   if (!call.colors.empty()) call.design.trained = sensing::read_trained_colors(call.colors);
-  if (!call.axis.empty()) call.design.axis = call.axis == "x" ? sensing::Axis::x : sensing::Axis::y;
+  if (call.axis) call.design.axis = *call.axis == "x" ? sensing::Axis::x : sensing::Axis::y;
   if (!call.distances.empty()) call.design.range = {call.distances[0], call.distances[1]};
-  if (call.period != 0) call.design.period = call.period;
   call.drawing.compensate = !call.no_compensation;
   Drawer draw{.rig = {}, .width = call.size[0], .height = call.size[1], .options = call.drawing};
   if (!call.rig.empty()) {
@@ -206,7 +204,7 @@ void add_design_options(CLI::App& command, PatternCall& call) {
       ->needs("--rig")
       ->check(within(above(0)));
   command
-      .add_option("--period", call.period,
+      .add_option("--period", call.design.period,
                   "Period of the sinusoid [projector px] (default: from the two limits below)")
       ->check(within(above(0)));
   command

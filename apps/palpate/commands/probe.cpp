@@ -19,19 +19,19 @@ struct ProbeCall {
   fs::path contacts, samples, store, output;
 };
 
-void report(const Settings& settings, const probing::Acquisition& acquisition,
+void report(const Settings& settings, const probing::CheckedAcquisition& acquisition,
             const std::string& written) {
   print(settings,
-        {{"contacts", acquisition.contacts.size()},
-         {"samples", acquisition.samples.size()},
+        {{"contacts", acquisition.contacts().size()},
+         {"samples", acquisition.samples().size()},
          {"output", written}},
-        fmt::format("{} contacts and {} samples, written to {}", acquisition.contacts.size(),
-                    acquisition.samples.size(), written));
+        fmt::format("{} contacts and {} samples, written to {}", acquisition.contacts().size(),
+                    acquisition.samples().size(), written));
 }
 
 void import_csv(const Settings& settings, const ProbeCall& call) {
   check_outputs({call.contacts, call.samples}, {call.output});
-  const probing::Acquisition acquisition =
+  const probing::CheckedAcquisition acquisition =
       probing::read_acquisition_csv(call.contacts, call.samples);
   probing::write_acquisition(call.output, acquisition);
   report(settings, acquisition, call.output.string());
@@ -40,7 +40,7 @@ void import_csv(const Settings& settings, const ProbeCall& call) {
 void export_csv(const Settings& settings, const ProbeCall& call) {
   const fs::path contacts = call.output / "contacts.csv", samples = call.output / "samples.csv";
   check_outputs({call.store}, {contacts, samples});
-  const probing::Acquisition acquisition = probing::read_acquisition(call.store);
+  const probing::CheckedAcquisition acquisition = probing::read_acquisition(call.store);
   probing::write_acquisition_csv(acquisition, contacts, samples);
   report(settings, acquisition, call.output.string());
 }

@@ -14,6 +14,10 @@ void print(const Settings& settings, const nlohmann::ordered_json& figures,
   std::cout << (settings.json ? figures.dump(2, ' ', false, kReplace) : prose) << '\n';
 }
 
+nlohmann::ordered_json number_or_null(std::optional<double> figure) {
+  return figure ? nlohmann::ordered_json(*figure) : nlohmann::ordered_json(nullptr);
+}
+
 void add_unit_option(CLI::App& command, geometry::ReadOptions& options) {
   command.add_option_function<std::string>(
       "--unit", [&options](const std::string& name) { options.unit = geometry::unit_length(name); },

@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json_fwd.hpp>
 #include <numbers>
+#include <optional>
 #include <string>
 
 #include "palpate/geometry/mesh_io.h"
@@ -22,6 +23,9 @@ struct Settings {
 /// Prints a result: the figures as one JSON object, or the text.
 void print(const Settings& settings, const nlohmann::ordered_json& figures,
            const std::string& prose);
+
+/// A figure in JSON; null if it is not known.
+[[nodiscard]] nlohmann::ordered_json number_or_null(std::optional<double> figure);
 
 /// Adds the option --unit, the unit of the coordinates in the mesh files that a command reads.
 void add_unit_option(CLI::App& command, geometry::ReadOptions& options);

@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "palpate/geometry/contact_triangulation.h"
@@ -19,30 +21,33 @@ namespace palpate::apps {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+std::string newtons(std::optional<double> force) {
+  return force ? fmt::format("{:.3f} N", *force) : "unknown";
+}
+
+}  // namespace
+
 void draw_model_contacts(const fs::path& png, const haptics::Model& model,
                          const std::string& title) {
   // Each vertex belongs to the contact with the largest weight there.
   const geometry::TriangleMesh contacts = haptics::contact_mesh(model);
-  const geometry::SurfaceWeights weights = haptics::vertex_weights(model);
+  const geometry::SurfaceWeights weights = model.surface_weights.contacts.cols() > 0
+                                               ? model.surface_weights
+                                               : geometry::project_weights(model.surface, contacts);
   pictures::draw_contacts(png, model.surface, weights.contacts.row(0).transpose(), contacts, title);
 }
 
 void draw_contact_field(const fs::path& png, const haptics::Model& model,
-                        const probing::Acquisition& acquisition, std::size_t contact) {
+                        const probing::CheckedAcquisition& acquisition, std::size_t contact) {
   const haptics::ContactModel& fitted = model.contacts.at(contact);
-  const auto measured = std::find_if(acquisition.contacts.begin(), acquisition.contacts.end(),
-                                     [&](const probing::Contact& c) { return c.id == fitted.id; });
-  const haptics::ForceSamples held = haptics::realign(*measured, acquisition.samples);
-
-  // Realignment changes displacements slightly, so take the nearest sample on the boundary.
-  std::vector<bool> on_boundary(static_cast<std::size_t>(held.displacements.cols()), false);
-  for (const probing::Sample& sample : acquisition.samples) {
-    if (sample.contact != fitted.id || !sample.on_friction_boundary) continue;
-    const Eigen::Vector3d displacement = sample.b - measured->position;
-    Eigen::Index nearest = 0;
-    (held.displacements.colwise() - displacement).colwise().norm().minCoeff(&nearest);
-    on_boundary[static_cast<std::size_t>(nearest)] = true;
-  }
+  const std::size_t source = acquisition.find(fitted.id).value();
+  const haptics::ForceSamples held =
+      haptics::realign(acquisition.contacts()[source], acquisition.samples_of(source));
+  std::vector<bool> on_boundary;
+  for (const haptics::PairKind kind : held.kinds)
+    on_boundary.push_back(kind == haptics::PairKind::friction_boundary);
 
   const Eigen::Matrix3d to_local = fitted.frame.transpose() * model.T_surface_acquisition.linear();
   pictures::draw_force_field(
@@ -63,7 +68,10 @@ void draw_contact_field(const fs::path& png, const haptics::Model& model,
 
 void draw_leave_one_out(const fs::path& png, const haptics::Model& model,
                         const haptics::LeaveOneOut& errors) {
-  const geometry::SurfaceWeights weights = haptics::vertex_weights(model);
+  const geometry::SurfaceWeights weights =
+      model.surface_weights.contacts.cols() > 0
+          ? model.surface_weights
+          : geometry::project_weights(model.surface, haptics::contact_mesh(model));
   Eigen::VectorXd at_vertices(weights.contacts.cols());
   for (Eigen::Index v = 0; v < at_vertices.size(); ++v) {
     at_vertices(v) = weights.contacts(0, v) < 0 ? std::nan("") : 0;
@@ -82,8 +90,8 @@ void draw_leave_one_out(const fs::path& png, const haptics::Model& model,
   pictures::draw_distances(
       png, model.surface, of_triangles,
       {.title = "Contacts predicted without themselves",
-       .subtitle = fmt::format("RMS {:.3f} N; inside {:.3f} N, at the border {:.3f} N", errors.rms,
-                               errors.interior_rms, errors.border_rms),
+       .subtitle = fmt::format("RMS {:.3f} N; inside {}, at the border {}", errors.rms,
+                               newtons(errors.interior_rms), newtons(errors.border_rms)),
        .limit = largest > 0 ? largest : 1,
        .scale = "RMS of the force error (N)",
        .one_sided = true});

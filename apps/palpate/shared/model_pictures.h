@@ -8,7 +8,7 @@
 
 #include "palpate/haptics/evaluate.h"
 #include "palpate/haptics/model.h"
-#include "palpate/haptics/trajectory_csv.h"
+#include "palpate/haptics/playback.h"
 #include "palpate/probing/acquisition.h"
 
 namespace palpate::apps {
@@ -20,7 +20,7 @@ void draw_model_contacts(const std::filesystem::path& png, const haptics::Model&
 /// Draws the realigned samples of one contact (an index) with its field and friction cone, in the
 /// contact's local frame.
 void draw_contact_field(const std::filesystem::path& png, const haptics::Model& model,
-                        const probing::Acquisition& acquisition, std::size_t contact);
+                        const probing::CheckedAcquisition& acquisition, std::size_t contact);
 
 /// Draws the leave-one-out errors of contacts on the surface, interpolated between contacts by
 /// their weights, and unknown where no contact has influence.

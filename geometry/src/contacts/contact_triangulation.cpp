@@ -97,6 +97,16 @@ Triangles keep_vertices_manifold(Triangles triangles, int vertex_count) {
 
 }  // namespace
 
+const char* to_string(ContactTriangulationMethod method) {
+  switch (method) {
+    case ContactTriangulationMethod::coarsening:
+      return "coarsening";
+    case ContactTriangulationMethod::voronoi_dual:
+      return "voronoi_dual";
+  }
+  return "unknown";
+}
+
 ContactTriangulation triangulate_contacts(const TriangleMesh& surface,
                                           std::span<const SurfacePoint> contacts,
                                           const ContactTriangulationOptions& options) {

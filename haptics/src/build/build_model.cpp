@@ -10,6 +10,7 @@
 #include <string>
 #include <utility>
 
+#include "build/made.h"
 #include "build/place_contacts.h"
 #include "palpate/error.h"
 #include "palpate/geometry/contact_triangulation.h"
@@ -20,9 +21,7 @@
 #include "palpate/haptics/rounding.h"
 #include "palpate/parallel_for.h"
 #include "palpate/probing/fingerprint.h"
-#include "palpate/probing/samples_by_contact.h"
 #include "palpate/require.h"
-#include "samples/samples_fingerprint.h"
 
 namespace palpate::haptics {
 namespace {
@@ -34,55 +33,48 @@ void check_options(const BuildOptions& options) {
   require("BuildOptions::dense_samples", options.dense_samples, at_least(kFewestDenseSamples));
 }
 
-// Contacts that have samples, and these.
-struct Probed {
-  explicit Probed(const probing::Acquisition& acquisition) : samples(acquisition) {}
-
-  std::vector<probing::Contact> contacts;
-  std::vector<std::size_t> places;  // of the contacts in the acquisition
-  probing::SamplesByContact samples;
-};
-
-// The contacts without samples are named in the result.
-Probed probed_contacts(const probing::Acquisition& acquisition, BuildResult& result) {
-  Probed probed(acquisition);
-  for (std::size_t i = 0; i < acquisition.contacts.size(); ++i) {
-    if (probed.samples.count(i) > 0) {
-      probed.contacts.push_back(acquisition.contacts[i]);
-      probed.places.push_back(i);
-    } else {
-      result.without_samples.push_back(acquisition.contacts[i].id);
-    }
+// The indices in the acquisition of the contacts that have samples. Those without are named in the
+// result.
+std::vector<std::size_t> probed_contacts(const probing::CheckedAcquisition& acquisition,
+                                         BuildResult& result) {
+  std::vector<std::size_t> source;
+  for (std::size_t i = 0; i < acquisition.contacts().size(); ++i) {
+    if (acquisition.samples_of(i).empty())
+      result.without_samples.push_back(acquisition.contacts()[i].id);
+    else
+      source.push_back(i);
   }
-  if (probed.contacts.size() < 3) {
-    throw InvalidInput("build_model(): only " + std::to_string(probed.contacts.size()) + " of " +
-                       std::to_string(acquisition.contacts.size()) +
+  if (source.size() < 3) {
+    throw InvalidInput("build_model(): only " + std::to_string(source.size()) + " of " +
+                       std::to_string(acquisition.contacts().size()) +
                        " contacts have samples; at least three are needed");
   }
-  return probed;
+  return source;
 }
 
-// The directions of pressing and of friction, in the frame of the acquisition, and what is known of
-// the coefficient.
-void learn_friction(const probing::Contact& contact, std::span<const probing::Sample> samples,
-                    const ForceSamples& pairs, double displacement_noise,
-                    const FrictionOptions& options, ContactModel& model, ContactReport& report) {
-  const FrictionFit& fit = report.friction =
-      fit_friction(friction_trials(contact, samples), contact.normal, options);
-  const bool measured =
-      (fit.stop == FrictionStop::converged || fit.stop == FrictionStop::frictionless) &&
-      std::isfinite(fit.coefficient_error) && fit.axis.dot(contact.normal) < 0;
-  const Eigen::Vector3d pressing =
-      measured ? fit.axis : Eigen::Vector3d(-contact.normal.normalized());
-  model.frame.col(2) = pressing;
+// Whether the samples of a contact determine its friction cone.
+bool is_measured(const FrictionFit& cone, const probing::Contact& contact) {
+  return (cone.stop == FrictionStop::converged || cone.stop == FrictionStop::frictionless) &&
+         std::isfinite(cone.coefficient_error) && cone.axis.dot(contact.normal) < 0;
+}
+
+// The direction of pressing: the axis of the friction cone, or against the normal.
+Eigen::Vector3d pressing_direction(const FrictionFit& cone, const probing::Contact& contact) {
+  return is_measured(cone, contact) ? cone.axis : Eigen::Vector3d(-contact.normal.normalized());
+}
+
+// Directions are still in the frame of the acquisition.
+void take_friction(const ContactReport& report, const probing::Contact& contact,
+                   ContactModel& model) {
+  const FrictionFit& cone = report.friction;
+  const FrictionAxisFit& axis = report.friction_axis;
+  const bool measured = is_measured(cone, contact);
+  model.frame.col(2) = pressing_direction(cone, contact);
   model.friction_source = measured ? FrictionSource::samples : FrictionSource::none;
-  model.friction = measured ? fit.coefficient : 0;
-  if (measured) model.friction_error = fit.coefficient_error;
-  model.friction_lower_bound = fit.lower_bound;
-  const FrictionAxisFit& axis = report.friction_axis = fit_friction_axis(
-      pairs, pressing,
-      {.displacement_noise = displacement_noise, .force_noise = options.force_noise});
-  model.friction_axis = axis.stop == FrictionAxisStop::converged ? axis.axis : pressing;
+  model.friction = measured ? cone.coefficient : 0;
+  model.friction_error = measured ? cone.coefficient_error : 0;
+  model.friction_lower_bound = cone.lower_bound;
+  model.friction_axis = axis.stop == FrictionAxisStop::converged ? *axis.axis : model.frame.col(2);
 }
 
 // All x axes come from one by the smallest turn from the mean pressing direction, so that
@@ -101,21 +93,10 @@ void choose_frames(Model& model) {
   }
 }
 
-// Figures of a model are at most the greatest that a file may hold. NaN: not known.
-std::optional<double> storable(double figure) {
+// Figures of a model are at most the greatest that a file may hold, and 0 if not known (NaN).
+double storable(double figure) {
   constexpr double kGreatest = 1e12;
-  if (std::isnan(figure)) return std::nullopt;
-  return std::min(figure, kGreatest);
-}
-
-// Pairs in the frame that the field of their contact is stored in.
-ForceSamples in_frame_of(const ContactModel& model, const Eigen::Matrix3d& to_surface,
-                         const ForceSamples& samples) {
-  const Eigen::Matrix3d to_local = model.frame.transpose() * to_surface;
-  ForceSamples local = samples;
-  local.displacements = to_local * samples.displacements;
-  local.forces = to_local * samples.forces;
-  return local;
+  return std::isnan(figure) ? 0 : std::min(figure, kGreatest);
 }
 
 FitResult fit_field(const ForceSamples& pairs, const std::optional<LocalPart>& local_part,
@@ -133,17 +114,18 @@ FitResult fit_field(const ForceSamples& pairs, const std::optional<LocalPart>& l
 void take_fit(ContactModel& model, const ForceSamples& samples, const FitResult& fit) {
   model.samples = static_cast<int>(samples.forces.cols());
   model.rms = fit.rms;
-  model.fit_stop = fit.stop;
-  model.fit_mode = fit.mode;
-  model.passivity = fit.certificate.passivity;
+  model.fit_stop = to_string(fit.stop);
+  model.fit_mode = to_string(fit.mode);
+  model.passivity = to_string(fit.certificate.passivity);
   model.chi2 = storable(fit.chi2);
   model.noise_floor = storable(fit.noise_floor);
-  model.condition = storable(fit.condition);
+  model.condition = storable(fit.condition.value_or(0));
   model.shared_local = fit.shared_local;
   model.field = fit.field;
   model = rounded(std::move(model));
 }
 
+// `samples` are in the local frames of the contacts.
 void fit_fields(const std::vector<ForceSamples>& samples, const FitOptions& fit_options,
                 const BuildOptions& options, BuildResult& result) {
   std::vector<std::size_t> unknown;
@@ -157,80 +139,21 @@ void fit_fields(const std::vector<ForceSamples>& samples, const FitOptions& fit_
   const auto count = static_cast<int>(samples.size());
   int done = count - static_cast<int>(unknown.size());
   if (done > 0 && options.progress) options.progress(BuildStage::fields, done, count);
-  const Eigen::Matrix3d to_surface = result.model.T_surface_acquisition.linear();
   if (options.dense_samples) {
-    std::vector<ForceSamples> local;
-    for (std::size_t i = 0; i < samples.size(); ++i)
-      local.push_back(in_frame_of(result.model.contacts[i], to_surface, samples[i]));
     result.local_part =
-        learn_local_part(local, {.fit = fit_options, .dense_samples = *options.dense_samples});
+        learn_local_part(samples, {.fit = fit_options, .dense_samples = *options.dense_samples});
   }
   std::mutex reporting;
   parallel_for(unknown.size(), [&](std::size_t u) {
     const std::size_t i = unknown[u];
     ContactReport& report = result.contacts[i];
-    report.fit = fit_field(in_frame_of(result.model.contacts[i], to_surface, samples[i]),
-                           result.local_part, fit_options);
+    report.fit = fit_field(samples[i], result.local_part, fit_options);
     const std::lock_guard lock(reporting);
     if (options.keep_fit) options.keep_fit(report.id, report.fit);
     if (options.progress) options.progress(BuildStage::fields, ++done, count);
   });
   for (std::size_t i = 0; i < samples.size(); ++i) {
     take_fit(result.model.contacts[i], samples[i], result.contacts[i].fit);
-  }
-}
-
-// Returns what the fields were fitted to.
-std::vector<ForceSamples> fit_contacts(const Probed& probed, const BuildOptions& options,
-                                       BuildResult& result) {
-  const std::size_t count = probed.contacts.size();
-  std::vector<ForceSamples> samples(count);
-  parallel_for(count, [&](std::size_t i) {
-    samples[i] = realign(probed.contacts[i], probed.samples.of(probed.places[i]));
-  });
-  // One tool and one tracker measured all contacts: together they tell their noise best.
-  FitOptions options_with_noise = options.fit;
-  if (!options.fit.noise.displacement) {
-    options_with_noise.noise.displacement = pooled_displacement_noise(samples);
-  }
-  const double displacement_noise =
-      options_with_noise.noise.displacement.value_or(kDisplacementNoise);
-  std::mutex reporting;
-  int done = 0;
-  parallel_for(count, [&](std::size_t i) {
-    learn_friction(probed.contacts[i], probed.samples.of(probed.places[i]), samples[i],
-                   displacement_noise, options.friction, result.model.contacts[i],
-                   result.contacts[i]);
-    const std::lock_guard lock(reporting);
-    if (options.progress) options.progress(BuildStage::friction, ++done, static_cast<int>(count));
-  });
-  choose_frames(result.model);
-  fit_fields(samples, options_with_noise, options, result);
-  return samples;
-}
-
-void fill_in_friction(Model& model) {
-  std::vector<double> measured;
-  for (const ContactModel& contact : model.contacts) {
-    if (contact.friction_source == FrictionSource::samples) measured.push_back(contact.friction);
-  }
-  const Eigen::Map<const Eigen::ArrayXd> values(measured.data(),
-                                                static_cast<Eigen::Index>(measured.size()));
-  const double mean = measured.empty() ? 0 : values.mean();
-  std::optional<double> scatter;
-  if (measured.size() > 1) {
-    scatter = std::sqrt((values - mean).square().sum() / static_cast<double>(measured.size() - 1));
-  }
-  for (ContactModel& contact : model.contacts) {
-    if (contact.friction_source == FrictionSource::samples) continue;
-    // A lower bound of its own is a cautious coefficient (thesis 5.4.1).
-    const bool bounded = contact.friction_lower_bound > mean;
-    contact.friction = bounded ? contact.friction_lower_bound : mean;
-    contact.friction_error = bounded ? std::nullopt : scatter;
-    contact.friction_source = bounded            ? FrictionSource::lower_bound
-                              : measured.empty() ? FrictionSource::none
-                                                 : FrictionSource::other_contacts;
-    contact = rounded(std::move(contact));
   }
 }
 
@@ -245,6 +168,77 @@ double reference_force(const std::vector<ForceSamples>& samples, const Model& mo
   const auto quartile = largest.begin() + static_cast<std::ptrdiff_t>(largest.size() / 4);
   std::ranges::nth_element(largest, quartile);
   return *quartile;
+}
+
+// Turns samples from the frame of the acquisition into the local frames of their contacts.
+void turn_into_local_frames(std::vector<ForceSamples>& samples, const Model& model) {
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const Eigen::Matrix3d to_local =
+        model.contacts[i].frame.transpose() * model.T_surface_acquisition.linear();
+    samples[i].displacements = to_local * samples[i].displacements;
+    samples[i].forces = to_local * samples[i].forces;
+  }
+}
+
+// Fits friction and field of every contact. `source` tells which of the acquisition's contacts each
+// contact of the model is. Returns the reference force of the contacts.
+double fit_contacts(const probing::CheckedAcquisition& acquisition,
+                    const std::vector<std::size_t>& source, const BuildOptions& options,
+                    BuildResult& result) {
+  std::vector<ForceSamples> samples(source.size());
+  parallel_for(source.size(), [&](std::size_t i) {
+    samples[i] = realign(acquisition.contacts()[source[i]], acquisition.samples_of(source[i]));
+  });
+  // One tool and one tracker measured all contacts: together they tell their noise best.
+  FitOptions fit = options.fit;
+  if (!fit.noise.displacement) fit.noise.displacement = pooled_displacement_noise(samples);
+  const FrictionAxisOptions axis{
+      .displacement_noise = fit.noise.displacement.value_or(kDisplacementNoise),
+      .force_noise = options.friction.force_noise};
+  std::mutex reporting;
+  int done = 0;
+  parallel_for(source.size(), [&](std::size_t i) {
+    const probing::Contact& contact = acquisition.contacts()[source[i]];
+    ContactReport& report = result.contacts[i];
+    report.friction = fit_friction(friction_trials(contact, acquisition.samples_of(source[i])),
+                                   contact.normal, options.friction);
+    report.friction_axis =
+        fit_friction_axis(samples[i], pressing_direction(report.friction, contact), axis);
+    take_friction(report, contact, result.model.contacts[i]);
+    const std::lock_guard lock(reporting);
+    if (options.progress)
+      options.progress(BuildStage::friction, ++done, static_cast<int>(source.size()));
+  });
+  choose_frames(result.model);
+  const double pressed = reference_force(samples, result.model);
+  turn_into_local_frames(samples, result.model);
+  fit_fields(samples, fit, options, result);
+  return pressed;
+}
+
+void fill_in_friction(Model& model) {
+  std::vector<double> measured;
+  for (const ContactModel& contact : model.contacts) {
+    if (contact.friction_source == FrictionSource::samples) measured.push_back(contact.friction);
+  }
+  const Eigen::Map<const Eigen::ArrayXd> values(measured.data(),
+                                                static_cast<Eigen::Index>(measured.size()));
+  const double mean = measured.empty() ? 0 : values.mean();
+  const double scatter =
+      measured.size() < 2
+          ? 0
+          : std::sqrt((values - mean).square().sum() / static_cast<double>(measured.size() - 1));
+  for (ContactModel& contact : model.contacts) {
+    if (contact.friction_source == FrictionSource::samples) continue;
+    // A lower bound of its own is a cautious coefficient (thesis 5.4.1).
+    const bool bounded = contact.friction_lower_bound > mean;
+    contact.friction = bounded ? contact.friction_lower_bound : mean;
+    contact.friction_error = bounded ? 0 : scatter;
+    contact.friction_source = bounded            ? FrictionSource::lower_bound
+                              : measured.empty() ? FrictionSource::none
+                                                 : FrictionSource::other_contacts;
+    contact = rounded(std::move(contact));
+  }
 }
 
 }  // namespace
@@ -263,14 +257,15 @@ const char* to_string(RegistrationOutcome outcome) {
   return "unknown";
 }
 
-BuildResult build_model(const probing::Acquisition& acquisition,
+BuildResult build_model(const probing::CheckedAcquisition& acquisition,
                         const geometry::TriangleMesh& surface, const BuildOptions& options) {
   check_options(options);
-  probing::check_acquisition(acquisition);
   BuildResult result;
-  result.model.made[kSamplesFingerprint] = probing::fingerprint(acquisition);
-  const Probed probed = probed_contacts(acquisition, result);
-  const std::vector<probing::Contact>& contacts = probed.contacts;
+  result.model.made[kSamplesFingerprint] = probing::fingerprint(acquisition.records());
+  result.model.made[kTriangulation] = geometry::to_string(options.triangulation);
+  const std::vector<std::size_t> source = probed_contacts(acquisition, result);
+  std::vector<probing::Contact> contacts;
+  for (const std::size_t i : source) contacts.push_back(acquisition.contacts()[i]);
   const geometry::SurfaceQuery query(surface);
   result.model.surface = surface;
   const std::vector<geometry::ClosestPoint> places =
@@ -291,16 +286,15 @@ BuildResult build_model(const probing::Acquisition& acquisition,
     for (geometry::SurfacePoint& point : points)
       std::swap(point.barycentric[1], point.barycentric[2]);
   }
-  geometry::ContactTriangulation triangulation =
-      geometry::triangulate_contacts(result.model.surface, points);
+  geometry::ContactTriangulation triangulation = geometry::triangulate_contacts(
+      result.model.surface, points, {.method = options.triangulation});
   result.model.triangles = std::move(triangulation.mesh.triangles);
   result.model.surface_weights = std::move(triangulation.weights);
   for (const int i : triangulation.isolated) {
     result.isolated.push_back(contacts[static_cast<std::size_t>(i)].id);
   }
-  const std::vector<ForceSamples> samples = fit_contacts(probed, options, result);
+  const double pressed = fit_contacts(acquisition, source, options, result);
   fill_in_friction(result.model);
-  const double pressed = reference_force(samples, result.model);
   if (options.blend_rule == BlendRule::compliances && pressed > 0) {
     result.model = with_compliances(std::move(result.model), pressed);
   }

@@ -3,15 +3,18 @@
 #include "palpate/haptics/evaluate.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <string>
-#include <unordered_map>
+#include <string_view>
 #include <utility>
 #include <vector>
 
+#include "build/made.h"
 #include "model/compliance_kriging.h"
 #include "palpate/error.h"
 #include "palpate/geometry/contact_triangulation.h"
@@ -22,9 +25,8 @@
 #include "palpate/haptics/realignment.h"
 #include "palpate/parallel_for.h"
 #include "palpate/probing/fingerprint.h"
-#include "palpate/probing/samples_by_contact.h"
 #include "palpate/require.h"
-#include "samples/samples_fingerprint.h"
+#include "palpate/probing/csv.h"
 
 namespace palpate::haptics {
 namespace {
@@ -41,10 +43,10 @@ constexpr Eigen::Index kMaxCandidates = 4000;
 constexpr double kMaxBeyond = 0.5;
 
 // A model of an earlier version does not tell what it was made of.
-void check_same_samples(const Model& model, const probing::Acquisition& acquisition) {
+void check_same_samples(const Model& model, const probing::CheckedAcquisition& acquisition) {
   const auto made_of = model.made.find(kSamplesFingerprint);
   if (made_of == model.made.end()) return;
-  const std::string given = probing::fingerprint(acquisition);
+  const std::string given = probing::fingerprint(acquisition.records());
   if (made_of->second == given) return;
   throw InvalidInput("leave_one_out(): the acquisition holds other samples (fingerprint " + given +
                      ") than the model was made of (" + made_of->second +
@@ -52,57 +54,40 @@ void check_same_samples(const Model& model, const probing::Acquisition& acquisit
                      "the acquisition that the model was made of, or fit it to this one");
 }
 
-// Samples of contacts in the frame of the surface; displacements count from the contact as
-// measured.
-class RealignedSamples {
- public:
-  RealignedSamples(const Model& model, const probing::Acquisition& acquisition)
-      : model_(model), acquisition_(acquisition), samples_(acquisition) {
-    for (std::size_t i = 0; i < acquisition.contacts.size(); ++i)
-      index_of_.emplace(acquisition.contacts[i].id, i);
+// The realigned samples of a contact of the model, in the frame of the surface; displacements count
+// from the contact as measured.
+ForceSamples samples_of(const ContactModel& contact, const Model& model,
+                        const probing::CheckedAcquisition& acquisition,
+                        const geometry::SurfaceQuery& surface) {
+  const std::optional<std::size_t> source = acquisition.find(contact.id);
+  if (!source || acquisition.samples_of(*source).empty()) {
+    throw InvalidInput("leave_one_out(): contact " + std::to_string(contact.id) +
+                       " of the model has no samples in the acquisition; pass the acquisition "
+                       "that the model was made of");
   }
-
-  [[nodiscard]] ForceSamples of(const ContactModel& contact,
-                                const geometry::SurfaceQuery& surface) const {
-    const auto found = index_of_.find(contact.id);
-    ForceSamples samples;
-    if (found != index_of_.end()) {
-      const probing::Contact& measured = acquisition_.contacts[found->second];
-      const Eigen::Vector3d there = model_.T_surface_acquisition * measured.position;
-      const double distance = (surface.closest_point(there).position - contact.position).norm();
-      if (!(distance <= kSamePlaceRatio * geometry::bounding_diagonal(model_.surface))) {
-        throw InvalidInput("leave_one_out(): contact " + std::to_string(contact.id) +
-                           " of the acquisition lies " + std::to_string(distance) +
-                           " mm along the surface from that of the model; pass the acquisition "
-                           "that the model was made of");
-      }
-      samples = realign(measured, samples_.of(found->second));
-    }
-    if (samples.forces.cols() == 0) {
-      throw InvalidInput("leave_one_out(): contact " + std::to_string(contact.id) +
-                         " of the model has no samples in the acquisition; pass the acquisition "
-                         "that the model was made of");
-    }
-    const Eigen::Matrix3d rotation = model_.T_surface_acquisition.linear();
-    samples.displacements = rotation * samples.displacements;
-    samples.forces = rotation * samples.forces;
-    return samples;
+  const probing::Contact& measured = acquisition.contacts()[*source];
+  const Eigen::Vector3d there = model.T_surface_acquisition * measured.position;
+  const double distance = (surface.closest_point(there).position - contact.position).norm();
+  if (!(distance <= kSamePlaceRatio * geometry::bounding_diagonal(model.surface))) {
+    throw InvalidInput("leave_one_out(): contact " + std::to_string(contact.id) +
+                       " of the acquisition lies " + std::to_string(distance) +
+                       " mm along the surface from that of the model; pass the acquisition "
+                       "that the model was made of");
   }
-
- private:
-  const Model& model_;
-  const probing::Acquisition& acquisition_;
-  probing::SamplesByContact samples_;
-  std::unordered_map<long long, std::size_t> index_of_;
-};
+  ForceSamples samples = realign(measured, acquisition.samples_of(*source));
+  const Eigen::Matrix3d rotation = model.T_surface_acquisition.linear();
+  samples.displacements = rotation * samples.displacements;
+  samples.forces = rotation * samples.forces;
+  return samples;
+}
 
 Model without_contact(const Model& model, std::vector<geometry::SurfacePoint> points,
                       std::size_t i) {
   Model rest = model;
   rest.contacts.erase(rest.contacts.begin() + static_cast<std::ptrdiff_t>(i));
   points.erase(points.begin() + static_cast<std::ptrdiff_t>(i));
-  geometry::ContactTriangulation triangulation =
-      geometry::triangulate_contacts(model.surface, points);
+  geometry::ContactTriangulation triangulation = geometry::triangulate_contacts(
+      model.surface, points, {.method = triangulation_method(model)});
   rest.triangles = std::move(triangulation.mesh.triangles);
   rest.surface_weights = std::move(triangulation.weights);
   if (rest.interpolation.rule == BlendRule::compliances)
@@ -126,9 +111,9 @@ std::vector<bool> border_contacts(const Model& model) {
 }
 
 // [N] Standard deviation of the normal force at the reference displacement at a place.
-double expected_error(const BlendedField& field, const Blend& at, const Surroundings& around,
-                      const Covariance& covariance) {
-  if (around.contacts.empty()) return std::nan("");
+std::optional<double> expected_error(const BlendedField& field, const Blend& at,
+                                     const Surroundings& around, const Covariance& covariance) {
+  if (around.contacts.empty()) return std::nullopt;
   const KrigingPrediction predicted = predict_compliance(around, covariance);
   const Eigen::Vector3d displacement = at.field_frame * predicted.value.head<3>();
   const Eigen::Vector3d step = kStepRatio * predicted.value(2) * at.field_frame.col(2);
@@ -164,23 +149,25 @@ ContactError predict_contact(const BlendedField& field, const Blend& at,
   return error;
 }
 
-double pooled_rms(const std::vector<ContactError>& errors, const std::vector<bool>& counts) {
+// Of the errors that count, if any does.
+std::optional<double> pooled_rms(const std::vector<ContactError>& errors,
+                                 const std::vector<bool>& counts) {
   double sum = 0, count = 0;
   for (std::size_t i = 0; i < errors.size(); ++i) {
     if (!counts[i]) continue;
     sum += errors[i].rms * errors[i].rms * errors[i].samples;
     count += errors[i].samples;
   }
-  return std::sqrt(sum / count);
+  return count > 0 ? std::optional(std::sqrt(sum / count)) : std::nullopt;
 }
 
 // How much larger errors are than expected.
 double expectation_scale(const std::vector<ContactError>& errors) {
   double measured = 0, expected = 0;
   for (const ContactError& error : errors) {
-    if (!(error.expected > 0)) continue;
+    if (!error.expected || !(*error.expected > 0)) continue;
     measured += error.rms * error.rms;
-    expected += error.expected * error.expected;
+    expected += *error.expected * *error.expected;
   }
   return expected > 0 ? std::sqrt(measured / expected) : 1;
 }
@@ -202,7 +189,8 @@ std::vector<SuggestedContact> suggest_contacts(const Model& model, const Complia
                                 at.contacts.contacts.begin() + at.contacts.count);
     const Surroundings around =
         surroundings(model, kriging.neighbours, from, place, at.field_frame, -1);
-    candidates[i] = {place, scale * expected_error(field, at, around, kriging.covariance)};
+    const std::optional<double> error = expected_error(field, at, around, kriging.covariance);
+    candidates[i] = {place, scale * error.value_or(0)};
   });
   std::erase_if(candidates, [](const SuggestedContact& c) { return !(c.expected > 0); });
   std::ranges::stable_sort(candidates, std::greater{}, &SuggestedContact::expected);
@@ -222,6 +210,19 @@ std::vector<SuggestedContact> suggest_contacts(const Model& model, const Complia
 }
 
 }  // namespace
+
+std::vector<Query> read_queries(const std::filesystem::path& path) {
+  constexpr std::array<std::string_view, 9> kColumns = {"cx", "cy", "cz", "dx", "dy",
+                                                        "dz", "fx", "fy", "fz"};
+  probing::CsvReader row(path, kColumns);
+  std::vector<Query> queries;
+  while (row.next()) queries.push_back({row.vector(0), row.vector(3), row.vector(6)});
+  if (queries.empty()) {
+    throw FileError(path.string() +
+                    ": there is no line of numbers below the column names; at least one is needed");
+  }
+  return queries;
+}
 
 QueryErrors evaluate_queries(const Model& model, std::span<const Query> queries,
                              const QueryOptions& options) {
@@ -251,7 +252,7 @@ QueryErrors evaluate_queries(const Model& model, std::span<const Query> queries,
   return {static_cast<int>(statistics.count), statistics.rms, statistics.median, statistics.p90};
 }
 
-LeaveOneOut leave_one_out(const Model& model, const probing::Acquisition& acquisition,
+LeaveOneOut leave_one_out(const Model& model, const probing::CheckedAcquisition& acquisition,
                           const LeaveOneOutOptions& options) {
   check_model(model);
   require("LeaveOneOutOptions::suggestions", options.suggestions, at_least(0));
@@ -262,11 +263,10 @@ LeaveOneOut leave_one_out(const Model& model, const probing::Acquisition& acquis
   }
   check_same_samples(model, acquisition);
   const geometry::SurfaceQuery query(model.surface);
-  const RealignedSamples realigned(model, acquisition);
   std::vector<ForceSamples> samples;
   std::vector<geometry::SurfacePoint> points;
   for (const ContactModel& contact : model.contacts) {
-    samples.push_back(realigned.of(contact, query));
+    samples.push_back(samples_of(contact, model, acquisition, query));
     points.push_back(query.closest_point(contact.position).at);
   }
   const bool by_compliance = model.interpolation.rule == BlendRule::compliances;
@@ -284,7 +284,6 @@ LeaveOneOut leave_one_out(const Model& model, const probing::Acquisition& acquis
     error = predict_contact(field, at, samples[i]);
     error.contact = contact.id;
     error.at_border = at_border[i];
-    error.expected = std::nan("");
     if (by_compliance) {
       const auto index = static_cast<int>(i);
       error.expected = expected_error(
@@ -296,7 +295,7 @@ LeaveOneOut leave_one_out(const Model& model, const probing::Acquisition& acquis
     const std::lock_guard lock(reporting);
     options.progress(++done, static_cast<int>(model.contacts.size()));
   });
-  result.rms = pooled_rms(result.per_contact, std::vector<bool>(at_border.size(), true));
+  result.rms = *pooled_rms(result.per_contact, std::vector<bool>(at_border.size(), true));
   result.border_rms = pooled_rms(result.per_contact, at_border);
   at_border.flip();
   result.interior_rms = pooled_rms(result.per_contact, at_border);

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "build/made.h"
 #include "palpate/error.h"
 #include "palpate/geometry/contact_triangulation.h"
 #include "palpate/geometry/surface_query.h"
@@ -52,7 +53,7 @@ void scale_forces(ContactModel& contact, double scale, ForceScaling forces) {
   const double factor = forces == ForceScaling::material ? scale * scale * scale : scale;
   contact.field = transform_field(contact.field, scale * Eigen::Matrix3d::Identity(), factor).field;
   contact.rms *= factor / scale;
-  if (contact.noise_floor) *contact.noise_floor *= factor / scale;
+  contact.noise_floor *= factor / scale;
 }
 
 }  // namespace
@@ -80,7 +81,8 @@ TransferredModel transfer_model(const Model& model, const geometry::TriangleMesh
     contact = rounded(std::move(contact));
     if (map.distorted[at.triangle]) result.distorted.push_back(contact.id);
   }
-  geometry::ContactTriangulation triangulation = geometry::triangulate_contacts(target, places);
+  geometry::ContactTriangulation triangulation =
+      geometry::triangulate_contacts(target, places, {.method = triangulation_method(model)});
   result.model.triangles = std::move(triangulation.mesh.triangles);
   result.model.surface_weights = std::move(triangulation.weights);
   for (const int i : triangulation.isolated)

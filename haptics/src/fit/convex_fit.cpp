@@ -142,9 +142,7 @@ class Pruning {
 
 }  // namespace
 
-ConvexFit fit_convex(const Eigen::Matrix3Xd& displacements, const Eigen::Matrix3Xd& forces,
-                     const SampleNoise& noise, double accuracy, int max_bases) {
-  WhitenedProblem problem(displacements, forces, noise);
+ConvexFit fit_convex(WhitenedProblem problem, double accuracy, int max_bases) {
   // Also the way to few bases leads over more, which find the places where they are needed.
   const auto determined = static_cast<int>(3 * problem.size() / kParameters);
   const int start = std::max(1, std::min(determined, std::max(max_bases, kMaxConvexBases)));

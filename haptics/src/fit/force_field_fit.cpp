@@ -6,18 +6,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "fit/certified_fit.h"
 #include "fit/convex_fit.h"
 #include "fit/field_objective.h"
 #include "fit/local_fit.h"
-#include "fit/reduced_chi2.h"
-#include "fit/steady_fit.h"
 #include "fit/whitened_problem.h"
 #include "palpate/error.h"
 #include "palpate/require.h"
@@ -63,8 +59,6 @@ void check(const Eigen::Ref<const Eigen::Matrix3Xd>& displacements,
   require("FitOptions::epsilon", options.epsilon, above(0).finite(), "mm");
 }
 
-constexpr double kNotComputed = std::numeric_limits<double>::quiet_NaN();
-
 // Root mean square of the columns' lengths, without overflow.
 double extent(const Eigen::Ref<const Eigen::Matrix3Xd>& columns) {
   const double largest = columns.cwiseAbs().maxCoeff();
@@ -92,25 +86,26 @@ double smallest_eigenvalue(const ForceField& field) {
   return eigen.eigenvalues()[0];
 }
 
-// Samples in canonical order, in units of their extents.
+// Samples in canonical order, in units of their extents. An extent of zero counts as one unit.
 struct ScaledSamples {
-  Eigen::Matrix3Xd displacements, forces;
-  ReachableVolume reach;   // [mm]
-  double length = 0;       // [mm]
-  double force_scale = 0;  // [N]
+  WhitenedProblem problem;  // whitened by the samples' own secant stiffness
+  ReachableVolume reach;    // [mm]
+  double length = 1;        // [mm]
+  double force_scale = 1;   // [N]
 };
 
 ScaledSamples scaled(const Eigen::Ref<const Eigen::Matrix3Xd>& displacements,
-                     const Eigen::Ref<const Eigen::Matrix3Xd>& forces) {
+                     const Eigen::Ref<const Eigen::Matrix3Xd>& forces, const FitOptions& options) {
   const std::vector<Eigen::Index> order = canonical_order(displacements, forces);
-  ScaledSamples samples{displacements(Eigen::all, order), forces(Eigen::all, order),
-                        reachable_volume(displacements)};
-  const double length = extent(samples.displacements);
-  samples.force_scale = extent(samples.forces);
-  samples.length = length > 0 ? length : 1;
-  if (samples.force_scale > 0) samples.forces /= samples.force_scale;
-  samples.displacements /= samples.length;
-  return samples;
+  const auto unit_of = [](double size) { return size > 0 ? size : 1; };
+  Eigen::Matrix3Xd d = displacements(Eigen::all, order), f = forces(Eigen::all, order);
+  const double length = unit_of(extent(d)), force_scale = unit_of(extent(f));
+  d /= length;
+  f /= force_scale;
+  const SampleNoise noise{options.noise.displacement.value_or(kDisplacementNoise) / length,
+                          std::max(options.noise.force / force_scale, kExact)};
+  return {WhitenedProblem(std::move(d), std::move(f), noise), reachable_volume(displacements),
+          length, force_scale};
 }
 
 ForceField in_units(ForceField field, double length, double force_scale) {
@@ -122,16 +117,11 @@ ForceField in_units(ForceField field, double length, double force_scale) {
   return field;
 }
 
-SampleNoise noise_of(const ScaledSamples& samples, const FitOptions& options) {
-  return {options.noise.displacement.value_or(kDisplacementNoise) / samples.length,
-          std::max(options.noise.force / samples.force_scale, kExact)};
-}
-
 // How the errors compare with what the noise makes with the field's own stiffness, after so many
 // parameters were fitted.
 void compare_with_noise(const ScaledSamples& samples, const ForceField& field, double parameters,
                         const FitOptions& options, FitResult& result) {
-  WhitenedProblem problem(samples.displacements, samples.forces, noise_of(samples, options));
+  WhitenedProblem problem = samples.problem;
   problem.whiten(field.bases.empty() ? ForceField{{Multiquadric{}}} : field);
   const Eigen::VectorXd errors = problem.residuals(field);
   const ReducedChi2 chi2 =
@@ -147,11 +137,12 @@ void compare_with_noise(const ScaledSamples& samples, const ForceField& field, d
 void finish(const ScaledSamples& samples, const FitOptions& options, ForceField field,
             double parameters, FitResult& result) {
   compare_with_noise(samples, field, parameters, options, result);
+  const WhitenedProblem& problem = samples.problem;
   double sum = 0;
-  for (Eigen::Index i = 0; i < samples.forces.cols(); ++i) {
-    sum += (force(field, samples.displacements.col(i)) - samples.forces.col(i)).squaredNorm();
+  for (Eigen::Index i = 0; i < problem.size(); ++i) {
+    sum += (force(field, problem.displacements().col(i)) - problem.forces().col(i)).squaredNorm();
   }
-  result.rms = samples.force_scale * std::sqrt(sum / static_cast<double>(samples.forces.cols()));
+  result.rms = samples.force_scale * std::sqrt(sum / static_cast<double>(problem.size()));
   result.field = in_units(std::move(field), samples.length, samples.force_scale);
   result.smallest_stiffness = smallest_eigenvalue(result.field);
   result.certificate = certify_passivity(result.field, samples.reach);
@@ -179,8 +170,7 @@ ForceField rigid_field(double displacement_noise) {
 FitResult fit_as_convex(const ScaledSamples& samples, const FitOptions& options) {
   FitResult result;
   result.mode = FitMode::convex;
-  ConvexFit fit = fit_convex(samples.displacements, samples.forces, noise_of(samples, options),
-                             options.accuracy / samples.force_scale,
+  ConvexFit fit = fit_convex(samples.problem, options.accuracy / samples.force_scale,
                              options.max_bases.value_or(kMaxConvexBases));
   finish(samples, options, std::move(fit.field), result);
   result.iterations = fit.iterations;
@@ -192,8 +182,8 @@ FitResult fit_as_convex(const ScaledSamples& samples, const FitOptions& options)
 // `local`, or `certified`, which then still has to be looked up in the certificate.
 FitResult fit_as_local(const ScaledSamples& samples, const FitOptions& options, FitMode mode) {
   FieldObjective objective;
-  objective.displacements = samples.displacements;
-  objective.forces = samples.forces;
+  objective.displacements = samples.problem.displacements();
+  objective.forces = samples.problem.forces();
   objective.weight_penalty = kWeightPenalty;
   LocalFitOptions local;
   local.accuracy = std::max(options.accuracy / samples.force_scale, kExact);
@@ -207,7 +197,6 @@ FitResult fit_as_local(const ScaledSamples& samples, const FitOptions& options, 
   result.mode = mode;
   result.iterations = fit.iterations;
   result.stop = fit.stop;
-  result.condition = kNotComputed;
   finish(samples, options, std::move(fit.field), result);
   return result;
 }
@@ -220,13 +209,12 @@ FitResult chosen(FitResult taken, const FitResult& left) {
 
 // The same for all fields: errors in units of the noise with the samples' own secant stiffness, and
 // outliers hardly count, so that no field gains by being stiff or by running after outliers.
-double robust_loss(const ScaledSamples& samples, const FitOptions& options, const FitResult& fit) {
-  const WhitenedProblem problem(samples.displacements, samples.forces, noise_of(samples, options));
-  return problem.loss(
-      problem.residuals(in_units(fit.field, 1 / samples.length, 1 / samples.force_scale)));
+double robust_loss(const ScaledSamples& samples, const FitResult& fit) {
+  return samples.problem.loss(
+      samples.problem.residuals(in_units(fit.field, 1 / samples.length, 1 / samples.force_scale)));
 }
 
-FitResult fit_in_mode(const ScaledSamples& samples, const FitOptions& options, bool may_turn) {
+FitResult fit_in_mode(const ScaledSamples& samples, const FitOptions& options) {
   if (options.mode == FitMode::local) return fit_as_local(samples, options, FitMode::local);
   if (options.mode == FitMode::certified) {
     FitResult result = fit_as_local(samples, options, FitMode::certified);
@@ -234,31 +222,31 @@ FitResult fit_in_mode(const ScaledSamples& samples, const FitOptions& options, b
     return chosen(fit_as_convex(samples, options), result);
   }
   FitResult result = fit_as_convex(samples, options);
-  if (result.stop != FitStop::unexplained || !may_turn) return result;
+  if (result.stop != FitStop::unexplained || !options.try_certified) return result;
   FitResult other = fit_as_local(samples, options, FitMode::certified);
-  const bool better = is_passive(other.certificate) &&
-                      robust_loss(samples, options, other) < robust_loss(samples, options, result);
+  const bool better =
+      is_passive(other.certificate) && robust_loss(samples, other) < robust_loss(samples, result);
   return better ? chosen(std::move(other), result) : chosen(std::move(result), other);
 }
 
-// `may_turn`: from convex to certified, where that explains the samples better.
-FitResult fit(const Eigen::Ref<const Eigen::Matrix3Xd>& displacements,
-              const Eigen::Ref<const Eigen::Matrix3Xd>& forces, const FitOptions& options,
-              bool may_turn) {
+}  // namespace
+
+FitResult fit_force_field(const Eigen::Ref<const Eigen::Matrix3Xd>& displacements,
+                          const Eigen::Ref<const Eigen::Matrix3Xd>& forces,
+                          const FitOptions& options) {
   check(displacements, forces, options);
-  const ScaledSamples samples = scaled(displacements, forces);
-  const double length = samples.displacements.isZero(0) ? 0 : samples.length;
+  const ScaledSamples samples = scaled(displacements, forces, options);
+  const bool has_forces = !samples.problem.forces().isZero(0);
+  const bool moves = !samples.problem.displacements().isZero(0);
   const double noise = options.noise.displacement.value_or(kDisplacementNoise);
   const bool rigid = options.mode == FitMode::convex && noise > 0 &&
-                     length <= kRigidRatio * std::sqrt(3.0) * noise;
-  if (samples.force_scale > 0 && length > 0 && !rigid)
-    return fit_in_mode(samples, options, may_turn);
+                     (moves ? samples.length : 0) <= kRigidRatio * std::sqrt(3.0) * noise;
+  if (has_forces && moves && !rigid) return fit_in_mode(samples, options);
 
   FitResult result;
   result.mode = options.mode;
   result.displacement_noise = noise;
-  result.condition = kNotComputed;
-  if (samples.force_scale > 0) {
+  if (has_forces) {
     finish(samples, options, rigid ? rigid_field(noise / samples.length) : ForceField{}, result);
     result.stop = rigid ? FitStop::rigid : FitStop::not_determined;
   } else {
@@ -269,31 +257,15 @@ FitResult fit(const Eigen::Ref<const Eigen::Matrix3Xd>& displacements,
   return result;
 }
 
-}  // namespace
-
-FitResult fit_force_field(const Eigen::Ref<const Eigen::Matrix3Xd>& displacements,
-                          const Eigen::Ref<const Eigen::Matrix3Xd>& forces,
-                          const FitOptions& options) {
-  return fit(displacements, forces, options, true);
-}
-
-FitResult fit_steadily(const Eigen::Ref<const Eigen::Matrix3Xd>& displacements,
-                       const Eigen::Ref<const Eigen::Matrix3Xd>& forces,
-                       const FitOptions& options) {
-  return fit(displacements, forces, options, false);
-}
-
 FitResult assess_force_field(ForceField field,
                              const Eigen::Ref<const Eigen::Matrix3Xd>& displacements,
                              const Eigen::Ref<const Eigen::Matrix3Xd>& forces, int parameters,
                              const FitOptions& options) {
   check(displacements, forces, options);
   check_force_field(field, "assess_force_field(): the field");
-  ScaledSamples samples = scaled(displacements, forces);
-  if (samples.force_scale == 0) samples.force_scale = 1;
+  const ScaledSamples samples = scaled(displacements, forces, options);
   FitResult result;
   result.mode = options.mode;
-  result.condition = kNotComputed;
   finish(samples, options, in_units(std::move(field), 1 / samples.length, 1 / samples.force_scale),
          parameters, result);
   result.stop = verdict(result, options);

@@ -28,6 +28,12 @@ constexpr double kStartSpacing = 0.5;
 constexpr double kRidge = 1e-3;
 // Relative error below which a fit is exact: some rounding errors.
 constexpr double kExact = 1e-9;
+// What the stiffness at zero keeps, and the secant stiffness 2 p / |x|^2 at the places of repairs,
+// in units of force / extent, where the data have about 1. Enough for a safe ball around zero that
+// spares cells, and for repairs that need not be repeated close by.
+constexpr double kLeastStiffness = 0.02;
+constexpr double kLeastSecant = 0.02;
+constexpr int kMaxRepairs = 30;
 
 // A field with bases where they are and one more at each of some places, best ones first by linear
 // least squares (thesis 5.3.1.2: "a starting point ...").
@@ -131,6 +137,21 @@ double smallest_eigenvalue(const ForceField& field) {
   return eigen.eigenvalues()[0];
 }
 
+// The field that moves from a start to where the error is least, with the constraints.
+LocalFit refit(const FieldObjective& objective, const ForceField& start,
+               const FieldConstraints& constraints) {
+  const FieldSolution solution = solve_field(objective, to_parameters(start), constraints);
+  LocalFit result;
+  result.iterations = solution.iterations;
+  if (!solution.parameters.allFinite()) return result;
+  ForceField found = to_field(solution.parameters);
+  if (!(smallest_eigenvalue(found) >= 0)) return result;
+  result.rms = std::sqrt(mean_squared_error(objective, found));
+  result.field = std::move(found);
+  result.stop = solution.converged ? FitStop::max_bases : FitStop::not_converged;
+  return result;
+}
+
 // The better the lower; in units of the data.
 double information_criterion(const FieldObjective& objective, const ForceField& field,
                              const FieldConstraints& constraints) {
@@ -171,20 +192,6 @@ Step add_base(const FieldObjective& objective, const ForceField& field, double c
 
 }  // namespace
 
-LocalFit refit(const FieldObjective& objective, const ForceField& start,
-               const FieldConstraints& constraints) {
-  const FieldSolution solution = solve_field(objective, to_parameters(start), constraints);
-  LocalFit result;
-  result.iterations = solution.iterations;
-  if (!solution.parameters.allFinite()) return result;
-  ForceField found = to_field(solution.parameters);
-  if (!(smallest_eigenvalue(found) >= 0)) return result;
-  result.rms = std::sqrt(mean_squared_error(objective, found));
-  result.field = std::move(found);
-  result.stop = solution.converged ? FitStop::max_bases : FitStop::not_converged;
-  return result;
-}
-
 LocalFit fit_local(const FieldObjective& objective, const LocalFitOptions& options) {
   const Eigen::Index determined = std::max<Eigen::Index>(1, objective.forces.size() / 4);
   const Eigen::Index most = std::min<Eigen::Index>(options.max_bases, determined);
@@ -209,6 +216,30 @@ LocalFit fit_local(const FieldObjective& objective, const LocalFitOptions& optio
   }
   if (!converged) result.stop = FitStop::not_converged;
   result.rms = std::sqrt(mean_squared_error(objective, result.field));
+  return result;
+}
+
+CertifiedFit fit_certified(const FieldObjective& objective, const LocalFitOptions& options,
+                           const ReachableVolume& volume) {
+  LocalFitOptions certain = options;
+  certain.constraints.least_stiffness = kLeastStiffness;
+  certain.constraints.least_secant = kLeastSecant;
+  CertifiedFit result;
+  result.fit = fit_local(objective, certain);
+  result.certificate = certify_passivity(result.fit.field, volume);
+  while (!is_passive(result.certificate) && result.repairs < kMaxRepairs) {
+    // What is certain to be missing can be asked for; what is only not proven cannot.
+    if (!(result.certificate.weakest_stiffness < kLeastSecant / 2)) break;
+    if (result.certificate.weakest == Eigen::Vector3d::Zero()) break;
+    certain.constraints.places.push_back(result.certificate.weakest);
+    LocalFit repaired = refit(objective, result.fit.field, certain.constraints);
+    ++result.repairs;
+    repaired.iterations += result.fit.iterations;
+    if (repaired.field.bases.empty()) break;
+    if (repaired.stop != FitStop::not_converged) repaired.stop = result.fit.stop;
+    result.fit = std::move(repaired);
+    result.certificate = certify_passivity(result.fit.field, volume);
+  }
   return result;
 }
 

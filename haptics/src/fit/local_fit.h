@@ -5,6 +5,7 @@
 #include "fit/field_objective.h"
 #include "fit/field_solver.h"
 #include "palpate/haptics/force_field_fit.h"
+#include "palpate/haptics/passivity_certificate.h"
 
 namespace palpate::haptics {
 
@@ -27,8 +28,18 @@ struct LocalFit {
 /// most, among the displacements and their multiples by -1, 2 and -2; then all are moved (Ipopt).
 [[nodiscard]] LocalFit fit_local(const FieldObjective& objective, const LocalFitOptions& options);
 
-/// The field that moves from a start to where the error is least, with the constraints.
-[[nodiscard]] LocalFit refit(const FieldObjective& objective, const ForceField& start,
-                             const FieldConstraints& constraints);
+struct CertifiedFit {
+  LocalFit fit;
+  PassivityCertificate certificate;  ///< of the field in `fit`: read this before you use it
+  int repairs = 0;                   ///< refits with one more place where energy must not be lost
+};
+
+/// A local fit that is passive over the reachable volume, in units of the data. Where the
+/// certificate finds a place with too little energy, that place becomes a constraint and all bases
+/// move again, up to a number of times. If the field is not passive then, the certificate says so
+/// and the field is the last one.
+[[nodiscard]] CertifiedFit fit_certified(const FieldObjective& objective,
+                                         const LocalFitOptions& options,
+                                         const ReachableVolume& volume);
 
 }  // namespace palpate::haptics

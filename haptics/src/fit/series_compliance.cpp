@@ -10,7 +10,7 @@
 #include <limits>
 #include <vector>
 
-#include "fit/reduced_chi2.h"
+#include "fit/whitened_problem.h"
 #include "palpate/geometry/median.h"
 
 namespace palpate::haptics {

@@ -14,7 +14,6 @@
 #include <vector>
 
 #include "fit/series_compliance.h"
-#include "fit/steady_fit.h"
 #include "palpate/error.h"
 #include "palpate/parallel_for.h"
 #include "palpate/require.h"
@@ -46,6 +45,13 @@ constexpr double kUnknown = 10;
 constexpr std::size_t kParts = 5;
 
 using Contacts = std::vector<const ForceSamples*>;
+
+// For pairs that are computed and for trials: one convex fit, whatever it explains.
+FitResult fit_once(const Eigen::Matrix3Xd& displacements, const Eigen::Matrix3Xd& forces,
+                   FitOptions options) {
+  options.try_certified = false;
+  return fit_force_field(displacements, forces, options);
+}
 
 // A pair of a force and a displacement in numbers that can be put in an order.
 std::array<double, 6> key(const ForceSamples& samples, Eigen::Index i) {
@@ -136,7 +142,7 @@ ForceField fit_local(const Contacts& dense, const std::vector<Eigen::Matrix3d>& 
   std::vector<Eigen::Index> every(static_cast<std::size_t>(all.forces.cols()));
   std::iota(every.begin(), every.end(), Eigen::Index{0});
   all = columns(all, some_of(every, kMostPairs));
-  return fit_steadily(all.forces, all.displacements, exchanged(noise, global)).field;
+  return fit_once(all.forces, all.displacements, exchanged(noise, global)).field;
 }
 
 // What is expected of G elsewhere.
@@ -191,7 +197,7 @@ FitResult fit_series(const ForceSamples& samples, const Series& series, const Lo
   FitOptions exact = options;
   exact.noise.displacement = kSeriesNoise * part.noise.displacement.value_or(kDisplacementNoise);
   exact.noise.force = kSeriesNoise * part.noise.force;
-  const FitResult fit = fit_steadily(displacements, forces, exact);
+  const FitResult fit = fit_once(displacements, forces, exact);
   FitOptions measured = options;
   measured.noise = part.noise;
   FitResult result = assess_force_field(fit.field, samples.displacements, samples.forces,
@@ -229,7 +235,7 @@ bool own_is_better(const ForceSamples& samples, const LocalPart& part, const Fit
       (i * kParts / order.size() == fold ? held_out : kept).push_back(order[i]);
     }
     const ForceSamples rest = columns(samples, kept);
-    const ForceField own = fit_steadily(rest.displacements, rest.forces, options).field;
+    const ForceField own = fit_once(rest.displacements, rest.forces, options).field;
     const Series series{part.local, global_compliance(rest, part)};
     for (const Eigen::Index i : held_out) {
       const double error =
@@ -264,7 +270,7 @@ double gain_at(const ForceSamples& dense, const Eigen::Matrix3Xd& sparse_forces,
     (taken[i] ? kept : held_out).push_back(static_cast<Eigen::Index>(i));
   }
   const ForceSamples few = columns(dense, kept), others = columns(dense, held_out);
-  const FitResult own = fit_steadily(few.displacements, few.forces, options);
+  const FitResult own = fit_once(few.displacements, few.forces, options);
   const SeriesFit series = fit_with_local_part(few, part, options);
   // Exact data can be met exactly; its logarithm is to be finite.
   const double least = std::numeric_limits<double>::min();
@@ -297,10 +303,11 @@ void try_sharing(const Contacts& dense, const Contacts& sparse, const FitOptions
         gain_at(*tried[i], plan.forces, parts[i % folds], options);
   });
   const auto count = static_cast<double>(tried.size());
-  part.gain = gains.mean();
-  part.gain_error = std::sqrt((gains - part.gain).square().sum() / (count * (count - 1)));
-  part.outcome = part.gain < -kSignificance * part.gain_error ? SharingOutcome::shared
-                                                              : SharingOutcome::no_gain;
+  const double gain = gains.mean();
+  const double error = std::sqrt((gains - gain).square().sum() / (count * (count - 1)));
+  part.gain = gain;
+  part.gain_error = error;
+  part.outcome = gain < -kSignificance * error ? SharingOutcome::shared : SharingOutcome::no_gain;
 }
 
 void check(std::span<const ForceSamples> contacts, const LocalGlobalOptions& options) {
@@ -347,7 +354,6 @@ LocalPart learn_local_part(std::span<const ForceSamples> contacts,
   } else {
     part.outcome = sparse.empty() ? SharingOutcome::none_sparse : SharingOutcome::too_few_dense;
   }
-  part.gain = part.gain_error = std::numeric_limits<double>::quiet_NaN();  // until it is tried
   part.noise = fit.noise;
   part.dense_samples = options.dense_samples;
   part.dense = static_cast<int>(dense.size());

@@ -19,6 +19,8 @@ constexpr double kCauchy = 50;
 constexpr double kMedianChi2 = 2.366;
 // Shortest displacement, in units of the data's extent, that a secant stiffness is taken from.
 constexpr double kShortest = 1e-3;
+// More than this part of the samples are no outliers but what the fit cannot follow.
+constexpr double kMaxOutliers = 0.1;
 
 }  // namespace
 
@@ -151,6 +153,25 @@ Eigen::VectorXd WhitenedProblem::robust_weights(const Eigen::VectorXd& residuals
   for (Eigen::Index i = 0; i < size(); ++i) {
     result[i] = 1 / (1 + residuals.segment<3>(3 * i).squaredNorm() / scale);
   }
+  return result;
+}
+
+ReducedChi2 reduced_chi2(const Eigen::VectorXd& squares, double parameters) {
+  ReducedChi2 result;
+  double all = 0, inside = 0;
+  for (const double square : squares) {
+    all += square;
+    if (square > kOutlier) {
+      ++result.outliers;
+    } else {
+      inside += square;
+    }
+  }
+  const auto count = static_cast<double>(squares.size());
+  const double degrees = 3 * count - parameters;
+  result.value = result.outliers <= kMaxOutliers * count
+                     ? inside / std::max(1.0, degrees - 3 * result.outliers)
+                     : all / std::max(1.0, degrees);
   return result;
 }
 

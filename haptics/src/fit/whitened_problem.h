@@ -59,6 +59,19 @@ class WhitenedProblem {
   double mean_noise_ = 0;
 };
 
+/// Squared length of a whitened error that makes an outlier: noise exceeds it once in 10^10
+/// samples.
+inline constexpr double kOutlier = 50;
+
+struct ReducedChi2 {
+  double value = 0;  ///< chi^2 per degree of freedom, about 1 where noise makes the errors
+  int outliers = 0;
+};
+
+/// Chi^2 of the squared lengths of whitened errors, three numbers each, after `parameters` numbers
+/// were fitted. Outliers are left out unless they are so many that the fit cannot follow them.
+[[nodiscard]] ReducedChi2 reduced_chi2(const Eigen::VectorXd& squares, double parameters);
+
 /// Two unit vectors across a ridge and each other, as columns.
 [[nodiscard]] Eigen::Matrix<double, 3, 2> tangents(const Eigen::Vector3d& ridge);
 

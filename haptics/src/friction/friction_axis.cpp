@@ -148,11 +148,12 @@ FrictionAxisFit fit_friction_axis(const ForceSamples& samples, const Eigen::Vect
   const Eigen::Vector2d t = solution.row(0);
   // Across the direction of t an error turns (t, 1) by its part 1 / |(t, 1)|, along it by less.
   const double square = 1 + t.squaredNorm();
-  fit.error =
+  const double error =
       std::sqrt(variance * inverse.row(0).squaredNorm() * (1 / square + 1 / (square * square)));
+  fit.error = error;
   fit.axis = rotation_between(Eigen::Vector3d::UnitZ(), cone_axis) *
              Eigen::Vector3d(t.x(), t.y(), 1).normalized();
-  fit.stop = fit.error <= kMaxError ? FrictionAxisStop::converged : FrictionAxisStop::uncertain;
+  fit.stop = error <= kMaxError ? FrictionAxisStop::converged : FrictionAxisStop::uncertain;
   return fit;
 }
 

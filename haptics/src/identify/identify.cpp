@@ -23,7 +23,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-void check(const probing::Acquisition& acquisition, const IdentifyOptions& options) {
+void check(const IdentifyOptions& options) {
   require("IdentifyOptions::displacement_noise", options.displacement_noise, above(0).finite(),
           "mm");
   require("IdentifyOptions::force_noise", options.force_noise, at_least(0).finite(), "N");
@@ -36,7 +36,6 @@ void check(const probing::Acquisition& acquisition, const IdentifyOptions& optio
   }
   require("IdentifyOptions::max_chi2", options.max_chi2, above(1));
   require("IdentifyOptions::max_iterations", options.max_iterations, at_least(1));
-  probing::check_acquisition(acquisition);
 }
 
 /// Typical sizes of an acquisition, all > 0.
@@ -245,12 +244,12 @@ Prediction predict_half_space(const HalfSpaceModel& model, const probing::Contac
 
 }  // namespace
 
-IdentifiedStrip identify_strip(const probing::Acquisition& acquisition,
+IdentifiedStrip identify_strip(const probing::CheckedAcquisition& acquisition,
                                const IdentifyOptions& options) {
-  check(acquisition, options);
+  check(options);
   const std::vector<Pair> pairs = realigned_pairs(acquisition);
   const Sizes sizes = sizes_of(pairs);
-  const Base base = base_of(acquisition.contacts);
+  const Base base = base_of(acquisition.contacts());
   ParametricLaw law;
   law.names = {"tension",    "axial stiffness", "low support", "high support", "lateral stiffness",
                "compliance", "slope",           "curvature",   "axis"};
@@ -258,11 +257,11 @@ IdentifiedStrip identify_strip(const probing::Acquisition& acquisition,
   law.lower.setConstant(kStripParameters, -kInfinity);
   law.upper.setConstant(kStripParameters, kInfinity);
   for (const Eigen::Index k : {kTension, kAxial, kLateral, kCompliance}) law.lower[k] = 0;
-  add_scales(law, base, acquisition.contacts, sizes);
+  add_scales(law, base, acquisition.contacts(), sizes);
   law.predict = [&](const Eigen::VectorXd& p, const Pair& pair, const Prediction* last) {
-    return predict_strip(base, p, law.scale, acquisition.contacts[pair.contact], pair, last);
+    return predict_strip(base, p, law.scale, acquisition.contacts()[pair.contact], pair, last);
   };
-  LawEstimate found = estimate(law, pairs, acquisition.contacts, options);
+  LawEstimate found = estimate(law, pairs, acquisition.contacts(), options);
   const Eigen::VectorXd before = found.parameters;
   unwrap(found.parameters);
   auto& parameters = found.report.parameters;
@@ -275,9 +274,9 @@ IdentifiedStrip identify_strip(const probing::Acquisition& acquisition,
   return {strip_model(base, found.parameters), std::move(found.report)};
 }
 
-IdentifiedHalfSpace identify_half_space(const probing::Acquisition& acquisition, double tool_radius,
-                                        const IdentifyOptions& options) {
-  check(acquisition, options);
+IdentifiedHalfSpace identify_half_space(const probing::CheckedAcquisition& acquisition,
+                                        double tool_radius, const IdentifyOptions& options) {
+  check(options);
   require("identify_half_space(): tool_radius", tool_radius, above(0).finite(), "mm");
   const std::vector<Pair> pairs = realigned_pairs(acquisition);
   const Sizes sizes = sizes_of(pairs);
@@ -294,9 +293,9 @@ IdentifiedHalfSpace identify_half_space(const probing::Acquisition& acquisition,
   law.starts = {Eigen::Vector2d(modulus, kUsualPoisson)};
   law.predict = [&](const Eigen::VectorXd& p, const Pair& pair, const Prediction*) {
     return std::optional(
-        predict_half_space({p[0], p[1], tool_radius}, acquisition.contacts[pair.contact], pair));
+        predict_half_space({p[0], p[1], tool_radius}, acquisition.contacts()[pair.contact], pair));
   };
-  LawEstimate found = estimate(law, pairs, acquisition.contacts, options);
+  LawEstimate found = estimate(law, pairs, acquisition.contacts(), options);
   return {{found.parameters[0], found.parameters[1], tool_radius}, std::move(found.report)};
 }
 

@@ -114,7 +114,7 @@ ForceField fit_bases(const Eigen::Matrix3Xd& displacements, const Eigen::Matrix3
   ForceField field;
   if (convex) {
     // `fit_force_field` would take bases of any sign where these fit worse.
-    field = fit_convex(displacements / length, forces / newton, {0, kRefitAccuracy / 2},
+    field = fit_convex({displacements / length, forces / newton, {0, kRefitAccuracy / 2}},
                        kRefitAccuracy, kMaxConvexBases)
                 .field;
   } else {

@@ -66,6 +66,18 @@ Command Playback::step(const Eigen::Vector3d& tool, LoopState& state) const noex
   return {-force, contact.position, contact_state};
 }
 
+const char* to_string(ContactState state) {
+  switch (state) {
+    case ContactState::free:
+      return "free";
+    case ContactState::stick:
+      return "stick";
+    case ContactState::slip:
+      return "slip";
+  }
+  return "unknown";
+}
+
 std::vector<TracePoint> play(const Playback& playback,
                              std::span<const TrajectoryPoint> trajectory) {
   std::vector<TracePoint> trace;

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <map>
+#include <span>
 
 #include "palpate/haptics/realignment.h"
-#include "palpate/probing/samples_by_contact.h"
 
 namespace palpate::haptics {
 namespace {
@@ -35,12 +35,11 @@ Scatter scatter_of(const std::vector<Eigen::Vector3d>& positions, const Eigen::V
 
 }  // namespace
 
-std::vector<Pair> realigned_pairs(const probing::Acquisition& acquisition) {
-  const probing::SamplesByContact by_contact(acquisition);
+std::vector<Pair> realigned_pairs(const probing::CheckedAcquisition& acquisition) {
   std::vector<Pair> pairs;
-  for (std::size_t c = 0; c < acquisition.contacts.size(); ++c) {
-    const probing::Contact& contact = acquisition.contacts[c];
-    const std::vector<probing::Sample> samples = by_contact.of(c);
+  for (std::size_t c = 0; c < acquisition.contacts().size(); ++c) {
+    const probing::Contact& contact = acquisition.contacts()[c];
+    const std::span<const probing::Sample> samples = acquisition.samples_of(c);
     std::map<long long, std::vector<Eigen::Vector3d>> settled_positions;
     std::map<long long, Eigen::Index> held;
     for (const probing::Sample& sample : samples) {

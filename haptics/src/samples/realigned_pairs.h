@@ -23,6 +23,6 @@ struct Pair {
 };
 
 /// The realigned pairs of all contacts.
-[[nodiscard]] std::vector<Pair> realigned_pairs(const probing::Acquisition& acquisition);
+[[nodiscard]] std::vector<Pair> realigned_pairs(const probing::CheckedAcquisition& acquisition);
 
 }  // namespace palpate::haptics

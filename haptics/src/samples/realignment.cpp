@@ -110,9 +110,9 @@ double least_sum_of_squares(const Group& group, const Eigen::Vector3d& mean) {
 std::optional<double> pooled_displacement_noise(std::span<const ForceSamples> contacts) {
   double variance = 0, degrees = 0;
   for (const ForceSamples& contact : contacts) {
-    if (contact.degrees_of_freedom == 0) continue;
+    if (!contact.displacement_noise) continue;
     variance +=
-        contact.degrees_of_freedom * contact.displacement_noise * contact.displacement_noise;
+        contact.degrees_of_freedom * *contact.displacement_noise * *contact.displacement_noise;
     degrees += contact.degrees_of_freedom;
   }
   if (degrees == 0) return std::nullopt;

@@ -7,6 +7,7 @@
 #include <functional>
 #include <numeric>
 #include <unordered_set>
+#include <utility>
 
 #include "palpate/error.h"
 #include "palpate/require.h"
@@ -57,7 +58,8 @@ void check_places(const std::vector<Contact>& contacts) {
   }
 }
 
-void check_sample(const Sample& sample, const std::unordered_set<long long>& contacts) {
+void check_sample(const Sample& sample,
+                  const std::unordered_map<long long, std::size_t>& contacts) {
   if (!contacts.contains(sample.contact)) {
     throw InvalidInput(sample_name(sample) + ": there is no contact " +
                        std::to_string(sample.contact) + "; add the contact or remove the sample");
@@ -76,31 +78,61 @@ void check_sample(const Sample& sample, const std::unordered_set<long long>& con
   }
 }
 
-}  // namespace
-
-void check_acquisition(const Acquisition& acquisition) {
-  if (acquisition.contacts.empty()) {
+// The index of each contact by its id.
+std::unordered_map<long long, std::size_t> check_contacts(const std::vector<Contact>& contacts) {
+  if (contacts.empty()) {
     throw InvalidInput("the acquisition has no contact; at least one is needed");
   }
-  std::unordered_set<long long> contacts;
-  for (const Contact& contact : acquisition.contacts) {
-    if (!contacts.insert(contact.id).second) {
-      throw InvalidInput(contact_name(contact) + " is there twice; ids must be unique");
+  std::unordered_map<long long, std::size_t> index;
+  index.reserve(contacts.size());
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    if (!index.emplace(contacts[i].id, i).second) {
+      throw InvalidInput(contact_name(contacts[i]) + " is there twice; ids must be unique");
     }
-    check_contact(contact);
+    check_contact(contacts[i]);
   }
-  check_places(acquisition.contacts);
+  check_places(contacts);
+  return index;
+}
+
+void check_samples(const std::vector<Sample>& samples,
+                   const std::unordered_map<long long, std::size_t>& contacts) {
   // As they come from a store, ascending, ids need no set, which is a third of the samples' size.
-  const bool ascending =
-      std::ranges::adjacent_find(acquisition.samples, std::ranges::greater_equal{}, &Sample::id) ==
-      acquisition.samples.end();
-  std::unordered_set<long long> samples;
-  for (const Sample& sample : acquisition.samples) {
-    if (!ascending && !samples.insert(sample.id).second) {
+  const bool ascending = std::ranges::adjacent_find(samples, std::ranges::greater_equal{},
+                                                    &Sample::id) == samples.end();
+  std::unordered_set<long long> ids;
+  for (const Sample& sample : samples) {
+    if (!ascending && !ids.insert(sample.id).second) {
       throw InvalidInput(sample_name(sample) + " is there twice; ids must be unique");
     }
     check_sample(sample, contacts);
   }
+}
+
+}  // namespace
+
+CheckedAcquisition::CheckedAcquisition(Acquisition acquisition)
+    : records_(std::move(acquisition)),
+      index_(check_contacts(records_.contacts)),
+      begin_(records_.contacts.size() + 1, 0) {
+  std::vector<Sample>& samples = records_.samples;
+  check_samples(samples, index_);
+  const auto contact_of = [this](const Sample& sample) { return index_.at(sample.contact); };
+  for (const Sample& sample : samples) ++begin_[contact_of(sample) + 1];
+  std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
+  // A file that an arm wrote contact by contact is in this order already.
+  if (!std::ranges::is_sorted(samples, {}, contact_of))
+    std::ranges::stable_sort(samples, {}, contact_of);
+}
+
+std::optional<std::size_t> CheckedAcquisition::find(long long id) const {
+  const auto found = index_.find(id);
+  return found == index_.end() ? std::nullopt : std::optional(found->second);
+}
+
+std::span<const Sample> CheckedAcquisition::samples_of(std::size_t contact) const {
+  return std::span(records_.samples)
+      .subspan(begin_[contact], begin_[contact + 1] - begin_[contact]);
 }
 
 }  // namespace palpate::probing

@@ -3,8 +3,11 @@
 #include "palpate/probing/acquisition_csv.h"
 
 #include <array>
+#include <optional>
 #include <ostream>
+#include <string>
 #include <string_view>
+#include <utility>
 
 #include "palpate/error.h"
 #include "palpate/output_file.h"
@@ -31,14 +34,10 @@ constexpr std::array<std::string_view, 16> kSampleColumns = {"id",
                                                              "range_map",
                                                              "time"};
 
-Eigen::Vector3d vector(const CsvReader& row, std::size_t column) {
-  return {row.number(column), row.number(column + 1), row.number(column + 2)};
-}
-
 std::vector<Contact> read_contacts(const std::filesystem::path& path) {
   CsvReader row(path, kContactColumns);
   std::vector<Contact> contacts;
-  while (row.next()) contacts.push_back({row.integer(0), vector(row, 1), vector(row, 4)});
+  while (row.next()) contacts.push_back({row.integer(0), row.vector(1), row.vector(4)});
   return contacts;
 }
 
@@ -46,16 +45,18 @@ std::vector<Sample> read_samples(const std::filesystem::path& path) {
   CsvReader row(path, kSampleColumns);
   std::vector<Sample> samples;
   while (row.next()) {
-    samples.push_back({.id = row.integer(0),
-                       .contact = row.integer(1),
-                       .group = row.integer(2),
-                       .force = vector(row, 3),
-                       .a = vector(row, 6),
-                       .b = vector(row, 9),
-                       .on_friction_boundary = row.flag(12),
-                       .slipped = row.flag(13),
-                       .range_map = row.text(14),
-                       .time = row.number(15)});
+    std::string range_map = row.text(14);
+    samples.push_back(
+        {.id = row.integer(0),
+         .contact = row.integer(1),
+         .group = row.integer(2),
+         .force = row.vector(3),
+         .a = row.vector(6),
+         .b = row.vector(9),
+         .on_friction_boundary = row.flag(12),
+         .slipped = row.flag(13),
+         .range_map = range_map.empty() ? std::nullopt : std::optional(std::move(range_map)),
+         .time = row.number(15)});
   }
   return samples;
 }
@@ -63,6 +64,8 @@ std::vector<Sample> read_samples(const std::filesystem::path& path) {
 void write_vector(std::ostream& out, const Eigen::Vector3d& v) {
   for (const double value : v) out << ',' << to_text(value);
 }
+
+std::string range_map_cell(const Sample& sample) { return to_cell(sample.range_map.value_or("")); }
 
 void write_contacts(std::ostream& out, const std::vector<Contact>& contacts) {
   write_csv_header(out, kContactColumns);
@@ -82,29 +85,28 @@ void write_samples(std::ostream& out, const std::vector<Sample>& samples) {
     write_vector(out, sample.a);
     write_vector(out, sample.b);
     out << ',' << sample.on_friction_boundary << ',' << sample.slipped << ','
-        << to_cell(sample.range_map) << ',' << to_text(sample.time) << '\n';
+        << range_map_cell(sample) << ',' << to_text(sample.time) << '\n';
   }
 }
 
 }  // namespace
 
-Acquisition read_acquisition_csv(const std::filesystem::path& contacts,
-                                 const std::filesystem::path& samples) {
+CheckedAcquisition read_acquisition_csv(const std::filesystem::path& contacts,
+                                        const std::filesystem::path& samples) {
   Acquisition acquisition{read_contacts(contacts), read_samples(samples), {}};
   try {
-    check_acquisition(acquisition);
+    return CheckedAcquisition(std::move(acquisition));
   } catch (const InvalidInput& error) {
     throw FileError(contacts.string() + " and " + samples.string() + ": " + error.what());
   }
-  return acquisition;
 }
 
-void write_acquisition_csv(const Acquisition& acquisition, const std::filesystem::path& contacts,
+void write_acquisition_csv(const CheckedAcquisition& acquisition,
+                           const std::filesystem::path& contacts,
                            const std::filesystem::path& samples) {
-  check_acquisition(acquisition);
-  for (const Sample& sample : acquisition.samples) static_cast<void>(to_cell(sample.range_map));
-  write_file(contacts, [&](std::ostream& out) { write_contacts(out, acquisition.contacts); });
-  write_file(samples, [&](std::ostream& out) { write_samples(out, acquisition.samples); });
+  for (const Sample& sample : acquisition.samples()) static_cast<void>(range_map_cell(sample));
+  write_file(contacts, [&](std::ostream& out) { write_contacts(out, acquisition.contacts()); });
+  write_file(samples, [&](std::ostream& out) { write_samples(out, acquisition.samples()); });
 }
 
 }  // namespace palpate::probing

@@ -7,7 +7,9 @@
 #include <algorithm>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 
 #include "palpate/error.h"
 #include "palpate/output_file.h"
@@ -105,6 +107,10 @@ class Row {
     const auto* chars = reinterpret_cast<const char*>(sqlite3_column_text(statement_, column_++));
     return chars ? chars : "";
   }
+  std::optional<std::string> optional_text() {
+    std::string found = text();
+    return found.empty() ? std::nullopt : std::optional(std::move(found));
+  }
 
  private:
   void expect(bool right, const char* what) const {
@@ -161,8 +167,8 @@ Acquisition read_tables(sqlite3* database, std::uintmax_t file_size) {
   while (step(samples.get())) {
     Row row(samples.get(), "sample");
     acquisition.samples.push_back({row.integer(), row.integer(), row.integer(), row.vector(),
-                                   row.vector(), row.vector(), row.flag(), row.flag(), row.text(),
-                                   row.number()});
+                                   row.vector(), row.vector(), row.flag(), row.flag(),
+                                   row.optional_text(), row.number()});
   }
   const Statement meta = prepare(database, "SELECT key, value FROM meta ORDER BY key");
   while (step(meta.get())) {
@@ -215,7 +221,7 @@ void write_tables(sqlite3* database, const Acquisition& acquisition) {
   for (const Sample& s : acquisition.samples) {
     (sample << s.id << s.contact << s.group << s.force << s.a << s.b
             << static_cast<long long>(s.on_friction_boundary) << static_cast<long long>(s.slipped)
-            << s.range_map << s.time)
+            << s.range_map.value_or("") << s.time)
         .run();
   }
   Insert meta(database, "INSERT INTO meta VALUES(?,?)");
@@ -225,7 +231,7 @@ void write_tables(sqlite3* database, const Acquisition& acquisition) {
 
 }  // namespace
 
-Acquisition read_acquisition(const std::filesystem::path& path) {
+CheckedAcquisition read_acquisition(const std::filesystem::path& path) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) {
     throw FileError(path.string() + ": there is no such file; " + kWhatIsRight);
@@ -243,21 +249,19 @@ Acquisition read_acquisition(const std::filesystem::path& path) {
     throw FileError(path.string() + ": " + wrong.what() + "; " + kWhatIsRight);
   }
   try {
-    check_acquisition(acquisition);
+    return CheckedAcquisition(std::move(acquisition));
   } catch (const InvalidInput& wrong) {
     throw FileError(path.string() + ": " + wrong.what());
   }
-  return acquisition;
 }
 
-void write_acquisition(const std::filesystem::path& path, const Acquisition& acquisition) {
-  check_acquisition(acquisition);
+void write_acquisition(const std::filesystem::path& path, const CheckedAcquisition& acquisition) {
   write_file_by_path(path, [&](const std::filesystem::path& temporary) {
     try {
       // The temporary is renamed or thrown away as a whole: no journal is needed beside it.
       const Database database = open(temporary, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE);
       execute(database.get(), "PRAGMA journal_mode = MEMORY");
-      write_tables(database.get(), acquisition);
+      write_tables(database.get(), acquisition.records());
     } catch (const DatabaseError& wrong) {
       throw OutputError(path.string() + ": " + wrong.what() +
                         "; free some space or choose another folder");

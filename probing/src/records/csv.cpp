@@ -151,6 +151,10 @@ double CsvReader::number(std::size_t column) const {
   return *value;
 }
 
+Eigen::Vector3d CsvReader::vector(std::size_t column) const {
+  return {number(column), number(column + 1), number(column + 2)};
+}
+
 long long CsvReader::integer(std::size_t column) const {
   const std::optional<long long> value = parse<long long>(cell(column));
   if (!value) refuse(column, "a whole number such as 12");

@@ -88,9 +88,9 @@ TEST(FitFrictionAxis, IsTheDirectionWithoutForceAcrossWhereverTheDirectionsLie) 
     const FrictionAxisFit fit = fit_friction_axis(pairs_of({}, {.angles = angles}), kConeAxis);
     EXPECT_EQ(fit.stop, FrictionAxisStop::converged);
     EXPECT_EQ(fit.pairs, static_cast<int>(5 * (angles.size() + 1)));
-    EXPECT_LT(angle_between(fit.axis, axis_of({})), kRounding);
-    EXPECT_NEAR(fit.axis.norm(), 1, kRounding);
-    EXPECT_LT(fit.error, kRounding);
+    EXPECT_LT(angle_between(*fit.axis, axis_of({})), kRounding);
+    EXPECT_NEAR(fit.axis->norm(), 1, kRounding);
+    EXPECT_LT(*fit.error, kRounding);
   }
 }
 
@@ -104,7 +104,7 @@ TEST(FitFrictionAxis, IsAsExactAsItsErrorSays) {
       const FrictionAxisFit fit =
           fit_friction_axis(pairs_of(object, {.angles = angles}, seed), kConeAxis);
       ASSERT_EQ(fit.stop, FrictionAxisStop::converged);
-      squares += std::pow(angle_between(fit.axis, axis_of(object)) / fit.error, 2) / kCount;
+      squares += std::pow(angle_between(*fit.axis, axis_of(object)) / *fit.error, 2) / kCount;
     }
     // Mean of 400 squares with two degrees of freedom: 1 +- 0.05.
     EXPECT_NEAR(squares, 1, 0.2);
@@ -123,7 +123,7 @@ TEST(FitFrictionAxis, CountsAllLevelsAlike) {
   both.kinds.insert(both.kinds.end(), deep.kinds.begin(), deep.kinds.end());
   const FrictionAxisFit fit = fit_friction_axis(both, kConeAxis);
   // The noise of the shallow level takes a part of its weight.
-  EXPECT_LT(angle_between(fit.axis, axis_of({.tilt = {0.1, 0}})), 0.03);
+  EXPECT_LT(angle_between(*fit.axis, axis_of({.tilt = {0.1, 0}})), 0.03);
 }
 
 TEST(FitFrictionAxis, StaysWithTheMajorityAgainstOutliers) {
@@ -131,7 +131,7 @@ TEST(FitFrictionAxis, StaysWithTheMajorityAgainstOutliers) {
   for (Eigen::Index i = 3; i < samples.forces.cols(); i += 9)
     samples.displacements.col(i) += Vector3d(20, 20, 0);
   const FrictionAxisFit fit = fit_friction_axis(samples, kConeAxis);
-  EXPECT_LT(angle_between(fit.axis, axis_of({})), 0.05);
+  EXPECT_LT(angle_between(*fit.axis, axis_of({})), 0.05);
 }
 
 TEST(FitFrictionAxis, TurnsWithThePairsTakesAnyUnitsAndAnyOrder) {
@@ -146,16 +146,16 @@ TEST(FitFrictionAxis, TurnsWithThePairsTakesAnyUnitsAndAnyOrder) {
       fit_friction_axis(turned, 3 * some_rotation() * kConeAxis,
                         {.displacement_noise = length * 0.03, .force_noise = force * 0.01});
   EXPECT_EQ(other.pairs, fit.pairs);
-  EXPECT_LT(angle_between(other.axis, some_rotation() * fit.axis), kRounding);
-  EXPECT_NEAR(other.error, fit.error, kRounding);
+  EXPECT_LT(angle_between(*other.axis, some_rotation() * *fit.axis), kRounding);
+  EXPECT_NEAR(*other.error, *fit.error, kRounding);
 }
 
 TEST(FitFrictionAxis, TellsWhatIsLacking) {
   const auto expect_none = [](const ForceSamples& samples, FrictionAxisStop stop) {
     const FrictionAxisFit fit = fit_friction_axis(samples, kConeAxis);
     EXPECT_EQ(fit.stop, stop) << to_string(fit.stop);
-    EXPECT_TRUE(fit.axis.array().isNaN().all());
-    EXPECT_TRUE(std::isnan(fit.error));
+    EXPECT_FALSE(fit.axis);
+    EXPECT_FALSE(fit.error);
   };
   expect_none({}, FrictionAxisStop::too_few_pairs);
   expect_none(pairs_of({}, {.angles = {}}), FrictionAxisStop::too_few_pairs);
@@ -170,7 +170,7 @@ TEST(FitFrictionAxis, TellsWhatIsLacking) {
   const FrictionAxisFit fit = fit_friction_axis(
       pairs_of({.scatter = 0.1}, {.angles = {0, 0.05, 0.1}, .settled = false}), kConeAxis);
   EXPECT_EQ(fit.stop, FrictionAxisStop::uncertain);
-  EXPECT_GT(fit.error, 0.15);
+  EXPECT_GT(*fit.error, 0.15);
 }
 
 TEST(FitFrictionAxis, RefusesWhatIsNotFiniteOrOutOfRange) {
@@ -222,8 +222,8 @@ TEST(FitFrictionAxis, IsThatOfASheetAlsoFromHalfOfTheDirections) {
     for (const double level : {0.15, 0.5, 1.1, 2.0, 3.0}) {
       const Vector3d truth =
           frame.transpose() * testing::strip_displacement(strip, at.x(), at.y(), level * cone);
-      squares += std::pow(angle_between(fit.axis, truth), 2);
-      half_squares += std::pow(angle_between(half_fit.axis, truth), 2);
+      squares += std::pow(angle_between(*fit.axis, truth), 2);
+      half_squares += std::pow(angle_between(*half_fit.axis, truth), 2);
       mean_squares += std::pow(angle_between(mean, truth), 2);
       ++count;
     }

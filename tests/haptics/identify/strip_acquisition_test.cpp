@@ -7,7 +7,7 @@
 
 #include <string>
 
-#include "palpate/haptics/trajectory_csv.h"
+#include "palpate/haptics/evaluate.h"
 
 namespace palpate::testing {
 namespace {

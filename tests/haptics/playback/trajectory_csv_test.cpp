@@ -13,19 +13,13 @@ namespace {
 using testing::AllOf;
 using testing::HasSubstr;
 
-TEST(TrajectoryCsv, ReadsTrajectoriesAndQueries) {
+TEST(TrajectoryCsv, ReadsTrajectories) {
   const ScratchFolder folder;
   write_text(folder / "t.csv", "x,y,z,t\n1,2,3,0\n4,5,6,0.5\n");
   const std::vector<TrajectoryPoint> trajectory = read_trajectory(folder / "t.csv");
   ASSERT_EQ(trajectory.size(), 2u);
   EXPECT_EQ(trajectory[1].time, 0.5);
   EXPECT_EQ(trajectory[1].tool, Eigen::Vector3d(4, 5, 6));
-  write_text(folder / "q.csv", "cx,cy,cz,dx,dy,dz,fx,fy,fz\n1,2,3,4,5,6,7,8,9");
-  const std::vector<Query> queries = read_queries(folder / "q.csv");
-  ASSERT_EQ(queries.size(), 1u);
-  EXPECT_EQ(queries[0].contact, Eigen::Vector3d(1, 2, 3));
-  EXPECT_EQ(queries[0].displacement, Eigen::Vector3d(4, 5, 6));
-  EXPECT_EQ(queries[0].force, Eigen::Vector3d(7, 8, 9));
 }
 
 TEST(TrajectoryCsv, RefusesEmptyTablesAndTimesOutOfOrder) {
@@ -39,8 +33,6 @@ TEST(TrajectoryCsv, RefusesEmptyTablesAndTimesOutOfOrder) {
   write_text(folder / "t.csv", "t,x,y,z\n0,1,nan,3\n");
   EXPECT_THAT(refusal([&] { return read_trajectory(folder / "t.csv"); }),
               AllOf(HasSubstr("line 2"), HasSubstr("'y'")));
-  write_text(folder / "q.csv", "cx,cy,cz,dx,dy,dz,fx,fy,fz\n");
-  EXPECT_THAT(refusal([&] { return read_queries(folder / "q.csv"); }), HasSubstr("q.csv"));
 }
 
 TEST(TrajectoryCsv, WritesTheTraceToTheLastDigit) {

@@ -74,13 +74,13 @@ TEST(Realign, EstimatesTheNoiseFromWhereGroupsScatterLeast) {
   const ForceSamples pairs = realign(kContact, scattered(0.02, 1));
   EXPECT_EQ(pairs.degrees_of_freedom, 4 * 49);
   const double noise = 0.02;
-  EXPECT_NEAR(pairs.displacement_noise, noise, 0.15 * noise);
+  EXPECT_NEAR(*pairs.displacement_noise, noise, 0.15 * noise);
   const ForceSamples few =
       realign(kContact, std::vector{sample(1, {0, 0, 2}, {10, 20, 703}, {10, 20, 703})});
   EXPECT_EQ(few.degrees_of_freedom, 0);
-  EXPECT_TRUE(std::isnan(few.displacement_noise));
+  EXPECT_EQ(few.displacement_noise, std::nullopt);
   EXPECT_EQ(pooled_displacement_noise(std::vector{few, few}), std::nullopt);
-  EXPECT_NEAR(*pooled_displacement_noise(std::vector{few, pairs, few}), pairs.displacement_noise,
+  EXPECT_NEAR(*pooled_displacement_noise(std::vector{few, pairs, few}), *pairs.displacement_noise,
               1e-15);
 }
 
@@ -91,7 +91,8 @@ TEST(Realign, LeavesOutliersOutOfTheMean) {
   samples[7].slipped = true;
   const ForceSamples pairs = realign(kContact, samples);
   EXPECT_LT((pairs.displacements.col(0) - clean.displacements.col(0)).norm(), 0.002);
-  EXPECT_NEAR(pairs.displacement_noise, clean.displacement_noise, 0.1 * clean.displacement_noise);
+  EXPECT_NEAR(*pairs.displacement_noise, *clean.displacement_noise,
+              0.1 * *clean.displacement_noise);
 }
 
 // Groups of `size` with the same noise in all directions.
@@ -111,7 +112,7 @@ TEST(Realign, EstimatesTheNoiseFromGroupsOfAnySize) {
   constexpr int kPositions = 32000;
   for (const int size : {4, 5, 8, 16, 49}) {
     const ForceSamples pairs = realign(kContact, alike(kPositions / size, size, 5));
-    EXPECT_NEAR(pairs.displacement_noise, 0.02, 0.03 * 0.02) << size;
+    EXPECT_NEAR(*pairs.displacement_noise, 0.02, 0.03 * 0.02) << size;
   }
 }
 
@@ -128,7 +129,7 @@ TEST(Realign, UnderstatesTheNoiseOfPairsOnARigidObjectByRootTwoAtMost) {
   const ForceSamples pairs = realign(kContact, samples);
   const double true_noise = std::sqrt(pairs.displacements.squaredNorm() /
                                       static_cast<double>(pairs.displacements.size()));
-  const double ratio = true_noise / pairs.displacement_noise;
+  const double ratio = true_noise / *pairs.displacement_noise;
   EXPECT_GT(ratio * ratio, 1);  // chi^2 of the true field
   EXPECT_LT(ratio * ratio, 2.1);
 }
@@ -144,7 +145,7 @@ TEST(Realign, FindsAnOutlierInASmallGroup) {
     }
     const ForceSamples pairs = realign(kContact, samples);
     if (size > 4) {  // else too few are left
-      EXPECT_NEAR(pairs.displacement_noise, 0.02, 0.2 * 0.02) << size;
+      EXPECT_NEAR(*pairs.displacement_noise, 0.02, 0.2 * 0.02) << size;
     }
     Eigen::Index pair = 0;
     for (int group = 0; group < 100; ++group, pair += size) {

@@ -23,11 +23,12 @@ TEST(AcquisitionCsv, ReadsBackExactlyWhatWasWritten) {
 }
 
 TEST(AcquisitionCsv, ReadsTheBundledSheet) {
-  const Acquisition sheet = read_acquisition_csv(kSheet / "contacts.csv", kSheet / "samples.csv");
-  EXPECT_EQ(sheet.contacts.size(), 46u);
-  EXPECT_EQ(sheet.samples.size(), 11638u);
-  EXPECT_EQ(sheet.samples[1].b, Eigen::Vector3d(-37.5019, -58.0806, 701.03));
-  EXPECT_TRUE(sheet.samples[1].slipped);
+  const CheckedAcquisition sheet =
+      read_acquisition_csv(kSheet / "contacts.csv", kSheet / "samples.csv");
+  EXPECT_EQ(sheet.contacts().size(), 46u);
+  EXPECT_EQ(sheet.samples().size(), 11638u);
+  EXPECT_EQ(sheet.samples()[1].b, Eigen::Vector3d(-37.5019, -58.0806, 701.03));
+  EXPECT_TRUE(sheet.samples()[1].slipped);
 }
 
 TEST(AcquisitionCsv, NamesTheFileAndTheRecordThatIsWrong) {

@@ -42,9 +42,9 @@ TEST(AcquisitionStore, ReadsBackExactlyWhatWasWritten) {
   acquisition.meta = {{"arm", "it's \"new\""}, {"unit", "mm"}};
   write_acquisition(path, acquisition);
   write_acquisition(path, acquisition);
-  const Acquisition read = read_acquisition(path);
+  const CheckedAcquisition read = read_acquisition(path);
   expect_same(read, acquisition);
-  EXPECT_EQ(read.meta, acquisition.meta);
+  EXPECT_EQ(read.records().meta, acquisition.meta);
 }
 
 TEST(AcquisitionStore, ReadsDatabasesThatOtherToolsMade) {
@@ -57,11 +57,11 @@ TEST(AcquisitionStore, ReadsDatabasesThatOtherToolsMade) {
           "CREATE TABLE meta(key, value); CREATE TABLE other(x);"
           "INSERT INTO contact VALUES('rough', 1, 0, 0, 3, 2, 1.5, 4);"
           "INSERT INTO sample VALUES(9,4,0, 1,2,3, 4,5,6, 7,8,9, 0,1,NULL,0.5)");
-  const Acquisition read = read_acquisition(path);
-  EXPECT_EQ(read.contacts[0].position, Eigen::Vector3d(1.5, 2, 3));
-  EXPECT_EQ(read.samples[0].b, Eigen::Vector3d(7, 8, 9));
-  EXPECT_TRUE(read.samples[0].slipped);
-  EXPECT_EQ(read.samples[0].range_map, "");
+  const CheckedAcquisition read = read_acquisition(path);
+  EXPECT_EQ(read.contacts()[0].position, Eigen::Vector3d(1.5, 2, 3));
+  EXPECT_EQ(read.samples()[0].b, Eigen::Vector3d(7, 8, 9));
+  EXPECT_TRUE(read.samples()[0].slipped);
+  EXPECT_EQ(read.samples()[0].range_map, std::nullopt);
 }
 
 TEST(AcquisitionStore, RefusesFilesThatAreNoSuchDatabase) {
@@ -109,7 +109,7 @@ TEST(AcquisitionStore, KeepsTheOldFileIfTheAcquisitionIsWrong) {
   const std::filesystem::path path = scratch / "a.db";
   write_acquisition(path, small_acquisition());
   const std::string before = read_text(path);
-  EXPECT_THROW(write_acquisition(path, {}), InvalidInput);
+  EXPECT_THROW(write_acquisition(path, Acquisition{}), InvalidInput);
   EXPECT_EQ(read_text(path), before);
 }
 

@@ -13,23 +13,25 @@ namespace palpate::probing {
 namespace {
 
 using testing::AllOf;
+using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::IsEmpty;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 std::string refused(const Acquisition& acquisition) {
-  return refusal([&] { check_acquisition(acquisition); });
+  return refusal([&] { return CheckedAcquisition(acquisition); });
 }
 
-TEST(CheckAcquisition, AcceptsWhatAnArmMeasures) {
-  EXPECT_NO_THROW(check_acquisition(small_acquisition()));
+TEST(CheckedAcquisition, AcceptsWhatAnArmMeasures) {
+  EXPECT_NO_THROW((void)CheckedAcquisition(small_acquisition()));
 }
 
-TEST(CheckAcquisition, RefusesAnEmptyAcquisition) {
+TEST(CheckedAcquisition, RefusesAnEmptyAcquisition) {
   EXPECT_THAT(refused({}), HasSubstr("no contact"));
 }
 
-TEST(CheckAcquisition, NamesTheContactThatIsWrong) {
+TEST(CheckedAcquisition, NamesTheContactThatIsWrong) {
   Acquisition acquisition = small_acquisition();
   acquisition.contacts[1].position.y() = kNaN;
   EXPECT_THAT(refused(acquisition), AllOf(HasSubstr("contact 8"), HasSubstr("not finite")));
@@ -44,7 +46,7 @@ TEST(CheckAcquisition, NamesTheContactThatIsWrong) {
   EXPECT_THAT(refused(acquisition), AllOf(HasSubstr("contact 3"), HasSubstr("unique")));
 }
 
-TEST(CheckAcquisition, RefusesTwoContactsAtOnePlaceAtAnyScale) {
+TEST(CheckedAcquisition, RefusesTwoContactsAtOnePlaceAtAnyScale) {
   for (const double scale : {0x1p-30, 1.0, 0x1p30}) {
     Acquisition acquisition = small_acquisition();
     acquisition.contacts.push_back({5, acquisition.contacts[0].position, {0, 0, 1}});
@@ -52,20 +54,20 @@ TEST(CheckAcquisition, RefusesTwoContactsAtOnePlaceAtAnyScale) {
     for (Contact& contact : acquisition.contacts) contact.position *= scale;
     EXPECT_THAT(refused(acquisition), HasSubstr("contacts 3 and 5 are at one place"));
     acquisition.contacts.back().position.z() += 1e-3 * scale;
-    EXPECT_NO_THROW(check_acquisition(acquisition));
+    EXPECT_NO_THROW((void)CheckedAcquisition(acquisition));
   }
 }
 
-TEST(CheckAcquisition, FindsOnePlaceAmongManyContactsWithTheSameX) {
+TEST(CheckedAcquisition, FindsOnePlaceAmongManyContactsWithTheSameX) {
   Acquisition acquisition;
   for (int i = 0; i < 50; ++i)
     acquisition.contacts.push_back({i, {1.7, static_cast<double>(i * 37 % 50), 0}, {0, 0, 1}});
-  EXPECT_NO_THROW(check_acquisition(acquisition));
+  EXPECT_NO_THROW((void)CheckedAcquisition(acquisition));
   acquisition.contacts.push_back({50, acquisition.contacts[31].position, {0, 0, 1}});
   EXPECT_THAT(refused(acquisition), HasSubstr("contacts 31 and 50"));
 }
 
-TEST(CheckAcquisition, NamesTheSampleThatIsWrong) {
+TEST(CheckedAcquisition, NamesTheSampleThatIsWrong) {
   const auto refused_with = [](auto change) {
     Acquisition acquisition = small_acquisition();
     change(acquisition.samples[2]);
@@ -83,6 +85,29 @@ TEST(CheckAcquisition, NamesTheSampleThatIsWrong) {
               AllOf(HasSubstr("sample 1"), HasSubstr("unique")));
   EXPECT_THAT(refused_with([](Sample& s) { s.slipped = s.on_friction_boundary = true; }),
               AllOf(HasSubstr("sample 7"), HasSubstr("both")));
+}
+
+std::vector<long long> ids_of(std::span<const Sample> samples) {
+  std::vector<long long> ids;
+  for (const Sample& sample : samples) ids.push_back(sample.id);
+  return ids;
+}
+
+TEST(CheckedAcquisition, KeepsTheSamplesOfAContactTogetherInTheirOrder) {
+  Acquisition mixed;
+  mixed.contacts = {
+      {30, {0, 0, 0}, {0, 0, 1}}, {-7, {1, 0, 0}, {0, 0, 1}}, {12, {2, 0, 0}, {0, 0, 1}}};
+  for (const auto& [id, contact] :
+       std::vector<std::pair<long long, long long>>{{5, 12}, {4, 30}, {9, 12}, {2, 30}, {8, 30}}) {
+    mixed.samples.push_back({.id = id, .contact = contact});
+  }
+  const CheckedAcquisition acquisition = mixed;
+  EXPECT_THAT(ids_of(acquisition.samples_of(0)), ElementsAre(4, 2, 8));
+  EXPECT_THAT(ids_of(acquisition.samples_of(1)), IsEmpty());
+  EXPECT_THAT(ids_of(acquisition.samples_of(2)), ElementsAre(5, 9));
+  EXPECT_THAT(ids_of(acquisition.samples()), ElementsAre(4, 2, 8, 5, 9));
+  EXPECT_EQ(acquisition.find(12), 2u);
+  EXPECT_EQ(acquisition.find(99), std::nullopt);
 }
 
 }  // namespace

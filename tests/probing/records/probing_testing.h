@@ -30,13 +30,14 @@ inline Acquisition small_acquisition() {
   acquisition.contacts = {{3, {0.1, -1.0 / 3, 700.7}, {0, 0.6, -0.8}},
                           {8, {10.3, 2, 701}, {0, 0, -1}}};
   acquisition.samples = {
-      {1, 3, 0, {0.1, 0.2, 1e-17}, {1, 2, 3}, {4, 5, 6}, true, false, "", 0},
+      {1, 3, 0, {0.1, 0.2, 1e-17}, {1, 2, 3}, {4, 5, 6}, true, false, {}, 0},
       {2, 3, 0, {0.3, 0.2, 1.1}, {1, 2, 3}, {4, 5, 6}, false, true, "range/7, left.tiff", 12.1},
-      {7, 8, 1, {-0.3, 0.2, 2.0 / 3}, {1, 2, 3}, {4, 5, 1e300}, false, false, "", 24.2}};
+      {7, 8, 1, {-0.3, 0.2, 2.0 / 3}, {1, 2, 3}, {4, 5, 1e300}, false, false, {}, 24.2}};
   return acquisition;
 }
 
-inline void expect_same(const Acquisition& left, const Acquisition& right) {
+inline void expect_same(const CheckedAcquisition& checked, const Acquisition& right) {
+  const Acquisition& left = checked.records();
   ASSERT_EQ(left.contacts.size(), right.contacts.size());
   ASSERT_EQ(left.samples.size(), right.samples.size());
   for (std::size_t i = 0; i < left.contacts.size(); ++i) {

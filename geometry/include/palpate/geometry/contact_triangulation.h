@@ -19,6 +19,9 @@ enum class ContactTriangulationMethod {
   voronoi_dual
 };
 
+/// "coarsening" or "voronoi_dual"
+[[nodiscard]] const char* to_string(ContactTriangulationMethod method);
+
 struct ContactTriangulationOptions {
   ContactTriangulationMethod method = ContactTriangulationMethod::coarsening;
 };

@@ -12,8 +12,8 @@
 
 namespace palpate::haptics {
 
-/// How the field of a contact is warped for another place: p(x) = energy p_k(displacement x), and
-/// so f(x) = energy displacement^T f_k(displacement x).
+/// How a contact's field becomes that of another place: p(x) = energy p_k(displacement x), and so
+/// f(x) = energy displacement^T f_k(displacement x).
 struct FieldWarp {
   Eigen::Matrix3d displacement = Eigen::Matrix3d::Identity();
   double energy = 1;
@@ -30,27 +30,28 @@ struct Blend {
   std::array<FieldWarp, geometry::ContactWeights::kMaxCount> warps{};
 };
 
-/// The force of the tool on the object at any place of the surface, for any displacement (thesis
-/// 5.3.2.2). docs/model-file.md has the formulas step by step.
+/// The force field at any place of the surface, in blended frames (thesis 5.3.2.2).
 ///
-/// At a contact it is the contact's own force, and with `BlendRule::compliances` it is continuous
-/// along the surface. A place off the surface has the force of the nearest place on it; a place
-/// that is not finite has no force. Real-time safe once constructed; thread-safe.
-//
-// f(c, delta) = R_c sum_k w_k beta_k A_k^T g_k(A_k R_c^T delta), with the weights w_k of
-// `geometry::ContactLocator`. It is the gradient of sum_k w_k beta_k p_k(A_k R_c^T delta), so the
-// energy is convex if those of the contacts are.
-//
-// `BlendRule::forces`: R_c is the Karcher mean of the contacts' frames, A_k = I, beta_k = 1 (Eq
-// 5.10). A stiff neighbour then resists displacements far beyond its own, and the force jumps where
-// frames differ by about half a turn and have no single mean.
-//
-// `BlendRule::compliances`: R_c has the mean of the inward normals as z axis. Each field is carried
-// to the place by the smallest turn T_k of its normal and warped so that it yields to the reference
-// force as the place does, whose compliance (u, c) the contacts' trends give. With the compliance
-// (u_k, c_k) of contact k in R_c, beta_k = u_z / u_kz and A_k = B_k M_k. M_k maps u to u_k and has
-// the third row (0, 0, 1 / beta_k) and the upper left block (c_k # c^-1) / sqrt(beta_k), where # is
-// the geometric mean of matrices. B_k = (T_k R_k)^T R_c leads to the local frame of the contact.
+/// f(c, delta) = R_c sum_k w_k beta_k A_k^T g_k(A_k R_c^T delta); the weights w_k are those of
+/// `geometry::ContactLocator`, in place of barycentric coordinates on flat triangles.
+/// With `BlendRule::forces` R_c is the (Karcher) mean of the contacts' frames, A_k = I and
+/// beta_k = 1: Eq 5.10. That lets a stiff neighbour resist displacements far beyond its own, and
+/// jumps where frames differ by about half a turn and have no single mean, as x axes of contacts
+/// must somewhere on a closed surface.
+/// With `BlendRule::compliances` every field is carried to the place by the smallest turn T_k of
+/// the inward normal there, so that its x axis does not matter, and warped to yield to the
+/// reference force as the place does, whose compliance (u, c) is interpolated by the contacts'
+/// trends (docs/model-file.md has the formula). R_c has as z axis the mean of the inward normals.
+/// With (u_k, c_k) that of contact k in R_c, beta_k = u_z / u_kz, and A_k = B_k M_k: M_k maps u to
+/// u_k, has the third row (0, 0, 1 / beta_k) and the upper left block (c_k # c^-1) / sqrt(beta_k),
+/// # the geometric mean of matrices; B_k = (T_k R_k)^T R_c leads to the local frame R_k of the
+/// contact, which g_k is in. Either way the force is the gradient of sum_k w_k beta_k p_k(A_k R_c^T
+/// delta): energies stay convex, and so nowhere below zero, if the contacts' are (a certified one
+/// may be led out of the ball it is certified in); at a contact it is the contact's own field; and
+/// it is continuous along the surface. It is the force of the tool ON THE OBJECT; what a user feels
+/// is its opposite. A place outside all triangles of contacts has the weights that the
+/// triangulation gave it. Real-time safe once made; thread-safe. A place that is not finite gives
+/// zero force; a place off the surface has the force of the nearest one on it.
 class BlendedField {
  public:
   /// \throws InvalidInput if `check_model` refuses.
@@ -76,11 +77,13 @@ class BlendedField {
   void warp_fields(const geometry::SurfacePoint& place, Blend& at) const noexcept;
 };
 
-/// The parts of a force on the object along (f_N) and across (|f_T|) the axis of the friction cone.
+/// Parts of a force on the object against the friction cone: f_N along the cone's axis, |f_T|
+/// across.
 struct FrictionParts {
   double normal = 0;
   double tangential = 0;
-  double excess = 0;  ///< [N] |f_T| - mu f_N: > 0 means that the contact slips (Eq 5.16)
+  /// [N] |f_T| - mu f_N: > 0 means the contact does not hold (Eq 5.16)
+  double excess = 0;
 };
 [[nodiscard]] FrictionParts friction_parts(const Blend& at, const Eigen::Vector3d& force) noexcept;
 

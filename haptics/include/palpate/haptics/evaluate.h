@@ -3,76 +3,97 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <filesystem>
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "palpate/haptics/model.h"
-#include "palpate/haptics/trajectory_csv.h"
 #include "palpate/probing/acquisition.h"
 
 namespace palpate::haptics {
 
-/// Lengths |model - query| of the force errors [N].
+/// The force that a model should give for a displacement at a place of its surface.
+struct Query {
+  Eigen::Vector3d contact = Eigen::Vector3d::Zero();       ///< [mm] on the undeformed surface
+  Eigen::Vector3d displacement = Eigen::Vector3d::Zero();  ///< [mm] tool minus contact
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();         ///< [N] of the tool ON THE OBJECT
+};
+
+/// Reads a CSV file (see probing/csv.h) with the columns `cx,cy,cz,dx,dy,dz,fx,fy,fz`: contact,
+/// displacement and force.
+///
+/// \throws FileError naming the line and column, or if there is no row.
+[[nodiscard]] std::vector<Query> read_queries(const std::filesystem::path& path);
+
+/// Statistics of the lengths |model - query| of the force errors [N].
 struct QueryErrors {
   int count = 0;
   double rms = 0;     ///< sqrt(mean |error|^2)
-  double median = 0;  ///< of the lengths; quantiles are linear between neighbours
+  double median = 0;  ///< quantiles are interpolated linearly
   double p90 = 0;
 };
 
 struct QueryOptions {
-  double max_distance = 2;  ///< [mm] of each query's contact from the surface; >= 0
+  double max_distance = 2;  ///< [mm] greatest distance of a query's contact from the surface; >= 0
 };
 
-/// Compares a model with forces known at places of its surface.
-/// \throws InvalidInput if there is no query, one is not finite or further than max_distance from
-/// the surface (naming its index), or `check_model` refuses.
+/// Compares a model with known forces at places of its surface.
+///
+/// \throws InvalidInput if there is no query, if a query is not finite or further than max_distance
+/// from the surface (naming its index), or if `check_model` throws.
 [[nodiscard]] QueryErrors evaluate_queries(const Model& model, std::span<const Query> queries,
                                            const QueryOptions& options = {});
 
 struct ContactError {
   long long contact = 0;  ///< id
-  double rms = 0;         ///< [N] sqrt(mean |error|^2) over its samples
+  double rms = 0;         ///< [N] sqrt(mean |error|^2) over the samples of the contact
   int samples = 0;
-  bool at_border = false;  ///< of the triangulation of all contacts: predicted from one side only
-  /// [N] how far the neighbours disagree: sqrt(mean sum_k w_k |f_k - f|^2) over its samples, f_k
-  /// what the field of neighbour k, of weight w_k, says there alone
+  bool at_border = false;  ///< at the border of the triangulation: predicted from one side only
+  /// [N] disagreement of the neighbours: sqrt(mean sum_k w_k |f_k - f|^2) over the samples, where
+  /// f_k is the force of the field of neighbour k alone, and w_k its weight
   double spread = 0;
-  /// [N] standard deviation of the normal force at the reference displacement, which kriging of the
-  /// neighbours' compliances expects; NaN unless compliances are blended
+  /// [N] standard deviation of the normal force at the reference displacement that kriging of the
+  /// neighbours' compliances expects; only where compliances are blended and neighbours have one
+  std::optional<double> expected = std::nullopt;
+};
+
+/// A place where one more contact would reduce the error most.
+struct SuggestedContact {
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< [mm] a vertex of the surface
+  /// [N] as `ContactError::expected`, scaled by how those compare with `rms`
   double expected = 0;
 };
 
-/// A place where one more contact would tell most.
-struct SuggestedContact {
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< [mm] a vertex of the surface
-  double expected = 0;  ///< [N] as `ContactError::expected`, scaled so that those agree with `rms`
-};
-
 struct LeaveOneOut {
-  double rms = 0;           ///< [N] sqrt(mean |error|^2) over all samples of all contacts
-  double interior_rms = 0;  ///< [N] over the contacts that are not at the border; NaN without any
-  double border_rms = 0;    ///< [N] over those that are; NaN without any
+  double rms = 0;  ///< [N] sqrt(mean |error|^2) over all samples of all contacts
+  std::optional<double>
+      interior_rms;                  ///< [N] over the contacts not at the border, if there are any
+  std::optional<double> border_rms;  ///< [N] over those at the border, if there are any
   std::vector<ContactError> per_contact;  ///< in the order of the model's contacts
-  /// The largest expected errors, at least as far apart and from contacts, and at most as far from
-  /// the contacts' triangles, as half the spacing of contacts; empty unless compliances are
-  /// blended.
+  /// The places with the largest expected errors, at least half the spacing of contacts apart from
+  /// each other and from contacts, and at most that far from the triangles of contacts. Empty
+  /// unless compliances are blended.
   std::vector<SuggestedContact> suggested;
 };
 
 struct LeaveOneOutOptions {
-  int suggestions = 5;  ///< at most so many; >= 0
-  /// Called after each contact with the number of those done and of all, from one thread at a time.
+  int suggestions = 5;  ///< greatest number of suggested places; >= 0
+  /// Called after each contact with the number of contacts done and in all, from one thread at a
+  /// time.
   std::function<void(int done, int total)> progress = {};
 };
 
-/// Predicts each contact's samples from the others (thesis 5.3.3): the model without that contact,
-/// its triangulation and all that is learnt of compliances made anew, against what was measured.
-/// \throws InvalidInput if a contact of the model is not in the acquisition, is elsewhere there or
-/// has no samples there, if the acquisition holds other samples than the model was made of, the
-/// model has fewer than four contacts, or `check_model` refuses.
-[[nodiscard]] LeaveOneOut leave_one_out(const Model& model, const probing::Acquisition& acquisition,
+/// Predicts the samples of each contact from the other contacts (thesis 5.3.3) and compares the
+/// prediction with the measurement. For each contact, the model without it is triangulated again,
+/// by the method that the model was made with, and its compliances are learnt again.
+///
+/// \throws InvalidInput if a contact of the model is missing, at another place or without samples
+/// in the acquisition, if the model was fitted to other samples, if the model has fewer than four
+/// contacts, or if `check_model` throws.
+[[nodiscard]] LeaveOneOut leave_one_out(const Model& model,
+                                        const probing::CheckedAcquisition& acquisition,
                                         const LeaveOneOutOptions& options = {});
 
 }  // namespace palpate::haptics

@@ -30,6 +30,9 @@ inline constexpr double kDisplacementNoise = 0.03;
 
 struct FitOptions {
   FitMode mode = FitMode::convex;
+  /// With `convex`: also try `certified` where noise does not explain the errors, and return the
+  /// better field. Not needed for pairs that are computed, and slow for trials.
+  bool try_certified = true;
   /// [N] >= 0: an rms up to this is good enough. 0: as good as the noise allows.
   double accuracy = 0;
   /// >= 1; without one kMaxConvexBases, or kMaxLocalBases for the other modes
@@ -76,8 +79,8 @@ struct FitResult {
   FitStop stop = FitStop::not_converged;  ///< read this before you use the field
   /// [N/mm] smallest eigenvalue of the stiffness at zero displacement; >= 0
   double smallest_stiffness = 0;
-  /// The mode that the field is of. `convex` turns to `certified` where it explains the samples
-  /// worse; `certified` to `convex` where passivity cannot be proven.
+  /// The mode of the field. It is `certified` instead of `convex` where that explains the samples
+  /// better, and `convex` instead of `certified` where passivity cannot be proven.
   FitMode mode = FitMode::convex;
   PassivityCertificate certificate;  ///< of the field, over the reach of the displacements
   /// Sum of the squared errors, each in units of its noise, per degree of freedom: about 1 or less
@@ -88,9 +91,9 @@ struct FitResult {
   int outliers = 0;
   double noise_floor = 0;         ///< [N] the rms that noise alone makes with this stiffness
   double displacement_noise = 0;  ///< [mm] that was assumed
-  /// Of `convex` least squares in all parameters, columns of unit length; NaN elsewhere. Large ones
-  /// (1e3) tell that bases could be exchanged, not that the field is uncertain.
-  double condition = 1;
+  /// Condition number of the least squares of `convex` in all parameters, with columns of unit
+  /// length. A large one (1e3) says that bases could be exchanged, not that the field is uncertain.
+  std::optional<double> condition = std::nullopt;
   /// Fitted to a local part that contacts share and to its own samples (`shared_local_part.h`), not
   /// to these alone
   bool shared_local = false;

@@ -3,7 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <limits>
+#include <optional>
 
 #include "palpate/haptics/realignment.h"
 
@@ -25,15 +25,15 @@ enum class FrictionAxisStop {
 /// "converged", "too_few_pairs", ...
 [[nodiscard]] const char* to_string(FrictionAxisStop stop);
 
-/// The friction axis N_f of one contact (thesis 5.4.2).
+/// The friction axis N_f of one contact (thesis 5.4.2). `axis` and `error` are there iff `stop` is
+/// `converged` or `uncertain`.
 struct FrictionAxisFit {
-  /// Unit vector, into the object; NaN where it is not determined.
-  Eigen::Vector3d axis = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
-  /// [rad] standard error: root mean square of the angle to the true axis; NaN where it is not
-  /// determined. What the linear law does not explain counts as noise: where no noise is left of
-  /// it, directions that are spread evenly do better than this says.
-  double error = std::numeric_limits<double>::quiet_NaN();
-  int pairs = 0;                                            ///< that were used
+  std::optional<Eigen::Vector3d> axis = std::nullopt;  ///< unit vector, into the object
+  /// [rad] standard error of the axis: root mean square of the angle to the true one. Everything
+  /// that the linear law does not explain counts as noise. Where that is not noise, directions that
+  /// are spread evenly do better than this says.
+  std::optional<double> error = std::nullopt;
+  int pairs = 0;                                            ///< number of pairs used
   FrictionAxisStop stop = FrictionAxisStop::too_few_pairs;  ///< read this before you use the axis
 };
 

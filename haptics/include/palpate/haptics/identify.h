@@ -74,8 +74,8 @@ struct Identification {
 // Marquardt's method with bounds; S is renewed until the parameters rest. Standard errors are those
 // of the linearised problem; parameters are not determined if changing them by as much as their own
 // size, alone or together, shows by less than three deviations. Neither unit, frame nor the order
-// of samples matters. They throw InvalidInput on a bad acquisition (check_acquisition), options out
-// of range, or no sample at all; SolverError if no parameters give every sample an equilibrium.
+// of samples matters. They throw InvalidInput on options out
+// of range or no sample at all; SolverError if no parameters give every sample an equilibrium.
 
 struct IdentifiedStrip {
   StripModel model;  ///< with some value where a parameter is undetermined
@@ -83,7 +83,7 @@ struct IdentifiedStrip {
   /// "compliance", "slope", "curvature", "axis" (its angle [rad]; `model.axis` is its direction)
   Identification report;
 };
-[[nodiscard]] IdentifiedStrip identify_strip(const probing::Acquisition& acquisition,
+[[nodiscard]] IdentifiedStrip identify_strip(const probing::CheckedAcquisition& acquisition,
                                              const IdentifyOptions& options = {});
 
 struct IdentifiedHalfSpace {
@@ -91,9 +91,9 @@ struct IdentifiedHalfSpace {
   Identification report;  ///< "Young's modulus", "Poisson's ratio"
 };
 /// \throws InvalidInput also unless tool_radius [mm] > 0.
-[[nodiscard]] IdentifiedHalfSpace identify_half_space(const probing::Acquisition& acquisition,
-                                                      double tool_radius,
-                                                      const IdentifyOptions& options = {});
+[[nodiscard]] IdentifiedHalfSpace identify_half_space(
+    const probing::CheckedAcquisition& acquisition, double tool_radius,
+    const IdentifyOptions& options = {});
 
 /// In words, for reports.
 [[nodiscard]] const char* to_string(ParameterStatus status);

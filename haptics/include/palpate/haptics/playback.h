@@ -7,20 +7,41 @@
 #include <vector>
 
 #include "palpate/haptics/contact_motion.h"
-#include "palpate/haptics/trajectory_csv.h"
 
 namespace palpate::haptics {
 
-/// What one tick of the haptic loop remembers for the next. A new one knows nothing: its first tick
-/// is free wherever the tool is.
+/// Whether the tool touches the object and, if so, whether the contact holds.
+enum class ContactState { free, stick, slip };
+
+/// "free", "stick" or "slip"
+[[nodiscard]] const char* to_string(ContactState state);
+
+/// Where the tool is at a time.
+struct TrajectoryPoint {
+  double time = 0;                                 ///< [s]
+  Eigen::Vector3d tool = Eigen::Vector3d::Zero();  ///< [mm] world
+};
+
+/// What the haptic loop answered at a time.
+struct TracePoint {
+  double time = 0;                                 ///< [s]
+  Eigen::Vector3d tool = Eigen::Vector3d::Zero();  ///< [mm] world
+  Eigen::Vector3d contact =
+      Eigen::Vector3d::Zero();  ///< [mm] on the undeformed surface; free: the tool
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< [N] on the USER: minus that on the object
+  ContactState state = ContactState::free;
+};
+
+/// The state of the haptic loop between two ticks. The first tick with a new state is free,
+/// wherever the tool is.
 struct LoopState {
   ContactState contact_state = ContactState::free;
   bool has_proxy = false;
-  /// Touching: the contact. Free: position is the tool at the last tick.
+  /// The contact while touching; while free, its position is that of the tool at the last tick.
   TouchPoint proxy;
 };
 
-/// What one tick tells the device.
+/// The result of one tick for the device.
 struct Command {
   Eigen::Vector3d force =
       Eigen::Vector3d::Zero();  ///< [N] on the USER, world: minus that on the object
@@ -31,20 +52,21 @@ struct Command {
 
 /// The haptic loop of a model (thesis 5.5.1), at 1 kHz or more.
 ///
-/// Free, the tool touches when its way since the last tick enters the surface from outside.
-/// Touching, the contact stays (stick) while the force lies in the friction cone, else moves
-/// (slip); it ends when the tool is no longer behind the surface, seen from the contact. If the
-/// force pulls even where the contact slips to (f_N <= 0) the contact is lost: no force in this
-/// tick, and the tool touches anew in the next if it is still behind the surface.
+/// A free tool touches when its path since the last tick enters the surface from outside. The
+/// contact stays (stick) while the force lies in the friction cone and moves otherwise (slip). It
+/// ends when the tool is no longer behind the surface as seen from the contact. If the force pulls
+/// even at the place to which the contact slips (f_N <= 0), the contact is lost: this tick has no
+/// force, and the tool touches again in the next tick if it is still behind the surface.
 class Playback {
  public:
-  /// Everything that allocates happens here.
-  /// \throws InvalidInput if `check_model` refuses.
+  /// Allocates everything that `step` needs.
+  ///
+  /// \throws InvalidInput if `check_model` throws.
   explicit Playback(const Model& model);
 
-  /// One tick. Does not allocate, lock, throw or log; thread-safe with one state a thread. A tool
-  /// position that is not finite gives no force and forgets the contact. The force is always
-  /// finite.
+  /// Computes one tick. It does not allocate, lock, throw or log, and is thread-safe with one state
+  /// per thread. The force is always finite. A tool position that is not finite gives no force and
+  /// ends the contact.
   [[nodiscard]] Command step(const Eigen::Vector3d& tool, LoopState& state) const noexcept;
 
  private:
@@ -56,7 +78,7 @@ class Playback {
                              TouchPoint& contact) const noexcept;
 };
 
-/// Plays a whole trajectory from a new state.
+/// Plays a whole trajectory, beginning with a new state.
 [[nodiscard]] std::vector<TracePoint> play(const Playback& playback,
                                            std::span<const TrajectoryPoint> trajectory);
 

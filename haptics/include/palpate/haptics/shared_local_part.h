@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <span>
 
 #include "palpate/haptics/force_field_fit.h"
@@ -57,9 +58,9 @@ struct LocalPart {
   int dense = 0;            ///< contacts
   int sparse = 0;
   /// Of dense contacts that were treated as sparse: mean of log(error with the local part / error
-  /// of an own fit) on the pairs that were held out. -0.7 halves the error. NaN without trials
-  double gain = 0;
-  double gain_error = 0;  ///< standard error of it
+  /// of an own fit) on the pairs that were held out. -0.7 halves the error. Only with trials.
+  std::optional<double> gain = std::nullopt;
+  std::optional<double> gain_error = std::nullopt;  ///< its standard error
 };
 
 /// Learns the local part of an object of which few contacts were sampled densely.

@@ -3,8 +3,12 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <map>
+#include <optional>
+#include <span>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 namespace palpate::probing {
@@ -16,7 +20,7 @@ struct Contact {
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();    ///< outwards, unit length, world frame
 };
 
-/// One applied force and the tool positions it led to (thesis 4.5). Everything in the world frame.
+/// One applied force and the tool positions it led to (thesis 4.5), in the world frame.
 struct Sample {
   long long id = 0;
   long long contact = 0;  ///< id of the contact
@@ -24,12 +28,12 @@ struct Sample {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< [N] whole force of the tool on the object
   /// [mm] tool position with only the component of `force` along the contact's normal
   Eigen::Vector3d a = Eigen::Vector3d::Zero();
-  /// [mm] tool position with the whole force; of no use if the tool slipped
+  /// [mm] tool position with the whole force; not used if the tool slipped
   Eigen::Vector3d b = Eigen::Vector3d::Zero();
   bool on_friction_boundary = false;  ///< the largest tangential force in its direction that held
   bool slipped = false;
-  std::string range_map = {};  ///< file of the deformed surface, or empty
-  double time = 0;             ///< [s] since the acquisition began; >= 0
+  std::optional<std::string> range_map = std::nullopt;  ///< file of the deformed surface
+  double time = 0;                                      ///< [s] since the acquisition began; >= 0
 };
 
 /// All that an arm measured of one object.
@@ -47,10 +51,31 @@ inline constexpr double kSamePlaceTolerance = 1e-6;
 /// A normal counts as a unit vector iff | |n| - 1 | <= kUnitLengthTolerance: three printed digits.
 inline constexpr double kUnitLengthTolerance = 2e-3;
 
-/// Checks what the fit relies on: at least one contact, finite numbers, unit normals, unique ids,
-/// no two contacts at one place, every sample at a contact, no negative time, no sample that both
-/// slipped and held.
-/// \throws InvalidInput naming the contact or the sample, what is wrong and what would be right.
-void check_acquisition(const Acquisition& acquisition);
+/// An acquisition that was checked once, when it was made or read. Functions that take one need not
+/// check it again. It has at least one contact, finite numbers, unit normals, unique ids, no two
+/// contacts at one place, only samples of its contacts, no negative time and no sample that both
+/// slipped and held. The samples of each contact stand together, contact by contact, otherwise in
+/// the order in which they were given.
+class CheckedAcquisition {
+ public:
+  /// Implicit, so that an `Acquisition` is checked wherever a checked one is expected.
+  ///
+  /// \throws InvalidInput naming the contact or the sample, what is wrong and what would be right.
+  CheckedAcquisition(Acquisition acquisition);  // NOLINT(google-explicit-constructor)
+
+  [[nodiscard]] const Acquisition& records() const { return records_; }
+  [[nodiscard]] const std::vector<Contact>& contacts() const { return records_.contacts; }
+  [[nodiscard]] const std::vector<Sample>& samples() const { return records_.samples; }
+
+  /// The index in `contacts()` of the contact with this id, if there is one.
+  [[nodiscard]] std::optional<std::size_t> find(long long id) const;
+  /// The samples of `contacts()[contact]`.
+  [[nodiscard]] std::span<const Sample> samples_of(std::size_t contact) const;
+
+ private:
+  Acquisition records_;
+  std::unordered_map<long long, std::size_t> index_;  // of each contact's id
+  std::vector<std::size_t> begin_;  // of each contact's samples; one more at the end
+};
 
 }  // namespace palpate::probing

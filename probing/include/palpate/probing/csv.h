@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Core>
 #include <cstddef>
 #include <filesystem>
 #include <fstream>
@@ -13,31 +14,35 @@
 
 namespace palpate::probing {
 
-/// Reads a CSV file whose first line names the columns, row by row: of a file of any size only one
-/// line is in memory.
+/// Reads a CSV file row by row, so that only one line is in memory however long the file is. The
+/// first line of the file names its columns.
 ///
-/// Columns may stand in any order; those that nobody asked for are ignored. Cells are separated by
-/// commas and may be quoted ("" is a quote). Lines end with \n or \r\n, the last one may end
-/// without; blank lines are skipped. Every message names file, line, column, the text found and
-/// what is right.
+/// Columns may stand in any order, and those that were not asked for are ignored. Cells are
+/// separated by commas and may be quoted ("" is a quote). Lines end with \n or \r\n; the last one
+/// may lack its end. Blank lines are skipped. Every message names the file, line, column, the text
+/// found and what would be right.
 class CsvReader {
  public:
-  /// \throws FileError if the file is missing or empty, or one of `columns` is missing or named
+  /// \throws FileError if the file is missing or empty, or if one of `columns` is missing or named
   /// twice.
   CsvReader(const std::filesystem::path& path, std::span<const std::string_view> columns);
   CsvReader(const CsvReader&) = delete;  // its cells point into its line
   CsvReader& operator=(const CsvReader&) = delete;
 
-  /// Goes on to the first row, to the next one; false if there is none.
-  /// \throws FileError if the line has more or fewer cells than the first one of the file.
+  /// Moves to the first row, and from each row to the next one. False if there is none.
+  ///
+  /// \throws FileError if the line has more or fewer cells than the first line of the file.
   [[nodiscard]] bool next();
-  /// Line of the row in the file, from 1.
+  /// The line of the row in the file, counted from 1.
   [[nodiscard]] std::size_t line() const { return line_; }
 
-  /// Cells of the row; `column` is the index in the constructor's `columns`.
-  /// \throws FileError if the text is not of that kind (number: finite; flag: 0 or 1).
+  /// The cells of the row; `column` is an index into the constructor's `columns`.
+  ///
+  /// \throws FileError if the text is not of that kind. A number is finite, a flag is 0 or 1.
   [[nodiscard]] std::string text(std::size_t column) const;
   [[nodiscard]] double number(std::size_t column) const;
+  /// The numbers in `column` and the two after it.
+  [[nodiscard]] Eigen::Vector3d vector(std::size_t column) const;
   [[nodiscard]] long long integer(std::size_t column) const;
   [[nodiscard]] bool flag(std::size_t column) const;
 
@@ -60,12 +65,13 @@ class CsvReader {
 /// Writes the header line.
 void write_csv_header(std::ostream& out, std::span<const std::string_view> columns);
 
-/// The shortest decimal form that reads back to the same number, and an integer.
+/// A number in its shortest decimal form that reads back exactly.
 [[nodiscard]] std::string to_text(double value);
 [[nodiscard]] std::string to_text(long long value);
 
 /// A cell of text, quoted where needed.
-/// \throws InvalidInput if it holds a line break, which this format has no place for.
+///
+/// \throws InvalidInput if the text holds a line break, which a cell cannot hold.
 [[nodiscard]] std::string to_cell(const std::string& text);
 
 }  // namespace palpate::probing

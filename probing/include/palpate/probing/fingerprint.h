@@ -8,10 +8,10 @@
 
 namespace palpate::probing {
 
-/// Sixteen hexadecimal digits that differ, in all likelihood, where what was measured does: a
-/// number or a mark of a contact or of a sample, or how many there are. The order of contacts and
-/// of samples, the samples' own ids, times and range maps and the meta data do not count, nor does
-/// the file that they come from.
+/// Sixteen hexadecimal digits that identify what was measured: all numbers and marks of the
+/// contacts and samples. Different measurements have, in all likelihood, different fingerprints.
+/// The order of contacts and samples, the ids, times and range maps of samples and the meta data do
+/// not count.
 [[nodiscard]] std::string fingerprint(const Acquisition& acquisition);
 
 }  // namespace palpate::probing

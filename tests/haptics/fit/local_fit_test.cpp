@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "fit/certified_fit.h"
+#include "fit/local_fit.h"
 
 #include <gtest/gtest.h>
 

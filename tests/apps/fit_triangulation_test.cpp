@@ -1,0 +1,88 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+// `palpate fit --triangulation`: how the contacts of a model are triangulated.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "palpate/geometry/contact_triangulation.h"
+#include "palpate/geometry/mesh_io.h"
+#include "palpate/geometry/surface_query.h"
+#include "run_palpate.h"
+
+namespace palpate::apps {
+namespace {
+
+using geometry::ContactTriangulationMethod;
+using nlohmann::json;
+
+class FitTriangulation : public testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_EQ(run_palpate({"probe", "import", demo_data() / "sheet/contacts.csv",
+                           demo_data() / "sheet/samples.csv", "-o", scratch / "a.db"})
+                  .status,
+              0);
+  }
+
+  CommandResult fit(const std::vector<std::string>& more) const {
+    std::vector<std::string> call = {"fit", scratch / "a.db", surface, "--max-bases", "2",
+                                     "-o",  scratch / "model"};
+    call.insert(call.end(), more.begin(), more.end());
+    return run_palpate(call);
+  }
+
+  // The triangles that the library makes of the contacts of a model.
+  json triangles_of(const json& model, ContactTriangulationMethod method) const {
+    const geometry::TriangleMesh mesh = geometry::read_mesh(surface);
+    const geometry::SurfaceQuery query(mesh);
+    std::vector<geometry::SurfacePoint> points;
+    for (const json& contact : model.at("contacts")) {
+      const std::vector<double> p = contact.at("position");
+      points.push_back(query.closest_point({p[0], p[1], p[2]}).at);
+    }
+    json result = json::array();
+    for (const auto& t :
+         geometry::triangulate_contacts(mesh, points, {.method = method}).mesh.triangles.colwise())
+      result.push_back({t[0], t[1], t[2]});
+    return result;
+  }
+
+  const std::string surface = demo_data() / "sheet/surface.ply";
+  ScratchFolder scratch;
+};
+
+TEST_F(FitTriangulation, TakesTheMethodThatIsAskedForAndRecordsIt) {
+  struct Case {
+    std::vector<std::string> options;
+    ContactTriangulationMethod method;
+    std::string recorded;
+  };
+  std::vector<json> found;
+  for (const Case& c :
+       {Case{{}, ContactTriangulationMethod::coarsening, "coarsening"},
+        Case{{"--triangulation", "delaunay"}, ContactTriangulationMethod::coarsening, "coarsening"},
+        Case{{"--triangulation", "voronoi-dual"},
+             ContactTriangulationMethod::voronoi_dual,
+             "voronoi_dual"}}) {
+    const CommandResult result = fit(c.options);
+    ASSERT_EQ(result.status, 0) << result.err;
+    const json model = json::parse(read_text(scratch / "model/field.json"));
+    EXPECT_EQ(model.at("made").at("triangulation"), c.recorded);
+    EXPECT_EQ(model.at("triangles"), triangles_of(model, c.method)) << c.recorded;
+    found.push_back(model.at("triangles"));
+  }
+  EXPECT_EQ(found[0], found[1]);
+  EXPECT_NE(found[0], found[2]);
+}
+
+TEST_F(FitTriangulation, RefusesAnUnknownMethod) {
+  const CommandResult result = fit({"--triangulation", "euclid"});
+  EXPECT_EQ(result.status, 2);
+  EXPECT_NE(result.err.find("--triangulation"), std::string::npos) << result.err;
+}
+
+}  // namespace
+}  // namespace palpate::apps
