@@ -12,25 +12,25 @@
 
 namespace palpate::geometry {
 
-/// A vertex drawn to a plane.
+/// A vertex attracted to a plane.
 struct PlanePair {
   Eigen::Vector3d normal;  ///< unit
   double distance;         ///< [mm] of the vertex above the plane
-  double weight;           ///< >= 0; 0: left out
+  double weight;           ///< >= 0; 0 if unused
 };
 
-/// Gauss-Newton steps of the motions of a graph's nodes. The pattern of the equations is that of
-/// the graph's edges, analysed once.
+/// Gauss-Newton steps for the motions of a graph's nodes. The sparsity pattern follows from the
+/// graph's edges and is analysed once.
 class DeformationEquations {
  public:
-  /// \param samples  vertices that can be drawn to planes
+  /// \param samples  vertices that can be attracted to planes
   DeformationEquations(const DeformationGraph& graph, std::vector<int> samples);
 
   [[nodiscard]] std::span<const int> samples() const { return samples_; }
 
-  /// Moves the nodes by one step. `pairs`: one a sample. The weight of the planes is divided so
-  /// that all samples together would weigh as much as there are nodes. Returns the largest move of
-  /// a node [mm], turns at the spacing of the nodes.
+  /// Moves the nodes by one step. `pairs`: one per sample. The weights of the planes are normalised
+  /// so that all samples together would weigh as much as the number of nodes. Returns the largest
+  /// motion of a node [mm], with rotations measured at the spacing of the nodes.
   /// \throws SolverError if the equations cannot be solved.
   /// \param anchors  3 x N [mm], where the nodes are held by kAnchor of the stiffness
   double step(std::span<const PlanePair> pairs, double stiffness, const Eigen::Matrix3Xd& anchors,
@@ -39,7 +39,7 @@ class DeformationEquations {
  private:
   using Vector6d = Eigen::Vector<double, 6>;
   using Matrix6d = Eigen::Matrix<double, 6, 6>;
-  /// Blocks of the lower triangle: first the N on the diagonal, then one an edge (row b, column a).
+  /// Blocks of the lower triangle: first the N diagonal ones, then one per edge (row b, column a).
   struct Sums {
     std::vector<Matrix6d> blocks;
     Eigen::VectorXd gradient;
@@ -55,8 +55,8 @@ class DeformationEquations {
 
   const DeformationGraph& graph_;
   std::vector<int> samples_;
-  std::vector<int> pair_blocks_;        ///< a sample's blocks (i, j), i < j, one after the other
-  std::vector<int> first_edge_;         ///< N + 1, of each node's edges to higher nodes
+  std::vector<int> pair_blocks_;        ///< the blocks (i, j), i < j, of each sample, consecutively
+  std::vector<int> first_edge_;         ///< N + 1, start of each node's edges to higher nodes
   Eigen::SparseMatrix<double> matrix_;  ///< lower triangle
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver_;
 };

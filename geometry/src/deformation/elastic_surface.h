@@ -11,17 +11,18 @@
 
 namespace palpate::geometry {
 
-/// A surface that resists being deformed other than rigidly (Sorkine and Alexa 2007), and is drawn
-/// to places.
+/// A surface that resists deformation except rigid motion (Sorkine and Alexa 2007) and is attracted
+/// to target positions.
 class ElasticSurface {
  public:
   /// \param rest    the undeformed surface
-  /// \param pinned  places on it that are drawn to others, one column of weights each
+  /// \param pinned  places on it that are attracted to points, one column of weights each
   ElasticSurface(const TriangleMesh& rest, const std::vector<SurfacePoint>& pinned);
 
-  /// Minimises sum_v a_v weights_v |x_v - targets_v|^2 + mean of |x(pinned) - pins|^2 +
-  /// length^2 E(x), a the vertices' shares of the area and E the elastic energy over the area, by
-  /// some steps from `positions`, which it moves. `weights` are those of the last `factorise`.
+  /// Minimises sum_v a_v weights_v |x_v - targets_v|^2 + mean of |x(pinned) - pins|^2 + length^2
+  /// E(x), where a are the vertices' shares of the area and E is the elastic energy divided by the
+  /// area. Does some steps from `positions`, which it updates. `weights` are those of the last
+  /// `factorise`.
   void relax(const Eigen::Matrix3Xd& targets, const Eigen::Matrix3Xd& pins,
              Eigen::Matrix3Xd& positions) const;
 

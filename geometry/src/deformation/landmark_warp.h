@@ -8,10 +8,9 @@
 
 namespace palpate::geometry {
 
-/// Points, 3 x N [mm], moved by a smooth map that takes the source's landmarks to the target's: a
-/// similarity by least squares, then, of what that leaves, the affine map and the thin-plate spline
-/// (kernel r) of least norm.
-/// Pre: at least three pairs, finite, not in a line.
+/// Moves points, 3 x N [mm], by a smooth map that takes the source's landmarks to the target's: a
+/// least-squares similarity, then the affine map and the thin-plate spline (kernel r) of least norm
+/// for the remaining error. Precondition: at least three finite pairs that are not collinear.
 [[nodiscard]] Eigen::Matrix3Xd warp_by_landmarks(const Eigen::Matrix3Xd& points,
                                                  const Landmarks& landmarks);
 

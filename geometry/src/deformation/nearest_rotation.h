@@ -6,8 +6,8 @@
 
 namespace palpate::geometry {
 
-/// The rotation R that is nearest to a matrix M, by its largest trace(R^T M): of M = U S V^T it is
-/// U V^T, with the direction of the least singular value turned round if that were a reflection.
+/// The rotation R nearest to a matrix M, which maximises trace(R^T M). For M = U S V^T it is U V^T,
+/// with the direction of the smallest singular value reversed if that would be a reflection.
 [[nodiscard]] Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& matrix);
 
 }  // namespace palpate::geometry

@@ -10,34 +10,34 @@
 
 namespace palpate::geometry {
 
-/// A pose and how well it fits.
+/// A pose and its score.
 struct PoseCandidate {
   Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
   double score = 0;  ///< quantile of the distances from the surface
 };
 
 struct PoseSearch {
-  std::vector<PoseCandidate> candidates;  ///< poses that differ, the best first
+  std::vector<PoseCandidate> candidates;  ///< distinct poses, the best first
   int starts = 0;
 };
 
-/// How far to search, in the local frame.
+/// Range of the search, in the local frame.
 struct SearchRange {
   double rotation = 0;     ///< [rad]
   double translation = 0;  ///< of the centroid
   double quantile = 0.5;   ///< fraction of the points that must fit
 };
 
-/// Every so many points are enough for a stage: at most `count` of them, spread evenly over the
-/// order of the points and not in step with the rows of an image.
+/// Selects at most `count` points for a stage, spread evenly over the order of the points and not
+/// aligned with the rows of an image.
 [[nodiscard]] Eigen::Matrix3Xd spread_subset(const Eigen::Matrix3Xd& points, Eigen::Index count);
 
-/// [local frame] mean distance between the places of points under two poses.
+/// [local frame] Mean distance between the positions of points under two poses.
 [[nodiscard]] double mean_displacement(const Eigen::Isometry3d& one,
                                        const Eigen::Isometry3d& another,
                                        const Eigen::Matrix3Xd& points);
 
-/// Minima of the distance of points from the target on its coarse map, from many starts.
+/// Finds minima of the distance of points from the target on its coarse map, from many starts.
 [[nodiscard]] PoseSearch search_poses(const RegistrationTarget::Impl& target,
                                       const Eigen::Matrix3Xd& points, const SearchRange& range);
 

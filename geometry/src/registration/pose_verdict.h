@@ -9,21 +9,21 @@
 
 namespace palpate::geometry {
 
-/// A pose that is settled, in the local frame.
+/// A refined pose, in the local frame.
 struct SettledPose {
   Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
   Pairing pairing;       ///< of the moved points
-  double deviation = 0;  ///< of the distances of the points that belong
+  double deviation = 0;  ///< of the distances of the inliers
   bool converged = false;
   int iterations = 0;
 };
 
-/// Standard deviation of the distances of the points that belong to the surface, if at least
-/// `fraction` of them do; at least the least length that matters.
+/// Standard deviation of the distances of the points on the surface, if at least `fraction` of them
+/// are; at least the smallest relevant length.
 [[nodiscard]] double inlier_deviation(const RegistrationTarget::Impl& target,
                                       const Eigen::VectorXd& distances, double fraction);
 
-/// Fills everything but the pose, `starts` and `iterations`.
+/// Sets everything except the pose, `starts` and `iterations`.
 /// \param runner_up  median distance at the best other pose, NaN if there is none; local frame.
 void judge(const RegistrationTarget::Impl& target, const Eigen::Matrix3Xd& points,
            const SettledPose& pose, double runner_up, const RegistrationOptions& options,

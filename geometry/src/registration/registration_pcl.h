@@ -11,7 +11,7 @@
 
 namespace palpate::geometry {
 
-/// A mesh's vertices with normals, and PCL's search tree of them.
+/// A mesh's vertices with normals, and PCL's search tree for them.
 class VertexCloud {
  public:
   explicit VertexCloud(const TriangleMesh& mesh);
@@ -24,8 +24,8 @@ class VertexCloud {
     int iterations = 0;
     bool converged = false;  ///< before `max_iterations`, as PCL counts it
   };
-  /// PCL's iterated closest points with pairs no further apart than `max_distance`.
-  /// Pre: finite points; a method of PCL's.
+  /// PCL's iterated closest points with pairs at most `max_distance` apart. Preconditions: finite
+  /// points, and one of PCL's methods.
   [[nodiscard]] Outcome align(const Eigen::Matrix3Xd& points, RegistrationMethod method,
                               double max_distance, int max_iterations) const;
 

@@ -14,8 +14,8 @@
 #include "registration/rigid_step.h"
 #include "registration/surfel_grid.h"
 
-// Everything happens in the local frame: the target centred on its bounding box and scaled by a
-// power of two to about [-1, 1].
+// All data are in the local frame: the target centred on its bounding box and scaled by a power of
+// two to about [-1, 1].
 
 namespace palpate::geometry {
 
@@ -25,11 +25,12 @@ struct RegistrationTarget::Impl {
   explicit Impl(const TriangleMesh& mesh);
   ~Impl();
 
-  /// Nearest points of the surface. Beside the surface is what is nearest to its border.
+  /// Nearest points of the surface. A point is beside the surface if its nearest point is on the
+  /// border.
   [[nodiscard]] Pairing pair(const Eigen::Matrix3Xd& points) const;
-  /// About the same from the coarse map, at once.
+  /// Approximation from the coarse map, in constant time.
   void pair_coarsely(const Eigen::Matrix3Xd& points, Pairing& pairing) const;
-  [[nodiscard]] const VertexCloud& vertex_cloud() const;  ///< made when it is first asked for
+  [[nodiscard]] const VertexCloud& vertex_cloud() const;  ///< created at the first call
 
   [[nodiscard]] Eigen::Isometry3d to_world(const Eigen::Isometry3d& local) const;
 

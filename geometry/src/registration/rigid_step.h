@@ -10,30 +10,31 @@ namespace palpate::geometry {
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 using Vector6d = Eigen::Vector<double, 6>;
 
-/// Points and where the surface is nearest to each; one column a point.
+/// Points with their nearest surface points (feet), one column per point.
 struct Pairing {
   Eigen::Matrix3Xd feet;
   Eigen::Matrix3Xd normals;                      ///< of the surface at the feet
   Eigen::VectorXd distances;                     ///< from the points to the feet
-  Eigen::Array<bool, Eigen::Dynamic, 1> usable;  ///< false: the point lies beside the surface
+  Eigen::Array<bool, Eigen::Dynamic, 1> usable;  ///< false if the point lies beside the surface
 
   void resize(Eigen::Index count);
 };
 
-/// Standard deviation of a normal distribution of which half lies within `median` of zero.
+/// Standard deviation of a normal distribution of which half is within `median` of zero.
 [[nodiscard]] double deviation_of_median(double median);
 
 /// Tukey's biweight: 1 for a pair that fits, 0 beyond 4.685 deviations.
 [[nodiscard]] double tukey_weight(double distance, double deviation);
 
 /// The weighted point-to-plane problem at one pose. A small motion of the points is a 6-vector of
-/// lengths (turn about `centre` times `radius`, shift), so that a unit of each moves the points
-/// about as far.
+/// lengths (rotation about `centre` times `radius`, translation), so that a unit of each component
+/// moves the points by about the same length.
 struct RigidProblem {
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< mean of the points
-  double radius = 0;                   ///< root mean square of their distances from it
-  Matrix6d planes = Matrix6d::Zero();  ///< sum of w j j^T, j: change of the distance to the plane
-  Matrix6d points = Matrix6d::Zero();  ///< sum of w J^T J, J: motion of the point
+  double radius = 0;  ///< root mean square of their distances from it
+  Matrix6d planes =
+      Matrix6d::Zero();  ///< sum of w j j^T, j: derivative of the distance to the plane
+  Matrix6d points = Matrix6d::Zero();  ///< sum of w J^T J, J: derivative of the point
   Vector6d slope = Vector6d::Zero();   ///< sum of w j e, e: distance to the plane
   double weight = 0;                   ///< sum of w
   int used = 0;                        ///< pairs with w > 0
@@ -42,11 +43,11 @@ struct RigidProblem {
 [[nodiscard]] RigidProblem rigid_problem(const Eigen::Matrix3Xd& points, const Pairing& pairing,
                                          double deviation);
 
-/// The motion that minimises sum of w ((e + j x)^2 + stay |J x|^2). `stay` > 0 keeps points from
-/// being moved along the surface without need. Pre: `problem.used` >= 3, the points differ.
+/// The motion that minimises sum of w ((e + j x)^2 + stay |J x|^2). `stay` > 0 prevents unnecessary
+/// motion along the surface. Precondition: `problem.used` >= 3, and the points differ.
 [[nodiscard]] Vector6d solve(const RigidProblem& problem, double stay);
 
-/// The motion with these coordinates, of the frame that the points are in.
+/// The rigid motion with these coordinates, in the frame of the points.
 [[nodiscard]] Eigen::Isometry3d to_motion(const Vector6d& x, const RigidProblem& problem);
 
 }  // namespace palpate::geometry

@@ -9,22 +9,22 @@
 
 namespace palpate::geometry {
 
-/// A flat piece of a surface: the mean of what lies in one cell of a grid.
+/// A flat piece of a surface: the mean of the surface in one cell of a grid.
 struct Surfel {
   Eigen::Vector3f position = Eigen::Vector3f::Zero();
   Eigen::Vector3f normal = Eigen::Vector3f::Zero();  ///< unit length
 };
 
-/// Answers "about where is the surface nearest, and how does it lie there" in a few nanoseconds: a
-/// grid of cubes around the mesh, each of which knows the surfel nearest to its middle (exact
-/// distance transform, Felzenszwalb and Huttenlocher 2012). Good to about one cell; for searches
-/// that a `SurfaceQuery` finishes.
+/// Approximate nearest surface position and normal in a few nanoseconds: a grid of cubes around the
+/// mesh, each of which stores the surfel nearest to its centre (exact distance transform,
+/// Felzenszwalb and Huttenlocher 2012). Accurate to about one cell; for searches that end with a
+/// `SurfaceQuery`.
 class SurfelGrid {
  public:
-  /// Pre: a valid mesh with an area.
+  /// Precondition: a valid mesh with an area.
   explicit SurfelGrid(const TriangleMesh& mesh);
 
-  /// A point outside the grid gets the surfel of the nearest cell of the grid.
+  /// A point outside the grid gets the surfel of the nearest cell.
   [[nodiscard]] const Surfel& nearest(const Eigen::Vector3d& point) const {
     const Eigen::Array3i cell =
         ((point - lower_).array() / cell_size_).max(0).min((cells_ - 1).cast<double>()).cast<int>();

@@ -8,11 +8,10 @@
 
 namespace palpate::sensing {
 
-/// Marks the patches of depths for which the stripe colours do not speak: a patch, pixels of known
-/// depth that hang together, counts iff at least two colours of the pattern are found in it where
-/// its depths want them, mostly. A single colour proves nothing: on a saturated red surface every
-/// stripe that is seen at all looks red, so wherever its depths want red the colours agree with any
-/// of them.
+/// Marks the patches of depths that the stripe colours do not confirm. A patch is a connected set
+/// of pixels with a depth. It is confirmed iff at least two colours of the pattern are found in it
+/// mostly where its depths predict them. One colour is no evidence: on a saturated red surface
+/// every visible stripe looks red, so a prediction of red always agrees.
 /// \param z      [mm] NaN where unknown.
 /// \param stripe_pixel projector pixel across the stripes that the depth implies; NaN if unknown.
 void find_unproven_patches(const Plane& z, const Plane& stripe_pixel, const Plane& hue,

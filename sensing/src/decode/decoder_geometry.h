@@ -15,18 +15,19 @@
 
 namespace palpate::sensing {
 
-/// What the phases of an image mean; NaN where that is not known.
+/// Results of converting an image of phases; NaN where unknown.
 struct SurfaceImages {
   Plane z;             ///< [mm]
   Plane stripe_pixel;  ///< projector pixel across the stripes
   Plane z_per_phase;   ///< [mm/rad] |dz / dphase|
 };
 
-/// What a rig and a pattern say about every pixel of the working image, computed once.
+/// Everything that a rig and a pattern determine for each pixel of the working image, computed
+/// once.
 ///
 /// The working image is the camera's, transposed if the sinusoid varies along its rows. "Phase" is
-/// the absolute phase of the pattern with the carrier taken out: 2 pi pixel / period + phase -
-/// carrier.along * row.
+/// the absolute phase of the pattern minus the carrier: 2 pi pixel / period + phase - carrier.along
+/// * row.
 class DecoderGeometry {
  public:
   /// \throws InvalidInput if rig or pattern are not valid or the two views do not overlap.
@@ -39,18 +40,18 @@ class DecoderGeometry {
   [[nodiscard]] long rows() const { return rows_; }
   [[nodiscard]] long columns() const { return columns_; }
 
-  /// Phase where a depth is known. Nothing if the projector does not light that point.
+  /// Phase at a known depth. Empty if the projector does not light that point.
   [[nodiscard]] std::optional<double> phase_at_depth(long row, long column, double z) const;
 
-  /// Phases at stripe edges. Those at which the projector would not light the surface fall out.
+  /// Phases at stripe edges, without those at which the projector would not light the surface.
   void phases_at_edges(const std::vector<Transition>& transitions,
                        std::vector<PhaseGuess>& guesses) const;
 
-  /// Depth and projector pixel of each phase. A pixel that still is `reconstructed` becomes
-  /// `off_panel` if the projector does not light the point, or `grazing` if |dz / dphase| >
-  /// max_sensitivity * z per rad: near the line on which the phase says nothing of the depth
-  /// (Eq. 3.11 divides by zero there).
-  /// \param phase NaN where it is not known.
+  /// Computes depth and projector pixel of each phase. A pixel that is still `reconstructed`
+  /// becomes `off_panel` if the projector does not light the point, or `grazing` if |dz / dphase| >
+  /// max_sensitivity * z per rad, which happens close to the line where the phase does not depend
+  /// on the depth (where Eq. 3.11 divides by zero).
+  /// \param phase NaN where unknown.
   void find_surfaces(const Plane& phase, const ChannelShares& shares, double max_sensitivity,
                      SurfaceImages& surfaces, ReasonImage& reasons) const;
 
@@ -58,7 +59,7 @@ class DecoderGeometry {
   /// R (x, y, 1) of every pixel's ray, in projector coordinates along the axes of the pattern.
   struct Rays {
     Plane along;   ///< the axis of the sinusoid
-    Plane across;  ///< the other one, along which the stripes follow each other
+    Plane across;  ///< the other axis, along which the stripes follow each other
     Plane forward;
   };
 

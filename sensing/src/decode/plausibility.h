@@ -10,22 +10,22 @@
 
 namespace palpate::sensing {
 
-/// The pixels of a mask of which all others at most `radius` rows and columns away belong to it
-/// too; the image's border does no harm. What is cut away is where blur carries light beyond the
-/// edge of a surface.
+/// Erodes a mask: keeps the pixels for which all others within `radius` rows and columns belong to
+/// it; the image's border does not erode. This removes the places to which blur carries light
+/// beyond the edge of a surface.
 void erode(const Mask& mask, int radius, Mask& inner);
 
-/// How far a break of the phase reaches: the window of the demodulation mixes both sides.
+/// Reach of a phase discontinuity: the demodulation window mixes both sides.
 struct Reach {
   int rows = 0;     ///< px, along the sinusoid
   int columns = 0;  ///< px
 };
 
-/// Marks the pixels within reach of a break: two neighbours whose absolute phases differ by more
-/// than `max_step` [rad]. A phase of NaN breaks nothing.
+/// Marks the pixels within reach of a discontinuity: two neighbours whose absolute phases differ by
+/// more than `max_step` [rad]. NaN is no discontinuity.
 void find_breaks(const Plane& phase, double max_step, const Reach& reach, Mask& marked);
 
-/// The colour that a projector pixel has well inside a stripe.
+/// Maps a projector pixel well inside a stripe to the stripe's colour.
 class StripeColors {
  public:
   explicit StripeColors(const Pattern& pattern);
@@ -34,7 +34,8 @@ class StripeColors {
   [[nodiscard]] int color(float pixel) const {
     return table_[static_cast<std::size_t>(entry(pixel))];
   }
-  /// The same in two steps; any entry for NaN.
+  /// Index of a pixel's table entry; `color_of_entries()[entry(pixel)]` equals `color(pixel)`. Any
+  /// entry for NaN.
   [[nodiscard]] int entry(float pixel) const {
     const float wanted = (pixel - first_) * kEntriesPerPixel;
     const float below = wanted < last_ ? wanted : last_;
@@ -49,11 +50,11 @@ class StripeColors {
   std::vector<int> table_;
 };
 
-/// Marks the pixels around which the stripe colours contradict the depths: among the pixels nearby
-/// that are well inside a stripe, less than `min_agreement` have the hue of the stripe that their
+/// Marks the pixels around which the stripe colours contradict the depths: of the pixels nearby
+/// that are well inside a stripe, a share below `min_agreement` has the hue of the stripe that its
 /// depth implies.
 /// \param stripe_pixel projector pixel across the stripes that the depth implies; NaN if unknown.
-/// \param nearby half width [px] of the square that counts as nearby.
+/// \param nearby half-width [px] of the square of nearby pixels.
 void find_contradictions(const Plane& stripe_pixel, const Plane& hue, const StripeColors& stripes,
                          const HueClassifier& classifier, double min_agreement, long nearby,
                          Mask& marked);

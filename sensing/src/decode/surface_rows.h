@@ -7,8 +7,8 @@
 
 namespace palpate::sensing {
 
-/// What the depth of a pixel depends on besides its ray. "Along" is the axis of the sinusoid in the
-/// projector's image, "across" the other one; normalised coordinates, translation in mm.
+/// Constants in the computation of depths. "Along" is the axis of the sinusoid in the projector's
+/// image, "across" the other one; normalised coordinates, translation in mm.
 struct SurfaceConstants {
   float t_along = 0;  ///< from the camera to the projector, in projector coordinates
   float t_across = 0;
@@ -29,7 +29,7 @@ struct SurfaceConstants {
   std::array<float, 8> distortion{};
 };
 
-/// A row of pixels. What is not known of a pixel is NaN.
+/// A row of pixels. Unknown values are NaN.
 struct SurfaceRow {
   const float* phase = nullptr;   ///< [rad] see DecoderGeometry; NaN gives `off_panel`
   float along_at_zero_phase = 0;  ///< normalised coordinate
@@ -46,13 +46,14 @@ struct SurfaceRow {
   long columns = 0;
 };
 
-/// Depths of a row: the ray of a camera pixel, z d, meets the plane of one phase through the
-/// projector's centre (Eq. 3.11 for any pose). In single precision: relative errors of some 1e-7
-/// times z / baseline.
+/// Computes the depths of a row: the ray z d of a camera pixel meets the plane of one phase through
+/// the projector's centre (Eq. 3.11 for any pose). In single precision, with relative errors of
+/// some 1e-7 times z / baseline.
 void find_surface(const SurfaceRow& row, const SurfaceConstants& constants);
 
-/// The same for a projector whose lens distorts: the plane is bent. Newton's method along the
-/// epipolar line; `off_panel` also where it does not converge, as beyond a fold of the lens.
+/// The same for a projector with lens distortion, where the plane is curved. Uses Newton's method
+/// along the epipolar line; gives `off_panel` also where it does not converge, as beyond a fold of
+/// the lens.
 void find_surface_through_lens(const SurfaceRow& row, const SurfaceConstants& constants);
 
 }  // namespace palpate::sensing

@@ -13,8 +13,8 @@
 
 namespace palpate::sensing {
 
-/// The images of one decode, of the working image's size, in the order in which they come to be.
-/// They keep their memory from frame to frame: every stage writes into the ones it is given.
+/// Images of one decode, of the size of the working image, in the order of computation. They keep
+/// their memory from frame to frame, and every stage overwrites its outputs.
 struct Workspace {
   std::vector<Plane> whole;  ///< channels of the frame, if it is decoded at half its size
   std::vector<Plane> channels;
@@ -35,10 +35,10 @@ struct Workspace {
   OffsetBuffers voting;
   std::vector<RegionOffset> offsets;
   Plane phase;  ///< absolute; NaN where unknown
-  Mask inner;   ///< lit, and so is all around
-  Mask breaks;  ///< near a step of the phase
+  Mask inner;   ///< lit, with lit surroundings
+  Mask breaks;  ///< close to a discontinuity of the phase
   SurfaceImages surfaces;
-  Mask contradicting;  ///< the colours around say so
+  Mask contradicting;  ///< contradicted by the colours around
   Plane sigma;         ///< [mm] of the depths
 };
 

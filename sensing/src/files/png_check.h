@@ -9,9 +9,9 @@
 
 namespace palpate::sensing {
 
-/// What is wrong with the bytes of a PNG file, or an empty text: signature, chunk lengths,
-/// checksums, and the closing chunk. Decoders fill what a truncated file lacks with black, without
-/// a word.
+/// Describes the damage in the bytes of a PNG file, or returns an empty text: checks signature,
+/// chunk lengths, checksums and the closing chunk. Decoders silently fill the missing part of a
+/// truncated file with black.
 [[nodiscard]] std::string find_png_damage(const std::string& bytes);
 
 /// A part of a PNG file, which must outlive it.

@@ -13,8 +13,8 @@ namespace palpate::sensing {
 /// \throws FileError if it is missing, not a file, or empty.
 [[nodiscard]] std::string read_bytes(const std::filesystem::path& path);
 
-/// Keeps OpenCV from writing to the terminal while one lives, in whatever thread: OpenCV has one
-/// log level for the process, which is what it was again when the last one is gone.
+/// Prevents OpenCV from writing to the terminal while an object of this type exists in any thread.
+/// OpenCV has one log level per process, which is restored with the last object.
 class QuietOpenCv {
  public:
   QuietOpenCv();
@@ -23,14 +23,14 @@ class QuietOpenCv {
   QuietOpenCv& operator=(const QuietOpenCv&) = delete;
 };
 
-/// An OpenCV FileStorage file for reading, with messages that name the file and the key.
-/// Every function throws FileError if the value is missing or of another kind.
+/// An OpenCV FileStorage file for reading, with messages that name the file and the key. Every
+/// function throws FileError if the value is missing or has another type.
 class StorageFile {
  public:
   explicit StorageFile(std::filesystem::path path);
 
   [[nodiscard]] cv::FileNode root() const { return storage_.root(); }
-  /// `place` stands before the key in messages.
+  /// `place` precedes the key in messages.
   [[nodiscard]] cv::FileNode child(const cv::FileNode& parent, const std::string& key,
                                    const std::string& place = {}) const;
   [[nodiscard]] double number(const cv::FileNode& node, const std::string& key) const;  ///< finite
@@ -42,7 +42,7 @@ class StorageFile {
   /// The items of a sequence.
   [[nodiscard]] std::vector<cv::FileNode> items(const cv::FileNode& node,
                                                 const std::string& key) const;
-  /// Throws FileError: file, key, and what is wrong.
+  /// Throws a FileError with file, key, and what is wrong.
   [[noreturn]] void fail(const std::string& key, const std::string& message) const;
 
  private:

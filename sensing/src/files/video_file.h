@@ -9,7 +9,7 @@
 
 namespace palpate::sensing {
 
-/// Whether the ending of `path` is one of a video.
+/// Whether `path` has the extension of a video.
 [[nodiscard]] bool is_video(const std::filesystem::path& path);
 
 /// The frames of a video file, in their order.
@@ -21,13 +21,13 @@ class VideoFile {
   VideoFile(VideoFile&&) noexcept;
   VideoFile& operator=(VideoFile&&) noexcept;
 
-  /// The next frame, 8 bit BGR; empty at the end, or where the file breaks off.
+  /// Returns the next frame, 8 bit BGR; empty at the end, or where the file is truncated.
   [[nodiscard]] cv::Mat next();
-  /// What the file announces; 0 if it does not. Some files only know how long they last, from
-  /// which it is rounded.
+  /// Number of frames that the file announces; 0 if it does not. For files that store only the
+  /// duration, the number is rounded from it.
   [[nodiscard]] std::size_t announced_frames() const;
-  /// False where colours or values are not those that the camera gave: lossy codecs, and colour at
-  /// less than full resolution.
+  /// False if pixel values may differ from the camera's: lossy codecs, and colour at less than full
+  /// resolution.
   [[nodiscard]] bool is_lossless() const;
 
  private:

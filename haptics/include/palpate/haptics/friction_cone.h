@@ -10,65 +10,65 @@
 
 namespace palpate::haptics {
 
-/// One force that an arm tried at a contact, and whether the tool stayed.
+/// A force that an arm applied at a contact, and whether the tool slipped.
 struct FrictionTrial {
-  Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< [N] whole force of the tool on the object
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< [N] total force of the tool on the object
   bool slipped = false;
 };
 
 struct FrictionOptions {
-  /// [N] standard deviation of an applied force about the commanded one, each component; > 0
+  /// [N] standard deviation of each component of an applied force about the commanded one; > 0
   double force_noise = 0.01;
 };
 
-/// How far the trials determine the friction cone.
+/// How well the trials determine the friction cone.
 enum class FrictionStop {
   converged,
-  too_few_directions,  ///< or all to one side: only the lower bound is to be used
-  too_few_levels,      ///< of the normal force: the cone is the best one, but nothing confirms it
+  too_few_directions,  ///< or all on one side; use only the lower bound
+  too_few_levels,      ///< of the normal force: the cone is the best estimate, but unconfirmed
   never_slipped,       ///< only the lower bound is known
-  frictionless,        ///< what held across the surface is noise; the coefficient is below 0.1
-  not_converged        ///< only the lower bound is to be used
+  frictionless,        ///< tangential forces that held are noise; the coefficient is below 0.1
+  not_converged        ///< use only the lower bound
 };
 
-/// "converged", "too_few_directions", ...
+/// Name of a value: "converged", "too_few_directions", ...
 [[nodiscard]] const char* to_string(FrictionStop stop);
 
 /// The circular cone of forces at which a contact does not slip (thesis 5.4.1).
 struct FrictionFit {
-  double coefficient = 0;        ///< tangent of the angle between axis and surface of the cone
+  double coefficient = 0;        ///< tangent of the angle between the cone's axis and its surface
   double coefficient_error = 0;  ///< standard error
-  double lower_bound = 0;        ///< of the coefficient: it is as large or larger, with 95 %
-  /// Unit vector, the direction of pressing: into the object. Where it is not determined, that of
-  /// the contact's geometric normal.
+  double lower_bound = 0;        ///< of the coefficient, with 95 % confidence
+  /// Unit vector of the pressing direction, into the object. If it is not determined, that of the
+  /// contact's geometric normal.
   Eigen::Vector3d axis = Eigen::Vector3d::Zero();
   double axis_error = 0;  ///< [rad] standard error: root mean square of the angle to the true axis
   double noise = 0;       ///< [N] of the signed distances from the boundary; >= the option
-  int vectors = 0;        ///< directions at levels of force with trials that held and that slipped
-  int directions = 0;     ///< that these have in the tangent plane
-  int levels = 0;         ///< of normal force that these have
-  FrictionStop stop = FrictionStop::not_converged;  ///< read this before you use the cone
+  int vectors = 0;        ///< pairs of direction and force level with trials that held and slipped
+  int directions = 0;     ///< number of their directions in the tangent plane
+  int levels = 0;         ///< number of their levels of normal force
+  FrictionStop stop = FrictionStop::not_converged;  ///< check this before you use the cone
 };
 
-/// Trials at one contact: all its samples, whether they held or slipped.
+/// The trials at one contact: all its samples, held or slipped.
 [[nodiscard]] std::vector<FrictionTrial> friction_trials(const probing::Contact& contact,
                                                          std::span<const probing::Sample> samples);
 
-/// Fits a friction cone to trials, in any order; `normal` is the geometric normal of the surface,
-/// outwards, along which the arm pressed.
+/// Fits a friction cone to trials in any order.
 ///
-/// The signed distance of a force f to the cone, d = cos(angle) |f_T| - sin(angle) f.axis, is Eq
-/// 5.14's. A bisection (thesis 4.3) does not measure a force at which d = 0 but ends between one
-/// that held, d < 0, and one that slipped, d > 0, but for the noise of the applied forces. So the
-/// cone is the one of greatest likelihood of what was seen, a trial at d slipping with the
-/// probability e + (1 - 2 e) Phi(d / noise), Phi being the normal distribution and e (5 %) the
-/// chance that slip was told wrongly, which bounds the weight of any one trial. That uses both ends
-/// of each interval and needs no pairing; in place of Eq 5.15 the axis moves in a tangent plane.
-/// The noise is estimated too, but not below the option, nor below what the widths of the intervals
-/// let one tell. The lower bound is that of the profile likelihood over axes; where nothing
-/// slipped, that of the narrowest cone with which all would have held with a probability of 5 %.
-/// \throws InvalidInput if a force is not finite, naming its index; unless the normal has a length
-/// and the option is > 0.
+/// The signed distance of a force f from the cone is d = cos(angle) |f_T| - sin(angle) f.axis (Eq
+/// 5.14). A bisection (thesis 4.3) does not measure a force with d = 0, but ends between one that
+/// held, d < 0, and one that slipped, d > 0, apart from the noise of the applied forces. The cone
+/// therefore maximises the likelihood of all trials, where a trial at d slips with the probability
+/// e + (1 - 2 e) Phi(d / noise) with the normal distribution Phi. The probability e (5 %) of a
+/// wrong slip detection bounds the weight of a single trial. This uses both ends of each interval
+/// without pairing them; instead of Eq 5.15 the axis is varied in a tangent plane. The noise is
+/// also estimated, but not below the option or the resolution given by the widths of the intervals.
+/// The lower bound comes from the profile likelihood over axes; if nothing slipped, it is the
+/// narrowest cone with which all trials would have held with a probability of 5 %.
+/// \param normal outward geometric normal of the surface, along which the arm pressed.
+/// \throws InvalidInput if a force is not finite (naming its index), the normal has zero length, or
+/// the option is not > 0.
 [[nodiscard]] FrictionFit fit_friction(std::span<const FrictionTrial> trials,
                                        const Eigen::Vector3d& normal,
                                        const FrictionOptions& options = {});

@@ -11,7 +11,7 @@
 namespace palpate::haptics {
 
 struct TransferModelOptions {
-  /// What becomes of forces where the whole surface becomes larger by `SurfaceMap::scale`.
+  /// How forces change if the whole surface becomes larger by `SurfaceMap::scale`.
   ForceScaling forces = ForceScaling::feel;
 };
 
@@ -21,18 +21,22 @@ struct TransferredModel {
   std::vector<long long> isolated;   ///< ids of contacts in no triangle of contacts
 };
 
-/// Gives another object the feel of a model (thesis 6.2.4.2): each contact goes to its image under
-/// a map of the surfaces, its frame and axis of friction turned as the map turns the surface there,
-/// and the contacts are triangulated anew on the target. Fields are scaled, uniformly and so
-/// exactly, as `forces` says, and so is the reference force of compliances, which are learnt anew;
-/// all but places is `rounded`. Coefficients of friction stay. Force fields depend on the inside of
-/// an object too, of which a map of surfaces knows nothing: between objects of one kind and similar
-/// shape the result is likely to be reasonable, and no measurement in any case. The registration of
-/// the acquisition is dropped.
+/// Transfers the feel of a model to another object (thesis 6.2.4.2).
+///
+/// Each contact moves to its image under a map of the surfaces, its frame and friction axis are
+/// rotated as the map rotates the surface there, and the contacts are triangulated again on the
+/// target. Fields are scaled uniformly, and so exactly, according to `forces`, and so is the
+/// reference force of compliances, which are recomputed. Friction coefficients stay. Everything
+/// except positions is `rounded`. The registration of the acquisition is dropped.
+///
+/// Force fields also depend on the inside of an object, about which a map of surfaces contains
+/// nothing. Between objects of one kind and similar shape the result is probably reasonable, but it
+/// is never a measurement.
 /// \param map  of `model.surface` onto `target`, by `geometry::map_surface`
-/// \throws InvalidInput if the model is refused by `check_model`, the target by `check_mesh` or
-/// triangulation, the map is of other surfaces or is not sensible, or two contacts have one image;
-/// SolverError as triangulating does.
+/// \throws InvalidInput if `check_model` rejects the model, `check_mesh` or triangulation rejects
+/// the target, the map belongs to other surfaces or is not sensible, or two contacts have the same
+/// image.
+/// \throws SolverError as triangulation does.
 [[nodiscard]] TransferredModel transfer_model(const Model& model,
                                               const geometry::TriangleMesh& target,
                                               const geometry::SurfaceMap& map,
