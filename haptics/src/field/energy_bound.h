@@ -17,20 +17,20 @@ struct Cell {
   double half_width = 0;                             ///< [mm]
 };
 
-/// Rigorous bounds of q(x) = p(x) - margin / 2 |x|^2, with p the energy of a field. Where q >= 0
-/// the energy is not negative, for this field and for all whose stiffness differs by less than the
-/// margin between zero and x.
+/// Rigorous bounds of q(x) = p(x) - margin / 2 |x|^2 for the energy p of a field. Where q >= 0, the
+/// energy is >= 0 for this field and for all fields whose stiffness between zero and x differs by
+/// less than the margin.
 class EnergyBound {
  public:
-  /// For places no further than `radius` [mm] from zero. Fields may differ as
-  /// CertificateOptions::number_tolerance says; `margin` is what that does to the stiffness.
+  /// For places within `radius` [mm] of zero. `margin` covers the change of stiffness of fields
+  /// that differ by CertificateOptions::number_tolerance.
   EnergyBound(const ForceField& field, double radius, double number_tolerance);
 
   /// [N/mm]
   [[nodiscard]] double margin() const { return margin_; }
 
   struct InCell {
-    RoundedNumber at_center;  ///< [N mm] q in the middle of the cell
+    RoundedNumber at_center;  ///< [N mm] q at the centre of the cell
     double lowest = 0;        ///< [N mm] q >= this in all of the cell
   };
   [[nodiscard]] InCell in_cell(const Cell& cell) const;
@@ -38,13 +38,13 @@ class EnergyBound {
   /// [N mm] p at a place.
   [[nodiscard]] RoundedNumber energy(const Eigen::Vector3d& place) const;
 
-  /// [mm] q >= 0 up to this distance from zero; at most `radius`, 0 if nothing is certain.
+  /// [mm] Distance from zero up to which q >= 0; at most `radius`, 0 if nothing is certain.
   [[nodiscard]] double safe_radius() const;
 
  private:
   using Vector = std::array<RoundedNumber, 3>;
 
-  // What does not depend on the place. A ridge, P = r r^T, has |P d| = |n.d| with n = |r| r.
+  // Values that do not depend on the place. For a ridge, P = r r^T, |P d| = |n.d| with n = |r| r.
   struct Base {
     bool ridge = false;
     double weight = 0;
@@ -54,7 +54,7 @@ class EnergyBound {
     RoundedNumber offset;   // n.g, ridge
     RoundedNumber at_zero;  // s(0)
     Vector slope_at_zero;   // grad s(0)
-    double steepest = 1;    // >= |P h| of a unit vector h, and its square and cube
+    double steepest = 1;    // >= |P h|, |P h|^2 and |P h|^3 for every unit vector h
   };
 
   struct Root;
@@ -63,11 +63,11 @@ class EnergyBound {
     RoundedNumber value;                   // q
     Vector gradient;                       // of q
     std::array<RoundedNumber, 6> hessian;  // of q: xx, xy, yy, xz, yz, zz
-    double third = 0;    // >= |third derivative along a unit vector|, in all the reach
-    double concave = 0;  // >= minus the smallest eigenvalue of the Hessian, in all the reach
+    double third = 0;    // >= |third derivative along a unit vector| within the reach
+    double concave = 0;  // >= minus the smallest eigenvalue of the Hessian within the reach
   };
 
-  // About a place, with bounds that hold within `reach` of it.
+  // Taylor expansion about a place, with bounds that hold within `reach` of it.
   [[nodiscard]] Taylor expand(const Eigen::Vector3d& place, double reach) const;
 
   std::vector<Base> bases_;

@@ -7,10 +7,10 @@
 
 namespace palpate::haptics {
 
-/// A number as computed, and a bound of how far the exact result is from it: running error analysis
-/// (Higham 2002, sec. 3.3). Proofs take `lower` and `upper`, which hold whatever was rounded on
-/// the way. A bound that cannot be given is infinite or NaN: nothing follows from it, so compare
-/// with the claim itself (`lower() >= 0`), never with its negation.
+/// A computed number with a bound of its distance from the exact result: running error analysis
+/// (Higham 2002, sec. 3.3). Proofs use `lower` and `upper`, which hold for any rounding. An unknown
+/// bound is infinite or NaN and implies nothing, so always test the claim itself (`lower() >= 0`),
+/// never its negation.
 struct RoundedNumber {
   double value = 0;
   double error = 0;  ///< |exact - value| <= error
@@ -20,14 +20,13 @@ struct RoundedNumber {
 };
 
 namespace rounding {
-/// One operation is off by at most half of this, relatively; bounds of errors are themselves sums
-/// of a few terms, rounded. The inflation makes up for that, the smallest normal number for
-/// underflow.
+/// The relative error of one operation is at most half of this. Error bounds are themselves rounded
+/// sums of a few terms; the inflation covers that, and the smallest normal number covers underflow.
 inline constexpr double kUnit = std::numeric_limits<double>::epsilon();
 inline constexpr double kInflation = 1 + 4 * kUnit;
 inline constexpr double kUnderflow = std::numeric_limits<double>::min();
 
-/// The result of an operation whose arguments' errors alone put it off by `inherited`.
+/// The result of an operation to which the arguments' errors contribute `inherited`.
 inline RoundedNumber rounded(double value, double inherited) {
   return {value, (inherited + kUnit * std::abs(value) + kUnderflow) * kInflation};
 }
@@ -53,12 +52,13 @@ inline RoundedNumber operator*(const RoundedNumber& a, const RoundedNumber& b) {
 }
 inline RoundedNumber operator/(const RoundedNumber& a, const RoundedNumber& b) {
   const double quotient = a.value / b.value;
-  const double divisor = std::abs(b.value) - b.error;  // exact one is not smaller but for rounding
+  const double divisor =
+      std::abs(b.value) - b.error;  // lower bound of the exact divisor, up to rounding
   const double inherited = divisor > 0 ? (a.error + std::abs(quotient) * b.error) / divisor
                                        : std::numeric_limits<double>::infinity();
   return rounding::rounded(quotient, inherited * rounding::kInflation);
 }
-/// Of a number whose exact value is known not to be negative.
+/// Square root of a number whose exact value is known to be >= 0.
 inline RoundedNumber sqrt(const RoundedNumber& a) {
   const double root = std::sqrt(a.value > 0 ? a.value : 0);
   // |sqrt(v) - sqrt(w)| = |v - w| / (sqrt(v) + sqrt(w)), and at most sqrt(|v - w|).

@@ -10,19 +10,19 @@
 
 namespace palpate::haptics {
 
-/// Where the trials of one direction across the surface at one level of normal force ended: the
-/// boundary lies between two tangential forces, but for noise.
+/// Result of a bisection in one tangential direction at one level of normal force: the boundary
+/// lies between two tangential forces, apart from noise.
 struct SlipInterval {
   Eigen::Vector3d held = Eigen::Vector3d::Zero();     ///< [N] the largest that held
   Eigen::Vector3d slipped = Eigen::Vector3d::Zero();  ///< [N] the smallest that slipped
   double direction = 0;                               ///< [rad] about the pressing direction
-  int level = 0;                                      ///< of normal force, counted from the least
+  int level = 0;  ///< of normal force, counted from the smallest
 };
 
-/// Sorts trials by level and direction and gives those that slipped. A force along the pressing
-/// direction alone belongs to all directions of its level; where none held, that force is taken to
-/// have held, for there was contact. Directions are counted about
-/// `pressing`, a unit vector.
+/// Groups trials by level and direction, and returns the groups that slipped. A force along the
+/// pressing direction alone belongs to all directions of its level; if no tangential force held,
+/// that force counts as held, because there was contact.
+/// \param pressing unit vector about which directions are measured.
 [[nodiscard]] std::vector<SlipInterval> slip_intervals(std::span<const FrictionTrial> trials,
                                                        const Eigen::Vector3d& pressing,
                                                        double force_noise);

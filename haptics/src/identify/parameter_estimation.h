@@ -18,7 +18,7 @@ struct LawEstimate {
   Identification report;
 };
 
-/// Weighted least squares of all pairs (identify.h tells how).
+/// Weighted least squares over all pairs (described in identify.h).
 [[nodiscard]] LawEstimate estimate(const ParametricLaw& law, std::span<const Pair> pairs,
                                    std::span<const probing::Contact> contacts,
                                    const IdentifyOptions& options);

@@ -13,24 +13,24 @@
 
 namespace palpate::haptics {
 
-/// So many parameters a law may have: derivatives need no memory of their own.
+/// Largest number of parameters of a law, so that derivatives need no dynamic memory.
 inline constexpr int kMaxParameters = 9;
 
-/// Where a law says that a force takes the tool, and how that changes.
+/// Displacement that a law predicts for a force, and its derivative.
 struct Prediction {
   Eigen::Vector3d displacement;  ///< [mm]
   Eigen::Matrix3d compliance;    ///< [mm/N] d displacement / d force, symmetric
   Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::ColMajor, 3, kMaxParameters> by_parameters;
 };
 
-/// What is to be estimated.
+/// A parametric law to be estimated.
 struct ParametricLaw {
   std::vector<std::string> names, units;
   Eigen::VectorXd scale;         ///< size at which a change of the parameter is large; > 0
   Eigen::VectorXd lower, upper;  ///< bounds; may be infinite
   std::vector<Eigen::VectorXd> starts;
-  /// The prediction at a pair's force; nothing if there is none for such parameters. `last` is the
-  /// one of nearby parameters, or null. Called from several threads.
+  /// Predicts the displacement for a pair's force; empty if these parameters give none. `last` is
+  /// the prediction for nearby parameters, or null. Called from several threads.
   std::function<std::optional<Prediction>(const Eigen::VectorXd& parameters, const Pair& pair,
                                           const Prediction* last)>
       predict;
@@ -46,19 +46,19 @@ struct Weights {
 struct Problem {
   const ParametricLaw& law;
   std::vector<Pair> pairs;
-  double huber = std::numeric_limits<double>::infinity();  ///< bound of Huber's loss
+  double huber = std::numeric_limits<double>::infinity();  ///< threshold of Huber's loss
 };
 
 using Predictions = std::vector<Prediction>;
 
-/// Predictions for all pairs; empty if the law refuses the parameters at any of them.
+/// Predictions for all pairs; empty if the law has none for any of them.
 [[nodiscard]] Predictions predict(const Problem& problem, const Eigen::VectorXd& parameters,
                                   const Predictions& last = {});
 
 [[nodiscard]] std::vector<Eigen::Vector3d> residuals(const Problem& problem, const Weights& weights,
                                                      const Predictions& predictions);
 
-/// J^T W J and J^T W r, in units of the parameters' scales; W holds Huber's weights.
+/// J^T W J and J^T W r with Huber's weights W, in units of the parameters' scales.
 struct NormalEquations {
   Eigen::MatrixXd matrix;
   Eigen::VectorXd gradient;
@@ -66,20 +66,20 @@ struct NormalEquations {
 [[nodiscard]] NormalEquations normal_equations(const Problem& problem, const Weights& weights,
                                                const Predictions& predictions);
 
-/// Whether a bound keeps parameter k from moving where the sum of losses falls.
+/// Whether parameter k is at a bound and the sum of losses falls beyond it.
 [[nodiscard]] bool held_by_bound(const ParametricLaw& law, const Eigen::VectorXd& parameters,
                                  const NormalEquations& normal, Eigen::Index k);
 
 struct SearchResult {
   Eigen::VectorXd parameters;
-  Predictions predictions;  ///< there; empty if the law refuses even the start
+  Predictions predictions;  ///< for `parameters`; empty if the law has none at the start
   double cost = std::numeric_limits<double>::infinity();  ///< sum of Huber's losses
   int iterations = 0;
   bool converged = false;
 };
 
-/// Levenberg and Marquardt's method with bounds, from `start` whose predictions are given.
-/// `damping` is what it begins with: little near a solution.
+/// Levenberg-Marquardt with bounds, from `start` with the given predictions. `damping` is the
+/// initial damping: small close to a solution.
 [[nodiscard]] SearchResult search(const Problem& problem, const Weights& weights,
                                   const Eigen::VectorXd& start, Predictions predictions,
                                   int max_iterations, double damping);

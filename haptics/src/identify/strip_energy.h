@@ -9,7 +9,8 @@
 
 namespace palpate::haptics {
 
-/// The strip under one contact: what strip_model.h calls U, in the contact's frame.
+/// The strip under one contact: parameters of the energy U of strip_model.h, in the contact's
+/// frame.
 struct Strip {
   Eigen::Matrix3d frame;   ///< rows X, Y, Z in the world frame
   double length_low = 0;   ///< [mm] L_1
@@ -19,8 +20,8 @@ struct Strip {
   double lateral = 0;      ///< [N/mm]
 };
 
-/// The strip under a contact. It is sound iff both lengths and the width's factor are > 0
-/// (`is_sound`); nothing is checked here.
+/// The strip under a contact. It is valid iff both lengths and the width factor are > 0
+/// (`is_sound`); this function does not check.
 [[nodiscard]] Strip strip_at(const StripModel& model, const probing::Contact& contact);
 [[nodiscard]] bool is_sound(const Strip& strip);
 
@@ -29,8 +30,8 @@ struct Strip {
 [[nodiscard]] Eigen::Vector3d gradient(const Strip& strip, const Eigen::Vector3d& e);
 [[nodiscard]] Eigen::Matrix3d hessian(const Strip& strip, const Eigen::Vector3d& e);
 
-/// e [mm] where the gradient is `force` [N], local frame, found from `near` or, if that leads
-/// nowhere, from zero; nothing if there is none.
+/// The e [mm] at which the gradient is `force` [N], local frame, searched from `near` and, if that
+/// fails, from zero; empty if there is none.
 [[nodiscard]] std::optional<Eigen::Vector3d> find_equilibrium(
     const Strip& strip, const Eigen::Vector3d& force,
     const Eigen::Vector3d& near = Eigen::Vector3d::Zero());
