@@ -51,11 +51,11 @@ struct DecodeCall {
   bool resume = false;
 };
 
-/// A frame on its way through the pipeline. Each stage has it alone.
+/// A frame in the pipeline. Only one stage at a time uses it.
 struct FrameItem {
   sensing::DecodedFrame decoded;
   FinishedFrame finished;
-  double write_milliseconds = 0;  ///< with counting its pixels and logging
+  double write_milliseconds = 0;  ///< including counting of pixels and logging
 };
 
 /// The result of one frame, for the report.
@@ -79,7 +79,7 @@ std::string counts(const sensing::ReasonImage& reasons) {
   return text;
 }
 
-/// Counts the known depths and finds their median.
+/// Counts the known depths and computes their median.
 void measure_depths(const geometry::ImageF& z, FinishedFrame& frame) {
   std::vector<float> depths;
   depths.reserve(static_cast<std::size_t>(z.size()));
@@ -91,7 +91,7 @@ void measure_depths(const geometry::ImageF& z, FinishedFrame& frame) {
   frame.median_depth = static_cast<double>(geometry::median(std::move(depths)));
 }
 
-/// Adds the linearisation of `call` to what reads the frame.
+/// Adds the linearisation of `call` to the function that reads the frame.
 void linearize_when_read(const DecodeCall& call, sensing::SourceFrame& frame) {
   frame.read = [read = std::move(frame.read), name = frame.name, &linearize = *call.linearizer] {
     const cv::Mat image = read();
@@ -103,7 +103,7 @@ void linearize_when_read(const DecodeCall& call, sensing::SourceFrame& frame) {
   };
 }
 
-/// The next frame that is to be decoded. Frames that an earlier run has finished go to `kept`.
+/// The next frame to be decoded. Frames that an earlier run has finished are added to `kept`.
 std::optional<FrameItem> next_unfinished(const DecodeCall& call, sensing::FrameSource& source,
                                          const DecodeRecord& record, Outcomes& kept) {
   while (auto frame = source.next()) {
@@ -120,12 +120,12 @@ std::optional<FrameItem> next_unfinished(const DecodeCall& call, sensing::FrameS
   return std::nullopt;
 }
 
-/// Writes the data of a frame that was decoded, and measures it.
+/// Writes the data of a decoded frame, and measures the time.
 void write_frame(const DecodeCall& call, FrameItem& item) {
   const Clock::time_point start = Clock::now();
   const sensing::DecodeResult& result = item.decoded.result;
   const sensing::SourceFrame& source = item.decoded.source;
-  if (spdlog::should_log(spdlog::level::info)) {  // counting takes longer than a line of a log may
+  if (spdlog::should_log(spdlog::level::info)) {  // because counting takes long
     spdlog::info("{}: {} stripe edges, {} regions ({} without an offset); pixels: {}", source.name,
                  result.transitions, result.regions, result.unresolved_regions,
                  counts(result.reasons));
@@ -134,25 +134,25 @@ void write_frame(const DecodeCall& call, FrameItem& item) {
   item.finished.milliseconds = item.decoded.decode_milliseconds;
   measure_depths(result.range.z, item.finished);
   if (item.finished.pixels == 0)
-    spdlog::warn("{}: no pixel has a depth; -v says why.", source.name);
+    spdlog::warn("{}: no pixel has a depth; run with -v to see why.", source.name);
   write_outputs(call.outputs, source.number, result);
   item.write_milliseconds = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
-/// Whether the rig is the one that goes with the range maps.
+/// Whether the rig is the one stored with the range maps.
 bool lies_in_output(const DecodeCall& call) {
   return fs::weakly_canonical(call.rig) == fs::weakly_canonical(call.outputs.folder / "rig.yaml");
 }
 
-/// Decodes all frames that are not finished. Everything that is wanted of a frame is written or
-/// drawn as it passes, and only its figures are kept.
+/// Decodes all frames that are not finished. All outputs of a frame are written or drawn while it
+/// is in the pipeline; only its figures are kept.
 Outcomes decode_all(const sensing::Decoder& decoder, const DecodeCall& call,
                     sensing::FrameSource& source, DecodeRecord& record) {
   std::once_flag begun;
   const auto begin = [&] {
     record.begin();
-    // Before the first range map, so that an interrupted run leaves range maps that can be used.
-    // A rig that is there already is kept as it was written.
+    // Written before the first range map, so that range maps of an interrupted run are usable. A
+    // rig that is already there is kept as it was written.
     if (!lies_in_output(call)) sensing::write_rig(call.outputs.folder / "rig.yaml", decoder.rig());
   };
   Outcomes kept;
@@ -260,14 +260,14 @@ sensing::FrameSource open_frames(const DecodeCall& call) {
     if (!fs::equivalent(fs::canonical(file).parent_path(), call.outputs.folder, not_there))
       continue;
     throw InvalidInput(file.string() + ": lies in " + call.outputs.folder.string() +
-                       ", the folder for the results, which could replace frames of the same "
-                       "name. Give another --output.");
+                       ", the output folder, so results could replace frames of the same "
+                       "name. Choose another --output.");
   }
   for (const std::string& warning : source.warnings()) spdlog::warn("{}", warning);
   return source;
 }
 
-/// Everything on which a range map depends besides its frame, by the names of the options.
+/// Everything that a range map depends on besides its frame, by the names of the options.
 nlohmann::ordered_json settings_of(const DecodeCall& call) {
   return {{"version", PALPATE_VERSION},
           {"--rig", fingerprint(call.rig)},
@@ -313,7 +313,7 @@ void decode(const Settings& settings, DecodeCall call) {
   const auto broken = std::count_if(outcomes.begin(), outcomes.end(),
                                     [](const auto& entry) { return !entry.second.error.empty(); });
   if (outcomes.empty())
-    throw FileError(call.frames.front().string() + ": holds no frame; give images or a video.");
+    throw FileError(call.frames.front().string() + ": holds no frame; pass images or a video.");
   if (broken == static_cast<long>(outcomes.size())) throw FileError(outcomes.begin()->second.error);
   report(settings, call, outcomes, seconds);
   if (broken > 0)
@@ -325,11 +325,10 @@ void decode(const Settings& settings, DecodeCall call) {
 
 void add_decode(CLI::App& app, const Settings& settings) {
   auto call = std::make_shared<DecodeCall>();
-  CLI::App* command = app.add_subcommand("decode", "Camera frames become range maps, one each");
+  CLI::App* command = app.add_subcommand("decode", "Decode camera frames into range maps");
   command->add_option("FRAMES", call->frames, "Images, folders of images, videos")->required();
   command->add_option("--rig", call->rig, "Camera and projector (rig.yaml)")->required();
-  command->add_option("--pattern", call->pattern, "What the projector shows (pattern.yaml)")
-      ->required();
+  command->add_option("--pattern", call->pattern, "Projected pattern (pattern.yaml)")->required();
   command->add_option("--colors", call->colors,
                       "Trained colours (colors.yaml), for a pattern with stripes");
   command->add_option(
@@ -341,35 +340,41 @@ void add_decode(CLI::App& app, const Settings& settings) {
       ->expected(3)
       ->delimiter(',');
   command
-      ->add_option("--window", call->window_periods,
-                   "Length of the window that measures the phase, in periods of the sinusoid, 1.25 "
-                   "to 8: longer is less noisy, shorter sees finer relief and nearer to edges")
+      ->add_option(
+          "--window", call->window_periods,
+          "Length of the demodulation window in periods of the sinusoid, 1.25 to 8: a longer "
+          "window has less noise; a shorter one resolves finer relief, closer to edges")
       ->capture_default_str();
-  command->add_flag("--half", call->half,
-                    "Decode at half the size of the frames, several times faster; the range maps "
-                    "and the rig beside them are of that size");
+  command->add_flag(
+      "--half", call->half,
+      "Decode at half the size of the frames, which is several times faster; the range "
+      "maps and the rig beside them have that size");
   command
-      ->add_option("--bayer", call->bayer,
-                   "The frames are raw mosaics of a single-chip camera: the colours of its first "
-                   "two pixels, then of the two below")
+      ->add_option(
+          "--bayer", call->bayer,
+          "The frames are raw mosaics of a single-chip camera: the colours of the first two "
+          "pixels, then of the two below")
       ->check(CLI::IsMember({"rggb", "bggr", "grbg", "gbrg"}));
   command
-      ->add_option("--segmentation", call->segmentation,
-                   "How smooth regions are found: flood, or snakes, which bridge gaps in their "
-                   "borders and take longer")
+      ->add_option(
+          "--segmentation", call->segmentation,
+          "Method for finding smooth regions: flood, or snakes, which bridge gaps in their "
+          "borders but are slower")
       ->check(CLI::IsMember({"flood", "snakes"}))
       ->capture_default_str();
   DecodeOutputs& outputs = call->outputs;
   command->add_option("-o,--output", outputs.folder, "Folder for the range maps")->required();
-  command->add_option("--meshes", outputs.meshes, "Also write each as a mesh")
+  command->add_option("--meshes", outputs.meshes, "Also write each range map as a mesh")
       ->check(CLI::IsMember({"ply", "obj", "stl"}));
-  command->add_flag("--pictures", outputs.pictures, "Also draw each in false colour (PNG)");
+  command->add_flag("--pictures", outputs.pictures,
+                    "Also draw each range map in false colour (PNG)");
   command->add_flag("--sigma", outputs.sigma,
-                    "Also write the standard deviation predicted for each depth [mm]: "
-                    "NNNNNN_sigma.tiff, and as a picture NNNNNN_sigma.png");
-  command->add_flag("--reasons", outputs.reasons,
-                    "Also write why a pixel has no depth: codes in NNNNNN_reasons.tiff, and as a "
-                    "picture with a legend NNNNNN_reasons.png");
+                    "Also write the predicted standard deviation of each depth [mm]: "
+                    "NNNNNN_sigma.tiff and the picture NNNNNN_sigma.png");
+  command->add_flag(
+      "--reasons", outputs.reasons,
+      "Also write why pixels have no depth: codes in NNNNNN_reasons.tiff, and a picture "
+      "with a legend, NNNNNN_reasons.png");
   command->add_flag("--resume", call->resume,
                     "Keep the frames that an earlier run with the same settings finished in this "
                     "folder");

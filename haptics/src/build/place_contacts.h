@@ -9,9 +9,10 @@
 
 namespace palpate::haptics {
 
-/// Where contacts lie on the surface of `result.model`, which `query` asks. Registers the
-/// acquisition to it if that is needed, and turns the surface over if it is seen from inside;
-/// writes what it found into the result. Places name corners of triangles as they were before.
+/// Finds the places of the contacts on the surface of `result.model`, which `query` searches.
+/// Registers the acquisition to it if necessary, reverses the surface if it is seen from inside,
+/// and records both in the result. Returned places refer to the triangles' corners before a
+/// reversal.
 /// \throws InvalidInput if a contact is too far from the surface, or its normal points into it.
 [[nodiscard]] std::vector<geometry::ClosestPoint> place_contacts(
     const std::vector<probing::Contact>& contacts, const geometry::SurfaceQuery& query,
