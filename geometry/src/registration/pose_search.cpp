@@ -21,20 +21,20 @@ constexpr double kRotationStep = 25 * std::numbers::pi / 180;
 /// diagonal.
 constexpr double kShiftStep = 0.1;
 
-/// Rounds of the search: steps of each candidate, and the part of the candidates that is kept for
-/// the next.
+/// Rounds of the search: number of steps of each candidate, and share of the candidates kept for
+/// the next round.
 struct Round {
   int steps;
   double kept;
 };
 constexpr std::array<Round, 3> kRounds = {{{2, 0.34}, {4, 0.5}, {6, 1}}};
-/// Never fewer are kept.
+/// Smallest number of candidates kept.
 constexpr size_t kLeastKept = 12;
 
-/// How strongly points are kept from moving along the surface: far from it its planes mislead.
+/// How strongly motion along the surface is suppressed: far from the surface its planes mislead.
 constexpr double kStay = 0.05;
 
-/// Poses are the same if the points lie within so many cells, on average.
+/// Poses are equal iff the points differ by at most this many cells on average.
 constexpr double kSamePose = 2;
 
 /// The vectors k * step, k whole numbers, within `range`, where step divides `range` and is at most
@@ -60,7 +60,7 @@ Eigen::Matrix3d rotation_of(const Eigen::Vector3d& vector) {
   return Eigen::AngleAxisd(angle, vector / angle).toRotationMatrix();
 }
 
-/// Of the points' centroid, which lies `to_centroid` from the target's.
+/// Translations of the points' centroid, which is `to_centroid` from the target's.
 std::vector<Eigen::Vector3d> start_shifts(const Eigen::Vector3d& to_centroid, double range,
                                           double diagonal) {
   std::vector<Eigen::Vector3d> shifts =
@@ -73,7 +73,7 @@ std::vector<Eigen::Vector3d> start_shifts(const Eigen::Vector3d& to_centroid, do
   return shifts;
 }
 
-/// Steps on the coarse map; the score is of the last pose.
+/// Does steps on the coarse map; the score is that of the last pose.
 void descend(const RegistrationTarget::Impl& target, const Eigen::Matrix3Xd& points,
              double fraction, int steps, PoseCandidate& candidate) {
   Pairing pairing;
@@ -96,7 +96,7 @@ void descend(const RegistrationTarget::Impl& target, const Eigen::Matrix3Xd& poi
   }
 }
 
-/// Best first; of equals the one that was first.
+/// Sorts candidates, best first; ties keep their order.
 void sort_by_score(std::vector<PoseCandidate>& candidates) {
   std::stable_sort(
       candidates.begin(), candidates.end(),

@@ -19,40 +19,40 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-/// Distances below this fraction of the target's diagonal are rounding and say nothing.
+/// Distances below this fraction of the target's diagonal are rounding error.
 constexpr double kLeastLength = 1e-6;
 
-/// A point belongs iff its distance is at most so many deviations.
+/// A point is an inlier iff its distance is at most this many deviations.
 constexpr double kInlierDeviations = 3;
 
-/// The pose needs so many more inliers than the surface fixes degrees of freedom: with fewer,
-/// points of anything fit.
+/// The number of inliers must exceed the degrees of freedom that the surface fixes by this much;
+/// fewer points fit anywhere.
 constexpr int kSpareInliers = 10;
 
-/// Motions are tried that move the points by this fraction of their radius (root mean square).
+/// Trial motions move the points by this fraction of their radius (root mean square).
 constexpr double kTrialLength = 0.1;
 
-/// A motion is weak, and tried, iff it changes the distances to the planes by less than this
-/// fraction of its length (root mean square): a relief of 18 degrees holds.
+/// A motion is weak, and is tried, iff it changes the distances to the planes by less than this
+/// fraction of its length (root mean square): a relief of 18 degrees is sufficient.
 constexpr double kWeakGain = 0.3;
 
-/// A motion is free iff at its trial the median distance grows by at most this fraction of the
+/// A motion is free iff in its trial the median distance increases by at most this fraction of the
 /// trial's length.
 constexpr double kFreeGrowth = 0.02;
 
-/// Where the median distance is a larger fraction of the trial's length than this, the fit is too
-/// poor to tell.
+/// If the median distance exceeds this fraction of the trial's length, the fit is too poor for a
+/// decision.
 constexpr double kFreeMedian = 0.25;
 
-/// A pose stands out iff at every trial, and at every other minimum, the median distance is at
-/// least c (1 + (f / spare)^2) times as large, where spare is the number of inliers beyond six: a
-/// few points fit a wrong place too, once one has looked at many.
+/// A pose stands out iff at every trial, and at every other minimum, the median distance is larger
+/// by at least the factor c (1 + (f / spare)^2), where spare is the number of inliers beyond six:
+/// few points also fit a wrong place if many places are tested.
 constexpr double kContrast = 2;
 constexpr double kFew = 20;
 
 constexpr Eigen::Index kTrialPoints = 200;
 
-/// A motion that the planes fix little, and the median distance it leads to.
+/// A motion that the planes hardly fix, and the median distance after it.
 struct Trial {
   Vector6d motion;    ///< of unit length
   double median = 0;  ///< the smaller of both directions
@@ -63,10 +63,10 @@ double median_after(const RegistrationTarget::Impl& target, const Eigen::Matrix3
   return rank_quantile(target.pair(to_motion(motion, problem) * moved).distances, 0.5);
 }
 
-/// Motions in the order of how little the planes fix them.
+/// Motions, sorted by how little the planes fix them.
 std::vector<Trial> try_weak_motions(const RegistrationTarget::Impl& target,
                                     const Eigen::Matrix3Xd& moved, const RigidProblem& problem) {
-  // Points on a line can turn about it without moving; that counts as a motion too.
+  // Points on a line can rotate about it without moving; this also counts as a motion.
   const Matrix6d lengths = problem.points + kLeastLength * problem.weight * Matrix6d::Identity();
   const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6d> gains(problem.planes, lengths);
   std::vector<Trial> trials;
@@ -88,7 +88,7 @@ std::string describe(const Eigen::Vector3d& rotation, const Eigen::Vector3d& tra
     return fmt::format("({:.2f}, {:.2f}, {:.2f})", unit.x(), unit.y(), unit.z());
   };
   constexpr double kMixed =
-      0.1;  // a part is named iff it moves the points by this part of the rest
+      0.1;  // a component is named iff it moves the points by this share of the others
   const double turned = rotation.norm() * radius;
   const double shifted = translation.norm();
   if (turned < kMixed * shifted) return "a shift along " + direction(translation);
@@ -96,8 +96,8 @@ std::string describe(const Eigen::Vector3d& rotation, const Eigen::Vector3d& tra
   return "a turn about " + direction(rotation) + " with a shift along " + direction(translation);
 }
 
-/// In the world's units: the turn in radians, the shift in mm. A motion that is not fixed is as
-/// uncertain as the target is large.
+/// Converts to the world's units: rotation in radians, translation in mm. A free motion gets the
+/// size of the target as its uncertainty.
 Matrix6d pose_covariance(const RigidProblem& problem, const std::vector<Vector6d>& free,
                          double variance, double diagonal, double scale) {
   Matrix6d fixed = Matrix6d::Identity();  // projects onto what is fixed
@@ -128,7 +128,7 @@ struct Verdict {
 Verdict decide(const SettledPose& pose, const std::vector<Trial>& trials, double least,
                double scale, const RegistrationOptions& options, const Registration& result) {
   using enum RegistrationVerdict;
-  // Where the points slide the steps are small and many: the verdict names the cause.
+  // Where the points slide the steps are small and many, so the sliding is reported as the cause.
   if (!pose.converged && result.free_motions.empty()) {
     return {not_converged,
             fmt::format("the steps had not settled after {} iterations{}", pose.iterations,

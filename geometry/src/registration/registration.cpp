@@ -22,25 +22,25 @@ namespace {
 
 constexpr int kMinPoints = 3;
 
-/// Points are enough to search with, and to settle candidates with.
+/// Numbers of points for the search, and for refining candidates.
 constexpr Eigen::Index kSearchPoints = 200;
 constexpr Eigen::Index kCandidatePoints = 300;
 constexpr int kCandidateSteps = 12;
 
-/// Candidates are settled on the surface itself iff their score on the coarse map is at most so
-/// many times the best, or a quarter of a cell, and no more than so many.
+/// Candidates are refined on the surface itself iff their score on the coarse map is at most this
+/// many times the best, or a quarter of a cell; and at most this many are.
 constexpr double kRival = 3;
 constexpr size_t kMaxRivals = 6;
 
-/// Candidates fit equally well iff their scores differ by no more than this factor (or rounding);
-/// of these the one is taken that moves the points least.
+/// Candidates fit equally well iff their scores differ by at most this factor (or rounding); among
+/// these the one that moves the points least is taken.
 constexpr double kEqualScore = 1.2;
 
-/// As `kStay` of the search, but near the surface.
+/// Like `kStay` of the search, but near the surface.
 constexpr double kStay = 1e-3;
 
-/// A step is the last iff it moves the points by at most this (local frame), or by a hundredth of
-/// the error that their distances leave in their mean.
+/// Refinement ends when a step moves the points by at most this (local frame), or by a hundredth of
+/// the standard error of their mean distance.
 constexpr double kConverged = 1e-10;
 constexpr double kOfMeanError = 0.01;
 
@@ -72,7 +72,7 @@ Eigen::Matrix3Xd finite_points(const Eigen::Ref<const Eigen::Matrix3Xd>& points)
   return finite;
 }
 
-/// What the steps make small: the mean of Tukey's loss, 0 for a pair that fits and 1 beyond the
+/// Objective of the refinement: the mean of Tukey's loss, 0 for a pair that fits and 1 beyond the
 /// cut-off.
 double mean_loss(const Eigen::VectorXd& distances, double deviation) {
   double sum = 0;
@@ -82,8 +82,8 @@ double mean_loss(const Eigen::VectorXd& distances, double deviation) {
   return sum / static_cast<double>(distances.size());
 }
 
-/// Steps to the planes of the triangles. A step that does not make the loss smaller is halved, so
-/// the steps end also where facets with noise would send them to and fro.
+/// Point-to-plane steps to the triangles. A step that does not reduce the loss is halved, so that
+/// the iteration also ends where noise and facets would make it oscillate.
 SettledPose settle(const RegistrationTarget::Impl& target, const Eigen::Matrix3Xd& points,
                    const Eigen::Isometry3d& start, double fraction, int max_iterations) {
   SettledPose pose{.motion = start, .pairing = {}};
@@ -115,21 +115,21 @@ SettledPose settle(const RegistrationTarget::Impl& target, const Eigen::Matrix3X
       pose.pairing = std::move(pairing);
       moved = tried;
     }
-    // Never more than before: a loss that changes its shape for ever has no minimum.
+    // Never increase the scale: a loss that keeps changing has no minimum.
     pose.deviation =
         std::min(pose.deviation, inlier_deviation(target, pose.pairing.distances, fraction));
   }
   return pose;
 }
 
-/// PCL pairs a point with a vertex no further away than this many deviations, beyond which Tukey's
-/// weight of a distance to the surface is 0, ...
+/// PCL pairs a point with a vertex at most this many deviations away, beyond which Tukey's weight
+/// of a distance from the surface is 0, ...
 constexpr double kPclDeviations = 5;
-/// ... and this many coarse cells: a vertex is further than the surface by up to the length of a
-/// side.
+/// ... plus this many coarse cells, because a vertex can be farther away than the surface by up to
+/// the length of a side.
 constexpr double kPclCells = 2;
 
-/// Steps of PCL's to the vertices.
+/// Refines with PCL's steps to the vertices.
 SettledPose settle_with_pcl(const RegistrationTarget::Impl& target, const Eigen::Matrix3Xd& points,
                             const Eigen::Isometry3d& start, const RegistrationOptions& options) {
   const Eigen::Matrix3Xd moved = start * points;
@@ -151,7 +151,7 @@ struct Choice {
   double runner_up = std::numeric_limits<double>::quiet_NaN();  ///< its median distance
 };
 
-/// Settles the promising candidates on the surface itself and takes the best.
+/// Refines the promising candidates on the surface itself and takes the best.
 Choice choose(const RegistrationTarget::Impl& target, const Eigen::Matrix3Xd& points,
               const PoseSearch& search, double fraction) {
   const double cell = target.grid.cell_size();

@@ -16,10 +16,10 @@ using Point = pcl::PointNormal;
 using Cloud = pcl::PointCloud<Point>;
 
 /// PCL has converged iff a step moves by at most the rounding of its floats (local frame); it
-/// compares the square of the shift, and of the turn one minus its cosine.
+/// compares the squared translation, and one minus the cosine of the rotation.
 constexpr double kRounding = 4 * static_cast<double>(std::numeric_limits<float>::epsilon());
 
-/// Shows PCL's count of iterations.
+/// Gives access to PCL's count of iterations.
 template <typename Icp>
 struct Counting : Icp {
   [[nodiscard]] int iterations() const { return this->nr_iterations_; }
@@ -78,7 +78,8 @@ VertexCloud::Outcome VertexCloud::align(const Eigen::Matrix3Xd& points, Registra
   for (const auto& point : points.colwise()) {
     Point p;
     p.getVector3fMap() = point.cast<float>();
-    // The step to planes uses the target's normals only, but PCL leaves out sources without one.
+    // The point-to-plane step uses only the target's normals, but PCL ignores sources without
+    // normals.
     p.getNormalVector3fMap() = Eigen::Vector3f::UnitZ();
     source->push_back(p);
   }

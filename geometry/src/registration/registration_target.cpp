@@ -14,11 +14,11 @@
 namespace palpate::geometry {
 namespace {
 
-/// Points to one task.
+/// Points per task.
 constexpr Eigen::Index kGrain = 64;
 
-/// On the coarse map a point more than two cells away lies beside the surface iff at most this part
-/// of its way there is along the normal.
+/// On the coarse map, a point more than two cells away is beside the surface iff at most this share
+/// of the way to it is along the normal.
 constexpr double kAlongNormal = 0.7;
 
 const TriangleMesh& checked(const TriangleMesh& mesh) {
@@ -106,7 +106,7 @@ void RegistrationTarget::Impl::pair_coarsely(const Eigen::Matrix3Xd& points,
     const bool is_far = distance > 2 * grid.cell_size();
     pairing.feet.col(i) = foot;
     pairing.normals.col(i) = normal;
-    // Near by, the surfel's plane is a better surface than its middle.
+    // At close range the surfel's plane approximates the surface better than its centre.
     pairing.distances[i] = is_far ? distance : along;
     pairing.usable[i] = !is_far || along > kAlongNormal * distance;
   }

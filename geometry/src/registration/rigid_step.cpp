@@ -13,7 +13,7 @@
 namespace palpate::geometry {
 namespace {
 
-/// Sums are made block by block and the blocks added in order: the same whatever the threads.
+/// Sums are computed per block, and blocks are added in order, so that threads do not affect them.
 constexpr Eigen::Index kBlock = 2048;
 
 /// Part of a problem: pairs [begin, end).
@@ -66,7 +66,7 @@ RigidProblem rigid_problem(const Eigen::Matrix3Xd& points, const Pairing& pairin
   RigidProblem problem;
   problem.centre = points.rowwise().mean();
   problem.radius = std::sqrt((points.colwise() - problem.centre).colwise().squaredNorm().mean());
-  if (!(problem.radius > 0)) problem.radius = 1;  // all in one place: turns move nothing
+  if (!(problem.radius > 0)) problem.radius = 1;  // all points coincide: rotations move nothing
   const Eigen::Index blocks = (points.cols() + kBlock - 1) / kBlock;
   if (blocks == 1) {
     add_pairs(points, pairing, deviation, 0, points.cols(), problem);
@@ -92,7 +92,7 @@ RigidProblem rigid_problem(const Eigen::Matrix3Xd& points, const Pairing& pairin
 Vector6d solve(const RigidProblem& problem, double stay) {
   // The normal equations square the condition number, which `stay` bounds.
   Matrix6d equations = problem.planes + stay * problem.points;
-  // Points on a line can turn about it without being moved.
+  // Points on a line can rotate about it without moving.
   constexpr double kIdle = 1e-6;
   equations.diagonal().array() += kIdle * stay * problem.weight;
   return equations.ldlt().solve(-problem.slope);

@@ -19,21 +19,21 @@ constexpr int kCellsAlongDiagonal = 128;
 /// The grid reaches this fraction of the diagonal beyond the mesh.
 constexpr double kMargin = 0.1;
 
-/// Large triangles are sampled once a cell; of a mesh with so many of them that this took more than
-/// so many samples, more coarsely.
+/// Large triangles are sampled once per cell, or more coarsely if this would take more than this
+/// many samples.
 constexpr double kMaxSamples = 4e6;
 
 constexpr int kNone = -1;
 constexpr int kFar = std::numeric_limits<int>::max();
 
-/// What lies in one cell.
+/// Accumulated surface in one cell.
 struct CellSum {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< times weight
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();    ///< times weight
   double weight = 0;
 };
 
-/// How often a triangle is sampled along its first and its last side.
+/// Number of samples along a triangle's first and last side.
 Eigen::Array2i sample_counts(const Eigen::Vector3d& first, const Eigen::Vector3d& last,
                              double step) {
   return (Eigen::Array2d(first.norm(), last.norm()) / step).ceil().max(1).cast<int>();
@@ -64,7 +64,7 @@ void SurfelGrid::collect_surfels(const TriangleMesh& mesh) {
   double step = cell_size_;
   for (double samples = std::numeric_limits<double>::infinity(); samples > kMaxSamples;) {
     if (std::isfinite(samples)) step *= 2;
-    samples = -static_cast<double>(mesh.triangles.cols());  // one each is what a fine mesh takes
+    samples = -static_cast<double>(mesh.triangles.cols());  // a fine mesh needs one per triangle
     for (Eigen::Index t = 0; t < mesh.triangles.cols(); ++t) {
       const Eigen::Vector3d origin = corner(t, 0);
       samples +=

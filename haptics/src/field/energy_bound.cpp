@@ -18,10 +18,10 @@ constexpr double kPositiveSlack = 1e-12;
 // >= 2 / sqrt(3), the maximum of 3 t (1 - t^2): along a unit vector h, the third derivative of
 // s = sqrt(|d|^2 + epsilon^2) is -3 t (|h|^2 - t^2) / s^2 with t = d.h / s, |t| < 1.
 constexpr double kThirdDerivative = 1.1547005383793;
-// By how much eigenvalues that were computed in plain arithmetic are lowered before they are
-// proven, relative to the largest entry; far above their rounding error.
+// Amount by which eigenvalues from plain arithmetic are lowered before they are proven, relative to
+// the largest entry; far above their rounding error.
 constexpr double kEigenvalueSlack = 1e-12;
-// The safe ball keeps this part of the smallest stiffness at zero.
+// Share of the smallest stiffness at zero that remains in the safe ball.
 constexpr double kSafePart = 0.25;
 
 Vector exact(const Eigen::Vector3d& v) { return {{{v[0]}, {v[1]}, {v[2]}}}; }
@@ -34,7 +34,7 @@ RoundedNumber square(const RoundedNumber& a) { return a * a; }
 
 RoundedNumber norm(const Vector& a) { return sqrt(dot(a, a)); }
 
-// Whether A - shift I is proven to be positive semi-definite: pivots of its LDL^T.
+// Whether A - shift I is provably positive semi-definite, by the pivots of its LDL^T.
 bool is_above(const Symmetric& a, double shift) {
   const RoundedNumber lowered{shift};
   const RoundedNumber d0 = a[0] - lowered;
@@ -91,13 +91,13 @@ EnergyBound::EnergyBound(const ForceField& field, double radius, double number_t
       base.slope_at_zero[i] =
           -(base.ridge ? base.offset * base.normal[i] : base.center[i]) / base.at_zero;
     }
-    // Anywhere in the ball the root s is at least this.
+    // Lower bound of the root s in the whole ball.
     const double clear = std::max(0.0, std::abs(distance.value) - distance.error - radius);
     const double s = std::sqrt(clear * clear + base.epsilon_squared.lower());
     const double reach = norm(base.center).upper() + multiquadric.epsilon;
-    // |dH/dw| <= 1 / s, |dH/dg| <= kThirdDerivative / s^2, |dH/d epsilon| <= 2 / s; a ridge that
-    // turns changes both of its factors, 2 / s, and d by |x - g|. Twice the sum makes up for
-    // rounding and for what is of second order.
+    // |dH/dw| <= 1 / s, |dH/dg| <= kThirdDerivative / s^2, |dH/d epsilon| <= 2 / s; rotating a
+    // ridge changes both of its factors, 2 / s, and d by |x - g|. Twice the sum covers rounding and
+    // second-order terms.
     double change = 3 / s + kThirdDerivative * reach / (s * s);
     if (base.ridge) change += 2 / s + kThirdDerivative * (radius + reach) / (s * s);
     margin_ += 2 * number_tolerance * std::abs(base.weight) * change;
@@ -105,7 +105,7 @@ EnergyBound::EnergyBound(const ForceField& field, double radius, double number_t
   }
 }
 
-// What a base and its root s add at a place.
+// Contribution of a base and its root s at a place.
 struct EnergyBound::Root {
   RoundedNumber s;
   Vector slope;              // grad s
@@ -180,7 +180,7 @@ EnergyBound::InCell EnergyBound::in_cell(const Cell& cell) const {
     squared = squared + square(steepest);
   }
   if (curvature.value > 0) {
-    // -steepest r + curvature / 2 r^2 is lowest at its vertex, or where the cell ends before.
+    // -steepest r + curvature / 2 r^2 has its minimum at its vertex, or at the end of the cell.
     const RoundedNumber steepest{sqrt(squared).upper()};
     const RoundedNumber parabola =
         steepest.value >= (curvature * reach).upper()
@@ -209,8 +209,8 @@ double EnergyBound::safe_radius() const {
                .lower() >= 0;
   };
   if (safe(radius_)) return radius_;
-  // The condition fails from some radius on: halving finds it up to a factor of two, and then more
-  // closely, each step within what is safe.
+  // The condition fails beyond some radius: halving finds it up to a factor of two; then it is
+  // refined, with each step inside the safe range.
   double radius = radius_;
   constexpr int kHalvings = 40;  // 1e-12 of the volume
   int halvings = 0;

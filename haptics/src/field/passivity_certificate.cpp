@@ -19,12 +19,12 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // More than the relative rounding error of a length.
 constexpr double kLengthSlack = 1e-12;
-// Cells are not cut further than to this part of the volume: there, centres are still exact.
+// Cells are not subdivided below this part of the volume, up to which centres are exact.
 constexpr double kSmallestCell = 0x1p-28;
 // Descent from a place where the energy is negative.
 constexpr int kDescentSteps = 40;
 constexpr double kSmallestStep = 1e-3;  // of the displacement
-// Bounds of changed numbers are first-order ones with a reserve that covers changes up to this.
+// Bounds of changed numbers are first-order, with a margin that covers changes up to this.
 constexpr double kMaxNumberTolerance = 1e-3;
 
 void check(const ForceField& field, const ReachableVolume& volume,
@@ -37,7 +37,7 @@ void check(const ForceField& field, const ReachableVolume& volume,
   require("CertificateOptions::max_cells", options.max_cells, at_least(1));
 }
 
-// Not below `length`, with so few digits that the middles of a cube's cells have no rounding error.
+// At least `length`, with so few digits that the centres of a cube's cells have no rounding error.
 double round_up(double length) {
   int exponent = 0;
   const double digits = std::frexp(length, &exponent);
@@ -49,7 +49,7 @@ double secant_stiffness(const ForceField& field, const Eigen::Vector3d& place) {
   return 2 * potential(field, place) / place.squaredNorm();
 }
 
-// Descends the secant stiffness, within the volume, to where the energy is most clearly negative.
+// Minimises the secant stiffness within the volume, to where the energy is most clearly negative.
 Eigen::Vector3d descend(const ForceField& field, double radius, Eigen::Vector3d place) {
   double lowest = secant_stiffness(field, place), step = 0.25;
   for (int i = 0; i < kDescentSteps && step > kSmallestStep; ++i) {
@@ -71,10 +71,10 @@ Eigen::Vector3d descend(const ForceField& field, double radius, Eigen::Vector3d 
 
 struct Candidate {
   double lowest;  // bound of q in the cell
-  int number;     // ties are settled by age
+  int number;     // resolves ties by age
   Cell cell;
 
-  // The top of the queue is the cell that may hold the lowest energy.
+  // The top of the queue is the cell with the lowest bound.
   friend bool operator<(const Candidate& left, const Candidate& right) {
     return left.lowest != right.lowest ? left.lowest > right.lowest : left.number > right.number;
   }
@@ -119,7 +119,7 @@ class Search {
            (distance + cell.half_width).matrix().norm() < safe_radius_ * (1 - kLengthSlack);
   }
 
-  // Proves a cell or leaves it to be cut; false if all is over.
+  // Proves a cell or queues it for subdivision; false if the search is over.
   bool settle(const Cell& cell) {
     if (is_settled(cell)) return true;
     if (result_.cells == options_.max_cells) return false;
@@ -127,13 +127,13 @@ class Search {
     const EnergyBound::InCell bound = bound_.in_cell(cell);
     if (cell.center.norm() <= radius_ && !inspect(cell.center, bound.at_center)) return false;
     if (bound.lowest >= -options_.energy_tolerance) return true;
-    // A bound that overflowed says nothing, and must not confuse the queue.
+    // An overflowed bound carries no information and must not enter the queue.
     const double lowest = std::isnan(bound.lowest) ? -kInfinity : bound.lowest;
     queue_.push({lowest, result_.cells, cell});
     return cell.half_width > kSmallestCell * radius_;
   }
 
-  // False if the energy at a place contradicts what is to be proven.
+  // False if the energy at a place disproves the claim.
   bool inspect(const Eigen::Vector3d& place, const RoundedNumber& energy) {
     const double secant = secant_stiffness(field_, place);
     if (secant < result_.weakest_stiffness) {

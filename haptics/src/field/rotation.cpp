@@ -13,7 +13,7 @@ namespace {
 // Below this angle the series 1 - x^2 / 6 of sin(x) / x and 1/2 - x^2 / 24 are exact to rounding:
 // the next terms are x^4 / 120 < 1e-17.
 constexpr double kSmallAngle = 1e-4;
-// The mean has settled when a step turns by less than some rounding errors.
+// The mean has converged when a step rotates by less than some rounding errors.
 constexpr double kSettled = 1e-14;
 constexpr int kMaxIterations = 20;  // three are enough for frames of neighbours
 
@@ -42,7 +42,7 @@ Eigen::Matrix3d rotation_exp(const Eigen::Vector3d& rotation_vector) noexcept {
 }
 
 Eigen::Vector3d rotation_log(const Eigen::Matrix3d& rotation) noexcept {
-  // The quaternion keeps full accuracy at every angle: its vector part is axis sin(angle / 2).
+  // The quaternion is accurate at every angle: its vector part is axis sin(angle / 2).
   Eigen::Quaterniond q(rotation);
   if (q.w() < 0) q.coeffs() = -q.coeffs();
   const double sine = q.vec().norm();

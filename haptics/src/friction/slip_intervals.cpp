@@ -12,13 +12,13 @@
 namespace palpate::haptics {
 namespace {
 
-// Two normal forces are of one level iff they differ by at most this part of the larger, and the
-// noise of both.
+// Two normal forces belong to one level iff they differ by at most this share of the larger one
+// plus the noise of both.
 constexpr double kSameLevel = 0.1;
-// [rad] Two forces have one direction iff their angles differ by at most this (2.5 degrees); an arm
-// probes in a dozen directions or so.
+// [rad] Two forces have the same direction iff their angles differ by at most this (2.5 degrees);
+// an arm probes about a dozen directions.
 constexpr double kSameDirection = 0.044;
-// A tangential force has a direction iff it exceeds so many standard deviations of the noise.
+// A tangential force has a direction iff it exceeds this many standard deviations of the noise.
 constexpr double kNoticeable = 3;
 
 struct Polar {
@@ -30,7 +30,7 @@ double turn_between(double from, double to) {
   return std::abs(std::remainder(to - from, 2 * std::numbers::pi));
 }
 
-// Splits what is sorted where `apart` tells two neighbours apart.
+// Splits a sorted range between neighbours for which `apart` holds.
 template <typename Value, typename Apart>
 std::vector<std::span<Value>> split(std::span<Value> sorted, Apart apart) {
   std::vector<std::span<Value>> parts;
@@ -43,7 +43,7 @@ std::vector<std::span<Value>> split(std::span<Value> sorted, Apart apart) {
   return parts;
 }
 
-// Runs of one direction among values sorted by angle; one that lies across +-pi is not cut.
+// Runs of one direction among values sorted by angle; a run across +-pi is not split.
 template <typename Value>
 std::vector<std::span<Value>> split_directions(std::span<Value> values, double Value::*angle) {
   const auto less = [&](const Value& a, const Value& b) { return a.*angle < b.*angle; };
@@ -51,7 +51,7 @@ std::vector<std::span<Value>> split_directions(std::span<Value> values, double V
     return turn_between(a.*angle, b.*angle) > kSameDirection;
   };
   std::sort(values.begin(), values.end(), less);
-  // Begin behind a gap.
+  // Start after a gap.
   for (std::size_t i = 1; i < values.size(); ++i) {
     if (!apart(values[i - 1], values[i])) continue;
     std::rotate(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(i), values.end());

@@ -14,21 +14,21 @@ namespace palpate::haptics {
 namespace {
 
 constexpr int kMaxIterations = 100;
-constexpr double kFirstDamping = 1e-3;  // of the information's own diagonal; adapts from there
-constexpr double kMaxDamping = 1e9;     // no step this short helps: the end is reached
-// Smallest damping relative to the mean diagonal, for directions that nothing is known about.
+constexpr double kFirstDamping = 1e-3;  // of the information's diagonal; adapted later
+constexpr double kMaxDamping = 1e9;     // no shorter step helps, so the search ends
+// Smallest damping relative to the mean diagonal, for directions without information.
 constexpr double kLeastInformation = 1e-9;
-// The search ends when a step promises no more of the logarithm of the likelihood: the parameters
-// are within some 1e-5 standard errors.
+// The search ends when a step promises a smaller gain of the log-likelihood than this: the
+// parameters are then within some 1e-5 standard errors.
 constexpr double kSettled = 1e-10;
 constexpr double kMaxTurn = 0.2;  // [rad] and relative to the noise, in one step
 constexpr double kRightAngle = std::numbers::pi / 2;
-// Beyond so many standard deviations a trial's outcome is certain but for lapses: Phi < 1e-15.
+// Beyond this many standard deviations a trial's outcome is certain except for lapses: Phi < 1e-15.
 constexpr double kCertain = 8;
 const double kCertainCost = -std::log(1 - kLapse), kLapseCost = -std::log(kLapse);
 
-// Signed distance of a force to the cone, and its derivatives for turns about the frame's x and y
-// axes and for the angle.
+// Signed distance of a force from the cone, and its derivatives by rotations about the frame's x
+// and y axes and by the angle.
 struct Distance {
   double value;
   Eigen::Vector3d slope;
@@ -37,15 +37,15 @@ struct Distance {
     const Eigen::Vector3d f = cone.frame.transpose() * force;
     const double across = std::hypot(f.x(), f.y());
     value = cosine * across - sine * f.z();
-    // A turn (x, y) adds (y, -x) to the axis: f.z grows by that times f_xy, and |f_xy| shrinks by
-    // f.z times its part outwards.
+    // A rotation (x, y) adds (y, -x) to the axis: f.z increases by that times f_xy, and |f_xy|
+    // decreases by f.z times its outward part.
     const double pull = across > 0 ? cosine * f.z() / across + sine : sine;
     slope = {pull * f.y(), -pull * f.x(), -sine * across - cosine * f.z()};
   }
 };
 
-// A trial's part of the cost, its first and second derivative with respect to the distance (in
-// units of the noise), and the expected second derivative.
+// Contribution of a trial to the cost, its first and second derivative by the distance (in units of
+// the noise), and the expected second derivative.
 struct Part {
   double cost, slope = 0, curvature = 0, information = 0;
 
@@ -69,8 +69,8 @@ struct Evaluation {
   double cost = 0;
   Eigen::Vector4d gradient = Eigen::Vector4d::Zero();
   Eigen::Matrix4d information = Eigen::Matrix4d::Zero();
-  // For steps. Where the boundary lies between few trials these curve the cost more than is to be
-  // expected of them, and steps by the information alone would swing across the optimum.
+  // Used for steps. If few trials surround the boundary, they curve the cost more than expected,
+  // and steps by the expected information would oscillate around the optimum.
   Eigen::Matrix4d curvature = Eigen::Matrix4d::Zero();
 };
 
@@ -92,7 +92,7 @@ Evaluation evaluate(std::span<const FrictionTrial> trials, const SlipCone& cone)
   return result;
 }
 
-// The step of those parameters that are free, within the limits; the others stay.
+// The step of the free parameters, within the limits; the others stay.
 Eigen::Vector4d damped_step(const Evaluation& at, const std::array<bool, 4>& free, double damping) {
   Eigen::Vector4d gradient = at.gradient;
   Eigen::Matrix4d matrix = at.curvature;
@@ -135,7 +135,7 @@ SlipOptimum maximise_likelihood(std::span<const FrictionTrial> trials, const Sli
   Evaluation at = evaluate(trials, best.cone);
   double damping = kFirstDamping;
   for (int i = 0; i < kMaxIterations && !best.converged; ++i) {
-    // What is at its limit and pushed against it stays.
+    // A parameter at its limit that is pushed against it stays.
     const bool narrowest = best.cone.angle <= 0 && at.gradient[2] >= 0,
                widest = best.cone.angle >= kRightAngle && at.gradient[2] <= 0,
                quietest = best.cone.noise <= least_noise && at.gradient[3] >= 0;

@@ -14,27 +14,28 @@
 namespace palpate::haptics {
 namespace {
 
-/// Huber's loss is linear beyond so many deviations: 3 % of sound pairs (chi of three numbers).
+/// Huber's loss is linear beyond this many deviations: for 3 % of valid pairs (chi of three
+/// numbers).
 constexpr double kHuber = 3;
-/// A pair further off is an outlier: one sound pair in ten million is.
+/// A pair beyond this is an outlier; so is one valid pair in ten million.
 constexpr double kOutlier = 6;
-/// Unless more than this share of its contact's pairs is: then the model is wrong there.
+/// Unless this share of its contact's pairs is beyond it: then the model is wrong there.
 constexpr double kOutlierShare = 0.1;
-/// The weights are renewed until no parameter moves by more than this times its standard error.
+/// The weights are updated until no parameter changes by more than this times its standard error.
 constexpr double kRestingError = 0.02;
 constexpr int kMaxRounds = 12;
-/// The starts are compared on about so many pairs.
+/// Approximate number of pairs on which the starts are compared.
 constexpr std::size_t kStartPairs = 300;
-/// Damping of a search from afar, and of one that goes on from a solution with other weights.
+/// Initial damping of a search from a distant start, and of one continued with other weights.
 constexpr double kFar = 1e-2, kNear = 1e-6;
 /// A direction is undetermined iff its standard error >= this, in units of the parameters' scales:
 /// then a change of that size is less than three deviations.
 constexpr double kUndetermined = 1.0 / 3;
 /// A parameter belongs to a direction iff its component of the unit vector is larger.
 constexpr double kBelongs = 0.1;
-/// What errors of derivatives leave of an eigenvalue that is zero, relative to the largest.
+/// Size of a zero eigenvalue due to errors of derivatives, relative to the largest eigenvalue.
 constexpr double kZeroEigenvalue = 1e-10;
-/// Noise is at least this times the displacements (what digits of files leave).
+/// Smallest noise relative to the displacements, due to the digits in files.
 constexpr double kLeastNoise = 1e-6;
 
 struct Noise {
@@ -42,8 +43,8 @@ struct Noise {
   bool known = false;
 };
 
-/// Variances of displacement and force from the scatter of the settled positions, in which force
-/// noise shows times the compliance C: scatter = 3 s_d^2 + |C|^2 s_f^2.
+/// Variances of displacement and force from the scatter of the settled positions, which contains
+/// the force noise times the compliance C: scatter = 3 s_d^2 + |C|^2 s_f^2.
 Noise estimate_noise(const Problem& problem, const Predictions& predictions, double least) {
   constexpr int kRounds = 5;
   std::vector<Eigen::Vector3d> rows;  // |C|^2, scatter, degrees of freedom
@@ -72,7 +73,7 @@ Noise estimate_noise(const Problem& problem, const Predictions& predictions, dou
   return {std::max(std::sqrt(variance[0]), least), std::sqrt(variance[1]), true};
 }
 
-/// Every displacement counts alike, in units of `size`.
+/// Gives all displacements the same weight, in units of `size`.
 Weights equal_weights(std::size_t count, double size) {
   return {std::vector<Eigen::Matrix3d>(count, Eigen::Matrix3d::Identity() / size)};
 }
@@ -92,7 +93,7 @@ Weights noise_weights(const Problem& problem, const Predictions& predictions, co
   return weights;
 }
 
-/// Agreement of each contact; single outliers are left out.
+/// Agreement of each contact; single outliers are excluded.
 void judge(const Problem& problem, const std::vector<Eigen::Vector3d>& residual,
            std::span<const probing::Contact> contacts, double max_chi2, Identification& report) {
   std::vector<std::vector<double>> distances(contacts.size());
@@ -170,7 +171,7 @@ std::vector<ParameterEstimate> describe(const ParametricLaw& law, const Eigen::V
   return result;
 }
 
-/// Best of the starts on some of the pairs.
+/// Finds the best of the starts using some of the pairs.
 Eigen::VectorXd best_start(const Problem& problem, double size, int max_iterations) {
   Problem part{.law = problem.law, .pairs = {}};
   const std::size_t stride = 1 + problem.pairs.size() / kStartPairs;
@@ -194,7 +195,7 @@ double mean_square(std::span<const Pair> pairs, const Predictions& predictions) 
   return sum / static_cast<double>(pairs.size());
 }
 
-/// Whether no determined parameter moved by a share of its standard error that matters.
+/// Whether every determined parameter moved by a negligible share of its standard error.
 bool rests(const std::vector<ParameterEstimate>& estimates, const Eigen::VectorXd& before,
            const Eigen::VectorXd& after) {
   for (Eigen::Index k = 0; k < before.size(); ++k) {
@@ -235,7 +236,7 @@ LawEstimate estimate(const ParametricLaw& law, std::span<const Pair> pairs,
     noise = options.displacement_noise
                 ? Noise{*options.displacement_noise, options.force_noise.value_or(0), true}
                 : estimate_noise(robust, found.predictions, least);
-    // Without noise: equal weights, in units of the scatter that is left.
+    // Without known noise: equal weights, in units of the remaining scatter.
     weights =
         noise.known
             ? noise_weights(robust, found.predictions, noise)

@@ -12,18 +12,18 @@
 namespace palpate::haptics {
 namespace {
 
-/// Change of damping after a step that lessens the cost, and after one that does not.
+/// Factors of the damping after a step that reduces the cost, and after one that does not.
 constexpr double kLess = 0.1, kMore = 10;
 constexpr double kLeastDamping = 1e-9;
 constexpr double kMostDamping = 1e12;
-/// Directions without any effect are damped by this times the largest diagonal element, too.
+/// Damping of directions without any effect, relative to the largest diagonal element.
 constexpr double kIdle = 1e-12;
-/// The search rests iff a step changes the residuals by less than this times their size: in
-/// parameters that is as much less than what their scatter leaves open. Damping has to be low, lest
-/// it is damping that makes the step short.
+/// The search has converged iff a step changes the residuals by less than this times their size,
+/// which in the parameters is as small compared to their uncertainty. The damping has to be low,
+/// because otherwise it may be what makes the step short.
 constexpr double kRestingChange = 1e-4;
 constexpr double kRestingDamping = 1e-5;
-/// It also rests iff no parameter moves by more than this times its scale.
+/// It has also converged iff no parameter moves by more than this times its scale.
 constexpr double kRestingStep = 1e-10;
 
 /// Sum of Huber's loss; infinite without predictions.
@@ -37,7 +37,7 @@ double cost_of(const Problem& problem, const std::vector<Eigen::Vector3d>& resid
   return std::isfinite(sum) ? sum : std::numeric_limits<double>::infinity();
 }
 
-/// The step in units of the scales; parameters held by a bound stay.
+/// The step in units of the scales; parameters at a bound stay.
 Eigen::VectorXd damped_step(const ParametricLaw& law, const Eigen::VectorXd& at,
                             const NormalEquations& normal, double damping) {
   Eigen::MatrixXd matrix = normal.matrix;

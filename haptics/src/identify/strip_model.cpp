@@ -19,12 +19,13 @@ namespace palpate::haptics {
 namespace {
 
 constexpr int kMaxIterations = 200;
-/// The equilibrium is found iff what is out of balance <= this * the sum of the terms' sizes.
-/// 1e-12: some hundred roundings.
+/// The equilibrium is found iff the residual force <= this * the sum of the magnitudes of its
+/// terms; 1e-12 is some hundred roundings.
 constexpr double kBalanceRelTol = 1e-12;
-/// Smallest eigenvalue of Newton's matrix, relative to its largest: a step is always downhill.
+/// Smallest eigenvalue of Newton's matrix relative to its largest, so that a step is always
+/// downhill.
 constexpr double kSmallestEigenvalue = 1e-9;
-/// A step is halved down to this part of itself: below, rounding decides which energy is less.
+/// A step is halved down to this fraction; below it, rounding decides which energy is smaller.
 constexpr double kSmallestPart = 1e-9;
 
 Strip sound_strip(const StripModel& model, const probing::Contact& contact,
@@ -43,8 +44,8 @@ Strip sound_strip(const StripModel& model, const probing::Contact& contact,
   return strip;
 }
 
-/// The inverse of a Hessian times a gradient, or if it has directions of negative or hardly any
-/// curvature, that of a positive definite matrix like it.
+/// Solves with a Hessian; if it has directions of negative or very small curvature, with a similar
+/// positive definite matrix.
 Eigen::Vector3d downhill_inverse(const Eigen::Matrix3d& hessian, const Eigen::Vector3d& gradient) {
   const Eigen::LLT<Eigen::Matrix3d> cholesky(hessian);
   if (cholesky.info() == Eigen::Success && cholesky.rcond() > kSmallestEigenvalue) {
@@ -71,7 +72,7 @@ std::optional<Eigen::Vector3d> minimize(Eigen::Vector3d e, double size, const Va
     const Eigen::Vector3d step = -downhill_inverse(hessian_here, unbalanced);
     double part = 1;
     const double here = value(e);
-    // Near the minimum the energy no longer tells; the gradient does.
+    // Close to the minimum the energy is dominated by rounding, so compare the gradient.
     while (part > kSmallestPart && !(value(e + part * step) < here) &&
            !(gradient_at(e + part * step).norm() < unbalanced.norm())) {
       part /= 2;

@@ -7,11 +7,11 @@
 namespace palpate::sensing {
 namespace {
 
-/// A colour speaks for a patch iff it holds at least this share of the patch's pixels that are well
-/// inside a stripe: less may be a stripe edge that blur has moved.
+/// A colour is evidence for a patch iff it covers at least this share of the patch's pixels that
+/// are well inside a stripe; a smaller share may be a stripe edge displaced by blur.
 constexpr double kLeastShare = 0.05;
 
-/// Pixels of one colour that a patch's depths want.
+/// Counts of the pixels for which a patch's depths predict one colour.
 struct Evidence {
   int wanted = 0;
   int agreeing = 0;

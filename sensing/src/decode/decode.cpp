@@ -37,21 +37,21 @@ namespace {
 
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
-/// Known neighbours whose phases differ by more than this belong to different surfaces [rad]: the
-/// limit of what wrapped differences can show is pi.
+/// Known neighbours whose phases differ by more than this belong to different surfaces [rad];
+/// wrapped differences can show at most pi.
 constexpr double kBreak = 2;
-/// How far blur carries light beyond the edge of a surface [px].
+/// Reach of blur beyond the edge of a surface [px].
 constexpr int kBlurRadius = 2;
-/// The colours are checked in squares of these half widths [px]: one that holds more than one
-/// stripe, and one so small that what lies beside a narrow part of a surface does not outvote it.
+/// Half-widths of the squares in which colours are checked [px]: one that contains more than one
+/// stripe, and one so small that the surroundings of a narrow part of a surface do not outvote it.
 constexpr std::array<long, 2> kNearby{16, 6};
-/// How far across the sinusoid a break reaches [px]: two standard deviations of the average along
-/// the rows, whose steps 1, 2, 4, ... have variances of 1, 4, 16, ... px^2.
+/// Reach of a phase discontinuity across the sinusoid [px]: two standard deviations of the average
+/// along the rows, whose steps 1, 2, 4, ... have variances of 1, 4, 16, ... px^2.
 int break_columns(const DemodulationFilter& filter) {
   return static_cast<int>(std::lround(2 * std::sqrt((std::pow(4, filter.averages) - 1) / 3)));
 }
 
-/// Half a trough of the sinusoid, with its flanks [px].
+/// Half the width of a trough of the sinusoid, including its flanks [px].
 int trough_radius(const Carrier& carrier) {
   return (static_cast<int>(2 * std::numbers::pi / std::abs(carrier.along)) + 1) / 2;
 }
@@ -79,13 +79,13 @@ void check_anchor(const Anchor& anchor, const geometry::Camera& camera) {
   require("Anchor::z", anchor.z, above(0).finite(), "mm");
 }
 
-/// The least period at half size [px]. From there on the sinusoid's mirror image at the negative
-/// frequency, seen from the sampling, is at least one carrier away: on a zero of the window's
-/// spectrum or beyond, like the second harmonic. Shorter periods would let it into the phase
-/// wherever a slope takes the sinusoid off the carrier.
+/// Smallest period at half size [px]. For longer periods the alias of the sinusoid at the negative
+/// frequency is at least one carrier away, on a zero of the window's spectrum or beyond, like the
+/// second harmonic. For shorter periods it would disturb the phase wherever a slope moves the
+/// sinusoid off the carrier.
 constexpr double kLeastHalfPeriod = 3;
 
-/// The rig whose camera sees what is decoded.
+/// The rig whose camera has the size of the decoded image.
 Rig decoded_rig(const Rig& rig, const Pattern& pattern, bool half) {
   if (!half) return rig;
   check_rig(rig, "rig");
@@ -102,7 +102,7 @@ Rig decoded_rig(const Rig& rig, const Pattern& pattern, bool half) {
   return decoded;
 }
 
-/// To each pixel what the entry of its label says.
+/// Assigns to each pixel the entry of its label.
 PALPATE_HOT_LOOP void add_entries(const int* label, const float* in, const float* to_add,
                                   const int* reason, float* __restrict phase,
                                   std::uint8_t* __restrict reasons, long pixels) {
@@ -113,11 +113,11 @@ PALPATE_HOT_LOOP void add_entries(const int* label, const float* in, const float
   }
 }
 
-/// Adds to each region its offset; tells why the pixels of no resolved region have no phase.
+/// Adds its offset to each region, and sets the reason of pixels in unresolved or no regions.
 void add_offsets(const Regions& regions, const std::vector<RegionOffset>& offsets, Plane& phase,
                  ReasonImage& reasons) {
   phase.resize(regions.phase.rows(), regions.phase.cols());
-  // One entry before those of the regions, for the pixels of none: their label is -1.
+  // One more entry before those of the regions, for pixels in no region, whose label is -1.
   std::vector<float> to_add(1, kUnknown);
   std::vector<int> reason(1, code(Reason::uneven_phase));
   for (const RegionOffset& offset : offsets) {
@@ -128,13 +128,13 @@ void add_offsets(const Regions& regions, const std::vector<RegionOffset>& offset
               phase.data(), reasons.data(), phase.size());
 }
 
-/// From deviations of phases to those of the depths that are known.
+/// Converts deviations of phases to deviations of known depths.
 PALPATE_HOT_LOOP void scale_sigma(const float* z, const float* z_per_phase, float* __restrict sigma,
                                   long pixels) {
   for (long i = 0; i < pixels; ++i) sigma[i] = z[i] == z[i] ? sigma[i] * z_per_phase[i] : kUnknown;
 }
 
-/// What a pattern with stripes needs besides.
+/// Additional data of a pattern with stripes.
 struct Stripes {
   Stripes(const Pattern& pattern, const TrainedColors& trained)
       : classifier(pattern, trained), edges(pattern), colors(pattern) {}
@@ -163,7 +163,7 @@ struct Decoder::Impl {
 
   DecodeOptions options;
   geometry::Camera camera;  ///< of the frames
-  DecoderGeometry model;    ///< of what is decoded
+  DecoderGeometry model;    ///< of the decoded image
   DemodulationFilter filter;
   std::optional<Stripes> stripes;  ///< iff the pattern has any
   mutable Pool<Workspace> workspaces;
@@ -233,7 +233,7 @@ std::vector<RegionOffset> Decoder::Impl::anchor_offsets(const Regions& regions) 
   return anchored_offsets(regions, guess, filter.radius);
 }
 
-/// From the frame to the sinusoid in it.
+/// Finds the sinusoid in the frame.
 void Decoder::Impl::demodulate_frame(const cv::Mat& frame, Workspace& work) const {
   if (options.half_resolution) {
     split_frame(frame, model.carrier().transposed, work.whole);
@@ -250,7 +250,7 @@ void Decoder::Impl::demodulate_frame(const cv::Mat& frame, Workspace& work) cons
   combine_channels(work.demodulated.channels, model.chromatic(), work.combined);
 }
 
-/// Where there is enough light and enough of the sinusoid in it.
+/// Finds where there is enough light and the sinusoid is strong enough.
 void Decoder::Impl::judge_light(Workspace& work) const {
   const Pattern& pattern = model.pattern();
   find_modulated(work.combined, work.demodulated.channels, work.lit,
@@ -266,7 +266,7 @@ void Decoder::Impl::judge_light(Workspace& work) const {
   give_reason_unless(work.modulated, Reason::low_modulation, work.reasons);
 }
 
-/// From the wrapped phase to the absolute one.
+/// Unwraps the phase and makes it absolute.
 void Decoder::Impl::find_regions(Workspace& work) const {
   const FloodLimits limits{options.max_phase_variance, options.max_phase_step};
   find_wrapped_phase(work.combined.re, work.combined.im, work.wrapped);
@@ -296,7 +296,7 @@ void Decoder::Impl::find_regions(Workspace& work) const {
   add_offsets(work.regions, work.offsets, work.phase, work.reasons);
 }
 
-/// Takes away the phases of windows that mix two surfaces, or a surface and the dark beside it.
+/// Removes the phases of windows that mix two surfaces, or a surface and the dark beside it.
 void Decoder::Impl::drop_borders(Workspace& work) const {
   erode(work.lit, kBlurRadius, work.inner);
   give_reason_unless(work.inner, Reason::border, work.reasons);
@@ -306,7 +306,7 @@ void Decoder::Impl::drop_borders(Workspace& work) const {
   keep_reconstructed(work.reasons, work.phase);
 }
 
-/// From the phase's standard deviation to the depth's.
+/// Converts the standard deviation of the phase to that of the depth.
 void Decoder::Impl::predict_sigma(Workspace& work) const {
   const Pattern& pattern = model.pattern();
   const PhaseSignal signal{.wrapped = work.wrapped,
@@ -324,7 +324,7 @@ void Decoder::Impl::predict_sigma(Workspace& work) const {
               work.sigma.size());
 }
 
-/// Takes away the depths that the colours contradict.
+/// Removes the depths that the colours contradict.
 void Decoder::Impl::check_colors(Workspace& work) const {
   for (const long nearby : kNearby) {
     find_contradictions(work.surfaces.stripe_pixel, work.hue, stripes->colors, stripes->classifier,
@@ -338,7 +338,7 @@ void Decoder::Impl::check_colors(Workspace& work) const {
   keep_reconstructed(work.reasons, work.surfaces.z);
 }
 
-/// Leaves the result's former images to the workspace.
+/// Moves the result's former images to the workspace for reuse.
 void Decoder::Impl::fill_result(Workspace& work, DecodeResult& result) const {
   result.transitions = stripes ? static_cast<int>(work.guesses.size()) : 0;
   result.regions = work.regions.count;

@@ -16,8 +16,8 @@ namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
 
-/// Constants of planes through the projector's centre: each holds the projector pixels of one
-/// coordinate `axis`, which is along_per_phase times the phase.
+/// Constants of planes through the projector's centre. Each contains the projector pixels with one
+/// coordinate along `axis`, which is along_per_phase times the phase.
 SurfaceConstants surface_constants(const Rig& rig, int axis, double pixels_per_phase) {
   const geometry::Camera& projector = rig.projector;
   const bool x = axis == 0;
@@ -55,7 +55,7 @@ void find_surface_of(const SurfaceRow& row, const SurfaceConstants& constants) {
   }
 }
 
-/// The first reason stays.
+/// Keeps an earlier reason.
 PALPATE_HOT_LOOP void add_reasons(const std::int32_t* reason, std::uint8_t* __restrict reasons,
                                   long columns) {
   for (long i = 0; i < columns; ++i) {
@@ -125,7 +125,8 @@ std::optional<double> DecoderGeometry::phase_at_depth(long row, long column, dou
 
 void DecoderGeometry::phases_at_edges(const std::vector<Transition>& transitions,
                                       std::vector<PhaseGuess>& guesses) const {
-  // As for depths, the stripes taking the place of the phases; a "row" is some transitions.
+  // The same computation as for depths, with stripes instead of phases; a "row" is some
+  // transitions.
   SurfaceConstants constants = surface_constants(rig_, 1 - axis_, 1);
   constants.max_sensitivity = std::numeric_limits<float>::infinity();
   constexpr std::size_t kChunk = 256;

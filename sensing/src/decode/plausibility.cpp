@@ -11,15 +11,15 @@ namespace palpate::sensing {
 namespace {
 
 /// A pixel is well inside a stripe iff it is this far from its edges [projector px]: farther than
-/// the blur of camera and projector and the sideways shift of their colour channels.
+/// the blur of camera and projector and the lateral shift of their colour channels.
 constexpr double kEdgeMargin = 4;
 
 PALPATE_HOT_LOOP void keep_common(std::uint8_t* values, const std::uint8_t* other, long count) {
   for (long i = 0; i < count; ++i) values[i] = values[i] & other[i];
 }
 
-/// Whether the phase breaks between each pixel and the next of its row, or the one below it; tells
-/// whether one does.
+/// Finds where the phase is discontinuous between each pixel and the next in its row, or the one
+/// below; returns whether it is anywhere.
 PALPATE_HOT_LOOP bool break_row(const float* phase, const float* below, float limit,
                                 std::uint8_t* breaks, long columns) {
   int any = 0;
@@ -32,12 +32,12 @@ PALPATE_HOT_LOOP bool break_row(const float* phase, const float* below, float li
   return any != 0;
 }
 
-/// What a pixel says of its depth: `kCompared` if its stripe colour is known, and `kAgreeing` if it
-/// has that colour.
+/// Evidence of a pixel: `kCompared` if the colour of its stripe is known, and `kAgreeing` if it has
+/// this colour.
 constexpr std::uint32_t kCompared = 1;
 constexpr std::uint32_t kAgreeing = 1 << 16;
 
-/// Table entries, then colours, of a row of pixels: of their hue, and of the stripe there.
+/// For a row of pixels, first table entries, then colours: of their hue, and of the stripe there.
 struct ColorRow {
   explicit ColorRow(long columns)
       : seen(static_cast<std::size_t>(columns)), expected(static_cast<std::size_t>(columns)) {}
@@ -89,8 +89,8 @@ PALPATE_HOT_LOOP void take_row(std::uint32_t* __restrict sums, const std::uint32
 }
 
 /// Marks the pixels in whose square too few agree.
-/// \param until sums over all columns up to one, the counts of both kinds in one number: it may
-/// overflow, differences over a square do not.
+/// \param until sums over all columns up to one, with the counts of both kinds in one number: it
+/// may overflow, but differences over a square do not.
 PALPATE_HOT_LOOP void judge_row(const std::uint32_t* until, const float* stripe_pixel,
                                 float min_agreement, long width, std::uint8_t* __restrict marked,
                                 long columns) {
@@ -109,7 +109,7 @@ void erode(const Mask& mask, int radius, Mask& inner) {
   const long rows = mask.rows();
   const long columns = mask.cols();
   inner = mask;
-  // A row with `radius` pixels more on either side, which do no harm.
+  // A row padded with `radius` pixels on either side, which do not erode.
   std::vector<std::uint8_t> wide(static_cast<std::size_t>(columns + 2 * radius), 1);
   for (long row = 0; row < rows; ++row) {
     std::uint8_t* const common = wide.data() + radius;
@@ -170,8 +170,8 @@ void find_contradictions(const Plane& stripe_pixel, const Plane& hue, const Stri
   const long rows = hue.rows();
   const long columns = hue.cols();
   marked.resize(rows, columns);
-  // What the pixels of the rows nearby say, row after row in a ring; its sum over these rows; and
-  // the sum of that over all columns before each, with `nearby` columns of nothing on either side.
+  // Evidence of the rows nearby, row by row in a ring buffer; its sum over these rows; and the
+  // prefix sums of that over the columns, padded with `nearby` empty columns on either side.
   using Numbers = Eigen::Array<std::uint32_t, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   const long width = 2 * nearby + 1;
   Numbers said = Numbers::Zero(width, columns);

@@ -16,7 +16,8 @@ constexpr auto kReconstructed = static_cast<std::int32_t>(Reason::reconstructed)
 constexpr auto kOffPanel = static_cast<std::int32_t>(Reason::off_panel);
 constexpr auto kGrazing = static_cast<std::int32_t>(Reason::grazing);
 
-/// Newton's method squares the error each time: from 0.1, more than any lens distorts, to rounding.
+/// Newton's method squares the error in each step: from 0.1, more than any lens distorts, to
+/// rounding.
 constexpr int kNewtonSteps = 4;
 /// Its last step must be smaller than this [normalised]: 20 times the rounding of the coordinates.
 constexpr float kMaxLastStep = 1e-6F;
@@ -37,9 +38,9 @@ struct Line {
           (c.t_across * row.forward[i] - c.t_forward * row.across[i]) * inverse};
 }
 
-/// Normalised coordinate along the axis of the phase of a pixel. The lags were taken at the
-/// expected pixel; now the projector pixel is known, and with it by how much the phase of the sum
-/// of the channels moves (to first order in the lags, which are small).
+/// Normalised coordinate, along the axis, of a pixel's phase. The lags hold at the expected pixel;
+/// once the projector pixel is known, they are corrected for the change of the phase of the
+/// channels' sum (to first order in the lags, which are small).
 [[gnu::always_inline]] inline float along_of_phase(const SurfaceRow& row, const SurfaceConstants& c,
                                                    long i) {
   const float along = row.phase[i] * c.along_per_phase + row.along_at_zero_phase;
@@ -47,11 +48,11 @@ struct Line {
   return along + moved * (row.red[i] * c.lag_red + row.blue[i] * c.lag_blue);
 }
 
-/// Writes what is known of a pixel.
-/// \param along as the panel shows it; `straight` without the lens, in which `stretch` is its
-/// derivative.
-/// \param across as the panel shows it.
-/// \param known whether all that holds.
+/// Writes the results of a pixel.
+/// \param along position on the panel; `straight` without lens distortion, whose derivative is
+/// `stretch`.
+/// \param across position on the panel.
+/// \param known whether these values are valid.
 [[gnu::always_inline]] inline void write_surface(const SurfaceRow& row, const SurfaceConstants& c,
                                                  long i, float k, float along, float straight,
                                                  float stretch, float across, bool known) {
@@ -59,7 +60,7 @@ struct Line {
   const float z = (c.t_along - straight * c.t_forward) / divisor;
   const float pixel = across * c.focal_across_px + c.center_across_px;
   const float z_per_phase = std::abs(k * c.along_per_phase / (divisor * divisor * stretch));
-  // In front of both: the depth seen from the projector is k / divisor.
+  // In front of both instruments: the depth from the projector is k / divisor.
   const bool lit = known & (z > 0) & (k * divisor > 0) & (along >= c.first_along) &
                    (along <= c.last_along) & (pixel >= c.first_across_px) &
                    (pixel <= c.last_across_px);
@@ -74,7 +75,7 @@ struct Line {
 }  // namespace
 
 PALPATE_HOT_LOOP void find_surface(const SurfaceRow& row, const SurfaceConstants& constants) {
-  // Copies, and ivdep, since nothing that is written is read.
+  // Copies and ivdep, because nothing that is written is read.
   const SurfaceRow r = row;
   const SurfaceConstants c = constants;
 #pragma GCC ivdep

@@ -61,7 +61,7 @@ struct FrameSource::Impl {
   std::size_t file = 0;                 ///< of the next frame
   std::size_t number = 0;               ///< of the next frame
   std::optional<VideoFile> video = {};  ///< the current file, if it is one
-  std::size_t in_video = 0;             ///< frames of it that came
+  std::size_t in_video = 0;             ///< number of its frames delivered so far
 
   void look_at_videos();
   std::optional<SourceFrame> next();
@@ -167,7 +167,7 @@ std::vector<fs::path> list_images(const fs::path& folder) {
   std::vector<fs::path> images;
   for (fs::directory_iterator entry(folder, error); entry != fs::directory_iterator();
        entry.increment(error)) {
-    std::error_code ignored;  // what cannot be looked at is no image
+    std::error_code ignored;  // an inaccessible entry is not an image
     if (entry->is_regular_file(ignored) && is_image_name(entry->path()))
       images.push_back(entry->path());
   }

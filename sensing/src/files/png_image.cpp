@@ -21,13 +21,13 @@ namespace {
 
 using Byte = std::uint8_t;
 
-/// What the header says of the pixels, of the kinds that are read here.
+/// Pixel format in the header, for the types that are read here.
 struct Layout {
   int width = 0;
   int height = 0;
   int channels = 0;       ///< in the file: 1, 3, or 4 with alpha
   int sample_bytes = 0;   ///< 1 or 2
-  bool is_known = false;  ///< false: a kind that is not read here
+  bool is_known = false;  ///< false for a type that is not read here
   [[nodiscard]] std::size_t pixel_bytes() const {
     return static_cast<std::size_t>(channels) * static_cast<std::size_t>(sample_bytes);
   }
@@ -36,7 +36,7 @@ struct Layout {
   }
 };
 
-// Beyond it, a header is not believed: 2^28 pixels are 1 GB of depths.
+// Larger sizes in a header are not believed: 2^28 pixels are 1 GB of depths.
 constexpr std::uint64_t kMaxPixels = std::uint64_t{1} << 28U;
 
 Layout read_layout(std::string_view header) {
@@ -64,7 +64,7 @@ std::vector<Byte> inflate(std::string_view packed, std::size_t size) {
       decompressor(libdeflate_alloc_decompressor(), &libdeflate_free_decompressor);
   if (!decompressor) throw std::bad_alloc();
   std::vector<Byte> rows(size);
-  // Without a place for the size, anything but exactly `size` bytes is an error.
+  // Because no output size is passed, anything but exactly `size` bytes is an error.
   if (libdeflate_zlib_decompress(decompressor.get(), packed.data(), packed.size(), rows.data(),
                                  rows.size(), nullptr) != LIBDEFLATE_SUCCESS) {
     throw InvalidInput("is damaged: its pixels cannot be unpacked");
@@ -72,7 +72,7 @@ std::vector<Byte> inflate(std::string_view packed, std::size_t size) {
   return rows;
 }
 
-/// Which of left, above and above left is nearest to left + above - above left (PNG
+/// The one of left, above and above left that is nearest to left + above - above left (Paeth; PNG
 /// specification, 9.4).
 Byte paeth(int left, int above, int corner) {
   const int to_left = std::abs(above - corner);
@@ -82,8 +82,8 @@ Byte paeth(int left, int above, int corner) {
   return static_cast<Byte>(to_left <= to_above && to_left <= to_corner ? left : nearer);
 }
 
-/// Undoes the filter of one row (PNG specification, 9.2): its bytes are differences from what the
-/// pixel to the left and the row above predict. `above` is zero for the first row.
+/// Reverses the filter of one row (PNG specification, 9.2), whose bytes are differences from what
+/// the pixel to the left and the row above predict. `above` is zero for the first row.
 template <std::size_t kPixelBytes>
 void undo_filter(int filter, Byte* row, const Byte* above, std::size_t size) {
   std::array<Byte, kPixelBytes> left{}, corner{};
@@ -113,7 +113,7 @@ void undo_filter(int filter, Byte* row, const Byte* above, std::size_t size) {
   }
 }
 
-/// One filter at a time, so that the choice of it stays outside the loop.
+/// Each filter has its own loop, so that the choice is made outside.
 template <std::size_t kPixelBytes>
 void undo_filter_of_row(int filter, Byte* row, const Byte* above, std::size_t size) {
   switch (filter) {
@@ -160,7 +160,7 @@ Sample load_sample(const Byte* bytes) {
   }
 }
 
-/// RGB(A) or grey of the file to BGR or grey.
+/// Converts RGB(A) or grey of the file to BGR or grey.
 template <typename Sample>
 void copy_row(const Byte* bytes, const Layout& layout, Sample* pixels) {
   const std::size_t step = layout.pixel_bytes();

@@ -31,7 +31,7 @@ cv::FileStorage open_storage(const std::filesystem::path& path) {
       "keys and values is expected");
 }
 
-/// The log level of OpenCV while somebody wants it silent.
+/// The log level of OpenCV while any QuietOpenCv exists.
 struct Silence {
   std::mutex mutex;
   int wanted_by = 0;
@@ -68,7 +68,7 @@ std::string read_bytes(const std::filesystem::path& path) {
   if (!error && size == 0) throw FileError(path.string() + ": the file is empty");
   std::ifstream stream(path, std::ios::binary);
   std::ostringstream bytes;
-  // Fails if the file cannot be opened, or breaks off.
+  // Fails if the file cannot be opened or is truncated.
   if (!stream || !(bytes << stream.rdbuf())) throw FileError(path.string() + ": cannot be read");
   return std::move(bytes).str();
 }

@@ -17,15 +17,15 @@ namespace {
 
 constexpr std::array<std::string_view, 9> kEndings{".avi", ".m4v", ".mj2", ".mkv", ".mov",
                                                    ".mp4", ".mpg", ".ogv", ".webm"};
-/// Codecs that give back every value, by their four characters; raw video has those of its pixels.
+/// Lossless codecs, by their four characters; raw video has the characters of its pixel format.
 constexpr std::array<std::string_view, 6> kLosslessCodecs{"FFV1", "HFYU", "FFVH",
                                                           "png ", "MPNG", "DIB "};
-/// Pixels with one value for each colour, or one value alone, as FFmpeg tags them. Others hold
-/// colour differences, rounded, and mostly at half the resolution.
+/// Pixel formats with one value per colour, or a single value, by FFmpeg's tags. Others hold
+/// rounded colour differences, mostly at half the resolution.
 constexpr std::array<std::string_view, 11> kFullPixels{
     "BGR", "RGB", "BGRA", "RGBA", "ABGR", "ARGB", "G3", "Y800", "GREY", "Y1", "GBRP"};
 
-/// The characters of a tag as they stand in memory, without what cannot be printed.
+/// The characters of a tag in memory order, without unprintable ones.
 std::string letters(double tag) {
   const auto bits = static_cast<unsigned>(static_cast<int>(tag));
   std::string text;
@@ -56,7 +56,7 @@ VideoFile::VideoFile(const std::filesystem::path& path) : impl_(std::make_unique
   if (!std::filesystem::is_regular_file(path, error))
     throw FileError(path.string() + ": no such file");
   const QuietOpenCv quiet;
-  // By name, as OpenCV's other ways to open a file take some names for patterns of image files.
+  // Open by name, because OpenCV's other backends take some names for patterns of image files.
   if (!impl_->capture.open(path.string(), cv::CAP_FFMPEG)) {
     throw FileError(path.string() +
                     ": cannot be opened as a video; the file is damaged or cut off, or of a kind "
@@ -72,7 +72,7 @@ cv::Mat VideoFile::next() {
   const QuietOpenCv quiet;
   cv::Mat frame;
   if (!impl_->capture.read(frame)) return {};
-  return frame.clone();  // the capture may use its memory again
+  return frame.clone();  // the capture may reuse its memory
 }
 
 std::size_t VideoFile::announced_frames() const {
