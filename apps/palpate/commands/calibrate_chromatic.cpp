@@ -110,18 +110,20 @@ void calibrate_chromatic(const Settings& settings, const ChromaticCall& call) {
   std::string prose;
   int uncertain = 0;
   for (const sensing::WhiteImageUse& use : found.images) {
-    if (!use.problem.empty()) {
+    if (!use.median_depth) {
       spdlog::warn("{}: not used: {}", use.name, use.problem);
       images.push_back({{"image", use.name}, {"cells", 0}, {"problem", use.problem}});
       continue;
     }
-    images.push_back({{"image", use.name},
-                      {"cells", use.cells},
-                      {"median_depth", use.median_depth},
-                      {"period_deviation", use.period_deviation}});
+    images.push_back(
+        {{"image", use.name},
+         {"cells", use.cells},
+         {"median_depth", *use.median_depth},
+         {"period_deviation", use.period_deviation ? nlohmann::ordered_json(*use.period_deviation)
+                                                   : nlohmann::ordered_json()}});
     if (use.period_deviation > kUncertainPeriods) ++uncertain;
     prose += fmt::format("{}: phases at {} places, median depth {:.1f} mm\n", use.name, use.cells,
-                         use.median_depth);
+                         *use.median_depth);
   }
   const double separation = std::min(found.red.separation, found.blue.separation);
   if (separation < sensing::kPoorSeparation) {

@@ -187,7 +187,7 @@ void add_design_options(CLI::App& command, PatternCall& call) {
       ->capture_default_str();
   command.add_option(
       "--stripes", call.design.stripes,
-      "Number of stripes (default, and 0: the maximum, with each ordered pair of colours as "
+      "Number of stripes (default: the maximum, with each ordered pair of colours as "
       "neighbours once)");
   command.add_option("--colors", call.colors,
                      "Trained colours (colors.yaml): choose the colours that the camera "

@@ -76,7 +76,7 @@ sensing::VirtualSensor sensor_of(const SimulateCall& call) {
   if (call.readout == "demosaiced") sensor.readout = sensing::Readout::demosaiced;
   sensor.bits = call.bits.value_or(sensor.bits);
   sensor.ambient = call.ambient.value_or(sensor.ambient);
-  sensor.exposure_distance = call.exposure_distance.value_or(sensor.exposure_distance);
+  if (call.exposure_distance) sensor.exposure_distance = call.exposure_distance;
   if (call.seed) sensor.seed = static_cast<std::uint64_t>(*call.seed);
   return sensor;
 }

@@ -104,9 +104,8 @@ Problem prepare(const std::vector<WhiteImage>& images, const Rig& rig, const Pat
     const PeriodCount count =
         count_periods(view.phases, problem.carrier, rig, pattern, white.depth);
     use.problem = count.problem;
-    use.period_deviation = count.deviation;
+    if (!white.depth) use.period_deviation = count.deviation;
     use.cells = static_cast<int>(view.phases.cells.size());
-    use.median_depth = std::numeric_limits<double>::quiet_NaN();
     if (use.cells > 0) {
       std::vector<double> depths;
       for (const PhaseCell& cell : view.phases.cells) {

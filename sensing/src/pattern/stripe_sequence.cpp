@@ -109,16 +109,17 @@ std::vector<int> eulerian_circuit(const std::vector<Pair>& pairs, int colors) {
 
 int longest_stripe_sequence(int colors) { return colors * (colors - 1) + 1; }
 
-std::vector<int> stripe_sequence(const Eigen::Ref<const Eigen::MatrixXd>& separation, int stripes) {
+std::vector<int> stripe_sequence(const Eigen::Ref<const Eigen::MatrixXd>& separation,
+                                 std::optional<int> stripes) {
   check_separation(separation);
   const int colors = static_cast<int>(separation.rows());
   const int longest = longest_stripe_sequence(colors);
-  if (stripes != 0 && (stripes < 2 || stripes > longest)) {
-    throw InvalidInput("stripe_sequence: " + std::to_string(stripes) + " stripes of " +
+  if (stripes && (*stripes < 2 || *stripes > longest)) {
+    throw InvalidInput("stripe_sequence: " + std::to_string(*stripes) + " stripes of " +
                        std::to_string(colors) + " colours; 2 to " + std::to_string(longest) +
                        " have every ordered pair of neighbours at most once");
   }
-  const int transitions = (stripes == 0 ? longest : stripes) - 1;
+  const int transitions = stripes.value_or(longest) - 1;
   // Each pair gives two transitions.
   const auto wanted = static_cast<std::size_t>((transitions + 1) / 2);
   std::vector<int> sequence = eulerian_circuit(choose_pairs(separation, wanted), colors);

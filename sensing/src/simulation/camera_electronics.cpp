@@ -92,8 +92,8 @@ cv::Mat demosaic(const cv::Mat& measured) {
 }  // namespace
 
 double choose_exposure(const cv::Mat& light, const PixelMask& lit, const VirtualSensor& sensor) {
-  if (sensor.exposure_distance > 0) {
-    const double metres = sensor.exposure_distance / 1000;
+  if (sensor.exposure_distance) {
+    const double metres = *sensor.exposure_distance / 1000;
     return sensor.exposure_level * metres * metres;
   }
   std::vector<float> brightest;

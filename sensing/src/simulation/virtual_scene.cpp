@@ -68,24 +68,26 @@ void check_body(const Body& body, std::size_t number) {
   const std::string name = "bodies[" + std::to_string(number) + "]";
   geometry::check_mesh(body.mesh, name.c_str());
   const Eigen::Index vertices = body.mesh.vertices.cols();
-  if (body.end_vertices.cols() > 0) {
-    check_count(body.end_vertices.cols(), vertices, name + ".end_vertices");
-    if (!body.end_vertices.allFinite()) {
+  if (body.end_vertices) {
+    check_count(body.end_vertices->cols(), vertices, name + ".end_vertices");
+    if (!body.end_vertices->allFinite()) {
       throw InvalidInput(name + ".end_vertices: all must be finite");
     }
   }
   check_colors(body.reflectance, name + ".reflectance");
-  if (body.vertex_colors.cols() > 0) {
-    check_count(body.vertex_colors.cols(), vertices, name + ".vertex_colors");
-    check_colors(body.vertex_colors, name + ".vertex_colors");
+  if (body.vertex_colors) {
+    check_count(body.vertex_colors->cols(), vertices, name + ".vertex_colors");
+    check_colors(*body.vertex_colors, name + ".vertex_colors");
   }
-  if (!body.texture.empty()) {
+  if (body.texture) {
     check_count(body.texture_coordinates.cols(), vertices, name + ".texture_coordinates");
     if (!body.texture_coordinates.allFinite()) {
       throw InvalidInput(name + ".texture_coordinates: all must be finite");
     }
-    const int type = body.texture.type();
-    if (type != CV_8UC1 && type != CV_8UC3 && type != CV_16UC1 && type != CV_16UC3) {
+    const int type = body.texture->type();
+    const bool is_known =
+        type == CV_8UC1 || type == CV_8UC3 || type == CV_16UC1 || type == CV_16UC3;
+    if (body.texture->empty() || !is_known) {
       throw InvalidInput(name + ".texture: 8 or 16 bit, 1 or 3 channels are expected");
     }
   }
@@ -99,7 +101,7 @@ VirtualScene::VirtualScene(std::span<const Body> bodies) : bodies_(bodies) {
   for (const Body& body : bodies) {
     vertices += body.mesh.vertices.cols();
     triangles += body.mesh.triangles.cols();
-    moves_ = moves_ || body.end_vertices.cols() > 0;
+    moves_ = moves_ || body.end_vertices;
   }
   mesh_.vertices.resize(3, vertices);
   mesh_.triangles.resize(3, triangles);
@@ -124,9 +126,9 @@ void VirtualScene::move_to(double time) {
   Eigen::Index vertex = 0;
   for (const Body& body : bodies_) {
     const Eigen::Index count = body.mesh.vertices.cols();
-    if (body.end_vertices.cols() > 0) {
+    if (body.end_vertices) {
       mesh_.vertices.middleCols(vertex, count) =
-          (1 - time) * body.mesh.vertices + time * body.end_vertices;
+          (1 - time) * body.mesh.vertices + time * *body.end_vertices;
     }
     vertex += count;
   }
@@ -191,15 +193,15 @@ bool VirtualScene::sees(const SurfaceView& place, const Eigen::Vector3d& light) 
 Eigen::Vector3d VirtualScene::reflectance(const SurfaceView& place) const {
   const Body& body = this->body(place);
   Eigen::Vector3d color = body.reflectance;
-  if (body.vertex_colors.cols() == 0 && body.texture.empty()) return color;
+  if (!body.vertex_colors && !body.texture) return color;
   const int own = place.at.triangle - first_triangle_[static_cast<std::size_t>(place.body)];
   const Eigen::Vector3i corners = body.mesh.triangles.col(own);
   const auto blend = [&](const auto& values) {
     return (values(Eigen::all, corners) * place.at.barycentric).eval();
   };
-  if (body.vertex_colors.cols() > 0) color.array() *= blend(body.vertex_colors).array();
-  if (!body.texture.empty()) {
-    color.array() *= texture_color(body.texture, blend(body.texture_coordinates)).array();
+  if (body.vertex_colors) color.array() *= blend(*body.vertex_colors).array();
+  if (body.texture) {
+    color.array() *= texture_color(*body.texture, blend(body.texture_coordinates)).array();
   }
   return color;
 }

@@ -42,14 +42,13 @@ void for_each_number(Sensor& sensor, const Visit& visit) {
   visit("camera_gamma", sensor.camera_gamma);
   visit("full_well", sensor.full_well);
   visit("read_noise", sensor.read_noise);
-  visit("exposure_distance", sensor.exposure_distance);
   visit("exposure_percentile", sensor.exposure_percentile);
   visit("exposure_level", sensor.exposure_level);
 }
 
 /// Rejects unknown names, because a misspelt name would count as one that was left out.
 void check_keys(const StorageFile& file) {
-  std::set<std::string> known = {"readout", "seed"};
+  std::set<std::string> known = {"readout", "seed", "exposure_distance"};
   VirtualSensor sensor;
   for_each_number(sensor, [&](const char* name, double) { known.insert(name); });
   for (const std::string& key : file.root().keys()) {
@@ -84,7 +83,7 @@ void check_virtual_sensor(const VirtualSensor& sensor, const std::string& what) 
   check("camera_gamma", sensor.camera_gamma, above(0).finite());
   check("full_well", sensor.full_well, at_least(0).finite(), "electrons");
   check("read_noise", sensor.read_noise, at_least(0).finite(), "electrons");
-  check("exposure_distance", sensor.exposure_distance, at_least(0).finite(), "mm");
+  require(what + ": exposure_distance", sensor.exposure_distance, above(0).finite(), "mm");
   check("exposure_percentile", sensor.exposure_percentile, above(0).at_most(1));
   check("exposure_level", sensor.exposure_level, above(0).at_most(1));
 }
@@ -110,6 +109,8 @@ VirtualSensor read_virtual_sensor(const std::filesystem::path& path) {
       value = file.number(root[name], name);
     }
   });
+  if (!root["exposure_distance"].empty())
+    sensor.exposure_distance = file.number(root["exposure_distance"], "exposure_distance");
   if (!root["readout"].empty()) sensor.readout = read_readout(file);
   if (!root["seed"].empty()) {
     const long seed = file.whole_number(root["seed"], "seed");
@@ -135,6 +136,7 @@ void write_virtual_sensor(const std::filesystem::path& path, const VirtualSensor
   for (const auto& [readout, name] : kReadouts) {
     if (sensor.readout == readout) storage << "readout" << name;
   }
+  if (sensor.exposure_distance) storage << "exposure_distance" << *sensor.exposure_distance;
   storage << "seed" << static_cast<int>(sensor.seed);
   const std::string text = storage.releaseAndGetString();
   write_file(path, [&](std::ostream& out) { out << text; });

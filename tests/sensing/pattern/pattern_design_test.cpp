@@ -118,6 +118,7 @@ TEST(PatternDesign, RefusesWhatCannotBe) {
   };
   EXPECT_TRUE(refused_for({.colors = 1}, "2 to 24"));
   EXPECT_TRUE(refused_for({.stripes = 32}, "2 to 31"));
+  EXPECT_TRUE(refused_for({.stripes = 0}, "0 stripes of 6 colours"));
   EXPECT_TRUE(refused_for({.colors = 20}, "narrower than 4"));
   EXPECT_TRUE(refused_for({.range = WorkingRange{900, 500}}, "near <= far"));
   EXPECT_TRUE(refused_for({.range = WorkingRange{1, 2}}, "lights nothing"));

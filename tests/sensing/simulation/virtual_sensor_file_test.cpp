@@ -58,6 +58,17 @@ TEST(VirtualSensorFile, LeavesDefaultsForWhatIsMissing) {
   EXPECT_EQ(sensor.read_noise, 5);
   EXPECT_EQ(sensor.full_well, VirtualSensor{}.full_well);
   EXPECT_EQ(sensor.readout, VirtualSensor{}.readout);
+  EXPECT_FALSE(sensor.exposure_distance);
+}
+
+TEST(VirtualSensorFile, TellsAutomaticFromFixedExposure) {
+  const ScratchFolder folder;
+  VirtualSensor sensor;
+  write_virtual_sensor(folder / "automatic.yaml", sensor);
+  EXPECT_EQ(read_virtual_sensor(folder / "automatic.yaml").exposure_distance, std::nullopt);
+  sensor.exposure_distance = 812.5;
+  write_virtual_sensor(folder / "fixed.yaml", sensor);
+  EXPECT_EQ(read_virtual_sensor(folder / "fixed.yaml").exposure_distance, 812.5);
 }
 
 TEST(VirtualSensorFile, RefusesMisspeltAndImpossibleValues) {
@@ -71,6 +82,8 @@ TEST(VirtualSensorFile, RefusesMisspeltAndImpossibleValues) {
   EXPECT_NE(refusal("bits: 12").find("bits is 12; it must be 8 or 16"), std::string::npos);
   EXPECT_NE(refusal("bits: 8.5").find("whole number"), std::string::npos);
   EXPECT_NE(refusal("seed: -1").find("seed"), std::string::npos);
+  EXPECT_NE(refusal("exposure_distance: 0").find("exposure_distance is 0 mm; it must be > 0"),
+            std::string::npos);
   EXPECT_NE(refusal("ambient: .nan").find("ambient"), std::string::npos);
 }
 

@@ -191,8 +191,8 @@ TEST(VirtualSensor, SeesColoursOfVerticesAndTextures) {
   Body body = plate(-100, 100, -80, 80, 800);
   body.reflectance = {1, 1, 1};
   body.vertex_colors = Eigen::Matrix3Xd::Constant(3, 4, 1);
-  body.vertex_colors.row(0) << 0, 1, 1, 0;  // red grows to the right
-  body.texture = (cv::Mat_<uchar>(2, 1) << 255, 51);
+  body.vertex_colors->row(0) << 0, 1, 1, 0;  // red grows to the right
+  body.texture = cv::Mat((cv::Mat_<uchar>(2, 1) << 255, 51));
   body.texture_coordinates.resize(2, 4);
   body.texture_coordinates << 0, 1, 1, 0, 1, 1, 0, 0;  // its first row is at the top
   Body blank = plate(-100, 100, -80, 80, 800);
@@ -304,7 +304,7 @@ TEST(VirtualSensor, RefusesWhatItCannotSimulate) {
   bad.end_vertices = Eigen::Matrix3Xd::Zero(3, 3);
   EXPECT_NE(refusal({bad}, white(rig), {}).find("end_vertices: has 3 columns"), std::string::npos);
   bad = good;
-  bad.texture = cv::Mat::ones(2, 2, CV_8UC1);
+  bad.texture = cv::Mat(2, 2, CV_8UC1, cv::Scalar(1));
   EXPECT_NE(refusal({bad}, white(rig), {}).find("texture_coordinates"), std::string::npos);
   bad = good;
   bad.reflectance = {0.5, std::nan(""), 0.5};

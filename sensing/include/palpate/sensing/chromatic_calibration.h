@@ -51,12 +51,12 @@ struct ChannelCalibration {
 /// How one image was used.
 struct WhiteImageUse {
   std::string name;
-  int cells = 0;            ///< reliable phase measurements
-  double median_depth = 0;  ///< [mm] of these measurements; NaN if there are none
+  int cells = 0;                         ///< reliable phase measurements
+  std::optional<double> median_depth{};  ///< [mm] of these measurements, if there are any
   /// Standard deviation of the number of periods found from a plane surface, including slowly
   /// varying errors. Above about 1/2 the number is a guess that is right only if the rig is exact.
-  /// 0 if depths were given.
-  double period_deviation = 0;
+  /// Not set if the depths were given.
+  std::optional<double> period_deviation{};
   std::string problem;  ///< why the image has no measurements; empty if it has some
 };
 

@@ -17,8 +17,9 @@ struct WorkingRange {
 };
 
 struct PatternOptions {
-  int colors = 6;   ///< number of stripe colours; in [2, 24]
-  int stripes = 0;  ///< number of stripes, 2 to colors (colors - 1) + 1; 0 for the maximum
+  int colors = 6;  ///< number of stripe colours; in [2, 24]
+  /// Number of stripes, 2 to colors (colors - 1) + 1; the maximum if not given.
+  std::optional<int> stripes = {};
   /// Trained hues, if any: the colours are chosen so that the camera distinguishes them best.
   std::optional<TrainedColors> trained = {};
   /// Axis along which the sinusoid varies. Default: the axis along which the projector pixel

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 namespace palpate::sensing {
@@ -17,11 +18,11 @@ namespace palpate::sensing {
 /// distinguish, plus those needed to reach every colour. The result is deterministic.
 /// \param separation n x n, symmetric, >= 0: how well two colours can be distinguished; only the
 ///        order of its values matters.
-/// \param stripes number of stripes, or 0 for the longest sequence.
+/// \param stripes number of stripes; the longest sequence if not given.
 /// \return indices of colours; the first one is 0.
 /// \throws InvalidInput unless there are at least 2 colours, `separation` is square, symmetric and
-/// free of NaN, and `stripes` is 0 or in [2, n (n - 1) + 1].
+/// free of NaN, and `stripes` is in [2, n (n - 1) + 1].
 [[nodiscard]] std::vector<int> stripe_sequence(const Eigen::Ref<const Eigen::MatrixXd>& separation,
-                                               int stripes = 0);
+                                               std::optional<int> stripes = {});
 
 }  // namespace palpate::sensing

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <opencv2/core/mat.hpp>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -21,13 +22,13 @@ namespace palpate::sensing {
 /// `reflectance`, the interpolated vertex colour (if any) and the texture colour (if any).
 struct Body {
   geometry::TriangleMesh mesh;  ///< camera frame [mm]; triangles are visible and lit on both sides
-  /// [mm] 3 x V: vertex positions at the end of the exposure, reached at constant speed; empty if
-  /// the body is at rest.
-  Eigen::Matrix3Xd end_vertices{};
-  Eigen::Vector3d reflectance{0.8, 0.8, 0.8};  ///< red, green, blue in [0, 1]; Lambertian
-  Eigen::Matrix3Xd vertex_colors{};            ///< 3 x V red, green, blue in [0, 1]; or empty
-  /// 8 or 16 bit, grey or BGR, linear in the light; needs `texture_coordinates`. May be empty.
-  cv::Mat texture{};
+  /// [mm] 3 x V: vertex positions at the end of the exposure, reached at constant speed. If not
+  /// given, the body is at rest.
+  std::optional<Eigen::Matrix3Xd> end_vertices{};
+  Eigen::Vector3d reflectance{0.8, 0.8, 0.8};       ///< red, green, blue in [0, 1]; Lambertian
+  std::optional<Eigen::Matrix3Xd> vertex_colors{};  ///< 3 x V red, green, blue in [0, 1]
+  /// 8 or 16 bit, grey or BGR, linear in the light; needs `texture_coordinates`.
+  std::optional<cv::Mat> texture{};
   /// 2 x V: (0, 0) is the lower left corner of the texture and (1, 1) the upper right one; the
   /// texture repeats outside this square.
   Eigen::Matrix2Xd texture_coordinates{};
@@ -70,9 +71,9 @@ struct VirtualSensor {
   std::uint64_t seed = 1;    ///< seed of the noise
 
   /// Fixed exposure: a white surface facing the projector's white at this distance [mm] reads
-  /// exposure_level of full scale; > 0. With 0 the exposure is automatic: it puts
+  /// exposure_level of full scale; > 0. If not given, the exposure is automatic: it puts
   /// exposure_percentile of the lit pixels of the first frame below exposure_level.
-  double exposure_distance = 0;
+  std::optional<double> exposure_distance{};
   double exposure_percentile = 0.97;  ///< in (0, 1]
   double exposure_level = 0.8;        ///< in (0, 1]
 };
