@@ -4,7 +4,6 @@
 #include <spdlog/spdlog.h>
 
 #include <Eigen/Core>
-#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -32,12 +31,10 @@ struct ResponseCall {
   double distance = 0;
 };
 
-bool is_known(const sensing::Harmonic& harmonic) { return std::isfinite(harmonic.deviation); }
-
 /// Formats a harmonic.
-std::string in_prose(const sensing::Harmonic& harmonic) {
-  if (!is_known(harmonic)) return "unknown at this period";
-  return fmt::format("{:+.2f} +- {:.2f} %", 100 * harmonic.ratio, 100 * harmonic.deviation);
+std::string in_prose(const std::optional<sensing::Harmonic>& harmonic) {
+  if (!harmonic) return "unknown at this period";
+  return fmt::format("{:+.2f} +- {:.2f} %", 100 * harmonic->ratio, 100 * harmonic->deviation);
 }
 
 std::vector<std::string> channel_names(std::size_t count) {
@@ -92,13 +89,13 @@ sensing::HarmonicCheck report_harmonics(const ResponseCall& call, const cv::Mat&
                {"along", check.along_x ? "x" : "y"},
                {"modulation", check.modulation},
                {"places", check.places}};
-  if (is_known(check.second)) {
-    item["second"] = check.second.ratio;
-    item["second_deviation"] = check.second.deviation;
+  if (check.second) {
+    item["second"] = check.second->ratio;
+    item["second_deviation"] = check.second->deviation;
   }
-  if (is_known(check.third)) {
-    item["third"] = check.third.ratio;
-    item["third_deviation"] = check.third.deviation;
+  if (check.third) {
+    item["third"] = check.third->ratio;
+    item["third_deviation"] = check.third->deviation;
   }
   item["phase_wave"] = check.phase_wave;
   prose += fmt::format(

@@ -11,6 +11,7 @@
 #include <limits>
 #include <numbers>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <vector>
 
 #include "palpate/error.h"
@@ -228,15 +229,14 @@ std::vector<double> collect(const std::vector<Place>& places, double Place::*fie
 
 /// Median, and its standard deviation from the medians of groups of neighbouring windows, which
 /// share local errors of the image.
-Harmonic summarize(const std::vector<Place>& places, int order) {
+std::optional<Harmonic> summarize(const std::vector<Place>& places, int order) {
   std::vector<double> values;
   for (const Place& place : places) {
     const double value = place.harmonics.at(static_cast<std::size_t>(order) - 2);
     if (std::isfinite(value)) values.push_back(value);
   }
   const double least = kLeastShare * static_cast<double>(places.size());
-  if (values.size() < kLeastPlaces || static_cast<double>(values.size()) < least)
-    return {0, std::numeric_limits<double>::infinity()};
+  if (values.size() < kLeastPlaces || static_cast<double>(values.size()) < least) return {};
   Harmonic harmonic{.ratio = median(values)};
   double squares = 0;
   for (std::size_t group = 0; group < kGroups; ++group) {
@@ -265,8 +265,10 @@ double phase_wave(const HarmonicCheck& check, const std::vector<Place>& places) 
   double sum = 0;
   for (const Place& place : places) {
     const double passed = hann_spectrum(place.frequency - carrier, length);
-    const double second = check.second.ratio * hann_spectrum(2 * place.frequency - carrier, length);
-    const double third = check.third.ratio * hann_spectrum(3 * place.frequency - carrier, length);
+    const double second = check.second.value_or(Harmonic{}).ratio *
+                          hann_spectrum(2 * place.frequency - carrier, length);
+    const double third = check.third.value_or(Harmonic{}).ratio *
+                         hann_spectrum(3 * place.frequency - carrier, length);
     sum += (second * second + third * third) / (2 * passed * passed);
   }
   return std::sqrt(sum / static_cast<double>(places.size()));
@@ -312,15 +314,15 @@ HarmonicCheck check_harmonics(const cv::Mat& frame, const HarmonicOptions& optio
   check.modulation = median(collect(places, &Place::modulation));
   check.second = summarize(places, 2);
   check.third = summarize(places, 3);
-  if (std::isinf(check.second.deviation) && std::isinf(check.third.deviation)) {
+  if (!check.second && !check.third) {
     throw InvalidInput("check_harmonics: at a period of " + std::to_string(check.period) +
                        " px what a colour mosaic leaves of the sinusoid lies on the harmonics; "
                        "pass an image with another period, best of 10 px or more");
   }
   check.phase_wave = phase_wave(check, places);
-  const auto is_there = [&](const Harmonic& harmonic) {
-    return std::abs(harmonic.ratio) >=
-           std::max(options.max_ratio, kSignificance * harmonic.deviation);
+  const auto is_there = [&](const std::optional<Harmonic>& harmonic) {
+    return harmonic && std::abs(harmonic->ratio) >=
+                           std::max(options.max_ratio, kSignificance * harmonic->deviation);
   };
   check.distorted = is_there(check.second) || is_there(check.third);
   return check;

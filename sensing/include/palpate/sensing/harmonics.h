@@ -3,6 +3,7 @@
 #pragma once
 
 #include <opencv2/core/mat.hpp>
+#include <optional>
 
 #include "palpate/sensing/pattern.h"
 #include "palpate/sensing/rig.h"
@@ -28,16 +29,15 @@ struct HarmonicCheck {
   double period = 0;      ///< camera px, median
   bool along_x = false;   ///< whether the sinusoid varies along the image rows
   double modulation = 0;  ///< amplitude / mean, median
-  /// A harmonic that cannot be measured has an infinite deviation and the ratio 0. This happens if
-  /// the period is short, or close to the period (6 px for the second harmonic, 8 px for the third)
-  /// at which an alias of the fundamental, caused by a colour mosaic, coincides with the harmonic.
-  Harmonic second;
-  Harmonic third;
+  /// Not set if the harmonic cannot be measured: if the period is short, or close to the period
+  /// (6 px for the second harmonic, 8 px for the third) at which an alias of the fundamental,
+  /// caused by a colour mosaic, coincides with the harmonic.
+  std::optional<Harmonic> second{};
+  std::optional<Harmonic> third{};
   long places = 0;  ///< number of windows used
   /// RMS phase error [rad] that the harmonics cause in a demodulator of fixed frequency whose Hann
   /// window is two median periods long. The zeros of its spectrum suppress the harmonics only where
   /// the local period equals the median.
-  /// spectrum only where the local period is the median one.
   double phase_wave = 0;
   bool distorted = false;
 };
