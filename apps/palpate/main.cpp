@@ -23,6 +23,16 @@ constexpr int kWorkFailed = 1;
 constexpr int kWrongCall = 2;
 constexpr int kInterrupted = 130;  // what a shell expects after Ctrl-C
 
+void add_calibrate(CLI::App& app, const Settings& settings) {
+  CLI::App* calibrate =
+      app.add_subcommand("calibrate", "Calibrate rig, response, colours or chromatic aberration");
+  calibrate->require_subcommand(1);
+  add_calibrate_rig(*calibrate, settings);
+  add_calibrate_colors(*calibrate, settings);
+  add_calibrate_chromatic(*calibrate, settings);
+  add_calibrate_response(*calibrate, settings);
+}
+
 int run(int argc, char** argv) {
   CLI::App app("Palpate turns real deformable objects into models that can be seen and felt.",
                "palpate");

@@ -17,7 +17,6 @@
 #include "paired.h"
 #include "palpate/sensing/frame.h"
 #include "phase/modulation.h"
-#include "phase/phase_variance.h"
 #include "phase/wrapped_phase.h"
 #include "repository.h"
 

@@ -10,13 +10,13 @@
 #include <string>
 #include <vector>
 
-#include "commands/calibrate.h"
 #include "palpate/error.h"
 #include "palpate/require.h"
 #include "palpate/sensing/chromatic_calibration.h"
 #include "palpate/sensing/frame.h"
 #include "palpate/sensing/pattern_image.h"
 #include "shared/call_checks.h"
+#include "shared/command_line.h"
 #include "shared/inputs.h"
 
 namespace palpate::apps {

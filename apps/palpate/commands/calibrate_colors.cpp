@@ -9,12 +9,12 @@
 #include <string>
 #include <vector>
 
-#include "commands/calibrate.h"
 #include "palpate/error.h"
 #include "palpate/pictures/draw_hues.h"
 #include "palpate/sensing/color_overlap.h"
 #include "palpate/sensing/response.h"
 #include "palpate/sensing/trained_colors.h"
+#include "shared/command_line.h"
 #include "shared/inputs.h"
 
 namespace palpate::apps {

@@ -10,7 +10,6 @@
 #include <string>
 #include <vector>
 
-#include "commands/calibrate.h"
 #include "palpate/error.h"
 #include "palpate/pictures/draw_section.h"
 #include "palpate/require.h"
@@ -18,6 +17,7 @@
 #include "palpate/sensing/harmonics.h"
 #include "palpate/sensing/response.h"
 #include "shared/call_checks.h"
+#include "shared/command_line.h"
 #include "shared/inputs.h"
 
 namespace palpate::apps {

@@ -12,7 +12,6 @@
 #include <utility>
 #include <vector>
 
-#include "commands/calibrate.h"
 #include "palpate/error.h"
 #include "palpate/output_file.h"
 #include "palpate/pictures/draw_residuals.h"
@@ -20,6 +19,7 @@
 #include "palpate/sensing/rig_calibration.h"
 #include "palpate/sensing/rig_view_files.h"
 #include "shared/call_checks.h"
+#include "shared/command_line.h"
 #include "shared/inputs.h"
 #include "shared/progress.h"
 

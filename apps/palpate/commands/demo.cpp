@@ -8,8 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "commands/demo_feeling.h"
-#include "commands/demo_seeing.h"
+#include "commands/demo.h"
 #include "palpate/error.h"
 #include "shared/command_line.h"
 

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "commands/demo_feeling.h"
+#include "commands/demo.h"
 
 #include <algorithm>
 #include <chrono>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "commands/demo_seeing.h"
+#include "commands/demo.h"
 
 #include <chrono>
 #include <nlohmann/json.hpp>

@@ -35,7 +35,6 @@ void add_unit_option(CLI::App& command, geometry::ReadOptions& options);
 void refuse_empty_values(CLI::App& app);
 
 // Each function adds a subcommand; its callback does the work and throws exceptions on failure.
-void add_calibrate(CLI::App& app, const Settings& settings);
 void add_compare(CLI::App& app, const Settings& settings);
 void add_decode(CLI::App& app, const Settings& settings);
 void add_demo(CLI::App& app, const Settings& settings);
@@ -51,5 +50,11 @@ void add_play(CLI::App& app, const Settings& settings);
 void add_probe(CLI::App& app, const Settings& settings);
 void add_simulate(CLI::App& app, const Settings& settings);
 void add_transfer(CLI::App& app, const Settings& settings);
+
+// Each function adds one kind of calibration to `palpate calibrate`.
+void add_calibrate_chromatic(CLI::App& calibrate, const Settings& settings);
+void add_calibrate_colors(CLI::App& calibrate, const Settings& settings);
+void add_calibrate_response(CLI::App& calibrate, const Settings& settings);
+void add_calibrate_rig(CLI::App& calibrate, const Settings& settings);
 
 }  // namespace palpate::apps

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <complex>
 
-#include "phase/phase_variance.h"
+#include "phase/wrapped_phase.h"
 #include "regions/unwrapping.h"
 
 namespace palpate::sensing {

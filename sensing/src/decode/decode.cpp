@@ -25,8 +25,6 @@
 #include "phase/demodulation.h"
 #include "phase/modulation.h"
 #include "phase/phase_noise.h"
-#include "phase/phase_variance.h"
-#include "phase/saturation.h"
 #include "phase/wrapped_phase.h"
 #include "regions/phase_seams.h"
 #include "regions/snakes.h"

@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "files/png_check.h"
 #include "files/png_image.h"
 #include "files/storage_file.h"
 #include "palpate/error.h"

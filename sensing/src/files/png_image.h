@@ -7,6 +7,11 @@
 
 namespace palpate::sensing {
 
+/// Says what is wrong with the bytes of a PNG file: signature, chunk lengths, checksums or the
+/// closing chunk. Returns an empty text for an undamaged file. Decoders silently fill what a
+/// truncated file lacks with black.
+[[nodiscard]] std::string find_png_damage(const std::string& bytes);
+
 /// Decodes the bytes of a PNG file in which `find_png_damage` finds nothing: 1 or 3 channels (BGR)
 /// of 8 or 16 bit; alpha is dropped. Returns an empty image for types that a camera does not write
 /// (palette, interlaced, below 8 bit, grey with alpha), which are left to OpenCV. Two to three

@@ -83,6 +83,13 @@ void filter_columns(const Mask& in, int radius, Combine combine, Mask& out) {
   }
 }
 
+/// A value is clipped iff it is within half an 8-bit step of full scale.
+constexpr float kFullScale = 1 - 0.5F / 255;
+
+PALPATE_HOT_LOOP void add_clipped(const float* values, std::uint8_t* clipped, long count) {
+  for (long i = 0; i < count; ++i) clipped[i] = values[i] >= kFullScale ? 1 : clipped[i];
+}
+
 }  // namespace
 
 void split_frame(const cv::Mat& frame, bool transposed, std::vector<Plane>& out) {
@@ -115,6 +122,11 @@ void find_lit(const std::vector<Plane>& channels, const LitOptions& options, Mas
   Mask filled;
   filter_columns(bright, options.radius, raise_to, filled);
   filter_columns(filled, options.radius, lower_to, lit);
+}
+
+void find_clipped(const std::vector<Plane>& channels, Mask& clipped) {
+  clipped.setZero(channels[0].rows(), channels[0].cols());
+  for (const Plane& channel : channels) add_clipped(channel.data(), clipped.data(), clipped.size());
 }
 
 }  // namespace palpate::sensing

@@ -32,4 +32,7 @@ struct LitOptions {
 /// `colored`. A closing along the columns over `2 radius + 1` pixels fills the sinusoid's troughs.
 void find_lit(const std::vector<Plane>& channels, const LitOptions& options, Mask& lit);
 
+/// Finds the pixels where any channel is at full scale.
+void find_clipped(const std::vector<Plane>& channels, Mask& clipped);
+
 }  // namespace palpate::sensing

@@ -9,7 +9,6 @@
 #include <string>
 #include <vector>
 
-#include "files/png_check.h"
 #include "palpate/error.h"
 #include "test_files.h"
 
@@ -115,6 +114,30 @@ TEST(PngImage, RefusesDamageThatChecksumsDoNotShow) {
   EXPECT_NE(refusal(grey_file(0, 1, "\0"s)).find("0 x 1 px"), std::string::npos);
   EXPECT_NE(refusal(grey_file(1 << 20, 1 << 20, "\0"s)).find("2^28"), std::string::npos);
   EXPECT_NE(refusal("\x89PNG\r\n\x1a\n" + chunk("IEND", "")).find("no header"), std::string::npos);
+}
+
+TEST(PngDamage, FindsNothingInWholeFiles) {
+  EXPECT_EQ(find_png_damage(read_text(demo_path("frames/duck.png"))), "");
+  EXPECT_EQ(find_png_damage(read_text(demo_path("truth/duck_id.png"))), "");
+}
+
+TEST(PngDamage, FindsTruncationAndChangedBytes) {
+  const std::string whole = read_text(demo_path("truth/duck_lit.png"));
+  for (std::size_t length = 0; length < whole.size(); length += 101) {
+    EXPECT_NE(find_png_damage(whole.substr(0, length)), "") << length;
+  }
+  EXPECT_NE(find_png_damage(whole.substr(0, whole.size() - 1)), "");
+  for (std::size_t place = 0; place < whole.size(); place += 53) {
+    std::string damaged = whole;
+    damaged[place] = static_cast<char>(damaged[place] ^ 4);
+    EXPECT_NE(find_png_damage(damaged), "") << place;
+  }
+}
+
+TEST(PngDamage, AChunkLongerThanAnyFileIsTruncation) {
+  std::string huge = read_text(demo_path("truth/duck_lit.png"));
+  for (std::size_t i = 8; i < 12; ++i) huge[i] = '\xFF';
+  EXPECT_NE(find_png_damage(huge).find("truncated"), std::string::npos);
 }
 
 }  // namespace

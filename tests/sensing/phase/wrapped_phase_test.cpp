@@ -4,9 +4,15 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <random>
+#include <utility>
+#include <vector>
+
+#include "image/hue.h"
 
 namespace palpate::sensing {
 namespace {
@@ -44,6 +50,110 @@ TEST(WrappedPhase, OfTheAxesAndOfNothing) {
   EXPECT_FLOAT_EQ(angle_of(-1, 0), kPi);
   EXPECT_EQ(angle_of(0, 0), 0);
   EXPECT_TRUE(std::isnan(angle_of(std::numeric_limits<float>::quiet_NaN(), 1)));
+}
+
+/// Sums of nine squares of floats near 1.
+constexpr double kRounding = 1e-5;
+
+Plane ramp(long rows, long columns, double down, double across) {
+  Plane phase(rows, columns);
+  for (long row = 0; row < rows; ++row) {
+    for (long column = 0; column < columns; ++column) {
+      phase(row, column) = static_cast<float>(
+          wrap(down * static_cast<double>(row) + across * static_cast<double>(column)));
+    }
+  }
+  return phase;
+}
+
+Plane variance_of(const Plane& wrapped, const Mask& mask) {
+  Plane variance;
+  phase_variance(wrapped, mask, variance);
+  return variance;
+}
+
+TEST(PhaseVariance, ASlopeHasNoneAcrossWrapsAndAtBorders) {
+  const Plane variance = variance_of(ramp(12, 15, 0.9, -0.4), Mask::Ones(12, 15));
+  EXPECT_LT(variance.maxCoeff(), kRounding);
+}
+
+TEST(PhaseVariance, AStepHasTheVarianceOfOneDifferenceAmongNine) {
+  Plane phase = ramp(12, 15, 0.2, 0);
+  phase.rightCols(7) += 0.6F;  // between columns 7 and 8
+  const Plane variance = variance_of(phase, Mask::Ones(12, 15));
+  // Three of nine differences to the right are 0.6: variance 0.36 (1/3 - 1/9).
+  EXPECT_NEAR(variance(5, 7), 0.36 * 2 / 9, kRounding);
+  EXPECT_NEAR(variance(5, 6), 0.36 * 2 / 9, kRounding);
+  EXPECT_NEAR(variance(5, 8), 0.36 * 2 / 9, kRounding);
+  EXPECT_NEAR(variance(5, 4), 0, kRounding);
+  EXPECT_NEAR(variance(5, 10), 0, kRounding);
+}
+
+TEST(PhaseVariance, WhatLiesOutsideTheMaskDoesNotCount) {
+  Plane phase = ramp(12, 15, 0.2, 0.1);
+  phase.leftCols(5) = 2;
+  phase(6, 2) = std::nanf("");
+  Mask mask = Mask::Ones(12, 15);
+  mask.leftCols(5) = 0;
+  const Plane variance = variance_of(phase, mask);
+  EXPECT_LT(variance.rightCols(10).maxCoeff(), kRounding);
+  EXPECT_TRUE(std::isinf(variance(6, 4)));
+}
+
+TEST(PhaseVariance, IsUnknownInAnImageWithoutThreeRowsOrColumns) {
+  EXPECT_TRUE(variance_of(ramp(2, 15, 0.2, 0.1), Mask::Ones(2, 15)).isInf().all());
+  EXPECT_TRUE(variance_of(ramp(12, 2, 0.2, 0.1), Mask::Ones(12, 2)).isInf().all());
+}
+
+/// Row after row, pixel after pixel, from the definition.
+Plane slow_variance(const Plane& wrapped, const Mask& mask) {
+  Plane result = Plane::Constant(wrapped.rows(), wrapped.cols(), INFINITY);
+  for (long row = 0; row < wrapped.rows(); ++row) {
+    for (long column = 0; column < wrapped.cols(); ++column) {
+      if (mask(row, column) == 0) continue;
+      result(row, column) = 0;
+      for (const long down : {0L, 1L}) {
+        std::vector<double> steps;
+        for (long r = std::max(0L, row - 1); r <= std::min(row + 1, wrapped.rows() - 1); ++r) {
+          for (long c = std::max(0L, column - 1); c <= std::min(column + 1, wrapped.cols() - 1);
+               ++c) {
+            const long other_r = r + down;
+            const long other_c = c + 1 - down;
+            if (other_r >= wrapped.rows() || other_c >= wrapped.cols()) continue;
+            if (mask(r, c) == 0 || mask(other_r, other_c) == 0) continue;
+            steps.push_back(static_cast<double>(wrap(wrapped(other_r, other_c) - wrapped(r, c))));
+          }
+        }
+        const Eigen::Map<Eigen::ArrayXd> all(steps.data(), static_cast<long>(steps.size()));
+        if (!steps.empty()) {
+          result(row, column) += static_cast<float>((all - all.mean()).square().mean());
+        }
+      }
+    }
+  }
+  return result;
+}
+
+TEST(PhaseVariance, IsWhatItsDefinitionSaysOnAnyPhaseAndMask) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<float> phase(-3.14F, 3.14F);
+  std::bernoulli_distribution inside(0.8);
+  Plane variance;
+  for (const auto& [rows, columns] : {std::pair{3, 3}, {17, 23}, {8, 64}, {30, 5}}) {
+    const Plane wrapped =
+        Plane::NullaryExpr(rows, columns, [&](long, long) { return phase(random); });
+    const Mask mask = Mask::NullaryExpr(
+        rows, columns, [&](long, long) { return static_cast<std::uint8_t>(inside(random)); });
+    phase_variance(wrapped, mask, variance);  // into what held another size
+    const Plane expected = slow_variance(wrapped, mask);
+    for (long i = 0; i < expected.size(); ++i) {
+      if (std::isinf(expected.data()[i])) {
+        EXPECT_TRUE(std::isinf(variance.data()[i])) << i;
+      } else {
+        EXPECT_NEAR(variance.data()[i], expected.data()[i], 10 * kRounding) << i;
+      }
+    }
+  }
 }
 
 }  // namespace

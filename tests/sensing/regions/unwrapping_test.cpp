@@ -9,7 +9,7 @@
 #include <numbers>
 
 #include "image/hue.h"
-#include "phase/phase_variance.h"
+#include "phase/wrapped_phase.h"
 
 namespace palpate::sensing {
 namespace {

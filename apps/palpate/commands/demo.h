@@ -7,6 +7,12 @@
 
 namespace palpate::apps {
 
+/// First half of the demo: makes range maps, meshes and pictures below `output` from training
+/// images and frames, and compares them with the truth.
+/// \return the figures, one entry per frame.
+[[nodiscard]] nlohmann::ordered_json demo_seeing(const std::filesystem::path& data,
+                                                 const std::filesystem::path& output);
+
 /// Second half of the demo: builds models from the measurements of two sheets, evaluates them
 /// against the truth and plays them; writes pictures below `output`.
 /// \return the figures, one entry per sheet.
