@@ -24,9 +24,9 @@
 #include "palpate/haptics/contact_compliance.h"
 #include "palpate/haptics/realignment.h"
 #include "palpate/parallel_for.h"
+#include "palpate/probing/csv.h"
 #include "palpate/probing/fingerprint.h"
 #include "palpate/require.h"
-#include "palpate/probing/csv.h"
 
 namespace palpate::haptics {
 namespace {
