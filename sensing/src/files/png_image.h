@@ -7,9 +7,9 @@
 
 namespace palpate::sensing {
 
-/// Says what is wrong with the bytes of a PNG file: signature, chunk lengths, checksums or the
-/// closing chunk. Returns an empty text for an undamaged file. Decoders silently fill what a
-/// truncated file lacks with black.
+/// Describes the damage in the bytes of a PNG file, or returns an empty text: checks signature,
+/// chunk lengths, checksums and the closing chunk. Decoders silently fill the missing part of a
+/// truncated file with black.
 [[nodiscard]] std::string find_png_damage(const std::string& bytes);
 
 /// Decodes the bytes of a PNG file in which `find_png_damage` finds nothing: 1 or 3 channels (BGR)
