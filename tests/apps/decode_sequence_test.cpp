@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -125,7 +126,7 @@ TEST_F(DecodeSequence, PicturesNeedNoFileThatTheRunHasWritten) {
         std::error_code ignored;
         fs::remove(fs::path(scratch / "range") / file, ignored);
       }
-      std::this_thread::yield();
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
   });
   const CommandResult result = decode(scratch / "frames", {"--pictures"});
