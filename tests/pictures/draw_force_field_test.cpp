@@ -162,7 +162,7 @@ TEST(DrawForceField, RefusesInputThatDoesNotFit) {
   expect_refused(attempt, "friction axis");
   contact = {};
   contact.fit.friction_coefficient = -0.5;
-  expect_refused(attempt, "friction coefficient: is -0.5");
+  expect_refused(attempt, "friction_coefficient is -0.5; it must be >= 0");
 }
 
 TEST(DrawForceField, GivesTheSameBytesAgain) {

@@ -110,7 +110,7 @@ TEST(DrawForces, RefusesInputThatDoesNotFit) {
   trace.times(9) = 0;
   expect_refused(attempt, "times: entry 9 is earlier");
   trace.times(9) = std::nan("");
-  expect_refused(attempt, "times: entry 9 is not finite");
+  expect_refused(attempt, "times: entry 9 is nan s; it must be finite");
   trace = {};
   trace.states(11) = 3;
   expect_refused(attempt, "states: entry 11 is 3");

@@ -222,7 +222,7 @@ TEST(WithCompliances, LeavesContactsAsTheyAreThatDoNotReachTheForce) {
 TEST(WithCompliances, RefusesAForceThatIsNotPositive) {
   for (const double wrong : {0.0, -1.0, std::nan(""), HUGE_VAL}) {
     EXPECT_THAT(refusal([&] { return with_compliances(stretched_model(42), wrong); }),
-                HasSubstr("reference force"));
+                HasSubstr("reference_force is"));
   }
 }
 
