@@ -137,8 +137,9 @@ void check_options(const NonRigidOptions& options) {
   require("NonRigidOptions::max_iterations", options.max_iterations, at_least(1));
   require("NonRigidOptions::max_correspondence", options.max_correspondence, above(0).finite(),
           "of the mesh's diagonal");
-  require("NonRigidOptions::min_correspondence", options.min_correspondence,
-          above(0).at_most(options.max_correspondence), "of the mesh's diagonal");
+  require("NonRigidOptions::min_correspondence (at most max_correspondence)",
+          options.min_correspondence, above(0).at_most(options.max_correspondence),
+          "of the mesh's diagonal");
   require("NonRigidOptions::max_normal_angle", options.max_normal_angle,
           above(0).below(std::numbers::pi / 2), "rad");
   require("NonRigidOptions::stiffness", options.stiffness, above(0).finite());

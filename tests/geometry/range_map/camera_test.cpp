@@ -138,7 +138,7 @@ TEST(Camera, RefusesABadCameraByName) {
   };
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_NO_THROW(check_camera(pinhole(), "the projector"));
-  check([](Camera& camera) { camera.width = 0; }, "the projector: size is 0 x 480 px");
+  check([](Camera& camera) { camera.width = 0; }, "the projector: width is 0 px; it must be >= 1");
   check([](Camera& camera) { camera.height = -1; }, "height is -1 px; it must be >= 1");
   check([](Camera& camera) { camera.width = camera.height = 100000; }, "at most 2^28");
   check([](Camera& camera) { camera.fx = -600; }, "fx is -600 px; it must be > 0 and finite");
