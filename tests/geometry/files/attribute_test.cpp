@@ -60,7 +60,7 @@ TEST(Attribute, RefusesColorsOutOfRange) {
   Eigen::MatrixXd color = Eigen::MatrixXd::Constant(3, 2, 0.5);
   for (const double wrong : {-0.1, 1.1, std::numeric_limits<double>::quiet_NaN()}) {
     color(1, 1) = wrong;
-    EXPECT_THROWS_MESSAGE(set_colors(attributes, color), InvalidInput, "column 1 holds");
+    EXPECT_THROWS_MESSAGE(set_colors(attributes, color), InvalidInput, "a colour of column 1 is");
   }
   EXPECT_THROWS_MESSAGE(set_colors(attributes, Eigen::MatrixXd::Zero(2, 2)), InvalidInput,
                         "2 rows");

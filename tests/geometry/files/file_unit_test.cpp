@@ -102,7 +102,7 @@ TEST(FileUnit, RefusesWhatIsNoUnit) {
   for (const double wrong : {0.0, -1.0, std::numeric_limits<double>::infinity(),
                              std::numeric_limits<double>::quiet_NaN()})
     EXPECT_THROWS_MESSAGE(static_cast<void>(read("", {.unit = wrong})), InvalidInput,
-                          "a length > 0 is needed");
+                          "mm; it must be > 0 and finite");
 }
 
 TEST(FileUnit, RefusesALengthThatLeavesTheRange) {

@@ -130,8 +130,8 @@ TEST(PatternColors, RefuseWhatCannotBeInterpolated) {
     return message.find(words) != std::string::npos;
   };
   TrainedColors trained = seen(6, bent, 0.1);
-  EXPECT_TRUE(refused_for(trained, 1, "2 to 24"));
-  EXPECT_TRUE(refused_for(trained, 25, "2 to 24"));
+  EXPECT_TRUE(refused_for(trained, 1, "in [2, 24]"));
+  EXPECT_TRUE(refused_for(trained, 25, "in [2, 24]"));
   std::swap(trained.colors[0].mean, trained.colors[3].mean);
   EXPECT_TRUE(refused_for(trained, 6, "order"));
   trained = seen(6, bent, 0.1);

@@ -116,17 +116,20 @@ TEST(PatternDesign, RefusesWhatCannotBe) {
         message_of<InvalidInput>([&] { (void)design_pattern(rig, options); });
     return message.find(words) != std::string::npos;
   };
-  EXPECT_TRUE(refused_for({.colors = 1}, "2 to 24"));
+  EXPECT_TRUE(refused_for({.colors = 1}, "in [2, 24]"));
   EXPECT_TRUE(refused_for({.stripes = 32}, "2 to 31"));
   EXPECT_TRUE(refused_for({.stripes = 0}, "0 stripes of 6 colours"));
   EXPECT_TRUE(refused_for({.colors = 20}, "narrower than 4"));
-  EXPECT_TRUE(refused_for({.range = WorkingRange{900, 500}}, "near <= far"));
+  EXPECT_TRUE(
+      refused_for({.range = WorkingRange{900, 500}}, "range.far is 500 mm; it must be >= 900"));
   EXPECT_TRUE(refused_for({.range = WorkingRange{1, 2}}, "lights nothing"));
   EXPECT_TRUE(refused_for({.min_camera_period = 1.9}, "min_camera_period"));
   EXPECT_TRUE(refused_for({.min_projector_period = NAN}, "min_projector_period"));
   EXPECT_TRUE(refused_for({.period = 1.0}, "period"));
   EXPECT_TRUE(refused_for({.mean = 0.7}, "amplitude"));
-  EXPECT_NE(message_of<InvalidInput>([] { (void)design_pattern(0, 600); }).find("0 x 600"),
+  EXPECT_NE(message_of<InvalidInput>([] {
+              (void)design_pattern(0, 600);
+            }).find("projector_width is 0 px"),
             std::string::npos);
 }
 
