@@ -15,36 +15,36 @@ namespace palpate::geometry {
 
 struct NonRigidOptions {
   int max_iterations = 60;  ///< >= 1
-  /// A vertex is drawn to the measured surface iff it is within this fraction of the mesh's
-  /// diagonal of it: at the start, where it has to span the deformation; > 0.
+  /// Initial gate: a vertex is attracted to the measured surface iff its distance from it is at
+  /// most this fraction of the mesh's diagonal. It must cover the deformation; > 0.
   double max_correspondence = 0.06;
-  /// The same at the end, where it has to keep out what does not belong to the surface: in (0,
-  /// max_correspondence].
+  /// Final gate. It must exclude what does not belong to the surface; in (0, max_correspondence].
   double min_correspondence = 0.01;
   double max_normal_angle = 1.0;  ///< [rad] between the two surfaces; in (0, pi/2)
-  /// How much a node resists being moved otherwise than its neighbours, against the measured points
-  /// around it (1: as much): low follows small dents and noise, high bridges holes smoothly; > 0.
+  /// Resistance of a node to moving differently from its neighbours, relative to the measured
+  /// points around it; > 0. A low value follows small dents and noise, a high one bridges holes
+  /// smoothly.
   double stiffness = 0.01;
-  /// `stop` is `poor_match` iff the surface settled and less than this fraction of the vertices
-  /// before which something was measured are on the measured surface; in [0, 1].
+  /// `stop` is `poor_match` iff the surface converged and less than this fraction of the vertices
+  /// whose pixels have a measurement are on the measured surface; in [0, 1].
   double min_matched = 0.3;
 };
 
-/// How a vertex of the deformed surface stands to the range map.
+/// Visibility of a vertex of the deformed surface in the range map.
 enum class VertexSight : std::uint8_t {
   seen,         ///< on the measured surface
-  occluded,     ///< behind something that was measured
-  hole,         ///< its pixel has no depth, or not enough neighbours that have
+  occluded,     ///< behind a measured surface
+  hole,         ///< its pixel has no depth, or too few neighbours with a depth
   outside,      ///< not in the image
-  turned_away,  ///< shows its back to the camera
-  unmatched     ///< what its pixel shows is behind it, or turned otherwise
+  turned_away,  ///< faces away from the camera
+  unmatched     ///< its pixel shows a surface behind it, or one with another normal
 };
 
 enum class NonRigidStop {
-  converged,       ///< no node moved any more; what was seen fits
-  max_iterations,  ///< not settled yet
-  no_overlap,      ///< fewer than six of the vertices tried could be drawn to the map
-  poor_match       ///< settled, but less than `min_matched` fits: another object, or a bad start
+  converged,       ///< the nodes stopped moving, and the visible vertices fit
+  max_iterations,  ///< not converged yet
+  no_overlap,      ///< fewer than six of the sampled vertices found a correspondence
+  poor_match       ///< converged, but less than `min_matched` fits: another object, or a bad start
 };
 
 struct DeformedSurface {
@@ -54,37 +54,38 @@ struct DeformedSurface {
   /// [mm] 3 x V, where the ray to a vertex meets the measured surface; NaN unless seen.
   Eigen::Matrix3Xd measured;
   std::vector<int> pixel;  ///< V, row * cols + col of a vertex that is seen, otherwise -1
-  /// V, in [0, 1]: near 1 on the measured surface, 0 at the gate of `min_correspondence` or where
-  /// the vertex is not seen and only follows its neighbours.
+  /// V, in [0, 1]: near 1 on the measured surface, 0 at the final gate or where the vertex is not
+  /// seen and only follows its neighbours.
   Eigen::VectorXd confidence;
   double rms = 0;      ///< [mm] distance of the vertices that are seen from the plane of their
                        ///< measured point; NaN if none is
   double matched = 0;  ///< fraction seen of those before which something was measured
   int iterations = 0;
-  /// Read this before you use the vertices.
+  /// Check this before you use the vertices.
   NonRigidStop stop = NonRigidStop::max_iterations;
 };
 
-/// Deforms a surface so that it lies on a range map (of the same camera frame), by embedded
-/// deformation: Gauss-Newton steps on
+/// Deforms a surface so that it lies on a range map in the same camera frame, by embedded
+/// deformation: Gauss-Newton steps that minimise
 ///
 ///     sum_v  rho(n . (v' - p))  +  stiffness  sum_jk  | R_j (g_k - g_j) - (g'_k - g'_j) |^2
 ///
-/// p and n are point and normal of the pixel that shows v' (projective association, with the lens),
-/// rho is Tukey's biweight at the correspondence gate; g are nodes, R_j their rotations. Stiffness
-/// and gate start high and fall, so that the surface first moves as a whole. Where nothing of it is
-/// measured the surface follows its neighbours, as rigidly as possible; what nothing holds stays. A
-/// point-to-point term is left out: along a pixel's ray it says what the plane says; it would only
-/// slow sliding, which the damping of the steps does.
+/// where p and n are point and normal of the pixel that shows v' (projective association, with lens
+/// distortion), rho is Tukey's biweight at the correspondence gate, g are nodes and R_j their
+/// rotations. Stiffness and gate start high and decrease, so that the surface first moves as a
+/// whole. Where nothing is measured, the surface follows its neighbours as rigidly as possible;
+/// parts without any constraint stay. There is no point-to-point term: along a pixel's ray it would
+/// repeat the plane term, and it would slow sliding, which the damping of the steps already limits.
 ///
-/// What slides along the surface shows only in its relief: on a plane or a sphere the motion along
-/// the surface is that of the least distortion, not the true one.
-///
-/// `start`: node motions of a frame before; the surface then follows from there and is not stiff at
-/// first. It follows by up to max_correspondence (min_correspondence / max_correspondence)^0.6, a
-/// third of `max_correspondence` by default. Without `start` the search starts undeformed.
-/// \throws InvalidInput on a bad camera or option, or a start of another graph; SolverError if the
-/// equations of a step cannot be solved.
+/// Motion along the surface is visible only in its relief: on a plane or a sphere the result is the
+/// motion of least distortion, not the true one.
+/// \param start node motions of an earlier frame. The surface continues from there without initial
+/// stiffness, and can move by up to max_correspondence (min_correspondence /
+/// max_correspondence)^0.6, a third of `max_correspondence` by default. Without `start` the search
+/// starts undeformed.
+/// \throws InvalidInput if the camera or an option is not valid, or the start belongs to another
+/// graph.
+/// \throws SolverError if the equations of a step cannot be solved.
 [[nodiscard]] DeformedSurface register_deformed(const DeformationGraph& graph, const RangeMap& map,
                                                 const NonRigidOptions& options = {},
                                                 std::span<const Eigen::Isometry3d> start = {});
