@@ -16,13 +16,13 @@ enum class ContactState { free, stick, slip };
 /// "free", "stick" or "slip"
 [[nodiscard]] const char* to_string(ContactState state);
 
-/// Where the tool is at a time.
+/// Tool position at a time.
 struct TrajectoryPoint {
   double time = 0;                                 ///< [s]
   Eigen::Vector3d tool = Eigen::Vector3d::Zero();  ///< [mm] world
 };
 
-/// What the haptic loop answered at a time.
+/// Output of the haptic loop at a time.
 struct TracePoint {
   double time = 0;                                 ///< [s]
   Eigen::Vector3d tool = Eigen::Vector3d::Zero();  ///< [mm] world
@@ -71,7 +71,7 @@ class Playback {
 
  private:
   Eigen::Matrix3Xd normals_;  // of the surface's triangles
-  double offset_;             // [mm] from which a contact looks at the tool, outside the surface
+  double offset_;             // [mm] height of a contact's viewpoint above the surface
   BlendedField field_;
 
   [[nodiscard]] bool touches(const LoopState& state, const Eigen::Vector3d& tool,

@@ -44,21 +44,22 @@ struct ScaledModel {
 
 /// Makes a model of a larger, smaller, longer or shorter object (thesis 6.2.4.2).
 ///
-/// Lengths are scaled about the centre of the surface's bounding box, which stays in place. - Along
-/// an axis, frames are rotated by the smallest rotation that maps the pressing direction z, as
-///   a normal, to S^-1 z; friction axes, as displacements, become S a. Friction coefficients,
+/// Lengths are scaled about the centre of the surface's bounding box, which stays in place.
+///
+/// - Along an axis, frames are rotated by the smallest rotation that maps the pressing direction z,
+///   as a normal, to S^-1 z; friction axes, as displacements, become S a. Friction coefficients,
 ///   triangles and weights stay. The friction cone stays circular, although that of a stretched
 ///   object may not.
 /// - Everything except positions is `rounded`; if no field was refitted, scaling back gives the
 /// same
-///   model up to rounding. Fields are refitted up to the reference force of the model, if it has
-///   one.
+///   model up to rounding. Fields are refitted up to the reference force of the model, if any.
 /// - `rms` and `noise_floor` scale like forces in the mean over the axes, and `rms` increases by
 /// the
 ///   refit error; `passivity` and `fit_mode` are those of a refitted field, whose `chi2` and
 ///   `condition` are unknown; `samples` and `fit_stop` still refer to the fit to the measurements.
 /// - Compliances are recomputed. The registration of the acquisition is dropped, because samples
 ///   belong to the object as measured.
+///
 /// \throws InvalidInput if `check_model` rejects the model or an option is outside its range.
 /// \throws SolverError if numbers overflow.
 [[nodiscard]] ScaledModel scale_model(const Model& model, const ScaleModelOptions& options);
