@@ -11,8 +11,8 @@
 
 #include "mesh_corpus.h"
 #include "paired.h"
+#include "palpate/geometry/error_statistics.h"
 #include "palpate/geometry/range_map_mesh.h"
-#include "palpate/geometry/range_map_score.h"
 #include "palpate/geometry/registration.h"
 #include "range_map_scene.h"
 

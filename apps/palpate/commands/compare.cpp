@@ -11,6 +11,7 @@
 
 #include "palpate/error.h"
 #include "palpate/geometry/cross_section.h"
+#include "palpate/geometry/error_statistics.h"
 #include "palpate/geometry/mesh_distance.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/mesh_measures.h"

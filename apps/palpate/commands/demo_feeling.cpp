@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "palpate/geometry/error_statistics.h"
 #include "palpate/geometry/mesh_io.h"
-#include "palpate/geometry/range_map_score.h"
 #include "palpate/haptics/build_model.h"
 #include "palpate/haptics/evaluate.h"
 #include "palpate/haptics/model_io.h"

@@ -17,8 +17,8 @@
 
 #include "commands/fit_record.h"
 #include "palpate/error.h"
+#include "palpate/geometry/error_statistics.h"
 #include "palpate/geometry/mesh_io.h"
-#include "palpate/geometry/range_map_score.h"
 #include "palpate/haptics/build_model.h"
 #include "palpate/haptics/model_io.h"
 #include "palpate/output_file.h"

@@ -5,7 +5,7 @@
 #include <array>
 #include <span>
 
-#include "palpate/geometry/range_map_score.h"
+#include "palpate/geometry/error_statistics.h"
 #include "palpate/haptics/playback.h"
 
 namespace palpate::apps {

@@ -4,16 +4,86 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 #include <vector>
 
+#include "mesh/edge_table.h"
 #include "mesh/triangle_primitives.h"
 #include "palpate/error.h"
-#include "palpate/geometry/range_map_score.h"
+#include "palpate/geometry/surface_query.h"
+#include "palpate/parallel_for.h"
 #include "palpate/require.h"
 #include "query/distance_bound.h"
 
 namespace palpate::geometry {
 namespace {
+
+/// Outward direction. At an edge or a vertex the normal of a single triangle may give the wrong
+/// sign; correct are the sum of both normals and the angle-weighted mean, respectively (Baerentzen
+/// and Aanaes 2005).
+struct Sides {
+  Eigen::Matrix3Xd of_triangles;
+  Eigen::Matrix3Xd of_vertices;
+  Eigen::Matrix3Xi triangles;
+  Eigen::Matrix3Xi neighbours;
+
+  explicit Sides(const TriangleMesh& mesh)
+      : of_triangles(triangle_normals(mesh)),
+        of_vertices(vertex_normals(mesh)),
+        triangles(mesh.triangles),
+        neighbours(triangle_neighbours(mesh.triangles)) {}
+
+  [[nodiscard]] Eigen::Vector3d normal(const SurfacePoint& at) const {
+    const Eigen::Vector3d own = of_triangles.col(at.triangle);
+    for (int k = 0; k < 3; ++k) {
+      if (at.barycentric[k] == 1) return of_vertices.col(triangles(k, at.triangle));
+    }
+    for (int k = 0; k < 3; ++k) {
+      const int across = at.barycentric[(k + 2) % 3] == 0 ? neighbours(k, at.triangle) : -1;
+      if (across < 0) continue;
+      const Eigen::Vector3d other = of_triangles.col(across);
+      // A triangle without area has no normal.
+      if (!own.allFinite()) return other;
+      if (other.allFinite()) return own + other;
+    }
+    return own;
+  }
+};
+
+/// Finds the border of a surface.
+class Border {
+ public:
+  explicit Border(const TriangleMesh& surface)
+      : triangles_(surface.triangles),
+        neighbours_(triangle_neighbours(surface.triangles)),
+        vertices_(static_cast<std::size_t>(surface.vertices.cols()), false) {
+    for (Eigen::Index t = 0; t < triangles_.cols(); ++t) {
+      for (int k = 0; k < 3; ++k) {
+        if (neighbours_(k, t) >= 0) continue;
+        vertices_[static_cast<std::size_t>(triangles_(k, t))] = true;
+        vertices_[static_cast<std::size_t>(triangles_((k + 1) % 3, t))] = true;
+      }
+    }
+  }
+
+  /// The nearest point of a point beyond the border is exactly on the border, except for rounding.
+  [[nodiscard]] bool contains(const SurfacePoint& point) const {
+    for (int k = 0; k < 3; ++k) {
+      const bool at_vertex = point.barycentric[k] >= 1 - kBarycentricTolerance;
+      if (at_vertex && vertices_[static_cast<std::size_t>(triangles_(k, point.triangle))])
+        return true;
+      const bool on_edge = point.barycentric[(k + 2) % 3] <= kBarycentricTolerance;
+      if (on_edge && neighbours_(k, point.triangle) < 0) return true;
+    }
+    return false;
+  }
+
+ private:
+  const Eigen::Matrix3Xi& triangles_;
+  Eigen::Matrix3Xi neighbours_;
+  std::vector<bool> vertices_;
+};
 
 /// Upper limit of the cells: each has three points and a place in the result, so more would exhaust
 /// the memory.
@@ -112,6 +182,35 @@ double weighted_quantile(const std::vector<std::pair<double, double>>& sorted, d
 }
 
 }  // namespace
+
+Eigen::VectorXd distances_to_surface(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
+                                     const TriangleMesh& surface) {
+  const SurfaceQuery query(surface);
+  const Sides sides(surface);
+  Eigen::VectorXd distances(points.cols());
+  parallel_for(points.cols(), [&](Eigen::Index i) {
+    const ClosestPoint closest = query.closest_point(points.col(i));
+    const bool behind = closest.at.triangle >= 0 &&
+                        sides.normal(closest.at).dot(points.col(i) - closest.position) < 0;
+    distances(i) = behind ? -closest.distance : closest.distance;
+  });
+  return distances;
+}
+
+Eigen::VectorXd distances_in_both(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
+                                  const TriangleMesh& surface, double max_distance) {
+  require("distances_in_both(): max_distance", max_distance, above(0), "mm");
+  const SurfaceQuery query(surface);
+  const Border border(surface);
+  Eigen::VectorXd distances(points.cols());
+  parallel_for(points.cols(), [&](Eigen::Index i) {
+    const ClosestPoint closest = query.closest_point(points.col(i));
+    const bool is_common = closest.at.triangle >= 0 && closest.distance <= max_distance &&
+                           !border.contains(closest.at);
+    distances(i) = is_common ? closest.distance : std::numeric_limits<double>::quiet_NaN();
+  });
+  return distances;
+}
 
 LargestDistance one_sided_hausdorff_distance(const TriangleMesh& from, const TriangleMesh& to,
                                              const HausdorffOptions& options) {

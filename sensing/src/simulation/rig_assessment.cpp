@@ -8,6 +8,7 @@
 #include <opencv2/core.hpp>
 
 #include "palpate/error.h"
+#include "palpate/geometry/range_map_score.h"
 #include "palpate/require.h"
 #include "palpate/sensing/bayer.h"
 

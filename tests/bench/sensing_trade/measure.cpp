@@ -9,7 +9,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "palpate/geometry/range_map_score.h"
+#include "palpate/geometry/error_statistics.h"
 
 namespace palpate::bench {
 namespace {

@@ -224,5 +224,48 @@ TEST(SurfaceDistances, RefuseWhatOverflows) {
   EXPECT_NE(refusal(raised(sheet, 1e160)).find("in mm?"), std::string::npos);
 }
 
+TEST(DistancesToSurface, ArePositiveOnTheSideOfTheNormals) {
+  TriangleMesh square;
+  square.vertices.resize(3, 4);
+  square.vertices << 0, 10, 10, 0,  //
+      0, 0, 10, 10,                 //
+      5, 5, 5, 5;
+  square.triangles.resize(3, 2);
+  square.triangles << 0, 0,  //
+      1, 2,                  //
+      2, 3;
+  Eigen::Matrix3Xd points(3, 4);
+  points << 3, 3, 13, std::nan(""),  //
+      4, 4, 14, 0,                   //
+      7.5, 1, 5, 0;
+  const Eigen::VectorXd distances = distances_to_surface(points, square);
+  EXPECT_DOUBLE_EQ(distances(0), 2.5);
+  EXPECT_DOUBLE_EQ(distances(1), -4);
+  EXPECT_DOUBLE_EQ(distances(2), 5);  // beyond the corner: 3 and 4 to the side
+  EXPECT_TRUE(std::isnan(distances(3)));
+}
+
+TEST(DistancesInBoth, PartsOfOnlyOneSurfaceHaveNoDistance) {
+  // A square of 2 mm at z = 5 in two triangles.
+  TriangleMesh square;
+  square.vertices.resize(3, 4);
+  square.vertices << 0, 2, 2, 0, 0, 0, 2, 2, 5, 5, 5, 5;
+  square.triangles.resize(3, 2);
+  square.triangles << 0, 0, 1, 2, 2, 3;
+  Eigen::Matrix3Xd points(3, 6);
+  points.col(0) << 0.5, 1.5, 6;  // above it
+  points.col(1) << 1, 1, 4.5;    // below the edge that both triangles share
+  points.col(2) << 2.5, 1, 5.1;  // beside an edge of the border
+  points.col(3) << -1, -1, 5;    // beside a corner
+  points.col(4) << 1, 1.2, 9;    // far
+  points.col(5) << std::nan(""), 0, 0;
+  const Eigen::VectorXd distances = distances_in_both(points, square, 3);
+  EXPECT_DOUBLE_EQ(distances(0), 1);
+  EXPECT_DOUBLE_EQ(distances(1), 0.5);
+  EXPECT_TRUE(distances.tail<4>().array().isNaN().all());
+  EXPECT_DOUBLE_EQ(distances_in_both(points, square)(4), 4);
+  EXPECT_THROW((void)distances_in_both(points, square, std::nan("")), InvalidInput);
+}
+
 }  // namespace
 }  // namespace palpate::geometry

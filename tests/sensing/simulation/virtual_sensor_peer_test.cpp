@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "palpate/geometry/error_statistics.h"
 #include "palpate/geometry/range_map_mesh.h"
-#include "palpate/geometry/range_map_score.h"
 #include "palpate/sensing/frame.h"
 #include "palpate/sensing/virtual_sensor.h"
 #include "test_files.h"

@@ -3,10 +3,25 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 
 #include "palpate/geometry/triangle_mesh.h"
 
 namespace palpate::geometry {
+
+/// Signed distance [mm] of each point (3 x N) from a surface: positive on the side of the surface's
+/// normals, also where an edge or a vertex is nearest. NaN for a point that is not finite.
+/// \throws InvalidInput if `surface` is not a valid mesh.
+[[nodiscard]] Eigen::VectorXd distances_to_surface(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
+                                                   const TriangleMesh& surface);
+
+/// Distance [mm] >= 0 of each point (3 x N) from a surface, for the part that both have in common.
+/// NaN where the nearest point is on the surface's border, where the distance exceeds
+/// `max_distance`, and for a point that is not finite.
+/// \throws InvalidInput if `surface` is not a valid mesh, or unless max_distance > 0.
+[[nodiscard]] Eigen::VectorXd distances_in_both(
+    const Eigen::Ref<const Eigen::Matrix3Xd>& points, const TriangleMesh& surface,
+    double max_distance = std::numeric_limits<double>::infinity());
 
 struct HausdorffOptions {
   /// Largest gap between the bounds, as a fraction of the lower one (at least 1e-9 of the diagonal

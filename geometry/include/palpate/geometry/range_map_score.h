@@ -2,26 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <limits>
-#include <vector>
-
+#include "palpate/geometry/error_statistics.h"
 #include "palpate/geometry/range_map.h"
-#include "palpate/geometry/triangle_mesh.h"
 
 namespace palpate::geometry {
-
-/// Statistics of a set of errors. If the set is empty, the count is 0 and all others are NaN.
-struct ErrorStatistics {
-  long count = 0;
-  double rms = 0;     ///< square root of the mean square
-  double median = 0;  ///< of the absolute values
-  double p90 = 0;     ///< 90 % quantile of the absolute values
-  double p95 = 0;     ///< 95 % quantile of the absolute values
-  double max = 0;     ///< of the absolute values
-};
-
-/// Statistics of the finite values among `errors`, in their unit.
-[[nodiscard]] ErrorStatistics error_statistics(std::vector<double> errors);
 
 /// Depth `measured` minus depth `reference` [mm], pixel by pixel; NaN where either is unknown.
 /// \throws InvalidInput unless both have the same size.
@@ -47,19 +31,5 @@ struct RangeMapScore {
     const Eigen::Ref<const Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>&
         measurable,
     double max_error);
-
-/// Signed distance [mm] of each point (3 x N) from a surface: positive on the side of the surface's
-/// normals, also where an edge or a vertex is nearest. NaN for a point that is not finite.
-/// \throws InvalidInput if `surface` is not a valid mesh.
-[[nodiscard]] Eigen::VectorXd distances_to_surface(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
-                                                   const TriangleMesh& surface);
-
-/// Distance [mm] >= 0 of each point (3 x N) from a surface, for the part that both have in common.
-/// NaN where the nearest point is on the surface's border, where the distance exceeds
-/// `max_distance`, and for a point that is not finite.
-/// \throws InvalidInput if `surface` is not a valid mesh, or unless max_distance > 0.
-[[nodiscard]] Eigen::VectorXd distances_in_both(
-    const Eigen::Ref<const Eigen::Matrix3Xd>& points, const TriangleMesh& surface,
-    double max_distance = std::numeric_limits<double>::infinity());
 
 }  // namespace palpate::geometry

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "palpate/geometry/range_map_score.h"
+#include "palpate/geometry/error_statistics.h"
 #include "palpate/sensing/decode.h"
 #include "palpate/sensing/virtual_sensor.h"
 
