@@ -65,6 +65,7 @@ int run(int argc, char** argv) {
   add_simulate(app, settings);
   add_decode(app, settings);
   add_mesh(app, settings);
+  add_track(app, settings);
   add_compare(app, settings);
   add_probe(app, settings);
   add_fit(app, settings);

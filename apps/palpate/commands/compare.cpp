@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <limits>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -35,8 +37,9 @@ namespace fs = std::filesystem;
 constexpr Interval kPlaces = at_least(-1e9).at_most(1e9);
 
 struct CompareCall {
-  fs::path a, b, rig, section, picture;
+  fs::path a, b, rig, section, picture, aligned;
   bool align = false;
+  geometry::RegistrationMethod method = geometry::RegistrationOptions{}.method;
   double search_rotation_deg = 45;
   double search_translation = std::numeric_limits<double>::infinity();
   double section_y = 0;
@@ -143,7 +146,8 @@ Eigen::Matrix3Xd thinned(const Eigen::Matrix3Xd& points) {
 /// sensor saw of it and its surroundings, not the other way round.
 geometry::Registration register_smaller(const CompareCall& call, const geometry::TriangleMesh& a,
                                         const geometry::TriangleMesh& b) {
-  const geometry::RegistrationOptions options{.search_rotation = call.search_rotation_deg * kDegree,
+  const geometry::RegistrationOptions options{.method = call.method,
+                                              .search_rotation = call.search_rotation_deg * kDegree,
                                               .search_translation = call.search_translation};
   if (geometry::surface_area(a) <= geometry::surface_area(b))
     return geometry::register_points(thinned(a.vertices), b, options);
@@ -152,9 +156,21 @@ geometry::Registration register_smaller(const CompareCall& call, const geometry:
   return found;
 }
 
-/// Moves A onto B; what that was goes into the figures. A pose that is not accepted is no ground to
-/// compare on: that is an error.
-/// \return the same in words.
+/// The methods by their names in the library.
+const std::map<std::string, geometry::RegistrationMethod> kMethods = {
+    {"point_to_triangle", geometry::RegistrationMethod::point_to_triangle},
+    {"point_to_plane", geometry::RegistrationMethod::point_to_plane},
+    {"point_to_point", geometry::RegistrationMethod::point_to_point}};
+
+/// A pose row by row, as `palpate merge --pose` reads it.
+nlohmann::ordered_json to_json(const Eigen::Isometry3d& pose) {
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  for (const auto& row : pose.matrix().rowwise()) rows.push_back({row[0], row[1], row[2], row[3]});
+  return rows;
+}
+
+/// Moves A onto B and puts the pose into the figures. A pose that is not accepted is an error:
+/// there is nothing to compare then. \return the same in words.
 std::string align(const CompareCall& call, geometry::TriangleMesh& a,
                   const geometry::TriangleMesh& b, nlohmann::ordered_json& figures) {
   const geometry::Registration found = register_smaller(call, a, b);
@@ -172,6 +188,7 @@ std::string align(const CompareCall& call, geometry::TriangleMesh& a,
   const Eigen::AngleAxisd turn(found.T_target_source.linear());
   figures["aligned"] = {{"rotation", turn.angle()},
                         {"translation", found.T_target_source.translation().norm()},
+                        {"pose", to_json(found.T_target_source)},
                         {"verdict", geometry::to_string(found.verdict)},
                         {"reason", found.reason},
                         {"rms", found.rms},
@@ -216,6 +233,7 @@ void compare_surfaces(const Settings& settings, const CompareCall& call) {
   std::string prose;
   const Eigen::ArrayXd depths = a.vertices.row(2);  // before A leaves its camera's frame
   if (call.align) prose = align(call, a, b, figures);
+  if (!call.aligned.empty()) geometry::write_mesh(call.aligned, a);
   prose += compare_common_parts(call, a, b, depths, figures);
   const geometry::SurfaceDistances spread = geometry::surface_distances(a, b);
   const geometry::HausdorffDistance largest = geometry::hausdorff_distance(a, b);
@@ -271,6 +289,20 @@ void add_compare(CLI::App& app, const Settings& settings) {
       "Move A rigidly onto B first, of which one may be a part of the other; it is an error (exit "
       "status 1) if no pose can be relied on");
   command
+      ->add_option("--method", call->method,
+                   "With --align: how the pose is refined. point_to_triangle measures to the "
+                   "triangles themselves and is the most exact; point_to_plane (PCL's ICP with "
+                   "normals) suits fine meshes with little noise; point_to_point (PCL's ICP) needs "
+                   "no normals, but is only as exact as the vertices are dense")
+      ->transform(CLI::CheckedTransformer(kMethods).description(
+          "{point_to_triangle,point_to_plane,point_to_point}"))
+      ->default_str("point_to_triangle")
+      ->needs(align);
+  command
+      ->add_option("-o,--output", call->aligned,
+                   "With --align: also write surface A where it was moved to (.ply, .obj or .stl)")
+      ->needs(align);
+  command
       ->add_option("--search-rotation", call->search_rotation_deg,
                    "With --align: by how much A may be turned [degrees]")
       ->check(within(at_least(0).at_most(180)))
@@ -309,10 +341,11 @@ void add_compare(CLI::App& app, const Settings& settings) {
       "Examples:\n  palpate compare range/000000.tiff truth.tiff --picture differences.png\n"
       "  palpate compare range/000000.tiff reference.ply --align --within 5 --section "
       "section.png\n"
+      "  palpate compare reference.ply range/000000.tiff --align -o aligned.ply\n"
       "  palpate compare small.ply surface.ply --picture distances.png");
   command->callback([call, section, &settings] {
     if (section->count() > 0 && call->section.empty()) call->section = "section.png";
-    check_outputs({call->a, call->b}, {call->section, call->picture});
+    check_outputs({call->a, call->b}, {call->section, call->picture, call->aligned});
     check_pictures({call->section, call->picture});
     const bool pixels =
         is_range_map(call->a) && is_range_map(call->b) && !call->align && call->section.empty();

@@ -69,23 +69,29 @@ std::vector<std::string> reason_words() {
   return words;
 }
 
-geometry::RangeMap load_range_map(const fs::path& path, const fs::path& rig) {
-  check_is_depths(path);
-  const fs::path beside = path.parent_path() / "rig.yaml";
+fs::path rig_of(const fs::path& range_map, const fs::path& rig) {
+  if (!rig.empty()) return rig;
+  const fs::path beside = range_map.parent_path() / "rig.yaml";
   std::error_code ignored;
-  if (rig.empty() && !fs::exists(beside, ignored)) {
+  if (!fs::exists(beside, ignored)) {
     throw FileError(
         beside.string() +
         ": missing. A range map needs its camera: put the rig beside it, or pass --rig.");
   }
+  return beside;
+}
+
+geometry::RangeMap load_range_map(const fs::path& path, const fs::path& rig) {
+  check_is_depths(path);
+  const fs::path of_map = rig_of(path, rig);
   geometry::RangeMap map{.z = geometry::read_depth_tiff(path),
-                         .camera = sensing::read_rig(rig.empty() ? beside : rig).camera};
+                         .camera = sensing::read_rig(of_map).camera};
   if (map.z.cols() != map.camera.width || map.z.rows() != map.camera.height) {
-    throw InvalidInput(
-        path.string() + ": " + std::to_string(map.z.cols()) + " x " + std::to_string(map.z.rows()) +
-        " pixels, but the camera of " + (rig.empty() ? beside : rig).string() + " has " +
-        std::to_string(map.camera.width) + " x " + std::to_string(map.camera.height) +
-        ". Pass the rig that this range map was made with.");
+    throw InvalidInput(path.string() + ": " + std::to_string(map.z.cols()) + " x " +
+                       std::to_string(map.z.rows()) + " pixels, but the camera of " +
+                       of_map.string() + " has " + std::to_string(map.camera.width) + " x " +
+                       std::to_string(map.camera.height) +
+                       ". Pass the rig that this range map was made with.");
   }
   return map;
 }

@@ -17,6 +17,11 @@ namespace palpate::apps {
 [[nodiscard]] std::vector<std::filesystem::path> list_frames(
     const std::vector<std::filesystem::path>& paths);
 
+/// The rig of a range map: `rig` or, if that is empty, the rig.yaml beside the range map.
+/// \throws FileError if there is none beside it.
+[[nodiscard]] std::filesystem::path rig_of(const std::filesystem::path& range_map,
+                                           const std::filesystem::path& rig);
+
 /// Reads a range map (TIFF) with the camera of `rig` or, if that is empty, of the rig.yaml beside
 /// it.
 /// \throws FileError if either is missing or damaged.

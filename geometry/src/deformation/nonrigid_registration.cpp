@@ -246,11 +246,11 @@ class Fit {
     const Eigen::Index count = graph_.mesh().vertices.cols();
     result_.vertices.resize(3, count);
     result_.measured.setConstant(3, count, kNan);
+    result_.distance.setConstant(count, kNan);
     result_.confidence.setZero(count);
     result_.sight.resize(static_cast<std::size_t>(count));
     result_.pixel.resize(static_cast<std::size_t>(count));
     const Gate last = gate(kLevels - 1);
-    Eigen::VectorXd distance = Eigen::VectorXd::Zero(count);
     parallel_for(static_cast<int>(count), [&](int v) {
       const PlacedVertex placed = place(graph_, result_.node_motions, v);
       const Association found = associate(surface_, placed.position, placed.normal, last);
@@ -259,7 +259,7 @@ class Fit {
       result_.pixel[static_cast<std::size_t>(v)] = found.pixel;
       if (found.sight != VertexSight::seen) return;
       result_.confidence[v] = found.pair.weight;
-      distance[v] = found.pair.distance;
+      result_.distance[v] = found.pair.distance;
       // Along the ray, by as much as it is off the plane.
       const double per_depth = found.plane.normal.dot(placed.position);
       result_.measured.col(v) = placed.position * (1 - found.pair.distance / per_depth);
@@ -269,7 +269,8 @@ class Fit {
     };
     const double seen = with(VertexSight::seen);
     const double measured = seen + with(VertexSight::occluded) + with(VertexSight::unmatched);
-    result_.rms = std::sqrt(distance.squaredNorm() / seen);
+    const auto is_seen = result_.distance.array().isFinite();
+    result_.rms = std::sqrt(is_seen.select(result_.distance, 0).squaredNorm() / seen);
     result_.matched = measured > 0 ? seen / measured : 0;
     if (result_.stop == NonRigidStop::converged && result_.matched < options_.min_matched) {
       result_.stop = NonRigidStop::poor_match;
@@ -292,15 +293,6 @@ DeformedSurface register_deformed(const DeformationGraph& graph, const RangeMap&
   check_options(options);
   Fit fit(graph, map, options, check_start(graph, start));
   return fit.run(!start.empty());
-}
-
-std::vector<DeformedSurface> register_deformed_frames(const DeformationGraph& graph,
-                                                      std::span<const RangeMap> maps,
-                                                      const NonRigidOptions& options) {
-  std::vector<DeformedSurface> surfaces(maps.size());
-  parallel_for(maps.size(),
-               [&](std::size_t i) { surfaces[i] = register_deformed(graph, maps[i], options); });
-  return surfaces;
 }
 
 }  // namespace palpate::geometry

@@ -137,11 +137,14 @@ TEST(RegisterDeformed, ToleratesNoiseHolesAndATool) {
     EXPECT_EQ(on_map, found.sight[v] == VertexSight::seen);
     EXPECT_EQ(on_map, found.pixel[v] >= 0);
     EXPECT_EQ(on_map, found.confidence[i] > 0);
+    EXPECT_EQ(on_map, std::isfinite(found.distance[i]));
     if (on_map) {
       // Tukey's biweight of the distance from the plane, which is at most that along the ray.
       const double along_ray = (found.measured.col(i) - found.vertices.col(i)).norm();
-      const double fraction = std::min(1.0, along_ray / gate);
-      EXPECT_GE(found.confidence[i], std::pow(1 - fraction * fraction, 2) - 1e-12);
+      const double fraction = found.distance[i] / gate;
+      EXPECT_LE(std::abs(found.distance[i]), along_ray * (1 + 1e-12));
+      EXPECT_NEAR(found.confidence[i], std::pow(1 - fraction * fraction, 2), 1e-12);
+      EXPECT_EQ(found.distance[i] > 0, found.vertices(2, i) < found.measured(2, i));
       least_confident = std::min(least_confident, found.confidence[i]);
     }
     if (before_tool[v] || (moved.vertices.col(i) - tip).norm() < 30) continue;
@@ -249,24 +252,17 @@ TEST(RegisterDeformed, DoesNotDependOnTheUnitOfLength) {
   }
 }
 
-TEST(RegisterDeformed, FramesInParallelAreThoseOfOneThread) {
-  std::vector<RangeMap> maps;
-  for (const double depth : {5.0, 12.0, 20.0}) {
-    const TriangleMesh moved =
-        test::deformed(rest_mesh(), [&](const Vector3d& p) { return poked_and_bent(p, depth); });
-    maps.push_back(test::render(moved, test::bumpy_camera(kWidth)));
-    test::add_noise(maps.back(), 0.25, 7);
-  }
-  const std::vector<DeformedSurface> together = register_deformed_frames(rest_graph(), maps);
+TEST(RegisterDeformed, DoesNotDependOnTheNumberOfThreads) {
+  const TriangleMesh moved =
+      test::deformed(rest_mesh(), [](const Vector3d& p) { return poked_and_bent(p, 12.0); });
+  RangeMap map = test::render(moved, test::bumpy_camera(kWidth));
+  test::add_noise(map, 0.25, 7);
+  const DeformedSurface together = register_deformed(rest_graph(), map);
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
-  ASSERT_EQ(together.size(), maps.size());
-  for (std::size_t i = 0; i < maps.size(); ++i) {
-    const DeformedSurface alone = register_deformed(rest_graph(), maps[i]);
-    EXPECT_EQ(together[i].vertices, alone.vertices);
-    EXPECT_EQ(together[i].pixel, alone.pixel);
-    EXPECT_EQ(together[i].confidence, alone.confidence);
-  }
-  EXPECT_TRUE(register_deformed_frames(rest_graph(), {}).empty());
+  const DeformedSurface alone = register_deformed(rest_graph(), map);
+  EXPECT_EQ(together.vertices, alone.vertices);
+  EXPECT_EQ(together.pixel, alone.pixel);
+  EXPECT_EQ(together.confidence, alone.confidence);
 }
 
 TEST(RegisterDeformed, RefusesBadOptionsAndAnotherStart) {

@@ -54,11 +54,13 @@ struct DeformedSurface {
   /// [mm] 3 x V, where the ray to a vertex meets the measured surface; NaN unless seen.
   Eigen::Matrix3Xd measured;
   std::vector<int> pixel;  ///< V, row * cols + col of a vertex that is seen, otherwise -1
-  /// V, in [0, 1]: near 1 on the measured surface, 0 at the final gate or where the vertex is not
-  /// seen and only follows its neighbours.
+  /// [mm] V, signed distance from the plane of the measured point, positive on the camera's side of
+  /// it; NaN unless seen.
+  Eigen::VectorXd distance;
+  /// V, in [0, 1]: near 1 on the measured surface, 0 at the gate of `min_correspondence` or where
+  /// the vertex is not seen and only follows its neighbours.
   Eigen::VectorXd confidence;
-  double rms = 0;      ///< [mm] distance of the vertices that are seen from the plane of their
-                       ///< measured point; NaN if none is
+  double rms = 0;      ///< [mm] root mean square of `distance` where seen; NaN if no vertex is
   double matched = 0;  ///< fraction seen of those before which something was measured
   int iterations = 0;
   /// Check this before you use the vertices.
@@ -89,14 +91,5 @@ struct DeformedSurface {
 [[nodiscard]] DeformedSurface register_deformed(const DeformationGraph& graph, const RangeMap& map,
                                                 const NonRigidOptions& options = {},
                                                 std::span<const Eigen::Isometry3d> start = {});
-
-/// The same for many frames that are each within reach of the undeformed surface: every one starts
-/// there, in parallel, so that an error in one does not go on to the next. A motion that goes
-/// further has to be tracked from frame to frame, by `start`.
-/// \throws InvalidInput or SolverError as above, whichever frame it is: then there is no result of
-/// the others either.
-[[nodiscard]] std::vector<DeformedSurface> register_deformed_frames(
-    const DeformationGraph& graph, std::span<const RangeMap> maps,
-    const NonRigidOptions& options = {});
 
 }  // namespace palpate::geometry

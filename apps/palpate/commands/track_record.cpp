@@ -1,0 +1,174 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "commands/track_record.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <set>
+#include <utility>
+
+#include "palpate/error.h"
+#include "shared/fingerprint.h"
+#include "shared/inputs.h"
+
+namespace palpate::apps {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kKind = "frames of palpate track";
+
+/// What the user can do without the record, for messages.
+constexpr const char* kRemedy = "Leave out --resume to track all frames anew";
+
+TrackedFrame from_json(const Json& json) {
+  TrackedFrame frame{
+      .range_map = json.at("range_map"), .fingerprint = json.at("fingerprint"), .lost = {}};
+  if (json.contains("lost")) {
+    frame.lost = json.at("lost");
+    return frame;
+  }
+  frame.rms = json.at("rms");
+  frame.p95 = json.at("p95");
+  frame.max = json.at("max");
+  frame.measured = json.at("measured");
+  frame.visible = json.at("visible");
+  frame.iterations = json.at("iterations");
+  frame.settled = json.at("settled");
+  return frame;
+}
+
+/// The first line of a record; null if there is none.
+Json read_head(const fs::path& record) {
+  std::ifstream stream(record, std::ios::binary);
+  std::string line;
+  std::getline(stream, line);
+  Json head = Json::parse(line, nullptr, false);
+  return head.is_object() && head.value("kind", "") == kKind ? head : Json();
+}
+
+/// The range map that a file is for, by its name; temporaries are for the file they replace.
+std::string stem_of(const fs::path& file) {
+  const std::string name = file.filename().string();
+  return name.substr(0, std::min(name.find(".tmp-"), name.find_last_of('.')));
+}
+
+/// The names, without endings, of the range maps that a record is about.
+std::set<std::string> claimed_stems(const Json& head) {
+  std::set<std::string> stems;
+  if (!head.contains("inputs")) return stems;
+  for (const Json& input : head.at("inputs"))
+    stems.insert(fs::path(input.get<std::string>()).stem().string());
+  return stems;
+}
+
+/// Files that may be results, of any run.
+std::vector<fs::path> result_files(const fs::path& folder) {
+  std::vector<fs::path> files;
+  for (const fs::path& place : {folder, folder / "nodes"}) {
+    if (!is_there(place) || !is_folder(place)) continue;
+    for (const fs::directory_entry& entry : fs::directory_iterator(place)) {
+      const fs::path extension = entry.path().extension();
+      if (extension == ".ply" || extension == ".obj" || extension == ".png")
+        files.push_back(entry.path());
+    }
+  }
+  return files;
+}
+
+}  // namespace
+
+Json to_json(const TrackedFrame& frame) {
+  Json json = {{"range_map", frame.range_map}, {"fingerprint", frame.fingerprint}};
+  if (!frame.lost.empty()) {
+    json["lost"] = frame.lost;
+    return json;
+  }
+  json["rms"] = frame.rms;
+  json["p95"] = frame.p95;
+  json["max"] = frame.max;
+  json["measured"] = frame.measured;
+  json["visible"] = frame.visible;
+  json["iterations"] = frame.iterations;
+  json["settled"] = frame.settled;
+  return json;
+}
+
+TrackRecord::TrackRecord(fs::path folder, Json settings, std::vector<fs::path> inputs)
+    : folder_(std::move(folder)), settings_(std::move(settings)), inputs_(std::move(inputs)) {}
+
+void TrackRecord::check_folder() const {
+  if (!is_there(folder_)) return;
+  if (!is_folder(folder_)) throw InvalidInput(folder_.string() + ": is a file; give a folder.");
+  const Json head = read_head(path());
+  if (is_there(path()) && head.is_null()) {
+    throw InvalidInput(path().string() +
+                       ": would be replaced, and is not a record of palpate track; nothing is "
+                       "changed. Give a new or an empty folder, or remove it.");
+  }
+  const std::set<std::string> claimed = claimed_stems(head);
+  for (const fs::path& file : result_files(folder_)) {
+    if (claimed.contains(stem_of(file))) continue;
+    throw InvalidInput(file.string() +
+                       ": lies where meshes are to be written, and no track.jsonl says that it "
+                       "comes from an earlier run; nothing is changed. Give a new or an empty "
+                       "folder, or remove it.");
+  }
+}
+
+void TrackRecord::check_inputs(const Json& head) const {
+  const auto before = head.at("inputs").get<std::vector<std::string>>();
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    if (i < inputs_.size() && before[i] == inputs_[i].filename()) continue;
+    throw InvalidInput(fmt::format(
+        "{}: range map {} was {} and is now {}. New range maps may only follow the old ones. {}.",
+        path().string(), i, before[i],
+        i < inputs_.size() ? inputs_[i].filename().string() : std::string("missing"), kRemedy));
+  }
+}
+
+void TrackRecord::resume(const std::function<bool(const TrackedFrame&)>& is_complete) {
+  if (!is_there(path())) return;
+  const RunRecord record = read_run_record(path(), kRemedy);
+  try {
+    check_same_settings(path(), record.head.at("settings"), settings_, kRemedy);
+    check_inputs(record.head);
+    for (std::size_t i = 0; i < std::min(record.items.size(), inputs_.size()); ++i) {
+      const TrackedFrame frame = from_json(record.items[i]);
+      if (frame.range_map != inputs_[i].filename() ||
+          frame.fingerprint != fingerprint(inputs_[i]) || !is_complete(frame))
+        return;
+      kept_.push_back(frame);
+    }
+  } catch (const Json::exception& error) {
+    throw FileError(fmt::format("{}: this is not a record of palpate track ({}). {}.",
+                                path().string(), error.what(), kRemedy));
+  }
+}
+
+void TrackRecord::begin() {
+  if (writer_) return;
+  std::set<std::string> kept;
+  for (const TrackedFrame& frame : kept_) {
+    if (frame.lost.empty()) kept.insert(fs::path(frame.range_map).stem().string());
+  }
+  for (const fs::path& file : result_files(folder_)) {
+    if (!kept.contains(file.stem().string())) fs::remove(file);
+  }
+  Json names = Json::array();
+  for (const fs::path& input : inputs_) names.push_back(input.filename().string());
+  RunRecord record{.head = {{"kind", kKind}, {"settings", settings_}, {"inputs", names}},
+                   .items = {}};
+  for (const TrackedFrame& frame : kept_) record.items.push_back(to_json(frame));
+  writer_.emplace(path(), record);
+}
+
+void TrackRecord::add(const TrackedFrame& frame) {
+  begin();
+  writer_->add(to_json(frame));
+}
+
+}  // namespace palpate::apps

@@ -1,0 +1,72 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "shared/run_record.h"
+
+namespace palpate::apps {
+
+/// What became of one range map.
+struct TrackedFrame {
+  std::string range_map;    ///< name of its file
+  std::string fingerprint;  ///< of its content
+  std::string lost;         ///< why the surface was not found; empty if it was, as are the rest:
+  double rms = 0;           ///< [mm] distances of measured vertices from the measured surface
+  double p95 = 0;           ///< [mm]
+  double max = 0;           ///< [mm]
+  double measured = 0;      ///< fraction of all vertices that lie on the measured surface
+  double visible = 0;       ///< the same of those that face the camera
+  int iterations = 0;
+  bool settled = false;  ///< the nodes moved no more before the iterations ended
+};
+
+/// The members of a frame as in the record.
+[[nodiscard]] nlohmann::ordered_json to_json(const TrackedFrame& frame);
+
+/// Records in `track.jsonl`, beside the meshes, which frames are finished, for --resume.
+class TrackRecord {
+ public:
+  /// `settings`: by name, all that the meshes depend on besides the range maps `inputs`.
+  TrackRecord(std::filesystem::path folder, nlohmann::ordered_json settings,
+              std::vector<std::filesystem::path> inputs);
+
+  /// \throws InvalidInput if the folder holds a mesh that no record claims, or a file where one is
+  /// to be written.
+  void check_folder() const;
+
+  /// Takes over the frames that an earlier run finished, up to the first one whose range map has
+  /// changed or which is not complete: each frame depends on the one before.
+  /// \throws InvalidInput unless settings and range maps are the same (range maps may be added at
+  /// the end).
+  /// \throws FileError if the record cannot be read.
+  void resume(const std::function<bool(const TrackedFrame&)>& is_complete);
+
+  /// Frames that are taken over: those of the first range maps.
+  [[nodiscard]] const std::vector<TrackedFrame>& kept() const { return kept_; }
+
+  /// Removes what an earlier run wrote for frames that are not kept. Later calls do nothing.
+  /// \throws OutputError.
+  void begin();
+
+  /// \throws OutputError.
+  void add(const TrackedFrame& frame);
+
+ private:
+  [[nodiscard]] std::filesystem::path path() const { return folder_ / "track.jsonl"; }
+  void check_inputs(const nlohmann::ordered_json& head) const;
+
+  std::filesystem::path folder_;
+  nlohmann::ordered_json settings_;
+  std::vector<std::filesystem::path> inputs_;
+  std::vector<TrackedFrame> kept_;
+  std::optional<RunRecordWriter> writer_;  ///< after `begin`
+};
+
+}  // namespace palpate::apps
