@@ -11,6 +11,6 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/palpateConfigVersion.cmak
 install(FILES ${PROJECT_BINARY_DIR}/palpateConfig.cmake ${PROJECT_BINARY_DIR}/palpateConfigVersion.cmake
         DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/palpate COMPONENT geometry)
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/palpate COMPONENT geometry)
-# Whoever reads a model without the library reads it by this.
-install(FILES ${PROJECT_SOURCE_DIR}/docs/field.schema.json
+# For programs that read a model without the library.
+install(FILES ${PROJECT_SOURCE_DIR}/docs/field.schema.json ${PROJECT_SOURCE_DIR}/docs/read_model.py
         DESTINATION ${CMAKE_INSTALL_DATADIR}/palpate COMPONENT haptics)

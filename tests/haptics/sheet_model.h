@@ -46,7 +46,7 @@ inline Model sheet_model(double friction = 0.5) {
     contact.friction_source = FrictionSource::samples;
     contact.samples = 100 + i;
     contact.rms = 0.01 * i;
-    contact.fit_stop = "accurate";
+    contact.fit_stop = FitStop::accurate;
     model.contacts.push_back(contact);
   }
   model.triangles.resize(3, 2);

@@ -77,8 +77,9 @@ void tell_friction(const haptics::BuildResult& built) {
 std::string friction_of(const haptics::ContactModel& contact) {
   if (contact.friction_source == haptics::FrictionSource::lower_bound)
     return fmt::format(">= {:.3f}", contact.friction);
-  return fmt::format("{:.3f} +- {:.3f} (>= {:.3f})", contact.friction, contact.friction_error,
-                     contact.friction_lower_bound);
+  const std::string error =
+      contact.friction_error ? fmt::format(" +- {:.3f}", *contact.friction_error) : "";
+  return fmt::format("{:.3f}{} (>= {:.3f})", contact.friction, error, contact.friction_lower_bound);
 }
 
 /// The error with the local part over that without, by which sparse contacts gain.
@@ -263,12 +264,12 @@ void fit(const Settings& settings, FitCall call) {
                              {"rms", contact.rms},
                              {"bases", bases},
                              {"friction", contact.friction},
-                             {"friction_error", contact.friction_error},
+                             {"friction_error", number_or_null(contact.friction_error)},
                              {"friction_lower_bound", contact.friction_lower_bound},
                              {"friction_source", haptics::to_string(contact.friction_source)},
                              {"friction_stop", haptics::to_string(built.contacts[i].friction.stop)},
                              {"samples", contact.samples},
-                             {"stop", contact.fit_stop},
+                             {"stop", haptics::to_string(found.stop)},
                              {"passive", haptics::to_string(found.certificate.passivity)},
                              {"chi2", found.chi2},
                              {"noise_floor", found.noise_floor},
@@ -279,8 +280,8 @@ void fit(const Settings& settings, FitCall call) {
       prose += fmt::format(
           "  contact {}: RMS {:.4f} N with {} bases from {} samples, friction {}, {}, passivity: "
           "{}{}\n",
-          contact.id, contact.rms, bases, contact.samples, friction_of(contact), contact.fit_stop,
-          haptics::to_string(found.certificate.passivity),
+          contact.id, contact.rms, bases, contact.samples, friction_of(contact),
+          haptics::to_string(found.stop), haptics::to_string(found.certificate.passivity),
           contact.shared_local ? ", shares the local part" : "");
     }
   }

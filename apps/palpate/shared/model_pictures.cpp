@@ -33,9 +33,7 @@ void draw_model_contacts(const fs::path& png, const haptics::Model& model,
                          const std::string& title) {
   // Each vertex belongs to the contact with the largest weight there.
   const geometry::TriangleMesh contacts = haptics::contact_mesh(model);
-  const geometry::SurfaceWeights weights = model.surface_weights.contacts.cols() > 0
-                                               ? model.surface_weights
-                                               : geometry::project_weights(model.surface, contacts);
+  const geometry::SurfaceWeights weights = haptics::vertex_weights(model);
   pictures::draw_contacts(png, model.surface, weights.contacts.row(0).transpose(), contacts, title);
 }
 
@@ -68,10 +66,7 @@ void draw_contact_field(const fs::path& png, const haptics::Model& model,
 
 void draw_leave_one_out(const fs::path& png, const haptics::Model& model,
                         const haptics::LeaveOneOut& errors) {
-  const geometry::SurfaceWeights weights =
-      model.surface_weights.contacts.cols() > 0
-          ? model.surface_weights
-          : geometry::project_weights(model.surface, haptics::contact_mesh(model));
+  const geometry::SurfaceWeights weights = haptics::vertex_weights(model);
   Eigen::VectorXd at_vertices(weights.contacts.cols());
   for (Eigen::Index v = 0; v < at_vertices.size(); ++v) {
     at_vertices(v) = weights.contacts(0, v) < 0 ? std::nan("") : 0;

@@ -72,7 +72,7 @@ void take_friction(const ContactReport& report, const probing::Contact& contact,
   model.frame.col(2) = pressing_direction(cone, contact);
   model.friction_source = measured ? FrictionSource::samples : FrictionSource::none;
   model.friction = measured ? cone.coefficient : 0;
-  model.friction_error = measured ? cone.coefficient_error : 0;
+  if (measured) model.friction_error = cone.coefficient_error;
   model.friction_lower_bound = cone.lower_bound;
   model.friction_axis = axis.stop == FrictionAxisStop::converged ? *axis.axis : model.frame.col(2);
 }
@@ -93,10 +93,11 @@ void choose_frames(Model& model) {
   }
 }
 
-// Figures of a model are at most the greatest that a file may hold, and 0 if not known (NaN).
-double storable(double figure) {
+// Figures of a model are at most the greatest that a file may hold. NaN: not known.
+std::optional<double> storable(double figure) {
   constexpr double kGreatest = 1e12;
-  return std::isnan(figure) ? 0 : std::min(figure, kGreatest);
+  if (std::isnan(figure)) return std::nullopt;
+  return std::min(figure, kGreatest);
 }
 
 FitResult fit_field(const ForceSamples& pairs, const std::optional<LocalPart>& local_part,
@@ -114,12 +115,12 @@ FitResult fit_field(const ForceSamples& pairs, const std::optional<LocalPart>& l
 void take_fit(ContactModel& model, const ForceSamples& samples, const FitResult& fit) {
   model.samples = static_cast<int>(samples.forces.cols());
   model.rms = fit.rms;
-  model.fit_stop = to_string(fit.stop);
-  model.fit_mode = to_string(fit.mode);
-  model.passivity = to_string(fit.certificate.passivity);
+  model.fit_stop = fit.stop;
+  model.fit_mode = fit.mode;
+  model.passivity = fit.certificate.passivity;
   model.chi2 = storable(fit.chi2);
   model.noise_floor = storable(fit.noise_floor);
-  model.condition = storable(fit.condition.value_or(0));
+  if (fit.condition) model.condition = storable(*fit.condition);
   model.shared_local = fit.shared_local;
   model.field = fit.field;
   model = rounded(std::move(model));
@@ -224,16 +225,16 @@ void fill_in_friction(Model& model) {
   const Eigen::Map<const Eigen::ArrayXd> values(measured.data(),
                                                 static_cast<Eigen::Index>(measured.size()));
   const double mean = measured.empty() ? 0 : values.mean();
-  const double scatter =
-      measured.size() < 2
-          ? 0
-          : std::sqrt((values - mean).square().sum() / static_cast<double>(measured.size() - 1));
+  std::optional<double> scatter;
+  if (measured.size() > 1) {
+    scatter = std::sqrt((values - mean).square().sum() / static_cast<double>(measured.size() - 1));
+  }
   for (ContactModel& contact : model.contacts) {
     if (contact.friction_source == FrictionSource::samples) continue;
     // A lower bound of its own is a cautious coefficient (thesis 5.4.1).
     const bool bounded = contact.friction_lower_bound > mean;
     contact.friction = bounded ? contact.friction_lower_bound : mean;
-    contact.friction_error = bounded ? 0 : scatter;
+    contact.friction_error = bounded ? std::nullopt : scatter;
     contact.friction_source = bounded            ? FrictionSource::lower_bound
                               : measured.empty() ? FrictionSource::none
                                                  : FrictionSource::other_contacts;

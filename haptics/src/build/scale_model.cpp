@@ -44,9 +44,10 @@ double energy_factor(ForceScaling forces, double volume) {
 void tell_refit(ContactModel& contact) {
   const bool convex = std::ranges::none_of(
       contact.field.bases, [](const Multiquadric& base) { return base.weight < 0; });
-  contact.fit_mode = to_string(convex ? FitMode::convex : FitMode::certified);
-  contact.passivity = to_string(convex ? Passivity::convex : Passivity::certified);
-  contact.chi2 = contact.condition = 0;
+  contact.fit_mode = convex ? FitMode::convex : FitMode::certified;
+  contact.passivity = convex ? Passivity::convex : Passivity::certified;
+  contact.chi2.reset();
+  contact.condition.reset();
 }
 
 TransformedField scale_contact(const Eigen::Matrix3d& S, ForceScaling forces,
@@ -70,7 +71,7 @@ TransformedField scale_contact(const Eigen::Matrix3d& S, ForceScaling forces,
   contact.field = transformed.field;
   const double forces_by = factor / std::cbrt(volume);
   contact.rms = std::hypot(contact.rms * forces_by, transformed.rms);
-  contact.noise_floor *= forces_by;
+  if (contact.noise_floor) *contact.noise_floor *= forces_by;
   if (!transformed.exact) tell_refit(contact);
   contact = rounded(std::move(contact));
   return transformed;

@@ -53,7 +53,7 @@ void scale_forces(ContactModel& contact, double scale, ForceScaling forces) {
   const double factor = forces == ForceScaling::material ? scale * scale * scale : scale;
   contact.field = transform_field(contact.field, scale * Eigen::Matrix3d::Identity(), factor).field;
   contact.rms *= factor / scale;
-  contact.noise_floor *= factor / scale;
+  if (contact.noise_floor) *contact.noise_floor *= factor / scale;
 }
 
 }  // namespace

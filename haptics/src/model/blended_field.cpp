@@ -37,20 +37,10 @@ Eigen::Matrix3d carried_frame(std::span<const Eigen::Matrix3d> frames,
 }
 
 geometry::ContactLocator make_locator(const Model& model, const geometry::SurfaceQuery& surface) {
-  const bool has_weights = model.surface_weights.contacts.cols() > 0;
-  std::vector<bool> counts(model.contacts.size(), has_weights);
-  for (const int contact : model.triangles.reshaped()) {
-    counts[static_cast<std::size_t>(contact)] = true;
-  }
-  // A contact in no triangle has no influence where weights come from triangles.
   std::vector<geometry::SurfacePoint> places;
-  for (std::size_t i = 0; i < counts.size(); ++i) {
-    places.push_back(counts[i] ? surface.closest_point(model.contacts[i].position).at
-                               : geometry::SurfacePoint{});
-  }
-  return {model.surface, places,
-          has_weights ? model.surface_weights
-                      : geometry::project_weights(model.surface, contact_mesh(model))};
+  for (const ContactModel& contact : model.contacts)
+    places.push_back(surface.closest_point(contact.position).at);
+  return {model.surface, places, vertex_weights(model)};
 }
 
 }  // namespace

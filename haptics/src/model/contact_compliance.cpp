@@ -64,10 +64,7 @@ std::optional<Eigen::Vector3d> displacement_under(const ForceField& field,
 // Of each contact: the mean inward normal of the surface in the world, weighted with the contact's
 // weight; the z axis of its frame where there is none.
 std::vector<Eigen::Vector3d> inward_normals(const Model& model) {
-  const geometry::SurfaceWeights weights =
-      model.surface_weights.contacts.cols() > 0
-          ? model.surface_weights
-          : geometry::project_weights(model.surface, contact_mesh(model));
+  const geometry::SurfaceWeights weights = vertex_weights(model);
   std::vector<Eigen::Vector3d> sums(model.contacts.size(), Eigen::Vector3d::Zero());
   for (const auto& corners : model.surface.triangles.colwise()) {
     const Eigen::Vector3d a = model.surface.vertices.col(corners[0]);

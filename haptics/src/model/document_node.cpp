@@ -26,7 +26,8 @@ std::string escaped(const std::string& key) {
   return result;
 }
 
-// Nodes do not carry their pointers, which few ever need: the value is looked for where it lies.
+// Few nodes ever need their pointer, so they do not carry it: it is found by a search for the
+// value.
 bool append_pointer(const json& value, const json& root, std::string& pointer) {
   if (&value == &root) return true;
   const std::size_t length = pointer.size();
@@ -51,25 +52,30 @@ bool append_pointer(const json& value, const json& root, std::string& pointer) {
 
 }  // namespace
 
+void refuse(const std::string& pointer, const std::string& found, const std::string& right) {
+  throw InvalidInput("at " + (pointer.empty() ? "the top" : pointer) + ": found " + found +
+                     ", expected " + right);
+}
+
 DocumentNode DocumentNode::at(const char* key) const {
   if (!value_->is_object()) refuse("an object");
   const auto found = value_->find(key);
   if (found == value_->end()) refuse(std::string("an object with the member \"") + key + "\"");
-  return {root_, *found};
+  return {part_, *found};
 }
 
 std::optional<DocumentNode> DocumentNode::find(const char* key) const {
   if (!value_->is_object()) refuse("an object");
   const auto found = value_->find(key);
   if (found == value_->end()) return std::nullopt;
-  return DocumentNode(root_, *found);
+  return DocumentNode(part_, *found);
 }
 
 std::vector<DocumentNode> DocumentNode::items() const {
   if (!value_->is_array()) refuse("an array");
   std::vector<DocumentNode> result;
   result.reserve(value_->size());
-  for (const json& item : *value_) result.push_back({root_, item});
+  for (const json& item : *value_) result.push_back({part_, item});
   return result;
 }
 
@@ -135,12 +141,15 @@ std::size_t DocumentNode::choice(std::span<const char* const> words) const {
   refuse(right);
 }
 
+void DocumentNode::read(std::span<double> numbers, const char* right) const {
+  if (!value_->is_array() || value_->size() != numbers.size()) refuse(right);
+  for (std::size_t i = 0; i < numbers.size(); ++i)
+    numbers[i] = DocumentNode(part_, (*value_)[i]).number();
+}
+
 Eigen::Vector3d DocumentNode::vector() const {
-  if (!value_->is_array() || value_->size() != 3) refuse("an array of three numbers");
   Eigen::Vector3d result;
-  for (int i = 0; i < 3; ++i) {
-    result[i] = DocumentNode(root_, (*value_)[static_cast<std::size_t>(i)]).number();
-  }
+  read({result.data(), 3}, "an array of three numbers");
   return result;
 }
 
@@ -148,16 +157,15 @@ Eigen::Matrix3d DocumentNode::rows() const {
   if (!value_->is_array() || value_->size() != 3)
     refuse("an array of three arrays of three numbers");
   Eigen::Matrix3d result;
-  for (int i = 0; i < 3; ++i) {
-    result.row(i) = DocumentNode(root_, (*value_)[static_cast<std::size_t>(i)]).vector();
-  }
+  for (int i = 0; i < 3; ++i)
+    result.row(i) = DocumentNode(part_, (*value_)[static_cast<std::size_t>(i)]).vector();
   return result;
 }
 
 std::map<std::string, std::string> DocumentNode::texts() const {
   if (!value_->is_object()) refuse("an object of strings");
   std::map<std::string, std::string> result;
-  for (const auto& [key, value] : value_->items()) result[key] = DocumentNode(root_, value).text();
+  for (const auto& [key, value] : value_->items()) result[key] = DocumentNode(part_, value).text();
   return result;
 }
 
@@ -168,10 +176,9 @@ void DocumentNode::refuse(const std::string& right) const {
                           ? "an object of " + std::to_string(value_->size())
                           : value_->dump(-1, ' ', true, json::error_handler_t::replace);
   if (found.size() > kShownLength) found = found.substr(0, kShownLength) + "...";
-  std::string pointer;
-  append_pointer(*value_, *root_, pointer);
-  throw InvalidInput("at " + (pointer.empty() ? "the top" : pointer) + ": found " + found +
-                     ", expected " + right);
+  std::string pointer = part_->pointer;
+  append_pointer(*value_, part_->value, pointer);
+  haptics::refuse(pointer, found, right);
 }
 
 }  // namespace palpate::haptics

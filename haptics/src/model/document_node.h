@@ -12,16 +12,26 @@
 
 namespace palpate::haptics {
 
-/// [mm, N, ...] No number of a document is further from zero: it would be a mistake, and its square
-/// would still be finite.
+/// No number of a document is further from zero, in whatever unit: a larger one would be a mistake,
+/// and the square of a smaller one is still finite.
 inline constexpr double kLargestNumber = 1e12;
 
-/// A value of a JSON document that is being read. Each function throws InvalidInput unless the
-/// value is what it asks for: with the JSON pointer, what was found, and what would be right. The
-/// document must outlive it.
+/// A part of a JSON document: its value, and the JSON pointer to it in the document.
+struct DocumentPart {
+  nlohmann::json value;
+  std::string pointer;
+};
+
+/// \throws InvalidInput "at POINTER: found FOUND, expected RIGHT".
+[[noreturn]] void refuse(const std::string& pointer, const std::string& found,
+                         const std::string& right);
+
+/// A value inside a part of a JSON document, seen by a reader that knows what it has to be. Every
+/// function throws InvalidInput if the value is something else: the message has the JSON pointer,
+/// what was found, and what would be right. The part must outlive the node.
 class DocumentNode {
  public:
-  explicit DocumentNode(const nlohmann::json& document) : root_(&document), value_(&document) {}
+  explicit DocumentNode(const DocumentPart& part) : part_(&part), value_(&part.value) {}
 
   [[nodiscard]] DocumentNode at(const char* key) const;
   /// Nullopt if there is no such member.
@@ -32,6 +42,8 @@ class DocumentNode {
   [[nodiscard]] double number() const;
   [[nodiscard]] double number_at_least_zero() const;
   [[nodiscard]] double number_above_zero() const;
+  /// Fills `numbers` from a list of exactly as many; `right` describes that list.
+  void read(std::span<double> numbers, const char* right) const;
   [[nodiscard]] long long integer() const;
   [[nodiscard]] int integer_between(int lowest, int highest) const;
   [[nodiscard]] bool truth() const;
@@ -46,10 +58,10 @@ class DocumentNode {
   [[noreturn]] void refuse(const std::string& right) const;
 
  private:
-  DocumentNode(const nlohmann::json* root, const nlohmann::json& value)
-      : root_(root), value_(&value) {}
+  DocumentNode(const DocumentPart* part, const nlohmann::json& value)
+      : part_(part), value_(&value) {}
 
-  const nlohmann::json* root_;  ///< where the pointer to a refused value begins
+  const DocumentPart* part_;
   const nlohmann::json* value_;
 };
 

@@ -4,17 +4,24 @@
 
 #include <array>
 
+#include "palpate/haptics/model.h"
+
 namespace palpate::haptics {
 
-// Words of the field document, which its writer and its reader share.
+// Words of the field document, which its writer and its reader share. An enumerator is written as
+// `to_string` names it.
 inline constexpr const char* kFieldFormat = "palpate-model";
-/// Version 1 has one epsilon for all bases of a contact, which are isotropic, and the weights of
-/// the surface's vertices in the document. Version 2 has frames as matrices, friction axes as unit
-/// vectors, and ridges among the bases, each with an epsilon and a center and along a unit vector.
-inline constexpr int kFieldVersion = 3;
+inline constexpr int kFieldVersion = 1;
 inline constexpr const char* kSurfaceFile = "surface.ply";
-inline constexpr std::array<const char*, 4> kFrictionSources = {"samples", "other_contacts", "none",
-                                                                "lower_bound"};
-inline constexpr std::array<const char*, 2> kBlendRules = {"forces", "compliances"};
+inline constexpr std::array kFrictionSources = {FrictionSource::samples,
+                                                FrictionSource::other_contacts,
+                                                FrictionSource::none, FrictionSource::lower_bound};
+inline constexpr std::array kBlendRules = {BlendRule::forces, BlendRule::compliances};
+inline constexpr std::array kFitStops = {
+    FitStop::accurate,  FitStop::explained, FitStop::unexplained,   FitStop::rigid,
+    FitStop::max_bases, FitStop::no_gain,   FitStop::not_converged, FitStop::not_determined};
+inline constexpr std::array kFitModes = {FitMode::convex, FitMode::certified, FitMode::local};
+inline constexpr std::array kPassivities = {Passivity::convex, Passivity::certified,
+                                            Passivity::violated, Passivity::undecided};
 
 }  // namespace palpate::haptics

@@ -1,9 +1,10 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <array>
-#include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <unordered_map>
 #include <utility>
 
@@ -22,144 +23,60 @@ using Node = DocumentNode;
 
 constexpr int kMaxInt = std::numeric_limits<int>::max();
 
-// Walks through a document and keeps nothing, but ends where it is nested deeper than any of ours:
-// nlohmann's functions for CBOR and for printing call themselves at each level.
-class NestingCheck : public nlohmann::json_sax<json> {
- public:
-  bool null() override { return true; }
-  bool boolean(bool) override { return true; }
-  bool number_integer(number_integer_t) override { return true; }
-  bool number_unsigned(number_unsigned_t) override { return true; }
-  bool number_float(number_float_t, const string_t&) override { return true; }
-  bool string(string_t&) override { return true; }
-  bool binary(binary_t&) override { return true; }
-  bool key(string_t&) override { return true; }
-  bool start_object(std::size_t) override { return enter(); }
-  bool start_array(std::size_t) override { return enter(); }
-  bool end_object() override { return leave(); }
-  bool end_array() override { return leave(); }
-  // What is wrong is said when it is parsed.
-  bool parse_error(std::size_t, const std::string&, const json::exception&) override {
-    return false;
-  }
-
-  [[nodiscard]] bool too_deep() const { return depth_ > kMaxDepth; }
-
- private:
-  static constexpr int kMaxDepth = 32;  // ours have 5
-
-  bool enter() {
-    ++depth_;
-    return !too_deep();
-  }
-  bool leave() {
-    --depth_;
-    return true;
-  }
-
-  int depth_ = 0;
-};
-
-json parse(const std::string& bytes, ModelEncoding encoding) {
-  const bool is_text = encoding == ModelEncoding::json;
-  const char* name = is_text ? "JSON" : "CBOR";
-  if (bytes.empty()) throw InvalidInput("the file is empty; expected the model's field document");
-  try {
-    NestingCheck nesting;
-    json::sax_parse(bytes, &nesting,
-                    is_text ? json::input_format_t::json : json::input_format_t::cbor);
-    if (nesting.too_deep())
-      throw InvalidInput(std::string("its lists are nested too deeply for a field document in ") +
-                         name);
-    return is_text ? json::parse(bytes) : json::from_cbor(bytes);
-  } catch (const json::exception& error) {
-    throw InvalidInput(std::string("not a whole ") + name + " document: " + error.what());
-  }
-}
-
-Eigen::Vector3d unit_vector_of_version_2(const Node& node) {
-  const Eigen::Vector3d result = node.vector();
-  if (!(std::abs(result.norm() - 1) <= kFrameTolerance)) node.refuse("a unit vector");
+template <std::size_t N>
+std::array<double, N> numbers(const Node& node, const char* right) {
+  std::array<double, N> result;
+  node.read(result, right);
   return result;
 }
 
-ForceField to_field_of_version_1(const Node& node) {
-  const std::vector<Node> centers = node.at("centers").items(),
-                          weights = node.at("weights").items();
-  if (centers.size() != weights.size()) node.at("centers").refuse("as many centers as weights");
-  const double epsilon = node.at("epsilon").number_above_zero();
-  ForceField field;
-  for (std::size_t k = 0; k < weights.size(); ++k) {
-    field.bases.push_back({weights[k].number(), epsilon, centers[k].vector()});
-  }
-  return field;
+// The value that `to_string` has the word for.
+template <typename Value, std::size_t N>
+Value choice(const Node& node, const std::array<Value, N>& values) {
+  std::array<const char*, N> words;
+  std::ranges::transform(values, words.begin(), [](Value value) { return to_string(value); });
+  return values[node.choice(words)];
 }
 
-// The numbers of a list of N.
-template <std::size_t N>
-std::array<Node, N> numbers(const Node& node, const char* right) {
-  const std::vector<Node> items = node.items();
-  if (items.size() != N) node.refuse(right);
-  return [&]<std::size_t... I>(std::index_sequence<I...>) {
-    return std::array<Node, N>{items[I]...};
-  }
-  (std::make_index_sequence<N>());
+template <typename Value, std::size_t N>
+std::optional<Value> choice(const std::optional<Node>& node, const std::array<Value, N>& values) {
+  if (!node) return std::nullopt;
+  return choice(*node, values);
 }
 
-Multiquadric to_base_of_version_2(const Node& node) {
-  const auto of =
-      numbers<8>(node, "eight numbers: weight, epsilon, three of the center, three of the ridge");
-  const Multiquadric base{of[0].number(),
-                          of[1].number_above_zero(),
-                          {of[2].number(), of[3].number(), of[4].number()},
-                          {of[5].number(), of[6].number(), of[7].number()}};
-  if (!base.ridge.isZero(0) && !(std::abs(base.ridge.norm() - 1) <= kRidgeTolerance)) {
-    node.refuse("the last three numbers to be a unit vector, or zeros");
-  }
-  return base;
-}
-
-ForceField to_field_of_version_2(const Node& node) {
-  ForceField field;
-  for (const Node& base : node.items()) field.bases.push_back(to_base_of_version_2(base));
-  return field;
+std::optional<double> figure(const std::optional<Node>& node) {
+  if (!node) return std::nullopt;
+  return node->number_at_least_zero();
 }
 
 Multiquadric to_base(const Node& node) {
   const auto of = numbers<5>(node, "five numbers: weight, epsilon, three of the center");
-  return {
-      of[0].number(), of[1].number_above_zero(), {of[2].number(), of[3].number(), of[4].number()}};
+  if (!(of[1] > 0)) static_cast<void>(node.items()[1].number_above_zero());
+  return {of[0], of[1], {of[2], of[3], of[4]}};
 }
 
 Multiquadric ridge_of(const Node& node) {
   const auto of = numbers<5>(node, "five numbers: weight, offset, three of the slope");
-  const StoredRidge ridge{
-      of[0].number(), of[1].number(), {of[2].number(), of[3].number(), of[4].number()}};
-  // Its epsilon, the inverse, would be beyond all numbers of a document.
+  const StoredRidge ridge{of[0], of[1], {of[2], of[3], of[4]}};
+  // The ridge's epsilon is the inverse, which would be larger than any number of a document.
   if (!(ridge.slope.stableNorm() >= 1 / kLargestNumber))
     node.refuse("the last three numbers to be a vector of a length of at least 1e-12");
   return to_ridge(ridge);
 }
 
-ForceField to_field(const Node& contact, long long version) {
-  if (version == 1) return to_field_of_version_1(contact.at("field"));
-  if (version == 2) return to_field_of_version_2(contact.at("bases"));
+ForceField to_field(const Node& contact) {
   ForceField field;
-  for (const Node& base : contact.at("bases").items()) field.bases.push_back(to_base(base));
-  for (const Node& ridge : contact.at("ridges").items()) field.bases.push_back(ridge_of(ridge));
+  const std::vector<Node> bases = contact.at("bases").items(),
+                          ridges = contact.at("ridges").items();
+  field.bases.reserve(bases.size() + ridges.size());
+  for (const Node& base : bases) field.bases.push_back(to_base(base));
+  for (const Node& ridge : ridges) field.bases.push_back(ridge_of(ridge));
   return field;
-}
-
-Eigen::Matrix3d to_frame_of_version_2(const Node& axes) {
-  const Eigen::Matrix3d frame = axes.rows().transpose();
-  if (!is_rotation(frame, kFrameTolerance))
-    axes.refuse("three orthogonal unit vectors, right-handed");
-  return frame;
 }
 
 Eigen::Matrix3d frame_of(const Node& node) {
   const auto of = numbers<4>(node, "four numbers of a quaternion: w, x, y, z");
-  const Eigen::Vector4d quaternion(of[0].number(), of[1].number(), of[2].number(), of[3].number());
+  const Eigen::Vector4d quaternion(of.data());
   if (quaternion.isZero(0)) node.refuse("four numbers that are not all zero");
   return to_frame(quaternion);
 }
@@ -170,138 +87,280 @@ Eigen::Vector3d to_unit_vector(const Node& node) {
   return to_direction(direction).normalized();
 }
 
-Interpolation to_interpolation(const Node& node) {
-  return {static_cast<BlendRule>(node.at("rule").choice(kBlendRules)),
-          node.at("reference_force").number_at_least_zero(), 0};
+ContactCompliance to_compliance(const Node& node) {
+  ContactCompliance compliance;
+  compliance.direction = node.at("direction").vector();
+  node.at("values").read({compliance.values.data(), 6}, "six numbers");
+  const std::vector<Node> derivatives = node.at("trend").items();
+  if (derivatives.size() != 5) node.at("trend").refuse("five derivatives of the six values");
+  for (Eigen::Index i = 0; i < 5; ++i) {
+    derivatives[static_cast<std::size_t>(i)].read({compliance.trend.col(i).data(), 6},
+                                                  "six numbers");
+  }
+  return compliance;
 }
 
-ContactModel to_contact(const Node& node, long long version) {
+ContactModel to_contact(const Node& node) {
   ContactModel contact;
   contact.id = node.at("id").integer();
   contact.position = node.at("position").vector();
-  const bool is_old = version <= 2;
-  contact.frame = is_old ? to_frame_of_version_2(node.at("axes")) : frame_of(node.at("rotation"));
-  contact.field = to_field(node, version);
+  contact.frame = frame_of(node.at("rotation"));
+  contact.field = to_field(node);
+  if (const auto compliance = node.find("compliance"))
+    contact.compliance = to_compliance(*compliance);
   const Node friction = node.at("friction"), fit = node.at("fit");
   contact.friction = friction.at("coefficient").number_at_least_zero();
-  contact.friction_source =
-      static_cast<FrictionSource>(friction.at("source").choice(kFrictionSources));
-  contact.friction_axis =
-      is_old ? unit_vector_of_version_2(friction.at("axis")) : to_unit_vector(friction.at("axis"));
-  if (const auto error = friction.find(is_old ? "standard_error" : "error"))
-    contact.friction_error = error->number_at_least_zero();
-  if (const auto bound = friction.find("lower_bound"))
-    contact.friction_lower_bound = bound->number_at_least_zero();
+  contact.friction_error = figure(friction.find("error"));
+  contact.friction_lower_bound = friction.at("lower_bound").number_at_least_zero();
+  contact.friction_source = choice(friction.at("source"), kFrictionSources);
+  contact.friction_axis = to_unit_vector(friction.at("axis"));
   contact.samples = fit.at("samples").integer_between(0, kMaxInt);
   contact.rms = fit.at("rms").number_at_least_zero();
-  contact.fit_stop = fit.at("stop").text();
-  if (const auto mode = fit.find("mode")) contact.fit_mode = mode->text();
-  if (!is_old) contact.passivity = contact.fit_mode;
-  if (const auto passivity = fit.find("passivity")) contact.passivity = passivity->text();
-  if (const auto chi2 = fit.find("chi2")) contact.chi2 = chi2->number_at_least_zero();
-  if (const auto floor = fit.find("noise_floor"))
-    contact.noise_floor = floor->number_at_least_zero();
-  if (const auto condition = fit.find("condition"))
-    contact.condition = condition->number_at_least_zero();
+  contact.fit_stop = choice(fit.find("stop"), kFitStops);
+  contact.fit_mode = choice(fit.find("mode"), kFitModes);
+  contact.passivity = choice(fit.find("passivity"), kPassivities);
+  contact.chi2 = figure(fit.find("chi2"));
+  contact.noise_floor = figure(fit.find("noise_floor"));
+  contact.condition = figure(fit.find("condition"));
   if (const auto shared = fit.find("shared_local")) contact.shared_local = shared->truth();
   return contact;
 }
 
-std::vector<ContactModel> to_contacts(const Node& node, long long version) {
-  const std::vector<Node> items = node.items();
-  if (items.size() < 3) node.refuse("at least three contacts");
-  std::vector<ContactModel> contacts;
-  contacts.reserve(items.size());
-  std::unordered_map<long long, std::size_t> places;
-  for (const Node& item : items) {
-    contacts.push_back(to_contact(item, version));
-    const auto [place, is_new] = places.emplace(contacts.back().id, contacts.size() - 1);
-    if (is_new) continue;
-    item.at("id").refuse("an id of its own; contact " + std::to_string(place->second) +
-                         " has this one");
-  }
-  return contacts;
-}
-
-Eigen::Matrix3Xi to_triangles(const Node& node, int contacts) {
-  const std::vector<Node> items = node.items();
-  Eigen::Matrix3Xi triangles(3, static_cast<Eigen::Index>(items.size()));
-  for (std::size_t t = 0; t < items.size(); ++t) {
-    const std::vector<Node> corners = items[t].items();
-    if (corners.size() != 3) items[t].refuse("three indices of contacts");
-    for (std::size_t c = 0; c < 3; ++c) {
-      triangles(static_cast<Eigen::Index>(c), static_cast<Eigen::Index>(t)) =
-          corners[c].integer_between(0, contacts - 1);
-    }
-  }
-  return triangles;
-}
-
-geometry::SurfaceWeights to_weights_of_version_1(const Node& node, int contact_count) {
-  const std::vector<Node> contacts = node.at("contacts").items(),
-                          weights = node.at("weights").items();
-  if (contacts.size() != weights.size() || contacts.size() % 3 != 0) {
-    node.refuse("three contacts and three weights for each vertex of the surface");
-  }
-  geometry::SurfaceWeights result;
-  const auto count = static_cast<Eigen::Index>(contacts.size() / 3);
-  result.contacts.resize(3, count);
-  result.weights.resize(3, count);
-  for (std::size_t i = 0; i < contacts.size(); ++i) {
-    result.contacts.data()[i] = contacts[i].integer_between(-1, contact_count - 1);
-    result.weights.data()[i] = weights[i].number_at_least_zero();
-  }
+Interpolation to_interpolation(const Node& node) {
+  Interpolation result{.rule = choice(node.at("rule"), kBlendRules)};
+  if (result.rule == BlendRule::forces) return result;
+  result.reference_force = node.at("reference_force").number_above_zero();
+  result.reach = node.at("reach").number_at_least_zero();
   return result;
 }
 
-long long to_version(const Node& document) {
+std::string pointer_to(const char* list, std::size_t index) {
+  return std::string("/") + list + "/" + std::to_string(index);
+}
+
+// Contacts and triangles, as they come in. An error is kept until `check`: the document may say
+// further on that it has another version, which explains it.
+class Lists {
+ public:
+  static constexpr const char* kContacts = "contacts";
+  static constexpr const char* kTriangles = "triangles";
+
+  [[nodiscard]] static bool has(const std::string& key) {
+    return key == kContacts || key == kTriangles;
+  }
+
+  void begin(const std::string& key) {
+    if (key == kContacts) {
+      contacts_.emplace();
+      index_of_.clear();
+    } else {
+      triangles_.emplace();
+    }
+  }
+
+  void add(const std::string& key, json value) {
+    if (!error_.empty()) return;
+    try {
+      if (key == kContacts)
+        add_contact({std::move(value), pointer_to(kContacts, contacts_->size())});
+      else
+        add_triangle({std::move(value), pointer_to(kTriangles, triangles_->size())});
+    } catch (const InvalidInput& wrong) {
+      error_ = wrong.what();
+    }
+  }
+
+  // Hands the lists over. `document` has the members that are no list of these.
+  void take(const Node& document, Model& model) {
+    if (!error_.empty()) throw InvalidInput(error_);
+    if (!contacts_) static_cast<void>(document.at(kContacts).items());
+    if (!triangles_) static_cast<void>(document.at(kTriangles).items());
+    const std::size_t count = contacts_->size();
+    if (count < 3)
+      refuse("/contacts", "an array of " + std::to_string(count), "at least three contacts");
+    model.contacts = std::move(*contacts_);
+    model.triangles.resize(3, static_cast<Eigen::Index>(triangles_->size()));
+    for (std::size_t t = 0; t < triangles_->size(); ++t) {
+      const Eigen::Vector3i& corners = (*triangles_)[t];
+      for (int c = 0; c < 3; ++c) {
+        if (corners[c] < static_cast<int>(count)) continue;
+        refuse(pointer_to(kTriangles, t) + "/" + std::to_string(c), std::to_string(corners[c]),
+               "a whole number from 0 to " + std::to_string(count - 1));
+      }
+      model.triangles.col(static_cast<Eigen::Index>(t)) = corners;
+    }
+  }
+
+ private:
+  void add_contact(const DocumentPart& part) {
+    const Node node(part);
+    ContactModel contact = to_contact(node);
+    const auto [other, is_new] = index_of_.emplace(contact.id, contacts_->size());
+    if (!is_new) {
+      node.at("id").refuse("an id of its own; contact " + std::to_string(other->second) +
+                           " has this one");
+    }
+    contacts_->push_back(std::move(contact));
+  }
+
+  void add_triangle(const DocumentPart& part) {
+    const std::vector<Node> corners = Node(part).items();
+    if (corners.size() != 3) Node(part).refuse("three indices of contacts");
+    Eigen::Vector3i& triangle = triangles_->emplace_back();
+    for (std::size_t c = 0; c < 3; ++c)
+      triangle[static_cast<Eigen::Index>(c)] = corners[c].integer_between(0, kMaxInt);
+  }
+
+  std::optional<std::vector<ContactModel>> contacts_;
+  std::optional<std::vector<Eigen::Vector3i>> triangles_;
+  std::unordered_map<long long, std::size_t> index_of_;  ///< of the contact of an id
+  std::string error_;                                    ///< the first; empty = none
+};
+
+// Takes a document from nlohmann's parser event by event. Only one item of the long lists is in
+// memory as JSON at a time: 1e5 contacts as a whole would take gigabytes, and more time than
+// everything else.
+class DocumentHandler : public nlohmann::json_sax<json> {
+ public:
+  explicit DocumentHandler(Lists& lists) : lists_(lists) {}
+
+  bool null() override { return take(nullptr); }
+  bool boolean(bool value) override { return take(value); }
+  bool number_integer(number_integer_t value) override { return take(value); }
+  bool number_unsigned(number_unsigned_t value) override { return take(value); }
+  bool number_float(number_float_t value, const string_t&) override { return take(value); }
+  bool string(string_t& value) override { return take(std::move(value)); }
+  bool binary(binary_t& value) override { return take(json::binary(std::move(value))); }
+  bool start_object(std::size_t) override { return open(json::object()); }
+  bool start_array(std::size_t) override { return open(json::array()); }
+  bool end_object() override { return close(); }
+  bool end_array() override { return close(); }
+  bool key(string_t& value) override {
+    (containers_.empty() ? member_ : key_) = std::move(value);
+    return true;
+  }
+  bool parse_error(std::size_t, const std::string&, const json::exception& error) override {
+    error_ = error.what();
+    return false;
+  }
+
+  [[nodiscard]] const std::string& error() const { return error_; }
+  /// The members that are no list; or whatever is in place of an object.
+  [[nodiscard]] DocumentPart rest() && { return {std::move(rest_), ""}; }
+
+ private:
+  // The parser for CBOR calls itself at each level.
+  static constexpr int kMaxDepth = 32;  // ours have 6
+
+  bool open(json container) {
+    if (depth_ == kMaxDepth) {
+      error_ = "its lists are nested too deeply for a field document";
+      return false;
+    }
+    if (depth_ == 0 && container.is_object()) {
+      is_object_ = true;
+    } else if (is_object_ && depth_ == 1 && container.is_array() && Lists::has(member_)) {
+      in_list_ = true;
+      lists_.begin(member_);
+    } else {
+      containers_.push_back(&insert(std::move(container)));
+    }
+    ++depth_;
+    return true;
+  }
+
+  bool close() {
+    --depth_;
+    if (in_list_ && depth_ == 1) {
+      in_list_ = false;
+    } else if (!containers_.empty()) {
+      containers_.pop_back();
+      if (containers_.empty()) finish();
+    }
+    return true;
+  }
+
+  bool take(json value) {
+    insert(std::move(value));
+    if (containers_.empty()) finish();
+    return true;
+  }
+
+  json& insert(json value) {
+    if (containers_.empty()) return part_ = std::move(value);
+    json& container = *containers_.back();
+    if (container.is_array()) return container.emplace_back(std::move(value));
+    return container[std::move(key_)] = std::move(value);
+  }
+
+  // A member, or an item of a list, is complete.
+  void finish() {
+    if (in_list_)
+      lists_.add(member_, std::move(part_));
+    else if (is_object_)
+      rest_[member_] = std::move(part_);
+    else
+      rest_ = std::move(part_);
+  }
+
+  Lists& lists_;
+  json rest_ = json::object();
+  bool is_object_ = false;         ///< the document is an object, as it should be
+  bool in_list_ = false;           ///< of contacts or triangles
+  int depth_ = 0;                  ///< lists and objects that are open
+  std::string member_;             ///< of the document
+  json part_;                      ///< a member or an item of a list, as far as it is read
+  std::vector<json*> containers_;  ///< in `part_` that are open, from the outside to the inside
+  std::string key_;                ///< in the innermost of them
+  std::string error_;
+};
+
+DocumentPart parse(const std::string& bytes, ModelEncoding encoding, Lists& lists) {
+  const bool is_text = encoding == ModelEncoding::json;
+  if (bytes.empty()) throw InvalidInput("the file is empty; expected the model's field document");
+  DocumentHandler handler(lists);
+  const auto format = is_text ? json::input_format_t::json : json::input_format_t::cbor;
+  if (!json::sax_parse(bytes, &handler, format)) {
+    throw InvalidInput(std::string("not a whole ") + (is_text ? "JSON" : "CBOR") +
+                       " document: " + handler.error());
+  }
+  return std::move(handler).rest();
+}
+
+void check_version(const Node& document) {
   document.at("format").expect_text(kFieldFormat);
   const Node node = document.at("version");
   const long long version = node.integer();
-  if (version >= 1 && version <= kFieldVersion) return version;
-  const std::string known = "1 to " + std::to_string(kFieldVersion);
-  if (version < 1) node.refuse(known);
+  if (version == kFieldVersion) return;
+  const std::string known = std::to_string(kFieldVersion);
+  if (version < kFieldVersion) node.refuse(known);
   std::string program = "a newer palpate";
   const auto made = document.find("made");
   if (const auto by = made ? made->find("program") : std::nullopt) program = by->text();
-  node.refuse(known + ", the versions that this program reads: the model was made by " + program +
+  node.refuse(known + ", the version that this program reads: the model was made by " + program +
               ", which is needed to read it");
-}
-
-FieldDocument to_document(const Node& document) {
-  const long long version = to_version(document);
-  document.at("units").at("length").expect_text("mm");
-  document.at("units").at("force").expect_text("N");
-  document.at("surface").expect_text(kSurfaceFile);
-  FieldDocument result;
-  Model& model = result.model;
-  model.contacts = to_contacts(document.at("contacts"), version);
-  const auto contact_count = static_cast<int>(model.contacts.size());
-  model.triangles = to_triangles(document.at("triangles"), contact_count);
-  if (const auto weights = document.find("surface_weights")) {
-    result.weights_in_surface = version > 1;
-    if (version > 1)
-      weights->expect_text(kSurfaceFile);
-    else
-      model.surface_weights = to_weights_of_version_1(*weights, contact_count);
-  }
-  if (const auto between = document.find("interpolation"))
-    model.interpolation = to_interpolation(*between);
-  const Node registration = document.at("registration");
-  model.T_surface_acquisition.linear() = registration.at("rotation").rows();
-  if (!is_rotation(model.T_surface_acquisition.linear(), kFrameTolerance)) {
-    registration.at("rotation").refuse("a rotation");
-  }
-  model.T_surface_acquisition.translation() = registration.at("translation").vector();
-  model.made = document.at("made").texts();
-  return result;
 }
 
 }  // namespace
 
-FieldDocument read_field_document(const std::string& bytes, ModelEncoding encoding) {
-  const json document = parse(bytes, encoding);
-  return to_document(DocumentNode(document));
+Model read_field_document(const std::string& bytes, ModelEncoding encoding) {
+  Lists lists;
+  const DocumentPart part = parse(bytes, encoding, lists);
+  const Node document(part);
+  check_version(document);
+  document.at("units").at("length").expect_text("mm");
+  document.at("units").at("force").expect_text("N");
+  document.at("surface").expect_text(kSurfaceFile);
+  Model model;
+  lists.take(document, model);
+  model.interpolation = to_interpolation(document.at("interpolation"));
+  const Node registration = document.at("registration");
+  model.T_surface_acquisition.linear() = registration.at("rotation").rows();
+  if (!is_rotation(model.T_surface_acquisition.linear(), kFrameTolerance))
+    registration.at("rotation").refuse("a rotation");
+  model.T_surface_acquisition.translation() = registration.at("translation").vector();
+  model.made = document.at("made").texts();
+  return model;
 }
 
 }  // namespace palpate::haptics

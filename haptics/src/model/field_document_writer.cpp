@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdint>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <ostream>
 #include <vector>
 
@@ -17,8 +18,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Whole numbers are shorter without ".0"; -0 has no other form. What the reader would refuse is not
-// written.
+// Whole numbers are shorter without ".0"; -0 has no other form. A number that the reader would
+// refuse is not written.
 Json to_json(double value) {
   if (!(std::abs(value) <= kLargestNumber)) {
     throw InvalidInput("field_document(): the model has a number of " + Json(value).dump() +
@@ -50,24 +51,68 @@ Json to_json(const StoredRidge& ridge) {
   return result;
 }
 
-// What was rounded before is what its rounded stored form stands for: that is told then, and read
-// back as it was. Anything else is told as exactly as its stored form can.
+// A number that was rounded before equals its rounded stored form: this is written, and read back
+// as it was. Any other number is written as exactly as the stored form allows.
 Json ridge_to_json(const Multiquadric& base) {
   const StoredRidge stored = to_stored(base), shortened = rounded(stored);
   return to_json(to_ridge(shortened) == base ? shortened : stored);
 }
 
+template <typename Vector>
+Json numbers_to_json(const Vector& vector) {
+  Json result = Json::array();
+  for (const double entry : vector) result.push_back(to_json(entry));
+  return result;
+}
+
 Json frame_to_json(const Eigen::Matrix3d& frame) {
   const Eigen::Vector4d stored = to_quaternion(frame), shortened = rounded(stored);
-  Json result = Json::array();
-  for (const double entry : to_frame(shortened) == frame ? shortened : stored)
-    result.push_back(to_json(entry));
-  return result;
+  return numbers_to_json(to_frame(shortened) == frame ? shortened : stored);
 }
 
 Json axis_to_json(const Eigen::Vector3d& axis) {
   const Eigen::Vector3d stored = to_direction(axis), shortened = rounded(stored);
   return to_json(shortened.normalized() == axis ? shortened : stored);
+}
+
+// Nothing where the figure is not known.
+void put(Json& object, const char* key, const std::optional<double>& figure) {
+  if (figure) object[key] = to_json(*figure);
+}
+
+template <typename Value>
+void put_word(Json& object, const char* key, const std::optional<Value>& value) {
+  if (value) object[key] = to_string(*value);
+}
+
+Json to_json(const ContactCompliance& compliance) {
+  Json trend = Json::array();
+  for (const auto& derivative : compliance.trend.colwise())
+    trend.push_back(numbers_to_json(derivative));
+  return {{"direction", to_json(compliance.direction)},
+          {"values", numbers_to_json(compliance.values)},
+          {"trend", trend}};
+}
+
+Json friction_to_json(const ContactModel& contact) {
+  Json friction = {{"coefficient", to_json(contact.friction)},
+                   {"lower_bound", to_json(contact.friction_lower_bound)},
+                   {"source", to_string(contact.friction_source)},
+                   {"axis", axis_to_json(contact.friction_axis)}};
+  put(friction, "error", contact.friction_error);
+  return friction;
+}
+
+Json fit_to_json(const ContactModel& contact) {
+  Json fit = {{"samples", contact.samples}, {"rms", to_json(contact.rms)}};
+  put_word(fit, "stop", contact.fit_stop);
+  put_word(fit, "mode", contact.fit_mode);
+  put_word(fit, "passivity", contact.passivity);
+  put(fit, "chi2", contact.chi2);
+  put(fit, "noise_floor", contact.noise_floor);
+  put(fit, "condition", contact.condition);
+  if (contact.shared_local) fit["shared_local"] = true;
+  return fit;
 }
 
 Json to_json(const ContactModel& contact) {
@@ -78,30 +123,27 @@ Json to_json(const ContactModel& contact) {
     else
       ridges.push_back(ridge_to_json(base));
   }
-  Json fit = {{"samples", contact.samples},
-              {"rms", to_json(contact.rms)},
-              {"stop", contact.fit_stop},
-              {"mode", contact.fit_mode},
-              {"chi2", to_json(contact.chi2)},
-              {"noise_floor", to_json(contact.noise_floor)},
-              {"condition", to_json(contact.condition)}};
-  if (contact.shared_local) fit["shared_local"] = true;
-  if (contact.passivity != contact.fit_mode) fit["passivity"] = contact.passivity;
-  return {{"id", contact.id},
-          {"position", to_json(contact.position)},
-          {"rotation", frame_to_json(contact.frame)},
-          {"bases", bases},
-          {"ridges", ridges},
-          {"friction",
-           {{"coefficient", to_json(contact.friction)},
-            {"error", to_json(contact.friction_error)},
-            {"lower_bound", to_json(contact.friction_lower_bound)},
-            {"source", to_string(contact.friction_source)},
-            {"axis", axis_to_json(contact.friction_axis)}}},
-          {"fit", fit}};
+  Json result = {{"id", contact.id},
+                 {"position", to_json(contact.position)},
+                 {"rotation", frame_to_json(contact.frame)},
+                 {"bases", bases},
+                 {"ridges", ridges}};
+  if (contact.compliance) result["compliance"] = to_json(*contact.compliance);
+  result["friction"] = friction_to_json(contact);
+  result["fit"] = fit_to_json(contact);
+  return result;
 }
 
-// An object, member by member, as text: short members take a line, each item of a list one.
+Json to_json(const Interpolation& interpolation) {
+  Json result = {{"rule", to_string(interpolation.rule)}};
+  if (interpolation.rule == BlendRule::compliances) {
+    result["reference_force"] = to_json(interpolation.reference_force);
+    result["reach"] = to_json(interpolation.reach);
+  }
+  return result;
+}
+
+// Writes an object as text, member by member: a line for a short member, a line for each list item.
 class TextWriter {
  public:
   explicit TextWriter(std::ostream& stream) : stream_(stream) {}
@@ -131,7 +173,7 @@ class TextWriter {
     stream_ << separator_ << '"' << key << "\":";
     separator_ = ",\n";
   }
-  // JSON is UTF-8; the name of a file in `made` may be anything.
+  // JSON is UTF-8; a file name in `made` may be in any encoding.
   static std::string text(const Json& value) {
     return value.dump(-1, ' ', false, Json::error_handler_t::replace);
   }
@@ -140,7 +182,7 @@ class TextWriter {
   const char* separator_ = "";
 };
 
-// The same in CBOR (RFC 8949): a head that says what follows and how much, then that.
+// Writes the same in CBOR (RFC 8949): a head gives the type and size of what follows it.
 class CborWriter {
  public:
   explicit CborWriter(std::ostream& stream) : stream_(stream) {}
@@ -172,7 +214,7 @@ class CborWriter {
   std::vector<std::uint8_t> bytes_;
 };
 
-// A file name may be anything; CBOR's texts, like JSON's, are UTF-8.
+// A file name may be in any encoding; texts of CBOR and JSON are UTF-8.
 Json valid_texts(const std::map<std::string, std::string>& texts) {
   const std::string text = Json(texts).dump(-1, ' ', false, Json::error_handler_t::replace);
   return Json::parse(text);
@@ -180,22 +222,18 @@ Json valid_texts(const std::map<std::string, std::string>& texts) {
 
 template <typename Writer>
 void write(Writer writer, const Model& model) {
-  const bool has_weights = model.surface_weights.contacts.cols() > 0;
   constexpr int kMembers = 9;
-  writer.begin(kMembers + (has_weights ? 1 : 0));
+  writer.begin(kMembers);
   writer.member("format", kFieldFormat);
   writer.member("version", kFieldVersion);
   writer.member("units", {{"length", "mm"}, {"force", "N"}});
   writer.member("made", valid_texts(model.made));
   writer.member("surface", kSurfaceFile);
-  if (has_weights) writer.member("surface_weights", kSurfaceFile);
   writer.member(
       "registration",
       {{"rotation", to_json(Eigen::Matrix3d(model.T_surface_acquisition.linear()))},
        {"translation", to_json(Eigen::Vector3d(model.T_surface_acquisition.translation()))}});
-  const Interpolation& between = model.interpolation;
-  writer.member("interpolation", {{"rule", kBlendRules[static_cast<std::size_t>(between.rule)]},
-                                  {"reference_force", to_json(between.reference_force)}});
+  writer.member("interpolation", to_json(model.interpolation));
   writer.begin_list("contacts", model.contacts.size());
   for (const ContactModel& contact : model.contacts) writer.item(to_json(contact));
   writer.end_list();

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <unordered_set>
 
-#include "model/field_document_format.h"
 #include "palpate/error.h"
 #include "palpate/haptics/rotation.h"
 #include "palpate/require.h"
@@ -21,8 +20,8 @@ void check_contact(const ContactModel& contact, const std::string& name) {
   if (!(std::abs(contact.friction_axis.norm() - 1) <= kFrameTolerance)) {
     throw InvalidInput(name + ": its friction axis must be a unit vector");
   }
-  const auto check = [&](const char* field, double value, const char* unit = "") {
-    require([&] { return name + ": " + field; }, value, at_least(0).finite(), unit);
+  const auto check = [&](const char* field, std::optional<double> value, const char* unit = "") {
+    if (value) require([&] { return name + ": " + field; }, *value, at_least(0).finite(), unit);
   };
   check("friction", contact.friction);
   check("friction_error", contact.friction_error);
@@ -79,7 +78,27 @@ void check_weights(const Model& model) {
 }  // namespace
 
 const char* to_string(FrictionSource source) {
-  return kFrictionSources[static_cast<std::size_t>(source)];
+  switch (source) {
+    case FrictionSource::samples:
+      return "samples";
+    case FrictionSource::other_contacts:
+      return "other_contacts";
+    case FrictionSource::none:
+      return "none";
+    case FrictionSource::lower_bound:
+      return "lower_bound";
+  }
+  return "unknown";
+}
+
+const char* to_string(BlendRule rule) {
+  switch (rule) {
+    case BlendRule::forces:
+      return "forces";
+    case BlendRule::compliances:
+      return "compliances";
+  }
+  return "unknown";
 }
 
 void check_model(const Model& model) {
@@ -110,6 +129,11 @@ void check_model(const Model& model) {
 Eigen::Matrix3d pressing_frame(const ContactModel& contact) {
   if (!contact.compliance) return contact.frame;
   return contact.frame * rotation_between(Eigen::Vector3d::UnitZ(), contact.compliance->direction);
+}
+
+geometry::SurfaceWeights vertex_weights(const Model& model) {
+  if (model.surface_weights.contacts.cols() > 0) return model.surface_weights;
+  return geometry::project_weights(model.surface, contact_mesh(model));
 }
 
 geometry::TriangleMesh contact_mesh(const Model& model) {

@@ -14,7 +14,6 @@
 #include "model/field_document_format.h"
 #include "palpate/error.h"
 #include "palpate/geometry/mesh_io.h"
-#include "palpate/haptics/contact_compliance.h"
 #include "palpate/output_file.h"
 
 namespace palpate::haptics {
@@ -25,25 +24,23 @@ namespace fs = std::filesystem;
 constexpr const char* kContacts = "contacts.ply";
 constexpr const char* kDocument = "field.json";
 constexpr const char* kBinaryDocument = "field.cbor";
-// What a vertex of surface.ply says of the contacts that have influence there.
+// Properties of the vertices in surface.ply: the contacts that have influence there, and how much.
 constexpr std::array<const char*, 3> kContactNames = {"contact_0", "contact_1", "contact_2"};
 constexpr std::array<const char*, 3> kWeightNames = {"weight_0", "weight_1", "weight_2"};
 
 void write_surface(const fs::path& path, const Model& model) {
-  const geometry::SurfaceWeights& given = model.surface_weights;
+  const geometry::SurfaceWeights weights = vertex_weights(model);
   geometry::MeshFile file;
   file.mesh = model.surface;
-  if (given.contacts.cols() > 0) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const Eigen::RowVectorXi contacts = given.contacts.row(static_cast<Eigen::Index>(k));
-      file.vertex_attributes.push_back(
-          {kContactNames[k], std::vector<std::int32_t>(contacts.begin(), contacts.end()), {}});
-    }
-    for (std::size_t k = 0; k < 3; ++k) {
-      const Eigen::RowVectorXd weights = given.weights.row(static_cast<Eigen::Index>(k));
-      file.vertex_attributes.push_back(
-          {kWeightNames[k], std::vector<double>(weights.begin(), weights.end()), {}});
-    }
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Eigen::RowVectorXi contacts = weights.contacts.row(static_cast<Eigen::Index>(k));
+    file.vertex_attributes.push_back(
+        {kContactNames[k], std::vector<std::int32_t>(contacts.begin(), contacts.end()), {}});
+  }
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Eigen::RowVectorXd values = weights.weights.row(static_cast<Eigen::Index>(k));
+    file.vertex_attributes.push_back(
+        {kWeightNames[k], std::vector<double>(values.begin(), values.end()), {}});
   }
   geometry::write_mesh_file(path, file);
 }
@@ -52,7 +49,7 @@ Eigen::VectorXd vertex_property(const fs::path& path, const geometry::MeshFile& 
                                 const char* name) {
   if (auto values = geometry::scalars(file.vertex_attributes, name)) return *std::move(values);
   throw FileError(path.string() + ": its vertices have no property " + name +
-                  "; the model's document says that they tell the weights of the contacts");
+                  "; the vertices of a model's surface have the weights of the contacts");
 }
 
 geometry::SurfaceWeights read_weights(const fs::path& path, const geometry::MeshFile& file,
@@ -78,13 +75,16 @@ geometry::SurfaceWeights read_weights(const fs::path& path, const geometry::Mesh
 }
 
 std::string read_bytes(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::string bytes{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+  std::ifstream in(path, std::ios::binary | std::ios::ate);
+  const std::streamoff size = in.tellg();
+  if (!in || size < 0) throw FileError(path.string() + ": cannot be read");
+  std::string bytes(static_cast<std::size_t>(size), '\0');
+  in.seekg(0).read(bytes.data(), size);
   if (!in) throw FileError(path.string() + ": cannot be read");
   return bytes;
 }
 
-FieldDocument read_document(const fs::path& folder) {
+Model read_document(const fs::path& folder) {
   std::error_code error;
   fs::path path = folder / kDocument;
   const bool binary = !fs::exists(path, error);
@@ -111,22 +111,17 @@ Model read_model(const fs::path& folder) {
     throw FileError(folder.string() + ": there is no such folder; expected a model folder with " +
                     kSurfaceFile + " and " + kDocument);
   }
-  FieldDocument document = read_document(folder);
+  Model model = read_document(folder);
   const fs::path surface = folder / kSurfaceFile;
   geometry::MeshFile file = geometry::read_mesh_file(surface);
-  Model& model = document.model;
-  if (document.weights_in_surface) model.surface_weights = read_weights(surface, file, model);
+  model.surface_weights = read_weights(surface, file, model);
   model.surface = std::move(file.mesh);
   try {
     check_model(model);
-    // They follow from the fields, and would take as much room as these.
-    if (model.interpolation.rule == BlendRule::compliances) {
-      model = with_compliances(std::move(model), model.interpolation.reference_force);
-    }
   } catch (const InvalidInput& wrong) {
     throw FileError(folder.string() + ": " + wrong.what());
   }
-  return std::move(model);
+  return model;
 }
 
 std::vector<fs::path> model_entries() {
@@ -140,7 +135,7 @@ void write_model(const fs::path& folder, const Model& model,
       model.contacts.size() > kMaxJsonContacts ? ModelEncoding::cbor : ModelEncoding::json);
   write_folder(folder, model_entries(), [&](const fs::path& temporary) {
     write_surface(temporary / kSurfaceFile, model);
-    // For other programs' eyes: it says what the document says.
+    // A copy of what the document says, for programs that show meshes.
     if (model.triangles.cols() > 0) {
       geometry::write_mesh(temporary / kContacts, contact_mesh(model));
     }

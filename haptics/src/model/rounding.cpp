@@ -63,9 +63,11 @@ ContactModel rounded(ContactModel contact) {
   contact.friction_axis = rounded(to_direction(contact.friction_axis)).normalized();
   contact.field = rounded(std::move(contact.field));
   contact.friction = round_to_digits(contact.friction, kFrictionDigits);
-  for (double* figure : {&contact.friction_error, &contact.friction_lower_bound, &contact.rms,
-                         &contact.chi2, &contact.noise_floor, &contact.condition}) {
+  for (double* figure : {&contact.friction_lower_bound, &contact.rms})
     *figure = round_to_digits(*figure, kReportDigits);
+  for (std::optional<double>* figure :
+       {&contact.friction_error, &contact.chi2, &contact.noise_floor, &contact.condition}) {
+    if (*figure) *figure = round_to_digits(**figure, kReportDigits);
   }
   return contact;
 }

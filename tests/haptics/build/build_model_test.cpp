@@ -137,7 +137,7 @@ TEST(BuildModel, SharesTheLocalPartOfDenselyProbedContacts) {
     const ContactModel& contact = built.model.contacts[i];
     EXPECT_FALSE(contact.shared_local && i % 5 == 1) << i;
     sharing += contact.shared_local ? 1 : 0;
-    EXPECT_EQ(contact.passivity, "convex");
+    EXPECT_EQ(contact.passivity, Passivity::convex);
     double sum = 0;
     const auto truths = testing::strip_truths(beam, {places[i]}, 50);
     for (const auto& truth : truths) {
@@ -243,7 +243,7 @@ TEST(BuildModel, TakesTheLowerBoundOfFrictionWhereNothingSlipped) {
   for (const ContactModel& contact :
        build_model(acquisition, flat_surface(), kQuick).model.contacts) {
     EXPECT_EQ(contact.friction_source, FrictionSource::lower_bound);
-    EXPECT_EQ(contact.friction_error, 0);
+    EXPECT_FALSE(contact.friction_error);
     EXPECT_EQ(contact.friction, contact.friction_lower_bound);
     EXPECT_NEAR(contact.friction, 0.6, 0.02);
   }
@@ -257,7 +257,7 @@ TEST(BuildModel, TakesTheLowerBoundOfFrictionAboveThatOfOtherContacts) {
   }
   const Model model = build_model(acquisition, flat_surface(), kQuick).model;
   EXPECT_EQ(model.contacts[0].friction_source, FrictionSource::lower_bound);
-  EXPECT_EQ(model.contacts[0].friction_error, 0);
+  EXPECT_FALSE(model.contacts[0].friction_error);
   EXPECT_NEAR(model.contacts[0].friction, 0.891, 2e-3);  // forces held up to 0.99 of the limit
   EXPECT_EQ(model.contacts[1].friction_source, FrictionSource::samples);
   EXPECT_NEAR(model.contacts[1].friction, 0.6, 1e-4);

@@ -149,8 +149,8 @@ TEST(ScaleModel, StaysConvexAndInShortNumbersAlongAnAxis) {
     EXPECT_EQ(contact.field, rounded(contact.field));
     EXPECT_EQ(contact.frame, rounded(contact).frame);
     EXPECT_TRUE(contact.compliance);
-    EXPECT_EQ(contact.passivity, "convex");
-    EXPECT_EQ(contact.chi2 + contact.condition, 0);  // not known of another field
+    EXPECT_EQ(contact.passivity, Passivity::convex);
+    EXPECT_FALSE(contact.chi2 || contact.condition);  // not known of another field
   }
 }
 

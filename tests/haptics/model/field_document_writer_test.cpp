@@ -3,14 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <valijson/adapters/nlohmann_json_adapter.hpp>
 #include <valijson/schema.hpp>
 #include <valijson/schema_parser.hpp>
 #include <valijson/validator.hpp>
 
+#include "model/field_document_format.h"
 #include "model_testing.h"
 #include "palpate/haptics/rounding.h"
 #include "repository.h"
@@ -18,15 +17,12 @@
 namespace palpate::haptics {
 namespace {
 
-namespace fs = std::filesystem;
 using nlohmann::json;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-const fs::path kDocs = repository("docs");
-
-bool is_valid(const json& document, const char* schema_file = "field.schema.json") {
-  const json schema_document = json::parse(read_text(kDocs / schema_file));
+bool is_valid(const json& document) {
+  const json schema_document = json::parse(read_text(repository("docs/field.schema.json")));
   valijson::Schema schema;
   valijson::SchemaParser(valijson::SchemaParser::kDraft7)
       .populateSchema(valijson::adapters::NlohmannJsonAdapter(schema_document), schema);
@@ -36,11 +32,9 @@ bool is_valid(const json& document, const char* schema_file = "field.schema.json
 
 TEST(FieldDocumentWriter, WritesExactlyTheNumbers) {
   for (const ModelEncoding encoding : {ModelEncoding::json, ModelEncoding::cbor}) {
-    const FieldDocument read =
-        read_field_document(field_document(some_model(), encoding), encoding);
-    expect_same_document(read.model, some_model());
-    EXPECT_TRUE(std::signbit(read.model.contacts[3].field.bases[0].weight));
-    EXPECT_TRUE(read.weights_in_surface);
+    const Model read = read_field_document(field_document(some_model(), encoding), encoding);
+    expect_same_document(read, some_model());
+    EXPECT_TRUE(std::signbit(read.contacts[3].field.bases[0].weight));
   }
 }
 
@@ -48,7 +42,7 @@ TEST(FieldDocumentWriter, WritesExactlyTheNumbers) {
 TEST(FieldDocumentWriter, LosesNoMoreThanTheLastBitsOfWhatIsNotRounded) {
   const Model model = moved(uneven_model(), some_motion());
   const Model read =
-      read_field_document(field_document(model, ModelEncoding::json), ModelEncoding::json).model;
+      read_field_document(field_document(model, ModelEncoding::json), ModelEncoding::json);
   constexpr double kLastBits = 1e-14;  // some tens of units in the last place, relative
   for (std::size_t i = 0; i < model.contacts.size(); ++i) {
     const ContactModel &is = read.contacts[i], &was = model.contacts[i];
@@ -82,8 +76,8 @@ TEST(FieldDocumentWriter, WritesTheNameOfAFileThatIsNotUtf8) {
   Model model = some_model();
   model.made["acquisition"] = "messung_\xE9.db";
   for (const ModelEncoding encoding : {ModelEncoding::json, ModelEncoding::cbor}) {
-    const FieldDocument read = read_field_document(field_document(model, encoding), encoding);
-    EXPECT_EQ(read.model.made.at("acquisition"), "messung_\xEF\xBF\xBD.db");
+    const Model read = read_field_document(field_document(model, encoding), encoding);
+    EXPECT_EQ(read.made.at("acquisition"), "messung_\xEF\xBF\xBD.db");
   }
 }
 
@@ -91,12 +85,27 @@ TEST(FieldDocumentWriter, WritesWhatTheSchemaDescribes) {
   const json document = json::parse(field_document(some_model(), ModelEncoding::json));
   EXPECT_TRUE(is_valid(document));
   // The schema does look: each of these is refused.
-  for (const char* pointer :
-       {"/version", "/units/length", "/contacts/0/friction/source",
-        "/contacts/0/friction/coefficient", "/contacts/1/friction/error",
-        "/contacts/1/friction/lower_bound", "/contacts/0/bases/1/1", "/contacts/0/bases/1",
-        "/contacts/0/ridges/0", "/contacts/1/rotation", "/contacts/1/fit/rms", "/triangles/0/1",
-        "/registration/rotation/0", "/surface_weights", "/surface"}) {
+  for (const char* pointer : {"/version",
+                              "/units/length",
+                              "/contacts/0/friction/source",
+                              "/contacts/0/friction/coefficient",
+                              "/contacts/1/friction/error",
+                              "/contacts/1/friction/lower_bound",
+                              "/contacts/0/bases/1/1",
+                              "/contacts/0/bases/1",
+                              "/contacts/0/ridges/0",
+                              "/contacts/1/rotation",
+                              "/contacts/1/fit/rms",
+                              "/triangles/0/1",
+                              "/contacts/0/fit/stop",
+                              "/contacts/0/fit/passivity",
+                              "/contacts/1/compliance/direction",
+                              "/contacts/1/compliance/values/2",
+                              "/contacts/1/compliance/trend/4",
+                              "/interpolation/reach",
+                              "/interpolation/rule",
+                              "/registration/rotation/0",
+                              "/surface"}) {
     json broken = document;
     broken[json::json_pointer(pointer)] = -1.5;
     EXPECT_FALSE(is_valid(broken)) << pointer;
@@ -109,67 +118,56 @@ TEST(FieldDocumentWriter, WritesWhatTheSchemaDescribes) {
     broken[json::json_pointer(pointer)] = 1.1e12;
     EXPECT_FALSE(is_valid(broken)) << pointer;
   }
-  for (const char* member :
-       {"format", "units", "contacts", "triangles", "made", "registration", "surface"}) {
+  for (const char* member : {"format", "units", "contacts", "triangles", "made", "registration",
+                             "surface", "interpolation"}) {
     json broken = document;
     broken.erase(member);
     EXPECT_FALSE(is_valid(broken)) << member;
   }
-}
-
-TEST(FieldDocumentWriter, TheSchemasOfOlderVersionsDescribeTheirDocuments) {
-  const json now = json::parse(field_document(some_model(), ModelEncoding::json));
-  for (const std::string version : {"1", "2"}) {
-    const json document = json::parse(
-        read_text(repository("tests/haptics/data") / ("model_version_" + version) / "field.json"));
-    const std::string schema = "field-v" + version + ".schema.json";
-    EXPECT_TRUE(is_valid(document, schema.c_str())) << version;
-    EXPECT_FALSE(is_valid(document)) << version;
-    EXPECT_FALSE(is_valid(now, schema.c_str())) << version;
+  for (const char* member : {"reference_force", "reach"}) {
+    json broken = document;
+    broken["interpolation"].erase(member);
+    EXPECT_FALSE(is_valid(broken)) << member;
+    broken["interpolation"]["rule"] = "forces";
+    EXPECT_TRUE(is_valid(broken)) << member;
   }
 }
 
-// The examples of docs/model-file.md, by Python's standard library alone, against ours.
-TEST(FieldDocumentWriter, PythonComputesTheSameForces) {
-  const ScratchFolder scratch;
-  const Model model = some_model();
-  write_model(scratch / "model", model);
-  std::string script, rest = read_text(kDocs / "model-file.md");
-  constexpr std::string_view kBegin = "```python\n", kEnd = "```";
-  for (std::size_t begin = 0; (begin = rest.find(kBegin)) != std::string::npos;) {
-    rest.erase(0, begin + kBegin.size());
-    const std::string part = rest.substr(0, rest.find(kEnd));
-    EXPECT_LE(std::ranges::count(part, '\n'), 10) << "lines are to be few";
-    script += part;
-  }
-  script +=
-      "for contact in document['contacts']:\n"
-      "    for d in [[1.2, -0.7, 2.5], [0.5, -0.2, 1.5], [1e-3, 2e-3, -1e-3], [40, 9, -30]]:\n"
-      "        print(*force(contact, d))\n";
-  write_text(scratch / "script.py", script);
-  const std::string command = "cd '" + scratch.path().string() +
-                              "' && '" PALPATE_PYTHON "' -I script.py > forces.txt 2> errors.txt";
-  ASSERT_EQ(std::system(command.c_str()), 0) << read_text(scratch / "errors.txt");
-  std::istringstream forces(read_text(scratch / "forces.txt"));
-  std::string first_line;  // what the example prints
-  std::getline(forces, first_line);
-  EXPECT_EQ(first_line.front(), '[');
-  for (const ContactModel& contact : model.contacts) {
-    for (const Eigen::Vector3d& displacement :
-         {Eigen::Vector3d(1.2, -0.7, 2.5), Eigen::Vector3d(0.5, -0.2, 1.5),
-          Eigen::Vector3d(1e-3, 2e-3, -1e-3), Eigen::Vector3d(40, 9, -30)}) {
-      Eigen::Vector3d found;
-      ASSERT_TRUE(forces >> found.x() >> found.y() >> found.z());
-      const Eigen::Vector3d expected =
-          contact.frame * force(contact.field, contact.frame.transpose() * displacement);
-      EXPECT_LE((found - expected).norm(), 1e-12 * expected.norm());
-    }
-  }
+// Every word that the schema allows is one that the reader knows, and the other way round.
+TEST(FieldDocumentWriter, TheSchemaHasTheWordsOfTheEnumerations) {
+  const json schema = json::parse(read_text(repository("docs/field.schema.json")));
+  const auto expect_words = [](const json& listed, const auto& values) {
+    json words = json::array();
+    for (const auto value : values) words.push_back(to_string(value));
+    EXPECT_EQ(listed.at("enum"), words);
+  };
+  expect_words(schema["properties"]["interpolation"]["properties"]["rule"], kBlendRules);
+  const json& contact = schema["definitions"]["contact"]["properties"];
+  expect_words(contact["friction"]["properties"]["source"], kFrictionSources);
+  expect_words(contact["fit"]["properties"]["stop"], kFitStops);
+  expect_words(contact["fit"]["properties"]["mode"], kFitModes);
+  expect_words(contact["fit"]["properties"]["passivity"], kPassivities);
 }
 
-// 6 to 10 bases of both kinds, all that fits report, numbers of all magnitudes, rounded as
-// `build_model` does.
-TEST(FieldDocumentWriter, AHundredContactsTakeLessThanAHundredKilobytes) {
+TEST(FieldDocumentWriter, LeavesOutWhatIsNotKnown) {
+  Model model = some_model();
+  model.contacts[0].friction_error = model.contacts[0].chi2 = std::nullopt;
+  model.contacts[0].noise_floor = model.contacts[0].condition = std::nullopt;
+  model.contacts[0].fit_stop = std::nullopt;
+  model.contacts[0].fit_mode = std::nullopt;
+  model.contacts[0].passivity = std::nullopt;
+  model.contacts[0].compliance = std::nullopt;
+  const json document = json::parse(field_document(model, ModelEncoding::json));
+  EXPECT_EQ(document["contacts"][0]["fit"], (json{{"samples", 100}, {"rms", 0}}));
+  EXPECT_FALSE(document["contacts"][0]["friction"].contains("error"));
+  EXPECT_FALSE(document["contacts"][0].contains("compliance"));
+  EXPECT_TRUE(is_valid(document));
+  expect_same_document(read_field_document(document.dump(), ModelEncoding::json), model);
+}
+
+// 6 to 10 bases of both kinds, compliances and all figures of a fit, numbers of all magnitudes,
+// rounded as `build_model` does. Compliances and their trends take about 45 kB of it.
+TEST(FieldDocumentWriter, AHundredContactsTakeLessThan140Kilobytes) {
   Model model = sheet_model();
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
@@ -188,8 +186,9 @@ TEST(FieldDocumentWriter, AHundredContactsTakeLessThanAHundredKilobytes) {
     contact.friction_lower_bound = 0.49 + 0.01 * normal(random);
     contact.samples = 1000;
     contact.rms = 0.02 + 0.001 * normal(random);
-    contact.fit_stop = "explained";
-    contact.fit_mode = contact.passivity = "convex";
+    contact.fit_stop = FitStop::explained;
+    contact.fit_mode = FitMode::convex;
+    contact.passivity = Passivity::convex;
     contact.chi2 = std::exp(0.3 * normal(random));
     contact.noise_floor = 0.02;
     contact.condition = 100 * std::exp(normal(random));
@@ -202,6 +201,17 @@ TEST(FieldDocumentWriter, AHundredContactsTakeLessThanAHundredKilobytes) {
   }
   model.triangles = Eigen::Matrix3Xi::Constant(3, 180, 55);
   EXPECT_LT(field_document(model, ModelEncoding::json).size(), 100'000u);
+  for (ContactModel& contact : model.contacts) {
+    const auto digits = [&](int count, double scale) {
+      return round_to_digits(scale * normal(random), count);
+    };
+    ContactCompliance& compliance = contact.compliance.emplace();
+    compliance.direction =
+        vector().normalized().unaryExpr([](double entry) { return round_to_places(entry, 10); });
+    for (double& value : compliance.values) value = digits(7, 10);
+    for (double& derivative : compliance.trend.reshaped()) derivative = digits(5, 0.01);
+  }
+  EXPECT_LT(field_document(model, ModelEncoding::json).size(), 140'000u);
 }
 
 }  // namespace

@@ -31,7 +31,9 @@ TEST(CheckModel, NamesWhatIsWrong) {
   EXPECT_THAT(refused_after([](Model& m) { m.contacts[1].friction = -0.1; }),
               AllOf(HasSubstr("contact 11"), HasSubstr(">= 0")));
   EXPECT_THAT(refused_after([](Model& m) { m.contacts[1].friction_lower_bound = -1; }),
-              HasSubstr("friction_lower_bound is -1; it must be >= 0"));
+              HasSubstr("contact 11 (entry 1): friction_lower_bound is -1; it must be >= 0"));
+  EXPECT_THAT(refused_after([](Model& m) { m.contacts[1].chi2 = -1; }),
+              HasSubstr("contact 11 (entry 1): chi2 is -1; it must be >= 0"));
   EXPECT_THAT(refused_after([](Model& m) { m.contacts[1].friction_axis *= 2; }),
               AllOf(HasSubstr("contact 11"), HasSubstr("unit")));
   EXPECT_THAT(refused_after([](Model& m) {

@@ -5,27 +5,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <atomic>
-#include <cstdlib>
 
+#include "allocation_counter.h"
 #include "palpate/haptics/contact_compliance.h"
 #include "sheet_model.h"
-
-namespace {
-// Calls of malloc, by this program and by every library it uses.
-std::atomic<long> allocations = 0;
-}  // namespace
-
-// The sanitizer has its own malloc, which must not be replaced.
-#ifndef __SANITIZE_ADDRESS__
-extern "C" {
-void* __libc_malloc(std::size_t size);
-void* malloc(std::size_t size) noexcept {
-  ++allocations;
-  return __libc_malloc(size);
-}
-}
-#endif
 
 namespace palpate::haptics {
 namespace {
@@ -171,9 +154,7 @@ TEST(Playback, IsTheSameOnEveryRunAndMovesWithTheWorld) {
 }
 
 TEST(Playback, DoesNotAllocateInTheLoop) {
-#ifdef __SANITIZE_ADDRESS__
-  GTEST_SKIP() << "the sanitizer's malloc cannot be counted";
-#endif
+  if (!test::counts_allocations()) GTEST_SKIP() << "the sanitizer's allocator cannot be counted";
   for (const bool by_compliance : {false, true}) {
     const Model model = by_compliance ? with_compliances(uneven_model(), 2) : uneven_model();
     if (by_compliance) {
@@ -181,16 +162,14 @@ TEST(Playback, DoesNotAllocateInTheLoop) {
         return contact.compliance.has_value();
       }));
     }
-    const long before_any = allocations;
     const Playback playback(model);
-    EXPECT_GT(allocations, before_any);  // the counter counts
     const std::vector<TrajectoryPoint> trajectory = some_trajectory();
     LoopState state;
-    const long before = allocations;
+    const long before = test::allocations();
     int slips = 0;
     for (const TrajectoryPoint& point : trajectory)
       slips += playback.step(point.tool, state).state == ContactState::slip;
-    EXPECT_EQ(allocations, before);
+    EXPECT_EQ(test::allocations(), before);
     EXPECT_GT(slips, 100);
   }
 }

@@ -12,28 +12,27 @@
 #include "palpate/geometry/contact_triangulation.h"
 #include "palpate/geometry/triangle_mesh.h"
 #include "palpate/haptics/force_field.h"
+#include "palpate/haptics/force_field_fit.h"
+#include "palpate/haptics/passivity_certificate.h"
 
 namespace palpate::haptics {
 
 /// Where a friction coefficient comes from.
 enum class FrictionSource {
   samples,         ///< a cone fitted to this contact's own samples
-  other_contacts,  ///< its samples determine none: the mean of those contacts that have one
-  none,            ///< no contact has one: 0, without friction
-  /// its samples determine none, as where nothing slipped, but tell that it is above the mean of
-  /// those contacts that have one, if any has: its own lower bound, which is no estimate
+  other_contacts,  ///< the contact's samples determine none: the mean of the contacts that have one
+  none,            ///< no contact has one: 0, no friction
+  /// The contact's samples determine no estimate, for example because nothing slipped, but they
+  /// give a lower bound above the mean of the other contacts. The coefficient is that lower bound.
   lower_bound
 };
 
-/// As the field document has it: "samples", "other_contacts", ...
-[[nodiscard]] const char* to_string(FrictionSource source);
-
 /// How a contact yields to the model's reference force F along a direction into the object, and how
-/// that is expected to change around it on the surface. The contact's pressing frame is its frame
-/// turned by the smallest rotation that turns the z axis into that direction.
+/// this changes around it on the surface. The contact's pressing frame is its local frame turned by
+/// the smallest rotation that turns the z axis into that direction.
 struct ContactCompliance {
   /// Unit vector in the contact's local frame: the mean inward normal of the surface around it.
-  /// Friction may tilt the z axis of the frame against that; elasticity does not follow.
+  /// Friction may tilt the z axis of the local frame against it; elasticity does not follow.
   Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();
   /// In the pressing frame: u_x, u_y, u_z [mm], the displacement at which the force of the
   /// contact's field is (0, 0, F), u_z > 0; c_xx, c_xy, c_yy [mm/N], the inverse of the upper left
@@ -52,13 +51,11 @@ enum class BlendRule {
   compliances  ///< their forces at displacements that fit the compliance of the place
 };
 
-/// How forces between the contacts are made (see `BlendedField`).
+/// How forces between the contacts are computed (see `BlendedField`).
 struct Interpolation {
   BlendRule rule = BlendRule::forces;
   double reference_force = 0;  ///< [N] F of the contacts' compliances; > 0 with `compliances`
-  /// [mm] how far beyond its contacts a place follows their trend; >= 0; not stored, see
-  /// `read_model`
-  double reach = 0;
+  double reach = 0;  ///< [mm] how far beyond its contacts a place follows their trend; >= 0
 
   friend bool operator==(const Interpolation&, const Interpolation&) = default;
 };
@@ -72,28 +69,28 @@ struct ContactModel {
   Eigen::Matrix3d frame = Eigen::Matrix3d::Identity();
   ForceField field;     ///< in the local frame
   double friction = 0;  ///< coefficient; >= 0
-  /// Standard error of the coefficient; from other contacts: the standard deviation among them; of
-  /// a lower bound: 0; >= 0
-  double friction_error = 0;
-  /// The coefficient is as large or larger, with 95 %, by this contact's own samples; >= 0
+  /// Standard error of the coefficient, or its standard deviation among the contacts that it is the
+  /// mean of; >= 0. A lower bound has none.
+  std::optional<double> friction_error = {};
+  /// The contact's own samples show with 95 % confidence that the coefficient is at least this.
   double friction_lower_bound = 0;
   FrictionSource friction_source = FrictionSource::none;
   /// Unit vector into the object, world: a slipping contact moves in the plane of this and the tool
   /// (thesis 5.4.2).
   Eigen::Vector3d friction_axis = Eigen::Vector3d::UnitZ();
-  int samples = 0;       ///< pairs of displacement and force that the field was fitted to
-  double rms = 0;        ///< [N] sqrt(mean |error|^2) of the field on them
-  std::string fit_stop;  ///< how the fit ended: a FitStop in a word
-  /// None: not known, or the field does not reach the reference force; its forces then count at the
-  /// same displacement, whatever the rule.
+  /// None: not known, or the field does not reach the reference force. The contact's forces then
+  /// count at the same displacement, whatever the rule.
   std::optional<ContactCompliance> compliance = {};
-  // What older files lack; empty or 0 if not known.
-  std::string fit_mode;       ///< what the fit promises: a FitMode in a word
-  std::string passivity;      ///< of the field over the reach of its samples: a Passivity in a word
-  double chi2 = 0;            ///< per degree of freedom (see FitResult); >= 0
-  double noise_floor = 0;     ///< [N] the rms that noise alone makes; >= 0
-  double condition = 0;       ///< of the fit's least squares (see FitResult); >= 0
-  bool shared_local = false;  ///< fitted to a local part that contacts share (see FitResult)
+  int samples = 0;  ///< pairs of displacement and force that the field was fitted to
+  double rms = 0;   ///< [N] sqrt(mean |error|^2) of the field on them
+  // What the fit reported (see FitResult); nullopt where it is not known.
+  std::optional<FitStop> fit_stop = {};     ///< how the fit ended
+  std::optional<FitMode> fit_mode = {};     ///< what the fit promises
+  std::optional<Passivity> passivity = {};  ///< of the field over the reach of its samples
+  std::optional<double> chi2 = {};          ///< per degree of freedom; >= 0
+  std::optional<double> noise_floor = {};   ///< [N] the rms that noise alone makes; >= 0
+  std::optional<double> condition = {};     ///< of the fit's least squares; >= 0
+  bool shared_local = false;                ///< fitted to a local part that contacts share
 };
 
 /// A deformable object as it was measured: the folder of design and playback.
@@ -101,8 +98,9 @@ struct Model {
   geometry::TriangleMesh surface;  ///< undeformed, triangles counter-clockwise seen from outside
   std::vector<ContactModel> contacts;  ///< at least three
   Eigen::Matrix3Xi triangles;          ///< 3 x T indices of contacts, oriented as the surface
-  /// Of the contacts at each vertex of the surface. Without any (no columns) they are those of the
-  /// nearest points of the triangles, of which there must be some then.
+  /// Weights of the contacts at each vertex of the surface. Without any (no columns) they are the
+  /// barycentric coordinates of the vertex's nearest point on the triangles of contacts, of which
+  /// there must be some then.
   geometry::SurfaceWeights surface_weights;
   Interpolation interpolation;
   /// Moves the acquisition onto the surface; the contacts here are moved already.
@@ -114,11 +112,19 @@ struct Model {
 /// further from that than this. 1e-9: rounding of some operations and of 12 printed digits.
 inline constexpr double kFrameTolerance = 1e-9;
 
+/// The words of the field document: "samples", "other_contacts", ...
+[[nodiscard]] const char* to_string(FrictionSource source);
+/// "forces" or "compliances"
+[[nodiscard]] const char* to_string(BlendRule rule);
+
 /// \throws InvalidInput naming the contact or triangle, what is wrong and what would be right.
 void check_model(const Model& model);
 
 /// Columns: axes of a contact's pressing frame in the world; its frame if it has no compliance.
 [[nodiscard]] Eigen::Matrix3d pressing_frame(const ContactModel& contact);
+
+/// `surface_weights`; in a model without any, the weights that its triangles give.
+[[nodiscard]] geometry::SurfaceWeights vertex_weights(const Model& model);
 
 /// The contacts and their triangles as a mesh.
 [[nodiscard]] geometry::TriangleMesh contact_mesh(const Model& model);

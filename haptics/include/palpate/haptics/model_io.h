@@ -11,29 +11,27 @@
 
 namespace palpate::haptics {
 
-/// How a field document is written: as text, `field.json`, or the same in CBOR, `field.cbor`.
+/// How a field document is written: as text in `field.json`, or in CBOR in `field.cbor`.
 enum class ModelEncoding { json, cbor };
 
-/// Up to so many contacts a model is written as JSON unless something else is asked for: about
-/// 10 MB, which an editor still opens.
+/// A model of at most this many contacts is written as JSON unless the caller chooses. The file has
+/// about 14 MB then, which an editor still opens.
 inline constexpr std::size_t kMaxJsonContacts = 10'000;
 
-/// Reads a model folder: `surface.ply` and `field.json`, or `field.cbor` (the same document in
-/// CBOR) if there is no `field.json`. docs/model-file.md tells what is in it, and
-/// docs/field.schema.json describes the document; those of older versions
-/// (docs/field-v1.schema.json) are read too. Compliances of contacts are not stored but computed
-/// again (`with_compliances`).
-/// \throws FileError if a file is missing, truncated, of a version to come, or holds what
-/// `check_model` refuses or a number beyond 1e12; it names the file, the JSON pointer and what
-/// would be right.
+/// Reads a model folder: `surface.ply`, and `field.json` or, if there is none, `field.cbor` (the
+/// same document in CBOR). docs/model-file.md describes these files, docs/field.schema.json the
+/// document.
+/// \throws FileError if a file is missing, truncated, of a newer version, or holds something that
+/// `check_model` refuses or a number beyond 1e12. The message names the file and the JSON pointer,
+/// and says what would be right.
 [[nodiscard]] Model read_model(const std::filesystem::path& folder);
 
-/// Names of what `write_model` may replace in a folder (see `check_replaceable`).
+/// Names of the files that `write_model` may replace in a folder (see `check_replaceable`).
 [[nodiscard]] std::vector<std::filesystem::path> model_entries();
 
-/// Writes such a folder as a whole; numbers read back exactly, and take as many digits as they
-/// need for that. The contacts and their triangles are written as a mesh too, `contacts.ply`,
-/// which `read_model` does not need. A folder that is there already is replaced only if it holds
+/// Writes such a folder as a whole. Numbers read back exactly. A model without surface weights is
+/// written with those that its triangles give. `contacts.ply`, the triangles of contacts as a mesh,
+/// is written too; `read_model` does not need it. A folder that exists is replaced only if it holds
 /// nothing but `model_entries`.
 /// \throws InvalidInput if `check_model` refuses or the folder holds something else, before
 /// anything is written; OutputError.
