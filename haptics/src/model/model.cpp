@@ -3,6 +3,7 @@
 #include "palpate/haptics/model.h"
 
 #include <cmath>
+#include <optional>
 #include <unordered_set>
 
 #include "palpate/error.h"
