@@ -16,36 +16,48 @@ namespace fs = std::filesystem;
 
 constexpr int kDone = 0, kWorkFailed = 1, kWrongCall = 2;
 
-// A bent square with three contacts, its fields of one ridge and one isotropic base each.
+// A bent square with three contacts, each with a field of one isotropic base.
 class Transfer : public testing::Test {
  protected:
   void SetUp() override {
     fs::create_directories(scratch / "model");
-    std::string vertices, triangles;
+    std::string vertices, weighted_vertices, triangles;
     for (int i = 0; i < 81; ++i) {
       const double x = i % 9, y = i / 9;
-      vertices += std::to_string(10 * x) + " " + std::to_string(10 * y) + " " +
-                  std::to_string(x * (8 - x) / 3) + "\n";
+      const std::string vertex = std::to_string(10 * x) + " " + std::to_string(10 * y) + " " +
+                                 std::to_string(x * (8 - x) / 3);
+      vertices += vertex + "\n";
+      weighted_vertices += vertex + " 0 1 2 0.5 0.25 0.25\n";
       if (i % 9 == 8 || i >= 72) continue;
       triangles += "3 " + std::to_string(i) + " " + std::to_string(i + 1) + " " +
                    std::to_string(i + 10) + "\n3 " + std::to_string(i) + " " +
                    std::to_string(i + 10) + " " + std::to_string(i + 9) + "\n";
     }
-    const std::string surface =
+    const std::string head =
         "ply\nformat ascii 1.0\nelement vertex 81\nproperty double x\nproperty double y\n"
-        "property double z\nelement face 128\nproperty list uchar int "
-        "vertex_indices\nend_header\n" +
-        vertices + triangles;
-    write_text(scratch / "model/surface.ply", surface);
-    write_text(scratch / "other.ply", surface);
+        "property double z\n";
+    const std::string faces =
+        "element face 128\nproperty list uchar int vertex_indices\nend_header\n";
+    write_text(
+        scratch / "model/surface.ply",
+        head +
+            "property int contact_0\nproperty int contact_1\nproperty int contact_2\n"
+            "property double weight_0\nproperty double weight_1\nproperty double weight_2\n" +
+            faces + weighted_vertices + triangles);
+    write_text(scratch / "other.ply", head + faces + vertices + triangles);
     nlohmann::json contacts = nlohmann::json::array();
     for (int i = 0; i < 3; ++i) {
       contacts.push_back(
           {{"id", i},
            {"position", {10 + 60 * (i == 1), 10 + 60 * (i == 2), i == 1 ? 7 / 3.0 : 7 / 3.0}},
-           {"axes", {{1, 0, 0}, {0, -1, 0}, {0, 0, -1}}},
-           {"field", {{"epsilon", 5}, {"centers", {{0, 0, 0}}}, {"weights", {4}}}},
-           {"friction", {{"coefficient", 0.5}, {"source", "samples"}, {"axis", {0, 0, -1}}}},
+           {"rotation", {0, 1, 0, 0}},
+           {"bases", {{4, 5, 0, 0, 0}}},
+           {"ridges", nlohmann::json::array()},
+           {"friction",
+            {{"coefficient", 0.5},
+             {"lower_bound", 0.4},
+             {"source", "samples"},
+             {"axis", {0, 0, -1}}}},
            {"fit", {{"samples", 10}, {"rms", 0.01}, {"stop", "accurate"}}}});
     }
     const nlohmann::json document = {
@@ -53,6 +65,7 @@ class Transfer : public testing::Test {
         {"version", 1},
         {"units", {{"length", "mm"}, {"force", "N"}}},
         {"surface", "surface.ply"},
+        {"interpolation", {{"rule", "forces"}}},
         {"contacts", contacts},
         {"triangles", {{0, 1, 2}}},
         {"registration",
