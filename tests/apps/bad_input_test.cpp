@@ -112,7 +112,8 @@ std::vector<std::vector<std::string>> all_commands(const std::vector<std::string
     const std::vector<std::vector<std::string>> inner = all_commands(longer);
     result.insert(result.end(), inner.begin(), inner.end());
   }
-  return result.empty() ? std::vector{words} : result;
+  if (result.empty()) result.push_back(words);
+  return result;
 }
 
 TEST_F(BadInput, EveryCommandShowsAnExampleOfItself) {

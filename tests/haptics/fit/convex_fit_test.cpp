@@ -249,7 +249,7 @@ TEST(FitConvex, KeepsToTheUnitOfLength) {
   for (const double unit : {0x1p-10, 0x1p10, 1e-3, 25.4}) {
     ForceSamples other = samples;
     other.displacements *= unit;
-    other.displacement_noise *= unit;
+    *other.displacement_noise *= unit;
     const FitResult found = fit_measured(other);
     if (std::exp2(std::round(std::log2(unit))) == unit) {
       EXPECT_EQ(found.field, scaled(fit.field, 1, unit));
