@@ -159,7 +159,7 @@ TEST_F(BadInput, PathsThatCannotBeLookedAt) {
 
 TEST_F(BadInput, AUnitThatIsNone) {
   expect_refused({"info", demo("sheet/surface.ply"), "--unit", "furlong"},
-                 "unit \"furlong\" is not known; um, mm, cm, m and in are");
+                 "unit \"furlong\" is not known; use um, mm, cm, m or in");
 }
 
 TEST_F(BadInput, ABrokenFrameAmongOthersDoesNotStopThem) {

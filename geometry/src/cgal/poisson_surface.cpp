@@ -50,7 +50,7 @@ TriangleMesh poisson_surface(const Eigen::Matrix3Xd& points, const Eigen::Matrix
   if (!found || surface.number_of_faces() == 0) {
     throw SolverError("merge_scans: there is no surface through these " +
                       std::to_string(points.cols()) +
-                      " points; do the scans' front sides all look outwards?");
+                      " points; check that the front sides of all scans face outwards");
   }
   return from_surface_mesh(surface);
 }

@@ -64,7 +64,7 @@ class CoarseTriangulation {
     });
     if (!is_simplicial) {
       throw SolverError(
-          "triangulate_contacts: no number of helpers tells all edges apart; use voronoi_dual");
+          "triangulate_contacts: no number of helpers makes all edges distinct; use voronoi_dual");
     }
     TrianglesOfContacts result;
     result.intrinsic = intrinsic();

@@ -94,10 +94,11 @@ std::vector<SurfacePoint> place_landmarks(Eigen::Matrix3Xd& points, const Surfac
     places.push_back(place.at);
   }
   if (in_line(points)) {
-    throw InvalidInput(fmt::format(
-        "map_surface: the landmarks of the {} lie nearly in a line (or at a point), so the turn "
-        "about it is not known; add one beside it",
-        side));
+    throw InvalidInput(
+        fmt::format("map_surface: the landmarks of the {} lie nearly in a line (or at a point), so "
+                    "the rotation "
+                    "about it is not known; add one beside it",
+                    side));
   }
   return places;
 }

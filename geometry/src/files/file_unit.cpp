@@ -44,7 +44,7 @@ std::string lower(std::string_view text) {
 double unit_length(std::string_view name) {
   const std::optional<double> length = find_unit(lower(name));
   if (!length)
-    throw InvalidInput("unit " + quoted(name) + " is not known; um, mm, cm, m and in are");
+    throw InvalidInput("unit " + quoted(name) + " is not known; use um, mm, cm, m or in");
   return *length;
 }
 
@@ -81,7 +81,7 @@ void check_comments(const std::vector<std::string>& comments, const char* what) 
   for (std::size_t i = 0; i < comments.size(); ++i) {
     const std::string place = std::string(what) + ": comment " + std::to_string(i);
     if (comments[i].find_first_of("\r\n") != std::string::npos)
-      throw InvalidInput(place + " is of several lines; make one comment of each");
+      throw InvalidInput(place + " has several lines; make one comment of each");
     if (declared_unit(comments[i]))
       throw InvalidInput(place + " declares a unit: " + quoted(std::string_view(comments[i])) +
                          "; files are written in mm, and say so themselves");

@@ -50,7 +50,7 @@ void convert_to_mm(Eigen::Matrix3Xd& points, const FileUnit& unit, const std::st
 void check_encoding(const fs::path& path, const WriteOptions& options) {
   const std::string extension = lower_extension(path);
   if (options.encoding == Encoding::binary_big_endian && extension != ".ply" && extension != ".obj")
-    throw InvalidInput(path.string() + ": only PLY can have its most significant byte first");
+    throw InvalidInput(path.string() + ": only PLY supports big-endian binary");
 }
 
 /// NaN and infinity are in the range of float too.

@@ -96,7 +96,7 @@ void take_fields(const Lines& lines, const std::string& file, Header& header) {
     Field field{.name = std::string(lines.fields[i])};
     if (field.name != kPadding &&
         std::count(lines.fields.begin(), lines.fields.end(), lines.fields[i]) != 1)
-      throw FileError(file + ": field " + field.name + " is there twice");
+      throw FileError(file + ": field " + field.name + " appears twice");
     const std::uint64_t bytes = whole_number(file, "SIZE", lines.size[i], 8);
     const std::optional<Scalar> type = scalar_of(lines.type[i], bytes);
     if (!type)

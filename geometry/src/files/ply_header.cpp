@@ -108,9 +108,8 @@ PlyHeader parse_ply_header(std::string_view content, const std::string& file) {
       return header;
     }
     if (!parse_line(line, header))
-      throw FileError(
-          file + ": line " + std::to_string(number) +
-          " of the header is not understood, or says again what one before said: " + quoted(line));
+      throw FileError(file + ": line " + std::to_string(number) +
+                      " of the header is not valid, or repeats an earlier line: " + quoted(line));
     has_format = has_format || line.starts_with("format");
   }
   throw FileError(file + ": its header has no line \"end_header\"; the file is truncated");
@@ -119,7 +118,7 @@ PlyHeader parse_ply_header(std::string_view content, const std::string& file) {
 std::string_view ply_name(Scalar type) {
   for (const TypeName& known : kTypeNames)
     if (type == known.type) return known.old_name;
-  throw InvalidInput("PLY has no integers of 64 bits; int32, uint32 or float64 are");
+  throw InvalidInput("PLY has no 64-bit integers; use int32, uint32 or float64");
 }
 
 }  // namespace palpate::geometry

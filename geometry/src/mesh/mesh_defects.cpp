@@ -127,15 +127,15 @@ const char* words(DefectKind kind) {
     case DefectKind::infinite_vertex:
       return "vertices that are not finite";
     case DefectKind::corner_out_of_range:
-      return "triangles that name a vertex that is not there";
+      return "triangles that refer to a vertex that does not exist";
     case DefectKind::corner_repeated:
-      return "triangles that name a vertex twice";
+      return "triangles that use a vertex twice";
     case DefectKind::triangle_repeated:
       return "triangles that repeat an earlier one";
     case DefectKind::triangle_turned:
-      return "triangles turned against a neighbour";
+      return "triangles with the opposite orientation of a neighbour";
     case DefectKind::edge_overfull:
-      return "triangles that are the third or further at an edge";
+      return "triangles at an edge that two earlier triangles share";
     case DefectKind::vertex_pinched:
       return "vertices that join several fans of triangles";
     case DefectKind::vertex_isolated:

@@ -289,7 +289,7 @@ class Repair {
         vertices.emplace_back(triangles_(corner % 3, corner / 3), corner);
     }
     if (vertices.empty())
-      throw InvalidInput("mesh: no triangle can be kept: each is broken or without area");
+      throw InvalidInput("mesh: no triangle can be kept: each is defective or without area");
     std::sort(vertices.begin(), vertices.end());
     std::vector<int> index_of_fan(static_cast<size_t>(triangles_.size()), -1);
     result_.mesh.vertices.resize(3, static_cast<Eigen::Index>(vertices.size()));

@@ -98,7 +98,7 @@ TEST(FileUnit, RefusesWhatIsNoUnit) {
   EXPECT_EQ(unit_length("CM"), 10);
   EXPECT_EQ(unit_length("inch"), 25.4);
   EXPECT_THROWS_MESSAGE(static_cast<void>(unit_length("furlong")), InvalidInput,
-                        "um, mm, cm, m and in are");
+                        "use um, mm, cm, m or in");
   for (const double wrong : {0.0, -1.0, std::numeric_limits<double>::infinity(),
                              std::numeric_limits<double>::quiet_NaN()})
     EXPECT_THROWS_MESSAGE(static_cast<void>(read("", {.unit = wrong})), InvalidInput,

@@ -164,7 +164,7 @@ TEST(Ply, RefusesABadIndexByFaceAndCorner) {
 TEST(Ply, RefusesWhatIsNoPlyOrNoSurface) {
   expect_refused("a letter\nto a friend\n", "first line must be \"ply\"");
   expect_refused("ply\nelement vertex 0\nend_header\n", "no line \"format ...\"");
-  expect_refused(replaced(kSquare, "ascii", "morse"), "line 2 of the header is not understood");
+  expect_refused(replaced(kSquare, "ascii", "morse"), "line 2 of the header is not valid");
   expect_refused(replaced(kSquare, "float y", "quad y"), "line 5 of the header");
   expect_refused(replaced(kSquare, "float y", "float w"), "needs one property y");
   expect_refused(replaced(kSquare, "uchar int", "uchar float"), "list vertex_indices of integers");

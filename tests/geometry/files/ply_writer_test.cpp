@@ -110,7 +110,7 @@ TEST(PlyWriter, RefusesAttributesThatPlyCannotHold) {
   const Attribute fine_too{"a", std::vector<double>(20), {}};
   refuse({"x", std::vector<double>(12), {}}, fine_too, "called \"x\", which PLY needs itself");
   refuse(fine, {"vertex_index", std::vector<int>(20), {}}, "called \"vertex_index\"");
-  refuse({"id", std::vector<std::int64_t>(12), {}}, fine_too, "no integers of 64 bits");
+  refuse({"id", std::vector<std::int64_t>(12), {}}, fine_too, "no 64-bit integers");
   refuse({"a", std::vector<double>(11), {}}, fine_too, "values of 11 elements; there are 12");
   refuse(fine, {"a", std::vector<double>(12), {}}, "values of 12 elements; there are 20");
   refuse({"two words", std::vector<double>(12), {}}, fine_too, "a name that is one word");

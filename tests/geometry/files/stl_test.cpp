@@ -161,7 +161,7 @@ TEST(Stl, RefusesToRoundWhatIsBeyondFloat) {
                         "vertex 7 is beyond the range of float");
   EXPECT_THROWS_MESSAGE(
       write_mesh(folder / "mesh.stl", mesh, {.encoding = Encoding::binary_big_endian}),
-      InvalidInput, "only PLY can have its most significant byte first");
+      InvalidInput, "only PLY supports big-endian binary");
   write_mesh(folder / "mesh.stl", mesh, {.encoding = Encoding::text});
   EXPECT_EQ(read_mesh(folder / "mesh.stl").vertices.minCoeff(), -1e39);
 }
