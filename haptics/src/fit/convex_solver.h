@@ -10,28 +10,29 @@
 
 namespace palpate::haptics {
 
-/// How long to look for the least loss.
+/// When to stop minimising the loss.
 struct Effort {
-  int iterations = 0;  ///< at most
-  /// A step that gains less is the last; noise moves the loss by some units.
+  int iterations = 0;  ///< upper limit
+  /// A step that gains less than this is the last; noise changes the loss by some units.
   double worthwhile = 0;
 };
 
 struct ConvexSolution {
-  double loss = 0;  ///< of the errors of the field that was reached
+  double loss = 0;  ///< of the errors of the resulting field
   int iterations = 0;
   bool converged = false;
 };
 
-/// Moves all bases of a field to where the loss is least, with weights >= 0, and epsilons not far
-/// from what is expected unless the samples tell otherwise (a prior of their logarithms, Student's
-/// t): Levenberg-Marquardt with a Gauss-Newton matrix of the robust loss, steps cut at the bounds.
-/// A ridge beyond all samples is rounded so far that it makes no wall there. Turning the frame
-/// turns the steps: what belongs to one vector is damped alike.
+/// Minimises the loss over all bases of a field, with weights >= 0 and epsilons close to the
+/// expected ones unless the samples indicate otherwise (a prior of their logarithms, Student's t).
+/// The method is Levenberg-Marquardt with a Gauss-Newton matrix of the robust loss and steps cut at
+/// the bounds. The epsilon of a ridge beyond all samples is kept large enough to avoid a wall
+/// there. The steps rotate with the frame, because the components of a vector have the same
+/// damping.
 ConvexSolution refine(const WhitenedProblem& problem, const Effort& effort, ForceField& field);
 
-/// The field without one of its bases, for each of those that the others can replace best, to
-/// second order of the loss, at most `count`: the best first. The others have moved accordingly.
+/// Fields with one base removed, for each of at most `count` bases that the others replace best, to
+/// second order of the loss; best first. The other bases have been adjusted.
 [[nodiscard]] std::vector<ForceField> without_one(const WhitenedProblem& problem,
                                                   const ForceField& field, std::size_t count);
 

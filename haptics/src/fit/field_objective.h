@@ -12,7 +12,7 @@ namespace palpate::haptics {
 struct FieldFunction {
   double value = 0;
   Eigen::VectorXd gradient;
-  Eigen::MatrixXd hessian;  ///< block diagonal, 5 x 5 a base
+  Eigen::MatrixXd hessian;  ///< block diagonal, 5 x 5 per base
 };
 
 /// The least-squares problem of Eq 5.6 in the parameters of a force field of isotropic bases, with
@@ -32,8 +32,8 @@ struct FieldObjective {
 /// Parameters of one base.
 inline constexpr Eigen::Index kBaseSize = 5;
 
-/// L . K with K the stiffness at zero displacement (Eq 5.9) and a symmetric L: what a constraint on
-/// K needs.
+/// L . K for the stiffness K at zero displacement (Eq 5.9) and a symmetric L, as needed for a
+/// constraint on K.
 [[nodiscard]] FieldFunction stiffness_at_zero(const Eigen::Ref<const Eigen::VectorXd>& parameters,
                                               const Eigen::Matrix3d& factor);
 

@@ -9,13 +9,13 @@
 
 namespace palpate::haptics {
 
-/// What a field has to keep, in units of the data.
+/// Constraints on a field, in units of the data.
 struct FieldConstraints {
-  /// Smallest eigenvalue of the stiffness at zero, > 0: above what the solver leaves of a
-  /// constraint, so that the result is semi-definite in floating point too.
+  /// Smallest eigenvalue of the stiffness at zero, > 0: larger than the solver's constraint
+  /// tolerance, so that the result is positive semi-definite in floating point too.
   double least_stiffness = 1e-5;
-  bool free_epsilon = false;  ///< else each base keeps the epsilon it starts with
-  /// Places x, not zero, where the energy is >= least_secant / 2 |x|^2.
+  bool free_epsilon = false;  ///< if false, each base keeps its initial epsilon
+  /// Places x, not zero, at which the energy must be >= least_secant / 2 |x|^2.
   std::vector<Eigen::Vector3d> places;
   double least_secant = 0;
 };
@@ -27,8 +27,9 @@ struct FieldSolution {
   bool converged = false;
 };
 
-/// Minimises the objective from a start, keeping the constraints and the parameters inside a box
-/// (Ipopt, exact second derivatives). Where Ipopt gives up, what it had is not `converged`.
+/// Minimises the objective from a start, subject to the constraints and to bounds of the parameters
+/// (Ipopt, exact second derivatives). If Ipopt gives up, its last result is returned as not
+/// `converged`.
 [[nodiscard]] FieldSolution solve_field(const FieldObjective& objective,
                                         const Eigen::Ref<const Eigen::VectorXd>& start,
                                         const FieldConstraints& constraints = {});

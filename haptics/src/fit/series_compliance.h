@@ -11,8 +11,8 @@
 
 namespace palpate::haptics {
 
-/// What is expected of a compliance before samples are seen: `mean` [mm/N], symmetric, give or take
-/// `deviation` [mm/N] > 0 in each of its entries.
+/// Prior of a compliance: `mean` [mm/N], symmetric, with the standard deviation `deviation` [mm/N]
+/// > 0 of each entry.
 struct CompliancePrior {
   Eigen::Matrix3d mean = Eigen::Matrix3d::Zero();
   double deviation = 0;
@@ -37,27 +37,27 @@ struct PairNoise {
 };
 [[nodiscard]] PairNoise pair_noise(const ForceSamples& samples, const FitNoise& noise);
 
-/// Robust least squares for G: errors in units of what the noise of displacements and, by the
-/// compliance, of forces makes; those of outliers hardly count. As near to the least squares as
-/// the compliance stays positive semi-definite at the samples' forces and at `forces`, on the way
-/// there from the prior's mean.
+/// Robust least squares for G. Errors are in units of the noise of displacements and, through the
+/// compliance, of forces; outliers hardly count. The result is the point closest to the least
+/// squares, on the way from the prior's mean, at which the compliance is still positive
+/// semi-definite at the samples' forces and at `forces`.
 [[nodiscard]] Eigen::Matrix3d fit_global_compliance(const ForceSamples& samples,
                                                     const ForceField& local,
                                                     const CompliancePrior& prior,
                                                     const PairNoise& noise,
                                                     const Eigen::Matrix3Xd& forces);
 
-/// Sum of the squared errors of displacements, each in units of its noise, per degree of freedom;
+/// Sum of the squared errors of displacements in units of their noise, per degree of freedom;
 /// without outliers if they are few.
 [[nodiscard]] double chi2(const Series& series, const ForceSamples& samples,
                           const PairNoise& noise);
 
-/// The columns of some samples.
+/// Selects the columns of some samples.
 [[nodiscard]] ForceSamples columns(const ForceSamples& samples,
                                    const std::vector<Eigen::Index>& which);
 
-/// `count` of some columns, each time the one that is furthest from those before, from the longest
-/// on; all if there are no more.
+/// Selects `count` columns by farthest-point sampling, starting with the longest; all if there are
+/// no more.
 [[nodiscard]] Eigen::Matrix3Xd spread_columns(const Eigen::Matrix3Xd& all, Eigen::Index count);
 
 }  // namespace palpate::haptics

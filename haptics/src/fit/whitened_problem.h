@@ -15,8 +15,8 @@ struct SampleNoise {
   double force = 0;         ///< > 0
 };
 
-/// How well a field with weights >= 0 fits samples, each error in units of what the noise makes of
-/// it. No units: the caller scales.
+/// Measures how well a field with weights >= 0 fits samples, with each error in units of its noise.
+/// Dimensionless: the caller scales.
 ///
 /// An error of a displacement is one of the force times the local stiffness K, so the error of a
 /// sample has the covariance S = force^2 I + displacement^2 K K^T, and is whitened by the inverse
@@ -28,17 +28,17 @@ class WhitenedProblem {
 
   /// Takes the local stiffness from a field; from the samples themselves if it has no bases.
   void whiten(const ForceField& field);
-  /// Sets `spread` to how far the errors exceed what noise makes in the median; 1 if they do not.
+  /// Sets `spread` to the ratio of the median error to that caused by noise; at least 1.
   void adapt_spread(const ForceField& field);
 
   /// 3 N, sample by sample.
   [[nodiscard]] Eigen::VectorXd residuals(const ForceField& field) const;
-  /// Derivatives of the residuals, five columns a base: of weight, of log epsilon, and of the
-  /// centre; of a ridge in place of its centre: of the centre along it and of two turns about axes
-  /// across it, those of `tangents`.
+  /// Derivatives of the residuals, five columns per base: by weight, by log epsilon, and by the
+  /// centre; for a ridge, instead of the centre, by the centre along it and by two rotations about
+  /// the perpendicular axes of `tangents`.
   [[nodiscard]] Eigen::MatrixXd jacobian(const ForceField& field) const;
   [[nodiscard]] double loss(const Eigen::VectorXd& residuals) const;
-  /// N, by which the squared error of each sample counts at these residuals: 1 to 0.
+  /// N: weight, in [0, 1], of the squared error of each sample at these residuals.
   [[nodiscard]] Eigen::VectorXd robust_weights(const Eigen::VectorXd& residuals) const;
 
   [[nodiscard]] Eigen::Index size() const { return forces_.cols(); }
@@ -59,8 +59,8 @@ class WhitenedProblem {
   double mean_noise_ = 0;
 };
 
-/// Squared length of a whitened error that makes an outlier: noise exceeds it once in 10^10
-/// samples.
+/// Squared length of a whitened error above which a sample is an outlier; noise exceeds it once in
+/// 10^10 samples.
 inline constexpr double kOutlier = 50;
 
 struct ReducedChi2 {
@@ -72,7 +72,7 @@ struct ReducedChi2 {
 /// were fitted. Outliers are left out unless they are so many that the fit cannot follow them.
 [[nodiscard]] ReducedChi2 reduced_chi2(const Eigen::VectorXd& squares, double parameters);
 
-/// Two unit vectors across a ridge and each other, as columns.
+/// Two unit vectors perpendicular to a ridge and to each other, as columns.
 [[nodiscard]] Eigen::Matrix<double, 3, 2> tangents(const Eigen::Vector3d& ridge);
 
 }  // namespace palpate::haptics

@@ -9,9 +9,8 @@
 
 namespace palpate::haptics {
 
-/// A realigned pair of an acquisition. `settled` is the index of the pair that stands for its
-/// group's normal force: it is the mean of `repeats` positions, and its error moves all of the
-/// group.
+/// A realigned pair of an acquisition. `settled` is the index of the pair of its group's normal
+/// force, which is the mean of `repeats` positions and whose error moves the whole group.
 struct Pair {
   std::size_t contact = 0;  ///< index among the contacts
   std::size_t settled = 0;  ///< index of a pair; its own for that pair
