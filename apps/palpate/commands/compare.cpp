@@ -33,7 +33,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// [mm] Where a cross-section may lie: 1000 km either way.
+/// [mm] Range of the position of a cross-section: 1000 km either way.
 constexpr Interval kPlaces = at_least(-1e9).at_most(1e9);
 
 struct CompareCall {
@@ -90,10 +90,10 @@ std::string to_words(const geometry::ErrorStatistics& s) {
       s.rms, s.median, s.p90, s.max, s.count);
 }
 
-/// [mm] The scale of a picture of differences goes at least so far, also where there are none.
+/// [mm] Smallest range of the colour scale of a picture of differences.
 constexpr double kLeastScale = 1e-3;
 
-/// Two range maps of one camera: depth against depth, pixel by pixel.
+/// Compares two range maps of one camera pixel by pixel.
 void compare_pixels(const Settings& settings, const CompareCall& call) {
   check_is_depths(call.a);
   check_is_depths(call.b);
@@ -101,7 +101,7 @@ void compare_pixels(const Settings& settings, const CompareCall& call) {
   const geometry::ImageF b = geometry::read_depth_tiff(call.b);
   if (a.rows() != b.rows() || a.cols() != b.cols()) {
     throw InvalidInput(fmt::format(
-        "{} has {} x {} px and {} has {} x {} px: depth against depth takes two range maps of one "
+        "{} has {} x {} px and {} has {} x {} px: comparing depths needs two range maps of one "
         "camera",
         call.a.string(), a.cols(), a.rows(), call.b.string(), b.cols(), b.rows()));
   }
@@ -133,17 +133,17 @@ nlohmann::ordered_json to_json(const geometry::LargestDistance& distance) {
           {"at", {distance.at.x(), distance.at.y(), distance.at.z()}}};
 }
 
-/// So many points fix a pose far better than they are measured; more only take longer.
+/// This many points determine a pose far better than needed; more only take longer.
 constexpr Eigen::Index kAlignPoints = 20000;
 
-/// At most kAlignPoints of them, evenly.
+/// Selects at most kAlignPoints of them, evenly.
 Eigen::Matrix3Xd thinned(const Eigen::Matrix3Xd& points) {
   const Eigen::Index step = (points.cols() + kAlignPoints - 1) / kAlignPoints;
   return points(Eigen::all, Eigen::seq(0, points.cols() - 1, step));
 }
 
-/// The smaller surface is moved onto the larger: a reference of the object alone lies on what a
-/// sensor saw of it and its surroundings, not the other way round.
+/// Moves the smaller surface onto the larger, because a reference of the object alone lies on what
+/// a sensor saw of it and its surroundings, but not vice versa.
 geometry::Registration register_smaller(const CompareCall& call, const geometry::TriangleMesh& a,
                                         const geometry::TriangleMesh& b) {
   const geometry::RegistrationOptions options{.method = call.method,
@@ -169,8 +169,9 @@ nlohmann::ordered_json to_json(const Eigen::Isometry3d& pose) {
   return rows;
 }
 
-/// Moves A onto B and puts the pose into the figures. A pose that is not accepted is an error:
-/// there is nothing to compare then. \return the same in words.
+/// Moves A onto B and adds the pose to the figures. A pose that is not accepted is an error,
+/// because there is nothing to compare.
+/// \return the same in words.
 std::string align(const CompareCall& call, geometry::TriangleMesh& a,
                   const geometry::TriangleMesh& b, nlohmann::ordered_json& figures) {
   const geometry::Registration found = register_smaller(call, a, b);
@@ -179,9 +180,9 @@ std::string align(const CompareCall& call, geometry::TriangleMesh& a,
     throw SolverError(fmt::format(
         "{} could not be aligned with {}: {}: {}. {}", call.a.string(), call.b.string(),
         geometry::to_string(found.verdict), found.reason,
-        slides ? "The smaller surface has to have relief in all directions: leave large planes out "
-                 "of it, and take in more of the object."
-               : "Bring the surfaces closer to each other, and say how near they are with "
+        slides ? "The smaller surface needs relief in all directions: remove large planes from "
+                 "it, and include more of the object."
+               : "Bring the surfaces closer to each other, and limit the search with "
                  "--search-rotation and --search-translation."));
   }
   a.vertices = found.T_target_source * a.vertices;
@@ -195,12 +196,12 @@ std::string align(const CompareCall& call, geometry::TriangleMesh& a,
                         {"median", found.median},
                         {"overlap", found.overlap},
                         {"starts", found.starts}};
-  return fmt::format("A was turned by {:.4f} rad and moved by {:.3f} mm onto B; accepted: {}.\n",
+  return fmt::format("A was rotated by {:.4f} rad and moved by {:.3f} mm onto B; accepted: {}.\n",
                      turn.angle(), found.T_target_source.translation().norm(), found.reason);
 }
 
-/// The accuracy of a sensor against a reference (thesis 3.5.1): over the parts that both have, in
-/// mm and, of a range map, as a part of their mean distance from the camera.
+/// Accuracy of a sensor relative to a reference (thesis 3.5.1), for the parts that both have: in mm
+/// and, for a range map, relative to their mean distance from the camera.
 /// \return the same in words.
 std::string compare_common_parts(const CompareCall& call, const geometry::TriangleMesh& a,
                                  const geometry::TriangleMesh& b, const Eigen::ArrayXd& depths,
@@ -225,13 +226,13 @@ std::string compare_common_parts(const CompareCall& call, const geometry::Triang
   return words + ".\n";
 }
 
-/// Anything else: the distance of A's surface from B's, over its area and at its largest.
+/// Other inputs: the distance of A's surface from B's, over its area, and the largest distance.
 void compare_surfaces(const Settings& settings, const CompareCall& call) {
   geometry::TriangleMesh a = load_surface(call.a, call);
   const geometry::TriangleMesh b = load_surface(call.b, call);
   nlohmann::ordered_json figures;
   std::string prose;
-  const Eigen::ArrayXd depths = a.vertices.row(2);  // before A leaves its camera's frame
+  const Eigen::ArrayXd depths = a.vertices.row(2);  // before A is moved out of its camera's frame
   if (call.align) prose = align(call, a, b, figures);
   if (!call.aligned.empty()) geometry::write_mesh(call.aligned, a);
   prose += compare_common_parts(call, a, b, depths, figures);
@@ -250,7 +251,7 @@ void compare_surfaces(const Settings& settings, const CompareCall& call) {
         call.picture, spread.cells, spread.distance,
         {.title = call.a.filename().string() + ": distance from " + call.b.filename().string(),
          .subtitle = fmt::format("root mean square {:.3f} mm, mean {:.3f} mm, 90 % of the area "
-                                 "within {:.3f} mm, largest {:.3f} mm; red lies outside",
+                                 "within {:.3f} mm, largest {:.3f} mm; red is outside",
                                  spread.rms, spread.mean, spread.p90, largest.a_to_b.upper),
          .limit = std::max(spread.p90, kLeastScale)});
   }
@@ -279,54 +280,55 @@ void compare_surfaces(const Settings& settings, const CompareCall& call) {
 
 void add_compare(CLI::App& app, const Settings& settings) {
   auto call = std::make_shared<CompareCall>();
-  CLI::App* command = app.add_subcommand("compare", "How far two range maps or surfaces lie apart");
+  CLI::App* command = app.add_subcommand("compare", "Compare two range maps or surfaces");
   command->add_option("A", call->a, "Range map or mesh")->required();
   command->add_option("B", call->b, "Range map or mesh to compare with")->required();
   command->add_option("--rig", call->rig, "Rig of the range maps (default: rig.yaml beside them)");
   add_unit_option(*command, call->meshes);
   CLI::Option* align = command->add_flag(
       "--align", call->align,
-      "Move A rigidly onto B first, of which one may be a part of the other; it is an error (exit "
-      "status 1) if no pose can be relied on");
+      "First register A rigidly to B; one may be a part of the other. Fails (exit status 1) if no "
+      "pose is reliable");
   command
-      ->add_option("--method", call->method,
-                   "With --align: how the pose is refined. point_to_triangle measures to the "
-                   "triangles themselves and is the most exact; point_to_plane (PCL's ICP with "
-                   "normals) suits fine meshes with little noise; point_to_point (PCL's ICP) needs "
-                   "no normals, but is only as exact as the vertices are dense")
+      ->add_option(
+          "--method", call->method,
+          "With --align: method that refines the pose. point_to_triangle uses the triangles "
+          "themselves and is the most accurate; point_to_plane (PCL's ICP with normals) "
+          "suits fine meshes with little noise; point_to_point (PCL's ICP) needs no "
+          "normals, but is limited by the spacing of the vertices")
       ->transform(CLI::CheckedTransformer(kMethods).description(
           "{point_to_triangle,point_to_plane,point_to_point}"))
       ->default_str("point_to_triangle")
       ->needs(align);
   command
       ->add_option("-o,--output", call->aligned,
-                   "With --align: also write surface A where it was moved to (.ply, .obj or .stl)")
+                   "With --align: also write surface A at its new pose (.ply, .obj or .stl)")
       ->needs(align);
   command
       ->add_option("--search-rotation", call->search_rotation_deg,
-                   "With --align: by how much A may be turned [degrees]")
+                   "With --align: largest rotation of A from its given pose [degrees]")
       ->check(within(at_least(0).at_most(180)))
       ->capture_default_str()
       ->needs(align);
   command
       ->add_option(
           "--search-translation", call->search_translation,
-          "With --align: how far the centroid of the smaller surface may be from its place "
-          "[mm]; unless given, it covers the larger one or is near its place")
+          "With --align: largest distance of the smaller surface's centroid from its final place "
+          "[mm] (default: unknown; it covers the larger one or starts close to its place)")
       ->check(within(at_least(0)))
       ->needs(align);
   command
       ->add_option(
           "--within", call->within,
-          "Points of A further than so many mm from B have no counterpart in it: what else the "
-          "sensor saw beside the object of a reference")
+          "Points of A farther than this from B [mm] have no counterpart in it, such as what the "
+          "sensor saw besides the object of a reference")
       ->check(within(above(0)));
   CLI::Option* section =
       command
           ->add_option("--section", call->section,
-                       "Draw the cross-sections of both (PNG; section.png unless a name is given)")
+                       "Draw the cross-sections of both (PNG; default name: section.png)")
           ->expected(0, 1);
-  command->add_option("--section-y", call->section_y, "Where to cut: Y [mm]")
+  command->add_option("--section-y", call->section_y, "Position of the cross-section: Y [mm]")
       ->check(within(kPlaces))
       ->capture_default_str()
       ->needs(section);
@@ -335,9 +337,9 @@ void add_compare(CLI::App& app, const Settings& settings) {
                       "distance from B (PNG)");
   command->footer(
       "Two range maps of one camera are compared pixel by pixel, unless --align or --section is "
-      "given;\n"
-      "all else by the distance of A's surface from B's, over its area and at its largest\n"
-      "(Hausdorff distance, between bounds that hold, both ways).\n"
+      "given.\n"
+      "Otherwise the command measures the distance of A's surface from B's over its area, and the\n"
+      "Hausdorff distance in both directions, with verified bounds.\n"
       "Examples:\n  palpate compare range/000000.tiff truth.tiff --picture differences.png\n"
       "  palpate compare range/000000.tiff reference.ply --align --within 5 --section "
       "section.png\n"

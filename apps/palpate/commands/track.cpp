@@ -357,7 +357,7 @@ void add_track(CLI::App& app, const Settings& settings) {
   auto call = std::make_shared<TrackCall>();
   call->registration.min_matched = 0;  // --min-visible decides
   CLI::App* command = app.add_subcommand(
-      "track", "A folder of range maps becomes one mesh a frame with the same triangles");
+      "track", "Track a surface through range maps: one mesh per frame, with the same triangles");
   command->add_option("RANGE_FOLDER", call->input, "Folder of range maps (TIFF) of one camera")
       ->required();
   command->add_option("--reference", call->reference,
@@ -371,25 +371,26 @@ void add_track(CLI::App& app, const Settings& settings) {
       ->capture_default_str();
   command
       ->add_option("--nodes", call->graph.nodes,
-                   "Nodes that deform the surface: more follow smaller dents and take longer")
+                   "Number of nodes that deform the surface; more follow smaller dents and take "
+                   "longer")
       ->check(within(at_least(1).at_most(kMostNodes)))
       ->capture_default_str();
   command
       ->add_option("--stiffness", call->registration.stiffness,
-                   "How much the surface resists deformation: lower follows small dents and noise, "
-                   "higher bridges holes smoothly")
+                   "Resistance of the surface to deformation: a low value follows small dents and "
+                   "noise, a high one bridges holes smoothly")
       ->check(within(above(0).finite()))
       ->capture_default_str();
   command
       ->add_option("--reach", call->registration.max_correspondence,
-                   "How far the surface may be from the reference in the first frame, as a "
+                   "Largest distance of the surface from the reference in the first frame, as a "
                    "fraction of the reference's diagonal; from frame to frame it may move by about "
                    "a third of it")
       ->check(within(kReaches))
       ->capture_default_str();
   command
       ->add_option("--iterations", call->registration.max_iterations,
-                   "Steps of the registration of a frame at most")
+                   "Largest number of registration steps per frame")
       ->check(within(at_least(1).at_most(kMostIterations)))
       ->capture_default_str();
   command
@@ -399,23 +400,24 @@ void add_track(CLI::App& app, const Settings& settings) {
       ->check(within(at_least(0).at_most(1)))
       ->capture_default_str();
   command->add_flag("--from-reference", call->from_reference,
-                    "Start every frame at the reference instead of at the frame before: no error "
-                    "is handed on, but the surface has to stay within --reach of the reference");
+                    "Start every frame from the reference instead of the previous frame: errors do "
+                    "not accumulate, but the surface has to stay within --reach of the reference");
   command->add_flag("--pictures", call->pictures,
                     "Also draw each mesh coloured by its distance from the range map (PNG)");
   command->add_flag("--resume", call->resume,
                     "Keep the frames that an earlier run with the same settings finished in this "
                     "folder");
   command->footer(
-      "The reference is deformed so that it lies on one range map after the other. All meshes have "
-      "its triangles and the\norder of its vertices, so that a vertex is the same point of the "
-      "surface in all of them; .ply also holds the\ndistance of each vertex from the range map "
-      "(NaN where nothing was measured) and a confidence from 0 to 1.\n"
-      "Motion along a surface without relief does not show in range maps and is not followed.\n"
-      "A frame that is broken or lost gets no mesh, the next one starts from the last that was "
-      "found, and the exit\nstatus is 1. track.jsonl holds the figures of each frame, nodes/ what "
-      "--resume needs. Results of an earlier run in\nthe folder are replaced as a whole, unless "
-      "--resume is given; Ctrl-C keeps what is finished.\n"
+      "The reference is deformed to lie on each range map in turn. All meshes have the triangles "
+      "and the vertex\norder of the reference, so that a vertex is the same point of the "
+      "surface in all of them; .ply files also contain the\ndistance of each vertex from the range "
+      "map (NaN where nothing was measured) and a confidence from 0 to 1.\n"
+      "Motion along a surface without relief is not visible in range maps and is not tracked.\n"
+      "A frame that is broken or lost gets no mesh, the next one starts from the last frame that "
+      "was "
+      "tracked, and the exit\nstatus is 1. track.jsonl contains the figures of each frame, nodes/ "
+      "the data for --resume. Results of an earlier run in\nthe folder are replaced completely, "
+      "unless --resume is given; Ctrl-C keeps what is finished.\n"
       "Examples:\n  palpate track range/ -o meshes/\n"
       "  palpate mesh range/000000.tiff --fill-holes 10 --tolerance 0.2 -o reference.ply\n"
       "  palpate track range/ --reference reference.ply -o meshes/ --format obj --resume");
