@@ -51,7 +51,7 @@ struct FitCall {
   bool resume = false;
 };
 
-/// Which contacts have no friction of their own, one line for each reason.
+/// Reports the contacts without friction of their own, one line per reason.
 void tell_friction(const haptics::BuildResult& built) {
   std::map<std::string, std::vector<long long>> undetermined;
   bool from_others = false, bounded = false;
@@ -63,15 +63,15 @@ void tell_friction(const haptics::BuildResult& built) {
     from_others = from_others || source == haptics::FrictionSource::other_contacts;
     bounded = bounded || source == haptics::FrictionSource::lower_bound;
   }
-  constexpr std::size_t kNamed = 50;  // of contacts that are alike
+  constexpr std::size_t kNamed = 50;  // largest number of contacts named per reason
   for (const auto& [stop, contacts] : undetermined) {
     const std::span named(contacts.data(), std::min(contacts.size(), kNamed));
     spdlog::warn("{} of {} contacts do not determine their friction, {}: {}{}", contacts.size(),
                  built.contacts.size(), stop, fmt::join(named, ", "),
                  named.size() < contacts.size() ? ", ..." : "");
   }
-  if (from_others) spdlog::warn("some of those take the mean of the other contacts' friction.");
-  if (bounded) spdlog::warn("some of those take their own lower bound, which is no estimate.");
+  if (from_others) spdlog::warn("some of those use the mean friction of the other contacts.");
+  if (bounded) spdlog::warn("some of those use their own lower bound, which is not an estimate.");
 }
 
 std::string friction_of(const haptics::ContactModel& contact) {
@@ -82,10 +82,10 @@ std::string friction_of(const haptics::ContactModel& contact) {
   return fmt::format("{:.3f}{} (>= {:.3f})", contact.friction, error, contact.friction_lower_bound);
 }
 
-/// The error with the local part over that without, by which sparse contacts gain.
+/// Error with the local part relative to that without, at sparse contacts.
 double ratio(const haptics::LocalPart& part) { return std::exp(*part.gain); }
 
-/// Whether contacts share a local part, and why not; for messages and for the model.
+/// Describes whether contacts share a local part, or why not; for messages and for the model.
 std::string sharing_in_words(const haptics::BuildResult& built) {
   const haptics::LocalPart& part = *built.local_part;
   const std::string counts = fmt::format("{} contacts with at least {} pairs, {} with fewer",
@@ -96,14 +96,14 @@ std::string sharing_in_words(const haptics::BuildResult& built) {
           built.contacts, [](const auto& contact) { return contact.fit.shared_local; });
       return fmt::format(
           "{} share the local part of the dense ones: {}; errors are {:.2f} times "
-          "those without, give or take {:.0f} % (tried at dense ones)",
+          "those without it, +- {:.0f} % (tested at dense contacts)",
           sharing, counts, ratio(part), 100 * *part.gain_error);
     }
     case haptics::SharingOutcome::no_gain:
       return fmt::format(
           "none shares a local part: {}; errors would be {:.2f} times those "
-          "without, give or take {:.0f} % (tried at dense ones), which is no "
-          "certain gain",
+          "without it, +- {:.0f} % (tested at dense contacts), which is not a "
+          "significant gain",
           counts, ratio(part), 100 * *part.gain_error);
     case haptics::SharingOutcome::too_few_dense:
       return fmt::format(
@@ -139,17 +139,17 @@ void tell(const haptics::BuildResult& built) {
   spdlog::info("the contacts lie {:.3f} mm from the surface (RMS); registration: {}",
                built.distance_rms, haptics::to_string(built.registration));
   for (const long long id : built.without_samples)
-    spdlog::warn("contact {} has no samples and is left out.", id);
+    spdlog::warn("contact {} has no samples and is omitted.", id);
   for (const long long id : built.isolated) {
     spdlog::warn(
-        "contact {} lies in no triangle of contacts: there are too few around it; probe more "
+        "contact {} is in no triangle of contacts: there are too few around it; probe more "
         "there.",
         id);
   }
   tell_friction(built);
   tell_sharing(built);
   if (built.surface_flipped)
-    spdlog::warn("the surface's triangles were turned over to face the contacts' normals.");
+    spdlog::warn("the surface's triangles were reversed to agree with the contact normals.");
 }
 
 void draw(const FitCall& call, const haptics::Model& model,
@@ -162,14 +162,14 @@ void draw(const FitCall& call, const haptics::Model& model,
                      static_cast<std::size_t>(worst - model.contacts.begin()));
 }
 
-/// Beside the model: `OUTPUT.fits`.
+/// The record beside the model: `OUTPUT.fits`.
 fs::path record_file(const fs::path& output) {
   fs::path file = fs::absolute(output).lexically_normal();
   if (!file.has_filename()) file = file.parent_path();
   return file += ".fits";
 }
 
-/// What the fits depend on.
+/// All data and options that the fits depend on.
 Json settings_of(const FitCall& call) {
   return {{"ACQUISITION", fingerprint(call.acquisition)},
           {"SURFACE", fingerprint(call.surface)},
@@ -192,7 +192,7 @@ void limit_to_budget(FitCall& call) {
   if (!(bases >= 1)) {
     throw InvalidInput(
         fmt::format("--budget is {} us; one base for each of the {} contacts of a "
-                    "blend takes {:.2f} us already, so give at least that",
+                    "blend already takes {:.2f} us; pass at least that",
                     *call.budget_us, kBlended, kBlended * haptics::kEvaluationCost));
   }
   const int most = static_cast<int>(std::min(bases, 1000.0));
@@ -205,7 +205,7 @@ void limit_to_budget(FitCall& call) {
 haptics::BuildResult build(const probing::CheckedAcquisition& acquisition,
                            const geometry::TriangleMesh& surface, const FitCall& call,
                            FitRecord& record) {
-  std::optional<Progress> bar;  // goes before anything is printed
+  std::optional<Progress> bar;  // its scope ends before anything is printed
   haptics::BuildStage shown{};
   const auto show = [&](haptics::BuildStage stage, int done, int total) {
     if (!bar || stage != shown)
@@ -213,7 +213,7 @@ haptics::BuildResult build(const probing::CheckedAcquisition& acquisition,
     shown = stage;
     bar->show(done, total);
   };
-  // Friction is judged by a noise above zero: where there is none by its default.
+  // Friction needs a noise above zero, so zero is replaced by its default.
   haptics::FrictionOptions friction;
   if (call.fit.noise.force > 0) friction.force_noise = call.fit.noise.force;
   return haptics::build_model(
@@ -306,7 +306,7 @@ void fit(const Settings& settings, FitCall call) {
 
 void add_fit(CLI::App& app, const Settings& settings) {
   auto call = std::make_shared<FitCall>();
-  CLI::App* command = app.add_subcommand("fit", "Measurements and a surface become a model");
+  CLI::App* command = app.add_subcommand("fit", "Fit a model to measurements and a surface");
   command->add_option("ACQUISITION", call->acquisition, "Measurements (acquisition.db)")
       ->required();
   command->add_option("SURFACE", call->surface, "Undeformed surface (mesh)")->required();
@@ -314,8 +314,8 @@ void add_fit(CLI::App& app, const Settings& settings) {
   command->add_option("-o,--output", call->output, "Model folder to write")->required();
   command
       ->add_option("--accuracy", call->fit.accuracy,
-                   "An RMS of a contact's field up to this is good enough [N]; 0: as good as the "
-                   "noise of the measurements allows")
+                   "Stop fitting a contact at this RMS [N]; 0: as accurate as the noise of the "
+                   "measurements allows")
       ->capture_default_str();
   const std::map<std::string, haptics::FitMode> modes = {{"convex", haptics::FitMode::convex},
                                                          {"certified", haptics::FitMode::certified},
@@ -323,8 +323,8 @@ void add_fit(CLI::App& app, const Settings& settings) {
   command
       ->add_option_function<std::string>(
           "--passive", [call, modes](const std::string& word) { call->fit.mode = modes.at(word); },
-          "How a field is kept passive: convex, everywhere by construction (default); "
-          "certified, proven where the measurements reach; local, near zero only")
+          "How a field is made passive: convex, everywhere by construction (default); "
+          "certified, proven within the reach of the measurements; local, only near zero")
       ->check(CLI::IsMember({"convex", "certified", "local"}));
   const std::map<std::string, geometry::ContactTriangulationMethod> triangulations = {
       {"delaunay", geometry::ContactTriangulationMethod::coarsening},
@@ -335,51 +335,53 @@ void add_fit(CLI::App& app, const Settings& settings) {
           [call, triangulations](const std::string& word) {
             call->triangulation = triangulations.at(word);
           },
-          "How contacts are joined into triangles: delaunay, the geodesic Delaunay triangulation "
+          "How contacts are triangulated: delaunay, the geodesic Delaunay triangulation "
           "(default); voronoi-dual, the dual of the geodesic Voronoi cells, which may leave out "
-          "contacts on thin parts and near the border. Choose it where delaunay fails")
+          "contacts on thin parts and near the border. Use it if delaunay fails")
       ->check(CLI::IsMember({"delaunay", "voronoi-dual"}));
-  command->add_option("--max-bases", call->fit.max_bases, "Use at most so many in a field");
+  command->add_option("--max-bases", call->fit.max_bases, "Largest number of bases of a field");
   command->add_option(
       "--budget", call->budget_us,
       fmt::format(
-          "Time for the bases of a force [us], taking {} us for each in the three fields of "
-          "a blend: bounds their number. Not for what playback does beside: finding the "
-          "place and blending, some us, and a slipping contact asks for many forces a step; "
+          "Time for evaluating the bases of a force [us], assuming {} us per base in the three "
+          "fields of a blend; limits the number of bases. It excludes finding the place and "
+          "blending, which take some us, and a slipping contact needs many forces per step; "
           "see palpate play",
           haptics::kEvaluationCost));
   command
-      ->add_option("--force-noise", call->fit.noise.force,
-                   "Standard deviation of each component of the measured forces, for fields and "
-                   "friction [N]")
+      ->add_option(
+          "--force-noise", call->fit.noise.force,
+          "Standard deviation of each component of the measured forces [N], for fields and "
+          "friction")
       ->capture_default_str();
   CLI::Option* shared = command->add_flag(
       "--shared-local", call->shared_local,
-      "Contacts with few samples share the local part of those with many, and keep a global "
-      "compliance of their own, if they gain by it (thesis 6.2.1.2): tried and told");
+      "Contacts with few samples use the local part of those with many, with a global compliance "
+      "of their own, if a test shows a gain (thesis 6.2.1.2); the result is reported");
   command
       ->add_option("--dense-samples", call->dense_samples,
-                   "A contact has many samples from so many pairs on")
+                   "Smallest number of pairs for a contact to count as having many samples")
       ->needs(shared)
       ->check(within(at_least(haptics::kFewestDenseSamples)))
       ->capture_default_str();
   command->add_flag_callback(
       "--cbor", [call] { call->encoding = haptics::ModelEncoding::cbor; },
-      fmt::format("Write the document in CBOR, field.cbor, as is done beyond {} contacts",
+      fmt::format("Write the document in CBOR, field.cbor; this is the default above {} contacts",
                   haptics::kMaxJsonContacts));
   command->add_flag_callback(
       "--blend-forces", [call] { call->blend_rule = haptics::BlendRule::forces; },
-      "Between contacts blend their forces at the same displacement (thesis 5.3.2), not at "
-      "displacements that fit the compliance of the place");
+      "Between contacts blend forces at the same displacement (thesis 5.3.2) instead of at "
+      "displacements that match the compliance of the place");
   command->add_option("--pictures", call->pictures,
-                      "Folder for pictures: the contacts, and the contact that fits worst");
+                      "Folder for pictures: the contacts, and the contact with the worst fit");
   command->add_flag("--resume", call->resume,
                     "Keep the fits that an earlier run with the same measurements, surface and "
                     "settings finished");
   command->footer(
-      "Fits that are finished are kept in a file beside the model until that is written: for -o "
-      "model/ in model.fits. Ctrl-C keeps it; with --resume the result is what it would have been "
-      "without.\nExample:\n  palpate fit acquisition.db surface.ply -o model/");
+      "Finished fits are kept in a file beside the model (model.fits for -o model/) until the "
+      "model "
+      "is written, also after Ctrl-C. With --resume the result is the same as without an "
+      "interruption.\nExample:\n  palpate fit acquisition.db surface.ply -o model/");
   command->callback([call, &settings] { fit(settings, *call); });
 }
 

@@ -49,10 +49,10 @@ void export_csv(const Settings& settings, const ProbeCall& call) {
 
 void add_probe(CLI::App& app, const Settings& settings) {
   auto call = std::make_shared<ProbeCall>();
-  CLI::App* probe = app.add_subcommand("probe", "Measurements of an object by an arm");
+  CLI::App* probe = app.add_subcommand("probe", "Convert measurements of an object by an arm");
   probe->require_subcommand(1);
 
-  CLI::App* in = probe->add_subcommand("import", "Two CSV files become an acquisition store");
+  CLI::App* in = probe->add_subcommand("import", "Convert two CSV files to an acquisition store");
   in->add_option("CONTACTS", call->contacts, "id,x,y,z,nx,ny,nz [mm]")->required();
   in->add_option(
         "SAMPLES", call->samples,
@@ -62,7 +62,7 @@ void add_probe(CLI::App& app, const Settings& settings) {
   in->footer("Example:\n  palpate probe import contacts.csv samples.csv -o acquisition.db");
   in->callback([call, &settings] { import_csv(settings, *call); });
 
-  CLI::App* out = probe->add_subcommand("export", "An acquisition store becomes two CSV files");
+  CLI::App* out = probe->add_subcommand("export", "Convert an acquisition store to two CSV files");
   out->add_option("ACQUISITION", call->store, "Store to read (acquisition.db)")->required();
   out->add_option("-o,--output", call->output, "Folder for contacts.csv and samples.csv")
       ->required();
