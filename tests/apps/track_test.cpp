@@ -46,7 +46,7 @@ Vector3d place(const Vector3d& rest, int frame) {
   const double r2 = (rest - dent).head<2>().squaredNorm();
   const Vector3d dented =
       rest + Vector3d(0, 0, 12 * t * std::exp(-r2 / (2 * kDentWidth * kDentWidth)));
-  return frame == 0 ? dented : scene::bent(dented, 2500 / t);
+  return frame == 0 ? dented : scene::bent(dented, 4000 / t);
 }
 
 geometry::TriangleMesh reference_mesh() { return scene::bumpy(12000); }
@@ -290,8 +290,10 @@ TEST_F(Track, RefusesWhatCannotBeTracked) {
   expect_refused(call({"--reference", scratch / "far.ply"}),
                  "far.ply: does not lie at the pose of the first frame");
   expect_refused(call({"--reference", scratch / "far.ply"}), "palpate compare");
-  far.triangles.resize(3, 0);
-  geometry::write_mesh(scratch / "points.ply", far);
+  write_text(scratch / "points.ply",
+             "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+             "property float z\nelement face 0\nproperty list uchar int vertex_indices\n"
+             "end_header\n0 0 700\n9 0 700\n0 9 700\n");
   expect_refused(call({"--reference", scratch / "points.ply"}), "points.ply");
   expect_refused(call({"--reference", map_file(0), "--unit", "cm"}), "--unit is for mesh files");
   expect_refused({"track", map_file(0), "-o", scratch / "meshes"}, "give a folder of range maps");
