@@ -43,9 +43,10 @@ class FitTriangulation : public testing::Test {
       const std::vector<double> p = contact.at("position");
       points.push_back(query.closest_point({p[0], p[1], p[2]}).at);
     }
+    const geometry::ContactTriangulation triangulation =
+        geometry::triangulate_contacts(mesh, points, {.method = method});
     json result = json::array();
-    for (const auto& t :
-         geometry::triangulate_contacts(mesh, points, {.method = method}).mesh.triangles.colwise())
+    for (const auto& t : triangulation.mesh.triangles.colwise())
       result.push_back({t[0], t[1], t[2]});
     return result;
   }
