@@ -112,7 +112,7 @@ TEST_F(KeptFiles, NoOutputIsOrLiesInAnInput) {
     const std::string reason = run_palpate(call).err;
     EXPECT_TRUE(reason.find("already used in this call") != std::string::npos ||
                 reason.find("which would be replaced") != std::string::npos ||
-                reason.find("bear the names of frames") != std::string::npos)
+                reason.find("results could replace frames of the same name") != std::string::npos)
         << reason;
   }
 }

@@ -123,7 +123,7 @@ TEST(PlyWriter, RefusesCommentsThatWouldNotComeBack) {
   file.mesh = test::icosphere(0, 1);
   file.comments = {"fine", "two\nlines"};
   EXPECT_THROWS_MESSAGE(write_mesh_file(folder / "mesh.ply", file), InvalidInput,
-                        "comment 1 is of several lines");
+                        "comment 1 has several lines");
   file.comments = {"unit: m"};
   EXPECT_THROWS_MESSAGE(write_mesh_file(folder / "mesh.ply", file), InvalidInput,
                         "comment 0 declares a unit");

@@ -192,7 +192,7 @@ TEST(CertifyPassivity, RefusesWhatItCannotUse) {
   EXPECT_THAT(refusal([&] { return certify_passivity(valley(), {kNaN}); }), HasSubstr("radius"));
   EXPECT_THAT(refusal([&] { return certify_passivity(valley(), {-1}); }), HasSubstr("radius"));
   EXPECT_THAT(refusal([&] { return certify_passivity(valley(), {1}, {.number_tolerance = 1}); }),
-              HasSubstr("[0, 1e-3]"));
+              HasSubstr("number_tolerance is 1; it must be in [0, 0.001]"));
   EXPECT_THAT(refusal([&] { return certify_passivity(valley(), {1}, {.energy_tolerance = -1}); }),
               HasSubstr("energy_tolerance"));
   EXPECT_THAT(refusal([&] { return certify_passivity(valley(), {1}, {.max_cells = 0}); }),

@@ -4,6 +4,10 @@
 
 #include <gmock/gmock.h>
 
+#include <string>
+#include <utility>
+#include <vector>
+
 #include "haptics_testing.h"
 
 namespace palpate::haptics {
@@ -44,10 +48,14 @@ TEST(HalfSpaceModel, HasTheForceOfItsEnergyAndItsInverse) {
 }
 
 TEST(HalfSpaceModel, RefusesWhatIsNoMaterial) {
-  for (const HalfSpaceModel& model :
-       {HalfSpaceModel{0, 0.3, 4}, HalfSpaceModel{0.05, 0.6, 4}, HalfSpaceModel{0.05, -1, 4},
-        HalfSpaceModel{0.05, 0.3, 0}, HalfSpaceModel{std::nan(""), 0.3, 4}}) {
-    EXPECT_THAT(refusal([&] { return stiffness(model, kContact); }), testing::HasSubstr("ratio"));
+  const std::vector<std::pair<HalfSpaceModel, std::string>> cases = {
+      {{0, 0.3, 4}, "young_modulus is 0"},
+      {{0.05, 0.6, 4}, "poisson_ratio is 0.6"},
+      {{0.05, -1, 4}, "poisson_ratio is -1"},
+      {{0.05, 0.3, 0}, "tool_radius is 0"},
+      {{std::nan(""), 0.3, 4}, "young_modulus is nan"}};
+  for (const auto& [model, words] : cases) {
+    EXPECT_THAT(refusal([&] { return stiffness(model, kContact); }), testing::HasSubstr(words));
   }
 }
 

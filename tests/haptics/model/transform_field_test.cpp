@@ -164,7 +164,7 @@ TEST(TransformField, RefusesMapsAndFactorsWithoutSense) {
               HasSubstr("factor"));
   for (const double force : {0.0, -1.0, nan}) {
     EXPECT_THAT(refusal([&] { return transform_field(spring(1, 1), some_map(), 1, force); }),
-                HasSubstr("largest force"));
+                HasSubstr("largest_force"));
   }
   ForceField bad = ridges();
   bad.bases[1].epsilon = 0;
