@@ -61,7 +61,7 @@ class CheckedAcquisition {
   /// Implicit, so that an `Acquisition` is checked wherever a checked one is expected.
   ///
   /// \throws InvalidInput naming the contact or the sample, what is wrong and what would be right.
-  CheckedAcquisition(Acquisition acquisition);  // NOLINT(google-explicit-constructor)
+  CheckedAcquisition(Acquisition acquisition);
 
   [[nodiscard]] const Acquisition& records() const { return records_; }
   [[nodiscard]] const std::vector<Contact>& contacts() const { return records_.contacts; }
