@@ -314,14 +314,16 @@ void add_compare(CLI::App& app, const Settings& settings) {
       ->add_option(
           "--search-translation", call->search_translation,
           "With --align: largest distance of the smaller surface's centroid from its final place "
-          "[mm] (default: unknown; it covers the larger one or starts close to its place)")
+          "[mm] (default: unknown; then the smaller surface must cover the larger one or start "
+          "close to "
+          "its final place)")
       ->check(within(at_least(0)))
       ->needs(align);
   command
-      ->add_option(
-          "--within", call->within,
-          "Points of A farther than this from B [mm] have no counterpart in it, such as what the "
-          "sensor saw besides the object of a reference")
+      ->add_option("--within", call->within,
+                   "Ignore points of A farther than this from B [mm], for example surroundings of "
+                   "the object "
+                   "that the sensor saw too")
       ->check(within(above(0)));
   CLI::Option* section =
       command

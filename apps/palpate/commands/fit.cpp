@@ -343,10 +343,10 @@ void add_fit(CLI::App& app, const Settings& settings) {
   command->add_option(
       "--budget", call->budget_us,
       fmt::format(
-          "Time for evaluating the bases of a force [us], assuming {} us per base in the three "
-          "fields of a blend; limits the number of bases. It excludes finding the place and "
-          "blending, which take some us, and a slipping contact needs many forces per step; "
-          "see palpate play",
+          "Time to evaluate one force [us]. It limits the number of bases per field, assuming that "
+          "each base costs {} us and that three fields are blended. Finding the place and blending "
+          "take some us more, and a slipping contact evaluates many forces per step: measure a "
+          "step with palpate play",
           haptics::kEvaluationCost));
   command
       ->add_option(
@@ -356,8 +356,9 @@ void add_fit(CLI::App& app, const Settings& settings) {
       ->capture_default_str();
   CLI::Option* shared = command->add_flag(
       "--shared-local", call->shared_local,
-      "Contacts with few samples use the local part of those with many, with a global compliance "
-      "of their own, if a test shows a gain (thesis 6.2.1.2); the result is reported");
+      "Learn the local deformation around the tool from contacts with many samples, and fit "
+      "contacts with few samples as this local part plus a compliance of their own. Used only if a "
+      "test shows a gain (thesis 6.2.1.2); the result is reported");
   command
       ->add_option("--dense-samples", call->dense_samples,
                    "Smallest number of pairs for a contact to count as having many samples")
@@ -370,7 +371,9 @@ void add_fit(CLI::App& app, const Settings& settings) {
                   haptics::kMaxJsonContacts));
   command->add_flag_callback(
       "--blend-forces", [call] { call->blend_rule = haptics::BlendRule::forces; },
-      "Between contacts blend forces at the same displacement (thesis 5.3.2) instead of at "
+      "Compute the force between contacts by blending their forces at the same displacement "
+      "(thesis "
+      "5.3.2) instead of at "
       "displacements that match the compliance of the place");
   command->add_option("--pictures", call->pictures,
                       "Folder for pictures: the contacts, and the contact with the worst fit");

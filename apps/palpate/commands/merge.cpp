@@ -157,7 +157,8 @@ void add_registration_options(CLI::App& command, const std::shared_ptr<MergeCall
       ->needs(here);
   command
       .add_option("--min-overlap", call->registration.min_overlap,
-                  "With --register: share of a model's surface that those before it also have")
+                  "With --register: smallest share of a model's surface that the models before it "
+                  "must cover")
       ->check(within(above(0).at_most(1)))
       ->capture_default_str()
       ->needs(here);
@@ -196,8 +197,10 @@ void add_merge(CLI::App& app, const Settings& settings) {
   command->add_option("--picture", call->picture,
                       "Draw the merged surface, its contacts and their triangulation (PNG)");
   command->footer(
-      "Contacts keep their fields and friction. If models use the same ids, those of the k-th "
-      "further model are increased by k times a power of ten.\n"
+      "Contacts keep their fields and friction. If models use the same ids, the ids of the "
+      "second model are increased by a power of ten, those of the third by twice that power, and "
+      "so "
+      "on.\n"
       "Examples:\n  palpate merge front/ back/ --pose front.txt --pose back.txt -o whole/\n"
       "  palpate merge front/ left/ back/ --register --min-overlap 0.3 -o whole/ --picture "
       "whole.png");

@@ -194,7 +194,8 @@ void add_design_options(CLI::App& command, PatternCall& call) {
                      "distinguishes best");
   command
       .add_option("--axis", call.axis,
-                  "Axis along which the sinusoid varies (default: where depth moves it more)")
+                  "Axis along which the sinusoid varies (default: the axis along which depth "
+                  "shifts the pattern more)")
       ->check(CLI::IsMember({"x", "y"}));
   command
       .add_option("--distances", call.distances,
@@ -205,7 +206,9 @@ void add_design_options(CLI::App& command, PatternCall& call) {
       ->check(within(above(0)));
   command
       .add_option("--period", call.design.period,
-                  "Period of the sinusoid [projector px] (default: from the two limits below)")
+                  "Period of the sinusoid [projector px] (default: the shortest that "
+                  "--min-camera-period and "
+                  "--min-projector-period allow)")
       ->check(within(above(0)));
   command
       .add_option("--min-camera-period", call.design.min_camera_period,

@@ -270,9 +270,10 @@ void add_scene_options(CLI::App& command, SimulateCall& call) {
       .add_option("--shininess", scene.shininess, "Exponent of the highlight, >= 1 (default: 50)")
       ->group(group);
   command
-      .add_option("--shutter", scene.shutter,
-                  "Share of the time between two meshes during which the shutter is open "
-                  "(default: 0, no motion blur); the last mesh has no successor and no blur")
+      .add_option(
+          "--shutter", scene.shutter,
+          "Share of the time between two meshes during which the shutter is open "
+          "(default: 0, no motion blur). The last mesh has no next one, so it is not blurred")
       ->check(within(at_least(0).at_most(1)))
       ->group(group);
 }

@@ -201,7 +201,8 @@ void add_map_options(CLI::App& command, const std::shared_ptr<TransferCall>& cal
   add_unit_option(command, call->meshes);
   command
       .add_option("--distortion", call->distortion,
-                  "With --onto: draw how much the map stretches areas (PNG), also if the map is "
+                  "With --onto: draw how much the map stretches areas (PNG). It is drawn even if "
+                  "the map is "
                   "rejected; folded parts are grey")
       ->needs(onto);
   command
