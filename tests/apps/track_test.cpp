@@ -290,6 +290,10 @@ TEST_F(Track, RefusesWhatCannotBeTracked) {
   expect_refused(call({"--reference", scratch / "far.ply"}),
                  "far.ply: does not lie at the pose of the first frame");
   expect_refused(call({"--reference", scratch / "far.ply"}), "palpate compare");
+  // Most of it lies on the map, in the wrong place.
+  far.vertices.row(0).array() -= 200;
+  geometry::write_mesh(scratch / "far.ply", far);
+  expect_refused(call({"--reference", scratch / "far.ply"}), "it is stretched by");
   write_text(scratch / "points.ply",
              "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
              "property float z\nelement face 0\nproperty list uchar int vertex_indices\n"
@@ -299,6 +303,8 @@ TEST_F(Track, RefusesWhatCannotBeTracked) {
   expect_refused({"track", map_file(0), "-o", scratch / "meshes"}, "give a folder of range maps");
   fs::create_directory(scratch / "empty");
   expect_refused({"track", scratch / "empty", "-o", scratch / "meshes"}, "there is no range map");
+  write_text(scratch / "empty/notes.txt", "no map");
+  expect_refused({"track", scratch / "empty", "-o", scratch / "meshes"}, "(tiff)");
   expect_refused({"track", scratch / "range", "-o", scratch / "range"}, "range");
   expect_refused({"track", scratch / "range", "-o", scratch.path().string()}, "range");
   expect_refused(call({"--reach", "nan"}), "--reach");

@@ -36,6 +36,18 @@ using Clock = std::chrono::steady_clock;
 /// [mm] The scale of a picture goes at least so far.
 constexpr double kLeastScale = 1e-3;
 
+/// A frame with a smaller visible fraction is mostly a guess. The visible part is right however
+/// little there is: with 0 to 97 % of a moving surface hidden, its vertices were 0.1 to 0.8 mm from
+/// their true positions, the hidden ones 0.2 mm (10 %), 1.9 mm (30 %) and 3 to 11 mm (40 % and
+/// more).
+constexpr double kMinVisible = 0.3;
+
+/// A reference that lies elsewhere is stretched to fit the relief it meets, and part of it meets
+/// none. The median stretch divided by the visible fraction was 0.018 to 0.15 for references 75 to
+/// 500 mm aside that were not found, and at most 0.005 for those within --reach, with up to 70 % of
+/// them hidden; 0.012 for a flag that had waved by 9 mm. See docs/trade-geometry.md.
+constexpr double kMaxFirstStretch = 0.015;
+
 /// More nodes than a graph can be solved with, steps than a frame can need, and distances that
 /// reach from one end of the surface to the other.
 constexpr int kMostNodes = 100000;
@@ -48,7 +60,8 @@ struct TrackCall {
   geometry::ReadOptions meshes;
   geometry::DeformationGraphOptions graph;
   geometry::NonRigidOptions registration;
-  double min_visible = 0.3;
+  double min_visible = kMinVisible;
+  double max_stretch = kMaxFirstStretch;
   bool from_reference = false;
   bool pictures = false;
   bool resume = false;
@@ -109,6 +122,7 @@ nlohmann::ordered_json settings_of(const TrackCall& call, const fs::path& refere
           {"--reach", call.registration.max_correspondence},
           {"--iterations", call.registration.max_iterations},
           {"--min-visible", call.min_visible},
+          {"--max-stretch", call.max_stretch},
           {"--from-reference", call.from_reference},
           {"--format", call.format}};
 }
@@ -121,6 +135,24 @@ double visible_fraction(const geometry::DeformedSurface& surface) {
   const double facing =
       static_cast<double>(surface.sight.size()) - with(geometry::VertexSight::turned_away);
   return facing > 0 ? with(geometry::VertexSight::seen) / facing : 0;
+}
+
+/// Median relative change in length of the edges whose triangles lie on the measured surface; 0 if
+/// there is none.
+double median_stretch(const Eigen::Matrix3Xi& triangles, const Eigen::Matrix3Xd& before,
+                      const geometry::DeformedSurface& now) {
+  std::vector<double> stretch;
+  for (const auto& corners : triangles.colwise()) {
+    if (!now.distance(corners).allFinite()) continue;
+    for (int k = 0; k < 3; ++k) {
+      const int a = corners[k];
+      const int b = corners[(k + 1) % 3];
+      const double length = (before.col(a) - before.col(b)).norm();
+      if (length > 0)
+        stretch.push_back((now.vertices.col(a) - now.vertices.col(b)).norm() / length - 1);
+    }
+  }
+  return stretch.empty() ? 0 : geometry::error_statistics(std::move(stretch)).median;
 }
 
 /// Follows the surface from frame to frame.
@@ -154,6 +186,10 @@ class Tracker {
     frame.max = error.max;
     frame.measured = static_cast<double>(error.count) / static_cast<double>(surface_.sight.size());
     frame.visible = visible_fraction(surface_);
+    frame.stretch = median_stretch(
+        graph_.mesh().triangles,
+        has_start() ? geometry::deformed_vertices(graph_, motions_) : graph_.mesh().vertices,
+        surface_);
     frame.iterations = surface_.iterations;
     frame.settled = surface_.stop == geometry::NonRigidStop::converged;
     if (frame.visible < call_.min_visible) {
@@ -161,6 +197,11 @@ class Tracker {
           "{:.1f} % of the vertices that face the camera lie on the measured surface; at least "
           "{:g} % must (--min-visible)",
           100 * frame.visible, 100 * call_.min_visible);
+    } else if (!has_start() && frame.stretch > call_.max_stretch * frame.visible) {
+      frame.lost = fmt::format(
+          "to lie on the measured surface it is stretched by {:.2g} % (median of its edges); as "
+          "{:.0f} % of it is visible, at most {:.2g} % is expected (--max-stretch)",
+          100 * frame.stretch, 100 * frame.visible, 100 * call_.max_stretch * frame.visible);
     } else {
       motions_ = surface_.node_motions;
     }
@@ -168,7 +209,7 @@ class Tracker {
   }
 
   /// Writes what `track` found. The record of the frame has to be written after it.
-  void write(const fs::path& range_map) const {
+  void write(const fs::path& range_map, double rms) const {
     geometry::MeshFile mesh;
     mesh.mesh = {.vertices = surface_.vertices, .triangles = graph_.mesh().triangles};
     const auto add = [&](const char* name, const Eigen::VectorXd& values) {
@@ -179,13 +220,13 @@ class Tracker {
     };
     add("distance", surface_.distance);
     add("confidence", surface_.confidence);
-    if (call_.pictures) draw(range_map);
+    if (call_.pictures) draw(range_map, rms);
     write_node_motions(nodes_file(call_, range_map), graph_, surface_.node_motions);
     geometry::write_mesh_file(mesh_file(call_, range_map), mesh);
   }
 
  private:
-  void draw(const fs::path& range_map) const {
+  void draw(const fs::path& range_map, double rms) const {
     const geometry::TriangleMesh mesh{.vertices = surface_.vertices,
                                       .triangles = graph_.mesh().triangles};
     Eigen::VectorXd distances(mesh.triangles.cols());  // NaN unless all corners are measured
@@ -198,7 +239,7 @@ class Tracker {
         picture_file(call_, range_map), mesh, distances,
         {.title =
              range_map.filename().string() + ": distance of the tracked surface from the range map",
-         .subtitle = fmt::format("root mean square {:.3f} mm; grey was not measured", error.rms),
+         .subtitle = fmt::format("root mean square {:.3f} mm; grey was not measured", rms),
          .limit = std::max(error.p95, kLeastScale)});
   }
 
@@ -266,7 +307,7 @@ Tracking track_all(const TrackCall& call, const std::vector<fs::path>& maps,
     // Before a frame is found nothing is written: the call may be wrong.
     if (tracker.has_start()) {
       record.begin();
-      if (frame.lost.empty()) tracker.write(file);
+      if (frame.lost.empty()) tracker.write(file, frame.rms);
       while (recorded < tracking.frames.size()) record.add(tracking.frames[recorded++]);
     }
     if (frame.lost.empty()) {
@@ -331,11 +372,23 @@ void report(const Settings& settings, const TrackCall& call, const Tracking& tra
   }
 }
 
+/// \throws FileError if no file in the folder is a range map by its name.
+void check_has_range_map(const fs::path& folder) {
+  const fs::directory_iterator entries(folder);
+  if (std::none_of(begin(entries), end(entries),
+                   [](const fs::directory_entry& entry) { return is_range_map(entry.path()); })) {
+    throw FileError(folder.string() +
+                    ": there is no range map in it; expected a folder of range maps (tiff), as "
+                    "palpate decode writes them.");
+  }
+}
+
 void track(const Settings& settings, const TrackCall& call) {
   if (!is_folder(call.input)) {
     throw InvalidInput(call.input.string() +
                        ": is a file; give a folder of range maps, as palpate decode writes them.");
   }
+  check_has_range_map(call.input);
   const std::vector<fs::path> maps = list_range_maps(call.input);
   check_output_folder({call.input, call.reference, call.rig}, call.output);
   const fs::path rig = rig_of(maps.front(), call.rig);
@@ -398,6 +451,13 @@ void add_track(CLI::App& app, const Settings& settings) {
                    "A frame is lost if a smaller fraction of the vertices that face the camera "
                    "lies on the measured surface")
       ->check(within(at_least(0).at_most(1)))
+      ->capture_default_str();
+  command
+      ->add_option(
+          "--max-stretch", call->max_stretch,
+          "The reference is refused if its edges must be stretched by more than this fraction "
+          "(median), times its visible fraction, to lie on the first range map")
+      ->check(within(at_least(0).finite()))
       ->capture_default_str();
   command->add_flag("--from-reference", call->from_reference,
                     "Start every frame from the reference instead of the previous frame: errors do "

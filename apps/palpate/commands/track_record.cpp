@@ -36,6 +36,7 @@ TrackedFrame from_json(const Json& json) {
   frame.max = json.at("max");
   frame.measured = json.at("measured");
   frame.visible = json.at("visible");
+  frame.stretch = json.at("stretch");
   frame.iterations = json.at("iterations");
   frame.settled = json.at("settled");
   return frame;
@@ -92,6 +93,7 @@ Json to_json(const TrackedFrame& frame) {
   json["max"] = frame.max;
   json["measured"] = frame.measured;
   json["visible"] = frame.visible;
+  json["stretch"] = frame.stretch;
   json["iterations"] = frame.iterations;
   json["settled"] = frame.settled;
   return json;
