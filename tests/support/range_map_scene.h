@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <tbb/parallel_for.h>
-
 #include <Eigen/Geometry>
 #include <cmath>
 #include <cstddef>
@@ -15,6 +13,7 @@
 #include "palpate/geometry/range_map.h"
 #include "palpate/geometry/surface_query.h"
 #include "palpate/geometry/triangle_mesh.h"
+#include "palpate/parallel_for.h"
 
 /// Range maps of meshes by ray casting, with the faults of real range maps and with their truth.
 namespace palpate::geometry::test {
@@ -65,7 +64,7 @@ inline RangeMap render(const TriangleMesh& mesh, const Camera& camera, double fa
   RangeMap map{
       ImageF::Constant(camera.height, camera.width, std::numeric_limits<float>::quiet_NaN()),
       camera};
-  tbb::parallel_for(0, camera.height, [&](int row) {
+  parallel_for(camera.height, [&](int row) {
     for (int col = 0; col < camera.width; ++col) {
       const Eigen::Vector3d ray = rays.col(row * camera.width + col).homogeneous();
       const auto hit = query.first_hit(Eigen::Vector3d::Zero(), far * ray);

@@ -3,8 +3,6 @@
 #include "palpate/geometry/smoothing.h"
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include <Eigen/Core>
 #include <numeric>
