@@ -205,7 +205,7 @@ void add_calibrate_rig(CLI::App& calibrate, const Settings& settings) {
          "Coefficients of each lens distortion to estimate: 0, 2 (k1 k2), 4 (also p1 p2) or 5 "
          "(also k3; needs boards that reach the corners of the image)")
       ->capture_default_str()
-      ->check(CLI::IsMember({0, 2, 4, 5}));
+      ->check(one_of({"0", "2", "4", "5"}));
   rig->add_option("-o,--output", call->output, "Rig file to write (rig.yaml)");
   rig->add_option("--picture", call->picture, "Also draw the residuals (PNG)");
   rig->add_option("--draw", call->draw, "Only write the images to project, into this new folder");

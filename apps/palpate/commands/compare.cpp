@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <limits>
-#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -156,12 +155,6 @@ geometry::Registration register_smaller(const CompareCall& call, const geometry:
   return found;
 }
 
-/// The methods by their names in the library.
-const std::map<std::string, geometry::RegistrationMethod> kMethods = {
-    {"point_to_triangle", geometry::RegistrationMethod::point_to_triangle},
-    {"point_to_plane", geometry::RegistrationMethod::point_to_plane},
-    {"point_to_point", geometry::RegistrationMethod::point_to_point}};
-
 /// A pose row by row, as `palpate merge --pose` reads it.
 nlohmann::ordered_json to_json(const Eigen::Isometry3d& pose) {
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
@@ -289,16 +282,15 @@ void add_compare(CLI::App& app, const Settings& settings) {
       "--align", call->align,
       "First register A rigidly to B; one may be a part of the other. Fails (exit status 1) if no "
       "pose is reliable");
-  command
-      ->add_option(
-          "--method", call->method,
-          "With --align: method that refines the pose. point_to_triangle uses the triangles "
-          "themselves and is the most accurate; point_to_plane (PCL's ICP with normals) "
-          "suits fine meshes with little noise; point_to_point (PCL's ICP) needs no "
-          "normals, but is limited by the spacing of the vertices")
-      ->transform(CLI::CheckedTransformer(kMethods).description(
-          "{point_to_triangle,point_to_plane,point_to_point}"))
-      ->default_str("point_to_triangle")
+  add_choice<geometry::RegistrationMethod>(
+      *command, "--method", call->method,
+      {{"point_to_triangle", geometry::RegistrationMethod::point_to_triangle},
+       {"point_to_plane", geometry::RegistrationMethod::point_to_plane},
+       {"point_to_point", geometry::RegistrationMethod::point_to_point}},
+      "With --align: method that refines the pose. point_to_triangle (default) uses the triangles "
+      "themselves and is the most accurate; point_to_plane (PCL's ICP with normals) suits fine "
+      "meshes with little noise; point_to_point (PCL's ICP) needs no normals, but is limited by "
+      "the spacing of the vertices")
       ->needs(align);
   command
       ->add_option("-o,--output", call->aligned,

@@ -27,6 +27,7 @@
 #include "palpate/sensing/rig.h"
 #include "palpate/sensing/trained_colors.h"
 #include "palpate/work_in_order.h"
+#include "shared/call_checks.h"
 #include "shared/command_line.h"
 #include "shared/fingerprint.h"
 #include "shared/inputs.h"
@@ -354,18 +355,18 @@ void add_decode(CLI::App& app, const Settings& settings) {
           "--bayer", call->bayer,
           "The frames are raw mosaics of a single-chip camera: the colours of the first two "
           "pixels, then of the two below")
-      ->check(CLI::IsMember({"rggb", "bggr", "grbg", "gbrg"}));
+      ->check(one_of({"rggb", "bggr", "grbg", "gbrg"}));
   command
       ->add_option(
           "--segmentation", call->segmentation,
           "Method for finding smooth regions: flood, or snakes, which bridge gaps in their "
           "borders but are slower")
-      ->check(CLI::IsMember({"flood", "snakes"}))
+      ->check(one_of({"flood", "snakes"}))
       ->capture_default_str();
   DecodeOutputs& outputs = call->outputs;
   command->add_option("-o,--output", outputs.folder, "Folder for the range maps")->required();
   command->add_option("--meshes", outputs.meshes, "Also write each range map as a mesh")
-      ->check(CLI::IsMember({"ply", "obj", "stl"}));
+      ->check(one_of({"ply", "obj", "stl"}));
   command->add_flag("--pictures", outputs.pictures,
                     "Also draw each range map in false colour (PNG)");
   command->add_flag("--sigma", outputs.sigma,

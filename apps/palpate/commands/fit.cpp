@@ -317,28 +317,20 @@ void add_fit(CLI::App& app, const Settings& settings) {
                    "Stop fitting a contact at this RMS [N]; 0: as accurate as the noise of the "
                    "measurements allows")
       ->capture_default_str();
-  const std::map<std::string, haptics::FitMode> modes = {{"convex", haptics::FitMode::convex},
-                                                         {"certified", haptics::FitMode::certified},
-                                                         {"local", haptics::FitMode::local}};
-  command
-      ->add_option_function<std::string>(
-          "--passive", [call, modes](const std::string& word) { call->fit.mode = modes.at(word); },
-          "How a field is made passive: convex, everywhere by construction (default); "
-          "certified, proven within the reach of the measurements; local, only near zero")
-      ->check(CLI::IsMember({"convex", "certified", "local"}));
-  const std::map<std::string, geometry::ContactTriangulationMethod> triangulations = {
-      {"delaunay", geometry::ContactTriangulationMethod::coarsening},
-      {"voronoi-dual", geometry::ContactTriangulationMethod::voronoi_dual}};
-  command
-      ->add_option_function<std::string>(
-          "--triangulation",
-          [call, triangulations](const std::string& word) {
-            call->triangulation = triangulations.at(word);
-          },
-          "How contacts are triangulated: delaunay, the geodesic Delaunay triangulation "
-          "(default); voronoi-dual, the dual of the geodesic Voronoi cells, which may leave out "
-          "contacts on thin parts and near the border. Use it if delaunay fails")
-      ->check(CLI::IsMember({"delaunay", "voronoi-dual"}));
+  add_choice<haptics::FitMode>(
+      *command, "--passive", call->fit.mode,
+      {{"convex", haptics::FitMode::convex},
+       {"certified", haptics::FitMode::certified},
+       {"local", haptics::FitMode::local}},
+      "How a field is made passive: convex, everywhere by construction (default); certified, "
+      "proven within the reach of the measurements; local, only near zero");
+  add_choice<geometry::ContactTriangulationMethod>(
+      *command, "--triangulation", call->triangulation,
+      {{"delaunay", geometry::ContactTriangulationMethod::coarsening},
+       {"voronoi-dual", geometry::ContactTriangulationMethod::voronoi_dual}},
+      "How contacts are triangulated: delaunay, the geodesic Delaunay triangulation (default); "
+      "voronoi-dual, the dual of the geodesic Voronoi cells, which may leave out contacts on thin "
+      "parts and near the border. Use it if delaunay fails");
   command->add_option("--max-bases", call->fit.max_bases, "Largest number of bases of a field");
   command->add_option(
       "--budget", call->budget_us,

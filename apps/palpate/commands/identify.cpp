@@ -131,7 +131,7 @@ void add_identify(CLI::App& app, const Settings& settings) {
       ->add_option(
           "--model", call->model,
           "strip: a sheet stretched between two supports; half-space: a large elastic body")
-      ->check(CLI::IsMember({"strip", "half-space"}))
+      ->check(one_of({"strip", "half-space"}))
       ->capture_default_str();
   command
       ->add_option("--tool-radius", call->tool_radius,

@@ -144,7 +144,7 @@ void add_mesh(CLI::App& app, const Settings& settings) {
       ->required();
   CLI::Option* format =
       command->add_option("--format", call->format, "Format of a folder's meshes: ply, obj or stl")
-          ->check(CLI::IsMember({"ply", "obj", "stl"}))
+          ->check(one_of({"ply", "obj", "stl"}))
           ->capture_default_str();
   command->add_option("--rig", call->steps.rig,
                       "Rig of the range map (default: rig.yaml beside it)");

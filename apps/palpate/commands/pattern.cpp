@@ -196,7 +196,7 @@ void add_design_options(CLI::App& command, PatternCall& call) {
       .add_option("--axis", call.axis,
                   "Axis along which the sinusoid varies (default: the axis along which depth "
                   "shifts the pattern more)")
-      ->check(CLI::IsMember({"x", "y"}));
+      ->check(one_of({"x", "y"}));
   command
       .add_option("--distances", call.distances,
                   "Distance of the nearest and the farthest object [mm] (default: where the views "

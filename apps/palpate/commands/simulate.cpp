@@ -287,10 +287,10 @@ void add_sensor_options(CLI::App& command, SimulateCall& call) {
       ->group(group);
   command.add_flag("--ideal", call.ideal, "No blur, no mosaic, no noise, 16 bits")->group(group);
   command.add_option("--readout", call.readout, "Format of the camera's images")
-      ->check(CLI::IsMember({"color", "mosaic", "demosaiced"}))
+      ->check(one_of({"color", "mosaic", "demosaiced"}))
       ->group(group);
   command.add_option("--bits", call.bits, "Bits per channel")
-      ->check(CLI::IsMember({8, 16}))
+      ->check(one_of({"8", "16"}))
       ->group(group);
   command
       .add_option("--ambient", call.ambient,

@@ -5,7 +5,6 @@
 
 #include <array>
 #include <cmath>
-#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -40,11 +39,6 @@ struct TransferCall {
   geometry::ReadOptions meshes;
   geometry::SurfaceMapOptions map;
 };
-
-const std::map<std::string, haptics::ForceScaling> kForceScalings = {
-    {"material", haptics::ForceScaling::material},
-    {"forces", haptics::ForceScaling::forces},
-    {"feel", haptics::ForceScaling::feel}};
 
 void scale(const Settings& settings, const TransferCall& call) {
   haptics::ScaleModelOptions options{.factor = *call.scale};
@@ -237,14 +231,14 @@ void add_transfer(CLI::App& app, const Settings& settings) {
       ->delimiter(',')
       ->needs(by);
   add_map_options(*command, call, by);
-  command
-      ->add_option(
-          "--forces", call->forces,
-          "How forces scale if lengths scale by s. material: as for the same material, by s^2 at "
-          "displacements scaled by s; forces: unchanged at displacements scaled by s; feel: "
-          "unchanged at the same displacements [mm] (default: material with --scale, feel with "
-          "--onto)")
-      ->transform(CLI::CheckedTransformer(kForceScalings).description("{material,forces,feel}"));
+  add_choice<haptics::ForceScaling>(
+      *command, "--forces", call->forces,
+      {{"material", haptics::ForceScaling::material},
+       {"forces", haptics::ForceScaling::forces},
+       {"feel", haptics::ForceScaling::feel}},
+      "How forces scale if lengths scale by s. material: as for the same material, by s^2 at "
+      "displacements scaled by s; forces: unchanged at displacements scaled by s; feel: unchanged "
+      "at the same displacements [mm] (default: material with --scale, feel with --onto)");
   command->add_option("--picture", call->picture, "Draw the new model's contacts (PNG)");
   command->footer(
       "Along an axis, ridge bases are scaled exactly and isotropic bases are refitted; the largest "

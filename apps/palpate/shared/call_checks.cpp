@@ -2,6 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "shared/call_checks.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
 #include <string>
 
 #include "palpate/error.h"
@@ -18,6 +22,16 @@ CLI::Validator within(const Interval& range) {
             return is_right ? std::string() : "is " + text + "; it must be " + to_string(range);
           },
           to_string(range)};
+}
+
+CLI::Validator one_of(const std::vector<std::string>& words) {
+  const std::string right =
+      fmt::format("{} or {}", fmt::join(words.begin(), words.end() - 1, ", "), words.back());
+  return {[words, right](const std::string& text) {
+            const bool is_right = std::ranges::find(words, text) != words.end();
+            return is_right ? std::string() : "is " + text + "; it must be " + right;
+          },
+          fmt::format("{{{}}}", fmt::join(words, ","))};
 }
 
 void check_pictures(const std::vector<fs::path>& pictures) {

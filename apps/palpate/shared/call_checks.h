@@ -4,6 +4,8 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "palpate/require.h"
@@ -13,6 +15,28 @@ namespace palpate::apps {
 /// Accepts the numbers of a range, and no NaN. The message is that of `require`, after the name of
 /// the option: "--tolerance: is -1; it must be > 0".
 [[nodiscard]] CLI::Validator within(const Interval& range);
+
+/// Accepts one of some words. The message is "--format: is stp; it must be ply, obj or stl".
+[[nodiscard]] CLI::Validator one_of(const std::vector<std::string>& words);
+
+/// Adds an option whose words stand for values.
+template <typename Value, typename Variable>
+CLI::Option* add_choice(CLI::App& app, const std::string& name, Variable& variable,
+                        const std::vector<std::pair<std::string, Value>>& choices,
+                        const std::string& help) {
+  std::vector<std::string> words;
+  for (const auto& [word, value] : choices) words.push_back(word);
+  return app
+      .add_option_function<std::string>(
+          name,
+          [&variable, choices](const std::string& chosen) {
+            for (const auto& [word, value] : choices) {
+              if (word == chosen) variable = value;
+            }
+          },
+          help)
+      ->check(one_of(words));
+}
 
 /// Pictures are PNG files.
 /// \throws InvalidInput for a name with another ending. Empty paths stand for options that were not
