@@ -69,9 +69,9 @@ TEST_F(FitTriangulation, TakesTheMethodThatIsAskedForAndRecordsIt) {
   };
   std::vector<json> found;
   for (const Case& c :
-       {Case{{}, ContactTriangulationMethod::coarsening, "coarsening"},
-        Case{{"--triangulation", "delaunay"}, ContactTriangulationMethod::coarsening, "coarsening"},
-        Case{{"--triangulation", "voronoi-dual"},
+       {Case{{}, ContactTriangulationMethod::delaunay, "delaunay"},
+        Case{{"--triangulation", "delaunay"}, ContactTriangulationMethod::delaunay, "delaunay"},
+        Case{{"--triangulation", "voronoi_dual"},
              ContactTriangulationMethod::voronoi_dual,
              "voronoi_dual"}}) {
     const CommandResult result = fit(c.options);

@@ -42,7 +42,7 @@ struct FitCall {
   haptics::FitOptions fit;
   haptics::BlendRule blend_rule = haptics::BlendRule::compliances;
   geometry::ContactTriangulationMethod triangulation =
-      geometry::ContactTriangulationMethod::coarsening;
+      geometry::ContactTriangulationMethod::delaunay;
   std::optional<haptics::ModelEncoding> encoding;
   std::optional<double> budget_us;
   geometry::ReadOptions meshes;
@@ -326,10 +326,10 @@ void add_fit(CLI::App& app, const Settings& settings) {
       "proven within the reach of the measurements; local, only near zero");
   add_choice<geometry::ContactTriangulationMethod>(
       *command, "--triangulation", call->triangulation,
-      {{"delaunay", geometry::ContactTriangulationMethod::coarsening},
-       {"voronoi-dual", geometry::ContactTriangulationMethod::voronoi_dual}},
+      {{"delaunay", geometry::ContactTriangulationMethod::delaunay},
+       {"voronoi_dual", geometry::ContactTriangulationMethod::voronoi_dual}},
       "How contacts are triangulated: delaunay, the geodesic Delaunay triangulation (default); "
-      "voronoi-dual, the dual of the geodesic Voronoi cells, which may leave out contacts on thin "
+      "voronoi_dual, the dual of the geodesic Voronoi cells, which may leave out contacts on thin "
       "parts and near the border. Use it if delaunay fails");
   command->add_option("--max-bases", call->fit.max_bases, "Largest number of bases of a field");
   command->add_option(

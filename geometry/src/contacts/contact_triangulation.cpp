@@ -99,8 +99,8 @@ Triangles keep_vertices_manifold(Triangles triangles, int vertex_count) {
 
 const char* to_string(ContactTriangulationMethod method) {
   switch (method) {
-    case ContactTriangulationMethod::coarsening:
-      return "coarsening";
+    case ContactTriangulationMethod::delaunay:
+      return "delaunay";
     case ContactTriangulationMethod::voronoi_dual:
       return "voronoi_dual";
   }

@@ -14,14 +14,13 @@ inline constexpr const char* kSamplesFingerprint = "samples_fingerprint";
 /// The method by which the contacts were triangulated, as `to_string` names it.
 inline constexpr const char* kTriangulation = "triangulation";
 
-/// The method that `made` names; `coarsening` if it names none.
+/// The method that `made` names; `delaunay` if it names none.
 [[nodiscard]] inline geometry::ContactTriangulationMethod triangulation_method(const Model& model) {
   using geometry::ContactTriangulationMethod;
   const auto found = model.made.find(kTriangulation);
   const bool by_dual = found != model.made.end() &&
                        found->second == to_string(ContactTriangulationMethod::voronoi_dual);
-  return by_dual ? ContactTriangulationMethod::voronoi_dual
-                 : ContactTriangulationMethod::coarsening;
+  return by_dual ? ContactTriangulationMethod::voronoi_dual : ContactTriangulationMethod::delaunay;
 }
 
 }  // namespace palpate::haptics

@@ -63,7 +63,7 @@ std::vector<Function> functions() {
       {"smooth", [&](const auto& m) { return all_finite(smooth(m)); }},
       {"fast marching", distances(GeodesicMethod::fast_marching)},
       {"exact geodesics", distances(GeodesicMethod::exact)},
-      {"coarsening", contacts(ContactTriangulationMethod::coarsening)},
+      {"geodesic Delaunay", contacts(ContactTriangulationMethod::delaunay)},
       {"voronoi dual", contacts(ContactTriangulationMethod::voronoi_dual)},
       {"closest point",
        [](const auto& m) {

@@ -13,17 +13,17 @@ namespace palpate::geometry {
 enum class ContactTriangulationMethod {
   /// Pinned intrinsic coarsening: an intrinsic Delaunay triangulation of the contacts, for surfaces
   /// of any shape and any number of contacts.
-  coarsening,
+  delaunay,
   /// Dual of the geodesic Voronoi cells (thesis 5.3.2.1). Simple, but not always a triangulation:
   /// contacts on thin parts and near the border are left out.
   voronoi_dual
 };
 
-/// "coarsening" or "voronoi_dual"
+/// "delaunay" or "voronoi_dual"
 [[nodiscard]] const char* to_string(ContactTriangulationMethod method);
 
 struct ContactTriangulationOptions {
-  ContactTriangulationMethod method = ContactTriangulationMethod::coarsening;
+  ContactTriangulationMethod method = ContactTriangulationMethod::delaunay;
 };
 
 /// Weights of contacts at each vertex of a surface. Inside a triangle of the surface they are
@@ -51,7 +51,7 @@ struct ContactTriangulation {
   TriangleMesh mesh;
   SurfaceWeights weights;
   /// V: contact to which each vertex of the surface belongs; the one with the largest weight for
-  /// `coarsening`, the nearest one for `voronoi_dual`; -1 on a part without contacts.
+  /// `delaunay`, the nearest one for `voronoi_dual`; -1 on a part without contacts.
   Eigen::VectorXi surface_labels;
   /// Contacts in no triangle of `mesh`, ascending; should be empty.
   std::vector<int> isolated;
@@ -60,7 +60,7 @@ struct ContactTriangulation {
 
 /// Triangulates contacts on a surface.
 ///
-/// `coarsening` (Liu, Gillespie, Chislett, Sharp, Jacobson and Crane 2023): the contacts become
+/// `delaunay` (Liu, Gillespie, Chislett, Sharp, Jacobson and Crane 2023): the contacts become
 /// pinned vertices of an intrinsic triangulation, together with helpers on the border about as far
 /// apart as contacts. Every other vertex is flattened and removed, and keeps its place in the
 /// remaining triangles; a vertex that cannot be flattened stays as a helper. Further helpers are
@@ -78,9 +78,9 @@ struct ContactTriangulation {
 /// contacts. The weights of a vertex are those of its nearest point on these flat triangles.
 /// \throws InvalidInput if the mesh is not valid; there are fewer than three contacts; two contacts
 /// coincide (within 1e-9 of the surface's diagonal); or one is not on the surface. Also, for
-/// `coarsening`, if an edge has more than two triangles or two of opposite orientation; for
+/// `delaunay`, if an edge has more than two triangles or two of opposite orientation; for
 /// `voronoi_dual`, if no three cells meet.
-/// \throws SolverError from `coarsening` if numbers overflow or helpers do not suffice to make the
+/// \throws SolverError from `delaunay` if numbers overflow or helpers do not suffice to make the
 /// edges distinct; `voronoi_dual` may then succeed.
 [[nodiscard]] ContactTriangulation triangulate_contacts(
     const TriangleMesh& surface, std::span<const SurfacePoint> contacts,

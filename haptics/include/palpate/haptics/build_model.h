@@ -36,7 +36,7 @@ struct BuildOptions {
   BlendRule blend_rule = BlendRule::compliances;
   /// How contacts are triangulated. `Model::made` records it under "triangulation".
   geometry::ContactTriangulationMethod triangulation =
-      geometry::ContactTriangulationMethod::coarsening;
+      geometry::ContactTriangulationMethod::delaunay;
   /// If given, contacts with fewer pairs of displacement and force than this share the local part
   /// of the others, provided that they gain by it (`LocalGlobalOptions::dense_samples`); >= 12.
   std::optional<int> dense_samples = std::nullopt;
