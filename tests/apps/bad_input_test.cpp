@@ -375,7 +375,16 @@ TEST_F(BadInput, AnOutputThatCannotBeMadeIsAFailure) {
   const CommandResult result = run_palpate(
       {"mesh", demo("truth/plane.tiff"), "--rig", demo("rig.yaml"), "-o", kept + "/x.ply"});
   EXPECT_EQ(result.status, kWorkFailed) << result.err;
+  EXPECT_NE(result.err.find("000000.tiff is a file"), std::string::npos) << result.err;
   EXPECT_EQ(read_text(kept), "kept");
+}
+
+TEST_F(BadInput, AnOutputThatCannotBeMadeIsFoundBeforeTheInputIsRead) {
+  const std::string broken = written("broken.csv", "this is no table");
+  const CommandResult result =
+      run_palpate({"probe", "import", broken, broken, "-o", kept + "/store.db"});
+  EXPECT_EQ(result.status, kWorkFailed) << result.err;
+  EXPECT_NE(result.err.find("store.db: cannot be written"), std::string::npos) << result.err;
 }
 
 }  // namespace

@@ -118,6 +118,7 @@ TEST_F(WrongOptions, OfMesh) {
   const std::string rig = demo("rig.yaml");
   fs::create_directory(scratch.path() / "pictures");
   fs::copy(demo("frames/duck.png"), scratch / "pictures/duck.png");
+  fs::create_directory(scratch.path() / "nothing");
   const auto mesh = [&](std::vector<std::string> more) {
     more.insert(more.begin(), "mesh");
     more.insert(more.end(), {"-o", scratch / "x.ply"});
@@ -130,7 +131,10 @@ TEST_F(WrongOptions, OfMesh) {
                   {mesh({hand(), "--smooth", "100000000"}), "--smooth"},
                   {mesh({hand(), "--tolerance", "1e6"}), "--tolerance"},
                   {mesh({hand(), "--picture", scratch / "x.jpg"}), "x.jpg"},
-                  {mesh({scratch / "pictures"}), "a folder of range maps"}});
+                  {mesh({map, "--rig", rig, "--format", "stp"}),
+                   "--format: is stp; it must be ply, obj or stl"},
+                  {mesh({scratch / "pictures"}), "a folder of range maps"},
+                  {mesh({scratch / "nothing"}), "nothing: there is no range map in it"}});
   EXPECT_FALSE(fs::exists(scratch / "x.ply"));
 }
 
@@ -142,6 +146,8 @@ TEST_F(WrongOptions, OfCompare) {
   expect_refused(
       {{{"compare", hand(), hand(), "--section", scratch / "s.jpg"}, "s.jpg"},
        {{"compare", hand(), hand(), "--section", "s.png", "--section-y", "nan"}, "--section-y"},
+       {{"compare", hand(), hand(), "--align", "--method", "icp"},
+        "--method: is icp; it must be point_to_triangle, point_to_plane or point_to_point"},
        {{"compare", scratch / "points.ply", hand()}, "points.ply"}});
 }
 

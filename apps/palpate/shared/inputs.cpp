@@ -2,7 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "shared/inputs.h"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <cerrno>
 #include <string>
 #include <system_error>
 
@@ -31,6 +34,19 @@ bool is_or_lies_in(const fs::path& path, const fs::path& folder) {
   return !inside.empty() && *inside.begin() != "..";
 }
 
+/// \throws OutputError if nothing can be written at `path`, or in the folder of that name.
+void check_writable(const fs::path& path) {
+  fs::path folder = fs::absolute(path);
+  std::error_code ignored;
+  if (!fs::is_directory(folder, ignored)) folder = folder.parent_path();
+  while (!is_there(folder) && folder.has_relative_path()) folder = folder.parent_path();
+  if (!fs::is_directory(folder, ignored))
+    throw OutputError(path.string() + ": cannot be written: " + folder.string() + " is a file.");
+  if (::access(folder.c_str(), W_OK) == 0) return;
+  throw OutputError(path.string() + ": cannot be written: " + folder.string() + ": " +
+                    std::generic_category().message(errno) + ".");
+}
+
 }  // namespace
 
 std::vector<fs::path> list_frames(const std::vector<fs::path>& paths) {
@@ -47,10 +63,12 @@ std::vector<fs::path> list_frames(const std::vector<fs::path>& paths) {
 }
 
 std::vector<fs::path> list_range_maps(const fs::path& folder) {
-  std::vector<fs::path> maps = sensing::list_images(folder);
-  std::erase_if(maps, [](const fs::path& path) {
-    return !is_range_map(path) || is_sigma(path) || is_reasons(path);
-  });
+  std::vector<fs::path> maps;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    const fs::path& path = entry.path();
+    if (is_range_map(path) && !is_sigma(path) && !is_reasons(path)) maps.push_back(path);
+  }
+  std::ranges::sort(maps, comes_before);
   if (maps.empty()) {
     throw FileError(folder.string() +
                     ": there is no range map in it; expected a folder of range maps (tiff), as "
@@ -123,6 +141,7 @@ void check_outputs(const std::vector<fs::path>& inputs, const std::vector<fs::pa
           " already used in this call; an output never overwrites an input or another output. "
           "Choose another name.");
     }
+    check_writable(output);
     taken.push_back(output);
   }
 }

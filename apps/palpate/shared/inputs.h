@@ -36,10 +36,11 @@ namespace palpate::apps {
 /// Whether `path` exists; false if it is not accessible.
 [[nodiscard]] bool is_there(const std::filesystem::path& path);
 
-/// Checks that no output overwrites an input or another output. Empty paths stand for options that
-/// were not given.
+/// Checks, before anything is computed, that each output can be written and overwrites no input or
+/// other output. Empty paths stand for options that were not given.
 /// \throws InvalidInput if one of `outputs` equals, or lies in, one of `inputs` or another of
 /// `outputs`.
+/// \throws OutputError if the folder of an output is a file or may not be written to.
 void check_outputs(const std::vector<std::filesystem::path>& inputs,
                    const std::vector<std::filesystem::path>& outputs);
 
