@@ -97,7 +97,7 @@ void draw(const fs::path& png, const std::vector<Experiment>& noises, const Expe
   Panel time{length, "ms a frame, hand", {}};
   time.curves = {curve_of("flood", usual, "hand", &Figures::ms),
                  curve_of("snakes", snakes, "hand", &Figures::ms)};
-  draw_panels(png, "What the length of the window trades", {error, complete, noise, time});
+  draw_panels(png, "Accuracy, completeness and time by the length of the window", {error, complete, noise, time});
 }
 
 void run(const fs::path& rendered, const fs::path& output, int repeats) {
