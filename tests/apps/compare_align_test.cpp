@@ -33,7 +33,7 @@ Eigen::Isometry3d to_pose(const json& rows) {
   return pose;
 }
 
-class CompareAlign : public testing::Test {
+class CompareAlign : public ::testing::Test {
  protected:
   void SetUp() override {
     // The same surface, sampled by other vertices, 0.2 rad and 20 mm away.

@@ -28,7 +28,7 @@ constexpr int kWrongCall = 2;
 
 std::string demo(const std::string& name) { return (demo_data() / name).string(); }
 
-class DecodeSequence : public testing::Test {
+class DecodeSequence : public ::testing::Test {
  protected:
   void SetUp() override {
     const CommandResult trained =

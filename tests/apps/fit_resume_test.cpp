@@ -39,7 +39,7 @@ std::string lines_below(const std::string& text, std::size_t column, int limit) 
   return result;
 }
 
-class FitResume : public testing::Test {
+class FitResume : public ::testing::Test {
  protected:
   static constexpr int kContacts = 6;
 

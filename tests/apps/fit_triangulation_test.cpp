@@ -19,7 +19,7 @@ namespace {
 using geometry::ContactTriangulationMethod;
 using nlohmann::json;
 
-class FitTriangulation : public testing::Test {
+class FitTriangulation : public ::testing::Test {
  protected:
   void SetUp() override {
     ASSERT_EQ(run_palpate({"probe", "import", demo_data() / "sheet/contacts.csv",

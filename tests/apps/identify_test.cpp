@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kDone = 0, kWrongCall = 2;
 
-class Identify : public testing::Test {
+class Identify : public ::testing::Test {
  protected:
   void SetUp() override {
     const std::string sheet = (demo_data() / "sheet").string();

@@ -21,7 +21,7 @@ constexpr int kWrongCall = 2;
 
 std::string demo(const std::string& name) { return (demo_data() / name).string(); }
 
-class KeptFiles : public testing::Test {
+class KeptFiles : public ::testing::Test {
  protected:
   /// A file that was not written by a command; parents are made.
   std::string put(const std::string& name, const std::string& text = "precious") const {

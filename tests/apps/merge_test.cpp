@@ -18,7 +18,7 @@ constexpr int kDone = 0, kWorkFailed = 1, kWrongCall = 2;
 
 std::string demo(const std::string& name) { return (demo_data() / name).string(); }
 
-class Merge : public testing::Test {
+class Merge : public ::testing::Test {
  protected:
   void SetUp() override {
     ASSERT_EQ(run_palpate({"probe", "import", demo("sheet/contacts.csv"), demo("sheet/samples.csv"),

@@ -46,7 +46,7 @@ cv::Mat bumps(double noise = 0) {
   return z;
 }
 
-class MeshSequence : public testing::Test {
+class MeshSequence : public ::testing::Test {
  protected:
   void SetUp() override {
     fs::create_directory(scratch / "range");

@@ -74,7 +74,7 @@ std::string rig_text(const geometry::Camera& camera) {
   return text;
 }
 
-class Track : public testing::Test {
+class Track : public ::testing::Test {
  protected:
   static geometry::RangeMap measured(int frame, double noise = kNoise) {
     geometry::RangeMap map = scene::render(true_mesh(frame), scene::bumpy_camera(kWidth));

@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 constexpr int kDone = 0, kWorkFailed = 1, kWrongCall = 2;
 
 // A bent square with three contacts, each with a field of one isotropic base.
-class Transfer : public testing::Test {
+class Transfer : public ::testing::Test {
  protected:
   void SetUp() override {
     fs::create_directories(scratch / "model");

@@ -24,7 +24,7 @@ nlohmann::json figures(std::vector<std::string> arguments) {
   return nlohmann::json::parse(result.out);
 }
 
-class WayOfTheData : public testing::Test {
+class WayOfTheData : public ::testing::Test {
  protected:
   std::string demo(const std::string& name) const { return (demo_data() / name).string(); }
 

@@ -25,7 +25,7 @@ struct WrongCall {
   std::string place;  ///< found in the message
 };
 
-class WrongOptions : public testing::Test {
+class WrongOptions : public ::testing::Test {
  protected:
   void expect_refused(const std::vector<WrongCall>& calls) {
     for (const WrongCall& call : calls) {

@@ -19,7 +19,7 @@ namespace palpate::pictures {
 namespace {
 
 /// No test may depend on the desktop that it runs on, or show up there.
-class NoDesktop : public testing::Environment {
+class NoDesktop : public ::testing::Environment {
  public:
   void SetUp() override {
     unsetenv("DISPLAY");
@@ -31,20 +31,20 @@ class NoDesktop : public testing::Environment {
   }
 };
 
-const testing::Environment* const kNoDesktop = testing::AddGlobalTestEnvironment(new NoDesktop);
+const ::testing::Environment* const kNoDesktop = ::testing::AddGlobalTestEnvironment(new NoDesktop);
 
 }  // namespace
 
 cv::Mat3b draw_picture(const std::function<void(const std::filesystem::path&)>& draw) {
   const ScratchFolder folder;
   const std::filesystem::path png = folder / "picture.png";
-  testing::internal::CaptureStderr();
+  ::testing::internal::CaptureStderr();
   try {
     draw(png);
   } catch (const Error& error) {
     ADD_FAILURE() << error.what();
   }
-  EXPECT_EQ(testing::internal::GetCapturedStderr(), "") << "a library does not print";
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(), "") << "a library does not print";
   const cv::Mat3b bgr = cv::imread(png.string(), cv::IMREAD_COLOR);
   EXPECT_FALSE(bgr.empty());
   cv::Mat3b rgb(bgr.size());

@@ -30,7 +30,7 @@ GeodesicDistance exact(const TriangleMesh& mesh, const std::vector<SurfacePoint>
                            {.method = GeodesicMethod::exact, .stop_radius = stop_radius});
 }
 
-class ExactGeodesicDistance : public testing::Test {
+class ExactGeodesicDistance : public ::testing::Test {
  protected:
   /// A build without CGAL says so, and has nothing more to test.
   void SetUp() override {

@@ -32,7 +32,7 @@ long border_edges(const TriangleMesh& mesh) {
   return (opposite_half_edges(mesh).array() < 0).count();
 }
 
-class HoleFilling : public testing::Test {
+class HoleFilling : public ::testing::Test {
  protected:
   void SetUp() override {
     try {

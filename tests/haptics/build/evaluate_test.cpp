@@ -14,7 +14,7 @@
 namespace palpate::haptics {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 TEST(EvaluateQueries, ReadsThemFromATable) {
   const ScratchFolder folder;

@@ -24,8 +24,8 @@ namespace palpate::haptics {
 namespace {
 
 using Eigen::Vector3d;
-using testing::AllOf;
-using testing::HasSubstr;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
 
 const Vector3d kDisplacement(1, -2, 3);
 constexpr double kRounding = 1e-5;  // [N] of forces of some newtons, in numbers of `kFieldDigits`

@@ -17,7 +17,7 @@ namespace palpate::haptics {
 namespace {
 
 using Eigen::Vector3d;
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 const Vector3d kDisplacement(1, -2, 3);
 // [N] of forces of up to some 30 N, in numbers of `kFieldDigits` digits.

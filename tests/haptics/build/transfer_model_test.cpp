@@ -15,7 +15,7 @@ namespace palpate::haptics {
 namespace {
 
 using Eigen::Vector3d;
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 const Vector3d kDisplacement(1, -2, 3);
 

@@ -114,21 +114,21 @@ TEST(ForceField, RefusesWhatIsNoField) {
                 check_force_field(field, "f");
                 return 0;
               }),
-              testing::HasSubstr("epsilon"));
+              ::testing::HasSubstr("epsilon"));
   field = some_field();
   field.bases[2].center.y() = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THAT(refusal([&] {
                 check_force_field(field, "f");
                 return 0;
               }),
-              testing::HasSubstr("base 2"));
+              ::testing::HasSubstr("base 2"));
   field = some_field();
   field.bases[0].ridge = {0, 1, 1e-3};
   EXPECT_THAT(refusal([&] {
                 check_force_field(field, "f");
                 return 0;
               }),
-              testing::HasSubstr("ridge"));
+              ::testing::HasSubstr("ridge"));
 }
 
 }  // namespace

@@ -15,7 +15,7 @@
 namespace palpate::haptics {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 // p(r) = sqrt(r^2 + 1) - 1 - 1.5 (sqrt(r^2 + 9) - 3): a valley around zero, and negative beyond the
 // radius where both roots are equal.

@@ -15,7 +15,7 @@
 namespace palpate::haptics {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 const FitOptions kLocal{.mode = FitMode::local};
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();

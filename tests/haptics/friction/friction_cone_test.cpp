@@ -207,12 +207,12 @@ TEST(FitFriction, RefusesWhatIsNotFinite) {
   EXPECT_THAT(refusal([&] {
                 return fit_friction(trials, {0, 0, 0});
               }),
-              testing::HasSubstr("normal"));
+              ::testing::HasSubstr("normal"));
   EXPECT_THAT(refusal([&] { return fit_friction(trials, kNormal, {.force_noise = 0}); }),
-              testing::HasSubstr("force_noise"));
+              ::testing::HasSubstr("force_noise"));
   trials[6].force.y() = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THAT(refusal([&] { return fit_friction(trials, kNormal); }),
-              testing::HasSubstr("trial 6"));
+              ::testing::HasSubstr("trial 6"));
 }
 
 const probing::Contact kContact{1, {0, 0, 700}, {0, 0, -1}};

@@ -55,7 +55,7 @@ TEST(HalfSpaceModel, RefusesWhatIsNoMaterial) {
       {{0.05, 0.3, 0}, "tool_radius is 0"},
       {{std::nan(""), 0.3, 4}, "young_modulus is nan"}};
   for (const auto& [model, words] : cases) {
-    EXPECT_THAT(refusal([&] { return stiffness(model, kContact); }), testing::HasSubstr(words));
+    EXPECT_THAT(refusal([&] { return stiffness(model, kContact); }), ::testing::HasSubstr(words));
   }
 }
 

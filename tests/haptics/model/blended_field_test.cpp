@@ -172,7 +172,7 @@ TEST(FrictionParts, SplitAForceAlongAndAcrossTheAxis) {
 TEST(BlendedField, RefusesABadModel) {
   Model model = uneven_model();
   model.contacts[0].field.bases[0].epsilon = -1;
-  EXPECT_THAT(refusal([&] { return BlendedField(model); }), testing::HasSubstr("epsilon"));
+  EXPECT_THAT(refusal([&] { return BlendedField(model); }), ::testing::HasSubstr("epsilon"));
 }
 
 }  // namespace

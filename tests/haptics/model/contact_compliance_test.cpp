@@ -14,7 +14,7 @@
 namespace palpate::haptics {
 namespace {
 
-using testing::HasSubstr;
+using ::testing::HasSubstr;
 
 // Ridges along three axes: f = w x / sqrt(x^2 + e^2) along each, stiffness w / e at zero.
 ForceField ridges(const Eigen::Vector3d& weights, const Eigen::Vector3d& epsilons) {

@@ -12,8 +12,8 @@ namespace palpate::haptics {
 namespace {
 
 using nlohmann::json;
-using testing::AllOf;
-using testing::HasSubstr;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
 
 // What reading says after a good document was changed; in CBOR as in JSON.
 template <typename Change>

@@ -70,7 +70,7 @@ TEST(TurnBetween, LeavesOnlyWhatTheXAxesDifferByAfterTheSmallestTurnOfZ) {
 
 // Three contacts in a plane whose compliances and trends are those of a cubic function of the
 // place.
-class CubicCompliance : public testing::Test {
+class CubicCompliance : public ::testing::Test {
  protected:
   static double cubic(const Eigen::Vector2d& p) {
     const double x = p.x(), y = p.y();

@@ -12,8 +12,8 @@ namespace palpate::haptics {
 namespace {
 
 namespace fs = std::filesystem;
-using testing::AllOf;
-using testing::HasSubstr;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
 
 // What reading says after surface.ply was changed as a mesh file.
 template <typename Change>

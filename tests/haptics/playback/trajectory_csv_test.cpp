@@ -10,8 +10,8 @@
 namespace palpate::haptics {
 namespace {
 
-using testing::AllOf;
-using testing::HasSubstr;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
 
 TEST(TrajectoryCsv, ReadsTrajectories) {
   const ScratchFolder folder;

@@ -11,8 +11,8 @@
 namespace palpate::probing {
 namespace {
 
-using testing::AllOf;
-using testing::HasSubstr;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
 
 const std::filesystem::path kSheet = repository("demo") / "sheet";
 

@@ -11,8 +11,8 @@
 namespace palpate::probing {
 namespace {
 
-using testing::AllOf;
-using testing::HasSubstr;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
 
 void execute(const std::filesystem::path& path, const char* sql) {
   sqlite3* database = nullptr;

@@ -13,8 +13,8 @@
 namespace palpate::probing {
 namespace {
 
-using testing::AllOf;
-using testing::HasSubstr;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
 
 constexpr std::array<std::string_view, 2> kColumns = {"b", "a"};
 
@@ -54,7 +54,7 @@ TEST(Csv, FindsColumnsByNameInAnyOrderAndIgnoresOthers) {
 TEST(Csv, ReadsWindowsLinesAByteOrderMarkAndALastLineWithoutEnd) {
   EXPECT_THAT(rows_of("\xEF\xBB\xBF"
                       "a, b\r\n 1.5 ,-2e3\r\n+3,4"),
-              testing::ElementsAre(std::array{-2000.0, 1.5}, std::array{4.0, 3.0}));
+              ::testing::ElementsAre(std::array{-2000.0, 1.5}, std::array{4.0, 3.0}));
 }
 
 TEST(Csv, ReadsBackWhatNeedsQuotes) {

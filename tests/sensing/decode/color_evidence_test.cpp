@@ -15,7 +15,7 @@ namespace {
 constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
 /// Two surfaces beside each other, under stripes of 33 px seen one to one, nothing between them.
-class ColorEvidence : public testing::Test {
+class ColorEvidence : public ::testing::Test {
  protected:
   static constexpr long kColumns = 200;
   static constexpr long kGap = 100;  // column

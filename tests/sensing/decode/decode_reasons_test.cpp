@@ -40,7 +40,7 @@ double share_in_part(const ReasonImage& reasons, Reason reason) {
                reason);
 }
 
-class DecodeReasons : public testing::Test {
+class DecodeReasons : public ::testing::Test {
  protected:
   Rig rig_ = make_rig(true);
   Pattern pattern_ = make_pattern(Axis::y, 20, 1024);

@@ -68,7 +68,7 @@ TEST(Plausibility, ABreakReachesAsFarAsTheWindowMixes) {
   EXPECT_TRUE((breaks_of(phase, 2) == 0).all());
 }
 
-class Contradictions : public testing::Test {
+class Contradictions : public ::testing::Test {
  protected:
   /// Hues and projector pixels of a wall that shows stripes of 33 px, seen one to one.
   Contradictions() : hue_(60, 200), pixel_(60, 200) {

@@ -96,9 +96,9 @@ TEST(FrameSource, AVideoThatBreaksOffSaysWhere) {
   const auto whole = write_video(folder, "whole.avi", "HFYU", 10);
   const std::string bytes = read_text(whole);
   const auto cut = written(folder, "cut.avi", bytes.substr(0, bytes.size() / 2));
-  testing::internal::CaptureStderr();  // FFmpeg grumbles
+  ::testing::internal::CaptureStderr();  // FFmpeg grumbles
   const auto frames = all_of(FrameSource({cut, whole}));
-  (void)testing::internal::GetCapturedStderr();
+  (void)::testing::internal::GetCapturedStderr();
   ASSERT_GT(frames.size(), 12u);
   const std::size_t broken = frames.size() - 11;
   EXPECT_EQ(message_of<FileError>([&] { (void)frames[broken].read(); }),
@@ -135,9 +135,9 @@ TEST(FrameSource, RefusesWhatIsNotThere) {
   const ScratchFolder folder;
   EXPECT_THROW(FrameSource({folder / "none.png"}), FileError);
   EXPECT_THROW(FrameSource({folder.path()}), FileError);  // empty
-  testing::internal::CaptureStderr();
+  ::testing::internal::CaptureStderr();
   EXPECT_THROW(FrameSource({written(folder, "no.mp4", "this is no video")}), FileError);
-  (void)testing::internal::GetCapturedStderr();
+  (void)::testing::internal::GetCapturedStderr();
 }
 
 }  // namespace

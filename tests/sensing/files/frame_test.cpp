@@ -36,12 +36,12 @@ TEST(Frame, RefusesTruncatedFilesOfEveryLengthInSilence) {
   for (const char* name : {"frame.png", "frame.tiff"}) {
     cv::imwrite((folder / name).string(), ramp(CV_8UC3));
     const std::string bytes = read_text(folder / name);
-    testing::internal::CaptureStderr();
+    ::testing::internal::CaptureStderr();
     for (std::size_t length = 0; length < bytes.size(); length += 97) {
       EXPECT_THROW((void)read_frame(written(folder, "cut.bin", bytes.substr(0, length))), FileError)
           << name << " cut to " << length << " of " << bytes.size();
     }
-    EXPECT_EQ(testing::internal::GetCapturedStderr(), "") << name;
+    EXPECT_EQ(::testing::internal::GetCapturedStderr(), "") << name;
   }
 }
 
