@@ -9,25 +9,12 @@
 #include <cmath>
 #include <numbers>
 #include <random>
-#include <string>
 
-#include "palpate/error.h"
 #include "palpate/haptics/force_field.h"
+#include "refusal.h"
 #include "scratch_folder.h"
 
 namespace palpate::haptics {
-
-/// The message of the InvalidInput (or FileError) that `call` throws.
-template <typename Call>
-std::string refusal(Call&& call) {
-  try {
-    static_cast<void>(call());
-  } catch (const InvalidInput& error) {
-    return error.what();
-  }
-  ADD_FAILURE() << "nothing was refused";
-  return {};
-}
 
 /// Points in a ball, the same on every run.
 inline Eigen::Matrix3Xd random_points(Eigen::Index count, double radius, unsigned seed = 1) {

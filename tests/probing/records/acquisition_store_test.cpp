@@ -22,7 +22,7 @@ void execute(const std::filesystem::path& path, const char* sql) {
   sqlite3_close(database);
 }
 
-std::string refused(const std::filesystem::path& path) {
+std::string refused_database(const std::filesystem::path& path) {
   return refusal([&] { return read_acquisition(path); });
 }
 
@@ -32,7 +32,7 @@ std::string refused_after(const char* sql) {
   const std::filesystem::path path = scratch / "a.db";
   write_acquisition(path, small_acquisition());
   execute(path, sql);
-  return refused(path);
+  return refused_database(path);
 }
 
 TEST(AcquisitionStore, ReadsBackExactlyWhatWasWritten) {
@@ -66,12 +66,13 @@ TEST(AcquisitionStore, ReadsDatabasesThatOtherToolsMade) {
 
 TEST(AcquisitionStore, RefusesFilesThatAreNoSuchDatabase) {
   const ScratchFolder folder;
-  EXPECT_THAT(refused(folder / "none.db"), AllOf(HasSubstr("none.db"), HasSubstr("no such file")));
+  EXPECT_THAT(refused_database(folder / "none.db"),
+              AllOf(HasSubstr("none.db"), HasSubstr("no such file")));
   EXPECT_FALSE(std::filesystem::exists(folder / "none.db"));
   write_text(folder / "empty.db", "");
-  EXPECT_THAT(refused(folder / "empty.db"), HasSubstr("empty"));
+  EXPECT_THAT(refused_database(folder / "empty.db"), HasSubstr("empty"));
   write_text(folder / "text.db", std::string(5000, 'x'));
-  EXPECT_THAT(refused(folder / "text.db"), HasSubstr("expected an SQLite database"));
+  EXPECT_THAT(refused_database(folder / "text.db"), HasSubstr("expected an SQLite database"));
 }
 
 TEST(AcquisitionStore, RefusesATruncatedDatabaseWhereverItIsCut) {

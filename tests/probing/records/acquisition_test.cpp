@@ -5,8 +5,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <limits>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
 
+#include "not_finite.h"
 #include "records/probing_testing.h"
 
 namespace palpate::probing {
@@ -17,9 +21,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
-std::string refused(const Acquisition& acquisition) {
+std::string refused_acquisition(const Acquisition& acquisition) {
   return refusal([&] { return CheckedAcquisition(acquisition); });
 }
 
@@ -28,22 +30,24 @@ TEST(CheckedAcquisition, AcceptsWhatAnArmMeasures) {
 }
 
 TEST(CheckedAcquisition, RefusesAnEmptyAcquisition) {
-  EXPECT_THAT(refused({}), HasSubstr("no contact"));
+  EXPECT_THAT(refused_acquisition({}), HasSubstr("no contact"));
 }
 
 TEST(CheckedAcquisition, NamesTheContactThatIsWrong) {
   Acquisition acquisition = small_acquisition();
   acquisition.contacts[1].position.y() = kNaN;
-  EXPECT_THAT(refused(acquisition), AllOf(HasSubstr("contact 8"), HasSubstr("not finite")));
+  EXPECT_THAT(refused_acquisition(acquisition),
+              AllOf(HasSubstr("contact 8"), HasSubstr("not finite")));
   for (const Eigen::Vector3d& normal :
        {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(0, 0, 2), Eigen::Vector3d(0, kNaN, 1)}) {
     acquisition = small_acquisition();
     acquisition.contacts[1].normal = normal;
-    EXPECT_THAT(refused(acquisition), AllOf(HasSubstr("contact 8"), HasSubstr("unit vector")));
+    EXPECT_THAT(refused_acquisition(acquisition),
+                AllOf(HasSubstr("contact 8"), HasSubstr("unit vector")));
   }
   acquisition = small_acquisition();
   acquisition.contacts[1].id = 3;
-  EXPECT_THAT(refused(acquisition), AllOf(HasSubstr("contact 3"), HasSubstr("unique")));
+  EXPECT_THAT(refused_acquisition(acquisition), AllOf(HasSubstr("contact 3"), HasSubstr("unique")));
 }
 
 TEST(CheckedAcquisition, RefusesTwoContactsAtOnePlaceAtAnyScale) {
@@ -52,7 +56,7 @@ TEST(CheckedAcquisition, RefusesTwoContactsAtOnePlaceAtAnyScale) {
     acquisition.contacts.push_back({5, acquisition.contacts[0].position, {0, 0, 1}});
     acquisition.contacts.back().position.z() += 1e-7;
     for (Contact& contact : acquisition.contacts) contact.position *= scale;
-    EXPECT_THAT(refused(acquisition), HasSubstr("contacts 3 and 5 are at one place"));
+    EXPECT_THAT(refused_acquisition(acquisition), HasSubstr("contacts 3 and 5 are at one place"));
     acquisition.contacts.back().position.z() += 1e-3 * scale;
     EXPECT_NO_THROW((void)CheckedAcquisition(acquisition));
   }
@@ -64,14 +68,14 @@ TEST(CheckedAcquisition, FindsOnePlaceAmongManyContactsWithTheSameX) {
     acquisition.contacts.push_back({i, {1.7, static_cast<double>(i * 37 % 50), 0}, {0, 0, 1}});
   EXPECT_NO_THROW((void)CheckedAcquisition(acquisition));
   acquisition.contacts.push_back({50, acquisition.contacts[31].position, {0, 0, 1}});
-  EXPECT_THAT(refused(acquisition), HasSubstr("contacts 31 and 50"));
+  EXPECT_THAT(refused_acquisition(acquisition), HasSubstr("contacts 31 and 50"));
 }
 
 TEST(CheckedAcquisition, NamesTheSampleThatIsWrong) {
   const auto refused_with = [](auto change) {
     Acquisition acquisition = small_acquisition();
     change(acquisition.samples[2]);
-    return refused(acquisition);
+    return refused_acquisition(acquisition);
   };
   EXPECT_THAT(refused_with([](Sample& s) { s.contact = 4; }),
               AllOf(HasSubstr("sample 7"), HasSubstr("no contact 4")));

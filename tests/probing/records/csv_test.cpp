@@ -34,7 +34,7 @@ std::vector<std::array<double, 2>> rows_of(const std::string& text) {
   return rows;
 }
 
-std::string refused(const std::string& text) {
+std::string refused_csv(const std::string& text) {
   return refusal([&] { return rows_of(text); });
 }
 
@@ -81,7 +81,7 @@ TEST(Csv, NumbersReadBackExactly) {
 TEST(Csv, NamesFileLineColumnTextAndWhatIsRight) {
   for (const std::string& text :
        std::vector<std::string>{"abc", "", "nan", "inf", "1.5x", "1 2", "0x10", "+-1"}) {
-    EXPECT_THAT(refused("a,b\n" + text + ",0\n"),
+    EXPECT_THAT(refused_csv("a,b\n" + text + ",0\n"),
                 AllOf(HasSubstr("t.csv"), HasSubstr("line 2"), HasSubstr("column 'a'"),
                       HasSubstr("'" + text + "'"), HasSubstr("finite number")));
   }
@@ -92,15 +92,15 @@ TEST(Csv, NamesFileLineColumnTextAndWhatIsRight) {
 }
 
 TEST(Csv, RefusesWhatIsNotSuchATable) {
-  EXPECT_THAT(refused(""), HasSubstr("empty"));
-  EXPECT_THAT(refused("a,c\n1,2\n"), AllOf(HasSubstr("no column 'b'"), HasSubstr("b,a")));
-  EXPECT_THAT(refused("a,b,a\n1,2,3\n"), HasSubstr("'a' is there twice"));
-  EXPECT_THAT(refused("a,b\n1,2\n1\n"), AllOf(HasSubstr("line 3"), HasSubstr("1 cells")));
-  EXPECT_THAT(refused("a,b\n1,2,3\n"), AllOf(HasSubstr("line 2"), HasSubstr("3 cells")));
-  EXPECT_THAT(refused("a,b\n\"1,2\n"), AllOf(HasSubstr("line 2"), HasSubstr("quote")));
-  EXPECT_THAT(refused("a,b\n\"1\"0,2\n"), AllOf(HasSubstr("line 2"), HasSubstr("quote")));
-  EXPECT_THAT(refused(std::string("\x89PNG\r\n\0\1\2,", 10)), HasSubstr("no column"));
-  EXPECT_THAT(refused("a,b\n\x01\x02" + std::string(100, 'x') + ",2\n"), HasSubstr("'??xxx"));
+  EXPECT_THAT(refused_csv(""), HasSubstr("empty"));
+  EXPECT_THAT(refused_csv("a,c\n1,2\n"), AllOf(HasSubstr("no column 'b'"), HasSubstr("b,a")));
+  EXPECT_THAT(refused_csv("a,b,a\n1,2,3\n"), HasSubstr("'a' is there twice"));
+  EXPECT_THAT(refused_csv("a,b\n1,2\n1\n"), AllOf(HasSubstr("line 3"), HasSubstr("1 cells")));
+  EXPECT_THAT(refused_csv("a,b\n1,2,3\n"), AllOf(HasSubstr("line 2"), HasSubstr("3 cells")));
+  EXPECT_THAT(refused_csv("a,b\n\"1,2\n"), AllOf(HasSubstr("line 2"), HasSubstr("quote")));
+  EXPECT_THAT(refused_csv("a,b\n\"1\"0,2\n"), AllOf(HasSubstr("line 2"), HasSubstr("quote")));
+  EXPECT_THAT(refused_csv(std::string("\x89PNG\r\n\0\1\2,", 10)), HasSubstr("no column"));
+  EXPECT_THAT(refused_csv("a,b\n\x01\x02" + std::string(100, 'x') + ",2\n"), HasSubstr("'??xxx"));
   const ScratchFolder folder;
   EXPECT_THAT(refusal([&] { CsvReader(folder / "none.csv", kColumns); }),
               AllOf(HasSubstr("none.csv"), HasSubstr("no such file")));

@@ -4,25 +4,11 @@
 
 #include <gtest/gtest.h>
 
-#include <string>
-
-#include "palpate/error.h"
 #include "palpate/probing/acquisition.h"
+#include "refusal.h"
 #include "scratch_folder.h"
 
 namespace palpate::probing {
-
-/// The message of the FileError or InvalidInput that `call` throws.
-template <typename Call>
-std::string refusal(Call&& call) {
-  try {
-    static_cast<void>(call());
-  } catch (const InvalidInput& error) {
-    return error.what();
-  }
-  ADD_FAILURE() << "nothing was refused";
-  return {};
-}
 
 /// Two contacts, three samples, numbers that decimal digits cannot hold exactly.
 inline Acquisition small_acquisition() {
