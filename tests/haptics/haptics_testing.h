@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <cmath>
 #include <numbers>
@@ -15,6 +16,10 @@
 #include "scratch_folder.h"
 
 namespace palpate::haptics {
+
+/// Of central differences of functions of order 1 to 10, and how exact those are.
+inline constexpr double kDifferenceStep = 1e-5;
+inline constexpr double kDifferenceTolerance = 1e-7;
 
 /// Points in a ball, the same on every run.
 inline Eigen::Matrix3Xd random_points(Eigen::Index count, double radius, unsigned seed = 1) {
@@ -35,6 +40,10 @@ inline Eigen::Matrix3d some_rotation() {
 
 /// An isotropic base around zero: a softening spring.
 inline ForceField spring(double weight, double epsilon) { return {{{weight, epsilon}}}; }
+
+/// p(r) = sqrt(r^2 + 1) - 1 - 1.5 (sqrt(r^2 + 9) - 3): a valley around zero, and negative beyond
+/// the radius where both roots are equal.
+inline ForceField valley() { return {{{1, 1}, {-1.5, 3}}}; }
 
 /// The same field in other units of force and length.
 inline ForceField scaled(ForceField field, double force, double length = 1) {
@@ -65,6 +74,12 @@ inline double weight_sum(const ForceField& field) {
   double sum = 0;
   for (const Multiquadric& base : field.bases) sum += std::abs(base.weight);
   return sum;
+}
+
+/// [N/mm] at zero, in the softest direction.
+inline double smallest_stiffness(const ForceField& field) {
+  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(stiffness(field, Eigen::Vector3d::Zero()))
+      .eigenvalues()[0];
 }
 
 inline Eigen::Matrix3Xd forces_at(const ForceField& field, const Eigen::Matrix3Xd& displacements) {

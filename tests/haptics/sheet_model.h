@@ -11,6 +11,10 @@
 
 namespace palpate::haptics {
 
+inline const Eigen::Vector3d kDisplacement(1, -2, 3);
+/// [N] of forces of up to some 30 N, in numbers of `kFieldDigits` digits.
+inline constexpr double kForceRounding = 1e-5;
+
 /// A flat square of the given half size at z = 700, its outside towards -z, in `cells` x `cells`
 /// squares.
 inline geometry::TriangleMesh flat_surface(double half_size = 50, int cells = 10) {

@@ -47,6 +47,9 @@ inline Eigen::Vector3d ball_force(const Eigen::Vector3d& place,
   return frame * force(ball_field(place), frame.transpose() * displacement);
 }
 
+/// Turns that have nothing to do with those of neighbours.
+inline double uneven_twist(int i) { return 2.4 * i * i; }
+
 /// A model of the part of the ball whose triangles `covers` wants, with those of the contacts that
 /// lie on it. Contact i has id i, and a frame that is turned about its axis by `twist(i)`.
 inline Model ball_model(

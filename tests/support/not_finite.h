@@ -6,7 +6,7 @@
 
 namespace palpate {
 
-inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
+inline constexpr double kInf = std::numeric_limits<double>::infinity();
 inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 inline constexpr float kFloatNaN = std::numeric_limits<float>::quiet_NaN();
 

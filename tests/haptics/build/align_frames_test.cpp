@@ -15,8 +15,6 @@
 namespace palpate::haptics {
 namespace {
 
-double twist(int i) { return 2.4 * i * i; }
-
 // [rad] between the frames of neighbours, beyond what the turn of their z axes needs.
 std::vector<double> disagreements(const Model& model) {
   std::vector<double> angles;
@@ -34,7 +32,7 @@ std::vector<double> disagreements(const Model& model) {
 TEST(AlignFrames, MakesThoseOfAPlaneOne) {
   Model model = sheet_model();
   for (int i = 0; i < 4; ++i)
-    model.contacts[static_cast<std::size_t>(i)].frame = rotation_exp({0, 0, twist(i)});
+    model.contacts[static_cast<std::size_t>(i)].frame = rotation_exp({0, 0, uneven_twist(i)});
   align_frames(model);
   for (const double angle : disagreements(model)) EXPECT_LT(angle, 1e-9);
 }
@@ -56,7 +54,7 @@ TEST(AlignFrames, ChangesNoForceAtAContact) {
 }
 
 TEST(AlignFrames, LeavesFewTurnsOnAClosedSurface) {
-  Model model = ball_model([](const Eigen::Vector3d&) { return true; }, twist);
+  Model model = ball_model([](const Eigen::Vector3d&) { return true; }, uneven_twist);
   const std::vector<double> before = disagreements(model);
   align_frames(model);
   const std::vector<double> after = disagreements(model);

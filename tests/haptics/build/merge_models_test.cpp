@@ -27,15 +27,11 @@ using Eigen::Vector3d;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-const Vector3d kDisplacement(1, -2, 3);
-constexpr double kRounding = 1e-5;  // [N] of forces of some newtons, in numbers of `kFieldDigits`
-constexpr double kOverlap = 10;     // [mm] on each side of the middle
+constexpr double kOverlap = 10;  // [mm] on each side of the middle
 
 // The frames of one side have nothing to do with those of the other.
-double twist(int i) { return 2.4 * i * i; }
-
 Model above() {
-  return ball_model([](const Vector3d& c) { return c.z() > -kOverlap; }, twist);
+  return ball_model([](const Vector3d& c) { return c.z() > -kOverlap; }, uneven_twist);
 }
 Model below() {
   return ball_model([](const Vector3d& c) { return c.z() < kOverlap; }, [](int) { return 0; });
@@ -87,7 +83,7 @@ TEST(MergeModels, GivesTheModelThatWasCutInHalves) {
   for (const ContactModel& contact : merged.model.contacts) {
     const Vector3d truth = ball_force(
         places_on_sphere(120)[static_cast<std::size_t>(contact.id % 1000)], kDisplacement);
-    EXPECT_LT((field.force(contact.position, kDisplacement) - truth).norm(), kRounding);
+    EXPECT_LT((field.force(contact.position, kDisplacement) - truth).norm(), kForceRounding);
     EXPECT_EQ(contact.field, rounded(contact.field));
   }
 }
@@ -209,7 +205,7 @@ TEST(MergeModels, MovesFramesAndAxesOfFriction) {
     EXPECT_LT(
         (field.force(is.position, kDisplacement) - expected.force(should.position, kDisplacement))
             .norm(),
-        kRounding);
+        kForceRounding);
   }
 }
 

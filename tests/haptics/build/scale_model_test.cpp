@@ -19,10 +19,7 @@ namespace {
 using Eigen::Vector3d;
 using ::testing::HasSubstr;
 
-const Vector3d kDisplacement(1, -2, 3);
-// [N] of forces of up to some 30 N, in numbers of `kFieldDigits` digits.
-constexpr double kRounding = 1e-5;
-// Of the entries of axes, in as many digits.
+// Of the entries of axes, in numbers of `kFieldDigits` digits.
 constexpr double kStored = 1e-6;
 
 Vector3d contact_force(const Model& model, std::size_t i, const Vector3d& displacement) {
@@ -52,11 +49,12 @@ TEST(ScaleModel, MultipliesStiffnessByTheLengthForTheSameMaterial) {
   EXPECT_EQ(large.refitted, 0);
   for (std::size_t i = 0; i < 4; ++i) {
     const Vector3d expected = 2.5 * 2.5 * contact_force(model, i, kDisplacement);
-    EXPECT_LT((contact_force(large.model, i, 2.5 * kDisplacement) - expected).norm(), kRounding);
+    EXPECT_LT((contact_force(large.model, i, 2.5 * kDisplacement) - expected).norm(),
+              kForceRounding);
     EXPECT_LT((stiffness(large.model.contacts[i].field, Vector3d::Zero()) -
                2.5 * stiffness(model.contacts[i].field, Vector3d::Zero()))
                   .norm(),
-              kRounding);
+              kForceRounding);
     EXPECT_NEAR(large.model.contacts[i].friction, model.contacts[i].friction, 1e-9);
     EXPECT_NEAR(large.model.contacts[i].rms, 2.5 * 2.5 * model.contacts[i].rms, 1e-6);
   }
@@ -79,8 +77,8 @@ TEST(ScaleModel, KeepsForcesOrTheFeelOnRequest) {
   const BlendedField before(model), forces(same_forces), feel(same_feel);
   const Vector3d place(5, 10, 700), there(15, 30, 700);  // between contacts
   const Vector3d expected = before.force(place, kDisplacement);
-  EXPECT_LT((forces.force(there, 3 * kDisplacement) - expected).norm(), kRounding);
-  EXPECT_LT((feel.force(there, kDisplacement) - expected).norm(), kRounding);
+  EXPECT_LT((forces.force(there, 3 * kDisplacement) - expected).norm(), kForceRounding);
+  EXPECT_LT((feel.force(there, kDisplacement) - expected).norm(), kForceRounding);
 }
 
 TEST(ScaleModel, StretchesABarAsItsMaterialWould) {
@@ -95,7 +93,7 @@ TEST(ScaleModel, StretchesABarAsItsMaterialWould) {
     const Vector3d expected =
         contact_force(model, i, kDisplacement).cwiseProduct(Vector3d(1, 1.8, 1.8));
     const Vector3d displacement = kDisplacement.cwiseProduct(stretch);
-    EXPECT_LT((contact_force(longer.model, i, displacement) - expected).norm(), kRounding);
+    EXPECT_LT((contact_force(longer.model, i, displacement) - expected).norm(), kForceRounding);
     const ContactModel &now = longer.model.contacts[i], &then = model.contacts[i];
     EXPECT_LT((now.position - Vector3d(1.8 * then.position.x(), then.position.y(), 700)).norm(),
               1e-12);
@@ -117,7 +115,7 @@ TEST(ScaleModel, ScalesBack) {
     for (std::size_t i = 0; i < 4; ++i) {
       EXPECT_LT(
           (contact_force(back, i, kDisplacement) - contact_force(model, i, kDisplacement)).norm(),
-          kRounding);
+          kForceRounding);
       EXPECT_LT((back.contacts[i].position - model.contacts[i].position).norm(), 1e-9);
       EXPECT_LT((back.contacts[i].frame.col(2) - model.contacts[i].frame.col(2)).norm(), kStored);
     }

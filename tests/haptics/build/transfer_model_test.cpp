@@ -17,8 +17,6 @@ namespace {
 using Eigen::Vector3d;
 using ::testing::HasSubstr;
 
-const Vector3d kDisplacement(1, -2, 3);
-
 Eigen::Matrix3Xd corners(const geometry::TriangleMesh& square) {
   const Eigen::Index last = square.vertices.cols() - 1;
   Eigen::Matrix3Xd marks(3, 3);

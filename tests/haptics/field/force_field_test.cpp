@@ -13,10 +13,6 @@
 namespace palpate::haptics {
 namespace {
 
-// Central differences with step h: truncation h^2, rounding 1e-16 / h.
-constexpr double kStep = 1e-5;
-constexpr double kDifferenceTolerance = 1e-8;
-
 TEST(ForceField, IsExactlyZeroAtZeroDisplacement) {
   EXPECT_EQ(force(some_field_with_ridge(), Eigen::Vector3d::Zero()), Eigen::Vector3d::Zero());
   EXPECT_EQ(potential(some_field_with_ridge(), Eigen::Vector3d::Zero()), 0);
@@ -31,15 +27,18 @@ TEST(ForceField, OneCentredBaseIsASofteningSpring) {
 }
 
 TEST(ForceField, ForceIsTheGradientOfThePotential) {
+  // Central differences with step h: truncation h^2, rounding 1e-16 / h.
+  constexpr double kStep = 1e-5;
+  constexpr double kTolerance = 1e-8;
   const ForceField field = some_field_with_ridge();
   const Eigen::Matrix3Xd points = random_points(20, 6);
   for (const auto& x : points.colwise()) {
     for (int axis = 0; axis < 3; ++axis) {
       const Eigen::Vector3d h = kStep * Eigen::Vector3d::Unit(axis);
       const double slope = (potential(field, x + h) - potential(field, x - h)) / (2 * kStep);
-      EXPECT_NEAR(force(field, x)[axis], slope, kDifferenceTolerance);
+      EXPECT_NEAR(force(field, x)[axis], slope, kTolerance);
       const Eigen::Vector3d column = (force(field, x + h) - force(field, x - h)) / (2 * kStep);
-      EXPECT_LT((stiffness(field, x).col(axis) - column).norm(), kDifferenceTolerance);
+      EXPECT_LT((stiffness(field, x).col(axis) - column).norm(), kTolerance);
     }
   }
 }

@@ -10,6 +10,7 @@
 
 #include "field/mixed_field.h"
 #include "haptics_testing.h"
+#include "not_finite.h"
 #include "palpate/haptics/rounding.h"
 
 namespace palpate::haptics {
@@ -17,10 +18,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-// p(r) = sqrt(r^2 + 1) - 1 - 1.5 (sqrt(r^2 + 9) - 3): a valley around zero, and negative beyond the
-// radius where both roots are equal.
-ForceField valley() { return {{{1, 1}, {-1.5, 3}}}; }
-
+// Where `valley` ends.
 double valley_radius() {
   double inside = 1, outside = 20;
   for (int i = 0; i < 60; ++i) {
@@ -187,7 +185,6 @@ TEST(CertifyPassivity, IsNotConfusedByHugeNumbers) {
 }
 
 TEST(CertifyPassivity, RefusesWhatItCannotUse) {
-  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THAT(refusal([&] { return certify_passivity({{{kNaN}}}, {1}); }), HasSubstr("base 0"));
   EXPECT_THAT(refusal([&] { return certify_passivity(valley(), {kNaN}); }), HasSubstr("radius"));
   EXPECT_THAT(refusal([&] { return certify_passivity(valley(), {-1}); }), HasSubstr("radius"));

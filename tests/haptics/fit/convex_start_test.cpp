@@ -13,7 +13,7 @@
 namespace palpate::haptics {
 namespace {
 
-constexpr SampleNoise kNoise{0.003, 0.01};
+constexpr SampleNoise kSampleNoise{0.003, 0.01};
 
 // A contact of a sheet, in units of its extents.
 ForceSamples contact() {
@@ -31,13 +31,13 @@ TEST(ConvexStart, DoesNotDependOnTheFrame) {
   for (Eigen::Index count = 60; count <= 110; count += 5) {
     const Eigen::Matrix3Xd places = samples.displacements.leftCols(count),
                            forces = samples.forces.leftCols(count);
-    const ForceField start = convex_start(WhitenedProblem(places, forces, kNoise), 14);
+    const ForceField start = convex_start(WhitenedProblem(places, forces, kSampleNoise), 14);
     const Eigen::Matrix3Xd at_places = forces_at(start, places);
     Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
     for (int i = 0; i < 3; ++i) {
       turn = turn * some_rotation();
       const ForceField other =
-          convex_start(WhitenedProblem(turn * places, turn * forces, kNoise), 14);
+          convex_start(WhitenedProblem(turn * places, turn * forces, kSampleNoise), 14);
       const Eigen::Matrix3Xd turned = turn.transpose() * forces_at(other, turn * places);
       EXPECT_LT((turned - at_places).norm(), 1e-9 * at_places.norm()) << count;
     }
@@ -46,7 +46,7 @@ TEST(ConvexStart, DoesNotDependOnTheFrame) {
 
 TEST(ConvexStart, HasNoMoreBasesThanItMayAndNoneThatPulls) {
   const ForceSamples samples = contact();
-  const WhitenedProblem problem(samples.displacements, samples.forces, kNoise);
+  const WhitenedProblem problem(samples.displacements, samples.forces, kSampleNoise);
   double error = problem.residuals({}).squaredNorm();
   for (const int most : {1, 3, 8, 14}) {
     const ForceField start = convex_start(problem, most);

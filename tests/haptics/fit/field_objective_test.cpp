@@ -9,10 +9,6 @@
 namespace palpate::haptics {
 namespace {
 
-// Central differences with step 1e-5 of functions of order 1 to 10.
-constexpr double kStep = 1e-5;
-constexpr double kTolerance = 1e-7;
-
 FieldObjective some_objective() {
   const Eigen::Matrix3Xd displacements = random_points(15, 3);
   return {displacements, random_points(15, 2, 2), 0.1};
@@ -32,12 +28,13 @@ TEST(FieldObjective, DerivativesAgreeWithDifferences) {
   const Eigen::VectorXd gradient = objective.gradient(at);
   const Eigen::MatrixXd hessian = objective.hessian(at);
   for (Eigen::Index i = 0; i < at.size(); ++i) {
-    const Eigen::VectorXd h = kStep * Eigen::VectorXd::Unit(at.size(), i);
-    EXPECT_NEAR(gradient[i], (objective.value(at + h) - objective.value(at - h)) / (2 * kStep),
-                kTolerance);
+    const Eigen::VectorXd h = kDifferenceStep * Eigen::VectorXd::Unit(at.size(), i);
+    EXPECT_NEAR(gradient[i],
+                (objective.value(at + h) - objective.value(at - h)) / (2 * kDifferenceStep),
+                kDifferenceTolerance);
     const Eigen::VectorXd column =
-        (objective.gradient(at + h) - objective.gradient(at - h)) / (2 * kStep);
-    EXPECT_LT((hessian.col(i) - column).norm(), kTolerance) << i;
+        (objective.gradient(at + h) - objective.gradient(at - h)) / (2 * kDifferenceStep);
+    EXPECT_LT((hessian.col(i) - column).norm(), kDifferenceTolerance) << i;
   }
 }
 
@@ -47,11 +44,13 @@ void expect_derivatives(Function&& function) {
   const Eigen::VectorXd at = to_parameters(some_field());
   const FieldFunction here = function(at);
   for (Eigen::Index i = 0; i < at.size(); ++i) {
-    const Eigen::VectorXd h = kStep * Eigen::VectorXd::Unit(at.size(), i);
+    const Eigen::VectorXd h = kDifferenceStep * Eigen::VectorXd::Unit(at.size(), i);
     const FieldFunction above = function(at + h), below = function(at - h);
-    EXPECT_NEAR(here.gradient[i], (above.value - below.value) / (2 * kStep), kTolerance) << i;
-    const Eigen::VectorXd column = (above.gradient - below.gradient) / (2 * kStep);
-    EXPECT_LT((here.hessian.col(i) - column).norm(), kTolerance) << i;
+    EXPECT_NEAR(here.gradient[i], (above.value - below.value) / (2 * kDifferenceStep),
+                kDifferenceTolerance)
+        << i;
+    const Eigen::VectorXd column = (above.gradient - below.gradient) / (2 * kDifferenceStep);
+    EXPECT_LT((here.hessian.col(i) - column).norm(), kDifferenceTolerance) << i;
   }
 }
 

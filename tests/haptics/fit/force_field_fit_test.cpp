@@ -5,25 +5,18 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
-#include <limits>
 #include <random>
 
 #include "haptics_testing.h"
+#include "not_finite.h"
 
 namespace palpate::haptics {
 namespace {
 
 using ::testing::HasSubstr;
 
-const FitOptions kLocal{.mode = FitMode::local};
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
-double smallest_stiffness(const ForceField& field) {
-  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(stiffness(field, Eigen::Vector3d::Zero()))
-      .eigenvalues()[0];
-}
+const FitOptions kLocalFit{.mode = FitMode::local};
 
 // Largest difference of two fields where there are data.
 double distance(const ForceField& left, const ForceField& right, const Eigen::Matrix3Xd& places) {
@@ -117,7 +110,7 @@ TEST(FitForceField, SurvivesPoorData) {
   Eigen::Matrix3Xd line(3, 9);
   for (int i = 0; i < 9; ++i) line.col(i) = i * one;
   for (const Eigen::Matrix3Xd& places : {one, alike, line}) {
-    const FitResult fit = fit_force_field(places, 0.5 * places, kLocal);
+    const FitResult fit = fit_force_field(places, 0.5 * places, kLocalFit);
     EXPECT_LT(fit.rms, 0.1) << places.cols();
     EXPECT_GE(smallest_stiffness(fit.field), 0);
     EXPECT_TRUE(force(fit.field, {5, 5, 5}).allFinite());
@@ -126,11 +119,11 @@ TEST(FitForceField, SurvivesPoorData) {
 
 TEST(FitForceField, SaysWhenTheDataDoNotDetermineAField) {
   const Eigen::Matrix3Xd zero = Eigen::Matrix3Xd::Zero(3, 5), some = random_points(5, 1);
-  const FitResult rigid = fit_force_field(zero, some, kLocal);
+  const FitResult rigid = fit_force_field(zero, some, kLocalFit);
   EXPECT_EQ(rigid.stop, FitStop::not_determined);
   EXPECT_GT(rigid.rms, 0);
   EXPECT_EQ(force(rigid.field, {1, 2, 3}), Eigen::Vector3d::Zero());
-  const FitResult nothing = fit_force_field(some, zero, kLocal);
+  const FitResult nothing = fit_force_field(some, zero, kLocalFit);
   EXPECT_EQ(nothing.stop, FitStop::accurate);
   EXPECT_EQ(force(nothing.field, {1, 2, 3}), Eigen::Vector3d::Zero());
 }

@@ -10,11 +10,10 @@ namespace palpate::haptics {
 namespace {
 
 // A valley whose energy is negative from 4.3 on, measured up to 2.
-FieldObjective valley() {
-  const ForceField truth{{{1, 1}, {-1.5, 3}}};
+FieldObjective measured_valley() {
   FieldObjective objective;
   objective.displacements = random_points(60, 2);
-  objective.forces = forces_at(truth, objective.displacements);
+  objective.forces = forces_at(valley(), objective.displacements);
   objective.weight_penalty = 1e-9;
   return objective;
 }
@@ -29,10 +28,10 @@ LocalFitOptions two_bases() {
 
 TEST(FitCertified, RepairsWhatTheLocalFitLosesFarFromTheData) {
   const ReachableVolume volume{6};
-  const LocalFit local = fit_local(valley(), two_bases());
+  const LocalFit local = fit_local(measured_valley(), two_bases());
   const PassivityCertificate before = certify_passivity(local.field, volume);
   ASSERT_EQ(before.passivity, Passivity::violated);
-  const CertifiedFit certified = fit_certified(valley(), two_bases(), volume);
+  const CertifiedFit certified = fit_certified(measured_valley(), two_bases(), volume);
   EXPECT_TRUE(is_passive(certified.certificate));
   EXPECT_GT(certified.repairs, 0);
   EXPECT_GE(potential(certified.fit.field, before.weakest), 0);
@@ -46,7 +45,7 @@ TEST(FitCertified, RepairsWhatTheLocalFitLosesFarFromTheData) {
 
 TEST(FitCertified, LeavesWhatIsPassiveAlone) {
   const ReachableVolume near{2};
-  const CertifiedFit certified = fit_certified(valley(), two_bases(), near);
+  const CertifiedFit certified = fit_certified(measured_valley(), two_bases(), near);
   EXPECT_TRUE(is_passive(certified.certificate));
   EXPECT_EQ(certified.repairs, 0);
   EXPECT_LT(certified.fit.rms, 0.01);
@@ -54,11 +53,12 @@ TEST(FitCertified, LeavesWhatIsPassiveAlone) {
 
 TEST(FitCertified, IsPassiveAndAsGoodInAnyFrame) {
   const Eigen::Matrix3Xd at_places =
-      forces_at(fit_certified(valley(), two_bases(), {2}).fit.field, valley().displacements);
+      forces_at(fit_certified(measured_valley(), two_bases(), {2}).fit.field,
+                measured_valley().displacements);
   Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
   for (int i = 0; i < 3; ++i) {
     turn = turn * some_rotation();
-    FieldObjective turned = valley();
+    FieldObjective turned = measured_valley();
     turned.displacements = turn * turned.displacements;
     turned.forces = turn * turned.forces;
     const CertifiedFit near = fit_certified(turned, two_bases(), {2});

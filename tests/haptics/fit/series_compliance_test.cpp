@@ -11,7 +11,7 @@
 namespace palpate::haptics {
 namespace {
 
-constexpr PairNoise kNoise{0.02, 0.01};
+constexpr PairNoise kPairNoise{0.02, 0.01};
 
 // A local part that stiffens: 2 mm/N at rest along each axis.
 const ForceField kLocal = spring(4, 2);
@@ -34,7 +34,7 @@ ForceSamples samples_of(const Series& series, const Eigen::Matrix3Xd& forces) {
 TEST(SeriesCompliance, IsFoundFromTwoForces) {
   const ForceSamples samples = samples_of({kLocal, some_compliance()}, random_points(2, 3));
   const Eigen::Matrix3d found = fit_global_compliance(
-      samples, kLocal, {Eigen::Matrix3d::Zero(), 100}, kNoise, samples.forces);
+      samples, kLocal, {Eigen::Matrix3d::Zero(), 100}, kPairNoise, samples.forces);
   // Two forces leave one of six numbers open; what they tell is met.
   EXPECT_LT(
       (samples_of({kLocal, found}, samples.forces).displacements - samples.displacements).norm(),
@@ -47,7 +47,7 @@ TEST(SeriesCompliance, TakesFromThePriorWhatSamplesLeaveOpen) {
   const ForceSamples samples =
       samples_of({kLocal, some_compliance()}, 2 * Eigen::Vector3d::UnitZ());
   const Eigen::Matrix3d found =
-      fit_global_compliance(samples, kLocal, {mean, 3}, kNoise, samples.forces);
+      fit_global_compliance(samples, kLocal, {mean, 3}, kPairNoise, samples.forces);
   EXPECT_LT((found.col(2) - some_compliance().col(2)).norm(), 2e-3);
   EXPECT_NEAR(found(0, 0), 0.7, 1e-6);
   EXPECT_NEAR(found(1, 1), 0.7, 1e-6);
@@ -57,8 +57,8 @@ TEST(SeriesCompliance, TakesFromThePriorWhatSamplesLeaveOpen) {
 TEST(SeriesCompliance, FollowsTheMostOfTheSamples) {
   ForceSamples samples = samples_of({kLocal, some_compliance()}, random_points(12, 3));
   samples.displacements.col(5) += Eigen::Vector3d(3, -4, 2);
-  const Eigen::Matrix3d found =
-      fit_global_compliance(samples, kLocal, {Eigen::Matrix3d::Zero(), 5}, kNoise, samples.forces);
+  const Eigen::Matrix3d found = fit_global_compliance(samples, kLocal, {Eigen::Matrix3d::Zero(), 5},
+                                                      kPairNoise, samples.forces);
   EXPECT_LT((found - some_compliance()).norm(), 0.02);
 }
 
@@ -66,8 +66,8 @@ TEST(SeriesCompliance, NeverMakesTheWholeTurnBack) {
   // Less than the local part alone yields.
   const Eigen::Matrix3d wanted = -1.9 * Eigen::Matrix3d::Identity();
   const ForceSamples samples = samples_of({kLocal, wanted}, random_points(20, 3));
-  const Eigen::Matrix3d found =
-      fit_global_compliance(samples, kLocal, {Eigen::Matrix3d::Zero(), 5}, kNoise, samples.forces);
+  const Eigen::Matrix3d found = fit_global_compliance(samples, kLocal, {Eigen::Matrix3d::Zero(), 5},
+                                                      kPairNoise, samples.forces);
   double least = 1;
   for (const auto& f : samples.forces.colwise()) {
     const Eigen::Matrix3d whole = Series{kLocal, found}.compliance(f);

@@ -9,10 +9,6 @@
 namespace palpate::haptics {
 namespace {
 
-// Central differences with step 1e-5 of functions of order 1 to 10.
-constexpr double kStep = 1e-5;
-constexpr double kTolerance = 1e-7;
-
 Eigen::VectorXd entries(const Eigen::Matrix3d& matrix) {
   Eigen::VectorXd result(6);
   result << matrix(0, 0), matrix(1, 0), matrix(1, 1), matrix(2, 0), matrix(2, 1), matrix(2, 2);
@@ -48,15 +44,16 @@ TEST(StiffnessConstraint, DerivativesAgreeWithDifferences) {
   const Eigen::MatrixXd hessian = stiffness_constraint::hessian(multipliers);
   ASSERT_EQ(jacobian.rows(), stiffness_constraint::kCount);
   for (Eigen::Index i = 0; i < y.size(); ++i) {
-    const Eigen::VectorXd h = kStep * Eigen::VectorXd::Unit(y.size(), i);
+    const Eigen::VectorXd h = kDifferenceStep * Eigen::VectorXd::Unit(y.size(), i);
     const Eigen::VectorXd slope =
-        (stiffness_constraint::values(y + h) - stiffness_constraint::values(y - h)) / (2 * kStep);
-    EXPECT_LT((jacobian.col(i) - slope).norm(), kTolerance) << i;
+        (stiffness_constraint::values(y + h) - stiffness_constraint::values(y - h)) /
+        (2 * kDifferenceStep);
+    EXPECT_LT((jacobian.col(i) - slope).norm(), kDifferenceTolerance) << i;
     const Eigen::VectorXd curvature =
         (stiffness_constraint::jacobian(y + h) - stiffness_constraint::jacobian(y - h))
             .transpose() *
-        multipliers / (2 * kStep);
-    EXPECT_LT((hessian.col(i) - curvature).norm(), kTolerance) << i;
+        multipliers / (2 * kDifferenceStep);
+    EXPECT_LT((hessian.col(i) - curvature).norm(), kDifferenceTolerance) << i;
   }
 }
 

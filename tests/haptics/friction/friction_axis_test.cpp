@@ -36,7 +36,7 @@ struct Object {
   double noise = 0;    ///< [mm] of displacements
 };
 
-struct Probing {
+struct AxisProbing {
   std::vector<double> angles{0,   kPi / 4,      kPi / 2,  3 * kPi / 4,
                              kPi, -3 * kPi / 4, -kPi / 2, -kPi / 4};
   std::vector<double> depths{1, 3, 6, 10, 14};  ///< [mm] one for each level of force
@@ -49,7 +49,7 @@ Vector3d axis_of(const Object& object) {
 }
 
 // Pairs on the boundary, and the settled ones, that follow the linear law but for noise.
-ForceSamples pairs_of(const Object& object, const Probing& probing = {}, unsigned seed = 1) {
+ForceSamples pairs_of(const Object& object, const AxisProbing& probing = {}, unsigned seed = 1) {
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;
   const Eigen::Matrix3d frame = rotation_between(Vector3d::UnitZ(), kConeAxis);
@@ -83,7 +83,7 @@ ForceSamples pairs_of(const Object& object, const Probing& probing = {}, unsigne
 
 TEST(FitFrictionAxis, IsTheDirectionWithoutForceAcrossWhereverTheDirectionsLie) {
   for (const std::vector<double>& angles :
-       {Probing{}.angles, std::vector<double>{-0.9, -0.3, 0.2, 0.8, 1.5},
+       {AxisProbing{}.angles, std::vector<double>{-0.9, -0.3, 0.2, 0.8, 1.5},
         std::vector<double>{0, 0.1, 0.2, 2, 4}}) {
     const FrictionAxisFit fit = fit_friction_axis(pairs_of({}, {.angles = angles}), kConeAxis);
     EXPECT_EQ(fit.stop, FrictionAxisStop::converged);
@@ -96,7 +96,7 @@ TEST(FitFrictionAxis, IsTheDirectionWithoutForceAcrossWhereverTheDirectionsLie) 
 
 TEST(FitFrictionAxis, IsAsExactAsItsErrorSays) {
   for (const std::vector<double>& angles :
-       {Probing{}.angles, std::vector<double>{-1.4, -0.7, 0, 0.7, 1.4}}) {
+       {AxisProbing{}.angles, std::vector<double>{-1.4, -0.7, 0, 0.7, 1.4}}) {
     constexpr unsigned kCount = 400;
     const Object object{.scatter = 0.1, .noise = 0.03};
     double squares = 0;

@@ -17,7 +17,7 @@ const Eigen::Vector3d kNormal(0, 0, -1);
 const Eigen::Vector3d kAxis = Eigen::Vector3d(0.1, -0.05, 0.9).normalized();
 constexpr double kForceNoise = 0.01;
 
-struct Probing {
+struct ConeProbing {
   double friction = 0.7;
   Eigen::Vector3d axis = kAxis;
   int directions = 8;
@@ -31,7 +31,7 @@ struct Probing {
 // What an arm tries that presses along the geometric normal and halves the interval of the
 // tangential force in each direction to 0.05 N (thesis 4.3). Independent of the fit: the physical
 // condition |f_T| > friction f_N with noise on each component of the force.
-std::vector<FrictionTrial> probe(const Probing& with, unsigned seed) {
+std::vector<FrictionTrial> probe(const ConeProbing& with, unsigned seed) {
   std::mt19937 random(seed);
   std::normal_distribution<double> noise(0, with.noise);
   std::uniform_real_distribution<double> uniform;
@@ -73,7 +73,7 @@ TEST(FitFriction, IsAsExactAsItsErrorsSayAndItsLowerBoundHolds) {
   double squares = 0, angle_squares = 0;
   int held = 0;
   for (unsigned i = 0; i < kCount; ++i) {
-    const Probing with{.friction = 0.2 + i / double{kCount}, .directions = 8 + int(i) % 5};
+    const ConeProbing with{.friction = 0.2 + i / double{kCount}, .directions = 8 + int(i) % 5};
     const FrictionFit fit = fit_friction(probe(with, i), kNormal);
     ASSERT_EQ(fit.stop, FrictionStop::converged) << i;
     errors.push_back(std::abs(fit.coefficient - with.friction));
@@ -140,12 +140,12 @@ TEST(FitFriction, SaysWhenTheTrialsDoNotDetermineACone) {
 
 TEST(FitFriction, RecognisesAContactWithoutFriction) {
   for (unsigned i = 0; i < 10; ++i) {
-    const Probing without{.friction = 0, .axis = -kNormal};
+    const ConeProbing without{.friction = 0, .axis = -kNormal};
     const FrictionFit fit = fit_friction(probe(without, i), kNormal);
     EXPECT_EQ(fit.stop, FrictionStop::frictionless);
     EXPECT_LT(fit.coefficient, 0.01);
     EXPECT_LT(fit.lower_bound, 0.004);
-    const Probing some{.friction = 0.05, .axis = -kNormal};
+    const ConeProbing some{.friction = 0.05, .axis = -kNormal};
     EXPECT_EQ(fit_friction(probe(some, i), kNormal).stop, FrictionStop::converged);
   }
 }
@@ -215,23 +215,24 @@ TEST(FitFriction, RefusesWhatIsNotFinite) {
               ::testing::HasSubstr("trial 6"));
 }
 
-const probing::Contact kContact{1, {0, 0, 700}, {0, 0, -1}};
+const probing::Contact kTriedContact{1, {0, 0, 700}, {0, 0, -1}};
 
-probing::Sample sample(long long contact, const Eigen::Vector3d& force, bool held) {
+probing::Sample tried_sample(long long contact, const Eigen::Vector3d& force, bool held) {
   return {.id = 0,
           .contact = contact,
           .group = 1,
           .force = force,
           .a = {0, 0, 0},
-          .b = kContact.position + 2 * force,
+          .b = kTriedContact.position + 2 * force,
           .on_friction_boundary = held,
           .slipped = !held};
 }
 
 TEST(FrictionTrials, AreTheSamplesOfTheContact) {
-  const std::vector<probing::Sample> samples = {
-      sample(1, {1, 0, 2}, true), sample(9, {1, 0, 2}, true), sample(1, {1.5, 0, 2}, false)};
-  const std::vector<FrictionTrial> trials = friction_trials(kContact, samples);
+  const std::vector<probing::Sample> samples = {tried_sample(1, {1, 0, 2}, true),
+                                                tried_sample(9, {1, 0, 2}, true),
+                                                tried_sample(1, {1.5, 0, 2}, false)};
+  const std::vector<FrictionTrial> trials = friction_trials(kTriedContact, samples);
   ASSERT_EQ(trials.size(), 2u);
   EXPECT_FALSE(trials[0].slipped);
   EXPECT_TRUE(trials[1].slipped);

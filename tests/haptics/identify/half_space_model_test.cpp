@@ -13,26 +13,27 @@
 namespace palpate::haptics {
 namespace {
 
-constexpr double kTol = 1e-12;  // relative, some ten operations
+constexpr double kFoamTolerance = 1e-12;  // relative, some ten operations
 
-const probing::Contact kContact{3, {1, 2, 3}, Eigen::Vector3d(0.2, -0.3, -0.9).normalized()};
+const probing::Contact kFoamContact{3, {1, 2, 3}, Eigen::Vector3d(0.2, -0.3, -0.9).normalized()};
 const HalfSpaceModel kFoam{0.05, 0.3, 4};
 
 TEST(HalfSpaceModel, IsThePunchOfBoussinesqAlongTheNormal) {
-  const Eigen::Vector3d pressed = force(kFoam, kContact, -0.7 * kContact.normal);
-  EXPECT_NEAR(pressed.dot(-kContact.normal), 2 * 4 * 0.05 / (1 - 0.09) * 0.7, kTol);
-  EXPECT_NEAR(pressed.cross(kContact.normal).norm(), 0, kTol);
+  const Eigen::Vector3d pressed = force(kFoam, kFoamContact, -0.7 * kFoamContact.normal);
+  EXPECT_NEAR(pressed.dot(-kFoamContact.normal), 2 * 4 * 0.05 / (1 - 0.09) * 0.7, kFoamTolerance);
+  EXPECT_NEAR(pressed.cross(kFoamContact.normal).norm(), 0, kFoamTolerance);
 }
 
 TEST(HalfSpaceModel, IsAsStiffSidewaysAsAlongTheNormalWithoutTransverseContraction) {
-  EXPECT_TRUE(
-      stiffness({0.05, 0, 4}, kContact).isApprox(2 * 4 * 0.05 * Eigen::Matrix3d::Identity(), kTol));
+  EXPECT_TRUE(stiffness({0.05, 0, 4}, kFoamContact)
+                  .isApprox(2 * 4 * 0.05 * Eigen::Matrix3d::Identity(), kFoamTolerance));
 }
 
 TEST(HalfSpaceModel, IsTwoThirdsAsStiffSidewaysIfIncompressible) {
-  const Eigen::Matrix3d k = stiffness({0.05, 0.5, 4}, kContact);
-  const Eigen::Vector3d sideways = kContact.normal.unitOrthogonal();
-  EXPECT_NEAR(sideways.dot(k * sideways) / kContact.normal.dot(k * kContact.normal), 2.0 / 3, kTol);
+  const Eigen::Matrix3d k = stiffness({0.05, 0.5, 4}, kFoamContact);
+  const Eigen::Vector3d sideways = kFoamContact.normal.unitOrthogonal();
+  EXPECT_NEAR(sideways.dot(k * sideways) / kFoamContact.normal.dot(k * kFoamContact.normal),
+              2.0 / 3, kFoamTolerance);
 }
 
 TEST(HalfSpaceModel, HasTheForceOfItsEnergyAndItsInverse) {
@@ -40,11 +41,12 @@ TEST(HalfSpaceModel, HasTheForceOfItsEnergyAndItsInverse) {
   constexpr double kStep = 1e-4;  // exact for a quadratic but for rounding
   for (int k = 0; k < 3; ++k) {
     const Eigen::Vector3d d = kStep * Eigen::Vector3d::Unit(k);
-    EXPECT_NEAR(
-        (potential(kFoam, kContact, at + d) - potential(kFoam, kContact, at - d)) / (2 * kStep),
-        force(kFoam, kContact, at)[k], 1e-10);
+    EXPECT_NEAR((potential(kFoam, kFoamContact, at + d) - potential(kFoam, kFoamContact, at - d)) /
+                    (2 * kStep),
+                force(kFoam, kFoamContact, at)[k], 1e-10);
   }
-  EXPECT_TRUE(displacement(kFoam, kContact, force(kFoam, kContact, at)).isApprox(at, kTol));
+  EXPECT_TRUE(displacement(kFoam, kFoamContact, force(kFoam, kFoamContact, at))
+                  .isApprox(at, kFoamTolerance));
 }
 
 TEST(HalfSpaceModel, RefusesWhatIsNoMaterial) {
@@ -55,7 +57,8 @@ TEST(HalfSpaceModel, RefusesWhatIsNoMaterial) {
       {{0.05, 0.3, 0}, "tool_radius is 0"},
       {{std::nan(""), 0.3, 4}, "young_modulus is nan"}};
   for (const auto& [model, words] : cases) {
-    EXPECT_THAT(refusal([&] { return stiffness(model, kContact); }), ::testing::HasSubstr(words));
+    EXPECT_THAT(refusal([&] { return stiffness(model, kFoamContact); }),
+                ::testing::HasSubstr(words));
   }
 }
 

@@ -18,19 +18,19 @@
 namespace palpate::haptics {
 namespace {
 
-constexpr double kTolerance = 1e-12;  // a hundred operations on values of order 1 to 1000
-const Eigen::Vector3d kDisplacement(1.1, -0.7, 2.3);
+constexpr double kBlendTolerance = 1e-12;  // a hundred operations on values of order 1 to 1000
+const Eigen::Vector3d kPush(1.1, -0.7, 2.3);
 
 TEST(BlendedField, AtAContactIsItsOwnField) {
   const Model model = uneven_model();
   const BlendedField field(model);
   for (const ContactModel& contact : model.contacts) {
     const Eigen::Vector3d expected =
-        contact.frame * force(contact.field, contact.frame.transpose() * kDisplacement);
-    EXPECT_LT((field.force(contact.position, kDisplacement) - expected).norm(), kTolerance);
-    EXPECT_NEAR(field.blend(contact.position).friction, contact.friction, kTolerance);
+        contact.frame * force(contact.field, contact.frame.transpose() * kPush);
+    EXPECT_LT((field.force(contact.position, kPush) - expected).norm(), kBlendTolerance);
+    EXPECT_NEAR(field.blend(contact.position).friction, contact.friction, kBlendTolerance);
     EXPECT_LT((field.blend(contact.position).friction_axis - contact.friction_axis).norm(),
-              kTolerance);
+              kBlendTolerance);
   }
 }
 
@@ -40,11 +40,11 @@ TEST(BlendedField, BlendsLinearlyBetweenContactsInTheBlendedFrame) {
   const BlendedField field(model);
   // On the edge from contact 0 to contact 1, three tenths of the way.
   const Eigen::Vector3d place = 0.7 * model.contacts[0].position + 0.3 * model.contacts[1].position;
-  const Eigen::Vector3d local = some_rotation().transpose() * kDisplacement;
+  const Eigen::Vector3d local = some_rotation().transpose() * kPush;
   const Eigen::Vector3d expected = some_rotation() * (0.7 * force(model.contacts[0].field, local) +
                                                       0.3 * force(model.contacts[1].field, local));
-  EXPECT_LT((field.force(place, kDisplacement) - expected).norm(), kTolerance);
-  EXPECT_NEAR(field.blend(place).friction, 0.7 * 0.4 + 0.3 * 0.5, kTolerance);
+  EXPECT_LT((field.force(place, kPush) - expected).norm(), kBlendTolerance);
+  EXPECT_NEAR(field.blend(place).friction, 0.7 * 0.4 + 0.3 * 0.5, kBlendTolerance);
 }
 
 TEST(BlendedField, TakesTheWeightsOfTheSurfaceWhereThereAreSome) {
@@ -61,9 +61,9 @@ TEST(BlendedField, TakesTheWeightsOfTheSurfaceWhereThereAreSome) {
   const BlendedField field(model);
   const ContactModel& contact = model.contacts[2];
   const Eigen::Vector3d expected =
-      contact.frame * force(contact.field, contact.frame.transpose() * kDisplacement);
-  EXPECT_LT((field.force(field.blend(place), kDisplacement) - expected).norm(), kTolerance);
-  EXPECT_GT((projected.force(projected.blend(place), kDisplacement) - expected).norm(), 1e-3);
+      contact.frame * force(contact.field, contact.frame.transpose() * kPush);
+  EXPECT_LT((field.force(field.blend(place), kPush) - expected).norm(), kBlendTolerance);
+  EXPECT_GT((projected.force(projected.blend(place), kPush) - expected).norm(), 1e-3);
 }
 
 TEST(BlendedField, IsZeroAtZeroDisplacementAndContinuousAcrossTriangles) {
@@ -71,8 +71,8 @@ TEST(BlendedField, IsZeroAtZeroDisplacementAndContinuousAcrossTriangles) {
   EXPECT_EQ(field.force({3, 4, 700}, Eigen::Vector3d::Zero()), Eigen::Vector3d::Zero());
   // The diagonal between the two triangles runs through (x, -x).
   const double step = 1e-7;
-  const Eigen::Vector3d below = field.force({10 - step, -10 - step, 700}, kDisplacement);
-  const Eigen::Vector3d above = field.force({10 + step, -10 + step, 700}, kDisplacement);
+  const Eigen::Vector3d below = field.force({10 - step, -10 - step, 700}, kPush);
+  const Eigen::Vector3d above = field.force({10 + step, -10 + step, 700}, kPush);
   EXPECT_LT((above - below).norm(), 1e-6);
   EXPECT_GT((above - below).norm(), 0);
 }
@@ -83,9 +83,8 @@ TEST(BlendedField, MovesWithTheWorld) {
   const Eigen::Matrix3Xd places = random_points(30, 40);
   for (const auto& offset : places.colwise()) {
     const Eigen::Vector3d place(offset.x(), offset.y(), 700);
-    const Eigen::Vector3d expected = motion.linear() * field.force(place, kDisplacement);
-    EXPECT_LT((elsewhere.force(motion * place, motion.linear() * kDisplacement) - expected).norm(),
-              1e-9);
+    const Eigen::Vector3d expected = motion.linear() * field.force(place, kPush);
+    EXPECT_LT((elsewhere.force(motion * place, motion.linear() * kPush) - expected).norm(), 1e-9);
   }
 }
 
@@ -97,9 +96,8 @@ TEST(BlendedField, DoesNotDependOnACommonTurnOfTheLocalAxes) {
     contact.field = rotated(contact.field, some_rotation().transpose());
   }
   const BlendedField turned(model);
-  EXPECT_LT(
-      (turned.force({7, 11, 700}, kDisplacement) - field.force({7, 11, 700}, kDisplacement)).norm(),
-      kTolerance);
+  EXPECT_LT((turned.force({7, 11, 700}, kPush) - field.force({7, 11, 700}, kPush)).norm(),
+            kBlendTolerance);
 }
 
 // A ball that is felt all round, at each contact stiffer in one direction along it, with the x axis
@@ -121,8 +119,7 @@ TEST(BlendedField, ByComplianceDoesNotDependOnTheXAxesOfContacts) {
   const BlendedField field(grained_ball(30, [](int) { return 0.0; }));
   const BlendedField turned(grained_ball(30, [](int i) { return 2.3 * i; }));
   for (const Eigen::Vector3d& place : places_on_sphere(500)) {
-    const Eigen::Vector3d difference =
-        turned.force(place, kDisplacement) - field.force(place, kDisplacement);
+    const Eigen::Vector3d difference = turned.force(place, kPush) - field.force(place, kPush);
     EXPECT_LT(difference.norm(), 1e-3);  // [N] of 3 N: trends have five digits
   }
 }
@@ -132,12 +129,12 @@ TEST(BlendedField, ByComplianceDoesNotJumpAnywhereOnAClosedSurface) {
     const BlendedField field(grained_ball(contacts, [](int i) { return 2.3 * i; }));
     const auto largest_step = [&](const Eigen::Matrix3d& circle, int steps) {
       double largest = 0;
-      Eigen::Vector3d before = field.force(kSphereRadius * circle.col(0), kDisplacement);
+      Eigen::Vector3d before = field.force(kSphereRadius * circle.col(0), kPush);
       for (int i = 1; i <= steps; ++i) {
         const double angle = 2 * std::numbers::pi * i / steps;
         const Eigen::Vector3d place =
             kSphereRadius * (std::cos(angle) * circle.col(0) + std::sin(angle) * circle.col(1));
-        const Eigen::Vector3d now = field.force(place, kDisplacement);
+        const Eigen::Vector3d now = field.force(place, kPush);
         largest = std::max(largest, (now - before).norm());
         before = now;
       }
@@ -155,7 +152,7 @@ TEST(BlendedField, ByComplianceDoesNotJumpAnywhereOnAClosedSurface) {
 TEST(BlendedField, GivesNoForceForWhatIsNotFinite) {
   const BlendedField field(uneven_model());
   const Eigen::Vector3d nan = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
-  EXPECT_EQ(field.force(nan, kDisplacement), Eigen::Vector3d::Zero());
+  EXPECT_EQ(field.force(nan, kPush), Eigen::Vector3d::Zero());
   EXPECT_EQ(field.force({0, 0, 700}, nan), Eigen::Vector3d::Zero());
   EXPECT_TRUE(field.force({1e6, -1e6, 1e6}, {1e12, 0, 1e12}).allFinite());
 }

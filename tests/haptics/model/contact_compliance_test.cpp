@@ -17,7 +17,7 @@ namespace {
 using ::testing::HasSubstr;
 
 // Ridges along three axes: f = w x / sqrt(x^2 + e^2) along each, stiffness w / e at zero.
-ForceField ridges(const Eigen::Vector3d& weights, const Eigen::Vector3d& epsilons) {
+ForceField ridges_along_axes(const Eigen::Vector3d& weights, const Eigen::Vector3d& epsilons) {
   ForceField field;
   for (int axis = 0; axis < 3; ++axis) {
     field.bases.push_back(
@@ -41,7 +41,7 @@ Model stretched_model(double spacing = 14) {
       ContactModel contact;
       contact.id = static_cast<long long>(model.contacts.size());
       contact.position << x, y, 700;
-      contact.field = ridges({9, 12, 6}, softness(x) * Eigen::Vector3d(5, 14, 20));
+      contact.field = ridges_along_axes({9, 12, 6}, softness(x) * Eigen::Vector3d(5, 14, 20));
       points.push_back(query.closest_point(contact.position).at);
       model.contacts.push_back(contact);
     }
@@ -53,7 +53,8 @@ Model stretched_model(double spacing = 14) {
 }
 
 Eigen::Vector3d true_force(double x, const Eigen::Vector3d& displacement) {
-  return force(ridges({9, 12, 6}, softness(x) * Eigen::Vector3d(5, 14, 20)), displacement);
+  return force(ridges_along_axes({9, 12, 6}, softness(x) * Eigen::Vector3d(5, 14, 20)),
+               displacement);
 }
 
 double worst_error(const Model& model) {
@@ -206,7 +207,7 @@ TEST(WithCompliances, FollowsTheSurfaceNotTheFriction) {
 TEST(WithCompliances, LeavesContactsAsTheyAreThatDoNotReachTheForce) {
   Model model = stretched_model(42);
   model.contacts[4].field = {};
-  model.contacts[2].field = ridges({2, 2, 2}, {10, 10, 10});  // bounded by 2 N
+  model.contacts[2].field = ridges_along_axes({2, 2, 2}, {10, 10, 10});  // bounded by 2 N
   const Model found = with_compliances(model, 3);
   EXPECT_FALSE(found.contacts[4].compliance);
   EXPECT_FALSE(found.contacts[2].compliance);

@@ -17,7 +17,7 @@ using ::testing::HasSubstr;
 
 // What reading says after a good document was changed; in CBOR as in JSON.
 template <typename Change>
-std::string refused_after(Change&& change) {
+std::string refused_document(Change&& change) {
   json document = json::parse(field_document(some_model(), ModelEncoding::json));
   change(document);
   const std::string changed = document.dump();
@@ -33,61 +33,61 @@ std::string refused_after(Change&& change) {
 
 TEST(FieldDocumentReader, NamesThePlaceAndWhatIsRight) {
   EXPECT_THAT(
-      refused_after([](json& d) { d["contacts"][1]["position"][2] = nullptr; }),
+      refused_document([](json& d) { d["contacts"][1]["position"][2] = nullptr; }),
       AllOf(HasSubstr("/contacts/1/position/2:"), HasSubstr("found null"), HasSubstr("a number")));
-  EXPECT_THAT(refused_after([](json& d) { d["contacts"][1].erase("bases"); }),
+  EXPECT_THAT(refused_document([](json& d) { d["contacts"][1].erase("bases"); }),
               AllOf(HasSubstr("/contacts/1:"), HasSubstr("\"bases\"")));
-  EXPECT_THAT(refused_after([](json& d) { d["contacts"][0]["bases"][1].push_back(1); }),
+  EXPECT_THAT(refused_document([](json& d) { d["contacts"][0]["bases"][1].push_back(1); }),
               AllOf(HasSubstr("/contacts/0/bases/1:"), HasSubstr("five numbers")));
-  EXPECT_THAT(refused_after([](json& d) { d["contacts"][0]["friction"]["source"] = "guess"; }),
+  EXPECT_THAT(refused_document([](json& d) { d["contacts"][0]["friction"]["source"] = "guess"; }),
               AllOf(HasSubstr("/contacts/0/friction/source:"), HasSubstr("found \"guess\""),
                     HasSubstr("\"samples\", \"other_contacts\", \"none\" or \"lower_bound\"")));
-  EXPECT_THAT(refused_after([](json& d) { d["made"]["a/b~c"] = 7; }),
+  EXPECT_THAT(refused_document([](json& d) { d["made"]["a/b~c"] = 7; }),
               HasSubstr("/made/a~1b~0c: found 7"));
-  EXPECT_THAT(refused_after([](json& d) {
+  EXPECT_THAT(refused_document([](json& d) {
                 d = json::array({1, 2});
               }),
               AllOf(HasSubstr("at the top: found an array of 2"), HasSubstr("an object")));
-  EXPECT_THAT(refused_after([](json& d) { d = 7; }), HasSubstr("at the top: found 7"));
-  EXPECT_THAT(refused_after([](json& d) { d.erase("triangles"); }),
+  EXPECT_THAT(refused_document([](json& d) { d = 7; }), HasSubstr("at the top: found 7"));
+  EXPECT_THAT(refused_document([](json& d) { d.erase("triangles"); }),
               HasSubstr("an object with the member \"triangles\""));
-  EXPECT_THAT(refused_after([](json& d) {
+  EXPECT_THAT(refused_document([](json& d) {
                 d["contacts"] = {{"1", 2}};
               }),
               AllOf(HasSubstr("/contacts: found an object of 1"), HasSubstr("an array")));
-  EXPECT_THAT(refused_after([](json& d) {
+  EXPECT_THAT(refused_document([](json& d) {
                 d["contacts"][2] = {1, {2}};
               }),
               AllOf(HasSubstr("/contacts/2: found an array of 2"), HasSubstr("an object")));
-  EXPECT_THAT(refused_after([](json& d) { d["triangles"][1] = 5; }),
+  EXPECT_THAT(refused_document([](json& d) { d["triangles"][1] = 5; }),
               AllOf(HasSubstr("/triangles/1: found 5"), HasSubstr("an array")));
   EXPECT_THAT(
-      refused_after([](json& d) { d["contacts"][1]["compliance"]["trend"][3][5] = "1"; }),
+      refused_document([](json& d) { d["contacts"][1]["compliance"]["trend"][3][5] = "1"; }),
       AllOf(HasSubstr("/contacts/1/compliance/trend/3/5: found \"1\""), HasSubstr("a number")));
-  EXPECT_THAT(refused_after([](json& d) { d["contacts"][1]["compliance"]["trend"].erase(0); }),
+  EXPECT_THAT(refused_document([](json& d) { d["contacts"][1]["compliance"]["trend"].erase(0); }),
               AllOf(HasSubstr("/contacts/1/compliance/trend:"), HasSubstr("five derivatives")));
-  EXPECT_THAT(refused_after([](json& d) { d["contacts"][1]["compliance"]["values"].erase(0); }),
+  EXPECT_THAT(refused_document([](json& d) { d["contacts"][1]["compliance"]["values"].erase(0); }),
               AllOf(HasSubstr("/contacts/1/compliance/values:"), HasSubstr("six numbers")));
-  EXPECT_THAT(refused_after([](json& d) { d["contacts"][1]["fit"]["mode"] = "concave"; }),
+  EXPECT_THAT(refused_document([](json& d) { d["contacts"][1]["fit"]["mode"] = "concave"; }),
               AllOf(HasSubstr("/contacts/1/fit/mode: found \"concave\""),
                     HasSubstr("\"convex\", \"certified\" or \"local\"")));
-  EXPECT_THAT(refused_after([](json& d) { d["interpolation"].erase("reach"); }),
+  EXPECT_THAT(refused_document([](json& d) { d["interpolation"].erase("reach"); }),
               AllOf(HasSubstr("/interpolation:"), HasSubstr("\"reach\"")));
 }
 
 TEST(FieldDocumentReader, RefusesOtherUnitsFormatsAndVersions) {
-  EXPECT_THAT(refused_after([](json& d) { d["format"] = "other"; }), HasSubstr("/format:"));
-  EXPECT_THAT(refused_after([](json& d) { d["units"]["length"] = "m"; }),
+  EXPECT_THAT(refused_document([](json& d) { d["format"] = "other"; }), HasSubstr("/format:"));
+  EXPECT_THAT(refused_document([](json& d) { d["units"]["length"] = "m"; }),
               AllOf(HasSubstr("/units/length:"), HasSubstr("\"mm\"")));
-  EXPECT_THAT(refused_after([](json& d) { d["units"]["force"] = "lbf"; }),
+  EXPECT_THAT(refused_document([](json& d) { d["units"]["force"] = "lbf"; }),
               AllOf(HasSubstr("/units/force:"), HasSubstr("\"N\"")));
-  EXPECT_THAT(refused_after([](json& d) { d["surface"] = "../other.ply"; }),
+  EXPECT_THAT(refused_document([](json& d) { d["surface"] = "../other.ply"; }),
               HasSubstr("/surface:"));
-  EXPECT_THAT(refused_after([](json& d) { d["version"] = 0; }), HasSubstr("expected 1"));
-  EXPECT_THAT(refused_after([](json& d) { d["version"] = 2; }),
+  EXPECT_THAT(refused_document([](json& d) { d["version"] = 0; }), HasSubstr("expected 1"));
+  EXPECT_THAT(refused_document([](json& d) { d["version"] = 2; }),
               AllOf(HasSubstr("/version:"), HasSubstr("found 2"), HasSubstr("newer palpate")));
   // Whatever else differs in a newer document, wherever it says that it is one.
-  EXPECT_THAT(refused_after([](json& d) {
+  EXPECT_THAT(refused_document([](json& d) {
                 d["version"] = 2;
                 d["made"]["program"] = "palpate 7.5";
                 d["contacts"][1].erase("bases");
@@ -97,41 +97,41 @@ TEST(FieldDocumentReader, RefusesOtherUnitsFormatsAndVersions) {
 }
 
 TEST(FieldDocumentReader, RefusesWhatCannotBe) {
-  EXPECT_THAT(refused_after([](json& d) { d["triangles"][0][1] = 4; }),
+  EXPECT_THAT(refused_document([](json& d) { d["triangles"][0][1] = 4; }),
               AllOf(HasSubstr("/triangles/0/1:"), HasSubstr("from 0 to 3")));
-  EXPECT_THAT(refused_after([](json& d) { d["triangles"][0][1] = 1e300; }),
+  EXPECT_THAT(refused_document([](json& d) { d["triangles"][0][1] = 1e300; }),
               HasSubstr("/triangles/0/1:"));
-  EXPECT_THAT(refused_after([](json& d) { d["triangles"][0][1] = 0xFFFFFFFFFFFFFFFFu; }),
+  EXPECT_THAT(refused_document([](json& d) { d["triangles"][0][1] = 0xFFFFFFFFFFFFFFFFu; }),
               HasSubstr("/triangles/0/1:"));
-  EXPECT_THAT(refused_after([](json& d) { d["contacts"][3]["friction"]["coefficient"] = -1; }),
+  EXPECT_THAT(refused_document([](json& d) { d["contacts"][3]["friction"]["coefficient"] = -1; }),
               AllOf(HasSubstr("/contacts/3/friction/coefficient:"), HasSubstr(">= 0")));
-  EXPECT_THAT(refused_after([](json& d) {
+  EXPECT_THAT(refused_document([](json& d) {
                 d["contacts"][3]["friction"]["axis"] = {0, 0, 0};
               }),
               AllOf(HasSubstr("/contacts/3/friction/axis:"), HasSubstr("not all zero")));
-  EXPECT_THAT(refused_after([](json& d) {
+  EXPECT_THAT(refused_document([](json& d) {
                 d["contacts"][2]["rotation"] = {0, 0, 0, 0};
               }),
               AllOf(HasSubstr("/contacts/2/rotation:"), HasSubstr("not all zero")));
-  EXPECT_THAT(refused_after([](json& d) { d["contacts"][2]["rotation"].erase(0); }),
+  EXPECT_THAT(refused_document([](json& d) { d["contacts"][2]["rotation"].erase(0); }),
               AllOf(HasSubstr("/contacts/2/rotation:"), HasSubstr("four numbers")));
-  EXPECT_THAT(refused_after([](json& d) { d["contacts"][0]["bases"][0][1] = 0; }),
+  EXPECT_THAT(refused_document([](json& d) { d["contacts"][0]["bases"][0][1] = 0; }),
               AllOf(HasSubstr("/contacts/0/bases/0/1:"), HasSubstr("> 0")));
-  EXPECT_THAT(refused_after([](json& d) {
+  EXPECT_THAT(refused_document([](json& d) {
                 for (const std::size_t i : {2, 3, 4}) d["contacts"][0]["ridges"][0][i] = 0;
               }),
               AllOf(HasSubstr("/contacts/0/ridges/0:"), HasSubstr("last three")));
-  EXPECT_THAT(refused_after([](json& d) {
+  EXPECT_THAT(refused_document([](json& d) {
                 for (const std::size_t i : {2, 3, 4}) d["contacts"][0]["ridges"][0][i] = 1e-310;
               }),
               AllOf(HasSubstr("/contacts/0/ridges/0:"), HasSubstr("at least 1e-12")));
-  EXPECT_THAT(refused_after([](json& d) { d["contacts"][0]["bases"][0][0] = 1.01e12; }),
+  EXPECT_THAT(refused_document([](json& d) { d["contacts"][0]["bases"][0][0] = 1.01e12; }),
               AllOf(HasSubstr("/contacts/0/bases/0/0:"), HasSubstr("at most 1e12")));
-  EXPECT_THAT(refused_after([](json& d) { d["contacts"][2]["id"] = 11; }),
+  EXPECT_THAT(refused_document([](json& d) { d["contacts"][2]["id"] = 11; }),
               AllOf(HasSubstr("/contacts/2/id: found 11"), HasSubstr("contact 1 has this one")));
-  EXPECT_THAT(refused_after([](json& d) { d["registration"]["rotation"][0][0] = 2; }),
+  EXPECT_THAT(refused_document([](json& d) { d["registration"]["rotation"][0][0] = 2; }),
               HasSubstr("/registration/rotation:"));
-  EXPECT_THAT(refused_after([](json& d) { d["contacts"].erase(0), d["contacts"].erase(0); }),
+  EXPECT_THAT(refused_document([](json& d) { d["contacts"].erase(0), d["contacts"].erase(0); }),
               AllOf(HasSubstr("/contacts:"), HasSubstr("at least three")));
 }
 

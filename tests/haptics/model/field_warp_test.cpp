@@ -13,7 +13,7 @@
 namespace palpate::haptics {
 namespace {
 
-constexpr double kTolerance = 1e-10;  // tens of operations on values of order 1 to 100
+constexpr double kWarpTolerance = 1e-10;  // tens of operations on values of order 1 to 100
 
 Compliance compliance(double x, double y, double z, double xx, double xy, double yy) {
   return (Compliance() << x, y, z, xx, xy, yy).finished();
@@ -28,22 +28,22 @@ const Compliance kStiff = compliance(-3.2, 0.4, 7.3, 0.8, 0.2, 2.2);
 
 TEST(WarpBetween, IsTheIdentityBetweenEqualCompliances) {
   const FieldWarp warp = warp_between(kSoft, kSoft);
-  EXPECT_LT((warp.displacement - Eigen::Matrix3d::Identity()).norm(), kTolerance);
+  EXPECT_LT((warp.displacement - Eigen::Matrix3d::Identity()).norm(), kWarpTolerance);
   EXPECT_EQ(warp.energy, 1);
 }
 
 TEST(WarpBetween, KeepsTheForceAtTheDisplacementAndGivesTheStiffnessAcross) {
   const FieldWarp warp = warp_between(kSoft, kStiff);
-  EXPECT_LT((warp.displacement * kStiff.head<3>() - kSoft.head<3>()).norm(), kTolerance);
+  EXPECT_LT((warp.displacement * kStiff.head<3>() - kSoft.head<3>()).norm(), kWarpTolerance);
   const Eigen::Vector3d force(0, 0, 3);
-  EXPECT_LT((warp.energy * warp.displacement.transpose() * force - force).norm(), kTolerance);
+  EXPECT_LT((warp.energy * warp.displacement.transpose() * force - force).norm(), kWarpTolerance);
   // Any stiffness of the field whose block across is that of kSoft.
   Eigen::Matrix3d stiffness = Eigen::Matrix3d::Constant(0.2);
   stiffness.topLeftCorner<2, 2>() = across(kSoft).inverse();
   const Eigen::Matrix3d warped =
       warp.energy * warp.displacement.transpose() * stiffness * warp.displacement;
   const Eigen::Matrix2d product = warped.topLeftCorner<2, 2>() * across(kStiff);
-  EXPECT_LT((product - Eigen::Matrix2d::Identity()).norm(), kTolerance);
+  EXPECT_LT((product - Eigen::Matrix2d::Identity()).norm(), kWarpTolerance);
 }
 
 TEST(WarpBetween, TurnsWithTheAxes) {
@@ -52,12 +52,13 @@ TEST(WarpBetween, TurnsWithTheAxes) {
   const Eigen::Matrix3d expected =
       turn * warp_between(kSoft, kStiff).displacement * turn.transpose();
   const FieldWarp warp = warp_between(turned(kSoft, plane), turned(kStiff, plane));
-  EXPECT_LT((warp.displacement - expected).norm(), kTolerance);
+  EXPECT_LT((warp.displacement - expected).norm(), kWarpTolerance);
 }
 
 TEST(Turned, ByAQuarterExchangesTheAxes) {
   const Eigen::Matrix2d quarter{{0, -1}, {1, 0}};
-  EXPECT_LT((turned(kSoft, quarter) - compliance(0.7, 2.1, 17, 5.1, 0.3, 1.2)).norm(), kTolerance);
+  EXPECT_LT((turned(kSoft, quarter) - compliance(0.7, 2.1, 17, 5.1, 0.3, 1.2)).norm(),
+            kWarpTolerance);
 }
 
 TEST(TurnBetween, LeavesOnlyWhatTheXAxesDifferByAfterTheSmallestTurnOfZ) {
@@ -65,7 +66,7 @@ TEST(TurnBetween, LeavesOnlyWhatTheXAxesDifferByAfterTheSmallestTurnOfZ) {
   // Tilted about an axis across z, then turned about the new z.
   const Eigen::Matrix3d to = from * rotation_exp({0.5, 0.2, 0}) * rotation_exp({0, 0, 0.6});
   const Eigen::Matrix2d expected = rotation_exp({0, 0, -0.6}).topLeftCorner<2, 2>();
-  EXPECT_LT((turn_between(from, to) - expected).norm(), kTolerance);
+  EXPECT_LT((turn_between(from, to) - expected).norm(), kWarpTolerance);
 }
 
 // Three contacts in a plane whose compliances and trends are those of a cubic function of the
@@ -111,7 +112,7 @@ TEST_F(CubicCompliance, IsReproducedBetweenTheContacts) {
   for (const std::array<double, 3>& weights :
        {std::array{1.0, 0.0, 0.0}, {0.5, 0.5, 0.0}, {0.2, 0.3, 0.5}, {0.1, 0.8, 0.1}}) {
     const Eigen::Vector3d where = place(weights);
-    EXPECT_NEAR(at(weights, where), cubic(where.head<2>()), kTolerance);
+    EXPECT_NEAR(at(weights, where), cubic(where.head<2>()), kWarpTolerance);
   }
 }
 
@@ -120,8 +121,8 @@ TEST_F(CubicCompliance, IsFollowedBeyondTheContactsAsFarAsTheReach) {
   const Eigen::RowVector<double, 5> d = derivatives(contacts[1].position.head<2>());
   const double value = contacts[1].compliance->values(2);
   const Eigen::Vector3d outside(there.x(), there.y(), 700);
-  EXPECT_NEAR(at({0, 1, 0}, outside), value + 4 * d(0) + 8 * d(2), kTolerance);
-  EXPECT_NEAR(at({0, 1, 0}, outside, 1), value + d(0) + d(2) / 2, kTolerance);
+  EXPECT_NEAR(at({0, 1, 0}, outside), value + 4 * d(0) + 8 * d(2), kWarpTolerance);
+  EXPECT_NEAR(at({0, 1, 0}, outside, 1), value + d(0) + d(2) / 2, kWarpTolerance);
 }
 
 TEST_F(CubicCompliance, NeverChangesTheMeanByMoreThanItsPart) {
@@ -132,14 +133,14 @@ TEST_F(CubicCompliance, NeverChangesTheMeanByMoreThanItsPart) {
   contacts[1].compliance->trend.row(3).setConstant(-1e9);
   const Compliance found = compliance_between(contacts, frames, indices, std::array{0.0, 1.0, 0.0},
                                               outside, Eigen::Matrix3d::Identity(), 100);
-  EXPECT_GE(across(found).eigenvalues().real().minCoeff(), (1 - kMaxChange) * (1 - kTolerance));
+  EXPECT_GE(across(found).eigenvalues().real().minCoeff(), (1 - kMaxChange) * (1 - kWarpTolerance));
 }
 
 TEST_F(CubicCompliance, LeavesOutContactsWithoutCompliance) {
   const std::array<double, 3> weights{0.4, 0.6, 0};
   const double expected = at(weights, place(weights));
   contacts[2].compliance.reset();
-  EXPECT_NEAR(at({0.2, 0.3, 0.5}, place(weights)), expected, kTolerance);
+  EXPECT_NEAR(at({0.2, 0.3, 0.5}, place(weights)), expected, kWarpTolerance);
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ using ::testing::HasSubstr;
 
 // What reading says after surface.ply was changed as a mesh file.
 template <typename Change>
-std::string refused_after(Change&& change) {
+std::string refused_surface(Change&& change) {
   const ScratchFolder scratch;
   const fs::path folder = scratch / "model";
   write_model(folder, some_model());
@@ -92,7 +92,7 @@ TEST(ModelIo, WritesModelsOfManyContactsInCbor) {
 }
 
 TEST(ModelIo, RefusesASurfaceThatIsNotTheModels) {
-  EXPECT_THAT(refused_after([](geometry::MeshFile& file) { file.vertex_attributes.pop_back(); }),
+  EXPECT_THAT(refused_surface([](geometry::MeshFile& file) { file.vertex_attributes.pop_back(); }),
               AllOf(HasSubstr("surface.ply"), HasSubstr("no property weight_2")));
   const auto set = [](geometry::MeshFile& file, std::size_t attribute, double value) {
     std::visit(
@@ -100,12 +100,12 @@ TEST(ModelIo, RefusesASurfaceThatIsNotTheModels) {
         file.vertex_attributes[attribute].values);
   };
   EXPECT_THAT(
-      refused_after([&](auto& file) { set(file, 1, 4); }),
+      refused_surface([&](auto& file) { set(file, 1, 4); }),
       AllOf(HasSubstr("surface.ply"), HasSubstr("contact_1 of vertex 7 is 4"), HasSubstr("to 3")));
-  EXPECT_THAT(refused_after([&](auto& file) { set(file, 0, -2); }), HasSubstr("vertex 7"));
-  EXPECT_THAT(refused_after([&](auto& file) { set(file, 3, 7); }),
+  EXPECT_THAT(refused_surface([&](auto& file) { set(file, 0, -2); }), HasSubstr("vertex 7"));
+  EXPECT_THAT(refused_surface([&](auto& file) { set(file, 3, 7); }),
               AllOf(HasSubstr("vertex 7"), HasSubstr("sum to 1")));
-  EXPECT_THAT(refused_after([&](auto& file) { set(file, 4, std::nan("")); }),
+  EXPECT_THAT(refused_surface([&](auto& file) { set(file, 4, std::nan("")); }),
               HasSubstr("vertex 7"));
 }
 

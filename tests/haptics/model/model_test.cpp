@@ -14,7 +14,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 template <typename Change>
-std::string refused_after(Change&& change) {
+std::string refused_model(Change&& change) {
   Model model = sheet_model();
   change(model);
   return refusal([&] { check_model(model); });
@@ -23,29 +23,29 @@ std::string refused_after(Change&& change) {
 TEST(CheckModel, AcceptsAModel) { EXPECT_NO_THROW(check_model(sheet_model())); }
 
 TEST(CheckModel, NamesWhatIsWrong) {
-  EXPECT_THAT(refused_after([](Model& m) { m.contacts.resize(2); }), HasSubstr("at least three"));
-  EXPECT_THAT(refused_after([](Model& m) { m.contacts[2].frame(0, 0) = 1.1; }),
+  EXPECT_THAT(refused_model([](Model& m) { m.contacts.resize(2); }), HasSubstr("at least three"));
+  EXPECT_THAT(refused_model([](Model& m) { m.contacts[2].frame(0, 0) = 1.1; }),
               AllOf(HasSubstr("contact 12"), HasSubstr("frame")));
-  EXPECT_THAT(refused_after([](Model& m) { m.contacts[2].frame.col(0) *= -1; }),
+  EXPECT_THAT(refused_model([](Model& m) { m.contacts[2].frame.col(0) *= -1; }),
               AllOf(HasSubstr("contact 12"), HasSubstr("right-handed")));
-  EXPECT_THAT(refused_after([](Model& m) { m.contacts[1].friction = -0.1; }),
+  EXPECT_THAT(refused_model([](Model& m) { m.contacts[1].friction = -0.1; }),
               AllOf(HasSubstr("contact 11"), HasSubstr(">= 0")));
-  EXPECT_THAT(refused_after([](Model& m) { m.contacts[1].friction_lower_bound = -1; }),
+  EXPECT_THAT(refused_model([](Model& m) { m.contacts[1].friction_lower_bound = -1; }),
               HasSubstr("contact 11 (entry 1): friction_lower_bound is -1; it must be >= 0"));
-  EXPECT_THAT(refused_after([](Model& m) { m.contacts[1].chi2 = -1; }),
+  EXPECT_THAT(refused_model([](Model& m) { m.contacts[1].chi2 = -1; }),
               HasSubstr("contact 11 (entry 1): chi2 is -1; it must be >= 0"));
-  EXPECT_THAT(refused_after([](Model& m) { m.contacts[1].friction_axis *= 2; }),
+  EXPECT_THAT(refused_model([](Model& m) { m.contacts[1].friction_axis *= 2; }),
               AllOf(HasSubstr("contact 11"), HasSubstr("unit")));
-  EXPECT_THAT(refused_after([](Model& m) {
+  EXPECT_THAT(refused_model([](Model& m) {
                 m.contacts[3].position.x() = std::numeric_limits<double>::quiet_NaN();
               }),
               HasSubstr("contact 13"));
-  EXPECT_THAT(refused_after([](Model& m) { m.contacts[3].field.bases[0].epsilon = 0; }),
+  EXPECT_THAT(refused_model([](Model& m) { m.contacts[3].field.bases[0].epsilon = 0; }),
               AllOf(HasSubstr("contact 13"), HasSubstr("epsilon")));
-  EXPECT_THAT(refused_after([](Model& m) { m.triangles(1, 1) = 4; }), HasSubstr("triangle"));
-  EXPECT_THAT(refused_after([](Model& m) { m.triangles.resize(3, 0); }), HasSubstr("triangle"));
+  EXPECT_THAT(refused_model([](Model& m) { m.triangles(1, 1) = 4; }), HasSubstr("triangle"));
+  EXPECT_THAT(refused_model([](Model& m) { m.triangles.resize(3, 0); }), HasSubstr("triangle"));
   const auto with_weights = [](auto change) {
-    return refused_after([&](Model& m) {
+    return refused_model([&](Model& m) {
       m.surface_weights = geometry::project_weights(m.surface, contact_mesh(m));
       change(m.surface_weights);
     });
@@ -60,9 +60,9 @@ TEST(CheckModel, NamesWhatIsWrong) {
                 w.weights(0, 9) = std::numeric_limits<double>::quiet_NaN();
               }),
               HasSubstr("vertex 9"));
-  EXPECT_THAT(refused_after([](Model& m) { m.T_surface_acquisition.linear() *= 2; }),
+  EXPECT_THAT(refused_model([](Model& m) { m.T_surface_acquisition.linear() *= 2; }),
               HasSubstr("registration"));
-  EXPECT_THAT(refused_after([](Model& m) { m.surface.triangles.resize(3, 0); }),
+  EXPECT_THAT(refused_model([](Model& m) { m.surface.triangles.resize(3, 0); }),
               HasSubstr("surface"));
 }
 

@@ -20,7 +20,7 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using ::testing::HasSubstr;
 
-ForceField ridges() {
+ForceField some_ridges() {
   ForceField field;
   for (int i = 0; i < 4; ++i) {
     const double k = i;
@@ -51,15 +51,15 @@ double error(const ForceField& before, const Matrix3d& A, double factor, const F
 }
 
 TEST(TransformField, KeepsRidgesExactly) {
-  const TransformedField result = transform_field(ridges(), some_map(), 1.7);
+  const TransformedField result = transform_field(some_ridges(), some_map(), 1.7);
   EXPECT_TRUE(result.exact);
   EXPECT_EQ(result.field.bases.size(), 4u);
-  EXPECT_LT(error(ridges(), some_map(), 1.7, result.field), 1e-12);
+  EXPECT_LT(error(some_ridges(), some_map(), 1.7, result.field), 1e-12);
 }
 
 TEST(TransformField, IsExactForARotationAndAScale) {
   ForceField field = some_field();
-  field.bases.push_back(ridges().bases[2]);
+  field.bases.push_back(some_ridges().bases[2]);
   const Matrix3d map = 2.3 * some_rotation();
   const TransformedField result = transform_field(field, map, 0.6);
   EXPECT_TRUE(result.exact);
@@ -68,7 +68,7 @@ TEST(TransformField, IsExactForARotationAndAScale) {
 
 // Isotropic bases of a fit: one as large as the displacements, the others far beyond them.
 ForceField far_field() {
-  ForceField field = ridges();
+  ForceField field = some_ridges();
   field.bases.push_back({.weight = 2.5, .epsilon = 4, .center = {1, -2, 3}});
   field.bases.push_back({.weight = 90, .epsilon = 60, .center = {-80, 100, 40}});
   field.bases.push_back({.weight = 40, .epsilon = 25, .center = {10, 120, -90}});
@@ -85,7 +85,7 @@ double mean_force(const ForceField& field, double radius) {
 }
 
 TEST(TransformField, RefitsWhatBecomesAnEllipsoidAndSaysHowWell) {
-  ForceField field = ridges();
+  ForceField field = some_ridges();
   field.bases.push_back({.weight = 2.5, .epsilon = 4, .center = {1, -2, 3}});
   const Matrix3d map = Vector3d(1, 1, 1.6).asDiagonal();
   const TransformedField result = transform_field(field, map, 1.6, 4);
@@ -146,27 +146,27 @@ TEST(TransformField, RefitsInShortNumbers) {
 }
 
 TEST(TransformField, GoesBackToWhereItWas) {
-  const ForceField there = transform_field(ridges(), some_map(), 1.7).field;
+  const ForceField there = transform_field(some_ridges(), some_map(), 1.7).field;
   const ForceField back = transform_field(there, some_map().inverse(), 1 / 1.7).field;
-  EXPECT_LT(error(ridges(), Matrix3d::Identity(), 1, back), 1e-12);
+  EXPECT_LT(error(some_ridges(), Matrix3d::Identity(), 1, back), 1e-12);
   EXPECT_TRUE(transform_field({}, some_map(), 1).field.bases.empty());
 }
 
 TEST(TransformField, RefusesMapsAndFactorsWithoutSense) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THAT(refusal([] { return transform_field(ridges(), Matrix3d::Zero(), 1); }),
+  EXPECT_THAT(refusal([] { return transform_field(some_ridges(), Matrix3d::Zero(), 1); }),
               HasSubstr("volumes"));
-  EXPECT_THAT(refusal([] { return transform_field(ridges(), -Matrix3d::Identity(), 1); }),
+  EXPECT_THAT(refusal([] { return transform_field(some_ridges(), -Matrix3d::Identity(), 1); }),
               HasSubstr("volumes"));
-  EXPECT_THAT(refusal([&] { return transform_field(ridges(), Matrix3d::Constant(nan), 1); }),
+  EXPECT_THAT(refusal([&] { return transform_field(some_ridges(), Matrix3d::Constant(nan), 1); }),
               HasSubstr("volumes"));
-  EXPECT_THAT(refusal([&] { return transform_field(ridges(), some_map(), nan); }),
+  EXPECT_THAT(refusal([&] { return transform_field(some_ridges(), some_map(), nan); }),
               HasSubstr("factor"));
   for (const double force : {0.0, -1.0, nan}) {
     EXPECT_THAT(refusal([&] { return transform_field(spring(1, 1), some_map(), 1, force); }),
                 HasSubstr("largest_force"));
   }
-  ForceField bad = ridges();
+  ForceField bad = some_ridges();
   bad.bases[1].epsilon = 0;
   EXPECT_THAT(refusal([&] { return transform_field(bad, some_map(), 1); }), HasSubstr("base 1"));
 }
