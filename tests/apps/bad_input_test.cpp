@@ -20,11 +20,6 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::IsSupersetOf;
 
-constexpr int kWorkFailed = 1;
-constexpr int kWrongCall = 2;
-
-std::string demo(const std::string& name) { return (demo_data() / name).string(); }
-
 class BadInput : public ::testing::Test {
  protected:
   /// The call is refused with status 2 and a message in which `place` is found; `kept` stays as it

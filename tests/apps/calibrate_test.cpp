@@ -14,8 +14,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kWrongCall = 2;
-
 TEST(Calibrate, ColoursComeWithATableOfWhatIsTakenForWhat) {
   const ScratchFolder scratch;
   const CommandResult result =

@@ -22,9 +22,6 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr int kDone = 0;
-constexpr int kWrongCall = 2;
-
 Eigen::Isometry3d to_pose(const json& rows) {
   Eigen::Isometry3d pose;
   for (int row = 0; row < 4; ++row) {

@@ -22,12 +22,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kDone = 0;
-constexpr int kWorkFailed = 1;
-constexpr int kWrongCall = 2;
-
-std::string demo(const std::string& name) { return (demo_data() / name).string(); }
-
 class DecodeSequence : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -204,9 +198,9 @@ TEST_F(DecodeSequence, BrokenFramesLeaveTheNumbersOfTheOthers) {
   EXPECT_EQ(result.status, kWorkFailed);
   EXPECT_NE(result.err.find("1.png: neither PNG nor TIFF"), std::string::npos) << result.err;
   EXPECT_NE(result.err.find("2.png: frame: is 64 x 48 px"), std::string::npos) << result.err;
-  const auto json = nlohmann::json::parse(result.out);
-  EXPECT_EQ(json["broken"], 2);
-  EXPECT_EQ(json["per_frame"][3]["range_map"], map(3));
+  const auto report = nlohmann::json::parse(result.out);
+  EXPECT_EQ(report["broken"], 2);
+  EXPECT_EQ(report["per_frame"][3]["range_map"], map(3));
   EXPECT_TRUE(fs::exists(map(0)) && fs::exists(map(3)));
   EXPECT_FALSE(fs::exists(map(1)) || fs::exists(map(2)));
   EXPECT_EQ(read_text(scratch / "range/frames.csv"),

@@ -18,12 +18,6 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr int kDone = 0;
-constexpr int kWrongCall = 2;
-constexpr int kInterrupted = 130;
-
-std::string demo(const std::string& name) { return (demo_data() / name).string(); }
-
 // The lines of a CSV file whose number in a column is below a limit.
 std::string lines_below(const std::string& text, std::size_t column, int limit) {
   std::istringstream lines(text);

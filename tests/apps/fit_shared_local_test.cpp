@@ -15,9 +15,6 @@
 namespace palpate::apps {
 namespace {
 
-constexpr int kDone = 0;
-constexpr int kWrongCall = 2;
-constexpr int kInterrupted = 130;
 constexpr int kContacts = 30, kDense = 6;
 
 class FitSharedLocal : public ::testing::Test {

@@ -11,8 +11,6 @@
 namespace palpate::apps {
 namespace {
 
-constexpr int kDone = 0, kWrongCall = 2;
-
 class Identify : public ::testing::Test {
  protected:
   void SetUp() override {

@@ -16,11 +16,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kDone = 0;
-constexpr int kWrongCall = 2;
-
-std::string demo(const std::string& name) { return (demo_data() / name).string(); }
-
 class KeptFiles : public ::testing::Test {
  protected:
   /// A file that was not written by a command; parents are made.

@@ -14,10 +14,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kDone = 0, kWorkFailed = 1, kWrongCall = 2;
-
-std::string demo(const std::string& name) { return (demo_data() / name).string(); }
-
 class Merge : public ::testing::Test {
  protected:
   void SetUp() override {

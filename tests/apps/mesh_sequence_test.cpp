@@ -21,12 +21,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kDone = 0;
-constexpr int kWorkFailed = 1;
-constexpr int kWrongCall = 2;
-
-std::string demo(const std::string& name) { return (demo_data() / name).string(); }
-
 /// Depths of a board with bumps of several sizes in the middle of the demo camera's image; noise in
 /// mm.
 cv::Mat bumps(double noise = 0) {

@@ -69,6 +69,8 @@ CommandResult run_palpate(const std::vector<std::string>& arguments,
 
 fs::path demo_data() { return repository("demo"); }
 
+std::string demo(const std::string& name) { return (demo_data() / name).string(); }
+
 ScratchFolder::ScratchFolder() {
   std::string name = (fs::temp_directory_path() / "palpate-test-XXXXXX").string();
   if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("cannot make a temporary folder");

@@ -9,6 +9,12 @@
 
 namespace palpate::apps {
 
+/// Exit statuses of `palpate`.
+inline constexpr int kDone = 0;
+inline constexpr int kWorkFailed = 1;
+inline constexpr int kWrongCall = 2;
+inline constexpr int kInterrupted = 130;
+
 struct CommandResult {
   int status = -1;  ///< exit status; 128 + n after signal n
   std::string out;
@@ -28,6 +34,8 @@ CommandResult run_palpate(const std::vector<std::string>& arguments,
 
 /// The bundled data.
 std::filesystem::path demo_data();
+/// The path of a file of it.
+std::string demo(const std::string& name);
 
 /// A folder for one test, removed at the end.
 class ScratchFolder {

@@ -17,7 +17,6 @@ namespace fs = std::filesystem;
 
 class Simulate : public ::testing::Test {
  protected:
-  static std::string demo(const std::string& name) { return (demo_data() / name).string(); }
   static std::string hand() { return (demo_data().parent_path() / "meshes/hand.ply").string(); }
 
   /// A square before the camera, upright at a depth [mm].

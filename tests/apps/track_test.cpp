@@ -28,11 +28,6 @@ namespace scene = geometry::test;
 using Eigen::Vector3d;
 using nlohmann::json;
 
-constexpr int kDone = 0;
-constexpr int kWorkFailed = 1;
-constexpr int kWrongCall = 2;
-constexpr int kInterrupted = 130;
-
 constexpr int kWidth = 192;     // pixels of 3 mm
 constexpr double kNoise = 0.2;  // [mm] standard deviation of the depths
 constexpr int kFrames = 6;

@@ -14,8 +14,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kDone = 0, kWorkFailed = 1, kWrongCall = 2;
-
 // A bent square with three contacts, each with a field of one isotropic base.
 class Transfer : public ::testing::Test {
  protected:

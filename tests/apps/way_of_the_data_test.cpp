@@ -26,8 +26,6 @@ nlohmann::json figures(std::vector<std::string> arguments) {
 
 class WayOfTheData : public ::testing::Test {
  protected:
-  std::string demo(const std::string& name) const { return (demo_data() / name).string(); }
-
   /// Trains the colours and decodes the bundled frames into range/.
   nlohmann::json decode(std::vector<std::string> more = {}) {
     figures({"calibrate", "colors", demo("training"), "-o", scratch / "colors.yaml"});

@@ -15,9 +15,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kWrongCall = 2;
-
-std::string demo(const std::string& name) { return (demo_data() / name).string(); }
 std::string hand() { return repository("meshes/hand.ply").string(); }
 
 struct WrongCall {
