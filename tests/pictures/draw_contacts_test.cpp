@@ -28,7 +28,7 @@ struct Scene {
   }
 };
 
-cv::Mat3b draw(const Scene& scene) {
+cv::Mat3b contacts_picture(const Scene& scene) {
   return draw_picture([&](const std::filesystem::path& png) {
     draw_contacts(png, scene.surface, scene.labels, scene.contacts, "Contacts");
   });
@@ -43,23 +43,23 @@ int black_pixels(const cv::Mat3b& picture) {
 }
 
 TEST(DrawContacts, GivesNeighbouringCellsDifferentColours) {
-  const cv::Mat3b picture = draw({});
+  const cv::Mat3b picture = contacts_picture({});
   EXPECT_EQ(picture.size(), cv::Size(1200, 900));
   EXPECT_GT(color_distance(left_color(picture), right_color(picture)), 60);
 }
 
 TEST(DrawContacts, ColoursFollowTheLabels) {
   Scene scene;
-  const cv::Mat3b picture = draw(scene);
+  const cv::Mat3b picture = contacts_picture(scene);
   const Rgb right = right_color(picture);
   scene.labels = 1 - scene.labels.array();
-  EXPECT_LE(color_distance(left_color(draw(scene)), right), 12) << "but for the light";
+  EXPECT_LE(color_distance(left_color(contacts_picture(scene)), right), 12) << "but for the light";
 }
 
 TEST(DrawContacts, ShowsVerticesWithoutCellInGrey) {
   Scene scene;
   scene.labels = (scene.labels.array() == 0).select(-1, scene.labels);
-  const Rgb none = left_color(draw(scene));
+  const Rgb none = left_color(contacts_picture(scene));
   EXPECT_LE(std::abs(none[0] - none[1]), 3);
   EXPECT_LE(std::abs(none[1] - none[2]), 3);
   EXPECT_LT(none[0], 240) << "not the colour of the paper";
@@ -67,13 +67,13 @@ TEST(DrawContacts, ShowsVerticesWithoutCellInGrey) {
 
 TEST(DrawContacts, DrawsEdgesAboveASurfaceThatBulges) {
   Scene scene;
-  const int on_flat = black_pixels(draw(scene));
+  const int on_flat = black_pixels(contacts_picture(scene));
   for (auto vertex : scene.surface.vertices.colwise()) {
     vertex.z() -= 5 * std::cos(vertex.x() / 50) * std::cos(vertex.y() / 50);
   }
-  EXPECT_GT(black_pixels(draw(scene)), 0.95 * on_flat);
+  EXPECT_GT(black_pixels(contacts_picture(scene)), 0.95 * on_flat);
   scene.contacts.triangles.resize(3, 0);
-  EXPECT_LT(black_pixels(draw(scene)), 0.8 * on_flat) << "the edges are missing";
+  EXPECT_LT(black_pixels(contacts_picture(scene)), 0.8 * on_flat) << "the edges are missing";
 }
 
 TEST(DrawContacts, MarksEachContactWhereItIs) {
@@ -82,7 +82,7 @@ TEST(DrawContacts, MarksEachContactWhereItIs) {
   scene.contacts.vertices.col(0) << -30, -20, 700;
   scene.contacts.vertices.col(1) << -30, -20.5, 700;
   scene.contacts.vertices.col(2) << -29.5, -20, 700;
-  const cv::Mat1b marks = mask_of(draw(scene), {25, 25, 25}, 40, {0, 100, 1200, 690});
+  const cv::Mat1b marks = mask_of(contacts_picture(scene), {25, 25, 25}, 40, {0, 100, 1200, 690});
   const Eigen::Vector2d center = center_of(marks);
   EXPECT_LT(center.x(), 0.42 * marks.cols);
   EXPECT_LT(center.y(), 0.45 * marks.rows);
@@ -90,13 +90,13 @@ TEST(DrawContacts, MarksEachContactWhereItIs) {
 
 TEST(DrawContacts, HidesWhatIsBehind) {
   Scene scene;
-  const Rgb left = left_color(draw(scene));
+  const Rgb left = left_color(contacts_picture(scene));
   const geometry::TriangleMesh behind = make_square({-50, -50, 760}, 100, 2);
   scene.labels.conservativeResize(scene.labels.size() + behind.vertices.cols());
   scene.labels.tail(behind.vertices.cols()).setConstant(2);
   // With its triangles last, so that being drawn later does not decide.
   scene.surface = join(scene.surface, behind);
-  const cv::Mat3b picture = draw(scene);
+  const cv::Mat3b picture = contacts_picture(scene);
   const cv::Mat1b front = mask_of(picture, left, 14, {0, 100, 1200, 690});
   EXPECT_GT(cv::countNonZero(front), 80000);
 }

@@ -5,18 +5,14 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 
+#include "not_finite.h"
 #include "picture_test_utils.h"
 
 namespace palpate::pictures {
 namespace {
 
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-/// Where an image of 64 x 48 px is on the picture, away from its frame by a few pixels.
-const Region kImage(34, 114, 972, 727);
-
-cv::Mat3b draw(const geometry::ImageF& sigma) {
+cv::Mat3b deviation_picture(const geometry::ImageF& sigma) {
   return draw_picture(
       [&](const std::filesystem::path& png) { draw_deviation(png, sigma, "Sigma"); });
 }
@@ -25,7 +21,7 @@ TEST(DrawDeviation, ScaleBeginsAtZeroAndIsNotSpoiltByAFewLargeOnes) {
   geometry::ImageF sigma = geometry::ImageF::Constant(48, 64, 0.5F);
   sigma.leftCols(32) = 0.25F;
   sigma(3, 3) = 100;
-  const cv::Mat3b picture = draw(sigma);
+  const cv::Mat3b picture = deviation_picture(sigma);
   const auto color = [&](double x) {
     return pixel(picture, kImage.x + static_cast<int>(x * kImage.width),
                  kImage.y + kImage.height / 2);
@@ -36,10 +32,10 @@ TEST(DrawDeviation, ScaleBeginsAtZeroAndIsNotSpoiltByAFewLargeOnes) {
 
 TEST(DrawDeviation, UnknownIsGreyAndNothingKnownIsRefused) {
   geometry::ImageF sigma = geometry::ImageF::Constant(48, 64, 0.1F);
-  sigma.topRows(12) = kNaN;
-  EXPECT_NEAR(cv::countNonZero(mask_of(draw(sigma), kUnknownColor, 1, kImage)), kImage.area() / 4.0,
-              0.01 * kImage.area());
-  sigma.setConstant(kNaN);
+  sigma.topRows(12) = kFloatNaN;
+  EXPECT_NEAR(cv::countNonZero(mask_of(deviation_picture(sigma), kUnknownColor, 1, kImage)),
+              kImage.area() / 4.0, 0.01 * kImage.area());
+  sigma.setConstant(kFloatNaN);
   expect_refused([&](const std::filesystem::path& png) { draw_deviation(png, sigma, ""); },
                  "deviations: holds no finite value");
 }

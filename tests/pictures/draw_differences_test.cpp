@@ -4,20 +4,17 @@
 
 #include <gtest/gtest.h>
 
-#include <limits>
-
+#include "not_finite.h"
 #include "picture_test_utils.h"
 
 namespace palpate::pictures {
 namespace {
 
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-
 /// Five columns that show as five bands: far below, below, zero, above, unknown.
 const geometry::ImageF kBands =
-    geometry::ImageF{{-9.0F, -0.25F, 0.0F, 0.25F, kNaN}}.replicate(4, 1);
+    geometry::ImageF{{-9.0F, -0.25F, 0.0F, 0.25F, kFloatNaN}}.replicate(4, 1);
 
-cv::Mat3b draw(const geometry::ImageF& image, double limit) {
+cv::Mat3b differences_picture(const geometry::ImageF& image, double limit) {
   return draw_picture([&](const std::filesystem::path& png) {
     draw_differences(png, image, "Differences", limit);
   });
@@ -27,7 +24,7 @@ cv::Mat3b draw(const geometry::ImageF& image, double limit) {
 Rgb band(const cv::Mat3b& picture, int index) { return pixel(picture, 30 + 98 + 196 * index, 477); }
 
 TEST(DrawDifferences, ColoursFollowSignAndSize) {
-  const cv::Mat3b picture = draw(kBands, 0.5);
+  const cv::Mat3b picture = differences_picture(kBands, 0.5);
   EXPECT_EQ(picture.size(), cv::Size(1200, 900));
   const auto expected = [](double fraction) { return color_at(ColorMap::diverging, fraction); };
   EXPECT_EQ(band(picture, 0), expected(0));
@@ -38,7 +35,7 @@ TEST(DrawDifferences, ColoursFollowSignAndSize) {
 }
 
 TEST(DrawDifferences, PalerUnderALargerLimit) {
-  EXPECT_EQ(band(draw(kBands, 1), 3), color_at(ColorMap::diverging, 0.625));
+  EXPECT_EQ(band(differences_picture(kBands, 1), 3), color_at(ColorMap::diverging, 0.625));
 }
 
 TEST(DrawDifferences, RefusesImagesWithoutValuesAndBadLimits) {
@@ -47,13 +44,12 @@ TEST(DrawDifferences, RefusesImagesWithoutValuesAndBadLimits) {
   const auto attempt = [&](const std::filesystem::path& png) {
     draw_differences(png, image, "", limit);
   };
-  for (const double bad : {0.0, -1.0, std::numeric_limits<double>::infinity(),
-                           std::numeric_limits<double>::quiet_NaN()}) {
+  for (const double bad : {0.0, -1.0, kInf, kNaN}) {
     limit = bad;
     expect_refused(attempt, "limit");
   }
   limit = 1;
-  image.setConstant(kNaN);
+  image.setConstant(kFloatNaN);
   expect_refused(attempt, "differences: holds no finite value");
   image.resize(0, 0);
   expect_refused(attempt, "differences: is empty");

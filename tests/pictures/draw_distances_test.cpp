@@ -13,12 +13,13 @@ namespace palpate::pictures {
 namespace {
 
 /// Left of the scale, above the scale bar and the axes.
-const Region kScene(0, 90, 1000, 690);
+const Region kDistancesScene(0, 90, 1000, 690);
 
 /// Two triangles with distances of opposite sign.
 const geometry::TriangleMesh kSquare = make_square({-50, -50, 700}, 100, 1);
 
-cv::Mat3b draw(const geometry::TriangleMesh& mesh, const Eigen::VectorXd& distances, double limit) {
+cv::Mat3b distances_picture(const geometry::TriangleMesh& mesh, const Eigen::VectorXd& distances,
+                            double limit) {
   return draw_picture([&](const std::filesystem::path& png) {
     draw_distances(png, mesh, distances, {.title = "Distances", .subtitle = "", .limit = limit});
   });
@@ -29,33 +30,36 @@ int red(const Rgb& color) { return color[0] - color[2]; }
 /// Sum over the scene of how much more red than blue there is.
 double redness(const cv::Mat3b& picture) {
   double sum = 0;
-  for (int y = kScene.y; y < kScene.y + kScene.height; ++y) {
-    for (int x = kScene.x; x < kScene.x + kScene.width; ++x) sum += red(pixel(picture, x, y));
+  for (int y = kDistancesScene.y; y < kDistancesScene.y + kDistancesScene.height; ++y) {
+    for (int x = kDistancesScene.x; x < kDistancesScene.x + kDistancesScene.width; ++x)
+      sum += red(pixel(picture, x, y));
   }
   return sum;
 }
 
 TEST(DrawDistances, ShowsPositiveRedAndNegativeBlue) {
-  const cv::Mat3b red_one = draw(kSquare, Eigen::Vector2d(0.4, 0.4), 0.5);
+  const cv::Mat3b red_one = distances_picture(kSquare, Eigen::Vector2d(0.4, 0.4), 0.5);
   EXPECT_EQ(red_one.size(), cv::Size(1200, 900));
   EXPECT_GT(redness(red_one), 1e6);
-  EXPECT_LT(redness(draw(kSquare, Eigen::Vector2d(-0.4, -0.4), 0.5)), -1e6);
-  EXPECT_LT(std::abs(redness(draw(kSquare, Eigen::Vector2d(0, 0), 0.5))), 1e5);
+  EXPECT_LT(redness(distances_picture(kSquare, Eigen::Vector2d(-0.4, -0.4), 0.5)), -1e6);
+  EXPECT_LT(std::abs(redness(distances_picture(kSquare, Eigen::Vector2d(0, 0), 0.5))), 1e5);
 }
 
 TEST(DrawDistances, ColoursAreThoseOfTheScale) {
   // Seen almost from the front the shading takes little away.
-  const cv::Mat3b picture = draw(kSquare, Eigen::Vector2d(0.25, 0.25), 0.5);
+  const cv::Mat3b picture = distances_picture(kSquare, Eigen::Vector2d(0.25, 0.25), 0.5);
   const Rgb middle = pixel(picture, 505, 450);
   EXPECT_LE(color_distance(middle, color_at(ColorMap::diverging, 0.75)), 40);
 }
 
 TEST(DrawDistances, EachTriangleHasItsOwnColour) {
-  const cv::Mat3b picture = draw(kSquare, Eigen::Vector2d(0.5, -0.5), 0.5);
-  EXPECT_GT(cv::countNonZero(mask_of(picture, color_at(ColorMap::diverging, 1), 60, kScene)),
-            kScene.area() / 20);
-  EXPECT_GT(cv::countNonZero(mask_of(picture, color_at(ColorMap::diverging, 0), 60, kScene)),
-            kScene.area() / 20);
+  const cv::Mat3b picture = distances_picture(kSquare, Eigen::Vector2d(0.5, -0.5), 0.5);
+  EXPECT_GT(
+      cv::countNonZero(mask_of(picture, color_at(ColorMap::diverging, 1), 60, kDistancesScene)),
+      kDistancesScene.area() / 20);
+  EXPECT_GT(
+      cv::countNonZero(mask_of(picture, color_at(ColorMap::diverging, 0), 60, kDistancesScene)),
+      kDistancesScene.area() / 20);
 }
 
 TEST(DrawDistances, RefusesWhatCannotBeShown) {

@@ -11,7 +11,7 @@
 namespace palpate::pictures {
 namespace {
 
-const Region kScene(0, 130, 680, 600);  // but for the scale bars
+const Region kFieldScene(0, 130, 680, 600);  // but for the scale bars
 const Region kFrictionChart(775, 170, 400, 222);
 const Region kFitChart(775, 520, 400, 220);
 
@@ -44,7 +44,7 @@ struct Contact {
   }
 };
 
-cv::Mat3b draw(const Contact& contact) {
+cv::Mat3b force_field_picture(const Contact& contact) {
   return draw_picture([&](const std::filesystem::path& png) {
     draw_force_field(png, contact.samples, contact.fit, "Contact 19");
   });
@@ -56,16 +56,16 @@ int count(const cv::Mat3b& picture, const Rgb& color, const Region& region) {
 
 TEST(DrawForceField, TellsStickingFromSlippingSamples) {
   Contact contact;
-  const cv::Mat3b both = draw(contact);
+  const cv::Mat3b both = force_field_picture(contact);
   EXPECT_EQ(both.size(), cv::Size(1200, 820));
-  for (const Region& region : {kScene, kFrictionChart}) {
+  for (const Region& region : {kFieldScene, kFrictionChart}) {
     EXPECT_GT(count(both, kBlue, region), 50);
     EXPECT_GT(count(both, kVermilion, region), 50);
   }
   contact.samples.on_boundary.assign(contact.samples.on_boundary.size(), false);
-  const cv::Mat3b sticking = draw(contact);
+  const cv::Mat3b sticking = force_field_picture(contact);
   EXPECT_EQ(count(sticking, kVermilion, kFrictionChart), 0);
-  EXPECT_GT(count(sticking, kBlue, kScene), count(both, kBlue, kScene));
+  EXPECT_GT(count(sticking, kBlue, kFieldScene), count(both, kBlue, kFieldScene));
 }
 
 TEST(DrawForceField, PressingGoesDownFromThePlaneOfTheSurface) {
@@ -75,9 +75,9 @@ TEST(DrawForceField, PressingGoesDownFromThePlaneOfTheSurface) {
     contact.fit.friction_axis = axis;
     contact.samples.displacements = axis.normalized() * Eigen::RowVectorXd::LinSpaced(40, 0.5, 6);
     contact.samples.forces = contact.samples.displacements;
-    const cv::Mat3b picture = draw(contact);
-    const double plane = center_of(mask_of(picture, {170, 170, 170}, 30, kScene)).y();
-    const double arrows = center_of(mask_of(picture, kBlue, 60, kScene)).y();
+    const cv::Mat3b picture = force_field_picture(contact);
+    const double plane = center_of(mask_of(picture, {170, 170, 170}, 30, kFieldScene)).y();
+    const double arrows = center_of(mask_of(picture, kBlue, 60, kFieldScene)).y();
     EXPECT_GT(arrows, plane + 50) << "axis " << axis.transpose();
   }
 }
@@ -91,7 +91,7 @@ TEST(DrawForceField, ConeLineHasTheSlopeOfTheFrictionCoefficient) {
     contact.samples.forces.col(sample) << 0.3 * normal, 0.4 * normal, normal;
   }
   contact.samples.on_boundary.assign(contact.samples.on_boundary.size(), true);
-  const cv::Mat3b picture = draw(contact);
+  const cv::Mat3b picture = force_field_picture(contact);
   const cv::Mat1b markers = mask_of(picture, kVermilion, 40, kFrictionChart);
   const cv::Mat1b line = mask_of(picture, kOrange, 40, kFrictionChart);
   EXPECT_GT(cv::countNonZero(line), 500);
@@ -99,7 +99,7 @@ TEST(DrawForceField, ConeLineHasTheSlopeOfTheFrictionCoefficient) {
   EXPECT_NEAR(center_of(line).y(), center_of(markers).y(), 15);
 
   contact.fit.friction_coefficient = 0.25;
-  const cv::Mat1b lower = mask_of(draw(contact), kOrange, 40, kFrictionChart);
+  const cv::Mat1b lower = mask_of(force_field_picture(contact), kOrange, 40, kFrictionChart);
   EXPECT_GT(center_of(lower).y(), center_of(line).y() + 20);
 }
 
@@ -107,7 +107,7 @@ TEST(DrawForceField, DrawsAContactWithoutFriction) {
   Contact contact;
   contact.fit.friction_coefficient = 0;
   const Region with_axis(775, 170, 400, 250);
-  const cv::Mat1b line = mask_of(draw(contact), kOrange, 40, with_axis);
+  const cv::Mat1b line = mask_of(force_field_picture(contact), kOrange, 40, with_axis);
   EXPECT_GT(cv::countNonZero(line), 500);
   cv::Mat1b rows;
   cv::reduce(line, rows, 1, cv::REDUCE_MAX);
@@ -116,18 +116,18 @@ TEST(DrawForceField, DrawsAContactWithoutFriction) {
 
 TEST(DrawForceField, ShowsWhetherTheFitIsGood) {
   Contact contact;
-  const int on_line = count(draw(contact), kBlack, kFitChart);
+  const int on_line = count(force_field_picture(contact), kBlack, kFitChart);
   contact.fit.field = [](const Eigen::Vector3d& displacement) -> Eigen::Vector3d {
     return 0.6 * displacement + Eigen::Vector3d(0, std::sin(9 * displacement.z()), 0);
   };
-  const cv::Mat1b spread = mask_of(draw(contact), kBlack, 40, kFitChart);
+  const cv::Mat1b spread = mask_of(force_field_picture(contact), kBlack, 40, kFitChart);
   EXPECT_GT(cv::countNonZero(spread), 1.2 * on_line) << "markers on the line are covered by it";
 }
 
 TEST(DrawForceField, DrawsOneSampleWithoutForceAtTheContact) {
   Contact contact;
   contact.samples = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(), {false}};
-  EXPECT_EQ(draw(contact).size(), cv::Size(1200, 820));
+  EXPECT_EQ(force_field_picture(contact).size(), cv::Size(1200, 820));
 }
 
 TEST(DrawForceField, RefusesInputThatDoesNotFit) {

@@ -14,7 +14,7 @@ namespace {
 constexpr int kCount = 3001;
 
 /// Within the axes of the chart, whose left end depends on its numbers by a few pixels.
-const Region kPlot(100, 145, 1060, 460);
+const Region kForcesPlot(100, 145, 1060, 460);
 
 /// 3 s at 1 kHz: free for 1 s, then stick, then slip; the force grows along one axis.
 struct Trace {
@@ -31,7 +31,7 @@ struct Trace {
   }
 };
 
-cv::Mat3b draw(const Trace& trace) {
+cv::Mat3b forces_picture(const Trace& trace) {
   return draw_picture([&](const std::filesystem::path& png) {
     draw_forces(png, trace.times, trace.forces, trace.states, "Forces");
   });
@@ -39,38 +39,38 @@ cv::Mat3b draw(const Trace& trace) {
 
 /// The colour of the background at a fraction of the time.
 Rgb background(const cv::Mat3b& picture, double fraction) {
-  return pixel(picture, kPlot.x + static_cast<int>(fraction * kPlot.width), 575);
+  return pixel(picture, kForcesPlot.x + static_cast<int>(fraction * kForcesPlot.width), 575);
 }
 
 TEST(DrawForces, LinesFollowTheForces) {
-  const cv::Mat3b picture = draw({});
+  const cv::Mat3b picture = forces_picture({});
   EXPECT_EQ(picture.size(), cv::Size(1200, 700));
-  double last = kPlot.height;
-  for (int x = 20; x < kPlot.width; x += 100) {
+  double last = kForcesPlot.height;
+  for (int x = 20; x < kForcesPlot.width; x += 100) {
     const cv::Mat1b column =
-        mask_of(picture, kVermilion, 60, {kPlot.x + x, kPlot.y, 1, kPlot.height});
+        mask_of(picture, kVermilion, 60, {kForcesPlot.x + x, kForcesPlot.y, 1, kForcesPlot.height});
     ASSERT_GT(cv::countNonZero(column), 0) << "a gap in the line of fx at " << x;
     const double y = center_of(column).y();
     EXPECT_LT(y, last) << "fx grows all the time";
     last = y;
   }
   // fz is constant: one thin row of pixels over the whole width.
-  const cv::Mat1b constant = mask_of(picture, kBlue, 60, kPlot);
-  EXPECT_GT(cv::countNonZero(constant), 0.9 * kPlot.width);
-  EXPECT_LT(cv::countNonZero(constant), 3.2 * kPlot.width);
+  const cv::Mat1b constant = mask_of(picture, kBlue, 60, kForcesPlot);
+  EXPECT_GT(cv::countNonZero(constant), 0.9 * kForcesPlot.width);
+  EXPECT_LT(cv::countNonZero(constant), 3.2 * kForcesPlot.width);
 }
 
 TEST(DrawForces, LinesHaveNoGapsAtManySamplesAPixel) {
-  const cv::Mat3b picture = draw({});
-  for (int x = 5; x < kPlot.width - 5; ++x) {
-    EXPECT_GT(
-        cv::countNonZero(mask_of(picture, kVermilion, 90, {kPlot.x + x, kPlot.y, 1, kPlot.height})),
-        0);
+  const cv::Mat3b picture = forces_picture({});
+  for (int x = 5; x < kForcesPlot.width - 5; ++x) {
+    EXPECT_GT(cv::countNonZero(mask_of(picture, kVermilion, 90,
+                                       {kForcesPlot.x + x, kForcesPlot.y, 1, kForcesPlot.height})),
+              0);
   }
 }
 
 TEST(DrawForces, BackgroundFollowsTheStates) {
-  const cv::Mat3b picture = draw({});
+  const cv::Mat3b picture = forces_picture({});
   const Rgb free = background(picture, 0.1);
   const Rgb stick = background(picture, 0.5);
   const Rgb slip = background(picture, 0.9);
@@ -85,8 +85,9 @@ TEST(DrawForces, BackgroundFollowsTheStates) {
 TEST(DrawForces, NaNBreaksTheLine) {
   Trace trace;
   trace.forces.middleCols(1200, 600).setConstant(std::nan(""));
-  const cv::Mat3b picture = draw(trace);
-  const Region gap(kPlot.x + kPlot.width * 9 / 20, kPlot.y, kPlot.width / 10, kPlot.height);
+  const cv::Mat3b picture = forces_picture(trace);
+  const Region gap(kForcesPlot.x + kForcesPlot.width * 9 / 20, kForcesPlot.y,
+                   kForcesPlot.width / 10, kForcesPlot.height);
   for (const Rgb& color : {kVermilion, kBlue, kBlack}) {
     EXPECT_EQ(cv::countNonZero(mask_of(picture, color, 60, gap)), 0);
   }
@@ -97,9 +98,9 @@ TEST(DrawForces, DrawsTwoSamplesAndForcesThatAreZero) {
   trace.times = Eigen::Vector2d(1, 2);
   trace.forces.setZero(3, 2);
   trace.states.setZero(2);
-  EXPECT_EQ(draw(trace).size(), cv::Size(1200, 700));
+  EXPECT_EQ(forces_picture(trace).size(), cv::Size(1200, 700));
   trace.times(1) = 1;
-  EXPECT_EQ(draw(trace).size(), cv::Size(1200, 700));
+  EXPECT_EQ(forces_picture(trace).size(), cv::Size(1200, 700));
 }
 
 TEST(DrawForces, RefusesInputThatDoesNotFit) {

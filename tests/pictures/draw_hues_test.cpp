@@ -15,7 +15,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 
 /// Within the axes of the chart.
-const Region kPlot(110, 130, 1040, 480);
+const Region kHuesPlot(110, 130, 1040, 480);
 
 /// The colour of a pure hue on the picture.
 const Rgb kGreenHue = {0, 204, 0};
@@ -28,26 +28,26 @@ HueDistribution make_hue(const std::string& name, double mean, double deviation)
   return hue;
 }
 
-cv::Mat3b draw(const std::vector<HueDistribution>& hues) {
+cv::Mat3b hues_picture(const std::vector<HueDistribution>& hues) {
   return draw_picture([&](const std::filesystem::path& png) { draw_hues(png, hues, "Hues"); });
 }
 
 TEST(DrawHues, EachColourStandsAtItsHueInItsHue) {
   const cv::Mat3b picture =
-      draw({make_hue("G", 2 * kPi / 3, 0.2), make_hue("B", 4 * kPi / 3, 0.2)});
+      hues_picture({make_hue("G", 2 * kPi / 3, 0.2), make_hue("B", 4 * kPi / 3, 0.2)});
   EXPECT_EQ(picture.size(), cv::Size(1200, 700));
   const auto top = [&](const Rgb& color) {
-    const cv::Mat1b mask = mask_of(picture, color, 60, kPlot);
+    const cv::Mat1b mask = mask_of(picture, color, 60, kHuesPlot);
     const cv::Rect box = box_of(mask);
     // Where the upper half of the curve lies.
     return center_of(mask.rowRange(box.y, box.y + box.height / 2)).x();
   };
-  EXPECT_NEAR((top(kBlueHue) - top(kGreenHue)) / kPlot.width, 120.0 / 360, 0.03);
+  EXPECT_NEAR((top(kBlueHue) - top(kGreenHue)) / kHuesPlot.width, 120.0 / 360, 0.03);
 }
 
 TEST(DrawHues, AGaussianGoesAroundTheCircle) {
-  const cv::Mat3b picture = draw({make_hue("R", 0.02, 0.3)});
-  const cv::Mat1b mask = mask_of(picture, {204, 0, 0}, 60, kPlot);
+  const cv::Mat3b picture = hues_picture({make_hue("R", 0.02, 0.3)});
+  const cv::Mat1b mask = mask_of(picture, {204, 0, 0}, 60, kHuesPlot);
   EXPECT_GT(cv::countNonZero(mask.colRange(0, 100).rowRange(0, 240)), 50);
   EXPECT_GT(cv::countNonZero(mask.colRange(940, 1040).rowRange(0, 240)), 50);
 }

@@ -16,7 +16,7 @@ namespace {
 const std::vector<std::string> kNames = {"one",   "two",   "three", "four", "five",   "six",
                                          "seven", "eight", "nine",  "ten",  "eleven", "twelve"};
 
-cv::Mat3b draw(const LabelImage& labels, const std::vector<std::string>& names = kNames) {
+cv::Mat3b labels_picture(const LabelImage& labels, const std::vector<std::string>& names = kNames) {
   return draw_picture(
       [&](const std::filesystem::path& png) { draw_labels(png, labels, names, "Labels"); });
 }
@@ -31,7 +31,7 @@ TEST(DrawLabels, GivesEachLabelAColourOfItsOwnInItsPlace) {
   LabelImage labels = LabelImage::Zero(9, 12);
   for (int label = 0; label < 12; ++label)
     labels(label % 2 == 0 ? 1 : 7, label) = static_cast<std::uint8_t>(label);
-  const cv::Mat3b picture = draw(labels);
+  const cv::Mat3b picture = labels_picture(labels);
   EXPECT_EQ(picture.size(), cv::Size(1200, 900));
   std::set<Rgb> colors;
   for (int label = 0; label < 12; ++label) {
@@ -49,8 +49,8 @@ TEST(DrawLabels, GivesEachLabelAColourOfItsOwnInItsPlace) {
 }
 
 TEST(DrawLabels, TheLegendDoesNotChangeWithTheImage) {
-  const cv::Mat3b empty = draw(LabelImage::Zero(9, 12), {"good", "bad"});
-  const cv::Mat3b full = draw(LabelImage::Constant(9, 12, 1), {"good", "bad"});
+  const cv::Mat3b empty = labels_picture(LabelImage::Zero(9, 12), {"good", "bad"});
+  const cv::Mat3b full = labels_picture(LabelImage::Constant(9, 12, 1), {"good", "bad"});
   const Rgb bad = pixel(full, place_of(4, 5).x, place_of(4, 5).y);
   const Region legend{890, 60, 310, 840};
   EXPECT_GT(cv::countNonZero(mask_of(empty, bad, 2, legend)), 20 * 20);

@@ -16,15 +16,15 @@ namespace {
 constexpr double kTurn = 25 * std::numbers::pi / 180;  // [rad] of the view, as documented
 
 /// Between the title and what stands in the lower corners.
-const Region kScene(0, 90, 1200, 690);
+const Region kMeshScene(0, 90, 1200, 690);
 
-cv::Mat3b draw(const geometry::TriangleMesh& mesh) {
+cv::Mat3b mesh_picture(const geometry::TriangleMesh& mesh) {
   return draw_picture([&](const std::filesystem::path& png) { draw_mesh(png, mesh, "A mesh"); });
 }
 
 /// Everything in the scene that is not paper.
 cv::Mat1b shape_of(const cv::Mat3b& picture) {
-  const cv::Mat1b paper = mask_of(picture, {255, 255, 255}, 12, kScene);
+  const cv::Mat1b paper = mask_of(picture, {255, 255, 255}, 12, kMeshScene);
   cv::Mat1b shape;
   cv::bitwise_not(paper, shape);
   return shape;
@@ -44,9 +44,9 @@ int width_of(const cv::Mat1b& mask) {
 }
 
 TEST(DrawMesh, GivesAPictureOfTheStatedSizeThatTheMeshFills) {
-  const cv::Mat3b picture = draw(make_square({-50, -50, 700}, 100, 4));
+  const cv::Mat3b picture = mesh_picture(make_square({-50, -50, 700}, 100, 4));
   EXPECT_EQ(picture.size(), cv::Size(1200, 900));
-  EXPECT_GT(cv::countNonZero(shape_of(picture)), kScene.area() / 4);
+  EXPECT_GT(cv::countNonZero(shape_of(picture)), kMeshScene.area() / 4);
 }
 
 TEST(DrawMesh, ShowsXToTheRightAndYDown) {
@@ -54,13 +54,13 @@ TEST(DrawMesh, ShowsXToTheRightAndYDown) {
   // much.
   const geometry::TriangleMesh large = make_square({-120, -90, 700}, 80, 4);
   const geometry::TriangleMesh small = make_square({110, 80, 700}, 10, 1);
-  const Eigen::Vector2d upper_left = center_of(shape_of(draw(join(large, small))));
-  EXPECT_LT(upper_left.x(), 0.4 * kScene.width);
-  EXPECT_LT(upper_left.y(), 0.45 * kScene.height);
+  const Eigen::Vector2d upper_left = center_of(shape_of(mesh_picture(join(large, small))));
+  EXPECT_LT(upper_left.x(), 0.4 * kMeshScene.width);
+  EXPECT_LT(upper_left.y(), 0.45 * kMeshScene.height);
 }
 
 TEST(DrawMesh, ScaleBarHoldsForTheMesh) {
-  const cv::Mat3b picture = draw(make_square({-50, -50, 700}, 100, 4));
+  const cv::Mat3b picture = mesh_picture(make_square({-50, -50, 700}, 100, 4));
   // The bar is the longest run of black in the lower left corner; the bar of a mesh of 100 mm is 20
   // mm.
   int bar = 0;
@@ -82,7 +82,7 @@ TEST(DrawMesh, ShadesByDirection) {
   roof.triangles << 0, 3, 1, 4,  //
       3, 4, 4, 5,                //
       1, 1, 2, 2;
-  const cv::Mat3b picture = draw(roof);
+  const cv::Mat3b picture = mesh_picture(roof);
   const Rgb upper = pixel(picture, 600, 300);
   const Rgb lower = pixel(picture, 600, 700);
   EXPECT_GT(upper[0], lower[0] + 40);
@@ -92,8 +92,8 @@ TEST(DrawMesh, DoesNotDependOnThePlace) {
   const geometry::TriangleMesh near = make_square({-50, -50, 700}, 100, 4);
   geometry::TriangleMesh far = near;
   far.vertices.colwise() += Eigen::Vector3d(1e6, -2e6, 5e5);
-  const cv::Mat1b one = shape_of(draw(near));
-  const cv::Mat1b other = shape_of(draw(far));
+  const cv::Mat1b one = shape_of(mesh_picture(near));
+  const cv::Mat1b other = shape_of(mesh_picture(far));
   cv::Mat1b difference;
   cv::absdiff(one, other, difference);
   EXPECT_LT(cv::countNonZero(difference), 3000) << "px: a rim of one pixel";
@@ -105,7 +105,7 @@ TEST(DrawMesh, LeavesOutVerticesThatNoTriangleUses) {
   with_unused.vertices.conservativeResize(3, square.vertices.cols() + 2);
   with_unused.vertices.rightCols(2) << std::nan(""), 9e5, std::nan(""), 9e5, std::nan(""), -9e9;
   cv::Mat1b difference;
-  cv::absdiff(shape_of(draw(square)), shape_of(draw(with_unused)), difference);
+  cv::absdiff(shape_of(mesh_picture(square)), shape_of(mesh_picture(with_unused)), difference);
   EXPECT_EQ(cv::countNonZero(difference), 0) << "px";
 }
 

@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 
+#include "not_finite.h"
 #include "picture_test_utils.h"
 
 namespace palpate::pictures {
@@ -14,11 +14,6 @@ namespace {
 
 constexpr int kCols = 64;
 constexpr int kRows = 48;
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
-
-/// Where an image of this shape is on the picture, away from its frame by a few pixels.
-const Region kImage(34, 114, 972, 727);
-
 /// Depth that grows by `per_col` and `per_row` mm.
 geometry::RangeMap make_plane(float per_col, float per_row) {
   geometry::RangeMap map;
@@ -49,17 +44,17 @@ double place_on_map(const cv::Mat3b& picture, double x, double y) {
   return place;
 }
 
-cv::Mat3b draw(const geometry::RangeMap& map) {
+cv::Mat3b range_map_picture(const geometry::RangeMap& map) {
   return draw_picture(
       [&](const std::filesystem::path& png) { draw_range_map(png, map, "A plane"); });
 }
 
 TEST(DrawRangeMap, GivesAPictureOfTheStatedSize) {
-  EXPECT_EQ(draw(make_plane(1, 0)).size(), cv::Size(1200, 900));
+  EXPECT_EQ(range_map_picture(make_plane(1, 0)).size(), cv::Size(1200, 900));
 }
 
 TEST(DrawRangeMap, ColoursFollowTheDepthFromLeftToRight) {
-  const cv::Mat3b picture = draw(make_plane(0.7F, 0));
+  const cv::Mat3b picture = range_map_picture(make_plane(0.7F, 0));
   for (const double x : {0.02, 0.2, 0.5, 0.8, 0.98}) {
     // The colours leave out 0.5 % at each end, and a pixel of the map is 1 / 64 wide.
     EXPECT_NEAR(place_on_map(picture, x, 0.3), x, 0.03);
@@ -67,7 +62,7 @@ TEST(DrawRangeMap, ColoursFollowTheDepthFromLeftToRight) {
 }
 
 TEST(DrawRangeMap, ShowsRowZeroAtTheTop) {
-  const cv::Mat3b picture = draw(make_plane(0, 0.7F));
+  const cv::Mat3b picture = range_map_picture(make_plane(0, 0.7F));
   for (const double y : {0.02, 0.2, 0.5, 0.8, 0.98}) {
     EXPECT_NEAR(place_on_map(picture, 0.3, y), y, 0.03);
   }
@@ -75,8 +70,8 @@ TEST(DrawRangeMap, ShowsRowZeroAtTheTop) {
 
 TEST(DrawRangeMap, ShowsUnknownInGreyAndNothingElse) {
   geometry::RangeMap map = make_plane(1, 0);
-  map.z.block(0, 0, kRows / 2, kCols / 4) = kNaN;
-  const cv::Mat3b picture = draw(map);
+  map.z.block(0, 0, kRows / 2, kCols / 4) = kFloatNaN;
+  const cv::Mat3b picture = range_map_picture(map);
   const cv::Mat1b grey = mask_of(picture, kUnknownColor, 1, kImage);
   EXPECT_NEAR(cv::countNonZero(grey), kImage.area() / 8.0, 0.01 * kImage.area());
   EXPECT_NEAR(center_of(grey).x() / kImage.width, 1 / 8.0, 0.01);
@@ -87,14 +82,14 @@ TEST(DrawRangeMap, IsNotSpoiltByAFewWrongPixels) {
   geometry::RangeMap map = make_plane(1, 0);
   map.z(5, 60) = 1e5F;
   map.z(6, 3) = 0.1F;
-  EXPECT_NEAR(place_on_map(draw(map), 0.5, 0.7), 0.5, 0.03);
+  EXPECT_NEAR(place_on_map(range_map_picture(map), 0.5, 0.7), 0.5, 0.03);
 }
 
 TEST(DrawRangeMap, DrawsAMapAtOneDepthAndOneOfOnePixel) {
-  EXPECT_NEAR(place_on_map(draw(make_plane(0, 0)), 0.5, 0.5), 0.5, 0.01);
+  EXPECT_NEAR(place_on_map(range_map_picture(make_plane(0, 0)), 0.5, 0.5), 0.5, 0.01);
   geometry::RangeMap point;
   point.z.setConstant(1, 1, 812.3F);
-  EXPECT_NEAR(place_on_map(draw(point), 0.5, 0.5), 0.5, 0.01);
+  EXPECT_NEAR(place_on_map(range_map_picture(point), 0.5, 0.5), 0.5, 0.01);
 }
 
 TEST(DrawRangeMap, PutsTheTitleAboveTheImage) {
@@ -126,7 +121,7 @@ TEST(DrawRangeMap, RefusesMapsWithoutDepths) {
   geometry::RangeMap map;
   const auto attempt = [&map](const std::filesystem::path& png) { draw_range_map(png, map, ""); };
   expect_refused(attempt, "range map: is empty");
-  map.z.setConstant(kRows, kCols, kNaN);
+  map.z.setConstant(kRows, kCols, kFloatNaN);
   expect_refused(attempt, "range map: holds no finite value");
 }
 

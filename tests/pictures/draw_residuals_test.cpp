@@ -25,13 +25,13 @@ std::vector<ResidualImage> make_images() {
           {"projector", 640, 480, {view({319.5, 239.5}, {0, 0.5})}}};
 }
 
-cv::Mat3b draw(const std::vector<ResidualImage>& images) {
+cv::Mat3b residuals_picture(const std::vector<ResidualImage>& images) {
   return draw_picture(
       [&](const std::filesystem::path& png) { draw_residuals(png, images, "Residuals"); });
 }
 
 TEST(DrawResiduals, ArrowsPointAlongTheResiduals) {
-  const cv::Mat3b picture = draw(make_images());
+  const cv::Mat3b picture = residuals_picture(make_images());
   EXPECT_EQ(picture.size(), cv::Size(1200, 900));
   const cv::Rect right = box_of(mask_of(picture, kBlue, 60, kLeft));
   const cv::Rect down = box_of(mask_of(picture, kVermilion, 60, kRight));
@@ -42,7 +42,7 @@ TEST(DrawResiduals, ArrowsPointAlongTheResiduals) {
   // The arrow to the right begins, the arrow down ends, away from the point.
   std::vector<ResidualImage> images = make_images();
   images[0].views[0].residual *= -1;
-  const cv::Rect left = box_of(mask_of(draw(images), kBlue, 60, kLeft));
+  const cv::Rect left = box_of(mask_of(residuals_picture(images), kBlue, 60, kLeft));
   EXPECT_LT(left.x, right.x - 30);
 }
 
@@ -51,7 +51,7 @@ TEST(DrawResiduals, PointsLieWhereTheImageHasThem) {
   const auto place = [&](double x, double y) {
     images[0].views[0].at << x, y;
     images[0].views[0].residual.setZero();
-    return center_of(mask_of(draw(images), kBlue, 60, kLeft));
+    return center_of(mask_of(residuals_picture(images), kBlue, 60, kLeft));
   };
   const Eigen::Vector2d first = place(100, 100);
   const Eigen::Vector2d moved = place(300, 200) - first;
@@ -62,12 +62,14 @@ TEST(DrawResiduals, PointsLieWhereTheImageHasThem) {
 TEST(DrawResiduals, OneImageIsEnough) {
   std::vector<ResidualImage> images = make_images();
   images.pop_back();
-  EXPECT_GT(cv::countNonZero(mask_of(draw(images), kBlue, 60, {0, 110, 1200, 430})), 20);
+  EXPECT_GT(cv::countNonZero(mask_of(residuals_picture(images), kBlue, 60, {0, 110, 1200, 430})),
+            20);
 }
 
 TEST(DrawResiduals, ViewsAreCountedInWholeNumbers) {
   // One view stands in the middle of an axis from 0 to 2.
-  const cv::Mat1b grid = mask_of(draw(make_images()), {225, 225, 225}, 25, {110, 640, 1070, 150});
+  const cv::Mat1b grid =
+      mask_of(residuals_picture(make_images()), {225, 225, 225}, 25, {110, 640, 1070, 150});
   int lines = 0;
   bool inside = false;
   for (int x = 0; x < grid.cols; ++x) {

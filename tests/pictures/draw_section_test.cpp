@@ -13,22 +13,22 @@ namespace palpate::pictures {
 namespace {
 
 /// Within the axes of the chart.
-const Region kPlot(110, 112, 1040, 500);
+const Region kSectionPlot(110, 112, 1040, 500);
 
 std::vector<SectionSeries> make_series() {
   const Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(101, 0, 100);
   return {{"rising", x, x}, {"level", x, Eigen::VectorXd::Constant(101, 20)}};
 }
 
-cv::Mat3b draw(const std::vector<SectionSeries>& series) {
+cv::Mat3b section_picture(const std::vector<SectionSeries>& series) {
   return draw_picture(
       [&](const std::filesystem::path& png) { draw_section(png, series, "A section"); });
 }
 
 TEST(DrawSection, LinesFollowTheData) {
-  const cv::Mat3b picture = draw(make_series());
+  const cv::Mat3b picture = section_picture(make_series());
   EXPECT_EQ(picture.size(), cv::Size(1200, 700));
-  const cv::Mat1b rising = mask_of(picture, kBlue, 60, kPlot);
+  const cv::Mat1b rising = mask_of(picture, kBlue, 60, kSectionPlot);
   const double left = center_of(rising.colRange(0, 50)).y();
   const double middle = center_of(rising.colRange(495, 545)).y();
   const double right = center_of(rising.colRange(990, 1040)).y();
@@ -41,9 +41,9 @@ TEST(DrawSection, AxesAreLinear) {
   for (const double height : {40.0, 80.0}) {
     series.push_back({"level", series[0].x, Eigen::VectorXd::Constant(101, height)});
   }
-  const cv::Mat3b picture = draw(series);
+  const cv::Mat3b picture = section_picture(series);
   const auto height_of = [&picture](const Rgb& color) {
-    return center_of(mask_of(picture, color, 40, kPlot)).y();
+    return center_of(mask_of(picture, color, 40, kSectionPlot)).y();
   };
   const double first = height_of(kVermilion) - height_of(kGreen);
   const double second = height_of(kGreen) - height_of(kPurple);
@@ -53,8 +53,8 @@ TEST(DrawSection, AxesAreLinear) {
 TEST(DrawSection, NaNBreaksTheLine) {
   std::vector<SectionSeries> series = make_series();
   series[0].y.segment(40, 20).setConstant(std::nan(""));
-  const cv::Mat3b picture = draw(series);
-  EXPECT_EQ(cv::countNonZero(mask_of(picture, kBlue, 60, kPlot).colRange(450, 590)), 0);
+  const cv::Mat3b picture = section_picture(series);
+  EXPECT_EQ(cv::countNonZero(mask_of(picture, kBlue, 60, kSectionPlot).colRange(450, 590)), 0);
 }
 
 TEST(DrawSection, NamesAllSeriesEvenIfTheyAreMany) {
@@ -64,7 +64,7 @@ TEST(DrawSection, NamesAllSeriesEvenIfTheyAreMany) {
     series.back().y.array() += index;
     series.back().name = "a series with quite a long name";
   }
-  const cv::Mat3b picture = draw(series);
+  const cv::Mat3b picture = section_picture(series);
   // Nothing runs off the paper.
   EXPECT_EQ(cv::countNonZero(255 - mask_of(picture, {255, 255, 255}, 12, {0, 0, 8, 700})), 0);
   EXPECT_EQ(cv::countNonZero(255 - mask_of(picture, {255, 255, 255}, 12, {1192, 0, 8, 700})), 0);
