@@ -10,6 +10,7 @@
 #include "paired.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/haptics/build_model.h"
+#include "palpate/haptics/trajectory_csv.h"
 #include "palpate/probing/acquisition_csv.h"
 #include "repository.h"
 

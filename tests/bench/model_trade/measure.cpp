@@ -24,12 +24,6 @@ double processor_seconds() {
   return static_cast<double>(std::clock()) / static_cast<double>(CLOCKS_PER_SEC);
 }
 
-double quantile(std::vector<double> values, double share) {
-  std::sort(values.begin(), values.end());
-  return values[static_cast<std::size_t>(
-      std::lround(share * static_cast<double>(values.size() - 1)))];
-}
-
 double rms(const Predictor& field, const Eigen::Matrix3Xd& displacements,
            const Eigen::Matrix3Xd& forces) {
   double sum = 0;
@@ -93,6 +87,12 @@ double microseconds_per_force(const Predictor& field, const Eigen::Matrix3Xd& pl
 }
 
 }  // namespace
+
+double quantile(std::vector<double> values, double share) {
+  std::sort(values.begin(), values.end());
+  return values[static_cast<std::size_t>(
+      std::lround(share * static_cast<double>(values.size() - 1)))];
+}
 
 Figures measure(const Method& method, const std::vector<ContactData>& contacts) {
   std::vector<double> training, truth, fit_ms, force_us;

@@ -40,6 +40,9 @@ struct Figures {
   double force_us = 0;  ///< time of one evaluation, median over the contacts of the mean
 };
 
+/// The value below which this share of them is, the nearest of them.
+[[nodiscard]] double quantile(std::vector<double> values, double share);
+
 [[nodiscard]] Figures measure(const Method& method, const std::vector<ContactData>& contacts);
 
 }  // namespace palpate::bench

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "beam_contacts.h"
+#include "measure.h"
 #include "palpate/haptics/shared_local_part.h"
 
 namespace palpate::bench {
@@ -43,11 +44,6 @@ struct Errors {
   std::vector<double> own, shared, full;
   int objects = 0, sharing = 0;
 };
-
-double quantile(std::vector<double> values, double share) {
-  std::ranges::sort(values);
-  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
-}
 
 bool is_dense(std::size_t contact, std::size_t count) {
   for (std::size_t k = 0; k < kDense; ++k) {

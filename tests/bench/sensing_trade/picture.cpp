@@ -9,7 +9,7 @@ namespace {
 
 using namespace pictures;
 
-constexpr int kHeight = 980;
+constexpr int kPictureHeight = 980;
 constexpr double kMargin = 20;  ///< px
 constexpr double kLegend = 66;  ///< px, two rows
 constexpr Rgb kColors[] = {kBlue, kVermilion, kGreen, kPurple, kOrange, kSky, kBlack};
@@ -46,7 +46,7 @@ void draw_panel(Canvas& canvas, const Box& box, const Panel& panel) {
 
 void draw_panels(const std::filesystem::path& png, const std::string& title,
                  const std::vector<Panel>& panels) {
-  Canvas canvas(kHeight, title, "");
+  Canvas canvas(kPictureHeight, title, "");
   const double width = (Canvas::kWidth - 3 * kMargin) / 2;
   const double height = (canvas.top() - 3 * kMargin) / 2;
   for (std::size_t i = 0; i < panels.size(); ++i) {

@@ -67,7 +67,7 @@ double incidence(const geometry::ImageF& z, const cv::Mat& id, const Eigen::Matr
   return std::acos(std::min(1.0, cosine));
 }
 
-View view_of(const fs::path& set, const fs::path& frame, const sensing::Rig& rig) {
+View rendered_view(const fs::path& set, const fs::path& frame, const sensing::Rig& rig) {
   const std::string name = frame.stem().string();
   View view;
   view.frame = sensing::read_frame(frame);
@@ -105,7 +105,7 @@ std::vector<Scene> rendered_scenes(const fs::path& folder) {
       const std::vector<fs::path> files = sensing::list_images(set / kind.frames);
       const std::size_t count = std::min(kFrames, files.size());
       for (std::size_t i = 0; i < count; ++i) {
-        scene.views.push_back(view_of(set, files[i * files.size() / count], scene.rig));
+        scene.views.push_back(rendered_view(set, files[i * files.size() / count], scene.rig));
       }
       scenes.push_back(std::move(scene));
     }

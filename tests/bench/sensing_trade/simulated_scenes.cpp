@@ -44,25 +44,25 @@ VirtualSensor camera_with(const CameraNoise& noise) { return {.full_well = noise
 // ---- bodies ------------------------------------------------------------------------------------
 
 /// [mm] Sheets are so wide, enough to fill the view at any distance that is used.
-constexpr double kWidth = 1000;
-constexpr double kHeight = 760;
+constexpr double kSheetWidth = 1000;
+constexpr double kSheetHeight = 760;
 
 /// z(x, y) about the camera's axis, with a print whose picture spans the whole sheet.
 Body sheet(double spacing, const std::function<double(double, double)>& depth) {
   Body body;
-  body.mesh =
-      height_field(static_cast<int>(kWidth / spacing), static_cast<int>(kHeight / spacing), spacing,
-                   [&](double x, double y) { return depth(x - kWidth / 2, y - kHeight / 2); });
-  body.mesh.vertices.row(0).array() -= kWidth / 2;
-  body.mesh.vertices.row(1).array() -= kHeight / 2;
+  body.mesh = height_field(
+      static_cast<int>(kSheetWidth / spacing), static_cast<int>(kSheetHeight / spacing), spacing,
+      [&](double x, double y) { return depth(x - kSheetWidth / 2, y - kSheetHeight / 2); });
+  body.mesh.vertices.row(0).array() -= kSheetWidth / 2;
+  body.mesh.vertices.row(1).array() -= kSheetHeight / 2;
   body.texture_coordinates.resize(2, body.mesh.vertices.cols());
-  body.texture_coordinates.row(0) = body.mesh.vertices.row(0).array() / kWidth + 0.5;
-  body.texture_coordinates.row(1) = 0.5 - body.mesh.vertices.row(1).array() / kHeight;
+  body.texture_coordinates.row(0) = body.mesh.vertices.row(0).array() / kSheetWidth + 0.5;
+  body.texture_coordinates.row(1) = 0.5 - body.mesh.vertices.row(1).array() / kSheetHeight;
   return body;
 }
 
 Body wall(double z) {
-  return sheet(kHeight, [z](double, double) { return z; });
+  return sheet(kSheetHeight, [z](double, double) { return z; });
 }
 
 Body ball(const Eigen::Vector3d& center, double radius, const Eigen::Vector3d& reflectance) {
@@ -190,7 +190,8 @@ sensing::TrainedColors trained(const VirtualSensor& sensor) {
   return sensing::train_colors(images);
 }
 
-View view_of(const std::vector<Body>& bodies, const VirtualSensor& sensor, std::uint64_t number) {
+View simulated_view(const std::vector<Body>& bodies, const VirtualSensor& sensor,
+                    std::uint64_t number) {
   const Bench& b = bench();
   const std::vector<cv::Mat> panels = {b.panel};
   sensing::Simulation seen = simulate(b.rig, bodies, panels, sensor, b.pattern.axis, number);
@@ -205,7 +206,7 @@ Scene scene_of(const char* name, const std::vector<std::vector<Body>>& groups,
                const VirtualSensor& sensor, const sensing::TrainedColors& colors) {
   Scene scene{name, bench().rig, bench().pattern, colors, {}};
   for (std::size_t i = 0; i < groups.size(); ++i) {
-    scene.views.push_back(view_of(groups[i], sensor, i));
+    scene.views.push_back(simulated_view(groups[i], sensor, i));
   }
   return scene;
 }
@@ -216,7 +217,7 @@ std::vector<Scene> smooth_scenes(const CameraNoise& noise) {
   const VirtualSensor sensor = camera_with(noise);
   const sensing::TrainedColors colors = trained(sensor);
   const auto plane = [](double z, double across, double down) {
-    return sheet(kHeight, [=](double x, double y) { return z + across * x + down * y; });
+    return sheet(kSheetHeight, [=](double x, double y) { return z + across * x + down * y; });
   };
   return {scene_of("planes", {{plane(560, 0.2, 0)}, {plane(700, 0, -0.35)}, {plane(900, 0.1, 0.2)}},
                    sensor, colors),
