@@ -14,6 +14,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "base/numbers.h"
 #include "palpate/error.h"
 #include "palpate/geometry/cgal_mesh.h"
 #include "palpate/geometry/mesh_topology.h"
@@ -25,8 +26,6 @@ using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using CgalMesh = CGAL::Surface_mesh<Kernel::Point_3>;
 using Traits = CGAL::Surface_mesh_shortest_path_traits<Kernel, CgalMesh>;
 using ShortestPath = CGAL::Surface_mesh_shortest_path<Traits>;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// A triangle is out of reach iff it is farther than the radius by more than this fraction of
 /// radius and size: above the rounding of the few operations that compute it.

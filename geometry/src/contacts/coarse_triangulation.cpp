@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/numbers.h"
 #include "contacts/boundary_helpers.h"
 #include "contacts/contact_weights.h"
 #include "contacts/helper_elimination.h"
@@ -15,8 +16,6 @@
 
 namespace palpate::geometry {
 namespace {
-
-constexpr int kNone = IntrinsicTriangulation::kNone;
 
 /// A tracked point is at a vertex iff the barycentric coordinate there is this close to 1: the
 /// rounding of snapped coordinates.

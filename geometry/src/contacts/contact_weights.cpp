@@ -33,7 +33,7 @@ double cotangent_opposite(const IntrinsicTriangulation& surface, int h) {
 
 double conductance(const IntrinsicTriangulation& surface, int h) {
   double sum = cotangent_opposite(surface, h);
-  if (surface.opposite(h) != IntrinsicTriangulation::kNone) {
+  if (surface.opposite(h) != kNone) {
     sum += cotangent_opposite(surface, surface.opposite(h));
   }
   return std::clamp(sum / 2, kLeastConductance, kLargestConductance);

@@ -5,13 +5,13 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <numbers>
 #include <set>
 #include <tuple>
 #include <utility>
 
+#include "base/numbers.h"
 #include "mesh/triangle_primitives.h"
 
 namespace palpate::geometry {
@@ -19,7 +19,6 @@ namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-constexpr int kNone = IntrinsicTriangulation::kNone;
 
 /// Upper limit of the rounds of adding helpers, in case the metric is so distorted that equal edges
 /// remain.
@@ -84,7 +83,7 @@ std::vector<int> ambiguous_edges(const IntrinsicTriangulation& surface) {
 /// if there is none within a quarter of the edge's length.
 int point_near_middle(const IntrinsicTriangulation& surface, int edge) {
   int best = kNone;
-  double nearest = std::numeric_limits<double>::infinity();
+  double nearest = kInfinity;
   for (const int h : {edge, surface.opposite(edge)}) {
     if (h == kNone) continue;
     const double l = surface.length(h);

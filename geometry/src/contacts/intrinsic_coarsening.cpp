@@ -174,7 +174,7 @@ class Coarsening {
     if (star_.half_edges.size() > 1 || !surface_.is_boundary(v)) return true;
     const int link = IntrinsicTriangulation::next(star_.half_edges.front());
     const int other = surface_.opposite(link);
-    if (other == IntrinsicTriangulation::kNone || surface_.flip_repeats_edge(link)) return false;
+    if (other == kNone || surface_.flip_repeats_edge(link)) return false;
     if (!surface_.flip(link)) return false;
     for (const int t : {link / 3, other / 3}) {
       pending_.insert(pending_.end(), {3 * t, 3 * t + 1, 3 * t + 2});
@@ -269,7 +269,7 @@ class Coarsening {
     std::array<int, 3> across{};
     for (size_t i = 0; i < 3; ++i) {
       const int o = surface_.opposite(IntrinsicTriangulation::next(star_.half_edges[i]));
-      across[i] = o == IntrinsicTriangulation::kNone ? -1 - static_cast<int>(i) : o / 3;
+      across[i] = o == kNone ? -1 - static_cast<int>(i) : o / 3;
     }
     return across[0] == across[1] || across[1] == across[2] || across[2] == across[0];
   }

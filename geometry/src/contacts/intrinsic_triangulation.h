@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "base/numbers.h"
 #include "palpate/geometry/triangle_mesh.h"
 
 namespace palpate::geometry {
@@ -27,7 +28,6 @@ class IntrinsicTriangulation {
   /// \throws InvalidInput if more than two triangles share an edge, or two of opposite orientation.
   explicit IntrinsicTriangulation(const TriangleMesh& mesh);
 
-  static constexpr int kNone = -1;
   /// Flipping to Delaunay needs a few flips per edge; after this many it stops, in case rounding
   /// makes it cycle.
   static constexpr size_t kFlipsPerEdge = 100;

@@ -19,9 +19,8 @@
 namespace palpate::geometry {
 namespace {
 
-constexpr int kInfluences = DeformationGraph::kInfluences;
 constexpr int kUnknowns = 6;
-constexpr int kPairs = kInfluences * (kInfluences - 1) / 2;
+constexpr int kPairs = DeformationGraph::kInfluences * (DeformationGraph::kInfluences - 1) / 2;
 
 /// Sums are made in so many parts whatever the number of threads, and added in order.
 constexpr std::size_t kParts = 8;
@@ -54,8 +53,8 @@ DeformationEquations::DeformationEquations(const DeformationGraph& graph, std::v
   };
   pair_blocks_.reserve(samples_.size() * kPairs);
   for (const int v : samples_) {
-    for (int i = 0; i < kInfluences; ++i) {
-      for (int j = i + 1; j < kInfluences; ++j) {
+    for (int i = 0; i < DeformationGraph::kInfluences; ++i) {
+      for (int j = i + 1; j < DeformationGraph::kInfluences; ++j) {
         const int edge = edge_of(graph.influences()(i, v), graph.influences()(j, v));
         pair_blocks_.push_back(edge < 0 ? -1 : static_cast<int>(nodes) + edge);
       }
@@ -92,8 +91,9 @@ DeformationEquations::Sums DeformationEquations::sum_of_planes(
       const PlanePair& pair = pairs[s];
       if (!(pair.weight > 0)) continue;
       const int v = samples_[s];
-      std::array<Vector6d, kInfluences> row;  // derivative of the distance by each node's unknowns
-      for (int k = 0; k < kInfluences; ++k) {
+      // Derivative of the distance by each node's unknowns.
+      std::array<Vector6d, DeformationGraph::kInfluences> row;
+      for (int k = 0; k < DeformationGraph::kInfluences; ++k) {
         const int node = graph_.influences()(k, v);
         const Eigen::Isometry3d& motion = motions[static_cast<std::size_t>(node)];
         const Eigen::Vector3d arm =
@@ -102,13 +102,13 @@ DeformationEquations::Sums DeformationEquations::sum_of_planes(
         row[static_cast<std::size_t>(k)] *= graph_.weights()(k, v);
       }
       const int* block = &pair_blocks_[s * kPairs];
-      for (int i = 0; i < kInfluences; ++i) {
+      for (int i = 0; i < DeformationGraph::kInfluences; ++i) {
         const Vector6d weighted = pair.weight * row[static_cast<std::size_t>(i)];
         const auto node = static_cast<std::size_t>(graph_.influences()(i, v));
         sums.blocks[node].noalias() += weighted * row[static_cast<std::size_t>(i)].transpose();
         sums.gradient.segment<kUnknowns>(static_cast<Eigen::Index>(kUnknowns * node)) +=
             pair.distance * weighted;
-        for (int j = i + 1; j < kInfluences; ++j) {
+        for (int j = i + 1; j < DeformationGraph::kInfluences; ++j) {
           const int at = *block++;
           if (at < 0) continue;
           sums.blocks[static_cast<std::size_t>(at)].noalias() +=

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
 #include <numeric>
 #include <queue>
 #include <string>
@@ -12,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/numbers.h"
 #include "palpate/error.h"
 #include "palpate/parallel_for.h"
 #include "palpate/require.h"
@@ -20,7 +20,6 @@ namespace palpate::geometry {
 namespace {
 
 constexpr int kInfluences = DeformationGraph::kInfluences;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// The edges at each vertex, with their lengths.
 class EdgeLists {
@@ -110,7 +109,7 @@ std::vector<int> choose_nodes(const EdgeLists& edges, Eigen::Index vertex_count,
 }
 
 /// The nodes nearest to a vertex, one more than move it, nearest first.
-struct Nearest {
+struct NearestNodes {
   std::array<double, kInfluences + 1> distance;
   std::array<int, kInfluences + 1> node;
   int count = 0;
@@ -120,22 +119,22 @@ struct Nearest {
 };
 
 /// Dijkstra's shortest paths from all nodes at once; a vertex passes on the first few that come.
-std::vector<Nearest> nearest_nodes(const EdgeLists& edges, Eigen::Index vertex_count,
-                                   const std::vector<int>& nodes) {
-  std::vector<Nearest> nearest(static_cast<std::size_t>(vertex_count));
+std::vector<NearestNodes> nearest_nodes(const EdgeLists& edges, Eigen::Index vertex_count,
+                                        const std::vector<int>& nodes) {
+  std::vector<NearestNodes> nearest(static_cast<std::size_t>(vertex_count));
   Ways ways;
   for (int i = 0; i < static_cast<int>(nodes.size()); ++i) {
     ways.push({0, nodes[static_cast<std::size_t>(i)], i});
   }
   const auto wants = [&](int vertex, int node) {
-    const Nearest& here = nearest[static_cast<std::size_t>(vertex)];
+    const NearestNodes& here = nearest[static_cast<std::size_t>(vertex)];
     return here.count <= kInfluences && !here.has(node);
   };
   while (!ways.empty()) {
     const Way way = ways.top();
     ways.pop();
     if (!wants(way.vertex, way.node)) continue;
-    Nearest& here = nearest[static_cast<std::size_t>(way.vertex)];
+    NearestNodes& here = nearest[static_cast<std::size_t>(way.vertex)];
     here.distance[static_cast<std::size_t>(here.count)] = way.length;
     here.node[static_cast<std::size_t>(here.count++)] = way.node;
     for (const auto& [vertex, length] : edges.at(way.vertex)) {
@@ -147,7 +146,7 @@ std::vector<Nearest> nearest_nodes(const EdgeLists& edges, Eigen::Index vertex_c
 
 /// w = (1 - d / d_last)^2, d_last to the first node that has no influence (Sumner et al., eq. 5),
 /// or, where the piece of surface has fewer nodes, so far that the last of them counts half.
-void weigh(const Nearest& nearest, DeformationGraph::Influences::ColXpr influences,
+void weigh(const NearestNodes& nearest, DeformationGraph::Influences::ColXpr influences,
            DeformationGraph::Weights::ColXpr weights) {
   const int count = std::min(nearest.count, kInfluences);
   const double last = nearest.count > kInfluences
@@ -211,7 +210,7 @@ DeformationGraph::DeformationGraph(TriangleMesh mesh, const DeformationGraphOpti
   const std::vector<int> node_vertices = choose_nodes(edge_lists, vertex_count, options.nodes);
   nodes_ = mesh_.vertices(Eigen::all, node_vertices);
 
-  const std::vector<Nearest> nearest = nearest_nodes(edge_lists, vertex_count, node_vertices);
+  const std::vector<NearestNodes> nearest = nearest_nodes(edge_lists, vertex_count, node_vertices);
   influences_.resize(kInfluences, vertex_count);
   weights_.resize(kInfluences, vertex_count);
   for (Eigen::Index v = 0; v < vertex_count; ++v) {

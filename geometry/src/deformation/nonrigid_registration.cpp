@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <numbers>
 #include <string>
 
+#include "base/numbers.h"
 #include "deformation/deformation_equations.h"
 #include "deformation/measured_surface.h"
 #include "palpate/error.h"
@@ -17,9 +17,6 @@
 
 namespace palpate::geometry {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr int kInfluences = DeformationGraph::kInfluences;
 
 /// About so many vertices a node are drawn to the map: more change the result by less than the
 /// noise of a sensor, and cost time.
@@ -98,7 +95,7 @@ PlacedVertex place(const DeformationGraph& graph, const std::vector<Eigen::Isome
   const Eigen::Vector3d rest = graph.mesh().vertices.col(vertex);
   const Eigen::Vector3d rest_normal = graph.normals().col(vertex);
   PlacedVertex placed{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
-  for (int k = 0; k < kInfluences; ++k) {
+  for (int k = 0; k < DeformationGraph::kInfluences; ++k) {
     const double weight = graph.weights()(k, vertex);
     const Eigen::Isometry3d& motion =
         motions[static_cast<std::size_t>(graph.influences()(k, vertex))];

@@ -9,11 +9,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "base/numbers.h"
 #include "deformation/elastic_surface.h"
 #include "deformation/landmark_warp.h"
 #include "deformation/nearest_rotation.h"
@@ -25,8 +25,6 @@
 namespace palpate::geometry {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
 // Landmarks are in a line iff their spread across it is at most this part of that along it: the
 // turn about it would be known to no better than this part of a radian per part of their error.
 constexpr double kInLine = 0.05;
@@ -34,9 +32,9 @@ constexpr double kInLine = 0.05;
 // Elastic lengths over the diagonal, from first to last, and how often the nearest places are taken
 // at each.
 constexpr double kFirstLength = 0.25, kLastLength = 0.01;
-constexpr int kLevels = 8, kRounds = 6;
+constexpr int kElasticLevels = 8, kElasticRounds = 6;
 // Of the diagonal: moves below this are rounding.
-constexpr double kSettled = 1e-12;
+constexpr double kRoundingMove = 1e-12;
 // A vertex of the border is drawn to the border so much more than others to the surface.
 constexpr double kBorderWeight = 10;
 
@@ -152,7 +150,7 @@ class Attractor {
 
   [[nodiscard]] Eigen::Vector3d nearest_on_border(const Eigen::Vector3d& point) const {
     Eigen::Vector3d nearest = point;
-    double least = std::numeric_limits<double>::infinity();
+    double least = kInfinity;
     for (const auto& [a, b] : border_edges_) {
       const Eigen::Vector3d along = b - a;
       const double length = along.squaredNorm();
@@ -183,14 +181,14 @@ Eigen::Matrix3Xd fit_to_target(const TriangleMesh& source, const std::vector<Sur
   Eigen::VectorXd weights(positions.cols());
   for (Eigen::Index v = 0; v < weights.size(); ++v)
     weights[v] = attractor.is_border(v) ? kBorderWeight : 1;
-  for (int level = 0; level < kLevels; ++level) {
-    const double fall = static_cast<double>(level) / (kLevels - 1);
+  for (int level = 0; level < kElasticLevels; ++level) {
+    const double fall = static_cast<double>(level) / (kElasticLevels - 1);
     elastic.factorise(diagonal * kFirstLength * std::pow(kLastLength / kFirstLength, fall),
                       weights);
-    for (int round = 0; round < kRounds; ++round) {
+    for (int round = 0; round < kElasticRounds; ++round) {
       const Eigen::Matrix3Xd before = positions;
       elastic.relax(attractor.targets(positions), landmarks.target, positions);
-      if ((positions - before).cwiseAbs().maxCoeff() <= kSettled * diagonal) break;
+      if ((positions - before).cwiseAbs().maxCoeff() <= kRoundingMove * diagonal) break;
     }
   }
   return attractor.targets(positions);
@@ -209,7 +207,7 @@ double area_of(const Eigen::Matrix3d& basis) { return basis.col(0).cross(basis.c
 
 // The gradient of the map of a triangle that takes its normal to the image's; NaN without an area.
 Eigen::Matrix3d gradient(const Eigen::Matrix3d& from, const Eigen::Matrix3d& to) {
-  if (!(area_of(from) > 0)) return Eigen::Matrix3d::Constant(kNaN);
+  if (!(area_of(from) > 0)) return Eigen::Matrix3d::Constant(kNan);
   return to * from.inverse();
 }
 
@@ -217,7 +215,7 @@ void measure_distortion(const TriangleMesh& source, const TriangleMesh& target,
                         const SurfaceQuery& surface, SurfaceMap& map) {
   const Eigen::Index count = source.triangles.cols();
   const Eigen::Matrix3Xd normals = triangle_normals(target);
-  map.singular_values.setConstant(2, count, kNaN);
+  map.singular_values.setConstant(2, count, kNan);
   map.folded.setConstant(count, false);
   double area = 0, image_area = 0, folded_area = 0, folded_image = 0;
   for (Eigen::Index t = 0; t < count; ++t) {

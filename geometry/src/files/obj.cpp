@@ -22,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// The current position in a file, for messages.
-struct Place {
+struct FilePosition {
   const std::string& file;
   std::string_view content;
   std::size_t offset;
@@ -49,7 +49,7 @@ struct Numbers {
 };
 
 template <int N>
-Numbers<N> parse_numbers(std::string_view words, const char* what, const Place& place) {
+Numbers<N> parse_numbers(std::string_view words, const char* what, const FilePosition& place) {
   Numbers<N> numbers;
   for (std::string_view word = next_word(words); !word.empty() && numbers.count < N;
        word = next_word(words)) {
@@ -65,7 +65,7 @@ Numbers<N> parse_numbers(std::string_view words, const char* what, const Place& 
 
 /// Converts an index counted from 1, or backwards from the end if negative, to one counted from 0.
 std::int64_t parse_index(std::string_view word, std::size_t size, const char* what,
-                         const Place& place) {
+                         const FilePosition& place) {
   const auto number = parse_number<std::int64_t>(word);
   const auto count = static_cast<std::int64_t>(size);
   if (!number || *number == 0 || *number < -count || *number > count)
@@ -79,7 +79,7 @@ class Reader {
  public:
   explicit Reader(const std::string& file) : file_(file) {}
 
-  void take(std::string_view line, const Place& place) {
+  void take(std::string_view line, const FilePosition& place) {
     const std::size_t comment = line.find_first_not_of(" \t");
     if (comment != std::string_view::npos && line[comment] == '#') {
       line.remove_prefix(comment + 1);
@@ -109,13 +109,13 @@ class Reader {
   static constexpr std::int64_t kNoNormal = -1, kSeveralNormals = -2;
 
   /// x y z, or x y z w with a weight that is not used, or x y z and a colour.
-  void take_vertex(std::string_view words, const Place& place) {
+  void take_vertex(std::string_view words, const FilePosition& place) {
     const Numbers<6> numbers = parse_numbers<6>(words, "a vertex", place);
     mesh_.vertices.emplace_back(numbers.values.head<3>());
     if (numbers.count == 6) colors_.emplace_back(numbers.values.tail<3>());
   }
 
-  void take_face(std::string_view words, const Place& place) {
+  void take_face(std::string_view words, const FilePosition& place) {
     int size = 0;
     for (std::string_view word = next_word(words); !word.empty(); word = next_word(words), ++size) {
       if (word.starts_with('#')) break;
@@ -126,7 +126,7 @@ class Reader {
   }
 
   /// `7`, `7/1`, `7/1/3` or `7//3`: vertex, texture coordinate, normal.
-  void take_corner(std::string_view word, const Place& place) {
+  void take_corner(std::string_view word, const FilePosition& place) {
     const std::size_t slash = word.find('/');
     const std::int64_t vertex =
         parse_index(word.substr(0, slash), mesh_.vertices.size(), "vertex", place);
@@ -185,7 +185,7 @@ PolygonMesh read_obj(const fs::path& path) {
   Reader reader(file);
   std::string_view rest = joined;
   while (!rest.empty()) {
-    const Place place{file, content, content.size() - rest.size()};
+    const FilePosition place{file, content, content.size() - rest.size()};
     reader.take(next_line(rest), place);
   }
   return reader.result();

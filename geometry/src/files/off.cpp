@@ -19,9 +19,9 @@ namespace {
 namespace fs = std::filesystem;
 
 /// The lines of an OFF file without blank lines and comments; comments are added to `comments`.
-class Lines {
+class OffLines {
  public:
-  Lines(std::string_view content, std::string file, std::vector<std::string>& comments)
+  OffLines(std::string_view content, std::string file, std::vector<std::string>& comments)
       : content_(content), rest_(content), file_(std::move(file)), comments_(comments) {}
 
   /// The next line that holds something; empty at the end of the file.
@@ -101,7 +101,7 @@ class VertexColumns {
  public:
   explicit VertexColumns(const Layout& layout) : layout_(layout) {}
 
-  void take(std::string_view words, const Lines& lines) {
+  void take(std::string_view words, const OffLines& lines) {
     if (columns_.empty()) name_columns(words);
     complete_ = complete_ && count_words(words) >= columns_.size();
     for (std::size_t i = 0; complete_ && i < columns_.size(); ++i)
@@ -163,7 +163,7 @@ PolygonMesh read_off(const fs::path& path) {
   const std::string content = read_input_file(path);
   const std::string file = path.string();
   PolygonMesh mesh;  // grows as the file is read: the counts may be wrong
-  Lines lines(content, file, mesh.comments);
+  OffLines lines(content, file, mesh.comments);
   std::string_view counts = lines.next();
   VertexColumns columns(take_magic(counts, file));
   if (count_words(counts) == 0) counts = lines.next_row("lines with counts", 0, 1);

@@ -60,7 +60,7 @@ std::optional<Scalar> scalar_of(std::string_view kind, std::uint64_t bytes) {
 }
 
 /// The header as it stands: all words behind each keyword.
-struct Lines {
+struct HeaderLines {
   std::vector<std::string_view> fields, size, type, count, width, height, points, data;
 
   std::vector<std::string_view>* find(std::string_view keyword) {
@@ -85,7 +85,7 @@ std::uint64_t whole_number(const std::string& file, const char* keyword, std::st
   return *number;
 }
 
-void take_fields(const Lines& lines, const std::string& file, Header& header) {
+void take_fields(const HeaderLines& lines, const std::string& file, Header& header) {
   constexpr std::uint64_t kMaxCount = std::numeric_limits<std::uint16_t>::max();
   const std::size_t fields = lines.fields.size();
   if (lines.size.size() != fields || lines.type.size() != fields ||
@@ -112,7 +112,7 @@ void take_fields(const Lines& lines, const std::string& file, Header& header) {
   }
 }
 
-void take_point_count(const Lines& lines, const std::string& file, Header& header) {
+void take_point_count(const HeaderLines& lines, const std::string& file, Header& header) {
   const auto one = [&](const char* keyword, const std::vector<std::string_view>& words,
                        std::uint64_t otherwise) {
     return words.empty()
@@ -137,7 +137,7 @@ void take_comment(std::string_view line, Header& header) {
 
 Header parse_header(std::string_view content, const std::string& file) {
   Header header;
-  Lines lines;
+  HeaderLines lines;
   std::string_view rest = content;
   while (!rest.empty() && lines.data.empty()) {
     std::string_view line = next_line(rest);

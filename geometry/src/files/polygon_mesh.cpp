@@ -148,10 +148,10 @@ Attribute of_elements(const Attribute& attribute, const std::vector<std::size_t>
   return result;
 }
 
-using Place = std::array<double, 3>;
+using Coordinates = std::array<double, 3>;
 
-struct PlaceHash {
-  std::size_t operator()(const Place& place) const {
+struct CoordinatesHash {
+  std::size_t operator()(const Coordinates& place) const {
     std::uint64_t hash = 0;
     // + 0.0 because both zeros are equal and must hash alike. The multiplier is 2^64 / golden
     // ratio.
@@ -215,7 +215,7 @@ MeshFile triangulate(PolygonMesh mesh, const std::string& file, bool keep_defect
 
 void join_corners(PolygonMesh& mesh) {
   if (mesh.vertices.size() != mesh.corners.size()) return;
-  std::unordered_map<Place, std::int64_t, PlaceHash> index_of;
+  std::unordered_map<Coordinates, std::int64_t, CoordinatesHash> index_of;
   index_of.reserve(mesh.vertices.size() / 4);  // a closed mesh has six corners at a vertex
   std::vector<std::int64_t> joined;
   joined.reserve(mesh.corners.size());

@@ -4,18 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <optional>
 #include <vector>
 
+#include "base/numbers.h"
 #include "mesh/triangle_fans.h"
 
 namespace palpate::geometry {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr int kNone = -1;
 
 /// A shorter path is propagated iff its squared length is shorter by more than this fraction: far
 /// above rounding, so that the march terminates, and far below its accuracy.

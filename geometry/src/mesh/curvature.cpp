@@ -4,15 +4,13 @@
 
 #include <Eigen/Geometry>
 #include <Eigen/QR>
-#include <limits>
 #include <vector>
 
+#include "base/numbers.h"
 #include "palpate/geometry/mesh_topology.h"
 
 namespace palpate::geometry {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 /// Column k is the edge opposite to corner k.
 Eigen::Matrix3d edges_of(const TriangleMesh& mesh, const Eigen::Vector3i& corners) {

@@ -8,13 +8,12 @@
 #include <string>
 #include <utility>
 
+#include "base/numbers.h"
 #include "mesh/edge_table.h"
 #include "palpate/error.h"
 
 namespace palpate::geometry {
 namespace {
-
-constexpr int kNone = -1;
 
 [[noreturn]] void refuse(const Eigen::Matrix3Xi& triangles, int half_edge, int other) {
   const int from = triangles(half_edge % 3, half_edge / 3);

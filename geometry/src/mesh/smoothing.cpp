@@ -19,7 +19,7 @@ namespace {
 /// Up to this lambda the highest frequency, 2, is damped for every pass band.
 constexpr double kMaxLambda = 0.6;
 // Vertices per parallel task.
-constexpr Eigen::Index kGrain = 4096;
+constexpr Eigen::Index kVerticesPerTask = 4096;
 
 void check_options(const SmoothingOptions& options) {
   require("SmoothingOptions::iterations", options.iterations, at_least(0));
@@ -69,7 +69,7 @@ Neighbors list_neighbors(const TriangleMesh& mesh, bool keep_border) {
 /// x + factor (mean of the neighbours - x) for every vertex.
 void move_to_mean(const Neighbors& neighbors, const Eigen::Matrix3Xd& x, double factor,
                   Eigen::Matrix3Xd& moved) {
-  parallel_ranges(x.cols(), kGrain, [&](Eigen::Index begin, Eigen::Index end) {
+  parallel_ranges(x.cols(), kVerticesPerTask, [&](Eigen::Index begin, Eigen::Index end) {
     for (Eigen::Index i = begin; i < end; ++i) {
       const int first = neighbors.start[static_cast<std::size_t>(i)];
       const int last = neighbors.start[static_cast<std::size_t>(i) + 1];

@@ -7,10 +7,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/numbers.h"
+
 namespace palpate::geometry {
 namespace {
-
-constexpr int kNone = -1;
 
 /// Squared sine assigned to a corner of a triangle without area, so that the signs of its products
 /// still indicate where its apex is: the square of the rounding of a double.

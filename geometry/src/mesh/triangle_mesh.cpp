@@ -7,12 +7,11 @@
 #include <limits>
 #include <string>
 
+#include "base/numbers.h"
 #include "palpate/error.h"
 
 namespace palpate::geometry {
 namespace {
-
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 /// A triangle has an area iff |ab x ac| > kMinSine |ab| |ac|; below this, rounding determines the
 /// normal.

@@ -5,6 +5,7 @@
 #include <embree3/rtcore.h>
 
 #include <bit>
+#include <limits>
 #include <memory>
 #include <string>
 #include <type_traits>
@@ -16,7 +17,6 @@ namespace palpate::geometry {
 namespace {
 
 constexpr int kWidth = TrianglePacket::kSize;
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 struct ReleaseDevice {
   void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
@@ -165,8 +165,8 @@ void refit(BoundingTree& tree, const Eigen::Matrix3Xd& vertices, const Eigen::Ma
   const auto float_margin = static_cast<float>(margin);
   for (auto node = tree.nodes.rbegin(); node != tree.nodes.rend(); ++node) {
     for (auto& [lower, upper] : node->sides) {
-      lower.setConstant(kInfinity);
-      upper.setConstant(-kInfinity);
+      lower.setConstant(std::numeric_limits<float>::infinity());
+      upper.setConstant(-std::numeric_limits<float>::infinity());
     }
     for (int lane = 0; lane < std::popcount(node->children); ++lane) {
       const int child = node->child[static_cast<std::size_t>(lane)];

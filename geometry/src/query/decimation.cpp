@@ -6,11 +6,11 @@
 #include <meshoptimizer.h>
 
 #include <algorithm>
-#include <limits>
 #include <numeric>
 #include <optional>
 #include <utility>
 
+#include "base/numbers.h"
 #include "mesh/edge_table.h"
 #include "palpate/error.h"
 #include "palpate/require.h"
@@ -19,8 +19,6 @@
 
 namespace palpate::geometry {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Error allowed to meshoptimizer as a fraction of the tolerance: initial value and maximum. Its
 /// own estimate is a half to a third of the distance, but only where the distance is largest. Parts

@@ -5,10 +5,10 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
-#include <limits>
 #include <numeric>
 #include <utility>
 
+#include "base/numbers.h"
 #include "palpate/parallel_for.h"
 
 namespace palpate::geometry {
@@ -43,8 +43,6 @@ std::vector<Side> sorted_sides(const TriangleMesh& mesh) {
   });
   return sides;
 }
-
-constexpr int kNone = -1;
 
 /// A triangle is a sliver iff its height is at most this fraction of its longest side; its
 /// orientation is then mostly noise.
@@ -251,7 +249,7 @@ Unfit find_unfit(const TriangleMesh& candidate, const DistanceTarget& candidate_
                  const DecimationStandard& standard, double tolerance, KnownNear& known) {
   Unfit unfit;
   unfit.shapes = bad_shapes(candidate, standard);
-  if (unfit.count() > 0 || !(tolerance < std::numeric_limits<double>::infinity())) return unfit;
+  if (unfit.count() > 0 || !(tolerance < kInfinity)) return unfit;
   const BoundGoal goal{.ignore_below = tolerance, .stop_above = tolerance};
   for (const LargestDistance& found :
        bound_triangle_distances(standard.input.mesh, candidate_target, goal)) {

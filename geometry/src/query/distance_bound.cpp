@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/numbers.h"
 #include "mesh/edge_table.h"
 #include "mesh/triangle_primitives.h"
 #include "palpate/error.h"
@@ -18,10 +19,8 @@
 namespace palpate::geometry {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 /// Triangles per task: few, because those that are subdivided take far longer than others.
-constexpr std::ptrdiff_t kGrain = 64;
+constexpr std::ptrdiff_t kTrianglesPerTask = 64;
 
 /// Fraction of the diagonal of the target mesh below which bounds need not be distinguished. Far
 /// above the rounding of distances, far below any measured distance.
@@ -338,7 +337,7 @@ std::vector<LargestDistance> bound_triangle_distances(const TriangleMesh& from,
   if (goal.stop_above < kInfinity) known = 0;
   // Process each triangle independently, so that the result does not depend on the thread order.
   std::vector<LargestDistance> of_triangle(static_cast<std::size_t>(from.triangles.cols()));
-  parallel_ranges(static_cast<std::ptrdiff_t>(of_triangle.size()), kGrain,
+  parallel_ranges(static_cast<std::ptrdiff_t>(of_triangle.size()), kTrianglesPerTask,
                   [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
                     TriangleSearch search(to, goal, known);
                     for (auto t = static_cast<std::size_t>(begin);

@@ -4,18 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string>
 
+#include "base/numbers.h"
 #include "palpate/error.h"
 #include "palpate/parallel_for.h"
 #include "query/surface_tree.h"
 
 namespace palpate::geometry {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 /// Segments are cut to this cube (local frame) before they become float rays.
 constexpr double kSegmentCube = 2;

@@ -7,13 +7,12 @@
 #include <cmath>
 #include <limits>
 
+#include "base/numbers.h"
 #include "query/local_frame.h"
 #include "query/triangle_packet.h"
 
 namespace palpate::geometry {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Beyond this distance from the mesh (local frame) the margin approaches the mesh's own size:
 /// single precision can no longer cull, and every triangle is visited.

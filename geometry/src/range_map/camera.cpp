@@ -29,9 +29,6 @@ constexpr int kLanes = 2;
 // Rows of rays from which the next is predicted.
 constexpr int kRowsBefore = 4;
 
-// No camera has more pixels: pixels are counted in int, and each needs some 100 bytes.
-constexpr std::int64_t kMaxPixels = std::int64_t{1} << 28;
-
 bool has_distortion(const Camera& camera) {
   return std::any_of(camera.distortion.begin(), camera.distortion.end(),
                      [](double k) { return k != 0; });
@@ -39,39 +36,39 @@ bool has_distortion(const Camera& camera) {
 
 /// One number for each of `n` points, which are undistorted together by vector instructions.
 template <int n>
-using Lanes = Eigen::Array<double, n, 1>;
+using PerPoint = Eigen::Array<double, n, 1>;
 
 /// Normalised coordinates of `n` points.
 template <int n>
 struct Points {
-  Lanes<n> x;
-  Lanes<n> y;
+  PerPoint<n> x;
+  PerPoint<n> y;
 };
 
 /// Distortion of normalised coordinates and its derivative, a symmetric matrix.
 template <int n>
 struct Distortion {
   Points<n> value;
-  Lanes<n> dx_dx, dx_dy, dy_dy;
-  Lanes<n> radial;  ///< factor of the radial part; a pole or a fold makes it <= 0
+  PerPoint<n> dx_dx, dx_dy, dy_dy;
+  PerPoint<n> radial;  ///< factor of the radial part; a pole or a fold makes it <= 0
 };
 
 template <int n>
 Distortion<n> distort_normalized(const Camera& camera, const Points<n>& p) {
   const auto& [k1, k2, p1, p2, k3, k4, k5, k6] = camera.distortion;
-  const Lanes<n>& x = p.x;
-  const Lanes<n>& y = p.y;
-  const Lanes<n> r2 = x * x + y * y;
-  const Lanes<n> numerator = 1 + r2 * (k1 + r2 * (k2 + r2 * k3));
-  const Lanes<n> denominator = 1 + r2 * (k4 + r2 * (k5 + r2 * k6));
-  const Lanes<n> numerator_slope = k1 + r2 * (2 * k2 + r2 * (3 * k3));  // d / d r2
-  const Lanes<n> denominator_slope = k4 + r2 * (2 * k5 + r2 * (3 * k6));
-  const Lanes<n> scale = 1 / denominator;
-  const Lanes<n> radial = numerator * scale;
-  const Lanes<n> radial_slope = (numerator_slope - radial * denominator_slope) * scale;
+  const PerPoint<n>& x = p.x;
+  const PerPoint<n>& y = p.y;
+  const PerPoint<n> r2 = x * x + y * y;
+  const PerPoint<n> numerator = 1 + r2 * (k1 + r2 * (k2 + r2 * k3));
+  const PerPoint<n> denominator = 1 + r2 * (k4 + r2 * (k5 + r2 * k6));
+  const PerPoint<n> numerator_slope = k1 + r2 * (2 * k2 + r2 * (3 * k3));  // d / d r2
+  const PerPoint<n> denominator_slope = k4 + r2 * (2 * k5 + r2 * (3 * k6));
+  const PerPoint<n> scale = 1 / denominator;
+  const PerPoint<n> radial = numerator * scale;
+  const PerPoint<n> radial_slope = (numerator_slope - radial * denominator_slope) * scale;
 
   Distortion<n> result;
-  result.radial = (denominator > 0).select(radial, Lanes<n>::Constant(-1));
+  result.radial = (denominator > 0).select(radial, PerPoint<n>::Constant(-1));
   result.value = {x * radial + 2 * p1 * x * y + p2 * (r2 + 2 * x * x),
                   y * radial + p1 * (r2 + 2 * y * y) + 2 * p2 * x * y};
   result.dx_dx = radial + 2 * x * x * radial_slope + 2 * p1 * y + 6 * p2 * x;
@@ -81,7 +78,7 @@ Distortion<n> distort_normalized(const Camera& camera, const Points<n>& p) {
 }
 
 template <int n>
-Lanes<n> determinant(const Distortion<n>& at) {
+PerPoint<n> determinant(const Distortion<n>& at) {
   return at.dx_dx * at.dy_dy - at.dx_dy * at.dx_dy;
 }
 
@@ -114,15 +111,15 @@ template <int n>
 bool undistort_normalized(const Camera& camera, const Points<n>& distorted, Points<n>& p) {
   for (int step = 0; step < kMaxNewtonSteps; ++step) {
     const Distortion<n> at = distort_normalized(camera, p);
-    const Lanes<n> miss_x = distorted.x - at.value.x;
-    const Lanes<n> miss_y = distorted.y - at.value.y;
-    const Lanes<n> scale = 1 / determinant(at);
-    const Lanes<n> move_x = (at.dy_dy * miss_x - at.dx_dy * miss_y) * scale;
-    const Lanes<n> move_y = (at.dx_dx * miss_y - at.dx_dy * miss_x) * scale;
+    const PerPoint<n> miss_x = distorted.x - at.value.x;
+    const PerPoint<n> miss_y = distorted.y - at.value.y;
+    const PerPoint<n> scale = 1 / determinant(at);
+    const PerPoint<n> move_x = (at.dy_dy * miss_x - at.dx_dy * miss_y) * scale;
+    const PerPoint<n> move_y = (at.dx_dx * miss_y - at.dx_dy * miss_x) * scale;
     p.x += move_x;
     p.y += move_y;
-    const Lanes<n> moved = move_x * move_x + move_y * move_y;
-    const Lanes<n> enough = kMaxLastStep * kMaxLastStep * (1 + p.x * p.x + p.y * p.y);
+    const PerPoint<n> moved = move_x * move_x + move_y * move_y;
+    const PerPoint<n> enough = kMaxLastStep * kMaxLastStep * (1 + p.x * p.x + p.y * p.y);
     if ((moved <= enough).all()) return all_unfolded(camera, p);
     if (!moved.isFinite().all()) return false;
   }
@@ -150,16 +147,16 @@ Eigen::Vector2d to_normalized(const Camera& camera, const Eigen::Vector2d& pixel
 void continue_rays(const Camera& camera, int row, int col,
                    Eigen::Ref<Eigen::Matrix2Xd, 0, Eigen::OuterStride<>> rays) {
   const Eigen::Index first = Eigen::Index{row} * camera.width + col;
-  const auto above = [&](int rows, int axis) -> Lanes<kLanes> {
+  const auto above = [&](int rows, int axis) -> PerPoint<kLanes> {
     return rays.row(axis).segment<kLanes>(first - Eigen::Index{rows} * camera.width).transpose();
   };
-  const auto predicted = [&](int axis) -> Lanes<kLanes> {  // by the cubic through four rows
+  const auto predicted = [&](int axis) -> PerPoint<kLanes> {  // by the cubic through four rows
     return 4 * (above(1, axis) + above(3, axis)) - 6 * above(2, axis) - above(4, axis);
   };
   Points<kLanes> p = {predicted(0), predicted(1)};
   const Points<kLanes> distorted = {
-      (Lanes<kLanes>::LinSpaced(col, col + kLanes - 1) - camera.cx) / camera.fx,
-      Lanes<kLanes>::Constant((row - camera.cy) / camera.fy)};
+      (PerPoint<kLanes>::LinSpaced(col, col + kLanes - 1) - camera.cx) / camera.fx,
+      PerPoint<kLanes>::Constant((row - camera.cy) / camera.fy)};
   if (undistort_normalized(camera, distorted, p)) {
     rays.row(0).segment<kLanes>(first) = p.x;
     rays.row(1).segment<kLanes>(first) = p.y;

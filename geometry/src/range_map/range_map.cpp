@@ -26,8 +26,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Largest accepted image, 1 GB of depths; a header that announces more is damaged.
-constexpr std::uint64_t kMaxPixels = std::uint64_t{1} << 28;
 // Bytes per strip: few strips are faster than many.
 constexpr std::size_t kStripBytes = 1024 * 1024;
 

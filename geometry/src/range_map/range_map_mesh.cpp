@@ -108,8 +108,8 @@ constexpr Cell kSecond = 2;
 constexpr Cell kRising = 4;
 
 /// The corners of a cell by number: a b c d.
-using Corners = std::array<int, 3>;
-constexpr std::array<std::array<Corners, 2>, 2> kTriangles = {
+using CellTriangle = std::array<int, 3>;
+constexpr std::array<std::array<CellTriangle, 2>, 2> kTriangles = {
     {{{{0, 2, 3}, {0, 3, 1}}}, {{{0, 2, 1}, {1, 2, 3}}}}};  // [rising][second]
 
 /// Calls `visit` with the corners of each triangle of a cell.
@@ -141,7 +141,7 @@ void join_row(const Eigen::Matrix3Xd& points, const DepthSteps& steps, double mi
     const auto point = [&](int corner) {
       return points.col(pixel[static_cast<std::size_t>(corner)]);
     };
-    const auto seen = [&](const Corners& corners) {
+    const auto seen = [&](const CellTriangle& corners) {
       return well_seen(point(corners[0]), point(corners[1]), point(corners[2]), min_cosine);
     };
     const bool right = steps.joined_below(row, col + 1);
@@ -240,7 +240,7 @@ void take_triangles(const Cells& cells, const std::vector<int>& vertex, RangeMap
       const auto below = static_cast<std::size_t>(width);
       const std::array<int, 4> corner = {vertex[a], vertex[a + 1], vertex[a + below],
                                          vertex[a + below + 1]};
-      for_each_triangle(cells(row + 1, col + 1), [&](const Corners& corners) {
+      for_each_triangle(cells(row + 1, col + 1), [&](const CellTriangle& corners) {
         for (int k = 0; k < 3; ++k)
           result.mesh.triangles(k, triangle) =
               corner[static_cast<std::size_t>(corners[static_cast<std::size_t>(k)])];

@@ -8,7 +8,7 @@
 #include <limits>
 #include <numbers>
 
-#include "base/rank_quantile.h"
+#include "base/numbers.h"
 #include "palpate/parallel_for.h"
 
 namespace palpate::geometry {
@@ -32,7 +32,7 @@ constexpr std::array<Round, 3> kRounds = {{{2, 0.34}, {4, 0.5}, {6, 1}}};
 constexpr size_t kLeastKept = 12;
 
 /// How strongly motion along the surface is suppressed: far from the surface its planes mislead.
-constexpr double kStay = 0.05;
+constexpr double kStayFar = 0.05;
 
 /// Poses are equal iff the points differ by at most this many cells on average.
 constexpr double kSamePose = 2;
@@ -86,7 +86,7 @@ void descend(const RegistrationTarget::Impl& target, const Eigen::Matrix3Xd& poi
         std::max(deviation_of_median(candidate.score), target.grid.cell_size() / 2);
     const RigidProblem problem = rigid_problem(moved, pairing, deviation);
     if (problem.used < 3) return;
-    const Vector6d x = solve(problem, kStay);
+    const Vector6d x = solve(problem, kStayFar);
     if (!x.allFinite()) return;
     candidate.motion = to_motion(x, problem) * candidate.motion;
     moved = candidate.motion * points;

@@ -7,17 +7,13 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
-#include "base/rank_quantile.h"
+#include "base/numbers.h"
 #include "registration/pose_search.h"
 
 namespace palpate::geometry {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 /// Distances below this fraction of the target's diagonal are rounding error.
 constexpr double kLeastLength = 1e-6;

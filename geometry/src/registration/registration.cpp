@@ -8,7 +8,7 @@
 #include <cmath>
 #include <utility>
 
-#include "base/rank_quantile.h"
+#include "base/numbers.h"
 #include "base/rigid_motion.h"
 #include "palpate/error.h"
 #include "palpate/require.h"
@@ -36,8 +36,8 @@ constexpr size_t kMaxRivals = 6;
 /// these the one that moves the points least is taken.
 constexpr double kEqualScore = 1.2;
 
-/// Like `kStay` of the search, but near the surface.
-constexpr double kStay = 1e-3;
+/// Like `kStayFar` of the search, but near the surface.
+constexpr double kStayNear = 1e-3;
 
 /// Refinement ends when a step moves the points by at most this (local frame), or by a hundredth of
 /// the standard error of their mean distance.
@@ -93,7 +93,7 @@ SettledPose settle(const RegistrationTarget::Impl& target, const Eigen::Matrix3X
   while (pose.iterations < max_iterations) {
     const RigidProblem problem = rigid_problem(moved, pose.pairing, pose.deviation);
     if (problem.used < kMinPoints) return pose;
-    Vector6d x = solve(problem, kStay);
+    Vector6d x = solve(problem, kStayNear);
     if (!x.allFinite()) return pose;
     const double mean_error =
         rank_quantile(pose.pairing.distances, 0.5) / std::sqrt(static_cast<double>(points.cols()));
@@ -148,7 +148,7 @@ SettledPose settle_with_pcl(const RegistrationTarget::Impl& target, const Eigen:
 
 struct Choice {
   Eigen::Isometry3d best = Eigen::Isometry3d::Identity();
-  double runner_up = std::numeric_limits<double>::quiet_NaN();  ///< its median distance
+  double runner_up = kNan;  ///< its median distance
 };
 
 /// Refines the promising candidates on the surface itself and takes the best.
@@ -172,7 +172,7 @@ Choice choose(const RegistrationTarget::Impl& target, const Eigen::Matrix3Xd& po
   double least = settled.front().score;
   for (const PoseCandidate& pose : settled) least = std::min(least, pose.score);
   size_t best = 0;
-  double least_motion = std::numeric_limits<double>::infinity();
+  double least_motion = kInfinity;
   for (size_t i = 0; i < settled.size(); ++i) {
     if (settled[i].score > kEqualScore * least + kConverged) continue;
     const double motion = mean_displacement(settled[i].motion, Eigen::Isometry3d::Identity(), some);

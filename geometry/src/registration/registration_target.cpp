@@ -15,7 +15,7 @@ namespace palpate::geometry {
 namespace {
 
 /// Points per task.
-constexpr Eigen::Index kGrain = 64;
+constexpr Eigen::Index kPointsPerTask = 64;
 
 /// On the coarse map, a point more than two cells away is beside the surface iff at most this share
 /// of the way to it is along the normal.
@@ -77,7 +77,7 @@ bool RegistrationTarget::Impl::is_on_border(const SurfacePoint& foot) const {
 Pairing RegistrationTarget::Impl::pair(const Eigen::Matrix3Xd& points) const {
   Pairing pairing;
   pairing.resize(points.cols());
-  parallel_ranges(points.cols(), kGrain, [&](Eigen::Index begin, Eigen::Index end) {
+  parallel_ranges(points.cols(), kPointsPerTask, [&](Eigen::Index begin, Eigen::Index end) {
     for (Eigen::Index i = begin; i < end; ++i) {
       const ClosestPoint closest = query.closest_point(points.col(i));
       pairing.feet.col(i) = closest.position;

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/numbers.h"
 #include "palpate/parallel_for.h"
 
 namespace palpate::geometry {
@@ -23,7 +24,6 @@ constexpr double kMargin = 0.1;
 /// many samples.
 constexpr double kMaxSamples = 4e6;
 
-constexpr int kNone = -1;
 constexpr int kFar = std::numeric_limits<int>::max();
 
 /// Accumulated surface in one cell.
@@ -62,7 +62,7 @@ void SurfelGrid::collect_surfels(const TriangleMesh& mesh) {
     return Eigen::Vector3d(mesh.vertices.col(mesh.triangles(k, t)));
   };
   double step = cell_size_;
-  for (double samples = std::numeric_limits<double>::infinity(); samples > kMaxSamples;) {
+  for (double samples = kInfinity; samples > kMaxSamples;) {
     if (std::isfinite(samples)) step *= 2;
     samples = -static_cast<double>(mesh.triangles.cols());  // a fine mesh needs one per triangle
     for (Eigen::Index t = 0; t < mesh.triangles.cols(); ++t) {
@@ -138,7 +138,7 @@ void SurfelGrid::spread_along(int axis, std::vector<int>& squared_distance) {
         distance[from] = squared_distance[static_cast<size_t>(line + i * stride)];
         surfel[from] = nearest_[static_cast<size_t>(line + i * stride)];
         if (distance[from] == kFar) continue;
-        double crossing = -std::numeric_limits<double>::infinity();
+        double crossing = -kInfinity;
         while (parabolas > 0) {
           const int last = apex[static_cast<size_t>(parabolas - 1)];
           crossing = (static_cast<double>(distance[from]) + static_cast<double>(i) * i -
@@ -146,7 +146,7 @@ void SurfelGrid::spread_along(int axis, std::vector<int>& squared_distance) {
                      (2.0 * (i - last));
           if (crossing > begin[static_cast<size_t>(parabolas - 1)]) break;
           --parabolas;
-          crossing = -std::numeric_limits<double>::infinity();
+          crossing = -kInfinity;
         }
         apex[static_cast<size_t>(parabolas)] = i;
         begin[static_cast<size_t>(parabolas)] = crossing;

@@ -4,7 +4,7 @@
 
 #include <cstddef>
 
-#include "base/rank_quantile.h"
+#include "base/numbers.h"
 #include "base/rigid_motion.h"
 #include "palpate/error.h"
 

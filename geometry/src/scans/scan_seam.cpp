@@ -124,18 +124,18 @@ class SeamTriangulation {
       if (joinable(v)) cell_size = std::max(cell_size, longest(v, v, true));
     }
     if (cell_size == 0) return {};  // nothing to join
-    using Cell = std::array<long, 3>;
-    std::map<Cell, std::vector<int>> grid;
+    using Cube = std::array<long, 3>;
+    std::map<Cube, std::vector<int>> grid;
     const auto cell_of = [&](int v) {
       const Eigen::Array3d cell =
           ((at(v) - vertices_.col(0)) / cell_size).array().floor().max(-kFarCell).min(kFarCell);
-      return Cell{static_cast<long>(cell[0]), static_cast<long>(cell[1]),
+      return Cube{static_cast<long>(cell[0]), static_cast<long>(cell[1]),
                   static_cast<long>(cell[2])};
     };
     for (const auto& [v, sectors] : sectors_) grid[cell_of(v)].push_back(v);
     std::vector<Candidate> found;
     for (const auto& [v, sectors] : sectors_) {
-      const Cell cell = cell_of(v);
+      const Cube cell = cell_of(v);
       std::vector<int>& near = near_[v];
       for (int i = 0; i < 27; ++i) {
         const auto place =

@@ -22,15 +22,15 @@ namespace palpate::geometry {
 namespace {
 
 /// Lengths in point spacings.
-constexpr double kLead = 4;        ///< a later scan must be this much farther from its border
-constexpr double kLeastGap = 0.5;  ///< between pieces, so that the seam has no needles
+constexpr double kLead = 4;       ///< a later scan must be this much farther from its border
+constexpr double kSeamGap = 0.5;  ///< between pieces, so that the seam has no needles
 /// Rounds of removing what overlaps the other piece; the second one only handles what the first one
 /// has exposed.
 constexpr int kClipRounds = 4;
 
 /// A surface under construction: oriented, manifold, with measured vertices. A vertex may be
 /// unused, or two fans may touch in it.
-struct Piece {
+struct SurfacePiece {
   TriangleMesh mesh;
   std::vector<ScanVertex> source;
   Eigen::Matrix3Xd normals;  ///< of each vertex in its scan, 3 x V
@@ -175,7 +175,7 @@ int drop_triangles_at(TriangleMesh& mesh, const std::vector<bool>& vertices) {
 }
 
 /// Removes from the surface what the scan sees from farther inside its own border.
-int give_way(Piece& surface, const Piece& scan, double reach, double lead) {
+int give_way(SurfacePiece& surface, const SurfacePiece& scan, double reach, double lead) {
   const Overlap overlap(scan.mesh, surface.mesh.vertices, surface.normals, reach);
   const Eigen::VectorXd inside_surface = distance_to_border(surface.mesh);
   const Eigen::VectorXd inside_scan = distance_to_border(scan.mesh);
@@ -188,7 +188,7 @@ int give_way(Piece& surface, const Piece& scan, double reach, double lead) {
 }
 
 /// Removes from the scan what covers the surface, or is too close to it for a seam.
-int clip(Piece& scan, const Piece& surface, double reach, double gap) {
+int clip(SurfacePiece& scan, const SurfacePiece& surface, double reach, double gap) {
   int dropped = 0;
   if (surface.empty()) return dropped;
   const Overlap on_surface(surface.mesh, scan.mesh.vertices, scan.normals, reach);
@@ -216,8 +216,8 @@ int clip(Piece& scan, const Piece& surface, double reach, double gap) {
 
 /// Adds the vertices of a piece to a seam. Border vertices may be joined if they were exposed by a
 /// cut or saw the other piece before.
-void add_to_seam(const Piece& piece, const TriangleMesh& before, const TriangleMesh& other_before,
-                 double reach, Seam& seam) {
+void add_to_seam(const SurfacePiece& piece, const TriangleMesh& before,
+                 const TriangleMesh& other_before, double reach, Seam& seam) {
   const std::vector<bool> border = border_vertices(piece.mesh);
   const std::vector<bool> border_before = border_vertices(before);
   const Overlap overlap(other_before, piece.mesh.vertices, piece.normals, reach);
@@ -230,9 +230,9 @@ void add_to_seam(const Piece& piece, const TriangleMesh& before, const TriangleM
   }
 }
 
-Piece together(const Piece& a, const Piece& b) {
+SurfacePiece together(const SurfacePiece& a, const SurfacePiece& b) {
   const Eigen::Index first = a.mesh.vertices.cols();
-  Piece both = a;
+  SurfacePiece both = a;
   both.source.insert(both.source.end(), b.source.begin(), b.source.end());
   both.normals.conservativeResize(3, first + b.normals.cols());
   both.normals.rightCols(b.normals.cols()) = b.normals;
@@ -257,7 +257,7 @@ class Zipper {
   Zipper(double spacing, double reach) : spacing_(spacing), reach_(reach * spacing) {}
 
   /// Joins a scan to the surface.
-  void add(Piece scan) {
+  void add(SurfacePiece scan) {
     if (surface_.empty()) {
       surface_ = std::move(scan);
       return;
@@ -265,13 +265,13 @@ class Zipper {
     const TriangleMesh whole_surface = surface_.mesh;
     const TriangleMesh whole_scan = scan.mesh;
     dropped_ += give_way(surface_, scan, reach_, kLead * spacing_);
-    dropped_ += clip(scan, surface_, reach_, kLeastGap * spacing_);
+    dropped_ += clip(scan, surface_, reach_, kSeamGap * spacing_);
     Seam seam;
     add_to_seam(surface_, whole_surface, whole_scan, reach_, seam);
     seam.piece.resize(seam.may_join.size(), false);
     add_to_seam(scan, whole_scan, whole_surface, reach_, seam);
     seam.piece.resize(seam.may_join.size(), true);
-    Piece both = together(surface_, scan);
+    SurfacePiece both = together(surface_, scan);
     seam.normals = both.normals;
     seam.spacing = both.spacing;
     seam.step = reach_;
@@ -279,14 +279,14 @@ class Zipper {
     surface_ = std::move(both);
   }
 
-  [[nodiscard]] const Piece& surface() const { return surface_; }
+  [[nodiscard]] const SurfacePiece& surface() const { return surface_; }
   [[nodiscard]] int dropped() const { return dropped_; }
 
  private:
   double spacing_;
   double reach_;
   int dropped_ = 0;
-  Piece surface_;
+  SurfacePiece surface_;
 };
 
 }  // namespace
@@ -306,10 +306,10 @@ ZipperedScans zipper_scans(std::span<const Scan> scans, const ZipperScansOptions
   result.spacing = median_edge_length(meshes, "zipper_scans");
   Zipper zipper(result.spacing, options.reach);
   for (std::size_t i = 0; i < meshes.size(); ++i) {
-    Piece scan{.mesh = meshes[i],
-               .source = {},
-               .normals = vertex_normals(meshes[i]),
-               .spacing = mean_edge_lengths(meshes[i])};
+    SurfacePiece scan{.mesh = meshes[i],
+                      .source = {},
+                      .normals = vertex_normals(meshes[i]),
+                      .spacing = mean_edge_lengths(meshes[i])};
     for (int v = 0; v < meshes[i].vertices.cols(); ++v) {
       scan.source.push_back({.scan = static_cast<int>(i), .vertex = v});
     }

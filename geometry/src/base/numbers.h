@@ -5,9 +5,16 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <vector>
 
 namespace palpate::geometry {
+
+inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
+inline constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+/// In place of an index where there is none.
+inline constexpr int kNone = -1;
 
 /// The smallest of the values that is >= the given fraction of them; not interpolated.
 /// Precondition: there are values, none of them NaN.
