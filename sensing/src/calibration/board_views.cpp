@@ -81,20 +81,21 @@ void refine(const cv::Mat& gray, std::vector<cv::Point2f>& corners, const Board&
 }
 
 /// Decoded pixels around a corner.
-struct Window {
+struct CornerWindow {
   std::vector<cv::Point2f> pixels;  ///< relative to the corner
   std::vector<cv::Point2f> places;  ///< on the panel
   double area = 0;                  ///< px^2, of all pixels
 };
 
-Window collect(const cv::Mat_<cv::Vec2f>& places, const Eigen::Vector2d& corner, double half) {
+CornerWindow collect(const cv::Mat_<cv::Vec2f>& places, const Eigen::Vector2d& corner,
+                     double half) {
   const auto low = [&](double middle) {
     return std::max(0, static_cast<int>(std::ceil(middle - half)));
   };
   const auto high = [&](double middle, int size) {
     return std::min(size - 1, static_cast<int>(std::floor(middle + half)));
   };
-  Window window;
+  CornerWindow window;
   for (int row = low(corner.y()); row <= high(corner.y(), places.rows); ++row) {
     for (int column = low(corner.x()); column <= high(corner.x(), places.cols); ++column) {
       window.area += 1;
@@ -115,7 +116,7 @@ std::optional<Eigen::Vector2d> place_of_corner(const cv::Mat_<cv::Vec2f>& places
   // A code is rounded to a whole pixel, and blur can change it by one.
   constexpr double kTolerance = 1.5;  // px of the panel
   constexpr std::size_t kLeastPixels = 25;
-  const Window window = collect(places, corner, half);
+  const CornerWindow window = collect(places, corner, half);
   if (window.pixels.size() < kLeastPixels) return std::nullopt;
   cv::Mat_<uchar> agrees;
   const cv::Mat_<double> homography =

@@ -10,12 +10,12 @@
 #include <complex>
 #include <limits>
 #include <map>
-#include <numbers>
 #include <tuple>
 #include <utility>
 
 #include "calibration/period_count.h"
 #include "calibration/white_view.h"
+#include "image/hue.h"
 #include "palpate/error.h"
 #include "palpate/geometry/median.h"
 #include "palpate/require.h"
@@ -25,9 +25,8 @@
 namespace palpate::sensing {
 namespace {
 
-constexpr double kTurn = 2 * std::numbers::pi;
 /// Smallest number of phase measurements for three parameters and their deviations.
-constexpr std::size_t kLeastCells = 30;
+constexpr std::size_t kLeastPhases = 30;
 /// Below this `separation` only noise separates the parameters.
 constexpr double kLeastSeparation = 0.01;
 /// Tukey's weights are zero beyond this many robust standard deviations.
@@ -35,7 +34,7 @@ constexpr double kTukey = 4.685;
 /// Factor from the median absolute deviation to the standard deviation of a Gaussian.
 constexpr double kMadToSigma = 1.4826;
 /// Smallest deviation of a phase [rad]; keeps the weights defined for perfect images.
-constexpr double kLeastSigma = 1e-6;
+constexpr double kLeastPhaseSigma = 1e-6;
 constexpr int kMaxSteps = 30;
 /// Iteration ends when the compensated phase changes by at most this [rad RMS], a thousandth of the
 /// measurement error of a phase.
@@ -48,7 +47,7 @@ constexpr double kStartStep = 0.5;
 constexpr int kBlock = 64;
 
 /// A prepared image.
-struct View {
+struct PreparedImage {
   WhiteView phases;
   std::vector<Eigen::Vector3d> rays;  ///< (x, y, 1) of the camera at the cells' centres
 };
@@ -57,7 +56,7 @@ struct Problem {
   const Rig& rig;
   const Pattern& pattern;
   Carrier carrier;
-  std::vector<View> views;
+  std::vector<PreparedImage> views;
 };
 
 /// Phase difference to green of all cells, and its derivatives by alpha, beta, gamma.
@@ -89,16 +88,12 @@ void check_image(const WhiteImage& white, const geometry::Camera& camera) {
   }
 }
 
-Eigen::Vector2d camera_pixel(const Eigen::Vector2d& row_column, bool transposed) {
-  return transposed ? row_column : Eigen::Vector2d(row_column.y(), row_column.x());
-}
-
 Problem prepare(const std::vector<WhiteImage>& images, const Rig& rig, const Pattern& pattern,
                 const ChromaticCalibrationOptions& options, std::vector<WhiteImageUse>& uses) {
   Problem problem{rig, pattern, expected_carrier(rig, pattern), {}};
   for (const WhiteImage& white : images) {
     check_image(white, rig.camera);
-    View view{measure_white_view(white.image, problem.carrier, pattern, options), {}};
+    PreparedImage view{measure_white_view(white.image, problem.carrier, pattern, options), {}};
     WhiteImageUse use;
     use.name = white.name;
     const PeriodCount count =
@@ -110,7 +105,7 @@ Problem prepare(const std::vector<WhiteImage>& images, const Rig& rig, const Pat
       std::vector<double> depths;
       for (const PhaseCell& cell : view.phases.cells) {
         depths.push_back(cell.depth);
-        const Eigen::Vector2d pixel = camera_pixel(cell.center, problem.carrier.transposed);
+        const Eigen::Vector2d pixel = camera_pixel(cell, problem.carrier);
         view.rays.push_back(geometry::undistort(rig.camera, pixel).homogeneous());
       }
       use.median_depth = geometry::median(std::move(depths));
@@ -123,7 +118,7 @@ Problem prepare(const std::vector<WhiteImage>& images, const Rig& rig, const Pat
 
 std::size_t count_cells(const Problem& problem) {
   std::size_t count = 0;
-  for (const View& view : problem.views) count += view.phases.cells.size();
+  for (const PreparedImage& view : problem.views) count += view.phases.cells.size();
   return count;
 }
 
@@ -187,13 +182,13 @@ Residuals evaluate(const Problem& problem, std::size_t channel, const ChromaticS
   const bool along_x = problem.pattern.axis == Axis::x;
   const double focal = along_x ? projector.fx : projector.fy;
   const double axis_pixel = along_x ? projector.cx : projector.cy;  // on the optical axis
-  const double per_pixel = kTurn / problem.pattern.period;
+  const double per_pixel = kFullTurn / problem.pattern.period;
   const ChromaticLag lag = chromatic_lag(shift, projector, problem.pattern);
 
   const auto count = static_cast<Eigen::Index>(count_cells(problem));
   Residuals residuals{Eigen::VectorXd(count), Eigen::MatrixX3d(count, 3)};
   Eigen::Index i = 0;
-  for (const View& view : problem.views) {
+  for (const PreparedImage& view : problem.views) {
     const Demodulated& signal = view.phases.others[channel];
     for (std::size_t k = 0; k < view.phases.cells.size(); ++k, ++i) {
       const PhaseCell& cell = view.phases.cells[k];
@@ -201,7 +196,7 @@ Residuals evaluate(const Problem& problem, std::size_t channel, const ChromaticS
       const double difference =
           relative_phase(view.phases, signal, cell, center, shift.alpha, problem.carrier.along) +
           lag.at(cell.pixel);
-      residuals.value[i] = std::remainder(difference, kTurn);
+      residuals.value[i] = std::remainder(difference, kFullTurn);
       const double panel =
           (cell.pixel - axis_pixel - focal * shift.gamma) / shift.beta;  // the channel's
       residuals.jacobian.row(i) << cell.gradient.dot(
@@ -244,7 +239,7 @@ Eigen::VectorXd robust_weights(const Eigen::VectorXd& residuals) {
   std::vector<double> sizes(residuals.data(), residuals.data() + residuals.size());
   for (double& size : sizes) size = std::abs(size);
   const double limit =
-      kTukey * std::max(kMadToSigma * geometry::median(std::move(sizes)), kLeastSigma);
+      kTukey * std::max(kMadToSigma * geometry::median(std::move(sizes)), kLeastPhaseSigma);
   const Eigen::ArrayXd inside = (1 - (residuals.array() / limit).square()).max(0);
   return inside.square();
 }
@@ -350,7 +345,7 @@ ChromaticCalibration calibrate_chromatic(const std::vector<WhiteImage>& images, 
   if (images.empty()) throw InvalidInput("calibrate_chromatic: no images");
   ChromaticCalibration result;
   const Problem problem = prepare(images, rig, pattern, options, result.images);
-  if (count_cells(problem) < kLeastCells) {
+  if (count_cells(problem) < kLeastPhases) {
     throw SolverError("calibrate_chromatic: too few reliable phases" + reasons(result.images));
   }
   const double separation = separation_of(evaluate(problem, 0, {}).jacobian);

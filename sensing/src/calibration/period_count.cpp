@@ -7,16 +7,15 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
-#include <numbers>
 #include <vector>
 
+#include "image/hue.h"
 #include "palpate/geometry/median.h"
 #include "setup/triangulation.h"
 
 namespace palpate::sensing {
 namespace {
 
-constexpr double kTurn = 2 * std::numbers::pi;
 /// Smallest number of cells of a usable region.
 constexpr std::size_t kLeastCells = 12;
 /// A surface counts as plane iff its phase deviates from that of a plane by at most this [rad RMS].
@@ -30,17 +29,17 @@ constexpr double kTiny = std::numeric_limits<double>::min();
 constexpr double kLeastAgreement = 0.8;
 
 /// A cell as used in the search for the period.
-struct Sample {
+struct PeriodSample {
   Eigen::Vector3d ray;        ///< (x, y, 1) of the camera
   Eigen::Vector3d direction;  ///< in projector coordinates
   double pixel = 0;           ///< the projector's along the axis, up to whole periods
 };
 
 /// Depths for the values of `pixel`; empty if one of them has none.
-std::vector<double> depths(const std::vector<Sample>& samples, const Triangulation& triangulation,
-                           Axis axis, double more_pixels) {
+std::vector<double> depths(const std::vector<PeriodSample>& samples,
+                           const Triangulation& triangulation, Axis axis, double more_pixels) {
   std::vector<double> result;
-  for (const Sample& sample : samples) {
+  for (const PeriodSample& sample : samples) {
     const double z = triangulation.depth(sample.direction, axis, sample.pixel + more_pixels);
     if (!(z > 0)) return {};
     result.push_back(z);
@@ -56,7 +55,7 @@ struct PlaneFit {
 
 /// A plane has 1 / z = m . (x, y, 1), which is linear in m, and the phase is nearly linear in 1 /
 /// z. Empty if a sample has no depth.
-std::optional<PlaneFit> fit_plane(const std::vector<Sample>& samples,
+std::optional<PlaneFit> fit_plane(const std::vector<PeriodSample>& samples,
                                   const Triangulation& triangulation, const Pattern& pattern,
                                   double more_pixels) {
   const std::vector<double> z = depths(samples, triangulation, pattern.axis, more_pixels);
@@ -66,7 +65,7 @@ std::optional<PlaneFit> fit_plane(const std::vector<Sample>& samples,
   Eigen::VectorXd inverse(count);
   for (Eigen::Index i = 0; i < count; ++i) {
     const auto k = static_cast<std::size_t>(i);
-    const double by_inverse = kTurn / pattern.period * z[k] * z[k] *
+    const double by_inverse = kFullTurn / pattern.period * z[k] * z[k] *
                               triangulation.slope(samples[k].direction, pattern.axis, z[k]);
     fit.equations.row(i) = by_inverse * samples[k].ray.transpose();
     inverse[i] = by_inverse / z[k];
@@ -82,7 +81,7 @@ struct Unexplained {
   /// calibration or of the surface, which can be mistaken for a wrong number of periods.
   double slow = 0;
 };
-Unexplained unexplained(const std::vector<Sample>& samples, const PlaneFit& fit,
+Unexplained unexplained(const std::vector<PeriodSample>& samples, const PlaneFit& fit,
                         const Eigen::VectorXd& change) {
   const Eigen::Index count = fit.residual.size();
   constexpr Eigen::Index kTaken = 4;
@@ -112,7 +111,7 @@ struct Count {
 };
 
 /// The number of periods for which the samples are closest to a plane.
-Count count_by_plane(const std::vector<Sample>& samples, const Triangulation& triangulation,
+Count count_by_plane(const std::vector<PeriodSample>& samples, const Triangulation& triangulation,
                      const Pattern& pattern, int first, int last) {
   const auto fit = [&](int periods) {
     return fit_plane(samples, triangulation, pattern, periods * pattern.period);
@@ -159,10 +158,6 @@ Count count_by_depth(const std::vector<double>& missing) {
   return {static_cast<int>(number), 0, {}};
 }
 
-Eigen::Vector2d camera_pixel(const PhaseCell& cell, const Carrier& carrier) {
-  return carrier.transposed ? cell.center : Eigen::Vector2d(cell.center.y(), cell.center.x());
-}
-
 /// The given depth nearest to a cell's centre; NaN if unknown.
 double depth_at(const geometry::ImageF& depth, const Eigen::Vector2d& pixel) {
   return static_cast<double>(depth(std::lround(pixel.y()), std::lround(pixel.x())));
@@ -183,16 +178,16 @@ PeriodCount count_periods(WhiteView& view, const Carrier& carrier, const Rig& ri
     std::copy_if(view.cells.begin(), view.cells.end(), std::back_inserter(cells),
                  [&](const PhaseCell& cell) { return cell.region == region; });
     if (cells.size() < kLeastCells) continue;
-    std::vector<Sample> samples;
+    std::vector<PeriodSample> samples;
     std::vector<double> missing;
     double lowest = std::numeric_limits<double>::infinity();
     double highest = -lowest;
     for (const PhaseCell& cell : cells) {
       const Eigen::Vector2d place = camera_pixel(cell, carrier);
-      Sample sample;
+      PeriodSample sample;
       sample.ray = geometry::undistort(rig.camera, place).homogeneous();
       sample.direction = triangulation.direction(sample.ray.head<2>());
-      sample.pixel = (cell.phase - pattern.phase) / kTurn * pattern.period;
+      sample.pixel = (cell.phase - pattern.phase) / kFullTurn * pattern.period;
       lowest = std::min(lowest, sample.pixel);
       highest = std::max(highest, sample.pixel);
       samples.push_back(sample);

@@ -75,7 +75,7 @@ Channel extract_channel(const std::vector<GreyImage>& ramp, int index) {
 }
 
 /// Pixels, 255 or 0, whose value changes enough from image to image.
-cv::Mat find_lit(const Channel& channel, const ResponseOptions& options) {
+cv::Mat find_changing(const Channel& channel, const ResponseOptions& options) {
   cv::Mat_<float> low = channel.images[0].clone();
   cv::Mat_<float> high = low.clone();
   for (const cv::Mat_<float>& image : channel.images) {
@@ -186,7 +186,7 @@ PowerLaw fit_power_law(const Eigen::VectorXd& levels, const Eigen::VectorXd& val
 }
 
 ResponseCurve fit_channel(Channel channel, const ResponseOptions& options) {
-  cv::Mat mask = find_lit(channel, options);
+  cv::Mat mask = find_changing(channel, options);
   drop_clipped(channel, mask);
   const Eigen::VectorXd values = mean_values(channel, mask);
   const Eigen::VectorXd levels =

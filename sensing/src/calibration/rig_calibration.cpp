@@ -26,7 +26,7 @@ constexpr std::size_t kLeastViews = 3;
 constexpr Eigen::Index kLeastPoints = 8;
 /// Smallest standard deviation of corners [px]. Otherwise exact data of a board that does not
 /// determine the rig would seem to determine it.
-constexpr double kLeastSigma = 0.02;
+constexpr double kLeastCornerSigma = 0.02;
 /// Residuals below this [px] never make an outlier.
 constexpr double kHarmlessRms = 0.1;
 
@@ -122,7 +122,7 @@ Squares sum_squares(const Bundle& bundle, const std::vector<BundleView>& views) 
 }
 
 /// Result of the joint estimate, with its accuracy.
-struct Fit {
+struct RigFit {
   Bundle bundle;
   std::vector<BundleView> views;
   BundleOptions options;
@@ -157,8 +157,8 @@ void set_sigmas(BundleOptions& options, const Squares& left, std::size_t views, 
       std::max(std::sqrt(left.projector / (2 * left.projector_points * share)), least);
 }
 
-Fit fit_views(const std::vector<RigView>& views, const ImageSize& camera_size,
-              const ImageSize& projector_size, int distortion_terms) {
+RigFit fit_views(const std::vector<RigView>& views, const ImageSize& camera_size,
+                 const ImageSize& projector_size, int distortion_terms) {
   std::vector<Eigen::Matrix2Xd> points;
   std::vector<Eigen::Matrix2Xd> seen;
   std::vector<Eigen::Matrix2Xd> shown;
@@ -167,7 +167,7 @@ Fit fit_views(const std::vector<RigView>& views, const ImageSize& camera_size,
     seen.push_back(view.camera);
     shown.push_back(view.projector);
   }
-  Fit fit;
+  RigFit fit;
   fit.options.distortion_terms = distortion_terms;
   fit.options.camera_is_fixed = views.front().lit_board.cols() == 0;
   const auto alone = [&](const char* what, const std::vector<Eigen::Matrix2Xd>& board,
@@ -208,7 +208,7 @@ struct Outlier {
   std::size_t view = 0;
   std::string reason;
 };
-std::optional<Outlier> find_outlier(const Fit& fit, double max_ratio) {
+std::optional<Outlier> find_outlier(const RigFit& fit, double max_ratio) {
   std::vector<double> camera;
   std::vector<double> projector;
   for (std::size_t v = 0; v < fit.views.size(); ++v) {
@@ -256,7 +256,7 @@ CameraDeviation deviation_of(const Eigen::VectorXd& sigmas) {
   return deviation;
 }
 
-Eigen::VectorXd deviations(const Fit& fit, const BundleOptions& options) {
+Eigen::VectorXd deviations(const RigFit& fit, const BundleOptions& options) {
   Eigen::VectorXd sigmas = bundle_covariance(fit.bundle, fit.views, options).diagonal().cwiseSqrt();
   if (options.camera_is_fixed)
     for (int i = 0; i < 9; ++i)
@@ -264,7 +264,7 @@ Eigen::VectorXd deviations(const Fit& fit, const BundleOptions& options) {
   return sigmas;
 }
 
-void require_determined(const Fit& fit, const RigCalibrationOptions& limits) {
+void require_determined(const RigFit& fit, const RigCalibrationOptions& limits) {
   const double tilt = tilt_range(fit.bundle.T_camera_board);
   const auto refuse = [&](const std::string& why) {
     throw SolverError(fmt::format(
@@ -274,8 +274,8 @@ void require_determined(const Fit& fit, const RigCalibrationOptions& limits) {
         why, tilt));
   };
   BundleOptions options = fit.options;
-  options.camera_sigma = std::max(options.camera_sigma, kLeastSigma);
-  options.projector_sigma = std::max(options.projector_sigma, kLeastSigma);
+  options.camera_sigma = std::max(options.camera_sigma, kLeastCornerSigma);
+  options.projector_sigma = std::max(options.projector_sigma, kLeastCornerSigma);
   Eigen::VectorXd sigmas = deviations(fit, options);
   if (options.camera_is_fixed) sigmas.head<9>() *= options.camera_sigma / fit.options.camera_sigma;
   const auto check_focal = [&](const char* what, double sigma, double length) {
@@ -300,7 +300,7 @@ void require_views(std::size_t count, const std::vector<RejectedView>& rejected)
       count, kLeastViews, why.empty() ? "" : " Rejected:", why));
 }
 
-RigCalibration result_of(const Fit& fit, const std::vector<RigView>& views) {
+RigCalibration result_of(const RigFit& fit, const std::vector<RigView>& views) {
   RigCalibration result;
   result.rig.camera = fit.bundle.camera;
   result.rig.projector = fit.bundle.projector;
@@ -342,7 +342,7 @@ RigCalibration calibrate_rig(const std::vector<RigView>& views, const ImageSize&
   }
   while (true) {
     require_views(used.size(), rejected);
-    const Fit fit = fit_views(used, camera, projector, options.distortion_terms);
+    const RigFit fit = fit_views(used, camera, projector, options.distortion_terms);
     const auto outlier = find_outlier(fit, options.max_residual_ratio);
     if (!outlier) {
       require_determined(fit, options);

@@ -18,7 +18,7 @@ constexpr FloodLimits kRegionLimits{0.01, 1.5};
 /// Reach of the demodulation's average along the rows [px].
 constexpr long kSmoothedColumns = 2;
 /// This share of a cell's pixels must be reliable.
-constexpr double kLeastShare = 0.75;
+constexpr double kLeastReliableShare = 0.75;
 
 /// Pixels whose neighbours within `rows` and `columns` all belong to the mask; none at the border.
 Mask shrunk(const Mask& mask, long rows, long columns) {
@@ -97,7 +97,7 @@ std::optional<PhaseCell> measure_cell(const WhiteView& view, const Regions& regi
       right += at(view.green, row, column + 1) * std::conj(at(view.green, row, column - 1));
     }
   }
-  if (count < kLeastShare * view.cell_size * view.cell_size) return std::nullopt;
+  if (count < kLeastReliableShare * view.cell_size * view.cell_size) return std::nullopt;
   cell.center = center / count;
   cell.gradient = {0.5 * std::arg(down) + carrier, 0.5 * std::arg(right)};
   cell.phase = phase / count + carrier * cell.center.x();
@@ -105,6 +105,10 @@ std::optional<PhaseCell> measure_cell(const WhiteView& view, const Regions& regi
 }
 
 }  // namespace
+
+Eigen::Vector2d camera_pixel(const PhaseCell& cell, const Carrier& carrier) {
+  return carrier.transposed ? cell.center : Eigen::Vector2d(cell.center.y(), cell.center.x());
+}
 
 WhiteView measure_white_view(const cv::Mat& image, const Carrier& carrier, const Pattern& pattern,
                              const ChromaticCalibrationOptions& options) {

@@ -15,7 +15,7 @@ namespace palpate::sensing {
 namespace {
 
 /// Smallest deviation of a colour's hue [rad], because surfaces have their own colours.
-constexpr double kLeastDeviation = 0.06;
+constexpr double kLeastSurfaceDeviation = 0.06;
 
 const TrainedColor& find_color(const TrainedColors& trained, const std::string& name) {
   const auto found = std::find_if(trained.colors.begin(), trained.colors.end(),
@@ -46,7 +46,7 @@ HueClassifier::HueClassifier(const Pattern& pattern, const TrainedColors& traine
     const double hue = 2 * std::numbers::pi * (static_cast<double>(step) + 0.5) / kSteps;
     for (std::size_t i = 0; i < count; ++i) {
       const TrainedColor& color = find_color(trained, pattern.colors[i].name);
-      const double deviation = std::max(std::sqrt(color.variance), kLeastDeviation);
+      const double deviation = std::max(std::sqrt(color.variance), kLeastSurfaceDeviation);
       const double distance = wrap(hue - color.mean) / deviation;
       exponent[i] = -0.5 * distance * distance - std::log(deviation);
     }

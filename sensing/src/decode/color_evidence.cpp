@@ -9,7 +9,7 @@ namespace {
 
 /// A colour is evidence for a patch iff it covers at least this share of the patch's pixels that
 /// are well inside a stripe; a smaller share may be a stripe edge displaced by blur.
-constexpr double kLeastShare = 0.05;
+constexpr double kLeastEvidenceShare = 0.05;
 
 /// Counts of the pixels for which a patch's depths predict one colour.
 struct Evidence {
@@ -53,7 +53,8 @@ void find_unproven_patches(const Plane& z, const Plane& stripe_pixel, const Plan
     int speaking = 0;
     for (std::size_t color = 0; color < colors; ++color) {
       const Evidence& one = of_patch[color];
-      if (one.wanted >= kLeastShare * all && one.wanted > 0 && 2 * one.agreeing > one.wanted)
+      if (one.wanted >= kLeastEvidenceShare * all && one.wanted > 0 &&
+          2 * one.agreeing > one.wanted)
         ++speaking;
     }
     unproven[k] = speaking < 2 ? 1 : 0;

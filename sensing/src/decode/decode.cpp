@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -18,6 +17,7 @@
 #include "image/half_size.h"
 #include "image/hot_loop.h"
 #include "image/hue.h"
+#include "image/image_plane.h"
 #include "image/pool.h"
 #include "image/reasons.h"
 #include "palpate/error.h"
@@ -32,8 +32,6 @@
 
 namespace palpate::sensing {
 namespace {
-
-constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
 /// Known neighbours whose phases differ by more than this belong to different surfaces [rad];
 /// wrapped differences can show at most pi.
@@ -132,18 +130,18 @@ PALPATE_HOT_LOOP void scale_sigma(const float* z, const float* z_per_phase, floa
   for (long i = 0; i < pixels; ++i) sigma[i] = z[i] == z[i] ? sigma[i] * z_per_phase[i] : kUnknown;
 }
 
-/// Additional data of a pattern with stripes.
-struct Stripes {
-  Stripes(const Pattern& pattern, const TrainedColors& trained)
-      : classifier(pattern, trained), edges(pattern), colors(pattern) {}
-  HueClassifier classifier;
-  StripeEdges edges;
-  StripeColors colors;
-};
-
 }  // namespace
 
 struct Decoder::Impl {
+  /// Additional data of a pattern with stripes.
+  struct Stripes {
+    Stripes(const Pattern& pattern, const TrainedColors& trained)
+        : classifier(pattern, trained), edges(pattern), colors(pattern) {}
+    HueClassifier classifier;
+    StripeEdges edges;
+    StripeColors colors;
+  };
+
   Impl(const Rig& rig, const Pattern& pattern, const TrainedColors& colors,
        const DecodeOptions& the_options);
 

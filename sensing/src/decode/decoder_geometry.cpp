@@ -6,15 +6,13 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <utility>
 
 #include "image/hot_loop.h"
+#include "image/hue.h"
 
 namespace palpate::sensing {
 namespace {
-
-constexpr double kTurn = 2 * std::numbers::pi;
 
 /// Constants of planes through the projector's centre. Each contains the projector pixels with one
 /// coordinate along `axis`, which is along_per_phase times the phase.
@@ -113,7 +111,7 @@ void DecoderGeometry::prepare_chromatic(const Eigen::Matrix2Xd& rays) {
 }
 
 double DecoderGeometry::phase_of(double pixel, long row) const {
-  return kTurn * pixel / pattern_.period + pattern_.phase -
+  return kFullTurn * pixel / pattern_.period + pattern_.phase -
          carrier_.along * static_cast<double>(row);
 }
 
@@ -175,7 +173,7 @@ void DecoderGeometry::phases_at_edges(const std::vector<Transition>& transitions
 void DecoderGeometry::find_surfaces(const Plane& phase, const ChannelShares& shares,
                                     double max_sensitivity, SurfaceImages& surfaces,
                                     ReasonImage& reasons) const {
-  const double per_pixel = kTurn / pattern_.period;
+  const double per_pixel = kFullTurn / pattern_.period;
   SurfaceConstants constants = surface_constants(rig_, axis_, 1 / per_pixel);
   constants.max_sensitivity = static_cast<float>(max_sensitivity);
   const bool colored = shares.red.size() > 0;

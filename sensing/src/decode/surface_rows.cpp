@@ -3,15 +3,14 @@
 #include "decode/surface_rows.h"
 
 #include <cmath>
-#include <limits>
 
 #include "image/hot_loop.h"
+#include "image/image_plane.h"
 #include "palpate/sensing/reason.h"
 
 namespace palpate::sensing {
 namespace {
 
-constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 constexpr auto kReconstructed = static_cast<std::int32_t>(Reason::reconstructed);
 constexpr auto kOffPanel = static_cast<std::int32_t>(Reason::off_panel);
 constexpr auto kGrazing = static_cast<std::int32_t>(Reason::grazing);
@@ -24,14 +23,14 @@ constexpr float kMaxLastStep = 1e-6F;
 
 /// Along the epipolar line of a ray, across = start + slope * along; k is the determinant of the
 /// rays' and the baseline's coordinates along and forward, zero on the singular line.
-struct Line {
+struct EpipolarLine {
   float k;
   float start;
   float slope;
 };
 
-[[gnu::always_inline]] inline Line epipolar_line(const SurfaceRow& row, const SurfaceConstants& c,
-                                                 long i) {
+[[gnu::always_inline]] inline EpipolarLine epipolar_line(const SurfaceRow& row,
+                                                         const SurfaceConstants& c, long i) {
   const float k = c.t_along * row.forward[i] - c.t_forward * row.along[i];
   const float inverse = 1 / k;
   return {k, (c.t_along * row.across[i] - c.t_across * row.along[i]) * inverse,
@@ -80,7 +79,7 @@ PALPATE_HOT_LOOP void find_surface(const SurfaceRow& row, const SurfaceConstants
   const SurfaceConstants c = constants;
 #pragma GCC ivdep
   for (long i = 0; i < r.columns; ++i) {
-    const Line line = epipolar_line(r, c, i);
+    const EpipolarLine line = epipolar_line(r, c, i);
     const float along = along_of_phase(r, c, i);
     write_surface(r, c, i, line.k, along, along, 1, line.start + line.slope * along, true);
   }
@@ -93,7 +92,7 @@ PALPATE_HOT_LOOP void find_surface_through_lens(const SurfaceRow& row,
   const auto& [k1, k2, bend_along, bend_across, k3, k4, k5, k6] = c.distortion;
 #pragma GCC ivdep
   for (long i = 0; i < r.columns; ++i) {
-    const Line line = epipolar_line(r, c, i);
+    const EpipolarLine line = epipolar_line(r, c, i);
     const float along = along_of_phase(r, c, i);
     float y = along;  // without the lens
     float move = 0;

@@ -13,10 +13,10 @@ namespace palpate::sensing {
 namespace {
 
 /// The Gaussian is truncated at this many standard deviations, where it has 4e-6 of its height.
-constexpr double kReach = 5;
+constexpr double kBellReach = 5;
 
 std::vector<float> bell(double sigma) {
-  const double radius = std::ceil(kReach * sigma);
+  const double radius = std::ceil(kBellReach * sigma);
   std::vector<double> weights(static_cast<std::size_t>(2 * radius) + 1);
   for (std::size_t k = 0; k < weights.size(); ++k) {
     const double at = static_cast<double>(k) - radius;

@@ -10,10 +10,13 @@
 
 namespace palpate::sensing {
 
+/// [rad]
+inline constexpr double kFullTurn = 2 * std::numbers::pi;
+
 /// Wraps an angle to [-pi, pi].
 template <typename T>
 [[nodiscard]] inline T wrap(T angle) {
-  constexpr T kTurn = 2 * std::numbers::pi_v<T>;
+  constexpr auto kTurn = static_cast<T>(kFullTurn);
   return angle - kTurn * std::round(angle / kTurn);
 }
 

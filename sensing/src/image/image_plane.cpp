@@ -61,13 +61,13 @@ PALPATE_HOT_LOOP void find_bright(const float* a, const float* b, const float* c
   }
 }
 
-PALPATE_HOT_LOOP void raise_to(std::uint8_t* __restrict values, const std::uint8_t* other,
-                               long count) {
+PALPATE_HOT_LOOP void unite(std::uint8_t* __restrict values, const std::uint8_t* other,
+                            long count) {
   for (long i = 0; i < count; ++i) values[i] |= other[i];
 }
 
-PALPATE_HOT_LOOP void lower_to(std::uint8_t* __restrict values, const std::uint8_t* other,
-                               long count) {
+PALPATE_HOT_LOOP void intersect(std::uint8_t* __restrict values, const std::uint8_t* other,
+                                long count) {
   for (long i = 0; i < count; ++i) values[i] &= other[i];
 }
 
@@ -120,8 +120,8 @@ void find_lit(const std::vector<Plane>& channels, const LitOptions& options, Mas
                 first.size(), bright.data());
   }
   Mask filled;
-  filter_columns(bright, options.radius, raise_to, filled);
-  filter_columns(filled, options.radius, lower_to, lit);
+  filter_columns(bright, options.radius, unite, filled);
+  filter_columns(filled, options.radius, intersect, lit);
 }
 
 void find_clipped(const std::vector<Plane>& channels, Mask& clipped) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
@@ -12,6 +13,8 @@ namespace palpate::sensing {
 
 /// An image of the decoder: row-major float.
 using Plane = geometry::ImageF;
+/// The value of a pixel that is not known.
+inline constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 /// Row-major mask: 1 for true, 0 for false.
 using Mask = Eigen::Array<std::uint8_t, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 

@@ -3,7 +3,6 @@
 #include "palpate/sensing/reason.h"
 
 #include <array>
-#include <limits>
 
 #include "image/hot_loop.h"
 #include "image/reasons.h"
@@ -11,7 +10,7 @@
 namespace palpate::sensing {
 namespace {
 
-constexpr std::array<std::string_view, kReasonCount> kNames = {
+constexpr std::array<std::string_view, kReasonCount> kReasonNames = {
     "reconstructed",    "unlit",  "saturated", "low_modulation", "uneven_phase",  "no_transition",
     "ambiguous_offset", "border", "off_panel", "grazing",        "color_mismatch"};
 
@@ -25,13 +24,12 @@ PALPATE_HOT_LOOP void give_reason_to(const std::uint8_t* where, std::uint8_t unl
 }
 
 PALPATE_HOT_LOOP void keep(const std::uint8_t* reasons, float* values, long count) {
-  constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
   for (long i = 0; i < count; ++i) values[i] = reasons[i] == 0 ? values[i] : kUnknown;
 }
 
 }  // namespace
 
-std::string_view name(Reason reason) { return kNames.at(static_cast<std::size_t>(reason)); }
+std::string_view name(Reason reason) { return kReasonNames.at(static_cast<std::size_t>(reason)); }
 
 long count(const ReasonImage& reasons, Reason reason) {
   return (reasons == static_cast<std::uint8_t>(reason)).count();

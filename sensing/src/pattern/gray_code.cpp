@@ -7,6 +7,7 @@
 #include <opencv2/core.hpp>
 #include <string>
 
+#include "image/image_plane.h"
 #include "palpate/error.h"
 #include "palpate/require.h"
 
@@ -111,7 +112,6 @@ cv::Mat_<cv::Vec2f> decode_gray_code(const std::vector<cv::Mat>& images, const I
   const double full_scale = images[0].depth() == CV_8U ? 255 : 65535;
   const auto least = static_cast<float>(options.min_contrast * full_scale);
 
-  constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
   cv::Mat_<cv::Vec2f> places(images[0].size(), cv::Vec2f(kUnknown, kUnknown));
   for (int row = 0; row < places.rows; ++row) {
     for (int column = 0; column < places.cols; ++column) {

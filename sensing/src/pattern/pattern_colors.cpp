@@ -17,7 +17,6 @@
 namespace palpate::sensing {
 namespace {
 
-constexpr double kTurn = 2 * std::numbers::pi;
 constexpr int kTurnDegrees = 360;
 constexpr int kLeastColors = 2;
 constexpr int kMostColors = 24;  // 15 degrees apart, the limit of the best cameras
@@ -25,7 +24,7 @@ constexpr int kLeastTrained = 3;
 
 /// Smallest deviation of a hue [rad]: half a degree, the error of rounding to whole degrees. Keeps
 /// a class trained with a perfect image from having zero width.
-constexpr double kLeastDeviation = 0.5 * kTurn / kTurnDegrees;
+constexpr double kLeastDeviation = 0.5 * kFullTurn / kTurnDegrees;
 
 /// 2^-20 of the circle is far below the degree to which hues are rounded.
 constexpr int kBisections = 20;
@@ -37,8 +36,8 @@ constexpr double kRounding = 1e-9;
 /// are identified by many stripe edges of many pixels each.
 constexpr double kNegligibleOverlap = 1e-4;
 
-constexpr std::array<char, 6> kNames = {'R', 'Y', 'G', 'C', 'B', 'M'};
-constexpr int kNamedStep = kTurnDegrees / static_cast<int>(kNames.size());
+constexpr std::array<char, 6> kColorNames = {'R', 'Y', 'G', 'C', 'B', 'M'};
+constexpr int kNamedStep = kTurnDegrees / static_cast<int>(kColorNames.size());
 
 void check_count(int count) {
   require("pattern colours: count", count, at_least(kLeastColors).at_most(kMostColors));
@@ -46,7 +45,7 @@ void check_count(int count) {
 
 std::string name_of(int degrees) {
   if (degrees % kNamedStep == 0)
-    return {kNames[static_cast<std::size_t>(degrees / kNamedStep) % kNames.size()]};
+    return {kColorNames[static_cast<std::size_t>(degrees / kNamedStep) % kColorNames.size()]};
   std::string digits = std::to_string(degrees);
   digits.insert(0, 3 - digits.size(), '0');
   return "H" + digits;
@@ -55,8 +54,9 @@ std::string name_of(int degrees) {
 /// Hue in degrees, or -1 if the name is not one of ours.
 int degrees_of(const std::string& name) {
   if (name.size() == 1) {
-    const auto* const found = std::find(kNames.begin(), kNames.end(), name[0]);
-    return found == kNames.end() ? -1 : kNamedStep * static_cast<int>(found - kNames.begin());
+    const auto* const found = std::find(kColorNames.begin(), kColorNames.end(), name[0]);
+    return found == kColorNames.end() ? -1
+                                      : kNamedStep * static_cast<int>(found - kColorNames.begin());
   }
   const bool is_number =
       name.size() == 4 && name[0] == 'H' &&
@@ -66,7 +66,7 @@ int degrees_of(const std::string& name) {
 }
 
 PatternColor color_at(int degrees) {
-  return {name_of(degrees), rgb_of_hue(degrees * kTurn / kTurnDegrees)};
+  return {name_of(degrees), rgb_of_hue(degrees * kFullTurn / kTurnDegrees)};
 }
 
 double deviation(const TrainedColor& color) {
@@ -75,8 +75,8 @@ double deviation(const TrainedColor& color) {
 
 /// An angle brought to [0, 2 pi).
 double within_turn(double angle) {
-  const double rest = std::fmod(angle, kTurn);
-  return rest < 0 ? rest + kTurn : rest;
+  const double rest = std::fmod(angle, kFullTurn);
+  return rest < 0 ? rest + kFullTurn : rest;
 }
 
 /// Hues that the camera sees for each projected degree.
@@ -122,7 +122,7 @@ HueResponse measured_response(const std::vector<Knot>& knots) {
     int span = to.degrees - from.degrees;
     if (i + 1 == knots.size()) span += kTurnDegrees;
     const double rise = within_turn(to.seen->mean - from.seen->mean);
-    if (!(rise > 0) || span <= 0 || base + rise > kTurn * (1 + kRounding)) {
+    if (!(rise > 0) || span <= 0 || base + rise > kFullTurn * (1 + kRounding)) {
       throw InvalidInput("trained colours: " + from.seen->name + " and " + to.seen->name +
                          " are not seen in the order in which they were projected; check that the "
                          "training images bear the right names");
@@ -243,7 +243,7 @@ SpreadColors spread_colors(const TrainedColors& trained, int count) {
   }
   // Bisection for the largest separation that leaves room for all.
   double reached = 0;
-  double missed = kTurn / (2 * kLeastDeviation);
+  double missed = kFullTurn / (2 * kLeastDeviation);
   std::vector<int> best = nearest_packing(response, knots, count, reached);
   for (int step = 0; step < kBisections; ++step) {
     const double middle = 0.5 * (reached + missed);

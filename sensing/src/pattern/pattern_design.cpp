@@ -13,6 +13,7 @@
 #include "palpate/require.h"
 #include "palpate/sensing/pattern_colors.h"
 #include "palpate/sensing/stripe_sequence.h"
+#include "setup/carrier.h"
 #include "setup/triangulation.h"
 
 namespace palpate::sensing {
@@ -24,14 +25,8 @@ constexpr int kLeastStripeWidth = 4;
 /// Period without a rig [projector px], suitable for a camera with 1.4 times as many pixels as the
 /// projector.
 constexpr double kPeriodWithoutRig = 10;
-/// Samples at which the period in the camera is evaluated: this many depths in equal ratios, and
-/// this many places along each side of the image.
+/// Depths in equal ratios at which the period in the camera is evaluated.
 constexpr int kDepths = 5;
-constexpr int kPlaces = 9;
-/// If no distances are given, this many are tried, from one to this many baselines: closer, the
-/// views do not overlap; farther, the depth cannot be measured.
-constexpr int kTriedDepths = 30;
-constexpr double kFarthestBaselines = 20;
 /// [rad] Standard deviation of the phase of a pixel in a good image. If all depths beyond the
 /// working distance change the phase by less, no depth can be distinguished from infinity.
 constexpr double kLeastPhase = 0.01;
@@ -50,12 +45,12 @@ void check_options(const PatternOptions& options) {
   }
 }
 
-/// One of kPlaces x kPlaces positions that cover the camera image [px].
+/// One of kPlacesPerSide x kPlacesPerSide positions that cover the camera image [px].
 Eigen::Vector2d place_in_image(const Rig& rig, int place) {
-  const int column = place % kPlaces;
-  const int row = place / kPlaces;
-  return {(column + 0.5) / kPlaces * rig.camera.width - 0.5,
-          (row + 0.5) / kPlaces * rig.camera.height - 0.5};
+  const int column = place % kPlacesPerSide;
+  const int row = place / kPlacesPerSide;
+  return {(column + 0.5) / kPlacesPerSide * rig.camera.width - 0.5,
+          (row + 0.5) / kPlacesPerSide * rig.camera.height - 0.5};
 }
 
 /// How the projector pixel that lights a place of the camera image depends on the place and on the
@@ -83,7 +78,7 @@ LocalMap local_map(const Rig& rig, const Triangulation& triangulation, const Eig
 }
 
 /// Figures of a rig over the working range.
-struct View {
+struct RigFigures {
   /// Longest d pixel / d camera pixel of either coordinate over image and range.
   std::array<double, 2> steepest{};
   /// RMS |d pixel / d z| of either coordinate, and mean d pixel / d camera pixel.
@@ -92,14 +87,14 @@ struct View {
   double middle_z = 0;
 };
 
-View look_at(const Rig& rig, const WorkingRange& range) {
+RigFigures look_at(const Rig& rig, const WorkingRange& range) {
   const Triangulation triangulation(rig);
-  View view;
+  RigFigures view;
   view.middle_z = std::sqrt(range.near * range.far);
   int count = 0;
   for (int step = 0; step < kDepths; ++step) {
     const double z = range.near * std::pow(range.far / range.near, step / (kDepths - 1.0));
-    for (int place = 0; place < kPlaces * kPlaces; ++place) {
+    for (int place = 0; place < kPlacesPerSide * kPlacesPerSide; ++place) {
       const LocalMap map = local_map(rig, triangulation, place_in_image(rig, place), z);
       if (!triangulation.on_panel(map.pixel) || !map.per_pixel.allFinite()) continue;
       ++count;
@@ -133,7 +128,7 @@ WorkingRange overlap_range(const Rig& rig) {
   int count = 0;
   for (int step = 0; step < kTriedDepths; ++step) {
     const double z = baseline * std::pow(kFarthestBaselines, step / (kTriedDepths - 1.0));
-    for (int place = 0; place < kPlaces * kPlaces; ++place) {
+    for (int place = 0; place < kPlacesPerSide * kPlacesPerSide; ++place) {
       const Eigen::Vector2d ray = geometry::undistort(rig.camera, place_in_image(rig, place));
       if (!triangulation.on_panel(triangulation.project(triangulation.direction(ray), z))) continue;
       log_z += std::log(z);
@@ -201,7 +196,7 @@ void check_design(const Pattern& pattern) {
 PatternDesign design_pattern(const Rig& rig, const PatternOptions& options) {
   check_rig(rig, "rig");
   check_options(options);
-  const View view = look_at(rig, options.range ? *options.range : overlap_range(rig));
+  const RigFigures view = look_at(rig, options.range ? *options.range : overlap_range(rig));
   const Axis axis =
       options.axis.value_or(view.per_depth[0] > view.per_depth[1] ? Axis::x : Axis::y);
   PatternDesign design = start_design(options, axis, rig.projector.width, rig.projector.height);

@@ -71,13 +71,13 @@ void smooth_row(const float* in, int averages, float* out, long columns) {
 }
 
 /// Method for fitting the windows of some columns; the most general one that any of them needs.
-enum class Fit : std::uint8_t { nothing, whole, cut };
+enum class FitMethod : std::uint8_t { nothing, whole, cut };
 
 /// Number of columns that are fitted with the same method.
 constexpr long kGroup = 16;
 
 PALPATE_HOT_LOOP void choose_fits(const std::uint8_t* mask, const int* count, int whole_count,
-                                  long columns, Fit* fits) {
+                                  long columns, FitMethod* fits) {
   for (long start = 0; start < columns; start += kGroup) {
     const long end = start + kGroup < columns ? start + kGroup : columns;
     int lit = 0;
@@ -86,7 +86,8 @@ PALPATE_HOT_LOOP void choose_fits(const std::uint8_t* mask, const int* count, in
       lit |= mask[i];
       cut |= count[i] - whole_count;
     }
-    fits[start / kGroup] = lit == 0 ? Fit::nothing : (cut == 0 ? Fit::whole : Fit::cut);
+    fits[start / kGroup] =
+        lit == 0 ? FitMethod::nothing : (cut == 0 ? FitMethod::whole : FitMethod::cut);
   }
 }
 
@@ -157,7 +158,7 @@ void demodulate(const std::vector<Plane>& channels, const Mask& mask,
   WindowCount counts(mask, filter.radius);
   PowerRows power(channels, filter.radius);
   UnsmoothedRow unsmoothed(channels.size(), columns);
-  std::vector<Fit> fits(static_cast<std::size_t>((columns + kGroup - 1) / kGroup));
+  std::vector<FitMethod> fits(static_cast<std::size_t>((columns + kGroup - 1) / kGroup));
   LocalFrequency frequency(filter);
   const int reach = frequency.reach();
   const int whole_count = 2 * filter.radius + 1;
@@ -168,17 +169,18 @@ void demodulate(const std::vector<Plane>& channels, const Mask& mask,
     const Turn turn{static_cast<float>(phase.real()), static_cast<float>(phase.imag())};
     const FittedRow fitted = unsmoothed.row(row, out);
     for (auto first = fits.begin(); first != fits.end();) {
-      const auto last = std::find_if(first, fits.end(), [&](Fit fit) { return fit != *first; });
+      const auto last =
+          std::find_if(first, fits.end(), [&](FitMethod fit) { return fit != *first; });
       const long column = kGroup * (first - fits.begin());
       const Block block{row, column, std::min(kGroup * (last - fits.begin()), columns) - column};
       switch (*first) {
-        case Fit::nothing:
+        case FitMethod::nothing:
           fit_nothing(block, fitted);
           break;
-        case Fit::whole:
+        case FitMethod::whole:
           fit_whole_windows(channels, power, window, block, turn, fitted);
           break;
-        case Fit::cut:
+        case FitMethod::cut:
           fit_cut_windows(channels, power, mask, window, block, turn, fitted);
           break;
       }

@@ -15,13 +15,12 @@
 #include <vector>
 
 #include "palpate/error.h"
+#include "palpate/geometry/median.h"
 #include "palpate/require.h"
 #include "setup/triangulation.h"
 
 namespace palpate::sensing {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 /// Columns of the fit: mean, slope, fundamental (also with growing amplitude, which absorbs a
 /// frequency error), then two for each harmonic from the second on.
@@ -40,10 +39,10 @@ constexpr int kFrequencies = 41;
 constexpr int kLeastPeriods = 4;
 /// Smallest number of windows for an average, and number of groups for its deviation.
 constexpr std::size_t kLeastPlaces = 160;
-constexpr std::size_t kGroups = 16;
+constexpr std::size_t kWindowGroups = 16;
 /// A harmonic is reported iff this share of the windows measures it; fewer do if their period is
 /// unusual, as at depth steps.
-constexpr double kLeastShare = 0.2;
+constexpr double kLeastMeasuredShare = 0.2;
 /// A harmonic exists iff it is this many standard deviations.
 constexpr double kSignificance = 4;
 
@@ -70,7 +69,7 @@ Peak find_peak(const cv::Mat_<float>& image) {
   for (int y = 0; y < rows.rows; ++y) {
     const auto mean = static_cast<float>(cv::mean(rows.row(y))[0]);
     for (int x = 0; x < length; ++x) {
-      const double window = 0.5 - 0.5 * std::cos(2 * kPi * (x + 0.5) / length);
+      const double window = 0.5 - 0.5 * std::cos(2 * std::numbers::pi * (x + 0.5) / length);
       rows(y, x) = (rows(y, x) - mean) * static_cast<float>(window);
     }
   }
@@ -125,7 +124,7 @@ std::vector<Basis> make_bases(double frequency, int length) {
     Eigen::MatrixXd model(length, columns);
     for (int row = 0; row < length; ++row) {
       const double t = row - (length - 1) / 2.0;
-      const double angle = 2 * kPi * basis.frequency * t;
+      const double angle = 2 * std::numbers::pi * basis.frequency * t;
       const double grow = 2 * t / length;
       model(row, kMean) = 1;
       model(row, kSlope) = grow;
@@ -214,12 +213,6 @@ std::vector<Place> fit_windows(const cv::Mat_<float>& image, const std::vector<B
   return places;
 }
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 std::vector<double> collect(const std::vector<Place>& places, double Place::*field) {
   std::vector<double> values;
   values.reserve(places.size());
@@ -235,17 +228,18 @@ std::optional<Harmonic> summarize(const std::vector<Place>& places, int order) {
     const double value = place.harmonics.at(static_cast<std::size_t>(order) - 2);
     if (std::isfinite(value)) values.push_back(value);
   }
-  const double least = kLeastShare * static_cast<double>(places.size());
+  const double least = kLeastMeasuredShare * static_cast<double>(places.size());
   if (values.size() < kLeastPlaces || static_cast<double>(values.size()) < least) return {};
-  Harmonic harmonic{.ratio = median(values)};
+  Harmonic harmonic{.ratio = geometry::median(values)};
   double squares = 0;
-  for (std::size_t group = 0; group < kGroups; ++group) {
-    const auto begin = static_cast<std::ptrdiff_t>(values.size() * group / kGroups);
-    const auto end = static_cast<std::ptrdiff_t>(values.size() * (group + 1) / kGroups);
-    const double part = median({values.begin() + begin, values.begin() + end});
+  for (std::size_t group = 0; group < kWindowGroups; ++group) {
+    const auto begin = static_cast<std::ptrdiff_t>(values.size() * group / kWindowGroups);
+    const auto end = static_cast<std::ptrdiff_t>(values.size() * (group + 1) / kWindowGroups);
+    const double part = geometry::median<double>({values.begin() + begin, values.begin() + end});
     squares += (part - harmonic.ratio) * (part - harmonic.ratio);
   }
-  harmonic.deviation = std::sqrt(squares / (kGroups - 1)) / std::sqrt(static_cast<double>(kGroups));
+  harmonic.deviation =
+      std::sqrt(squares / (kWindowGroups - 1)) / std::sqrt(static_cast<double>(kWindowGroups));
   return harmonic;
 }
 
@@ -255,7 +249,7 @@ double hann_spectrum(double frequency, double length) {
   const double x = frequency * length;
   if (std::abs(x) < kNearLimit) return 1;
   if (std::abs(std::abs(x) - 1) < kNearLimit) return 0.5;
-  return std::sin(kPi * x) / (kPi * x * (1 - x * x));
+  return std::sin(std::numbers::pi * x) / (std::numbers::pi * x * (1 - x * x));
 }
 
 /// RMS over the places: the harmonic k of a frequency f is at k f - carrier from the carrier.
@@ -310,8 +304,8 @@ HarmonicCheck check_harmonics(const cv::Mat& frame, const HarmonicOptions& optio
         std::to_string(2 * kLeastHarmonicPeriod) + " px or more");
   }
   check.places = static_cast<long>(places.size());
-  check.period = 1 / median(collect(places, &Place::frequency));
-  check.modulation = median(collect(places, &Place::modulation));
+  check.period = 1 / geometry::median(collect(places, &Place::frequency));
+  check.modulation = geometry::median(collect(places, &Place::modulation));
   check.second = summarize(places, 2);
   check.third = summarize(places, 3);
   if (!check.second && !check.third) {
@@ -338,7 +332,7 @@ double depth_per_radian(const Rig& rig, const Pattern& pattern, double z) {
   const double slope = std::abs(triangulation.slope(ray, pattern.axis, z));
   if (!(slope > 0))
     throw InvalidInput("depth_per_radian: at this depth the phase does not change with the depth");
-  return pattern.period / (2 * kPi * slope);
+  return pattern.period / (2 * std::numbers::pi * slope);
 }
 
 }  // namespace palpate::sensing

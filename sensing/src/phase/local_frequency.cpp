@@ -14,16 +14,16 @@ namespace palpate::sensing {
 namespace {
 
 /// Response of the fit to cos((carrier + delta) k + phase), averaged over the phase.
-struct Response {
+struct FitResponse {
   double own = 0;       ///< G
   double mirror = 0;    ///< H
   double residual = 0;  ///< remaining part of its power
 };
 
 /// The fit of mean and sinusoid as sums over the window.
-class Fit {
+class SinusoidFit {
  public:
-  explicit Fit(const DemodulationFilter& filter) : carrier_(filter.carrier) {
+  explicit SinusoidFit(const DemodulationFilter& filter) : carrier_(filter.carrier) {
     const int size = 2 * filter.radius + 1;
     basis_.resize(size, 3);
     weight_.resize(size);
@@ -35,9 +35,9 @@ class Fit {
     const Eigen::MatrixXd weighted = weight_.cwiseSqrt().asDiagonal() * basis_;
     solve_ = weighted.householderQr().solve(Eigen::MatrixXd(weight_.cwiseSqrt().asDiagonal()));
   }
-  [[nodiscard]] Response response(double delta) const {
+  [[nodiscard]] FitResponse response(double delta) const {
     const auto radius = static_cast<double>(weight_.size() / 2);
-    Response result;
+    FitResponse result;
     for (const double phase : {0.0, std::numbers::pi / 2}) {
       Eigen::VectorXd wave(weight_.size());
       for (long i = 0; i < wave.size(); ++i)
@@ -136,7 +136,7 @@ LocalFrequency::LocalFrequency(const DemodulationFilter& filter)
     : reach_(static_cast<int>(std::lround(std::numbers::pi / std::abs(filter.carrier)))),
       carrier_(filter.carrier) {
   constexpr int kNodes = 8 * kDegree;
-  const Fit fit(filter);
+  const SinusoidFit fit(filter);
   const double largest = kLargestDeviation * std::abs(carrier_);
   Eigen::MatrixXd powers(kNodes,
                          kDegree);  // of delta, from the first: both polynomials vanish at 0
@@ -146,7 +146,7 @@ LocalFrequency::LocalFrequency(const DemodulationFilter& filter)
     const double delta = largest * std::cos(std::numbers::pi * (i + 0.5) / kNodes);
     for (int degree = 1; degree <= kDegree; ++degree)
       powers(i, degree - 1) = std::pow(delta / largest, degree);
-    const Response response = fit.response(delta);
+    const FitResponse response = fit.response(delta);
     ripple[i] = response.mirror / response.own;
     // An amplitude a leaves the residual a^2 residual and is measured as re^2 + im^2 = (a own /
     // 2)^2.

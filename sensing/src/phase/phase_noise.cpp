@@ -21,25 +21,26 @@ constexpr double kDeviationPerMedian = 1.4826;
 /// between have almost the same noise.
 constexpr long kSamples = 4000;
 /// Number of groups of similar brightness, and smallest number of samples in one.
-constexpr std::size_t kGroups = 8;
+constexpr std::size_t kBrightnessGroups = 8;
 constexpr std::size_t kLeastSamples = 50;
 /// The residual of a few pixels scatters: up to this many medians it counts as noise.
 constexpr float kUsualResidual = 2;
 
-struct Sample {
+struct NoiseSample {
   float light = 0;
   float quadrature = 0;  ///< absolute value
   float residual = 0;
 };
 
-float light_at(const PhaseSignal& signal, long row, long column) {
+float total_light(const PhaseSignal& signal, long row, long column) {
   float sum = 0;
   for (const Demodulated& channel : signal.channels) sum += channel.mean(row, column);
   return sum;
 }
 
 /// Samples of one row.
-void add_samples(const PhaseSignal& signal, long row, long spacing, std::vector<Sample>& samples) {
+void add_samples(const PhaseSignal& signal, long row, long spacing,
+                 std::vector<NoiseSample>& samples) {
   const float* phase = &signal.wrapped(row, 0);
   const std::uint8_t* known = &signal.modulated(row, 0);
   for (long column = 2 * spacing; column + 2 * spacing < signal.wrapped.cols(); column += spacing) {
@@ -54,17 +55,17 @@ void add_samples(const PhaseSignal& signal, long row, long spacing, std::vector<
     const float difference = step[3] - 3 * step[2] + 3 * step[1] - step[0];
     const float amplitude =
         std::hypot(signal.combined.re(row, column), signal.combined.im(row, column));
-    samples.push_back({light_at(signal, row, column), std::abs(amplitude * difference),
+    samples.push_back({total_light(signal, row, column), std::abs(amplitude * difference),
                        signal.residual(row, column)});
   }
 }
 
 template <typename Value>
-double median(std::vector<Sample>::iterator first, std::vector<Sample>::iterator last,
+double median(std::vector<NoiseSample>::iterator first, std::vector<NoiseSample>::iterator last,
               Value value) {
   const auto middle = first + (last - first) / 2;
   std::nth_element(first, middle, last,
-                   [&](const Sample& a, const Sample& b) { return value(a) < value(b); });
+                   [&](const NoiseSample& a, const NoiseSample& b) { return value(a) < value(b); });
   return static_cast<double>(value(*middle));
 }
 
@@ -118,7 +119,7 @@ struct Coefficients {
 };
 
 /// One row of the input for predicting deviations.
-struct SignalRow {
+struct SigmaInputRow {
   const float* re;
   const float* im;
   const float* residual;
@@ -127,9 +128,9 @@ struct SignalRow {
   const float* blue;
 };
 
-PALPATE_HOT_LOOP void find_sigma(const SignalRow& row, const Coefficients& coefficients,
+PALPATE_HOT_LOOP void find_sigma(const SigmaInputRow& row, const Coefficients& coefficients,
                                  long columns, float* __restrict sigma) {
-  const SignalRow r = row;
+  const SigmaInputRow r = row;
   const Coefficients c = coefficients;
   for (long i = 0; i < columns; ++i) {
     const float light = r.means[0][i] + r.means[1][i] + r.means[2][i];
@@ -148,12 +149,12 @@ FrameNoise estimate_noise(const PhaseSignal& signal, const DemodulationFilter& f
   const long spacing = filter.width();
   const long rows = signal.wrapped.rows();
   const long step = std::max<long>(1, signal.wrapped.size() / (spacing * kSamples));
-  std::vector<Sample> samples;
+  std::vector<NoiseSample> samples;
   samples.reserve(static_cast<std::size_t>(2 * kSamples));
   for (long row = step / 2; row < rows; row += step) add_samples(signal, row, spacing, samples);
   std::sort(samples.begin(), samples.end(),
-            [](const Sample& a, const Sample& b) { return a.light < b.light; });
-  const std::size_t groups = std::min(kGroups, samples.size() / kLeastSamples);
+            [](const NoiseSample& a, const NoiseSample& b) { return a.light < b.light; });
+  const std::size_t groups = std::min(kBrightnessGroups, samples.size() / kLeastSamples);
   Points quadrature;
   Points residual;
   for (std::size_t group = 0; group < groups; ++group) {
@@ -162,9 +163,9 @@ FrameNoise estimate_noise(const PhaseSignal& signal, const DemodulationFilter& f
     const double light = static_cast<double>((first + (last - first) / 2)->light);
     quadrature.light.push_back(light);
     residual.light.push_back(light);
-    residual.value.push_back(median(first, last, [](const Sample& s) { return s.residual; }));
-    const double deviation =
-        kDeviationPerMedian * median(first, last, [](const Sample& s) { return s.quadrature; });
+    residual.value.push_back(median(first, last, [](const NoiseSample& s) { return s.residual; }));
+    const double deviation = kDeviationPerMedian *
+                             median(first, last, [](const NoiseSample& s) { return s.quadrature; });
     quadrature.value.push_back(deviation * deviation / kDifferenceVariance);
   }
   return {fit_line(quadrature), fit_line(residual),
@@ -190,12 +191,12 @@ void predict_phase_sigma(const PhaseSignal& signal, const FrameNoise& noise,
   const std::vector<float> zeros(static_cast<std::size_t>(sigma.cols()), 0.0F);
   const bool chromatic = model.red > 0 || model.blue > 0;
   for (long row = 0; row < sigma.rows(); ++row) {
-    SignalRow values{.re = &signal.combined.re(row, 0),
-                     .im = &signal.combined.im(row, 0),
-                     .residual = &signal.residual(row, 0),
-                     .means = {zeros.data(), zeros.data(), zeros.data()},
-                     .red = chromatic ? &signal.combined.shares.red(row, 0) : zeros.data(),
-                     .blue = chromatic ? &signal.combined.shares.blue(row, 0) : zeros.data()};
+    SigmaInputRow values{.re = &signal.combined.re(row, 0),
+                         .im = &signal.combined.im(row, 0),
+                         .residual = &signal.residual(row, 0),
+                         .means = {zeros.data(), zeros.data(), zeros.data()},
+                         .red = chromatic ? &signal.combined.shares.red(row, 0) : zeros.data(),
+                         .blue = chromatic ? &signal.combined.shares.blue(row, 0) : zeros.data()};
     for (std::size_t i = 0; i < signal.channels.size(); ++i) {
       values.means.at(i) = &signal.channels[i].mean(row, 0);
     }

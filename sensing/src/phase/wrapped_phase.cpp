@@ -44,8 +44,6 @@ PALPATE_HOT_LOOP void find_angles(const float* re, const float* im, float* angle
   }
 }
 
-constexpr float kPi = std::numbers::pi_v<float>;
-
 /// Count, sum and sum of squares of the differences in one direction, row by row.
 constexpr long kMoments = 3;
 
@@ -55,6 +53,7 @@ PALPATE_HOT_LOOP void take_differences(const float* phase, const float* other,
                                        const std::uint8_t* inside, const std::uint8_t* other_inside,
                                        float* __restrict count, float* __restrict sum,
                                        float* __restrict squares, long pixels) {
+  constexpr float kPi = std::numbers::pi_v<float>;
   for (long i = 0; i < pixels; ++i) {
     float step = other[i] - phase[i];
     step -= step > kPi ? 2 * kPi : 0;

@@ -4,13 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
+
+#include "image/hue.h"
 
 namespace palpate::sensing {
 namespace {
-
-constexpr double kTurn = 2 * std::numbers::pi;
 
 /// Smallest number of guesses; one guess and its neighbours on the next scanlines may be wrong.
 constexpr std::size_t kLeastGuesses = 5;
@@ -47,12 +46,12 @@ RegionOffset offset_of(const std::vector<Tally>& tallies, double min_agreement) 
   const Tally& best = tallies[median];
   const bool proven = best.several_edges || best.residual <= kProvenTurns * best.weight;
   if (!proven) return {{}, Reason::no_transition};
-  return {kTurn * tallies[median].turns, Reason::reconstructed};
+  return {kFullTurn * tallies[median].turns, Reason::reconstructed};
 }
 
 /// Number of turns that a guess implies.
 double turns_of(const Regions& regions, const PhaseGuess& guess) {
-  return (guess.phase - static_cast<double>(regions.phase(guess.row, guess.column))) / kTurn;
+  return (guess.phase - static_cast<double>(regions.phase(guess.row, guess.column))) / kFullTurn;
 }
 
 }  // namespace
@@ -169,7 +168,7 @@ std::vector<RegionOffset> anchored_offsets(const Regions& regions, const PhaseGu
   }
   if (!nearest) return offsets;
   const auto label = static_cast<std::size_t>(regions.label(nearest->row, nearest->column));
-  offsets[label] = {kTurn * std::round(turns_of(regions, *nearest)), Reason::reconstructed};
+  offsets[label] = {kFullTurn * std::round(turns_of(regions, *nearest)), Reason::reconstructed};
   return offsets;
 }
 

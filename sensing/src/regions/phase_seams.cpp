@@ -5,13 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <numbers>
 #include <optional>
+
+#include "image/hue.h"
 
 namespace palpate::sensing {
 namespace {
-
-constexpr double kTurn = 2 * std::numbers::pi;
 
 /// Number of pixels on each side of a seam over which slopes are measured.
 constexpr int kSlopePixels = 4;
@@ -21,7 +20,7 @@ constexpr int kSlopePixels = 4;
 constexpr double kMaxBend = 0.08;
 
 /// A crossing of the border gives a whole number of turns iff it is this close to it [turns] ...
-constexpr double kNearTurns = 0.08;
+constexpr double kNearCrossingTurns = 0.08;
 
 /// ... and all crossings together iff their mean is this close.
 constexpr double kMeanTurns = 0.03;
@@ -38,9 +37,9 @@ struct Crossing {
 
 /// Searches a line of `length` pixels, `stride` apart, for crossings between two regions of which
 /// at least one is unsolved.
-class Line {
+class PixelLine {
  public:
-  Line(const int* label, const float* phase, long stride, int length)
+  PixelLine(const int* label, const float* phase, long stride, int length)
       : label_(label), phase_(phase), stride_(stride), length_(length) {}
 
   template <typename Wanted, typename Add>
@@ -75,8 +74,8 @@ class Line {
     const auto left = slope(a, a - kSlopePixels);
     const auto right = slope(b, b + kSlopePixels);
     if (!left || !right) return std::nullopt;
-    if (std::abs(*left - *right) * (b - a) > kMaxBend * kTurn) return std::nullopt;
-    return (phase(b) - phase(a) - (*left + *right) / 2 * (b - a)) / kTurn;
+    if (std::abs(*left - *right) * (b - a) > kMaxBend * kFullTurn) return std::nullopt;
+    return (phase(b) - phase(a) - (*left + *right) / 2 * (b - a)) / kFullTurn;
   }
 
   const int* label_;
@@ -100,12 +99,13 @@ std::vector<Crossing> find_crossings(const Regions& regions, const SeamLimits& l
   const long columns = regions.label.cols();
   for (long row = 0; row < rows; ++row) {
     const long first = row * columns;
-    Line(regions.label.data() + first, regions.phase.data() + first, 1, static_cast<int>(columns))
+    PixelLine(regions.label.data() + first, regions.phase.data() + first, 1,
+              static_cast<int>(columns))
         .find(limits, wanted, add);
   }
   for (long column = 0; column < columns; ++column) {
-    Line(regions.label.data() + column, regions.phase.data() + column, columns,
-         static_cast<int>(rows))
+    PixelLine(regions.label.data() + column, regions.phase.data() + column, columns,
+              static_cast<int>(rows))
         .find(limits, wanted, add);
   }
   std::stable_sort(crossings.begin(), crossings.end(),
@@ -124,17 +124,17 @@ std::optional<RegionOffset> judge(const std::vector<double>& turns, double min_a
   double elsewhere = 0;
   double lean = 0;
   for (const double value : turns) {
-    if (std::abs(value - whole) <= kNearTurns) {
+    if (std::abs(value - whole) <= kNearCrossingTurns) {
       ++agreeing;
       lean += value - whole;
-    } else if (std::abs(value - std::round(value)) <= kNearTurns) {
+    } else if (std::abs(value - std::round(value)) <= kNearCrossingTurns) {
       ++elsewhere;
     }
   }
   const auto all = static_cast<double>(turns.size());
   const bool even = agreeing > 0 && std::abs(lean / agreeing) <= kMeanTurns;
   if (agreeing >= min_agreement * all && even) {
-    return RegionOffset{kTurn * whole, Reason::reconstructed};
+    return RegionOffset{kFullTurn * whole, Reason::reconstructed};
   }
   if (elsewhere > (1 - min_agreement) * all) return RegionOffset{{}, Reason::ambiguous_offset};
   return std::nullopt;
@@ -163,7 +163,7 @@ void solve_from_neighbours(const Regions& regions, const SeamLimits& limits,
         turns.clear();
         for (auto crossing = first; crossing != end; ++crossing) {
           const RegionOffset& beyond = before[static_cast<std::size_t>(crossing->to)];
-          if (beyond.phase) turns.push_back(crossing->turns + *beyond.phase / kTurn);
+          if (beyond.phase) turns.push_back(crossing->turns + *beyond.phase / kFullTurn);
         }
         if (const auto judged = judge(turns, limits.min_agreement)) {
           offsets[region] = *judged;

@@ -12,8 +12,6 @@
 namespace palpate::sensing {
 namespace {
 
-constexpr float kPi = std::numbers::pi_v<float>;
-
 /// Link of two neighbours: none, a step without a turn (kLevel), or a step with one turn down or
 /// up.
 constexpr std::uint8_t kNoLink = 0;
@@ -23,6 +21,7 @@ constexpr std::uint8_t kLevel = 2;
 PALPATE_HOT_LOOP void find_links(const float* phase, const float* other,
                                  const std::uint8_t* classes, const std::uint8_t* other_classes,
                                  float max_step, std::uint8_t* links, long pixels) {
+  constexpr float kPi = std::numbers::pi_v<float>;
   for (long i = 0; i < pixels; ++i) {
     const float difference = other[i] - phase[i];
     const int turns = (difference < -kPi ? 1 : 0) - (difference > kPi ? 1 : 0);
@@ -206,7 +205,8 @@ void SmoothRuns::write_labels(Labels& labels) const {
 void SmoothRuns::write_phase(const Plane& wrapped, Plane& phase) const {
   phase.resize(rows_, columns_);
   for_each_run([&](std::size_t run, int first, int length) {
-    add_constant(wrapped.data() + first, 2 * kPi * static_cast<float>(nodes_[run].turns),
+    add_constant(wrapped.data() + first,
+                 2 * std::numbers::pi_v<float> * static_cast<float>(nodes_[run].turns),
                  phase.data() + first, length);
   });
 }

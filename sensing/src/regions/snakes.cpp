@@ -24,7 +24,7 @@ static_assert(static_cast<double>(kRadius) > SnakeContour::kCriticalRadius);
 constexpr float kRoughest = 2;
 
 /// Unreached pixels join a region within this distance [px].
-constexpr int kReach = 2;
+constexpr int kAbsorbReach = 2;
 
 /// Limit of the rounds per pixel of the image sides: a front crosses the image in fewer; slower
 /// motion is creeping.
@@ -103,7 +103,7 @@ void fill(const Eigen::Matrix2Xd& polygon, int label, Labels& labels) {
 
 /// Lets free smooth pixels beside regions join them, from all sides simultaneously.
 void absorb(const Plane& wrapped, const Plane& roughness, double max_step, Labels& labels) {
-  for (int reached = 0; reached < kReach; ++reached) {
+  for (int reached = 0; reached < kAbsorbReach; ++reached) {
     const Labels before = labels;
     for (long row = 0; row < labels.rows(); ++row) {
       for (long column = 0; column < labels.cols(); ++column) {

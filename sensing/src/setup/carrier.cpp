@@ -12,13 +12,6 @@
 namespace palpate::sensing {
 namespace {
 
-/// Depths are sampled from one to this many baselines in equal ratios: closer, the views do not
-/// overlap; farther, the depth cannot be measured.
-constexpr double kFarthestBaselines = 20;
-constexpr int kDepths = 30;
-/// Number of samples along each side of the camera image.
-constexpr int kPlaces = 9;
-
 /// Shorter periods than this [camera px] are lost between the pixels (Nyquist).
 constexpr double kLeastPeriod = 2;
 
@@ -42,13 +35,13 @@ Carrier expected_carrier(const Rig& rig, const Pattern& pattern) {
   Eigen::Matrix2d gradient = Eigen::Matrix2d::Zero();
   double log_z = 0;
   double count = 0;
-  for (int step = 0; step < kDepths; ++step) {
-    const double z = baseline * std::pow(kFarthestBaselines, step / (kDepths - 1.0));
-    for (int place = 0; place < kPlaces * kPlaces; ++place) {
-      const int across = place % kPlaces;
-      const int down = place / kPlaces;
-      const Eigen::Vector2d pixel((across + 0.5) / kPlaces * rig.camera.width,
-                                  (down + 0.5) / kPlaces * rig.camera.height);
+  for (int step = 0; step < kTriedDepths; ++step) {
+    const double z = baseline * std::pow(kFarthestBaselines, step / (kTriedDepths - 1.0));
+    for (int place = 0; place < kPlacesPerSide * kPlacesPerSide; ++place) {
+      const int across = place % kPlacesPerSide;
+      const int down = place / kPlacesPerSide;
+      const Eigen::Vector2d pixel((across + 0.5) / kPlacesPerSide * rig.camera.width,
+                                  (down + 0.5) / kPlacesPerSide * rig.camera.height);
       const auto projected = [&](double du, double dv) {
         const Eigen::Vector2d ray =
             geometry::undistort(rig.camera, pixel + Eigen::Vector2d(du, dv));

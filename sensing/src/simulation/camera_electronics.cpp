@@ -78,7 +78,7 @@ cv::Mat measure(const cv::Mat& light, double exposure, const VirtualSensor& sens
 
 /// Demosaics with a border of mirrored pixels, which keep the order of the mosaic, because OpenCV
 /// copies the outermost rows and columns from their neighbours.
-cv::Mat demosaic(const cv::Mat& measured) {
+cv::Mat demosaic_mirrored(const cv::Mat& measured) {
   constexpr int kMargin = 2;
   cv::Mat raw, wide, color;
   measured.convertTo(raw, CV_16U, 65535);
@@ -115,7 +115,7 @@ double choose_exposure(const cv::Mat& light, const PixelMask& lit, const Virtual
 cv::Mat read_out(const cv::Mat& light, double exposure, const VirtualSensor& sensor,
                  std::uint64_t frame_number) {
   cv::Mat values = measure(light, exposure, sensor, frame_number);
-  if (sensor.readout == Readout::demosaiced) values = demosaic(values);
+  if (sensor.readout == Readout::demosaiced) values = demosaic_mirrored(values);
   if (sensor.camera_gamma != 1) {
     for (int row = 0; row < values.rows; ++row) {
       float* value = values.ptr<float>(row);

@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <opencv2/core.hpp>
 
 #include "image/gaussian_blur.h"
+#include "image/image_plane.h"
 #include "palpate/error.h"
 #include "palpate/parallel_for.h"
 #include "simulation/camera_electronics.h"
@@ -85,13 +85,12 @@ struct Renderer {
 /// At pixel centres, in green.
 SceneTruth scene_truth(const VirtualScene& scene, const geometry::Camera& camera,
                        const LightPath& path) {
-  constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
   const long rows = camera.height, columns = camera.width;
-  SceneTruth truth{.range = {geometry::ImageF::Constant(rows, columns, kNaN), camera},
+  SceneTruth truth{.range = {geometry::ImageF::Constant(rows, columns, kUnknown), camera},
                    .body = PixelLabels::Constant(rows, columns, -1),
                    .covered = PixelMask::Constant(rows, columns, false),
                    .lit = PixelMask::Constant(rows, columns, false),
-                   .incidence = geometry::ImageF::Constant(rows, columns, kNaN)};
+                   .incidence = geometry::ImageF::Constant(rows, columns, kUnknown)};
   parallel_for(rows, [&](long v) {
     for (long u = 0; u < columns; ++u) {
       const Eigen::Vector2d pixel(static_cast<double>(u), static_cast<double>(v));

@@ -22,7 +22,7 @@ namespace {
 constexpr double kMaxBlur = 100;
 constexpr double kMaxFalloff = 10;
 constexpr int kMaxSamples = 64;
-constexpr int kMaxSteps = 1024;
+constexpr int kMaxExposureSteps = 1024;
 
 constexpr std::array<std::pair<Readout, const char*>, 3> kReadouts = {
     {{Readout::color, "color"}, {Readout::mosaic, "mosaic"}, {Readout::demosaiced, "demosaiced"}}};
@@ -78,7 +78,7 @@ void check_virtual_sensor(const VirtualSensor& sensor, const std::string& what) 
   check("ambient", sensor.ambient, at_least(0).finite());
   check("camera_blur_px", sensor.camera_blur, at_least(0).at_most(kMaxBlur), "px");
   check("samples_per_axis", sensor.samples_per_axis, at_least(1).at_most(kMaxSamples));
-  check("exposure_steps", sensor.exposure_steps, at_least(1).at_most(kMaxSteps));
+  check("exposure_steps", sensor.exposure_steps, at_least(1).at_most(kMaxExposureSteps));
   require_one_of(what + ": bits", sensor.bits, {8, 16});
   check("camera_gamma", sensor.camera_gamma, above(0).finite());
   check("full_well", sensor.full_well, at_least(0).finite(), "electrons");
