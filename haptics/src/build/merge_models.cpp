@@ -63,7 +63,7 @@ Eigen::Isometry3d exact_pose(std::span<const SideModel> sides, std::size_t side)
 }
 
 /// A contact on its way into the merged model.
-struct Candidate {
+struct MergeCandidate {
   SideContact source;
   ContactModel contact;     ///< in the frame of the object
   Eigen::Vector3d outward;  ///< normal of its side's surface there
@@ -72,11 +72,12 @@ struct Candidate {
 };
 
 void add_candidates(const SideModel& side, int index, const Eigen::Isometry3d& pose,
-                    std::vector<Candidate>& candidates) {
+                    std::vector<MergeCandidate>& candidates) {
   const SurfaceQuery query(side.model.surface);
   const Eigen::Matrix3Xd normals = geometry::triangle_normals(side.model.surface);
   for (const ContactModel& contact : side.model.contacts) {
-    Candidate candidate{.source = {index, contact.id}, .contact = contact, .outward = {}, .at = {}};
+    MergeCandidate candidate{
+        .source = {index, contact.id}, .contact = contact, .outward = {}, .at = {}};
     candidate.contact.compliance.reset();  // was learnt among the contacts of this side
     candidate.contact.position = pose * contact.position;
     candidate.contact.frame = pose.linear() * contact.frame;
@@ -106,10 +107,10 @@ void merge_surfaces(std::span<const SideModel> sides, const std::vector<Eigen::I
 }
 
 void place_on_surface(std::span<const SideModel> sides, const MergeModelsOptions& options,
-                      MergedModel& merged, std::vector<Candidate>& candidates) {
+                      MergedModel& merged, std::vector<MergeCandidate>& candidates) {
   const SurfaceQuery query(merged.model.surface);
   const Eigen::Matrix3Xd normals = geometry::triangle_normals(merged.model.surface);
-  for (Candidate& candidate : candidates) {
+  for (MergeCandidate& candidate : candidates) {
     const std::string name = side_name(sides, static_cast<std::size_t>(candidate.source.side)) +
                              ": contact " + std::to_string(candidate.source.id);
     const ClosestPoint place = query.closest_point(candidate.contact.position);
@@ -153,7 +154,7 @@ double neighbour_distance(std::span<const SideModel> sides) {
 /// Contacts along x, to look for those near a place.
 class NearContacts {
  public:
-  NearContacts(const std::vector<Candidate>& candidates, double distance)
+  NearContacts(const std::vector<MergeCandidate>& candidates, double distance)
       : candidates_(candidates), distance_(distance), along_x_(candidates.size()) {
     std::iota(along_x_.begin(), along_x_.end(), std::size_t{0});
     std::ranges::sort(along_x_, [&](std::size_t a, std::size_t b) { return x(a) < x(b); });
@@ -166,7 +167,7 @@ class NearContacts {
     auto other = std::ranges::lower_bound(along_x_, x(i) - distance_, {},
                                           [&](std::size_t k) { return x(k); });
     for (; other != along_x_.end() && x(*other) <= x(i) + distance_; ++other) {
-      const Candidate &a = candidates_[i], &b = candidates_[*other];
+      const MergeCandidate &a = candidates_[i], &b = candidates_[*other];
       if (!counts[*other] || a.source.side == b.source.side) continue;
       if (!(a.contact.frame.col(2).dot(b.contact.frame.col(2)) > 0)) continue;
       const double distance = (a.contact.position - b.contact.position).norm();
@@ -180,13 +181,14 @@ class NearContacts {
  private:
   [[nodiscard]] double x(std::size_t i) const { return candidates_[i].contact.position.x(); }
 
-  const std::vector<Candidate>& candidates_;
+  const std::vector<MergeCandidate>& candidates_;
   double distance_;
   std::vector<std::size_t> along_x_;
 };
 
 // Which candidates stay; the best first, so that each is left out only for a better one that stays.
-std::vector<bool> keep_the_better(const std::vector<Candidate>& candidates, MergedModel& merged) {
+std::vector<bool> keep_the_better(const std::vector<MergeCandidate>& candidates,
+                                  MergedModel& merged) {
   std::vector<std::size_t> best_first(candidates.size());
   std::iota(best_first.begin(), best_first.end(), std::size_t{0});
   std::ranges::stable_sort(best_first, {}, [&](std::size_t i) {
@@ -234,13 +236,13 @@ long long id_stride(std::span<const SideModel> sides) {
   return stride;
 }
 
-void keep_contacts(std::span<const SideModel> sides, std::vector<Candidate>& candidates,
+void keep_contacts(std::span<const SideModel> sides, std::vector<MergeCandidate>& candidates,
                    std::vector<geometry::SurfacePoint>& places, MergedModel& merged) {
   const long long stride = id_stride(sides);
   const std::vector<bool> kept = keep_the_better(candidates, merged);
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     if (!kept[i]) continue;
-    Candidate& candidate = candidates[i];
+    MergeCandidate& candidate = candidates[i];
     candidate.contact.id += stride * candidate.source.side;
     places.push_back(candidate.at);
     merged.source.push_back(candidate.source);
@@ -295,7 +297,7 @@ MergedModel merge_models(std::span<const SideModel> sides, const MergeModelsOpti
   check_options(options);
   if (sides.empty()) throw InvalidInput("merge_models(): there is no model");
   std::vector<Eigen::Isometry3d> poses;
-  std::vector<Candidate> candidates;
+  std::vector<MergeCandidate> candidates;
   for (std::size_t i = 0; i < sides.size(); ++i) {
     try {
       check_model(sides[i].model);

@@ -14,8 +14,8 @@ namespace {
 // the next terms are x^4 / 120 < 1e-17.
 constexpr double kSmallAngle = 1e-4;
 // The mean has converged when a step rotates by less than some rounding errors.
-constexpr double kSettled = 1e-14;
-constexpr int kMaxIterations = 20;  // three are enough for frames of neighbours
+constexpr double kMeanSettled = 1e-14;
+constexpr int kMaxMeanIterations = 20;  // three are enough for frames of neighbours
 
 }  // namespace
 
@@ -60,14 +60,14 @@ Eigen::Matrix3d blend_rotations(std::span<const Eigen::Matrix3d> rotations,
                                 std::span<const double> weights) noexcept {
   const auto heaviest = std::ranges::max_element(weights) - weights.begin();
   Eigen::Matrix3d mean = rotations[static_cast<std::size_t>(heaviest)];
-  for (int i = 0; i < kMaxIterations; ++i) {
+  for (int i = 0; i < kMaxMeanIterations; ++i) {
     Eigen::Vector3d step = Eigen::Vector3d::Zero();
     for (std::size_t k = 0; k < rotations.size(); ++k) {
       const double weight = weights[k];
       if (weight > 0) step += weight * rotation_log(mean.transpose() * rotations[k]);
     }
     mean = mean * rotation_exp(step);
-    if (!(step.norm() > kSettled)) break;
+    if (!(step.norm() > kMeanSettled)) break;
   }
   return mean;
 }

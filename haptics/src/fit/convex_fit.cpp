@@ -10,13 +10,12 @@
 
 #include "fit/convex_solver.h"
 #include "fit/convex_start.h"
+#include "fit/field_objective.h"
 #include "palpate/haptics/force_field_fit.h"
 
 namespace palpate::haptics {
 namespace {
 
-// Parameters of a base: weight, epsilon, and three of its centre, or of offset and direction.
-constexpr int kParameters = 5;
 // With all bases: one after the other until noise explains the errors. The last is for contacts
 // that need all they can get; they are spared the removals.
 constexpr Effort kFirstEfforts[] = {{8, 0.1}, {8, 0.1}, {20, 0.1}};
@@ -46,7 +45,7 @@ double mean_squared_error(const WhitenedProblem& problem, const ForceField& fiel
 // makes in the mean, would also let pass what lacks something where noise happens to be low.
 double explained_loss(const WhitenedProblem& problem, std::size_t bases) {
   const double degrees =
-      static_cast<double>(3 * problem.size()) - kParameters * static_cast<double>(bases);
+      static_cast<double>(3 * problem.size()) - kBaseSize * static_cast<double>(bases);
   return degrees - kMargin * std::sqrt(2 * std::max(0.0, degrees));
 }
 
@@ -87,7 +86,7 @@ class Pruning {
   // what it will predict: by Akaike's information criterion. The variance of the noise is given, so
   // that is chi^2 + 2 parameters.
   [[nodiscard]] bool accept(const ForceField& fewer, double loss) const {
-    return good(fewer, loss) || loss - loss_ < 2 * kParameters;
+    return good(fewer, loss) || loss - loss_ < 2 * kBaseSize;
   }
 
   void take(ForceField fewer, double loss) {
@@ -144,7 +143,7 @@ class Pruning {
 
 ConvexFit fit_convex(WhitenedProblem problem, double accuracy, int max_bases) {
   // Also the way to few bases leads over more, which find the places where they are needed.
-  const auto determined = static_cast<int>(3 * problem.size() / kParameters);
+  const auto determined = static_cast<int>(3 * problem.size() / kBaseSize);
   const int start = std::max(1, std::min(determined, std::max(max_bases, kMaxConvexBases)));
   ConvexFit fit;
   fit.field = convex_start(problem, start);

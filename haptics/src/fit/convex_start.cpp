@@ -20,19 +20,19 @@ constexpr std::array<double, 7> kQuantiles = {0, 0.1, 0.25, 0.5, 0.75, 0.9, 1};
 // Ridges also stand this part of the samples' width beyond them, on both sides.
 constexpr double kBeyond = 0.5;
 constexpr std::array<double, 3> kMultiples = {1, -1, 2};
-constexpr std::size_t kDirections = 24;
+constexpr std::size_t kMaxDirections = 24;
 constexpr std::size_t kCenters = 8;
 // A sample nearer to zero, in units of the extent, has no direction worth a candidate.
-constexpr double kShortest = 0.05;
+constexpr double kShortestSample = 0.05;
 // |cosine| from which on two directions are one: 6 degrees.
-constexpr double kSameDirection = 0.995;
+constexpr double kSameDirectionCosine = 0.995;
 // Candidates that the least squares may hold at once, and the squared whitened error that one has
 // to gain: what noise gains by one parameter.
 constexpr Eigen::Index kMaxActive = 30;
 constexpr double kWorthwhile = 1;
 // Rounds of the least squares: each adds a candidate and may remove others. As many as candidates
 // that they may hold, and some more, are enough (Lawson and Hanson's usual bound is three times).
-constexpr int kMaxRounds = 3 * kMaxActive;
+constexpr int kMaxLeastSquaresRounds = 3 * kMaxActive;
 // Added to the diagonal of normal equations of neighbouring candidates, relative to it.
 constexpr double kRegularisation = 1e-9;
 
@@ -55,7 +55,7 @@ std::vector<Eigen::Vector3d> spread_directions(const WhitenedProblem& problem) {
   std::vector<Eigen::Vector3d> pool;
   const Eigen::Vector3d mean = problem.displacements().rowwise().mean();
   const auto offer = [&](const Eigen::Vector3d& v) {
-    if (v.norm() > kShortest) pool.push_back(v.normalized());
+    if (v.norm() > kShortestSample) pool.push_back(v.normalized());
   };
   for (Eigen::Index i = 0; i < problem.size(); ++i) {
     offer(problem.displacements().col(i));
@@ -72,7 +72,7 @@ std::vector<Eigen::Vector3d> spread_directions(const WhitenedProblem& problem) {
       }
     }
     const auto furthest = std::min_element(nearness.begin(), nearness.end());
-    if (result.size() >= kDirections || *furthest > kSameDirection) break;
+    if (result.size() >= kMaxDirections || *furthest > kSameDirectionCosine) break;
     result.push_back(pool[static_cast<std::size_t>(furthest - nearness.begin())]);
   }
   return result;
@@ -84,7 +84,7 @@ std::vector<Eigen::Vector3d> spread_places(const Eigen::Matrix3Xd& displacements
   Eigen::VectorXd distance = displacements.colwise().norm();
   while (result.size() < kCenters) {
     Eigen::Index furthest = 0;
-    if (!(distance.maxCoeff(&furthest) > kShortest)) break;
+    if (!(distance.maxCoeff(&furthest) > kShortestSample)) break;
     result.emplace_back(displacements.col(furthest));
     const Eigen::VectorXd to_new =
         (displacements.colwise() - result.back()).colwise().norm().transpose();
@@ -311,7 +311,7 @@ ForceField convex_start(const WhitenedProblem& problem, int max_bases) {
   const Eigen::VectorXd target = -problem.residuals({});
   ActiveSet active(target);
   double squares = target.squaredNorm();
-  for (int round = 0; round < kMaxRounds && active.size() < kMaxActive; ++round) {
+  for (int round = 0; round < kMaxLeastSquaresRounds && active.size() < kMaxActive; ++round) {
     const Eigen::VectorXd errors = active.size() > 0 ? active.errors() : target;
     const Eigen::Index best = dictionary.best(errors);
     const std::vector<Eigen::Index>& chosen = active.chosen();

@@ -9,12 +9,12 @@ namespace {
 
 // A multiquadric is the length of d = (x - g, epsilon) in four dimensions; q = d / |d| is its
 // gradient.
-struct Base {
+struct BaseDerivatives {
   Eigen::Vector4d q;
   double s;
 
-  Base(const Eigen::Ref<const Eigen::VectorXd>& parameters, Eigen::Index k,
-       const Eigen::Vector3d& x) {
+  BaseDerivatives(const Eigen::Ref<const Eigen::VectorXd>& parameters, Eigen::Index k,
+                  const Eigen::Vector3d& x) {
     q << x - parameters.segment<3>(k + 1), parameters[k + 4];
     s = q.norm();
     q /= s;
@@ -86,8 +86,8 @@ Eigen::VectorXd FieldObjective::gradient(
     const Eigen::Vector4d residual = extended((force(field, displacements.col(i)) - forces.col(i)) /
                                               static_cast<double>(forces.cols()));
     for (Eigen::Index k = 0; k < parameters.size(); k += kBaseSize) {
-      const Base zero(parameters, k, Eigen::Vector3d::Zero());
-      const Base here(parameters, k, displacements.col(i));
+      const BaseDerivatives zero(parameters, k, Eigen::Vector3d::Zero());
+      const BaseDerivatives here(parameters, k, displacements.col(i));
       result[k] += (here.q - zero.q).dot(residual);
       result.segment<4>(k + 1) += parameters[k] * kSigns.cwiseProduct(here.slope_times(residual) -
                                                                       zero.slope_times(residual));
@@ -104,8 +104,8 @@ Eigen::MatrixXd FieldObjective::hessian(const Eigen::Ref<const Eigen::VectorXd>&
   for (Eigen::Index i = 0; i < forces.cols(); ++i) {
     const Eigen::Vector4d residual = extended(force(field, displacements.col(i)) - forces.col(i));
     for (Eigen::Index k = 0; k < size; k += kBaseSize) {
-      const Base zero(parameters, k, Eigen::Vector3d::Zero());
-      const Base here(parameters, k, displacements.col(i));
+      const BaseDerivatives zero(parameters, k, Eigen::Vector3d::Zero());
+      const BaseDerivatives here(parameters, k, displacements.col(i));
       const Eigen::Matrix4d slope = kSigns.asDiagonal() * (here.slope() - zero.slope());
       jacobian.block<1, 3>(k, 3 * i) = (here.q - zero.q).head<3>().transpose();
       jacobian.block<4, 3>(k + 1, 3 * i) = parameters[k] * slope.leftCols<3>();
@@ -127,7 +127,7 @@ FieldFunction stiffness_at_zero(const Eigen::Ref<const Eigen::VectorXd>& paramet
   f.topLeftCorner<3, 3>() = factor;
   const double trace = factor.trace();
   for (Eigen::Index k = 0; k < parameters.size(); k += kBaseSize) {
-    const Base zero(parameters, k, Eigen::Vector3d::Zero());
+    const BaseDerivatives zero(parameters, k, Eigen::Vector3d::Zero());
     const Eigen::Vector4d q = zero.q, fq = f * q;
     const double qfq = q.dot(fq), s = zero.s;
     const Eigen::Vector4d first = (3 * qfq * q - trace * q - 2 * fq) / (s * s);
@@ -145,8 +145,8 @@ FieldFunction energy_at(const Eigen::Ref<const Eigen::VectorXd>& parameters,
   FieldFunction result = zero_function(parameters.size());
   const Eigen::Vector4d x = extended(place);
   for (Eigen::Index k = 0; k < parameters.size(); k += kBaseSize) {
-    const Base zero(parameters, k, Eigen::Vector3d::Zero());
-    const Base here(parameters, k, place);
+    const BaseDerivatives zero(parameters, k, Eigen::Vector3d::Zero());
+    const BaseDerivatives here(parameters, k, place);
     add_base(k, parameters[k], here.s - zero.s - zero.q.dot(x),
              here.q - zero.q - zero.slope_times(x), here.slope() - zero.slope() - zero.curvature(x),
              result);

@@ -24,10 +24,10 @@ constexpr double kMaxWeight = 30;
 constexpr double kMaxCenter = 5;
 // Bounds of epsilons that are free, in units of the data's extent: below, a base is a kink at its
 // centre, above, a parabola, whatever its epsilon.
-constexpr double kMinEpsilon = 0.1;
-constexpr double kMaxEpsilon = 10;
-constexpr double kTolerance = 1e-5;  // of Ipopt, on quantities scaled to 1
-constexpr int kMaxIterations = 300;
+constexpr double kMinFreeEpsilon = 0.1;
+constexpr double kMaxFreeEpsilon = 10;
+constexpr double kSolverTolerance = 1e-5;  // of Ipopt, on quantities scaled to 1
+constexpr int kMaxSolverIterations = 300;
 constexpr double kUnbounded = 2e19;  // Ipopt's infinity
 
 class FieldProgram : public Ipopt::TNLP {
@@ -64,8 +64,8 @@ class FieldProgram : public Ipopt::TNLP {
         x_u[i] = kMaxCenter;
         x_l[i] = -kMaxCenter;
       }
-      x_u[k + 4] = constraints_.free_epsilon ? kMaxEpsilon : epsilon;
-      x_l[k + 4] = constraints_.free_epsilon ? kMinEpsilon : epsilon;
+      x_u[k + 4] = constraints_.free_epsilon ? kMaxFreeEpsilon : epsilon;
+      x_l[k + 4] = constraints_.free_epsilon ? kMinFreeEpsilon : epsilon;
     }
     std::fill(g_l, g_l + m, 0.0);
     std::fill(g_u, g_u + m, kUnbounded);
@@ -243,8 +243,8 @@ FieldSolution solve_field(const FieldObjective& objective,
   options->SetStringValue("sb", "yes");
   options->SetIntegerValue("print_level", 0);
   options->SetStringValue("nlp_scaling_method", "none");
-  options->SetNumericValue("tol", kTolerance);
-  options->SetIntegerValue("max_iter", kMaxIterations);
+  options->SetNumericValue("tol", kSolverTolerance);
+  options->SetIntegerValue("max_iter", kMaxSolverIterations);
   // Not from an ipopt.opt that happens to lie in the working directory.
   if (application->Initialize("") != Ipopt::Solve_Succeeded) {
     throw SolverError("solve_field(): Ipopt could not be set up; is its linear solver installed?");

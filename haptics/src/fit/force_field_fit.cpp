@@ -27,10 +27,6 @@ constexpr double kEpsilonRatio = 1;
 // Cost of weights against the squared error, both in units of the data: far below the noise of any
 // arm; settles what the samples leave open.
 constexpr double kWeightPenalty = 1e-7;
-// Least noise of forces relative to their extent: some rounding errors.
-constexpr double kExact = 1e-9;
-// Parameters of a base: weight, epsilon, centre.
-constexpr double kParameters = 5;
 // The spring of a rigid contact holds its force up to so many times the measured one.
 constexpr double kRigidReserve = 10;
 
@@ -78,12 +74,6 @@ std::vector<Eigen::Index> canonical_order(const Eigen::Ref<const Eigen::Matrix3X
   std::sort(order.begin(), order.end(),
             [&](Eigen::Index i, Eigen::Index j) { return key(i) < key(j); });
   return order;
-}
-
-double smallest_eigenvalue(const ForceField& field) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(
-      stiffness(field, Eigen::Vector3d::Zero()), Eigen::EigenvaluesOnly);
-  return eigen.eigenvalues()[0];
 }
 
 // Samples in canonical order, in units of their extents. An extent of zero counts as one unit.
@@ -144,13 +134,13 @@ void finish(const ScaledSamples& samples, const FitOptions& options, ForceField 
   }
   result.rms = samples.force_scale * std::sqrt(sum / static_cast<double>(problem.size()));
   result.field = in_units(std::move(field), samples.length, samples.force_scale);
-  result.smallest_stiffness = smallest_eigenvalue(result.field);
+  result.smallest_stiffness = smallest_stiffness(result.field);
   result.certificate = certify_passivity(result.field, samples.reach);
 }
 
 void finish(const ScaledSamples& samples, const FitOptions& options, ForceField field,
             FitResult& result) {
-  const double parameters = kParameters * static_cast<double>(field.bases.size());
+  const double parameters = kBaseSize * static_cast<double>(field.bases.size());
   finish(samples, options, std::move(field), parameters, result);
 }
 

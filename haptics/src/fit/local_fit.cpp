@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "fit/field_solver.h"
+#include "fit/whitened_problem.h"
 
 namespace palpate::haptics {
 namespace {
@@ -26,8 +27,6 @@ constexpr int kMaxStarts = 4;
 constexpr double kStartSpacing = 0.5;
 // Cost of weights where starts are chosen, as a fraction of the data's force.
 constexpr double kRidge = 1e-3;
-// Relative error below which a fit is exact: some rounding errors.
-constexpr double kExact = 1e-9;
 // What the stiffness at zero keeps, and the secant stiffness 2 p / |x|^2 at the places of repairs,
 // in units of force / extent, where the data have about 1. Enough for a safe ball around zero that
 // spares cells, and for repairs that need not be repeated close by.
@@ -131,12 +130,6 @@ double mean_squared_error(const FieldObjective& objective, const ForceField& fie
   return sum / static_cast<double>(objective.forces.cols());
 }
 
-double smallest_eigenvalue(const ForceField& field) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(
-      stiffness(field, Eigen::Vector3d::Zero()), Eigen::EigenvaluesOnly);
-  return eigen.eigenvalues()[0];
-}
-
 // The field that moves from a start to where the error is least, with the constraints.
 LocalFit refit(const FieldObjective& objective, const ForceField& start,
                const FieldConstraints& constraints) {
@@ -145,7 +138,7 @@ LocalFit refit(const FieldObjective& objective, const ForceField& start,
   result.iterations = solution.iterations;
   if (!solution.parameters.allFinite()) return result;
   ForceField found = to_field(solution.parameters);
-  if (!(smallest_eigenvalue(found) >= 0)) return result;
+  if (!(smallest_stiffness(found) >= 0)) return result;
   result.rms = std::sqrt(mean_squared_error(objective, found));
   result.field = std::move(found);
   result.stop = solution.converged ? FitStop::max_bases : FitStop::not_converged;
@@ -191,6 +184,12 @@ Step add_base(const FieldObjective& objective, const ForceField& field, double c
 }
 
 }  // namespace
+
+double smallest_stiffness(const ForceField& field) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(
+      stiffness(field, Eigen::Vector3d::Zero()), Eigen::EigenvaluesOnly);
+  return eigen.eigenvalues()[0];
+}
 
 LocalFit fit_local(const FieldObjective& objective, const LocalFitOptions& options) {
   const Eigen::Index determined = std::max<Eigen::Index>(1, objective.forces.size() / 4);

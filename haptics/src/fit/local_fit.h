@@ -9,6 +9,9 @@
 
 namespace palpate::haptics {
 
+/// The smallest eigenvalue of the stiffness at zero displacement.
+[[nodiscard]] double smallest_stiffness(const ForceField& field);
+
 struct LocalFitOptions {
   double accuracy = 0;  ///< bases are added until rms <= accuracy; >= 0
   int max_bases = 6;    ///< >= 1

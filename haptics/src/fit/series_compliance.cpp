@@ -16,10 +16,6 @@
 namespace palpate::haptics {
 namespace {
 
-// Least noise relative to the extent of what it is in: some rounding errors.
-constexpr double kExact = 1e-9;
-// Median of chi^2 with three degrees of freedom.
-constexpr double kMedianChi2 = 2.366;
 // Weights settle in three or four rounds.
 constexpr int kReweightings = 8;
 // Compliances that count as positive, relative to the prior's deviation.

@@ -129,8 +129,8 @@ FitOptions exchanged(const FitNoise& noise, const std::vector<Eigen::Matrix3d>& 
   return dual;
 }
 
-ForceField fit_local(const Contacts& dense, const std::vector<Eigen::Matrix3d>& global,
-                     const FitNoise& noise) {
+ForceField fit_local_part(const Contacts& dense, const std::vector<Eigen::Matrix3d>& global,
+                          const FitNoise& noise) {
   std::vector<ForceSamples> left;
   Contacts view;
   for (std::size_t i = 0; i < dense.size(); ++i) {
@@ -166,7 +166,7 @@ LocalPart learn(const Contacts& dense, const FitNoise& noise) {
       global, {}, [](const Eigen::Matrix3d& compliance) { return compliance.trace(); });
   for (Eigen::Matrix3d& compliance : global) compliance -= stiffest;
   for (int turn = 0; turn < kTurns; ++turn) {
-    part.local = fit_local(dense, global, noise);
+    part.local = fit_local_part(dense, global, noise);
     part.mean_global.setZero();
     for (const Eigen::Matrix3d& compliance : global) {
       part.mean_global += compliance / static_cast<double>(global.size());

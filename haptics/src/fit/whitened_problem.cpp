@@ -15,10 +15,8 @@ namespace {
 // in 10^10 samples (chi^2 with three degrees of freedom), so the loss costs no accuracy; of an
 // outlier thirty deviations away a twentieth is left.
 constexpr double kCauchy = 50;
-// Median of chi^2 with three degrees of freedom.
-constexpr double kMedianChi2 = 2.366;
 // Shortest displacement, in units of the data's extent, that a secant stiffness is taken from.
-constexpr double kShortest = 1e-3;
+constexpr double kShortestSecant = 1e-3;
 // More than this part of the samples are no outliers but what the fit cannot follow.
 constexpr double kMaxOutliers = 0.1;
 
@@ -45,7 +43,7 @@ void WhitenedProblem::whiten(const ForceField& field) {
   for (Eigen::Index i = 0; i < size(); ++i) {
     Eigen::Matrix3d local;
     if (field.bases.empty()) {
-      const double length = std::max(displacements_.col(i).norm(), kShortest);
+      const double length = std::max(displacements_.col(i).norm(), kShortestSecant);
       local = forces_.col(i).norm() / length * Eigen::Matrix3d::Identity();
     } else {
       local = stiffness(field, displacements_.col(i));

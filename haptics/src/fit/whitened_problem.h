@@ -9,6 +9,12 @@
 
 namespace palpate::haptics {
 
+/// Least error relative to the extent of what it is in: some rounding errors.
+inline constexpr double kExact = 1e-9;
+
+/// Median of chi^2 with three degrees of freedom.
+inline constexpr double kMedianChi2 = 2.366;
+
 /// Standard deviations of each component of a displacement and of a force.
 struct SampleNoise {
   double displacement = 0;  ///< >= 0

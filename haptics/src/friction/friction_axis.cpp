@@ -22,13 +22,13 @@ constexpr double kMinSignal = 5;
 // a pair with little noise (about 6 degrees). Sheets do so by 0.05 to 0.2; all of these make the
 // same axis within 0.03 degrees.
 constexpr double kNonlinearity = 0.1;
-constexpr double kHuber = 2;  // times the robust standard deviation
+constexpr double kHuberOfRatios = 2;  // times the robust standard deviation
 // The median length of two independent normal numbers of standard deviation 1, sqrt(2 ln 2).
 constexpr double kMedianLength = 1.17741;
 constexpr int kUnknowns = 3;              // of each component: t and a row of S
 constexpr int kMinPairs = 2 * kUnknowns;  // half of them tell the scatter
-constexpr int kMaxIterations = 50;
-constexpr double kTolerance = 1e-10;  // of the ratios, between two iterations
+constexpr int kMaxReweightings = 50;
+constexpr double kRatioTolerance = 1e-10;  // of the ratios, between two iterations
 // The forces span a plane iff the least pivot is larger than this times the largest.
 constexpr double kMinPivot = 1e-6;
 // [rad] An axis is used iff its standard error is at most this (9 degrees): about what the axis of
@@ -127,10 +127,10 @@ FrictionAxisFit fit_friction_axis(const ForceSamples& samples, const Eigen::Vect
       factor.triangularView<Eigen::Upper>().solve(Eigen::Matrix3d(Eigen::Matrix3d::Identity()));
   Eigen::Matrix<double, kUnknowns, 2> solution = solver.solve(observed);
   Eigen::ArrayXd errors, shrunk = Eigen::ArrayXd::Ones(fit.pairs);
-  for (int i = 0; i < kMaxIterations; ++i) {
+  for (int i = 0; i < kMaxReweightings; ++i) {
     errors = (observed - design * solution).rowwise().norm();
-    const double most =
-        kHuber * geometry::median(std::vector(errors.begin(), errors.end())) / kMedianLength;
+    const double most = kHuberOfRatios *
+                        geometry::median(std::vector(errors.begin(), errors.end())) / kMedianLength;
     if (!(most > 0)) break;
     shrunk = (errors > most).select(most / errors, 1.0);
     const Eigen::ArrayXd roots = shrunk.sqrt();
@@ -138,7 +138,7 @@ FrictionAxisFit fit_friction_axis(const ForceSamples& samples, const Eigen::Vect
     solution = Eigen::MatrixX3d(roots.matrix().asDiagonal() * design)
                    .colPivHouseholderQr()
                    .solve(Eigen::MatrixX2d(roots.matrix().asDiagonal() * observed));
-    if ((solution - before).cwiseAbs().maxCoeff() <= kTolerance) break;
+    if ((solution - before).cwiseAbs().maxCoeff() <= kRatioTolerance) break;
   }
   // Of an error that is shrunk the estimate feels a change across it in part, along it not at all
   // (the asymptotic variance of an M-estimate).

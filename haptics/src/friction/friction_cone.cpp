@@ -8,7 +8,6 @@
 #include <boost/math/tools/toms748_solve.hpp>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <string>
 
 #include "friction/slip_intervals.h"
@@ -32,7 +31,7 @@ constexpr double kSlippery = 0.1;
 // The search begins with both ends of the intervals alone and the noise at this part of their
 // median force: nearly least squares of their middles. It divides the noise by kCooling until it is
 // that of the forces.
-constexpr double kFirstNoise = 0.3;
+constexpr double kFirstNoisePart = 0.3;
 constexpr double kCooling = 4;
 // One-sided 95 % quantile of the normal distribution: of the signed root of twice the logarithm of
 // a likelihood ratio.
@@ -40,9 +39,8 @@ constexpr double kBoundQuantile = 1.645;
 // The same where nothing slipped, so that no cone is the best: then all would have held with a
 // probability of 5 %, sqrt(-2 ln 0.05).
 constexpr double kHeldQuantile = 2.448;
-constexpr double kFirstStep = 0.1;        // [rad] in search of it where nothing slipped
+constexpr double kFirstAngleStep = 0.1;   // [rad] in search of it where nothing slipped
 constexpr double kBoundTolerance = 1e-5;  // [rad] of the angle of the lower bound
-constexpr double kRightAngle = std::numbers::pi / 2;
 
 double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b));
@@ -89,7 +87,7 @@ SlipOptimum fit_cone(std::span<const FrictionTrial> trials, std::span<const Slip
   cone.angle = median(intervals, [&](const SlipInterval& interval) {
     return angle_between(interval.held + interval.slipped, pressing);
   });
-  cone.noise = kFirstNoise * typical_force(intervals);
+  cone.noise = kFirstNoisePart * typical_force(intervals);
   std::vector<FrictionTrial> ends;
   for (const SlipInterval& interval : intervals) {
     ends.push_back({interval.held, false});
@@ -147,7 +145,7 @@ double least_angle_of_any(std::span<const FrictionTrial> trials, const Eigen::Ve
     largest = std::max(largest, trial.force.norm());
     slipped = slipped || trial.slipped;
   }
-  const double first_noise = std::max(noise, kFirstNoise * largest);
+  const double first_noise = std::max(noise, kFirstNoisePart * largest);
   SlipOptimum best{.cone = {.frame = rotation_between(Eigen::Vector3d::UnitZ(), pressing),
                             .angle = kRightAngle,
                             .noise = noise}};
@@ -159,7 +157,7 @@ double least_angle_of_any(std::span<const FrictionTrial> trials, const Eigen::Ve
     const SlipOptimum found = cool(trials, start, FreeParameters::axis_angle, noise);
     if (found.cost < best.cost) best = found;
   }
-  return least_angle(trials, best, slipped ? kBoundQuantile : kHeldQuantile, kFirstStep,
+  return least_angle(trials, best, slipped ? kBoundQuantile : kHeldQuantile, kFirstAngleStep,
                      first_noise);
 }
 
@@ -194,7 +192,7 @@ void take(std::span<const FrictionTrial> trials, const SlipOptimum& best, double
   const double angle_error = std::sqrt(covariance(2, 2));
   fit.axis_error = std::sqrt(covariance(0, 0) + covariance(1, 1));
   fit.coefficient_error = angle_error * (1 + fit.coefficient * fit.coefficient);
-  const double step = std::clamp(kBoundQuantile * angle_error, kBoundTolerance, kFirstStep);
+  const double step = std::clamp(kBoundQuantile * angle_error, kBoundTolerance, kFirstAngleStep);
   fit.lower_bound = std::tan(least_angle(trials, best, kBoundQuantile, step, fit.noise));
 }
 

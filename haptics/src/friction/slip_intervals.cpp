@@ -26,7 +26,7 @@ struct Polar {
   double normal, tangential, angle;
 };
 
-double turn_between(double from, double to) {
+double angle_distance(double from, double to) {
   return std::abs(std::remainder(to - from, 2 * std::numbers::pi));
 }
 
@@ -48,7 +48,7 @@ template <typename Value>
 std::vector<std::span<Value>> split_directions(std::span<Value> values, double Value::*angle) {
   const auto less = [&](const Value& a, const Value& b) { return a.*angle < b.*angle; };
   const auto apart = [&](const Value& a, const Value& b) {
-    return turn_between(a.*angle, b.*angle) > kSameDirection;
+    return angle_distance(a.*angle, b.*angle) > kSameDirection;
   };
   std::sort(values.begin(), values.end(), less);
   // Start after a gap.

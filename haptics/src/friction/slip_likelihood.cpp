@@ -13,16 +13,15 @@
 namespace palpate::haptics {
 namespace {
 
-constexpr int kMaxIterations = 100;
-constexpr double kFirstDamping = 1e-3;  // of the information's diagonal; adapted later
-constexpr double kMaxDamping = 1e9;     // no shorter step helps, so the search ends
+constexpr int kMaxConeIterations = 100;
+constexpr double kFirstConeDamping = 1e-3;  // of the information's diagonal; adapted later
+constexpr double kMaxConeDamping = 1e9;     // no shorter step helps, so the search ends
 // Smallest damping relative to the mean diagonal, for directions without information.
 constexpr double kLeastInformation = 1e-9;
 // The search ends when a step promises a smaller gain of the log-likelihood than this: the
 // parameters are then within some 1e-5 standard errors.
-constexpr double kSettled = 1e-10;
+constexpr double kLeastGain = 1e-10;
 constexpr double kMaxTurn = 0.2;  // [rad] and relative to the noise, in one step
-constexpr double kRightAngle = std::numbers::pi / 2;
 // Beyond this many standard deviations a trial's outcome is certain except for lapses: Phi < 1e-15.
 constexpr double kCertain = 8;
 const double kCertainCost = -std::log(1 - kLapse), kLapseCost = -std::log(kLapse);
@@ -133,8 +132,8 @@ SlipOptimum maximise_likelihood(std::span<const FrictionTrial> trials, const Sli
                                 FreeParameters free, double least_noise) {
   SlipOptimum best{.cone = start};
   Evaluation at = evaluate(trials, best.cone);
-  double damping = kFirstDamping;
-  for (int i = 0; i < kMaxIterations && !best.converged; ++i) {
+  double damping = kFirstConeDamping;
+  for (int i = 0; i < kMaxConeIterations && !best.converged; ++i) {
     // A parameter at its limit that is pushed against it stays.
     const bool narrowest = best.cone.angle <= 0 && at.gradient[2] >= 0,
                widest = best.cone.angle >= kRightAngle && at.gradient[2] <= 0,
@@ -147,7 +146,7 @@ SlipOptimum maximise_likelihood(std::span<const FrictionTrial> trials, const Sli
     SlipCone next = best.cone.tilted(step[0], step[1]);
     next.angle = std::clamp(next.angle + step[2], 0.0, kRightAngle);
     next.noise = std::max(least_noise, next.noise * std::exp(step[3]));
-    best.converged = -at.gradient.dot(step) < kSettled;
+    best.converged = -at.gradient.dot(step) < kLeastGain;
     const Evaluation there = evaluate(trials, next);
     if (there.cost <= at.cost) {
       best.cone = next;
@@ -156,7 +155,7 @@ SlipOptimum maximise_likelihood(std::span<const FrictionTrial> trials, const Sli
     } else {
       damping *= 10;
     }
-    best.converged = best.converged || damping > kMaxDamping;
+    best.converged = best.converged || damping > kMaxConeDamping;
   }
   best.cost = at.cost;
   best.information = at.information;

@@ -3,11 +3,14 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <numbers>
 #include <span>
 
 #include "palpate/haptics/friction_cone.h"
 
 namespace palpate::haptics {
+
+inline constexpr double kRightAngle = std::numbers::pi / 2;  ///< [rad]
 
 /// A friction cone, and the noise of the trials.
 struct SlipCone {

@@ -21,8 +21,6 @@
 namespace palpate::haptics {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 void check(const IdentifyOptions& options) {
   require("IdentifyOptions::displacement_noise", options.displacement_noise, above(0).finite(),
           "mm");
@@ -254,8 +252,8 @@ IdentifiedStrip identify_strip(const probing::CheckedAcquisition& acquisition,
   law.names = {"tension",    "axial stiffness", "low support", "high support", "lateral stiffness",
                "compliance", "slope",           "curvature",   "axis"};
   law.units = {"N", "N", "mm", "mm", "N/mm", "mm/N", "1/mm", "1/mm^2", "rad"};
-  law.lower.setConstant(kStripParameters, -kInfinity);
-  law.upper.setConstant(kStripParameters, kInfinity);
+  law.lower.setConstant(kStripParameters, -std::numeric_limits<double>::infinity());
+  law.upper.setConstant(kStripParameters, std::numeric_limits<double>::infinity());
   for (const Eigen::Index k : {kTension, kAxial, kLateral, kCompliance}) law.lower[k] = 0;
   add_scales(law, base, acquisition.contacts(), sizes);
   law.predict = [&](const Eigen::VectorXd& p, const Pair& pair, const Prediction* last) {
@@ -289,7 +287,7 @@ IdentifiedHalfSpace identify_half_space(const probing::CheckedAcquisition& acqui
   law.units = {"N/mm^2", ""};
   law.scale = Eigen::Vector2d(modulus, 1);
   law.lower = Eigen::Vector2d(kLeastModulus * modulus, kLeastPoisson);
-  law.upper = Eigen::Vector2d(kInfinity, kMostPoisson);
+  law.upper = Eigen::Vector2d(std::numeric_limits<double>::infinity(), kMostPoisson);
   law.starts = {Eigen::Vector2d(modulus, kUsualPoisson)};
   law.predict = [&](const Eigen::VectorXd& p, const Pair& pair, const Prediction*) {
     return std::optional(

@@ -16,14 +16,14 @@ namespace {
 
 /// Huber's loss is linear beyond this many deviations: for 3 % of valid pairs (chi of three
 /// numbers).
-constexpr double kHuber = 3;
+constexpr double kHuberOfPairs = 3;
 /// A pair beyond this is an outlier; so is one valid pair in ten million.
-constexpr double kOutlier = 6;
+constexpr double kOutlierDistance = 6;
 /// Unless this share of its contact's pairs is beyond it: then the model is wrong there.
 constexpr double kOutlierShare = 0.1;
 /// The weights are updated until no parameter changes by more than this times its standard error.
 constexpr double kRestingError = 0.02;
-constexpr int kMaxRounds = 12;
+constexpr int kMaxWeightRounds = 12;
 /// Approximate number of pairs on which the starts are compared.
 constexpr std::size_t kStartPairs = 300;
 /// Initial damping of a search from a distant start, and of one continued with other weights.
@@ -36,7 +36,7 @@ constexpr double kBelongs = 0.1;
 /// Size of a zero eigenvalue due to errors of derivatives, relative to the largest eigenvalue.
 constexpr double kZeroEigenvalue = 1e-10;
 /// Smallest noise relative to the displacements, due to the digits in files.
-constexpr double kLeastNoise = 1e-6;
+constexpr double kLeastPairNoise = 1e-6;
 
 struct Noise {
   double displacement = 0, force = 0;
@@ -108,11 +108,11 @@ void judge(const Problem& problem, const std::vector<Eigen::Vector3d>& residual,
     agreement.contact = contacts[c].id;
     agreement.pairs = static_cast<int>(distances[c].size());
     const auto far = std::count_if(distances[c].begin(), distances[c].end(),
-                                   [](double s) { return s > kOutlier; });
+                                   [](double s) { return s > kOutlierDistance; });
     const bool forgive = static_cast<double>(far) <= kOutlierShare * agreement.pairs;
     agreement.outliers = forgive ? static_cast<int>(far) : 0;
     double here = 0;
-    for (const double s : distances[c]) here += forgive && s > kOutlier ? 0 : s * s;
+    for (const double s : distances[c]) here += forgive && s > kOutlierDistance ? 0 : s * s;
     const int count = 3 * (agreement.pairs - agreement.outliers);
     agreement.chi2 = count > 0 ? here / count : 0;
     sum += here;
@@ -211,11 +211,11 @@ LawEstimate estimate(const ParametricLaw& law, std::span<const Pair> pairs,
                      std::span<const probing::Contact> contacts, const IdentifyOptions& options) {
   const Problem plain{.law = law, .pairs = {pairs.begin(), pairs.end()}};
   Problem robust = plain;
-  robust.huber = kHuber;
+  robust.huber = kHuberOfPairs;
   double size = 0;
   for (const Pair& pair : pairs) size += pair.displacement.squaredNorm();
   size = std::sqrt(size / static_cast<double>(pairs.size()));
-  const double least = kLeastNoise * size;
+  const double least = kLeastPairNoise * size;
 
   const Eigen::VectorXd start = best_start(plain, size, options.max_iterations);
   SearchResult found = search(plain, equal_weights(pairs.size(), size), start,
@@ -232,7 +232,7 @@ LawEstimate estimate(const ParametricLaw& law, std::span<const Pair> pairs,
   Noise noise;
   Weights weights;
   bool settled = false;
-  for (int round = 0; round < kMaxRounds && !settled; ++round) {
+  for (int round = 0; round < kMaxWeightRounds && !settled; ++round) {
     noise = options.displacement_noise
                 ? Noise{*options.displacement_noise, options.force_noise.value_or(0), true}
                 : estimate_noise(robust, found.predictions, least);

@@ -18,7 +18,7 @@
 namespace palpate::haptics {
 namespace {
 
-constexpr int kMaxIterations = 200;
+constexpr int kMaxStripIterations = 200;
 /// The equilibrium is found iff the residual force <= this * the sum of the magnitudes of its
 /// terms; 1e-12 is some hundred roundings.
 constexpr double kBalanceRelTol = 1e-12;
@@ -64,7 +64,7 @@ Eigen::Vector3d downhill_inverse(const Eigen::Matrix3d& hessian, const Eigen::Ve
 template <typename Value, typename Gradient, typename Hessian>
 std::optional<Eigen::Vector3d> minimize(Eigen::Vector3d e, double size, const Value& value,
                                         const Gradient& gradient_at, const Hessian& hessian_at) {
-  for (int i = 0; i < kMaxIterations; ++i) {
+  for (int i = 0; i < kMaxStripIterations; ++i) {
     const Eigen::Vector3d unbalanced = gradient_at(e);
     const Eigen::Matrix3d hessian_here = hessian_at(e);
     const double largest = hessian_here.norm();

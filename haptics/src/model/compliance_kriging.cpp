@@ -9,6 +9,8 @@
 #include <cmath>
 #include <set>
 
+#include "palpate/geometry/median.h"
+
 namespace palpate::haptics {
 namespace {
 
@@ -18,7 +20,7 @@ using Values = Eigen::Matrix<double, 6, Eigen::Dynamic>;
 constexpr double kNegligible = 1e-6;
 // Length scales are sought between these times the spacing of contacts, and the noise of a value
 // between these times the amplitude: data of tens of contacts tell no more apart.
-constexpr double kShortest = 0.5, kLongest = 64;
+constexpr double kShortestLength = 0.5, kLongestLength = 64;
 constexpr double kLeastNoise = 1e-3, kMostNoise = 0.3;
 // Where the search begins, in the same units.
 constexpr double kFirstLength = 4, kFirstNoise = 1e-2;
@@ -136,12 +138,6 @@ double fit_amplitudes(const std::vector<Surroundings>& around,
   return covariance.amplitude.array().log().sum() + varying / 2 * logarithms / count;
 }
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::ranges::nth_element(values, middle);
-  return *middle;
-}
-
 }  // namespace
 
 std::vector<std::vector<int>> contact_neighbours(const Model& model) {
@@ -239,8 +235,10 @@ Covariance learn_covariance(const std::vector<Surroundings>& around,
                             const std::vector<Compliance>& values, double spacing) {
   const Compliance size = sizes(values);
   const Eigen::Matrix2d directions = principal_directions(around, values, size);
-  const Parameters low(std::log2(kShortest), std::log2(kShortest), std::log2(kLeastNoise));
-  const Parameters high(std::log2(kLongest), std::log2(kLongest), std::log2(kMostNoise));
+  const Parameters low(std::log2(kShortestLength), std::log2(kShortestLength),
+                       std::log2(kLeastNoise));
+  const Parameters high(std::log2(kLongestLength), std::log2(kLongestLength),
+                        std::log2(kMostNoise));
   const auto evaluate = [&](const Parameters& parameters, Covariance& covariance) {
     covariance = to_covariance(parameters, directions, spacing);
     return fit_amplitudes(around, values, size, covariance);
@@ -291,7 +289,7 @@ ComplianceKriging learn_kriging(const Model& model) {
     values.push_back(contact.compliance->values);
   }
   if (result.known.empty()) return result;
-  result.spacing = median(std::move(distances));
+  result.spacing = geometry::median(std::move(distances));
   const std::size_t stride = (values.size() + kMaxLearntFrom - 1) / kMaxLearntFrom;
   std::vector<Surroundings> some_around;
   std::vector<Compliance> some_values;

@@ -19,11 +19,11 @@ namespace {
 // Newton's method ends when the force is met to this, relative to it: far above rounding, far below
 // what is measured.
 constexpr double kForceTolerance = 1e-9;
-constexpr int kMaxIterations = 100;  // of Newton's method; convex fields take about ten
+constexpr int kMaxNewtonIterations = 100;  // of Newton's method; convex fields take about ten
 constexpr double kSufficientDecrease = 1e-4;
 constexpr double kShortestStep = 1e-9;
 // A stiffness counts as positive definite with eigenvalues above this times its norm.
-constexpr double kLeastStiffness = 1e-9;
+constexpr double kPositiveDefinite = 1e-9;
 // Digits of what is stored: a trend is an estimate, a direction keeps `kFrameTolerance`.
 constexpr int kTrendDigits = 5;
 constexpr int kDirectionPlaces = 10;
@@ -38,12 +38,12 @@ std::optional<Eigen::Vector3d> displacement_under(const ForceField& field,
   const auto energy = [&](const Eigen::Vector3d& at) {
     return potential(field, at) - load.dot(at);
   };
-  for (int i = 0; i < kMaxIterations; ++i) {
+  for (int i = 0; i < kMaxNewtonIterations; ++i) {
     const Eigen::Vector3d gradient = force(field, x) - load;
     if (gradient.norm() <= kForceTolerance * load.norm()) return x;
     const Eigen::Matrix3d hessian = stiffness(field, x);
     // Where it is not convex, downhill at least.
-    Eigen::LLT<Eigen::Matrix3d> factor(hessian + kLeastStiffness * hessian.norm() *
+    Eigen::LLT<Eigen::Matrix3d> factor(hessian + kPositiveDefinite * hessian.norm() *
                                                      Eigen::Matrix3d::Identity());
     Eigen::Vector3d step = -gradient / std::max(hessian.norm(), load.norm() / limit);
     if (factor.info() == Eigen::Success && hessian.norm() > 0) step = -factor.solve(gradient);
@@ -96,7 +96,7 @@ std::optional<ContactCompliance> measure(const ForceField& local_field,
   if (!displacement || !(displacement->z() > 0)) return std::nullopt;
   const Eigen::Matrix3d there = stiffness(field, *displacement);
   if (Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(there, Eigen::EigenvaluesOnly)
-          .eigenvalues()(0) <= kLeastStiffness * there.norm()) {
+          .eigenvalues()(0) <= kPositiveDefinite * there.norm()) {
     return std::nullopt;
   }
   const Eigen::Matrix2d across = there.topLeftCorner<2, 2>().inverse();

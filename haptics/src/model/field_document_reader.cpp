@@ -64,7 +64,7 @@ Multiquadric ridge_of(const Node& node) {
   return to_ridge(ridge);
 }
 
-ForceField to_field(const Node& contact) {
+ForceField read_field(const Node& contact) {
   ForceField field;
   const std::vector<Node> bases = contact.at("bases").items(),
                           ridges = contact.at("ridges").items();
@@ -105,7 +105,7 @@ ContactModel to_contact(const Node& node) {
   contact.id = node.at("id").integer();
   contact.position = node.at("position").vector();
   contact.frame = frame_of(node.at("rotation"));
-  contact.field = to_field(node);
+  contact.field = read_field(node);
   if (const auto compliance = node.find("compliance"))
     contact.compliance = to_compliance(*compliance);
   const Node friction = node.at("friction"), fit = node.at("fit");

@@ -29,7 +29,7 @@ double through_text(double value, std::chars_format format, int precision) {
   return result;
 }
 
-Multiquadric rounded(Multiquadric base) {
+Multiquadric rounded_base(Multiquadric base) {
   if (!base.ridge.isZero(0)) return to_ridge(rounded(to_stored(base)));
   for (double* number :
        {&base.weight, &base.epsilon, &base.center[0], &base.center[1], &base.center[2]}) {
@@ -51,7 +51,7 @@ double round_to_places(double value, int places) {
 }
 
 ForceField rounded(ForceField field) {
-  for (Multiquadric& base : field.bases) base = rounded(base);
+  for (Multiquadric& base : field.bases) base = rounded_base(base);
   std::ranges::stable_partition(field.bases,
                                 [](const Multiquadric& base) { return base.ridge.isZero(0); });
   return field;

@@ -24,7 +24,7 @@ namespace {
 // rounding of some operations.
 constexpr double kSimilarity = 1e-12;
 // Displacements to refit a field at: directions on some spheres within its reach.
-constexpr int kDirections = 48;
+constexpr int kSphereDirections = 48;
 constexpr int kSpheres = 4;
 // Of the root mean square force: how well a field is refitted, far better than it was measured.
 constexpr double kRefitAccuracy = 0.005;
@@ -59,10 +59,11 @@ double extent(const Multiquadric& base) { return base.center.norm() + base.epsil
 
 // Unit vectors, evenly spread; those of each sphere fall between those of the others.
 Eigen::Matrix3Xd directions(int sphere) {
-  Eigen::Matrix3Xd result(3, kDirections);
-  for (int i = 0; i < kDirections; ++i) {
-    const double z = 1 - (2 * i + 1.0) / kDirections;
-    const double angle = 2 * std::numbers::pi * std::numbers::phi * (i + sphere * kDirections);
+  Eigen::Matrix3Xd result(3, kSphereDirections);
+  for (int i = 0; i < kSphereDirections; ++i) {
+    const double z = 1 - (2 * i + 1.0) / kSphereDirections;
+    const double angle =
+        2 * std::numbers::pi * std::numbers::phi * (i + sphere * kSphereDirections);
     const double across = std::sqrt(1 - z * z);
     result.col(i) << across * std::cos(angle), across * std::sin(angle), z;
   }
@@ -71,9 +72,10 @@ Eigen::Matrix3Xd directions(int sphere) {
 
 // On spheres whose radii are evenly spaced: denser towards zero, where each touch begins.
 Eigen::Matrix3Xd displacements_within(double reach) {
-  Eigen::Matrix3Xd result(3, kSpheres * kDirections);
+  Eigen::Matrix3Xd result(3, kSpheres * kSphereDirections);
   for (int i = 0; i < kSpheres; ++i)
-    result.middleCols(i * kDirections, kDirections) = reach * (i + 1) / kSpheres * directions(i);
+    result.middleCols(i * kSphereDirections, kSphereDirections) =
+        reach * (i + 1) / kSpheres * directions(i);
   return result;
 }
 
