@@ -35,6 +35,9 @@ struct Pixels {
   std::vector<Rgb> colors;
 };
 
+/// Around an image, px.
+inline constexpr double kImageMargin = 30;
+
 enum class Align { low, middle, high };
 
 struct TextStyle {
@@ -53,6 +56,7 @@ struct TextStyle {
 class Canvas {
  public:
   static constexpr int kWidth = 1200;
+  static constexpr int kHeight = 900;  ///< of most pictures
 
   /// `title` is drawn at the top, and `subtitle` (may be empty) below it in grey.
   /// \throws OutputError if there is no display to draw on.

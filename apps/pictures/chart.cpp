@@ -8,7 +8,6 @@ namespace palpate::pictures {
 namespace {
 
 constexpr Rgb kGridColor{225, 225, 225};
-constexpr double kTickLength = 6;     ///< px
 constexpr double kNumberGap = 6;      ///< px between a tick and its number
 constexpr double kLabelGap = 6;       ///< px between the numbers and the axis' label
 constexpr double kLabelHeight = 22;   ///< px

@@ -33,6 +33,11 @@ struct Axis {
   double least_step = 0;  ///< smallest distance of ticks: 1 if only whole numbers make sense
 };
 
+/// Layout of a picture that is a chart below its legend, px.
+inline constexpr int kChartPictureHeight = 700;
+inline constexpr double kChartMargin = 24;
+inline constexpr double kLegendHeight = 44;
+
 /// A chart with axes, ticks, labels and a grid on a part of a canvas.
 class Chart {
  public:

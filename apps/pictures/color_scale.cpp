@@ -9,9 +9,7 @@
 namespace palpate::pictures {
 namespace {
 
-constexpr double kTickLength = 6;  ///< px
-constexpr double kNumberGap = 11;  ///< px from the scale to its numbers
-constexpr double kLabelGap = 28;   ///< px from the numbers to the middle of the label
+constexpr double kScaleLabelGap = 28;  ///< px from the numbers to the middle of the label
 constexpr int kMostTicks = 9;
 
 }  // namespace
@@ -32,10 +30,10 @@ void add_color_scale(Canvas& canvas, const Box& box, const FalseColor& options) 
         box.y + box.height * (ticks.values[index] - options.low) / (options.high - options.low);
     canvas.add_line(Eigen::Matrix2d{{right, right + kTickLength}, {y, y}}, kGrey);
     const TextStyle style{.across = Align::low};
-    canvas.add_text({right + kNumberGap, y}, ticks.labels[index], style);
+    canvas.add_text({right + kScaleNumberGap, y}, ticks.labels[index], style);
     widest = std::max(widest, canvas.text_size(ticks.labels[index], style).x());
   }
-  canvas.add_text({right + widest + kLabelGap, box.y + box.height / 2}, options.scale,
+  canvas.add_text({right + widest + kScaleLabelGap, box.y + box.height / 2}, options.scale,
                   {.size = 17, .upwards = true});
 }
 

@@ -16,6 +16,10 @@ struct FalseColor {
   std::string scale;  ///< label of the scale: quantity and unit
 };
 
+/// Width of a colour bar, and the gap between it and its numbers, px.
+inline constexpr double kScaleWidth = 26;
+inline constexpr double kScaleNumberGap = 11;
+
 /// Draws the colour bar with its numbers and label to the right; `box` is the bar alone.
 void add_color_scale(Canvas& canvas, const Box& box, const FalseColor& options);
 

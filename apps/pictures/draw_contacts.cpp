@@ -29,7 +29,6 @@
 namespace palpate::pictures {
 namespace {
 
-constexpr int kHeight = 900;
 constexpr double kContactRadius = 6;  ///< px
 constexpr double kEdgeWidth = 2;      ///< px
 constexpr int kNumberSize = 15;       ///< px
@@ -190,7 +189,7 @@ void draw_contacts(const std::filesystem::path& png, const geometry::TriangleMes
                    const Eigen::Ref<const Eigen::VectorXi>& labels,
                    const geometry::TriangleMesh& contact_mesh, const std::string& title) {
   check_input(surface, labels, contact_mesh);
-  Canvas canvas(kHeight, title,
+  Canvas canvas(Canvas::kHeight, title,
                 std::to_string(contact_mesh.vertices.cols()) + " contacts, " +
                     std::to_string(contact_mesh.triangles.cols()) +
                     " triangles; colours: the contact that counts most there");

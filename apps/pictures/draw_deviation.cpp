@@ -14,7 +14,7 @@ namespace palpate::pictures {
 namespace {
 
 /// Of the values at the upper end that the colours need not tell apart.
-constexpr double kTail = 0.01;
+constexpr double kUpperTail = 0.01;
 /// [mm] the scale goes at least so far, also where all is zero.
 constexpr double kLeastScale = 1e-3;
 
@@ -34,7 +34,7 @@ void draw_deviation(const std::filesystem::path& png, const geometry::ImageF& si
   std::copy_if(sigma.data(), sigma.data() + sigma.size(), std::back_inserter(known),
                [](float value) { return std::isfinite(value); });
   const auto median = static_cast<double>(quantile(known, 0.5));
-  const auto high = static_cast<double>(quantile(known, 1 - kTail));
+  const auto high = static_cast<double>(quantile(known, 1 - kUpperTail));
   const std::string subtitle =
       "predicted standard deviation of each depth; median " + format_value(median, 0.0001) + " mm";
   draw_false_color(png, sigma,

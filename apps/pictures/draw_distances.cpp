@@ -19,10 +19,8 @@
 namespace palpate::pictures {
 namespace {
 
-constexpr int kHeight = 900;
-constexpr double kScaleSpace = 190;  ///< px at the right, for the scale
-constexpr double kScaleWidth = 26;   ///< px
-constexpr double kMargin = 40;       ///< px above and below the scale
+constexpr double kScaleRoom = 190;   ///< px at the right, for the scale
+constexpr double kScaleMargin = 40;  ///< px above and below the scale
 
 /// How much of a colour is its own, and how much comes from the light: relief shows, and the colour
 /// can still be read.
@@ -54,9 +52,9 @@ void draw_distances(const std::filesystem::path& png, const geometry::TriangleMe
   require("DistancePicture::limit", picture.limit, above(0).finite(), "mm");
   const double low = picture.one_sided ? 0 : -picture.limit;
   const ColorMap map = picture.one_sided ? ColorMap::sequential : ColorMap::diverging;
-  Canvas canvas(kHeight, picture.title, picture.subtitle);
+  Canvas canvas(Canvas::kHeight, picture.title, picture.subtitle);
   const geometry::TriangleMesh clean = without_strays(mesh);
-  const double width = Canvas::kWidth - kScaleSpace;
+  const double width = Canvas::kWidth - kScaleRoom;
   SurfaceView view(canvas, {0, 0, width, canvas.top()}, camera_side(), clean.vertices);
   const vtkSmartPointer<vtkPolyData> surface = to_poly_data(clean);
   surface->GetCellData()->SetScalars(colors_of(distances, low, picture.limit, map));
@@ -66,7 +64,7 @@ void draw_distances(const std::filesystem::path& png, const geometry::TriangleMe
   view.add(actor);
   view.add_scale_bar();
   view.add_axes();
-  add_color_scale(canvas, {width, kMargin, kScaleWidth, canvas.top() - 2 * kMargin},
+  add_color_scale(canvas, {width, kScaleMargin, kScaleWidth, canvas.top() - 2 * kScaleMargin},
                   {.low = low, .high = picture.limit, .map = map, .scale = picture.scale});
   canvas.write(png);
 }

@@ -15,10 +15,9 @@
 namespace palpate::pictures {
 namespace {
 
-constexpr int kHeight = 820;
-constexpr double kMargin = 16;         ///< px
+constexpr int kFieldPictureHeight = 820;
+constexpr double kFieldMargin = 16;    ///< px
 constexpr double kSceneWidth = 690;    ///< px, of the panel on the left
-constexpr double kLegendHeight = 44;   ///< px
 constexpr double kHeadingHeight = 26;  ///< px, of a chart
 constexpr double kChartGap = 24;       ///< px between the charts
 
@@ -128,24 +127,26 @@ void draw_force_field(const std::filesystem::path& png, const ContactSamples& sa
   check_input(samples, fit);
   const FittedSamples contact = evaluate(samples, fit);
   const auto boundary = std::count(samples.on_boundary.begin(), samples.on_boundary.end(), true);
-  Canvas canvas(kHeight, title,
+  Canvas canvas(kFieldPictureHeight, title,
                 std::to_string(samples.forces.cols()) + " samples, " + std::to_string(boundary) +
                     " of them on the friction boundary");
-  const double height = canvas.top() - kLegendHeight - kMargin;
-  const double grid = add_force_field_scene(canvas, {0, kMargin, kSceneWidth, height}, contact);
+  const double height = canvas.top() - kLegendHeight - kFieldMargin;
+  const double grid =
+      add_force_field_scene(canvas, {0, kFieldMargin, kSceneWidth, height}, contact);
   add_legend(canvas, {Canvas::kWidth / 2.0, canvas.top() - kLegendHeight / 2},
-             Canvas::kWidth - 2 * kMargin,
+             Canvas::kWidth - 2 * kFieldMargin,
              {{"measured, sticking", kStickingColor},
               {"measured, about to slip", kBoundaryColor},
               {"fitted", kFittedColor},
               {"friction cone and its axis", kConeColor},
               {"surface at rest, grid " + format_value(grid, grid) + " mm", kPlaneColor}});
 
-  const double x = kSceneWidth + kMargin;
-  const double width = Canvas::kWidth - kMargin - x;
+  const double x = kSceneWidth + kFieldMargin;
+  const double width = Canvas::kWidth - kFieldMargin - x;
   const double chart_height = (height - kChartGap) / 2;
-  add_friction_chart(canvas, {x, kMargin + (height + kChartGap) / 2, width, chart_height}, contact);
-  add_fit_chart(canvas, {x, kMargin, width, chart_height}, contact);
+  add_friction_chart(canvas, {x, kFieldMargin + (height + kChartGap) / 2, width, chart_height},
+                     contact);
+  add_fit_chart(canvas, {x, kFieldMargin, width, chart_height}, contact);
   canvas.write(png);
 }
 

@@ -15,10 +15,6 @@
 namespace palpate::pictures {
 namespace {
 
-constexpr int kHeight = 700;
-constexpr double kLegendHeight = 44;  ///< px
-constexpr double kMargin = 24;        ///< px
-
 /// Backgrounds of free, stick and slip.
 constexpr std::array<Rgb, 3> kStateColors{{{255, 255, 255}, {219, 233, 246}, {253, 228, 202}}};
 
@@ -82,7 +78,7 @@ void draw_forces(const std::filesystem::path& png, const Eigen::Ref<const Eigen:
   y.span.include(forces.reshaped());
   y.span.pad();
 
-  Canvas canvas(kHeight, title, subtitle);
+  Canvas canvas(kChartPictureHeight, title, subtitle);
   const std::vector<LegendEntry> legend{{"fx", kVermilion},
                                         {"fy", kGreen},
                                         {"fz", kBlue},
@@ -90,10 +86,10 @@ void draw_forces(const std::filesystem::path& png, const Eigen::Ref<const Eigen:
                                         {"free", kStateColors[0], Mark::patch},
                                         {"stick", kStateColors[1], Mark::patch},
                                         {"slip", kStateColors[2], Mark::patch}};
-  const double width = Canvas::kWidth - 2 * kMargin;
+  const double width = Canvas::kWidth - 2 * kChartMargin;
   add_legend(canvas, {Canvas::kWidth / 2.0, canvas.top() - kLegendHeight / 2}, width, legend);
-  const double height = canvas.top() - kLegendHeight - kMargin;
-  Chart chart(canvas, {kMargin, kMargin, width, height},
+  const double height = canvas.top() - kLegendHeight - kChartMargin;
+  Chart chart(canvas, {kChartMargin, kChartMargin, width, height},
               {{times(0), times(times.size() - 1)}, "time (s)"}, y);
   add_state_bands(chart, times, states);
   chart.add_axes();

@@ -14,16 +14,13 @@
 namespace palpate::pictures {
 namespace {
 
-constexpr int kHeight = 700;
-constexpr double kLegendHeight = 44;  ///< px
-constexpr double kMargin = 24;        ///< px
 constexpr double kDegrees = 180 / std::numbers::pi;
 
 /// A Gaussian narrower than this [degrees] would be a line without a width.
 constexpr double kLeastDeviation = 0.2;
 
 /// A colour of this hue that is dark enough for a white ground.
-Rgb color_of(double hue) {
+Rgb color_of_hue(double hue) {
   const auto channel = [hue](double peak) {
     const double away = std::abs(std::remainder(hue - peak, 2 * std::numbers::pi));
     const double light = std::clamp(2 - away * 3 / std::numbers::pi, 0.0, 1.0);
@@ -65,14 +62,16 @@ void draw_hues(const std::filesystem::path& png, const std::vector<HueDistributi
   std::vector<LegendEntry> legend;
   for (const HueDistribution& hue : hues) {
     y.span.include(density(hue, degrees));
-    legend.push_back({hue.name, color_of(hue.mean)});
+    legend.push_back({hue.name, color_of_hue(hue.mean)});
   }
   y.span.pad();
-  Canvas canvas(kHeight, title, "thin: pixels; thick: the fitted Gaussian");
+  Canvas canvas(kChartPictureHeight, title, "thin: pixels; thick: the fitted Gaussian");
   const double top = canvas.top() - kLegendHeight;
   add_legend(canvas, {Canvas::kWidth / 2.0, canvas.top() - kLegendHeight / 2},
-             Canvas::kWidth - 2 * kMargin, legend);
-  Chart chart(canvas, {kMargin, kMargin, Canvas::kWidth - 2 * kMargin, top - kMargin}, x, y);
+             Canvas::kWidth - 2 * kChartMargin, legend);
+  Chart chart(canvas,
+              {kChartMargin, kChartMargin, Canvas::kWidth - 2 * kChartMargin, top - kChartMargin},
+              x, y);
   chart.add_axes();
   for (std::size_t i = 0; i < hues.size(); ++i) {
     const Eigen::VectorXd& counts = hues[i].histogram;

@@ -10,16 +10,10 @@
 #include "surface_view.h"
 
 namespace palpate::pictures {
-namespace {
-
-constexpr int kHeight = 900;
-
-}  // namespace
-
 void draw_mesh(const std::filesystem::path& png, const geometry::TriangleMesh& mesh,
                const std::string& title) {
   check_surface(mesh, "mesh");
-  Canvas canvas(kHeight, title,
+  Canvas canvas(Canvas::kHeight, title,
                 std::to_string(mesh.vertices.cols()) + " vertices, " +
                     std::to_string(mesh.triangles.cols()) + " triangles");
   const geometry::TriangleMesh clean = without_strays(mesh);

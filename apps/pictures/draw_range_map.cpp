@@ -15,7 +15,7 @@ namespace palpate::pictures {
 namespace {
 
 /// Of the depths at each end that the colours need not tell apart.
-constexpr double kTail = 0.005;
+constexpr double kDepthTail = 0.005;
 
 /// A map is at one depth throughout iff its depths span less than this fraction of it: ticks could
 /// not be told apart by their numbers.
@@ -25,7 +25,7 @@ constexpr double kFlat = 1e-6;
 constexpr double kFlatHalfScale = 0.5;
 
 std::pair<double, double> color_span(std::vector<float> depths) {
-  const auto tail = static_cast<std::ptrdiff_t>(kTail * static_cast<double>(depths.size()));
+  const auto tail = static_cast<std::ptrdiff_t>(kDepthTail * static_cast<double>(depths.size()));
   const auto near = depths.begin() + tail;
   const auto far = depths.end() - 1 - tail;
   std::nth_element(depths.begin(), near, depths.end());

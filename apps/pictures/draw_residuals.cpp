@@ -15,16 +15,15 @@
 namespace palpate::pictures {
 namespace {
 
-constexpr int kHeight = 900;
-constexpr double kMargin = 24;        ///< px
-constexpr double kTitleHeight = 30;   ///< px, above each image
-constexpr double kScaleHeight = 50;   ///< px, below each image
-constexpr double kChartHeight = 300;  ///< px
-constexpr double kArrow = 40;         ///< px, the length of the longest arrow
-constexpr std::array<Rgb, 2> kColors{kBlue, kVermilion};
+constexpr double kImageTitleHeight = 30;  ///< px, above each image
+constexpr double kScaleHeight = 50;       ///< px, below each image
+constexpr double kChartHeight = 300;      ///< px
+constexpr double kMarksHeight = 30;       ///< px, of the chart's legend
+constexpr double kArrow = 40;             ///< px, the length of the longest arrow
+constexpr std::array<Rgb, 2> kImageColors{kBlue, kVermilion};
 
 void check_input(const std::vector<ResidualImage>& images) {
-  refuse_unless(images.size() == 1 || images.size() == kColors.size(), "images",
+  refuse_unless(images.size() == 1 || images.size() == kImageColors.size(), "images",
                 "one or two are needed");
   for (const ResidualImage& image : images) {
     require(image.title + ": width", image.width, at_least(1), "px");
@@ -59,7 +58,7 @@ void add_image(Canvas& canvas, const Box& box, const ResidualImage& image, const
                   scale * image.height};
   TextStyle bold;
   bold.bold = true;
-  canvas.add_text({frame.x + frame.width / 2, frame.y + frame.height + kTitleHeight / 2},
+  canvas.add_text({frame.x + frame.width / 2, frame.y + frame.height + kImageTitleHeight / 2},
                   image.title, bold);
   canvas.add_outline(frame);
   const double length = longest(image);
@@ -103,15 +102,14 @@ void add_view_chart(Canvas& canvas, const Box& box, const std::vector<ResidualIm
       values.back()[i] = rms(image.views[static_cast<std::size_t>(i)].residual);
     x.span.include(numbers.back());
     y.span.include(values.back());
-    legend.push_back({image.title, kColors.at(legend.size()), Mark::dot});
+    legend.push_back({image.title, kImageColors.at(legend.size()), Mark::dot});
   }
   x.span = {x.span.low - 1, x.span.high + 1};
   if (!(y.span.high > 0)) y.span.high = 1;
   y.span.pad();
-  constexpr double kLegendHeight = 30;
-  add_legend(canvas, {Canvas::kWidth / 2.0, box.y + box.height - kLegendHeight / 2}, box.width,
+  add_legend(canvas, {Canvas::kWidth / 2.0, box.y + box.height - kMarksHeight / 2}, box.width,
              legend);
-  Chart chart(canvas, {box.x, box.y, box.width, box.height - kLegendHeight}, x, y);
+  Chart chart(canvas, {box.x, box.y, box.width, box.height - kMarksHeight}, x, y);
   chart.add_axes();
   for (std::size_t i = 0; i < values.size(); ++i)
     chart.add_markers(numbers[i], values[i], legend[i].color, 10);
@@ -122,16 +120,18 @@ void add_view_chart(Canvas& canvas, const Box& box, const std::vector<ResidualIm
 void draw_residuals(const std::filesystem::path& png, const std::vector<ResidualImage>& images,
                     const std::string& title) {
   check_input(images);
-  Canvas canvas(kHeight, title,
+  Canvas canvas(Canvas::kHeight, title,
                 "arrows: seen minus predicted, enlarged; the bar gives their scale");
-  add_view_chart(canvas, {kMargin, kMargin, Canvas::kWidth - 2 * kMargin, kChartHeight}, images);
-  const double low = kMargin + kChartHeight + kScaleHeight;
+  add_view_chart(canvas,
+                 {kChartMargin, kChartMargin, Canvas::kWidth - 2 * kChartMargin, kChartHeight},
+                 images);
+  const double low = kChartMargin + kChartHeight + kScaleHeight;
   const auto count = static_cast<double>(images.size());
-  const double width = (Canvas::kWidth - (count + 1) * kMargin) / count;
+  const double width = (Canvas::kWidth - (count + 1) * kChartMargin) / count;
   for (std::size_t i = 0; i < images.size(); ++i) {
-    const double left = kMargin + static_cast<double>(i) * (width + kMargin);
-    add_image(canvas, {left, low, width, canvas.top() - kTitleHeight - low}, images[i],
-              kColors.at(i));
+    const double left = kChartMargin + static_cast<double>(i) * (width + kChartMargin);
+    add_image(canvas, {left, low, width, canvas.top() - kImageTitleHeight - low}, images[i],
+              kImageColors.at(i));
   }
   canvas.write(png);
 }

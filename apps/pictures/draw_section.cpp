@@ -12,10 +12,7 @@
 namespace palpate::pictures {
 namespace {
 
-constexpr int kHeight = 700;
-constexpr double kLegendHeight = 44;  ///< px
-constexpr double kMargin = 24;        ///< px
-constexpr std::array<Rgb, 6> kColors{kBlue, kVermilion, kGreen, kPurple, kOrange, kBlack};
+constexpr std::array<Rgb, 6> kLineColors{kBlue, kVermilion, kGreen, kPurple, kOrange, kBlack};
 
 }  // namespace
 
@@ -31,14 +28,16 @@ void draw_section(const std::filesystem::path& png, std::span<const SectionSerie
     check_some_finite(one.y, ("series '" + one.name + "': y").c_str());
     x.span.include(one.x);
     y.span.include(one.y);
-    legend.push_back({one.name, kColors[legend.size() % kColors.size()]});
+    legend.push_back({one.name, kLineColors[legend.size() % kLineColors.size()]});
   }
   y.span.pad();
-  Canvas canvas(kHeight, title, "");
+  Canvas canvas(kChartPictureHeight, title, "");
   const double top = canvas.top() - kLegendHeight;
   add_legend(canvas, {Canvas::kWidth / 2.0, canvas.top() - kLegendHeight / 2},
-             Canvas::kWidth - 2 * kMargin, legend);
-  Chart chart(canvas, {kMargin, kMargin, Canvas::kWidth - 2 * kMargin, top - kMargin}, x, y);
+             Canvas::kWidth - 2 * kChartMargin, legend);
+  Chart chart(canvas,
+              {kChartMargin, kChartMargin, Canvas::kWidth - 2 * kChartMargin, top - kChartMargin},
+              x, y);
   chart.add_axes();
   for (std::size_t index = 0; index < series.size(); ++index) {
     chart.add_line(series[index].x, series[index].y, legend[index].color, 2);

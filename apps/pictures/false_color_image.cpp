@@ -10,13 +10,9 @@
 namespace palpate::pictures {
 namespace {
 
-constexpr int kHeight = 900;
-constexpr double kMargin = 30;             ///< px, around the image
-constexpr double kScaleWidth = 26;         ///< px
 constexpr double kScaleSpace = 160;        ///< px right of the image, for the scale and its numbers
 constexpr double kUnknownSpace = 50;       ///< px below the scale, for what grey means
 constexpr double kLeastScaleHeight = 320;  ///< px
-constexpr double kNumberGap = 11;          ///< px from a patch to its meaning
 
 Rgb color_of(double value, const FalseColor& options) {
   return color_at(options.map, std::isfinite(value)
@@ -44,28 +40,28 @@ Pixels magnify(const geometry::ImageF& image, double magnification, const FalseC
 void draw_false_color(const std::filesystem::path& png, const geometry::ImageF& image,
                       const FalseColor& options, const std::string& title,
                       const std::string& subtitle) {
-  Canvas canvas(kHeight, title, subtitle);
-  const double room_x = Canvas::kWidth - kScaleSpace - 2 * kMargin;
-  const double room_y = canvas.top() - kMargin;
+  Canvas canvas(Canvas::kHeight, title, subtitle);
+  const double room_x = Canvas::kWidth - kScaleSpace - 2 * kImageMargin;
+  const double room_y = canvas.top() - kImageMargin;
   const double magnification = std::min(room_x / static_cast<double>(image.cols()),
                                         room_y / static_cast<double>(image.rows()));
   const Pixels pixels = magnify(image, magnification, options);
-  const Box box{std::round(kMargin + (room_x - pixels.width) / 2),
-                std::round(kMargin + (room_y - pixels.height) / 2),
+  const Box box{std::round(kImageMargin + (room_x - pixels.width) / 2),
+                std::round(kImageMargin + (room_y - pixels.height) / 2),
                 static_cast<double>(pixels.width), static_cast<double>(pixels.height)};
   canvas.add_pixels({box.x, box.y}, pixels);
   canvas.add_outline(box);
 
   // As high as the image, but not too low for its numbers.
   const double height = std::max(box.height, kLeastScaleHeight);
-  Box scale{box.x + box.width + kMargin, std::round(kMargin + (room_y - height) / 2), kScaleWidth,
-            height};
+  Box scale{box.x + box.width + kImageMargin, std::round(kImageMargin + (room_y - height) / 2),
+            kScaleWidth, height};
   if (!image.isFinite().all()) {
     const Box patch{scale.x, scale.y, kScaleWidth, kScaleWidth};
     canvas.add_rectangle(patch, kUnknownColor);
     canvas.add_outline(patch);
-    canvas.add_text({patch.x + patch.width + kNumberGap, patch.y + patch.height / 2}, "unknown",
-                    {.across = Align::low});
+    canvas.add_text({patch.x + patch.width + kScaleNumberGap, patch.y + patch.height / 2},
+                    "unknown", {.across = Align::low});
     scale.y += kUnknownSpace;
     scale.height -= kUnknownSpace;
   }

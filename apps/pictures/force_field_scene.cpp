@@ -29,7 +29,7 @@ namespace {
 /// lines are moved towards the viewer, before the arrows (nothing moves on the picture).
 constexpr double kLongestArrow = 0.25;
 constexpr double kConeLength = 0.3;
-constexpr double kLift = 0.05;
+constexpr double kLineLift = 0.05;
 
 constexpr double kNewtonBarLeft = 200;  ///< px from the left of the panel
 constexpr double kConeOpacity = 0.25;
@@ -40,8 +40,8 @@ constexpr double kAxisWidth = 2.5;    ///< px
 /// [mm] extent that is drawn when all displacements are zero.
 constexpr double kSmallestExtent = 1e-3;
 
-constexpr double kTurn = 30 * std::numbers::pi / 180;  ///< [rad] about the friction axis
-constexpr double kRise = 18 * std::numbers::pi / 180;  ///< [rad] above the tangent plane
+constexpr double kSceneTurn = 30 * std::numbers::pi / 180;  ///< [rad] about the friction axis
+constexpr double kSceneRise = 18 * std::numbers::pi / 180;  ///< [rad] above the tangent plane
 
 /// Cells of the grid on the tangent plane to each side of the contact, at most.
 constexpr int kGridCells = 4;
@@ -66,11 +66,11 @@ ViewAxes side_view(const Eigen::Vector3d& axis) {
   if (right.norm() < 0.1) {
     right = Eigen::Vector3d::UnitY() - up * up.y();
   }
-  right = Eigen::AngleAxisd(kTurn, up) * right.normalized();
+  right = Eigen::AngleAxisd(kSceneTurn, up) * right.normalized();
   const Eigen::Vector3d level = right.cross(up);
   ViewAxes axes;
   axes.row(0) = right;
-  axes.row(2) = std::cos(kRise) * level + std::sin(kRise) * up;
+  axes.row(2) = std::cos(kSceneRise) * level + std::sin(kSceneRise) * up;
   axes.row(1) = Eigen::Vector3d(axes.row(2)).cross(right);
   return axes;
 }
@@ -192,7 +192,7 @@ double add_force_field_scene(Canvas& canvas, const Box& box, const FittedSamples
   const double side = step * std::ceil(sideways / step);
   const Eigen::Matrix3Xd grid = grid_lines(contact.axis, side, step);
 
-  const Eigen::Matrix3Xd fitted = fitted_lines(contact, scale, kLift * scale.extent * towards);
+  const Eigen::Matrix3Xd fitted = fitted_lines(contact, scale, kLineLift * scale.extent * towards);
   Eigen::Matrix3Xd all(3, 2 * displacements.cols() + fitted.cols() + grid.cols());
   all << displacements, displacements + scale.mm_per_newton * contact.samples.forces, fitted, grid;
   SurfaceView view(canvas, box, axes, all);

@@ -7,6 +7,9 @@
 
 namespace palpate::pictures {
 
+/// [px] of the line at a tick.
+inline constexpr double kTickLength = 6;
+
 /// Ticks of a scale: whole multiples of 1, 2 or 5 times a power of ten.
 struct Ticks {
   double step = 0;

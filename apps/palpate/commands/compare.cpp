@@ -89,9 +89,6 @@ std::string to_words(const geometry::ErrorStatistics& s) {
       s.rms, s.median, s.p90, s.max, s.count);
 }
 
-/// [mm] Smallest range of the colour scale of a picture of differences.
-constexpr double kLeastScale = 1e-3;
-
 /// Compares two range maps of one camera pixel by pixel.
 void compare_pixels(const Settings& settings, const CompareCall& call) {
   check_is_depths(call.a);

@@ -21,10 +21,10 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kKind = "frames of palpate decode";
+constexpr const char* kDecodeRecord = "frames of palpate decode";
 
 /// What the user can do without the record, for messages.
-constexpr const char* kRemedy = "Leave out --resume to decode all frames anew";
+constexpr const char* kDecodeRemedy = "Leave out --resume to decode all frames anew";
 
 Json to_json(const FinishedFrame& frame) {
   return {{"number", frame.number},  {"frame", frame.name},
@@ -33,7 +33,7 @@ Json to_json(const FinishedFrame& frame) {
           {"ms", frame.milliseconds}};
 }
 
-FinishedFrame from_json(const Json& json) {
+FinishedFrame finished_frame(const Json& json) {
   const Json& depth = json.at("median_depth");  // JSON has no NaN and writes null
   return {.number = json.at("number"),
           .name = json.at("frame"),
@@ -52,7 +52,7 @@ using FinishedFrames = std::map<std::size_t, FinishedFrame>;
 FinishedFrames frames_of(const RunRecord& record) {
   FinishedFrames frames;
   for (const Json& item : record.items) {
-    const FinishedFrame frame = from_json(item);
+    const FinishedFrame frame = finished_frame(item);
     frames[frame.number] = frame;
   }
   return frames;
@@ -95,20 +95,20 @@ void DecodeRecord::check_inputs(const Json& head) const {
     throw InvalidInput(
         fmt::format("{}: file {} of the frames was {} and {}, so the numbers of the range maps "
                     "would not fit. New frames may only follow the old ones. {}.",
-                    file().string(), i, before[i], now, kRemedy));
+                    file().string(), i, before[i], now, kDecodeRemedy));
   }
 }
 
 void DecodeRecord::resume() {
   resumed_ = is_there(file());
   if (!resumed_) return;
-  const RunRecord record = read_run_record(file(), kRemedy);
+  const RunRecord record = read_run_record(file(), kDecodeRemedy);
   try {
-    check_same_settings(file(), record.head.at("settings"), settings_, kRemedy);
+    check_same_settings(file(), record.head.at("settings"), settings_, kDecodeRemedy);
     check_inputs(record.head);
     earlier_ = frames_of(record);
   } catch (const Json::exception& error) {
-    throw no_record(file(), error, kRemedy);
+    throw no_record(file(), error, kDecodeRemedy);
   }
 }
 
@@ -133,7 +133,7 @@ void DecodeRecord::remove_earlier_outputs() const {
 
 void DecodeRecord::begin() {
   if (!resumed_) remove_earlier_outputs();
-  RunRecord record{.head = {{"kind", kKind}, {"settings", settings_}, {"inputs", inputs_}},
+  RunRecord record{.head = {{"kind", kDecodeRecord}, {"settings", settings_}, {"inputs", inputs_}},
                    .items = {}};
   for (const auto& [number, frame] : earlier_) record.items.push_back(to_json(frame));
   writer_.emplace(file(), record);

@@ -22,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kKind = "fits of palpate fit";
+constexpr const char* kFitRecord = "fits of palpate fit";
 // Of the record; raised when the members of a line change. A record without one is older than 2.
 constexpr int kVersion = 3;
 
@@ -136,7 +136,7 @@ bool is_record(const fs::path& file) {
   std::string line;
   std::getline(stream, line);
   const Json head = Json::parse(line, nullptr, false);
-  return head.is_object() && head.value("kind", "") == kKind;
+  return head.is_object() && head.value("kind", "") == kFitRecord;
 }
 
 }  // namespace
@@ -145,7 +145,7 @@ FitRecord::FitRecord(fs::path file, Json settings)
     : file_(std::move(file)), settings_(std::move(settings)) {}
 
 void FitRecord::check_same(const Json& head) const {
-  if (head.at("kind") == kKind && head.value("version", 0) != kVersion) {
+  if (head.at("kind") == kFitRecord && head.value("version", 0) != kVersion) {
     throw InvalidInput(fmt::format(
         "{}: was written by another version of palpate, whose record this version cannot read. {}.",
         file_.string(), kAnew));
@@ -184,7 +184,7 @@ void FitRecord::add(long long contact, const haptics::FitResult& fit) {
     return Json{{"contact", id}, {"fit", to_json(result)}};
   };
   if (!writer_) {
-    RunRecord record{.head = {{"kind", kKind}, {"version", kVersion}, {"settings", settings_}},
+    RunRecord record{.head = {{"kind", kFitRecord}, {"version", kVersion}, {"settings", settings_}},
                      .items = {}};
     for (const auto& [id, earlier] : fits_) record.items.push_back(item(id, earlier));
     writer_.emplace(file_, record);

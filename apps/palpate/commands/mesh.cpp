@@ -26,7 +26,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// Iterations of smoothing. A surface is smooth over its whole width long before.
-constexpr int kMostIterations = 1000;
+constexpr int kMostSmoothing = 1000;
 
 struct MeshCall {
   fs::path input, output, picture;
@@ -170,7 +170,7 @@ void add_mesh(CLI::App& app, const Settings& settings) {
           "--smooth", call->steps.smooth,
           "Iterations of smoothing without shrinking (Taubin), at most 1000; 20 remove most "
           "noise")
-      ->check(within(at_least(0).at_most(kMostIterations)));
+      ->check(within(at_least(0).at_most(kMostSmoothing)));
   command
       ->add_option(
           "--tolerance", call->steps.tolerance,

@@ -15,7 +15,7 @@ namespace palpate::apps {
 namespace {
 
 /// [mm] Finest scale of the picture.
-constexpr double kLeastScale = 0.01;
+constexpr double kFinestScale = 0.01;
 /// Causes that affect a smaller share of the lit pixels are not listed.
 constexpr double kWorthSaying = 0.001;
 
@@ -82,7 +82,7 @@ ReportLine report_line(const std::filesystem::path& picture, const sensing::RigT
   line.picture = picture;
   pictures::draw_differences(picture, line.found.difference,
                              fmt::format("Predicted depth error at {:.0f} mm", line.found.distance),
-                             std::fmax(line.found.error.p95, kLeastScale));
+                             std::fmax(line.found.error.p95, kFinestScale));
   return line;
 }
 

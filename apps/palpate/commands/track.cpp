@@ -31,13 +31,10 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-/// [mm] The scale of a picture goes at least so far.
-constexpr double kLeastScale = 1e-3;
-
 /// More nodes than a graph can be solved with, steps than a frame can need, and distances that
 /// reach from one end of the surface to the other.
 constexpr int kMostNodes = 100000;
-constexpr int kMostIterations = 10000;
+constexpr int kMostSteps = 10000;
 constexpr Interval kReaches = at_least(geometry::NonRigidOptions{}.min_correspondence).at_most(1);
 
 struct TrackCall {
@@ -334,7 +331,7 @@ void add_track(CLI::App& app, const Settings& settings) {
   command
       ->add_option("--iterations", call->tracking.registration.max_iterations,
                    "Largest number of registration steps per frame")
-      ->check(within(at_least(1).at_most(kMostIterations)))
+      ->check(within(at_least(1).at_most(kMostSteps)))
       ->capture_default_str();
   command
       ->add_option("--min-visible", call->tracking.min_visible,

@@ -19,12 +19,12 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kKind = "frames of palpate track";
+constexpr const char* kTrackRecord = "frames of palpate track";
 
 /// What the user can do without the record, for messages.
-constexpr const char* kRemedy = "Leave out --resume to track all frames anew";
+constexpr const char* kTrackRemedy = "Leave out --resume to track all frames anew";
 
-TrackedFrame from_json(const Json& json) {
+TrackedFrame tracked_frame(const Json& json) {
   TrackedFrame frame{
       .range_map = json.at("range_map"), .fingerprint = json.at("fingerprint"), .lost = {}};
   if (json.contains("lost")) {
@@ -48,7 +48,7 @@ Json read_head(const fs::path& record) {
   std::string line;
   std::getline(stream, line);
   Json head = Json::parse(line, nullptr, false);
-  return head.is_object() && head.value("kind", "") == kKind ? head : Json();
+  return head.is_object() && head.value("kind", "") == kTrackRecord ? head : Json();
 }
 
 /// The range map that a file is for, by its name; temporaries are for the file they replace.
@@ -128,18 +128,19 @@ void TrackRecord::check_inputs(const Json& head) const {
     throw InvalidInput(fmt::format(
         "{}: range map {} was {} and is now {}. New range maps may only follow the old ones. {}.",
         path().string(), i, before[i],
-        i < inputs_.size() ? inputs_[i].filename().string() : std::string("missing"), kRemedy));
+        i < inputs_.size() ? inputs_[i].filename().string() : std::string("missing"),
+        kTrackRemedy));
   }
 }
 
 void TrackRecord::resume(const std::function<bool(const TrackedFrame&)>& is_complete) {
   if (!is_there(path())) return;
-  const RunRecord record = read_run_record(path(), kRemedy);
+  const RunRecord record = read_run_record(path(), kTrackRemedy);
   try {
-    check_same_settings(path(), record.head.at("settings"), settings_, kRemedy);
+    check_same_settings(path(), record.head.at("settings"), settings_, kTrackRemedy);
     check_inputs(record.head);
     for (std::size_t i = 0; i < std::min(record.items.size(), inputs_.size()); ++i) {
-      const TrackedFrame frame = from_json(record.items[i]);
+      const TrackedFrame frame = tracked_frame(record.items[i]);
       if (frame.range_map != inputs_[i].filename() ||
           frame.fingerprint != fingerprint(inputs_[i]) || !is_complete(frame))
         return;
@@ -147,7 +148,7 @@ void TrackRecord::resume(const std::function<bool(const TrackedFrame&)>& is_comp
     }
   } catch (const Json::exception& error) {
     throw FileError(fmt::format("{}: this is not a record of palpate track ({}). {}.",
-                                path().string(), error.what(), kRemedy));
+                                path().string(), error.what(), kTrackRemedy));
   }
 }
 
@@ -162,7 +163,7 @@ void TrackRecord::begin() {
   }
   Json names = Json::array();
   for (const fs::path& input : inputs_) names.push_back(input.filename().string());
-  RunRecord record{.head = {{"kind", kKind}, {"settings", settings_}, {"inputs", names}},
+  RunRecord record{.head = {{"kind", kTrackRecord}, {"settings", settings_}, {"inputs", names}},
                    .items = {}};
   for (const TrackedFrame& frame : kept_) record.items.push_back(to_json(frame));
   writer_.emplace(path(), record);

@@ -15,6 +15,9 @@ namespace palpate::apps {
 /// [rad] Factor from degrees, used on the command line, to radians, used by the library.
 constexpr double kDegree = std::numbers::pi / 180;
 
+/// [mm] The scale of a picture of distances goes at least so far.
+constexpr double kLeastScale = 1e-3;
+
 /// Settings that all commands have.
 struct Settings {
   bool json = false;  ///< print the figures as one JSON object instead of text
