@@ -7,6 +7,7 @@
 #include <limits>
 #include <numbers>
 #include <opencv2/core.hpp>
+#include <random>
 
 #include "palpate/geometry/range_map.h"
 #include "palpate/sensing/pattern.h"
@@ -130,6 +131,16 @@ inline Scene render(const Rig& rig, const Pattern& pattern, const Surface& surfa
     }
   }
   return scene;
+}
+
+/// Adds normal noise of one standard deviation everywhere [fraction of full scale].
+inline void add_noise(cv::Mat& frame, double deviation, unsigned seed) {
+  std::mt19937 generator(seed);
+  std::normal_distribution<double> normal(0, deviation);
+  for (auto& pixel : cv::Mat_<cv::Vec<ushort, 3>>(frame)) {
+    for (int channel = 0; channel < 3; ++channel)
+      pixel[channel] = cv::saturate_cast<ushort>(pixel[channel] + 65535 * normal(generator));
+  }
 }
 
 }  // namespace palpate::sensing

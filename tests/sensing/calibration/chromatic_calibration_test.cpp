@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <random>
 
 #include "palpate/error.h"
 #include "synthetic_scene.h"
@@ -29,13 +28,6 @@ Rig with_shifts(Rig rig) {
   rig.red = kRed;
   rig.blue = kBlue;
   return rig;
-}
-
-void add_noise(cv::Mat& image, double deviation, unsigned seed) {
-  std::mt19937 generator(seed);
-  std::normal_distribution<double> noise(0, 65535 * deviation);
-  for (auto* value = image.ptr<ushort>(); value != image.ptr<ushort>() + image.total() * 3; ++value)
-    *value = cv::saturate_cast<ushort>(*value + noise(generator));
 }
 
 /// Planes of several distances, one of them tilted, with noise, and the depths of those that the

@@ -17,8 +17,8 @@ struct Seen {
 };
 
 /// What the camera of `rig` sees of boards, with noise of `sigma` [px].
-Seen seen(const Rig& rig, const std::vector<Eigen::Isometry3d>& poses, double sigma,
-          unsigned seed) {
+Seen seen_boards(const Rig& rig, const std::vector<Eigen::Isometry3d>& poses, double sigma,
+                 unsigned seed) {
   Seen result;
   for (const RigView& view : make_views(rig, poses, sigma, 0, seed)) {
     result.board.push_back(view.board);
@@ -30,7 +30,7 @@ Seen seen(const Rig& rig, const std::vector<Eigen::Isometry3d>& poses, double si
 TEST(LensCalibration, FindsTheLensAndTheBoardsWithoutNoise) {
   const Rig rig = make_board_rig();
   const auto poses = board_poses(6);
-  const auto [board, pixels] = seen(rig, poses, 0, 1);
+  const auto [board, pixels] = seen_boards(rig, poses, 0, 1);
   const LensCalibration found = calibrate_lens(board, pixels, rig.camera, 4);
   constexpr double kSinglePrecision = 0.01;  // px: OpenCV takes the pixels as float
   EXPECT_NEAR(found.lens.fx, rig.camera.fx, kSinglePrecision);
@@ -51,7 +51,7 @@ TEST(LensCalibration, TellsTheScatterOfWhatItFinds) {
   constexpr int kTrials = 40;
   double squares = 0, predicted = 0, rms = 0;
   for (unsigned trial = 0; trial < kTrials; ++trial) {
-    const auto [board, pixels] = seen(rig, board_poses(6), kNoise, trial);
+    const auto [board, pixels] = seen_boards(rig, board_poses(6), kNoise, trial);
     const LensCalibration found = calibrate_lens(board, pixels, rig.camera, 4);
     squares += std::pow(found.lens.fx - rig.camera.fx, 2);
     predicted += std::pow(found.deviation[0], 2);

@@ -14,7 +14,6 @@ namespace palpate::sensing {
 namespace {
 
 constexpr ImageSize kCamera{640, 480};
-constexpr ImageSize kPanel{512, 384};
 
 RigCalibration calibrate(const std::vector<RigView>& views,
                          const RigCalibrationOptions& options = {}) {

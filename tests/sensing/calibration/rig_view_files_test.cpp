@@ -15,8 +15,6 @@
 namespace palpate::sensing {
 namespace {
 
-constexpr ImageSize kPanel{512, 384};
-
 /// Photographs of one pose in a folder; the names count without leading zeros.
 void write_pose(const std::filesystem::path& folder, const std::vector<cv::Mat>& photos,
                 const std::string& extension) {

@@ -15,7 +15,9 @@
 
 namespace palpate::sensing {
 
-/// A verging rig whose lenses bend light, camera 640 x 480 px, panel 512 x 384 px.
+inline constexpr ImageSize kPanel{512, 384};
+
+/// A verging rig whose lenses bend light, camera 640 x 480 px, panel `kPanel`.
 inline Rig make_board_rig() {
   Rig rig;
   rig.camera = {.width = 640, .height = 480, .fx = 801, .fy = 803, .cx = 325.3, .cy = 236.7};

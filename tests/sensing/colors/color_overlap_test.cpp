@@ -14,15 +14,14 @@
 namespace palpate::sensing {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 /// Share of a standard Gaussian above x.
 double tail(double x) { return 0.5 * std::erfc(x / std::numbers::sqrt2); }
 
 TEST(ColorOverlap, IsTheTailOfTheGaussianBeyondTheMiddle) {
   // Two colours of one width, 0.6 rad apart, on both sides of the wrap: decided in the middle, and
   // on the far side of the circle, where neither has any hues.
-  const TrainedColors trained{{{"A", 0.2, 0.04, 1000}, {"B", 2 * kPi - 0.4, 0.04, 1000}}};
+  const TrainedColors trained{
+      {{"A", 0.2, 0.04, 1000}, {"B", 2 * std::numbers::pi - 0.4, 0.04, 1000}}};
   const Eigen::MatrixXd overlap = predict_overlap(trained);
   // The classifier's table has 1024 steps: the border may lie half of one off.
   EXPECT_NEAR(overlap(0, 1), tail(0.3 / 0.2), 0.003);
@@ -33,7 +32,7 @@ TEST(ColorOverlap, IsTheTailOfTheGaussianBeyondTheMiddle) {
 TEST(ColorOverlap, ColoursFarApartAreNeverMistaken) {
   TrainedColors trained;
   for (int i = 0; i < 6; ++i)
-    trained.colors.push_back({std::to_string(i), i * kPi / 3, 0.01, 1000});
+    trained.colors.push_back({std::to_string(i), i * std::numbers::pi / 3, 0.01, 1000});
   const Eigen::MatrixXd overlap = predict_overlap(trained);
   EXPECT_TRUE(overlap.isApprox(Eigen::MatrixXd::Identity(6, 6), 1e-5));
   EXPECT_TRUE(find_confused(overlap, 0.01).empty());
@@ -56,7 +55,7 @@ NamedImages gaussian_hues(const std::string& name, double mean, double deviation
   std::normal_distribution<double> hue(mean, deviation);
   cv::Mat image(100, 200, CV_16UC3);
   for (auto& pixel : cv::Mat_<cv::Vec<ushort, 3>>(image)) {
-    const double lean = std::clamp(hue(random) / (kPi / 3), -1.0, 1.0);
+    const double lean = std::clamp(hue(random) / (std::numbers::pi / 3), -1.0, 1.0);
     pixel = {static_cast<ushort>(std::lround(60000 * std::max(-lean, 0.0))),
              static_cast<ushort>(std::lround(60000 * std::max(lean, 0.0))), 60000};
   }

@@ -15,14 +15,12 @@
 namespace palpate::sensing {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 TEST(Hue, KnowsThePureColoursAndIgnoresAddedWhite) {
   EXPECT_FLOAT_EQ(hue_of(1, 0, 0).angle, 0);
-  EXPECT_FLOAT_EQ(hue_of(0.5F, 0.5F, 0).angle, static_cast<float>(kPi / 3));
-  EXPECT_FLOAT_EQ(hue_of(0, 1, 0).angle, static_cast<float>(2 * kPi / 3));
-  EXPECT_FLOAT_EQ(hue_of(0.1F, 0.1F, 0.6F).angle, static_cast<float>(4 * kPi / 3));
-  EXPECT_FLOAT_EQ(hue_of(1, 0, 1).angle, static_cast<float>(5 * kPi / 3));
+  EXPECT_FLOAT_EQ(hue_of(0.5F, 0.5F, 0).angle, static_cast<float>(std::numbers::pi / 3));
+  EXPECT_FLOAT_EQ(hue_of(0, 1, 0).angle, static_cast<float>(2 * std::numbers::pi / 3));
+  EXPECT_FLOAT_EQ(hue_of(0.1F, 0.1F, 0.6F).angle, static_cast<float>(4 * std::numbers::pi / 3));
+  EXPECT_FLOAT_EQ(hue_of(1, 0, 1).angle, static_cast<float>(5 * std::numbers::pi / 3));
   EXPECT_FLOAT_EQ(hue_of(0.7F, 0.4F, 0.2F).angle, hue_of(0.5F, 0.2F, 0).angle);
   EXPECT_FLOAT_EQ(hue_of(0.8F, 0.2F, 0.4F).saturation, 0.75F);
   EXPECT_EQ(hue_of(0.3F, 0.3F, 0.3F).saturation, 0);
@@ -43,7 +41,7 @@ TEST(Hue, OfAnImageIsThatOfEachPixel) {
   for (int i = 0; i < 21; ++i) {
     EXPECT_EQ(hue.data()[i], hue_of(red.data()[i], green.data()[i], blue.data()[i]).angle) << i;
     EXPECT_GE(hue.data()[i], 0);
-    EXPECT_LE(hue.data()[i], static_cast<float>(2 * kPi));
+    EXPECT_LE(hue.data()[i], static_cast<float>(2 * std::numbers::pi));
   }
 }
 
@@ -66,8 +64,8 @@ TEST(HueClassifier, IsBayesWithGaussians) {
 TEST(HueClassifier, HuesAreCircular) {
   const HueClassifier classifier(make_pattern(Axis::y, 10, 1024), ideal_colors());
   EXPECT_EQ(classifier.best(0.02F), 0);
-  EXPECT_EQ(classifier.best(static_cast<float>(2 * kPi - 0.02)), 0);
-  EXPECT_EQ(classifier.best(static_cast<float>(5 * kPi / 3)), 5);
+  EXPECT_EQ(classifier.best(static_cast<float>(2 * std::numbers::pi - 0.02)), 0);
+  EXPECT_EQ(classifier.best(static_cast<float>(5 * std::numbers::pi / 3)), 5);
 }
 
 TEST(HueClassifier, ProbabilitiesSumToOneFarFromEveryColour) {

@@ -16,8 +16,6 @@
 namespace palpate::sensing {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 /// A bright image whose red channel leads; `tilt` > 0 leans to yellow, < 0 to magenta. The hue is
 /// pi / 3 * tilt for |tilt| <= 1.
 cv::Mat reddish(const std::vector<double>& tilts) {
@@ -38,9 +36,9 @@ TEST(TrainedColors, MeanAndVarianceAreCircular) {
   const TrainedColors colors = train_colors({{"R", {reddish({-0.02, 0.04})}}});
   ASSERT_EQ(colors.colors.size(), 1U);
   constexpr double kRounding = 1e-4;  // 16 bit values, float hues
-  EXPECT_NEAR(colors.colors[0].mean, 0.01 * kPi / 3, kRounding);
-  EXPECT_NEAR(colors.colors[0].variance, std::pow(0.03 * kPi / 3, 2),
-              1e-2 * std::pow(0.03 * kPi / 3, 2));
+  EXPECT_NEAR(colors.colors[0].mean, 0.01 * std::numbers::pi / 3, kRounding);
+  EXPECT_NEAR(colors.colors[0].variance, std::pow(0.03 * std::numbers::pi / 3, 2),
+              1e-2 * std::pow(0.03 * std::numbers::pi / 3, 2));
   EXPECT_EQ(colors.colors[0].pixels, 1000);
 }
 
@@ -48,8 +46,8 @@ TEST(TrainedColors, SeveralImagesOfOneNameCountTogether) {
   const TrainedColors colors =
       train_colors({{"R", {reddish({0.1}), reddish({0.3})}}, {"X", {reddish({-0.5})}}});
   ASSERT_EQ(colors.colors.size(), 2U);
-  EXPECT_NEAR(colors.colors[0].mean, 0.2 * kPi / 3, 1e-4);
-  EXPECT_NEAR(colors.colors[1].mean, 2 * kPi - 0.5 * kPi / 3, 1e-4);
+  EXPECT_NEAR(colors.colors[0].mean, 0.2 * std::numbers::pi / 3, 1e-4);
+  EXPECT_NEAR(colors.colors[1].mean, 2 * std::numbers::pi - 0.5 * std::numbers::pi / 3, 1e-4);
   EXPECT_EQ(colors.colors[0].pixels, 2000);
 }
 
@@ -60,7 +58,7 @@ TEST(TrainedColors, DarkGreyAndClippedPixelsDoNotCount) {
   image.rowRange(4, 6) = cv::Scalar(0, 65535, 65535);      // clipped
   const TrainedColors colors = train_colors({{"R", {image}}});
   EXPECT_EQ(colors.colors[0].pixels, 400);
-  EXPECT_NEAR(colors.colors[0].mean, 0.2 * kPi / 3, 1e-4);
+  EXPECT_NEAR(colors.colors[0].mean, 0.2 * std::numbers::pi / 3, 1e-4);
 }
 
 TEST(TrainedColors, BundledColoursLieNearTheirNominalHues) {
@@ -70,8 +68,9 @@ TEST(TrainedColors, BundledColoursLieNearTheirNominalHues) {
   for (const TrainedColor& color : colors.colors) {
     std::size_t sector = 0;
     while (color.name != kNames.at(sector)) ++sector;
-    const double difference = color.mean - static_cast<double>(sector) * kPi / 3;
-    EXPECT_LT(std::abs(std::remainder(difference, 2 * kPi)), kPi / 6) << color.name;
+    const double difference = color.mean - static_cast<double>(sector) * std::numbers::pi / 3;
+    EXPECT_LT(std::abs(std::remainder(difference, 2 * std::numbers::pi)), std::numbers::pi / 6)
+        << color.name;
     EXPECT_LT(color.variance, 0.1) << color.name;
   }
 }
@@ -101,7 +100,7 @@ TEST(TrainedColors, FoldersCountTogetherAndOtherFilesAreLeftOut) {
   const TrainedColors colors = train_colors_from_folders({first.path(), second.path()});
   ASSERT_EQ(colors.colors.size(), 1U);
   EXPECT_EQ(colors.colors[0].name, "R");
-  EXPECT_NEAR(colors.colors[0].mean, 0.2 * kPi / 3, 1e-4);
+  EXPECT_NEAR(colors.colors[0].mean, 0.2 * std::numbers::pi / 3, 1e-4);
 }
 
 TEST(TrainedColors, RefuseWrongInput) {

@@ -20,7 +20,7 @@ constexpr double kAmbient = 0.02;
 constexpr double kReflectance = 0.8;
 
 /// Shot and read noise of a sensor, rounded to 16 bit.
-void add_noise(cv::Mat& frame) {
+void add_sensor_noise(cv::Mat& frame) {
   std::mt19937 generator(7);
   std::normal_distribution<double> normal;
   for (auto& pixel : cv::Mat_<cv::Vec<ushort, 3>>(frame)) {
@@ -48,7 +48,7 @@ TEST(Accuracy, DepthsOfANoisyPlaneReachTheCramerRaoBound) {
   pattern.stripes.clear();
   pattern.stripe_edges.clear();
   Scene scene = render(rig, pattern, plane({0, 0, 1}, kDistance), kAmbient, kReflectance);
-  add_noise(scene.frame);
+  add_sensor_noise(scene.frame);
   const DecodeResult result =
       Decoder(rig, pattern, {}, {.anchor = Anchor{160, 120, kDistance}}).decode(scene.frame);
 

@@ -4,15 +4,13 @@
 
 #include <gtest/gtest.h>
 
-#include <limits>
 #include <numbers>
 
+#include "not_finite.h"
 #include "synthetic_scene.h"
 
 namespace palpate::sensing {
 namespace {
-
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 
 /// Two surfaces beside each other, under stripes of 33 px seen one to one, nothing between them.
 class ColorEvidence : public ::testing::Test {
@@ -25,8 +23,8 @@ class ColorEvidence : public ::testing::Test {
       hue_.col(column) = hue_at(pixel);
       pixel_.col(column) = static_cast<float>(pixel);
     }
-    z_.col(kGap) = kNaN;
-    pixel_.col(kGap) = kNaN;
+    z_.col(kGap) = kFloatNaN;
+    pixel_.col(kGap) = kFloatNaN;
   }
   float hue_at(double pixel) const {
     std::size_t stripe = 0;
@@ -60,7 +58,7 @@ TEST_F(ColorEvidence, ASurfaceOfOneHueIsNotWhateverItsDepth) {
 }
 
 TEST_F(ColorEvidence, APatchWithinOneStripeIsNotProven) {
-  z_.leftCols(kGap) = kNaN;
+  z_.leftCols(kGap) = kFloatNaN;
   z_.block(10, 50, 20, 8) = 700;  // one stripe is 33 px wide
   const Mask marked = unproven();
   EXPECT_EQ(marked.block(10, 50, 20, 8).count(), 20 * 8);
@@ -68,7 +66,7 @@ TEST_F(ColorEvidence, APatchWithinOneStripeIsNotProven) {
 }
 
 TEST_F(ColorEvidence, WhatIsNotKnownIsNotMarked) {
-  z_.setConstant(kNaN);
+  z_.setConstant(kFloatNaN);
   EXPECT_EQ(unproven().count(), 0);
 }
 

@@ -13,7 +13,7 @@ namespace {
 
 /// A part of the image in which something is wrong, and its middle.
 const cv::Rect kPart(120, 80, 80, 80);
-constexpr int kMargin = 25;
+constexpr int kPartMargin = 25;
 
 /// A wall that fills the image.
 Scene wall(const Rig& rig, const Pattern& pattern) {
@@ -35,8 +35,8 @@ double share(const ReasonImage& reasons, Reason reason) {
 
 /// Of the middle of kPart.
 double share_in_part(const ReasonImage& reasons, Reason reason) {
-  return share(reasons.block(kPart.y + kMargin, kPart.x + kMargin, kPart.height - 2 * kMargin,
-                             kPart.width - 2 * kMargin),
+  return share(reasons.block(kPart.y + kPartMargin, kPart.x + kPartMargin,
+                             kPart.height - 2 * kPartMargin, kPart.width - 2 * kPartMargin),
                reason);
 }
 

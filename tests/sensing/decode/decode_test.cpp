@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "image/image_plane.h"
+#include "not_finite.h"
 #include "palpate/error.h"
 #include "palpate/sensing/frame.h"
 #include "synthetic_scene.h"
@@ -298,7 +299,6 @@ TEST(Decoder, RefusesOptionsOutsideTheirRange) {
               Decoder(make_rig(false), make_pattern(Axis::y, 20, 1024), ideal_colors(), options);
             }).empty();
   };
-  constexpr double kInf = std::numeric_limits<double>::infinity();
   EXPECT_FALSE(refused({}));
   for (const double bad : {std::nan(""), -0.1, 0.0, kInf}) {
     EXPECT_TRUE(refused({.window_periods = bad}));

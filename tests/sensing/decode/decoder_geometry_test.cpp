@@ -17,7 +17,7 @@ namespace {
 constexpr double kAnySensitivity = 1;
 
 /// Single precision: 6e-8, some operations, and the depth over the baseline's share of it.
-constexpr double kRounding = 1e-6;
+constexpr double kDepthRounding = 1e-6;
 
 struct Found {
   SurfaceImages surfaces;
@@ -47,7 +47,7 @@ Plane phases_at(const DecoderGeometry& model, double z) {
   return phase;
 }
 
-Rig distorted_rig() {
+Rig rig_with_lenses() {
   Rig rig = make_rig(true);
   rig.camera.distortion = {-0.15, 0.08, 1e-3, -5e-4, 0, 0, 0, 0};
   rig.projector.distortion = {-0.2, 0.15, 2e-3, -3e-3, -0.05, 0.02, 0.01, 0.005};
@@ -55,7 +55,7 @@ Rig distorted_rig() {
 }
 
 TEST(DecoderGeometry, PhaseAndDepthUndoEachOther) {
-  for (const Rig& rig : {make_rig(false), make_rig(true), distorted_rig()}) {
+  for (const Rig& rig : {make_rig(false), make_rig(true), rig_with_lenses()}) {
     for (const Axis axis : {Axis::x, Axis::y}) {
       const DecoderGeometry model(rig, make_pattern(axis, 10, axis == Axis::y ? 1024 : 768));
       for (const double z : {600.0, 900.0}) {
@@ -68,7 +68,7 @@ TEST(DecoderGeometry, PhaseAndDepthUndoEachOther) {
             continue;
           }
           ++lit;
-          EXPECT_NEAR(static_cast<double>(found.surfaces.z.data()[i]), z, kRounding * z);
+          EXPECT_NEAR(static_cast<double>(found.surfaces.z.data()[i]), z, kDepthRounding * z);
         }
         EXPECT_GT(lit, 10000);
       }
@@ -77,7 +77,7 @@ TEST(DecoderGeometry, PhaseAndDepthUndoEachOther) {
 }
 
 TEST(DecoderGeometry, DepthsAndStripePixelsAreThoseOfTheExactTriangulation) {
-  for (const Rig& rig : {make_rig(true), distorted_rig()}) {
+  for (const Rig& rig : {make_rig(true), rig_with_lenses()}) {
     const Pattern pattern = make_pattern(Axis::y, 10, 1024);
     const DecoderGeometry model(rig, pattern);
     const Triangulation exact(rig);
@@ -95,7 +95,7 @@ TEST(DecoderGeometry, DepthsAndStripePixelsAreThoseOfTheExactTriangulation) {
         const Eigen::Vector3d ray = exact.direction(geometry::undistort(
             rig.camera, {static_cast<double>(column), static_cast<double>(row)}));
         const double z = exact.depth(ray, Axis::y, pixel);
-        EXPECT_NEAR(static_cast<double>(found.surfaces.z(row, column)), z, kRounding * z);
+        EXPECT_NEAR(static_cast<double>(found.surfaces.z(row, column)), z, kDepthRounding * z);
         EXPECT_NEAR(static_cast<double>(found.surfaces.stripe_pixel(row, column)),
                     exact.project(ray, z).x(), 1e-3);
       }
@@ -105,7 +105,7 @@ TEST(DecoderGeometry, DepthsAndStripePixelsAreThoseOfTheExactTriangulation) {
 }
 
 TEST(DecoderGeometry, SensitivityIsTheDerivativeOfTheDepth) {
-  for (const Rig& rig : {make_rig(true), distorted_rig()}) {
+  for (const Rig& rig : {make_rig(true), rig_with_lenses()}) {
     const DecoderGeometry model(rig, make_pattern(Axis::y, 10, 1024));
     const Plane phase = phases_at(model, 700);
     constexpr float kStep = 1;  // rad; the depth's curvature over it is some 0.4 %
@@ -123,7 +123,7 @@ TEST(DecoderGeometry, SensitivityIsTheDerivativeOfTheDepth) {
 }
 
 TEST(DecoderGeometry, AStripeEdgeIsWhereItsProjectorPixelIsSeen) {
-  for (const Rig& rig : {make_rig(true), distorted_rig()}) {
+  for (const Rig& rig : {make_rig(true), rig_with_lenses()}) {
     for (const Axis axis : {Axis::x, Axis::y}) {
       const Pattern pattern = make_pattern(axis, 10, axis == Axis::y ? 1024 : 768);
       const DecoderGeometry model(rig, pattern);

@@ -18,7 +18,7 @@ namespace {
 constexpr double kMostOff = 0.01;
 
 constexpr double kWall = 720;
-constexpr double kPeriod = 20;
+constexpr double kPatternPeriod = 20;
 
 struct Count {
   long reconstructed = 0;
@@ -41,7 +41,7 @@ Count count_off(const Rig& rig, const geometry::ImageF& z, const geometry::Image
       ++count.reconstructed;
       const double error = panel_pixel(rig, v, u, static_cast<double>(z(v, u))) -
                            panel_pixel(rig, v, u, static_cast<double>(truth(v, u)));
-      if (!(std::abs(error) <= kPeriod / 2)) ++count.off;
+      if (!(std::abs(error) <= kPatternPeriod / 2)) ++count.off;
     }
   }
   return count;
@@ -56,7 +56,7 @@ double in_front_by(const Rig& rig, double periods) {
   for (int i = 0; i < 60; ++i) {
     const double middle = (near + far) / 2;
     const double apart = sign * (panel_pixel(rig, 120, 160, middle) - wanted);
-    (apart > periods * kPeriod ? near : far) = middle;
+    (apart > periods * kPatternPeriod ? near : far) = middle;
   }
   return near;
 }
@@ -85,7 +85,7 @@ const cv::Rect kEverywhere(0, 0, 320, 240);
 
 TEST(HardScenes, AnObjectInFrontOfTheWallByNearlyWholePeriodsIsNotOffByOne) {
   const Rig rig = make_rig(false);
-  const Pattern pattern = make_pattern(Axis::y, kPeriod, 1024);
+  const Pattern pattern = make_pattern(Axis::y, kPatternPeriod, 1024);
   for (const Segmentation segmentation : {Segmentation::flood, Segmentation::snakes}) {
     const Decoder decoder(rig, pattern, ideal_colors(), {.segmentation = segmentation});
     for (const double periods : {1.0, 2.0, 2.97, 3.0, 3.03}) {
@@ -100,7 +100,7 @@ TEST(HardScenes, AnObjectInFrontOfTheWallByNearlyWholePeriodsIsNotOffByOne) {
 
 TEST(HardScenes, AnObjectWhoseColoursCannotBeReadLosesPixelsInsteadOfBeingWrong) {
   const Rig rig = make_rig(false);
-  const Pattern pattern = make_pattern(Axis::y, kPeriod, 1024);
+  const Pattern pattern = make_pattern(Axis::y, kPatternPeriod, 1024);
   const Decoder decoder(rig, pattern, ideal_colors());
   for (const double rest : {0.0, 0.03, 0.2, 0.5}) {
     for (const double periods : {1.0, 2.0, 2.5, 3.0}) {
@@ -115,7 +115,7 @@ TEST(HardScenes, AnObjectWhoseColoursCannotBeReadLosesPixelsInsteadOfBeingWrong)
 
 TEST(HardScenes, AnObjectSmallerThanAStripeIsNotOffByAPeriod) {
   const Rig rig = make_rig(false);
-  const Pattern pattern = make_pattern(Axis::y, kPeriod, 1024);
+  const Pattern pattern = make_pattern(Axis::y, kPatternPeriod, 1024);
   const Decoder decoder(rig, pattern, ideal_colors());
   for (const double half : {4.0, 6.0, 9.0}) {
     const Scene scene = render(rig, pattern, plate(in_front_by(rig, 2), {half, 30}));

@@ -12,7 +12,7 @@
 namespace palpate::sensing {
 namespace {
 
-cv::Mat ramp(int type) {
+cv::Mat ramp_image(int type) {
   cv::Mat image(40, 60, type);
   cv::randu(image, 0, image.depth() == CV_8U ? 255 : 65535);
   return image;
@@ -22,7 +22,7 @@ TEST(Frame, ReadsWhatWasWritten) {
   const ScratchFolder folder;
   for (const int type : {CV_8UC1, CV_8UC3, CV_16UC1, CV_16UC3}) {
     for (const char* name : {"frame.png", "frame.tiff"}) {
-      const cv::Mat image = ramp(type);
+      const cv::Mat image = ramp_image(type);
       cv::imwrite((folder / name).string(), image);
       const cv::Mat again = read_frame(folder / name);
       ASSERT_EQ(again.type(), type) << name;
@@ -34,7 +34,7 @@ TEST(Frame, ReadsWhatWasWritten) {
 TEST(Frame, RefusesTruncatedFilesOfEveryLengthInSilence) {
   const ScratchFolder folder;
   for (const char* name : {"frame.png", "frame.tiff"}) {
-    cv::imwrite((folder / name).string(), ramp(CV_8UC3));
+    cv::imwrite((folder / name).string(), ramp_image(CV_8UC3));
     const std::string bytes = read_text(folder / name);
     ::testing::internal::CaptureStderr();
     for (std::size_t length = 0; length < bytes.size(); length += 97) {
@@ -48,7 +48,7 @@ TEST(Frame, RefusesTruncatedFilesOfEveryLengthInSilence) {
 TEST(Frame, IsWrittenAsItIs) {
   const ScratchFolder folder;
   for (const int type : {CV_8UC1, CV_8UC3, CV_16UC1, CV_16UC3}) {
-    const cv::Mat image = ramp(type);
+    const cv::Mat image = ramp_image(type);
     write_png(folder / "frame.png", image);
     const cv::Mat read = read_frame(folder / "frame.png");
     ASSERT_EQ(read.type(), type);
@@ -60,7 +60,7 @@ TEST(Frame, IsWrittenAsItIs) {
 
 TEST(Frame, RefusesADamagedFile) {
   const ScratchFolder folder;
-  cv::imwrite((folder / "frame.png").string(), ramp(CV_8UC3));
+  cv::imwrite((folder / "frame.png").string(), ramp_image(CV_8UC3));
   std::string bytes = read_text(folder / "frame.png");
   bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);
   const auto path = written(folder, "damaged.png", bytes);

@@ -26,7 +26,7 @@ cv::Mat numbered_frame(int number) {
 }
 
 /// False if this build of FFmpeg has no such encoder.
-bool write_video(const std::filesystem::path& path, const std::string& codec) {
+bool write_numbered_video(const std::filesystem::path& path, const std::string& codec) {
   cv::VideoWriter writer(path.string(), cv::CAP_FFMPEG,
                          cv::VideoWriter::fourcc(codec[0], codec[1], codec[2], codec[3]), 25,
                          {64, 48});
@@ -44,7 +44,8 @@ TEST(VideoFile, IsToldByItsEnding) {
 
 TEST(VideoFile, GivesTheFramesOfALosslessVideoToTheLastBit) {
   const ScratchFolder folder;
-  if (!write_video(folder / "wave.avi", "HFYU")) GTEST_SKIP() << "FFmpeg has no HuffYUV encoder";
+  if (!write_numbered_video(folder / "wave.avi", "HFYU"))
+    GTEST_SKIP() << "FFmpeg has no HuffYUV encoder";
   VideoFile video(folder / "wave.avi");
   EXPECT_TRUE(video.is_lossless());
   EXPECT_EQ(video.announced_frames(), static_cast<std::size_t>(kFrames));
@@ -58,7 +59,8 @@ TEST(VideoFile, GivesTheFramesOfALosslessVideoToTheLastBit) {
 
 TEST(VideoFile, KnowsThatACodecLoses) {
   const ScratchFolder folder;
-  if (!write_video(folder / "wave.avi", "MJPG")) GTEST_SKIP() << "FFmpeg has no JPEG encoder";
+  if (!write_numbered_video(folder / "wave.avi", "MJPG"))
+    GTEST_SKIP() << "FFmpeg has no JPEG encoder";
   VideoFile video(folder / "wave.avi");
   EXPECT_FALSE(video.is_lossless());
   EXPECT_GT(cv::norm(video.next(), numbered_frame(0), cv::NORM_INF), 0);

@@ -9,7 +9,6 @@
 #include <complex>
 #include <numbers>
 #include <opencv2/core.hpp>
-#include <random>
 
 #include "palpate/error.h"
 #include "palpate/sensing/decode.h"
@@ -20,21 +19,11 @@ namespace palpate::sensing {
 namespace {
 
 const Eigen::Vector3d kNormal = Eigen::Vector3d(0.1, -0.2, 1).normalized();
-constexpr double kDistance = 650;  // mm
+constexpr double kPlaneDistance = 650;  // mm
 
 /// Without stripes: the errors are then those of the phase alone.
-Pattern sinusoid(Axis axis) {
+Pattern stripeless(Axis axis) {
   return {.axis = axis, .period = 20, .phase = -1.2, .mean = 0.5, .amplitude = 0.5};
-}
-
-/// Adds noise of one standard deviation everywhere [fraction of full scale].
-void add_noise(cv::Mat& frame, double deviation) {
-  std::mt19937 generator(5);
-  std::normal_distribution<double> normal(0, deviation);
-  for (auto& pixel : cv::Mat_<cv::Vec<ushort, 3>>(frame)) {
-    for (int channel = 0; channel < 3; ++channel)
-      pixel[channel] = cv::saturate_cast<ushort>(pixel[channel] + 65535 * normal(generator));
-  }
 }
 
 /// Distances of the points from the plane [mm], by the map's own camera; without those nearer than
@@ -48,7 +37,8 @@ std::vector<double> offsets_from_plane(const geometry::RangeMap& range, long mar
     const bool inner =
         std::min({row, column, range.z.rows() - 1 - row, range.z.cols() - 1 - column}) >= margin;
     const auto z = static_cast<double>(range.z.data()[i]);
-    if (inner && z > 0) offsets.push_back(kNormal.dot(z * rays.col(i).homogeneous()) - kDistance);
+    if (inner && z > 0)
+      offsets.push_back(kNormal.dot(z * rays.col(i).homogeneous()) - kPlaneDistance);
   }
   return offsets;
 }
@@ -123,11 +113,11 @@ TEST(HalfResolution, MeasuresThePlaneWithinTheDeviationsItPredicts) {
   Rig rig = make_rig(false);
   rig.camera.distortion = {-0.1, 0.05, 1e-3, -5e-4, 0, 0, 0, 0};
   rig.camera.width = 321;  // an odd column
-  Scene scene = render(rig, sinusoid(Axis::y), plane(kNormal, kDistance), 0);
-  add_noise(scene.frame, 0.01);
+  Scene scene = render(rig, stripeless(Axis::y), plane(kNormal, kPlaneDistance), 0);
+  add_noise(scene.frame, 0.01, 5);
   const Anchor anchor{.u_px = 101.3, .v_px = 88.8, .z = static_cast<double>(scene.z(89, 101))};
   const auto decode = [&](bool half) {
-    return Decoder(rig, sinusoid(Axis::y), {}, {.half_resolution = half, .anchor = anchor})
+    return Decoder(rig, stripeless(Axis::y), {}, {.half_resolution = half, .anchor = anchor})
         .decode(scene.frame);
   };
   const DecodeResult half = decode(true);
@@ -141,7 +131,7 @@ TEST(HalfResolution, MeasuresThePlaneWithinTheDeviationsItPredicts) {
   for (long i = 0; i < half.range.z.size(); ++i) {
     const auto z = static_cast<double>(half.range.z.data()[i]);
     if (!(z > 0)) continue;
-    const double truth = kDistance / kNormal.dot(rays.col(i).homogeneous());
+    const double truth = kPlaneDistance / kNormal.dot(rays.col(i).homogeneous());
     scores.push_back((z - truth) / static_cast<double>(half.sigma.data()[i]));
   }
   EXPECT_NEAR(root_mean_square(scores), 1, 0.3);
@@ -158,24 +148,25 @@ TEST(HalfResolution, DecodesStripesAndTheOtherAxis) {
   const Pattern striped = make_pattern(Axis::y, 20, 1024);
   const Decoder decoder(rig, striped, ideal_colors(), {.half_resolution = true});
   EXPECT_EQ(decoder.rig().camera.width, 160);
-  const DecodeResult result = decoder.decode(render(rig, striped, plane(kNormal, kDistance)).frame);
+  const DecodeResult result =
+      decoder.decode(render(rig, striped, plane(kNormal, kPlaneDistance)).frame);
   EXPECT_GT((result.range.z > 0).count(), 0.85 * 160 * 120);
-  EXPECT_LT(root_mean_square(offsets_from_plane(result.range)), 1e-3 * kDistance);
+  EXPECT_LT(root_mean_square(offsets_from_plane(result.range)), 1e-3 * kPlaneDistance);
 
   const Rig parallel = make_rig(false);
-  const Scene scene = render(parallel, sinusoid(Axis::x), plane(kNormal, kDistance), 0);
+  const Scene scene = render(parallel, stripeless(Axis::x), plane(kNormal, kPlaneDistance), 0);
   const Anchor anchor{.u_px = 201, .v_px = 150, .z = static_cast<double>(scene.z(150, 201))};
   const DecodeResult across =
-      Decoder(parallel, sinusoid(Axis::x), {}, {.half_resolution = true, .anchor = anchor})
+      Decoder(parallel, stripeless(Axis::x), {}, {.half_resolution = true, .anchor = anchor})
           .decode(scene.frame);
   EXPECT_GT((across.range.z > 0).count(), 0.85 * 160 * 120);
-  EXPECT_LT(root_mean_square(offsets_from_plane(across.range)), 1e-4 * kDistance);
+  EXPECT_LT(root_mean_square(offsets_from_plane(across.range)), 1e-4 * kPlaneDistance);
 }
 
 TEST(HalfResolution, RefusesWhatIsTooFineAndAnAnchorThatIsLeftOut) {
   Rig rig = make_rig(false);
-  const Anchor anchor{100, 100, kDistance};
-  Pattern fine = sinusoid(Axis::y);
+  const Anchor anchor{100, 100, kPlaneDistance};
+  Pattern fine = stripeless(Axis::y);
   fine.period = 16;  // 2.8 px
   EXPECT_NO_THROW(Decoder(rig, fine, {}, {.anchor = anchor}));
   const std::string message = message_of<InvalidInput>(
@@ -184,7 +175,7 @@ TEST(HalfResolution, RefusesWhatIsTooFineAndAnAnchorThatIsLeftOut) {
   EXPECT_NE(message.find("full size"), std::string::npos) << message;
   fine.period = 20;
   rig.camera.width = 321;
-  const Anchor last{320, 100, kDistance};
+  const Anchor last{320, 100, kPlaneDistance};
   EXPECT_NO_THROW(Decoder(rig, fine, {}, {.anchor = last}));
   EXPECT_THROW(Decoder(rig, fine, {}, {.half_resolution = true, .anchor = last}), InvalidInput);
 }

@@ -20,7 +20,7 @@ constexpr double kDegree = std::numbers::pi / 180;
 /// A camera whose filters bend the hues: what is projected at h is seen at bent(h).
 double bent(double hue) { return hue + 0.25 * std::sin(2 * hue + 0.3); }
 
-TrainedColors seen(int count, double (*response)(double), double deviation) {
+TrainedColors seen_colors(int count, double (*response)(double), double deviation) {
   TrainedColors trained;
   for (const PatternColor& color : evenly_spaced_colors(count)) {
     const double hue = static_cast<double>(hue_of(static_cast<float>(color.rgb[0]),
@@ -67,7 +67,7 @@ TEST(PatternColors, HaveNamesOfTheirOwnAndTheHuesThoseSay) {
 }
 
 TEST(PatternColors, StayWhereTheyAreIfTheCameraSeesThemEvenly) {
-  const SpreadColors spread = spread_colors(seen(
+  const SpreadColors spread = spread_colors(seen_colors(
                                                 6, [](double hue) { return hue + 0.4; }, 0.1),
                                             6);
   const std::vector<PatternColor> even = evenly_spaced_colors(6);
@@ -75,14 +75,14 @@ TEST(PatternColors, StayWhereTheyAreIfTheCameraSeesThemEvenly) {
 }
 
 TEST(PatternColors, StayWhereTheyAreIfTheyAreHardlyEverConfused) {
-  const SpreadColors spread = spread_colors(seen(6, bent, 0.05), 6);
+  const SpreadColors spread = spread_colors(seen_colors(6, bent, 0.05), 6);
   EXPECT_EQ(spread.colors[1].name, "Y");
-  EXPECT_EQ(spread.expected[1].mean, seen(6, bent, 0.05).colors[1].mean);
-  EXPECT_NE(spread_colors(seen(6, bent, 0.2), 6).colors[1].name, "Y");
+  EXPECT_EQ(spread.expected[1].mean, seen_colors(6, bent, 0.05).colors[1].mean);
+  EXPECT_NE(spread_colors(seen_colors(6, bent, 0.2), 6).colors[1].name, "Y");
 }
 
 TEST(PatternColors, AreSpreadEvenlyForABentResponse) {
-  const TrainedColors trained = seen(24, bent, 0.1);
+  const TrainedColors trained = seen_colors(24, bent, 0.1);
   for (const int count : {3, 5, 6, 8}) {
     const SpreadColors spread = spread_colors(trained, count);
     ASSERT_EQ(static_cast<int>(spread.colors.size()), count);
@@ -97,12 +97,12 @@ TEST(PatternColors, AreSpreadEvenlyForABentResponse) {
       EXPECT_NEAR(wrap(spread.expected[i].mean - bent(hue)), 0, 0.01);
     }
     EXPECT_LE(largest_overlap(spread.expected),
-              largest_overlap(seen(count, bent, 0.1).colors) * (1 + 1e-9));
+              largest_overlap(seen_colors(count, bent, 0.1).colors) * (1 + 1e-9));
   }
 }
 
 TEST(PatternColors, ThatAreSeenLessSharplyGetMoreRoom) {
-  TrainedColors trained = seen(
+  TrainedColors trained = seen_colors(
       6, [](double hue) { return hue; }, 0.05);
   trained.colors[2].variance = 0.3 * 0.3;  // green: 3 apart
   const SpreadColors spread = spread_colors(trained, 6);
@@ -129,15 +129,15 @@ TEST(PatternColors, RefuseWhatCannotBeInterpolated) {
         message_of<InvalidInput>([&] { (void)spread_colors(trained, count); });
     return message.find(words) != std::string::npos;
   };
-  TrainedColors trained = seen(6, bent, 0.1);
+  TrainedColors trained = seen_colors(6, bent, 0.1);
   EXPECT_TRUE(refused_for(trained, 1, "in [2, 24]"));
   EXPECT_TRUE(refused_for(trained, 25, "in [2, 24]"));
   std::swap(trained.colors[0].mean, trained.colors[3].mean);
   EXPECT_TRUE(refused_for(trained, 6, "order"));
-  trained = seen(6, bent, 0.1);
+  trained = seen_colors(6, bent, 0.1);
   trained.colors[1].name = "olive";
   EXPECT_TRUE(refused_for(trained, 6, "olive"));
-  trained = seen(6, bent, 0.1);
+  trained = seen_colors(6, bent, 0.1);
   trained.colors[1].variance = -1;
   EXPECT_TRUE(refused_for(trained, 6, "Y"));
   trained.colors.resize(2);

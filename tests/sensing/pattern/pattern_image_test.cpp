@@ -16,21 +16,20 @@
 namespace palpate::sensing {
 namespace {
 
-constexpr double kTurn = 2 * std::numbers::pi;
 /// Half a level of 16 bit.
 constexpr double kLevel = 0.5 / 65535 + 1e-12;
 
-double value(const cv::Mat& image, double v, double u, int channel) {
+double rgb_value(const cv::Mat& image, double v, double u, int channel) {
   return image.at<cv::Vec3w>(static_cast<int>(v), static_cast<int>(u))[2 - channel] / 65535.0;
 }
 
 double sinusoid(const Pattern& pattern, double pixel) {
-  return pattern.mean +
-         pattern.amplitude * std::cos(kTurn * pixel / pattern.period + pattern.phase);
+  return pattern.mean + pattern.amplitude *
+                            std::cos(2 * std::numbers::pi * pixel / pattern.period + pattern.phase);
 }
 
 /// A small rig with everything: rotation, both lenses distorted, chromatic values.
-Rig distorted_rig() {
+Rig small_distorted_rig() {
   Rig rig = make_rig(true);
   rig.projector = {.width = 200, .height = 150, .fx = 290, .fy = 295, .cx = 101, .cy = 73};
   rig.projector.distortion = {-0.12, 0.05, 0.002, -0.001, 0.01};
@@ -57,7 +56,8 @@ TEST(PatternImage, ShowsTheSinusoidAtPixelCentresAndHardStripes) {
         const Eigen::Vector3d rgb =
             pattern.colors[static_cast<std::size_t>(pattern.stripes[stripe])].rgb;
         for (int channel = 0; channel < 3; ++channel) {
-          ASSERT_NEAR(value(image, v, u, channel), rgb[channel] * sinusoid(pattern, along), kLevel);
+          ASSERT_NEAR(rgb_value(image, v, u, channel), rgb[channel] * sinusoid(pattern, along),
+                      kLevel);
         }
       }
     }
@@ -73,10 +73,10 @@ TEST(PatternImage, MixesTheColoursOfAnEdgeWithinAPixel) {
                         .amplitude = 0.1};
   const cv::Mat image = draw_pattern(pattern, 8, 4, 16);
   const double brightness = sinusoid(pattern, 0);
-  EXPECT_NEAR(value(image, 0, 2, 0), brightness, kLevel);
-  EXPECT_NEAR(value(image, 0, 3, 0), 0.7 * brightness, kLevel);
-  EXPECT_NEAR(value(image, 0, 3, 1), 0.3 * brightness, kLevel);
-  EXPECT_NEAR(value(image, 0, 4, 1), brightness, kLevel);
+  EXPECT_NEAR(rgb_value(image, 0, 2, 0), brightness, kLevel);
+  EXPECT_NEAR(rgb_value(image, 0, 3, 0), 0.7 * brightness, kLevel);
+  EXPECT_NEAR(rgb_value(image, 0, 3, 1), 0.3 * brightness, kLevel);
+  EXPECT_NEAR(rgb_value(image, 0, 4, 1), brightness, kLevel);
 }
 
 TEST(PatternImage, HasEightOrSixteenBits) {
@@ -87,7 +87,7 @@ TEST(PatternImage, HasEightOrSixteenBits) {
   ASSERT_EQ(fine.type(), CV_16UC3);
   for (int v = 0; v < 240; ++v) {
     for (int channel = 0; channel < 3; ++channel) {
-      EXPECT_NEAR(coarse.at<cv::Vec3b>(v, 7)[channel] / 255.0, value(fine, v, 7, 2 - channel),
+      EXPECT_NEAR(coarse.at<cv::Vec3b>(v, 7)[channel] / 255.0, rgb_value(fine, v, 7, 2 - channel),
                   0.5 / 255 + kLevel);
     }
   }
@@ -96,7 +96,7 @@ TEST(PatternImage, HasEightOrSixteenBits) {
 // Green's light from a straight drawing: a point lit by a panel pixel has, seen by the rig it is
 // decoded with, that pixel's phase.
 TEST(PatternImage, StraightOnThePanelAPointHasThePhaseOfThePixelThatLightsIt) {
-  const Rig rig = distorted_rig();
+  const Rig rig = small_distorted_rig();
   const Pattern pattern{.axis = Axis::y, .period = 11};
   const cv::Mat image = draw_pattern(pattern, rig, {.bits = 16});
   const Rig drawn = rig_of_drawing(rig);
@@ -105,12 +105,12 @@ TEST(PatternImage, StraightOnThePanelAPointHasThePhaseOfThePixelThatLightsIt) {
     const Eigen::Vector3d point = rig.T_projector_camera.inverse() * (700 * ray);
     const Eigen::Vector2d pixel =
         geometry::distort(drawn.projector, (drawn.T_projector_camera * point).hnormalized());
-    EXPECT_NEAR(value(image, panel.y(), panel.x(), 1), sinusoid(pattern, pixel.y()), kLevel);
+    EXPECT_NEAR(rgb_value(image, panel.y(), panel.x(), 1), sinusoid(pattern, pixel.y()), kLevel);
   }
 }
 
 TEST(PatternImage, RectifiedAPointHasThePhaseOfTheParallelProjector) {
-  const Rig rig = distorted_rig();
+  const Rig rig = small_distorted_rig();
   const DrawOptions options{.rectify = true, .bits = 16};
   const Rig drawn = rig_of_drawing(rig, options);
   EXPECT_TRUE(drawn.T_projector_camera.linear().isIdentity(0));
@@ -125,8 +125,8 @@ TEST(PatternImage, RectifiedAPointHasThePhaseOfTheParallelProjector) {
       const Eigen::Vector3d seen = drawn.T_projector_camera * point;
       const double u = drawn.projector.fx * seen.x() / seen.z() + drawn.projector.cx;
       const double v = drawn.projector.fy * seen.y() / seen.z() + drawn.projector.cy;
-      EXPECT_NEAR(value(image, panel.y(), panel.x(), 1), sinusoid(pattern, axis == Axis::x ? u : v),
-                  kLevel);
+      EXPECT_NEAR(rgb_value(image, panel.y(), panel.x(), 1),
+                  sinusoid(pattern, axis == Axis::x ? u : v), kLevel);
       EXPECT_GE(std::min(u, v), -0.5 - 1e-9);
       EXPECT_LE(u, drawn.projector.width - 0.5);
       EXPECT_LE(v, drawn.projector.height - 0.5);
@@ -147,7 +147,7 @@ TEST(PatternImage, RectifyingAParallelProjectorChangesNothing) {
 // model predicts for the plain drawing is what the compensated one takes away.
 TEST(PatternImage, CompensationTakesAwayTheLagThatTheDecoderModels) {
   for (const Axis axis : {Axis::y, Axis::x}) {
-    const Rig rig = distorted_rig();
+    const Rig rig = small_distorted_rig();
     const Pattern pattern{.axis = axis, .period = 11, .phase = 0.3};
     const cv::Mat image = draw_pattern(pattern, rig, {.bits = 16});
     const double focal = axis == Axis::x ? rig.projector.fx : rig.projector.fy;
@@ -160,9 +160,10 @@ TEST(PatternImage, CompensationTakesAwayTheLagThatTheDecoderModels) {
         const double lag = chromatic_lag(shift, rig.projector, pattern).at(as_green);
         const double expected =
             pattern.mean +
-            pattern.amplitude * std::cos(kTurn * panel / pattern.period + pattern.phase + lag);
-        const double drawn =
-            axis == Axis::x ? value(image, 9, panel, channel) : value(image, panel, 9, channel);
+            pattern.amplitude *
+                std::cos(2 * std::numbers::pi * panel / pattern.period + pattern.phase + lag);
+        const double drawn = axis == Axis::x ? rgb_value(image, 9, panel, channel)
+                                             : rgb_value(image, panel, 9, channel);
         EXPECT_NEAR(drawn, expected, kLevel);
       }
     }
@@ -170,7 +171,7 @@ TEST(PatternImage, CompensationTakesAwayTheLagThatTheDecoderModels) {
 }
 
 TEST(PatternImage, CompensationShiftsTheStripesToo) {
-  Rig rig = distorted_rig();
+  Rig rig = small_distorted_rig();
   rig.red.beta = 1.03;
   const Pattern pattern{.colors = {{"R", {1, 0, 0}}, {"C", {0, 1, 1}}},
                         .stripes = {0, 1},
@@ -178,14 +179,14 @@ TEST(PatternImage, CompensationShiftsTheStripesToo) {
                         .period = 11};
   const cv::Mat image = draw_pattern(pattern, rig, {.bits = 16});
   // Red's edge where 1.03 (u - 101) + 101 = 189.5: u = 186.92.
-  EXPECT_GT(value(image, 70, 186, 0), 0.01);
-  EXPECT_EQ(value(image, 70, 188, 0), 0);
-  EXPECT_EQ(value(image, 70, 189, 1), 0);  // green's stays
-  EXPECT_GT(value(image, 70, 190, 1), 0.01);
+  EXPECT_GT(rgb_value(image, 70, 186, 0), 0.01);
+  EXPECT_EQ(rgb_value(image, 70, 188, 0), 0);
+  EXPECT_EQ(rgb_value(image, 70, 189, 1), 0);  // green's stays
+  EXPECT_GT(rgb_value(image, 70, 190, 1), 0.01);
 }
 
 TEST(PatternImage, TheRigOfADrawingSaysWhatWasTakenCareOf) {
-  const Rig rig = distorted_rig();
+  const Rig rig = small_distorted_rig();
   const Rig drawn = rig_of_drawing(rig);
   EXPECT_EQ(drawn.red.alpha, 0.998);
   EXPECT_EQ(drawn.red.beta, 1);
@@ -205,10 +206,10 @@ TEST(PatternImage, TrainingPatternsKeepTheSinusoid) {
   const cv::Mat green = draw_pattern(single_color(pattern, 2), 320, 240, 16);
   const cv::Mat white = draw_pattern(without_stripes(pattern), 320, 240, 16);
   for (int v = 0; v < 240; ++v) {
-    EXPECT_NEAR(value(green, v, 300, 1), sinusoid(pattern, v), kLevel);
-    EXPECT_EQ(value(green, v, 300, 0), 0);
+    EXPECT_NEAR(rgb_value(green, v, 300, 1), sinusoid(pattern, v), kLevel);
+    EXPECT_EQ(rgb_value(green, v, 300, 0), 0);
     for (int channel = 0; channel < 3; ++channel)
-      EXPECT_NEAR(value(white, v, 11, channel), sinusoid(pattern, v), kLevel);
+      EXPECT_NEAR(rgb_value(white, v, 11, channel), sinusoid(pattern, v), kLevel);
   }
   const cv::Mat flat = draw_uniform({1, 0.5, 0}, 5, 4, 8);
   EXPECT_EQ(flat.at<cv::Vec3b>(3, 4), cv::Vec3b(0, 128, 255));
@@ -219,7 +220,7 @@ TEST(PatternImage, TrainingPatternsKeepTheSinusoid) {
 }
 
 TEST(PatternImage, RefusesWhatCannotBeDrawn) {
-  Rig rig = distorted_rig();
+  Rig rig = small_distorted_rig();
   const Pattern pattern{.period = 11};
   EXPECT_THROW((void)draw_pattern(pattern, rig, {.bits = 12}), InvalidInput);
   EXPECT_THROW((void)draw_pattern(pattern, 0, 10), InvalidInput);

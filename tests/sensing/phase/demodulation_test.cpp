@@ -10,19 +10,19 @@
 #include <utility>
 #include <vector>
 
+#include "phase/phase_testing.h"
+
 namespace palpate::sensing {
 namespace {
 
-constexpr double kPeriod = 7.3;
-constexpr double kCarrier = 2 * std::numbers::pi / kPeriod;
-constexpr long kRows = 60;
-constexpr long kColumns = 9;
+constexpr long kWaveRows = 60;
+constexpr long kWaveColumns = 9;
 /// Sums of 15 products of floats near 1.
-constexpr double kRounding = 3e-6;
+constexpr double kSumRounding = 3e-6;
 
 Plane wave(double mean, double amplitude, double frequency, double phase) {
-  Plane image(kRows, kColumns);
-  for (long row = 0; row < kRows; ++row) {
+  Plane image(kWaveRows, kWaveColumns);
+  for (long row = 0; row < kWaveRows; ++row) {
     image.row(row) = static_cast<float>(
         mean + amplitude * std::cos(frequency * static_cast<double>(row) + phase));
   }
@@ -36,7 +36,7 @@ std::vector<Demodulated> demodulate(const std::vector<Plane>& channels, const Ma
   return out.channels;
 }
 
-Mask everywhere() { return Mask::Ones(kRows, kColumns); }
+Mask everywhere() { return Mask::Ones(kWaveRows, kWaveColumns); }
 
 std::complex<double> at(const Demodulated& signal, long row, long column = 4) {
   return {static_cast<double>(signal.re(row, column)), static_cast<double>(signal.im(row, column))};
@@ -45,10 +45,10 @@ std::complex<double> at(const Demodulated& signal, long row, long column = 4) {
 TEST(Demodulation, FindsMeanAmplitudeAndPhaseExactly) {
   const auto out = demodulate({wave(0.5, 0.3, kCarrier, 1.1), wave(0.2, 0.1, kCarrier, -2)},
                               everywhere(), make_filter(kCarrier));
-  for (long row = 3; row < kRows - 3; ++row) {
-    EXPECT_NEAR(std::abs(at(out[0], row) - std::polar(0.15, 1.1)), 0, kRounding) << row;
-    EXPECT_NEAR(std::abs(at(out[1], row) - std::polar(0.05, -2.0)), 0, kRounding) << row;
-    EXPECT_NEAR(out[0].mean(row, 4), 0.5, kRounding) << row;
+  for (long row = 3; row < kWaveRows - 3; ++row) {
+    EXPECT_NEAR(std::abs(at(out[0], row) - std::polar(0.15, 1.1)), 0, kSumRounding) << row;
+    EXPECT_NEAR(std::abs(at(out[1], row) - std::polar(0.05, -2.0)), 0, kSumRounding) << row;
+    EXPECT_NEAR(out[0].mean(row, 4), 0.5, kSumRounding) << row;
   }
 }
 
@@ -57,7 +57,7 @@ TEST(Demodulation, AnotherFrequencyDoesNotBiasThePhase) {
   const double frequency = 1.15 * kCarrier;
   const auto out =
       demodulate({wave(0.5, 0.3, frequency, 0.4)}, everywhere(), make_filter(kCarrier));
-  for (long row = 10; row < kRows - 10; ++row) {
+  for (long row = 10; row < kWaveRows - 10; ++row) {
     const double expected = (frequency - kCarrier) * static_cast<double>(row) + 0.4;
     EXPECT_NEAR(std::arg(at(out[0], row) * std::polar(1.0, -expected)), 0, 0.02) << row;
   }
@@ -66,7 +66,8 @@ TEST(Demodulation, AnotherFrequencyDoesNotBiasThePhase) {
 TEST(Demodulation, TheSecondHarmonicOfAGammaCurveIsSuppressed) {
   const Plane image = wave(0.5, 0.3, kCarrier, 0.4) + wave(0, 0.1, 2 * kCarrier, 1.9);
   const auto out = demodulate({image}, everywhere(), make_filter(kCarrier));
-  for (long row = 10; row < kRows - 10; ++row) EXPECT_NEAR(std::arg(at(out[0], row)), 0.4, 0.005);
+  for (long row = 10; row < kWaveRows - 10; ++row)
+    EXPECT_NEAR(std::arg(at(out[0], row)), 0.4, 0.005);
 }
 
 TEST(Demodulation, WhatLiesOutsideTheMaskDoesNotMatter) {
@@ -78,32 +79,32 @@ TEST(Demodulation, WhatLiesOutsideTheMaskDoesNotMatter) {
   image.bottomRows(15) = 0;
   const auto out = demodulate({image}, mask, make_filter(kCarrier));
   int measured = 0;
-  for (long row = 20; row < kRows - 15; ++row) {
+  for (long row = 20; row < kWaveRows - 15; ++row) {
     if (at(out[0], row) == 0.0) continue;
     ++measured;
-    EXPECT_NEAR(std::abs(at(out[0], row) - std::polar(0.15, 1.1)), 0, kRounding) << row;
+    EXPECT_NEAR(std::abs(at(out[0], row) - std::polar(0.15, 1.1)), 0, kSumRounding) << row;
   }
   EXPECT_EQ(measured, 25 - 2 * 3);
   EXPECT_EQ(at(out[0], 19), 0.0);
 }
 
 TEST(Demodulation, TooLittleOfAPeriodIsNotMeasured) {
-  Mask mask = Mask::Zero(kRows, kColumns);
+  Mask mask = Mask::Zero(kWaveRows, kWaveColumns);
   mask.middleRows(30, 3) = 1;
   const auto out = demodulate({wave(0.5, 0.3, kCarrier, 1.1)}, mask, make_filter(kCarrier));
   for (long row = 30; row < 33; ++row) EXPECT_EQ(at(out[0], row), 0.0);
 }
 
 TEST(Demodulation, AveragesAlongRowsWithBinomialWeights) {
-  Plane image = Plane::Zero(kRows, kColumns);
+  Plane image = Plane::Zero(kWaveRows, kWaveColumns);
   image.col(4) = 16 * wave(0.5, 0.3, kCarrier, 1.1).col(4);
   const auto out = demodulate({image}, everywhere(), make_filter(kCarrier));
   const float expected[] = {0, 0, 1, 4, 6, 4, 1, 0, 0};
-  for (long column = 0; column < kColumns; ++column) {
+  for (long column = 0; column < kWaveColumns; ++column) {
     EXPECT_NEAR(std::abs(at(out[0], 30, column) -
                          static_cast<double>(expected[column]) * std::polar(0.15, 1.1)),
-                0, 16 * kRounding);
-    EXPECT_NEAR(out[0].mean(30, column), column == 4 ? 8 : 0, 16 * kRounding);
+                0, 16 * kSumRounding);
+    EXPECT_NEAR(out[0].mean(30, column), column == 4 ? 8 : 0, 16 * kSumRounding);
   }
 }
 
@@ -111,9 +112,9 @@ TEST(Demodulation, TheResidualIsWhatTheSinusoidDoesNotExplain) {
   Plane image = wave(0.5, 0.3, kCarrier, 1.1);
   Demodulation out;
   demodulate({image, image}, everywhere(), make_filter(kCarrier), out);
-  EXPECT_NEAR(out.residual(30, 4), 0, kRounding);
+  EXPECT_NEAR(out.residual(30, 4), 0, kSumRounding);
   // Rows alternately brighter and darker by 0.1: far from the carrier, all of it stays.
-  for (long row = 0; row < kRows; ++row) image.row(row) += row % 2 == 0 ? 0.1F : -0.1F;
+  for (long row = 0; row < kWaveRows; ++row) image.row(row) += row % 2 == 0 ? 0.1F : -0.1F;
   Mask mask = everywhere();
   mask.topRows(20) = 0;  // of windows that are cut, too
   demodulate({image, image}, mask, make_filter(kCarrier), out);
@@ -134,7 +135,7 @@ TEST(Demodulation, ALongerWindowAveragesMorePixels) {
     before = squares;
     Demodulation out;
     demodulate({wave(0.5, 0.3, kCarrier, 1.1)}, everywhere(), filter, out);
-    EXPECT_NEAR(std::abs(at(out.channels[0], 30) - std::polar(0.15, 1.1)), 0, 2 * kRounding)
+    EXPECT_NEAR(std::abs(at(out.channels[0], 30) - std::polar(0.15, 1.1)), 0, 2 * kSumRounding)
         << periods;
   }
 }

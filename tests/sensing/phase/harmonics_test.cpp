@@ -18,15 +18,13 @@
 namespace palpate::sensing {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 /// Harmonic `k` of f(0.5 + 0.4 cos), relative to the first: the Fourier integral.
 double fourier_ratio(const std::function<double(double)>& f, int k) {
   const auto coefficient = [&](int order) {
     double sum = 0;
     constexpr int kSteps = 4096;
     for (int i = 0; i < kSteps; ++i) {
-      const double phi = 2 * kPi * i / kSteps;
+      const double phi = 2 * std::numbers::pi * i / kSteps;
       sum += f(0.5 + 0.4 * std::cos(phi)) * std::cos(order * phi);
     }
     return sum;
@@ -52,7 +50,7 @@ cv::Mat picture(const std::function<double(double)>& curve, const Look& look = {
   for (int y = 0; y < size.height; ++y) {
     for (int x = 0; x < size.width; ++x) {
       const double phase =
-          2 * kPi / 11.3 * (y + look.bend * y * y / (2.0 * size.height)) + 0.02 * x;
+          2 * std::numbers::pi / 11.3 * (y + look.bend * y * y / (2.0 * size.height)) + 0.02 * x;
       const double light = curve(0.5 + 0.4 * std::cos(phase));
       const double value = static_cast<double>(blotches.at<float>(y / 6, x / 6)) * 0.8 * light +
                            0.03 + static_cast<double>(grain.at<float>(y, x));
@@ -116,7 +114,7 @@ cv::Mat mosaic_picture(double period, double left, const std::function<double(do
   cv::Mat image(240, 200, CV_16U);
   for (int y = 0; y < image.rows; ++y) {
     for (int x = 0; x < image.cols; ++x) {
-      const double wave = 0.4 * std::cos(2 * kPi * y / period + 0.5);
+      const double wave = 0.4 * std::cos(2 * std::numbers::pi * y / period + 0.5);
       const double light = curve(0.5 + wave) + (y % 2 == 0 ? left : -left) * wave;
       image.at<ushort>(y, x) = static_cast<ushort>(std::lround(60000 * light));
     }
@@ -155,7 +153,8 @@ TEST(Harmonics, PredictTheWaveOfADemodulator) {
   constexpr int kLines = 400;
   constexpr double kMedianPeriod = 11.3;
   double mean = 0;
-  for (int i = 0; i < 64; ++i) mean += gamma22(0.5 + 0.4 * std::cos(2 * kPi * i / 64)) / 64;
+  for (int i = 0; i < 64; ++i)
+    mean += gamma22(0.5 + 0.4 * std::cos(2 * std::numbers::pi * i / 64)) / 64;
   double squares = 0;
   double count = 0;
   cv::Mat image(kLines, 300, CV_16U);
@@ -163,7 +162,7 @@ TEST(Harmonics, PredictTheWaveOfADemodulator) {
     const double frequency = (0.85 + 0.3 * (y + 0.5) / kLines) / kMedianPeriod;
     const double start = 0.7 * y * y;  // no pattern down the image
     const auto value = [&](double x) {
-      return gamma22(0.5 + 0.4 * std::cos(2 * kPi * frequency * x + start));
+      return gamma22(0.5 + 0.4 * std::cos(2 * std::numbers::pi * frequency * x + start));
     };
     for (int x = 0; x < image.cols; ++x)
       image.at<ushort>(y, x) = static_cast<ushort>(std::lround(60000 * value(x)));
@@ -172,17 +171,19 @@ TEST(Harmonics, PredictTheWaveOfADemodulator) {
     for (double x = 100; x < 100 + 5 * kMedianPeriod; x += 0.37) {
       std::complex<double> sum = 0;
       for (double k = -kMedianPeriod; k <= kMedianPeriod; k += kStep) {
-        const double weight = 0.5 + 0.5 * std::cos(kPi * k / kMedianPeriod);
-        sum += weight * value(x + k) * std::polar(1.0, -2 * kPi * (x + k) / kMedianPeriod);
+        const double weight = 0.5 + 0.5 * std::cos(std::numbers::pi * k / kMedianPeriod);
+        sum += weight * value(x + k) *
+               std::polar(1.0, -2 * std::numbers::pi * (x + k) / kMedianPeriod);
       }
       // What the window makes of the fundamental alone, and of the mean, which the check leaves
       // out.
       std::complex<double> pure = 0;
       std::complex<double> level = 0;
       for (double k = -kMedianPeriod; k <= kMedianPeriod; k += kStep) {
-        const std::complex<double> weight = (0.5 + 0.5 * std::cos(kPi * k / kMedianPeriod)) *
-                                            std::polar(1.0, -2 * kPi * (x + k) / kMedianPeriod);
-        pure += weight * std::cos(2 * kPi * frequency * (x + k) + start);
+        const std::complex<double> weight =
+            (0.5 + 0.5 * std::cos(std::numbers::pi * k / kMedianPeriod)) *
+            std::polar(1.0, -2 * std::numbers::pi * (x + k) / kMedianPeriod);
+        pure += weight * std::cos(2 * std::numbers::pi * frequency * (x + k) + start);
         level += weight * mean;
       }
       const double wave = std::arg((sum - level) / pure);
@@ -203,7 +204,8 @@ TEST(Harmonics, DepthPerRadianIsTheSlopeOfTheTriangulation) {
   // ahead.
   Rig level = parallel;
   level.T_projector_camera.translation().z() = 0;
-  EXPECT_NEAR(depth_per_radian(level, pattern, 800), 800 * 800 * 10 / (2 * kPi * 1500 * 165), 1e-9);
+  EXPECT_NEAR(depth_per_radian(level, pattern, 800),
+              800 * 800 * 10 / (2 * std::numbers::pi * 1500 * 165), 1e-9);
   const Rig verging = make_rig(true);
   const Eigen::Vector2d ray = geometry::undistort(verging.camera, {159.5, 119.5});
   const auto row = [&](double z) {
@@ -211,7 +213,8 @@ TEST(Harmonics, DepthPerRadianIsTheSlopeOfTheTriangulation) {
     return verging.projector.fy * point.y() / point.z();
   };
   const double slope = (row(800.01) - row(799.99)) / 0.02;
-  EXPECT_NEAR(depth_per_radian(verging, pattern, 800), 10 / (2 * kPi * std::abs(slope)), 1e-5);
+  EXPECT_NEAR(depth_per_radian(verging, pattern, 800),
+              10 / (2 * std::numbers::pi * std::abs(slope)), 1e-5);
   EXPECT_THROW((void)depth_per_radian(level, pattern, std::nan("")), InvalidInput);
 }
 

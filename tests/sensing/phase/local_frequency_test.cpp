@@ -6,32 +6,30 @@
 
 #include <cmath>
 #include <complex>
-#include <numbers>
+
+#include "phase/phase_testing.h"
 
 namespace palpate::sensing {
 namespace {
 
-constexpr double kPeriod = 7.3;
-constexpr double kCarrier = 2 * std::numbers::pi / kPeriod;
-constexpr long kRows = 90;
-constexpr long kColumns = 7;
-constexpr double kPhase = 0.4;
+constexpr long kSlopeRows = 90;
+constexpr long kSlopeColumns = 7;
 
 Demodulation demodulated(double frequency, double carrier) {
-  Plane image(kRows, kColumns);
-  for (long row = 0; row < kRows; ++row) {
+  Plane image(kSlopeRows, kSlopeColumns);
+  for (long row = 0; row < kSlopeRows; ++row) {
     image.row(row) =
         static_cast<float>(0.5 + 0.3 * std::cos(frequency * static_cast<double>(row) + kPhase));
   }
   Demodulation out;
-  demodulate({image}, Mask::Ones(kRows, kColumns), make_filter(carrier), out);
+  demodulate({image}, Mask::Ones(kSlopeRows, kSlopeColumns), make_filter(carrier), out);
   return out;
 }
 
 /// Largest error of the phase away from the borders.
 double phase_error(const Demodulation& signal, double frequency, double carrier) {
   double largest = 0;
-  for (long row = 20; row < kRows - 20; ++row) {
+  for (long row = 20; row < kSlopeRows - 20; ++row) {
     const std::complex<double> found(static_cast<double>(signal.channels[0].re(row, 3)),
                                      static_cast<double>(signal.channels[0].im(row, 3)));
     const double expected = (frequency - carrier) * static_cast<double>(row) + kPhase;
@@ -58,7 +56,7 @@ TEST(LocalFrequency, ASlopeLeavesNoResidual) {
   // phase.
   for (const double ratio : {0.8, 0.9, 1.2}) {
     const Demodulation signal = demodulated(ratio * kCarrier, kCarrier);
-    EXPECT_LT(signal.residual.middleRows(20, kRows - 40).maxCoeff(), 1.2e-3F) << ratio;
+    EXPECT_LT(signal.residual.middleRows(20, kSlopeRows - 40).maxCoeff(), 1.2e-3F) << ratio;
   }
 }
 

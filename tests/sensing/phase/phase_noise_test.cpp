@@ -5,26 +5,24 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 #include <random>
+
+#include "phase/phase_testing.h"
 
 namespace palpate::sensing {
 namespace {
 
-constexpr double kPeriod = 7.3;
-constexpr double kCarrier = 2 * std::numbers::pi / kPeriod;
-constexpr double kPhase = 0.4;
-constexpr long kRows = 240;
-constexpr long kColumns = 320;
+constexpr long kNoisyRows = 240;
+constexpr long kNoisyColumns = 320;
 
 /// mean + amplitude cos(carrier row + phase), normal noise of variance `read` + `shot` * value.
 Plane noisy_wave(double mean, double amplitude, double read, double shot, unsigned seed) {
   std::mt19937 generator(seed);
   std::normal_distribution<double> normal;
-  Plane image(kRows, kColumns);
-  for (long row = 0; row < kRows; ++row) {
+  Plane image(kNoisyRows, kNoisyColumns);
+  for (long row = 0; row < kNoisyRows; ++row) {
     const double value = mean + amplitude * std::cos(kCarrier * static_cast<double>(row) + kPhase);
-    for (long column = 0; column < kColumns; ++column) {
+    for (long column = 0; column < kNoisyColumns; ++column) {
       image(row, column) =
           static_cast<float>(value + std::sqrt(read + shot * value) * normal(generator));
     }
@@ -35,7 +33,8 @@ Plane noisy_wave(double mean, double amplitude, double read, double shot, unsign
 /// A frame of one channel from which everything comes.
 struct Decoded {
   explicit Decoded(const Plane& image)
-      : modulated(Mask::Ones(kRows, kColumns)), phase(Plane::Zero(kRows, kColumns)) {
+      : modulated(Mask::Ones(kNoisyRows, kNoisyColumns)),
+        phase(Plane::Zero(kNoisyRows, kNoisyColumns)) {
     const DemodulationFilter filter = make_filter(kCarrier);
     demodulate({image}, modulated, filter, demodulation);
     combine_channels(demodulation.channels, model, combined);
@@ -55,7 +54,7 @@ struct Decoded {
   /// Root mean square of error / sigma, away from the upper and lower border.
   [[nodiscard]] double score(long first_column, long columns) const {
     const auto inner = [&](const Plane& plane) {
-      return plane.block(15, first_column, kRows - 30, columns).cast<double>();
+      return plane.block(15, first_column, kNoisyRows - 30, columns).cast<double>();
     };
     return std::sqrt(((inner(wrapped) - kPhase) / inner(sigma)).square().mean());
   }
@@ -75,7 +74,7 @@ constexpr double kScoreTolerance = 0.08;
 TEST(PhaseNoise, OfWhiteNoiseIsWhatTheWindowLeavesOfIt) {
   const double deviation = 0.01;
   const Decoded decoded(noisy_wave(0.5, 0.3, deviation * deviation, 0, 1));
-  EXPECT_NEAR(decoded.score(10, kColumns - 20), 1, kScoreTolerance);
+  EXPECT_NEAR(decoded.score(10, kNoisyColumns - 20), 1, kScoreTolerance);
   // Phase noise of N independent pixels: sqrt(2 / N) sigma / amplitude. N from the window's squared
   // weights, 1.5 / 4 P for Hann's, and 70 / 256 for the binomial average.
   const double pixels = 4 * kPeriod / 3 * 256 / 70;
@@ -84,30 +83,32 @@ TEST(PhaseNoise, OfWhiteNoiseIsWhatTheWindowLeavesOfIt) {
 
 TEST(PhaseNoise, GrowsWithTheLightAsShotNoiseDoes) {
   Plane image = noisy_wave(0.1, 0.06, 0, 1e-4, 2);
-  image.rightCols(kColumns / 2) = noisy_wave(0.7, 0.2, 0, 1e-4, 3).rightCols(kColumns / 2);
+  image.rightCols(kNoisyColumns / 2) =
+      noisy_wave(0.7, 0.2, 0, 1e-4, 3).rightCols(kNoisyColumns / 2);
   const Decoded decoded(image);
   EXPECT_GT(decoded.noise.quadrature.slope, 0);
-  EXPECT_NEAR(decoded.score(10, kColumns / 2 - 20), 1, 0.15);
-  EXPECT_NEAR(decoded.score(kColumns / 2 + 10, kColumns / 2 - 20), 1, 0.15);
+  EXPECT_NEAR(decoded.score(10, kNoisyColumns / 2 - 20), 1, 0.15);
+  EXPECT_NEAR(decoded.score(kNoisyColumns / 2 + 10, kNoisyColumns / 2 - 20), 1, 0.15);
 }
 
 TEST(PhaseNoise, KnowsCorrelatedNoise) {
   // Interpolated pixels, as of a mosaic: every other column is its neighbours' mean.
   Plane image = noisy_wave(0.5, 0.3, 1e-4, 0, 4);
-  for (long column = 1; column + 1 < kColumns; column += 2)
+  for (long column = 1; column + 1 < kNoisyColumns; column += 2)
     image.col(column) = (image.col(column - 1) + image.col(column + 1)) / 2;
-  EXPECT_NEAR(Decoded(image).score(10, kColumns - 20), 1, 2 * kScoreTolerance);
+  EXPECT_NEAR(Decoded(image).score(10, kNoisyColumns - 20), 1, 2 * kScoreTolerance);
 }
 
 TEST(PhaseNoise, IsLargeWhereBrightnessSteps) {
   Plane image = noisy_wave(0.5, 0.3, 1e-6, 0, 5);
-  for (long row = 0; row < kRows; ++row) {  // a slanted edge of a darker material
-    const long edge = kColumns / 2 + row / 2;
-    for (long column = 0; column < edge && column < kColumns; ++column) image(row, column) *= 0.5F;
+  for (long row = 0; row < kNoisyRows; ++row) {  // a slanted edge of a darker material
+    const long edge = kNoisyColumns / 2 + row / 2;
+    for (long column = 0; column < edge && column < kNoisyColumns; ++column)
+      image(row, column) *= 0.5F;
   }
   const Decoded decoded(image);
   EXPECT_GT(decoded.sigma(120, 220), 5 * decoded.sigma(120, 50));
-  const double score = decoded.score(10, kColumns - 20);
+  const double score = decoded.score(10, kNoisyColumns - 20);
   EXPECT_GT(score, 0.5);
   EXPECT_LT(score, 1.5);
 }

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "image/hue.h"
+#include "phase/phase_testing.h"
 
 namespace palpate::sensing {
 namespace {
@@ -53,9 +54,9 @@ TEST(WrappedPhase, OfTheAxesAndOfNothing) {
 }
 
 /// Sums of nine squares of floats near 1.
-constexpr double kRounding = 1e-5;
+constexpr double kVarianceRounding = 1e-5;
 
-Plane ramp(long rows, long columns, double down, double across) {
+Plane wrapped_ramp(long rows, long columns, double down, double across) {
   Plane phase(rows, columns);
   for (long row = 0; row < rows; ++row) {
     for (long column = 0; column < columns; ++column) {
@@ -66,43 +67,37 @@ Plane ramp(long rows, long columns, double down, double across) {
   return phase;
 }
 
-Plane variance_of(const Plane& wrapped, const Mask& mask) {
-  Plane variance;
-  phase_variance(wrapped, mask, variance);
-  return variance;
-}
-
 TEST(PhaseVariance, ASlopeHasNoneAcrossWrapsAndAtBorders) {
-  const Plane variance = variance_of(ramp(12, 15, 0.9, -0.4), Mask::Ones(12, 15));
-  EXPECT_LT(variance.maxCoeff(), kRounding);
+  const Plane variance = variance_of(wrapped_ramp(12, 15, 0.9, -0.4), Mask::Ones(12, 15));
+  EXPECT_LT(variance.maxCoeff(), kVarianceRounding);
 }
 
 TEST(PhaseVariance, AStepHasTheVarianceOfOneDifferenceAmongNine) {
-  Plane phase = ramp(12, 15, 0.2, 0);
+  Plane phase = wrapped_ramp(12, 15, 0.2, 0);
   phase.rightCols(7) += 0.6F;  // between columns 7 and 8
   const Plane variance = variance_of(phase, Mask::Ones(12, 15));
   // Three of nine differences to the right are 0.6: variance 0.36 (1/3 - 1/9).
-  EXPECT_NEAR(variance(5, 7), 0.36 * 2 / 9, kRounding);
-  EXPECT_NEAR(variance(5, 6), 0.36 * 2 / 9, kRounding);
-  EXPECT_NEAR(variance(5, 8), 0.36 * 2 / 9, kRounding);
-  EXPECT_NEAR(variance(5, 4), 0, kRounding);
-  EXPECT_NEAR(variance(5, 10), 0, kRounding);
+  EXPECT_NEAR(variance(5, 7), 0.36 * 2 / 9, kVarianceRounding);
+  EXPECT_NEAR(variance(5, 6), 0.36 * 2 / 9, kVarianceRounding);
+  EXPECT_NEAR(variance(5, 8), 0.36 * 2 / 9, kVarianceRounding);
+  EXPECT_NEAR(variance(5, 4), 0, kVarianceRounding);
+  EXPECT_NEAR(variance(5, 10), 0, kVarianceRounding);
 }
 
 TEST(PhaseVariance, WhatLiesOutsideTheMaskDoesNotCount) {
-  Plane phase = ramp(12, 15, 0.2, 0.1);
+  Plane phase = wrapped_ramp(12, 15, 0.2, 0.1);
   phase.leftCols(5) = 2;
   phase(6, 2) = std::nanf("");
   Mask mask = Mask::Ones(12, 15);
   mask.leftCols(5) = 0;
   const Plane variance = variance_of(phase, mask);
-  EXPECT_LT(variance.rightCols(10).maxCoeff(), kRounding);
+  EXPECT_LT(variance.rightCols(10).maxCoeff(), kVarianceRounding);
   EXPECT_TRUE(std::isinf(variance(6, 4)));
 }
 
 TEST(PhaseVariance, IsUnknownInAnImageWithoutThreeRowsOrColumns) {
-  EXPECT_TRUE(variance_of(ramp(2, 15, 0.2, 0.1), Mask::Ones(2, 15)).isInf().all());
-  EXPECT_TRUE(variance_of(ramp(12, 2, 0.2, 0.1), Mask::Ones(12, 2)).isInf().all());
+  EXPECT_TRUE(variance_of(wrapped_ramp(2, 15, 0.2, 0.1), Mask::Ones(2, 15)).isInf().all());
+  EXPECT_TRUE(variance_of(wrapped_ramp(12, 2, 0.2, 0.1), Mask::Ones(12, 2)).isInf().all());
 }
 
 /// Row after row, pixel after pixel, from the definition.
@@ -150,7 +145,7 @@ TEST(PhaseVariance, IsWhatItsDefinitionSaysOnAnyPhaseAndMask) {
       if (std::isinf(expected.data()[i])) {
         EXPECT_TRUE(std::isinf(variance.data()[i])) << i;
       } else {
-        EXPECT_NEAR(variance.data()[i], expected.data()[i], 10 * kRounding) << i;
+        EXPECT_NEAR(variance.data()[i], expected.data()[i], 10 * kVarianceRounding) << i;
       }
     }
   }

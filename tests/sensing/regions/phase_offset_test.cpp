@@ -9,8 +9,7 @@
 namespace palpate::sensing {
 namespace {
 
-constexpr double kTurn = 2 * std::numbers::pi;
-constexpr double kMinAgreement = 0.7;
+constexpr double kMinGuessAgreement = 0.7;
 
 /// Region 0 left of column 10, region 1 from column 12 on; phase 0.5 everywhere.
 Regions two_regions() {
@@ -25,7 +24,7 @@ std::vector<PhaseGuess> column_of(int column, int first_row, int count, double t
                                   double score = 1) {
   std::vector<PhaseGuess> guesses;
   for (int i = 0; i < count; ++i)
-    guesses.push_back({first_row + i, column, 0.5 + kTurn * turns, score, 3});
+    guesses.push_back({first_row + i, column, 0.5 + 2 * std::numbers::pi * turns, score, 3});
   return guesses;
 }
 
@@ -40,7 +39,7 @@ std::vector<RegionOffset> offsets_of(const Regions& regions, std::vector<PhaseGu
   for (std::size_t i = 0; i < guesses.size(); ++i) guesses[i].edge = static_cast<int>(i) % edges;
   OffsetBuffers buffers;
   std::vector<RegionOffset> offsets(7);  // of another frame
-  region_offsets(regions, guesses, kMinAgreement, buffers, offsets);
+  region_offsets(regions, guesses, kMinGuessAgreement, buffers, offsets);
   return offsets;
 }
 
@@ -56,13 +55,13 @@ TEST(PhaseOffset, IsTheRoundedWeightedMedianOfEachRegion) {
                        column_of(15, 0, 6, 4.3);
   const auto offsets = offsets_of(two_regions(), guesses);
   ASSERT_EQ(offsets.size(), 2U);
-  EXPECT_DOUBLE_EQ(offsets[0].phase.value(), -2 * kTurn);
-  EXPECT_DOUBLE_EQ(offsets[1].phase.value(), 4 * kTurn);
+  EXPECT_DOUBLE_EQ(offsets[0].phase.value(), -2 * 2 * std::numbers::pi);
+  EXPECT_DOUBLE_EQ(offsets[1].phase.value(), 4 * 2 * std::numbers::pi);
 }
 
 TEST(PhaseOffset, WeightsDecideNotNumbers) {
   const auto guesses = column_of(3, 0, 6, 1, 2) + column_of(5, 0, 7, 5, 0.5);
-  EXPECT_DOUBLE_EQ(offsets_of(two_regions(), guesses)[0].phase.value(), kTurn);
+  EXPECT_DOUBLE_EQ(offsets_of(two_regions(), guesses)[0].phase.value(), 2 * std::numbers::pi);
 }
 
 TEST(PhaseOffset, GuessesThatDisagreeOrAreFewGiveNone) {
@@ -101,14 +100,14 @@ TEST(PhaseOffset, MarkersAreRunsOfGuessesThatConfirmEachOther) {
 }
 
 TEST(PhaseOffset, AnAnchorGivesItsRegionAnOffsetAndNoOther) {
-  PhaseGuess anchor{.row = 4, .column = 3, .phase = 0.7 + 3 * kTurn, .score = 1};
+  PhaseGuess anchor{.row = 4, .column = 3, .phase = 0.7 + 3 * 2 * std::numbers::pi, .score = 1};
   auto offsets = anchored_offsets(two_regions(), anchor, 2);
-  EXPECT_DOUBLE_EQ(offsets[0].phase.value(), 3 * kTurn);
+  EXPECT_DOUBLE_EQ(offsets[0].phase.value(), 3 * 2 * std::numbers::pi);
   EXPECT_FALSE(offsets[1].phase.has_value());
   anchor.column = 11;  // in neither; column 12 and column 9 are near, 12 is nearer
   offsets = anchored_offsets(two_regions(), anchor, 2);
   EXPECT_FALSE(offsets[0].phase.has_value());
-  EXPECT_DOUBLE_EQ(offsets[1].phase.value(), 3 * kTurn);
+  EXPECT_DOUBLE_EQ(offsets[1].phase.value(), 3 * 2 * std::numbers::pi);
   offsets = anchored_offsets(two_regions(), anchor, 0);
   EXPECT_FALSE(offsets[1].phase.has_value());
 }

@@ -12,10 +12,9 @@
 namespace palpate::sensing {
 namespace {
 
-constexpr double kTurn = 2 * std::numbers::pi;
-constexpr SeamLimits kLimits{.min_width = 1, .max_width = 6, .min_agreement = 0.8};
-constexpr long kRows = 60;
-constexpr long kColumns = 90;
+constexpr SeamLimits kSeamLimits{.min_width = 1, .max_width = 6, .min_agreement = 0.8};
+constexpr long kSeamRows = 60;
+constexpr long kSeamColumns = 90;
 
 /// Region 0 on the left, solved with 5 turns; a seam from column 40 on; region
 /// 1 on the right of it, whose phase lacks 3 turns and `step(row)` of the
@@ -24,10 +23,10 @@ struct TwoSides {
   explicit TwoSides(
       long seam, const std::function<double(long row)>& step = [](long) { return 0.0; }) {
     regions.count = 2;
-    regions.label = Labels::Constant(kRows, kColumns, -1);
-    regions.phase = Plane::Zero(kRows, kColumns);
-    for (long row = 0; row < kRows; ++row) {
-      for (long column = 0; column < kColumns; ++column) {
+    regions.label = Labels::Constant(kSeamRows, kSeamColumns, -1);
+    regions.phase = Plane::Zero(kSeamRows, kSeamColumns);
+    for (long row = 0; row < kSeamRows; ++row) {
+      for (long column = 0; column < kSeamColumns; ++column) {
         const auto r = static_cast<double>(row);
         const auto c = static_cast<double>(column);
         double phase = 0.3 * r + 0.2 * c + 1e-3 * c * c;
@@ -35,20 +34,20 @@ struct TwoSides {
           regions.label(row, column) = 0;
         } else if (column >= 40 + seam) {
           regions.label(row, column) = 1;
-          phase += kTurn * (step(row) - 3);
+          phase += 2 * std::numbers::pi * (step(row) - 3);
         }
         regions.phase(row, column) = static_cast<float>(phase);
       }
     }
-    offsets[0] = {5 * kTurn, Reason::reconstructed};
+    offsets[0] = {5 * 2 * std::numbers::pi, Reason::reconstructed};
   }
   Regions regions;
   std::vector<RegionOffset> offsets = std::vector<RegionOffset>(2);
 };
 
-RegionOffset solved(TwoSides sides, const SeamLimits& limits = kLimits) {
+RegionOffset solved(TwoSides sides, const SeamLimits& limits = kSeamLimits) {
   solve_from_neighbours(sides.regions, limits, sides.offsets);
-  EXPECT_EQ(sides.offsets[0].phase, 5 * kTurn);
+  EXPECT_EQ(sides.offsets[0].phase, 5 * 2 * std::numbers::pi);
   return sides.offsets[1];
 }
 
@@ -56,7 +55,7 @@ TEST(PhaseSeams, ARegionWithoutStripeEdgesContinuesItsNeighbour) {
   for (const long seam : {1L, 3L, 6L}) {
     const RegionOffset offset = solved(TwoSides(seam));
     ASSERT_TRUE(offset.phase) << seam;
-    EXPECT_DOUBLE_EQ(*offset.phase, 8 * kTurn);
+    EXPECT_DOUBLE_EQ(*offset.phase, 8 * 2 * std::numbers::pi);
     EXPECT_EQ(offset.reason, Reason::reconstructed);
   }
 }
@@ -78,7 +77,7 @@ TEST(PhaseSeams, AStepBetweenWholeNumbersOfTurnsSolvesNothing) {
 TEST(PhaseSeams, AStepWhoseHeightVariesIsNeverTakenForASeam) {
   for (const double range : {0.5, 1.0, 2.0}) {
     const RegionOffset offset = solved(TwoSides(3, [&](long row) {
-      return 1 + range * static_cast<double>(row) / static_cast<double>(kRows);
+      return 1 + range * static_cast<double>(row) / static_cast<double>(kSeamRows);
     }));
     EXPECT_FALSE(offset.phase) << range;
   }
@@ -98,9 +97,9 @@ TEST(PhaseSeams, AShortBorderProvesNothing) {
 
 TEST(PhaseSeams, WhereRegionsTouchTheirCutProvesNothingUnlessAskedFor) {
   EXPECT_FALSE(solved(TwoSides(0)).phase);
-  SeamLimits touching = kLimits;
+  SeamLimits touching = kSeamLimits;
   touching.min_width = 0;
-  EXPECT_EQ(solved(TwoSides(0), touching).phase, 8 * kTurn);
+  EXPECT_EQ(solved(TwoSides(0), touching).phase, 8 * 2 * std::numbers::pi);
 }
 
 TEST(PhaseSeams, WorksAcrossRowsToo) {
@@ -109,7 +108,7 @@ TEST(PhaseSeams, WorksAcrossRowsToo) {
   const Plane phase = sides.regions.phase.transpose();
   sides.regions.label = label;
   sides.regions.phase = phase;
-  EXPECT_EQ(solved(sides).phase, 8 * kTurn);
+  EXPECT_EQ(solved(sides).phase, 8 * 2 * std::numbers::pi);
 }
 
 TEST(PhaseSeams, SolvedRegionsSolveTheNextAndAmbiguousOnesStay) {
@@ -119,10 +118,10 @@ TEST(PhaseSeams, SolvedRegionsSolveTheNextAndAmbiguousOnesStay) {
   sides.regions.count = 3;
   sides.offsets.resize(3);
   auto offsets = sides.offsets;
-  solve_from_neighbours(sides.regions, kLimits, offsets);
-  EXPECT_EQ(offsets[2].phase, 8 * kTurn);
+  solve_from_neighbours(sides.regions, kSeamLimits, offsets);
+  EXPECT_EQ(offsets[2].phase, 8 * 2 * std::numbers::pi);
   sides.offsets[1].reason = Reason::ambiguous_offset;
-  solve_from_neighbours(sides.regions, kLimits, sides.offsets);
+  solve_from_neighbours(sides.regions, kSeamLimits, sides.offsets);
   EXPECT_FALSE(sides.offsets[1].phase);
   EXPECT_EQ(sides.offsets[1].reason, Reason::ambiguous_offset);
   EXPECT_FALSE(sides.offsets[2].phase);

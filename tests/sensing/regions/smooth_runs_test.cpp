@@ -18,7 +18,6 @@ namespace palpate::sensing {
 namespace {
 
 constexpr double kMaxStep = 1.5;
-constexpr float kTurn = 2 * std::numbers::pi_v<float>;
 
 struct Unwrapped {
   Labels label;
@@ -80,7 +79,8 @@ void expect_same_up_to_turns(const Unwrapped& a, const Unwrapped& b) {
   for (long i = 0; i < a.label.size(); ++i) {
     ASSERT_EQ(a.label.data()[i], b.label.data()[i]) << i;
     if (a.label.data()[i] < 0) continue;
-    const float difference = (a.phase.data()[i] - b.phase.data()[i]) / kTurn;
+    const float difference =
+        (a.phase.data()[i] - b.phase.data()[i]) / (2 * std::numbers::pi_v<float>);
     const long whole = std::lround(difference);
     EXPECT_NEAR(difference, static_cast<float>(whole), 1e-4) << i;
     EXPECT_EQ(turns.emplace(a.label.data()[i], whole).first->second, whole) << i;

@@ -9,19 +9,16 @@
 #include <numbers>
 
 #include "image/hue.h"
-#include "phase/wrapped_phase.h"
+#include "phase/phase_testing.h"
 
 namespace palpate::sensing {
 namespace {
 
-constexpr FloodLimits kLimits{.max_variance = 0.01, .max_step = 1.5};
-constexpr float kTurn = 2 * std::numbers::pi_v<float>;
+constexpr FloodLimits kSnakeLimits{.max_variance = 0.01, .max_step = 1.5};
 
 Regions snakes_of(const Plane& wrapped, const Mask& mask) {
-  Plane variance;
-  phase_variance(wrapped, mask, variance);
   Regions regions;
-  grow_snakes(wrapped, variance, kLimits, regions);
+  grow_snakes(wrapped, variance_of(wrapped, mask), kSnakeLimits, regions);
   return regions;
 }
 
@@ -58,11 +55,9 @@ TEST(Snakes, FindAndUnwrapASmoothSurface) {
 TEST(Snakes, BridgeAGapInABorderThatAFloodFlowsThrough) {
   const Plane wrapped = stepped(2.5, 6);
   const Mask mask = Mask::Ones(90, 140);
-  Plane variance;
-  phase_variance(wrapped, mask, variance);
   UnwrappingBuffers buffers;
   Regions flooded;
-  grow_regions(wrapped, variance, kLimits, buffers, flooded);
+  grow_regions(wrapped, variance_of(wrapped), kSnakeLimits, buffers, flooded);
   ASSERT_EQ(flooded.label(10, 10), flooded.label(10, 130));
   const Regions regions = snakes_of(wrapped, mask);
   EXPECT_NE(regions.label(10, 10), regions.label(10, 130));
@@ -117,7 +112,7 @@ TEST(Snakes, LeaveOutRoughPixelsButPassThem) {
   EXPECT_EQ(regions.label(45, 60), regions.label(45, 80));
   const float across = regions.phase(45, 80) - regions.phase(45, 60);
   EXPECT_NEAR(across, -0.13F * 20, 1e-3);
-  EXPECT_LT(std::abs(across), kTurn);
+  EXPECT_LT(std::abs(across), 2 * std::numbers::pi_v<float>);
 }
 
 }  // namespace

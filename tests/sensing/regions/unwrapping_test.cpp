@@ -9,15 +9,14 @@
 #include <numbers>
 
 #include "image/hue.h"
-#include "phase/wrapped_phase.h"
+#include "phase/phase_testing.h"
 
 namespace palpate::sensing {
 namespace {
 
-constexpr FloodLimits kLimits{.max_variance = 0.05, .max_step = 1.5};
-constexpr float kTurn = 2 * std::numbers::pi_v<float>;
+constexpr FloodLimits kFloodLimits{.max_variance = 0.05, .max_step = 1.5};
 /// A path of 100 additions of floats near 30.
-constexpr double kRounding = 1e-3;
+constexpr double kPathRounding = 1e-3;
 
 /// A hill many turns high.
 Plane hill(long rows, long columns) {
@@ -36,7 +35,8 @@ Plane wrapped(const Plane& phase) {
   return phase.unaryExpr([](float value) { return wrap(value); });
 }
 
-Regions grown(const Plane& wrapped, const Plane& variance, const FloodLimits& limits = kLimits) {
+Regions grown(const Plane& wrapped, const Plane& variance,
+              const FloodLimits& limits = kFloodLimits) {
   UnwrappingBuffers buffers;
   Regions regions;
   grow_regions(wrapped, variance, limits, buffers, regions);
@@ -46,13 +46,7 @@ Regions grown(const Plane& wrapped, const Plane& variance, const FloodLimits& li
 void split(const Plane& wrapped, const Plane& variance, const std::vector<Marker>& markers,
            Regions& regions) {
   UnwrappingBuffers buffers;
-  split_regions(wrapped, variance, kLimits, markers, buffers, regions);
-}
-
-Plane variance_of(const Plane& wrapped) {
-  Plane variance;
-  phase_variance(wrapped, Mask::Ones(wrapped.rows(), wrapped.cols()), variance);
-  return variance;
+  split_regions(wrapped, variance, kFloodLimits, markers, buffers, regions);
 }
 
 TEST(Unwrapping, GivesASmoothSurfaceBackUpToWholeTurns) {
@@ -61,9 +55,9 @@ TEST(Unwrapping, GivesASmoothSurfaceBackUpToWholeTurns) {
   const Plane variance = variance_of(wrapped_phase);
   const Regions regions = grown(wrapped_phase, variance, {.max_variance = 1, .max_step = 3});
   ASSERT_EQ(regions.count, 1);
-  const Plane offset = (regions.phase - phase) / kTurn;
-  EXPECT_NEAR(offset.maxCoeff(), offset.minCoeff(), kRounding);
-  EXPECT_NEAR(offset(0, 0), std::round(offset(0, 0)), kRounding);
+  const Plane offset = (regions.phase - phase) / (2 * std::numbers::pi_v<float>);
+  EXPECT_NEAR(offset.maxCoeff(), offset.minCoeff(), kPathRounding);
+  EXPECT_NEAR(offset(0, 0), std::round(offset(0, 0)), kPathRounding);
 }
 
 TEST(Unwrapping, RegionsEndWhereThePhaseIsNotSmooth) {

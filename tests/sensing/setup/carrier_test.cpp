@@ -13,8 +13,7 @@
 namespace palpate::sensing {
 namespace {
 
-constexpr double kTurn = 2 * std::numbers::pi;
-constexpr double kRounding = 1e-9;
+constexpr double kCarrierRounding = 1e-9;
 
 /// With parallel axes and the projector as far forward as the camera the image of a facing plane is
 /// the pattern, scaled by the ratio of the focal lengths at any depth.
@@ -28,15 +27,15 @@ TEST(Carrier, IsTheRatioOfTheFocalLengthsWithParallelAxes) {
   const Carrier carrier = expected_carrier(level_rig(), make_pattern(Axis::y, 11, 1024));
   EXPECT_FALSE(carrier.transposed);
   EXPECT_FALSE(carrier.stripes_reversed);
-  EXPECT_NEAR(carrier.along, kTurn * 1500 / 550 / 11, kRounding);
-  EXPECT_NEAR(carrier.across, 0, kRounding);
+  EXPECT_NEAR(carrier.along, 2 * std::numbers::pi * 1500 / 550 / 11, kCarrierRounding);
+  EXPECT_NEAR(carrier.across, 0, kCarrierRounding);
   EXPECT_GT(carrier.z, 222);  // a baseline
 }
 
 TEST(Carrier, ASinusoidAlongXWorksOnTheTransposedImage) {
   const Carrier carrier = expected_carrier(level_rig(), make_pattern(Axis::x, 11, 768));
   EXPECT_TRUE(carrier.transposed);
-  EXPECT_NEAR(carrier.along, kTurn * 1500 / 550 / 11, kRounding);
+  EXPECT_NEAR(carrier.along, 2 * std::numbers::pi * 1500 / 550 / 11, kCarrierRounding);
 }
 
 TEST(Carrier, AProjectorUpsideDownReversesSinusoidAndStripes) {
@@ -48,7 +47,7 @@ TEST(Carrier, AProjectorUpsideDownReversesSinusoidAndStripes) {
   rig.projector.cx = 1023 - rig.projector.cx;
   rig.projector.cy = 767 - rig.projector.cy;
   const Carrier carrier = expected_carrier(rig, make_pattern(Axis::y, 11, 1024));
-  EXPECT_NEAR(carrier.along, -kTurn * 1500 / 550 / 11, kRounding);
+  EXPECT_NEAR(carrier.along, -2 * std::numbers::pi * 1500 / 550 / 11, kCarrierRounding);
   EXPECT_TRUE(carrier.stripes_reversed);
 }
 

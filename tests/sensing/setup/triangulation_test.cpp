@@ -13,7 +13,7 @@ namespace palpate::sensing {
 namespace {
 
 /// 10 operations in double precision on values near 1000.
-constexpr double kRounding = 1e-9;
+constexpr double kTriangulationRounding = 1e-9;
 
 TEST(Triangulation, ParallelAxesGiveTheThesisEquations) {
   const Rig rig = make_rig(false);
@@ -25,7 +25,7 @@ TEST(Triangulation, ParallelAxesGiveTheThesisEquations) {
   const double pi_x = 0.31;
   const double z_stripe = (p.x() - pi_x * p.z()) / (ci.x() - pi_x);
   EXPECT_NEAR(triangulation.depth(ray, Axis::x, rig.projector.fx * pi_x + rig.projector.cx),
-              z_stripe, kRounding);
+              z_stripe, kTriangulationRounding);
   // Eqs. 3.9 and 3.11, omega in radians per normalised coordinate
   const double omega = 940;
   const double theta = 231.7;
@@ -37,7 +37,7 @@ TEST(Triangulation, ParallelAxesGiveTheThesisEquations) {
   const double pi_y_front = ci.y() + theta / omega;
   const double z_front = omega * (-p.z() * ci.y() + p.y()) / -theta + p.z();
   EXPECT_NEAR(triangulation.depth(ray, Axis::y, rig.projector.fy * pi_y_front + rig.projector.cy),
-              z_front, kRounding);
+              z_front, kTriangulationRounding);
 }
 
 TEST(Triangulation, DepthUndoesProjectionForAnyPoseAndLens) {
@@ -54,7 +54,7 @@ TEST(Triangulation, DepthUndoesProjectionForAnyPoseAndLens) {
       const Eigen::Vector2d pixel = triangulation.project(ray, z);
       if (!triangulation.on_panel(pixel)) continue;
       // The secant method stops within 1e-6 px; a pixel is at most about 10 mm here.
-      const double tolerance = distorted ? 1e-5 : kRounding;
+      const double tolerance = distorted ? 1e-5 : kTriangulationRounding;
       EXPECT_NEAR(triangulation.depth(ray, Axis::x, pixel.x()), z, tolerance);
       EXPECT_NEAR(triangulation.depth(ray, Axis::y, pixel.y()), z, tolerance);
     }

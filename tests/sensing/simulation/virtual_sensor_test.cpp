@@ -40,7 +40,7 @@ Body plane_body(const Eigen::Vector3d& normal, double distance, double reach = 0
 }
 
 /// The upright rectangle at depth z.
-Body plate(double left, double right, double top, double bottom, double z) {
+Body plate_body(double left, double right, double top, double bottom, double z) {
   Eigen::Matrix<double, 3, 4> corners;
   corners << left, right, right, left, top, top, bottom, bottom, z, z, z, z;
   return {.mesh = quad(corners)};
@@ -63,7 +63,7 @@ Simulation simulate_one(const Rig& rig, const std::vector<Body>& bodies, const c
   return simulate(rig, bodies, std::vector<cv::Mat>{panel}, sensor);
 }
 
-double value(const cv::Mat& frame, long row, long column, int channel = 1) {
+double bgr_value(const cv::Mat& frame, long row, long column, int channel = 1) {
   return frame.at<cv::Vec<ushort, 3>>(static_cast<int>(row), static_cast<int>(column))[channel] /
          65535.0;
 }
@@ -104,7 +104,7 @@ TEST(VirtualSensor, ShadesAPlaneByCosineAndInverseSquare) {
       const double gloss = 0.3 * 28 / 8 * std::pow(-normal.dot(half), 20);
       for (int c = 0; c < 3; ++c) {
         const double reflectance = bodies[0].reflectance[2 - c];
-        ASSERT_NEAR(value(simulation.frames[0], v, u, c),
+        ASSERT_NEAR(bgr_value(simulation.frames[0], v, u, c),
                     std::min(1.0, exposure * ((reflectance + gloss) * light + 0.05 * reflectance)),
                     kStep)
             << v << ' ' << u;
@@ -143,10 +143,10 @@ TEST(VirtualSensor, ShowsEachColourWhereTheOpticsOfTheRigSendIt) {
       for (int v = 3; v < rig.camera.height; v += 5) {
         for (int u = 3; u < rig.camera.width; u += 5) {
           for (int c = 0; c < 3; ++c) {
-            const double light = value(simulation.frames[1], v, u, c);
-            const double wanted = value(expected.frame, v, u, c);
+            const double light = bgr_value(simulation.frames[1], v, u, c);
+            const double wanted = bgr_value(expected.frame, v, u, c);
             if (light == 0 || wanted == 0) continue;  // at the panel's border
-            ASSERT_NEAR(value(simulation.frames[0], v, u, c) / light, wanted, kChord)
+            ASSERT_NEAR(bgr_value(simulation.frames[0], v, u, c) / light, wanted, kChord)
                 << v << ' ' << u << ' ' << c;
             ++compared;
           }
@@ -160,7 +160,7 @@ TEST(VirtualSensor, ShowsEachColourWhereTheOpticsOfTheRigSendIt) {
 TEST(VirtualSensor, CastsTheShadowOfAPlate) {
   const Rig rig = make_rig(false);
   const std::vector<Body> bodies = {plane_body({0, 0, 1}, 1000.3),
-                                    plate(-50.1, 40.2, -30.3, 35.7, 800.7)};
+                                    plate_body(-50.1, 40.2, -30.3, 35.7, 800.7)};
   const SceneTruth truth = simulate_one(rig, bodies, white(rig), plain()).truth;
   const Eigen::Vector3d light = projector_of(rig);
   int shadow = 0, front = 0;
@@ -188,14 +188,14 @@ TEST(VirtualSensor, CastsTheShadowOfAPlate) {
 
 TEST(VirtualSensor, SeesColoursOfVerticesAndTextures) {
   const Rig rig = make_rig(false);
-  Body body = plate(-100, 100, -80, 80, 800);
+  Body body = plate_body(-100, 100, -80, 80, 800);
   body.reflectance = {1, 1, 1};
   body.vertex_colors = Eigen::Matrix3Xd::Constant(3, 4, 1);
   body.vertex_colors->row(0) << 0, 1, 1, 0;  // red grows to the right
   body.texture = cv::Mat((cv::Mat_<uchar>(2, 1) << 255, 51));
   body.texture_coordinates.resize(2, 4);
   body.texture_coordinates << 0, 1, 1, 0, 1, 1, 0, 0;  // its first row is at the top
-  Body blank = plate(-100, 100, -80, 80, 800);
+  Body blank = plate_body(-100, 100, -80, 80, 800);
   blank.reflectance = {1, 1, 1};
   const cv::Mat colored = simulate_one(rig, {body}, white(rig), plain()).frames[0];
   const cv::Mat bare = simulate_one(rig, {blank}, white(rig), plain()).frames[0];
@@ -205,15 +205,16 @@ TEST(VirtualSensor, SeesColoursOfVerticesAndTextures) {
       const double y = (v - rig.camera.cy) / rig.camera.fy * 800;
       const double row = (y + 80) / 80 - 0.5;
       const double texel = 1 + row * (0.2 - 1);
-      EXPECT_NEAR(value(colored, v, u, 1) / value(bare, v, u, 1), texel, 1e-4);
-      EXPECT_NEAR(value(colored, v, u, 2) / value(bare, v, u, 2), texel * (x + 100) / 200, 1e-4);
+      EXPECT_NEAR(bgr_value(colored, v, u, 1) / bgr_value(bare, v, u, 1), texel, 1e-4);
+      EXPECT_NEAR(bgr_value(colored, v, u, 2) / bgr_value(bare, v, u, 2), texel * (x + 100) / 200,
+                  1e-4);
     }
   }
 }
 
 TEST(VirtualSensor, BlursWhatMovesAndTakesTheTruthInTheMiddle) {
   const Rig rig = make_rig(false);
-  std::vector<Body> bodies = {plate(-300, 0.1, -300, 300, 800)};
+  std::vector<Body> bodies = {plate_body(-300, 0.1, -300, 300, 800)};
   VirtualSensor sensor = plain();
   const cv::Mat rest = simulate_one(rig, bodies, white(rig), sensor).frames[0];
   // Its right edge goes 20 px to the right, and it comes 40 mm nearer.
@@ -224,12 +225,12 @@ TEST(VirtualSensor, BlursWhatMovesAndTakesTheTruthInTheMiddle) {
   EXPECT_NEAR(moving.truth.range.z(120, 100), 780, 1e-4);
   EXPECT_FALSE(std::isfinite(moving.truth.range.z(120, 171)));
   // Light of the steps at which the edge was already there: three of four, two, one, none.
-  const double full = value(moving.frames[0], 120, 155);
-  EXPECT_NEAR(full, value(rest, 120, 155), 0.1 * full);
+  const double full = bgr_value(moving.frames[0], 120, 155);
+  EXPECT_NEAR(full, bgr_value(rest, 120, 155), 0.1 * full);
   const double quarters[] = {3, 2, 1, 0};
   const int columns[] = {164, 169, 174, 179};
   for (int i = 0; i < 4; ++i) {
-    EXPECT_NEAR(value(moving.frames[0], 120, columns[i]) / full, quarters[i] / 4, 0.04) << i;
+    EXPECT_NEAR(bgr_value(moving.frames[0], 120, columns[i]) / full, quarters[i] / 4, 0.04) << i;
   }
 }
 
@@ -241,9 +242,9 @@ TEST(VirtualSensor, SamplesAPixelThatIsPartlyCovered) {
   // is before it, the second, at 159.875, is not.
   const double edge = (159.78 - rig.camera.cx) / rig.camera.fx * 800;
   const cv::Mat frame =
-      simulate_one(rig, {plate(-300, edge, -300, 300, 800)}, white(rig), sensor).frames[0];
-  EXPECT_NEAR(value(frame, 120, 160) / value(frame, 120, 159), 0.25, 0.01);
-  EXPECT_EQ(value(frame, 120, 161), 0);
+      simulate_one(rig, {plate_body(-300, edge, -300, 300, 800)}, white(rig), sensor).frames[0];
+  EXPECT_NEAR(bgr_value(frame, 120, 160) / bgr_value(frame, 120, 159), 0.25, 0.01);
+  EXPECT_EQ(bgr_value(frame, 120, 161), 0);
 }
 
 TEST(VirtualSensor, GivesTheSameFrameOnAnyNumberOfThreads) {
@@ -270,7 +271,7 @@ TEST(VirtualSensor, SeesNothingWhereNothingIs) {
   const Rig rig = make_rig(false);
   for (const double z : {-800.0, 0.0}) {
     const Simulation simulation =
-        simulate_one(rig, {plate(-300, 300, -300, 300, z)}, white(rig), ideal({}));
+        simulate_one(rig, {plate_body(-300, 300, -300, 300, z)}, white(rig), ideal({}));
     EXPECT_TRUE(simulation.truth.range.z.isNaN().all());
     EXPECT_FALSE(simulation.truth.lit.any());
     EXPECT_EQ(cv::norm(simulation.frames[0], cv::NORM_INF), 0);
@@ -279,17 +280,17 @@ TEST(VirtualSensor, SeesNothingWhereNothingIs) {
 
 TEST(VirtualSensor, StandsTrianglesWithoutArea) {
   const Rig rig = make_rig(false);
-  Body body = plate(-300, 300, -300, 300, 800);
+  Body body = plate_body(-300, 300, -300, 300, 800);
   body.mesh.vertices.col(3) = body.mesh.vertices.col(2);
   const Simulation simulation = simulate_one(rig, {body}, white(rig), plain());
   const cv::Mat& frame = simulation.frames[0];
-  EXPECT_GT(value(frame, 20, 300), 0.1);
+  EXPECT_GT(bgr_value(frame, 20, 300), 0.1);
   EXPECT_TRUE(simulation.truth.range.z.isNaN().any());
 }
 
 TEST(VirtualSensor, RefusesWhatItCannotSimulate) {
   const Rig rig = make_rig(false);
-  const Body good = plate(-300, 300, -300, 300, 800);
+  const Body good = plate_body(-300, 300, -300, 300, 800);
   const auto refusal = [&](const std::vector<Body>& bodies, const cv::Mat& panel,
                            const VirtualSensor& sensor) {
     return message_of<InvalidInput>([&] { (void)simulate_one(rig, bodies, panel, sensor); });
