@@ -5,11 +5,16 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
+#include <Eigen/Core>
+#include <algorithm>
+#include <array>
+#include <bit>
 #include <csignal>
 #include <exception>
 #include <filesystem>
 #include <string>
 #include <typeinfo>
+#include <vector>
 
 #include "scratch_folder.h"
 
@@ -42,6 +47,20 @@ inline void overwrite(const std::filesystem::path& path, const std::string& text
   std::filesystem::remove(path);
   write_text(path, text);
 }
+
+/// Appends a number as a file of the given byte order holds it.
+template <typename Number>
+void put(std::string& bytes, Number value, std::endian order = std::endian::little) {
+  auto raw = std::bit_cast<std::array<char, sizeof(Number)>>(value);
+  if (order != std::endian::native) std::reverse(raw.begin(), raw.end());
+  bytes.append(raw.data(), raw.size());
+}
+
+/// A unit tetrahedron's faces, counter-clockwise from outside.
+inline const std::vector<Eigen::Vector3d> kTetrahedronCorners{
+    {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+inline const std::vector<Eigen::Vector3i> kTetrahedronFaces{
+    {0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
 
 /// Checks that `statement` throws `Exception` (not one derived from it) and that its message has
 /// `words`: what it tells the user to do.

@@ -17,11 +17,6 @@ inline std::filesystem::path written(const ScratchFolder& folder, const std::str
   return folder / name;
 }
 
-/// `text` with the first `from` replaced by `to`.
-inline std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  return text.replace(text.find(from), from.size(), to);
-}
-
 inline std::filesystem::path demo_path(const std::string& name) {
   return repository("demo") / name;
 }

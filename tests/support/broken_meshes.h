@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <limits>
 #include <string>
 #include <vector>
 
+#include "not_finite.h"
 #include "palpate/geometry/mesh_defects.h"
 #include "test_surfaces.h"
 
@@ -34,8 +34,6 @@ inline TriangleMesh with_vertex(TriangleMesh mesh, const Eigen::Vector3d& vertex
 }
 
 inline std::vector<BrokenMesh> broken_meshes() {
-  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const TriangleMesh sphere = icosphere(2, 10.1);    // 162 vertices, 320 triangles
   const TriangleMesh sheet = flat_sheet(4, 3, 1.7);  // 20 vertices, 24 triangles
   const auto changed = [](TriangleMesh mesh, auto&& change) {
@@ -44,11 +42,11 @@ inline std::vector<BrokenMesh> broken_meshes() {
   };
   std::vector<BrokenMesh> broken = {
       {"vertex not a number",
-       changed(sphere, [](auto& m) { m.vertices(1, 17) = kNan; }),
+       changed(sphere, [](auto& m) { m.vertices(1, 17) = kNaN; }),
        DefectKind::infinite_vertex,
        {17}},
       {"vertex infinite",
-       changed(sphere, [](auto& m) { m.vertices(0, 161) = -kInfinity; }),
+       changed(sphere, [](auto& m) { m.vertices(0, 161) = -kInf; }),
        DefectKind::infinite_vertex,
        {161}},
       {"corner beyond the last vertex",

@@ -118,6 +118,18 @@ inline Samples sample(const TriangleMesh& mesh, int count) {
   return samples;
 }
 
+/// [mm]
+struct Errors {
+  double rms = 0;
+  double largest = 0;
+};
+
+/// Of distances with or without a sign.
+inline Errors errors_of(const Eigen::VectorXd& distances) {
+  return {std::sqrt(distances.squaredNorm() / static_cast<double>(distances.size())),
+          distances.cwiseAbs().maxCoeff()};
+}
+
 struct SampledDistance {
   double largest = 0;  ///< [mm] of the samples; other points may be farther by up to `spacing`
   double spacing = 0;  ///< [mm]

@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "palpate/geometry/mesh_topology.h"
 #include "palpate/geometry/triangle_mesh.h"
 
 /// Meshes as users have them: range maps with noise and holes, gloves, thin closed shapes.
@@ -269,6 +270,10 @@ inline TriangleMesh torus(int around, int across, double radius, double tube_rad
     }
   }
   return mesh;
+}
+
+inline long border_edges(const TriangleMesh& mesh) {
+  return (opposite_half_edges(mesh).array() < 0).count();
 }
 
 }  // namespace palpate::geometry::test

@@ -53,4 +53,9 @@ inline void write_text(const std::filesystem::path& path, const std::string& tex
   if (!stream.flush()) throw std::runtime_error("cannot write " + path.string());
 }
 
+/// `text` with the first `from` replaced by `to`.
+inline std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  return text.replace(text.find(from), from.size(), to);
+}
+
 }  // namespace palpate

@@ -7,10 +7,10 @@
 #include <cmath>
 #include <limits>
 
+#include "not_finite.h"
+
 namespace palpate::geometry {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 TEST(ErrorStatistics, OfKnownValues) {
   const ErrorStatistics s = error_statistics({3, -4, 0, 1, -2});

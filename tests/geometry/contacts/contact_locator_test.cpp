@@ -11,6 +11,7 @@
 #include "mesh_corpus.h"
 #include "palpate/error.h"
 #include "palpate/geometry/mesh_topology.h"
+#include "refusal.h"
 #include "test_surfaces.h"
 
 namespace palpate::geometry {
@@ -19,7 +20,7 @@ namespace {
 using Eigen::Vector3d;
 
 /// Some tens of operations on values of the order of one.
-constexpr double kRounding = 1e-12;
+constexpr double kLocatorRounding = 1e-12;
 
 class ContactLocatorTest : public ::testing::Test {
  protected:
@@ -60,7 +61,7 @@ class ContactLocatorTest : public ::testing::Test {
 
 TEST_F(ContactLocatorTest, TheWeightOfAContactAtItsOwnPlaceIsOne) {
   for (size_t i = 0; i < contacts.size(); ++i) {
-    EXPECT_NEAR(all_weights(contacts[i])[static_cast<Eigen::Index>(i)], 1, kRounding) << i;
+    EXPECT_NEAR(all_weights(contacts[i])[static_cast<Eigen::Index>(i)], 1, kLocatorRounding) << i;
   }
 }
 
@@ -76,7 +77,7 @@ TEST_F(ContactLocatorTest, WeightsAreLinearInATriangleWithoutContacts) {
     const Vector3d place(0.2, 0.35, 0.45);
     Eigen::VectorXd expected = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(contacts.size()));
     for (int k = 0; k < 3; ++k) expected += place[k] * at_vertex(surface.triangles(k, t));
-    EXPECT_LT((all_weights({t, place}) - expected).cwiseAbs().maxCoeff(), kRounding);
+    EXPECT_LT((all_weights({t, place}) - expected).cwiseAbs().maxCoeff(), kLocatorRounding);
   }
 }
 
@@ -92,7 +93,7 @@ TEST_F(ContactLocatorTest, WeightsAreTheSameFromBothSidesOfEveryEdge) {
       SurfacePoint there{.triangle = o / 3};
       there.barycentric[o % 3] = part;
       there.barycentric[(o + 1) % 3] = 1 - part;
-      EXPECT_LT((all_weights(here) - all_weights(there)).cwiseAbs().maxCoeff(), kRounding)
+      EXPECT_LT((all_weights(here) - all_weights(there)).cwiseAbs().maxCoeff(), kLocatorRounding)
           << h << " " << part;
     }
   }
@@ -108,7 +109,7 @@ TEST_F(ContactLocatorTest, WeightsDoNotJumpInATriangleThatIsCut) {
       const Vector3d near = place + kStep * Vector3d(1, 0.3, -1.3);
       const Eigen::VectorXd change = all_weights({2500, near}) - all_weights({2500, place});
       EXPECT_LT(change.cwiseAbs().maxCoeff(), kSlope * kStep);
-      EXPECT_NEAR(all_weights({2500, place}).sum(), 1, kRounding);
+      EXPECT_NEAR(all_weights({2500, place}).sum(), 1, kLocatorRounding);
     }
   }
 }
@@ -142,25 +143,23 @@ TEST_F(ContactLocatorTest, RefusesWeightsOfAnotherSurface) {
 }
 
 TEST_F(ContactLocatorTest, RefusesWeightsThatAreNoneAndNamesTheVertex) {
-  const auto refusal = [&](int contact, double weight) -> std::string {
+  const auto locator_with = [&](int contact, double weight) {
     SurfaceWeights wrong = weights;
     wrong.contacts(1, 77) = contact;
     wrong.weights(1, 77) = weight;
-    try {
-      const ContactLocator refused(surface, contacts, wrong);
-    } catch (const InvalidInput& error) {
-      return error.what();
-    }
-    return "accepted";
+    return ContactLocator(surface, contacts, wrong);
+  };
+  const auto refused = [&](int contact, double weight) {
+    return refusal([&] { return locator_with(contact, weight); });
   };
   const auto count = static_cast<int>(contacts.size());
-  EXPECT_EQ(refusal(-1, 0), "accepted");
-  EXPECT_EQ(refusal(count - 1, 0.5), "accepted");
+  EXPECT_NO_THROW((void)locator_with(-1, 0));
+  EXPECT_NO_THROW((void)locator_with(count - 1, 0.5));
   EXPECT_NE(refusal(-2, 0).find("vertex 77 name contact -2"), std::string::npos);
-  EXPECT_NE(refusal(count, 0.5).find("vertex 77"), std::string::npos);
+  EXPECT_NE(refused(count, 0.5).find("vertex 77"), std::string::npos);
   for (const double bad :
        {-0.1, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
-    EXPECT_NE(refusal(0, bad).find("vertex 77"), std::string::npos) << bad;
+    EXPECT_NE(refused(0, bad).find("vertex 77"), std::string::npos) << bad;
   }
 }
 
@@ -173,7 +172,7 @@ TEST(ProjectWeights, ReproduceLinearFunctionsOnAFlatSheet) {
   int inside = 0;
   for (Eigen::Index v = 0; v < sheet.vertices.cols(); ++v) {
     const Vector3d p = sheet.vertices.col(v);
-    EXPECT_NEAR(weights.weights.col(v).sum(), 1, kRounding);
+    EXPECT_NEAR(weights.weights.col(v).sum(), 1, kLocatorRounding);
     if (p.x() < 16 || p.x() > 60 || p.y() < 16 || p.y() > 42) continue;
     ++inside;
     Vector3d reproduced = Vector3d::Zero();

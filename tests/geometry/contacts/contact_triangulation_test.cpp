@@ -13,6 +13,7 @@
 #include "mesh_corpus.h"
 #include "palpate/error.h"
 #include "palpate/geometry/mesh_io.h"
+#include "refusal.h"
 #include "repository.h"
 #include "test_surfaces.h"
 
@@ -28,7 +29,7 @@ using test::nearest_places;
 using test::random_contacts;
 
 /// Weights: some tens of operations on values of the order of one, after a chain of flips.
-constexpr double kRounding = 1e-9;
+constexpr double kWeightRounding = 1e-9;
 
 /// The parts of the surface that have a contact, as the weights say.
 TriangleMesh parts_with_contacts(const TriangleMesh& surface, const SurfaceWeights& weights) {
@@ -72,7 +73,7 @@ void check_weights(const TriangleMesh& surface, const SurfaceWeights& weights) {
   ASSERT_EQ(weights.contacts.cols(), surface.vertices.cols());
   for (Eigen::Index v = 0; v < weights.contacts.cols(); ++v) {
     EXPECT_GE(weights.weights.col(v).minCoeff(), 0);
-    EXPECT_NEAR(weights.weights.col(v).sum(), weights.contacts(0, v) < 0 ? 0 : 1, kRounding);
+    EXPECT_NEAR(weights.weights.col(v).sum(), weights.contacts(0, v) < 0 ? 0 : 1, kWeightRounding);
   }
 }
 
@@ -111,7 +112,7 @@ TEST(TriangulateContacts, IsADelaunayTriangulationOfTheSurfaceWhateverItsShape) 
         if (contacts[i].barycentric.maxCoeff(&corner) < 1) continue;
         const int v = surface.mesh.triangles(corner, contacts[i].triangle);
         EXPECT_EQ(result.weights.contacts(0, v), static_cast<int>(i));
-        EXPECT_NEAR(result.weights.weights(0, v), 1, kRounding);
+        EXPECT_NEAR(result.weights.weights(0, v), 1, kWeightRounding);
       }
     }
   }
@@ -202,7 +203,7 @@ TEST_F(OnAFlatSheet, WeightsReproduceLinearFunctionsBetweenContacts) {
       reproduced += contacts.weights.weights(k, v) *
                     contacts.mesh.vertices.col(contacts.weights.contacts(k, v));
     }
-    EXPECT_LT((reproduced - p).norm(), kWidth * kRounding);
+    EXPECT_LT((reproduced - p).norm(), kWidth * kWeightRounding);
   }
   EXPECT_GT(inside, 5000);
 }
@@ -317,7 +318,7 @@ TEST(TriangulateContacts, CopesWithSheetsThatTouchInAVertex) {
   check_intrinsic(result.intrinsic);
   EXPECT_EQ(result.mesh.triangles.cols(), 2);
   EXPECT_GT(result.weights.contacts(2, shared), -1);
-  EXPECT_NEAR(result.weights.weights.col(shared).sum(), 1, kRounding);
+  EXPECT_NEAR(result.weights.weights.col(shared).sum(), 1, kWeightRounding);
 }
 
 TEST(TriangulateContacts, CopesWithTrianglesWithoutArea) {
@@ -360,15 +361,6 @@ TEST(TriangulateContacts, GivesAHelperAmongThousandsOfContactsAContact) {
   EXPECT_GE(result.weights.contacts(0, 0), 0);
 }
 
-std::string refusal(const TriangleMesh& surface, const std::vector<SurfacePoint>& contacts) {
-  try {
-    (void)triangulate_contacts(surface, contacts);
-  } catch (const InvalidInput& error) {
-    return error.what();
-  }
-  return "accepted";
-}
-
 TEST(TriangulateContacts, AcceptsContactsOnOneLine) {
   const TriangleMesh sheet = test::flat_sheet(20, 20, 1);
   const ContactTriangulation result = triangulate_contacts(
@@ -378,20 +370,23 @@ TEST(TriangulateContacts, AcceptsContactsOnOneLine) {
 }
 
 TEST(TriangulateContacts, RefusesBadInputAndNamesIt) {
+  const auto refused = [](const TriangleMesh& surface, const std::vector<SurfacePoint>& contacts) {
+    return refusal([&] { return triangulate_contacts(surface, contacts); });
+  };
   TriangleMesh sheet = test::flat_sheet(20, 20, 1);
   std::vector<SurfacePoint> contacts =
       nearest_places(sheet, {{5, 5, 0}, {15, 5, 0}, {10, 15, 0}, {5, 15, 0}});
-  EXPECT_EQ(refusal(sheet, contacts), "accepted");
+  EXPECT_NO_THROW((void)triangulate_contacts(sheet, contacts));
   EXPECT_NE(refusal({}, contacts).find("no triangles"), std::string::npos);
-  EXPECT_NE(refusal(sheet, {contacts[0], contacts[1]}).find("got 2 contacts"), std::string::npos);
+  EXPECT_NE(refused(sheet, {contacts[0], contacts[1]}).find("got 2 contacts"), std::string::npos);
   std::vector<SurfacePoint> twice = contacts;
   twice[3] = twice[1];
-  EXPECT_NE(refusal(sheet, twice).find("contacts 1 and 3 are at the same place"),
+  EXPECT_NE(refused(sheet, twice).find("contacts 1 and 3 are at the same place"),
             std::string::npos);
   twice[3].triangle = 800;
-  EXPECT_NE(refusal(sheet, twice).find("contact 3"), std::string::npos);
+  EXPECT_NE(refused(sheet, twice).find("contact 3"), std::string::npos);
   sheet.triangles.col(7).reverseInPlace();
-  EXPECT_NE(refusal(sheet, contacts).find("both run along the edge"), std::string::npos);
+  EXPECT_NE(refused(sheet, contacts).find("both run along the edge"), std::string::npos);
 }
 
 }  // namespace

@@ -10,25 +10,16 @@
 #include <vector>
 
 #include "mesh_corpus.h"
-#include "palpate/error.h"
 #include "palpate/geometry/cgal_mesh.h"
 #include "palpate/geometry/eigen_views.h"
 #include "palpate/geometry/pcl_cloud.h"
+#include "refusal.h"
 #include "test_surfaces.h"
 
 namespace palpate::geometry {
 namespace {
 
 using Point = CGAL::Simple_cartesian<double>::Point_3;
-
-std::string refusal(auto&& call) {
-  try {
-    call();
-  } catch (const InvalidInput& error) {
-    return error.what();
-  }
-  return "";
-}
 
 TEST(EigenViews, RowsLookAtTheSameMemoryAsColumns) {
   TriangleMesh mesh = test::icosphere(1, 10.1);

@@ -14,6 +14,7 @@
 
 #include "file_testing.h"
 #include "mesh_corpus.h"
+#include "not_finite.h"
 #include "palpate/error.h"
 #include "palpate/geometry/error_statistics.h"
 #include "range_map_scene.h"
@@ -26,7 +27,6 @@ using Eigen::Isometry3d;
 using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr int kWidth = 192;  // pixels of 3 mm
 
 TriangleMesh rest_mesh() { return test::bumpy(12000); }
@@ -199,7 +199,7 @@ TEST(RegisterDeformed, TracksASequenceThatLeavesTheReachOfTheStart) {
 TEST(RegisterDeformed, SaysWhenThereIsNothingToLieOn) {
   const TriangleMesh rest = rest_mesh();
   RangeMap map = test::render(rest, test::bumpy_camera(kWidth));
-  const RangeMap unknown{ImageF::Constant(map.z.rows(), map.z.cols(), static_cast<float>(kNan)),
+  const RangeMap unknown{ImageF::Constant(map.z.rows(), map.z.cols(), static_cast<float>(kNaN)),
                          map.camera};
   RangeMap beside = map;
   beside.camera.cx += 3 * kWidth;
@@ -273,7 +273,7 @@ TEST(RegisterDeformed, RefusesBadOptionsAndAnotherStart) {
                           InvalidInput, words);
   };
   refuse({.max_iterations = 0}, "max_iterations is 0; it must be >= 1");
-  for (const double bad : {0.0, -1.0, kNan}) {
+  for (const double bad : {0.0, -1.0, kNaN}) {
     refuse({.max_correspondence = bad}, "max_correspondence");
     refuse({.min_correspondence = bad}, "min_correspondence");
     refuse({.max_normal_angle = bad}, "max_normal_angle");
@@ -282,13 +282,13 @@ TEST(RegisterDeformed, RefusesBadOptionsAndAnotherStart) {
   refuse({.min_correspondence = 0.07}, "at most max_correspondence");
   refuse({.max_normal_angle = 1.6}, "pi/2");
   refuse({.min_matched = 1.1}, "min_matched");
-  refuse({.min_matched = kNan}, "min_matched");
+  refuse({.min_matched = kNaN}, "min_matched");
 
   std::vector<Isometry3d> start(3, Isometry3d::Identity());
   EXPECT_THROWS_MESSAGE(static_cast<void>(register_deformed(rest_graph(), map, {}, start)),
                         InvalidInput, "3 node motions, the graph has 250");
   start.assign(250, Isometry3d::Identity());
-  start[17].translation().y() = kNan;
+  start[17].translation().y() = kNaN;
   EXPECT_THROWS_MESSAGE(static_cast<void>(register_deformed(rest_graph(), map, {}, start)),
                         InvalidInput, "motion 17");
   RangeMap other = map;

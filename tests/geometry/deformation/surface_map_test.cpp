@@ -11,7 +11,9 @@
 #include <string>
 #include <vector>
 
+#include "dense_sampling.h"
 #include "palpate/error.h"
+#include "refusal.h"
 #include "test_surfaces.h"
 
 namespace palpate::geometry {
@@ -57,14 +59,8 @@ Eigen::Isometry3d some_motion() {
   return Eigen::Translation3d(5, -7, 100) * Eigen::AngleAxisd(1.1, Vector3d(1, 2, 3).normalized());
 }
 
-struct Errors {
-  double rms, largest;
-};
-
-Errors errors(const SurfaceMap& map, const TriangleMesh& source, const Map& truth) {
-  const Eigen::VectorXd off =
-      (map.positions - images(source.vertices, truth)).colwise().norm().transpose();
-  return {off.norm() / std::sqrt(static_cast<double>(off.size())), off.maxCoeff()};
+test::Errors map_errors(const SurfaceMap& map, const TriangleMesh& source, const Map& truth) {
+  return test::errors_of((map.positions - images(source.vertices, truth)).colwise().norm());
 }
 
 SurfaceMap map_by(const TriangleMesh& source, const TriangleMesh& target, const Matrix3Xd& marks,
@@ -86,7 +82,7 @@ TEST(MapSurface, IsExactForAMotionAScaleAndAnAffineMap) {
     if (i < 2) marks = marks.leftCols(3).eval();
     const SurfaceMap map = map_by(hills(), deformed(hills(), maps[i]), marks, maps[i]);
     EXPECT_EQ(map.verdict, SurfaceMapVerdict::sensible) << map.reason;
-    EXPECT_LT(errors(map, hills(), maps[i]).largest, 1e-9);
+    EXPECT_LT(map_errors(map, hills(), maps[i]).largest, 1e-9);
     EXPECT_LT(map.landmark_rms, 1e-9);
     EXPECT_NEAR(map.coverage, 1, 1e-9);
     if (i == 2) continue;
@@ -103,7 +99,7 @@ TEST(MapSurface, MeasuresTheStretchOfAnAffineMap) {
   const TriangleMesh source = sheet_of(10, 8);
   const SurfaceMap map =
       map_by(source, deformed(sheet_of(13, 9), stretch), five_marks(flat), stretch);
-  EXPECT_LT(errors(map, source, stretch).largest, 1e-9);
+  EXPECT_LT(map_errors(map, source, stretch).largest, 1e-9);
   EXPECT_LT((map.singular_values.row(0).array() - 2).abs().maxCoeff(), 1e-9);
   EXPECT_LT((map.singular_values.row(1).array() - 0.5).abs().maxCoeff(), 1e-9);
   EXPECT_NEAR(map.angle_distortion[3], 4, 1e-9);
@@ -121,7 +117,7 @@ TEST(MapSurface, FollowsABendBetweenFewLandmarks) {
   const TriangleMesh source = sheet_of(20, 15);
   const SurfaceMap map = map_by(source, deformed(sheet_of(27, 22), bend), five_marks(flat), bend);
   EXPECT_EQ(map.verdict, SurfaceMapVerdict::sensible) << map.reason;
-  const Errors off = errors(map, source, bend);
+  const test::Errors off = map_errors(map, source, bend);
   EXPECT_LT(off.rms, 0.8);  // [mm] of 80 mm that bend by 2 radians
   EXPECT_LT(off.largest, 1.5);
   const std::vector<Eigen::Matrix3d> turns = local_rotations(source, map);
@@ -142,7 +138,7 @@ TEST(MapSurface, MapsASphereOntoAnEllipsoidOfOtherTriangles) {
   marks << 40, 0, 0, -40, 0, 0, 40, 0, 0, 0, 0, 0, 40, 0, -40;
   const SurfaceMap map = map_by(source, deformed(turned, ellipsoid), marks, ellipsoid);
   EXPECT_EQ(map.verdict, SurfaceMapVerdict::sensible) << map.reason;
-  EXPECT_LT(errors(map, source, ellipsoid).largest, 0.2);  // facets lie 0.1 mm below the sphere
+  EXPECT_LT(map_errors(map, source, ellipsoid).largest, 0.2);  // facets lie 0.1 mm below the sphere
 }
 
 TEST(MapSurface, SaysThatAMirroredSurfaceHasNoSensibleMap) {
@@ -155,14 +151,9 @@ TEST(MapSurface, SaysThatAMirroredSurfaceHasNoSensibleMap) {
   EXPECT_NE(map.reason.find("folded"), std::string::npos);
 }
 
-std::string refusal(const TriangleMesh& source, const TriangleMesh& target,
-                    const Landmarks& landmarks, const SurfaceMapOptions& options = {}) {
-  try {
-    static_cast<void>(map_surface(source, target, landmarks, options));
-  } catch (const InvalidInput& error) {
-    return error.what();
-  }
-  return "nothing was refused";
+std::string refused_map(const TriangleMesh& source, const TriangleMesh& target,
+                        const Landmarks& landmarks, const SurfaceMapOptions& options = {}) {
+  return refusal([&] { return map_surface(source, target, landmarks, options); });
 }
 
 void expect_says(const std::string& message, const std::string& part) {
@@ -172,20 +163,20 @@ void expect_says(const std::string& message, const std::string& part) {
 TEST(MapSurface, RefusesLandmarksThatDoNotFixIt) {
   const Matrix3Xd marks = five_marks(hill);
   const auto same = [](const Matrix3Xd& m) { return Landmarks{.source = m, .target = m}; };
-  expect_says(refusal(hills(), hills(), same(marks.leftCols(2))), "at least three");
-  expect_says(refusal(hills(), hills(), {.source = marks, .target = marks.leftCols(4)}),
+  expect_says(refused_map(hills(), hills(), same(marks.leftCols(2))), "at least three");
+  expect_says(refused_map(hills(), hills(), {.source = marks, .target = marks.leftCols(4)}),
               "5 landmarks of the source and 4");
   Matrix3Xd bad = marks;
   bad.col(3).z() += 10;
-  expect_says(refusal(hills(), hills(), {.source = marks, .target = bad}),
+  expect_says(refused_map(hills(), hills(), {.source = marks, .target = bad}),
               "landmark 3 of the target is 9.99");
   bad.col(3).z() = std::numeric_limits<double>::quiet_NaN();
-  expect_says(refusal(hills(), hills(), {.source = bad, .target = marks}),
+  expect_says(refused_map(hills(), hills(), {.source = bad, .target = marks}),
               "landmark 3 is not finite");
   Matrix3Xd line(3, 3);
   line << 0, 30, 80, 0, 0, 0, hill(0, 0), hill(30, 0), hill(80, 0);
   line.row(2).setZero();
-  expect_says(refusal(sheet_of(9, 9), sheet_of(9, 9), same(line)), "in a line");
+  expect_says(refused_map(sheet_of(9, 9), sheet_of(9, 9), same(line)), "in a line");
 }
 
 TEST(MapSurface, RefusesOtherTopologyAndBadOptions) {
@@ -196,13 +187,13 @@ TEST(MapSurface, RefusesOtherTopologyAndBadOptions) {
       (Eigen::Matrix3Xi(3, holed.triangles.cols() - 1) << holed.triangles.leftCols(211),
        holed.triangles.rightCols(holed.triangles.cols() - 212))
           .finished();
-  expect_says(refusal(hills(), holed, landmarks), "border loop(s)");
-  expect_says(refusal(hills(), test::icosphere(2, 30), landmarks), "border loop(s)");
+  expect_says(refused_map(hills(), holed, landmarks), "border loop(s)");
+  expect_says(refused_map(hills(), test::icosphere(2, 30), landmarks), "border loop(s)");
   SurfaceMapOptions options;
   options.max_bad_share = 2;
-  expect_says(refusal(hills(), hills(), landmarks, options), "max_bad_share");
+  expect_says(refused_map(hills(), hills(), landmarks, options), "max_bad_share");
   options = {.max_landmark_distance = std::numeric_limits<double>::quiet_NaN()};
-  expect_says(refusal(hills(), hills(), landmarks, options), "max_landmark_distance");
+  expect_says(refused_map(hills(), hills(), landmarks, options), "max_landmark_distance");
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ std::string ply(const std::string& comments) {
          "0.1 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
 }
 
-MeshFile read(const std::string& comments, const ReadOptions& options = {}) {
+MeshFile read_ply_with(const std::string& comments, const ReadOptions& options = {}) {
   const ScratchFolder folder;
   write_text(folder / "mesh.ply", ply(comments));
   return read_mesh_file(folder / "mesh.ply", options);
@@ -27,7 +27,7 @@ MeshFile read(const std::string& comments, const ReadOptions& options = {}) {
 
 TEST(FileUnit, IsTakenFromAComment) {
   const auto expect = [](const std::string& comment, double length) {
-    const MeshFile file = read("comment " + comment + "\ncomment another\n");
+    const MeshFile file = read_ply_with("comment " + comment + "\ncomment another\n");
     EXPECT_EQ(file.unit.length, length) << comment;
     EXPECT_EQ(file.unit.source, UnitSource::declared) << comment;
     EXPECT_EQ(file.mesh.vertices(0, 0), 0.1 * length) << comment;
@@ -43,7 +43,7 @@ TEST(FileUnit, IsTakenFromAComment) {
 TEST(FileUnit, IsMmWhereNothingDeclaresIt) {
   for (const std::string comment : {"", "comment unit\n", "comment unit square of a pattern\n",
                                     "comment unit furlong\n", "comment in m\n"}) {
-    const MeshFile file = read(comment);
+    const MeshFile file = read_ply_with(comment);
     EXPECT_EQ(file.unit.length, 1) << comment;
     EXPECT_EQ(file.unit.source, UnitSource::assumed) << comment;
     EXPECT_EQ(file.comments.size(), comment.empty() ? 0U : 1U);
@@ -51,7 +51,7 @@ TEST(FileUnit, IsMmWhereNothingDeclaresIt) {
 }
 
 TEST(FileUnit, OfTheCallerGoesBeforeTheDeclaredOne) {
-  const MeshFile file = read("comment unit m\n", {.unit = 25.4});
+  const MeshFile file = read_ply_with("comment unit m\n", {.unit = 25.4});
   EXPECT_EQ(file.unit.length, 25.4);
   EXPECT_EQ(file.unit.source, UnitSource::stated);
   EXPECT_EQ(file.mesh.vertices(0, 1), 25.4);
@@ -59,7 +59,7 @@ TEST(FileUnit, OfTheCallerGoesBeforeTheDeclaredOne) {
 }
 
 TEST(FileUnit, TheFirstDeclarationCounts) {
-  EXPECT_EQ(read("comment unit cm\nobj_info unit m\n").unit.length, 10);
+  EXPECT_EQ(read_ply_with("comment unit cm\nobj_info unit m\n").unit.length, 10);
 }
 
 TEST(FileUnit, EveryFormatCanDeclareIt) {
@@ -83,7 +83,7 @@ TEST(FileUnit, EveryFormatCanDeclareIt) {
 
 TEST(FileUnit, WhatWeWriteDeclaresMm) {
   const ScratchFolder folder;
-  const MeshFile file = read("comment unit in\n");
+  const MeshFile file = read_ply_with("comment unit in\n");
   for (const char* name : {"a.ply", "a.obj", "a.stl"}) {
     write_mesh_file(folder / name, file);
     const MeshFile again = read_mesh_file(folder / name);
@@ -101,7 +101,7 @@ TEST(FileUnit, RefusesWhatIsNoUnit) {
                         "use um, mm, cm, m or in");
   for (const double wrong : {0.0, -1.0, std::numeric_limits<double>::infinity(),
                              std::numeric_limits<double>::quiet_NaN()})
-    EXPECT_THROWS_MESSAGE(static_cast<void>(read("", {.unit = wrong})), InvalidInput,
+    EXPECT_THROWS_MESSAGE(static_cast<void>(read_ply_with("", {.unit = wrong})), InvalidInput,
                           "mm; it must be > 0 and finite");
 }
 

@@ -27,11 +27,7 @@ TriangleMesh awkward_mesh() {
   return mesh;
 }
 
-/// A unit tetrahedron's faces, counter-clockwise from outside.
-const std::vector<Eigen::Vector3d> kCorners{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-const std::vector<Eigen::Vector3i> kFaces{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
-
-const std::string kOff =
+const std::string kTetrahedronOff =
     "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 1 2 3\n3 0 3 2\n";
 
 TEST(MeshIo, RoundTripsEveryBitOfPlyAndObj) {
@@ -51,12 +47,12 @@ TEST(MeshIo, PutsThePartsOfASceneWhereItPlacesThem) {
   // One tetrahedron twice: moved by 10 in x within a part that is doubled, and mirrored in z, which
   // turns its faces inside out.
   std::string bytes;
-  for (const Eigen::Vector3d& corner : kCorners)
+  for (const Eigen::Vector3d& corner : kTetrahedronCorners)
     for (const double x : corner) {
       const auto raw = std::bit_cast<std::array<char, 4>>(static_cast<float>(x));
       bytes.append(raw.data(), raw.size());
     }
-  for (const Eigen::Vector3i& face : kFaces)
+  for (const Eigen::Vector3i& face : kTetrahedronFaces)
     for (const int corner : face) bytes += {static_cast<char>(corner), '\0'};
   write_text(folder / "mesh.bin", bytes);
   write_text(folder / "mesh.gltf", R"({"asset": {"version": "2.0"}, "scene": 0,
@@ -126,7 +122,7 @@ TEST(MeshIo, RefusesWhatIsMissingEmptyGarbageOrOfAnotherKind) {
     EXPECT_THROWS_MESSAGE(static_cast<void>(read_points(folder / name)), FileError, name);
     EXPECT_THROWS_MESSAGE(static_cast<void>(read_mesh(folder / name)), FileError, name);
   }
-  write_text(folder / "mesh.txt", kOff);
+  write_text(folder / "mesh.txt", kTetrahedronOff);
   EXPECT_THROWS_MESSAGE(static_cast<void>(read_mesh(folder / "mesh.txt")), FileError,
                         ".ply, .obj, .stl, .off or .glb is");
   EXPECT_THROWS_MESSAGE(static_cast<void>(read_mesh(folder.path())), FileError, "no such file");

@@ -12,7 +12,7 @@
 namespace palpate::geometry {
 namespace {
 
-TriangleMesh read(const std::string& content) {
+TriangleMesh read_obj(const std::string& content) {
   const ScratchFolder folder;
   write_text(folder / "mesh.obj", content);
   return read_mesh(folder / "mesh.obj");
@@ -24,7 +24,7 @@ const std::string kNormals = "vn 0 0 1\nvn 0 0.6 0.8\n";
 TEST(Obj, ReadsEveryWayToNameACorner) {
   for (const char* face : {"f 1 2 3", "f 1/1 2/2 3/3", "f 1//1 2//1 3//2", "f 1/4/1 2/5/-1 3/6/-2",
                            "f -4 -3 -2", "  f\t1 2 3  # a comment", "f 1 \\\n 2 3", "f 1 2 3\r"}) {
-    const TriangleMesh mesh = read(kVertices + kNormals + face + "\n");
+    const TriangleMesh mesh = read_obj(kVertices + kNormals + face + "\n");
     EXPECT_EQ(mesh.vertices.cols(), 4) << face;
     ASSERT_EQ(mesh.triangles.cols(), 1) << face;
     EXPECT_EQ(mesh.triangles.col(0), Eigen::Vector3i(0, 1, 2)) << face;
@@ -32,14 +32,14 @@ TEST(Obj, ReadsEveryWayToNameACorner) {
 }
 
 TEST(Obj, SkipsWhatIsNoGeometryAndKeepsDoubles) {
-  const TriangleMesh mesh = read(
+  const TriangleMesh mesh = read_obj(
       "mtllib none.mtl\no thing\nvn 0 0 1\nvt 0 0\nv 1000.0000000000001 0 1 0.5 0.5 0.5\n"
       "v 1 0 1\nv 1 1 1\ng a\nusemtl b\ns 1\nf 1 2 3\nl 1 2\n");
   EXPECT_EQ(mesh.vertices(0, 0), 1000.0000000000001);
   EXPECT_EQ(mesh.triangles.cols(), 1);
 }
 
-MeshFile read_file(const std::string& content) {
+MeshFile read_obj_file(const std::string& content) {
   const ScratchFolder folder;
   write_text(folder / "mesh.obj", content);
   return read_mesh_file(folder / "mesh.obj");
@@ -47,24 +47,26 @@ MeshFile read_file(const std::string& content) {
 
 TEST(Obj, NormalsAreKeptWhereEveryVertexHasOne) {
   const std::string two = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nvn 0 0 1\nvn 0 0.6 0.8\nvn 0 0 1\n";
-  const MeshFile file = read_file(two + "f 1//1 2//2 3/1/1\nf 2//2 4//1 3//3\n");
+  const MeshFile file = read_obj_file(two + "f 1//1 2//2 3/1/1\nf 2//2 4//1 3//3\n");
   Eigen::Matrix3Xd expected(3, 4);
   expected << 0, 0, 0, 0, 0, 0.6, 0, 0, 1, 0.8, 1, 1;
   ASSERT_TRUE(normals(file.vertex_attributes));
   EXPECT_EQ(*normals(file.vertex_attributes), expected);
-  EXPECT_FALSE(normals(read_file(two + "f 1//1 2//2 3//1\nf 2//1 4//1 3//3\n").vertex_attributes));
-  EXPECT_FALSE(normals(read_file(two + "f 1//1 2//2 3//1\n").vertex_attributes));
-  EXPECT_FALSE(normals(read_file(two + "f 1 2 3 4\n").vertex_attributes));
+  EXPECT_FALSE(
+      normals(read_obj_file(two + "f 1//1 2//2 3//1\nf 2//1 4//1 3//3\n").vertex_attributes));
+  EXPECT_FALSE(normals(read_obj_file(two + "f 1//1 2//2 3//1\n").vertex_attributes));
+  EXPECT_FALSE(normals(read_obj_file(two + "f 1 2 3 4\n").vertex_attributes));
 }
 
 TEST(Obj, ColorsAreKeptWhereEveryVertexHasOne) {
   const std::string faces = "f 1 2 3\n";
-  const MeshFile file = read_file("v 0 0 0 1 0 0\nv 1 0 0 0 0.1 0 # red\nv 0 1 0 0 0 1\n" + faces);
+  const MeshFile file =
+      read_obj_file("v 0 0 0 1 0 0\nv 1 0 0 0 0.1 0 # red\nv 0 1 0 0 0 1\n" + faces);
   ASSERT_TRUE(colors(file.vertex_attributes));
   EXPECT_EQ(colors(file.vertex_attributes)->col(1), Eigen::Vector4d(0, 0.1, 0, 1));
   EXPECT_TRUE(
-      read_file("v 0 0 0 1 0 0\nv 1 0 0\nv 0 1 0 0 0 1\n" + faces).vertex_attributes.empty());
-  EXPECT_TRUE(read_file("v 0 0 0 1\nv 1 0 0 1\nv 0 1 0 1\n" + faces).vertex_attributes.empty());
+      read_obj_file("v 0 0 0 1 0 0\nv 1 0 0\nv 0 1 0 0 0 1\n" + faces).vertex_attributes.empty());
+  EXPECT_TRUE(read_obj_file("v 0 0 0 1\nv 1 0 0 1\nv 0 1 0 1\n" + faces).vertex_attributes.empty());
 }
 
 TEST(Obj, NormalsColorsAndCommentsComeBack) {
@@ -96,7 +98,7 @@ TEST(Obj, PointsHaveTheirNormalsInOrder) {
 
 TEST(Obj, RefusesWithTheLine) {
   const auto refuse = [](const std::string& content, const std::string& words) {
-    EXPECT_THROWS_MESSAGE(static_cast<void>(read(content)), FileError, words);
+    EXPECT_THROWS_MESSAGE(static_cast<void>(read_obj(content)), FileError, words);
   };
   refuse(kVertices + "f 1 2 5\n", "line 6: \"5\" is not a vertex; 4 came before");
   refuse(kVertices + "f 1 2 0\n", "line 6");

@@ -14,29 +14,25 @@
 namespace palpate::geometry {
 namespace {
 
-const std::string kRows = "0 0 1\n1 0 1\n1 1 1\n0 1 1000.0000000000001\n4 0 1 2 3\n3 0 2 1\n";
-const std::string kOff = "OFF\n4 2 0\n" + kRows;
+const std::string kOffRows = "0 0 1\n1 0 1\n1 1 1\n0 1 1000.0000000000001\n4 0 1 2 3\n3 0 2 1\n";
+const std::string kOff = "OFF\n4 2 0\n" + kOffRows;
 
-TriangleMesh read(const std::string& content) {
+TriangleMesh read_off(const std::string& content) {
   const ScratchFolder folder;
   write_text(folder / "mesh.off", content);
   return read_mesh(folder / "mesh.off");
 }
 
-void expect_refused(const std::string& content, const std::string& words) {
-  EXPECT_THROWS_MESSAGE(static_cast<void>(read(content)), FileError, words);
-}
-
-std::string replaced(std::string text, const std::string& what, const std::string& by) {
-  return text.replace(text.find(what), what.size(), by);
+void expect_off_refused(const std::string& content, const std::string& words) {
+  EXPECT_THROWS_MESSAGE(static_cast<void>(read_off(content)), FileError, words);
 }
 
 TEST(Off, ReadsPolygonsAndKeepsDoublesAndOrder) {
   for (const std::string& content :
-       {kOff, "OFF 4 2 0\n" + kRows, "# made by hand\nOFF # here\r\n\n4 2\r\n" + kRows,
-        "STCNOFF\n4 2 0\n" + replaced(replaced(kRows, "1 0 1\n", "1 0 1 0.5 0.5 255 0 0\n"),
+       {kOff, "OFF 4 2 0\n" + kOffRows, "# made by hand\nOFF # here\r\n\n4 2\r\n" + kOffRows,
+        "STCNOFF\n4 2 0\n" + replaced(replaced(kOffRows, "1 0 1\n", "1 0 1 0.5 0.5 255 0 0\n"),
                                       "3 0 2 1", "3 0 2 1 0.1 0.2 0.3")}) {
-    const TriangleMesh mesh = read(content);
+    const TriangleMesh mesh = read_off(content);
     ASSERT_EQ(mesh.vertices.cols(), 4);
     EXPECT_EQ(mesh.vertices.col(1), Eigen::Vector3d(1, 0, 1));
     EXPECT_EQ(mesh.vertices(2, 3), 1000.0000000000001);
@@ -64,23 +60,24 @@ TEST(Off, KeepsTheColorsAndNormalsThatItAnnounces) {
 }
 
 TEST(Off, RefusesWithThePlace) {
-  expect_refused(replaced(kOff, "3 0 2 1", "3 0 2 4"), "face 1, corner 2: there is no vertex 4");
-  expect_refused(replaced(kOff, "3 0 2 1", "3 0 2 -1"), "there is no vertex -1");
-  expect_refused(replaced(kOff, "3 0 2 1", "3 0 2"), "line 8: \"\" is not a number");
-  expect_refused(replaced(kOff, "1 1 1", "1 one 1"), "line 5: \"one\" is not a number");
-  expect_refused(replaced(kOff, "3 0 2 1\n", ""), "holds 1 of 2 faces; it is truncated");
-  expect_refused("OFF\n4 2 0\n0 0 1\n", "holds 1 of 4 vertices");
-  expect_refused("OFF\n", "holds 0 of 1 lines with counts");
+  expect_off_refused(replaced(kOff, "3 0 2 1", "3 0 2 4"),
+                     "face 1, corner 2: there is no vertex 4");
+  expect_off_refused(replaced(kOff, "3 0 2 1", "3 0 2 -1"), "there is no vertex -1");
+  expect_off_refused(replaced(kOff, "3 0 2 1", "3 0 2"), "line 8: \"\" is not a number");
+  expect_off_refused(replaced(kOff, "1 1 1", "1 one 1"), "line 5: \"one\" is not a number");
+  expect_off_refused(replaced(kOff, "3 0 2 1\n", ""), "holds 1 of 2 faces; it is truncated");
+  expect_off_refused("OFF\n4 2 0\n0 0 1\n", "holds 1 of 4 vertices");
+  expect_off_refused("OFF\n", "holds 0 of 1 lines with counts");
   for (const char* magic : {"4OFF", "nOFF", "OFFSET", "a letter"})
-    expect_refused(replaced(kOff, "OFF", magic), "first word must be OFF");
+    expect_off_refused(replaced(kOff, "OFF", magic), "first word must be OFF");
 }
 
 TEST(Off, AHugeCountTakesNoMemory) {
-  expect_refused(replaced(kOff, "4 2 0", "18446744073709551615 2 0"),
-                 "of 18446744073709551615 vertices");
-  expect_refused(replaced(kOff, "4 2 0", "4 18446744073709551615 0"),
-                 "of 18446744073709551615 faces");
-  expect_refused(replaced(kOff, "3 0 2 1", "4000000000 0 2 1"), "ends early");
+  expect_off_refused(replaced(kOff, "4 2 0", "18446744073709551615 2 0"),
+                     "of 18446744073709551615 vertices");
+  expect_off_refused(replaced(kOff, "4 2 0", "4 18446744073709551615 0"),
+                     "of 18446744073709551615 faces");
+  expect_off_refused(replaced(kOff, "3 0 2 1", "4000000000 0 2 1"), "ends early");
 }
 
 }  // namespace

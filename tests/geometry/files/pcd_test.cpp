@@ -18,9 +18,9 @@
 namespace palpate::geometry {
 namespace {
 
-constexpr int kWidth = 40;
-constexpr int kHeight = 3;
-constexpr int kPoints = kWidth * kHeight;
+constexpr int kCloudWidth = 40;
+constexpr int kCloudHeight = 3;
+constexpr int kPoints = kCloudWidth * kCloudHeight;
 
 /// Every seventh point is unknown.
 Eigen::Vector3d point(int i) {
@@ -33,13 +33,6 @@ std::string header(const std::string& data) {
   return "# .PCD v0.7\nVERSION 0.7\nFIELDS rgb x fpfh y _ z\nSIZE 4 4 2 8 1 4\nTYPE U F I F U F\n"
          "COUNT 1 1 3 1 1 1\nWIDTH 40\nHEIGHT 3\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS 120\nDATA " +
          data + "\n";
-}
-
-template <typename Number>
-void put(std::string& bytes, Number value) {
-  static_assert(std::endian::native == std::endian::little);
-  const auto raw = std::bit_cast<std::array<char, sizeof(Number)>>(value);
-  bytes.append(raw.data(), raw.size());
 }
 
 std::string binary() {
@@ -88,24 +81,20 @@ std::string ascii() {
   return text;
 }
 
-Eigen::Matrix3Xd read(const std::string& content) {
+Eigen::Matrix3Xd read_pcd(const std::string& content) {
   const ScratchFolder folder;
   write_text(folder / "points.pcd", content);
   return read_points(folder / "points.pcd");
 }
 
-void expect_refused(const std::string& content, const std::string& words) {
-  EXPECT_THROWS_MESSAGE(static_cast<void>(read(content)), FileError, words);
-}
-
-std::string replaced(std::string text, const std::string& what, const std::string& by) {
-  return text.replace(text.find(what), what.size(), by);
+void expect_pcd_refused(const std::string& content, const std::string& words) {
+  EXPECT_THROWS_MESSAGE(static_cast<void>(read_pcd(content)), FileError, words);
 }
 
 TEST(Pcd, ReadsAllThreeKindsAlikeAndKeepsUnknownPoints) {
   for (const std::string& content :
        {ascii(), binary(), header("binary_compressed") + compressed_part()}) {
-    const Eigen::Matrix3Xd points = read(content);
+    const Eigen::Matrix3Xd points = read_pcd(content);
     ASSERT_EQ(points.cols(), kPoints);
     for (int i = 0; i < kPoints; ++i) {
       if (point(i).hasNaN())
@@ -117,7 +106,7 @@ TEST(Pcd, ReadsAllThreeKindsAlikeAndKeepsUnknownPoints) {
 }
 
 TEST(Pcd, CountAndHeightMayBeLeftOut) {
-  const Eigen::Matrix3Xd points = read(
+  const Eigen::Matrix3Xd points = read_pcd(
       "VERSION .5\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nPOINTS 2\nDATA ascii\n1 2 3\n4 5 0.1");
   ASSERT_EQ(points.cols(), 2);
   EXPECT_EQ(points.col(1), Eigen::Vector3d(4, 5, 0.1));
@@ -137,46 +126,48 @@ TEST(Pcd, RefusesEveryTruncation) {
 
 TEST(Pcd, TellsHowMuchOfATruncatedFileIsThere) {
   constexpr std::size_t kPointBytes = 27;
-  expect_refused(binary().substr(0, header("binary").size() + 50 * kPointBytes + 9),
-                 "holds 50 of 120 points");
+  expect_pcd_refused(binary().substr(0, header("binary").size() + 50 * kPointBytes + 9),
+                     "holds 50 of 120 points");
   const std::string text = ascii();
-  expect_refused(text.substr(0, text.size() - text.size() / 3), " of 120 points; it is truncated");
+  expect_pcd_refused(text.substr(0, text.size() - text.size() / 3),
+                     " of 120 points; it is truncated");
 }
 
 TEST(Pcd, AHugeCountTakesNoMemory) {
   for (const std::string& whole :
        {ascii(), binary(), header("binary_compressed") + compressed_part()}) {
     const std::string wide = replaced(whole, "WIDTH 40", "WIDTH 4000000000");
-    expect_refused(wide, "POINTS is 120, but WIDTH x HEIGHT is 4000000000 x 3");
-    expect_refused(
+    expect_pcd_refused(wide, "POINTS is 120, but WIDTH x HEIGHT is 4000000000 x 3");
+    expect_pcd_refused(
         replaced(replaced(wide, "POINTS 120", "POINTS 4000000000"), "HEIGHT 3", "HEIGHT 1"),
         "4000000000");
   }
-  expect_refused(replaced(ascii(), "POINTS 120", "POINTS 99999999999999999999"),
-                 "POINTS is \"999999");
-  expect_refused(replaced(ascii(), "COUNT 1 1 3", "COUNT 1 1 3000000000"),
-                 "COUNT is \"3000000000\"");
+  expect_pcd_refused(replaced(ascii(), "POINTS 120", "POINTS 99999999999999999999"),
+                     "POINTS is \"999999");
+  expect_pcd_refused(replaced(ascii(), "COUNT 1 1 3", "COUNT 1 1 3000000000"),
+                     "COUNT is \"3000000000\"");
 }
 
 TEST(Pcd, RefusesADamagedCompressedPart) {
   std::string part = compressed_part();
   for (std::size_t i = 8; i < part.size(); ++i) part[i] = '\xff';  // references before the start
-  expect_refused(header("binary_compressed") + part, "compressed part is damaged");
+  expect_pcd_refused(header("binary_compressed") + part, "compressed part is damaged");
   std::string sizes = compressed_part();
   sizes[0] = '\1';
   sizes[1] = sizes[2] = '\0';
-  expect_refused(header("binary_compressed") + sizes, "1 compressed bytes cannot hold 3240");
+  expect_pcd_refused(header("binary_compressed") + sizes, "1 compressed bytes cannot hold 3240");
 }
 
 TEST(Pcd, RefusesAWrongHeader) {
-  expect_refused("a letter\nto a friend\n", "is not a PCD file");
-  expect_refused(replaced(ascii(), "DATA ascii", "DATA morse"), "DATA is \"morse\"");
-  expect_refused(replaced(ascii(), " y ", " v "), "no field y");
-  expect_refused(replaced(ascii(), "SIZE 4 4 2", "SIZE 4 3 2"), "field x is of TYPE F and SIZE 3");
-  expect_refused(replaced(ascii(), "TYPE U F", "TYPE U"), "as many words");
-  expect_refused(replaced(ascii(), "-1003.1", "much"), "field y: \"much");
-  expect_refused(replaced(replaced(ascii(), "WIDTH 40", "WIDTH 0"), "POINTS 120", "POINTS 0"),
-                 "no points");
+  expect_pcd_refused("a letter\nto a friend\n", "is not a PCD file");
+  expect_pcd_refused(replaced(ascii(), "DATA ascii", "DATA morse"), "DATA is \"morse\"");
+  expect_pcd_refused(replaced(ascii(), " y ", " v "), "no field y");
+  expect_pcd_refused(replaced(ascii(), "SIZE 4 4 2", "SIZE 4 3 2"),
+                     "field x is of TYPE F and SIZE 3");
+  expect_pcd_refused(replaced(ascii(), "TYPE U F", "TYPE U"), "as many words");
+  expect_pcd_refused(replaced(ascii(), "-1003.1", "much"), "field y: \"much");
+  expect_pcd_refused(replaced(replaced(ascii(), "WIDTH 40", "WIDTH 0"), "POINTS 120", "POINTS 0"),
+                     "no points");
 }
 
 TEST(Pcd, IsNoMesh) {

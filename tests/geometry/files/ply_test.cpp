@@ -23,14 +23,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Appends numbers as a file of the given byte order holds them.
-template <typename Number>
-void put(std::string& bytes, Number value, std::endian order) {
-  auto raw = std::bit_cast<std::array<char, sizeof(Number)>>(value);
-  if (order != std::endian::native) std::reverse(raw.begin(), raw.end());
-  bytes.append(raw.data(), raw.size());
-}
-
 /// Three vertices and one triangle in the middle of everything else a PLY file may hold.
 std::string rich_binary(std::endian order) {
   std::string bytes =
@@ -68,11 +60,7 @@ const std::string kSquare = kTextVertices +
                             "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
                             "0 0 0.1\n1 0 0.1\n1 1 0.1\n0 1 0.1\n4 0 1 2 3\n";
 
-std::string replaced(std::string text, const std::string& what, const std::string& by) {
-  return text.replace(text.find(what), what.size(), by);
-}
-
-void expect_refused(const std::string& content, const std::string& words) {
+void expect_ply_refused(const std::string& content, const std::string& words) {
   const ScratchFolder folder;
   write_text(folder / "mesh.ply", content);
   EXPECT_THROWS_MESSAGE(static_cast<void>(read_mesh(folder / "mesh.ply")), FileError, words);
@@ -118,11 +106,11 @@ TEST(Ply, TellsHowMuchOfATruncatedFileIsThere) {
   const std::string header =
       "ply\nformat binary_little_endian 1.0\nelement vertex 1000\nproperty float x\n"
       "property float y\nproperty float z\nend_header\n";
-  expect_refused(header + std::string(700 * 12 + 5, '\1'),
-                 "holds at most 700 of 1000 rows of element vertex");
-  expect_refused(replaced(kSquare, "1 1 0.1\n0 1 0.1\n4 0 1 2 3\n", "1 1 0.1\n"),
-                 "vertex 3 of 4: the file ends here");
-  expect_refused(replaced(kSquare, "4 0 1 2 3\n", "4 0 1"), "face 0 of 1: the file ends here");
+  expect_ply_refused(header + std::string(700 * 12 + 5, '\1'),
+                     "holds at most 700 of 1000 rows of element vertex");
+  expect_ply_refused(replaced(kSquare, "1 1 0.1\n0 1 0.1\n4 0 1 2 3\n", "1 1 0.1\n"),
+                     "vertex 3 of 4: the file ends here");
+  expect_ply_refused(replaced(kSquare, "4 0 1 2 3\n", "4 0 1"), "face 0 of 1: the file ends here");
 }
 
 TEST(Ply, RefusesEveryTruncation) {
@@ -136,43 +124,45 @@ TEST(Ply, RefusesEveryTruncation) {
 
 TEST(Ply, AHugeCountTakesNoMemory) {
   for (const char* count : {"4000000000", "18446744073709551615"}) {
-    expect_refused(replaced(kSquare, "vertex 4", std::string("vertex ") + count),
-                   std::string("of ") + count);
-    expect_refused(replaced(kSquare, "face 1", std::string("face ") + count),
-                   std::string("of ") + count);
+    expect_ply_refused(replaced(kSquare, "vertex 4", std::string("vertex ") + count),
+                       std::string("of ") + count);
+    expect_ply_refused(replaced(kSquare, "face 1", std::string("face ") + count),
+                       std::string("of ") + count);
   }
-  expect_refused(replaced(kSquare, "vertex 4", "vertex 99999999999999999999"),
-                 "line 3 of the header");
-  expect_refused(replaced(kSquare, "4 0 1 2 3", "250 0 1 2 3"), "the file ends here");
-  expect_refused(replaced(kSquare, "4 0 1 2 3", "2000000000 0 1 2 3"),
-                 "\"2000000000\" is not a number of type uchar");
+  expect_ply_refused(replaced(kSquare, "vertex 4", "vertex 99999999999999999999"),
+                     "line 3 of the header");
+  expect_ply_refused(replaced(kSquare, "4 0 1 2 3", "250 0 1 2 3"), "the file ends here");
+  expect_ply_refused(replaced(kSquare, "4 0 1 2 3", "2000000000 0 1 2 3"),
+                     "\"2000000000\" is not a number of type uchar");
   const std::string wide = replaced(kSquare, "list uchar", "list int");
-  expect_refused(replaced(wide, "4 0 1 2 3", "2000000000 0 1 2 3"), "the file ends here");
-  expect_refused(replaced(wide, "4 0 1 2 3", "-4 0 1 2 3"),
-                 "size of list vertex_indices is -4, which is impossible");
+  expect_ply_refused(replaced(wide, "4 0 1 2 3", "2000000000 0 1 2 3"), "the file ends here");
+  expect_ply_refused(replaced(wide, "4 0 1 2 3", "-4 0 1 2 3"),
+                     "size of list vertex_indices is -4, which is impossible");
 }
 
 TEST(Ply, RefusesABadIndexByFaceAndCorner) {
-  expect_refused(replaced(kSquare, "4 0 1 2 3", "4 0 1 2 4"),
-                 "face 0, corner 3: there is no vertex 4; the file has 4");
-  expect_refused(replaced(kSquare, "4 0 1 2 3", "4 0 1 -2 3"), "corner 2: there is no vertex -2");
-  expect_refused(replaced(kSquare, "4 0 1 2 3", "4 0 1.5 2 3"),
-                 "line 14: \"1.5\" is not a number of type int for property vertex_indices");
-  expect_refused(replaced(kSquare, "4 0 1 2 3", "2 0 1"), "has 2 corners; at least 3");
+  expect_ply_refused(replaced(kSquare, "4 0 1 2 3", "4 0 1 2 4"),
+                     "face 0, corner 3: there is no vertex 4; the file has 4");
+  expect_ply_refused(replaced(kSquare, "4 0 1 2 3", "4 0 1 -2 3"),
+                     "corner 2: there is no vertex -2");
+  expect_ply_refused(replaced(kSquare, "4 0 1 2 3", "4 0 1.5 2 3"),
+                     "line 14: \"1.5\" is not a number of type int for property vertex_indices");
+  expect_ply_refused(replaced(kSquare, "4 0 1 2 3", "2 0 1"), "has 2 corners; at least 3");
 }
 
 TEST(Ply, RefusesWhatIsNoPlyOrNoSurface) {
-  expect_refused("a letter\nto a friend\n", "first line must be \"ply\"");
-  expect_refused("ply\nelement vertex 0\nend_header\n", "no line \"format ...\"");
-  expect_refused(replaced(kSquare, "ascii", "morse"), "line 2 of the header is not valid");
-  expect_refused(replaced(kSquare, "float y", "quad y"), "line 5 of the header");
-  expect_refused(replaced(kSquare, "float y", "float w"), "needs one property y");
-  expect_refused(replaced(kSquare, "uchar int", "uchar float"), "list vertex_indices of integers");
-  expect_refused(replaced(kSquare, "uchar int", "float int"), "line 8 of the header");
-  expect_refused(replaced(kSquare, "1 1 0.1", "1 one 0.1"), "line 12: \"one\" is not a number");
-  expect_refused(replaced(kSquare, "1 1 0.1", "1 nan 0.1"),
-                 "vertex 2 (counted from 0) is not finite");
-  expect_refused(kTextVertices + "end_header\n0 0 1 1 0 1 1 1 1 0 1 1", "no triangle");
+  expect_ply_refused("a letter\nto a friend\n", "first line must be \"ply\"");
+  expect_ply_refused("ply\nelement vertex 0\nend_header\n", "no line \"format ...\"");
+  expect_ply_refused(replaced(kSquare, "ascii", "morse"), "line 2 of the header is not valid");
+  expect_ply_refused(replaced(kSquare, "float y", "quad y"), "line 5 of the header");
+  expect_ply_refused(replaced(kSquare, "float y", "float w"), "needs one property y");
+  expect_ply_refused(replaced(kSquare, "uchar int", "uchar float"),
+                     "list vertex_indices of integers");
+  expect_ply_refused(replaced(kSquare, "uchar int", "float int"), "line 8 of the header");
+  expect_ply_refused(replaced(kSquare, "1 1 0.1", "1 one 0.1"), "line 12: \"one\" is not a number");
+  expect_ply_refused(replaced(kSquare, "1 1 0.1", "1 nan 0.1"),
+                     "vertex 2 (counted from 0) is not finite");
+  expect_ply_refused(kTextVertices + "end_header\n0 0 1 1 0 1 1 1 1 0 1 1", "no triangle");
 }
 
 /// A strip of four vertices, a new start at an odd place, and a strip that repeats a vertex, as
@@ -199,8 +189,8 @@ TEST(Ply, StripsBecomeTrianglesThatFaceOneWay) {
               (Eigen::VectorXd(5) << 1, 2, 3, 4, 5).finished());
     EXPECT_EQ(triangle_normals(file.mesh).row(2).head(3), Eigen::RowVector3d(1, 1, 1));
   }
-  expect_refused(replaced(strips("int"), "-1 2 3 4", "-2 2 3 4"), "there is no vertex -2");
-  expect_refused(replaced(strips("int"), "-1 2 3 4", "-1 2 3 5"), "there is no vertex 5");
+  expect_ply_refused(replaced(strips("int"), "-1 2 3 4", "-2 2 3 4"), "there is no vertex -2");
+  expect_ply_refused(replaced(strips("int"), "-1 2 3 4", "-1 2 3 5"), "there is no vertex 5");
 }
 
 TEST(Ply, KeepsEveryPropertyAndComment) {
@@ -252,11 +242,11 @@ TEST(Ply, LinesOfAHeaderMayEndInEveryWay) {
 }
 
 TEST(Ply, RefusesWhatIsThereTwice) {
-  expect_refused(replaced(kSquare, "float y\n", "float y\nproperty int y\n"),
-                 "line 6 of the header");
-  expect_refused(replaced(kSquare, "end_header", "element vertex 0\nend_header"),
-                 "line 9 of the header");
-  expect_refused(
+  expect_ply_refused(replaced(kSquare, "float y\n", "float y\nproperty int y\n"),
+                     "line 6 of the header");
+  expect_ply_refused(replaced(kSquare, "end_header", "element vertex 0\nend_header"),
+                     "line 9 of the header");
+  expect_ply_refused(
       replaced(replaced(kSquare, "end_header", "property list uchar int vertex_index\nend_header"),
                "4 0 1 2 3", "4 0 1 2 3 3 0 1 2"),
       "needs one list vertex_indices");

@@ -19,17 +19,14 @@
 namespace palpate::geometry {
 namespace {
 
-/// A unit tetrahedron's faces, counter-clockwise from outside.
-const std::vector<Eigen::Vector3d> kCorners{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-const std::vector<Eigen::Vector3i> kFaces{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
-
 std::string stl_text() {
   std::ostringstream text;
   text << std::fixed << "solid tetrahedron\n";
-  for (const Eigen::Vector3i& face : kFaces) {
+  for (const Eigen::Vector3i& face : kTetrahedronFaces) {
     text << " facet normal 0 0 0\n  outer loop\n";
     for (const int corner : face)
-      text << "   vertex " << kCorners[static_cast<std::size_t>(corner)].transpose() << "\n";
+      text << "   vertex " << kTetrahedronCorners[static_cast<std::size_t>(corner)].transpose()
+           << "\n";
     text << "  endloop\n endfacet\n";
   }
   text << "endsolid tetrahedron\n";
@@ -42,57 +39,54 @@ std::string stl_binary() {
     const auto raw = std::bit_cast<std::array<char, sizeof(value)>>(value);
     bytes.append(raw.data(), raw.size());
   };
-  put(static_cast<std::uint32_t>(kFaces.size()));
-  for (const Eigen::Vector3i& face : kFaces) {
+  put(static_cast<std::uint32_t>(kTetrahedronFaces.size()));
+  for (const Eigen::Vector3i& face : kTetrahedronFaces) {
     for (int i = 0; i < 3; ++i) put(0.0F);
     for (const int corner : face)
-      for (const double x : kCorners[static_cast<std::size_t>(corner)]) put(static_cast<float>(x));
+      for (const double x : kTetrahedronCorners[static_cast<std::size_t>(corner)])
+        put(static_cast<float>(x));
     put(std::uint16_t{0});
   }
   return bytes;
 }
 
-MeshFile read(const std::string& content) {
+MeshFile read_stl(const std::string& content) {
   const ScratchFolder folder;
   write_text(folder / "mesh.stl", content);
   return read_mesh_file(folder / "mesh.stl");
 }
 
-void expect_refused(const std::string& content, const std::string& words) {
-  EXPECT_THROWS_MESSAGE(static_cast<void>(read(content)), FileError, words);
-}
-
-std::string replaced(std::string text, const std::string& what, const std::string& by) {
-  return text.replace(text.find(what), what.size(), by);
+void expect_stl_refused(const std::string& content, const std::string& words) {
+  EXPECT_THROWS_MESSAGE(static_cast<void>(read_stl(content)), FileError, words);
 }
 
 TEST(Stl, CornersAtOnePlaceBecomeOneVertex) {
   for (const std::string& content : {stl_text(), stl_binary()}) {
-    const TriangleMesh mesh = read(content).mesh;
+    const TriangleMesh mesh = read_stl(content).mesh;
     ASSERT_EQ(mesh.vertices.cols(), 4);
     ASSERT_EQ(mesh.triangles.cols(), 4);
     for (Eigen::Index face = 0; face < 4; ++face)
       for (Eigen::Index corner = 0; corner < 3; ++corner)
-        EXPECT_EQ(
-            mesh.vertices.col(mesh.triangles(corner, face)),
-            kCorners[static_cast<std::size_t>(kFaces[static_cast<std::size_t>(face)][corner])]);
+        EXPECT_EQ(mesh.vertices.col(mesh.triangles(corner, face)),
+                  kTetrahedronCorners[static_cast<std::size_t>(
+                      kTetrahedronFaces[static_cast<std::size_t>(face)][corner])]);
   }
 }
 
 TEST(Stl, NearCornersStayApartAndTheTwoZerosAreOnePlace) {
-  EXPECT_EQ(read(replaced(stl_text(), "0.000000", "0.000001")).mesh.vertices.cols(), 5);
-  EXPECT_EQ(read(replaced(stl_text(), "0.000000", "-0.000000")).mesh.vertices.cols(), 4);
+  EXPECT_EQ(read_stl(replaced(stl_text(), "0.000000", "0.000001")).mesh.vertices.cols(), 5);
+  EXPECT_EQ(read_stl(replaced(stl_text(), "0.000000", "-0.000000")).mesh.vertices.cols(), 4);
 }
 
 TEST(Stl, ABinaryFileMayStartLikeAText) {
   std::string binary = stl_binary();
   binary.replace(0, 16, "solid unit cube ");
-  EXPECT_EQ(read(binary).mesh.triangles.cols(), 4);
+  EXPECT_EQ(read_stl(binary).mesh.triangles.cols(), 4);
 }
 
 TEST(Stl, ATextMayHoldSeveralSolidsAndNormalsThatAreNoNumbers) {
   const std::string text = replaced(stl_text(), "normal 0 0 0", "normal -nan(ind) 0 0");
-  EXPECT_EQ(read(text + text).mesh.triangles.cols(), 8);
+  EXPECT_EQ(read_stl(text + text).mesh.triangles.cols(), 8);
 }
 
 TEST(Stl, FloatsComeBackFromBinaryAndDoublesFromText) {
@@ -139,18 +133,19 @@ TEST(Stl, WritesTheNormalsOfTheTriangles) {
 
 TEST(Stl, RefusesWithThePlace) {
   const std::string binary = stl_binary();
-  expect_refused(binary.substr(0, binary.size() - 60), "holds 2 of 4 triangles; it is truncated");
-  expect_refused(binary.substr(0, 83), "is not an STL file, or it is truncated");
-  expect_refused(replaced(stl_text(), "endsolid", ""), "where facet or endsolid is needed");
-  expect_refused(replaced(stl_text(), "endloop", "vertex 1 2 3\nendloop"),
-                 "line 7: \"vertex\" where endloop is needed");
-  expect_refused(replaced(stl_text(), "0.000000", "zero"), "line 4: \"zero\" where a number");
-  expect_refused(replaced(stl_text(), "0.000000", "nan"),
-                 "vertex 0 (counted from 0) is not finite");
-  expect_refused("solid empty\nendsolid empty\n", "holds no vertices");
+  expect_stl_refused(binary.substr(0, binary.size() - 60),
+                     "holds 2 of 4 triangles; it is truncated");
+  expect_stl_refused(binary.substr(0, 83), "is not an STL file, or it is truncated");
+  expect_stl_refused(replaced(stl_text(), "endsolid", ""), "where facet or endsolid is needed");
+  expect_stl_refused(replaced(stl_text(), "endloop", "vertex 1 2 3\nendloop"),
+                     "line 7: \"vertex\" where endloop is needed");
+  expect_stl_refused(replaced(stl_text(), "0.000000", "zero"), "line 4: \"zero\" where a number");
+  expect_stl_refused(replaced(stl_text(), "0.000000", "nan"),
+                     "vertex 0 (counted from 0) is not finite");
+  expect_stl_refused("solid empty\nendsolid empty\n", "holds no vertices");
   std::string huge = binary;
   huge.replace(80, 4, "\xff\xff\xff\xff");
-  expect_refused(huge, "holds 4 of 4294967295 triangles");
+  expect_stl_refused(huge, "holds 4 of 4294967295 triangles");
 }
 
 TEST(Stl, RefusesToRoundWhatIsBeyondFloat) {

@@ -9,23 +9,25 @@
 #include <string>
 #include <vector>
 
+#include "geodesic/geodesic_testing.h"
 #include "mesh_corpus.h"
+#include "not_finite.h"
 #include "palpate/error.h"
 #include "palpate/geometry/geodesic_distance.h"
+#include "refusal.h"
 #include "test_surfaces.h"
 
 namespace palpate::geometry {
 namespace {
 
 using Eigen::Vector3d;
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using test::straight_distances;
 
 /// What the header promises; relative to the distance and the mean length of the edges.
 constexpr double kAccuracy = 1e-8;
 
 GeodesicDistance exact(const TriangleMesh& mesh, const std::vector<SurfacePoint>& sources,
-                       double stop_radius = kInfinity) {
+                       double stop_radius = kInf) {
   return geodesic_distance(mesh, sources,
                            {.method = GeodesicMethod::exact, .stop_radius = stop_radius});
 }
@@ -54,10 +56,6 @@ double largest_error(const TriangleMesh& mesh, const Eigen::VectorXd& measured,
   }
   const double mean_edge = edges / static_cast<double>(mesh.triangles.size());
   return ((measured - truth).array().abs() / (truth.array() + mean_edge)).maxCoeff();
-}
-
-Eigen::VectorXd straight_distances(const TriangleMesh& mesh, const SurfacePoint& source) {
-  return (mesh.vertices.colwise() - position(mesh, source)).colwise().norm();
 }
 
 TEST_F(ExactGeodesicDistance, OnAFlatSheetIsTheStraightOneFromFacesEdgesAndVertices) {
@@ -157,7 +155,7 @@ TEST_F(ExactGeodesicDistance, OnATetrahedronIsThatOfItsUnfoldings) {
     }
     const GeodesicDistance geodesic = exact(solid.mesh, {source});
     for (Eigen::Index v = 0; v < geodesic.distance.size(); ++v) {
-      double truth = kInfinity;
+      double truth = kInf;
       for (const double sign : {-1.0, 1.0}) {
         for (int i = -3; i <= 3; ++i) {
           for (int j = -3; j <= 3; ++j) {
@@ -219,7 +217,7 @@ TEST_F(ExactGeodesicDistance, StopsAtTheRadius) {
       EXPECT_EQ(part.label[v], whole.label[v]);
     } else {
       ++beyond;
-      EXPECT_EQ(part.distance[v], kInfinity);
+      EXPECT_EQ(part.distance[v], kInf);
       EXPECT_EQ(part.label[v], -1);
     }
   }
@@ -238,7 +236,7 @@ TEST_F(ExactGeodesicDistance, PassesWhereSheetsMeetAtOneVertexOfTheirBorders) {
   const GeodesicDistance geodesic = exact(bow_tie, {corner_point(0, 1)});
   EXPECT_NEAR(geodesic.distance[3], 2 * std::sqrt(5), kAccuracy);
   EXPECT_NEAR(geodesic.distance[4], 2 * std::sqrt(5), kAccuracy);
-  EXPECT_EQ(geodesic.distance[5], kInfinity);
+  EXPECT_EQ(geodesic.distance[5], kInf);
   EXPECT_EQ(geodesic.label[5], -1);
 }
 
@@ -258,23 +256,17 @@ TEST_F(ExactGeodesicDistance, ScalesExactlyWithTheUnitOfLengthAndMovesAlong) {
       kAccuracy);
 }
 
-std::string refusal(const TriangleMesh& mesh) {
-  try {
-    (void)exact(mesh, {corner_point(0, 0)});
-  } catch (const InvalidInput& error) {
-    return error.what();
-  }
-  return "accepted";
-}
-
 TEST_F(ExactGeodesicDistance, RefusesWhatIsNoManifoldOrHasNoArea) {
+  const auto refused = [](const TriangleMesh& mesh) {
+    return refusal([&] { return exact(mesh, {corner_point(0, 0)}); });
+  };
   TriangleMesh flat = test::flat_sheet(3, 3, 1);
   flat.vertices(0, 5) = 2;  // onto vertex 6, its neighbour
-  EXPECT_NE(refusal(flat).find("has no area"), std::string::npos);
+  EXPECT_NE(refused(flat).find("has no area"), std::string::npos);
 
   TriangleMesh turned = test::flat_sheet(3, 3, 1);
   turned.triangles.col(4).reverseInPlace();
-  EXPECT_NE(refusal(turned).find("turned over"), std::string::npos);
+  EXPECT_NE(refused(turned).find("turned over"), std::string::npos);
 
   // Two closed tetrahedra that share one vertex.
   TriangleMesh twins;
@@ -286,7 +278,7 @@ TEST_F(ExactGeodesicDistance, RefusesWhatIsNoManifoldOrHasNoArea) {
   twins.triangles << 0, 0, 0, 1, 0, 0, 0, 4,  //
       2, 1, 3, 2, 5, 4, 6, 5,                 //
       1, 3, 2, 3, 4, 6, 5, 6;
-  EXPECT_NE(refusal(twins).find("non-manifold"), std::string::npos) << refusal(twins);
+  EXPECT_NE(refused(twins).find("non-manifold"), std::string::npos) << refused(twins);
 }
 
 }  // namespace

@@ -12,10 +12,11 @@
 #include <utility>
 #include <vector>
 
+#include "geodesic/geodesic_testing.h"
 #include "mesh_corpus.h"
+#include "not_finite.h"
 #include "palpate/error.h"
 #include "palpate/geometry/geodesic_distance.h"
-#include "relative_errors.h"
 #include "test_surfaces.h"
 
 namespace palpate::geometry {
@@ -23,18 +24,12 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-/// Of a way over a flat sheet; relative to the distance.
-constexpr double kRounding = 1e-11;
-
-/// What the header promises of finely sampled range maps; relative to the distance.
-constexpr double kMeanError = 0.0025;
-constexpr double kMaxError = 0.015;
+using test::kMaxError;
+using test::kMeanError;
 
 /// The exact answer, or nothing in a build without CGAL.
-std::optional<GeodesicDistance> exact(const TriangleMesh& mesh,
-                                      const std::vector<SurfacePoint>& sources) {
+std::optional<GeodesicDistance> exact_or_nothing(const TriangleMesh& mesh,
+                                                 const std::vector<SurfacePoint>& sources) {
   try {
     return geodesic_distance(mesh, sources, {.method = GeodesicMethod::exact});
   } catch (const Unavailable&) {
@@ -47,7 +42,7 @@ TEST(FastMarching, OnRangeMapsIsNearTheExactOne) {
     const TriangleMesh mesh = test::bumpy(8000, noise);
     for (const SurfacePoint& source : {corner_point(3000, 1), SurfacePoint{777, {0.5, 0.5, 0}},
                                        SurfacePoint{6100, {0.2, 0.3, 0.5}}}) {
-      const auto truth = exact(mesh, {source});
+      const auto truth = exact_or_nothing(mesh, {source});
       if (!truth) GTEST_SKIP() << "no CGAL";
       const test::RelativeErrors errors = test::relative_errors(
           geodesic_distance(mesh, std::vector{source}).distance, truth->distance, 20);
@@ -61,7 +56,7 @@ TEST(FastMarching, OnRangeMapsIsNearTheExactOne) {
 TEST(FastMarching, IsNearTheExactOneInNeedlesOfAGlove) {
   const TriangleMesh glove = test::glove(4.0);
   const SurfacePoint source{100, {0.2, 0.3, 0.5}};
-  const auto truth = exact(glove, {source});
+  const auto truth = exact_or_nothing(glove, {source});
   if (!truth) GTEST_SKIP() << "no CGAL";
   const test::RelativeErrors errors = test::relative_errors(
       geodesic_distance(glove, std::vector{source}).distance, truth->distance, 8);
@@ -78,7 +73,7 @@ TEST(FastMarching, LabelsOnARangeMapAreNearlyTheExactOnes) {
   for (int i = 0; i < 100; ++i) {
     sources.push_back({.triangle = any(random), .barycentric = {0.2, 0.3, 0.5}});
   }
-  const auto truth = exact(mesh, sources);
+  const auto truth = exact_or_nothing(mesh, sources);
   if (!truth) GTEST_SKIP() << "no CGAL";
   const GeodesicDistance geodesic = geodesic_distance(mesh, sources);
   const auto different = (geodesic.label.array() != truth->label.array()).count();
@@ -120,7 +115,7 @@ TEST(FastMarching, GoesRoundAHole) {
   const GeodesicDistance geodesic =
       geodesic_distance(plate, std::vector<SurfacePoint>{{triangle, barycentric}});
   EXPECT_NEAR(geodesic.distance[right], truth, kMaxError * truth);
-  EXPECT_GE(geodesic.distance[right], truth * (1 - kRounding));
+  EXPECT_GE(geodesic.distance[right], truth * (1 - test::kWayRounding));
 }
 
 /// Whether the straight line from p to q in the plane does not pass through the box.
@@ -153,7 +148,7 @@ TEST(FastMarching, InTheShadowOfAHoleIsThatRoundItsCorners) {
   for (const Vector3d& corner : {Vector3d(side, 2 * side, 0), Vector3d(2 * side, side, 0)}) {
     starts.emplace_back(corner, (corner - from).norm());
   }
-  Eigen::VectorXd truth = Eigen::VectorXd::Constant(plate.vertices.cols(), kInfinity);
+  Eigen::VectorXd truth = Eigen::VectorXd::Constant(plate.vertices.cols(), kInf);
   for (Eigen::Index v = 0; v < truth.size(); ++v) {
     for (const auto& [start, distance] : starts) {
       const Vector3d to = plate.vertices.col(v);
@@ -163,7 +158,7 @@ TEST(FastMarching, InTheShadowOfAHoleIsThatRoundItsCorners) {
   Eigen::VectorXd measured = geodesic_distance(plate, std::vector{source}).distance;
   for (Eigen::Index v = 0; v < truth.size(); ++v) {
     // Vertices inside the hole are in no triangle.
-    if (measured[v] == kInfinity) measured[v] = truth[v] = 0;
+    if (measured[v] == kInf) measured[v] = truth[v] = 0;
   }
   const test::RelativeErrors errors = test::relative_errors(measured, truth, 2 * kSpacing);
   // The sheet is flat: all there is comes from the edges of the shadow.

@@ -9,9 +9,11 @@
 #include <string>
 #include <vector>
 
+#include "geodesic/geodesic_testing.h"
 #include "mesh_corpus.h"
+#include "not_finite.h"
 #include "palpate/error.h"
-#include "relative_errors.h"
+#include "refusal.h"
 #include "test_surfaces.h"
 
 namespace palpate::geometry {
@@ -19,21 +21,13 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-/// A way of some hundred triangles, each some tens of operations; relative to the distance.
-constexpr double kRounding = 1e-11;
-
-/// What the march promises on a smooth, well sampled surface, away from the source; relative.
-constexpr double kMeanError = 0.0025;
-constexpr double kMaxError = 0.015;
+using test::kMaxError;
+using test::kMeanError;
+using test::kWayRounding;
+using test::straight_distances;
 
 GeodesicDistance from_one(const TriangleMesh& mesh, const SurfacePoint& source) {
   return geodesic_distance(mesh, std::vector<SurfacePoint>{source});
-}
-
-Eigen::VectorXd straight_distances(const TriangleMesh& mesh, const SurfacePoint& source) {
-  return (mesh.vertices.colwise() - position(mesh, source)).colwise().norm();
 }
 
 TEST(GeodesicDistance, OnAFlatSheetIsTheStraightOneFromFacesEdgesAndVertices) {
@@ -43,7 +37,7 @@ TEST(GeodesicDistance, OnAFlatSheetIsTheStraightOneFromFacesEdgesAndVertices) {
     const SurfacePoint source{.triangle = 777, .barycentric = barycentric};
     const GeodesicDistance geodesic = from_one(sheet, source);
     const Eigen::VectorXd truth = straight_distances(sheet, source);
-    EXPECT_LT((geodesic.distance - truth).cwiseAbs().maxCoeff(), kRounding * truth.maxCoeff());
+    EXPECT_LT((geodesic.distance - truth).cwiseAbs().maxCoeff(), kWayRounding * truth.maxCoeff());
     EXPECT_TRUE((geodesic.label.array() == 0).all());
   }
 }
@@ -54,7 +48,7 @@ TEST(GeodesicDistance, IsExactOnLongObtuseTriangles) {
   const SurfacePoint source{.triangle = 1001, .barycentric = {0.2, 0.3, 0.5}};
   const Eigen::VectorXd truth = straight_distances(sheet, source);
   EXPECT_LT((from_one(sheet, source).distance - truth).cwiseAbs().maxCoeff(),
-            kRounding * truth.maxCoeff());
+            kWayRounding * truth.maxCoeff());
 }
 
 TEST(GeodesicDistance, OnACylinderIsThatOfTheUnrolledSheet) {
@@ -185,12 +179,12 @@ TEST(GeodesicDistance, LabelsOfManySourcesOnAFlatSheetAreTheNearestSources) {
   }
   const GeodesicDistance geodesic = geodesic_distance(sheet, sources);
   for (Eigen::Index v = 0; v < sheet.vertices.cols(); ++v) {
-    double nearest = kInfinity;
+    double nearest = kInf;
     for (const SurfacePoint& source : sources) {
       nearest = std::min(nearest, (position(sheet, source) - sheet.vertices.col(v)).norm());
     }
     const SurfacePoint& labelled = sources[static_cast<size_t>(geodesic.label[v])];
-    EXPECT_NEAR(geodesic.distance[v], nearest, kRounding * 100);
+    EXPECT_NEAR(geodesic.distance[v], nearest, kWayRounding * 100);
     EXPECT_NEAR((position(sheet, labelled) - sheet.vertices.col(v)).norm(), nearest,
                 1e-8 * nearest);
   }
@@ -205,7 +199,7 @@ TEST(GeodesicDistance, OfManySourcesIsTheLeastOfTheDistancesOfEach) {
     sources.push_back({.triangle = t, .barycentric = {0.3, 0.3, 0.4}});
   }
   const GeodesicDistance together = geodesic_distance(bumpy, sources);
-  Eigen::VectorXd least = Eigen::VectorXd::Constant(bumpy.vertices.cols(), kInfinity);
+  Eigen::VectorXd least = Eigen::VectorXd::Constant(bumpy.vertices.cols(), kInf);
   for (const SurfacePoint& source : sources) {
     least = least.cwiseMin(from_one(bumpy, source).distance);
   }
@@ -225,7 +219,7 @@ TEST(GeodesicDistance, SymmetricSourcesGetSymmetricLabels) {
   for (int v = 0; v < mesh.vertices.cols(); ++v) {
     const int c = v % (kCols + 1);
     const int mirrored = v - c + (kCols - c);
-    EXPECT_NEAR(geodesic.distance[v], geodesic.distance[mirrored], kRounding * 50);
+    EXPECT_NEAR(geodesic.distance[v], geodesic.distance[mirrored], kWayRounding * 50);
     // On the axis it is a tie, which goes to the first source.
     const int expected = c == kCols / 2 ? 0 : 1 - geodesic.label[mirrored];
     EXPECT_EQ(geodesic.label[v], expected) << v;
@@ -253,7 +247,7 @@ TEST(GeodesicDistance, DoesNotReachADisconnectedPart) {
       two.triangles.leftCols(triangles).array() + static_cast<int>(vertices);
   const GeodesicDistance geodesic = from_one(two, corner_point(3, 0));
   EXPECT_TRUE(geodesic.distance.head(vertices).allFinite());
-  EXPECT_TRUE((geodesic.distance.tail(vertices + 1).array() == kInfinity).all());
+  EXPECT_TRUE((geodesic.distance.tail(vertices + 1).array() == kInf).all());
   EXPECT_TRUE((geodesic.label.tail(vertices + 1).array() == -1).all());
 }
 
@@ -266,9 +260,9 @@ TEST(GeodesicDistance, StopsAtTheRadius) {
       geodesic_distance(sheet, std::vector<SurfacePoint>{source}, {.stop_radius = 9.1});
   for (Eigen::Index v = 0; v < truth.size(); ++v) {
     if (truth[v] <= 9.1) {
-      EXPECT_NEAR(geodesic.distance[v], truth[v], kRounding * 10);
+      EXPECT_NEAR(geodesic.distance[v], truth[v], kWayRounding * 10);
     } else {
-      EXPECT_EQ(geodesic.distance[v], kInfinity);
+      EXPECT_EQ(geodesic.distance[v], kInf);
       EXPECT_EQ(geodesic.label[v], -1);
     }
   }
@@ -292,37 +286,31 @@ TEST(GeodesicDistance, PassesTrianglesWithoutArea) {
   const GeodesicDistance geodesic = from_one(strip, corner_point(0, 0));
   for (Eigen::Index v = 0; v < strip.vertices.cols(); ++v) {
     const double truth = strip.vertices.col(v).norm();
-    EXPECT_GE(geodesic.distance[v], truth * (1 - kRounding));
+    EXPECT_GE(geodesic.distance[v], truth * (1 - kWayRounding));
     EXPECT_LE(geodesic.distance[v], 1.1 * truth);
   }
 }
 
-std::string refusal(const TriangleMesh& mesh, const std::vector<SurfacePoint>& sources,
-                    const GeodesicOptions& options = {}) {
-  try {
-    (void)geodesic_distance(mesh, sources, options);
-  } catch (const InvalidInput& error) {
-    return error.what();
-  }
-  return "accepted";
-}
-
 TEST(GeodesicDistance, RefusesBadInputAndNamesIt) {
+  const auto refused = [](const TriangleMesh& mesh, const std::vector<SurfacePoint>& sources,
+                          const GeodesicOptions& options = {}) {
+    return refusal([&] { return geodesic_distance(mesh, sources, options); });
+  };
   const TriangleMesh sheet = test::flat_sheet(2, 2, 1);
   const SurfacePoint good = corner_point(0, 0);
   EXPECT_NE(refusal({}, {good}).find("no triangles"), std::string::npos);
-  EXPECT_NE(refusal(sheet, {}).find("no source"), std::string::npos);
-  EXPECT_NE(refusal(sheet, {good, corner_point(8, 0)}).find("source 1"), std::string::npos);
-  EXPECT_NE(refusal(sheet, {{.triangle = 0, .barycentric = {1, 1, 0}}}).find("source 0"),
+  EXPECT_NE(refused(sheet, {}).find("no source"), std::string::npos);
+  EXPECT_NE(refused(sheet, {good, corner_point(8, 0)}).find("source 1"), std::string::npos);
+  EXPECT_NE(refused(sheet, {{.triangle = 0, .barycentric = {1, 1, 0}}}).find("source 0"),
             std::string::npos);
   TriangleMesh broken = sheet;
   broken.vertices(1, 3) = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_NE(refusal(broken, {good}).find("vertex 3 is not finite"), std::string::npos);
+  EXPECT_NE(refused(broken, {good}).find("vertex 3 is not finite"), std::string::npos);
   EXPECT_NE(
-      refusal(sheet, {{0, {1, std::numeric_limits<double>::quiet_NaN(), 0}}}).find("source 0"),
+      refused(sheet, {{0, {1, std::numeric_limits<double>::quiet_NaN(), 0}}}).find("source 0"),
       std::string::npos);
   for (const double radius : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()}) {
-    EXPECT_NE(refusal(sheet, {good}, {.stop_radius = radius}).find("stop_radius"),
+    EXPECT_NE(refused(sheet, {good}, {.stop_radius = radius}).find("stop_radius"),
               std::string::npos);
   }
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "mesh_corpus.h"
+#include "not_finite.h"
 #include "palpate/error.h"
 #include "palpate/geometry/mesh_defects.h"
 #include "palpate/geometry/mesh_topology.h"
@@ -15,8 +16,6 @@
 
 namespace palpate::geometry {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// The mesh without the triangles whose centre is within `radius` of a place.
 TriangleMesh with_hole(const TriangleMesh& mesh, const Eigen::Vector3d& at, double radius) {
@@ -26,10 +25,6 @@ TriangleMesh with_hole(const TriangleMesh& mesh, const Eigen::Vector3d& at, doub
     if ((corners.rowwise().mean() - at).norm() > radius) kept.push_back(t);
   }
   return {mesh.vertices, mesh.triangles(Eigen::all, kept)};
-}
-
-long border_edges(const TriangleMesh& mesh) {
-  return (opposite_half_edges(mesh).array() < 0).count();
 }
 
 class HoleFilling : public ::testing::Test {
@@ -46,11 +41,11 @@ class HoleFilling : public ::testing::Test {
 TEST_F(HoleFilling, APatchOnASphereFollowsTheSphere) {
   const double radius = 30.1;
   const TriangleMesh open = with_hole(test::icosphere(4, radius), {0, 0, radius}, 8.0);
-  ASSERT_GT(border_edges(open), 0);
+  ASSERT_GT(test::border_edges(open), 0);
   const FilledMesh filled = fill_holes(open, {.max_diameter = 25});
   EXPECT_EQ(filled.filled, 1);
   EXPECT_EQ(filled.left, 0);
-  EXPECT_EQ(border_edges(filled.mesh), 0);
+  EXPECT_EQ(test::border_edges(filled.mesh), 0);
   // A flat lid would lie 1.1 mm below the top.
   const Eigen::VectorXd radii = filled.mesh.vertices.colwise().norm();
   EXPECT_LT((radii.array() - radius).abs().maxCoeff(), 0.1);
@@ -70,9 +65,9 @@ TEST_F(HoleFilling, OnlyHolesUpToTheSizeAreFilled) {
   EXPECT_EQ(fill_holes(open, {.max_diameter = 20}).filled, 0);
   EXPECT_EQ(fill_holes(open, {.max_diameter = 20}).left, 3);
   EXPECT_EQ(fill_holes(open, {.max_diameter = 200}).filled, 2);
-  const FilledMesh closed = fill_holes(open, {.max_diameter = kInfinity});
+  const FilledMesh closed = fill_holes(open, {.max_diameter = kInf});
   EXPECT_EQ(closed.filled, 3);
-  EXPECT_EQ(border_edges(closed.mesh), 0);
+  EXPECT_EQ(test::border_edges(closed.mesh), 0);
 }
 
 TEST_F(HoleFilling, TheResultHasNoDefects) {

@@ -16,7 +16,7 @@ namespace palpate::geometry {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kRounding = 1e-12;  // relative; sums of some 10^4 terms
+constexpr double kSumRounding = 1e-12;  // relative; sums of some 10^4 terms
 
 Eigen::Isometry3d far_away() {
   return Eigen::Translation3d(1000.1, -700.3, 350.7) *
@@ -43,7 +43,7 @@ TEST(MeshMeasures, ATorusHasTheAreaAndVolumeOfPappus) {
 }
 
 TEST(MeshMeasures, AClosedSheetHoldsItsOutlineTimesItsThickness) {
-  EXPECT_NEAR(enclosed_volume(test::closed_sheet()) / 9600, 1, kRounding);
+  EXPECT_NEAR(enclosed_volume(test::closed_sheet()) / 9600, 1, kSumRounding);
 }
 
 TEST(MeshMeasures, APlaceFarAwayChangesNothing) {
@@ -67,12 +67,12 @@ TEST(MeshMeasures, AMeshTurnedInsideOutHasANegativeVolume) {
   TriangleMesh mesh = test::icosphere(2, 10);
   const double volume = enclosed_volume(mesh);
   mesh.triangles.colwise().reverseInPlace();
-  EXPECT_NEAR(enclosed_volume(mesh), -volume, kRounding * volume);
+  EXPECT_NEAR(enclosed_volume(mesh), -volume, kSumRounding * volume);
 }
 
 TEST(MeshMeasures, AnOpenMeshHasAnAreaButNoVolume) {
   const TriangleMesh sheet = test::flat_sheet(7, 4, 1.5);
-  EXPECT_NEAR(surface_area(sheet), 7 * 4 * 1.5 * 1.5, kRounding * 63);
+  EXPECT_NEAR(surface_area(sheet), 7 * 4 * 1.5 * 1.5, kSumRounding * 63);
   EXPECT_THROWS_MESSAGE((void)enclosed_volume(sheet), InvalidInput,
                         "edge from vertex 0 to vertex 1 is at its border");
 }

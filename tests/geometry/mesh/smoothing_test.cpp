@@ -11,14 +11,13 @@
 
 #include "file_testing.h"
 #include "mesh_corpus.h"
+#include "not_finite.h"
 #include "palpate/error.h"
 #include "palpate/geometry/mesh_measures.h"
 #include "test_surfaces.h"
 
 namespace palpate::geometry {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// A flat regular polygon about the origin, one triangle a side.
 TriangleMesh polygon(int sides) {

@@ -7,16 +7,16 @@
 #include <limits>
 #include <string>
 
+#include "not_finite.h"
 #include "palpate/error.h"
+#include "refusal.h"
 #include "test_surfaces.h"
 
 namespace palpate::geometry {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-
 /// About twenty double operations on values of the order of one.
-constexpr double kRounding = 1e-14;
+constexpr double kPositionRounding = 1e-14;
 
 TriangleMesh one_triangle() {
   TriangleMesh mesh;
@@ -29,34 +29,30 @@ TriangleMesh one_triangle() {
   return mesh;
 }
 
-std::string refusal(const TriangleMesh& mesh) {
-  try {
-    check_mesh(mesh, "the target");
-  } catch (const InvalidInput& error) {
-    return error.what();
-  }
-  return "accepted";
+std::string refused_mesh(const TriangleMesh& mesh) {
+  return refusal([&] { check_mesh(mesh, "the target"); });
 }
 
 TEST(CheckMesh, AcceptsAMeshWithAnUnusedVertexAndOneWithoutArea) {
   TriangleMesh mesh = one_triangle();
   mesh.vertices.conservativeResize(3, 4);
   mesh.vertices.col(3).setOnes();
-  EXPECT_EQ(refusal(mesh), "accepted");
+  EXPECT_NO_THROW(check_mesh(mesh, "the target"));
   mesh.vertices.setZero();
-  EXPECT_EQ(refusal(mesh), "accepted");
+  EXPECT_NO_THROW(check_mesh(mesh, "the target"));
 }
 
 TEST(CheckMesh, RefusesAMeshWithoutTriangles) {
-  EXPECT_EQ(refusal(TriangleMesh{}),
+  EXPECT_EQ(refused_mesh(TriangleMesh{}),
             "the target: the mesh has no triangles; at least one is needed");
 }
 
 TEST(CheckMesh, NamesTheFirstVertexThatIsNotFinite) {
-  for (const double bad : {kNan, std::numeric_limits<double>::infinity()}) {
+  for (const double bad : {kNaN, std::numeric_limits<double>::infinity()}) {
     TriangleMesh mesh = one_triangle();
     mesh.vertices(2, 1) = bad;
-    EXPECT_EQ(refusal(mesh), "the target: vertex 1 is not finite; remove it and its triangles");
+    EXPECT_EQ(refused_mesh(mesh),
+              "the target: vertex 1 is not finite; remove it and its triangles");
   }
 }
 
@@ -66,8 +62,8 @@ TEST(CheckMesh, NamesTheTriangleWhoseIndexIsOutOfRange) {
     mesh.vertices.conservativeResize(3, 3);
     mesh.triangles.col(0) << 0, 1, 2;
     mesh.triangles.col(1) << 0, bad, 2;
-    EXPECT_EQ(refusal(mesh), "the target: triangle 1 names vertex " + std::to_string(bad) +
-                                 "; the mesh has vertices 0 to 2");
+    EXPECT_EQ(refused_mesh(mesh), "the target: triangle 1 names vertex " + std::to_string(bad) +
+                                      "; the mesh has vertices 0 to 2");
   }
 }
 
@@ -75,7 +71,7 @@ TEST(CheckMesh, NamesTheTriangleThatUsesAVertexTwice) {
   TriangleMesh mesh = one_triangle();
   mesh.triangles.col(0) << 0, 2, 2;
   EXPECT_EQ(
-      refusal(mesh),
+      refused_mesh(mesh),
       "the target: triangle 0 names a vertex twice (0, 2, 2); its three vertices must differ");
 }
 
@@ -86,12 +82,12 @@ TEST(CheckSurfacePoint, RefusesWhatIsNotAPlaceOnTheMesh) {
   EXPECT_THROW(check_surface_point(mesh, {-1, {1, 0, 0}}, "contact"), InvalidInput);
   EXPECT_THROW(check_surface_point(mesh, {0, {1.1, -0.1, 0}}, "contact"), InvalidInput);
   EXPECT_THROW(check_surface_point(mesh, {0, {0.5, 0.4, 0}}, "contact"), InvalidInput);
-  EXPECT_THROW(check_surface_point(mesh, {0, {kNan, 0.5, 0.5}}, "contact"), InvalidInput);
+  EXPECT_THROW(check_surface_point(mesh, {0, {kNaN, 0.5, 0.5}}, "contact"), InvalidInput);
 }
 
 TEST(Position, WeighsTheCorners) {
   const Eigen::Vector3d p = position(one_triangle(), {0, {0.5, 0.2, 0.3}});
-  EXPECT_LT((p - Eigen::Vector3d(0.4, 0.9, 0)).norm(), kRounding);
+  EXPECT_LT((p - Eigen::Vector3d(0.4, 0.9, 0)).norm(), kPositionRounding);
 }
 
 TEST(VertexPoints, LieOnTheirVertices) {
@@ -103,7 +99,7 @@ TEST(VertexPoints, LieOnTheirVertices) {
   for (std::size_t v = 0; v + 1 < points.size(); ++v) {
     EXPECT_NO_THROW(check_surface_point(mesh, points[v], "vertex"));
     EXPECT_LT((position(mesh, points[v]) - mesh.vertices.col(static_cast<int>(v))).norm(),
-              kRounding);
+              kPositionRounding);
     EXPECT_EQ(points[v].barycentric.maxCoeff(), 1);
   }
   EXPECT_EQ(points.back().triangle, -1);
@@ -155,7 +151,7 @@ TEST(VertexNormals, OfACubeCornerAreItsDiagonalHoweverItsFacesAreCut) {
       4, 2, 3, 1,                //
       1, 4, 2, 3;
   const Eigen::Vector3d diagonal = -Eigen::Vector3d::Ones().normalized();
-  EXPECT_LT((vertex_normals(mesh).col(0) - diagonal).norm(), kRounding);
+  EXPECT_LT((vertex_normals(mesh).col(0) - diagonal).norm(), kPositionRounding);
 }
 
 TEST(VertexNormals, IgnoreTrianglesWithoutAreaAndAreNanWithoutAnyTriangle) {

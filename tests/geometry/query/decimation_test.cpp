@@ -32,7 +32,7 @@ struct Case {
   double most;       ///< of its triangles that may be left: the tolerance must be made use of
 };
 
-std::vector<Case> corpus() {
+std::vector<Case> cases() {
   return {
       {"bumpy", test::bumpy(1500), 4, 0.6},
       {"noisy", test::bumpy(1500, 0.25), 4, 0.6},
@@ -42,10 +42,6 @@ std::vector<Case> corpus() {
       {"torus", test::torus(40, 20, 30, 8), 1, 0.3},
       {"hand", read_mesh(repository("meshes/hand.ply")), 0.5, 0.3},
   };
-}
-
-long border_edges(const TriangleMesh& mesh) {
-  return (opposite_half_edges(mesh).array() < 0).count();
 }
 
 /// In how many pieces the neighbourhood of each vertex falls, found by walking from triangle to
@@ -91,7 +87,7 @@ bool is_sliver(const TriangleMesh& mesh, Eigen::Index triangle) {
 }
 
 TEST(Decimate, KeepsToTheToleranceOnEveryMesh) {
-  for (const Case& one : corpus()) {
+  for (const Case& one : cases()) {
     const Decimation result = decimate(one.mesh, {.tolerance = one.tolerance});
     EXPECT_LE(result.distance, one.tolerance) << one.name;
     EXPECT_LE(static_cast<double>(result.mesh.triangles.cols()),
@@ -106,11 +102,11 @@ TEST(Decimate, KeepsToTheToleranceOnEveryMesh) {
 }
 
 TEST(Decimate, KeepsAManifoldAManifold) {
-  for (const Case& one : corpus()) {
+  for (const Case& one : cases()) {
     const Decimation result = decimate(one.mesh, {.tolerance = one.tolerance});
-    ASSERT_NO_THROW((void)border_edges(one.mesh)) << one.name;
-    ASSERT_NO_THROW((void)border_edges(result.mesh)) << one.name;
-    EXPECT_EQ(border_edges(result.mesh) == 0, border_edges(one.mesh) == 0) << one.name;
+    ASSERT_NO_THROW((void)test::border_edges(one.mesh)) << one.name;
+    ASSERT_NO_THROW((void)test::border_edges(result.mesh)) << one.name;
+    EXPECT_EQ(test::border_edges(result.mesh) == 0, test::border_edges(one.mesh) == 0) << one.name;
     const std::map<int, int> before = fans(one.mesh);
     for (const auto& [v, count] : fans(result.mesh)) {
       EXPECT_LE(count, before.at(result.source[static_cast<std::size_t>(v)])) << one.name;
@@ -119,7 +115,7 @@ TEST(Decimate, KeepsAManifoldAManifold) {
 }
 
 TEST(Decimate, TurnsNoTriangleOver) {
-  for (const Case& one : corpus()) {
+  for (const Case& one : cases()) {
     const Decimation result = decimate(one.mesh, {.tolerance = one.tolerance});
     const Eigen::Matrix3Xd normals = triangle_normals(result.mesh);
     const Eigen::Matrix3Xd of_input = triangle_normals(one.mesh);

@@ -10,7 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "dense_sampling.h"
 #include "mesh_corpus.h"
+#include "not_finite.h"
 #include "palpate/error.h"
 #include "palpate/geometry/surface_query.h"
 #include "test_surfaces.h"
@@ -20,13 +22,10 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 /// Relative to the size of the mesh: some tens of double operations, amplified by needles.
-constexpr double kRounding = 1e-12;
+constexpr double kRayRounding = 1e-12;
 
-Eigen::Matrix3Xd random_points(int count, double size, unsigned seed) {
+Eigen::Matrix3Xd random_columns(int count, double size, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> uniform(-size, size);
   return Eigen::Matrix3Xd::NullaryExpr(3, count, [&](auto, auto) { return uniform(random); });
@@ -35,7 +34,7 @@ Eigen::Matrix3Xd random_points(int count, double size, unsigned seed) {
 /// First crossing by Moeller and Trumbore 1997 on every triangle, in multiples of `along`.
 double brute_force_crossing(const TriangleMesh& mesh, const Vector3d& start,
                             const Vector3d& along) {
-  double first = kInfinity;
+  double first = kInf;
   for (const auto& t : mesh.triangles.colwise()) {
     const Vector3d a = mesh.vertices.col(t[0]);
     const Vector3d ab = mesh.vertices.col(t[1]) - a, ac = mesh.vertices.col(t[2]) - a;
@@ -48,43 +47,21 @@ double brute_force_crossing(const TriangleMesh& mesh, const Vector3d& start,
   return first;
 }
 
-/// The least distance to an edge, or to a plane whose triangle the point is above.
-double brute_force_distance(const TriangleMesh& mesh, const Vector3d& p) {
-  double nearest = kInfinity;
-  for (const auto& t : mesh.triangles.colwise()) {
-    Eigen::Matrix3d corner;
-    for (int k = 0; k < 3; ++k) corner.col(k) = mesh.vertices.col(t[k]);
-    const Vector3d normal = (corner.col(1) - corner.col(0)).cross(corner.col(2) - corner.col(0));
-    bool inside = normal.squaredNorm() > 0;
-    for (int k = 0; k < 3; ++k) {
-      const Vector3d edge = corner.col((k + 1) % 3) - corner.col(k);
-      const Vector3d offset = p - corner.col(k);
-      inside = inside && normal.dot(edge.cross(offset)) >= 0;
-      const double s = std::clamp(edge.dot(offset) / edge.squaredNorm(), 0.0, 1.0);
-      nearest = std::min(nearest, (offset - s * edge).norm());
-    }
-    if (inside) {
-      nearest = std::min(nearest, std::abs(normal.normalized().dot(p - corner.col(0))));
-    }
-  }
-  return nearest;
-}
-
 TEST(RayHit, EqualsASearchThroughAllTriangles) {
   const TriangleMesh mesh = test::random_triangles(300, 30, 1);
   const SurfaceQuery query(mesh);
   int hits = 0;
   for (const double size : {5.0, 50.0, 5000.0}) {
-    const Eigen::Matrix3Xd origins = random_points(400, size, 2);
-    const Eigen::Matrix3Xd targets = random_points(400, 30, 3);
+    const Eigen::Matrix3Xd origins = random_columns(400, size, 2);
+    const Eigen::Matrix3Xd targets = random_columns(400, 30, 3);
     for (int i = 0; i < 400; ++i) {
       const Vector3d along = 0.37 * (targets.col(i) - origins.col(i));
       const double expected = brute_force_crossing(mesh, origins.col(i), along) * along.norm();
       const auto hit = query.first_hit({.origin = origins.col(i), .direction = along});
-      ASSERT_EQ(hit.has_value(), expected < kInfinity);
+      ASSERT_EQ(hit.has_value(), expected < kInf);
       if (!hit) continue;
       ++hits;
-      EXPECT_NEAR(hit->distance, expected, 10 * kRounding * (30 + size));
+      EXPECT_NEAR(hit->distance, expected, 10 * kRayRounding * (30 + size));
       EXPECT_EQ(hit->position, position(mesh, hit->at));
       // A distance a little shorter or longer decides whether it is reached.
       Ray ray{.origin = origins.col(i), .direction = along, .max_distance = 0.999 * expected};
@@ -128,8 +105,8 @@ TEST(RayHit, IsNoneForWhatIsNoRay) {
   EXPECT_TRUE(query.first_hit({.origin = {0, 0, 0}, .direction = up}));
   EXPECT_FALSE(query.first_hit({.origin = {0, 0, 0}, .direction = {0, 0, 0}}));
   EXPECT_FALSE(query.first_hit({.origin = {0, 0, 0}, .direction = up, .max_distance = -1}));
-  EXPECT_FALSE(query.first_hit({.origin = {0, 0, 0}, .direction = up, .max_distance = kNan}));
-  for (const double bad : {kNan, kInfinity}) {
+  EXPECT_FALSE(query.first_hit({.origin = {0, 0, 0}, .direction = up, .max_distance = kNaN}));
+  for (const double bad : {kNaN, kInf}) {
     EXPECT_FALSE(query.first_hit({.origin = {0, bad, 0}, .direction = up}));
     EXPECT_FALSE(query.first_hit({.origin = {0, 0, 0}, .direction = {1, bad, 0}}));
   }
@@ -138,9 +115,9 @@ TEST(RayHit, IsNoneForWhatIsNoRay) {
 TEST(ManyQueries, AnswerAsOneByOneAndLeaveOutWhatIsNotFinite) {
   const TriangleMesh mesh = test::random_triangles(300, 30, 4);
   const SurfaceQuery query(mesh);
-  Eigen::Matrix3Xd starts = random_points(3000, 40, 5);
-  const Eigen::Matrix3Xd ends = random_points(3000, 40, 6);
-  starts(1, 7) = kNan;
+  Eigen::Matrix3Xd starts = random_columns(3000, 40, 5);
+  const Eigen::Matrix3Xd ends = random_columns(3000, 40, 6);
+  starts(1, 7) = kNaN;
   std::vector<Ray> rays;
   for (int i = 0; i < 3000; ++i) {
     rays.push_back({.origin = starts.col(i), .direction = ends.col(i), .max_distance = 50});
@@ -188,21 +165,23 @@ TEST(ClosestPoint, EqualsASearchThroughAllTrianglesAmongNeedles) {
   for (const double flat : {1.0, 1e-3, 1e-6}) {
     mesh.vertices.row(2) *= flat;
     const SurfaceQuery query(mesh);
-    const Eigen::Matrix3Xd points = random_points(60, 150, 7);
+    const test::EveryTriangle triangles(mesh);
+    const Eigen::Matrix3Xd points = random_columns(60, 150, 7);
     for (const auto& p : points.colwise()) {
-      EXPECT_NEAR(query.closest_point(p).distance, brute_force_distance(mesh, p), kRounding * 150);
+      EXPECT_NEAR(query.closest_point(p).distance, triangles.distance(p, 0, nullptr),
+                  kRayRounding * 150);
     }
     for (int t = 0; t < mesh.triangles.cols(); t += 50) {
       const Vector3d near = position(mesh, {t, {0.2, 0.3, 0.5}}) + 1e-4 * points.col(t % 60);
-      EXPECT_NEAR(query.closest_point(near).distance, brute_force_distance(mesh, near),
-                  kRounding * 150);
+      EXPECT_NEAR(query.closest_point(near).distance, triangles.distance(near, 0, nullptr),
+                  kRayRounding * 150);
     }
   }
 }
 
 /// Any two queries of the same mesh must answer alike, to the last bit.
 void expect_alike(const SurfaceQuery& a, const SurfaceQuery& b, double size) {
-  const Eigen::Matrix3Xd starts = random_points(400, size, 8), ends = random_points(400, size, 9);
+  const Eigen::Matrix3Xd starts = random_columns(400, size, 8), ends = random_columns(400, size, 9);
   const ClosestPoints near_a = closest_points(a, starts), near_b = closest_points(b, starts);
   EXPECT_EQ(near_a.triangles, near_b.triangles);
   EXPECT_EQ(near_a.distances, near_b.distances);
@@ -229,7 +208,7 @@ TEST(MoveVertices, AnswersAsANewQueryOfTheMovedMesh) {
   Eigen::Matrix3Xd bent = at_first;
   for (auto v : bent.colwise()) v.z() += 7.7 * std::sin(0.05 * v.x());
   expect_follows(bent, 150);
-  expect_follows(random_points(static_cast<int>(bent.cols()), 100, 10), 150);
+  expect_follows(random_columns(static_cast<int>(bent.cols()), 100, 10), 150);
   expect_follows(
       Eigen::AngleAxisd(0.7, Vector3d(1, 2, 3).normalized()).toRotationMatrix() * at_first, 150);
   expect_follows(at_first.colwise() + Vector3d(1e6, 0.7e6, -3e5), 2e6);
@@ -243,7 +222,7 @@ TEST(MoveVertices, RefusesOtherNumbersAndPlacesThatAreNotFiniteAndStaysWhereItWa
   SurfaceQuery query(sphere);
   EXPECT_THROW(query.move_vertices(sphere.vertices.leftCols(9)), InvalidInput);
   Eigen::Matrix3Xd bad = 2 * sphere.vertices;
-  bad(1, 5) = kNan;
+  bad(1, 5) = kNaN;
   try {
     query.move_vertices(bad);
     FAIL();

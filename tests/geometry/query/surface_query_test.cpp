@@ -8,6 +8,7 @@
 #include <thread>
 #include <vector>
 
+#include "not_finite.h"
 #include "palpate/error.h"
 #include "test_surfaces.h"
 
@@ -16,14 +17,11 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 /// Relative to the size of the mesh: some tens of double operations, and the amplification by the
 /// needles among random triangles.
-constexpr double kRounding = 1e-12;
+constexpr double kQueryRounding = 1e-12;
 
-std::vector<Vector3d> random_points(int count, double size, unsigned seed) {
+std::vector<Vector3d> random_places(int count, double size, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> uniform(-size, size);
   std::vector<Vector3d> points;
@@ -54,8 +52,8 @@ double ericson_distance(const Vector3d& p, const Vector3d& a, const Vector3d& b,
   return std::abs(ab.cross(ac).normalized().dot(p - a));
 }
 
-double brute_force_distance(const TriangleMesh& mesh, const Vector3d& p) {
-  double nearest = kInfinity;
+double ericson_distance(const TriangleMesh& mesh, const Vector3d& p) {
+  double nearest = kInf;
   for (const auto& t : mesh.triangles.colwise()) {
     nearest = std::min(nearest, ericson_distance(p, mesh.vertices.col(t[0]),
                                                  mesh.vertices.col(t[1]), mesh.vertices.col(t[2])));
@@ -65,7 +63,7 @@ double brute_force_distance(const TriangleMesh& mesh, const Vector3d& p) {
 
 /// First crossing by Moeller and Trumbore 1997 on every triangle; infinity if there is none.
 double brute_force_fraction(const TriangleMesh& mesh, const Vector3d& start, const Vector3d& end) {
-  double first = kInfinity;
+  double first = kInf;
   const Vector3d along = end - start;
   for (const auto& t : mesh.triangles.colwise()) {
     const Vector3d a = mesh.vertices.col(t[0]);
@@ -85,19 +83,19 @@ double brute_force_fraction(const TriangleMesh& mesh, const Vector3d& start, con
 /// The answer must name one and the same place in all its ways.
 void expect_consistent(const TriangleMesh& mesh, const Vector3d& p, const ClosestPoint& closest) {
   EXPECT_GE(closest.at.barycentric.minCoeff(), 0);
-  EXPECT_NEAR(closest.at.barycentric.sum(), 1, kRounding);
+  EXPECT_NEAR(closest.at.barycentric.sum(), 1, kQueryRounding);
   EXPECT_EQ(closest.position, position(mesh, closest.at));
   EXPECT_NEAR((p - closest.position).norm(), closest.distance,
-              kRounding * (bounding_diagonal(mesh) + p.norm()));
+              kQueryRounding * (bounding_diagonal(mesh) + p.norm()));
 }
 
 TEST(ClosestPoint, EqualsASearchThroughAllTriangles) {
   const TriangleMesh mesh = test::random_triangles(700, 30, 1);
   const SurfaceQuery query(mesh);
   for (const double size : {10.0, 40.0, 3000.0}) {
-    for (const Vector3d& p : random_points(500, size, 2)) {
+    for (const Vector3d& p : random_places(500, size, 2)) {
       const ClosestPoint closest = query.closest_point(p);
-      EXPECT_NEAR(closest.distance, brute_force_distance(mesh, p), kRounding * size);
+      EXPECT_NEAR(closest.distance, ericson_distance(mesh, p), kQueryRounding * size);
       expect_consistent(mesh, p, closest);
     }
   }
@@ -116,7 +114,7 @@ TEST(ClosestPoint, IsFoundAmongTrianglesThatSinglePrecisionCannotTellApart) {
     mesh.triangles.col(i) << 3 * i, 3 * i + 1, 3 * i + 2;
   }
   const SurfaceQuery query(mesh);
-  for (const Vector3d& random : random_points(200, 1, 12)) {
+  for (const Vector3d& random : random_places(200, 1, 12)) {
     for (const double depth : {50.3, 5000.7}) {
       const Vector3d p = Vector3d(20, 20, -2 * depth) + depth * random;
       EXPECT_EQ(mesh.vertices(2, 3 * query.closest_point(p).at.triangle), 0);
@@ -133,7 +131,7 @@ TEST(ClosestPoint, OfASphereIsOnTheRadius) {
   const SurfaceQuery query(sphere);
   // Depth of a chord plane below the sphere: edge^2 / (6 R) for an equilateral triangle.
   const double sagitta = std::pow(1.2 * kRadius / 32, 2) / (6 * kRadius) * 1.5;
-  for (const Vector3d& p : random_points(300, 80, 3)) {
+  for (const Vector3d& p : random_places(300, 80, 3)) {
     const ClosestPoint closest = query.closest_point(p);
     EXPECT_NEAR(closest.distance, std::abs(p.norm() - kRadius), sagitta);
     EXPECT_LT(closest.position.normalized().cross(p.normalized()).norm(), 0.05);
@@ -145,11 +143,11 @@ TEST(ClosestPoint, OfAPlaneIsTheFootOfThePerpendicular) {
                               Eigen::AngleAxisd(0.7, Vector3d(1, 2, 3).normalized());
   const TriangleMesh plane = test::moved(test::flat_sheet(9, 7, 1.1), T);
   const SurfaceQuery query(plane);
-  for (Vector3d p : random_points(300, 3, 4)) {
+  for (Vector3d p : random_places(300, 3, 4)) {
     p += Vector3d(4.9, 3.8, 0);
     const ClosestPoint closest = query.closest_point(T * p);
-    EXPECT_NEAR(closest.distance, std::abs(p.z()), 200 * kRounding);
-    EXPECT_LT((closest.position - T * Vector3d(p.x(), p.y(), 0)).norm(), 200 * kRounding);
+    EXPECT_NEAR(closest.distance, std::abs(p.z()), 200 * kQueryRounding);
+    EXPECT_LT((closest.position - T * Vector3d(p.x(), p.y(), 0)).norm(), 200 * kQueryRounding);
   }
 }
 
@@ -161,7 +159,7 @@ TEST(ClosestPoint, AnswersAsWellOneKilometreAway) {
   const SurfaceQuery query_far(test::moved(near, T));
   // Two roundings of coordinates of the size of a kilometre.
   constexpr double kRoundingFar = 4e-16 * kKilometre;
-  for (const Vector3d& p : random_points(300, 60, 5)) {
+  for (const Vector3d& p : random_places(300, 60, 5)) {
     const ClosestPoint a = query_near.closest_point(p);
     const ClosestPoint b = query_far.closest_point(T * p);
     EXPECT_NEAR(a.distance, b.distance, kRoundingFar);
@@ -176,7 +174,7 @@ TEST(SurfaceQuery, ScalesExactlyWithTheUnitOfLength) {
   const SurfaceQuery query(mesh);
   for (const double factor : {0x1p-300, 0x1p-20, 0x1p20, 0x1p300}) {
     const SurfaceQuery scaled(test::scaled(mesh, factor));
-    const std::vector<Vector3d> points = random_points(200, 40, 7);
+    const std::vector<Vector3d> points = random_places(200, 40, 7);
     for (size_t i = 1; i < points.size(); ++i) {
       const ClosestPoint a = query.closest_point(points[i]);
       const ClosestPoint b = scaled.closest_point(factor * points[i]);
@@ -220,15 +218,15 @@ TEST(ClosestPoint, ServesMeshesWithoutAreaAndOfOnePoint) {
       0.7, 1.4, 2.1,               //
       0, 0, 0;
   const SurfaceQuery line(mesh);
-  EXPECT_NEAR(line.closest_point({0.2, 1.4, 5}).distance, 5, kRounding);
-  EXPECT_NEAR(line.closest_point({0, 0, 0}).distance, std::hypot(0.1, 0.7), kRounding);
+  EXPECT_NEAR(line.closest_point({0.2, 1.4, 5}).distance, 5, kQueryRounding);
+  EXPECT_NEAR(line.closest_point({0, 0, 0}).distance, std::hypot(0.1, 0.7), kQueryRounding);
   mesh.vertices.setConstant(0.7);
-  EXPECT_NEAR(SurfaceQuery(mesh).closest_point({0.7, 3.7, 4.7}).distance, 5, kRounding);
+  EXPECT_NEAR(SurfaceQuery(mesh).closest_point({0.7, 3.7, 4.7}).distance, 5, kQueryRounding);
 }
 
 TEST(SurfaceQuery, AnswersPointsThatAreNotFiniteWithNothing) {
   const SurfaceQuery query(test::icosphere(1, 10));
-  for (const double bad : {kNan, kInfinity, -kInfinity}) {
+  for (const double bad : {kNaN, kInf, -kInf}) {
     const Vector3d p(1, bad, 2);
     EXPECT_EQ(query.closest_point(p).at.triangle, -1);
     EXPECT_TRUE(std::isnan(query.closest_point(p).distance));
@@ -241,7 +239,7 @@ TEST(SurfaceQuery, AnswersPointsThatAreNotFiniteWithNothing) {
 TEST(SurfaceQuery, RefusesABadMesh) {
   EXPECT_THROW(SurfaceQuery(TriangleMesh{}), InvalidInput);
   TriangleMesh mesh = test::icosphere(0, 1);
-  mesh.vertices(0, 5) = kNan;
+  mesh.vertices(0, 5) = kNaN;
   EXPECT_THROW(SurfaceQuery{mesh}, InvalidInput);
 }
 
@@ -250,20 +248,20 @@ TEST(FirstHit, EqualsASearchThroughAllTriangles) {
   const SurfaceQuery query(mesh);
   int hits = 0;
   for (const double size : {5.0, 50.0, 5000.0}) {
-    const std::vector<Vector3d> starts = random_points(400, size, 9);
-    const std::vector<Vector3d> targets = random_points(400, 30, 10);
+    const std::vector<Vector3d> starts = random_places(400, size, 9);
+    const std::vector<Vector3d> targets = random_places(400, 30, 10);
     for (size_t i = 0; i < starts.size(); ++i) {
       // As far beyond the target as before it.
       const Vector3d end = 2 * targets[i] - starts[i];
       const double expected = brute_force_fraction(mesh, starts[i], end);
       const auto hit = query.first_hit(starts[i], end);
-      ASSERT_EQ(hit.has_value(), expected < kInfinity);
+      ASSERT_EQ(hit.has_value(), expected < kInf);
       if (!hit) continue;
       ++hits;
-      EXPECT_NEAR(hit->fraction, expected, 10 * kRounding);
+      EXPECT_NEAR(hit->fraction, expected, 10 * kQueryRounding);
       EXPECT_EQ(hit->position, position(mesh, hit->at));
       EXPECT_LT((hit->position - starts[i] - hit->fraction * (end - starts[i])).norm(),
-                kRounding * (30 + size));
+                kQueryRounding * (30 + size));
     }
   }
   EXPECT_GT(hits, 300);
@@ -275,7 +273,7 @@ TEST(FirstHit, IsFoundFromBothSides) {
   const auto from_inside = query.first_hit({0.3, 0.2, 0}, {0.3, 0.2, 30});
   ASSERT_TRUE(from_outside && from_inside);
   EXPECT_EQ(from_outside->at.triangle, from_inside->at.triangle);
-  EXPECT_NEAR(from_outside->fraction, 1 - from_inside->fraction, kRounding);
+  EXPECT_NEAR(from_outside->fraction, 1 - from_inside->fraction, kQueryRounding);
 }
 
 TEST(FirstHit, NeverSlipsThroughVerticesAndEdges) {
@@ -307,7 +305,7 @@ TEST(FirstHit, CountsASegmentThatStartsOrEndsOnTheSurface) {
     EXPECT_EQ(leaving->at.triangle, t);
     const auto arriving = query.first_hit(outside, on);
     ASSERT_TRUE(arriving.has_value());
-    EXPECT_NEAR(arriving->fraction, 1, kRounding);
+    EXPECT_NEAR(arriving->fraction, 1, kQueryRounding);
     EXPECT_FALSE(query.first_hit(1.0001 * on, outside).has_value());
   }
 }
@@ -328,7 +326,7 @@ TEST(FirstHit, ServesSegmentsOfAnyLength) {
   for (const double length : {1e-9, 1e-3, 1e3, 1e9, 1e12}) {
     const auto hit = query.first_hit({3.3, 4.4, 0.25 * length}, {3.3, 4.4, -0.75 * length});
     ASSERT_TRUE(hit.has_value()) << length;
-    EXPECT_NEAR(hit->fraction, 0.25, kRounding);
+    EXPECT_NEAR(hit->fraction, 0.25, kQueryRounding);
     EXPECT_FALSE(query.first_hit({3.3, 14.4, length}, {3.3, 14.4, -length}).has_value());
   }
 }
@@ -343,7 +341,7 @@ TEST(SurfaceQuery, GivesTheSameAnswersFromManyThreads) {
   const TriangleMesh sphere = test::icosphere(4, 10);
   SurfaceQuery original(sphere);
   const SurfaceQuery query = std::move(original);
-  const std::vector<Vector3d> points = random_points(2000, 15, 11);
+  const std::vector<Vector3d> points = random_places(2000, 15, 11);
   std::vector<std::vector<double>> distances(4);
   {
     std::vector<std::jthread> threads;

@@ -17,7 +17,7 @@ namespace palpate::geometry {
 namespace {
 
 // Coordinates are near 1 and some 30 operations deep.
-constexpr double kRounding = 1e-13;
+constexpr double kCameraRounding = 1e-13;
 constexpr double kRoundingPx = 1e-10;  // the same, times a focal length
 
 Camera pinhole() {
@@ -70,8 +70,8 @@ TEST(Camera, UndistortInvertsDistortToRounding) {
     for (double x = -0.5; x <= 0.5; x += 0.05)
       for (double y = -0.4; y <= 0.4; y += 0.05) {
         const Eigen::Vector2d back = undistort(camera, distort(camera, {x, y}));
-        EXPECT_NEAR(back.x(), x, kRounding);
-        EXPECT_NEAR(back.y(), y, kRounding);
+        EXPECT_NEAR(back.x(), x, kCameraRounding);
+        EXPECT_NEAR(back.y(), y, kCameraRounding);
       }
 }
 
@@ -115,7 +115,7 @@ TEST(Camera, PixelRaysAreThoseOfEachPixelRowAfterRow) {
   cameras.back().distortion = {-1.6, 0.9};  // folded within the image: corners have no ray
   for (const Camera& camera : cameras) {
     // Near a fold rounding is magnified without bound; the last pixel before it is not that near.
-    const double tolerance = (&camera == &cameras.back() ? 100 : 1) * kRounding;
+    const double tolerance = (&camera == &cameras.back() ? 100 : 1) * kCameraRounding;
     const Eigen::Matrix2Xd rays = pixel_rays(camera);
     ASSERT_EQ(rays.cols(), 640 * 480);
     for (int row = 0; row < 480; row += 7)

@@ -16,6 +16,7 @@
 #include <string>
 
 #include "file_testing.h"
+#include "not_finite.h"
 #include "palpate/error.h"
 #include "repository.h"
 
@@ -24,7 +25,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kFloat = 1e-7;  // rounding of a depth to float, relative to it
 
 Camera camera_of(double focal_length_px) {

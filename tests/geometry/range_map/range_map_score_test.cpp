@@ -7,12 +7,12 @@
 #include <cmath>
 #include <limits>
 
+#include "not_finite.h"
 #include "palpate/error.h"
 
 namespace palpate::geometry {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
 
 TEST(DepthDifference, IsSignedAndUnknownWhereEitherIs) {

@@ -10,12 +10,12 @@
 #include <limits>
 #include <random>
 
+#include "not_finite.h"
 #include "palpate/error.h"
 
 namespace palpate::geometry {
 namespace {
 
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 constexpr int kRows = 60;
 constexpr int kCols = 80;
 constexpr double kSigma = 0.2;  // mm
@@ -121,10 +121,10 @@ TEST(RangeMapSmoothing, ACertainDepthCountsMoreThanAnUncertainOne) {
 TEST(RangeMapSmoothing, UnknownStaysUnknownAndSaysNothing) {
   const ImageF sigma = constant(kSigma);
   ImageF measured = noisy(sampled(slanted_plane), sigma);
-  measured.block(10, 10, 20, 3) = kNaN;
+  measured.block(10, 10, 20, 3) = kFloatNaN;
   measured(40, 40) = -1;
   ImageF partly = sigma;
-  partly.block(50, 50, 5, 5) = kNaN;
+  partly.block(50, 50, 5, 5) = kFloatNaN;
   partly(5, 60) = 0;
   const ImageF result = smooth_range_map(measured, partly);
   EXPECT_TRUE((result.isNaN() == measured.isNaN()).all());
@@ -132,7 +132,7 @@ TEST(RangeMapSmoothing, UnknownStaysUnknownAndSaysNothing) {
   EXPECT_TRUE((result.block(50, 50, 5, 5) == measured.block(50, 50, 5, 5)).all());
   EXPECT_EQ(result(5, 60), measured(5, 60));
   // Too few pixels for a surface: a line, a point.
-  ImageF line = ImageF::Constant(9, 9, kNaN);
+  ImageF line = ImageF::Constant(9, 9, kFloatNaN);
   line.row(4).setLinSpaced(9, 700, 701);
   const ImageF of_line = smooth_range_map(line, ImageF::Constant(9, 9, 0.1F));
   EXPECT_TRUE((of_line.row(4) == line.row(4)).all());

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "file_testing.h"
+#include "not_finite.h"
 #include "palpate/error.h"
 #include "repository.h"
 
@@ -25,18 +26,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
 const fs::path kTruth = repository("demo/truth");
 
 /// Values that use every bit of the mantissa, with holes.
 ImageF awkward_image(Eigen::Index rows, Eigen::Index cols) {
   ImageF z(rows, cols);
   for (Eigen::Index i = 0; i < z.size(); ++i)
-    z.data()[i] = i % 7 == 3 ? kNaN : 1000.1F + 0.37F * std::sin(0.7F * static_cast<float>(i));
+    z.data()[i] = i % 7 == 3 ? kFloatNaN : 1000.1F + 0.37F * std::sin(0.7F * static_cast<float>(i));
   return z;
 }
 
-bool same_bits(const ImageF& a, const ImageF& b) {
+bool same_pixels(const ImageF& a, const ImageF& b) {
   if (a.rows() != b.rows() || a.cols() != b.cols()) return false;
   for (Eigen::Index i = 0; i < a.size(); ++i) {
     if (std::isnan(a.data()[i]) && std::isnan(b.data()[i])) continue;
@@ -90,7 +90,7 @@ TEST(RangeMap, RoundTripsEveryBit) {
   for (const auto& [rows, cols] : {std::pair{1, 1}, {37, 53}, {300, 411}}) {
     const ImageF z = awkward_image(rows, cols);
     write_depth_tiff(folder / "z.tiff", z);
-    EXPECT_TRUE(same_bits(read_depth_tiff(folder / "z.tiff"), z));
+    EXPECT_TRUE(same_pixels(read_depth_tiff(folder / "z.tiff"), z));
   }
 }
 
@@ -100,7 +100,7 @@ TEST(RangeMap, WhatItWritesIsReadByOpenCv) {
   write_depth_tiff(folder / "z.tiff", z);
   const cv::Mat image = cv::imread((folder / "z.tiff").string(), cv::IMREAD_UNCHANGED);
   ASSERT_EQ(image.type(), CV_32FC1);
-  EXPECT_TRUE(same_bits(Eigen::Map<const ImageF>(image.ptr<float>(), image.rows, image.cols), z));
+  EXPECT_TRUE(same_pixels(Eigen::Map<const ImageF>(image.ptr<float>(), image.rows, image.cols), z));
 }
 
 TEST(RangeMap, ReadsStripsTilesCompressionsAndBothByteOrders) {
@@ -113,7 +113,7 @@ TEST(RangeMap, ReadsStripsTilesCompressionsAndBothByteOrders) {
         Layout{.mode = "w8", .compression = COMPRESSION_ADOBE_DEFLATE}, Layout{.tile = 16},
         Layout{.mode = "wb", .tile = 32}}) {
     write_foreign_tiff(folder / "z.tiff", z, layout);
-    EXPECT_TRUE(same_bits(read_depth_tiff(folder / "z.tiff"), z))
+    EXPECT_TRUE(same_pixels(read_depth_tiff(folder / "z.tiff"), z))
         << layout.mode << " " << layout.compression << " " << layout.tile;
   }
 }
@@ -121,7 +121,7 @@ TEST(RangeMap, ReadsStripsTilesCompressionsAndBothByteOrders) {
 TEST(RangeMap, ValuesThatAreNoDepthBecomeNan) {
   const ScratchFolder folder;
   ImageF z(1, 5);
-  z << 1000.1F, 0, -3, std::numeric_limits<float>::infinity(), kNaN;
+  z << 1000.1F, 0, -3, std::numeric_limits<float>::infinity(), kFloatNaN;
   write_depth_tiff(folder / "z.tiff", z);
   const ImageF read = read_depth_tiff(folder / "z.tiff");
   EXPECT_EQ(read(0), 1000.1F);
@@ -134,7 +134,8 @@ TEST(RangeMap, ReadsTheBundledTruthAsOpenCvDoes) {
     const ImageF z = read_depth_tiff(path);
     const cv::Mat image = cv::imread(path.string(), cv::IMREAD_UNCHANGED);
     ASSERT_EQ(image.type(), CV_32FC1);
-    EXPECT_TRUE(same_bits(z, Eigen::Map<const ImageF>(image.ptr<float>(), image.rows, image.cols)));
+    EXPECT_TRUE(
+        same_pixels(z, Eigen::Map<const ImageF>(image.ptr<float>(), image.rows, image.cols)));
     EXPECT_EQ(z.rows(), 480);
     EXPECT_EQ(z.cols(), 640);
     const auto known = !z.isNaN();
@@ -239,7 +240,7 @@ TEST(RangeMap, ThreadsReadAndWriteSideBySideAndErrorsStayWithTheirFile) {
       const fs::path path = folder / ("z" + std::to_string(thread) + ".tiff");
       for (int repeat = 0; repeat < 20; ++repeat) {
         write_depth_tiff(path, z);
-        EXPECT_TRUE(same_bits(read_depth_tiff(path), z));
+        EXPECT_TRUE(same_pixels(read_depth_tiff(path), z));
         EXPECT_THROW(static_cast<void>(read_depth_tiff(folder / "text.tiff")), FileError);
       }
     });

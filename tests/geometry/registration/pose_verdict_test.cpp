@@ -21,13 +21,11 @@ using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 using test::bumpy_surface;
 using test::kDegree;
+using test::kFound;
 using test::largest_distance;
 using test::points_on;
 using test::random_motion;
 using enum RegistrationVerdict;
-
-/// [mm] as in the tests of the pose.
-constexpr double kFound = 1e-6;
 
 TEST(RegistrationVerdict, SlidesOnAPlateWhichThePointsMeetWithoutBeingMovedAlongIt) {
   const TriangleMesh plate = test::flat_sheet(10, 10, 10.3);

@@ -15,6 +15,9 @@ namespace palpate::geometry::test {
 
 inline constexpr double kDegree = std::numbers::pi / 180;
 
+/// [mm] The last step is below 1e-10 of a surface about 100 mm large.
+inline constexpr double kFound = 1e-6;
+
 /// 105 mm x 84 mm, without a symmetry.
 inline TriangleMesh bumpy_surface() {
   return height_field(50, 40, 2.1, [](double x, double y) {

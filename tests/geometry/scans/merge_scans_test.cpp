@@ -14,7 +14,9 @@
 #include <utility>
 #include <vector>
 
+#include "dense_sampling.h"
 #include "mesh_corpus.h"
+#include "not_finite.h"
 #include "palpate/error.h"
 #include "palpate/geometry/surface_query.h"
 #include "test_surfaces.h"
@@ -24,15 +26,14 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNoise = 0.1;  // [mm] standard deviation along the ray
+constexpr double kRayNoise = 0.1;  // [mm] standard deviation along the ray
 
 /// What a camera at `eye` sees of a mesh about the origin: one ray a pixel, neighbouring hits
 /// connected unless there is a depth step, in a frame of its own.
-Scan look(const TriangleMesh& object, const Vector3d& eye, double width, int pixels,
-          unsigned seed) {
+Scan look_at(const TriangleMesh& object, const Vector3d& eye, double width, int pixels,
+             unsigned seed) {
   std::mt19937 random(seed);
-  std::normal_distribution<double> noise(0, kNoise);
+  std::normal_distribution<double> noise(0, kRayNoise);
   const SurfaceQuery query(object);
   const Vector3d forward = -eye.normalized();
   const Vector3d right = forward.unitOrthogonal();
@@ -90,7 +91,7 @@ std::map<std::pair<int, int>, int> edge_use(const TriangleMesh& mesh) {
   return use;
 }
 
-int border_edges(const TriangleMesh& mesh) {
+int open_edges(const TriangleMesh& mesh) {
   int border = 0;
   for (const auto& [edge, count] : edge_use(mesh)) {
     EXPECT_LE(count, 2) << "edge " << edge.first << " " << edge.second << " is not manifold";
@@ -114,14 +115,8 @@ int components(const TriangleMesh& mesh) {
   return roots;
 }
 
-struct Errors {
-  double rms, largest;
-};
-
-Errors distances_to(const TriangleMesh& truth, const Eigen::Matrix3Xd& points) {
-  const Eigen::VectorXd distances = closest_points(SurfaceQuery(truth), points).distances;
-  return {std::sqrt(distances.squaredNorm() / static_cast<double>(distances.size())),
-          distances.maxCoeff()};
+test::Errors distances_to(const TriangleMesh& truth, const Eigen::Matrix3Xd& points) {
+  return test::errors_of(closest_points(SurfaceQuery(truth), points).distances);
 }
 
 TEST(MergeScans, OfASphereFromAllSidesAreTheSphere) {
@@ -130,17 +125,17 @@ TEST(MergeScans, OfASphereFromAllSidesAreTheSphere) {
   unsigned seed = 1;
   for (const Vector3d& eye : {Vector3d(200, 1, 2), Vector3d(-200, 3, 1), Vector3d(1, 200, 2),
                               Vector3d(2, -200, 1), Vector3d(3, 1, 200), Vector3d(1, 2, -200)}) {
-    scans.push_back(look(sphere, eye, 80, 26, seed++));
+    scans.push_back(look_at(sphere, eye, 80, 26, seed++));
   }
   const MergedScans merged = merge_scans(scans);
   EXPECT_THROW((void)merge_scans(scans, {.reach = 1e-9}), SolverError);
   EXPECT_EQ(merged.trimmed, 0);
-  EXPECT_EQ(border_edges(merged.mesh), 0);
+  EXPECT_EQ(open_edges(merged.mesh), 0);
   EXPECT_EQ(components(merged.mesh), 1);
   EXPECT_GT(merged.spacing, 80.0 / 26);
   EXPECT_LT(merged.spacing, 2 * 80.0 / 26);
-  const Errors there = distances_to(sphere, merged.mesh.vertices);
-  const Errors back = distances_to(merged.mesh, sphere.vertices);
+  const test::Errors there = distances_to(sphere, merged.mesh.vertices);
+  const test::Errors back = distances_to(merged.mesh, sphere.vertices);
   EXPECT_LT(there.rms, 0.1 * merged.spacing);
   EXPECT_LT(back.rms, 0.1 * merged.spacing);
   EXPECT_LT(std::max(there.largest, back.largest), merged.spacing);
@@ -158,11 +153,12 @@ TEST(MergeScans, OfASphereFromAllSidesAreTheSphere) {
 TEST(MergeScans, OfAHalfSeenSphereStayOpenWhereNobodyLooked) {
   const TriangleMesh sphere = test::icosphere(5, 30);
   const Vector3d left(140, 1, 142), right(-141, 3, 140);
-  const std::vector<Scan> scans = {look(sphere, left, 80, 26, 1), look(sphere, right, 80, 26, 2)};
+  const std::vector<Scan> scans = {look_at(sphere, left, 80, 26, 1),
+                                   look_at(sphere, right, 80, 26, 2)};
   const MergedScans merged = merge_scans(scans);
   EXPECT_GT(merged.trimmed, 0);
   EXPECT_EQ(components(merged.mesh), 1);
-  EXPECT_GT(border_edges(merged.mesh), 0);
+  EXPECT_GT(open_edges(merged.mesh), 0);
   // A camera 200 mm away sees a place of a 30 mm ball iff the cosine towards it is at least 0.15; a
   // pixel at the rim is up to 0.3 wide in it. So no border is where a camera looks, nor at the
   // seam.
@@ -180,8 +176,8 @@ TEST(MergeScans, OfAHalfSeenSphereStayOpenWhereNobodyLooked) {
     if (cosine(v) > 0.15 + 0.3) seen.col(count++) = v;
   }
   EXPECT_LT(distances_to(merged.mesh, seen.leftCols(count)).largest, merged.spacing);
-  const MergedScans closed = merge_scans(scans, {.reach = kInfinity});
-  EXPECT_EQ(border_edges(closed.mesh), 0);
+  const MergedScans closed = merge_scans(scans, {.reach = kInf});
+  EXPECT_EQ(open_edges(closed.mesh), 0);
   EXPECT_EQ(closed.trimmed, 0);
 }
 
@@ -193,12 +189,12 @@ TEST(MergeScans, OfAGloveFromSixSidesAreTheGlove) {
   for (const Vector3d& eye :
        {Vector3d(20, 30, 600), Vector3d(-20, 30, -600), Vector3d(500, 10, 350),
         Vector3d(-500, 10, -350), Vector3d(-480, 20, 360), Vector3d(480, 20, -360)}) {
-    scans.push_back(look(glove, eye, 190, 80, seed++));
+    scans.push_back(look_at(glove, eye, 190, 80, seed++));
   }
   const MergedScans merged = merge_scans(scans);
-  EXPECT_EQ(border_edges(merged.mesh), 0);
+  EXPECT_EQ(open_edges(merged.mesh), 0);
   EXPECT_EQ(components(merged.mesh), 1);
-  const Errors there = distances_to(glove, merged.mesh.vertices);
+  const test::Errors there = distances_to(glove, merged.mesh.vertices);
   EXPECT_LT(there.rms, 0.2 * merged.spacing);
   EXPECT_LT(there.largest, 2 * merged.spacing);
   EXPECT_LT(distances_to(merged.mesh, glove.vertices).rms, 0.2 * merged.spacing);
@@ -208,7 +204,7 @@ TEST(MergeScans, RefusesWhatIsNoScan) {
   EXPECT_THROW((void)merge_scans({}), InvalidInput);
   std::vector<Scan> scans(2, {.mesh = test::icosphere(1, 30)});
   EXPECT_THROW((void)merge_scans(scans, {.reach = 0}), InvalidInput);
-  scans[1].T_object_scan.translation().x() = kInfinity;
+  scans[1].T_object_scan.translation().x() = kInf;
   EXPECT_THROW((void)merge_scans(scans), InvalidInput);
   scans[1].T_object_scan = Eigen::Isometry3d::Identity();
   scans[1].T_object_scan.linear() *= 2;

@@ -15,7 +15,7 @@
 namespace palpate::geometry {
 namespace {
 
-TriangleMesh hills() {
+TriangleMesh hilly_object() {
   return test::height_field(60, 30, 1.0, [](double x, double y) {
     return 5 * std::sin(0.21 * x) * std::cos(0.17 * y + 0.3) + 2 * std::sin(0.09 * x * y / 10);
   });
@@ -51,7 +51,7 @@ Eigen::Isometry3d small_motion(double amount) {
 }
 
 TEST(RegisterScans, PutsEachScanOntoThoseBeforeIt) {
-  const TriangleMesh object = hills();
+  const TriangleMesh object = hilly_object();
   const std::vector<std::function<bool(double)>> covers = {
       [](double x) { return x < 30; }, [](double x) { return x > 12 && x < 46; },
       [](double x) { return x > 28; }};
@@ -70,7 +70,7 @@ TEST(RegisterScans, PutsEachScanOntoThoseBeforeIt) {
 }
 
 TEST(RegisterScans, BeginsAtThePoses) {
-  const TriangleMesh object = hills();
+  const TriangleMesh object = hilly_object();
   const TriangleMesh right = part(object, [](double x) { return x > 20; });
   const Eigen::Isometry3d away = small_motion(40);  // too far to be found without a start
   const Eigen::Isometry3d start = away.inverse() * small_motion(0.5);
@@ -92,7 +92,7 @@ TEST(RegisterScans, EndsWithTheFirstThatIsNotAccepted) {
   ASSERT_EQ(slid.size(), 1u);
   EXPECT_EQ(slid[0].verdict, RegistrationVerdict::slides);
   EXPECT_FALSE(slid[0].free_motions.empty());
-  const TriangleMesh object = hills();
+  const TriangleMesh object = hilly_object();
   const auto apart =
       register_scans(std::vector<Scan>{{.mesh = part(object, [](double x) { return x < 20; })},
                                        {.mesh = part(object, [](double x) { return x > 40; })}},
@@ -103,7 +103,7 @@ TEST(RegisterScans, EndsWithTheFirstThatIsNotAccepted) {
 
 TEST(RegisterScans, RefusesNoScanAndBadPoses) {
   EXPECT_THROW(static_cast<void>(register_scans({})), InvalidInput);
-  Scan scan{.mesh = hills()};
+  Scan scan{.mesh = hilly_object()};
   EXPECT_TRUE(register_scans(std::vector<Scan>{scan}).empty());
   scan.T_object_scan.translation().x() = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(static_cast<void>(register_scans(std::vector<Scan>{scan, scan})), InvalidInput);

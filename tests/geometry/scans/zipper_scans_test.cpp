@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "dense_sampling.h"
 #include "mesh_corpus.h"
 #include "palpate/error.h"
 #include "palpate/geometry/mesh_defects.h"
@@ -19,6 +20,8 @@
 #include "palpate/geometry/range_map_mesh.h"
 #include "palpate/geometry/surface_query.h"
 #include "range_map_scene.h"
+#include "refusal.h"
+#include "registration/registration_testing.h"
 #include "test_surfaces.h"
 
 namespace palpate::geometry {
@@ -26,15 +29,14 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kNoise = 0.1;  // [mm] standard deviation of a depth
-constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kDepthNoise = 0.1;  // [mm] standard deviation of a depth
 
 /// What a camera there measures of an object.
-Scan look(const TriangleMesh& object, const Eigen::Isometry3d& T_object_camera, int width,
-          unsigned seed) {
+Scan scan_from(const TriangleMesh& object, const Eigen::Isometry3d& T_object_camera, int width,
+               unsigned seed) {
   RangeMap map =
       test::render(test::moved(object, T_object_camera.inverse()), test::bumpy_camera(width));
-  test::add_noise(map, kNoise, seed);
+  test::add_noise(map, kDepthNoise, seed);
   return {.mesh = mesh_range_map(map).mesh, .T_object_scan = T_object_camera};
 }
 
@@ -45,9 +47,9 @@ std::vector<Scan> two_views_of(const TriangleMesh& object, int width = 160) {
   std::vector<Scan> scans;
   for (const double side : {-1.0, 1.0}) {
     const Eigen::Isometry3d T_object_camera =
-        middle * Eigen::AngleAxisd(-side * 7.5 * kDegree, Vector3d::UnitY()) * middle.inverse() *
-        Eigen::Translation3d(side * 100.3, side * 3.1, 0);
-    scans.push_back(look(object, T_object_camera, width, side > 0 ? 1 : 2));
+        middle * Eigen::AngleAxisd(-side * 7.5 * test::kDegree, Vector3d::UnitY()) *
+        middle.inverse() * Eigen::Translation3d(side * 100.3, side * 3.1, 0);
+    scans.push_back(scan_from(object, T_object_camera, width, side > 0 ? 1 : 2));
   }
   return scans;
 }
@@ -70,15 +72,6 @@ Eigen::Matrix3Xd centroids(const TriangleMesh& mesh) {
   return middle;
 }
 
-struct Errors {
-  double rms, largest;
-};
-
-Errors errors(const Eigen::VectorXd& distances) {
-  return {std::sqrt(distances.squaredNorm() / static_cast<double>(distances.size())),
-          distances.cwiseAbs().maxCoeff()};
-}
-
 /// Triangles that look the other way than the surface they are of.
 int folded(const TriangleMesh& mesh, const TriangleMesh& truth) {
   const ClosestPoints closest = closest_points(SurfaceQuery(truth), centroids(mesh));
@@ -93,7 +86,7 @@ int folded(const TriangleMesh& mesh, const TriangleMesh& truth) {
 
 /// Which triangles of the truth a scan saw: their middle is not farther from it than noise and
 /// chords explain.
-std::vector<int> seen(const TriangleMesh& truth, const std::vector<Scan>& scans) {
+std::vector<int> seen_triangles(const TriangleMesh& truth, const std::vector<Scan>& scans) {
   std::vector<int> found;
   const Eigen::Matrix3Xd middle = centroids(truth);
   Eigen::VectorXd distances =
@@ -103,7 +96,7 @@ std::vector<int> seen(const TriangleMesh& truth, const std::vector<Scan>& scans)
     distances = distances.cwiseMin(closest_points(query, middle).distances);
   }
   for (int t = 0; t < middle.cols(); ++t) {
-    if (distances[t] < 5 * kNoise) found.push_back(t);
+    if (distances[t] < 5 * kDepthNoise) found.push_back(t);
   }
   return found;
 }
@@ -140,18 +133,18 @@ TEST(ZipperScans, OfASheetFromTwoSidesAreTheSheet) {
   EXPECT_EQ(folded(zippered.mesh, sheet), 0);
   EXPECT_GT(zippered.seam, 100);
   EXPECT_GT(zippered.dropped, 10'000);
-  const std::vector<int> union_of_scans = seen(sheet, scans);
+  const std::vector<int> union_of_scans = seen_triangles(sheet, scans);
   const double area = surface_area({sheet.vertices, sheet.triangles(Eigen::all, union_of_scans)});
   EXPECT_NEAR(surface_area(zippered.mesh), area, 0.01 * area);
   // The noise, and the chords of a grid 4 mm wide.
-  const Errors there =
-      errors(closest_points(SurfaceQuery(sheet), centroids(zippered.mesh)).distances);
+  const test::Errors there =
+      test::errors_of(closest_points(SurfaceQuery(sheet), centroids(zippered.mesh)).distances);
   EXPECT_LT(there.rms, zippered.spacing / 20);
   EXPECT_LT(there.largest, zippered.spacing / 3);
   // No gap is left but at the border, where triangles that straddle a seam may be missing.
   const std::vector<int> inside = away_from_border(sheet, union_of_scans, 0.015);
   ASSERT_GT(inside.size(), 80'000U);
-  const Errors back = errors(
+  const test::Errors back = test::errors_of(
       closest_points(SurfaceQuery(zippered.mesh), centroids(sheet)(Eigen::all, inside)).distances);
   EXPECT_LT(back.rms, zippered.spacing / 20);
   EXPECT_LT(back.largest, zippered.spacing / 3);
@@ -161,19 +154,19 @@ TEST(ZipperScans, OfACapAndOfThreeSidesOfABallHaveOneOutline) {
   const TriangleMesh ball = test::icosphere(6, 100);
   std::vector<Scan> scans;
   for (const double angle : {-30.0, 30.0}) {
-    const Vector3d from(std::sin(angle * kDegree), 0.01, std::cos(angle * kDegree));
-    scans.push_back(look(ball, towards_origin(from), 160, angle > 0 ? 1 : 2));
+    const Vector3d from(std::sin(angle * test::kDegree), 0.01, std::cos(angle * test::kDegree));
+    scans.push_back(scan_from(ball, towards_origin(from), 160, angle > 0 ? 1 : 2));
   }
   const auto expect_on_ball = [](const ZipperedScans& zippered) {
     const Eigen::Matrix3Xd middle = centroids(zippered.mesh);
-    const Errors there = errors(middle.colwise().norm().array() - 100);
+    const test::Errors there = test::errors_of(middle.colwise().norm().array() - 100);
     EXPECT_LT(there.rms, zippered.spacing / 20);
     EXPECT_LT(there.largest, zippered.spacing / 4);
   };
   const ZipperedScans cap = zipper_scans(scans);
   expect_one_sound_surface(cap, 1);
   expect_on_ball(cap);
-  scans.push_back(look(ball, towards_origin({0.1, 1, 0.2}), 160, 3));
+  scans.push_back(scan_from(ball, towards_origin({0.1, 1, 0.2}), 160, 3));
   const ZipperedScans three = zipper_scans(scans);
   expect_one_sound_surface(three, 1);
   expect_on_ball(three);
@@ -292,8 +285,8 @@ TEST(ZipperScans, DependLittleOnTheOrder) {
   expect_one_sound_surface(there, 3);
   expect_one_sound_surface(back, 3);
   EXPECT_NEAR(surface_area(there.mesh), surface_area(back.mesh), 0.003 * surface_area(back.mesh));
-  const Errors errors_between =
-      errors(closest_points(SurfaceQuery(there.mesh), centroids(back.mesh)).distances);
+  const test::Errors errors_between =
+      test::errors_of(closest_points(SurfaceQuery(there.mesh), centroids(back.mesh)).distances);
   EXPECT_LT(errors_between.rms, there.spacing / 10);
 }
 
@@ -320,35 +313,29 @@ TEST(ZipperScans, MoveWithTheObjectAndWithTheUnit) {
   }
 }
 
-std::string refusal(const std::vector<Scan>& scans, const ZipperScansOptions& options = {}) {
-  try {
-    (void)zipper_scans(scans, options);
-  } catch (const InvalidInput& error) {
-    return error.what();
-  }
-  return "accepted";
-}
-
 TEST(ZipperScans, RefuseWhatIsNoScan) {
+  const auto refused = [](const std::vector<Scan>& scans, const ZipperScansOptions& options = {}) {
+    return refusal([&] { return zipper_scans(scans, options); });
+  };
   const auto says = [](const std::string& message, const char* part) {
     EXPECT_NE(message.find(part), std::string::npos) << message;
   };
   const std::vector<Scan> good(2, {.mesh = test::icosphere(1, 30)});
   says(refusal({}), "no scan");
-  says(refusal(good, {.reach = 0}), "reach");
-  says(refusal(good, {.reach = std::nan("")}), "reach");
-  says(refusal(good, {.reach = std::numeric_limits<double>::infinity()}), "finite");
+  says(refused(good, {.reach = 0}), "reach");
+  says(refused(good, {.reach = std::nan("")}), "reach");
+  says(refused(good, {.reach = std::numeric_limits<double>::infinity()}), "finite");
   std::vector<Scan> bad = good;
   bad[1].T_object_scan.translation().x() = std::nan("");
-  says(refusal(bad), "scan 1: T_object_scan");
+  says(refused(bad), "scan 1: T_object_scan");
   bad = good;
   bad[1].mesh.vertices(1, 3) = std::nan("");
-  says(refusal(bad), "scan 1");
+  says(refused(bad), "scan 1");
   bad = good;
   bad[1].mesh.triangles.col(5).swap(bad[1].mesh.triangles.col(6));
   std::swap(bad[1].mesh.triangles(0, 5), bad[1].mesh.triangles(1, 5));
-  says(refusal(bad), "scan 1 is not manifold");
-  says(refusal(bad), "repair_mesh");
+  says(refused(bad), "scan 1 is not manifold");
+  says(refused(bad), "repair_mesh");
   says(refusal({{.mesh = test::icosphere(1, 0)}}), "no length");
 }
 

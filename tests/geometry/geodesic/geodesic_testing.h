@@ -6,7 +6,23 @@
 #include <algorithm>
 #include <cmath>
 
+#include "palpate/geometry/triangle_mesh.h"
+
+/// What tests of geodesic distances share.
 namespace palpate::geometry::test {
+
+/// What the march promises on a smooth, well sampled surface, away from the source; relative to the
+/// distance.
+inline constexpr double kMeanError = 0.0025;
+inline constexpr double kMaxError = 0.015;
+
+/// Of a way of some hundred triangles, each some tens of operations; relative to the distance.
+inline constexpr double kWayRounding = 1e-11;
+
+/// Of the vertices.
+inline Eigen::VectorXd straight_distances(const TriangleMesh& mesh, const SurfacePoint& source) {
+  return (mesh.vertices.colwise() - position(mesh, source)).colwise().norm();
+}
 
 struct RelativeErrors {
   double mean = 0;
