@@ -155,7 +155,7 @@ TEST_F(ContactLocatorTest, RefusesWeightsThatAreNoneAndNamesTheVertex) {
   const auto count = static_cast<int>(contacts.size());
   EXPECT_NO_THROW((void)locator_with(-1, 0));
   EXPECT_NO_THROW((void)locator_with(count - 1, 0.5));
-  EXPECT_NE(refusal(-2, 0).find("vertex 77 name contact -2"), std::string::npos);
+  EXPECT_NE(refused(-2, 0).find("vertex 77 name contact -2"), std::string::npos);
   EXPECT_NE(refused(count, 0.5).find("vertex 77"), std::string::npos);
   for (const double bad :
        {-0.1, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {

@@ -377,7 +377,7 @@ TEST(TriangulateContacts, RefusesBadInputAndNamesIt) {
   std::vector<SurfacePoint> contacts =
       nearest_places(sheet, {{5, 5, 0}, {15, 5, 0}, {10, 15, 0}, {5, 15, 0}});
   EXPECT_NO_THROW((void)triangulate_contacts(sheet, contacts));
-  EXPECT_NE(refusal({}, contacts).find("no triangles"), std::string::npos);
+  EXPECT_NE(refused({}, contacts).find("no triangles"), std::string::npos);
   EXPECT_NE(refused(sheet, {contacts[0], contacts[1]}).find("got 2 contacts"), std::string::npos);
   std::vector<SurfacePoint> twice = contacts;
   twice[3] = twice[1];

@@ -255,7 +255,7 @@ TEST(VoronoiDual, RefusesBadInputAndNamesIt) {
   std::vector<SurfacePoint> contacts =
       nearest_places(sheet, {{5, 5, 0}, {15, 5, 0}, {10, 15, 0}, {5, 15, 0}});
   EXPECT_NO_THROW((void)voronoi_dual(sheet, contacts));
-  EXPECT_NE(refusal({}, contacts).find("no triangles"), std::string::npos);
+  EXPECT_NE(refused({}, contacts).find("no triangles"), std::string::npos);
   EXPECT_NE(refused(sheet, {contacts[0], contacts[1]}).find("got 2 contacts"), std::string::npos);
   contacts[3] = contacts[1];
   EXPECT_NE(refused(sheet, contacts).find("contacts 1 and 3 are at the same place"),

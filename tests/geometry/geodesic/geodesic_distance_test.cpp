@@ -298,7 +298,7 @@ TEST(GeodesicDistance, RefusesBadInputAndNamesIt) {
   };
   const TriangleMesh sheet = test::flat_sheet(2, 2, 1);
   const SurfacePoint good = corner_point(0, 0);
-  EXPECT_NE(refusal({}, {good}).find("no triangles"), std::string::npos);
+  EXPECT_NE(refused({}, {good}).find("no triangles"), std::string::npos);
   EXPECT_NE(refused(sheet, {}).find("no source"), std::string::npos);
   EXPECT_NE(refused(sheet, {good, corner_point(8, 0)}).find("source 1"), std::string::npos);
   EXPECT_NE(refused(sheet, {{.triangle = 0, .barycentric = {1, 1, 0}}}).find("source 0"),

@@ -267,7 +267,7 @@ TEST(BackProject, EachPointProjectsToItsPixelAtItsDepth) {
   RangeMap map{awkward_image(4, 5), small_camera()};
   const Eigen::Matrix3Xd points = back_project(map);
   ASSERT_EQ(points.cols(), 20);
-  constexpr double kRoundingPx = 1e-12;
+  constexpr double kPixelRounding = 1e-12;
   for (int row = 0; row < 4; ++row)
     for (int col = 0; col < 5; ++col) {
       const Eigen::Vector3d point = points.col(row * 5 + col);
@@ -277,8 +277,8 @@ TEST(BackProject, EachPointProjectsToItsPixelAtItsDepth) {
       }
       EXPECT_EQ(point.z(), static_cast<double>(map.z(row, col)));
       const Eigen::Vector2d pixel = distort(map.camera, point.hnormalized());
-      EXPECT_NEAR(pixel.x(), col, kRoundingPx);
-      EXPECT_NEAR(pixel.y(), row, kRoundingPx);
+      EXPECT_NEAR(pixel.x(), col, kPixelRounding);
+      EXPECT_NEAR(pixel.y(), row, kPixelRounding);
     }
 }
 

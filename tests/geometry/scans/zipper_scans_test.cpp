@@ -321,7 +321,7 @@ TEST(ZipperScans, RefuseWhatIsNoScan) {
     EXPECT_NE(message.find(part), std::string::npos) << message;
   };
   const std::vector<Scan> good(2, {.mesh = test::icosphere(1, 30)});
-  says(refusal({}), "no scan");
+  says(refused({}), "no scan");
   says(refused(good, {.reach = 0}), "reach");
   says(refused(good, {.reach = std::nan("")}), "reach");
   says(refused(good, {.reach = std::numeric_limits<double>::infinity()}), "finite");
@@ -336,7 +336,7 @@ TEST(ZipperScans, RefuseWhatIsNoScan) {
   std::swap(bad[1].mesh.triangles(0, 5), bad[1].mesh.triangles(1, 5));
   says(refused(bad), "scan 1 is not manifold");
   says(refused(bad), "repair_mesh");
-  says(refusal({{.mesh = test::icosphere(1, 0)}}), "no length");
+  says(refused({{.mesh = test::icosphere(1, 0)}}), "no length");
 }
 
 }  // namespace
