@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/probing/acquisition_csv.h"
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <ostream>
@@ -12,6 +13,7 @@
 #include "palpate/error.h"
 #include "palpate/output_file.h"
 #include "palpate/probing/csv.h"
+#include "palpate/require.h"
 
 namespace palpate::probing {
 namespace {
@@ -34,15 +36,46 @@ constexpr std::array<std::string_view, 16> kSampleColumns = {"id",
                                                              "range_map",
                                                              "time"};
 
-std::vector<Contact> read_contacts(const std::filesystem::path& path) {
-  CsvReader row(path, kContactColumns);
+const std::string kContactsPrefix = "contacts.", kSamplesPrefix = "samples.";
+
+/// The layout of one of the two files.
+CsvLayout layout_of(const AcquisitionCsvOptions& options, const std::string& prefix) {
+  CsvLayout layout{.separator = options.separator};
+  for (const auto& [column, name] : options.names) {
+    const bool of_this_file = column.starts_with(prefix);
+    if (of_this_file)
+      layout.names[column.substr(prefix.size())] = name;
+    else
+      layout.names.try_emplace(column, name);
+  }
+  return layout;
+}
+
+void check_names(const AcquisitionCsvOptions& options) {
+  for (const auto& [column, name] : options.names) {
+    if (column == kContactsPrefix + "id" || column == kSamplesPrefix + "id" ||
+        std::ranges::find(kContactColumns, column) != kContactColumns.end() ||
+        std::ranges::find(kSampleColumns, column) != kSampleColumns.end())
+      continue;
+    throw InvalidInput("AcquisitionCsvOptions::names: there is no column '" + column +
+                       "' to be read; the columns are those of contacts (id,x,y,z,nx,ny,nz) and of "
+                       "samples (id,contact,group_id,px,py,pz,ax,ay,az,bx,by,bz,"
+                       "on_friction_boundary,slipped,range_map,time)");
+  }
+}
+
+std::vector<Contact> read_contacts(const std::filesystem::path& path,
+                                   const AcquisitionCsvOptions& options) {
+  CsvReader row(path, kContactColumns, layout_of(options, kContactsPrefix));
   std::vector<Contact> contacts;
-  while (row.next()) contacts.push_back({row.integer(0), row.vector(1), row.vector(4)});
+  while (row.next())
+    contacts.push_back({row.integer(0), options.length * row.vector(1), row.vector(4)});
   return contacts;
 }
 
-std::vector<Sample> read_samples(const std::filesystem::path& path) {
-  CsvReader row(path, kSampleColumns);
+std::vector<Sample> read_samples(const std::filesystem::path& path,
+                                 const AcquisitionCsvOptions& options) {
+  CsvReader row(path, kSampleColumns, layout_of(options, kSamplesPrefix));
   std::vector<Sample> samples;
   while (row.next()) {
     std::string range_map = row.text(14);
@@ -50,9 +83,9 @@ std::vector<Sample> read_samples(const std::filesystem::path& path) {
         {.id = row.integer(0),
          .contact = row.integer(1),
          .group = row.integer(2),
-         .force = row.vector(3),
-         .a = row.vector(6),
-         .b = row.vector(9),
+         .force = options.force * row.vector(3),
+         .a = options.length * row.vector(6),
+         .b = options.length * row.vector(9),
          .on_friction_boundary = row.flag(12),
          .slipped = row.flag(13),
          .range_map = range_map.empty() ? std::nullopt : std::optional(std::move(range_map)),
@@ -91,9 +124,30 @@ void write_samples(std::ostream& out, const std::vector<Sample>& samples) {
 
 }  // namespace
 
+double unit_force(std::string_view name) {
+  constexpr double kGravity = 9.80665;   // [m/s^2] standard gravity
+  constexpr double kPound = 0.45359237;  // [kg]
+  constexpr std::array<std::pair<std::string_view, double>, 6> kUnits = {
+      {{"N", 1},
+       {"mN", 1e-3},
+       {"kN", 1e3},
+       {"g", 1e-3 * kGravity},
+       {"kg", kGravity},
+       {"lbf", kPound * kGravity}}};
+  for (const auto& [unit, force] : kUnits) {
+    if (unit == name) return force;
+  }
+  throw InvalidInput("unit \"" + std::string(name) +
+                     "\" is not known; use N, mN, kN, g, kg or lbf");
+}
+
 CheckedAcquisition read_acquisition_csv(const std::filesystem::path& contacts,
-                                        const std::filesystem::path& samples) {
-  Acquisition acquisition{read_contacts(contacts), read_samples(samples), {}};
+                                        const std::filesystem::path& samples,
+                                        const AcquisitionCsvOptions& options) {
+  require("AcquisitionCsvOptions::length", options.length, above(0).finite(), "mm");
+  require("AcquisitionCsvOptions::force", options.force, above(0).finite(), "N");
+  check_names(options);
+  Acquisition acquisition{read_contacts(contacts, options), read_samples(samples, options), {}};
   try {
     return CheckedAcquisition(std::move(acquisition));
   } catch (const InvalidInput& error) {

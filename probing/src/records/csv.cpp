@@ -3,6 +3,7 @@
 #include "palpate/probing/csv.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <optional>
@@ -26,13 +27,13 @@ std::string shown(std::string_view text) {
 
 // The cells of a line, where they stand in it but for quoted ones, which lose their quotes in
 // place; false if a quote is not closed or stands inside a cell.
-bool split(std::string& line, std::vector<std::string_view>& cells) {
+bool split(std::string& line, char separator, std::vector<std::string_view>& cells) {
   cells.clear();
   const std::size_t size = line.size();
   for (std::size_t i = 0;; ++i) {
     const std::size_t begin = i;
     if (i == size || line[i] != '"') {
-      i = std::min(line.find(',', i), size);
+      i = std::min(line.find(separator, i), size);
       cells.emplace_back(line.data() + begin, i - begin);
     } else {
       std::size_t end = begin;
@@ -41,7 +42,7 @@ bool split(std::string& line, std::vector<std::string_view>& cells) {
         if (line[i] == '"' && (++i == size || line[i] != '"')) break;
         line[end++] = line[i];
       }
-      if (i < size && line[i] != ',') return false;
+      if (i < size && line[i] != separator) return false;
       cells.emplace_back(line.data() + begin, end - begin);
     }
     if (i == size) return true;
@@ -64,24 +65,17 @@ std::string joined(std::span<const std::string_view> columns) {
   return result;
 }
 
-// Where each wanted column stands in the header line.
-std::vector<std::size_t> find_columns(const std::string& place,
-                                      const std::vector<std::string_view>& header,
-                                      std::span<const std::string_view> columns) {
-  std::vector<std::size_t> result;
-  for (const std::string_view column : columns) {
-    const auto is_it = [&](std::string_view cell) { return trimmed(cell) == column; };
-    const auto found = std::find_if(header.begin(), header.end(), is_it);
-    if (found == header.end()) {
-      throw FileError(place + ": there is no column '" + std::string(column) +
-                      "'; the first line must name the columns " + joined(columns));
-    }
-    if (std::find_if(found + 1, header.end(), is_it) != header.end()) {
-      throw FileError(place + ": column '" + std::string(column) + "' is there twice; keep one");
-    }
-    result.push_back(static_cast<std::size_t>(found - header.begin()));
+// The most frequent of the separators outside quotes; a comma if there is none.
+char separator_in(std::string_view line) {
+  constexpr std::string_view kSeparators = ",;\t";
+  std::array<int, kSeparators.size()> counts{};
+  bool quoted = false;
+  for (const char c : line) {
+    quoted = quoted != (c == '"');
+    const std::size_t which = kSeparators.find(c);
+    if (!quoted && which != std::string_view::npos) ++counts[which];
   }
-  return result;
+  return kSeparators[static_cast<std::size_t>(std::ranges::max_element(counts) - counts.begin())];
 }
 
 // The whole text as a T, or none.
@@ -103,27 +97,63 @@ std::string shortest(T value) {
 
 }  // namespace
 
-CsvReader::CsvReader(const std::filesystem::path& path, std::span<const std::string_view> columns)
+CsvReader::CsvReader(const std::filesystem::path& path, std::span<const std::string_view> columns,
+                     const CsvLayout& layout)
     : path_(path), columns_(columns.begin(), columns.end()) {
+  for (const std::string& column : columns_) {
+    const auto renamed = layout.names.find(column);
+    names_.push_back(renamed == layout.names.end() ? column : renamed->second);
+  }
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) {
     throw FileError(path.string() + ": there is no such file; expected a CSV file");
   }
   file_.open(path, std::ios::binary);
   if (!file_) throw FileError(path.string() + ": cannot be read");
+  separator_ = layout.separator.value_or('\0');
   if (!next_line()) {
     throw FileError(path.string() + ": the file is empty; the first line must name the columns " +
                     joined(columns));
   }
-  places_ = find_columns(place(), cells_, columns);
+  find_columns();
   width_ = cells_.size();
+}
+
+// Where each wanted column stands in the header line, which was just read.
+void CsvReader::find_columns() {
+  for (std::size_t column = 0; column < columns_.size(); ++column) {
+    const std::string& name = names_[column];
+    const auto is_it = [&](std::string_view cell) { return trimmed(cell) == name; };
+    const auto found = std::ranges::find_if(cells_, is_it);
+    if (found == cells_.end()) {
+      const bool renamed = name != columns_[column];
+      if (renamed && (name.empty() || parse<double>(name))) {
+        places_.emplace_back();
+        continue;
+      }
+      const std::vector<std::string_view> wanted(columns_.begin(), columns_.end());
+      throw MissingColumn(place() + ": there is no column '" + name + "'" +
+                              (renamed ? " (for " + columns_[column] + ")" : "") +
+                              "; the first line must name the columns " + joined(wanted) +
+                              ", and it names " + shown(joined(cells_)),
+                          columns_[column]);
+    }
+    if (std::find_if(found + 1, cells_.end(), is_it) != cells_.end())
+      throw FileError(place() + ": column '" + name + "' is there twice; keep one");
+    places_.emplace_back(static_cast<std::size_t>(found - cells_.begin()));
+  }
+}
+
+std::string_view CsvReader::cell(std::size_t column) const {
+  return places_[column] ? cells_[*places_[column]] : std::string_view(names_[column]);
 }
 
 bool CsvReader::next() {
   if (!next_line()) return false;
   if (cells_.size() == width_) return true;
   throw FileError(place() + ": " + std::to_string(cells_.size()) + " cells, the first line names " +
-                  std::to_string(width_) + " columns; the line is cut off or has a comma too many");
+                  std::to_string(width_) +
+                  " columns; the line is cut off or has a separator too many");
 }
 
 // The cells of the next line that is not blank.
@@ -133,7 +163,8 @@ bool CsvReader::next_line() {
     if (++line_ == 1 && text_.starts_with(kByteOrderMark)) text_.erase(0, kByteOrderMark.size());
     if (text_.ends_with('\r')) text_.pop_back();
     if (trimmed(text_).empty()) continue;
-    if (!split(text_, cells_))
+    if (separator_ == '\0') separator_ = separator_in(text_);
+    if (!split(text_, separator_, cells_))
       throw FileError(place() + ": a quote is not closed or stands inside a cell");
     return true;
   }
@@ -168,7 +199,8 @@ bool CsvReader::flag(std::size_t column) const {
 }
 
 void CsvReader::refuse(std::size_t column, std::string_view right) const {
-  throw FileError(place() + ", column '" + columns_[column] + "': found " + shown(cell(column)) +
+  const std::string& name = (places_[column] ? names_ : columns_)[column];
+  throw FileError(place() + ", column '" + name + "': found " + shown(cell(column)) +
                   ", expected " + std::string(right));
 }
 

@@ -43,6 +43,62 @@ TEST(AcquisitionCsv, NamesTheFileAndTheRecordThatIsWrong) {
               AllOf(HasSubstr("s.csv: line 1"), HasSubstr("no column 'x'")));
 }
 
+TEST(AcquisitionCsv, ReadsOtherNamesSeparatorsAndUnits) {
+  const ScratchFolder folder;
+  write_text(folder / "c.csv",
+             "Place;X;Y;Z;nx;ny;nz\n3;0.01;0.02;0.7;0;0;-1\n8;0.03;0.02;0.7;0;0;-1\n");
+  write_text(folder / "s.csv",
+             "Nr;Place;Fx;Fy;Fz;X;Y;Z\n1;3;10;20;1500;0.01;0.02;0.705\n"
+             "2;8;0;0;500;0.03;0.02;0.702\n");
+  const AcquisitionCsvOptions options{.names = {{"contacts.id", "Place"},
+                                                {"samples.id", "Nr"},
+                                                {"contact", "Place"},
+                                                {"group_id", "Nr"},
+                                                {"x", "X"},
+                                                {"y", "Y"},
+                                                {"z", "Z"},
+                                                {"px", "Fx"},
+                                                {"py", "Fy"},
+                                                {"pz", "Fz"},
+                                                {"ax", "X"},
+                                                {"ay", "Y"},
+                                                {"az", "Z"},
+                                                {"bx", "X"},
+                                                {"by", "Y"},
+                                                {"bz", "Z"},
+                                                {"slipped", "0"},
+                                                {"on_friction_boundary", "0"},
+                                                {"range_map", ""},
+                                                {"time", "0"}},
+                                      .length = 1000,
+                                      .force = unit_force("mN")};
+  Acquisition expected;
+  expected.contacts = {{3, {10, 20, 700}, {0, 0, -1}}, {8, {30, 20, 700}, {0, 0, -1}}};
+  expected.samples = {{1, 3, 1, {0.01, 0.02, 1.5}, {10, 20, 705}, {10, 20, 705}},
+                      {2, 8, 2, {0, 0, 0.5}, {30, 20, 702}, {30, 20, 702}}};
+  expect_same(read_acquisition_csv(folder / "c.csv", folder / "s.csv", options), expected);
+}
+
+TEST(AcquisitionCsv, NamesTheOptionThatIsWrong) {
+  const auto refused = [](const AcquisitionCsvOptions& options) {
+    return refusal([&] {
+      return read_acquisition_csv(kSheet / "contacts.csv", kSheet / "samples.csv", options);
+    });
+  };
+  EXPECT_THAT(refused({.names = {{"pX", "Fx"}}}), HasSubstr("no column 'pX'"));
+  EXPECT_THAT(refused({.length = 0}), HasSubstr("AcquisitionCsvOptions::length"));
+  EXPECT_THAT(refused({.force = -1}), HasSubstr("AcquisitionCsvOptions::force"));
+}
+
+TEST(AcquisitionCsv, KnowsTheUnitsOfForce) {
+  EXPECT_EQ(unit_force("N"), 1);
+  EXPECT_EQ(unit_force("mN"), 1e-3);
+  EXPECT_EQ(unit_force("kN"), 1e3);
+  EXPECT_DOUBLE_EQ(1000 * unit_force("g"), unit_force("kg"));
+  EXPECT_NEAR(unit_force("lbf"), 4.4482216152605, 1e-12);  // its definition
+  EXPECT_THAT(refusal([] { return unit_force("lbs"); }), HasSubstr("N, mN, kN, g, kg or lbf"));
+}
+
 TEST(AcquisitionCsv, RefusesEveryFileThatIsCutInsideALine) {
   const ScratchFolder folder;
   write_acquisition_csv(small_acquisition(), folder / "c.csv", folder / "s.csv");

@@ -19,16 +19,16 @@ using ::testing::HasSubstr;
 constexpr std::array<std::string_view, 2> kColumns = {"b", "a"};
 
 // Before the first row. What is open can be read even after its folder is gone.
-CsvReader reader_of(const std::string& text) {
+CsvReader reader_of(const std::string& text, const CsvLayout& layout = {}) {
   const ScratchFolder scratch;
   const std::filesystem::path path = scratch / "t.csv";
   write_text(path, text);
-  return {path, kColumns};
+  return {path, kColumns, layout};
 }
 
 // Columns b and a of each row.
-std::vector<std::array<double, 2>> rows_of(const std::string& text) {
-  CsvReader row = reader_of(text);
+std::vector<std::array<double, 2>> rows_of(const std::string& text, const CsvLayout& layout = {}) {
+  CsvReader row = reader_of(text, layout);
   std::vector<std::array<double, 2>> rows;
   while (row.next()) rows.push_back({row.number(0), row.number(1)});
   return rows;
@@ -89,6 +89,46 @@ TEST(Csv, NamesFileLineColumnTextAndWhatIsRight) {
   ASSERT_TRUE(row.next());
   EXPECT_THAT(refusal([&] { return row.integer(1); }), HasSubstr("whole number"));
   EXPECT_THAT(refusal([&] { return row.flag(0); }), HasSubstr("0 or 1"));
+}
+
+TEST(Csv, DetectsTheSeparatorInTheFirstLineOrTakesTheOneThatIsTold) {
+  const auto expected = testing::ElementsAre(std::array{-2000.0, 1.5});
+  EXPECT_THAT(rows_of("a;b\n1.5;-2e3\n"), expected);
+  EXPECT_THAT(rows_of("a\tb\r\n1.5\t-2e3\r\n"), expected);
+  EXPECT_THAT(rows_of("a;\"x, y, z\";b\n1.5;\"1,2,3\";-2e3\n"), expected);
+  EXPECT_THAT(rows_of("a|b\n1.5|-2e3\n", {.separator = '|'}), expected);
+  EXPECT_THAT(rows_of("a,b\n\n\"1.5\",-2e3\n", {.separator = ','}), expected);
+  EXPECT_THAT(refused("a;b\n1,5;2\n"), AllOf(HasSubstr("column 'a'"), HasSubstr("'1,5'")));
+}
+
+TEST(Csv, TakesColumnsUnderTheNamesThatTheyHaveInTheFile) {
+  const CsvLayout layout{.names = {{"a", "Force X"}, {"b", "id"}}};
+  EXPECT_THAT(rows_of("id,Force X,a\n7,1.5,9\n", layout),
+              testing::ElementsAre(std::array{7.0, 1.5}));
+  EXPECT_THAT(refusal([&] { return rows_of("id,Force X,a\n7,x,9\n", layout); }),
+              HasSubstr("column 'Force X'"));
+  EXPECT_THAT(refusal([&] { return rows_of("id,a\n7,x,9\n", layout); }),
+              AllOf(HasSubstr("no column 'Force X' (for a)"), HasSubstr("it names 'id,a'")));
+}
+
+TEST(Csv, TakesANumberThatNamesNoColumnForAllRows) {
+  const CsvLayout layout{.names = {{"a", "0"}}};
+  EXPECT_THAT(rows_of("b\n7\n8\n", layout),
+              testing::ElementsAre(std::array{7.0, 0.0}, std::array{8.0, 0.0}));
+  EXPECT_THAT(rows_of("b,0\n7,3\n", layout), testing::ElementsAre(std::array{7.0, 3.0}));
+  CsvReader row = reader_of("b\n7\n", {.names = {{"a", ""}}});
+  ASSERT_TRUE(row.next());
+  EXPECT_EQ(row.text(1), "");
+  EXPECT_THAT(refusal([&] { return row.number(1); }), HasSubstr("column 'a'"));
+}
+
+TEST(Csv, TellsWhichColumnIsMissing) {
+  try {
+    static_cast<void>(reader_of("b,c\n1,2\n"));
+    FAIL() << "nothing was refused";
+  } catch (const MissingColumn& missing) {
+    EXPECT_EQ(missing.name, "a");
+  }
 }
 
 TEST(Csv, RefusesWhatIsNotSuchATable) {
