@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/haptics/build_model.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <mutex>
@@ -30,6 +32,7 @@ void check_options(const BuildOptions& options) {
   require("BuildOptions::on_surface", options.on_surface, at_least(0), "mm");
   require("BuildOptions::max_distance", options.max_distance, at_least(0), "mm");
   require("BuildOptions::max_motion", options.max_motion, at_least(0), "mm");
+  require("BuildOptions::max_left_out", options.max_left_out, at_least(0));
   require("BuildOptions::dense_samples", options.dense_samples, at_least(kFewestDenseSamples));
 }
 
@@ -158,6 +161,24 @@ void fit_fields(const std::vector<ForceSamples>& samples, const FitOptions& fit_
   }
 }
 
+void check_usable(const std::vector<ContactReport>& contacts) {
+  constexpr std::size_t kNamed = 50;
+  std::string named;
+  std::size_t failed = 0;
+  double worst = 0;
+  for (const ContactReport& contact : contacts) {
+    if (is_usable(contact)) continue;
+    if (failed++ < kNamed) named += (named.empty() ? "" : ", ") + std::to_string(contact.id);
+    if (!(contact.fit.rms <= worst)) worst = contact.fit.rms;
+  }
+  if (failed == 0) return;
+  throw SolverError(fmt::format(
+      "the fit failed at {} of {} contacts: its errors (RMS up to {:.4g} N) exceed the largest "
+      "force that was measured there, so there is no model. Contacts: {}{}. Check their samples, "
+      "or remove them.",
+      failed, contacts.size(), worst, named, failed > kNamed ? ", ..." : ""));
+}
+
 // The largest force along the z axis that all but a quarter of the contacts were pressed with.
 double reference_force(const std::vector<ForceSamples>& samples, const Model& model) {
   std::vector<double> largest;
@@ -201,8 +222,15 @@ double fit_contacts(const probing::CheckedAcquisition& acquisition,
   parallel_for(source.size(), [&](std::size_t i) {
     const probing::Contact& contact = acquisition.contacts()[source[i]];
     ContactReport& report = result.contacts[i];
-    report.friction = fit_friction(friction_trials(contact, acquisition.samples_of(source[i])),
-                                   contact.normal, options.friction);
+    const std::vector<FrictionTrial> trials =
+        friction_trials(contact, acquisition.samples_of(source[i]));
+    report.friction = fit_friction(trials, contact.normal, options.friction);
+    report.friction_contradictions = contradicting_trials(report.friction, trials);
+    report.friction_trials = static_cast<int>(trials.size());
+    const Eigen::VectorXd forces = samples[i].forces.colwise().norm();
+    report.pairs = static_cast<int>(forces.size());
+    report.largest_force = forces.maxCoeff();
+    report.force_rms = std::sqrt(forces.squaredNorm() / static_cast<double>(forces.size()));
     report.friction_axis =
         fit_friction_axis(samples[i], pressing_direction(report.friction, contact), axis);
     take_friction(report, contact, result.model.contacts[i]);
@@ -258,19 +286,36 @@ const char* to_string(RegistrationOutcome outcome) {
   return "unknown";
 }
 
+bool is_usable(const ContactReport& report) {
+  return std::isfinite(report.fit.rms) && report.fit.rms <= report.largest_force;
+}
+
+double explained_share(const std::vector<ContactReport>& contacts) {
+  double error = 0, force = 0;
+  for (const ContactReport& contact : contacts) {
+    const double pairs = contact.pairs;
+    error += pairs * contact.fit.rms * contact.fit.rms;
+    force += pairs * contact.force_rms * contact.force_rms;
+  }
+  return force > 0 ? std::max(0.0, 1 - error / force) : 0;
+}
+
 BuildResult build_model(const probing::CheckedAcquisition& acquisition,
                         const geometry::TriangleMesh& surface, const BuildOptions& options) {
   check_options(options);
   BuildResult result;
   result.model.made[kSamplesFingerprint] = probing::fingerprint(acquisition.records());
   result.model.made[kTriangulation] = geometry::to_string(options.triangulation);
-  const std::vector<std::size_t> source = probed_contacts(acquisition, result);
+  const std::vector<std::size_t> probed = probed_contacts(acquisition, result);
   std::vector<probing::Contact> contacts;
-  for (const std::size_t i : source) contacts.push_back(acquisition.contacts()[i]);
+  for (const std::size_t i : probed) contacts.push_back(acquisition.contacts()[i]);
   const geometry::SurfaceQuery query(surface);
   result.model.surface = surface;
-  const std::vector<geometry::ClosestPoint> places =
-      place_contacts(contacts, query, options, result);
+  const auto [kept, places] = place_contacts(contacts, query, options, result);
+  std::vector<std::size_t> source;
+  for (const std::size_t i : kept) source.push_back(probed[i]);
+  contacts.clear();
+  for (const std::size_t i : source) contacts.push_back(acquisition.contacts()[i]);
 
   result.model.contacts.resize(contacts.size());
   result.contacts.resize(contacts.size());
@@ -295,6 +340,7 @@ BuildResult build_model(const probing::CheckedAcquisition& acquisition,
     result.isolated.push_back(contacts[static_cast<std::size_t>(i)].id);
   }
   const double pressed = fit_contacts(acquisition, source, options, result);
+  check_usable(result.contacts);
   fill_in_friction(result.model);
   if (options.blend_rule == BlendRule::compliances && pressed > 0) {
     result.model = with_compliances(std::move(result.model), pressed);

@@ -117,7 +117,8 @@ void place_on_surface(std::span<const SideModel> sides, const MergeModelsOptions
     if (!(place.distance <= options.max_distance)) {
       throw InvalidInput(
           name + " is " + std::to_string(place.distance) + " mm from the merged surface; at most " +
-          std::to_string(options.max_distance) + " mm are allowed. Check the poses, or allow more");
+          std::to_string(options.max_distance) +
+          " mm are allowed. Check the poses, or raise MergeModelsOptions::max_distance");
     }
     // A normal that is NaN, of a triangle without area, is no reason to refuse.
     if (normals.col(place.at.triangle).dot(candidate.outward) < 0) {

@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "build/place_contacts.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "palpate/error.h"
 #include "palpate/geometry/registration.h"
@@ -14,12 +16,17 @@ namespace {
 using geometry::ClosestPoint;
 using geometry::SurfaceQuery;
 
-Eigen::Matrix3Xd positions(const std::vector<probing::Contact>& contacts) {
-  Eigen::Matrix3Xd points(3, static_cast<Eigen::Index>(contacts.size()));
-  for (std::size_t i = 0; i < contacts.size(); ++i) {
-    points.col(static_cast<Eigen::Index>(i)) = contacts[i].position;
+// Without contacts that no registration may bring to the surface, if enough others remain.
+Eigen::Matrix3Xd positions(const std::vector<probing::Contact>& contacts, const SurfaceQuery& query,
+                           const BuildOptions& options) {
+  Eigen::Matrix3Xd all(3, static_cast<Eigen::Index>(contacts.size()));
+  std::vector<Eigen::Index> near;
+  for (Eigen::Index i = 0; i < all.cols(); ++i) {
+    all.col(i) = contacts[static_cast<std::size_t>(i)].position;
+    if (query.closest_point(all.col(i)).distance <= options.max_distance + options.max_motion)
+      near.push_back(i);
   }
-  return points;
+  return near.size() < 3 ? all : Eigen::Matrix3Xd(all(Eigen::all, near));
 }
 
 double distance_rms(const Eigen::Matrix3Xd& points, const SurfaceQuery& query) {
@@ -57,55 +64,102 @@ void register_contacts(const Eigen::Matrix3Xd& points, const geometry::TriangleM
   result.model.T_surface_acquisition = found.T_target_source;
 }
 
-// Turns the surface over if it is seen from inside at most contacts.
-void orient_surface(const std::vector<ClosestPoint>& places,
-                    const std::vector<probing::Contact>& contacts, BuildResult& result) {
-  const Eigen::Matrix3Xd normals = geometry::triangle_normals(result.model.surface);
-  const auto agrees = [&](std::size_t i) {
+enum class Facing { outwards, inwards, unclear };
+
+// How each contact's normal agrees with the surface. A single triangle may face anywhere, where a
+// scan is folded for example, so the normals of the vertices around it count too.
+std::vector<Facing> facings(const std::vector<ClosestPoint>& places,
+                            const std::vector<probing::Contact>& contacts,
+                            const BuildResult& result) {
+  const geometry::TriangleMesh& surface = result.model.surface;
+  const Eigen::Matrix3Xd of_triangles = geometry::triangle_normals(surface);
+  const Eigen::Matrix3Xd of_vertices = geometry::vertex_normals(surface);
+  std::vector<Facing> facing;
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    const geometry::SurfacePoint& at = places[i].at;
     const Eigen::Vector3d outwards =
         result.model.T_surface_acquisition.linear() * contacts[i].normal;
-    return normals.col(places[i].at.triangle).dot(outwards) > 0;
-  };
-  std::size_t agreeing = 0;
-  for (std::size_t i = 0; i < contacts.size(); ++i) agreeing += agrees(i) ? 1 : 0;
-  result.surface_flipped = 2 * agreeing < contacts.size();
-  if (result.surface_flipped) {
-    result.model.surface.triangles.row(1).swap(result.model.surface.triangles.row(2));
+    Eigen::Vector3d around = Eigen::Vector3d::Zero();
+    for (Eigen::Index corner = 0; corner < 3; ++corner)
+      around += at.barycentric[corner] * of_vertices.col(surface.triangles(corner, at.triangle));
+    const double here = of_triangles.col(at.triangle).dot(outwards), there = around.dot(outwards);
+    // A normal that is NaN, of a triangle without area, says nothing.
+    facing.push_back(here > 0 || there > 0
+                         ? (here < 0 || there < 0 ? Facing::unclear : Facing::outwards)
+                     : here < 0 || there < 0 ? Facing::inwards
+                                             : Facing::unclear);
   }
-  for (std::size_t i = 0; i < contacts.size(); ++i) {
-    if (agrees(i) != result.surface_flipped) continue;
-    throw InvalidInput("build_model(): the normal of contact " + std::to_string(contacts[i].id) +
-                       " points into the surface, those of most others out of it; normals must "
-                       "point out of the object");
-  }
+  return facing;
 }
 
-std::vector<ClosestPoint> find_places(const std::vector<probing::Contact>& contacts,
-                                      const SurfaceQuery& query, const BuildOptions& options,
-                                      const BuildResult& result) {
-  std::vector<ClosestPoint> places;
-  for (const probing::Contact& contact : contacts) {
-    places.push_back(query.closest_point(result.model.T_surface_acquisition * contact.position));
-    if (places.back().distance <= options.max_distance) continue;
-    throw InvalidInput("build_model(): contact " + std::to_string(contact.id) + " is " +
-                       std::to_string(places.back().distance) +
-                       " mm from the surface (registration: " + to_string(result.registration) +
-                       "); at most " + std::to_string(options.max_distance) +
-                       " mm are allowed. Check that contacts and surface belong together and are "
-                       "in one frame, or allow more");
+// Turns the surface over if it is seen from inside at most contacts. Returns how contacts face it
+// then.
+std::vector<Facing> orient_surface(std::vector<Facing> facing, BuildResult& result) {
+  result.surface_flipped =
+      std::ranges::count(facing, Facing::inwards) > std::ranges::count(facing, Facing::outwards);
+  if (!result.surface_flipped) return facing;
+  result.model.surface.triangles.row(1).swap(result.model.surface.triangles.row(2));
+  for (Facing& one : facing) {
+    if (one != Facing::unclear) one = one == Facing::inwards ? Facing::outwards : Facing::inwards;
   }
-  return places;
+  return facing;
+}
+
+std::string millimetres(double distance) { return std::to_string(distance) + " mm"; }
+
+// What is wrong with a contact; empty if it fits the surface.
+std::string misfit(double distance, Facing facing, const BuildOptions& options) {
+  if (!(distance <= options.max_distance))
+    return "is " + millimetres(distance) + " from the surface";
+  if (facing == Facing::inwards) return "has a normal that points into the surface";
+  return {};
+}
+
+void refuse_misfits(const BuildOptions& options, const BuildResult& result) {
+  const ContactMisfit& first = result.left_out.front();
+  const std::string count = std::to_string(result.left_out.size());
+  const bool far = first.reason.starts_with("is ");
+  std::string message = "build_model(): contact " + std::to_string(first.id) + " " + first.reason;
+  message += far ? " (registration: " + std::string(to_string(result.registration)) +
+                       "); at most " + millimetres(options.max_distance) +
+                       " are allowed. Check that contacts and surface belong together and are in "
+                       "one frame, or raise BuildOptions::max_distance. "
+                 : ", those of most others point out of it; normals must point out of the object. "
+                   "Correct it. ";
+  message += (result.left_out.size() == 1 ? std::string("This contact does not fit the surface")
+                                          : count + " contacts do not fit the surface") +
+             "; BuildOptions::max_left_out = " + count + " leaves out as many";
+  throw InvalidInput(message);
 }
 
 }  // namespace
 
-std::vector<ClosestPoint> place_contacts(const std::vector<probing::Contact>& contacts,
-                                         const SurfaceQuery& query, const BuildOptions& options,
-                                         BuildResult& result) {
-  register_contacts(positions(contacts), result.model.surface, query, options, result);
-  std::vector<ClosestPoint> places = find_places(contacts, query, options, result);
-  orient_surface(places, contacts, result);
-  return places;
+PlacedContacts place_contacts(const std::vector<probing::Contact>& contacts,
+                              const SurfaceQuery& query, const BuildOptions& options,
+                              BuildResult& result) {
+  register_contacts(positions(contacts, query, options), result.model.surface, query, options,
+                    result);
+  std::vector<ClosestPoint> places;
+  for (const probing::Contact& contact : contacts)
+    places.push_back(query.closest_point(result.model.T_surface_acquisition * contact.position));
+  const std::vector<Facing> facing = orient_surface(facings(places, contacts, result), result);
+  PlacedContacts placed;
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    std::string wrong = misfit(places[i].distance, facing[i], options);
+    if (!wrong.empty()) {
+      result.left_out.push_back({contacts[i].id, std::move(wrong)});
+      continue;
+    }
+    placed.kept.push_back(i);
+    placed.places.push_back(places[i]);
+  }
+  if (result.left_out.size() > static_cast<std::size_t>(options.max_left_out))
+    refuse_misfits(options, result);
+  if (placed.kept.size() < 3) {
+    throw InvalidInput("build_model(): only " + std::to_string(placed.kept.size()) +
+                       " contacts fit the surface; at least three are needed");
+  }
+  return placed;
 }
 
 }  // namespace palpate::haptics

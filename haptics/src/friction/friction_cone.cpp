@@ -273,4 +273,22 @@ FrictionFit fit_friction(std::span<const FrictionTrial> trials, const Eigen::Vec
   return fit;
 }
 
+std::optional<int> contradicting_trials(const FrictionFit& cone,
+                                        std::span<const FrictionTrial> trials) {
+  if (cone.stop == FrictionStop::never_slipped || cone.stop == FrictionStop::not_converged ||
+      cone.stop == FrictionStop::too_few_directions) {
+    return std::nullopt;
+  }
+  const double cosine = 1 / std::hypot(1, cone.coefficient), sine = cone.coefficient * cosine;
+  int count = 0;
+  for (const FrictionTrial& trial : trials) {
+    const double along = trial.force.dot(cone.axis);
+    const double across = (trial.force - along * cone.axis).norm();
+    const double distance = cosine * across - sine * along;  // Eq 5.14
+    const double outside = trial.slipped ? -distance : distance;
+    count += outside > kContradictingDistance * trial.force.norm() ? 1 : 0;
+  }
+  return count;
+}
+
 }  // namespace palpate::haptics

@@ -7,6 +7,7 @@
 #include <tbb/global_control.h>
 
 #include <algorithm>
+#include <limits>
 #include <map>
 
 #include "beam_acquisition.h"
@@ -219,6 +220,132 @@ TEST(BuildModel, TurnsTheSurfaceOverIfItIsSeenFromInside) {
               HasSubstr("contact 23"));
 }
 
+TEST(BuildModel, LeavesOutAsManyContactsThatDoNotFitTheSurfaceAsAllowed) {
+  probing::Acquisition acquisition = flat_acquisition();
+  acquisition.contacts[3].normal *= -1;
+  acquisition.contacts[7].position.z() -= 400;
+  BuildOptions options = kQuick;
+  options.max_left_out = 1;
+  EXPECT_THAT(refusal([&] { return build_model(acquisition, flat_surface(), options); }),
+              AllOf(HasSubstr("2 contacts do not fit"), HasSubstr("contact 23 has a normal"),
+                    HasSubstr("BuildOptions::max_left_out = 2")));
+  options.max_left_out = 2;
+  const BuildResult result = build_model(acquisition, flat_surface(), options);
+  ASSERT_EQ(result.left_out.size(), 2u);
+  EXPECT_EQ(result.left_out[0].id, 23);
+  EXPECT_THAT(result.left_out[0].reason, HasSubstr("points into the surface"));
+  EXPECT_EQ(result.left_out[1].id, 27);
+  EXPECT_THAT(result.left_out[1].reason, HasSubstr("400.0"));
+
+  // The others are as without them.
+  probing::Acquisition others = flat_acquisition();
+  const auto is_out = [](long long id) { return id == 23 || id == 27; };
+  std::erase_if(others.contacts, [&](const auto& contact) { return is_out(contact.id); });
+  std::erase_if(others.samples, [&](const auto& sample) { return is_out(sample.contact); });
+  const BuildResult expected = build_model(others, flat_surface(), kQuick);
+  ASSERT_EQ(result.model.contacts.size(), 7u);
+  EXPECT_EQ(result.model.triangles, expected.model.triangles);
+  EXPECT_EQ(result.registration, RegistrationOutcome::not_needed);
+  for (std::size_t i = 0; i < 7; ++i) {
+    EXPECT_EQ(result.model.contacts[i].id, expected.model.contacts[i].id);
+    EXPECT_EQ(result.model.contacts[i].field, expected.model.contacts[i].field);
+    EXPECT_EQ(result.model.contacts[i].friction, expected.model.contacts[i].friction);
+  }
+  std::erase_if(acquisition.contacts, [](const auto& contact) { return contact.id > 23; });
+  std::erase_if(acquisition.samples, [](const auto& sample) { return sample.contact > 22; });
+  acquisition.contacts[0].normal *= -1;
+  acquisition.contacts[3].normal *= -1;
+  EXPECT_THAT(refusal([&] { return build_model(acquisition, flat_surface(), options); }),
+              HasSubstr("only 2 contacts fit the surface"));
+}
+
+TEST(BuildModel, AcceptsAContactOnASingleTriangleThatIsFolded) {
+  geometry::TriangleMesh surface = flat_surface();
+  probing::Acquisition acquisition = flat_acquisition();
+  probing::Contact& contact = acquisition.contacts[4];
+  const auto middle_of = [&](Eigen::Index t) -> Eigen::Vector3d {
+    return (surface.vertices.col(surface.triangles(0, t)) +
+            surface.vertices.col(surface.triangles(1, t)) +
+            surface.vertices.col(surface.triangles(2, t))) /
+           3;
+  };
+  Eigen::Index folded = 0;
+  for (Eigen::Index t = 1; t < surface.triangles.cols(); ++t) {
+    if ((middle_of(t) - contact.position).norm() < (middle_of(folded) - contact.position).norm())
+      folded = t;
+  }
+  // One corner is pulled over the edge between the others, and 1 mm off the plane.
+  const Eigen::Vector3i corners = surface.triangles.col(folded);
+  const Eigen::Vector3d edge =
+      (surface.vertices.col(corners[0]) + surface.vertices.col(corners[1])) / 2;
+  surface.vertices.col(corners[2]) += 1.5 * (edge - surface.vertices.col(corners[2]));
+  surface.vertices(2, corners[2]) -= 1;
+  ASSERT_LT(geometry::triangle_normals(surface)(2, folded) *
+                geometry::triangle_normals(flat_surface())(2, folded),
+            0);
+  const Eigen::Vector3d shift = middle_of(folded) - contact.position;
+  contact.position += shift;
+  for (probing::Sample& sample : acquisition.samples) {
+    if (sample.contact != contact.id) continue;
+    sample.a += shift;
+    sample.b += shift;
+  }
+  EXPECT_EQ(build_model(acquisition, surface, kQuick).model.contacts.size(), 9u);
+}
+
+TEST(BuildModel, TellsFitsThatCannotBeUsedAndTheShareThatIsExplained) {
+  const BuildResult built = build_model(flat_acquisition(), flat_surface(), kQuick);
+  double largest = 0, squares = 0;
+  for (const ContactReport& contact : built.contacts) {
+    EXPECT_TRUE(is_usable(contact));
+    // The largest force is that of 3 N with 0.99 of the limit across.
+    EXPECT_NEAR(contact.largest_force, 3 * std::hypot(1, 0.99 * 0.5), 1e-9);
+    largest = std::max(largest, contact.fit.rms);
+    squares += contact.fit.rms * contact.fit.rms / (contact.force_rms * contact.force_rms) / 9;
+  }
+  EXPECT_NEAR(explained_share(built.contacts), 1 - squares, 1e-12);
+  EXPECT_LT(largest, 0.01);
+  ContactReport contact = built.contacts[0];
+  contact.fit.rms = contact.largest_force;
+  EXPECT_TRUE(is_usable(contact));
+  contact.fit.rms = 1.01 * contact.largest_force;
+  EXPECT_FALSE(is_usable(contact));
+  contact.fit.rms = std::nan("");
+  EXPECT_FALSE(is_usable(contact));
+  EXPECT_EQ(explained_share({}), 0);
+}
+
+TEST(BuildModel, FailsIfTheErrorsOfAFitExceedItsForces) {
+  BuildOptions options = kQuick;
+  FitResult wild = build_model(flat_acquisition(), flat_surface(), kQuick).contacts[3].fit;
+  for (const double rms : {3.4, std::numeric_limits<double>::infinity(), std::nan("")}) {
+    wild.rms = rms;
+    options.known_fit = [&](long long contact) { return contact == 23 ? &wild : nullptr; };
+    try {
+      static_cast<void>(build_model(flat_acquisition(), flat_surface(), options));
+      ADD_FAILURE() << rms;
+    } catch (const SolverError& error) {
+      EXPECT_THAT(error.what(),
+                  AllOf(HasSubstr("1 of 9 contacts"), HasSubstr("Contacts: 23. Check")));
+    }
+  }
+}
+
+TEST(BuildModel, CountsSamplesThatContradictTheFriction) {
+  probing::Acquisition acquisition = flat_acquisition(0.6);
+  for (const ContactReport& contact : build_model(acquisition, flat_surface(), kQuick).contacts) {
+    EXPECT_EQ(contact.friction_contradictions, 0);
+    EXPECT_EQ(contact.friction_trials, 72);
+  }
+  // Half of the force at which the others slip.
+  for (probing::Sample& sample : acquisition.samples) {
+    if (sample.contact == 20 && sample.id % 24 == 0) sample.slipped = true;
+  }
+  const BuildResult built = build_model(acquisition, flat_surface(), kQuick);
+  EXPECT_EQ(built.contacts[0].friction_contradictions, 3);
+  EXPECT_EQ(built.contacts[1].friction_contradictions, 0);
+}
+
 TEST(BuildModel, LeavesOutContactsWithoutSamplesAndBorrowsFriction) {
   probing::Acquisition acquisition = flat_acquisition(0.6);
   std::erase_if(acquisition.samples, [](const probing::Sample& s) { return s.contact == 24; });
@@ -268,6 +395,10 @@ TEST(BuildModel, RefusesBadOptionsAndAcquisitions) {
   options.max_distance = -1;
   EXPECT_THAT(refusal([&] { return build_model(flat_acquisition(), flat_surface(), options); }),
               HasSubstr("max_distance"));
+  options = kQuick;
+  options.max_left_out = -1;
+  EXPECT_THAT(refusal([&] { return build_model(flat_acquisition(), flat_surface(), options); }),
+              HasSubstr("max_left_out is -1; it must be >= 0"));
   options = kQuick;
   options.dense_samples = 5;
   EXPECT_THAT(refusal([&] { return build_model(flat_acquisition(), flat_surface(), options); }),

@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "palpate/geometry/triangle_mesh.h"
@@ -30,6 +31,10 @@ struct BuildOptions {
   double on_surface = 0.2;
   double max_distance = 2;  ///< [mm] of each contact from the surface, after registration; >= 0
   double max_motion = 5;    ///< [mm] of any contact by the registration; >= 0
+  /// >= 0: up to this many contacts that do not fit the surface, because they are further away than
+  /// max_distance or their normal points into it, are left out. With more, or if fewer than three
+  /// remain, the acquisition is refused.
+  int max_left_out = 0;
   /// How forces between contacts are computed. The reference force of compliances is the lower
   /// quartile over contacts of the largest force along the z axis; if it is not positive, forces
   /// are blended.
@@ -67,17 +72,40 @@ struct ContactReport {
   FitResult fit;                  ///< in the contact's frame
   FrictionFit friction;           ///< in the world frame
   FrictionAxisFit friction_axis;  ///< in the world frame
+  int pairs = 0;                  ///< of displacement and force, to which the field is fitted
+  double force_rms = 0;           ///< [N] root mean square of their forces
+  double largest_force = 0;       ///< [N] of their forces
+  /// Samples that contradict the friction cone (`contradicting_trials`), and all samples.
+  std::optional<int> friction_contradictions = std::nullopt;
+  int friction_trials = 0;
+};
+
+/// Whether the fit of a contact can be used: its rms is finite and at most the largest force that
+/// was measured there. No force at all explains the measurements better than a fit beyond that.
+[[nodiscard]] bool is_usable(const ContactReport& report);
+
+/// [0, 1] Share of the squared forces of all contacts that their fits explain.
+[[nodiscard]] double explained_share(const std::vector<ContactReport>& contacts);
+
+/// A contact that does not fit the surface.
+struct ContactMisfit {
+  long long id = 0;
+  std::string
+      reason;  ///< "is 3.2 mm from the surface", "has a normal that points into the surface"
 };
 
 struct BuildResult {
   Model model;
   std::vector<ContactReport> contacts;     ///< in the order of the model's contacts
   std::vector<long long> without_samples;  ///< ids of contacts left out because they have none
+  std::vector<ContactMisfit> left_out;     ///< those that do not fit the surface
   std::vector<long long> isolated;         ///< ids of contacts in no triangle of contacts
   /// In the contacts' frames; only with `dense_samples`.
   std::optional<LocalPart> local_part;
   RegistrationOutcome registration = RegistrationOutcome::not_needed;
-  double distance_rms = 0;  ///< [mm] of the contacts to the surface as given
+  /// [mm] of the contacts to the surface as given, without those that cannot fit it (further away
+  /// than max_distance + max_motion) if at least three can
+  double distance_rms = 0;
   /// The triangles of the surface were reversed to agree with the normals of the contacts.
   bool surface_flipped = false;
 };
@@ -87,9 +115,13 @@ struct BuildResult {
 /// parallel; the result does not depend on the number of threads. Displacements are relative to the
 /// contact as measured. All numbers of the contacts are `rounded`.
 ///
-/// \throws InvalidInput if the acquisition, the surface or an option is not valid, if a contact is
-/// further than max_distance from the surface or its normal points into it, or if fewer than three
-/// contacts have samples.
+/// A normal points into the surface if both the triangle there and the vertices around it,
+/// together, face the other way.
+///
+/// \throws InvalidInput if the acquisition, the surface or an option is not valid, if more than
+/// max_left_out contacts are further than max_distance from the surface or have a normal that
+/// points into it, or if fewer than three contacts have samples and fit the surface.
+/// \throws SolverError if the fit of a contact cannot be used (`is_usable`), naming these contacts.
 [[nodiscard]] BuildResult build_model(const probing::CheckedAcquisition& acquisition,
                                       const geometry::TriangleMesh& surface,
                                       const BuildOptions& options = {});

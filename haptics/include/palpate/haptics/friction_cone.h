@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -72,5 +73,13 @@ struct FrictionFit {
 [[nodiscard]] FrictionFit fit_friction(std::span<const FrictionTrial> trials,
                                        const Eigen::Vector3d& normal,
                                        const FrictionOptions& options = {});
+
+/// A trial contradicts a cone iff it held outside or slipped inside, further from the boundary than
+/// this share of its force: bisections end nearer to it.
+inline constexpr double kContradictingDistance = 0.1;
+
+/// Number of trials that contradict a cone; empty if the cone is not determined.
+[[nodiscard]] std::optional<int> contradicting_trials(const FrictionFit& cone,
+                                                      std::span<const FrictionTrial> trials);
 
 }  // namespace palpate::haptics
