@@ -33,6 +33,7 @@ void check(const IdentifyOptions& options) {
                     options.displacement_noise ? "displacement_noise" : "force_noise"));
   }
   require("IdentifyOptions::max_chi2", options.max_chi2, above(1));
+  require("IdentifyOptions::min_explained", options.min_explained, above(0).at_most(1));
   require("IdentifyOptions::max_iterations", options.max_iterations, at_least(1));
 }
 

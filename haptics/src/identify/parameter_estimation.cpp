@@ -95,7 +95,8 @@ Weights noise_weights(const Problem& problem, const Predictions& predictions, co
 
 /// Agreement of each contact; single outliers are excluded.
 void judge(const Problem& problem, const std::vector<Eigen::Vector3d>& residual,
-           std::span<const probing::Contact> contacts, double max_chi2, Identification& report) {
+           std::span<const probing::Contact> contacts, const IdentifyOptions& options,
+           Identification& report) {
   std::vector<std::vector<double>> distances(contacts.size());
   for (std::size_t i = 0; i < residual.size(); ++i) {
     distances[problem.pairs[i].contact].push_back(residual[i].norm());
@@ -126,7 +127,14 @@ void judge(const Problem& problem, const std::vector<Eigen::Vector3d>& residual,
   const int freedom = numbers - static_cast<int>(determined);
   if (freedom <= 0) return;
   report.chi2 = sum / freedom;
-  report.verdict = *report.chi2 <= max_chi2 ? Verdict::describes : Verdict::does_not_describe;
+  if (*report.chi2 > options.max_chi2) {
+    report.verdict = Verdict::does_not_describe;
+  } else if (report.explained >= options.min_explained) {
+    report.verdict = Verdict::describes;
+  } else {
+    report.verdict =
+        options.displacement_noise ? Verdict::not_testable : Verdict::does_not_describe;
+  }
 }
 
 /// Values and standard errors (for a chi^2 of 1) from the normal equations at the solution.
@@ -253,8 +261,10 @@ LawEstimate estimate(const ParametricLaw& law, std::span<const Pair> pairs,
   result.parameters = found.parameters;
   report.displacement_noise = noise.displacement;
   report.force_noise = noise.force;
-  report.rms = std::sqrt(mean_square(pairs, found.predictions));
-  judge(robust, residuals(robust, weights, found.predictions), contacts, options.max_chi2, report);
+  const double error = mean_square(pairs, found.predictions);
+  report.rms = std::sqrt(error);
+  report.explained = 1 - error / (size * size);
+  judge(robust, residuals(robust, weights, found.predictions), contacts, options, report);
   for (ParameterEstimate& parameter : report.parameters) {
     if (parameter.standard_error && report.chi2) {
       *parameter.standard_error *= std::sqrt(*report.chi2);

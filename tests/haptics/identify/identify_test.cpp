@@ -85,6 +85,28 @@ TEST(Identify, TellsAnObjectThatIsNoStrip) {
   EXPECT_FALSE(ratio.standard_error.has_value());
 }
 
+TEST(Identify, DoesNotTakeTheErrorsOfAModelThatExplainsNothingForNoise) {
+  probing::Acquisition reversed = palpate::testing::strip_acquisition();
+  for (probing::Sample& sample : reversed.samples) {
+    sample.force *= -1;
+    sample.group = 0;  // their scatter passes for noise
+  }
+  const Identification strip = identify_strip(reversed).report;
+  EXPECT_LT(strip.explained, 0.5);
+  EXPECT_NE(strip.verdict, Verdict::describes);
+  const Identification half_space = identify_half_space(reversed, 3).report;
+  EXPECT_LT(half_space.explained, 0.5);
+  EXPECT_NE(half_space.verdict, Verdict::describes);
+
+  const probing::Acquisition right = strip_acquisition({}, few(1));
+  EXPECT_GT(identify_strip(right).report.explained, 0.99);
+  // Noise as large as the displacements agrees with every model, and so with none.
+  const Identification hidden =
+      identify_half_space(right, 3, {.displacement_noise = 20, .force_noise = 0}).report;
+  EXPECT_LT(*hidden.chi2, 2);
+  EXPECT_EQ(hidden.verdict, Verdict::not_testable);
+}
+
 /// A half-space probed with noise, by the closed form of two springs.
 probing::Acquisition probed_half_space(double normal, double tangential, bool only_normal = false) {
   constexpr double kNoise = 0.01;  // [mm]

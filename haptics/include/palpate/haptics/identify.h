@@ -21,6 +21,10 @@ struct IdentifyOptions {
   /// The parametric model describes the object iff chi^2 per degree of freedom <= this; > 1. The
   /// value 2 allows for a noise that is known to 40 %.
   double max_chi2 = 2;
+  /// And iff it explains at least this share of the squared displacements; in (0, 1]. Where the
+  /// noise is estimated, chi^2 alone says little: groups that mix several normal forces scatter,
+  /// and a model that explains nothing agrees with such a noise.
+  double min_explained = 0.9;
   int max_iterations = 100;  ///< >= 1, of each Levenberg-Marquardt search
 };
 
@@ -40,10 +44,12 @@ struct ParameterEstimate {
 };
 
 enum class Verdict {
-  describes,          ///< chi^2 per degree of freedom <= max_chi2
+  describes,          ///< chi^2 per degree of freedom <= max_chi2, explained >= min_explained
   does_not_describe,  ///< the object differs; the parameters are those of the nearest such model
-  not_testable,       ///< the noise is unknown, or there are no more data than parameters
-  not_converged       ///< the search did not converge; the parameters are meaningless
+  /// the noise is unknown, or is given and so large that a model which explains less than
+  /// min_explained agrees with it, or there are no more data than parameters
+  not_testable,
+  not_converged  ///< the search did not converge; the parameters are meaningless
 };
 
 struct ContactAgreement {
@@ -59,8 +65,9 @@ struct Identification {
   std::vector<ContactAgreement> contacts;  ///< those with samples, in the acquisition's order
   std::optional<double> chi2;              ///< per degree of freedom; empty if not testable
   double rms = 0;                          ///< [mm] sqrt(mean |error|^2) of the displacements
-  double displacement_noise = 0;           ///< [mm] given or estimated
-  double force_noise = 0;                  ///< [N]
+  double explained = 0;  ///< share of the squared displacements; <= 1, < 0 if worse than no model
+  double displacement_noise = 0;  ///< [mm] given or estimated
+  double force_noise = 0;         ///< [N]
   int pairs = 0;
   int outliers = 0;
   int iterations = 0;
