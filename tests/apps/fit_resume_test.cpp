@@ -119,6 +119,29 @@ TEST_F(FitResume, KeepsTheFitsOfTheRecord) {
   }
 }
 
+TEST_F(FitResume, WritesNoModelIfTheErrorsOfAFitExceedItsForces) {
+  interrupt();
+  const std::string record = read_text(scratch / "model.fits");
+  std::istringstream lines(record);
+  std::string head, line;
+  std::getline(lines, head);
+  std::getline(lines, line);
+  json entry = json::parse(line);
+  // Largest forces are 3.3 N. A number that is none is written as text.
+  for (const json& rms : {json(531600.0), json("nan")}) {
+    entry["fit"]["rms"] = rms;
+    write_text(scratch / "model.fits", head + "\n" + entry.dump() + "\n");
+    const CommandResult result = fit("model", {"--resume"});
+    EXPECT_EQ(result.status, kWorkFailed) << result.err;
+    EXPECT_NE(result.err.find("the fit failed at 1 of 6 contacts"), std::string::npos)
+        << result.err;
+    EXPECT_NE(result.err.find("Contacts: " + entry["contact"].dump() + "."), std::string::npos);
+    EXPECT_TRUE(result.out.empty());
+    EXPECT_FALSE(fs::exists(scratch / "model"));
+    EXPECT_FALSE(fs::exists(scratch / "model.fits"));
+  }
+}
+
 TEST_F(FitResume, RefusesOtherSettingsDataAndRecords) {
   interrupt();
   const std::string record = read_text(scratch / "model.fits");

@@ -22,14 +22,15 @@
 #include "palpate/haptics/build_model.h"
 #include "palpate/haptics/model_io.h"
 #include "palpate/output_file.h"
-#include "palpate/probing/acquisition_store.h"
 #include "palpate/require.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
 #include "shared/fingerprint.h"
 #include "shared/inputs.h"
 #include "shared/model_pictures.h"
+#include "shared/plausible.h"
 #include "shared/progress.h"
+#include "shared/words.h"
 
 namespace palpate::apps {
 namespace {
@@ -49,26 +50,32 @@ struct FitCall {
   bool shared_local = false;
   int dense_samples = haptics::LocalGlobalOptions{}.dense_samples;
   bool resume = false;
+  double max_distance = haptics::BuildOptions{}.max_distance;
+  int max_left_out = haptics::BuildOptions{}.max_left_out;
 };
+
+constexpr std::size_t kNamed = 50;  // largest number of contacts named per reason
+
+std::string named(const std::vector<long long>& contacts) {
+  const std::span first(contacts.data(), std::min(contacts.size(), kNamed));
+  return fmt::format("{}{}", fmt::join(first, ", "), first.size() < contacts.size() ? ", ..." : "");
+}
 
 /// Reports the contacts without friction of their own, one line per reason.
 void tell_friction(const haptics::BuildResult& built) {
-  std::map<std::string, std::vector<long long>> undetermined;
+  std::map<haptics::FrictionStop, std::vector<long long>> undetermined;
   bool from_others = false, bounded = false;
   for (std::size_t i = 0; i < built.contacts.size(); ++i) {
     const haptics::FrictionFit& friction = built.contacts[i].friction;
     if (friction.stop == haptics::FrictionStop::converged) continue;
-    undetermined[haptics::to_string(friction.stop)].push_back(built.contacts[i].id);
+    undetermined[friction.stop].push_back(built.contacts[i].id);
     const haptics::FrictionSource source = built.model.contacts[i].friction_source;
     from_others = from_others || source == haptics::FrictionSource::other_contacts;
     bounded = bounded || source == haptics::FrictionSource::lower_bound;
   }
-  constexpr std::size_t kNamed = 50;  // largest number of contacts named per reason
   for (const auto& [stop, contacts] : undetermined) {
-    const std::span named(contacts.data(), std::min(contacts.size(), kNamed));
-    spdlog::warn("{} of {} contacts do not determine their friction, {}: {}{}", contacts.size(),
-                 built.contacts.size(), stop, fmt::join(named, ", "),
-                 named.size() < contacts.size() ? ", ..." : "");
+    spdlog::warn("{} of {} contacts do not determine their friction ({}): {}", contacts.size(),
+                 built.contacts.size(), in_words(stop), named(contacts));
   }
   if (from_others) spdlog::warn("some of those use the mean friction of the other contacts.");
   if (bounded) spdlog::warn("some of those use their own lower bound, which is not an estimate.");
@@ -80,6 +87,10 @@ std::string friction_of(const haptics::ContactModel& contact) {
   const std::string error =
       contact.friction_error ? fmt::format(" +- {:.3f}", *contact.friction_error) : "";
   return fmt::format("{:.3f}{} (>= {:.3f})", contact.friction, error, contact.friction_lower_bound);
+}
+
+Json contradictions_of(const haptics::ContactReport& contact) {
+  return contact.friction_contradictions ? Json(*contact.friction_contradictions) : Json();
 }
 
 /// Error with the local part relative to that without, at sparse contacts.
@@ -136,10 +147,12 @@ Json sharing_in_figures(const haptics::BuildResult& built) {
 }
 
 void tell(const haptics::BuildResult& built) {
-  spdlog::info("the contacts lie {:.3f} mm from the surface (RMS); registration: {}",
-               built.distance_rms, haptics::to_string(built.registration));
+  spdlog::info("the contacts lie {:.3f} mm from the surface (RMS); {}.", built.distance_rms,
+               in_words(built.registration));
   for (const long long id : built.without_samples)
     spdlog::warn("contact {} has no samples and is omitted.", id);
+  for (const haptics::ContactMisfit& contact : built.left_out)
+    spdlog::warn("contact {} is left out: it {}.", contact.id, contact.reason);
   for (const long long id : built.isolated) {
     spdlog::warn(
         "contact {} is in no triangle of contacts: there are too few around it; probe more "
@@ -177,6 +190,8 @@ Json settings_of(const FitCall& call) {
           {"--accuracy", call.fit.accuracy},
           {"--passive", haptics::to_string(call.fit.mode)},
           {"--force-noise", call.fit.noise.force},
+          {"--max-distance", call.max_distance},
+          {"--leave-out", call.max_left_out},
           {"--max-bases", call.fit.max_bases ? Json(*call.fit.max_bases) : Json()},
           {"--shared-local", call.shared_local},
           {"--dense-samples", call.shared_local ? Json(call.dense_samples) : Json()},
@@ -216,17 +231,66 @@ haptics::BuildResult build(const probing::CheckedAcquisition& acquisition,
   // Friction needs a noise above zero, so zero is replaced by its default.
   haptics::FrictionOptions friction;
   if (call.fit.noise.force > 0) friction.force_noise = call.fit.noise.force;
-  return haptics::build_model(
-      acquisition, surface,
-      {.fit = call.fit,
-       .friction = friction,
-       .blend_rule = call.blend_rule,
-       .triangulation = call.triangulation,
-       .dense_samples = call.shared_local ? std::optional(call.dense_samples) : std::nullopt,
-       .progress = show,
-       .known_fit = [&](long long contact) { return record.find(contact); },
-       .keep_fit = [&](long long contact,
-                       const haptics::FitResult& result) { record.add(contact, result); }});
+  try {
+    return haptics::build_model(
+        acquisition, surface,
+        {.fit = call.fit,
+         .friction = friction,
+         .max_distance = call.max_distance,
+         .max_left_out = call.max_left_out,
+         .blend_rule = call.blend_rule,
+         .triangulation = call.triangulation,
+         .dense_samples = call.shared_local ? std::optional(call.dense_samples) : std::nullopt,
+         .progress = show,
+         .known_fit = [&](long long contact) { return record.find(contact); },
+         .keep_fit = [&](long long contact,
+                         const haptics::FitResult& result) { record.add(contact, result); }});
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(
+        with_option_names(error.what(), {{"build_model(): ", call.acquisition.string() + ": "},
+                                         {"BuildOptions::max_distance", "--max-distance"},
+                                         {"BuildOptions::max_left_out = ", "--leave-out "}}));
+  }
+}
+
+/// Warns of fits that are complete, but say little of the measurements.
+void tell_doubts(const haptics::BuildResult& built, Json& warnings) {
+  constexpr double kLeastExplained = 0.9;  // share of the squared forces
+  // Of the samples: the rate of wrong marks that the fit of friction allows for.
+  constexpr double kMostContradicting = 0.05;
+  const double explained = haptics::explained_share(built.contacts);
+  if (explained < kLeastExplained) {
+    warn(warnings, "poorly_explained",
+         fmt::format("the model explains only {:.0f} % of the measured forces (squared): errors "
+                     "are {:.0f} % of the forces. Check the groups, signs and units of the "
+                     "measurements",
+                     100 * explained, 100 * std::sqrt(1 - explained)));
+  }
+  int contradictions = 0, trials = 0;
+  for (const haptics::ContactReport& contact : built.contacts) {
+    if (!contact.friction_contradictions) continue;
+    contradictions += *contact.friction_contradictions;
+    trials += contact.friction_trials;
+  }
+  if (contradictions > kMostContradicting * trials) {
+    warn(warnings, "friction_contradicted",
+         fmt::format("the friction that was found contradicts {} of {} samples: they held outside "
+                     "of the friction cone, or are marked as slipped inside it. Check the column "
+                     "slipped",
+                     contradictions, trials));
+  }
+}
+
+/// A run that fails because of its fits keeps none: another one would find the same.
+haptics::BuildResult build_or_forget(const probing::CheckedAcquisition& acquisition,
+                                     const geometry::TriangleMesh& surface, const FitCall& call,
+                                     FitRecord& record) {
+  try {
+    return build(acquisition, surface, call, record);
+  } catch (const SolverError&) {
+    record.remove();
+    throw;
+  }
 }
 
 void fit(const Settings& settings, FitCall call) {
@@ -235,13 +299,15 @@ void fit(const Settings& settings, FitCall call) {
   check_outputs({call.acquisition, call.surface}, {call.output, call.pictures, record_path});
   check_output_folder({call.acquisition, call.surface}, call.output);
   check_replaceable(call.output, haptics::model_entries());
-  const probing::CheckedAcquisition acquisition = probing::read_acquisition(call.acquisition);
+  Json warnings = Json::array();
+  const probing::CheckedAcquisition acquisition =
+      read_plausible_acquisition(call.acquisition, warnings);
   const geometry::TriangleMesh surface = geometry::read_mesh(call.surface, call.meshes);
   FitRecord record(record_path, settings_of(call));
   if (call.resume) record.resume();
   record.begin();
   const std::size_t kept = record.size();
-  haptics::BuildResult built = build(acquisition, surface, call, record);
+  haptics::BuildResult built = build_or_forget(acquisition, surface, call, record);
   built.model.made["program"] = "palpate " PALPATE_VERSION;
   built.model.made["acquisition"] = call.acquisition.filename().string();
   built.model.made["surface"] = call.surface.filename().string();
@@ -249,6 +315,7 @@ void fit(const Settings& settings, FitCall call) {
   haptics::write_model(call.output, built.model, call.encoding);
   record.remove();
   tell(built);
+  tell_doubts(built, warnings);
   if (!call.pictures.empty()) draw(call, built.model, acquisition);
 
   Json per_contact = Json::array();
@@ -268,6 +335,7 @@ void fit(const Settings& settings, FitCall call) {
                              {"friction_lower_bound", contact.friction_lower_bound},
                              {"friction_source", haptics::to_string(contact.friction_source)},
                              {"friction_stop", haptics::to_string(built.contacts[i].friction.stop)},
+                             {"friction_contradictions", contradictions_of(built.contacts[i])},
                              {"samples", contact.samples},
                              {"stop", haptics::to_string(found.stop)},
                              {"passive", haptics::to_string(found.certificate.passivity)},
@@ -278,21 +346,26 @@ void fit(const Settings& settings, FitCall call) {
                              {"shared_local", contact.shared_local}});
     } else {
       prose += fmt::format(
-          "  contact {}: RMS {:.4f} N with {} bases from {} samples, friction {}, {}, passivity: "
-          "{}{}\n",
+          "  contact {}: RMS {:.4f} N with {} bases from {} samples, friction {}; {}; {}{}\n",
           contact.id, contact.rms, bases, contact.samples, friction_of(contact),
-          haptics::to_string(found.stop), haptics::to_string(found.certificate.passivity),
+          in_words(found.stop), in_words(found.certificate.passivity),
           contact.shared_local ? ", shares the local part" : "");
     }
   }
   const geometry::ErrorStatistics statistics = geometry::error_statistics(rms);
+  Json left_out = Json::array();
+  for (const haptics::ContactMisfit& contact : built.left_out)
+    left_out.push_back({{"contact", contact.id}, {"reason", contact.reason}});
   Json figures = {
       {"contacts", built.contacts.size()},
       {"kept", kept},
       {"triangles", built.model.triangles.cols()},
       {"registration", haptics::to_string(built.registration)},
+      {"left_out", left_out},
+      {"explained", haptics::explained_share(built.contacts)},
       {"rms", {{"median", statistics.median}, {"p90", statistics.p90}, {"max", statistics.max}}},
       {"per_contact", per_contact},
+      {"warnings", warnings},
       {"file", call.output.string()}};
   if (built.local_part) figures["shared_local"] = sharing_in_figures(built);
   print(settings, figures,
@@ -331,6 +404,17 @@ void add_fit(CLI::App& app, const Settings& settings) {
       "How contacts are triangulated: delaunay, the geodesic Delaunay triangulation (default); "
       "voronoi_dual, the dual of the geodesic Voronoi cells, which may leave out contacts on thin "
       "parts and near the border. Use it if delaunay fails");
+  command
+      ->add_option("--max-distance", call->max_distance,
+                   "Reject a contact that is farther from the surface, after registration [mm]")
+      ->check(within(at_least(0)))
+      ->capture_default_str();
+  command
+      ->add_option("--leave-out", call->max_left_out,
+                   "Leave out up to this many contacts that are too far from the surface, or whose "
+                   "normal points into it, instead of rejecting the measurements")
+      ->check(within(at_least(0)))
+      ->capture_default_str();
   command->add_option("--max-bases", call->fit.max_bases, "Largest number of bases of a field");
   command->add_option(
       "--budget", call->budget_us,

@@ -4,16 +4,17 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 
 #include "palpate/error.h"
-#include "palpate/probing/acquisition_store.h"
 #include "palpate/require.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
+#include "shared/plausible.h"
 
 namespace palpate::apps {
 namespace {
@@ -44,7 +45,7 @@ const char* in_words(haptics::Verdict verdict) {
       return "this parametric model does not describe the object";
     case haptics::Verdict::not_testable:
       return "it is undecided whether this parametric model describes the object: the noise is "
-             "unknown, or there are too few samples";
+             "unknown or too large, or there are too few samples";
     case haptics::Verdict::not_converged:
       return "the search did not converge: do not use the parameters";
   }
@@ -66,7 +67,7 @@ std::string describe(const haptics::ParameterEstimate& parameter) {
 }
 
 void report(const Settings& settings, const IdentifyCall& call,
-            const haptics::Identification& found, Json figures) {
+            const haptics::Identification& found, Json figures, const Json& warnings) {
   Json parameters = Json::array(), contacts = Json::array();
   std::string prose;
   for (const haptics::ParameterEstimate& parameter : found.parameters) {
@@ -89,17 +90,20 @@ void report(const Settings& settings, const IdentifyCall& call,
   figures["verdict"] = haptics::to_string(found.verdict);
   figures["chi2"] = number_or_null(found.chi2);
   figures["rms"] = found.rms;
+  figures["explained"] = found.explained;
   figures["pairs"] = found.pairs;
   figures["outliers"] = found.outliers;
   figures["displacement_noise"] = found.displacement_noise;
   figures["force_noise"] = found.force_noise;
   figures["parameters"] = parameters;
   figures["per_contact"] = contacts;
+  figures["warnings"] = warnings;
   prose += fmt::format(
-      "chi^2 per degree of freedom {}, RMS {:.4f} mm over {} pairs, {} outliers; {} of {} contacts "
-      "disagree.\n{}.",
+      "chi^2 per degree of freedom {}, RMS {:.4f} mm over {} pairs, {:.1f} % of the squared "
+      "displacements explained, {} outliers; {} of {} contacts disagree.\n{}.",
       found.chi2 ? fmt::format("{:.3g}", *found.chi2) : "unknown", found.rms, found.pairs,
-      found.outliers, disagreeing, found.contacts.size(), in_words(found.verdict));
+      100 * std::max(0.0, found.explained), found.outliers, disagreeing, found.contacts.size(),
+      in_words(found.verdict));
   print(settings, figures, prose);
 }
 
@@ -108,14 +112,16 @@ void identify(const Settings& settings, const IdentifyCall& call) {
     throw InvalidInput(
         "palpate identify: --model half-space needs the radius of the tool; give --tool-radius");
   }
-  const probing::CheckedAcquisition acquisition = probing::read_acquisition(call.acquisition);
+  Json warnings = Json::array();
+  const probing::CheckedAcquisition acquisition =
+      read_plausible_acquisition(call.acquisition, warnings);
   if (call.model == "strip") {
     const haptics::IdentifiedStrip found = haptics::identify_strip(acquisition, call.options);
-    report(settings, call, found.report, place(found.model));
+    report(settings, call, found.report, place(found.model), warnings);
   } else {
     report(settings, call,
            haptics::identify_half_space(acquisition, *call.tool_radius, call.options).report,
-           {{"tool_radius", *call.tool_radius}});
+           {{"tool_radius", *call.tool_radius}}, warnings);
   }
 }
 

@@ -18,6 +18,7 @@
 #include "shared/command_line.h"
 #include "shared/inputs.h"
 #include "shared/model_pictures.h"
+#include "shared/words.h"
 
 namespace palpate::apps {
 namespace {
@@ -80,6 +81,16 @@ Json register_sides(const MergeCall& call, std::vector<haptics::SideModel>& side
   return figures;
 }
 
+haptics::MergedModel merged_models(const std::vector<haptics::SideModel>& sides,
+                                   const haptics::MergeModelsOptions& options) {
+  try {
+    return haptics::merge_models(sides, options);
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(
+        with_option_names(error.what(), {{"MergeModelsOptions::max_distance", "--max-distance"}}));
+  }
+}
+
 void merge(const Settings& settings, const MergeCall& call) {
   std::vector<fs::path> inputs = call.models;
   inputs.insert(inputs.end(), call.poses.begin(), call.poses.end());
@@ -91,7 +102,7 @@ void merge(const Settings& settings, const MergeCall& call) {
   if (call.register_here) registered = register_sides(call, sides);
   haptics::MergeModelsOptions options = call.options;
   if (call.average) options.surface = haptics::MergedSurface::averaged;
-  const haptics::MergedModel merged = haptics::merge_models(sides, options);
+  const haptics::MergedModel merged = merged_models(sides, options);
   haptics::write_model(call.output, merged.model);
   if (!call.picture.empty())
     draw_model_contacts(call.picture, merged.model,

@@ -1,10 +1,12 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <vector>
 
 #include "palpate/haptics/model_io.h"
@@ -40,6 +42,8 @@ void play(const Settings& settings, const PlayCall& call) {
   double largest = 0;
   for (const haptics::TracePoint& point : trace) largest = std::max(largest, point.force.norm());
   const StepTimes times = time_steps(playback, trajectory);
+  const std::optional<double> slipping =
+      times.slip.count > 0 ? std::optional(times.slip.median) : std::nullopt;
   print(settings,
         {{"steps", trace.size()},
          {"free", times.free.count},
@@ -50,13 +54,20 @@ void play(const Settings& settings, const PlayCall& call) {
           {{"median", times.all.median},
            {"p90", times.all.p90},
            {"max", times.all.max},
-           {"slip_median", times.slip.median}}}},
+           {"slip_median", number_or_null(slipping)}}}},
         fmt::format("{} steps: {} free, {} stick, {} slip; largest force {:.3f} N\n"
                     "A step of the loop takes {:.1f} us (median), 90 % within {:.1f} us, at most "
-                    "{:.1f} us; a slipping step {:.1f} us (median).{}",
+                    "{:.1f} us; {}.{}",
                     trace.size(), times.free.count, times.stick.count, times.slip.count, largest,
-                    times.all.median, times.all.p90, times.all.max, times.slip.median,
+                    times.all.median, times.all.p90, times.all.max,
+                    slipping ? fmt::format("a slipping step {:.1f} us (median)", *slipping)
+                             : "no step slipped",
                     call.record.empty() ? "" : "\nWritten to " + call.record.string()));
+  if (times.stick.count + times.slip.count == 0) {
+    spdlog::warn(
+        "the tool never touches the model: the trajectory must cross its surface from outside, in "
+        "the same frame and in mm.");
+  }
 }
 
 }  // namespace

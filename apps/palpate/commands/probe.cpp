@@ -4,37 +4,76 @@
 
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
+#include "palpate/error.h"
 #include "palpate/probing/acquisition_csv.h"
 #include "palpate/probing/acquisition_store.h"
+#include "palpate/probing/csv.h"
 #include "shared/command_line.h"
 #include "shared/inputs.h"
+#include "shared/plausible.h"
+#include "shared/words.h"
 
 namespace palpate::apps {
 namespace {
 
 namespace fs = std::filesystem;
 
+using Json = nlohmann::ordered_json;
+
 struct ProbeCall {
   fs::path contacts, samples, store, output;
+  probing::AcquisitionCsvOptions csv;
 };
 
+/// `warnings`: null if the command looks for none.
 void report(const Settings& settings, const probing::CheckedAcquisition& acquisition,
-            const std::string& written) {
-  print(settings,
-        {{"contacts", acquisition.contacts().size()},
-         {"samples", acquisition.samples().size()},
-         {"output", written}},
+            const std::string& written, const Json& warnings = {}) {
+  Json figures = {{"contacts", acquisition.contacts().size()},
+                  {"samples", acquisition.samples().size()}};
+  if (!warnings.is_null()) figures["warnings"] = warnings;
+  figures["output"] = written;
+  print(settings, figures,
         fmt::format("{} contacts and {} samples, written to {}", acquisition.contacts().size(),
                     acquisition.samples().size(), written));
 }
 
+/// "px=Fx" gives the column px the name Fx.
+void take_name(const std::string& pair, probing::AcquisitionCsvOptions& csv) {
+  const std::size_t equals = pair.find('=');
+  if (equals == std::string::npos || equals == 0)
+    throw InvalidInput("--map: is " + pair + "; it must be pairs such as px=Fx,py=Fy");
+  csv.names[pair.substr(0, equals)] = pair.substr(equals + 1);
+}
+
+char separator_of(const std::string& text) {
+  if (text == "tab" || text == "\\t") return '\t';
+  if (text.size() != 1 || text == "\"")
+    throw InvalidInput("--separator: is " + text + "; it must be one character, or tab");
+  return text.front();
+}
+
+probing::CheckedAcquisition read_csv(const ProbeCall& call) {
+  try {
+    return probing::read_acquisition_csv(call.contacts, call.samples, call.csv);
+  } catch (const probing::MissingColumn& missing) {
+    throw FileError(std::string(missing.what()) +
+                    ". If the column has another name, give it: --map " + missing.name + "=NAME");
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(
+        with_option_names(error.what(), {{"AcquisitionCsvOptions::names", "--map"}}));
+  }
+}
+
 void import_csv(const Settings& settings, const ProbeCall& call) {
   check_outputs({call.contacts, call.samples}, {call.output});
-  const probing::CheckedAcquisition acquisition =
-      probing::read_acquisition_csv(call.contacts, call.samples);
+  const probing::CheckedAcquisition acquisition = read_csv(call);
+  Json warnings = Json::array();
+  check_plausible(call.contacts.string() + " and " + call.samples.string(), acquisition, warnings);
   probing::write_acquisition(call.output, acquisition);
-  report(settings, acquisition, call.output.string());
+  report(settings, acquisition, call.output.string(), warnings);
 }
 
 void export_csv(const Settings& settings, const ProbeCall& call) {
@@ -59,7 +98,36 @@ void add_probe(CLI::App& app, const Settings& settings) {
         "id,contact,group_id,px,...,bz,on_friction_boundary,slipped,range_map,time [N, mm, s]")
       ->required();
   in->add_option("-o,--output", call->output, "Store to write (acquisition.db)")->required();
-  in->footer("Example:\n  palpate probe import contacts.csv samples.csv -o acquisition.db");
+  in->add_option_function<std::vector<std::string>>(
+        "--map",
+        [call](const std::vector<std::string>& pairs) {
+          for (const std::string& pair : pairs) take_name(pair, call->csv);
+        },
+        "Names of columns in your files, such as px=Fx,py=Fy,pz=Fz; contacts.id and samples.id "
+        "name "
+        "the ids of one file. A number stands for all rows (slipped=0), nothing for empty cells "
+        "(range_map=)")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  in->add_option_function<std::string>(
+      "--separator", [call](const std::string& text) { call->csv.separator = separator_of(text); },
+      "Character between cells, or tab (default: the most frequent of , ; and tab in the first "
+      "line)");
+  in->add_option_function<std::string>(
+      "--length-unit",
+      [call](const std::string& name) { call->csv.length = geometry::unit_length(name); },
+      "Unit of all positions: um, mm, cm, m or in (default: mm)");
+  in->add_option_function<std::string>(
+      "--force-unit",
+      [call](const std::string& name) { call->csv.force = probing::unit_force(name); },
+      "Unit of all forces: N, mN, kN, g, kg or lbf (default: N)");
+  in->footer(
+      "docs/measurements.md describes the columns. Measurements that contradict their meaning, "
+      "such "
+      "as forces with the wrong sign, are rejected; what is only suspicious is a warning.\n"
+      "Examples:\n  palpate probe import contacts.csv samples.csv -o acquisition.db\n"
+      "  palpate probe import points.csv presses.csv --map px=Fx,py=Fy,pz=Fz,slipped=0 "
+      "--length-unit m -o acquisition.db");
   in->callback([call, &settings] { import_csv(settings, *call); });
 
   CLI::App* out = probe->add_subcommand("export", "Convert an acquisition store to two CSV files");

@@ -434,7 +434,9 @@ void find_scales(const std::vector<ProbedContact>& contacts, std::vector<Finding
     findings.push_back({Implausibility::tilted_forces, false,
                         "samples that held have tangential forces of " + figure(ratio) +
                             " times the normal force (median of the largest at each contact)",
-                        "px,py,pz have one unit, and are in the frame of the normals nx,ny,nz"});
+                        "px,py,pz have one unit and are in the frame of the normals nx,ny,nz, and "
+                        "slipped is 1 where "
+                        "the tool slid: check these columns"});
   }
 }
 

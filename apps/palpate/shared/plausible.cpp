@@ -1,0 +1,43 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "shared/plausible.h"
+
+#include <spdlog/spdlog.h>
+
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "palpate/error.h"
+#include "palpate/probing/acquisition_store.h"
+#include "palpate/probing/plausibility.h"
+
+namespace palpate::apps {
+
+void warn(nlohmann::ordered_json& warnings, const std::string& kind, const std::string& message) {
+  spdlog::warn("{}.", message);
+  warnings.push_back({{"kind", kind}, {"message", message}});
+}
+
+void check_plausible(const std::string& source, const probing::CheckedAcquisition& acquisition,
+                     nlohmann::ordered_json& warnings) {
+  std::string impossible;
+  for (const probing::Finding& finding : probing::find_implausible(acquisition)) {
+    if (finding.impossible)
+      impossible += (impossible.empty() ? "" : ". Also, ") + probing::message(finding);
+    else
+      warn(warnings, probing::to_string(finding.kind),
+           source + ": suspicious: " + probing::message(finding));
+  }
+  if (!impossible.empty())
+    throw InvalidInput(source + ": these cannot be measurements of an object: " + impossible +
+                       ". docs/measurements.md describes the columns.");
+}
+
+probing::CheckedAcquisition read_plausible_acquisition(const std::filesystem::path& store,
+                                                       nlohmann::ordered_json& warnings) {
+  probing::CheckedAcquisition acquisition = probing::read_acquisition(store);
+  check_plausible(store.string(), acquisition, warnings);
+  return acquisition;
+}
+
+}  // namespace palpate::apps

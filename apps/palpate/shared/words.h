@@ -1,0 +1,29 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "palpate/haptics/build_model.h"
+
+namespace palpate::apps {
+
+// What prose says in place of the codes in JSON.
+
+/// "noise explains the errors", ...
+[[nodiscard]] const char* in_words(haptics::FitStop stop);
+/// Why friction is not determined: "no sample slipped", ...
+[[nodiscard]] const char* in_words(haptics::FrictionStop stop);
+/// "they already lie on the surface", ...
+[[nodiscard]] const char* in_words(haptics::RegistrationOutcome outcome);
+/// "passive everywhere", ...
+[[nodiscard]] const char* in_words(haptics::Passivity passivity);
+
+/// A message of the library in the words of a command: `names` gives each option that it names
+/// ("BuildOptions::max_distance") the name that it has there ("--max-distance").
+[[nodiscard]] std::string with_option_names(
+    std::string message, const std::vector<std::pair<std::string, std::string>>& names);
+
+}  // namespace palpate::apps

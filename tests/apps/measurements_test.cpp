@@ -1,0 +1,349 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+// Measurements of other labs: their columns and units, and what is said of those that are wrong.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "palpate/geometry/mesh_io.h"
+#include "palpate/probing/acquisition_csv.h"
+#include "palpate/probing/acquisition_store.h"
+#include "palpate/probing/fingerprint.h"
+#include "repository.h"
+#include "run_palpate.h"
+
+namespace palpate::apps {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
+
+/// The bundled sheet with fewer samples, all of five contacts and few of the others.
+probing::Acquisition sheet() {
+  probing::Acquisition acquisition =
+      probing::read_acquisition_csv(demo_data() / "sheet/contacts.csv",
+                                    demo_data() / "sheet/samples.csv")
+          .records();
+  std::erase_if(acquisition.contacts, [](const auto& contact) { return contact.id >= 12; });
+  std::erase_if(acquisition.samples, [](const auto& sample) { return sample.contact >= 12; });
+  return acquisition;
+}
+
+class Measurements : public ::testing::Test {
+ protected:
+  void write_csv(const probing::Acquisition& acquisition) const {
+    probing::write_acquisition_csv(acquisition, scratch.path() / "c.csv", scratch.path() / "s.csv");
+  }
+  CommandResult import_csv(const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> call = {"probe",           "import", scratch / "c.csv",
+                                     scratch / "s.csv", "-o",     scratch / "a.db"};
+    call.insert(call.end(), more.begin(), more.end());
+    return run_palpate(call);
+  }
+  void write_store(const probing::Acquisition& acquisition) const {
+    probing::write_acquisition(scratch.path() / "a.db", acquisition);
+  }
+  CommandResult fit(const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> call = {"fit", scratch / "a.db", surface, "--max-bases", "2",
+                                     "-o",  scratch / "model"};
+    call.insert(call.end(), more.begin(), more.end());
+    return run_palpate(call);
+  }
+  /// Import and fit refuse the measurements with these words; nothing is written.
+  void expect_refused(const probing::Acquisition& acquisition, const std::string& words) const {
+    write_csv(acquisition);
+    const CommandResult imported = import_csv();
+    EXPECT_EQ(imported.status, kWrongCall) << words;
+    EXPECT_THAT(imported.err,
+                AllOf(HasSubstr("s.csv: these cannot be measurements"), HasSubstr(words)));
+    EXPECT_FALSE(fs::exists(scratch / "a.db"));
+    // A store that another program wrote.
+    write_store(acquisition);
+    for (const CommandResult& result : {fit(), run_palpate({"identify", scratch / "a.db"})}) {
+      EXPECT_EQ(result.status, kWrongCall) << words;
+      EXPECT_THAT(result.err,
+                  AllOf(HasSubstr("a.db: these cannot be measurements"), HasSubstr(words)));
+    }
+    EXPECT_FALSE(fs::exists(scratch / "model"));
+    EXPECT_FALSE(fs::exists(scratch / "model.fits"));
+    fs::remove(scratch / "a.db");
+  }
+
+  const std::string surface = demo_data() / "sheet/surface.ply";
+  ScratchFolder scratch;
+};
+
+TEST_F(Measurements, WithTheWrongSignUnitOrGroupAreRefusedInPlainWords) {
+  probing::Acquisition reversed = sheet();
+  for (probing::Sample& sample : reversed.samples) sample.force *= -1;
+  expect_refused(reversed, "of the object on the tool");
+  probing::Acquisition inwards = sheet();
+  for (probing::Contact& contact : inwards.contacts) contact.normal *= -1;
+  expect_refused(inwards, "the normals point into the object");
+  probing::Acquisition one_group = sheet();
+  for (probing::Sample& sample : one_group.samples) sample.group = 0;
+  expect_refused(one_group, "share their normal force");
+  probing::Acquisition metres = sheet();
+  for (probing::Sample& sample : metres.samples) {
+    sample.a /= 1000;
+    sample.b /= 1000;
+  }
+  expect_refused(metres, "as in m beside contacts in mm");
+  probing::Acquisition slips = sheet();
+  for (probing::Sample& sample : slips.samples) {
+    sample.slipped = !sample.slipped;
+    sample.on_friction_boundary = false;
+  }
+  expect_refused(slips, "samples that slipped have smaller tangential forces");
+}
+
+TEST_F(Measurements, ThatAreOnlySuspiciousAreImportedWithWarnings) {
+  probing::Acquisition acquisition = sheet();
+  for (probing::Sample& sample : acquisition.samples) sample.force *= 1000;
+  acquisition.contacts[2].normal *= -1;
+  write_csv(acquisition);
+  const CommandResult result = import_csv({"--json"});
+  EXPECT_EQ(result.status, kDone) << result.err;
+  EXPECT_THAT(result.err,
+              AllOf(HasSubstr("suspicious"), HasSubstr("(contact 2)"), HasSubstr("--force-unit")));
+  const json warnings = json::parse(result.out).at("warnings");
+  ASSERT_EQ(warnings.size(), 2u);
+  EXPECT_EQ(warnings[0].at("kind"), "normals_inwards");
+  EXPECT_EQ(warnings[1].at("kind"), "force_scale");
+  EXPECT_THAT(warnings[1].at("message").get<std::string>(), HasSubstr("the largest force is"));
+}
+
+TEST_F(Measurements, ThatAreRightGiveNoWarning) {
+  write_csv(sheet());
+  const CommandResult imported = import_csv({"--json"});
+  EXPECT_THAT(imported.err, IsEmpty());
+  EXPECT_THAT(json::parse(imported.out).at("warnings"), IsEmpty());
+  const CommandResult fitted = fit({"--json"});
+  EXPECT_EQ(fitted.status, kDone) << fitted.err;
+  const json figures = json::parse(fitted.out);
+  EXPECT_THAT(figures.at("warnings"), IsEmpty());
+  EXPECT_THAT(figures.at("left_out"), IsEmpty());
+  EXPECT_GT(figures.at("explained"), 0.95);
+}
+
+TEST_F(Measurements, OfOtherProgramsAreReadWithTheirNamesSeparatorAndUnits) {
+  const probing::Acquisition acquisition = sheet();
+  write_csv(acquisition);
+  ASSERT_EQ(import_csv().status, kDone);
+  const probing::CheckedAcquisition expected = probing::read_acquisition(scratch.path() / "a.db");
+
+  probing::Acquisition other = acquisition;
+  for (probing::Contact& contact : other.contacts) contact.position /= 1000;
+  for (probing::Sample& sample : other.samples) {
+    sample.a /= 1000;
+    sample.b /= 1000;
+    sample.force *= 1000;
+  }
+  write_csv(other);
+  for (const char* const name : {"c.csv", "s.csv"}) {
+    std::string text = read_text(scratch / name);
+    std::ranges::replace(text, ',', ';');
+    for (const auto& [ours, theirs] :
+         std::vector<std::pair<std::string, std::string>>{{";px;py;pz;", ";Fx;F y;Fz;"}}) {
+      const std::size_t at = text.find(ours);
+      if (at != std::string::npos) text.replace(at, ours.size(), theirs);
+    }
+    write_text(scratch / name, text);
+  }
+  const CommandResult plain = import_csv();
+  EXPECT_EQ(plain.status, kWrongCall);
+  EXPECT_THAT(plain.err, AllOf(HasSubstr("no column 'px'"), HasSubstr("--map px=NAME"),
+                               Not(HasSubstr("no column 'id'"))));
+  for (const std::vector<std::string>& separator :
+       std::vector<std::vector<std::string>>{{}, {"--separator", ";"}}) {
+    std::vector<std::string> options = {"--map", "px=Fx,py=F y,pz=Fz", "--length-unit",
+                                        "m",     "--force-unit",       "mN"};
+    options.insert(options.end(), separator.begin(), separator.end());
+    const CommandResult result = import_csv(options);
+    ASSERT_EQ(result.status, kDone) << result.err;
+    EXPECT_THAT(result.err, IsEmpty());
+    const probing::CheckedAcquisition found = probing::read_acquisition(scratch.path() / "a.db");
+    ASSERT_EQ(found.samples().size(), expected.samples().size());
+    for (std::size_t i = 0; i < found.samples().size(); ++i) {
+      const probing::Sample &l = found.samples()[i], &r = expected.samples()[i];
+      EXPECT_LT((l.force - r.force).norm() + (l.a - r.a).norm() + (l.b - r.b).norm(), 1e-9);
+      EXPECT_EQ(l.group, r.group);
+    }
+  }
+}
+
+TEST_F(Measurements, RefuseImportOptionsThatAreWrong) {
+  write_csv(sheet());
+  for (const auto& [option, value, words] :
+       std::vector<std::tuple<std::string, std::string, std::string>>{
+           {"--map", "px", "pairs such as px=Fx"},
+           {"--map", "force=Fx", "--map: there is no column 'force'"},
+           {"--map", "px=Fx", "no column 'Fx' (for px)"},
+           {"--separator", "::", "one character"},
+           {"--length-unit", "ell", "um, mm, cm, m or in"},
+           {"--force-unit", "dyn", "N, mN, kN, g, kg or lbf"}}) {
+    const CommandResult result = import_csv({option, value});
+    EXPECT_EQ(result.status, kWrongCall) << option << ' ' << value;
+    EXPECT_THAT(result.err, HasSubstr(words)) << option;
+    EXPECT_FALSE(fs::exists(scratch / "a.db"));
+  }
+}
+
+TEST_F(Measurements, OfWhichSomeContactsDoNotFitTheSurfaceAreFittedWithoutThem) {
+  probing::Acquisition acquisition = sheet();
+  acquisition.contacts[3].normal *= -1;
+  const Eigen::Vector3d off = 12 * acquisition.contacts[5].normal;
+  acquisition.contacts[5].position += off;
+  for (probing::Sample& sample : acquisition.samples) {
+    if (sample.contact != acquisition.contacts[5].id) continue;
+    sample.a += off;
+    sample.b += off;
+  }
+  write_store(acquisition);
+  const CommandResult refused = fit();
+  EXPECT_EQ(refused.status, kWrongCall);
+  EXPECT_THAT(refused.err, AllOf(HasSubstr("contact 3 has a normal that points into the surface"),
+                                 HasSubstr("--leave-out 2"), Not(HasSubstr("BuildOptions")),
+                                 Not(HasSubstr("build_model"))));
+  EXPECT_FALSE(fs::exists(scratch / "model"));
+  const CommandResult result = fit({"--leave-out", "2", "--json"});
+  EXPECT_EQ(result.status, kDone) << result.err;
+  EXPECT_THAT(result.err,
+              AllOf(HasSubstr("contact 3 is left out"), HasSubstr("contact 5 is left out")));
+  const json figures = json::parse(result.out);
+  EXPECT_EQ(figures.at("contacts"), 10);
+  EXPECT_EQ(figures.at("left_out")[1].at("contact"), 5);
+  // Or it is allowed to be far away.
+  acquisition.contacts[3].normal *= -1;
+  write_store(acquisition);
+  const CommandResult far = fit();
+  EXPECT_THAT(far.err, HasSubstr("--max-distance"));
+  EXPECT_EQ(fit({"--max-distance", "15"}).status, kDone);
+}
+
+TEST_F(Measurements, WhoseSlipsContradictTheFrictionOrWhoseForcesAreUnexplainedAreToldSo) {
+  probing::Acquisition acquisition = sheet();
+  // A fifth of the marks are wrong.
+  for (probing::Sample& sample : acquisition.samples) {
+    sample.on_friction_boundary = false;
+    if (sample.id * 7 % 10 < 2) sample.slipped = !sample.slipped;
+  }
+  // Tangential displacements that are now with the force, now against it.
+  for (std::size_t i = 0; i < acquisition.samples.size(); ++i) {
+    probing::Sample& sample = acquisition.samples[i];
+    const Eigen::Vector3d way = (sample.b - sample.a) * (i % 3 == 0 ? -3.0 : 3.0);
+    if (!sample.slipped) sample.b = sample.a + way;
+  }
+  write_store(acquisition);
+  const CommandResult result = fit({"--json"});
+  EXPECT_EQ(result.status, kDone) << result.err;
+  std::vector<std::string> kinds;
+  const json figures = json::parse(result.out);
+  for (const json& warning : figures.at("warnings")) kinds.push_back(warning.at("kind"));
+  EXPECT_THAT(kinds, ::testing::IsSupersetOf({"friction_contradicted", "poorly_explained"}));
+}
+
+TEST_F(Measurements, AreFittedWithFindingsInPlainWords) {
+  probing::Acquisition acquisition = sheet();
+  std::erase_if(acquisition.samples, [](const auto& sample) { return sample.slipped; });
+  write_store(acquisition);
+  const CommandResult prose = fit();
+  EXPECT_EQ(prose.status, kDone) << prose.err;
+  EXPECT_THAT(prose.err, AllOf(HasSubstr("no sample slipped"), Not(HasSubstr("never_slipped"))));
+  for (const char* const code :
+       {"unexplained", "no_gain", "max_bases", "not_converged", "not_needed", "convex,"})
+    EXPECT_THAT(prose.out + prose.err, Not(HasSubstr(code)));
+  const json figures = json::parse(fit({"--json"}).out);
+  EXPECT_EQ(figures.at("per_contact")[0].at("friction_stop"), "never_slipped");
+}
+
+TEST_F(Measurements, ArePlayedWithoutNan) {
+  write_store(sheet());
+  ASSERT_EQ(fit().status, kDone);
+  write_text(scratch / "t.csv", "t,x,y,z\n0,0,0,100\n0.001,0,0,101\n");
+  const CommandResult prose =
+      run_palpate({"play", scratch / "model", "--trajectory", scratch / "t.csv"});
+  EXPECT_EQ(prose.status, kDone);
+  EXPECT_THAT(prose.out, AllOf(HasSubstr("no step slipped"), Not(HasSubstr("nan"))));
+  EXPECT_THAT(prose.err, HasSubstr("never touches the model"));
+  const CommandResult figures =
+      run_palpate({"play", scratch / "model", "--trajectory", scratch / "t.csv", "--json"});
+  EXPECT_TRUE(json::parse(figures.out).at("us_per_step").at("slip_median").is_null());
+}
+
+/// The text of the code blocks of a page that are marked as `language`.
+std::vector<std::string> code_blocks(const std::string& page, const std::string& language) {
+  const std::string begin = "\n```" + language + "\n", end = "```";
+  std::vector<std::string> blocks;
+  for (std::size_t at = page.find(begin); at != std::string::npos; at = page.find(begin, at)) {
+    at += begin.size();
+    blocks.push_back(page.substr(at, page.find(end, at) - at));
+  }
+  return blocks;
+}
+
+TEST_F(Measurements, OfThePageAreImportedAndFitted) {
+  const std::vector<std::string> blocks =
+      code_blocks(read_text(repository("docs/measurements.md")), "csv");
+  ASSERT_EQ(blocks.size(), 2u);
+  write_text(scratch / "c.csv", blocks[0]);
+  write_text(scratch / "s.csv", blocks[1]);
+  const CommandResult result = import_csv();
+  EXPECT_EQ(result.status, kDone);
+  EXPECT_THAT(result.err, IsEmpty());
+  const probing::CheckedAcquisition read = probing::read_acquisition(scratch.path() / "a.db");
+  // The stiffnesses and the friction that the page tells.
+  for (const probing::Sample& sample : read.samples()) {
+    const probing::Contact& contact = read.contacts()[*read.find(sample.contact)];
+    EXPECT_NEAR(sample.force.z(), 0.5 * (sample.a - contact.position).z(), 1e-9);
+    EXPECT_EQ(sample.slipped, sample.force.x() > 0.6 * sample.force.z());
+    if (!sample.slipped) {
+      EXPECT_NEAR(sample.force.x(), 0.4 * (sample.b - sample.a).x(), 1e-9);
+    }
+  }
+  geometry::TriangleMesh plate;
+  plate.vertices.resize(3, 4);
+  plate.vertices.row(0) << -50, 100, 100, -50;
+  plate.vertices.row(1) << -50, -50, 100, 100;
+  plate.vertices.row(2).setConstant(700);
+  plate.triangles.resize(3, 2);
+  plate.triangles.col(0) << 0, 2, 1;
+  plate.triangles.col(1) << 0, 3, 2;
+  geometry::write_mesh(scratch.path() / "plate.ply", plate);
+  EXPECT_EQ(
+      run_palpate({"fit", scratch / "a.db", scratch / "plate.ply", "-o", scratch / "model"}).status,
+      kDone);
+}
+
+TEST_F(Measurements, OfPressingAloneAreImportedAsThePageSays) {
+  // The second call of the page, whose columns are those of the contacts and the presses only.
+  const std::vector<std::string> calls =
+      code_blocks(read_text(repository("docs/measurements.md")), "sh");
+  const std::string& call = calls.back();
+  const std::size_t at = call.find("--map ") + 6;
+  const std::string map = call.substr(at, call.find('\n', at) - at);
+  write_text(scratch / "c.csv", "id,x,y,z,nx,ny,nz\n4,0,0,700,0,0,-1\n5,9,0,700,0,0,-1\n");
+  write_text(scratch / "s.csv",
+             "id,contact,px,py,pz,ax,ay,az\n0,4,0,0,1,0,0,702\n1,4,0,0,2,0,0,704\n"
+             "2,5,0,0,1,9,0,702\n");
+  const CommandResult result = import_csv({"--map", map});
+  EXPECT_EQ(result.status, kDone) << result.err;
+  EXPECT_THAT(result.err, IsEmpty());
+  const probing::CheckedAcquisition read = probing::read_acquisition(scratch.path() / "a.db");
+  ASSERT_EQ(read.samples().size(), 3u);
+  EXPECT_EQ(read.samples()[1].group, 1);
+  EXPECT_EQ(read.samples()[1].b, Eigen::Vector3d(0, 0, 704));
+}
+
+}  // namespace
+}  // namespace palpate::apps
