@@ -67,7 +67,12 @@ void draw_distances(const std::filesystem::path& png, const geometry::TriangleMe
   view.add_scale_bar();
   view.add_axes();
   add_color_scale(canvas, {width, kMargin, kScaleWidth, canvas.top() - 2 * kMargin},
-                  {.low = low, .high = picture.limit, .map = map, .scale = picture.scale});
+                  {.low = low,
+                   .high = picture.limit,
+                   .map = map,
+                   .scale = picture.scale,
+                   .any_below = (distances.array() < low).any(),
+                   .any_above = (distances.array() > picture.limit).any()});
   canvas.write(png);
 }
 
