@@ -123,7 +123,8 @@ void draw_residuals(const std::filesystem::path& png, const std::vector<Residual
                     const std::string& title) {
   check_input(images);
   Canvas canvas(kHeight, title,
-                "arrows: seen minus predicted, enlarged; the bar gives their scale");
+                "line from each dot: seen minus predicted place, enlarged; the bar gives the scale "
+                "of the lines");
   add_view_chart(canvas, {kMargin, kMargin, Canvas::kWidth - 2 * kMargin, kChartHeight}, images);
   const double low = kMargin + kChartHeight + kScaleHeight;
   const auto count = static_cast<double>(images.size());

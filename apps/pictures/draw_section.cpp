@@ -15,7 +15,18 @@ namespace {
 constexpr int kHeight = 700;
 constexpr double kLegendHeight = 44;  ///< px
 constexpr double kMargin = 24;        ///< px
-constexpr std::array<Rgb, 6> kColors{kBlue, kVermilion, kGreen, kPurple, kOrange, kBlack};
+constexpr double kWidth = 2;          ///< px, of the line on top
+constexpr double kBroader = 2.5;      ///< px, from one line to the next below it
+constexpr std::size_t kNested = 3;    ///< more lines all have the same width
+constexpr std::array<Rgb, 6> kColors{kBlue, kOrange, kGreen, kPurple, kVermilion, kBlack};
+
+Rgb color_of(const std::string& name, std::size_t index) {
+  if (name == "red") return kVermilion;
+  if (name == "green") return kGreen;
+  if (name == "blue") return kBlue;
+  if (name == "grey") return kGrey;
+  return kColors[index % kColors.size()];
+}
 
 }  // namespace
 
@@ -31,7 +42,10 @@ void draw_section(const std::filesystem::path& png, std::span<const SectionSerie
     check_some_finite(one.y, ("series '" + one.name + "': y").c_str());
     x.span.include(one.x);
     y.span.include(one.y);
-    legend.push_back({one.name, kColors[legend.size() % kColors.size()]});
+    const std::size_t below = series.size() <= kNested ? legend.size() : 0;
+    legend.push_back({.name = one.name,
+                      .color = color_of(one.name, legend.size()),
+                      .width = kWidth + kBroader * static_cast<double>(below)});
   }
   y.span.pad();
   Canvas canvas(kHeight, title, "");
@@ -40,8 +54,8 @@ void draw_section(const std::filesystem::path& png, std::span<const SectionSerie
              Canvas::kWidth - 2 * kMargin, legend);
   Chart chart(canvas, {kMargin, kMargin, Canvas::kWidth - 2 * kMargin, top - kMargin}, x, y);
   chart.add_axes();
-  for (std::size_t index = 0; index < series.size(); ++index) {
-    chart.add_line(series[index].x, series[index].y, legend[index].color, 2);
+  for (std::size_t index = series.size(); index-- > 0;) {
+    chart.add_line(series[index].x, series[index].y, legend[index].color, legend[index].width);
   }
   canvas.write(png);
 }
