@@ -88,6 +88,7 @@ void demo(const Settings& settings, const fs::path& given_data, const fs::path& 
   const auto start = std::chrono::steady_clock::now();
   const Json seeing = demo_seeing(data, output);
   const Json feeling = demo_feeling(data, output);
+  demo_overview(data, output);
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   const bool same = std::all_of(feeling.begin(), feeling.end(),
                                 [](const Json& s) { return s["same_and_finite"].get<bool>(); });
