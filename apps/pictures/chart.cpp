@@ -50,7 +50,7 @@ void add_mark(Canvas& canvas, const Eigen::Vector2d& at, const LegendEntry& entr
   switch (entry.mark) {
     case Mark::line:
       canvas.add_line(Eigen::Matrix2d{{at.x(), at.x() + kMarkWidth}, {at.y(), at.y()}}, entry.color,
-                      3);
+                      entry.width);
       break;
     case Mark::dot:
       canvas.add_markers(at + Eigen::Vector2d(kMarkWidth / 2, 0), entry.color, kDotSize);
@@ -155,6 +155,10 @@ void Chart::add_line(const Eigen::Ref<const Eigen::VectorXd>& x,
 void Chart::add_markers(const Eigen::Ref<const Eigen::VectorXd>& x,
                         const Eigen::Ref<const Eigen::VectorXd>& y, const Rgb& color, double size) {
   canvas_.add_markers(on_canvas(x, y), color, size);
+}
+
+void Chart::add_text_above(double x, double y, const std::string& text) {
+  canvas_.add_text({on_canvas_x(x), on_canvas_y(y) + kNumberHeight / 2}, text, {.bold = true});
 }
 
 void add_legend(Canvas& canvas, const Eigen::Vector2d& at, double width,

@@ -53,6 +53,8 @@ class Chart {
                 const Eigen::Ref<const Eigen::VectorXd>& y, const Rgb& color, double width);
   void add_markers(const Eigen::Ref<const Eigen::VectorXd>& x,
                    const Eigen::Ref<const Eigen::VectorXd>& y, const Rgb& color, double size);
+  /// Writes a text above a point of the chart.
+  void add_text_above(double x, double y, const std::string& text);
 
  private:
   [[nodiscard]] double on_canvas_x(double value) const;
@@ -76,6 +78,7 @@ struct LegendEntry {
   std::string name;
   Rgb color;
   Mark mark = Mark::line;
+  double width = 3;  ///< px, of a line
 };
 
 /// Draws the entries side by side, centred at `at`, in as many rows as needed for `width`, from top

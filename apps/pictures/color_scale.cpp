@@ -3,6 +3,9 @@
 #include "color_scale.h"
 
 #include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <sstream>
 
 #include "ticks.h"
 
@@ -11,10 +14,15 @@ namespace {
 
 constexpr double kScaleLabelGap = 28;  ///< px from the numbers to the middle of the label
 constexpr int kMostTicks = 9;
+constexpr double kEndSpace = 36;  ///< px, for the mark at an end
+constexpr double kEndMark = 10;   ///< px from the box's end to the middle of the mark
 
 }  // namespace
 
-void add_color_scale(Canvas& canvas, const Box& box, const FalseColor& options) {
+void add_color_scale(Canvas& canvas, const Box& whole, const FalseColor& options) {
+  Box box = whole;
+  if (options.any_below) box.y += kEndSpace;
+  box.height -= kEndSpace * (options.any_below + options.any_above);
   Pixels bar{static_cast<int>(box.width), static_cast<int>(box.height), {}};
   for (int y = 0; y < bar.height; ++y) {
     bar.colors.insert(bar.colors.end(), static_cast<std::size_t>(bar.width),
@@ -33,6 +41,19 @@ void add_color_scale(Canvas& canvas, const Box& box, const FalseColor& options) 
     canvas.add_text({right + kScaleNumberGap, y}, ticks.labels[index], style);
     widest = std::max(widest, canvas.text_size(ticks.labels[index], style).x());
   }
+  const auto add_end = [&](const char* sign, double value, double y) {
+    // Three digits, but all those before the point.
+    std::ostringstream text;
+    text << sign;
+    if (std::abs(value) < 1000) {
+      text << std::setprecision(3) << value;
+    } else {
+      text << std::fixed << std::setprecision(0) << value;
+    }
+    canvas.add_text({box.x, y}, text.str(), {.across = Align::low});
+  };
+  if (options.any_below) add_end("< ", options.low, whole.y + kEndMark);
+  if (options.any_above) add_end("> ", options.high, whole.y + whole.height - kEndMark);
   canvas.add_text({right + widest + kScaleLabelGap, box.y + box.height / 2}, options.scale,
                   {.size = 17, .upwards = true});
 }

@@ -37,9 +37,11 @@ void draw_deviation(const std::filesystem::path& png, const geometry::ImageF& si
   const auto high = static_cast<double>(quantile(known, 1 - kUpperTail));
   const std::string subtitle =
       "predicted standard deviation of each depth; median " + format_value(median, 0.0001) + " mm";
-  draw_false_color(png, sigma,
-                   {0, std::max(high, kLeastScale), ColorMap::sequential, "deviation (mm)"}, title,
-                   subtitle);
+  FalseColorPicture picture;
+  picture.colors = {0, std::max(high, kLeastScale), ColorMap::sequential, "deviation (mm)"};
+  picture.title = title;
+  picture.subtitle = subtitle;
+  draw_false_color(png, sigma, picture);
 }
 
 }  // namespace palpate::pictures

@@ -65,7 +65,12 @@ void draw_distances(const std::filesystem::path& png, const geometry::TriangleMe
   view.add_scale_bar();
   view.add_axes();
   add_color_scale(canvas, {width, kScaleMargin, kScaleWidth, canvas.top() - 2 * kScaleMargin},
-                  {.low = low, .high = picture.limit, .map = map, .scale = picture.scale});
+                  {.low = low,
+                   .high = picture.limit,
+                   .map = map,
+                   .scale = picture.scale,
+                   .any_below = (distances.array() < low).any(),
+                   .any_above = (distances.array() > picture.limit).any()});
   canvas.write(png);
 }
 

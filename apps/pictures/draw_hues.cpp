@@ -19,6 +19,12 @@ constexpr double kDegrees = 180 / std::numbers::pi;
 /// A Gaussian narrower than this [degrees] would be a line without a width.
 constexpr double kLeastDeviation = 0.2;
 
+constexpr double kTick = 20;    ///< degrees
+constexpr double kFarAway = 5;  ///< standard deviations
+
+/// The chart is that much higher than the highest Gaussian, for its name.
+constexpr double kRoomForNames = 1.1;
+
 /// A colour of this hue that is dark enough for a white ground.
 Rgb color_of_hue(double hue) {
   const auto channel = [hue](double peak) {
@@ -31,11 +37,31 @@ Rgb color_of_hue(double hue) {
   return {channel(0), channel(kThird), channel(2 * kThird)};
 }
 
-/// Density [1/degree] of the Gaussian around the circle.
+/// Where the axis begins [degrees], at most 0: in the middle of the largest gap between the
+/// colours, so that it cuts none of them.
+double axis_begin(const std::vector<HueDistribution>& hues) {
+  std::vector<double> means;
+  means.reserve(hues.size() + 1);
+  for (const HueDistribution& hue : hues) means.push_back(hue.mean * kDegrees);
+  std::sort(means.begin(), means.end());
+  means.push_back(means.front() + 360);
+  double begin = 0, largest = 0;
+  for (std::size_t i = 0; i + 1 < means.size(); ++i) {
+    const double gap = means[i + 1] - means[i];
+    if (gap <= largest) continue;
+    largest = gap;
+    begin = (means[i] + means[i + 1]) / 2;
+  }
+  // Whole ticks.
+  return kTick * std::floor(begin / kTick) - 360;
+}
+
+/// Density [1/degree] of the Gaussian around the circle; NaN where it is negligible.
 Eigen::VectorXd density(const HueDistribution& hue, const Eigen::VectorXd& degrees) {
   const double deviation = std::max(hue.deviation * kDegrees, kLeastDeviation);
   return degrees.unaryExpr([&](double at) {
     const double away = std::remainder(at - hue.mean * kDegrees, 360.0) / deviation;
+    if (std::abs(away) > kFarAway) return std::nan("");
     return std::exp(-0.5 * away * away) / (deviation * std::sqrt(2 * std::numbers::pi));
   });
 }
@@ -56,15 +82,16 @@ void check_input(const std::vector<HueDistribution>& hues) {
 void draw_hues(const std::filesystem::path& png, const std::vector<HueDistribution>& hues,
                const std::string& title) {
   check_input(hues);
-  const Eigen::VectorXd degrees = Eigen::VectorXd::LinSpaced(3601, 0, 360);
-  Axis x{{0, 360}, "hue (degrees)"};
+  const double begin = axis_begin(hues);
+  const Eigen::VectorXd degrees = Eigen::VectorXd::LinSpaced(7201, begin, begin + 360);
+  Axis x{{begin, begin + 360}, "hue (degrees)", kTick};
   Axis y{{0, 0}, "density (1 / degree)"};
   std::vector<LegendEntry> legend;
   for (const HueDistribution& hue : hues) {
     y.span.include(density(hue, degrees));
     legend.push_back({hue.name, color_of_hue(hue.mean)});
   }
-  y.span.pad();
+  y.span.high *= kRoomForNames;
   Canvas canvas(kChartPictureHeight, title, "thin: pixels; thick: the fitted Gaussian");
   const double top = canvas.top() - kLegendHeight;
   add_legend(canvas, {Canvas::kWidth / 2.0, canvas.top() - kLegendHeight / 2},
@@ -76,12 +103,26 @@ void draw_hues(const std::filesystem::path& png, const std::vector<HueDistributi
   for (std::size_t i = 0; i < hues.size(); ++i) {
     const Eigen::VectorXd& counts = hues[i].histogram;
     const double step = 360.0 / static_cast<double>(counts.size());
-    const Eigen::VectorXd middles =
-        Eigen::VectorXd::LinSpaced(counts.size(), step / 2, 360 - step / 2);
-    // A peak of the histogram may rise above the Gaussians, for which the chart is made.
-    const Eigen::VectorXd heights = (counts / (counts.sum() * step)).cwiseMin(y.span.high);
+    // Round the circle from the beginning of the axis, and only where there are pixels.
+    Eigen::VectorXd middles(counts.size()), heights(counts.size());
+    const auto first = static_cast<Eigen::Index>(std::ceil((begin + 360) / step - 0.5));
+    for (Eigen::Index bin = 0; bin < counts.size(); ++bin) {
+      const Eigen::Index source = (first + bin) % counts.size();
+      const bool is_far = counts(source) == 0 && counts((source + 1) % counts.size()) == 0 &&
+                          counts((source + counts.size() - 1) % counts.size()) == 0;
+      middles(bin) = (static_cast<double>(first + bin) + 0.5) * step - 360;
+      // A peak of the histogram may rise above the Gaussians, for which the chart is made.
+      heights(bin) =
+          is_far ? std::nan("") : std::min(counts(source) / (counts.sum() * step), y.span.high);
+    }
     chart.add_line(middles, heights, legend[i].color, 1);
-    chart.add_line(degrees, density(hues[i], degrees), legend[i].color, 3);
+    const Eigen::VectorXd gaussian = density(hues[i], degrees);
+    chart.add_line(degrees, gaussian, legend[i].color, 3);
+    const double mean = hues[i].mean * kDegrees;
+    Span peak{0, 0};
+    peak.include(heights);
+    peak.include(gaussian);
+    chart.add_text_above(mean - begin > 360 ? mean - 360 : mean, peak.high, hues[i].name);
   }
   canvas.write(png);
 }

@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 #include <vector>
 
+#include "background.h"
 #include "false_color_image.h"
 #include "input_checks.h"
 #include "ticks.h"
@@ -24,14 +26,14 @@ constexpr double kFlat = 1e-6;
 /// [mm] half of the scale of such a map.
 constexpr double kFlatHalfScale = 0.5;
 
-std::pair<double, double> color_span(std::vector<float> depths) {
+std::pair<double, double> color_span(std::vector<double> depths) {
   const auto tail = static_cast<std::ptrdiff_t>(kDepthTail * static_cast<double>(depths.size()));
   const auto near = depths.begin() + tail;
   const auto far = depths.end() - 1 - tail;
   std::nth_element(depths.begin(), near, depths.end());
-  const double low = static_cast<double>(*near);
+  const double low = *near;
   std::nth_element(depths.begin(), far, depths.end());
-  const double high = static_cast<double>(*far);
+  const double high = *far;
   const double middle = (low + high) / 2;
   return high - low < kFlat * std::abs(middle)
              ? std::pair(middle - kFlatHalfScale, middle + kFlatHalfScale)
@@ -43,21 +45,27 @@ std::pair<double, double> color_span(std::vector<float> depths) {
 void draw_range_map(const std::filesystem::path& png, const geometry::RangeMap& map,
                     const std::string& title) {
   check_image(map.z, "range map");
-  std::vector<float> depths;
+  std::vector<double> known;
   for (const float z : map.z.reshaped<Eigen::RowMajor>()) {
-    if (std::isfinite(z)) {
-      depths.push_back(z);
-    }
+    if (std::isfinite(z)) known.push_back(static_cast<double>(z));
   }
-  const auto [nearest, farthest] = std::minmax_element(depths.begin(), depths.end());
-  const double known =
-      100.0 * static_cast<double>(depths.size()) / static_cast<double>(map.z.size());
+  const auto [nearest, farthest] = std::minmax_element(known.begin(), known.end());
+  const double share =
+      100.0 * static_cast<double>(known.size()) / static_cast<double>(map.z.size());
   const std::string subtitle = std::to_string(map.z.cols()) + " x " + std::to_string(map.z.rows()) +
-                               " pixels, " + format_value(known, 0.1) + " % known, " +
-                               format_value(static_cast<double>(*nearest), 0.1) + " to " +
-                               format_value(static_cast<double>(*farthest), 0.1) + " mm";
-  const auto [low, high] = color_span(std::move(depths));
-  draw_false_color(png, map.z, {low, high, ColorMap::sequential, "depth (mm)"}, title, subtitle);
+                               " pixels, " + format_value(share, 0.1) + " % known, " +
+                               format_value(*nearest, 0.1) + " to " + format_value(*farthest, 0.1) +
+                               " mm";
+  FalseColorPicture picture;
+  picture.title = title;
+  picture.subtitle = subtitle;
+  if (const std::optional<double> background = background_border(known)) {
+    picture.object = map.z.cast<double>() < *background;
+    std::erase_if(known, [&](double z) { return z >= *background; });
+  }
+  const auto [low, high] = color_span(std::move(known));
+  picture.colors = {low, high, ColorMap::sequential, "depth (mm)"};
+  draw_false_color(png, map.z, picture);
 }
 
 }  // namespace palpate::pictures

@@ -12,7 +12,18 @@
 namespace palpate::pictures {
 namespace {
 
-constexpr std::array<Rgb, 6> kLineColors{kBlue, kVermilion, kGreen, kPurple, kOrange, kBlack};
+constexpr double kLineWidth = 2;          ///< px, of the line on top
+constexpr double kBroader = 2.5;      ///< px, from one line to the next below it
+constexpr std::size_t kNested = 3;    ///< more lines all have the same width
+constexpr std::array<Rgb, 6> kLineColors{kBlue, kOrange, kGreen, kPurple, kVermilion, kBlack};
+
+Rgb color_of_line(const std::string& name, std::size_t index) {
+  if (name == "red") return kVermilion;
+  if (name == "green") return kGreen;
+  if (name == "blue") return kBlue;
+  if (name == "grey") return kGrey;
+  return kLineColors[index % kLineColors.size()];
+}
 
 }  // namespace
 
@@ -28,7 +39,10 @@ void draw_section(const std::filesystem::path& png, std::span<const SectionSerie
     check_some_finite(one.y, ("series '" + one.name + "': y").c_str());
     x.span.include(one.x);
     y.span.include(one.y);
-    legend.push_back({one.name, kLineColors[legend.size() % kLineColors.size()]});
+    const std::size_t below = series.size() <= kNested ? legend.size() : 0;
+    legend.push_back({.name = one.name,
+                      .color = color_of_line(one.name, legend.size()),
+                      .width = kLineWidth + kBroader * static_cast<double>(below)});
   }
   y.span.pad();
   Canvas canvas(kChartPictureHeight, title, "");
@@ -39,8 +53,8 @@ void draw_section(const std::filesystem::path& png, std::span<const SectionSerie
               {kChartMargin, kChartMargin, Canvas::kWidth - 2 * kChartMargin, top - kChartMargin},
               x, y);
   chart.add_axes();
-  for (std::size_t index = 0; index < series.size(); ++index) {
-    chart.add_line(series[index].x, series[index].y, legend[index].color, 2);
+  for (std::size_t index = series.size(); index-- > 0;) {
+    chart.add_line(series[index].x, series[index].y, legend[index].color, legend[index].width);
   }
   canvas.write(png);
 }

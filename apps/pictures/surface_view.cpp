@@ -70,10 +70,14 @@ SurfaceView::SurfaceView(Canvas& canvas, const Box& box, const ViewAxes& axes,
   const Eigen::Vector3d low = seen.rowwise().minCoeff();
   const Eigen::Vector3d high = seen.rowwise().maxCoeff();
   const Eigen::Vector3d size = high - low;
-  const Eigen::Vector3d center = axes.transpose() * (low + high) / 2;
-  const double scale = std::min(box.width / size.x(), box.height / size.y());
+  const double height = box.height - kFooter;
+  const double scale = std::min(box.width / size.x(), height / size.y());
   // A single point, or a line that is seen from its end, has no size.
   px_per_mm_ = std::isfinite(scale) ? kFill * scale : 1;
+  // The panel's middle is below the scene's.
+  const Eigen::Vector3d middle =
+      (low + high) / 2 - Eigen::Vector3d::UnitY() * kFooter / 2 / px_per_mm_;
+  const Eigen::Vector3d center = axes.transpose() * middle;
 
   vtkCamera* camera = panel_->GetActiveCamera();
   camera->ParallelProjectionOn();

@@ -27,6 +27,8 @@ using ViewAxes = Eigen::Matrix3d;
 class SurfaceView {
  public:
   static constexpr double kCornerGap = 28;  ///< px from the panel's corner to the drawing in it
+  /// px at the lower end of the panel where the scene does not reach: room for bars and axes.
+  static constexpr double kFooter = 100;
 
   /// Creates a panel of `canvas` that shows all of `points` [mm] (3 x N, finite), lit from the
   /// viewer.

@@ -58,11 +58,11 @@ TEST_F(Simulate, ReportsWhatARigWouldMeasureAtSeveralDistances) {
   for (const nlohmann::json& line : found["report"]) {
     EXPECT_GT(line["distance"], last);
     last = line["distance"];
-    EXPECT_GT(line["lit"], 10000);
-    EXPECT_EQ(line["visible"],
-              line["outside"].get<long>() + line["dark"].get<long>() + line["lit"].get<long>());
-    EXPECT_GT(line["reconstructed"].get<double>(), 0.5 * line["lit"].get<double>());
-    EXPECT_LT(line["error"]["median"], 0.0005 * last);
+    EXPECT_GT(line["measurable"], 10000);
+    EXPECT_EQ(line["visible"], line["outside"].get<long>() + line["dark"].get<long>() +
+                                   line["measurable"].get<long>());
+    EXPECT_GT(line["coverage"], 0.5);
+    EXPECT_LT(line["relative_median"], 0.0005);
   }
   // The same object covers fewer pixels when it is farther away.
   EXPECT_GT(found["report"][0]["visible"], found["report"][1]["visible"]);

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "picture_test_utils.h"
 
@@ -60,6 +61,21 @@ TEST(DrawDistances, EachTriangleHasItsOwnColour) {
   EXPECT_GT(
       cv::countNonZero(mask_of(picture, color_at(ColorMap::diverging, 0), 60, kDistancesScene)),
       kDistancesScene.area() / 20);
+}
+
+TEST(DrawDistances, ScaleMarksTheEndsThatValuesLieBeyond) {
+  // Right of the surface; the marks stand at the ends of the scale, its numbers right of it.
+  const auto marks = [](double one, double other) {
+    const cv::Mat3b picture = draw(kSquare, Eigen::Vector2d(one, other), 0.5);
+    const auto dark = [&](int y) {
+      return cv::countNonZero(mask_of(picture, {40, 40, 40}, 60, {1008, y, 40, 20})) > 10;
+    };
+    return std::pair(dark(98), dark(840));
+  };
+  EXPECT_EQ(marks(0.5, -0.5), std::pair(false, false));
+  EXPECT_EQ(marks(0.6, -0.5), std::pair(true, false));
+  EXPECT_EQ(marks(0.5, -0.6), std::pair(false, true));
+  EXPECT_EQ(marks(7, -7), std::pair(true, true));
 }
 
 TEST(DrawDistances, RefusesWhatCannotBeShown) {

@@ -68,6 +68,17 @@ TEST(DrawForceField, TellsStickingFromSlippingSamples) {
   EXPECT_GT(count(sticking, kBlue, kFieldScene), count(both, kBlue, kFieldScene));
 }
 
+TEST(DrawForceField, ArrowsKeepAwayFromTheScaleBars) {
+  Contact contact;
+  // Far down, over the whole width.
+  contact.samples.displacements.row(2) *= 3;
+  const cv::Mat3b picture = draw(contact);
+  const Region bars(0, 722, 560, 98);
+  EXPECT_GT(count(picture, kBlack, bars), 100);
+  EXPECT_EQ(count(picture, kBlue, bars), 0);
+  EXPECT_EQ(count(picture, kVermilion, bars), 0);
+}
+
 TEST(DrawForceField, PressingGoesDownFromThePlaneOfTheSurface) {
   for (const Eigen::Vector3d& axis :
        {Eigen::Vector3d(0, 0, 1), Eigen::Vector3d(1, 0, 0), Eigen::Vector3d(-0.3, -0.9, 0.2)}) {

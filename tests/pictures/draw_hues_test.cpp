@@ -45,11 +45,18 @@ TEST(DrawHues, EachColourStandsAtItsHueInItsHue) {
   EXPECT_NEAR((top(kBlueHue) - top(kGreenHue)) / kHuesPlot.width, 120.0 / 360, 0.03);
 }
 
-TEST(DrawHues, AGaussianGoesAroundTheCircle) {
-  const cv::Mat3b picture = hues_picture({make_hue("R", 0.02, 0.3)});
+TEST(DrawHues, AxisBeginsWhereNoColourIsCut) {
+  // Red lies at 0 degrees and goes around the circle.
+  const cv::Mat3b picture = hues_picture({make_hue("R", 0.02, 0.3), make_hue("G", 2 * std::numbers::pi / 3, 0.2)});
   const cv::Mat1b mask = mask_of(picture, {204, 0, 0}, 60, kHuesPlot);
-  EXPECT_GT(cv::countNonZero(mask.colRange(0, 100).rowRange(0, 240)), 50);
-  EXPECT_GT(cv::countNonZero(mask.colRange(940, 1040).rowRange(0, 240)), 50);
+  const cv::Rect box = box_of(mask);
+  EXPECT_GT(box.x, 50);
+  EXPECT_LT(box.x + box.width, kHuesPlot.width - 50);
+  // The Gaussian's two sides, of two standard deviations or 34 degrees each.
+  const double middle = center_of(mask.rowRange(box.y, box.y + 20)).x();
+  const cv::Mat1b lower = mask.rowRange(box.y + box.height / 2, box.y + box.height - 20);
+  EXPECT_GT(cv::countNonZero(lower.colRange(0, static_cast<int>(middle))), 50);
+  EXPECT_GT(cv::countNonZero(lower.colRange(static_cast<int>(middle), lower.cols)), 50);
 }
 
 TEST(DrawHues, RefusesInputThatDoesNotFit) {

@@ -59,6 +59,30 @@ TEST(DrawMesh, ShowsXToTheRightAndYDown) {
   EXPECT_LT(upper_left.y(), 0.45 * kMeshScene.height);
 }
 
+TEST(DrawMesh, LeavesRoomForBarAndAxes) {
+  // As high as the view permits.
+  geometry::TriangleMesh tall = make_square({-50, -50, 700}, 100, 4);
+  tall.vertices.row(1) *= 20;
+  const cv::Mat3b picture = draw(tall);
+  const Region footer(200, 802, 800, 98);  // between bar and axes
+  EXPECT_EQ(cv::countNonZero(mask_of(picture, {255, 255, 255}, 12, footer)), footer.area());
+  EXPECT_GT(box_of(shape_of(picture)).height, 600);
+}
+
+TEST(DrawMesh, FitsAnObjectBeforeAWall) {
+  const geometry::TriangleMesh object = make_square({-20, -20, 700}, 40, 8);
+  const geometry::TriangleMesh wall = make_square({-200, -150, 900}, 400, 60);
+  const auto width = [](const geometry::TriangleMesh& mesh, MeshPart part) {
+    return width_of(shape_of(draw_picture(
+        [&](const std::filesystem::path& png) { draw_mesh(png, mesh, "Before a wall", part); })));
+  };
+  const int alone = width(object, MeshPart::whole);
+  EXPECT_EQ(width(join(object, wall), MeshPart::object), alone);
+  EXPECT_GT(alone, 500);
+  // A mesh without a background is shown as a whole.
+  EXPECT_EQ(width(object, MeshPart::object), alone);
+}
+
 TEST(DrawMesh, ScaleBarHoldsForTheMesh) {
   const cv::Mat3b picture = mesh_picture(make_square({-50, -50, 700}, 100, 4));
   // The bar is the longest run of black in the lower left corner; the bar of a mesh of 100 mm is 20

@@ -85,6 +85,24 @@ TEST(DrawRangeMap, IsNotSpoiltByAFewWrongPixels) {
   EXPECT_NEAR(place_on_map(range_map_picture(map), 0.5, 0.7), 0.5, 0.03);
 }
 
+TEST(DrawRangeMap, ViewAndColoursAreThoseOfAnObjectBeforeAWall) {
+  // A ramp of 12 x 9 pixels from 700 mm, far before a wall.
+  geometry::RangeMap map = make_plane(0, 0);
+  map.z.setConstant(900);
+  for (int col = 0; col < 12; ++col)
+    map.z.block(20, 30 + col, 9, 1).setConstant(700 + 5 * static_cast<float>(col));
+  const cv::Mat3b picture = draw(map);
+  // The ramp takes most of the picture, and all colours.
+  const cv::Mat1b wall = mask_of(picture, color_at(ColorMap::sequential, 1), 1, kImage);
+  EXPECT_LT(cv::countNonZero(wall), kImage.area() / 2);
+  EXPECT_LT(place_on_map(picture, 0.2, 0.5), 0.1);
+  EXPECT_NEAR(place_on_map(picture, 0.5, 0.5), 0.5, 0.1);
+  // The wall is beyond the scale, which says so.
+  const Region mark(1038, 80, 60, 60);
+  EXPECT_GT(cv::countNonZero(mask_of(picture, {40, 40, 40}, 60, mark)), 20);
+  EXPECT_EQ(cv::countNonZero(mask_of(draw(make_plane(0, 0)), {40, 40, 40}, 60, mark)), 0);
+}
+
 TEST(DrawRangeMap, DrawsAMapAtOneDepthAndOneOfOnePixel) {
   EXPECT_NEAR(place_on_map(range_map_picture(make_plane(0, 0)), 0.5, 0.5), 0.5, 0.01);
   geometry::RangeMap point;

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "picture_test_utils.h"
@@ -45,9 +46,30 @@ TEST(DrawSection, AxesAreLinear) {
   const auto height_of = [&picture](const Rgb& color) {
     return center_of(mask_of(picture, color, 40, kSectionPlot)).y();
   };
-  const double first = height_of(kVermilion) - height_of(kGreen);
+  const double first = height_of(kOrange) - height_of(kGreen);
   const double second = height_of(kGreen) - height_of(kPurple);
   EXPECT_NEAR(second / first, 2, 0.02) << "20, 40 and 80";
+}
+
+TEST(DrawSection, ChannelsHaveTheirOwnColours) {
+  const Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(101, 0, 100);
+  std::vector<SectionSeries> series;
+  for (const auto& [name, height] :
+       {std::pair("blue", 20.0), std::pair("green", 50.0), std::pair("red", 80.0)})
+    series.push_back({name, x, Eigen::VectorXd::Constant(101, height)});
+  const cv::Mat3b picture = draw(series);
+  const auto height_of = [&picture](const Rgb& color) {
+    return center_of(mask_of(picture, color, 40, kPlot)).y();
+  };
+  EXPECT_GT(height_of(kBlue), height_of(kGreen) + 50);
+  EXPECT_GT(height_of(kGreen), height_of(kVermilion) + 50);
+}
+
+TEST(DrawSection, CoincidingLinesAreAllSeen) {
+  const Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(101, 0, 100);
+  const cv::Mat3b picture = draw({{"blue", x, x}, {"green", x, x}, {"red", x, x}});
+  for (const Rgb& color : {kBlue, kGreen, kVermilion})
+    EXPECT_GT(cv::countNonZero(mask_of(picture, color, 40, kPlot)), 1000);
 }
 
 TEST(DrawSection, NaNBreaksTheLine) {

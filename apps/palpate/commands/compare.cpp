@@ -25,6 +25,7 @@
 #include "palpate/require.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
+#include "shared/depth_score.h"
 #include "shared/inputs.h"
 
 namespace palpate::apps {
@@ -36,7 +37,7 @@ namespace fs = std::filesystem;
 constexpr Interval kPlaces = at_least(-1e9).at_most(1e9);
 
 struct CompareCall {
-  fs::path a, b, rig, section, picture, aligned;
+  fs::path a, b, rig, mask, section, picture, aligned;
   bool align = false;
   geometry::RegistrationMethod method = geometry::RegistrationOptions{}.method;
   double search_rotation_deg = 45;
@@ -89,7 +90,7 @@ std::string to_words(const geometry::ErrorStatistics& s) {
       s.rms, s.median, s.p90, s.max, s.count);
 }
 
-/// Compares two range maps of one camera pixel by pixel.
+/// Compares two range maps of one camera pixel by pixel; B is the truth.
 void compare_pixels(const Settings& settings, const CompareCall& call) {
   check_is_depths(call.a);
   check_is_depths(call.b);
@@ -101,26 +102,26 @@ void compare_pixels(const Settings& settings, const CompareCall& call) {
         "camera",
         call.a.string(), a.cols(), a.rows(), call.b.string(), b.cols(), b.rows()));
   }
-  const geometry::ImageF difference = geometry::depth_difference(a, b);
-  const geometry::ErrorStatistics statistics =
-      geometry::error_statistics({difference.data(), difference.data() + difference.size()});
-  if (statistics.count == 0) {
+  const geometry::RangeMapScore score =
+      call.mask.empty() ? geometry::score_range_map(a, b)
+                        : geometry::score_range_map(a, b, read_mask(call.mask, b));
+  if (!(a.isFinite() && b.isFinite()).any()) {
     throw InvalidInput(call.a.string() + " and " + call.b.string() +
                        ": no pixel is known in both; there is nothing to compare.");
   }
-  const long known_in_b = (b == b).count();
-  if (!call.picture.empty()) {
-    pictures::draw_differences(call.picture, difference,
-                               call.a.filename().string() + " minus " + call.b.filename().string(),
-                               std::max(statistics.p90, kLeastScale));
+  if (score.measurable == 0) {
+    throw InvalidInput(call.mask.string() + ": none of its non-zero pixels has a depth in " +
+                       call.b.string() + ".");
   }
-  nlohmann::ordered_json figures = to_json(statistics);
-  figures["known_in_b"] = known_in_b;
-  print(settings, figures,
-        "Depth of A minus depth of B, pixel by pixel: " + to_words(statistics) +
-            fmt::format(
-                "; {:.1f} % of the pixels known in B are known in both.",
-                100.0 * static_cast<double>(statistics.count) / static_cast<double>(known_in_b)));
+  if (!call.picture.empty()) {
+    pictures::draw_differences(call.picture, score,
+                               call.a.filename().string() + " minus " + call.b.filename().string());
+  }
+  print(settings, score_figures(score),
+        fmt::format("Depth of A minus depth of B, pixel by pixel, at a distance of {:.0f} mm.\n",
+                    score.distance) +
+            score_prose(score,
+                        call.mask.empty() ? "with a depth in B" : "of the mask with a depth in B"));
 }
 
 nlohmann::ordered_json to_json(const geometry::LargestDistance& distance) {
@@ -274,6 +275,9 @@ void add_compare(CLI::App& app, const Settings& settings) {
   command->add_option("A", call->a, "Range map or mesh")->required();
   command->add_option("B", call->b, "Range map or mesh to compare with")->required();
   command->add_option("--rig", call->rig, "Rig of the range maps (default: rig.yaml beside them)");
+  command->add_option("--mask", call->mask,
+                      "Image of the pixels that can be measured (non-zero), for two range maps; "
+                      "the coverage refers to them (default: all that have a depth in B)");
   add_unit_option(*command, call->meshes);
   CLI::Option* align = command->add_flag(
       "--align", call->align,
@@ -328,20 +332,28 @@ void add_compare(CLI::App& app, const Settings& settings) {
                       "distance from B (PNG)");
   command->footer(
       "Two range maps of one camera are compared pixel by pixel, unless --align or --section is "
-      "given.\n"
+      "given; B is the truth. A\n"
+      "depth is wrong if it is more than 1 % of the distance off, or where B has none; the errors "
+      "are those of all others.\n"
       "Otherwise the command measures the distance of A's surface from B's over its area, and the\n"
       "Hausdorff distance in both directions, with verified bounds.\n"
-      "Examples:\n  palpate compare range/000000.tiff truth.tiff --picture differences.png\n"
+      "Examples:\n  palpate compare range/000000.tiff truth.tiff --mask lit.png --picture "
+      "differences.png\n"
       "  palpate compare range/000000.tiff reference.ply --align --within 5 --section "
       "section.png\n"
       "  palpate compare reference.ply range/000000.tiff --align -o aligned.ply\n"
       "  palpate compare small.ply surface.ply --picture distances.png");
   command->callback([call, section, &settings] {
     if (section->count() > 0 && call->section.empty()) call->section = "section.png";
-    check_outputs({call->a, call->b}, {call->section, call->picture, call->aligned});
+    check_outputs({call->a, call->b, call->mask}, {call->section, call->picture, call->aligned});
     check_pictures({call->section, call->picture});
     const bool pixels =
         is_range_map(call->a) && is_range_map(call->b) && !call->align && call->section.empty();
+    if (!pixels && !call->mask.empty()) {
+      throw InvalidInput(
+          "palpate compare: --mask is for two range maps that are compared pixel by pixel, without "
+          "--align and --section.");
+    }
     pixels ? compare_pixels(settings, *call) : compare_surfaces(settings, *call);
   });
 }

@@ -19,4 +19,8 @@ namespace palpate::apps {
 [[nodiscard]] nlohmann::ordered_json demo_feeling(const std::filesystem::path& data,
                                                   const std::filesystem::path& output);
 
+/// Joins a camera frame and three pictures of both halves to pictures/overview.png, which is
+/// docs/overview.png of the repository.
+void demo_overview(const std::filesystem::path& data, const std::filesystem::path& output);
+
 }  // namespace palpate::apps

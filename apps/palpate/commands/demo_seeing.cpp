@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "palpate/error.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/range_map_mesh.h"
 #include "palpate/geometry/range_map_score.h"
@@ -17,6 +16,7 @@
 #include "palpate/sensing/decode.h"
 #include "palpate/sensing/depth_image.h"
 #include "palpate/sensing/frame.h"
+#include "shared/depth_score.h"
 #include "shared/progress.h"
 
 namespace palpate::apps {
@@ -25,30 +25,11 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr double kWrongDepth = 5;  // mm; a pixel with a larger error counts as wrong
-
 /// A frame of the bundled data, its rig, and `truth`, the common prefix of its truth images.
 struct DemoFrame {
   std::string name;
   fs::path image, rig, truth;
 };
-
-Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> measurable(
-    const DemoFrame& frame) {
-  const cv::Mat id = sensing::read_frame(frame.truth.string() + "_id.png");
-  const cv::Mat lit = sensing::read_frame(frame.truth.string() + "_lit.png");
-  if (id.type() != CV_8UC1 || lit.type() != CV_8UC1 || id.size() != lit.size()) {
-    throw FileError(frame.truth.string() +
-                    "_id.png and _lit.png: two 8-bit images of one channel and size are needed.");
-  }
-  Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> mask(id.rows, id.cols);
-  for (int v = 0; v < id.rows; ++v) {
-    for (int u = 0; u < id.cols; ++u) {
-      mask(v, u) = id.at<unsigned char>(v, u) > 0 && lit.at<unsigned char>(v, u) > 0;
-    }
-  }
-  return mask;
-}
 
 Json see(const DemoFrame& frame, const sensing::Pattern& pattern,
          const sensing::TrainedColors& colors, const fs::path& output) {
@@ -65,18 +46,15 @@ Json see(const DemoFrame& frame, const sensing::Pattern& pattern,
   pictures::draw_range_map(output / "pictures" / (frame.name + "_range.png"), range,
                            "Depth of " + frame.name);
   pictures::draw_mesh(output / "pictures" / (frame.name + "_mesh.png"), mesh,
-                      "Mesh of " + frame.name);
+                      "Mesh of " + frame.name, pictures::MeshPart::object);
 
-  const geometry::RangeMapScore score =
-      geometry::score_range_map(range.z, geometry::read_depth_tiff(frame.truth.string() + ".tiff"),
-                                measurable(frame), kWrongDepth);
-  return {{"frame", frame.name},
-          {"distance", score.distance},
-          {"median_error", score.error.median},
-          {"reconstructed", score.reconstructed},
-          {"wrong", score.wrong},
-          {"triangles", mesh.triangles.cols()},
-          {"ms", elapsed.count()}};
+  const geometry::ImageF truth = geometry::read_depth_tiff(frame.truth.string() + ".tiff");
+  const geometry::PixelMask lit = read_mask(frame.truth.string() + "_lit.png", truth);
+  Json figures = {{"frame", frame.name}};
+  figures.update(score_figures(geometry::score_range_map(range.z, truth, lit)));
+  figures["triangles"] = mesh.triangles.cols();
+  figures["ms"] = elapsed.count();
+  return figures;
 }
 
 /// Meshes a depth image of another camera, whose truth is unknown.
@@ -90,7 +68,8 @@ void mesh_depth_camera(const fs::path& data, const fs::path& output) {
           .mesh;
   geometry::write_mesh(output / "meshes/hand.ply", hand);
   pictures::draw_mesh(output / "pictures/hand_mesh.png", hand,
-                      "A hand in front of a torso, from a real depth camera");
+                      "A hand in front of a torso, from a real depth camera",
+                      pictures::MeshPart::object);
 }
 
 }  // namespace

@@ -40,7 +40,9 @@ void mesh(const Settings& settings, const MeshCall& call) {
   MadeMesh made = make_mesh(call.input, call.steps);
   geometry::write_mesh(call.output, made.mesh);
   if (!call.picture.empty())
-    pictures::draw_mesh(call.picture, made.mesh, call.input.filename().string());
+    pictures::draw_mesh(
+        call.picture, made.mesh, call.input.filename().string(),
+        is_image(call.input) ? pictures::MeshPart::object : pictures::MeshPart::whole);
   made.figures["file"] = call.output.string();
   print(settings, made.figures,
         made.prose + fmt::format("{} vertices, {} triangles, written to {}",

@@ -10,12 +10,11 @@
 #include <utility>
 
 #include "palpate/pictures/draw_differences.h"
+#include "shared/depth_score.h"
 
 namespace palpate::apps {
 namespace {
 
-/// [mm] Finest scale of the picture.
-constexpr double kFinestScale = 0.01;
 /// Causes that affect a smaller share of the lit pixels are not listed.
 constexpr double kWorthSaying = 0.001;
 
@@ -44,12 +43,13 @@ std::string losses(const sensing::RigAssessment& found) {
   std::vector<std::pair<long, int>> lost;
   for (int i = 1; i < sensing::kReasonCount; ++i) {
     const long pixels = found.reasons[static_cast<std::size_t>(i)];
-    if (share(pixels, found.lit) >= kWorthSaying) lost.emplace_back(pixels, i);
+    if (share(pixels, found.score.measurable) >= kWorthSaying) lost.emplace_back(pixels, i);
   }
   std::sort(lost.rbegin(), lost.rend());
   std::string text;
   for (const auto& [pixels, reason] : lost) {
-    text += fmt::format("{}{:.1f} % {}", text.empty() ? "" : ", ", percent(pixels, found.lit),
+    text += fmt::format("{}{:.1f} % {}", text.empty() ? "" : ", ",
+                        percent(pixels, found.score.measurable),
                         sensing::name(static_cast<sensing::Reason>(reason)));
   }
   return text;
@@ -60,7 +60,7 @@ std::string causes(const ReportLine& line) {
   std::string text = fmt::format(
       "{:.0f} mm: of {} pixels that see the object, {:.1f} % are outside the projector's image and "
       "{:.1f} % in shadow or facing away",
-      found.distance, found.visible, percent(found.outside, found.visible),
+      found.score.distance, found.visible, percent(found.outside, found.visible),
       percent(found.dark, found.visible));
   if (!line.failure.empty()) return text + "; nothing was measured: " + line.failure + "\n";
   const std::string lost = losses(found);
@@ -78,11 +78,11 @@ ReportLine report_line(const std::filesystem::path& picture, const sensing::RigT
                                            truth, {.counted_bodies = 1}),
                   .failure = trial.failure,
                   .picture = {}};
-  if (line.found.measured == 0) return line;
+  if (line.found.score.measured == 0) return line;
   line.picture = picture;
-  pictures::draw_differences(picture, line.found.difference,
-                             fmt::format("Predicted depth error at {:.0f} mm", line.found.distance),
-                             std::fmax(line.found.error.p95, kFinestScale));
+  pictures::draw_differences(
+      picture, line.found.score,
+      fmt::format("Predicted depth error at {:.0f} mm", line.found.score.distance));
   return line;
 }
 
@@ -93,41 +93,35 @@ nlohmann::ordered_json report_figures(const ReportLine& line) {
     lost[std::string(sensing::name(static_cast<sensing::Reason>(i)))] =
         found.reasons[static_cast<std::size_t>(i)];
   }
-  nlohmann::ordered_json figures = {
-      {"distance", found.distance},
-      {"visible", found.visible},
-      {"outside", found.outside},
-      {"dark", found.dark},
-      {"lit", found.lit},
-      {"reconstructed", found.reconstructed},
-      {"facing", found.facing},
-      {"facing_reconstructed", found.facing_reconstructed},
-      {"measured", found.measured},
-      {"wrong", found.wrong},
-      {"stray", found.stray},
-      {"error",
-       {{"median", found.error.median}, {"rms", found.error.rms}, {"p95", found.error.p95}}},
-      {"lost", lost}};
+  nlohmann::ordered_json figures = score_figures(found.score);
+  figures.update({{"visible", found.visible},
+                  {"outside", found.outside},
+                  {"dark", found.dark},
+                  {"facing", found.facing},
+                  {"facing_covered", found.facing_covered},
+                  {"stray", found.stray},
+                  {"lost", lost}});
   if (!line.failure.empty()) figures["failure"] = line.failure;
   return figures;
 }
 
 std::string report_table(const std::vector<ReportLine>& lines) {
   std::string text =
-      "             of what is seen       of the lit    depth error [mm]\n"
-      "distance mm  lit %  with depth %   with depth %  median  RMS     95 %    median %  wrong "
-      "%\n";
+      "distance mm  lit %  coverage %  wrong %  median error     RMS      95 % within\n";
   for (const ReportLine& line : lines) {
-    const sensing::RigAssessment& found = line.found;
-    text += fmt::format(
-        "{:<11.0f}  {:<5.1f}  {:<13.1f}  {:<12.1f}  {:<6}  {:<6}  {:<6}  {:<8}  {:.2f}\n",
-        found.distance, percent(found.lit, found.visible), percent(found.measured, found.visible),
-        percent(found.reconstructed, found.lit), decimal(found.error.median, 3),
-        decimal(found.error.rms, 3), decimal(found.error.p95, 3),
-        decimal(100 * found.error.median / found.distance, 4),
-        percent(found.wrong, found.measured));
+    const geometry::RangeMapScore& score = line.found.score;
+    text +=
+        fmt::format("{:<11.0f}  {:<5.1f}  {:<10}  {:<7}  {} mm = {} %  {} mm  {} mm\n",
+                    score.distance, percent(score.measurable, line.found.visible),
+                    decimal(100 * score.coverage, 1), decimal(100 * score.wrong_share, 2),
+                    decimal(score.error.median, 3), decimal(100 * score.relative_error.median, 4),
+                    decimal(score.error.rms, 3), decimal(score.error.p95, 3));
   }
-  text += "(wrong: error above 1 % of the distance; excluded from the depth error)\n";
+  text +=
+      "(lit: share of the pixels that see the object; coverage: share of the lit pixels that have "
+      "a depth; wrong: share of the\n"
+      "measured pixels that are more than 1 % of the distance off, or where nothing is; error: of "
+      "the others)\n";
   for (const ReportLine& line : lines) text += causes(line);
   return text;
 }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <memory>
@@ -12,6 +13,7 @@
 #include <vector>
 
 #include "palpate/error.h"
+#include "palpate/geometry/error_statistics.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/surface_map.h"
 #include "palpate/haptics/model_io.h"
@@ -30,6 +32,9 @@ namespace palpate::apps {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// Smallest range of the colours of a map's distortion.
+constexpr double kLeastDoublings = 0.01;
 
 struct TransferCall {
   fs::path model, output, picture, onto, landmarks, distortion, distortion_mesh;
@@ -90,19 +95,20 @@ void write_distortion(const TransferCall& call, const geometry::TriangleMesh& so
                       const geometry::SurfaceMap& map) {
   const geometry::TriangleMesh image{.vertices = map.positions, .triangles = source.triangles};
   if (!call.distortion.empty()) {
-    const double limit = std::log2(call.map.max_area_distortion);
     Eigen::VectorXd doublings = map.area_distortion.array().log() / std::log(2.0);
     for (Eigen::Index t = 0; t < doublings.size(); ++t)
       if (map.folded[t]) doublings[t] = std::nan("");
     if (!doublings.array().isFinite().any()) doublings.setZero();  // everything is folded
+    const geometry::ErrorStatistics spread =
+        geometry::error_statistics({doublings.begin(), doublings.end()});
     pictures::draw_distances(
         call.distortion, image, doublings,
         {.title = "Map of the surface: " + std::string(to_string(map.verdict)),
          .subtitle = fmt::format("{:.2g} % of the area is distorted or folded; the image covers "
                                  "{:.1f} % of the target",
                                  100 * map.distorted_share, 100 * map.coverage),
-         .limit = limit,
-         .scale = "area (doublings)"});
+         .limit = std::max(spread.p95, kLeastDoublings),
+         .scale = "log2 of the area of the map over that of the model"});
   }
   if (call.distortion_mesh.empty()) return;
   geometry::MeshFile file;
@@ -241,7 +247,8 @@ void add_transfer(CLI::App& app, const Settings& settings) {
       "at the same displacements [mm] (default: material with --scale, feel with --onto)");
   command->add_option("--picture", call->picture, "Draw the new model's contacts (PNG)");
   command->footer(
-      "With --axis, the isotropic bases of the fields are fitted again. The largest error of a force "
+      "With --axis, the isotropic bases of the fields are fitted again. The largest error of a "
+      "force "
       "is reported.\n"
       "Examples:\n  palpate transfer model/ --scale 1.5 -o larger/\n"
       "  palpate transfer model/ --scale 2 --axis 1,0,0 --forces material -o longer/\n"

@@ -8,18 +8,18 @@
 #include <opencv2/core.hpp>
 
 #include "palpate/error.h"
-#include "palpate/geometry/range_map_score.h"
 #include "palpate/require.h"
 #include "palpate/sensing/bayer.h"
 
 namespace palpate::sensing {
 namespace {
 
+constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+
 void check_options(const AssessmentOptions& options) {
   require("AssessmentOptions::counted_bodies", options.counted_bodies, at_least(1));
   require("AssessmentOptions::max_incidence", options.max_incidence,
           above(0).at_most(std::numbers::pi / 2), "rad");
-  require("AssessmentOptions::wrong_depth", options.wrong_depth, above(0), "mm");
 }
 
 /// The lit pixel nearest to the image centre.
@@ -52,43 +52,35 @@ cv::Mat in_color(const cv::Mat& frame, const VirtualSensor& sensor) {
 RigAssessment assess(const DecodeResult& decoded, const SceneTruth& truth,
                      const AssessmentOptions& options) {
   check_options(options);
-  if (decoded.reasons.rows() != truth.body.rows() || decoded.reasons.cols() != truth.body.cols()) {
-    throw InvalidInput("assess: the reasons are not of the size of the truth");
-  }
-  RigAssessment found;
-  found.difference = geometry::depth_difference(decoded.range.z, truth.range.z);
+  const auto fits = [&truth](const auto& image) {
+    return image.rows() == truth.body.rows() && image.cols() == truth.body.cols();
+  };
+  if (!fits(decoded.range.z) || !fits(decoded.reasons))
+    throw InvalidInput("assess: the depths or reasons are not of the size of the truth");
   const int bodies = options.counted_bodies.value_or(std::numeric_limits<int>::max());
-  std::vector<double> errors, distances;
+  const PixelMask scenery = truth.body >= bodies;
+  RigAssessment found;
+  found.score = geometry::score_range_map(scenery.select(kUnknown, decoded.range.z),
+                                          scenery.select(kUnknown, truth.range.z), truth.lit);
   for (Eigen::Index v = 0; v < truth.body.rows(); ++v) {
     for (Eigen::Index u = 0; u < truth.body.cols(); ++u) {
+      if (scenery(v, u)) continue;
       const bool measured = std::isfinite(decoded.range.z(v, u));
-      const double z = static_cast<double>(truth.range.z(v, u));
-      const double error = static_cast<double>(found.difference(v, u));
-      if (truth.body(v, u) < 0 && measured) ++found.stray;
-      if (truth.body(v, u) < 0 || truth.body(v, u) >= bodies) {
-        found.difference(v, u) = std::numeric_limits<float>::quiet_NaN();
+      if (truth.body(v, u) < 0) {
+        found.stray += measured;
         continue;
       }
       ++found.visible;
-      distances.push_back(z);
-      const bool wrong = measured && std::abs(error) > options.wrong_depth * z;
-      found.measured += measured;
-      found.wrong += wrong;
-      if (measured && !wrong) errors.push_back(error);
       if (!truth.lit(v, u)) {
         ++(truth.covered(v, u) ? found.dark : found.outside);
         continue;
       }
       const bool faces = static_cast<double>(truth.incidence(v, u)) <= options.max_incidence;
-      ++found.lit;
-      found.reconstructed += measured;
       found.facing += faces;
-      found.facing_reconstructed += faces && measured;
+      found.facing_covered += faces && measured;
       ++found.reasons[decoded.reasons(v, u)];
     }
   }
-  found.error = geometry::error_statistics(std::move(errors));
-  found.distance = geometry::error_statistics(std::move(distances)).median;
   return found;
 }
 

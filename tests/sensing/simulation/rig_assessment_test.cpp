@@ -47,29 +47,35 @@ TEST(RigAssessment, CountsWhatBecomesOfPixels) {
   EXPECT_EQ(found.visible, 6);
   EXPECT_EQ(found.outside, 1);
   EXPECT_EQ(found.dark, 1);
-  EXPECT_EQ(found.lit, 4);
-  EXPECT_EQ(found.reconstructed, 3);
+  EXPECT_EQ(found.score.measurable, 4);
+  EXPECT_EQ(found.score.covered, 3);
   EXPECT_EQ(found.facing, 3);
-  EXPECT_EQ(found.facing_reconstructed, 2);
-  EXPECT_EQ(found.measured, 3);
-  EXPECT_EQ(found.wrong, 1);  // 4 % off
-  EXPECT_EQ(found.stray, 1);  // a depth where nothing is
+  EXPECT_EQ(found.facing_covered, 2);
+  EXPECT_EQ(found.score.measured, 4);
+  EXPECT_EQ(found.score.wrong, 2);  // 4 % off; a depth where nothing is
+  EXPECT_EQ(found.stray, 1);
   EXPECT_EQ(found.reasons[static_cast<std::size_t>(Reason::border)], 1);
   EXPECT_EQ(found.reasons[static_cast<std::size_t>(Reason::unlit)], 0);  // it is not lit
-  EXPECT_EQ(found.error.count, 2);
-  EXPECT_NEAR(found.error.rms, std::sqrt((1 + 0.25) / 2), 1e-6);
-  EXPECT_EQ(found.distance, 500);
-  EXPECT_NEAR(found.difference(0, 2), 20, 1e-4);
-  EXPECT_TRUE(std::isnan(found.difference(0, 7)));
+  EXPECT_EQ(found.score.error.count, 2);
+  EXPECT_NEAR(found.score.error.rms, std::sqrt((1 + 0.25) / 2), 1e-6);
+  EXPECT_EQ(found.score.distance, 500);
   EXPECT_EQ(assess(pixels.decoded, pixels.truth).visible, 7);
+}
+
+TEST(RigAssessment, LeavesOutWhateverSceneryMeasures) {
+  Pixels pixels;
+  pixels.decoded.range.z(0, 7) = 700;  // 22 % off
+  const RigAssessment found = assess(pixels.decoded, pixels.truth, {.counted_bodies = 1});
+  EXPECT_EQ(found.score.measured, 4);
+  EXPECT_EQ(found.score.wrong, 2);
+  EXPECT_TRUE(std::isnan(found.score.difference(0, 7)));
+  EXPECT_EQ(assess(pixels.decoded, pixels.truth).score.wrong, 3);
 }
 
 TEST(RigAssessment, RefusesOptionsOutOfRangeAndOtherSizes) {
   Pixels pixels;
   EXPECT_THROW((void)assess(pixels.decoded, pixels.truth, {.counted_bodies = 0}), InvalidInput);
   EXPECT_THROW((void)assess(pixels.decoded, pixels.truth, {.max_incidence = 1.6}), InvalidInput);
-  EXPECT_THROW((void)assess(pixels.decoded, pixels.truth, {.wrong_depth = std::nan("")}),
-               InvalidInput);
   pixels.decoded.reasons.resize(1, 7);
   EXPECT_THROW((void)assess(pixels.decoded, pixels.truth), InvalidInput);
 }
@@ -111,9 +117,9 @@ TEST(RigAssessment, FindsThatAGoodRigMeasuresAPlane) {
   ASSERT_TRUE(trial.decoded) << trial.failure;
   EXPECT_EQ(trial.training.size(), 6U);
   const RigAssessment found = assess(*trial.decoded, trial.simulation.truth);
-  EXPECT_GT(static_cast<double>(found.reconstructed), 0.85 * static_cast<double>(found.lit));
-  EXPECT_LT(found.error.median, 0.001 * 700);
-  EXPECT_EQ(found.wrong, 0);
+  EXPECT_GT(found.score.coverage, 0.85);
+  EXPECT_LT(found.score.relative_error.median, 0.001);
+  EXPECT_EQ(found.score.wrong, 0);
 
   // Without stripes the anchor tells the period.
   pattern.colors.clear();
@@ -121,7 +127,7 @@ TEST(RigAssessment, FindsThatAGoodRigMeasuresAPlane) {
   pattern.stripe_edges.clear();
   const RigTrial white = try_rig(rig, pattern, draw(pattern, rig), plane_at(700), {});
   ASSERT_TRUE(white.decoded);
-  EXPECT_LT(assess(*white.decoded, white.simulation.truth).error.median, 0.001 * 700);
+  EXPECT_LT(assess(*white.decoded, white.simulation.truth).score.relative_error.median, 0.001);
 }
 
 TEST(RigAssessment, DemosaicsWhatTheDecoderTakes) {
@@ -133,8 +139,8 @@ TEST(RigAssessment, DemosaicsWhatTheDecoderTakes) {
   EXPECT_EQ(trial.simulation.frames[0].channels(), 1);
   EXPECT_EQ(trial.training[0].images[0].channels(), 1);
   const RigAssessment found = assess(*trial.decoded, trial.simulation.truth);
-  EXPECT_GT(static_cast<double>(found.reconstructed), 0.8 * static_cast<double>(found.lit));
-  EXPECT_LT(found.error.median, 0.001 * 700);
+  EXPECT_GT(found.score.coverage, 0.8);
+  EXPECT_LT(found.score.relative_error.median, 0.001);
 }
 
 TEST(RigAssessment, SaysWhyNothingCanBeMeasured) {

@@ -7,29 +7,38 @@
 
 namespace palpate::geometry {
 
-/// Depth `measured` minus depth `reference` [mm], pixel by pixel; NaN where either is unknown.
-/// \throws InvalidInput unless both have the same size.
-[[nodiscard]] ImageF depth_difference(const ImageF& measured, const ImageF& reference);
+/// A depth is wrong (a gross error) iff it differs from the true depth by more than this fraction
+/// of it, or there is no surface. Losing one period of a pattern causes an error a few times as
+/// large.
+inline constexpr double kWrongDepth = 0.01;
 
-/// Errors of a measured range map relative to a known truth.
+/// Some pixels of an image: row 0 is at the top.
+using PixelMask = Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+/// Coverage and errors of a measured range map relative to the truth. All figures of Palpate about
+/// the accuracy of range maps have these definitions.
 struct RangeMapScore {
-  ErrorStatistics error;  ///< [mm] depth errors where both are known
-  double distance = 0;    ///< [mm] median true depth where both are known
-  /// Fraction of the pixels of `measurable` that have a depth; NaN if there are none.
-  double reconstructed = 0;
-  /// Fraction of the pixels with a depth whose error exceeds `max_error` or where there is no
-  /// object; NaN if there are none.
-  double wrong = 0;
+  double distance = 0;             ///< [mm] median true depth; NaN if no depth is known
+  long measurable = 0;             ///< pixels of the mask whose true depth is known
+  long covered = 0;                ///< measurable pixels with a depth, right or wrong
+  double coverage = 0;             ///< covered / measurable; NaN if no pixel is measurable
+  long measured = 0;               ///< pixels of the whole image with a depth
+  long wrong = 0;                  ///< measured pixels whose depth is wrong, see `kWrongDepth`
+  double wrong_share = 0;          ///< wrong / measured; NaN if no pixel has a depth
+  ErrorStatistics error;           ///< [mm] measured minus true depth of the other measured pixels
+  ErrorStatistics relative_error;  ///< the same, each as a fraction of the true depth
+  ImageF difference;               ///< [mm] the same as an image; NaN at all other pixels
+  PixelMask wrong_pixels;          ///< where the depth is wrong
 };
 
 /// Scores a measured range map.
-/// \param measurable  true where a sensor can measure: visible to the camera and lit.
-/// \param max_error   [mm] a pixel with a larger error is wrong; > 0.
-/// \throws InvalidInput unless all have the same size and max_error > 0.
-[[nodiscard]] RangeMapScore score_range_map(
-    const ImageF& measured, const ImageF& truth,
-    const Eigen::Ref<const Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>&
-        measurable,
-    double max_error);
+/// \param truth       [mm] true depths; NaN where there is no surface.
+/// \param measurable  where a sensor can measure, for example the pixels that are lit.
+/// \throws InvalidInput unless all have the same size.
+[[nodiscard]] RangeMapScore score_range_map(const ImageF& measured, const ImageF& truth,
+                                            const PixelMask& measurable);
+
+/// The same with all pixels of the image as mask.
+[[nodiscard]] RangeMapScore score_range_map(const ImageF& measured, const ImageF& truth);
 
 }  // namespace palpate::geometry

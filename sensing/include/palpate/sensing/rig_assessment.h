@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "palpate/geometry/error_statistics.h"
+#include "palpate/geometry/range_map_score.h"
 #include "palpate/sensing/decode.h"
 #include "palpate/sensing/virtual_sensor.h"
 
@@ -20,27 +20,21 @@ struct AssessmentOptions {
   std::optional<int> counted_bodies = {};
   /// A pixel faces both lenses iff its incidence is <= max_incidence [rad]; in (0, pi/2].
   double max_incidence = 65 * std::numbers::pi / 180;
-  /// A depth is wrong iff its error exceeds this fraction of the true depth; > 0. Losing one
-  /// multiple of the period causes an error a few times as large.
-  double wrong_depth = 0.01;
 };
 
-/// How much of the bodies was measured, in pixels, and how well. visible = outside + dark + lit.
+/// How much of the bodies was measured, in pixels, and how well.
+/// visible = outside + dark + score.measurable.
 struct RigAssessment {
-  double distance = 0;            ///< [mm] median true depth of the visible pixels; NaN without any
-  long visible = 0;               ///< pixels that see a body
-  long outside = 0;               ///< visible, but outside the projector's field of view
-  long dark = 0;                  ///< visible, within that field, but shadowed or facing away
-  long lit = 0;                   ///< visible and lit
-  long reconstructed = 0;         ///< lit pixels with a depth
-  long facing = 0;                ///< lit pixels that face both lenses
-  long facing_reconstructed = 0;  ///< facing pixels with a depth
+  /// Coverage and errors; the lit pixels are the measurable ones. Pixels that see scenery do not
+  /// count, whatever their depth.
+  geometry::RangeMapScore score;
+  long visible = 0;         ///< pixels that see a body
+  long outside = 0;         ///< visible, but outside the projector's field of view
+  long dark = 0;            ///< visible, within that field, but shadowed or facing away
+  long facing = 0;          ///< lit pixels that face both lenses
+  long facing_covered = 0;  ///< facing pixels with a depth
   std::array<long, kReasonCount> reasons{};  ///< outcome of the lit pixels, by `Reason`
-  long stray = 0;                            ///< pixels with a depth where there is no body
-  long measured = 0;                         ///< visible pixels with a depth, lit or not
-  long wrong = 0;                            ///< measured pixels whose depth is wrong
-  geometry::ErrorStatistics error;           ///< [mm] of the measured pixels that are not wrong
-  geometry::ImageF difference;  ///< [mm] measured minus true depth; NaN where either is unknown
+  long stray = 0;  ///< of the wrong pixels, those that see no body and no scenery
 };
 
 /// Compares a decoded range map with the truth of the simulation.

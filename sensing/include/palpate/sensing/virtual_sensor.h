@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "palpate/geometry/range_map.h"
+#include "palpate/geometry/range_map_score.h"
 #include "palpate/geometry/triangle_mesh.h"
 #include "palpate/sensing/pattern.h"
 #include "palpate/sensing/rig.h"
@@ -96,7 +96,7 @@ void check_virtual_sensor(const VirtualSensor& sensor, const std::string& what);
 void write_virtual_sensor(const std::filesystem::path& path, const VirtualSensor& sensor);
 
 /// Images of rows x cols, row-major.
-using PixelMask = Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+using PixelMask = geometry::PixelMask;
 using PixelLabels = Eigen::Array<int, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 /// Ground truth at pixel centres, through green's optics, at the middle of the exposure.

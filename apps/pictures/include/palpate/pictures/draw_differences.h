@@ -5,17 +5,18 @@
 #include <filesystem>
 #include <string>
 
-#include "palpate/geometry/range_map.h"
+#include "palpate/geometry/range_map_score.h"
 
 namespace palpate::pictures {
 
-/// Draws signed differences [mm] in false colour as a PNG of 1200 x 900 px: blue is negative, white
-/// is zero, red is positive, unknown (NaN) is light grey. The colours span -limit to limit [mm],
-/// limit > 0; values outside get the colour of the nearest end. The subtitle gives the root mean
-/// square and the share outside. Works without a display.
-/// \throws InvalidInput if the image is empty or has no finite value, or limit <= 0.
+/// Draws the errors of a range map in false colour as a PNG of 1200 x 900 px: blue is negative,
+/// white is zero, red is positive, wrong depths are black, unknown ones light grey. The colours
+/// span four times the median error to each side; values outside get the colour of the nearest end,
+/// and the scale says so. The subtitle gives the coverage, the share of wrong depths and the errors
+/// of `score`. The view fits the measured pixels. Works without a display.
+/// \throws InvalidInput if no pixel was measured.
 /// \throws OutputError if the picture cannot be written.
-void draw_differences(const std::filesystem::path& png, const geometry::ImageF& differences,
-                      const std::string& title, double limit);
+void draw_differences(const std::filesystem::path& png, const geometry::RangeMapScore& score,
+                      const std::string& title);
 
 }  // namespace palpate::pictures

@@ -24,7 +24,7 @@ struct ResidualImage {
   std::vector<ResidualView> views;
 };
 
-/// Draws as a PNG of 1200 x 900 px one or two images side by side, with an arrow from each point
+/// Draws as a PNG of 1200 x 900 px one or two images side by side, with a line from each point
 /// along its residual, much enlarged, and below the root mean square of each view. Works without a
 /// display.
 /// \throws InvalidInput, naming the image or view, if there is none, if points and residuals differ

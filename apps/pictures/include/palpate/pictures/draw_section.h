@@ -22,7 +22,9 @@ struct SectionLabels {
 };
 
 /// Draws several lines in one chart as a PNG of 1200 x 700 px, for example cross-sections of
-/// surfaces. There are six colours, which repeat. Works without a display.
+/// surfaces. The first is on top; up to three lines get broader from top to bottom, so that each is
+/// seen where all coincide. Series named red, green, blue or grey get that colour; the others get
+/// one of six colours, which repeat. Works without a display.
 /// \throws InvalidInput, naming the series, if there is none, if x and y differ in size, or if
 /// nothing is finite.
 /// \throws OutputError if the picture cannot be written.

@@ -1,0 +1,96 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+// The demo, and what the README and its picture say about it.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <string>
+#include <vector>
+
+#include "run_palpate.h"
+
+namespace palpate::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// One run of the demo, for all tests.
+class Demo : public testing::Test {
+ protected:
+  struct Run {
+    ScratchFolder folder;
+    CommandResult result = run_palpate({"demo", "-o", folder / "out", "--json"});
+  };
+  static const Run& run() {
+    static const Run made;
+    return made;
+  }
+  static nlohmann::json seeing() {
+    EXPECT_EQ(run().result.status, 0) << run().result.err;
+    return nlohmann::json::parse(run().result.out)["seeing"];
+  }
+  /// The files of a frame's truth, without their endings.
+  static std::string truth_of(const std::string& frame) {
+    return (demo_data() / (frame == "duck_verging" ? "verging/truth" : "truth/" + frame)).string();
+  }
+  static std::vector<std::string> compare_call(const std::string& frame) {
+    return {"compare", run().folder / ("out/range/" + frame + ".tiff"), truth_of(frame) + ".tiff",
+            "--mask", truth_of(frame) + "_lit.png"};
+  }
+};
+
+TEST_F(Demo, GivesTheFiguresThatCompareGives) {
+  for (const nlohmann::json& frame : seeing()) {
+    std::vector<std::string> call = compare_call(frame["frame"]);
+    const std::string prose = run_palpate(call).out;
+    call.emplace_back("--json");
+    const nlohmann::json compared = nlohmann::json::parse(run_palpate(call).out);
+    EXPECT_GT(compared.size(), 10u);
+    for (const auto& [key, value] : compared.items())
+      EXPECT_EQ(frame.at(key), value) << frame["frame"] << ": " << key;
+    // To the digit that the demo prints.
+    for (const std::string& figure :
+         {fmt::format("{:.1f} % of the", 100 * frame["coverage"].get<double>()),
+          fmt::format("Wrong: {:.2f} %", 100 * frame["wrong_share"].get<double>()),
+          fmt::format("median {:.3f} mm = {:.4f} %", frame["median"].get<double>(),
+                      100 * frame["relative_median"].get<double>())})
+      EXPECT_NE(prose.find(figure), std::string::npos) << figure << "\n" << prose;
+  }
+}
+
+TEST_F(Demo, GivesTheFiguresOfTheReadme) {
+  const std::string readme = read_text(demo_data().parent_path() / "README.md");
+  for (const nlohmann::json& frame : seeing()) {
+    const std::string row = fmt::format(
+        "| {:.0f} mm | {:.3f} mm = {:.4f} % | {:.1f} % | {:.2f} % |",
+        frame["distance"].get<double>(), frame["median"].get<double>(),
+        100 * frame["relative_median"].get<double>(), 100 * frame["coverage"].get<double>(),
+        100 * frame["wrong_share"].get<double>());
+    EXPECT_NE(readme.find(row), std::string::npos)
+        << "README.md, table of the frames, " << frame["frame"] << ": " << row;
+  }
+}
+
+TEST_F(Demo, MakesTheOverviewOfTheReadme) {
+  ASSERT_EQ(run().result.status, 0) << run().result.err;
+  const auto small = [](const fs::path& png) {
+    cv::Mat image = cv::imread(png.string(), cv::IMREAD_COLOR);
+    EXPECT_EQ(image.size(), cv::Size(1280, 960)) << png;
+    cv::resize(image, image, {320, 240}, 0, 0, cv::INTER_AREA);
+    return image;
+  };
+  cv::Mat difference;
+  cv::absdiff(small(run().folder / "out/pictures/overview.png"),
+              small(demo_data().parent_path() / "docs/overview.png"), difference);
+  const cv::Scalar mean = cv::mean(difference);
+  // Levels of 255: another version of the renderer may shade edges differently.
+  EXPECT_LT((mean[0] + mean[1] + mean[2]) / 3, 0.5)
+      << "docs/overview.png is stale: copy pictures/overview.png of palpate demo there";
+}
+
+}  // namespace
+}  // namespace palpate::apps
