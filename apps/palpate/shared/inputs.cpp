@@ -66,7 +66,8 @@ std::vector<fs::path> list_range_maps(const fs::path& folder) {
   std::vector<fs::path> maps;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
     const fs::path& path = entry.path();
-    if (is_range_map(path) && !is_sigma(path) && !is_reasons(path)) maps.push_back(path);
+    if (is_range_map(path) && !is_hidden(path) && !is_sigma(path) && !is_reasons(path))
+      maps.push_back(path);
   }
   std::ranges::sort(maps, comes_before);
   if (maps.empty()) {
