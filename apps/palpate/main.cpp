@@ -13,7 +13,7 @@
 #include "palpate/require.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
-#include "shared/progress.h"
+#include "shared/interrupts.h"
 
 namespace palpate::apps {
 namespace {
@@ -21,7 +21,6 @@ namespace {
 constexpr int kDone = 0;
 constexpr int kWorkFailed = 1;
 constexpr int kWrongCall = 2;
-constexpr int kInterrupted = 130;  // what a shell expects after Ctrl-C
 
 void add_calibrate(CLI::App& app, const Settings& settings) {
   CLI::App* calibrate =
@@ -105,13 +104,14 @@ int main(int argc, char** argv) {
   spdlog::set_default_logger(spdlog::stderr_color_mt("palpate"));
   spdlog::set_pattern("%n: %v");
   try {
+    watch_for_interrupts();
     return run(argc, argv);
   } catch (const InvalidInput& e) {
     spdlog::critical("{}", e.what());
     return kWrongCall;
-  } catch (const Interrupted&) {
-    spdlog::critical("interrupted; completed files are kept, no other file was changed");
-    return kInterrupted;
+  } catch (const Interrupted& interrupted) {
+    spdlog::critical("{}", interrupted.message);
+    return kInterruptedStatus;
   } catch (const std::exception& e) {
     spdlog::critical("{}", e.what());
     return kWorkFailed;

@@ -366,7 +366,7 @@ TEST_F(BadInput, AFullDiskIsAFailureThatLeavesTheOldResult) {
       {.max_file_size = 100000});
   EXPECT_EQ(mesh.status, kWorkFailed) << mesh.err;
   for (const fs::directory_entry& entry : fs::directory_iterator(scratch.path())) {
-    EXPECT_EQ(entry.path().string().find(".tmp-"), std::string::npos)
+    EXPECT_EQ(entry.path().string().find(".palpate-"), std::string::npos)
         << entry.path() << " was left behind";
   }
 }

@@ -28,6 +28,8 @@ namespace fs = std::filesystem;
   dup2(open(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), STDOUT_FILENO);
   dup2(open(err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), STDERR_FILENO);
   dup2(open("/dev/null", O_RDONLY), STDIN_FILENO);
+  setpgid(0, 0);
+  signal(SIGINT, SIG_DFL);  // a shell may have started the tests with SIGINT ignored
   if (options.max_file_size) {
     signal(SIGXFSZ, SIG_IGN);
     const rlimit limit{*options.max_file_size, *options.max_file_size};
@@ -59,7 +61,7 @@ CommandResult run_palpate(const std::vector<std::string>& arguments,
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
       waitid(P_PID, static_cast<id_t>(child), &ended, WEXITED | WNOHANG | WNOWAIT);
     }
-    kill(child, SIGINT);
+    kill(-child, SIGINT);
   }
   waitpid(child, &status, 0);
   return {.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status),

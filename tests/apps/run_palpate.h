@@ -16,7 +16,8 @@ struct CommandResult {
 };
 
 struct CommandOptions {
-  /// Sends Ctrl-C as soon as this file exists.
+  /// Sends Ctrl-C, as a terminal does: also to the processes it started, as soon as this file
+  /// exists.
   std::optional<std::filesystem::path> interrupt_when_there_is = {};
   /// Limit of the file size [bytes], which looks like a full disk to the program.
   std::optional<unsigned long> max_file_size = {};

@@ -6,27 +6,15 @@
 #include <unistd.h>
 
 #include <cmath>
-#include <csignal>
 #include <cstdio>
 #include <utility>
 
 namespace palpate::apps {
 namespace {
 
-volatile std::sig_atomic_t interrupted = 0;
-
 constexpr int kBarWidth = 40;                        // characters
 constexpr auto kPatience = std::chrono::seconds(1);  // shorter work shows no bar
 constexpr auto kRedraw = std::chrono::milliseconds(100);
-
-void watch_for_interrupt() {
-  // A second Ctrl-C terminates at once.
-  struct sigaction action = {};
-  action.sa_handler = [](int) { interrupted = 1; };
-  action.sa_flags = static_cast<int>(SA_RESETHAND);
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
-}
 
 // ", 12 min left"
 std::string time_left(double seconds) {
@@ -39,18 +27,14 @@ std::string time_left(double seconds) {
 }  // namespace
 
 Progress::Progress(std::string what)
-    : what_(std::move(what)), terminal_(isatty(STDERR_FILENO) != 0), start_(Clock::now()) {
-  watch_for_interrupt();
-}
+    : what_(std::move(what)), terminal_(isatty(STDERR_FILENO) != 0), start_(Clock::now()) {}
 
 Progress::~Progress() {
-  std::signal(SIGINT, SIG_DFL);
-  std::signal(SIGTERM, SIG_DFL);
   if (shown_) std::fputs("\r\x1b[K", stderr);
 }
 
 void Progress::show(int done, int total) {
-  if (interrupted != 0) throw Interrupted{};
+  InterruptedByThrowing::check();
   if (!terminal_ || total <= 0) return;
   const Clock::time_point now = Clock::now();
   const std::lock_guard lock(mutex_);

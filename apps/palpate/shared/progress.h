@@ -6,10 +6,9 @@
 #include <mutex>
 #include <string>
 
-namespace palpate::apps {
+#include "shared/interrupts.h"
 
-/// Thrown by `Progress` after Ctrl-C, so that stack unwinding cleans up.
-struct Interrupted {};
+namespace palpate::apps {
 
 /// A progress bar on standard error with the estimated time left. It appears only on a terminal and
 /// only if the work takes more than a second. While it exists, Ctrl-C and SIGTERM do not kill the
@@ -31,6 +30,7 @@ class Progress {
  private:
   using Clock = std::chrono::steady_clock;
 
+  InterruptedByThrowing interrupts_;
   std::string what_;
   bool terminal_;
   Clock::time_point start_;
