@@ -72,6 +72,7 @@ class BadInput : public testing::Test {
 
   void SetUp() override {
     fs::create_directories(scratch.path() / "range");
+    write_text(scratch / "range/decode.jsonl", "{}\n");  // the result is of an earlier run
     kept = scratch / "range/000000.tiff";
     write_text(kept, "kept");
   }
@@ -154,7 +155,7 @@ TEST_F(BadInput, PathsThatCannotBeLookedAt) {
     expect_refused(call, too_long + ": cannot be read: File name too long");
   }
   expect_refused({"mesh", too_long + ".tiff", "--rig", demo("rig.yaml"), "-o", scratch / "x.ply"},
-                 too_long + ".tiff: no such file");
+                 too_long + ".tiff: cannot be read: File name too long");
 }
 
 TEST_F(BadInput, AUnitThatIsNone) {

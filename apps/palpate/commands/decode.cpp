@@ -311,7 +311,13 @@ void decode(const Settings& settings, DecodeCall call) {
   const sensing::Pattern pattern = sensing::read_pattern(call.pattern);
   sensing::check_pattern_fits(pattern, rig.projector, call.pattern.string());
   sensing::TrainedColors colors;
-  if (!call.colors.empty()) colors = sensing::read_trained_colors(call.colors);
+  if (!call.colors.empty()) {
+    colors = sensing::read_trained_colors(call.colors);
+  } else if (!pattern.stripe_edges.empty()) {
+    throw InvalidInput("--colors: is missing; " + call.pattern.string() +
+                       " has coloured stripes. Give the trained colours (colors.yaml), as palpate "
+                       "calibrate colors writes them.");
+  }
   sensing::DecodeOptions options;
   options.window_periods = call.window_periods;
   options.half_resolution = call.half;

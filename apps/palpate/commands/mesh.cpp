@@ -208,7 +208,7 @@ void add_mesh(CLI::App& app, const Settings& settings) {
       "  palpate mesh depth.png --scale 0.125 --intrinsics 476.007,476.007,313.683,242.755 -o "
       "hand.ply");
   command->callback([call, format, &settings] {
-    if (is_there(call->input) && is_folder(call->input)) {
+    if (is_folder(call->input)) {
       mesh_sequence(settings, *call);
     } else if (format->count() > 0) {
       throw InvalidInput(

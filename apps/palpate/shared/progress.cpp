@@ -3,6 +3,7 @@
 #include "shared/progress.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include <cmath>
@@ -35,7 +36,7 @@ Progress::~Progress() {
 
 void Progress::show(int done, int total) {
   InterruptedByThrowing::check();
-  if (!terminal_ || total <= 0) return;
+  if (total <= 0 || !spdlog::should_log(spdlog::level::warn)) return;
   const Clock::time_point now = Clock::now();
   const std::lock_guard lock(mutex_);
   if (!counting_) {
@@ -43,12 +44,20 @@ void Progress::show(int done, int total) {
     first_done_ = done;
     first_ = now;
   }
-  if (now - start_ < kPatience || (now - drawn_ < kRedraw && done < total)) return;
-  drawn_ = now;
+  if (now - start_ < kPatience) return;
   const double passed = std::chrono::duration<double>(now - first_).count();
   const std::string left = done > first_done_ && done < total
                                ? time_left(passed * (total - done) / (done - first_done_))
                                : std::string();
+  if (!terminal_) {
+    print_line(done, total, left);
+  } else if (now - drawn_ >= kRedraw || done >= total) {
+    drawn_ = now;
+    draw_bar(done, total, left);
+  }
+}
+
+void Progress::draw_bar(int done, int total, const std::string& left) {
   const auto filled = static_cast<int>(static_cast<long long>(kBarWidth) * done / total);
   const std::string bar = std::string(static_cast<std::size_t>(filled), '#') +
                           std::string(static_cast<std::size_t>(kBarWidth - filled), ' ');
@@ -56,6 +65,13 @@ void Progress::show(int done, int total) {
              stderr);
   std::fflush(stderr);
   shown_ = true;
+}
+
+void Progress::print_line(int done, int total, const std::string& left) {
+  const long long tenths = 10LL * done / total;
+  if (tenths <= tenths_) return;
+  tenths_ = tenths;
+  std::fputs(fmt::format("palpate: {}: {} of {}{}\n", what_, done, total, left).c_str(), stderr);
 }
 
 }  // namespace palpate::apps
