@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
 #include "run_palpate.h"
-#include "repository.h"
 
 #include <fcntl.h>
+#include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -16,10 +16,16 @@
 #include <stdexcept>
 #include <thread>
 
+#include "output_schema.h"
+#include "repository.h"
+
 namespace palpate::apps {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// A status above this is that of a wrong call or a signal; help may be all that was printed.
+constexpr int kFiguresPrinted = 1;
 
 /// In the child: limits, redirections, and the program itself.
 [[noreturn]] void become_palpate(const std::vector<std::string>& arguments,
@@ -64,9 +70,14 @@ CommandResult run_palpate(const std::vector<std::string>& arguments,
     kill(-child, SIGINT);
   }
   waitpid(child, &status, 0);
-  return {.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status),
-          .out = read_text(out),
-          .err = read_text(err)};
+  CommandResult result{.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status),
+                       .out = read_text(out),
+                       .err = read_text(err)};
+  const std::optional<std::string> command = command_with_figures(arguments);
+  if (command && !result.out.empty() && result.status <= kFiguresPrinted) {
+    EXPECT_EQ(differences_from_schema(*command, result.out), "");
+  }
+  return result;
 }
 
 fs::path demo_data() { return repository("demo"); }

@@ -23,7 +23,8 @@ struct CommandOptions {
   std::optional<unsigned long> max_file_size = {};
 };
 
-/// Runs the `palpate` of this build and waits for it.
+/// Runs the `palpate` of this build and waits for it. Figures that it prints in JSON are compared
+/// with docs/output.schema.json.
 CommandResult run_palpate(const std::vector<std::string>& arguments,
                           const CommandOptions& options = {});
 
