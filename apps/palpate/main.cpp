@@ -1,19 +1,24 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
+#include <spdlog/pattern_formatter.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 #include <tbb/global_control.h>
 
 #include <cstdlib>
 #include <iostream>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <string_view>
+#include <utility>
 
 #include "palpate/error.h"
 #include "palpate/require.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
-#include "shared/progress.h"
+#include "shared/interrupts.h"
+#include "shared/wrong_call.h"
 
 namespace palpate::apps {
 namespace {
@@ -21,7 +26,21 @@ namespace {
 constexpr int kDone = 0;
 constexpr int kWorkFailed = 1;
 constexpr int kWrongCall = 2;
-constexpr int kInterrupted = 130;  // what a shell expects after Ctrl-C
+
+/// What tells errors and warnings from other messages.
+class Severity : public spdlog::custom_flag_formatter {
+ public:
+  void format(const spdlog::details::log_msg& message, const std::tm& /*time*/,
+              spdlog::memory_buf_t& line) override {
+    const std::string_view word = message.level == spdlog::level::err    ? "error: "
+                                  : message.level == spdlog::level::warn ? "warning: "
+                                                                         : "";
+    line.append(word.data(), word.data() + word.size());
+  }
+  [[nodiscard]] std::unique_ptr<custom_flag_formatter> clone() const override {
+    return std::make_unique<Severity>();
+  }
+};
 
 void add_calibrate(CLI::App& app, const Settings& settings) {
   CLI::App* calibrate =
@@ -44,17 +63,26 @@ int run(int argc, char** argv) {
   Settings settings;
   std::optional<int> threads;
   int verbosity = 0;
-  app.add_flag("--json", settings.json, "Print the figures as one JSON object instead of text");
+  show_shared_options(app);
+  app.add_flag("--json", settings.json, "Print the figures as one JSON object instead of text")
+      ->group(kSharedOptions);
   app.add_option("--threads", threads, "Number of threads (default: all cores)")
-      ->check(within(above(0)));
-  app.add_flag("-v", verbosity, "Print what is being done; -vv prints more");
+      ->check(within(above(0)))
+      ->group(kSharedOptions);
+  CLI::Option* verbose = app.add_flag("-v", verbosity, "Print what is being done; -vv prints more")
+                             ->group(kSharedOptions);
+  app.add_flag("-q,--quiet", settings.quiet,
+               "Print errors only: no text, no warnings, no progress. With --json also the figures")
+      ->excludes(verbose)
+      ->group(kSharedOptions);
 
   std::optional<tbb::global_control> limit;
   app.parse_complete_callback([&] {
     if (threads)
       limit.emplace(tbb::global_control::max_allowed_parallelism,
                     static_cast<std::size_t>(*threads));
-    spdlog::set_level(verbosity == 0   ? spdlog::level::warn
+    spdlog::set_level(settings.quiet   ? spdlog::level::err
+                      : verbosity == 0 ? spdlog::level::warn
                       : verbosity == 1 ? spdlog::level::info
                                        : spdlog::level::debug);
   });
@@ -81,7 +109,9 @@ int run(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? kDone : kWrongCall;
+    if (e.get_exit_code() == 0) return app.exit(e);  // help or version
+    spdlog::error("{}", describe_wrong_call(app, e));
+    return kWrongCall;
   }
   std::cout.flush();
   if (!std::cout)
@@ -103,17 +133,20 @@ int main(int argc, char** argv) {
     setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);
   }
   spdlog::set_default_logger(spdlog::stderr_color_mt("palpate"));
-  spdlog::set_pattern("%n: %v");
+  auto form = std::make_unique<spdlog::pattern_formatter>();
+  form->add_flag<Severity>('*').set_pattern("%n: %*%v");
+  spdlog::set_formatter(std::move(form));
   try {
+    watch_for_interrupts();
     return run(argc, argv);
   } catch (const InvalidInput& e) {
-    spdlog::critical("{}", e.what());
+    spdlog::error("{}", e.what());
     return kWrongCall;
-  } catch (const Interrupted&) {
-    spdlog::critical("interrupted; completed files are kept, no other file was changed");
-    return kInterrupted;
+  } catch (const Interrupted& interrupted) {
+    spdlog::critical("{}", interrupted.message);
+    return kInterruptedStatus;
   } catch (const std::exception& e) {
-    spdlog::critical("{}", e.what());
+    spdlog::error("{}", e.what());
     return kWorkFailed;
   }
 }

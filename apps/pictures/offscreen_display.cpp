@@ -56,6 +56,7 @@ std::optional<std::string> find_program(const char* name) {
 [[noreturn]] void become_xvfb(const char* program, int number_fd, pid_t parent) {
   // The server goes even if this process is killed; if it already was, the signal would never come.
   prctl(PR_SET_PDEATHSIG, SIGTERM);
+  setsid();  // a Ctrl-C in the terminal is for this process, which still has to draw
   const int number = fcntl(number_fd, F_DUPFD, kFreeNumber + 1);
   const int nowhere = open("/dev/null", O_RDWR);
   if (getppid() != parent || number < 0 || nowhere < 0) {

@@ -67,6 +67,7 @@ class BadInput : public ::testing::Test {
 
   void SetUp() override {
     fs::create_directories(scratch.path() / "range");
+    write_text(scratch / "range/decode.jsonl", "{}\n");  // the result is of an earlier run
     kept = scratch / "range/000000.tiff";
     write_text(kept, "kept");
   }
@@ -149,7 +150,7 @@ TEST_F(BadInput, PathsThatCannotBeLookedAt) {
     expect_refused(call, too_long + ": cannot be read: File name too long");
   }
   expect_refused({"mesh", too_long + ".tiff", "--rig", demo("rig.yaml"), "-o", scratch / "x.ply"},
-                 too_long + ".tiff: no such file");
+                 too_long + ".tiff: cannot be read: File name too long");
 }
 
 TEST_F(BadInput, AUnitThatIsNone) {
@@ -361,7 +362,7 @@ TEST_F(BadInput, AFullDiskIsAFailureThatLeavesTheOldResult) {
       {.max_file_size = 100000});
   EXPECT_EQ(mesh.status, kWorkFailed) << mesh.err;
   for (const fs::directory_entry& entry : fs::directory_iterator(scratch.path())) {
-    EXPECT_EQ(entry.path().string().find(".tmp-"), std::string::npos)
+    EXPECT_EQ(entry.path().string().find(".palpate-"), std::string::npos)
         << entry.path() << " was left behind";
   }
 }

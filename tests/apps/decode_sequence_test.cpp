@@ -7,6 +7,7 @@
 #include <atomic>
 #include <chrono>
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/videoio.hpp>
@@ -16,6 +17,7 @@
 #include <vector>
 
 #include "run_palpate.h"
+#include "shared/result_folder.h"
 
 namespace palpate::apps {
 namespace {
@@ -52,6 +54,32 @@ class DecodeSequence : public ::testing::Test {
     const CommandResult result = decode(frames, more);
     EXPECT_EQ(result.status, kDone) << result.err;
     return nlohmann::json::parse(result.out);
+  }
+
+  CommandResult interrupt(const std::vector<std::string>& more, const std::string& at) const {
+    std::vector<std::string> call = {
+        "decode",    scratch / "frames",   "--rig",    demo("rig.yaml"),
+        "--pattern", demo("pattern.yaml"), "--colors", scratch / "colors.yaml",
+        "-o",        scratch / "range",    "--quiet"};
+    call.insert(call.end(), more.begin(), more.end());
+    return run_palpate(call, {.interrupt_when_there_is = at});
+  }
+
+  /// What a reader of the output folder sees: all files but hidden ones, with their content.
+  std::map<std::string, std::string> results() const {
+    std::map<std::string, std::string> files;
+    for (const auto& entry : fs::directory_iterator(scratch / "range")) {
+      const std::string name = entry.path().filename().string();
+      if (!name.starts_with('.')) files[name] = read_text(entry.path());
+    }
+    return files;
+  }
+
+  int hidden() const {
+    int count = 0;
+    for (const auto& entry : fs::recursive_directory_iterator(scratch / "range"))
+      count += entry.path().filename().string().starts_with('.') ? 1 : 0;
+    return count;
   }
 
   std::string map(int number) const {
@@ -215,19 +243,113 @@ TEST_F(DecodeSequence, BrokenFramesLeaveTheNumbersOfTheOthers) {
 
 TEST_F(DecodeSequence, InterruptingKeepsWhatIsFinished) {
   for (int i = 10; i < 22; ++i) add_frame(std::to_string(i) + ".png");
-  std::vector<std::string> call = {
-      "decode",    scratch / "frames",   "--rig",    demo("rig.yaml"),
-      "--pattern", demo("pattern.yaml"), "--colors", scratch / "colors.yaml",
-      "-o",        scratch / "range"};
-  const CommandResult stopped = run_palpate(call, {.interrupt_when_there_is = map(2)});
+  const CommandResult stopped = interrupt({}, map(2));
   EXPECT_EQ(stopped.status, 130);
   EXPECT_NE(stopped.err.find("interrupted"), std::string::npos);
   const nlohmann::json rest = figures(scratch / "frames", {"--resume"});
   EXPECT_EQ(rest["decoded"], 15);
   EXPECT_GE(rest["kept"], 1);
   EXPECT_LT(rest["kept"], 15);
-  for (const auto& entry : fs::directory_iterator(scratch / "range"))
-    EXPECT_EQ(entry.path().string().find(".tmp-"), std::string::npos) << entry.path();
+  EXPECT_EQ(hidden(), 0);
+}
+
+TEST_F(DecodeSequence, AnEarlierRunStaysAsAWholeUntilAnotherOneIsComplete) {
+  figures(scratch / "frames", {"--reasons"});
+  const auto before = results();
+  for (int i = 10; i < 22; ++i) add_frame(std::to_string(i) + ".png");
+  const std::vector<std::string> other = {"--window", "3"};
+  const CommandResult stopped = interrupt(other, scratch / "range/.palpate-unfinished/000002.tiff");
+  EXPECT_EQ(stopped.status, 130);
+  EXPECT_EQ(std::count(stopped.err.begin(), stopped.err.end(), '\n'), 1) << stopped.err;
+  EXPECT_NE(stopped.err.find("range holds the results of the earlier run, unchanged; "),
+            std::string::npos)
+      << stopped.err;
+  EXPECT_NE(stopped.err.find(" of 15 frames are finished and kept apart; continue with --resume"),
+            std::string::npos)
+      << stopped.err;
+  EXPECT_EQ(results(), before);
+  const nlohmann::json rest = figures(scratch / "frames", {"--resume", "--window", "3"});
+  EXPECT_EQ(rest["decoded"], 15);
+  EXPECT_GE(rest["kept"], 1);
+  EXPECT_LT(rest["kept"], 15);
+  const auto after = results();
+  EXPECT_EQ(after.size(), 15u + 3);  // with record, table and rig, without reasons
+  EXPECT_NE(after.at("000000.tiff"), before.at("000000.tiff"));
+  EXPECT_EQ(hidden(), 0);
+}
+
+TEST_F(DecodeSequence, AFullDiskLeavesTheEarlierRunAsItWas) {
+  figures(scratch / "frames");
+  const auto before = results();
+  const CommandResult full = run_palpate(
+      {"decode", scratch / "frames", "--rig", demo("rig.yaml"), "--pattern", demo("pattern.yaml"),
+       "--colors", scratch / "colors.yaml", "-o", scratch / "range", "--window", "3"},
+      {.max_file_size = 10000});
+  EXPECT_EQ(full.status, kWorkFailed);
+  EXPECT_NE(full.err.find(".tiff: cannot be written: File too large. What was there before is "
+                          "unchanged"),
+            std::string::npos)
+      << full.err;
+  EXPECT_EQ(results(), before);
+  figures(scratch / "frames", {"--window", "3"});
+  EXPECT_EQ(hidden(), 0);
+}
+
+TEST_F(DecodeSequence, ASecondRunIntoTheFolderIsRefused) {
+  figures(scratch / "frames");
+  const auto before = results();
+  {
+    const ResultFolder of_another_run(
+        scratch / "range", [](const fs::path&) { return std::vector<fs::path>(); },
+        ResultFolder::Unfinished::kept);
+    const CommandResult second = decode(demo("frames/flag_b.png"));
+    EXPECT_EQ(second.status, kWorkFailed);
+    EXPECT_NE(second.err.find("range: another run of palpate is writing into this folder"),
+              std::string::npos)
+        << second.err;
+    EXPECT_EQ(results(), before);
+  }
+  EXPECT_EQ(decode(demo("frames/flag_b.png")).status, kDone);
+}
+
+// The new results of two frames are complete, but still lie beside those of three.
+TEST_F(DecodeSequence, ResultsThatAKilledRunDidNotPutInTheirPlaceAreNotReadButPutThere) {
+  figures(scratch / "frames", {"--window", "3"});
+  const auto before = results();
+  fs::remove(scratch / "frames/2.png");
+  fs::rename(scratch / "range", scratch / "earlier");
+  figures(scratch / "frames");
+  const auto after = results();
+  for (const char* state : {".palpate-finished", ".palpate-placing"}) {
+    fs::remove_all(scratch / "range");
+    fs::create_directory(scratch / "range");
+    fs::create_directory(scratch.path() / "range" / state);
+    for (const auto& [name, content] : before) write_text(scratch.path() / "range" / name, content);
+    for (const auto& [name, content] : after)
+      write_text(scratch.path() / "range" / state / name, content);
+    if (std::string(state) == ".palpate-placing") {
+      fs::remove(map(2));
+      fs::rename(scratch.path() / "range" / state / "000000.tiff", map(0));
+    }
+    const CommandResult mesh = run_palpate({"mesh", scratch / "range", "-o", scratch / "meshes"});
+    EXPECT_EQ(mesh.status, kWrongCall);
+    EXPECT_NE(mesh.err.find("files of two runs"), std::string::npos) << mesh.err;
+    EXPECT_EQ(figures(scratch / "frames", {"--resume"})["kept"], 2);
+    EXPECT_EQ(results(), after);
+    EXPECT_EQ(hidden(), 0);
+  }
+}
+
+// Ctrl-C in a terminal goes to the X server in memory as well.
+TEST_F(DecodeSequence, InterruptingWhileItDrawsIsNoErrorOfTheXServer) {
+  for (int i = 10; i < 22; ++i) add_frame(std::to_string(i) + ".png");
+  const CommandResult stopped = interrupt({"--pictures", "--sigma"}, scratch / "range/000001.png");
+  EXPECT_EQ(stopped.status, 130);
+  EXPECT_EQ(std::count(stopped.err.begin(), stopped.err.end(), '\n'), 1) << stopped.err;
+  EXPECT_NE(stopped.err.find(" of 15 frames are finished and kept; continue with --resume"),
+            std::string::npos)
+      << stopped.err;
+  EXPECT_EQ(hidden(), 0);
 }
 
 TEST_F(DecodeSequence, AVideoWithoutLossesGivesWhatItsImagesGive) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
@@ -95,6 +96,39 @@ TEST_F(MeshSequence, MeshesOfAnotherSequenceAreNotMixedIn) {
   EXPECT_EQ(result.status, kWrongCall);
   EXPECT_NE(result.err.find("000008.ply: is a mesh of no range map"), std::string::npos);
   EXPECT_FALSE(fs::exists(scratch / "meshes/000003.ply"));
+}
+
+TEST_F(MeshSequence, LeftOversOfAKilledRunAreNoData) {
+  fs::create_directory(scratch / "meshes");
+  for (const char* file : {"range/.palpate-tmp-a-1-0-f.tiff", "meshes/.palpate-tmp-a-1-0-f.ply",
+                           "range/._000003.tiff"})
+    write_text(scratch / file, "half");
+  const auto made = figures({"mesh", scratch / "range", "-o", scratch / "meshes"});
+  EXPECT_EQ(made["range_maps"], 2);
+}
+
+TEST_F(MeshSequence, MeshesOfAnEarlierRunAreReplacedAsAWhole) {
+  figures({"mesh", scratch / "range", "-o", scratch / "meshes", "--tolerance", "1"});
+  const std::string small = read_text(scratch / "meshes/000003.ply");
+  const std::string large = read_text(scratch / "meshes/000007.ply");
+  cv::Mat part(480, 640, CV_32F, cv::Scalar(std::numeric_limits<float>::quiet_NaN()));
+  const cv::Rect inner(300, 220, 10, 10);
+  bumps()(inner).copyTo(part(inner));
+  cv::imwrite(scratch / "range/000003.tiff", part);
+  // Only the first mesh finds room.
+  constexpr unsigned long kRoom = 100000;
+  const CommandResult full =
+      run_palpate({"mesh", scratch / "range", "-o", scratch / "meshes", "--threads", "1"},
+                  {.max_file_size = kRoom});
+  EXPECT_EQ(full.status, kWorkFailed);
+  EXPECT_NE(full.err.find("000007.ply: cannot be written"), std::string::npos) << full.err;
+  EXPECT_EQ(read_text(scratch / "meshes/000003.ply"), small);
+  EXPECT_EQ(read_text(scratch / "meshes/000007.ply"), large);
+  // A mesh that has no successor goes with the others, and nothing else is left.
+  write_text(scratch / "range/000007.tiff", "broken");
+  EXPECT_EQ(run_palpate({"mesh", scratch / "range", "-o", scratch / "meshes"}).status, kWorkFailed);
+  EXPECT_NE(read_text(scratch / "meshes/000003.ply"), small);
+  EXPECT_EQ(std::distance(fs::directory_iterator(scratch / "meshes"), fs::directory_iterator()), 1);
 }
 
 TEST_F(MeshSequence, DepthsAreSmoothedWithinTheirDeviations) {

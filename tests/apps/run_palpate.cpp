@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
 #include "run_palpate.h"
-#include "repository.h"
 
 #include <fcntl.h>
+#include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -16,10 +16,16 @@
 #include <stdexcept>
 #include <thread>
 
+#include "output_schema.h"
+#include "repository.h"
+
 namespace palpate::apps {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// A status above this is that of a wrong call or a signal; help may be all that was printed.
+constexpr int kFiguresPrinted = 1;
 
 /// In the child: limits, redirections, and the program itself.
 [[noreturn]] void become_palpate(const std::vector<std::string>& arguments,
@@ -28,6 +34,8 @@ namespace fs = std::filesystem;
   dup2(open(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), STDOUT_FILENO);
   dup2(open(err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), STDERR_FILENO);
   dup2(open("/dev/null", O_RDONLY), STDIN_FILENO);
+  setpgid(0, 0);
+  signal(SIGINT, SIG_DFL);  // a shell may have started the tests with SIGINT ignored
   if (options.max_file_size) {
     signal(SIGXFSZ, SIG_IGN);
     const rlimit limit{*options.max_file_size, *options.max_file_size};
@@ -59,12 +67,17 @@ CommandResult run_palpate(const std::vector<std::string>& arguments,
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
       waitid(P_PID, static_cast<id_t>(child), &ended, WEXITED | WNOHANG | WNOWAIT);
     }
-    kill(child, SIGINT);
+    kill(-child, SIGINT);
   }
   waitpid(child, &status, 0);
-  return {.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status),
-          .out = read_text(out),
-          .err = read_text(err)};
+  CommandResult result{.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status),
+                       .out = read_text(out),
+                       .err = read_text(err)};
+  const std::optional<std::string> command = command_with_figures(arguments);
+  if (command && !result.out.empty() && result.status <= kFiguresPrinted) {
+    EXPECT_EQ(differences_from_schema(*command, result.out), "");
+  }
+  return result;
 }
 
 fs::path demo_data() { return repository("demo"); }

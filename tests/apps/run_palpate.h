@@ -22,13 +22,15 @@ struct CommandResult {
 };
 
 struct CommandOptions {
-  /// Sends Ctrl-C as soon as this file exists.
+  /// Sends Ctrl-C, as a terminal does: also to the processes it started, as soon as this file
+  /// exists.
   std::optional<std::filesystem::path> interrupt_when_there_is = {};
   /// Limit of the file size [bytes], which looks like a full disk to the program.
   std::optional<unsigned long> max_file_size = {};
 };
 
-/// Runs the `palpate` of this build and waits for it.
+/// Runs the `palpate` of this build and waits for it. Figures that it prints in JSON are compared
+/// with docs/output.schema.json.
 CommandResult run_palpate(const std::vector<std::string>& arguments,
                           const CommandOptions& options = {});
 

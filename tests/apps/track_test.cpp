@@ -220,6 +220,28 @@ TEST_F(Track, AResumedRunGivesWhatAnUninterruptedRunGives) {
   EXPECT_EQ(content(scratch / "meshes"), content(scratch / "whole"));
 }
 
+TEST_F(Track, AnEarlierRunStaysAsAWholeUntilAnotherOneIsComplete) {
+  ASSERT_EQ(track().status, kDone);
+  const auto before = content(scratch / "meshes");
+  const std::vector<std::string> other = {"--threads", "1", "--stiffness", "2", "--format", "obj"};
+  const CommandResult part =
+      track(other, "meshes",
+            {.interrupt_when_there_is = scratch / "meshes/.palpate-unfinished/000001.obj"});
+  ASSERT_EQ(part.status, kInterrupted) << part.err;
+  EXPECT_NE(part.err.find("holds the results of the earlier run, unchanged; "), std::string::npos)
+      << part.err;
+  fs::rename(scratch / "meshes/.palpate-unfinished", scratch / "unfinished");
+  EXPECT_EQ(content(scratch / "meshes"), before);
+  fs::rename(scratch / "unfinished", scratch / "meshes/.palpate-unfinished");
+  std::vector<std::string> rest = other;
+  rest.emplace_back("--resume");
+  const CommandResult resumed = track(rest);
+  ASSERT_EQ(resumed.status, kDone) << resumed.err;
+  EXPECT_GE(json::parse(resumed.out)["kept"], 1);
+  ASSERT_EQ(track(other, "whole").status, kDone);
+  EXPECT_EQ(content(scratch / "meshes"), content(scratch / "whole"));
+}
+
 TEST_F(Track, AResumedRunTracksAnewFromTheFirstRangeMapThatChanged) {
   ASSERT_EQ(track().status, kDone);
   fs::copy(map_file(3), map_file(2), fs::copy_options::overwrite_existing);

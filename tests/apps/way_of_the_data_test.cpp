@@ -20,7 +20,8 @@ nlohmann::json figures(std::vector<std::string> arguments) {
   arguments.emplace_back("--json");
   const CommandResult result = run_palpate(arguments);
   EXPECT_EQ(result.status, 0) << result.err;
-  EXPECT_TRUE(result.err.empty()) << result.err;
+  for (const char* mark : {"error: ", "warning: "})
+    EXPECT_EQ(result.err.find(mark), std::string::npos) << result.err;
   return nlohmann::json::parse(result.out);
 }
 

@@ -31,7 +31,7 @@ class WrongOptions : public ::testing::Test {
                                            << result.out << result.err;
       EXPECT_NE(result.err.find(call.place), std::string::npos)
           << "no '" << call.place << "' in: " << result.err;
-      EXPECT_EQ(result.err.find(".tmp"), std::string::npos) << result.err;
+      EXPECT_EQ(result.err.find(".palpate-"), std::string::npos) << result.err;
       EXPECT_TRUE(result.out.empty()) << result.out;
     }
     EXPECT_FALSE(fs::exists(scratch / "out"));

@@ -47,6 +47,18 @@ struct CompareCall {
   geometry::ReadOptions meshes;
 };
 
+void check_is_surface(const fs::path& path) {
+  if (!is_folder(path)) return;
+  if (is_there(path / "field.json") || is_there(path / "field.cbor")) {
+    throw InvalidInput(path.string() +
+                       ": is a model folder; compare measures the distance of surfaces. Give its "
+                       "surface, " +
+                       (path / "surface.ply").string() +
+                       ". To compare the forces of a model with known ones, use palpate evaluate.");
+  }
+  throw InvalidInput(path.string() + ": is a folder; give one range map or mesh in it.");
+}
+
 geometry::TriangleMesh load_surface(const fs::path& path, const CompareCall& call) {
   geometry::TriangleMesh mesh = is_range_map(path)
                                     ? geometry::mesh_range_map(load_range_map(path, call.rig)).mesh
@@ -347,6 +359,8 @@ void add_compare(CLI::App& app, const Settings& settings) {
     if (section->count() > 0 && call->section.empty()) call->section = "section.png";
     check_outputs({call->a, call->b, call->mask}, {call->section, call->picture, call->aligned});
     check_pictures({call->section, call->picture});
+    check_is_surface(call->a);
+    check_is_surface(call->b);
     const bool pixels =
         is_range_map(call->a) && is_range_map(call->b) && !call->align && call->section.empty();
     if (!pixels && !call->mask.empty()) {

@@ -32,6 +32,7 @@
 #include "shared/fingerprint.h"
 #include "shared/inputs.h"
 #include "shared/progress.h"
+#include "shared/result_folder.h"
 
 namespace palpate::apps {
 namespace {
@@ -48,7 +49,8 @@ struct DecodeCall {
   std::vector<double> anchor;
   double window_periods = sensing::DecodeOptions{}.window_periods;
   bool half = false;
-  DecodeOutputs outputs;
+  fs::path output;        ///< the folder for the results
+  DecodeOutputs outputs;  ///< in the folder where this run writes
   bool resume = false;
 };
 
@@ -142,15 +144,29 @@ void write_frame(const DecodeCall& call, FrameItem& item) {
 
 /// Whether the rig is the one stored with the range maps.
 bool lies_in_output(const DecodeCall& call) {
-  return fs::weakly_canonical(call.rig) == fs::weakly_canonical(call.outputs.folder / "rig.yaml");
+  return fs::weakly_canonical(call.rig) == fs::weakly_canonical(call.output / "rig.yaml");
+}
+
+/// What the folder holds after a run that did not finish. The table of its frames is written too,
+/// as far as the disk has room for it.
+std::string what_is_kept(const ResultFolder& folder, const DecodeRecord& record,
+                         const sensing::FrameSource& source) {
+  try {
+    record.write_table();
+  } catch (const OutputError&) {  // --resume needs only the record
+  }
+  return folder.what_is_kept(record.finished(),
+                             std::max(record.finished(), source.expected_frames()));
 }
 
 /// Decodes all frames that are not finished. All outputs of a frame are written or drawn while it
 /// is in the pipeline; only its figures are kept.
 Outcomes decode_all(const sensing::Decoder& decoder, const DecodeCall& call,
-                    sensing::FrameSource& source, DecodeRecord& record) {
+                    sensing::FrameSource& source, const ResultFolder& folder,
+                    DecodeRecord& record) {
   std::once_flag begun;
   const auto begin = [&] {
+    folder.begin();
     record.begin();
     // Written before the first range map, so that range maps of an interrupted run are usable. A
     // rig that is already there is kept as it was written.
@@ -184,8 +200,10 @@ Outcomes decode_all(const sensing::Decoder& decoder, const DecodeCall& call,
   };
   try {
     work_in_order<FrameItem>(next, work, deliver, usual_live_items());
+  } catch (const Interrupted&) {
+    throw Interrupted{"interrupted; " + what_is_kept(folder, record, source)};
   } catch (...) {
-    record.write_table();
+    if (record.finished() > 0) spdlog::warn("{}", what_is_kept(folder, record, source));
     throw;
   }
   record.write_table();
@@ -214,7 +232,7 @@ void report(const Settings& settings, const DecodeCall& call, const Outcomes& ou
       spdlog::error("{}", outcome.error);
       continue;
     }
-    const fs::path map = numbered(call.outputs.folder, number, ".tiff");
+    const fs::path map = numbered(call.output, number, ".tiff");
     ++decoded;
     milliseconds.push_back(frame.milliseconds);
     per_frame.push_back({{"frame", frame.name},
@@ -255,12 +273,11 @@ sensing::FrameSource open_frames(const DecodeCall& call) {
   sensing::FrameSourceOptions options;
   if (!call.bayer.empty()) options.bayer = sensing::bayer_pattern(call.bayer);
   sensing::FrameSource source(call.frames, options);
-  check_outputs(call.frames, {call.outputs.folder});
+  check_outputs(call.frames, {call.output});
   for (const fs::path& file : source.files()) {
     std::error_code not_there;
-    if (!fs::equivalent(fs::canonical(file).parent_path(), call.outputs.folder, not_there))
-      continue;
-    throw InvalidInput(file.string() + ": lies in " + call.outputs.folder.string() +
+    if (!fs::equivalent(fs::canonical(file).parent_path(), call.output, not_there)) continue;
+    throw InvalidInput(file.string() + ": lies in " + call.output.string() +
                        ", the output folder, so results could replace frames of the same "
                        "name. Choose another --output.");
   }
@@ -294,7 +311,13 @@ void decode(const Settings& settings, DecodeCall call) {
   const sensing::Pattern pattern = sensing::read_pattern(call.pattern);
   sensing::check_pattern_fits(pattern, rig.projector, call.pattern.string());
   sensing::TrainedColors colors;
-  if (!call.colors.empty()) colors = sensing::read_trained_colors(call.colors);
+  if (!call.colors.empty()) {
+    colors = sensing::read_trained_colors(call.colors);
+  } else if (!pattern.stripe_edges.empty()) {
+    throw InvalidInput("--colors: is missing; " + call.pattern.string() +
+                       " has coloured stripes. Give the trained colours (colors.yaml), as palpate "
+                       "calibrate colors writes them.");
+  }
   sensing::DecodeOptions options;
   options.window_periods = call.window_periods;
   options.half_resolution = call.half;
@@ -304,18 +327,21 @@ void decode(const Settings& settings, DecodeCall call) {
   const sensing::Decoder decoder(rig, pattern, colors, options);
   std::vector<std::string> inputs;
   for (const fs::path& file : source.files()) inputs.push_back(file.filename().string());
-  const fs::path& folder = call.outputs.folder;
-  DecodeRecord record(folder, settings_of(call), inputs);
+  using enum ResultFolder::Unfinished;
+  ResultFolder folder(call.output, decoded_files, call.resume ? resumed : kept);
+  call.outputs.folder = folder.place();
+  DecodeRecord record(folder.place(), settings_of(call), inputs);
   if (call.resume) record.resume();
 
   const Clock::time_point start = Clock::now();
-  const Outcomes outcomes = decode_all(decoder, call, source, record);
+  const Outcomes outcomes = decode_all(decoder, call, source, folder, record);
   const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
   const auto broken = std::count_if(outcomes.begin(), outcomes.end(),
                                     [](const auto& entry) { return !entry.second.error.empty(); });
   if (outcomes.empty())
     throw FileError(call.frames.front().string() + ": holds no frame; pass images or a video.");
   if (broken == static_cast<long>(outcomes.size())) throw FileError(outcomes.begin()->second.error);
+  folder.finish([](const fs::path&) { return true; });
   report(settings, call, outcomes, seconds);
   if (broken > 0)
     throw Error(fmt::format("{} of {} frames could not be decoded; the others were decoded.",
@@ -364,7 +390,7 @@ void add_decode(CLI::App& app, const Settings& settings) {
       ->check(one_of({"flood", "snakes"}))
       ->capture_default_str();
   DecodeOutputs& outputs = call->outputs;
-  command->add_option("-o,--output", outputs.folder, "Folder for the range maps")->required();
+  command->add_option("-o,--output", call->output, "Folder for the range maps")->required();
   command->add_option("--meshes", outputs.meshes, "Also write each range map as a mesh")
       ->check(one_of({"ply", "obj", "stl"}));
   command->add_flag("--pictures", outputs.pictures,
@@ -385,9 +411,10 @@ void add_decode(CLI::App& app, const Settings& settings) {
       "belongs to which range map.\n"
       "A broken frame is reported and skipped, and the exit status is 1; the other frames keep "
       "their numbers.\n"
-      "Without --resume, results of an earlier run in the folder are removed first. With --resume, "
-      "frames are kept for which decode.jsonl, the record of finished frames, and all requested "
-      "files exist. Ctrl-C keeps the frames that are finished.\n"
+      "Without --resume, results of an earlier run in the folder are replaced when all frames are "
+      "decoded; until then they stay as they are. With --resume, frames are kept for which "
+      "decode.jsonl, the record of finished frames, and all requested files exist. Ctrl-C keeps "
+      "the frames that are finished, for --resume.\n"
       "Examples:\n  palpate decode frames/ --rig rig.yaml --pattern pattern.yaml --colors "
       "colors.yaml -o range/ --meshes ply\n"
       "  palpate decode wave.mkv --bayer rggb --rig rig.yaml --pattern pattern.yaml --colors "

@@ -32,14 +32,6 @@ bool is_ending(std::string_view rest) {
   return false;
 }
 
-/// The name of the file for which a temporary file is made: "000001.tmp-host-12-3-a5.tiff" is for
-/// "000001.tiff". Other names stay.
-std::string final_name(std::string name) {
-  const std::size_t mark = name.find(".tmp-");
-  if (mark != std::string::npos) name.erase(mark, name.find_last_of('.') - mark);
-  return name;
-}
-
 }  // namespace
 
 fs::path numbered(const fs::path& folder, std::size_t number, const std::string& ending) {
@@ -47,7 +39,7 @@ fs::path numbered(const fs::path& folder, std::size_t number, const std::string&
 }
 
 bool is_numbered(const fs::path& name) {
-  const std::string text = final_name(name.string());
+  const std::string text = name.string();
   const auto digits = static_cast<std::size_t>(
       std::find_if(text.begin(), text.end(), [](unsigned char c) { return std::isdigit(c) == 0; }) -
       text.begin());

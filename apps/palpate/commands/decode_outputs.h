@@ -25,7 +25,7 @@ struct DecodeOutputs {
 [[nodiscard]] std::filesystem::path numbered(const std::filesystem::path& folder,
                                              std::size_t number, const std::string& ending);
 
-/// Whether `numbered` gives such a name, or it is the temporary file of such a name.
+/// Whether `numbered` gives such a name.
 [[nodiscard]] bool is_numbered(const std::filesystem::path& name);
 
 /// Writes the data of a frame. A frame without a surface has no mesh.

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <limits>
 #include <ostream>
 #include <system_error>
@@ -21,6 +22,8 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
+constexpr const char* kDecodeFile = "decode.jsonl";
+constexpr const char* kDecodeTable = "frames.csv";
 constexpr const char* kDecodeRecord = "frames of palpate decode";
 
 /// What the user can do without the record, for messages.
@@ -74,6 +77,24 @@ std::size_t count_finished_frames(const fs::path& file) {
   }
 }
 
+std::vector<fs::path> decoded_files(const fs::path& folder) {
+  const bool is_ours = is_there(folder / kDecodeFile);
+  const auto refusal = [](const fs::path& path) {
+    return InvalidInput(path.string() +
+                        ": would be replaced, but the folder has no decode.jsonl, which shows that "
+                        "palpate decode wrote it. Nothing was changed. Give a new or an empty "
+                        "folder, or remove the file.");
+  };
+  if (!is_ours && is_there(folder / kDecodeTable)) throw refusal(folder / kDecodeTable);
+  std::vector<fs::path> files;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    if (!is_numbered(entry.path().filename())) continue;
+    if (!is_ours) throw refusal(entry.path());
+    files.push_back(entry.path().filename());
+  }
+  return files;
+}
+
 FinishedFrame stamped(const sensing::SourceFrame& frame) {
   FinishedFrame stamp{.number = frame.number, .name = frame.name};
   std::error_code error;
@@ -86,6 +107,8 @@ FinishedFrame stamped(const sensing::SourceFrame& frame) {
 
 DecodeRecord::DecodeRecord(fs::path folder, Json settings, std::vector<std::string> inputs)
     : folder_(std::move(folder)), settings_(std::move(settings)), inputs_(std::move(inputs)) {}
+
+fs::path DecodeRecord::file() const { return folder_ / kDecodeFile; }
 
 void DecodeRecord::check_inputs(const Json& head) const {
   const auto before = head.at("inputs").get<std::vector<std::string>>();
@@ -100,8 +123,7 @@ void DecodeRecord::check_inputs(const Json& head) const {
 }
 
 void DecodeRecord::resume() {
-  resumed_ = is_there(file());
-  if (!resumed_) return;
+  if (!is_there(file())) return;
   const RunRecord record = read_run_record(file(), kDecodeRemedy);
   try {
     check_same_settings(file(), record.head.at("settings"), settings_, kDecodeRemedy);
@@ -112,27 +134,7 @@ void DecodeRecord::resume() {
   }
 }
 
-void DecodeRecord::remove_earlier_outputs() const {
-  if (!is_there(folder_)) return;
-  const bool is_ours = is_there(file());
-  const auto refusal = [](const fs::path& path) {
-    return InvalidInput(path.string() +
-                        ": would be replaced, but the folder has no decode.jsonl, which shows that "
-                        "palpate decode wrote it. Nothing was changed. Give a new or an empty "
-                        "folder, or remove the file.");
-  };
-  if (!is_ours && is_there(folder_ / "frames.csv")) throw refusal(folder_ / "frames.csv");
-  std::vector<fs::path> old;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder_)) {
-    if (!is_numbered(entry.path().filename())) continue;
-    if (!is_ours) throw refusal(entry.path());
-    old.push_back(entry.path());
-  }
-  for (const fs::path& path : old) fs::remove(path);
-}
-
 void DecodeRecord::begin() {
-  if (!resumed_) remove_earlier_outputs();
   RunRecord record{.head = {{"kind", kDecodeRecord}, {"settings", settings_}, {"inputs", inputs_}},
                    .items = {}};
   for (const auto& [number, frame] : earlier_) record.items.push_back(to_json(frame));
@@ -145,14 +147,20 @@ void DecodeRecord::add(const FinishedFrame& frame) {
 }
 
 void DecodeRecord::write_table() const {
-  if (!writer_) return;
+  if (finished() == 0) return;
   std::map<std::size_t, std::string> names = added_;
   for (const auto& [number, frame] : earlier_) names.try_emplace(number, frame.name);
-  write_file(folder_ / "frames.csv", [&](std::ostream& out) {
+  write_file(folder_ / kDecodeTable, [&](std::ostream& out) {
     out << "range_map,frame\n";
     for (const auto& [number, name] : names)
       out << numbered({}, number, ".tiff").string() << ',' << probing::to_cell(name) << '\n';
   });
+}
+
+std::size_t DecodeRecord::finished() const {
+  return earlier_.size() +
+         static_cast<std::size_t>(std::ranges::count_if(
+             added_, [&](const auto& entry) { return !earlier_.contains(entry.first); }));
 }
 
 const FinishedFrame* DecodeRecord::find(const sensing::SourceFrame& frame) const {

@@ -34,6 +34,10 @@ struct FinishedFrame {
 /// \throws FileError if it is not a record of `palpate decode`.
 [[nodiscard]] std::size_t count_finished_frames(const std::filesystem::path& file);
 
+/// Lists what `palpate decode` wrote for the frames in a folder, with names relative to it.
+/// \throws InvalidInput if there are such files but no record, so that they may be somebody else's.
+[[nodiscard]] std::vector<std::filesystem::path> decoded_files(const std::filesystem::path& folder);
+
 /// Records in `decode.jsonl` which frames of a folder of range maps are finished, for --resume.
 ///
 /// `find` reads only what `resume` read, and `begin` and `add` do not change that: one thread may
@@ -50,16 +54,16 @@ class DecodeRecord {
   /// \throws FileError if its record cannot be read.
   void resume();
 
-  /// Starts the record, before the first range map is written. Files of an earlier run are removed
-  /// unless it was resumed, so that the folder never holds frames of two sequences.
-  /// \throws InvalidInput if the folder holds range maps but no record.
+  /// Starts the record, before the first range map is written.
+  /// \throws OutputError if it cannot be written.
   void begin();
 
   /// Appends a frame. \pre `begin` was called.
   /// \throws OutputError if the record cannot be written.
   void add(const FinishedFrame& frame);
 
-  /// Writes `frames.csv`: which range map belongs to which frame. Does nothing before `begin`.
+  /// Writes `frames.csv`: which range map belongs to which frame. Does nothing if no frame
+  /// is finished.
   /// \throws OutputError if it cannot be written.
   void write_table() const;
 
@@ -67,15 +71,17 @@ class DecodeRecord {
   /// \return null if there is none, or the frame's file has changed since.
   [[nodiscard]] const FinishedFrame* find(const sensing::SourceFrame& frame) const;
 
+  /// The number of frames that are finished, in this run or an earlier one. Must not overlap with
+  /// `add`.
+  [[nodiscard]] std::size_t finished() const;
+
  private:
-  [[nodiscard]] std::filesystem::path file() const { return folder_ / "decode.jsonl"; }
+  [[nodiscard]] std::filesystem::path file() const;
   void check_inputs(const nlohmann::ordered_json& head) const;
-  void remove_earlier_outputs() const;
 
   std::filesystem::path folder_;
   nlohmann::ordered_json settings_;
   std::vector<std::string> inputs_;
-  bool resumed_ = false;
   std::map<std::size_t, FinishedFrame> earlier_;  ///< constant after `resume`
   std::map<std::size_t, std::string> added_;      ///< names by number
   std::optional<RunRecordWriter> writer_;         ///< after `begin`

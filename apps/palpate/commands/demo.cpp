@@ -10,6 +10,7 @@
 
 #include "commands/demo.h"
 #include "palpate/error.h"
+#include "palpate/file_names.h"
 #include "shared/command_line.h"
 
 namespace palpate::apps {
@@ -75,7 +76,7 @@ std::string feeling_table(const Json& sheets) {
 std::string list_files(const fs::path& output) {
   std::vector<std::string> files;
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(output)) {
-    if (entry.is_regular_file()) files.push_back(entry.path().string());
+    if (entry.is_regular_file() && !is_hidden(entry.path())) files.push_back(entry.path().string());
   }
   std::sort(files.begin(), files.end());
   std::string list = "WRITTEN (look at the .png first):\n";

@@ -11,6 +11,7 @@
 
 #include "commands/mesh_steps.h"
 #include "palpate/error.h"
+#include "palpate/file_names.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/pictures/draw_mesh.h"
 #include "palpate/require.h"
@@ -19,6 +20,7 @@
 #include "shared/command_line.h"
 #include "shared/inputs.h"
 #include "shared/progress.h"
+#include "shared/result_folder.h"
 
 namespace palpate::apps {
 namespace {
@@ -57,20 +59,24 @@ struct SequenceItem {
   std::string error;  ///< empty if it worked
 };
 
-/// Rejects an output folder that holds meshes of another sequence.
-void check_sequence_folder(const MeshCall& call, const std::vector<fs::path>& maps) {
-  if (!call.picture.empty())
-    throw InvalidInput("--picture: works for one mesh, not for a folder of range maps.");
-  if (!is_there(call.output)) return;
+/// Lists the meshes of the range maps that are there from an earlier run.
+/// \throws InvalidInput if the folder holds meshes of another sequence.
+std::vector<fs::path> earlier_meshes(const MeshCall& call, const std::vector<fs::path>& maps,
+                                     const fs::path& folder) {
   std::set<std::string> ours;
   for (const fs::path& map : maps) ours.insert(map.stem().string());
-  for (const fs::directory_entry& entry : fs::directory_iterator(call.output)) {
-    const fs::path& other = entry.path();
-    if (other.extension() != "." + call.format || ours.contains(other.stem().string())) continue;
-    throw InvalidInput(other.string() + ": is a mesh of no range map in " + call.input.string() +
-                       ", so two sequences would be mixed. Pass a new or an empty folder, or "
-                       "remove this file.");
+  std::vector<fs::path> meshes;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    const fs::path& mesh = entry.path();
+    if (mesh.extension() != "." + call.format || is_hidden(mesh)) continue;
+    if (!ours.contains(mesh.stem().string())) {
+      throw InvalidInput(mesh.string() + ": is a mesh of no range map in " + call.input.string() +
+                         ", so two sequences would be mixed. Pass a new or an empty folder, or "
+                         "remove this file.");
+    }
+    meshes.push_back(mesh.filename());
   }
+  return meshes;
 }
 
 void make_one(const MeshCall& call, SequenceItem& item) {
@@ -85,10 +91,20 @@ void make_one(const MeshCall& call, SequenceItem& item) {
   }
 }
 
+/// The name of the mesh of a range map.
+fs::path mesh_name(const MeshCall& call, const fs::path& range_map) {
+  return range_map.stem().string() + "." + call.format;
+}
+
 void mesh_sequence(const Settings& settings, const MeshCall& call) {
+  if (!call.picture.empty())
+    throw InvalidInput("--picture: works for one mesh, not for a folder of range maps.");
   check_outputs({call.input}, {call.output});
   const std::vector<fs::path> maps = list_range_maps(call.input);
-  check_sequence_folder(call, maps);
+  ResultFolder folder(
+      call.output, [&](const fs::path& output) { return earlier_meshes(call, maps, output); },
+      ResultFolder::Unfinished::dropped);
+  folder.begin();
   nlohmann::ordered_json per_mesh = nlohmann::ordered_json::array();
   std::size_t broken = 0, begun = 0;
   std::string first_error, prose;
@@ -96,18 +112,17 @@ void mesh_sequence(const Settings& settings, const MeshCall& call) {
   const auto next = [&]() -> std::optional<SequenceItem> {
     if (begun == maps.size()) return std::nullopt;
     const fs::path& map = maps[begun++];
-    return SequenceItem{.input = map,
-                        .output = call.output / (map.stem().string() + "." + call.format),
-                        .figures = {},
-                        .error = {}};
+    return SequenceItem{
+        .input = map, .output = folder.place() / mesh_name(call, map), .figures = {}, .error = {}};
   };
   const auto deliver = [&](SequenceItem& item) {
     nlohmann::ordered_json entry = {{"range_map", item.input.filename().string()}};
     if (item.error.empty()) {
-      entry["file"] = item.output.string();
+      const std::string file = (call.output / item.output.filename()).string();
+      entry["file"] = file;
       entry.update(item.figures);
-      prose += fmt::format("{} -> {}: {} triangles\n", item.input.filename().string(),
-                           item.output.string(), item.figures["triangles"].get<long>());
+      prose += fmt::format("{} -> {}: {} triangles\n", item.input.filename().string(), file,
+                           item.figures["triangles"].get<long>());
     } else {
       entry["error"] = item.error;
       spdlog::error("{}", item.error);
@@ -116,9 +131,14 @@ void mesh_sequence(const Settings& settings, const MeshCall& call) {
     per_mesh.push_back(std::move(entry));
     progress.show(static_cast<int>(per_mesh.size()), static_cast<int>(maps.size()));
   };
-  work_in_order<SequenceItem>(
-      next, [&](SequenceItem& item) { make_one(call, item); }, deliver, usual_live_items());
+  try {
+    work_in_order<SequenceItem>(
+        next, [&](SequenceItem& item) { make_one(call, item); }, deliver, usual_live_items());
+  } catch (const Interrupted&) {
+    throw Interrupted{"interrupted; " + folder.what_is_kept(per_mesh.size() - broken, maps.size())};
+  }
   if (broken == maps.size()) throw FileError(first_error);
+  folder.finish([](const fs::path&) { return true; });
   print(settings,
         {{"range_maps", maps.size()}, {"meshes", maps.size() - broken}, {"per_mesh", per_mesh}},
         prose + fmt::format("{} of {} range maps were meshed, in {}", maps.size() - broken,
@@ -182,14 +202,15 @@ void add_mesh(CLI::App& app, const Settings& settings) {
   command->footer(
       "The steps are done in this order: smooth depths, repair, fill holes, smooth, decimate.\n"
       "A folder of range maps gives a sequence of meshes with the same names; a range map that "
-      "cannot be meshed is reported and skipped, and the exit status is 1.\n\n"
+      "cannot be meshed is reported and skipped, and the exit status is 1. Meshes of an earlier "
+      "run are replaced as a whole when all are done.\n\n"
       "Examples:\n  palpate mesh range/000000.tiff -o surface.ply --tolerance 0.2\n"
       "  palpate mesh range/ -o meshes/ --format obj --fill-holes 10 --tolerance 0.2\n"
       "  palpate mesh broken.stl --repair --fill-holes 20 -o whole.ply\n"
       "  palpate mesh depth.png --scale 0.125 --intrinsics 476.007,476.007,313.683,242.755 -o "
       "hand.ply");
   command->callback([call, format, &settings] {
-    if (is_there(call->input) && is_folder(call->input)) {
+    if (is_folder(call->input)) {
       mesh_sequence(settings, *call);
     } else if (format->count() > 0) {
       throw InvalidInput(

@@ -96,14 +96,15 @@ void repair(MadeMesh& made) {
                             {"flipped_edges", repaired.flipped_edges},
                             {"turned_triangles", repaired.turned_triangles},
                             {"welded_vertices", repaired.welded_vertices},
+                            {"split_vertices", repaired.split_vertices},
                             {"removed_vertices", repaired.removed_vertices},
                             {"cut_edges", repaired.cut_edges}};
   made.prose += fmt::format(
       "repaired: {} triangles removed, {} edges flipped, {} triangles reoriented, {} vertices "
-      "welded "
-      "and {} removed, {} edges cut\n",
+      "welded, {} split and {} removed, {} edges cut\n",
       repaired.removed_triangles, repaired.flipped_edges, repaired.turned_triangles,
-      repaired.welded_vertices, repaired.removed_vertices, repaired.cut_edges);
+      repaired.welded_vertices, repaired.split_vertices, repaired.removed_vertices,
+      repaired.cut_edges);
   for (const geometry::MeshDefect& defect : geometry::find_defects(made.mesh))
     made.prose += "  remaining: " + geometry::describe(defect) + "\n";
 }

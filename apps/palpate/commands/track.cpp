@@ -7,6 +7,7 @@
 #include <chrono>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -24,6 +25,7 @@
 #include "shared/fingerprint.h"
 #include "shared/inputs.h"
 #include "shared/progress.h"
+#include "shared/result_folder.h"
 
 namespace palpate::apps {
 namespace {
@@ -39,6 +41,7 @@ constexpr Interval kReaches = at_least(geometry::NonRigidOptions{}.min_correspon
 
 struct TrackCall {
   fs::path input, reference, rig, output;
+  fs::path place;  ///< where this run writes, for `output`
   std::string format = "ply";
   geometry::ReadOptions meshes;
   TrackingOptions tracking;
@@ -46,14 +49,17 @@ struct TrackCall {
   bool resume = false;
 };
 
+fs::path mesh_name(const TrackCall& call, const fs::path& range_map) {
+  return range_map.stem().string() + "." + call.format;
+}
 fs::path mesh_file(const TrackCall& call, const fs::path& range_map) {
-  return call.output / (range_map.stem().string() + "." + call.format);
+  return call.place / mesh_name(call, range_map);
 }
 fs::path nodes_file(const TrackCall& call, const fs::path& range_map) {
-  return call.output / "nodes" / (range_map.stem().string() + ".ply");
+  return call.place / "nodes" / (range_map.stem().string() + ".ply");
 }
 fs::path picture_file(const TrackCall& call, const fs::path& range_map) {
-  return call.output / (range_map.stem().string() + ".png");
+  return call.place / (range_map.stem().string() + ".png");
 }
 
 bool is_complete(const TrackCall& call, const TrackedFrame& frame) {
@@ -149,7 +155,8 @@ void write(const TrackCall& call, const fs::path& range_map, const SurfaceTracke
 struct Tracking {
   std::vector<TrackedFrame> frames;
   std::size_t kept = 0;
-  double seconds = 0;  ///< for those that are not kept
+  std::size_t recorded = 0;  ///< of `frames`, with those that are kept
+  double seconds = 0;        ///< for those that are not kept
 };
 
 /// \throws InvalidInput if the first surface that was measured is not where the reference lies.
@@ -181,10 +188,10 @@ TrackedFrame track_one(const TrackCall& call, const Reference& reference, const 
   return lost(file.string() + ": " + frame.lost);
 }
 
-Tracking track_all(const TrackCall& call, const std::vector<fs::path>& maps,
-                   const Reference& reference, TrackRecord& record) {
+/// Tracks the frames that are not kept, and adds them to `tracking`.
+void track_all(const TrackCall& call, const std::vector<fs::path>& maps, const Reference& reference,
+               const ResultFolder& folder, TrackRecord& record, Tracking& tracking) {
   SurfaceTracker tracker(call.tracking, reference.mesh);
-  Tracking tracking{.frames = record.kept(), .kept = record.kept().size(), .seconds = 0};
   for (const TrackedFrame& frame : tracking.frames) {
     if (!frame.lost.empty()) spdlog::error("{}", frame.lost);
   }
@@ -198,7 +205,6 @@ Tracking track_all(const TrackCall& call, const std::vector<fs::path>& maps,
     progress.show(static_cast<int>(tracking.frames.size()), static_cast<int>(maps.size()));
   };
   show();
-  std::size_t recorded = tracking.kept;
   const Clock::time_point start = Clock::now();
   while (tracking.frames.size() < maps.size()) {
     const fs::path& file = maps[tracking.frames.size()];
@@ -206,9 +212,11 @@ Tracking track_all(const TrackCall& call, const std::vector<fs::path>& maps,
     const TrackedFrame& frame = tracking.frames.back();
     // Before a frame is found nothing is written: the call may be wrong.
     if (tracker.has_start()) {
+      if (tracking.recorded == tracking.kept) folder.begin();
       record.begin();
       if (frame.lost.empty()) write(call, file, tracker, frame.rms);
-      while (recorded < tracking.frames.size()) record.add(tracking.frames[recorded++]);
+      for (; tracking.recorded < tracking.frames.size(); ++tracking.recorded)
+        record.add(tracking.frames[tracking.recorded]);
     }
     if (frame.lost.empty()) {
       spdlog::info("{}: RMS {:.3f} mm, {:.1f} % of the vertices measured, {} iterations{}",
@@ -218,7 +226,6 @@ Tracking track_all(const TrackCall& call, const std::vector<fs::path>& maps,
     show();
   }
   tracking.seconds = std::chrono::duration<double>(Clock::now() - start).count();
-  return tracking;
 }
 
 void report(const Settings& settings, const TrackCall& call, const Tracking& tracking,
@@ -232,7 +239,7 @@ void report(const Settings& settings, const TrackCall& call, const Tracking& tra
     nlohmann::ordered_json entry = to_json(frame);
     entry["kept"] = i < tracking.kept;
     if (frame.lost.empty()) {
-      const std::string file = mesh_file(call, frame.range_map).string();
+      const std::string file = (call.output / mesh_name(call, frame.range_map)).string();
       entry["file"] = file;
       rms.push_back(frame.rms);
       prose += fmt::format(
@@ -272,7 +279,7 @@ void report(const Settings& settings, const TrackCall& call, const Tracking& tra
   }
 }
 
-void track(const Settings& settings, const TrackCall& call) {
+void track(const Settings& settings, TrackCall call) {
   if (!is_folder(call.input)) {
     throw InvalidInput(call.input.string() +
                        ": is a file; give a folder of range maps, as palpate decode writes them.");
@@ -281,14 +288,29 @@ void track(const Settings& settings, const TrackCall& call) {
   check_output_folder({call.input, call.reference, call.rig}, call.output);
   const fs::path rig = rig_of(maps.front(), call.rig);
   const Reference reference = load_reference(call, maps.front());
-  TrackRecord record(call.output, settings_of(call, reference.file, rig), maps);
-  record.check_folder();
+  using enum ResultFolder::Unfinished;
+  ResultFolder folder(call.output, tracked_files, call.resume ? resumed : kept);
+  call.place = folder.place();
+  TrackRecord record(folder.place(), settings_of(call, reference.file, rig), maps);
   if (call.resume)
     record.resume([&](const TrackedFrame& frame) { return is_complete(call, frame); });
-  const Tracking tracking = track_all(call, maps, reference, record);
+  Tracking tracking{
+      .frames = record.kept(), .kept = record.kept().size(), .recorded = record.kept().size()};
+  try {
+    track_all(call, maps, reference, folder, record, tracking);
+  } catch (const Interrupted&) {
+    throw Interrupted{"interrupted; " + folder.what_is_kept(tracking.recorded, maps.size())};
+  } catch (const OutputError&) {
+    spdlog::warn("{}", folder.what_is_kept(tracking.recorded, maps.size()));
+    throw;
+  }
   const bool is_lost = std::ranges::none_of(
       tracking.frames, [](const TrackedFrame& frame) { return frame.lost.empty(); });
   if (is_lost) throw FileError(tracking.frames.front().lost);
+  std::set<std::string> found;
+  for (const TrackedFrame& frame : tracking.frames)
+    if (frame.lost.empty()) found.insert(fs::path(frame.range_map).stem().string());
+  folder.finish([&](const fs::path& file) { return found.contains(file.stem().string()); });
   report(settings, call, tracking, reference.mesh);
 }
 
@@ -364,7 +386,7 @@ void add_track(CLI::App& app, const Settings& settings) {
       "was "
       "tracked, and the exit\nstatus is 1. track.jsonl contains the figures of each frame, nodes/ "
       "the data for --resume. Results of an earlier run in\nthe folder are replaced completely, "
-      "unless --resume is given; Ctrl-C keeps what is finished.\n"
+      "when all frames are tracked, unless --resume is given; Ctrl-C keeps what is finished.\n"
       "Examples:\n  palpate track range/ -o meshes/\n"
       "  palpate mesh range/000000.tiff --fill-holes 10 --tolerance 0.2 -o reference.ply\n"
       "  palpate track range/ --reference reference.ply -o meshes/ --format obj --resume");

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "palpate/error.h"
+#include "palpate/file_names.h"
 #include "shared/fingerprint.h"
 #include "shared/inputs.h"
 
@@ -19,6 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
+constexpr const char* kTrackFile = "track.jsonl";
 constexpr const char* kTrackRecord = "frames of palpate track";
 
 /// What the user can do without the record, for messages.
@@ -51,12 +53,6 @@ Json read_head(const fs::path& record) {
   return head.is_object() && head.value("kind", "") == kTrackRecord ? head : Json();
 }
 
-/// The range map that a file is for, by its name; temporaries are for the file they replace.
-std::string stem_of(const fs::path& file) {
-  const std::string name = file.filename().string();
-  return name.substr(0, std::min(name.find(".tmp-"), name.find_last_of('.')));
-}
-
 /// The names, without endings, of the range maps that a record is about.
 std::set<std::string> claimed_stems(const Json& head) {
   std::set<std::string> stems;
@@ -66,21 +62,36 @@ std::set<std::string> claimed_stems(const Json& head) {
   return stems;
 }
 
-/// Files that may be results, of any run.
-std::vector<fs::path> result_files(const fs::path& folder) {
+}  // namespace
+
+std::vector<fs::path> tracked_files(const fs::path& folder) {
+  const fs::path record = folder / kTrackFile;
+  const Json head = read_head(record);
+  if (is_there(record) && head.is_null()) {
+    throw InvalidInput(record.string() +
+                       ": would be replaced, and is not a record of palpate track; nothing is "
+                       "changed. Give a new or an empty folder, or remove it.");
+  }
+  const std::set<std::string> claimed = claimed_stems(head);
   std::vector<fs::path> files;
   for (const fs::path& place : {folder, folder / "nodes"}) {
     if (!is_there(place) || !is_folder(place)) continue;
     for (const fs::directory_entry& entry : fs::directory_iterator(place)) {
-      const fs::path extension = entry.path().extension();
-      if (extension == ".ply" || extension == ".obj" || extension == ".png")
-        files.push_back(entry.path());
+      const fs::path& file = entry.path();
+      const bool may_be_result =
+          file.extension() == ".ply" || file.extension() == ".obj" || file.extension() == ".png";
+      if (is_hidden(file) || !may_be_result) continue;
+      if (!claimed.contains(file.stem().string())) {
+        throw InvalidInput(file.string() +
+                           ": lies where meshes are to be written, and no track.jsonl says that it "
+                           "comes from an earlier run; nothing is changed. Give a new or an empty "
+                           "folder, or remove it.");
+      }
+      files.push_back(file.lexically_relative(folder));
     }
   }
   return files;
 }
-
-}  // namespace
 
 Json to_json(const TrackedFrame& frame) {
   Json json = {{"range_map", frame.range_map}, {"fingerprint", frame.fingerprint}};
@@ -102,24 +113,7 @@ Json to_json(const TrackedFrame& frame) {
 TrackRecord::TrackRecord(fs::path folder, Json settings, std::vector<fs::path> inputs)
     : folder_(std::move(folder)), settings_(std::move(settings)), inputs_(std::move(inputs)) {}
 
-void TrackRecord::check_folder() const {
-  if (!is_there(folder_)) return;
-  if (!is_folder(folder_)) throw InvalidInput(folder_.string() + ": is a file; give a folder.");
-  const Json head = read_head(path());
-  if (is_there(path()) && head.is_null()) {
-    throw InvalidInput(path().string() +
-                       ": would be replaced, and is not a record of palpate track; nothing is "
-                       "changed. Give a new or an empty folder, or remove it.");
-  }
-  const std::set<std::string> claimed = claimed_stems(head);
-  for (const fs::path& file : result_files(folder_)) {
-    if (claimed.contains(stem_of(file))) continue;
-    throw InvalidInput(file.string() +
-                       ": lies where meshes are to be written, and no track.jsonl says that it "
-                       "comes from an earlier run; nothing is changed. Give a new or an empty "
-                       "folder, or remove it.");
-  }
-}
+fs::path TrackRecord::path() const { return folder_ / kTrackFile; }
 
 void TrackRecord::check_inputs(const Json& head) const {
   const auto before = head.at("inputs").get<std::vector<std::string>>();
@@ -154,13 +148,6 @@ void TrackRecord::resume(const std::function<bool(const TrackedFrame&)>& is_comp
 
 void TrackRecord::begin() {
   if (writer_) return;
-  std::set<std::string> kept;
-  for (const TrackedFrame& frame : kept_) {
-    if (frame.lost.empty()) kept.insert(fs::path(frame.range_map).stem().string());
-  }
-  for (const fs::path& file : result_files(folder_)) {
-    if (!kept.contains(file.stem().string())) fs::remove(file);
-  }
   Json names = Json::array();
   for (const fs::path& input : inputs_) names.push_back(input.filename().string());
   RunRecord record{.head = {{"kind", kTrackRecord}, {"settings", settings_}, {"inputs", names}},

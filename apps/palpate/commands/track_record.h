@@ -31,16 +31,18 @@ struct TrackedFrame {
 /// The members of a frame as in the record.
 [[nodiscard]] nlohmann::ordered_json to_json(const TrackedFrame& frame);
 
+/// Lists what `palpate track` wrote for the range maps of an earlier run, with paths relative to
+/// `folder`.
+/// \throws InvalidInput if the folder holds a mesh that no record claims, or a file where a record
+/// is to be written.
+[[nodiscard]] std::vector<std::filesystem::path> tracked_files(const std::filesystem::path& folder);
+
 /// Records in `track.jsonl`, beside the meshes, which frames are finished, for --resume.
 class TrackRecord {
  public:
   /// `settings`: by name, all that the meshes depend on besides the range maps `inputs`.
   TrackRecord(std::filesystem::path folder, nlohmann::ordered_json settings,
               std::vector<std::filesystem::path> inputs);
-
-  /// \throws InvalidInput if the folder holds a mesh that no record claims, or a file where one is
-  /// to be written.
-  void check_folder() const;
 
   /// Takes over the frames that an earlier run finished, up to the first one whose range map has
   /// changed or which is not complete: each frame depends on the one before.
@@ -52,7 +54,7 @@ class TrackRecord {
   /// Frames that are taken over: those of the first range maps.
   [[nodiscard]] const std::vector<TrackedFrame>& kept() const { return kept_; }
 
-  /// Removes what an earlier run wrote for frames that are not kept. Later calls do nothing.
+  /// Starts the record with the frames that are kept. Later calls do nothing.
   /// \throws OutputError.
   void begin();
 
@@ -60,7 +62,7 @@ class TrackRecord {
   void add(const TrackedFrame& frame);
 
  private:
-  [[nodiscard]] std::filesystem::path path() const { return folder_ / "track.jsonl"; }
+  [[nodiscard]] std::filesystem::path path() const;
   void check_inputs(const nlohmann::ordered_json& head) const;
 
   std::filesystem::path folder_;

@@ -3,14 +3,35 @@
 #include "shared/command_line.h"
 
 #include <iostream>
+#include <memory>
 #include <nlohmann/json.hpp>
 
 namespace palpate::apps {
+namespace {
+
+class HelpFormatter : public CLI::Formatter {
+ public:
+  std::string make_footer(const CLI::App* app) const override {
+    const CLI::App* all = app;
+    while (all->get_parent() != nullptr) all = all->get_parent();
+    std::string shared;
+    if (all != app) {
+      const auto is_shared = [](const CLI::Option* option) {
+        return option->get_group() == kSharedOptions;
+      };
+      shared = make_group(kSharedOptions, false, all->get_options(is_shared)).substr(1);
+    }
+    return shared + CLI::Formatter::make_footer(app);
+  }
+};
+
+}  // namespace
 
 void print(const Settings& settings, const nlohmann::ordered_json& figures,
            const std::string& prose) {
   // JSON must be UTF-8, but file names need not be.
   constexpr auto kReplace = nlohmann::ordered_json::error_handler_t::replace;
+  if (settings.quiet && !settings.json) return;
   std::cout << (settings.json ? figures.dump(2, ' ', false, kReplace) : prose) << '\n';
 }
 
@@ -24,6 +45,8 @@ void add_unit_option(CLI::App& command, geometry::ReadOptions& options) {
       "Unit of the coordinates in mesh files: um, mm, cm, m or in (default: as declared in the "
       "file, or mm)");
 }
+
+void show_shared_options(CLI::App& app) { app.formatter(std::make_shared<HelpFormatter>()); }
 
 void refuse_empty_values(CLI::App& app) {
   for (CLI::Option* option : app.get_options()) {

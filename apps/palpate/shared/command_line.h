@@ -20,8 +20,12 @@ constexpr double kLeastScale = 1e-3;
 
 /// Settings that all commands have.
 struct Settings {
-  bool json = false;  ///< print the figures as one JSON object instead of text
+  bool json = false;   ///< print the figures as one JSON object instead of text
+  bool quiet = false;  ///< print no text
 };
+
+/// Group of the options that all commands have, in their help.
+constexpr const char* kSharedOptions = "Options of every command";
 
 /// Prints a result: the figures as one JSON object, or the text.
 void print(const Settings& settings, const nlohmann::ordered_json& figures,
@@ -32,6 +36,9 @@ void print(const Settings& settings, const nlohmann::ordered_json& figures,
 
 /// Adds the option --unit, the unit of the coordinates in the mesh files that a command reads.
 void add_unit_option(CLI::App& command, geometry::ReadOptions& options);
+
+/// Lets the help of each command that is added later also list the options that all commands have.
+void show_shared_options(CLI::App& app);
 
 /// Rejects an empty value for every option of `app` and its subcommands. Otherwise an empty file
 /// name would count as an option that was not given.

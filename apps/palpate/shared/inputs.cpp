@@ -15,6 +15,7 @@
 #include "palpate/sensing/reason.h"
 #include "palpate/sensing/rig.h"
 #include "shared/call_checks.h"
+#include "shared/result_folder.h"
 
 namespace palpate::apps {
 namespace {
@@ -63,10 +64,12 @@ std::vector<fs::path> list_frames(const std::vector<fs::path>& paths) {
 }
 
 std::vector<fs::path> list_range_maps(const fs::path& folder) {
+  check_is_of_one_run(folder);
   std::vector<fs::path> maps;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
     const fs::path& path = entry.path();
-    if (is_range_map(path) && !is_sigma(path) && !is_reasons(path)) maps.push_back(path);
+    if (is_range_map(path) && !is_hidden(path) && !is_sigma(path) && !is_reasons(path))
+      maps.push_back(path);
   }
   std::ranges::sort(maps, comes_before);
   if (maps.empty()) {

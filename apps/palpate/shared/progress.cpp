@@ -3,30 +3,19 @@
 #include "shared/progress.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include <cmath>
-#include <csignal>
 #include <cstdio>
 #include <utility>
 
 namespace palpate::apps {
 namespace {
 
-volatile std::sig_atomic_t interrupted = 0;
-
 constexpr int kBarWidth = 40;                        // characters
 constexpr auto kPatience = std::chrono::seconds(1);  // shorter work shows no bar
 constexpr auto kRedraw = std::chrono::milliseconds(100);
-
-void watch_for_interrupt() {
-  // A second Ctrl-C terminates at once.
-  struct sigaction action = {};
-  action.sa_handler = [](int) { interrupted = 1; };
-  action.sa_flags = static_cast<int>(SA_RESETHAND);
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
-}
 
 // ", 12 min left"
 std::string time_left(double seconds) {
@@ -39,19 +28,15 @@ std::string time_left(double seconds) {
 }  // namespace
 
 Progress::Progress(std::string what)
-    : what_(std::move(what)), terminal_(isatty(STDERR_FILENO) != 0), start_(Clock::now()) {
-  watch_for_interrupt();
-}
+    : what_(std::move(what)), terminal_(isatty(STDERR_FILENO) != 0), start_(Clock::now()) {}
 
 Progress::~Progress() {
-  std::signal(SIGINT, SIG_DFL);
-  std::signal(SIGTERM, SIG_DFL);
   if (shown_) std::fputs("\r\x1b[K", stderr);
 }
 
 void Progress::show(int done, int total) {
-  if (interrupted != 0) throw Interrupted{};
-  if (!terminal_ || total <= 0) return;
+  InterruptedByThrowing::check();
+  if (total <= 0 || !spdlog::should_log(spdlog::level::warn)) return;
   const Clock::time_point now = Clock::now();
   const std::lock_guard lock(mutex_);
   if (!counting_) {
@@ -59,12 +44,20 @@ void Progress::show(int done, int total) {
     first_done_ = done;
     first_ = now;
   }
-  if (now - start_ < kPatience || (now - drawn_ < kRedraw && done < total)) return;
-  drawn_ = now;
+  if (now - start_ < kPatience) return;
   const double passed = std::chrono::duration<double>(now - first_).count();
   const std::string left = done > first_done_ && done < total
                                ? time_left(passed * (total - done) / (done - first_done_))
                                : std::string();
+  if (!terminal_) {
+    print_line(done, total, left);
+  } else if (now - drawn_ >= kRedraw || done >= total) {
+    drawn_ = now;
+    draw_bar(done, total, left);
+  }
+}
+
+void Progress::draw_bar(int done, int total, const std::string& left) {
   const auto filled = static_cast<int>(static_cast<long long>(kBarWidth) * done / total);
   const std::string bar = std::string(static_cast<std::size_t>(filled), '#') +
                           std::string(static_cast<std::size_t>(kBarWidth - filled), ' ');
@@ -72,6 +65,13 @@ void Progress::show(int done, int total) {
              stderr);
   std::fflush(stderr);
   shown_ = true;
+}
+
+void Progress::print_line(int done, int total, const std::string& left) {
+  const long long tenths = 10LL * done / total;
+  if (tenths <= tenths_) return;
+  tenths_ = tenths;
+  std::fputs(fmt::format("palpate: {}: {} of {}{}\n", what_, done, total, left).c_str(), stderr);
 }
 
 }  // namespace palpate::apps

@@ -6,13 +6,13 @@
 #include <mutex>
 #include <string>
 
+#include "shared/interrupts.h"
+
 namespace palpate::apps {
 
-/// Thrown by `Progress` after Ctrl-C, so that stack unwinding cleans up.
-struct Interrupted {};
-
-/// A progress bar on standard error with the estimated time left. It appears only on a terminal and
-/// only if the work takes more than a second. While it exists, Ctrl-C and SIGTERM do not kill the
+/// Progress on standard error with the estimated time left, if the work takes more than a second: a
+/// bar on a terminal; elsewhere a line after each tenth of the work. With --quiet there is none, as
+/// there are no warnings. While it exists, Ctrl-C and SIGTERM do not kill the
 /// process in the middle of a file; instead the next `show` throws. Only one may exist at a time.
 class Progress {
  public:
@@ -22,15 +22,18 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// Updates the bar. The first call must include work done by an earlier run, which does not count
-  /// for the estimated time.
-  /// Thread-safe.
+  /// Updates the bar, or prints a line. The first call must include work done by an earlier run,
+  /// which does not count for the estimated time. Thread-safe.
   /// \throws Interrupted after Ctrl-C or SIGTERM.
   void show(int done, int total);
 
  private:
+  void draw_bar(int done, int total, const std::string& left);
+  void print_line(int done, int total, const std::string& left);
+
   using Clock = std::chrono::steady_clock;
 
+  InterruptedByThrowing interrupts_;
   std::string what_;
   bool terminal_;
   Clock::time_point start_;
@@ -39,6 +42,7 @@ class Progress {
   Clock::time_point first_;
   Clock::time_point drawn_;
   bool shown_ = false;
+  long long tenths_ = 0;  ///< of the work, for which there are lines
   std::mutex mutex_;
 };
 

@@ -14,7 +14,9 @@ namespace palpate {
 /// `write` fills a temporary file beside `path`, which is flushed to the disk and renamed to
 /// `path`; then the folder is flushed. When the function returns, the file survives a loss of
 /// power. The name of the temporary is unique among hosts and processes that share the folder, and
-/// an existing file of that name is never overwritten.
+/// an existing file of that name is never overwritten. It begins with a dot, so that readers of
+/// folders do not take it for data. A temporary that a killed process left is removed by the next
+/// process that writes into the folder.
 ///
 /// The stream is binary, has the classic locale, and throws when the disk is full, so `write` need
 /// not check it. Missing parent folders are created; symbolic links are followed; a file that is
@@ -32,7 +34,7 @@ void write_file_by_path(const std::filesystem::path& path,
                         const std::function<void(const std::filesystem::path&)>& write);
 
 /// The same for a folder: `write` fills a temporary folder beside `path`, which then takes its
-/// place.
+/// place, in one step if the file system can exchange two folders.
 /// \param entries the names that a folder of this kind may hold. An existing folder is replaced
 /// only if it holds nothing else, so files of others are never removed.
 /// \throws InvalidInput as `check_replaceable`, before `write` is called.
@@ -45,5 +47,15 @@ void write_folder(const std::filesystem::path& path,
 /// \throws InvalidInput if `path` is not a folder, or holds something that is not among `entries`.
 void check_replaceable(const std::filesystem::path& path,
                        const std::vector<std::filesystem::path>& entries);
+
+/// Removes the temporaries in `folder` that processes of this host left when they were killed. The
+/// functions above call it for the folders into which they write; it looks into each folder once in
+/// a process.
+void remove_left_overs(const std::filesystem::path& folder);
+
+/// Removes the temporaries that this process is writing, for a program that ends at once while
+/// other threads write. A thread that comes to the beginning or the end of a file afterwards waits
+/// for ever: nothing but `_exit` may follow.
+void abandon_temporaries();
 
 }  // namespace palpate

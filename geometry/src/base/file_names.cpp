@@ -38,6 +38,10 @@ std::string lower_extension(const std::filesystem::path& path) {
   return extension;
 }
 
+bool is_hidden(const std::filesystem::path& path) {
+  return path.filename().string().starts_with('.');
+}
+
 bool comes_before(const std::filesystem::path& a, const std::filesystem::path& b) {
   const std::string name_a = a.filename().string();
   const std::string name_b = b.filename().string();

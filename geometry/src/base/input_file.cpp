@@ -19,6 +19,8 @@ constexpr std::string_view kBlanks = " \t\r\n\v\f";
 
 std::string read_input_file(const fs::path& path) {
   std::error_code error;
+  if (fs::is_directory(path, error))
+    throw FileError(path.string() + ": is a folder; expected a file");
   if (!fs::is_regular_file(path, error)) throw FileError(path.string() + ": no such file");
   const std::uintmax_t size = fs::file_size(path, error);
   std::ifstream stream(path, std::ios::binary);

@@ -3,6 +3,7 @@
 #include "palpate/output_file.h"
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -11,10 +12,13 @@
 #include <atomic>
 #include <cctype>
 #include <cerrno>
+#include <cstdio>
 #include <fstream>
 #include <initializer_list>
 #include <locale>
+#include <mutex>
 #include <random>
+#include <set>
 #include <sstream>
 #include <string>
 #include <system_error>
@@ -56,45 +60,113 @@ std::string host_name() {
   return text;
 }
 
+/// What the names of all temporaries of this host begin with. Readers of folders skip hidden files.
+std::string temporary_mark() { return ".palpate-tmp-" + host_name() + "-"; }
+
 /// A name beside `place` that nobody else chooses: the host, the process and the counter tell most
 /// writers apart; random bits tell apart containers that share all three. The extension stays,
 /// because libraries choose the format by it.
-fs::path temporary_name(const fs::path& place) {
+fs::path unique_name(const fs::path& place, const std::string& mark) {
   static std::atomic<unsigned> counter{0};
-  std::ostringstream mark;
-  mark.imbue(std::locale::classic());
-  mark << ".tmp-" << host_name() << '-' << ::getpid() << '-' << counter++ << '-' << std::hex
-       << std::random_device()();
-  return place.parent_path() / (place.stem().string() + mark.str() + place.extension().string());
+  std::ostringstream name;
+  name.imbue(std::locale::classic());
+  name << mark << ::getpid() << '-' << counter++ << '-' << std::hex << std::random_device()();
+  return place.parent_path() / (name.str() + place.extension().string());
 }
 
-/// Creates a temporary beside `place`. `create` gets its path and, as system calls do, returns -1
-/// and sets `errno` if it fails; it must fail with EEXIST if there is anything at the path.
-template <typename Create>
-fs::path create_temporary(const fs::path& place, Create&& create) {
-  while (true) {
-    fs::path temporary = temporary_name(place);
-    if (create(temporary.c_str()) != -1) return temporary;
-    if (errno != EEXIST) {
-      throw fs::filesystem_error("temporary", temporary,
-                                 std::error_code(errno, std::generic_category()));
+/// Temporaries that this process is writing. Never destroyed: a thread may still write at exit.
+struct LiveTemporaries {
+  std::mutex mutex;
+  std::set<fs::path> paths;
+};
+LiveTemporaries& live_temporaries() {
+  static auto* const live = new LiveTemporaries;
+  return *live;
+}
+
+/// Whether `handle` is open on what lies at `path` now.
+bool is_at(const char* path, int handle) {
+  struct stat opened {};
+  struct stat there {};
+  return ::fstat(handle, &opened) == 0 && ::stat(path, &there) == 0 &&
+         opened.st_dev == there.st_dev && opened.st_ino == there.st_ino;
+}
+
+/// A temporary of this process. While its writer lives it is locked, which tells it from what a
+/// killed process left. It is removed whichever way the scope is left; after a rename nothing is
+/// left of it.
+class Temporary {
+ public:
+  /// Creates it beside `place`. `create` gets its path and returns a handle on it; as system calls
+  /// do, it returns -1 and sets `errno` if it fails, with EEXIST if there is anything at the path.
+  template <typename Create>
+  Temporary(const fs::path& place, Create&& create) {
+    LiveTemporaries& live = live_temporaries();
+    const std::lock_guard lock(live.mutex);
+    while (true) {
+      path_ = unique_name(place, temporary_mark());
+      handle_ = create(path_.c_str());
+      if (handle_ != -1 && is_mine()) break;
+      if (handle_ == -1 && errno != EEXIST) {
+        throw fs::filesystem_error("temporary", path_,
+                                   std::error_code(errno, std::generic_category()));
+      }
+      if (handle_ != -1) ::close(handle_);
     }
+    live.paths.insert(path_);
   }
+  ~Temporary() {
+    std::error_code ignored;  // already failing, or already renamed
+    fs::remove_all(path_, ignored);
+    ::close(handle_);
+    LiveTemporaries& live = live_temporaries();
+    const std::lock_guard lock(live.mutex);
+    live.paths.erase(path_);
+  }
+  Temporary(const Temporary&) = delete;
+  Temporary& operator=(const Temporary&) = delete;
+  [[nodiscard]] const fs::path& path() const { return path_; }
+
+ private:
+  /// Locks it. False if another process took it for a left-over before it was locked; that process
+  /// removes it. Some file systems have no locks: there, nobody removes left-overs.
+  [[nodiscard]] bool is_mine() const {
+    if (::flock(handle_, LOCK_EX | LOCK_NB) != 0) return errno != EWOULDBLOCK;
+    return is_at(path_.c_str(), handle_);
+  }
+
+  fs::path path_;
+  int handle_ = -1;
+};
+
+Temporary temporary_file(const fs::path& place) {
+  return {place, [](const char* path) {
+            constexpr mode_t kAllThatUmaskAllows = 0666;
+            return ::open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kAllThatUmaskAllows);
+          }};
 }
 
-fs::path create_temporary_file(const fs::path& place) {
-  return create_temporary(place, [](const char* path) {
-    constexpr mode_t kAllThatUmaskAllows = 0666;
-    const int file = ::open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kAllThatUmaskAllows);
-    return file == -1 ? -1 : ::close(file);
-  });
+int make_folder(const char* path) {
+  constexpr mode_t kAllThatUmaskAllows = 0777;
+  return ::mkdir(path, kAllThatUmaskAllows);
 }
 
-fs::path create_temporary_folder(const fs::path& place) {
-  return create_temporary(place, [](const char* path) {
-    constexpr mode_t kAllThatUmaskAllows = 0777;
-    return ::mkdir(path, kAllThatUmaskAllows);
-  });
+Temporary temporary_folder(const fs::path& place) {
+  return {place, [](const char* path) {
+            if (make_folder(path) == -1) return -1;
+            return ::open(path, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+          }};
+}
+
+/// Removes a temporary unless its writer lives.
+void remove_if_left_over(const fs::path& path) {
+  std::error_code ignored;  // another process may do the same
+  const bool is_folder = fs::is_directory(fs::symlink_status(path, ignored));
+  const int kind = is_folder ? O_RDONLY | O_DIRECTORY : O_RDWR;
+  const int handle = ::open(path.c_str(), kind | O_NOFOLLOW | O_CLOEXEC);
+  if (handle == -1) return;
+  if (::flock(handle, LOCK_EX | LOCK_NB) == 0) fs::remove_all(path, ignored);
+  ::close(handle);
 }
 
 /// Waits until the content of a file, or the names in a folder, are on the disk.
@@ -125,22 +197,6 @@ void flush_tree(const fs::path& folder) {
   }
   flush_folder(folder);
 }
-
-/// Removes the temporary whichever way the scope is left; after a rename nothing is left of it.
-class Temporary {
- public:
-  explicit Temporary(fs::path path) : path_(std::move(path)) {}
-  ~Temporary() {
-    std::error_code ignored;  // already failing, or already renamed
-    fs::remove_all(path_, ignored);
-  }
-  Temporary(const Temporary&) = delete;
-  Temporary& operator=(const Temporary&) = delete;
-  [[nodiscard]] const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
 
 /// Converts an error of the file system into an OutputError that names `path`. The user's `write`
 /// must be called outside of this, because its errors may concern other files.
@@ -199,13 +255,18 @@ void fill_stream(const fs::path& path, const fs::path& temporary,
   if (!stream) throw output_error(path, reason());
 }
 
-/// Uses two renames, because a non-empty folder cannot be the target of a rename.
+/// Puts `temporary` in the place of what is at `place`. Where the file system cannot exchange the
+/// two in one step, a process that is killed between two renames leaves the old folder under a
+/// hidden name that nobody removes.
 void swap_in(const fs::path& temporary, const fs::path& place) {
   if (!fs::exists(place)) {
     fs::rename(temporary, place);
     return;
   }
-  const fs::path old = create_temporary_folder(place);  // an empty folder may be renamed onto
+  // What was there goes with the temporary.
+  if (::renameat2(AT_FDCWD, temporary.c_str(), AT_FDCWD, place.c_str(), RENAME_EXCHANGE) == 0)
+    return;
+  const fs::path old = unique_name(place, ".palpate-old-");
   fs::rename(place, old);
   try {
     fs::rename(temporary, place);
@@ -225,7 +286,8 @@ void replace_file(const fs::path& path, const std::function<void(const fs::path&
     fs::create_directories(resolved.parent_path());
     return resolved;
   });
-  const Temporary temporary(on_file_system(path, [&] { return create_temporary_file(place); }));
+  remove_left_overs(place.parent_path());
+  const Temporary temporary(on_file_system(path, [&] { return temporary_file(place); }));
   write(temporary.path());
   on_file_system(path, [&] {
     flush_to_disk(temporary.path());
@@ -251,18 +313,51 @@ void write_file_by_path(const fs::path& path, const std::function<void(const fs:
 }
 
 void check_replaceable(const fs::path& path, const std::vector<fs::path>& entries) {
-  on_file_system(path, [&] { check_replaceable_folder(path, replaced_place(path), entries); });
+  on_file_system(path, [&] {
+    const fs::path place = replaced_place(path);
+    remove_left_overs(place);
+    check_replaceable_folder(path, place, entries);
+  });
+}
+
+void remove_left_overs(const fs::path& folder) {
+  static std::mutex mutex;
+  static std::set<fs::path> done;
+  {
+    const std::lock_guard lock(mutex);
+    if (!done.insert(fs::absolute(folder).lexically_normal()).second) return;
+  }
+  std::error_code cannot_look;
+  std::vector<fs::path> temporaries;
+  for (fs::directory_iterator entry(folder, cannot_look); entry != fs::directory_iterator();
+       entry.increment(cannot_look)) {
+    if (entry->path().filename().string().starts_with(temporary_mark()))
+      temporaries.push_back(entry->path());
+  }
+  for (const fs::path& temporary : temporaries) remove_if_left_over(temporary);
+}
+
+void abandon_temporaries() {
+  LiveTemporaries& live = live_temporaries();
+  live.mutex.lock();           // for ever
+  constexpr int kTries = 100;  // a library may be adding a file to a folder
+  for (const fs::path& path : live.paths) {
+    std::error_code failed;
+    for (int i = 0; i == 0 || (failed && i < kTries); ++i) fs::remove_all(path, failed);
+  }
 }
 
 void write_folder(const fs::path& path, const std::vector<fs::path>& entries,
                   const std::function<void(const fs::path&)>& write) {
   const fs::path place = on_file_system(path, [&] {
     fs::path resolved = replaced_place(path);
+    remove_left_overs(resolved);
     check_replaceable_folder(path, resolved, entries);
     fs::create_directories(resolved.parent_path());
     return resolved;
   });
-  const Temporary temporary(on_file_system(path, [&] { return create_temporary_folder(place); }));
+  remove_left_overs(place.parent_path());
+  const Temporary temporary(on_file_system(path, [&] { return temporary_folder(place); }));
   try {
     write(temporary.path());
   } catch (const OutputError& error) {

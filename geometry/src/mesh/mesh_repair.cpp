@@ -312,7 +312,10 @@ class Repair {
 
   void count_vertices() {
     std::vector<bool> kept(place_.size());
-    for (const int v : result_.source) kept[static_cast<size_t>(v)] = true;
+    for (const int v : result_.source) {
+      if (kept[static_cast<size_t>(v)]) ++result_.split_vertices;
+      kept[static_cast<size_t>(v)] = true;
+    }
     for (size_t v = 0; v < place_.size(); ++v) {
       if (place_[v] != static_cast<int>(v)) {
         ++result_.welded_vertices;

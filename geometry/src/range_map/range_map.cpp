@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cmath>
 #include <cstdarg>
 #include <cstdint>
@@ -134,10 +135,13 @@ void read_tiles(TIFF* file, const fs::path& path, const TiffMessage& message, Im
 
 void write_strips(const fs::path& path, const fs::path& temporary, const ImageF& z) {
   TiffMessage message;
+  errno = 0;
+  // The system's reason says what is wrong: the disk is full, and not "write error at scanline 0".
   const auto check = [&](bool good) {
-    if (!good || !message.empty())
-      throw OutputError(path.string() + ": cannot be written: " + message.str() +
-                        ". What was there before is unchanged.");
+    if (good && message.empty()) return;
+    const std::string reason = errno != 0 ? std::generic_category().message(errno) : message.str();
+    throw OutputError(path.string() + ": cannot be written: " + reason +
+                      ". What was there before is unchanged.");
   };
   TiffFile file = open_tiff(temporary, "w", message);
   check(file != nullptr);

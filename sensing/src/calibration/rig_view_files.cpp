@@ -69,6 +69,7 @@ Entries list_entries(const fs::path& folder) {
   if (error) throw FileError(folder.string() + ": no such folder, or it cannot be read");
   Entries entries;
   for (; entry != fs::directory_iterator(); entry.increment(error)) {
+    if (is_hidden(entry->path())) continue;
     std::error_code ignored;
     if (entry->is_directory(ignored)) entries.folders.push_back(entry->path());
     if (entry->is_regular_file(ignored) && is_view_image(entry->path()))

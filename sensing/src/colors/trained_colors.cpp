@@ -15,6 +15,7 @@
 #include "files/storage_file.h"
 #include "image/hue.h"
 #include "palpate/error.h"
+#include "palpate/file_names.h"
 #include "palpate/output_file.h"
 #include "palpate/require.h"
 #include "palpate/sensing/frame.h"
@@ -86,7 +87,8 @@ void add_folder(const std::filesystem::path& folder, std::map<std::string, Named
   if (error) throw FileError(folder.string() + ": no such folder, or it cannot be read");
   std::set<std::filesystem::path> files;
   for (const auto& entry : entries) {
-    if (entry.path().extension() == ".png" && shows_one_color(entry.path().stem().string())) {
+    if (entry.path().extension() == ".png" && !is_hidden(entry.path()) &&
+        shows_one_color(entry.path().stem().string())) {
       files.insert(entry.path());
     }
   }

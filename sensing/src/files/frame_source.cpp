@@ -168,7 +168,8 @@ std::vector<fs::path> list_images(const fs::path& folder) {
   for (fs::directory_iterator entry(folder, error); entry != fs::directory_iterator();
        entry.increment(error)) {
     std::error_code ignored;  // an inaccessible entry is not an image
-    if (entry->is_regular_file(ignored) && is_image_name(entry->path()))
+    if (entry->is_regular_file(ignored) && is_image_name(entry->path()) &&
+        !is_hidden(entry->path()))
       images.push_back(entry->path());
   }
   if (error)

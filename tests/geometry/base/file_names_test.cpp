@@ -40,6 +40,12 @@ TEST(FileNames, AreOrderedWhateverFolderTheyLieIn) {
   EXPECT_FALSE(comes_before("a/10.png", "b/2.png"));
 }
 
+TEST(FileNames, AreHiddenIfTheyBeginWithADot) {
+  EXPECT_TRUE(is_hidden("range/.palpate-tmp-host-1-2-a.tiff"));
+  EXPECT_TRUE(is_hidden("._000000.tiff"));
+  EXPECT_FALSE(is_hidden(".folder/000000.tiff"));
+}
+
 TEST(FileNames, HaveTheirExtensionInLowerCase) {
   EXPECT_EQ(lower_extension("folder.X/Frame.TiFF"), ".tiff");
   EXPECT_EQ(lower_extension("folder.X/frame"), "");

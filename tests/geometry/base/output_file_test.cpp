@@ -6,11 +6,17 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
+#include <cerrno>
+#include <chrono>
+#include <csignal>
 #include <cstdarg>
 #include <filesystem>
 #include <functional>
+#include <future>
+#include <iterator>
 #include <ostream>
 #include <stdexcept>
 #include <string>
@@ -25,6 +31,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kMark = ".palpate-tmp-";
 constexpr std::size_t kRoom = 10000;  // bytes on the disk that is full
 const std::string kBig(10 * kRoom, 'x');
 
@@ -38,11 +45,11 @@ class WatchedCalls {
 
   /// Called with the path of each temporary before it is created.
   std::function<void(const fs::path&)> before_creation = [](const fs::path&) {};
-  /// "flush result.tmp", "rename result.tmp result.txt": names of temporaries without their marks.
+  /// "flush tmp.txt", "rename tmp.txt result.txt": names of temporaries without their marks.
   std::vector<std::string> events;
 
   void created(const fs::path& path) {
-    if (path.string().find(".tmp-") != std::string::npos) before_creation(path);
+    if (path.string().find(kMark) != std::string::npos) before_creation(path);
   }
   void flushed(int file) {
     events.push_back("flush " + name(fs::read_symlink("/proc/self/fd/" + std::to_string(file))));
@@ -51,14 +58,24 @@ class WatchedCalls {
     events.push_back("rename " + name(from) + " " + name(to));
   }
 
+  /// As on a file system that cannot exchange two folders in one step.
+  bool no_exchange = false;
+  void exchanged(const fs::path& one, const fs::path& other) {
+    events.push_back("exchange " + name(one) + " " + name(other));
+  }
+
   static inline WatchedCalls* current = nullptr;
 
  private:
   [[nodiscard]] std::string name(const fs::path& path) const {
     std::string text = path.lexically_relative(folder_).string();
-    const std::size_t mark = text.find(".tmp-");
-    if (mark == std::string::npos) return text;
-    return text.erase(mark + 4, text.find_first_of("./", mark + 1) - (mark + 4));
+    for (const char* mark : {kMark, ".palpate-old-"}) {
+      const std::size_t at = text.find(mark);
+      if (at == std::string::npos) continue;
+      const std::string kind = text.substr(at + 9, 3);  // "tmp" or "old"
+      return text.replace(at, text.find_first_of("./", at + 1) - at, kind);
+    }
+    return text;
   }
 
   fs::path folder_;
@@ -239,9 +256,8 @@ TEST(WriteFile, FlushesTheFileBeforeTheRenameAndTheFolderAfterIt) {
   fs::create_directory(folder / "a");
   WatchedCalls calls(folder.path());
   write_file(folder / "a/result.txt", text("new"));
-  EXPECT_EQ(calls.events,
-            (std::vector<std::string>{"flush a/result.tmp.txt",
-                                      "rename a/result.tmp.txt a/result.txt", "flush a"}));
+  EXPECT_EQ(calls.events, (std::vector<std::string>{"flush a/tmp.txt",
+                                                    "rename a/tmp.txt a/result.txt", "flush a"}));
 }
 
 const std::vector<fs::path> kEntries = {"field.json", "old"};
@@ -285,9 +301,113 @@ TEST(WriteFolder, FlushesAllItHoldsBeforeTheRenameAndItsParentAfterIt) {
     fs::create_directory(temporary / "old");
     write_text(temporary / "old/1.ply", "1");
   });
+  EXPECT_EQ(calls.events, (std::vector<std::string>{"flush tmp/old", "flush tmp/old/1.ply",
+                                                    "flush tmp", "rename tmp model", "flush ."}));
+}
+
+// So there is no moment at which a process can be killed and the folder is not there.
+TEST(WriteFolder, TakesThePlaceOfAnotherFolderInOneStep) {
+  const ScratchFolder folder;
+  fs::create_directory(folder / "model");
+  write_text(folder / "model/field.json", "old");
+  WatchedCalls calls(folder.path());
+  write_folder(folder / "model", kEntries,
+               [](const fs::path& temporary) { write_text(temporary / "field.json", "new"); });
+  EXPECT_EQ(calls.events, (std::vector<std::string>{"flush tmp/field.json", "flush tmp",
+                                                    "exchange tmp model", "flush ."}));
+  EXPECT_EQ(read_text(folder / "model/field.json"), "new");
+  EXPECT_EQ(folder.entries(), 1);
+}
+
+TEST(WriteFolder, KeepsTheOldFolderUnderANameThatNobodyRemovesIfTwoCannotBeExchanged) {
+  const ScratchFolder folder;
+  fs::create_directory(folder / "model");
+  write_text(folder / "model/field.json", "old");
+  WatchedCalls calls(folder.path());
+  calls.no_exchange = true;
+  write_folder(folder / "model", kEntries,
+               [](const fs::path& temporary) { write_text(temporary / "field.json", "new"); });
   EXPECT_EQ(calls.events,
-            (std::vector<std::string>{"flush model.tmp/old", "flush model.tmp/old/1.ply",
-                                      "flush model.tmp", "rename model.tmp model", "flush ."}));
+            (std::vector<std::string>{"flush tmp/field.json", "flush tmp", "rename model old",
+                                      "rename tmp model", "flush ."}));
+  EXPECT_EQ(read_text(folder / "model/field.json"), "new");
+  EXPECT_EQ(folder.entries(), 1);
+}
+
+/// In a process that is killed meanwhile.
+void die_while_writing(const std::function<void()>& write) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    write();
+    ::_exit(0);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFSIGNALED(status));
+}
+
+TEST(RemoveLeftOvers, RemovesOfAFolderOnlyTheTemporariesOfKilledProcesses) {
+  const ScratchFolder folder;
+  fs::create_directory(folder / "out");
+  write_text(folder / "out/.palpate-tmp-elsewhere-1-0-a.txt", "of another host");
+  die_while_writing([&] {
+    write_folder(folder / "out/model", kEntries, [&](const fs::path& temporary) {
+      write_text(temporary / "field.json", "half");
+      write_file(folder / "out/result.txt", [](std::ostream&) { ::raise(SIGKILL); });
+    });
+  });
+  const auto count = [&] {
+    return std::distance(fs::directory_iterator(folder / "out"), fs::directory_iterator());
+  };
+  ASSERT_EQ(count(), 3);
+  // A living writer of the same process, and one of another, which is asked to look as well.
+  write_file(folder / "out/one.txt", [&](std::ostream& one) {
+    one << "one";
+    const pid_t other = ::fork();
+    if (other == 0) {
+      write_file(folder / "out/two.txt", text("two"));
+      ::_exit(0);
+    }
+    ::waitpid(other, nullptr, 0);
+  });
+  EXPECT_EQ(read_text(folder / "out/one.txt"), "one");
+  EXPECT_EQ(read_text(folder / "out/two.txt"), "two");
+  EXPECT_TRUE(fs::exists(folder / "out/.palpate-tmp-elsewhere-1-0-a.txt"));
+  EXPECT_EQ(count(), 3);
+}
+
+TEST(RemoveLeftOvers, OfAKilledProcessDoNotKeepAFolderFromBeingReplaced) {
+  const ScratchFolder folder;
+  fs::create_directory(folder / "model");
+  die_while_writing(
+      [&] { write_file(folder / "model/old", [](std::ostream&) { ::raise(SIGKILL); }); });
+  EXPECT_NO_THROW(check_replaceable(folder / "model", kEntries));
+  EXPECT_TRUE(fs::is_empty(folder / "model"));
+}
+
+TEST(AbandonTemporaries, RemovesWhatOtherThreadsAreWriting) {
+  const ScratchFolder folder;
+  write_text(folder / "result.txt", "old");
+  const pid_t child = ::fork();
+  if (child == 0) {
+    std::promise<void> begun;
+    std::thread([&] {
+      write_folder(folder / "model", kEntries, [&](const fs::path& temporary) {
+        write_text(temporary / "field.json", "half");
+        write_file(folder / "result.txt", [&](std::ostream& stream) {
+          stream << "half" << std::flush;
+          begun.set_value();
+          std::this_thread::sleep_for(std::chrono::hours(1));
+        });
+      });
+    }).detach();
+    begun.get_future().wait();
+    abandon_temporaries();
+    ::_exit(0);
+  }
+  ::waitpid(child, nullptr, 0);
+  EXPECT_EQ(read_text(folder / "result.txt"), "old");
+  EXPECT_EQ(folder.entries(), 1);
 }
 
 TEST(WriteFolder, KeepsTheOldFolderWhenTheWriterThrows) {
@@ -376,6 +496,17 @@ int fsync(int file) {
 int rename(const char* from, const char* to) noexcept {
   if (watch() != nullptr) watch()->renamed(from, to);
   return next<int(const char*, const char*)>("rename")(from, to);
+}
+
+int renameat2(int from_folder, const char* from, int to_folder, const char* to,
+              unsigned flags) noexcept {
+  if (watch() != nullptr && watch()->no_exchange) {
+    errno = EINVAL;
+    return -1;
+  }
+  if (watch() != nullptr) watch()->exchanged(from, to);
+  return next<int(int, const char*, int, const char*, unsigned)>("renameat2")(from_folder, from,
+                                                                              to_folder, to, flags);
 }
 
 int mkdir(const char* path, mode_t mode) noexcept {

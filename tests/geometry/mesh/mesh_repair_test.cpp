@@ -115,6 +115,19 @@ TEST(MeshRepair, AChainOfFlatTrianglesIsFlippedToItsEnd) {
   EXPECT_EQ((opposite_half_edges(repaired.mesh).array() < 0).count(), kChain + 2);
 }
 
+TEST(MeshRepair, FansThatMeetAtAVertexAreSeparatedAndCounted) {
+  // Three triangles that have only their first corner in common.
+  TriangleMesh mesh;
+  mesh.vertices.resize(3, 7);
+  mesh.vertices << 0, 1, 1, -1, -1, 0, 0, 0, 0, 1, 0, 1, 1, 1, 0, 0, 0, 0, 0, 1, 2;
+  mesh.triangles.resize(3, 3);
+  mesh.triangles << 0, 0, 0, 1, 3, 5, 2, 4, 6;
+  const RepairedMesh repaired = repair_mesh(mesh);
+  expect_sound(repaired.mesh, "fans");
+  EXPECT_EQ(repaired.split_vertices, 2);
+  EXPECT_EQ(repaired.mesh.vertices.cols(), 9);
+}
+
 TEST(MeshRepair, AFinIsCutOffAndTheSheetStaysWhole) {
   for (const test::BrokenMesh& broken : test::broken_meshes()) {
     if (broken.kind != DefectKind::edge_overfull) continue;

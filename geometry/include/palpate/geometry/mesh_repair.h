@@ -17,6 +17,7 @@ struct RepairedMesh {
   int flipped_edges = 0;      ///< flipped to remove triangles with collinear vertices
   int turned_triangles = 0;   ///< reoriented to match the larger part of their surface
   int welded_vertices = 0;    ///< joined with an earlier vertex at exactly the same place
+  int split_vertices = 0;     ///< added where fans or sheets that meet at a vertex were separated
   int removed_vertices = 0;   ///< not finite, or left without triangles
   int cut_edges = 0;          ///< where triangles that cannot form one surface were separated
 };

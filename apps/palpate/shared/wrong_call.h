@@ -1,0 +1,22 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace palpate::apps {
+
+/// What is wrong with a call that could not be parsed, with the nearest command or option if a word
+/// is none.
+[[nodiscard]] std::string describe_wrong_call(const CLI::App& app, const CLI::ParseError& error);
+
+/// The word of `words` from which `word` differs by the fewest typing errors: letters that are
+/// missing, added, replaced or swapped.
+/// \return nothing if that is more than a third of its letters, or more than one of a short word.
+[[nodiscard]] std::optional<std::string> nearest_word(const std::string& word,
+                                                      const std::vector<std::string>& words);
+
+}  // namespace palpate::apps

@@ -1,0 +1,233 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: Palpate contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Kills palpate at random moments (SIGKILL) and checks what it leaves.
+
+After each kill, a reader of the output must find the results of the earlier run as a whole, or those of the killed run
+as a whole; while one replaces the other, the marker that keeps readers away must be there. A file is never a part of
+one. Where there was no earlier run, the files that are there must be whole. Then the same call must succeed, give what
+a run gives that was never killed, and leave nothing else.
+"""
+import argparse
+import random
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+REPOSITORY = Path(__file__).resolve().parents[2]
+DEMO = REPOSITORY / "demo"
+REPLACING = {".palpate-finished", ".palpate-placing"}
+
+
+class Wrong(Exception):
+    """What was found is not what must be."""
+
+
+class Command:
+    """A command with two versions of its call, whose results differ, and whose output lies in `work`/out."""
+
+    resumes = False
+
+    def __init__(self, palpate, work):
+        self.palpate = palpate
+        self.work = work
+        self.out = work / "out"
+        self.out.mkdir(parents=True)
+        self.prepare()
+
+    def run(self, *words):
+        return subprocess.run([self.palpate, *map(str, words)], capture_output=True, text=True, check=False)
+
+    def run_whole(self, version, *more):
+        done = self.run(*self.call(version), *more)
+        if done.returncode != 0:
+            raise Wrong(f"exit status {done.returncode} instead of 0: {done.stderr.strip()}")
+
+    def kill_after(self, version, seconds):
+        """Whether the run was killed before it ended."""
+        words = [self.palpate, *map(str, self.call(version))]
+        with subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as process:
+            try:
+                process.wait(seconds)
+            except subprocess.TimeoutExpired:
+                process.send_signal(signal.SIGKILL)
+            return process.wait() == -signal.SIGKILL
+
+    def visible(self):
+        """What readers find: all files that are not hidden, nor in a hidden folder, with their content."""
+        files = {}
+        for path in sorted(self.out.rglob("*")):
+            name = path.relative_to(self.out)
+            if path.is_file() and not any(part.startswith(".") for part in name.parts):
+                files[str(name)] = self.content(path)
+        return files
+
+    def hidden(self):
+        return {path.name for path in self.out.rglob(".*")}
+
+    @staticmethod
+    def content(path):
+        content = path.read_bytes()
+        if path.suffix == ".jsonl":  # how long a frame took is another number each time
+            content = re.sub(rb'"ms":[^,}]*', b"", content)
+        return content
+
+
+class Decode(Command):
+    resumes = True
+
+    def prepare(self):
+        frames = self.work / "frames"
+        frames.mkdir()
+        for i in range(3):
+            shutil.copy(DEMO / "frames/flag_a.png", frames / f"{i}.png")
+        self.run("calibrate", "colors", DEMO / "training", "-o", self.work / "colors.yaml")
+
+    def call(self, version):
+        return ["decode", self.work / "frames", "--rig", DEMO / "rig.yaml", "--pattern", DEMO / "pattern.yaml",
+                "--colors", self.work / "colors.yaml", "--sigma", "--window", 2 + version, "-o", self.out / "range"]
+
+
+class Mesh(Command):
+    def prepare(self):
+        maps = self.work / "range"
+        maps.mkdir()
+        for name in ("flag_a", "flag_b", "duck"):
+            shutil.copy(DEMO / f"truth/{name}.tiff", maps)
+        shutil.copy(DEMO / "rig.yaml", maps)
+
+    def call(self, version):
+        return ["mesh", self.work / "range", "--smooth", 1 + version, "-o", self.out / "meshes"]
+
+
+class Import(Command):
+    def prepare(self):
+        pass
+
+    def call(self, version):
+        data = DEMO / ("sheet", "sheet_block")[version]
+        return ["probe", "import", data / "contacts.csv", data / "samples.csv", "-o", self.out / "a.db"]
+
+
+class Fit(Command):
+    resumes = True
+
+    def prepare(self):
+        self.run("probe", "import", *self.few_contacts(), "-o", self.work / "a.db")
+
+    def few_contacts(self):
+        """Every third contact of the sheet and its samples, so that a fit takes a second."""
+        for name, column in (("contacts", 0), ("samples", 1)):
+            head, *rows = (DEMO / f"sheet/{name}.csv").read_text().splitlines()
+            kept = [row for row in rows if int(row.split(",")[column]) % 3 == 0]
+            path = self.work / f"{name}.csv"
+            path.write_text("\n".join([head, *kept]) + "\n")
+            yield path
+
+    def call(self, version):
+        return self.fit(version, self.out / "model")
+
+    def fit(self, version, output):
+        return ["fit", self.work / "a.db", DEMO / "sheet/surface.ply", "--max-bases", 1 + version, "-o", output]
+
+    def visible(self):
+        # The record of finished fits is no result; it goes when the model is written.
+        return {name: content for name, content in super().visible().items() if name != "model.fits"}
+
+
+class Export(Fit):
+    resumes = False
+
+    def prepare(self):
+        super().prepare()
+        for version in (0, 1):
+            self.run(*self.fit(version, self.work / f"model{version}"))
+
+    def call(self, version):
+        return ["export", self.work / f"model{version}", "--json", "-o", self.out / "model.json"]
+
+
+COMMANDS = {kind.__name__.lower(): kind for kind in (Decode, Mesh, Import, Fit, Export)}
+
+
+def check_killed(command, before, after):
+    """Checks what a reader finds after a kill of the run that turns the results `before` into `after`."""
+    found = command.visible()
+    if found in (before, after):
+        return
+    if before and not command.hidden() & REPLACING:
+        raise Wrong("the results are neither those of the earlier run nor those of the killed one")
+    for name, content in found.items():
+        # The record of a run that had nothing to replace grows with its frames.
+        grows = not before and name.endswith(".jsonl") and after[name].startswith(content)
+        if content not in (before.get(name), after.get(name)) and not grows:
+            raise Wrong(f"{name} is neither the file of the earlier run nor that of the killed one")
+
+
+def check_whole(command, after):
+    if command.visible() != after:
+        raise Wrong("the results are not those of a run that was never killed")
+    left = [str(path) for path in command.work.rglob(".*")] + [str(path) for path in command.work.rglob("*.fits")]
+    if left:
+        raise Wrong(f"left over: {', '.join(left)}")
+
+
+def check_command(command, kills, moments):
+    """Kills the command so many times. Returns how many of the runs were still at work."""
+    results, seconds = [], 0
+    for version in (0, 1):
+        start = time.monotonic()
+        command.run_whole(version)
+        seconds = max(seconds, time.monotonic() - start)
+        results.append(command.visible())
+    if results[0] == results[1]:
+        raise Wrong("the two versions give the same, so nothing can be told")
+    killed, now = 0, 1
+    for kill in range(kills):
+        if kill % 4 == 3:
+            shutil.rmtree(command.out)
+            command.out.mkdir()
+            before = {}
+        else:
+            before = results[now]
+        now = 1 - now
+        killed += command.kill_after(now, moments.uniform(0, seconds))
+        check_killed(command, before, results[now])
+        # Continued, if there is something to continue: settings that differ from those of the results are refused.
+        if command.resumes and kill % 2 == 0:
+            resumed = command.run(*command.call(now), "--resume")
+            if resumed.returncode not in (0, 2):
+                raise Wrong(f"--resume: exit status {resumed.returncode}: {resumed.stderr.strip()}")
+            if resumed.returncode == 0:
+                check_whole(command, results[now])
+        command.run_whole(now)
+        check_whole(command, results[now])
+    return killed
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("palpate", help="the program")
+    parser.add_argument("--kills", type=int, default=100, help="of each command (default: 100)")
+    parser.add_argument("--seed", type=int, default=1, help="of the moments (default: 1)")
+    parser.add_argument("--commands", nargs="+", choices=COMMANDS, default=list(COMMANDS))
+    call = parser.parse_args()
+    status = 0
+    for name in call.commands:
+        with tempfile.TemporaryDirectory() as work:
+            try:
+                killed = check_command(COMMANDS[name](call.palpate, Path(work)), call.kills, random.Random(call.seed))
+                print(f"{name}: {call.kills} runs, {killed} of them killed at work: nothing lost", flush=True)
+            except Wrong as wrong:
+                print(f"{name}: {wrong}", flush=True)
+                status = 1
+    return status
+
+
+if __name__ == "__main__":
+    sys.exit(main())
