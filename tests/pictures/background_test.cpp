@@ -14,13 +14,13 @@ std::vector<double> even(double low, double high, int count) {
   return depths;
 }
 
-std::vector<double> join(std::vector<double> one, const std::vector<double>& other) {
+std::vector<double> both(std::vector<double> one, const std::vector<double>& other) {
   one.insert(one.end(), other.begin(), other.end());
   return one;
 }
 
 TEST(BackgroundBorder, LiesInTheGapBetweenAnObjectAndAWall) {
-  const auto border = background_border(join(even(640, 730, 4000), even(828, 832, 20000)));
+  const auto border = background_border(both(even(640, 730, 4000), even(828, 832, 20000)));
   ASSERT_TRUE(border);
   EXPECT_GT(*border, 730);
   EXPECT_LT(*border, 828);
@@ -28,7 +28,7 @@ TEST(BackgroundBorder, LiesInTheGapBetweenAnObjectAndAWall) {
 
 TEST(BackgroundBorder, IsNotMovedByAFewDepthsInTheGap) {
   const auto border = background_border(
-      join(join(even(640, 730, 4000), even(828, 832, 20000)), even(735, 825, 20)));
+      both(both(even(640, 730, 4000), even(828, 832, 20000)), even(735, 825, 20)));
   ASSERT_TRUE(border);
   EXPECT_GT(*border, 730);
   EXPECT_LT(*border, 828);
@@ -39,9 +39,9 @@ TEST(BackgroundBorder, IsNotThereWithoutAWideGapOrWithoutAnObject) {
   EXPECT_FALSE(background_border(even(700, 700, 2000)));
   EXPECT_FALSE(background_border(even(700, 1000, 2000)));
   // A fifth of all.
-  EXPECT_FALSE(background_border(join(even(600, 760, 2000), even(810, 850, 2000))));
+  EXPECT_FALSE(background_border(both(even(600, 760, 2000), even(810, 850, 2000))));
   // A few specks before a wall.
-  EXPECT_FALSE(background_border(join(even(600, 610, 20), even(828, 832, 2000))));
+  EXPECT_FALSE(background_border(both(even(600, 610, 20), even(828, 832, 2000))));
 }
 
 }  // namespace

@@ -66,7 +66,7 @@ TEST(DrawDistances, EachTriangleHasItsOwnColour) {
 TEST(DrawDistances, ScaleMarksTheEndsThatValuesLieBeyond) {
   // Right of the surface; the marks stand at the ends of the scale, its numbers right of it.
   const auto marks = [](double one, double other) {
-    const cv::Mat3b picture = draw(kSquare, Eigen::Vector2d(one, other), 0.5);
+    const cv::Mat3b picture = distances_picture(kSquare, Eigen::Vector2d(one, other), 0.5);
     const auto dark = [&](int y) {
       return cv::countNonZero(mask_of(picture, {40, 40, 40}, 60, {1008, y, 40, 20})) > 10;
     };

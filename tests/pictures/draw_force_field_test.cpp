@@ -72,7 +72,7 @@ TEST(DrawForceField, ArrowsKeepAwayFromTheScaleBars) {
   Contact contact;
   // Far down, over the whole width.
   contact.samples.displacements.row(2) *= 3;
-  const cv::Mat3b picture = draw(contact);
+  const cv::Mat3b picture = force_field_picture(contact);
   const Region bars(0, 722, 560, 98);
   EXPECT_GT(count(picture, kBlack, bars), 100);
   EXPECT_EQ(count(picture, kBlue, bars), 0);

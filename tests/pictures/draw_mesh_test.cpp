@@ -63,7 +63,7 @@ TEST(DrawMesh, LeavesRoomForBarAndAxes) {
   // As high as the view permits.
   geometry::TriangleMesh tall = make_square({-50, -50, 700}, 100, 4);
   tall.vertices.row(1) *= 20;
-  const cv::Mat3b picture = draw(tall);
+  const cv::Mat3b picture = mesh_picture(tall);
   const Region footer(200, 802, 800, 98);  // between bar and axes
   EXPECT_EQ(cv::countNonZero(mask_of(picture, {255, 255, 255}, 12, footer)), footer.area());
   EXPECT_GT(box_of(shape_of(picture)).height, 600);

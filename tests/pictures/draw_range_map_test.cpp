@@ -91,7 +91,7 @@ TEST(DrawRangeMap, ViewAndColoursAreThoseOfAnObjectBeforeAWall) {
   map.z.setConstant(900);
   for (int col = 0; col < 12; ++col)
     map.z.block(20, 30 + col, 9, 1).setConstant(700 + 5 * static_cast<float>(col));
-  const cv::Mat3b picture = draw(map);
+  const cv::Mat3b picture = range_map_picture(map);
   // The ramp takes most of the picture, and all colours.
   const cv::Mat1b wall = mask_of(picture, color_at(ColorMap::sequential, 1), 1, kImage);
   EXPECT_LT(cv::countNonZero(wall), kImage.area() / 2);
@@ -100,7 +100,8 @@ TEST(DrawRangeMap, ViewAndColoursAreThoseOfAnObjectBeforeAWall) {
   // The wall is beyond the scale, which says so.
   const Region mark(1038, 80, 60, 60);
   EXPECT_GT(cv::countNonZero(mask_of(picture, {40, 40, 40}, 60, mark)), 20);
-  EXPECT_EQ(cv::countNonZero(mask_of(draw(make_plane(0, 0)), {40, 40, 40}, 60, mark)), 0);
+  EXPECT_EQ(cv::countNonZero(mask_of(range_map_picture(make_plane(0, 0)), {40, 40, 40}, 60, mark)),
+            0);
 }
 
 TEST(DrawRangeMap, DrawsAMapAtOneDepthAndOneOfOnePixel) {

@@ -57,9 +57,9 @@ TEST(DrawSection, ChannelsHaveTheirOwnColours) {
   for (const auto& [name, height] :
        {std::pair("blue", 20.0), std::pair("green", 50.0), std::pair("red", 80.0)})
     series.push_back({name, x, Eigen::VectorXd::Constant(101, height)});
-  const cv::Mat3b picture = draw(series);
+  const cv::Mat3b picture = section_picture(series);
   const auto height_of = [&picture](const Rgb& color) {
-    return center_of(mask_of(picture, color, 40, kPlot)).y();
+    return center_of(mask_of(picture, color, 40, kSectionPlot)).y();
   };
   EXPECT_GT(height_of(kBlue), height_of(kGreen) + 50);
   EXPECT_GT(height_of(kGreen), height_of(kVermilion) + 50);
@@ -67,9 +67,9 @@ TEST(DrawSection, ChannelsHaveTheirOwnColours) {
 
 TEST(DrawSection, CoincidingLinesAreAllSeen) {
   const Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(101, 0, 100);
-  const cv::Mat3b picture = draw({{"blue", x, x}, {"green", x, x}, {"red", x, x}});
+  const cv::Mat3b picture = section_picture({{"blue", x, x}, {"green", x, x}, {"red", x, x}});
   for (const Rgb& color : {kBlue, kGreen, kVermilion})
-    EXPECT_GT(cv::countNonZero(mask_of(picture, color, 40, kPlot)), 1000);
+    EXPECT_GT(cv::countNonZero(mask_of(picture, color, 40, kSectionPlot)), 1000);
 }
 
 TEST(DrawSection, NaNBreaksTheLine) {

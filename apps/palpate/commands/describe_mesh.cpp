@@ -26,7 +26,7 @@ std::vector<std::string> names_of(const geometry::Attributes& attributes) {
   return names;
 }
 
-std::string in_words(const char* what, const geometry::Attributes& attributes) {
+std::string attributes_in_words(const char* what, const geometry::Attributes& attributes) {
   return attributes.empty()
              ? std::string()
              : fmt::format("; {} attributes: {}", what, fmt::join(names_of(attributes), " "));
@@ -44,7 +44,7 @@ const char* name_of(geometry::UnitSource source) {
   return "assumed";
 }
 
-std::string in_words(const geometry::FileUnit& unit) {
+std::string unit_in_words(const geometry::FileUnit& unit) {
   if (unit.source == geometry::UnitSource::assumed)
     return "; the file declares no unit, so mm is assumed (change with --unit)";
   return fmt::format("; {} units of {} mm",
@@ -128,8 +128,8 @@ Description describe_mesh(const fs::path& path, geometry::ReadOptions options) {
                   "{:.1f} to {:.1f} mm",
                   mesh.vertices.cols(), mesh.triangles.cols(), low.x(), high.x(), low.y(), high.y(),
                   low.z(), high.z()) +
-          in_words(file.unit) + in_words("vertex", file.vertex_attributes) +
-          in_words("triangle", file.triangle_attributes) + "\n" + surface.prose + "\n" +
+          unit_in_words(file.unit) + attributes_in_words("vertex", file.vertex_attributes) +
+          attributes_in_words("triangle", file.triangle_attributes) + "\n" + surface.prose + "\n" +
           defects.prose};
   result.figures.update(surface.figures);
   result.figures.update(defects.figures);
@@ -149,7 +149,7 @@ Description describe_points(const fs::path& path, const geometry::ReadOptions& o
            {"attributes", names_of(cloud.attributes)}},
           fmt::format("point cloud, {} x {} points, {} of them known", cloud.width, cloud.height,
                       known) +
-              in_words(cloud.unit) + in_words("point", cloud.attributes)};
+              unit_in_words(cloud.unit) + attributes_in_words("point", cloud.attributes)};
 }
 
 }  // namespace palpate::apps

@@ -37,7 +37,7 @@ Json place(const haptics::StripModel& strip) {
           {"across", vector(strip.across)}};
 }
 
-const char* in_words(haptics::Verdict verdict) {
+const char* verdict_in_words(haptics::Verdict verdict) {
   switch (verdict) {
     case haptics::Verdict::describes:
       return "this parametric model describes the object";
@@ -103,7 +103,7 @@ void report(const Settings& settings, const IdentifyCall& call,
       "displacements explained, {} outliers; {} of {} contacts disagree.\n{}.",
       found.chi2 ? fmt::format("{:.3g}", *found.chi2) : "unknown", found.rms, found.pairs,
       100 * std::max(0.0, found.explained), found.outliers, disagreeing, found.contacts.size(),
-      in_words(found.verdict));
+      verdict_in_words(found.verdict));
   print(settings, figures, prose);
 }
 
