@@ -9,7 +9,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "palpate/geometry/error_statistics.h"
+#include "palpate/geometry/range_map_score.h"
 
 namespace palpate::bench {
 namespace {
@@ -45,55 +45,32 @@ cv::Mat near_steps(const geometry::ImageF& z) {
   return steps;
 }
 
-/// Where the projector lights the points of a ray.
-class LightOfRay {
- public:
-  LightOfRay(const sensing::Rig& rig, sensing::Axis axis, const Eigen::Vector2d& ray)
-      : rig_(rig), axis_(axis == sensing::Axis::x ? 0 : 1), ray_(ray.homogeneous()) {}
-
-  /// Projector pixel along the sinusoid.
-  [[nodiscard]] double operator()(double z) const {
-    const Eigen::Vector3d place = rig_.T_projector_camera * (ray_ * z);
-    const Eigen::Vector2d direction = geometry::distort(rig_.projector, place.hnormalized());
-    return direction[axis_];
-  }
-
- private:
-  const sensing::Rig& rig_;
-  int axis_;
-  Eigen::Vector3d ray_;
-};
-
 struct Counts {
-  long counted = 0, counted_away = 0, complete = 0, complete_away = 0;
-  long measured = 0, measured_away = 0, off = 0, off_away = 0;
+  long measurable = 0, covered = 0, measured = 0, wrong = 0;
+  long measurable_away = 0, covered_away = 0, measured_away = 0, wrong_away = 0;
   std::vector<double> errors;  ///< relative to the distance
 };
 
-void add_view(const Scene& scene, const View& view, const geometry::ImageF& measured,
-              const Eigen::Matrix2Xd& rays, Counts& counts) {
+void add_view(const View& view, const geometry::ImageF& measured, Counts& counts) {
+  const geometry::RangeMapScore score = geometry::score_range_map(measured, view.z, view.counted);
+  counts.measurable += score.measurable;
+  counts.covered += score.covered;
+  counts.measured += score.measured;
+  counts.wrong += score.wrong;
   const cv::Mat steps = near_steps(view.z);
   for (int v = 0; v < steps.rows; ++v) {
     for (int u = 0; u < steps.cols; ++u) {
-      const double z = static_cast<double>(measured(v, u));
-      const double truth = static_cast<double>(view.z(v, u));
-      const bool away = steps.at<unsigned char>(v, u) == 0;
-      const bool has_depth = std::isfinite(z);
-      counts.counted += view.counted(v, u);
-      counts.counted_away += view.counted(v, u) && away;
-      if (!has_depth) continue;
-      bool off = true;
-      if (std::isfinite(truth)) {
-        const LightOfRay light(scene.rig, scene.pattern.axis, rays.col(v * steps.cols + u));
-        off = std::abs(light(z) - light(truth)) > scene.pattern.period / 2;
+      const bool has_depth = std::isfinite(measured(v, u));
+      if (std::isfinite(score.difference(v, u))) {
+        counts.errors.push_back(static_cast<double>(score.difference(v, u)) /
+                                static_cast<double>(view.z(v, u)));
       }
-      ++counts.measured;
-      counts.measured_away += away;
-      counts.off += off;
-      counts.off_away += off && away;
-      counts.complete += view.counted(v, u);
-      counts.complete_away += view.counted(v, u) && away;
-      if (!off && view.counted(v, u)) counts.errors.push_back((z - truth) / truth);
+      if (steps.at<unsigned char>(v, u) != 0) continue;
+      const bool measurable = view.counted(v, u) && std::isfinite(view.z(v, u));
+      counts.measurable_away += measurable;
+      counts.covered_away += measurable && has_depth;
+      counts.measured_away += has_depth;
+      counts.wrong_away += score.wrong_pixels(v, u);
     }
   }
 }
@@ -113,13 +90,12 @@ double median(std::vector<double> values) {
 
 Figures measure(const Scene& scene, const sensing::DecodeOptions& options, int repeats) {
   const sensing::Decoder decoder(scene.rig, scene.pattern, scene.colors, options);
-  const Eigen::Matrix2Xd rays = geometry::pixel_rays(scene.rig.camera);
   Counts counts;
   std::vector<double> times;
   sensing::DecodeResult result;
   for (const View& view : scene.views) {
     decoder.decode(view.frame, result);  // buffers and caches get warm
-    add_view(scene, view, result.range.z, rays, counts);
+    add_view(view, result.range.z, counts);
     double least = std::numeric_limits<double>::infinity();
     for (int i = 0; i < repeats; ++i) {
       const double start = thread_ms();
@@ -131,10 +107,10 @@ Figures measure(const Scene& scene, const sensing::DecodeOptions& options, int r
   const geometry::ErrorStatistics error = geometry::error_statistics(std::move(counts.errors));
   return {.median = 100 * error.median,
           .rms = 100 * error.rms,
-          .complete = percent(counts.complete, counts.counted),
-          .complete_away = percent(counts.complete_away, counts.counted_away),
-          .off = percent(counts.off, counts.measured),
-          .off_away = percent(counts.off_away, counts.measured_away),
+          .coverage = percent(counts.covered, counts.measurable),
+          .coverage_away = percent(counts.covered_away, counts.measurable_away),
+          .wrong = percent(counts.wrong, counts.measured),
+          .wrong_away = percent(counts.wrong_away, counts.measured_away),
           .ms = median(std::move(times))};
 }
 

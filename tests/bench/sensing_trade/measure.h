@@ -7,18 +7,16 @@
 
 namespace palpate::bench {
 
-/// Results over all views of a scene.
+/// Results over all views of a scene, as `geometry::RangeMapScore` defines them. Measurable are the
+/// lit pixels that face both lenses.
 struct Figures {
-  double median = 0;    ///< [%] of the distance: absolute error of the counted pixels ...
-  double rms = 0;       ///< [%] ... and its root mean square, without pixels that are off
-  double complete = 0;  ///< [%] of the counted pixels, those with a depth
-  /// [%] of the counted pixels more than kAtStep from a depth step, those with a depth
-  double complete_away = 0;
-  /// [%] of all pixels with a depth, those more than half a period of the pattern from the truth,
-  /// or where nothing is
-  double off = 0;
-  double off_away = 0;  ///< [%] the same, only pixels more than kAtStep from a depth step
-  double ms = 0;        ///< [ms] processor time of one frame on one thread
+  double median = 0;    ///< [%] of the distance: absolute error of the depths that are not wrong
+  double rms = 0;       ///< [%] and its root mean square
+  double coverage = 0;  ///< [%]
+  double coverage_away = 0;  ///< [%] the same, only pixels more than kAtStep from a depth step
+  double wrong = 0;          ///< [%] of all pixels with a depth
+  double wrong_away = 0;     ///< [%] the same, only pixels more than kAtStep from a depth step
+  double ms = 0;             ///< [ms] processor time of one frame on one thread
 };
 
 /// [px] A pixel this close to a depth step sees both sides.

@@ -29,9 +29,10 @@ void draw_panel(Canvas& canvas, const Box& box, const Panel& panel) {
     y.span.include(view_of(curve.y));
     for (const double value : curve.y) least = std::fmin(least, value);
   }
-  // Completeness is told by what lacks to all; everything else from nothing on.
+  // Coverage is told by what lacks to all; everything else from nothing on.
   if (least > y.span.high / 2) y.span.low = least;
   y.span.pad();
+  y.span.high = std::fmin(y.span.high, panel.most);
   add_legend(canvas, {box.x + box.width / 2, box.y + box.height - kLegend / 2}, box.width, legend);
   Chart chart(canvas, {box.x, box.y, box.width, box.height - kLegend}, x, y);
   chart.add_axes();

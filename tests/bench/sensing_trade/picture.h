@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cmath>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -16,6 +17,7 @@ struct Curve {
 struct Panel {
   std::string x_label, y_label;
   std::vector<Curve> curves;
+  double most = HUGE_VAL;  ///< the largest value that y can have
 };
 
 /// Four panels, two by two, as a PNG of 1200 px across.

@@ -58,7 +58,7 @@ void write_comparison(std::ostream& out, const Experiment& experiment) {
     fmt::print(out, "\n| {} |", scene);
     for (const std::string& setting : settings) {
       const Figures& f = figures_of(experiment, setting, scene);
-      fmt::print(out, " {:.4f} / {:.3f} / {:.1f} / {:.2f} |", f.median, f.rms, f.complete, f.off);
+      fmt::print(out, " {:.4f} / {:.3f} / {:.1f} / {:.2f} |", f.median, f.rms, f.coverage, f.wrong);
     }
   }
   fmt::print(out, "\n| ms a frame |");
@@ -71,26 +71,27 @@ void write_comparison(std::ostream& out, const Experiment& experiment) {
 void write_scenes(std::ostream& out, const Experiment& experiment) {
   fmt::print(
       out,
-      "\n| {} | median [%] | RMS [%] | complete [%] | complete away from steps [%] | off [%] "
-      "| off away from steps [%] | ms |\n|---|---|---|---|---|---|---|---|\n",
+      "\n| {} | median [%] | RMS [%] | coverage [%] | coverage away from steps [%] | wrong [%] "
+      "| wrong away from steps [%] | ms |\n|---|---|---|---|---|---|---|---|\n",
       experiment.name);
   for (const Row& row : experiment.rows) {
     const Figures& f = row.figures;
     fmt::print(out, "| {} | {:.4f} | {:.3f} | {:.1f} | {:.1f} | {:.2f} | {:.2f} | {:.1f} |\n",
-               row.scene, f.median, f.rms, f.complete, f.complete_away, f.off, f.off_away, f.ms);
+               row.scene, f.median, f.rms, f.coverage, f.coverage_away, f.wrong, f.wrong_away,
+               f.ms);
   }
 }
 
 void write_csv(std::ostream& out, const std::vector<Experiment>& experiments) {
   fmt::print(out,
-             "experiment,setting,scene,median_percent,rms_percent,complete_percent,"
-             "complete_away_percent,off_percent,off_away_percent,ms\n");
+             "experiment,setting,scene,median_percent,rms_percent,coverage_percent,"
+             "coverage_away_percent,wrong_percent,wrong_away_percent,ms\n");
   for (const Experiment& experiment : experiments) {
     for (const Row& row : experiment.rows) {
       const Figures& f = row.figures;
       fmt::print(out, "{},{},{},{:.5f},{:.5f},{:.3f},{:.3f},{:.4f},{:.4f},{:.2f}\n",
-                 experiment.name, row.setting, row.scene, f.median, f.rms, f.complete,
-                 f.complete_away, f.off, f.off_away, f.ms);
+                 experiment.name, row.setting, row.scene, f.median, f.rms, f.coverage,
+                 f.coverage_away, f.wrong, f.wrong_away, f.ms);
     }
   }
 }

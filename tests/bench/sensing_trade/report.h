@@ -24,7 +24,7 @@ struct Experiment {
 };
 
 /// Markdown: a line for each scene, a column for each setting, in each cell the median error, the
-/// RMS, completeness and the share that is off; below, the time.
+/// RMS, coverage and the share that is wrong; below, the time.
 void write_comparison(std::ostream& out, const Experiment& experiment);
 
 /// Markdown: a line for each scene, a column for each figure; of experiments with one setting.

@@ -85,10 +85,10 @@ void draw(const fs::path& png, const std::vector<Experiment>& noises, const Expe
   const std::string length = "window [periods]";
   const Experiment& usual = noises[1];
   Panel error{length, "median error [% of the distance]", {}};
-  Panel complete{length, "complete [%]", {}};
+  Panel coverage{length, "coverage [%]", {}, 100};
   for (const char* scene : {"planes", "folds", "hand", "print"}) {
     error.curves.push_back(curve_of(scene, usual, scene, &Figures::median));
-    complete.curves.push_back(curve_of(scene, usual, scene, &Figures::complete));
+    coverage.curves.push_back(curve_of(scene, usual, scene, &Figures::coverage));
   }
   Panel noise{length, "median error on planes [%]", {}};
   for (const Experiment& one : noises) {
@@ -97,7 +97,8 @@ void draw(const fs::path& png, const std::vector<Experiment>& noises, const Expe
   Panel time{length, "ms a frame, hand", {}};
   time.curves = {curve_of("flood", usual, "hand", &Figures::ms),
                  curve_of("snakes", snakes, "hand", &Figures::ms)};
-  draw_panels(png, "Accuracy, completeness and time by the length of the window", {error, complete, noise, time});
+  draw_panels(png, "Accuracy, coverage and time by the length of the window",
+              {error, coverage, noise, time});
 }
 
 void run(const fs::path& rendered, const fs::path& output, int repeats) {
