@@ -123,7 +123,9 @@ void draw_residuals(const std::filesystem::path& png, const std::vector<Residual
   Canvas canvas(Canvas::kHeight, title,
                 "line from each dot: seen minus predicted place, enlarged; the bar gives the scale "
                 "of the lines");
-  add_view_chart(canvas, {kChartMargin, kChartMargin, Canvas::kWidth - 2 * kChartMargin, kChartHeight}, images);
+  add_view_chart(canvas,
+                 {kChartMargin, kChartMargin, Canvas::kWidth - 2 * kChartMargin, kChartHeight},
+                 images);
   const double low = kChartMargin + kChartHeight + kScaleHeight;
   const auto count = static_cast<double>(images.size());
   const double width = (Canvas::kWidth - (count + 1) * kChartMargin) / count;

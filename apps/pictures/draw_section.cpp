@@ -12,9 +12,9 @@
 namespace palpate::pictures {
 namespace {
 
-constexpr double kLineWidth = 2;          ///< px, of the line on top
-constexpr double kBroader = 2.5;      ///< px, from one line to the next below it
-constexpr std::size_t kNested = 3;    ///< more lines all have the same width
+constexpr double kLineWidth = 2;    ///< px, of the line on top
+constexpr double kBroader = 2.5;    ///< px, from one line to the next below it
+constexpr std::size_t kNested = 3;  ///< more lines all have the same width
 constexpr std::array<Rgb, 6> kLineColors{kBlue, kOrange, kGreen, kPurple, kVermilion, kBlack};
 
 Rgb color_of_line(const std::string& name, std::size_t index) {

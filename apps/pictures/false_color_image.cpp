@@ -103,8 +103,8 @@ void draw_false_color(const std::filesystem::path& png, const geometry::ImageF& 
 
   // As high as the image, but not too low for its numbers.
   const double height = std::max(box.height, kLeastScaleHeight);
-  Box scale{box.x + box.width + kImageMargin, std::round(kImageMargin + (room_y - height) / 2), kScaleWidth,
-            height};
+  Box scale{box.x + box.width + kImageMargin, std::round(kImageMargin + (room_y - height) / 2),
+            kScaleWidth, height};
   const auto add_key = [&](const Rgb& color, const std::string& meaning) {
     const Box patch{scale.x, scale.y, kScaleWidth, kScaleWidth};
     canvas.add_rectangle(patch, color);

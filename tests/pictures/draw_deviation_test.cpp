@@ -33,8 +33,8 @@ TEST(DrawDeviation, ScaleBeginsAtZeroAndIsNotSpoiltByAFewLargeOnes) {
 TEST(DrawDeviation, UnknownIsGreyAndNothingKnownIsRefused) {
   geometry::ImageF sigma = geometry::ImageF::Constant(48, 64, 0.1F);
   sigma.topRows(8) = kFloatNaN;
-  EXPECT_NEAR(cv::countNonZero(mask_of(deviation_picture(sigma), kUnknownColor, 1, kImage)), kImage.area() / 6.0,
-              0.01 * kImage.area());
+  EXPECT_NEAR(cv::countNonZero(mask_of(deviation_picture(sigma), kUnknownColor, 1, kImage)),
+              kImage.area() / 6.0, 0.01 * kImage.area());
   sigma.setConstant(kFloatNaN);
   expect_refused([&](const std::filesystem::path& png) { draw_deviation(png, sigma, ""); },
                  "deviations: holds no finite value");

@@ -47,7 +47,8 @@ TEST(DrawHues, EachColourStandsAtItsHueInItsHue) {
 
 TEST(DrawHues, AxisBeginsWhereNoColourIsCut) {
   // Red lies at 0 degrees and goes around the circle.
-  const cv::Mat3b picture = hues_picture({make_hue("R", 0.02, 0.3), make_hue("G", 2 * std::numbers::pi / 3, 0.2)});
+  const cv::Mat3b picture =
+      hues_picture({make_hue("R", 0.02, 0.3), make_hue("G", 2 * std::numbers::pi / 3, 0.2)});
   const cv::Mat1b mask = mask_of(picture, {204, 0, 0}, 60, kHuesPlot);
   const cv::Rect box = box_of(mask);
   EXPECT_GT(box.x, 50);

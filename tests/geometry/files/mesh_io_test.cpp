@@ -125,7 +125,8 @@ TEST(MeshIo, RefusesWhatIsMissingEmptyGarbageOrOfAnotherKind) {
   write_text(folder / "mesh.txt", kTetrahedronOff);
   EXPECT_THROWS_MESSAGE(static_cast<void>(read_mesh(folder / "mesh.txt")), FileError,
                         ".ply, .obj, .stl, .off or .glb is");
-  EXPECT_THROWS_MESSAGE(static_cast<void>(read_mesh(folder.path())), FileError, "is a folder; expected a file");
+  EXPECT_THROWS_MESSAGE(static_cast<void>(read_mesh(folder.path())), FileError,
+                        "is a folder; expected a file");
 }
 
 TEST(MeshIo, RefusesWhatAssimpFindsDamaged) {
