@@ -171,10 +171,10 @@ class Repair {
   }
 
   [[nodiscard]] bool is_longest(const EdgeSide& side) const {
-    const double length = (at(side.high) - at(side.low)).squaredNorm();
+    const double length = (at(side.high) - at(side.low)).stableNorm();  // its square may overflow
     const Eigen::Vector3d apex = at(apex_of(side));
-    return length > (apex - at(side.low)).squaredNorm() &&
-           length > (apex - at(side.high)).squaredNorm();
+    return length > (apex - at(side.low)).stableNorm() &&
+           length > (apex - at(side.high)).stableNorm();
   }
 
   [[nodiscard]] int apex_of(const EdgeSide& side) const {
@@ -271,18 +271,65 @@ class Repair {
     }
   }
 
+  [[nodiscard]] bool runs_upwards(const EdgeSide& side) const {
+    return side.upwards != turned_[static_cast<size_t>(side.triangle())];
+  }
+
+  /// Joins the triangles of each pair. A triangle that meets others at an edge although it is not
+  /// joined to them there, because their fans are joined at both ends of the edge, is cut free.
+  CornerClasses join(std::vector<Pair> pairs) {
+    const auto cut = [&](const auto& is_cut) {
+      result_.cut_edges += static_cast<int>(std::erase_if(pairs, is_cut));
+    };
+    cut([&](const Pair& pair) {  // of a one-sided surface
+      return runs_upwards(pair.first) == runs_upwards(pair.second);
+    });
+    while (true) {
+      CornerClasses fans(triangles_.size());
+      for (const auto& [a, b] : pairs) fans.join(a, b);
+      const std::vector<bool> is_free = excess_at_edges(fans, pairs);
+      if (std::ranges::find(is_free, true) == is_free.end()) return fans;
+      // Each of them has a neighbour, or its fans would be its own: this comes to an end.
+      cut([&](const Pair& pair) {
+        return is_free[static_cast<size_t>(pair.first.triangle())] ||
+               is_free[static_cast<size_t>(pair.second.triangle())];
+      });
+    }
+  }
+
+  /// The triangles at edges between two fans, beyond the two that form the surface there.
+  std::vector<bool> excess_at_edges(CornerClasses& fans, const std::vector<Pair>& pairs) const {
+    Eigen::Matrix3Xi fan_of(3, triangles_.cols());
+    for (int corner = 0; corner < triangles_.size(); ++corner)
+      fan_of(corner % 3, corner / 3) = fans.find(corner);
+    std::vector<int> partner(static_cast<size_t>(triangles_.size()), -1);
+    for (const auto& [a, b] : pairs) {
+      partner[static_cast<size_t>(a.half_edge)] = b.half_edge;
+      partner[static_cast<size_t>(b.half_edge)] = a.half_edge;
+    }
+    std::vector<bool> excess(use_.size());
+    for_each_edge(sort_sides(fan_of, use_), [&](std::span<const EdgeSide> sides) {
+      if (sides.size() == 1 ||
+          (sides.size() == 2 && runs_upwards(sides[0]) != runs_upwards(sides[1]))) {
+        return;
+      }
+      const auto partner_of = [&](const EdgeSide& side) {
+        return partner[static_cast<size_t>(side.half_edge)];
+      };
+      const auto joined =
+          std::ranges::find_if(sides, [&](const EdgeSide& side) { return partner_of(side) >= 0; });
+      const EdgeSide& kept = joined != sides.end() ? *joined : sides.front();
+      for (const EdgeSide& side : sides) {
+        if (side.half_edge != kept.half_edge && side.half_edge != partner_of(kept))
+          excess[static_cast<size_t>(side.triangle())] = true;
+      }
+    });
+    return excess;
+  }
+
   /// Makes one vertex for each fan of joined triangles.
   void rebuild(const std::vector<Pair>& pairs) {
-    CornerClasses fans(triangles_.size());
-    for (const auto& [a, b] : pairs) {
-      const bool a_upwards = a.upwards != turned_[static_cast<size_t>(a.triangle())];
-      const bool b_upwards = b.upwards != turned_[static_cast<size_t>(b.triangle())];
-      if (a_upwards != b_upwards) {
-        fans.join(a, b);
-      } else {
-        ++result_.cut_edges;  // a one-sided surface
-      }
-    }
+    CornerClasses fans = join(pairs);
     std::vector<std::pair<int, int>> vertices;  // input vertex, fan
     for (int corner = 0; corner < triangles_.size(); ++corner) {
       if (use_[static_cast<size_t>(corner / 3)] && fans.find(corner) == corner)

@@ -8,12 +8,14 @@
 #include <numeric>
 #include <random>
 #include <set>
+#include <string>
 
 #include "broken_meshes.h"
 #include "mesh_corpus.h"
 #include "palpate/error.h"
 #include "palpate/geometry/mesh_measures.h"
 #include "palpate/geometry/mesh_topology.h"
+#include "test_surfaces.h"
 
 namespace palpate::geometry {
 namespace {
@@ -47,6 +49,61 @@ TEST(MeshRepair, EachBrokenMeshIsMendedAndKeepsWhatWasSound) {
                 broken.mesh.vertices.col(repaired.source[static_cast<size_t>(v)]));
     }
   }
+}
+
+/// The defects other than needles and flat triangles, which do not concern the topology.
+std::string topological_defects(const TriangleMesh& mesh) {
+  std::string found;
+  for (const MeshDefect& defect : find_defects(mesh)) {
+    if (defect.kind != DefectKind::triangle_needle && defect.kind != DefectKind::triangle_flat)
+      found += describe(defect) + "; ";
+  }
+  return found;
+}
+
+TEST(MeshRepair, AThirdTriangleIsSeparatedAlsoWhereItsFansAreJoinedAtBothEndsOfTheEdge) {
+  TriangleMesh mesh;  // found by fuzzing
+  mesh.vertices.resize(3, 6);
+  mesh.vertices << 1, 1, 0, 0, 0, 0,  //
+      1, 1, 0, 1, 0, 1,               //
+      0, 0, 1, 0, 0, 1;
+  mesh.triangles.resize(3, 5);
+  mesh.triangles << 5, 3, 1, 0, 4,  //
+      3, 0, 5, 3, 1,                //
+      2, 2, 2, 5, 2;
+  for (const double scale : {1.0, 1e37}) {
+    const RepairedMesh repaired = repair_mesh(test::scaled(mesh, scale));
+    EXPECT_EQ(topological_defects(repaired.mesh), "") << scale;
+    EXPECT_NO_THROW((void)opposite_half_edges(repaired.mesh)) << scale;
+    EXPECT_EQ(repaired.mesh.triangles.cols(), 5);
+    EXPECT_GT(repaired.cut_edges, 0);
+  }
+}
+
+TEST(MeshRepair, WhateverIsRepairedIsManifoldAtEveryScale) {
+  int repaired_meshes = 0;
+  for (const double scale : {1.0, 1e37, 1e155, 1e300}) {
+    std::mt19937 random(7);
+    for (int i = 0; i < 2000; ++i) {
+      TriangleMesh mesh;
+      mesh.vertices.resize(3, 4 + random() % 6);
+      mesh.triangles.resize(3, 3 + random() % 12);
+      const unsigned places = i % 2 == 0 ? 3 : 1000;  // a coarse grid has many coincidences
+      for (double& x : mesh.vertices.reshaped()) x = scale * static_cast<double>(random() % places);
+      for (int& v : mesh.triangles.reshaped())
+        v = static_cast<int>(random() % static_cast<unsigned>(mesh.vertices.cols()));
+      RepairedMesh repaired;
+      try {
+        repaired = repair_mesh(mesh);
+      } catch (const InvalidInput&) {
+        continue;  // no triangle can be kept
+      }
+      ++repaired_meshes;
+      ASSERT_EQ(topological_defects(repaired.mesh), "") << scale << ", mesh " << i;
+      ASSERT_NO_THROW((void)opposite_half_edges(repaired.mesh)) << scale << ", mesh " << i;
+    }
+  }
+  EXPECT_GT(repaired_meshes, 7000);
 }
 
 TEST(MeshRepair, TrianglesTurnedAtRandomRunRoundAgainAsMostOfThemDid) {

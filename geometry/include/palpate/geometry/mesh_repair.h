@@ -27,8 +27,9 @@ struct RepairedMesh {
 ///
 /// Vertices at exactly the same place are joined. Where more than two triangles meet at an edge,
 /// the pairs with the flattest angle stay connected. Neighbours of opposite orientation are
-/// reoriented like the larger area of their connected surface; a one-sided surface is cut. A mesh
-/// without defects is returned unchanged.
+/// reoriented like the larger area of their connected surface; a one-sided surface is cut. A
+/// triangle that meets such an edge at both ends without being joined there is cut free of its
+/// neighbours. A mesh without defects is returned unchanged.
 /// \throws InvalidInput if no triangle can be kept.
 [[nodiscard]] RepairedMesh repair_mesh(const TriangleMesh& mesh);
 
