@@ -6,11 +6,13 @@
 #include <meshoptimizer.h>
 
 #include <algorithm>
+#include <functional>
 #include <numeric>
 #include <optional>
 #include <utility>
 
 #include "base/numbers.h"
+#include "mesh/compact_mesh.h"
 #include "mesh/edge_table.h"
 #include "palpate/error.h"
 #include "palpate/require.h"
@@ -50,11 +52,14 @@ constexpr double kLeastGain = 0.03;
 struct Draft {
   TriangleMesh mesh;  ///< with all vertices of the input
   std::vector<char> fixed;
+  CompactMesh used;  ///< the mesh without the other vertices
   Eigen::Matrix3Xi neighbours;
+  std::optional<SurfaceQuery> query;  ///< built when it is needed first
 
   explicit Draft(TriangleMesh start)
       : mesh(std::move(start)),
         fixed(static_cast<std::size_t>(mesh.vertices.cols()), 0),
+        used(compact(mesh)),
         neighbours(triangle_neighbours(mesh.triangles)) {}
 };
 
@@ -74,23 +79,24 @@ struct FloatPositions {
 constexpr double kMostRelativeError = 1e6;
 
 /// One run of meshoptimizer: `error` in mm by its own estimate.
-TriangleMesh simplify(const Draft& draft, FloatPositions positions, double error,
+TriangleMesh simplify(const Draft& draft, const FloatPositions& positions, double error,
                       Eigen::Index target_triangles) {
-  const Eigen::Index count = draft.mesh.vertices.cols();
+  const std::vector<int>& source = draft.used.source;
+  const auto is_fixed = [&](int v) { return draft.fixed[static_cast<std::size_t>(v)] != 0; };
+  const auto fixed = static_cast<Eigen::Index>(std::ranges::count_if(source, is_fixed));
   // meshoptimizer never moves a vertex that coincides with two others: a corner of several
   // surfaces.
-  const auto fixed =
-      static_cast<Eigen::Index>(std::count(draft.fixed.begin(), draft.fixed.end(), 1));
-  Eigen::Matrix3Xf& local = positions.local;
-  local.conservativeResize(3, count + 2 * fixed);
+  const auto count = static_cast<Eigen::Index>(source.size());
+  Eigen::Matrix3Xf local(3, count + 2 * fixed);
+  local.leftCols(count) = positions.local(Eigen::all, source);
   Eigen::Index next = count;
   for (Eigen::Index v = 0; v < count; ++v) {
-    if (draft.fixed[static_cast<std::size_t>(v)] == 0) continue;
+    if (!is_fixed(source[static_cast<std::size_t>(v)])) continue;
     local.col(next++) = local.col(v);
     local.col(next++) = local.col(v);
   }
-  const std::vector<unsigned> indices(draft.mesh.triangles.data(),
-                                      draft.mesh.triangles.data() + draft.mesh.triangles.size());
+  const Eigen::Matrix3Xi& triangles = draft.used.mesh.triangles;
+  const std::vector<unsigned> indices(triangles.data(), triangles.data() + triangles.size());
   std::vector<unsigned> simplified(indices.size());
   const auto vertex_count = static_cast<std::size_t>(local.cols());
   constexpr std::size_t kStride = 3 * sizeof(float);
@@ -104,28 +110,28 @@ TriangleMesh simplify(const Draft& draft, FloatPositions positions, double error
   TriangleMesh mesh;
   mesh.vertices = draft.mesh.vertices;
   mesh.triangles.resize(3, static_cast<Eigen::Index>(simplified.size() / 3));
-  std::copy(simplified.begin(), simplified.end(), mesh.triangles.data());
+  std::ranges::transform(simplified, mesh.triangles.data(), [&](unsigned v) { return source[v]; });
   return mesh;
 }
 
 /// Fixes the parts of the draft around the corners of unfit triangles and around lost points of the
 /// input, and everything below triangles that are too far away.
-void fix_below(Draft& draft, const TriangleMesh& candidate, const DistanceTarget& target,
-               const Unfit& unfit) {
-  std::vector<char> is_far(static_cast<std::size_t>(candidate.triangles.cols()), 0);
+void fix_below(Draft& draft, Candidate& candidate, const Unfit& unfit) {
+  const Eigen::Matrix3Xi& triangles = candidate.mesh().triangles;
+  std::vector<char> is_far(static_cast<std::size_t>(triangles.cols()), 0);
   std::vector<char> at_corner(draft.fixed.size(), 0);
   for (const int t : unfit.far) is_far[static_cast<std::size_t>(t)] = 1;
-  for (const std::vector<int>* triangles : {&unfit.far, &unfit.shapes}) {
-    for (const int t : *triangles) {
-      for (const int v : candidate.triangles.col(t)) at_corner[static_cast<std::size_t>(v)] = 1;
+  for (const std::vector<int>* found : {&unfit.far, &unfit.shapes}) {
+    for (const int t : *found) {
+      for (const int v : triangles.col(t)) at_corner[static_cast<std::size_t>(v)] = 1;
     }
   }
   std::vector<int> todo;
   // Where the surface was folded, the candidate may have nothing left nearby.
   if (!unfit.lost.empty()) {
-    const SurfaceQuery draft_query(draft.mesh);
+    if (!draft.query) draft.query.emplace(draft.used.mesh);
     for (const Eigen::Vector3d& point : unfit.lost) {
-      const int t = draft_query.closest_point(point).at.triangle;
+      const int t = draft.query->closest_point(point).at.triangle;
       for (const int v : draft.mesh.triangles.col(t)) at_corner[static_cast<std::size_t>(v)] = 1;
     }
   }
@@ -144,11 +150,13 @@ void fix_below(Draft& draft, const TriangleMesh& candidate, const DistanceTarget
   for (const int t : todo) {
     for (const int v : draft.mesh.triangles.col(t)) draft.fixed[static_cast<std::size_t>(v)] = 1;
   }
+  if (unfit.far.empty()) return;
   while (!todo.empty()) {
     const int t = todo.back();
     todo.pop_back();
     const SurfacePoint centre{.triangle = t, .barycentric = Eigen::Vector3d::Constant(1.0 / 3)};
-    const int above = target.query.closest_point(position(draft.mesh, centre)).at.triangle;
+    const int above =
+        candidate.target().query.closest_point(position(draft.mesh, centre)).at.triangle;
     if (above < 0 || is_far[static_cast<std::size_t>(above)] == 0) continue;
     for (const int v : draft.mesh.triangles.col(t)) draft.fixed[static_cast<std::size_t>(v)] = 1;
     for (const int neighbour : draft.neighbours.col(t)) visit(neighbour);
@@ -163,45 +171,49 @@ struct Aim {
   double gain;                    ///< smallest fraction of the triangles to be removed
 };
 
+/// Number of meshes made and checked.
+class Tries {
+ public:
+  explicit Tries(const std::function<void(int done, int total)>& progress) : progress_(progress) {}
+  [[nodiscard]] int count() const { return count_; }
+  [[nodiscard]] bool may_begin() const { return count_ < kMostTries; }
+  void add() {
+    ++count_;
+    if (progress_) progress_(std::min(count_, kMostTries), kMostTries + 1);
+  }
+  void end() const {
+    if (progress_) progress_(kMostTries + 1, kMostTries + 1);
+  }
+
+ private:
+  const std::function<void(int done, int total)>& progress_;
+  int count_ = 0;
+};
+
 /// Makes a mesh from `draft` that passes; none if too little is gained, for example because unfit
 /// parts of it are fixed.
 std::optional<TriangleMesh> pass(Draft draft, const FloatPositions& positions, const Aim& aim,
-                                 const DecimationStandard& standard, KnownNear& known, int& tries) {
+                                 const DecimationStandard& standard, KnownTriangles& known,
+                                 Tries& tries) {
   const double most = (1 - aim.gain) * static_cast<double>(draft.mesh.triangles.cols());
   std::vector<std::pair<int, std::size_t>> left;
   while (left.size() < kMostRounds) {
-    TriangleMesh candidate = simplify(draft, positions, aim.error, aim.target_triangles);
-    mend_slivers(candidate, draft.fixed);
-    ++tries;
-    const auto count = static_cast<double>(candidate.triangles.cols());
+    TriangleMesh mesh = simplify(draft, positions, aim.error, aim.target_triangles);
+    mend_slivers(mesh, draft.fixed);
+    tries.add();
+    const auto count = static_cast<double>(mesh.triangles.cols());
     if (count == 0 || count > most) return std::nullopt;
-    const DistanceTarget target(candidate);
-    const Unfit unfit = find_unfit(candidate, target, standard, aim.tolerance, known);
-    if (unfit.count() == 0) return candidate;
+    Candidate candidate(std::move(mesh));
+    const Unfit unfit = find_unfit(candidate, standard, aim.tolerance, known);
+    if (unfit.count() == 0) return candidate.mesh();
     left.push_back(unfit.left());
     const std::size_t rounds = left.size();
     if (rounds > kPatience + 1 && left[rounds - 1] >= left[rounds - 1 - kPatience]) {
       return std::nullopt;
     }
-    fix_below(draft, candidate, target, unfit);
+    fix_below(draft, candidate, unfit);
   }
   return std::nullopt;
-}
-
-/// Without the vertices that no triangle uses.
-Decimation compact(const TriangleMesh& mesh) {
-  std::vector<int> index(static_cast<std::size_t>(mesh.vertices.cols()), -1);
-  for (const int v : mesh.triangles.reshaped()) index[static_cast<std::size_t>(v)] = 0;
-  Decimation result;
-  for (std::size_t v = 0; v < index.size(); ++v) {
-    if (index[v] < 0) continue;
-    index[v] = static_cast<int>(result.source.size());
-    result.source.push_back(static_cast<int>(v));
-  }
-  result.mesh.vertices = mesh.vertices(Eigen::all, result.source);
-  result.mesh.triangles =
-      mesh.triangles.unaryExpr([&index](int v) { return index[static_cast<std::size_t>(v)]; });
-  return result;
 }
 
 void check(const DecimationOptions& options) {
@@ -217,13 +229,13 @@ void check(const DecimationOptions& options) {
 /// Finds the smallest mesh within the tolerance. Each mesh is made from the last one that passed,
 /// not from the input, so parts fixed at that time keep the coarseness they had.
 TriangleMesh to_tolerance(const TriangleMesh& mesh, const DecimationStandard& standard,
-                          double tolerance, int& tries) {
+                          double tolerance, Tries& tries) {
   const FloatPositions positions(mesh);
-  KnownNear known{.near = standard.triangles};
+  KnownTriangles known(mesh);
   TriangleMesh best = mesh;
   double error = kFirstError * tolerance;
   double grow = kGrow;
-  while (tries < kMostTries && error >= kLeastError * tolerance) {
+  while (tries.may_begin() && error >= kLeastError * tolerance) {
     const Aim aim{
         .error = error, .tolerance = tolerance, .target_triangles = 0, .gain = kLeastGain};
     std::optional<TriangleMesh> smaller = pass(Draft(best), positions, aim, standard, known, tries);
@@ -243,13 +255,13 @@ TriangleMesh to_tolerance(const TriangleMesh& mesh, const DecimationStandard& st
 
 /// Finds a mesh of at most `max_triangles`, or the closest to it that passes.
 TriangleMesh to_count(const TriangleMesh& mesh, const DecimationStandard& standard,
-                      int max_triangles, int& tries) {
+                      int max_triangles, Tries& tries) {
   const FloatPositions positions(mesh);
-  KnownNear known{.near = standard.triangles};
+  KnownTriangles known(mesh);
   TriangleMesh best = mesh;
   const Aim aim{
       .error = kInfinity, .tolerance = kInfinity, .target_triangles = max_triangles, .gain = 0};
-  while (tries < kMostTries && best.triangles.cols() > max_triangles) {
+  while (tries.may_begin() && best.triangles.cols() > max_triangles) {
     std::optional<TriangleMesh> smaller = pass(Draft(best), positions, aim, standard, known, tries);
     if (!smaller || smaller->triangles.cols() == best.triangles.cols()) break;
     best = std::move(*smaller);
@@ -263,22 +275,28 @@ Decimation decimate(const TriangleMesh& mesh, const DecimationOptions& options) 
   check(options);
   check_mesh(mesh, "decimate(): mesh");
   const DecimationStandard standard(mesh);
-  int tries = 0;
+  Tries tries(options.progress);
   const TriangleMesh best = options.tolerance
                                 ? to_tolerance(mesh, standard, *options.tolerance, tries)
                                 : to_count(mesh, standard, *options.max_triangles, tries);
   if (best.triangles.cols() == mesh.triangles.cols()) {
-    Decimation same{.mesh = mesh, .source = {}, .distance = 0, .tries = tries};
+    Decimation same{.mesh = mesh, .source = {}, .distance = 0, .tries = tries.count()};
     same.source.resize(static_cast<std::size_t>(mesh.vertices.cols()));
     std::iota(same.source.begin(), same.source.end(), 0);
+    tries.end();
     return same;
   }
-  Decimation result = compact(best);
-  result.tries = tries;
-  const HausdorffDistance distance = hausdorff_distance(mesh, result.mesh);
+  CompactMesh compacted = compact(best);
+  Decimation result{.mesh = std::move(compacted.mesh),
+                    .source = std::move(compacted.source),
+                    .distance = 0,
+                    .tries = tries.count()};
+  const double distance =
+      std::max(bound_largest_distance(mesh, DistanceTarget(result.mesh), {}).upper,
+               bound_largest_distance(result.mesh, standard.input, {}).upper);
   // Both bounds hold; the one by which the mesh passed may be tighter.
-  result.distance =
-      options.tolerance ? std::min(distance.upper, *options.tolerance) : distance.upper;
+  result.distance = options.tolerance ? std::min(distance, *options.tolerance) : distance;
+  tries.end();
   return result;
 }
 

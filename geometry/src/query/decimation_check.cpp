@@ -5,44 +5,17 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
-#include <numeric>
+#include <span>
 #include <utility>
 
 #include "base/numbers.h"
+#include "mesh/compact_mesh.h"
+#include "mesh/edge_table.h"
+#include "mesh/triangle_primitives.h"
 #include "palpate/parallel_for.h"
 
 namespace palpate::geometry {
 namespace {
-
-/// One side of a triangle, its edge as the pair of its vertices in ascending order.
-struct Side {
-  std::pair<int, int> edge;
-  int half_edge;
-};
-
-int next_in_triangle(int half_edge) { return half_edge % 3 == 2 ? half_edge - 2 : half_edge + 1; }
-
-int root(std::vector<int>& parent, int i) {
-  while (parent[static_cast<std::size_t>(i)] != i) {
-    parent[static_cast<std::size_t>(i)] =
-        parent[static_cast<std::size_t>(parent[static_cast<std::size_t>(i)])];
-    i = parent[static_cast<std::size_t>(i)];
-  }
-  return i;
-}
-
-std::vector<Side> sorted_sides(const TriangleMesh& mesh) {
-  std::vector<Side> sides(static_cast<std::size_t>(mesh.triangles.size()));
-  for (int h = 0; h < static_cast<int>(sides.size()); ++h) {
-    sides[static_cast<std::size_t>(h)] = {
-        .edge = std::minmax({mesh.triangles(h % 3, h / 3), mesh.triangles((h + 1) % 3, h / 3)}),
-        .half_edge = h};
-  }
-  std::sort(sides.begin(), sides.end(), [](const Side& one, const Side& other) {
-    return std::pair(one.edge, one.half_edge) < std::pair(other.edge, other.half_edge);
-  });
-  return sides;
-}
 
 /// A triangle is a sliver iff its height is at most this fraction of its longest side; its
 /// orientation is then mostly noise.
@@ -51,24 +24,34 @@ constexpr double kThin = 1e-2;
 /// Slivers may be adjacent to slivers; each pass mends those that do not touch each other.
 constexpr int kMostPasses = 12;
 
-/// The longest side of a triangle that is a sliver; none for others.
-std::vector<int> sliver_sides(const TriangleMesh& mesh) {
-  std::vector<int> longest(static_cast<std::size_t>(mesh.triangles.cols()), kNone);
-  for (Eigen::Index t = 0; t < mesh.triangles.cols(); ++t) {
-    const auto edge = [&mesh, t](int k) -> Eigen::Vector3d {
-      return mesh.vertices.col(mesh.triangles((k + 1) % 3, t)) -
-             mesh.vertices.col(mesh.triangles(k, t));
-    };
-    int side = 0;
-    for (int k = 1; k < 3; ++k) {
-      if (edge(k).squaredNorm() > edge(side).squaredNorm()) side = k;
-    }
-    const double area = edge(0).cross(edge(1)).norm();
-    if (area <= kThin * edge(side).squaredNorm()) {
-      longest[static_cast<std::size_t>(t)] = 3 * static_cast<int>(t) + side;
-    }
+/// The longest side of a triangle if it is a sliver, or else none.
+int sliver_side(const TriangleMesh& mesh, int triangle) {
+  const auto edge = [&mesh, triangle](int k) -> Eigen::Vector3d {
+    return mesh.vertices.col(mesh.triangles((k + 1) % 3, triangle)) -
+           mesh.vertices.col(mesh.triangles(k, triangle));
+  };
+  int side = 0;
+  for (int k = 1; k < 3; ++k) {
+    if (edge(k).squaredNorm() > edge(side).squaredNorm()) side = k;
   }
-  return longest;
+  const double area = edge(0).cross(edge(1)).norm();
+  return area <= kThin * edge(side).squaredNorm() ? 3 * triangle + side : kNone;
+}
+
+/// The triangles that share a vertex with one of `some`, without those to be dropped.
+std::vector<bool> triangles_around(const TriangleMesh& mesh, const std::vector<int>& some,
+                                   const std::vector<char>& drop) {
+  std::vector<char> at_corner(static_cast<std::size_t>(mesh.vertices.cols()), 0);
+  for (const int t : some) {
+    for (const int v : mesh.triangles.col(t)) at_corner[static_cast<std::size_t>(v)] = 1;
+  }
+  std::vector<bool> around(drop.size(), false);
+  for (std::size_t t = 0; t < drop.size(); ++t) {
+    if (drop[t] != 0) continue;
+    for (const int v : mesh.triangles.col(static_cast<Eigen::Index>(t)))
+      around[t] = around[t] || at_corner[static_cast<std::size_t>(v)] != 0;
+  }
+  return around;
 }
 
 /// Removes a sliver at the border, or gives its middle corner to the neighbour across its longest
@@ -100,29 +83,17 @@ bool mend(TriangleMesh& mesh, int half_edge, int other, const auto& edge_exists,
   return true;
 }
 
-/// The corners, rotated so that the smallest comes first, which identifies a triangle.
-std::array<int, 3> turned_corners(const TriangleMesh& mesh, Eigen::Index triangle) {
-  const Eigen::Vector3i of = mesh.triangles.col(triangle);
-  std::array<int, 3> corners = {of[0], of[1], of[2]};
-  std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());
-  return corners;
-}
-
-/// Whether a new triangle faces the other way than the input below it, at its centre and half-way
+/// Whether a triangle faces the other way than the input below it, at its centre and half-way
 /// to each corner. All of these are required, because across a steep step of the input the nearest
 /// triangle may be an upright one.
-bool turned_over(const TriangleMesh& candidate, Eigen::Index triangle,
-                 const Eigen::Vector3d& normal, const DecimationStandard& standard) {
-  if (std::binary_search(standard.triangles.begin(), standard.triangles.end(),
-                         turned_corners(candidate, triangle))) {
-    return false;
-  }
+bool turned_over(const TriangleMesh& candidate, int triangle, const DecimationStandard& standard) {
+  const Eigen::Vector3d normal =
+      area_vector(candidate.vertices, candidate.triangles.col(triangle)).stableNormalized();
   const Eigen::Vector3d centre = Eigen::Vector3d::Constant(1.0 / 3);
   for (int k = -1; k < 3; ++k) {
     Eigen::Vector3d at = centre;
     if (k >= 0) at = (centre + Eigen::Vector3d::Unit(k)) / 2;
-    const Eigen::Vector3d place =
-        position(candidate, {.triangle = static_cast<int>(triangle), .barycentric = at});
+    const Eigen::Vector3d place = position(candidate, {.triangle = triangle, .barycentric = at});
     const int below = standard.input.query.closest_point(place).at.triangle;
     if (below < 0) return true;
     const Eigen::Vector3d of_input = standard.normals.col(below);
@@ -136,69 +107,65 @@ bool turned_over(const TriangleMesh& candidate, Eigen::Index triangle,
 Gluing gluing(const TriangleMesh& mesh) {
   Gluing found{.bad_edge = std::vector<char>(static_cast<std::size_t>(mesh.triangles.cols()), 0),
                .fans = std::vector<int>(static_cast<std::size_t>(mesh.vertices.cols()), 0)};
-  // Corners, named by their outgoing half-edge, are joined where their triangles share an edge.
-  std::vector<int> parent(static_cast<std::size_t>(mesh.triangles.size()));
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto from = [&](int h) { return mesh.triangles(h % 3, h / 3); };
-  const auto join = [&](int a, int b) {
-    parent[static_cast<std::size_t>(root(parent, a))] = root(parent, b);
-  };
-  const std::vector<Side> sides = sorted_sides(mesh);
-  for (auto first = sides.begin(); first != sides.end();) {
-    const auto last =
-        std::find_if(first, sides.end(), [&](const Side& s) { return s.edge != first->edge; });
-    const bool bad = last - first > 2 ||
-                     (last - first == 2 && from(first->half_edge) == from((first + 1)->half_edge));
-    for (auto side = first; side != last; ++side) {
-      if (bad) found.bad_edge[static_cast<std::size_t>(side->half_edge / 3)] = 1;
-      const int one = first->half_edge;
-      const int other = side->half_edge;
-      const bool along = from(one) == from(other);
-      join(one, along ? other : next_in_triangle(other));
-      join(next_in_triangle(one), along ? next_in_triangle(other) : other);
+  CornerClasses corners(mesh.triangles.size());
+  for_each_edge(sort_sides(mesh.triangles), [&](std::span<const EdgeSide> sides) {
+    const bool bad =
+        sides.size() > 2 || (sides.size() == 2 && sides[0].upwards == sides[1].upwards);
+    for (const EdgeSide& side : sides) {
+      if (bad) found.bad_edge[static_cast<std::size_t>(side.triangle())] = 1;
+      corners.join(sides.front(), side);
     }
-    first = last;
-  }
-  for (int h = 0; h < static_cast<int>(parent.size()); ++h) {
-    if (root(parent, h) == h) ++found.fans[static_cast<std::size_t>(from(h))];
+  });
+  for (int corner = 0; corner < static_cast<int>(mesh.triangles.size()); ++corner) {
+    if (corners.find(corner) == corner)
+      ++found.fans[static_cast<std::size_t>(mesh.triangles.reshaped()[corner])];
   }
   return found;
 }
 
 void mend_slivers(TriangleMesh& mesh, const std::vector<char>& fixed) {
   std::vector<char> drop(static_cast<std::size_t>(mesh.triangles.cols()), 0);
-  for (int pass = 0; pass < kMostPasses; ++pass) {
-    const std::vector<int> longest = sliver_sides(mesh);
-    const std::vector<Side> sides = sorted_sides(mesh);
+  std::vector<int> longest(drop.size(), kNone);  // see `sliver_side`
+  std::vector<int> slivers;
+  for (int t = 0; t < static_cast<int>(drop.size()); ++t) {
+    longest[static_cast<std::size_t>(t)] = sliver_side(mesh, t);
+    if (longest[static_cast<std::size_t>(t)] != kNone) slivers.push_back(t);
+  }
+  for (int pass = 0; pass < kMostPasses && !slivers.empty(); ++pass) {
+    const std::vector<EdgeSide> sides =
+        sort_sides(mesh.triangles, triangles_around(mesh, slivers, drop));
     const auto edge_exists = [&sides](int a, int b) {
       const std::pair<int, int> edge = std::minmax({a, b});
-      const auto place = std::lower_bound(sides.begin(), sides.end(), edge,
-                                          [](const Side& s, const auto& e) { return s.edge < e; });
-      return place != sides.end() && place->edge == edge;
+      const auto place = std::lower_bound(
+          sides.begin(), sides.end(), edge,
+          [](const EdgeSide& s, const auto& e) { return std::pair(s.low, s.high) < e; });
+      return place != sides.end() && std::pair(place->low, place->high) == edge;
     };
     std::vector<char> touched(static_cast<std::size_t>(mesh.vertices.cols()), 0);
-    bool changed = false;
-    for (auto first = sides.begin(); first != sides.end();) {
-      const auto last =
-          std::find_if(first, sides.end(), [&](const Side& s) { return s.edge != first->edge; });
-      const auto sliver = std::find_if(first, last, [&](const Side& s) {
-        return longest[static_cast<std::size_t>(s.half_edge / 3)] == s.half_edge;
+    std::vector<int> changed;
+    for_each_edge(sides, [&](std::span<const EdgeSide> of_edge) {
+      const auto sliver = std::ranges::find_if(of_edge, [&](const EdgeSide& s) {
+        return longest[static_cast<std::size_t>(s.triangle())] == s.half_edge;
       });
-      const auto count = last - first;
-      if (sliver != last && count <= 2) {
-        const int other = count == 1 ? kNone : (sliver == first ? first + 1 : first)->half_edge;
-        // If the neighbour is a sliver with another longest side, mend that one first. Every other
-        // pass ignores this rule, so that two slivers do not wait for each other forever.
-        const bool waits = pass % 2 == 0 && other != kNone &&
-                           longest[static_cast<std::size_t>(other / 3)] != kNone &&
-                           longest[static_cast<std::size_t>(other / 3)] != other;
-        if (!waits) {
-          changed |= mend(mesh, sliver->half_edge, other, edge_exists, fixed, touched, drop);
-        }
-      }
-      first = last;
+      if (sliver == of_edge.end() || of_edge.size() > 2) return;
+      const int other =
+          of_edge.size() == 1 ? kNone : of_edge[sliver == of_edge.begin() ? 1 : 0].half_edge;
+      // If the neighbour is a sliver with another longest side, mend that one first. Every other
+      // pass ignores this rule, so that two slivers do not wait for each other forever.
+      const bool waits = pass % 2 == 0 && other != kNone &&
+                         longest[static_cast<std::size_t>(other / 3)] != kNone &&
+                         longest[static_cast<std::size_t>(other / 3)] != other;
+      if (waits || !mend(mesh, sliver->half_edge, other, edge_exists, fixed, touched, drop)) return;
+      changed.push_back(sliver->triangle());
+      if (other != kNone) changed.push_back(other / 3);
+    });
+    if (changed.empty() && pass % 2 == 1) break;
+    for (const int t : changed) {
+      longest[static_cast<std::size_t>(t)] =
+          drop[static_cast<std::size_t>(t)] != 0 ? kNone : sliver_side(mesh, t);
     }
-    if (!changed && pass % 2 == 1) break;
+    slivers.insert(slivers.end(), changed.begin(), changed.end());
+    std::erase_if(slivers, [&](int t) { return longest[static_cast<std::size_t>(t)] == kNone; });
   }
   Eigen::Index kept = 0;
   for (Eigen::Index t = 0; t < mesh.triangles.cols(); ++t) {
@@ -212,75 +179,149 @@ DecimationStandard::DecimationStandard(const TriangleMesh& mesh)
       input_gluing(gluing(mesh)),
       manifold_edges(std::count(input_gluing.bad_edge.begin(), input_gluing.bad_edge.end(), 1) ==
                      0),
-      normals(triangle_normals(mesh)) {
-  for (Eigen::Index t = 0; t < normals.cols(); ++t) triangles.push_back(turned_corners(mesh, t));
-  std::sort(triangles.begin(), triangles.end());
+      normals(triangle_normals(mesh)) {}
+
+const DistanceTarget& Candidate::target() {
+  if (!target_) target_.emplace(compact(mesh_).mesh);
+  return *target_;
+}
+
+KnownTriangles::KnownTriangles(const TriangleMesh& input)
+    : newest_(static_cast<std::size_t>(input.vertices.cols()), kNone) {
+  enter(input);
+  std::ranges::fill(facts_, Facts{.facing = Facing::right, .near = true});
+  for (const int entry : present_) cover_.push_back({.triangles = {entry}, .count = 1});
+}
+
+int KnownTriangles::enter(const Eigen::Vector3i& corners) {
+  int lowest = 0;
+  corners.minCoeff(&lowest);
+  const std::array<int, 2> others = {corners[(lowest + 1) % 3], corners[(lowest + 2) % 3]};
+  int& newest = newest_[static_cast<std::size_t>(corners[lowest])];
+  int entry = newest;
+  while (entry != kNone && entries_[static_cast<std::size_t>(entry)].others != others)
+    entry = entries_[static_cast<std::size_t>(entry)].next;
+  if (entry != kNone) return entry;
+  entry = static_cast<int>(entries_.size());
+  entries_.push_back({.others = others, .next = newest});
+  facts_.emplace_back();
+  last_seen_.push_back(candidate_);
+  newest = entry;
+  return entry;
+}
+
+void KnownTriangles::enter(const TriangleMesh& candidate) {
+  ++candidate_;
+  present_.clear();
+  for (const auto& corners : candidate.triangles.colwise()) {
+    present_.push_back(enter(Eigen::Vector3i(corners)));
+    last_seen_[static_cast<std::size_t>(present_.back())] = candidate_;
+  }
+}
+
+bool KnownTriangles::is_covered(std::size_t input_triangle) const {
+  const Witnesses& witnesses = cover_[input_triangle];
+  return witnesses.is_complete() && std::ranges::all_of(witnesses.all(), [&](int entry) {
+           return last_seen_[static_cast<std::size_t>(entry)] == candidate_;
+         });
+}
+
+void KnownTriangles::set_covered(std::size_t input_triangle, const Witnesses& witnesses) {
+  Witnesses& cover = cover_[input_triangle];
+  cover.count = witnesses.count;
+  std::ranges::transform(witnesses.triangles, cover.triangles.begin(), [&](int triangle) {
+    return present_[static_cast<std::size_t>(triangle)];
+  });
 }
 
 namespace {
 
 /// Triangles of the candidate that are badly connected, or flipped without being slivers.
-std::vector<int> bad_shapes(const TriangleMesh& candidate, const DecimationStandard& standard) {
+std::vector<int> bad_shapes(const TriangleMesh& candidate, const DecimationStandard& standard,
+                            KnownTriangles& known) {
+  using Facing = KnownTriangles::Facing;
   const auto count = static_cast<std::size_t>(candidate.triangles.cols());
-  const Eigen::Matrix3Xd normals = triangle_normals(candidate);
-  std::vector<char> bad(count, 0);
-  const std::vector<int> slivers = sliver_sides(candidate);
-  parallel_for(count, [&](std::size_t t) {
-    const auto triangle = static_cast<Eigen::Index>(t);
-    bad[t] =
-        slivers[t] == kNone && turned_over(candidate, triangle, normals.col(triangle), standard);
+  std::vector<int> open;
+  for (std::size_t t = 0; t < count; ++t) {
+    Facing& facing = known.facts(t).facing;
+    if (facing != Facing::unknown) continue;
+    facing = Facing::right;  // until it is judged below
+    open.push_back(static_cast<int>(t));
+  }
+  std::vector<char> is_turned(open.size(), 0);
+  parallel_for(open.size(), [&](std::size_t i) {
+    is_turned[i] =
+        sliver_side(candidate, open[i]) == kNone && turned_over(candidate, open[i], standard);
   });
+  for (std::size_t i = 0; i < open.size(); ++i) {
+    if (is_turned[i] != 0)
+      known.facts(static_cast<std::size_t>(open[i])).facing = Facing::turned_over;
+  }
   const Gluing glued = gluing(candidate);
   std::vector<int> found;
   for (std::size_t t = 0; t < count; ++t) {
-    if (standard.manifold_edges && glued.bad_edge[t] != 0) bad[t] = 1;
+    bool bad = known.facts(t).facing == Facing::turned_over ||
+               (standard.manifold_edges && glued.bad_edge[t] != 0);
     for (const int v : candidate.triangles.col(static_cast<Eigen::Index>(t))) {
       const auto vertex = static_cast<std::size_t>(v);
-      if (glued.fans[vertex] > standard.input_gluing.fans[vertex]) bad[t] = 1;
+      bad = bad || glued.fans[vertex] > standard.input_gluing.fans[vertex];
     }
-    if (bad[t] != 0) found.push_back(static_cast<int>(t));
+    if (bad) found.push_back(static_cast<int>(t));
   }
   return found;
 }
 
+/// Looks for points of the input that are too far from the candidate.
+void find_lost(Candidate& candidate, const DecimationStandard& standard, const BoundGoal& goal,
+               KnownTriangles& known, Unfit& unfit) {
+  std::vector<int> open;
+  for (int t = 0; t < static_cast<int>(standard.input.mesh.triangles.cols()); ++t) {
+    if (!known.is_covered(static_cast<std::size_t>(t))) open.push_back(t);
+  }
+  if (open.empty()) return;
+  const std::vector<TriangleBound> bounds =
+      bound_triangle_distances(standard.input.mesh, open, candidate.target(), goal);
+  for (std::size_t i = 0; i < open.size(); ++i) {
+    const auto& [found, witnesses] = bounds[i];
+    if (found.upper <= goal.stop_above) {
+      known.set_covered(static_cast<std::size_t>(open[i]), witnesses);
+    } else {
+      unfit.far.push_back(candidate.target().query.closest_point(found.at).at.triangle);
+      unfit.lost.push_back(found.at);
+    }
+  }
+  std::sort(unfit.far.begin(), unfit.far.end());
+  unfit.far.erase(std::unique(unfit.far.begin(), unfit.far.end()), unfit.far.end());
+}
+
+/// Looks for triangles of the candidate with points that are too far from the input.
+void find_far(const TriangleMesh& candidate, const DecimationStandard& standard,
+              const BoundGoal& goal, KnownTriangles& known, Unfit& unfit) {
+  std::vector<int> open;
+  for (int t = 0; t < static_cast<int>(candidate.triangles.cols()); ++t) {
+    if (!known.facts(static_cast<std::size_t>(t)).near) open.push_back(t);
+  }
+  const std::vector<TriangleBound> bounds =
+      bound_triangle_distances(candidate, open, standard.input, goal);
+  for (std::size_t i = 0; i < open.size(); ++i) {
+    if (bounds[i].largest.upper <= goal.stop_above)
+      known.facts(static_cast<std::size_t>(open[i])).near = true;
+    else
+      unfit.far.push_back(open[i]);
+  }
+}
+
 }  // namespace
 
-Unfit find_unfit(const TriangleMesh& candidate, const DistanceTarget& candidate_target,
-                 const DecimationStandard& standard, double tolerance, KnownNear& known) {
+Unfit find_unfit(Candidate& candidate, const DecimationStandard& standard, double tolerance,
+                 KnownTriangles& known) {
+  known.enter(candidate.mesh());
   Unfit unfit;
-  unfit.shapes = bad_shapes(candidate, standard);
+  unfit.shapes = bad_shapes(candidate.mesh(), standard, known);
   if (unfit.count() > 0 || !(tolerance < kInfinity)) return unfit;
   const BoundGoal goal{.ignore_below = tolerance, .stop_above = tolerance};
-  for (const LargestDistance& found :
-       bound_triangle_distances(standard.input.mesh, candidate_target, goal)) {
-    if (found.upper <= tolerance) continue;
-    unfit.far.push_back(candidate_target.query.closest_point(found.at).at.triangle);
-    unfit.lost.push_back(found.at);
-  }
-  if (unfit.count() > 0) {
-    std::sort(unfit.far.begin(), unfit.far.end());
-    unfit.far.erase(std::unique(unfit.far.begin(), unfit.far.end()), unfit.far.end());
-    return unfit;
-  }
-  // A triangle near the input stays near; for most triangles this is known from earlier candidates.
-  std::vector<int> unknown;
-  for (Eigen::Index t = 0; t < candidate.triangles.cols(); ++t) {
-    if (!std::binary_search(known.near.begin(), known.near.end(), turned_corners(candidate, t)))
-      unknown.push_back(static_cast<int>(t));
-  }
-  if (unknown.empty()) return unfit;
-  const TriangleMesh part{candidate.vertices, candidate.triangles(Eigen::all, unknown)};
-  const std::vector<LargestDistance> to_input =
-      bound_triangle_distances(part, standard.input, goal);
-  const auto before = static_cast<std::ptrdiff_t>(known.near.size());
-  for (std::size_t i = 0; i < unknown.size(); ++i) {
-    if (to_input[i].upper <= tolerance)
-      known.near.push_back(turned_corners(candidate, unknown[i]));
-    else
-      unfit.far.push_back(unknown[i]);
-  }
-  std::sort(known.near.begin() + before, known.near.end());
-  std::inplace_merge(known.near.begin(), known.near.begin() + before, known.near.end());
+  find_lost(candidate, standard, goal, known, unfit);
+  if (unfit.count() == 0) find_far(candidate.mesh(), standard, goal, known, unfit);
   return unfit;
 }
 

@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -33,11 +34,65 @@ void mend_slivers(TriangleMesh& mesh, const std::vector<char>& fixed);
 struct DecimationStandard {
   DistanceTarget input;
   Gluing input_gluing;
-  bool manifold_edges;                        ///< whether the input's edges are manifold
-  Eigen::Matrix3Xd normals;                   ///< of the input's triangles
-  std::vector<std::array<int, 3>> triangles;  ///< of the input, each starting at its lowest corner
+  bool manifold_edges;       ///< whether the input's edges are manifold
+  Eigen::Matrix3Xd normals;  ///< of the input's triangles
 
   explicit DecimationStandard(const TriangleMesh& mesh);
+};
+
+/// A decimated mesh to be checked. Its vertices are a subset of the input's.
+class Candidate {
+ public:
+  explicit Candidate(TriangleMesh mesh) : mesh_(std::move(mesh)) {}
+  [[nodiscard]] const TriangleMesh& mesh() const { return mesh_; }
+  /// Its search tree, built when it is asked for first. The indices of its triangles are the same.
+  [[nodiscard]] const DistanceTarget& target();
+
+ private:
+  TriangleMesh mesh_;
+  std::optional<DistanceTarget> target_;
+};
+
+/// What the checks of earlier candidates with the same tolerance have shown. Most triangles of a
+/// candidate were in one before it, so that little is left to check.
+class KnownTriangles {
+ public:
+  enum class Facing { unknown, right, turned_over };
+  struct Facts {
+    Facing facing = Facing::unknown;
+    bool near = false;  ///< within the tolerance of the input
+  };
+
+  /// The input's triangles face right and are near.
+  explicit KnownTriangles(const TriangleMesh& input);
+
+  /// Makes `candidate` the present one: facts are asked for by the indices of its triangles.
+  void enter(const TriangleMesh& candidate);
+  [[nodiscard]] Facts& facts(std::size_t triangle) {
+    return facts_[static_cast<std::size_t>(present_[triangle])];
+  }
+
+  /// Whether the points of a triangle of the input are within the tolerance of the present
+  /// candidate, because it has the triangles that were witnesses of this for an earlier one.
+  [[nodiscard]] bool is_covered(std::size_t input_triangle) const;
+  /// The witnesses are triangles of the present candidate.
+  void set_covered(std::size_t input_triangle, const Witnesses& witnesses);
+
+ private:
+  /// A triangle by its corners, turned so that the lowest comes first.
+  struct Entry {
+    std::array<int, 2> others;
+    int next;  ///< another one with the same lowest corner, or -1
+  };
+  int enter(const Eigen::Vector3i& corners);
+
+  std::vector<int> newest_;  ///< of each lowest corner, or -1
+  std::vector<Entry> entries_;
+  std::vector<Facts> facts_;      ///< of each entry
+  std::vector<int> last_seen_;    ///< of each entry: the last candidate that has it
+  int candidate_ = 0;             ///< the number of the present one
+  std::vector<int> present_;      ///< entry of each of its triangles
+  std::vector<Witnesses> cover_;  ///< entries, of each triangle of the input
 };
 
 /// Violations of what `Decimation` promises. Cheaper checks come first, and the others run only if
@@ -55,17 +110,9 @@ struct Unfit {
   }
 };
 
-/// Triangles known to be within the tolerance of the input, sorted, each from its lowest corner.
-struct KnownNear {
-  std::vector<std::array<int, 3>> near;
-};
-
-/// Finds the violations of `candidate`, whose vertices are a subset of the input's. An infinite
-/// `tolerance` skips the distance check. `known` collects results for candidates with the same
-/// tolerance and is extended.
-[[nodiscard]] Unfit find_unfit(const TriangleMesh& candidate,
-                               const DistanceTarget& candidate_target,
-                               const DecimationStandard& standard, double tolerance,
-                               KnownNear& known);
+/// Finds the violations of `candidate`. An infinite `tolerance` skips the distance check. `known`
+/// is used and extended.
+[[nodiscard]] Unfit find_unfit(Candidate& candidate, const DecimationStandard& standard,
+                               double tolerance, KnownTriangles& known);
 
 }  // namespace palpate::geometry

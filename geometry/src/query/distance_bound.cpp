@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <string>
 #include <utility>
 #include <vector>
@@ -21,6 +22,10 @@ namespace {
 
 /// Triangles per task: few, because those that are subdivided take far longer than others.
 constexpr std::ptrdiff_t kTrianglesPerTask = 64;
+
+/// Triangles that are refined only down to the largest distance found in those before them. The
+/// number is fixed, so that the result does not depend on the number of threads.
+constexpr std::size_t kTrianglesPerBatch = 4096;
 
 /// Fraction of the diagonal of the target mesh below which bounds need not be distinguished. Far
 /// above the rounding of distances, far below any measured distance.
@@ -118,7 +123,8 @@ class TriangleSearch {
       : to_(to), goal_(goal), known_(known) {}
 
   /// `nearest`: closest point of each corner.
-  LargestDistance run(const Corners& corners, const std::array<ClosestPoint, 3>& nearest) {
+  TriangleBound run(const Corners& corners, const std::array<ClosestPoint, 3>& nearest) {
+    witnesses_ = {};
     found_ = {.lower = nearest[0].distance, .upper = 0, .at = corners[0]};
     for (std::size_t k = 1; k < 3; ++k) raise(nearest[k].distance, corners[k]);
     Piece whole = whole_triangle(corners);
@@ -137,7 +143,7 @@ class TriangleSearch {
       treat(piece);
     }
     found_.upper = todo_.empty() ? std::max(found_.upper, found_.lower) : kInfinity;
-    return found_;
+    return {.largest = found_, .witnesses = witnesses_};
   }
 
  private:
@@ -178,9 +184,11 @@ class TriangleSearch {
                     lower + std::max(goal_.max_gap * lower, kLeastGap * to_.diagonal));
   }
 
-  bool done(double upper) {
+  /// `upper` follows from the distances to this triangle.
+  bool done(double upper, int triangle) {
     if (!(upper <= enough())) return false;
     found_.upper = std::max(found_.upper, upper);
+    witnesses_.add(triangle);
     return true;
   }
 
@@ -202,7 +210,7 @@ class TriangleSearch {
     const CornerDistances distance = distances(piece, piece.triangle);
     int worst = 0;
     const double upper = distance.maxCoeff(&worst);
-    if (done(upper)) return;
+    if (done(upper, piece.triangle)) return;
     const Eigen::Vector3d centre = piece.centre();
     const double width = 2 * piece.reach(centre);
     const Corners target = corners_of(to_.mesh, piece.triangle);
@@ -211,15 +219,15 @@ class TriangleSearch {
     }
     if (cut(piece, target, distance, kOnLine * width)) return;
     if (!piece.asked) return ask_centre(piece);
-    const double reached = ask(piece.corner(worst)).distance;
-    if (done(std::min(upper, reached + width))) return;
+    const ClosestPoint closest = ask(piece.corner(worst));
+    if (done(closest.distance + width, closest.at.triangle)) return;
     halve(piece);
   }
 
   void ask_centre(Piece piece) {
     const Eigen::Vector3d centre = piece.centre();
     const ClosestPoint closest = ask(centre);
-    if (done(closest.distance + piece.reach(centre))) return;
+    if (done(closest.distance + piece.reach(centre), closest.at.triangle)) return;
     piece.triangle = closest.at.triangle;
     piece.asked = true;
     todo_.push_back(piece);
@@ -302,6 +310,7 @@ class TriangleSearch {
   double known_;  ///< [mm] distance of some point: a lower bound
   Eigen::Vector3d normal_;
   LargestDistance found_{};
+  Witnesses witnesses_;
   std::vector<Piece> todo_;
 };
 
@@ -313,52 +322,75 @@ DistanceTarget::DistanceTarget(TriangleMesh surface)
       neighbours(triangle_neighbours(mesh.triangles)),
       diagonal(bounding_diagonal(mesh)) {}
 
-std::vector<LargestDistance> bound_triangle_distances(const TriangleMesh& from,
-                                                      const DistanceTarget& to,
-                                                      const BoundGoal& goal) {
+void Witnesses::add(int triangle) {
+  if (!is_complete() || std::ranges::find(all(), triangle) != all().end()) return;
+  if (count < kMost) triangles[static_cast<std::size_t>(count)] = triangle;
+  ++count;
+}
+
+std::vector<TriangleBound> bound_triangle_distances(const TriangleMesh& from,
+                                                    std::span<const int> which,
+                                                    const DistanceTarget& to,
+                                                    const BoundGoal& goal) {
   // Start with the vertices: they give first bounds and candidate triangles.
-  std::vector<ClosestPoint> of_vertex(static_cast<std::size_t>(from.vertices.cols()));
-  std::vector<char> used(of_vertex.size(), 0);
-  for (const int vertex : from.triangles.reshaped()) used[static_cast<std::size_t>(vertex)] = 1;
-  parallel_for(of_vertex.size(), [&](std::size_t v) {
-    if (used[v] != 0)
-      of_vertex[v] = to.query.closest_point(from.vertices.col(static_cast<Eigen::Index>(v)));
+  std::vector<int> place(static_cast<std::size_t>(from.vertices.cols()), -1);
+  std::vector<int> used;
+  for (const int triangle : which) {
+    for (const int vertex : from.triangles.col(triangle)) {
+      int& of_vertex = place[static_cast<std::size_t>(vertex)];
+      if (of_vertex >= 0) continue;
+      of_vertex = static_cast<int>(used.size());
+      used.push_back(vertex);
+    }
+  }
+  std::vector<ClosestPoint> of_vertex(used.size());
+  parallel_for(used.size(), [&](std::size_t i) {
+    of_vertex[i] = to.query.closest_point(from.vertices.col(used[i]));
   });
   double known = 0;
-  for (std::size_t v = 0; v < of_vertex.size(); ++v) {
-    if (used[v] == 0) continue;
-    if (of_vertex[v].at.triangle < 0) {
+  for (std::size_t i = 0; i < used.size(); ++i) {
+    if (of_vertex[i].at.triangle < 0) {
       throw InvalidInput("the surfaces lie so far apart that distances overflow (vertex " +
-                         std::to_string(v) + "); are both in mm?");
+                         std::to_string(used[i]) + "); are both in mm?");
     }
-    known = std::max(known, of_vertex[v].distance);
+    known = std::max(known, of_vertex[i].distance);
   }
   // If there is a limit, triangles are compared with it and not with each other.
-  if (goal.stop_above < kInfinity) known = 0;
-  // Process each triangle independently, so that the result does not depend on the thread order.
-  std::vector<LargestDistance> of_triangle(static_cast<std::size_t>(from.triangles.cols()));
-  parallel_ranges(static_cast<std::ptrdiff_t>(of_triangle.size()), kTrianglesPerTask,
-                  [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
-                    TriangleSearch search(to, goal, known);
-                    for (auto t = static_cast<std::size_t>(begin);
-                         t != static_cast<std::size_t>(end); ++t) {
-                      const auto triangle = static_cast<Eigen::Index>(t);
-                      std::array<ClosestPoint, 3> of_corner;
-                      for (std::size_t k = 0; k < 3; ++k) {
-                        of_corner[k] = of_vertex[static_cast<std::size_t>(
-                            from.triangles(static_cast<Eigen::Index>(k), triangle))];
-                      }
-                      of_triangle[t] = search.run(corners_of(from, triangle), of_corner);
-                    }
-                  });
-  return of_triangle;
+  const bool is_limited = goal.stop_above < kInfinity;
+  if (is_limited) known = 0;
+  std::vector<TriangleBound> bounds(which.size());
+  const std::size_t batch = is_limited ? which.size() : kTrianglesPerBatch;
+  for (std::size_t first = 0; first < which.size(); first += batch) {
+    const std::size_t count = std::min(batch, which.size() - first);
+    // Process each triangle independently, so that the result does not depend on the thread order.
+    parallel_ranges(
+        static_cast<std::ptrdiff_t>(count), kTrianglesPerTask,
+        [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+          TriangleSearch search(to, goal, known);
+          for (auto i = first + static_cast<std::size_t>(begin);
+               i != first + static_cast<std::size_t>(end); ++i) {
+            std::array<ClosestPoint, 3> of_corner;
+            for (std::size_t k = 0; k < 3; ++k) {
+              const int vertex = from.triangles(static_cast<Eigen::Index>(k), which[i]);
+              of_corner[k] =
+                  of_vertex[static_cast<std::size_t>(place[static_cast<std::size_t>(vertex)])];
+            }
+            bounds[i] = search.run(corners_of(from, which[i]), of_corner);
+          }
+        });
+    for (std::size_t i = first; !is_limited && i < first + count; ++i)
+      known = std::max(known, bounds[i].largest.lower);
+  }
+  return bounds;
 }
 
 LargestDistance bound_largest_distance(const TriangleMesh& from, const DistanceTarget& to,
                                        const BoundGoal& goal) {
-  const std::vector<LargestDistance> of_triangle = bound_triangle_distances(from, to, goal);
-  LargestDistance largest = of_triangle.front();
-  for (const LargestDistance& found : of_triangle) {
+  std::vector<int> all(static_cast<std::size_t>(from.triangles.cols()));
+  std::iota(all.begin(), all.end(), 0);
+  const std::vector<TriangleBound> bounds = bound_triangle_distances(from, all, to, goal);
+  LargestDistance largest = bounds.front().largest;
+  for (const auto& [found, witnesses] : bounds) {
     largest.upper = std::max(largest.upper, found.upper);
     if (found.lower > largest.lower) {
       largest.lower = found.lower;

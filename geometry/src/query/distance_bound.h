@@ -3,7 +3,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "palpate/geometry/mesh_distance.h"
@@ -30,14 +32,35 @@ struct BoundGoal {
   double stop_above = std::numeric_limits<double>::infinity();
 };
 
-/// Bounds the largest distance of each triangle's points. Triangles below the overall maximum are
-/// refined only as far as needed to show this. Precondition: `from` is a valid mesh.
-/// \throws InvalidInput if a distance overflows.
-[[nodiscard]] std::vector<LargestDistance> bound_triangle_distances(const TriangleMesh& from,
-                                                                    const DistanceTarget& to,
-                                                                    const BoundGoal& goal);
+/// Triangles of the target whose points are all that an upper bound depends on: it holds for every
+/// target that has them.
+struct Witnesses {
+  static constexpr int kMost = 4;
+  std::array<int, kMost> triangles = {};
+  int count = 0;  ///< more than kMost: there are others that are not listed
 
-/// The largest of these; see `one_sided_hausdorff_distance`.
+  [[nodiscard]] bool is_complete() const { return count <= kMost; }
+  [[nodiscard]] std::span<const int> all() const {
+    return {triangles.data(), static_cast<std::size_t>(count)};
+  }
+  void add(int triangle);
+};
+
+struct TriangleBound {
+  LargestDistance largest;
+  Witnesses witnesses;
+};
+
+/// Bounds the largest distance of the points of each of the triangles `which`. Triangles below the
+/// overall maximum are refined only as far as needed to show this. Precondition: `from` is a valid
+/// mesh.
+/// \throws InvalidInput if a distance overflows.
+[[nodiscard]] std::vector<TriangleBound> bound_triangle_distances(const TriangleMesh& from,
+                                                                  std::span<const int> which,
+                                                                  const DistanceTarget& to,
+                                                                  const BoundGoal& goal);
+
+/// The largest of the bounds of all triangles; see `one_sided_hausdorff_distance`.
 [[nodiscard]] LargestDistance bound_largest_distance(const TriangleMesh& from,
                                                      const DistanceTarget& to,
                                                      const BoundGoal& goal);

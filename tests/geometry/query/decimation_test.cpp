@@ -143,6 +143,31 @@ TEST(Decimate, TurnsNoTriangleOver) {
   }
 }
 
+TEST(Decimate, TellsItsProgressAndStopsWhereItsListenerThrows) {
+  const TriangleMesh mesh = test::bumpy(1500);
+  for (const DecimationOptions& goal :
+       {DecimationOptions{.tolerance = 1}, DecimationOptions{.max_triangles = 300},
+        DecimationOptions{.max_triangles = 3000}}) {
+    std::vector<std::pair<int, int>> told;
+    DecimationOptions options = goal;
+    options.progress = [&](int done, int total) { told.emplace_back(done, total); };
+    const Decimation result = decimate(mesh, options);
+    ASSERT_EQ(told.size(), static_cast<std::size_t>(result.tries) + 1);
+    EXPECT_TRUE(std::ranges::is_sorted(told));
+    EXPECT_EQ(told.back().first, told.back().second);
+    EXPECT_EQ(told.front().second, told.back().second);
+    EXPECT_EQ(result.mesh.triangles, decimate(mesh, goal).mesh.triangles);
+  }
+  struct Stop {};
+  int calls = 0;
+  const auto stop = [&](int, int) {
+    ++calls;
+    throw Stop{};
+  };
+  EXPECT_THROW((void)decimate(mesh, {.tolerance = 1, .progress = stop}), Stop);
+  EXPECT_EQ(calls, 1);
+}
+
 TEST(Decimate, TakesItsVerticesFromTheInput) {
   const TriangleMesh mesh = test::moved(
       test::glove(9), Eigen::Isometry3d(Eigen::Translation3d(1e6 + 0.1, -2e6 + 0.7, 0.3)));

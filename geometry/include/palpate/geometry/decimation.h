@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -9,10 +10,13 @@
 
 namespace palpate::geometry {
 
-/// Target of a decimation; set exactly one of the two.
+/// Target of a decimation; set exactly one of the first two.
 struct DecimationOptions {
   std::optional<double> tolerance = {};   ///< [mm] largest Hausdorff distance; > 0
   std::optional<int> max_triangles = {};  ///< largest number of triangles; >= 1
+  /// Called in the calling thread after each mesh that was made. `total` is a limit that
+  /// is often not reached; the last call has done == total. What it throws ends the decimation.
+  std::function<void(int done, int total)> progress = {};
 };
 
 struct Decimation {
