@@ -3,7 +3,9 @@
 // Range maps become meshes and sequences of meshes, and are compared with a reference.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <iterator>
@@ -13,6 +15,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "run_palpate.h"
@@ -183,6 +186,158 @@ TEST_F(MeshSequence, ARangeMapIsComparedWithAReferenceThatLiesElsewhereInOneComm
   EXPECT_NEAR(both["rms_percent"].get<double>(),
               100 * both["rms"].get<double>() / both["distance"].get<double>(), 1e-9);
   EXPECT_EQ(cv::imread(scratch / "section.png").size(), cv::Size(1200, 700));
+}
+
+/// A folder of depth images of the bumps in units of an eighth of a millimetre, without a depth at
+/// the same pixels.
+class DepthImages : public MeshSequence {
+ protected:
+  void SetUp() override {
+    MeshSequence::SetUp();
+    cv::imwrite(scratch / "range/000007.tiff", bumps() + 4);
+    fs::create_directory(scratch / "depth");
+    for (const int number : {9, 10}) {
+      cv::Mat_<float> z = bumps();
+      z += 4 * (number - 9);
+      cv::Mat_<std::uint16_t> units(z.size(), 0);
+      for (int v = 0; v < z.rows; ++v) {
+        for (int u = 0; u < z.cols; ++u) {
+          if (!std::isnan(z(v, u)))
+            units(v, u) = static_cast<std::uint16_t>(std::lround(8 * z(v, u)));
+        }
+      }
+      cv::imwrite(scratch / "depth/" + std::to_string(number) + ".png", units);
+    }
+  }
+
+  std::vector<std::string> mesh(std::vector<std::string> more) const {
+    more.insert(more.begin(), {"mesh", scratch / "depth", "-o", scratch / "meshes"});
+    return more;
+  }
+
+  void expect_refused(const std::vector<std::string>& call,
+                      const std::vector<std::string>& words) const {
+    const CommandResult result = run_palpate(call);
+    EXPECT_EQ(result.status, kWrongCall) << result.err;
+    for (const std::string& word : words)
+      EXPECT_NE(result.err.find(word), std::string::npos) << word << " is not in: " << result.err;
+    EXPECT_FALSE(fs::exists(scratch / "meshes"));
+  }
+
+  const std::vector<std::string> by_numbers = {"--scale", "0.125", "--intrinsics",
+                                               "1100,1100,319.5,239.5"};
+};
+
+TEST_F(DepthImages, AFolderOfThemIsASequenceAndLiesOnTheRangeMapsOfTheSameScene) {
+  const auto all = figures(mesh(by_numbers));
+  EXPECT_EQ(all["meshes"], 2);
+  EXPECT_EQ(all["per_mesh"][0]["range_map"], "9.png");  // 9 comes before 10
+  EXPECT_EQ(all["per_mesh"][0]["pixels"], 100 * 120);
+  for (const auto& [image, map] : {std::pair("9", "000003"), std::pair("10", "000007")}) {
+    const auto distance = figures({"compare", scratch / "meshes/" + image + ".ply",
+                                   scratch / "range/" + map + ".tiff"})["hausdorff"];
+    EXPECT_LE(distance["lower"], 0.07);  // half a unit, and rounding on the slanted rays
+  }
+}
+
+TEST_F(DepthImages, TheCameraMayBeARigOrAFileOfACameraAlone) {
+  figures(mesh(by_numbers));
+  const std::string expected = read_text(scratch / "meshes/9.ply");
+  const auto expect_same = [&](const std::vector<std::string>& camera) {
+    fs::remove_all(scratch / "meshes");
+    std::vector<std::string> call = mesh({"--scale", "0.125"});
+    call.insert(call.end(), camera.begin(), camera.end());
+    figures(call);
+    EXPECT_EQ(read_text(scratch / "meshes/9.ply"), expected);
+  };
+  expect_same({"--rig", demo("rig.yaml")});
+  write_text(scratch / "camera.yaml",
+             "%YAML:1.0\n---\ncamera_size: [ 640, 480 ]\ncamera_matrix: !!opencv-matrix\n"
+             "   rows: 3\n   cols: 3\n   dt: d\n"
+             "   data: [ 1100., 0., 319.5, 0., 1100., 239.5, 0., 0., 1. ]\n"
+             "camera_distortion: []\n");
+  expect_same({"--rig", scratch / "camera.yaml"});
+  fs::copy(scratch / "camera.yaml", scratch / "depth/rig.yaml");
+  expect_same({});
+}
+
+TEST_F(DepthImages, SeveralFilesAreASequenceToo) {
+  std::vector<std::string> call = {"mesh", scratch / "depth/10.png", scratch / "depth/9.png", "-o",
+                                   scratch / "meshes"};
+  call.insert(call.end(), by_numbers.begin(), by_numbers.end());
+  const auto all = figures(call);
+  EXPECT_EQ(all["per_mesh"][0]["range_map"], "10.png");  // the order of the call
+  EXPECT_EQ(all["meshes"], 2);
+  const auto maps = figures({"mesh", scratch / "range/000003.tiff", scratch / "range/000007.tiff",
+                             "-o", scratch / "from_maps"});
+  EXPECT_EQ(maps["meshes"], 2);
+  fs::remove_all(scratch / "meshes");
+  fs::create_directory(scratch / "other");
+  fs::copy(scratch / "depth/9.png", scratch / "other/9.png");
+  call[1] = scratch / "other/9.png";
+  expect_refused(call, {"depth/9.png: another range map is also called 9"});
+  call[1] = demo("sheet/surface.ply");
+  expect_refused(call, {"surface.ply: is no range map"});
+}
+
+TEST_F(DepthImages, OneThatIsBrokenDoesNotStopTheOthers) {
+  const std::string whole = read_text(scratch / "depth/9.png");
+  write_text(scratch / "depth/1.png", whole.substr(0, whole.size() / 2));
+  write_text(scratch / "depth/2.png", "broken");
+  const CommandResult result = run_palpate(mesh(by_numbers));
+  EXPECT_EQ(result.status, kWorkFailed);
+  EXPECT_NE(result.err.find("1.png: "), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("2.png: "), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("2 of 4 range maps"), std::string::npos) << result.err;
+  EXPECT_TRUE(fs::exists(scratch / "meshes/9.ply"));
+  EXPECT_TRUE(fs::exists(scratch / "meshes/10.ply"));
+}
+
+TEST_F(DepthImages, ImagesThatAreNoneAreRefusedByNameBeforeAnythingIsWritten) {
+  cv::imwrite(scratch / "depth/grey.png", cv::Mat(480, 640, CV_8UC1, cv::Scalar(7)));
+  expect_refused(mesh(by_numbers), {"grey.png: is a grey image of 8 bit", "16 bit"});
+  cv::imwrite(scratch / "depth/grey.png", cv::Mat(480, 640, CV_16UC3, cv::Scalar(7, 8, 9)));
+  expect_refused(mesh(by_numbers), {"grey.png: is a colour image of 16 bit", "one channel"});
+}
+
+TEST_F(DepthImages, RangeMapsAndDepthImagesAreNotMixedButPicturesMayLieBesideRangeMaps) {
+  fs::copy(scratch / "range/000003.tiff", scratch / "depth/000003.tiff");
+  expect_refused(mesh(by_numbers), {"9.png: is a depth image", "000003.tiff is a range map"});
+  cv::imwrite(scratch / "range/000003.png", cv::Mat(480, 640, CV_8UC3, cv::Scalar(7, 8, 9)));
+  EXPECT_EQ(figures({"mesh", scratch / "range", "-o", scratch / "of_maps"})["meshes"], 2);
+}
+
+TEST_F(DepthImages, UnitAndCameraAreAskedForOnceAndNotForEachImage) {
+  expect_refused(mesh({}), {"9.png: a depth image needs --scale"});
+  expect_refused(mesh({"--scale", "0.125"}), {"9.png: a depth image needs its camera"});
+  std::vector<std::string> both = mesh(by_numbers);
+  both.insert(both.end(), {"--rig", demo("rig.yaml")});
+  expect_refused(both, {"pass one of them"});
+  const CommandResult result = run_palpate(mesh({}));
+  EXPECT_EQ(result.err.find('\n'), result.err.size() - 1) << result.err;
+}
+
+TEST_F(DepthImages, InfoSaysWhatADepthImageHolds) {
+  const auto image = figures({"info", scratch / "depth/9.png"});
+  EXPECT_EQ(image["bits"], 16);
+  EXPECT_EQ(image["pixels"], 100 * 120);
+  double farthest = 0;
+  for (const float z : cv::Mat_<float>(bumps())) {
+    if (!std::isnan(z)) farthest = std::max<double>(farthest, z);
+  }
+  EXPECT_EQ(image["max_units"], std::lround(8 * farthest));
+}
+
+TEST_F(DepthImages, ASurfaceIsTrackedThroughThem) {
+  std::vector<std::string> call = {"track", scratch / "depth", "-o", scratch / "meshes"};
+  call.insert(call.end(), by_numbers.begin(), by_numbers.end());
+  const auto tracked = figures(call);
+  EXPECT_EQ(tracked["meshes"], 2);
+  EXPECT_LT(tracked["largest_rms"], 0.1);
+  const auto farthest = [&](const std::string& name) {
+    return figures({"info", scratch / "meshes/" + name})["max"];
+  };
+  EXPECT_NEAR(farthest("10.ply")[2].get<double>(), farthest("9.ply")[2].get<double>() + 4, 0.5);
 }
 
 }  // namespace

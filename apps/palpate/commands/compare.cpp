@@ -60,9 +60,9 @@ void check_is_surface(const fs::path& path) {
 }
 
 geometry::TriangleMesh load_surface(const fs::path& path, const CompareCall& call) {
-  geometry::TriangleMesh mesh = is_range_map(path)
-                                    ? geometry::mesh_range_map(load_range_map(path, call.rig)).mesh
-                                    : geometry::read_mesh(path, call.meshes);
+  geometry::TriangleMesh mesh =
+      is_range_map(path) ? geometry::mesh_range_map(load_range_map(path, {.rig = call.rig})).mesh
+                         : geometry::read_mesh(path, call.meshes);
   if (mesh.triangles.cols() == 0) {
     throw InvalidInput(
         path.string() +

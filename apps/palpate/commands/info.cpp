@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <fstream>
 #include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <opencv2/core/mat.hpp>
+#include <opencv2/core.hpp>
+#include <vector>
 
 #include "commands/decode_record.h"
 #include "commands/describe_mesh.h"
@@ -87,8 +89,31 @@ Description describe_reasons(const fs::path& path) {
                       reasons.cols(), reasons.rows(), prose)};
 }
 
+/// An image that is a depth image if it comes from a depth camera.
+Description describe_depth_image(const cv::Mat_<std::uint16_t>& image) {
+  std::vector<double> units;
+  for (const std::uint16_t value : image) {
+    if (value > 0) units.push_back(value);
+  }
+  const geometry::ErrorStatistics known = geometry::error_statistics(units);
+  return {{{"kind", "image"},
+           {"width", image.cols},
+           {"height", image.rows},
+           {"channels", 1},
+           {"bits", 16},
+           {"pixels", known.count},
+           {"median_units", known.median},
+           {"max_units", known.max}},
+          fmt::format("image, {} x {} px, 1 channel of 16 bit; as a depth image: depth known at {} "
+                      "({:.1f} %), median {:.0f} units, farthest {:.0f} units",
+                      image.cols, image.rows, known.count,
+                      100.0 * static_cast<double>(known.count) / static_cast<double>(image.total()),
+                      known.median, known.max)};
+}
+
 Description describe_image(const fs::path& path) {
   const cv::Mat image = sensing::read_frame(path);
+  if (image.type() == CV_16UC1) return describe_depth_image(image);
   const int bits = image.depth() == CV_8U ? 8 : 16;
   return {{{"kind", "image"},
            {"width", image.cols},

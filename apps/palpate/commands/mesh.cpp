@@ -8,6 +8,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "commands/mesh_steps.h"
 #include "palpate/error.h"
@@ -31,20 +32,32 @@ namespace fs = std::filesystem;
 constexpr int kMostSmoothing = 1000;
 
 struct MeshCall {
-  fs::path input, output, picture;
+  std::vector<fs::path> inputs;
+  fs::path output, picture;
   std::string format = "ply";
   MeshSteps steps;
 };
 
+/// Shows a bar once decimation has begun, which is what may take long.
+MadeMesh make_with_bar(const MeshCall& call) {
+  std::optional<Progress> progress;
+  MeshSteps steps = call.steps;
+  steps.decimating = [&](int done, int total) {
+    if (!progress) progress.emplace("decimating");
+    progress->show(done, total);
+  };
+  return make_mesh(call.inputs.front(), steps);
+}
+
 void mesh(const Settings& settings, const MeshCall& call) {
-  check_outputs({call.input}, {call.output, call.picture});
+  const fs::path& input = call.inputs.front();
+  check_outputs({input}, {call.output, call.picture});
   check_pictures({call.picture});
-  MadeMesh made = make_mesh(call.input, call.steps);
+  MadeMesh made = make_with_bar(call);
   geometry::write_mesh(call.output, made.mesh);
   if (!call.picture.empty())
-    pictures::draw_mesh(
-        call.picture, made.mesh, call.input.filename().string(),
-        is_image(call.input) ? pictures::MeshPart::object : pictures::MeshPart::whole);
+    pictures::draw_mesh(call.picture, made.mesh, input.filename().string(),
+                        is_image(input) ? pictures::MeshPart::object : pictures::MeshPart::whole);
   made.figures["file"] = call.output.string();
   print(settings, made.figures,
         made.prose + fmt::format("{} vertices, {} triangles, written to {}",
@@ -59,6 +72,17 @@ struct SequenceItem {
   std::string error;  ///< empty if it worked
 };
 
+/// Rejects range maps whose meshes would have the same name.
+void check_mesh_names(const std::vector<fs::path>& maps) {
+  std::set<std::string> names;
+  for (const fs::path& map : maps) {
+    if (names.insert(map.stem().string()).second) continue;
+    throw InvalidInput(map.string() + ": another range map is also called " + map.stem().string() +
+                       ", and so would its mesh be. Rename one of them, or mesh them into two "
+                       "folders.");
+  }
+}
+
 /// Lists the meshes of the range maps that are there from an earlier run.
 /// \throws InvalidInput if the folder holds meshes of another sequence.
 std::vector<fs::path> earlier_meshes(const MeshCall& call, const std::vector<fs::path>& maps,
@@ -70,9 +94,9 @@ std::vector<fs::path> earlier_meshes(const MeshCall& call, const std::vector<fs:
     const fs::path& mesh = entry.path();
     if (mesh.extension() != "." + call.format || is_hidden(mesh)) continue;
     if (!ours.contains(mesh.stem().string())) {
-      throw InvalidInput(mesh.string() + ": is a mesh of no range map in " + call.input.string() +
-                         ", so two sequences would be mixed. Pass a new or an empty folder, or "
-                         "remove this file.");
+      throw InvalidInput(mesh.string() +
+                         ": is a mesh of no range map of this sequence, so two sequences would be "
+                         "mixed. Pass a new or an empty folder, or remove this file.");
     }
     meshes.push_back(mesh.filename());
   }
@@ -98,9 +122,11 @@ fs::path mesh_name(const MeshCall& call, const fs::path& range_map) {
 
 void mesh_sequence(const Settings& settings, const MeshCall& call) {
   if (!call.picture.empty())
-    throw InvalidInput("--picture: works for one mesh, not for a folder of range maps.");
-  check_outputs({call.input}, {call.output});
-  const std::vector<fs::path> maps = list_range_maps(call.input);
+    throw InvalidInput("--picture: works for one mesh, not for a sequence of range maps.");
+  check_outputs(call.inputs, {call.output});
+  const std::vector<fs::path> maps = list_range_maps(call.inputs);
+  check_camera_options(maps.front(), call.steps.camera);
+  check_mesh_names(maps);
   ResultFolder folder(
       call.output, [&](const fs::path& output) { return earlier_meshes(call, maps, output); },
       ResultFolder::Unfinished::dropped);
@@ -153,30 +179,23 @@ void mesh_sequence(const Settings& settings, const MeshCall& call) {
 void add_mesh(CLI::App& app, const Settings& settings) {
   auto call = std::make_shared<MeshCall>();
   CLI::App* command = app.add_subcommand(
-      "mesh", "Mesh a range map or a depth image; repair, smooth or decimate a mesh");
+      "mesh", "Mesh range maps or depth images; repair, smooth or decimate a mesh");
   command
-      ->add_option("RANGE", call->input,
-                   "Range map (TIFF), a folder of range maps, depth image (16-bit PNG), or a mesh "
-                   "file (of which only the surface is used)")
+      ->add_option("RANGE", call->inputs,
+                   "Range map (TIFF) or depth image (16-bit PNG), several or a folder of one of "
+                   "these, or a mesh file (of which only the surface is used)")
       ->required();
   command
       ->add_option(
           "-o,--output", call->output,
-          "Mesh to write (.ply, .obj or .stl); for a folder of range maps: folder for the meshes")
+          "Mesh to write (.ply, .obj or .stl); for several range maps or a folder: folder for the "
+          "meshes")
       ->required();
   CLI::Option* format =
       command->add_option("--format", call->format, "Format of a folder's meshes: ply, obj or stl")
           ->check(one_of({"ply", "obj", "stl"}))
           ->capture_default_str();
-  command->add_option("--rig", call->steps.rig,
-                      "Rig of the range map (default: rig.yaml beside it)");
-  command->add_option("--scale", call->steps.scale, "Depth image: length of one unit [mm]")
-      ->check(within(above(0)));
-  command
-      ->add_option("--intrinsics", call->steps.intrinsics,
-                   "Depth image: fx,fy,cx,cy of its camera [px]")
-      ->expected(4)
-      ->delimiter(',');
+  add_camera_options(*command, call->steps.camera);
   add_unit_option(*command, call->steps.meshes);
   command->add_flag(
       "--smooth-depths", call->steps.smooth_depths,
@@ -201,20 +220,22 @@ void add_mesh(CLI::App& app, const Settings& settings) {
   command->add_option("--picture", call->picture, "Also draw the mesh (PNG)");
   command->footer(
       "The steps are done in this order: smooth depths, repair, fill holes, smooth, decimate.\n"
-      "A folder of range maps gives a sequence of meshes with the same names; a range map that "
-      "cannot be meshed is reported and skipped, and the exit status is 1. Meshes of an earlier "
-      "run are replaced as a whole when all are done.\n\n"
+      "Several range maps or depth images, or a folder of them, give a sequence of meshes with the "
+      "same names; one that cannot be meshed is reported and skipped, and the exit status is 1. "
+      "Meshes of an earlier run are replaced as a whole when all are done.\n\n"
       "Examples:\n  palpate mesh range/000000.tiff -o surface.ply --tolerance 0.2\n"
       "  palpate mesh range/ -o meshes/ --format obj --fill-holes 10 --tolerance 0.2\n"
       "  palpate mesh broken.stl --repair --fill-holes 20 -o whole.ply\n"
       "  palpate mesh depth.png --scale 0.125 --intrinsics 476.007,476.007,313.683,242.755 -o "
-      "hand.ply");
+      "hand.ply\n"
+      "  palpate mesh depth/ --scale 1 --rig camera.yaml -o meshes/");
   command->callback([call, format, &settings] {
-    if (is_folder(call->input)) {
+    const fs::path& first = call->inputs.front();
+    if (call->inputs.size() > 1 || (is_there(first) && is_folder(first))) {
       mesh_sequence(settings, *call);
     } else if (format->count() > 0) {
       throw InvalidInput(
-          "--format works for a folder of range maps; the format of one mesh follows from its "
+          "--format works for a sequence of range maps; the format of one mesh follows from its "
           "extension.");
     } else {
       mesh(settings, *call);

@@ -14,20 +14,11 @@
 #include "palpate/geometry/range_map_mesh.h"
 #include "palpate/geometry/range_map_smoothing.h"
 #include "palpate/geometry/smoothing.h"
-#include "palpate/sensing/depth_image.h"
-#include "palpate/sensing/frame.h"
-#include "shared/inputs.h"
 
 namespace palpate::apps {
 namespace {
 
 namespace fs = std::filesystem;
-
-void check_no_depth_image(const fs::path& input, const MeshSteps& steps) {
-  if (!steps.scale && steps.intrinsics.empty()) return;
-  throw InvalidInput(input.string() + ": " + (steps.scale ? "--scale" : "--intrinsics") +
-                     " works for depth images (16-bit PNG), which this is not");
-}
 
 geometry::RangeMap load_map(const fs::path& input, const MeshSteps& steps) {
   if (steps.meshes.unit) {
@@ -35,26 +26,7 @@ geometry::RangeMap load_map(const fs::path& input, const MeshSteps& steps) {
                        (is_range_map(input) ? "range maps are in mm"
                                             : "the unit of a depth image is its --scale"));
   }
-  if (is_range_map(input)) {
-    check_no_depth_image(input, steps);
-    return load_range_map(input, steps.rig);
-  }
-  if (!steps.scale) {
-    throw InvalidInput(input.string() +
-                       ": a depth image needs --scale, the length of one unit in mm.");
-  }
-  if (steps.intrinsics.empty()) {
-    throw InvalidInput(input.string() +
-                       ": a depth image needs its camera: --intrinsics fx,fy,cx,cy [px].");
-  }
-  const cv::Mat image = sensing::read_frame(input);
-  return sensing::read_depth_image(input, *steps.scale,
-                                   {.width = image.cols,
-                                    .height = image.rows,
-                                    .fx = steps.intrinsics[0],
-                                    .fy = steps.intrinsics[1],
-                                    .cx = steps.intrinsics[2],
-                                    .cy = steps.intrinsics[3]});
+  return load_range_map(input, steps.camera);
 }
 
 /// Uses the deviations that `decode --sigma` has written beside the range map.
@@ -73,7 +45,10 @@ MadeMesh load(const fs::path& input, const MeshSteps& steps) {
     if (steps.smooth_depths)
       throw InvalidInput(input.string() +
                          ": --smooth-depths works for range maps, not for meshes.");
-    check_no_depth_image(input, steps);
+    if (steps.camera.scale || !steps.camera.intrinsics.empty()) {
+      throw InvalidInput(input.string() + ": " + (steps.camera.scale ? "--scale" : "--intrinsics") +
+                         " works for depth images (16-bit PNG), which this is not");
+    }
     geometry::ReadOptions options = steps.meshes;
     options.keep_defects = steps.repair;
     return {geometry::read_mesh(input, options), {}, ""};
@@ -116,7 +91,8 @@ void fill_holes(MadeMesh& made, double max_diameter) {
   made.prose += fmt::format("{} holes filled, {} border loops left\n", filled.filled, filled.left);
 }
 
-void decimate(const fs::path& input, MadeMesh& made, double tolerance) {
+void decimate(const fs::path& input, MadeMesh& made, const MeshSteps& steps) {
+  const double tolerance = *steps.tolerance;
   const double diagonal = geometry::bounding_diagonal(made.mesh);
   if (tolerance > diagonal) {
     throw InvalidInput(fmt::format(
@@ -124,7 +100,8 @@ void decimate(const fs::path& input, MadeMesh& made, double tolerance) {
         "would remain",
         input.string(), tolerance, diagonal));
   }
-  geometry::Decimation decimated = geometry::decimate(made.mesh, {.tolerance = tolerance});
+  geometry::Decimation decimated =
+      geometry::decimate(made.mesh, {.tolerance = tolerance, .progress = steps.decimating});
   made.figures["decimation"] = {{"tolerance", tolerance},
                                 {"triangles_before", made.mesh.triangles.cols()},
                                 {"triangles_after", decimated.mesh.triangles.cols()},
@@ -142,7 +119,7 @@ MadeMesh make_mesh(const fs::path& input, const MeshSteps& steps) {
   if (steps.repair) repair(made);
   if (steps.fill_holes) fill_holes(made, *steps.fill_holes);
   if (steps.smooth > 0) made.mesh = geometry::smooth(made.mesh, {.iterations = steps.smooth});
-  if (steps.tolerance) decimate(input, made, *steps.tolerance);
+  if (steps.tolerance) decimate(input, made, steps);
   made.figures["vertices"] = made.mesh.vertices.cols();
   made.figures["triangles"] = made.mesh.triangles.cols();
   return made;

@@ -3,27 +3,27 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/triangle_mesh.h"
+#include "shared/inputs.h"
 
 namespace palpate::apps {
 
 /// Processing steps of `mesh`.
 struct MeshSteps {
-  std::filesystem::path rig;       ///< for range maps; if empty, rig.yaml beside them
-  std::optional<double> scale;     ///< [mm] length of one unit of a depth image
-  std::vector<double> intrinsics;  ///< fx, fy, cx, cy [px] of its camera
-  geometry::ReadOptions meshes;    ///< for mesh files
+  MapCamera camera;              ///< for range maps and depth images
+  geometry::ReadOptions meshes;  ///< for mesh files
   bool smooth_depths = false;
   bool repair = false;
   std::optional<double> fill_holes;  ///< [mm] greatest width of a hole to fill
   int smooth = 0;                    ///< iterations
   std::optional<double> tolerance;   ///< [mm] of decimation
+  std::function<void(int done, int total)> decimating = {};  ///< see DecimationOptions::progress
 };
 
 /// A mesh, and a description of the steps in numbers and in words.

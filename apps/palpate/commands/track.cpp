@@ -40,8 +40,9 @@ constexpr int kMostSteps = 10000;
 constexpr Interval kReaches = at_least(geometry::NonRigidOptions{}.min_correspondence).at_most(1);
 
 struct TrackCall {
-  fs::path input, reference, rig, output;
+  fs::path input, reference, output;
   fs::path place;  ///< where this run writes, for `output`
+  MapCamera camera;
   std::string format = "ply";
   geometry::ReadOptions meshes;
   TrackingOptions tracking;
@@ -76,18 +77,20 @@ struct Reference {
 
 Reference load_reference(const TrackCall& call, const fs::path& first_map) {
   Reference reference{.file = call.reference.empty() ? first_map : call.reference, .mesh = {}};
-  if (is_range_map(reference.file)) {
+  if (is_image(reference.file)) {
     if (call.meshes.unit) {
-      throw InvalidInput(reference.file.string() +
-                         ": --unit is for mesh files; range maps are in mm");
+      throw InvalidInput(reference.file.string() + ": --unit is for mesh files; " +
+                         (is_range_map(reference.file)
+                              ? "range maps are in mm"
+                              : "the unit of a depth image is its --scale"));
     }
-    reference.mesh = geometry::mesh_range_map(load_range_map(reference.file, call.rig)).mesh;
+    reference.mesh = geometry::mesh_range_map(load_range_map(reference.file, call.camera)).mesh;
   } else {
     reference.mesh = geometry::read_mesh(reference.file, call.meshes);
   }
   if (reference.mesh.triangles.cols() == 0) {
     throw InvalidInput(reference.file.string() +
-                       (is_range_map(reference.file)
+                       (is_image(reference.file)
                             ? ": no two neighbouring pixels have a depth; there is no surface to "
                               "track. Give one with --reference."
                             : ": has no triangles; there is no surface to track."));
@@ -97,11 +100,14 @@ Reference load_reference(const TrackCall& call, const fs::path& first_map) {
 
 /// All that the meshes depend on besides the range maps.
 nlohmann::ordered_json settings_of(const TrackCall& call, const fs::path& reference,
-                                   const fs::path& rig) {
+                                   const fs::path& first_map) {
+  const bool needs_rig = call.camera.intrinsics.empty();
   return {{"version", PALPATE_VERSION},
           {"--reference", fingerprint(reference)},
           {"--unit", call.meshes.unit.value_or(0)},
-          {"--rig", fingerprint(rig)},
+          {"--rig", needs_rig ? fingerprint(rig_of(first_map, call.camera.rig)) : ""},
+          {"--scale", call.camera.scale.value_or(0)},
+          {"--intrinsics", call.camera.intrinsics},
           {"--nodes", call.tracking.graph.nodes},
           {"--stiffness", call.tracking.registration.stiffness},
           {"--reach", call.tracking.registration.max_correspondence},
@@ -169,7 +175,7 @@ TrackedFrame track_one(const TrackCall& call, const Reference& reference, const 
   };
   geometry::RangeMap map;
   try {
-    map = load_range_map(file, call.rig);
+    map = load_range_map(file, call.camera);
   } catch (const InvalidInput& error) {
     return lost(error.what());
   }
@@ -281,17 +287,19 @@ void report(const Settings& settings, const TrackCall& call, const Tracking& tra
 
 void track(const Settings& settings, TrackCall call) {
   if (!is_folder(call.input)) {
-    throw InvalidInput(call.input.string() +
-                       ": is a file; give a folder of range maps, as palpate decode writes them.");
+    throw InvalidInput(
+        call.input.string() +
+        ": is a file; give a folder of range maps, as palpate decode writes them, or of "
+        "depth images.");
   }
-  const std::vector<fs::path> maps = list_range_maps(call.input);
-  check_output_folder({call.input, call.reference, call.rig}, call.output);
-  const fs::path rig = rig_of(maps.front(), call.rig);
+  const std::vector<fs::path> maps = list_range_maps({call.input});
+  check_output_folder({call.input, call.reference, call.camera.rig}, call.output);
+  check_camera_options(maps.front(), call.camera);
   const Reference reference = load_reference(call, maps.front());
   using enum ResultFolder::Unfinished;
   ResultFolder folder(call.output, tracked_files, call.resume ? resumed : kept);
   call.place = folder.place();
-  TrackRecord record(folder.place(), settings_of(call, reference.file, rig), maps);
+  TrackRecord record(folder.place(), settings_of(call, reference.file, maps.front()), maps);
   if (call.resume)
     record.resume([&](const TrackedFrame& frame) { return is_complete(call, frame); });
   Tracking tracking{
@@ -320,12 +328,15 @@ void add_track(CLI::App& app, const Settings& settings) {
   auto call = std::make_shared<TrackCall>();
   CLI::App* command = app.add_subcommand(
       "track", "Track a surface through range maps: one mesh per frame, with the same triangles");
-  command->add_option("RANGE_FOLDER", call->input, "Folder of range maps (TIFF) of one camera")
+  command
+      ->add_option("RANGE_FOLDER", call->input,
+                   "Folder of range maps (TIFF) or depth images (16-bit PNG) of one camera")
       ->required();
-  command->add_option("--reference", call->reference,
-                      "Mesh or range map of the surface to track, at its pose in the first frame "
-                      "(default: the first range map)");
-  command->add_option("--rig", call->rig, "Rig of the range maps (default: rig.yaml beside them)");
+  command->add_option(
+      "--reference", call->reference,
+      "Mesh, range map or depth image of the surface to track, at its pose in the first frame "
+      "(default: the first range map)");
+  add_camera_options(*command, call->camera);
   add_unit_option(*command, call->meshes);
   command->add_option("-o,--output", call->output, "Folder for the meshes")->required();
   command->add_option("--format", call->format, "Format of the meshes: ply or obj")
@@ -389,7 +400,8 @@ void add_track(CLI::App& app, const Settings& settings) {
       "when all frames are tracked, unless --resume is given; Ctrl-C keeps what is finished.\n"
       "Examples:\n  palpate track range/ -o meshes/\n"
       "  palpate mesh range/000000.tiff --fill-holes 10 --tolerance 0.2 -o reference.ply\n"
-      "  palpate track range/ --reference reference.ply -o meshes/ --format obj --resume");
+      "  palpate track range/ --reference reference.ply -o meshes/ --format obj --resume\n"
+      "  palpate track depth/ --scale 1 --intrinsics 600,600,320,240 -o meshes/");
   command->callback([call, &settings] { track(settings, *call); });
 }
 

@@ -11,6 +11,8 @@
 
 #include "palpate/error.h"
 #include "palpate/file_names.h"
+#include "palpate/sensing/depth_image.h"
+#include "palpate/sensing/frame.h"
 #include "palpate/sensing/frame_source.h"
 #include "palpate/sensing/reason.h"
 #include "palpate/sensing/rig.h"
@@ -48,6 +50,67 @@ void check_writable(const fs::path& path) {
                     std::generic_category().message(errno) + ".");
 }
 
+/// \throws FileError if `path` is a PNG, but no depth image; one that is damaged is left to its
+/// reader.
+void check_depth_image(const fs::path& path) {
+  const std::optional<sensing::PngPixels> pixels = sensing::read_png_pixels(path);
+  if (!pixels || sensing::may_be_depths(*pixels)) return;
+  throw FileError(path.string() + ": is " + (pixels->channels == 1 ? "a grey" : "a colour") +
+                  " image of " + std::to_string(pixels->bits) +
+                  " bit; expected depth images (PNG of 16 bit and one channel) or a folder of "
+                  "range maps (tiff), as palpate decode writes them.");
+}
+
+bool is_depth_image(const fs::path& path) {
+  const std::optional<sensing::PngPixels> pixels = sensing::read_png_pixels(path);
+  return pixels && sensing::may_be_depths(*pixels);
+}
+
+InvalidInput both_kinds(const fs::path& range_map, const fs::path& depth_image) {
+  return InvalidInput(depth_image.string() + ": is a depth image, but " + range_map.string() +
+                      " is a range map (TIFF); a sequence has one kind. Put them into folders of "
+                      "their own.");
+}
+
+/// Range maps, or else depth images. Pictures beside range maps are none of them.
+std::vector<fs::path> range_maps_in(const fs::path& folder) {
+  check_is_of_one_run(folder);
+  std::vector<fs::path> maps, images;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    const fs::path& path = entry.path();
+    if (is_hidden(path) || is_sigma(path) || is_reasons(path)) continue;
+    if (is_range_map(path))
+      maps.push_back(path);
+    else if (is_image(path))
+      images.push_back(path);
+  }
+  std::ranges::sort(maps, comes_before);
+  std::ranges::sort(images, comes_before);
+  if (!maps.empty()) {
+    const auto depths = std::ranges::find_if(images, is_depth_image);
+    if (depths != images.end()) throw both_kinds(maps.front(), *depths);
+    return maps;
+  }
+  if (images.empty()) {
+    throw FileError(folder.string() +
+                    ": there is no range map in it; expected a folder of range maps (tiff), as "
+                    "palpate decode writes them, or of depth images (16-bit PNG).");
+  }
+  std::ranges::for_each(images, check_depth_image);
+  return images;
+}
+
+geometry::Camera camera_of(const fs::path& depth_image, const MapCamera& camera) {
+  if (camera.intrinsics.empty()) return sensing::read_camera(rig_of(depth_image, camera.rig));
+  const cv::Mat image = sensing::read_frame(depth_image);
+  return {.width = image.cols,
+          .height = image.rows,
+          .fx = camera.intrinsics[0],
+          .fy = camera.intrinsics[1],
+          .cx = camera.intrinsics[2],
+          .cy = camera.intrinsics[3]};
+}
+
 }  // namespace
 
 std::vector<fs::path> list_frames(const std::vector<fs::path>& paths) {
@@ -63,21 +126,25 @@ std::vector<fs::path> list_frames(const std::vector<fs::path>& paths) {
   return frames;
 }
 
-std::vector<fs::path> list_range_maps(const fs::path& folder) {
-  check_is_of_one_run(folder);
+std::vector<fs::path> list_range_maps(const std::vector<fs::path>& paths) {
   std::vector<fs::path> maps;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-    const fs::path& path = entry.path();
-    if (is_range_map(path) && !is_hidden(path) && !is_sigma(path) && !is_reasons(path))
+  for (const fs::path& path : paths) {
+    if (is_folder(path)) {
+      const std::vector<fs::path> in_folder = range_maps_in(path);
+      maps.insert(maps.end(), in_folder.begin(), in_folder.end());
+    } else if (!is_image(path)) {
+      throw InvalidInput(path.string() +
+                         ": is no range map (TIFF) and no depth image (16-bit PNG); a sequence "
+                         "consists of these.");
+    } else {
+      if (!is_range_map(path)) check_depth_image(path);
       maps.push_back(path);
+    }
   }
-  std::ranges::sort(maps, comes_before);
-  if (maps.empty()) {
-    throw FileError(folder.string() +
-                    ": there is no range map in it; expected a folder of range maps (tiff), as "
-                    "palpate decode writes them.");
-  }
-  return maps;
+  const auto other = std::ranges::find_if(
+      maps, [&](const fs::path& map) { return is_range_map(map) != is_range_map(maps.front()); });
+  if (other == maps.end()) return maps;
+  throw is_range_map(*other) ? both_kinds(*other, maps.front()) : both_kinds(maps.front(), *other);
 }
 
 std::vector<std::string> reason_words() {
@@ -102,11 +169,49 @@ fs::path rig_of(const fs::path& range_map, const fs::path& rig) {
   return beside;
 }
 
-geometry::RangeMap load_range_map(const fs::path& path, const fs::path& rig) {
+void add_camera_options(CLI::App& command, MapCamera& camera) {
+  command.add_option("--rig", camera.rig,
+                     "Rig of the range map, or camera of the depth image (default: rig.yaml "
+                     "beside it)");
+  command.add_option("--scale", camera.scale, "Depth image: length of one unit [mm]")
+      ->check(within(above(0)));
+  command
+      .add_option("--intrinsics", camera.intrinsics,
+                  "Depth image: fx,fy,cx,cy of its camera [px], instead of --rig")
+      ->expected(4)
+      ->delimiter(',');
+}
+
+void check_camera_options(const fs::path& path, const MapCamera& camera) {
+  if (is_range_map(path)) {
+    if (!camera.scale && camera.intrinsics.empty()) return;
+    throw InvalidInput(path.string() + ": " + (camera.scale ? "--scale" : "--intrinsics") +
+                       " works for depth images (16-bit PNG), which this is not");
+  }
+  if (!camera.scale) {
+    throw InvalidInput(path.string() +
+                       ": a depth image needs --scale, the length of one unit in mm.");
+  }
+  if (!camera.intrinsics.empty() && !camera.rig.empty()) {
+    throw InvalidInput(path.string() +
+                       ": --intrinsics and --rig both give its camera; pass one of them.");
+  }
+  if (camera.intrinsics.empty() && camera.rig.empty() &&
+      !is_there(path.parent_path() / "rig.yaml")) {
+    throw InvalidInput(path.string() +
+                       ": a depth image needs its camera: --intrinsics fx,fy,cx,cy [px], --rig, or "
+                       "a rig.yaml beside it.");
+  }
+}
+
+geometry::RangeMap load_range_map(const fs::path& path, const MapCamera& camera) {
   check_is_depths(path);
-  const fs::path of_map = rig_of(path, rig);
+  check_camera_options(path, camera);
+  if (!is_range_map(path))
+    return sensing::read_depth_image(path, *camera.scale, camera_of(path, camera));
+  const fs::path of_map = rig_of(path, camera.rig);
   geometry::RangeMap map{.z = geometry::read_depth_tiff(path),
-                         .camera = sensing::read_rig(of_map).camera};
+                         .camera = sensing::read_camera(of_map)};
   if (map.z.cols() != map.camera.width || map.z.rows() != map.camera.height) {
     throw InvalidInput(path.string() + ": " + std::to_string(map.z.cols()) + " x " +
                        std::to_string(map.z.rows()) + " pixels, but the camera of " +

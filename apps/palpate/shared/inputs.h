@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <filesystem>
+#include <optional>
 #include <regex>
 #include <string>
 #include <vector>
@@ -22,12 +24,25 @@ namespace palpate::apps {
 [[nodiscard]] std::filesystem::path rig_of(const std::filesystem::path& range_map,
                                            const std::filesystem::path& rig);
 
-/// Reads a range map (TIFF) with the camera of `rig` or, if that is empty, of the rig.yaml beside
-/// it.
-/// \throws FileError if either is missing or damaged.
-/// \throws InvalidInput if their sizes differ.
+/// Camera of range maps (TIFF), and camera and unit of depth images (16-bit PNG) of other cameras.
+struct MapCamera {
+  std::filesystem::path rig = {};    ///< rig or camera file; if empty, the rig.yaml beside the map
+  std::optional<double> scale = {};  ///< [mm] length of one unit of a depth image
+  std::vector<double> intrinsics = {};  ///< of a depth image: fx, fy, cx, cy [px]; empty: see `rig`
+};
+
+/// Adds the options `--rig`, `--scale` and `--intrinsics`.
+void add_camera_options(CLI::App& command, MapCamera& camera);
+
+/// Checks that the options suit a range map or a depth image, without reading it.
+/// \throws InvalidInput.
+void check_camera_options(const std::filesystem::path& path, const MapCamera& camera);
+
+/// Reads a range map or a depth image.
+/// \throws FileError if it or its rig is missing or damaged.
+/// \throws InvalidInput if the options do not suit it, or if its size is not the camera's.
 [[nodiscard]] geometry::RangeMap load_range_map(const std::filesystem::path& path,
-                                                const std::filesystem::path& rig);
+                                                const MapCamera& camera);
 
 /// Whether `path` is a folder.
 /// \throws FileError if it does not exist or is not accessible.
@@ -57,10 +72,12 @@ void check_output_folder(const std::vector<std::filesystem::path>& inputs,
                                                              const std::string& mark,
                                                              const std::regex& own);
 
-/// Lists the range maps in a folder by name, without the other files that `decode` writes.
-/// \throws FileError if there is none.
+/// Lists range maps or depth images: a folder in `paths` is replaced by those in it by name,
+/// without the other files that `decode` writes.
+/// \throws FileError if a folder has none, or a PNG has other pixels than those of a depth image.
+/// \throws InvalidInput if there are both range maps and depth images, or files of another type.
 [[nodiscard]] std::vector<std::filesystem::path> list_range_maps(
-    const std::filesystem::path& folder);
+    const std::vector<std::filesystem::path>& paths);
 
 /// Descriptions of the reasons in pictures, by their code.
 [[nodiscard]] std::vector<std::string> reason_words();

@@ -2,10 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/sensing/depth_image.h"
 
+#include <array>
 #include <cstdint>
+#include <fstream>
 #include <limits>
 #include <opencv2/core.hpp>
 #include <string>
+#include <string_view>
 
 #include "palpate/error.h"
 #include "palpate/require.h"
@@ -35,6 +38,20 @@ geometry::RangeMap read_depth_image(const std::filesystem::path& path, double mm
     }
   }
   return map;
+}
+
+std::optional<PngPixels> read_png_pixels(const std::filesystem::path& path) {
+  // The signature, and a first chunk with size (8 bytes), bit depth and colour type.
+  constexpr std::string_view kStart("\x89PNG\r\n\x1a\n\0\0\0\rIHDR", 16);
+  constexpr std::size_t kBitDepth = 24, kColourType = 25;
+  constexpr int kColour = 2;  // flag of the colour type, also set for a palette
+  std::ifstream in(path, std::ios::binary);
+  if (!in) throw FileError(path.string() + ": cannot be opened.");
+  std::array<char, kColourType + 1> bytes{};
+  in.read(bytes.data(), bytes.size());
+  if (!in || std::string_view(bytes.data(), kStart.size()) != kStart) return std::nullopt;
+  return PngPixels{.bits = bytes[kBitDepth],
+                   .channels = (bytes[kColourType] & kColour) != 0 ? 3 : 1};
 }
 
 }  // namespace palpate::sensing

@@ -47,7 +47,7 @@ std::array<double, 8> read_distortion(const StorageFile& file, const std::string
   return distortion;
 }
 
-geometry::Camera read_camera(const StorageFile& file, const std::string& name) {
+geometry::Camera read_lens(const StorageFile& file, const std::string& name) {
   geometry::Camera camera;
   const std::string size_key = name + "_size";
   const auto size = file.items(file.child(file.root(), size_key), size_key);
@@ -138,8 +138,8 @@ void check_rig(const Rig& rig, const std::string& what) {
 Rig read_rig(const std::filesystem::path& path) {
   const StorageFile file(path);
   Rig rig;
-  rig.camera = read_camera(file, "camera");
-  rig.projector = read_camera(file, "projector");
+  rig.camera = read_lens(file, "camera");
+  rig.projector = read_lens(file, "projector");
   rig.T_projector_camera = read_pose(file);
   rig.red = read_chromatic(file, "red");
   rig.blue = read_chromatic(file, "blue");
@@ -149,6 +149,16 @@ Rig read_rig(const std::filesystem::path& path) {
     throw FileError(error.what());
   }
   return rig;
+}
+
+geometry::Camera read_camera(const std::filesystem::path& path) {
+  const geometry::Camera camera = read_lens(StorageFile(path), "camera");
+  try {
+    geometry::check_camera(camera, (path.string() + ": camera").c_str());
+  } catch (const InvalidInput& error) {
+    throw FileError(error.what());
+  }
+  return camera;
 }
 
 void write_rig(const std::filesystem::path& path, const Rig& rig) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 
 #include "palpate/geometry/range_map.h"
 
@@ -15,5 +16,20 @@ namespace palpate::sensing {
 [[nodiscard]] geometry::RangeMap read_depth_image(const std::filesystem::path& path,
                                                   double mm_per_unit,
                                                   const geometry::Camera& camera);
+
+/// What the header of a PNG file says of its pixels.
+struct PngPixels {
+  int bits = 0;      ///< of a value
+  int channels = 0;  ///< without alpha: 1 (grey) or 3 (colour)
+};
+
+/// Reads only the first bytes of a file; none if these are not the header of a PNG.
+/// \throws FileError if the file cannot be read.
+[[nodiscard]] std::optional<PngPixels> read_png_pixels(const std::filesystem::path& path);
+
+/// Depth images have 16 bit and one channel.
+[[nodiscard]] constexpr bool may_be_depths(const PngPixels& pixels) {
+  return pixels.bits == 16 && pixels.channels == 1;
+}
 
 }  // namespace palpate::sensing
