@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Palpate contributors
 # SPDX-License-Identifier: Apache-2.0
-# Installs, then configures, builds and runs the consumer beside this file for several choices of components.
+# Installs, then configures, builds and runs the consumer beside this file for several choices of components and flags.
 
 function(run)
   execute_process(COMMAND ${ARGV} RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
@@ -13,7 +13,7 @@ endfunction()
 function(configure_consumer build_dir prefix components)
   execute_process(
     COMMAND ${CMAKE_COMMAND} -G Ninja -S ${CONSUMER_DIR} -B ${build_dir} -DCMAKE_BUILD_TYPE=Release
-            -DCMAKE_CXX_FLAGS=${CXX_FLAGS} -DCMAKE_PREFIX_PATH=${prefix} "-DCOMPONENTS=${components}"
+            "-DCMAKE_CXX_FLAGS=${CXX_FLAGS} ${ARGN}" -DCMAKE_PREFIX_PATH=${prefix} "-DCOMPONENTS=${components}"
             # Whoever asks for these would not find them:
             -DCMAKE_DISABLE_FIND_PACKAGE_VTK=ON -DCMAKE_DISABLE_FIND_PACKAGE_PCL=ON
             -DCMAKE_DISABLE_FIND_PACKAGE_assimp=ON -DCMAKE_DISABLE_FIND_PACKAGE_embree=ON
@@ -40,6 +40,29 @@ endif()
 run(ldd ${SCRATCH_DIR}/consumer/consumer)
 if(output MATCHES "lib(ipopt|vtk|sqlite3|opencv)[^ ]*")
   message(FATAL_ERROR "a user of geometry needs ${CMAKE_MATCH_0} at run time:\n${output}")
+endif()
+
+# Other flags change how Eigen aligns and allocates matrices; they are exchanged all the same.
+file(READ /proc/cpuinfo processor)
+foreach(flag "" -march=native -mavx -fsanitize=address)
+  set(folder ${SCRATCH_DIR}/flags${flag})
+  configure_consumer(${folder} ${prefix} geometry ${flag})
+  if(NOT status EQUAL 0 OR (flag STREQUAL "-mavx" AND NOT processor MATCHES " avx "))
+    message(STATUS "${flag}: this compiler or processor does not have it")
+    continue()
+  endif()
+  run(${CMAKE_COMMAND} --build ${folder} --target vertices)
+  run(${folder}/vertices ${folder}/grid.ply)
+  if(NOT output MATCHES "every vertex came back")
+    message(FATAL_ERROR "a program compiled with '${flag}' printed: ${output}")
+  endif()
+endforeach()
+
+# Without the target's definitions the headers refuse what would crash.
+execute_process(COMMAND ${CMAKE_COMMAND} --build ${SCRATCH_DIR}/flags-mavx --target without_definitions
+                RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
+if(status EQUAL 0 OR NOT output MATCHES "-DEIGEN_MAX_ALIGN_BYTES=16")
+  message(FATAL_ERROR "a program with another alignment of matrices is not refused:\n${output}")
 endif()
 
 # 2. A component that is not installed, or does not exist, is named.

@@ -10,6 +10,8 @@
 #include <variant>
 #include <vector>
 
+#include "palpate/eigen_alignment.h"
+
 namespace palpate::geometry {
 
 /// Values in one of the number types that files support.

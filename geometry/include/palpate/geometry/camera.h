@@ -5,6 +5,8 @@
 #include <Eigen/Core>
 #include <array>
 
+#include "palpate/eigen_alignment.h"
+
 namespace palpate::geometry {
 
 /// A pinhole camera (or projector) with the lens distortion of Brown and Conrady, as in OpenCV:

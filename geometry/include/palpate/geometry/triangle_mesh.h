@@ -5,6 +5,8 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "palpate/eigen_alignment.h"
+
 namespace palpate::geometry {
 
 /// A triangle mesh: vertices and triangles.

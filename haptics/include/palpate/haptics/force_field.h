@@ -5,6 +5,8 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "palpate/eigen_alignment.h"
+
 namespace palpate::haptics {
 
 /// A weighted multiquadric phi(x) = sqrt(|P (x - center)|^2 + epsilon^2) of a displacement x: Eq

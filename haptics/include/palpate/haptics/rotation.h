@@ -5,6 +5,8 @@
 #include <Eigen/Core>
 #include <span>
 
+#include "palpate/eigen_alignment.h"
+
 namespace palpate::haptics {
 
 /// Whether a matrix is orthonormal and right-handed: no entry of R^T R differs by more than

@@ -11,6 +11,8 @@
 #include <unordered_map>
 #include <vector>
 
+#include "palpate/eigen_alignment.h"
+
 namespace palpate::probing {
 
 /// A place on the undeformed surface where the object was probed.

@@ -16,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "palpate/eigen_alignment.h"
 #include "palpate/error.h"
 
 namespace palpate::probing {

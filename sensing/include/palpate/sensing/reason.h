@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <string_view>
 
+#include "palpate/eigen_alignment.h"
+
 namespace palpate::sensing {
 
 /// Outcome of a pixel: reconstructed, or the first check of the decoder that rejected it, in the

@@ -5,6 +5,8 @@
 #include <Eigen/Core>
 #include <string>
 
+#include "palpate/eigen_alignment.h"
+
 namespace palpate::sensing {
 
 /// One pose of a flat calibration board in front of the rig: points in the board's plane, and where

@@ -6,6 +6,8 @@
 #include <optional>
 #include <vector>
 
+#include "palpate/eigen_alignment.h"
+
 namespace palpate::sensing {
 
 /// Length of the sequence that uses each of the n (n - 1) ordered pairs of n colours once:
