@@ -6,9 +6,10 @@
 
 namespace palpate::geometry {
 
-CompactMesh compact(const TriangleMesh& mesh) {
+CompactMesh compact(const TriangleMesh& mesh, std::span<const int> also) {
   std::vector<int> index(static_cast<std::size_t>(mesh.vertices.cols()), -1);
   for (const int v : mesh.triangles.reshaped()) index[static_cast<std::size_t>(v)] = 0;
+  for (const int v : also) index[static_cast<std::size_t>(v)] = 0;
   CompactMesh result;
   for (std::size_t v = 0; v < index.size(); ++v) {
     if (index[v] < 0) continue;

@@ -6,6 +6,7 @@
 #include <meshoptimizer.h>
 
 #include <algorithm>
+#include <array>
 #include <functional>
 #include <numeric>
 #include <optional>
@@ -48,31 +49,39 @@ constexpr int kMostTries = 40;
 /// A mesh is a useful intermediate result iff it has at least this fraction fewer triangles.
 constexpr double kLeastGain = 0.03;
 
-/// A mesh with vertices that meshoptimizer must not move.
-struct Draft {
-  TriangleMesh mesh;  ///< with all vertices of the input
-  std::vector<char> fixed;
-  CompactMesh used;  ///< the mesh without the other vertices
-  Eigen::Matrix3Xi neighbours;
-  std::optional<SurfaceQuery> query;  ///< built when it is needed first
-
-  explicit Draft(TriangleMesh start)
-      : mesh(std::move(start)),
-        fixed(static_cast<std::size_t>(mesh.vertices.cols()), 0),
-        used(compact(mesh)),
-        neighbours(triangle_neighbours(mesh.triangles)) {}
-};
-
 /// Positions as meshoptimizer takes them: centred, scaled by a power of two to [-1, 1], float.
 struct FloatPositions {
   Eigen::Matrix3Xf local;
   double scale;  ///< local = scale * (world - centre)
+  /// The vertices with the lowest and the highest coordinates: meshoptimizer rounds relative to the
+  /// extent, which must not depend on the vertices that are still used.
+  std::array<int, 6> extreme{};
 
   explicit FloatPositions(const TriangleMesh& mesh) {
     const LocalFrame frame = local_frame(mesh.vertices);
     scale = frame.scale;
     local = frame.to_local(mesh.vertices).cast<float>();
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+      const auto place = static_cast<std::size_t>(2 * axis);
+      local.row(axis).minCoeff(&extreme[place]);
+      local.row(axis).maxCoeff(&extreme[place + 1]);
+    }
   }
+};
+
+/// A mesh with vertices that meshoptimizer must not move.
+struct Draft {
+  TriangleMesh mesh;  ///< with all vertices of the input
+  std::vector<char> fixed;
+  CompactMesh used;  ///< without vertices that meshoptimizer does not need
+  Eigen::Matrix3Xi neighbours;
+  std::optional<SurfaceQuery> query;  ///< built when it is needed first
+
+  Draft(TriangleMesh start, const FloatPositions& positions)
+      : mesh(std::move(start)),
+        fixed(static_cast<std::size_t>(mesh.vertices.cols()), 0),
+        used(compact(mesh, positions.extreme)),
+        neighbours(triangle_neighbours(mesh.triangles)) {}
 };
 
 /// A zero error for meshoptimizer, which squares it in float.
@@ -238,7 +247,8 @@ TriangleMesh to_tolerance(const TriangleMesh& mesh, const DecimationStandard& st
   while (tries.may_begin() && error >= kLeastError * tolerance) {
     const Aim aim{
         .error = error, .tolerance = tolerance, .target_triangles = 0, .gain = kLeastGain};
-    std::optional<TriangleMesh> smaller = pass(Draft(best), positions, aim, standard, known, tries);
+    std::optional<TriangleMesh> smaller =
+        pass(Draft(best, positions), positions, aim, standard, known, tries);
     if (smaller) best = std::move(*smaller);
     // If too little was gained, try a larger error as well.
     const bool rise = grow > 1 && error < kLastError * tolerance;
@@ -262,7 +272,8 @@ TriangleMesh to_count(const TriangleMesh& mesh, const DecimationStandard& standa
   const Aim aim{
       .error = kInfinity, .tolerance = kInfinity, .target_triangles = max_triangles, .gain = 0};
   while (tries.may_begin() && best.triangles.cols() > max_triangles) {
-    std::optional<TriangleMesh> smaller = pass(Draft(best), positions, aim, standard, known, tries);
+    std::optional<TriangleMesh> smaller =
+        pass(Draft(best, positions), positions, aim, standard, known, tries);
     if (!smaller || smaller->triangles.cols() == best.triangles.cols()) break;
     best = std::move(*smaller);
   }
