@@ -154,10 +154,10 @@ Verdict decide(const SettledPose& pose, const std::vector<Trial>& trials, double
   }
   const double few = kFew / (result.inliers - fixed);
   const double outstanding = kContrast * (1 + few * few) * std::max(result.median, least);
-  if (result.runner_up < outstanding) {
+  if (result.runner_up && *result.runner_up < outstanding) {
     return {ambiguous, fmt::format("another pose fits nearly as well: median distance {:.3g} mm, "
                                    "here {:.3g} mm",
-                                   result.runner_up, result.median)};
+                                   *result.runner_up, result.median)};
   }
   for (const Trial& trial : trials) {
     if (trial.median / scale >= outstanding) continue;
@@ -180,8 +180,8 @@ double inlier_deviation(const RegistrationTarget::Impl& target, const Eigen::Vec
 }
 
 void judge(const RegistrationTarget::Impl& target, const Eigen::Matrix3Xd& points,
-           const SettledPose& pose, double runner_up, const RegistrationOptions& options,
-           Registration& result) {
+           const SettledPose& pose, std::optional<double> runner_up,
+           const RegistrationOptions& options, Registration& result) {
   const Eigen::Matrix3Xd moved = pose.motion * points;
   const Eigen::VectorXd& distances = pose.pairing.distances;
   double squares = 0;
@@ -193,7 +193,7 @@ void judge(const RegistrationTarget::Impl& target, const Eigen::Matrix3Xd& point
   result.overlap = static_cast<double>(result.inliers) / static_cast<double>(distances.size());
   result.rms = result.inliers > 0 ? std::sqrt(squares / result.inliers) / target.scale : kNan;
   result.median = rank_quantile(distances, 0.5) / target.scale;
-  result.runner_up = runner_up / target.scale;
+  if (runner_up) result.runner_up = *runner_up / target.scale;
 
   const RigidProblem problem = rigid_problem(moved, pose.pairing, pose.deviation);
   result.centre = target.centre + problem.centre / target.scale;

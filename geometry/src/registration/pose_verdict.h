@@ -24,9 +24,9 @@ struct SettledPose {
                                       const Eigen::VectorXd& distances, double fraction);
 
 /// Sets everything except the pose, `starts` and `iterations`.
-/// \param runner_up  median distance at the best other pose, NaN if there is none; local frame.
+/// \param runner_up  median distance at the best other pose, empty if there is none; local frame.
 void judge(const RegistrationTarget::Impl& target, const Eigen::Matrix3Xd& points,
-           const SettledPose& pose, double runner_up, const RegistrationOptions& options,
-           Registration& result);
+           const SettledPose& pose, std::optional<double> runner_up,
+           const RegistrationOptions& options, Registration& result);
 
 }  // namespace palpate::geometry

@@ -148,7 +148,7 @@ SettledPose settle_with_pcl(const RegistrationTarget::Impl& target, const Eigen:
 
 struct Choice {
   Eigen::Isometry3d best = Eigen::Isometry3d::Identity();
-  double runner_up = kNan;  ///< its median distance
+  std::optional<double> runner_up;  ///< median distance at the best other pose
 };
 
 /// Refines the promising candidates on the surface itself and takes the best.
@@ -160,9 +160,6 @@ Choice choose(const RegistrationTarget::Impl& target, const Eigen::Matrix3Xd& po
   std::vector<PoseCandidate> settled;
   std::vector<double> medians;
   Choice choice;
-  const auto note_runner_up = [&](double median) {
-    choice.runner_up = std::fmin(choice.runner_up, median);
-  };
   for (const PoseCandidate& candidate : search.candidates) {
     if (candidate.score > bound || settled.size() == kMaxRivals) break;
     const SettledPose pose = settle(target, some, candidate.motion, fraction, kCandidateSteps);
@@ -186,7 +183,8 @@ Choice choose(const RegistrationTarget::Impl& target, const Eigen::Matrix3Xd& po
     const bool is_settled = i < settled.size();
     const PoseCandidate& other = is_settled ? settled[i] : search.candidates[i];
     if (mean_displacement(other.motion, choice.best, some) < 2 * cell) continue;
-    note_runner_up(is_settled ? medians[i] : other.score);
+    const double median = is_settled ? medians[i] : other.score;
+    choice.runner_up = std::min(choice.runner_up.value_or(kInfinity), median);
   }
   return choice;
 }

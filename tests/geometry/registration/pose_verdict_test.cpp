@@ -95,7 +95,7 @@ TEST(RegistrationVerdict, IsAmbiguousWhereAnotherPoseFitsAsWell) {
   const Registration found =
       register_points(points, waves, {.search_rotation = 0.1, .search_translation = 60});
   EXPECT_EQ(found.verdict, ambiguous) << found.reason;
-  EXPECT_LT(found.runner_up, 0.1);
+  EXPECT_LT(found.runner_up.value(), 0.1);
   // Who knows that the start is near gets an answer.
   const Registration near =
       register_points(points, waves, {.search_rotation = 0.1, .search_translation = 5});

@@ -7,6 +7,7 @@
 #include <limits>
 #include <memory>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -79,8 +80,8 @@ struct Registration {
   double median = 0;   ///< [mm] median distance of all finite points from the surface
   int inliers = 0;     ///< points whose distance is consistent with the others'
   double overlap = 0;  ///< `inliers` as a fraction of the finite points
-  /// [mm] median distance at the best different pose; NaN if all starts led to the same pose.
-  double runner_up = 0;
+  /// [mm] median distance at the best different pose; empty if all starts led to the same pose.
+  std::optional<double> runner_up;
   Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< [mm] centroid of the moved points
   /// Covariance of the pose: s^2 (sum of j j^T)^-1, where j is the derivative of a point's distance
   /// to its plane and s^2 the inliers' mean square distance (over count minus 6). Order: rotation
