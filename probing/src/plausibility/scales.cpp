@@ -1,0 +1,127 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "plausibility/presses.h"
+
+namespace palpate::probing {
+namespace {
+
+/// [mm] Median distance from the middle of the points: a minority of them does not matter.
+double spread(const std::vector<Eigen::Vector3d>& points) {
+  Eigen::Vector3d middle;
+  std::vector<double> values(points.size());
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    std::ranges::transform(points, values.begin(), [k](const auto& point) { return point[k]; });
+    middle[k] = median(values);
+  }
+  std::ranges::transform(points, values.begin(),
+                         [&](const auto& point) { return (point - middle).norm(); });
+  return median(values);
+}
+
+std::string unit_guess(double ratio) {
+  constexpr double kThousand = 1000, kNear = 2;
+  const auto is_near = [&](double value) { return ratio > value / kNear && ratio < value * kNear; };
+  if (is_near(1 / kThousand)) return "as in m beside contacts in mm";
+  if (is_near(kThousand)) return "as in mm beside contacts in m";
+  if (ratio < 1) return "as displacements would, or positions in a larger unit";
+  return "as positions in a smaller unit would";
+}
+
+}  // namespace
+
+void find_length_units(const std::vector<ProbedContact>& contacts, std::vector<Finding>& findings) {
+  if (contacts.size() < 2) return;
+  std::vector<Eigen::Vector3d> places, tools;
+  for (const ProbedContact& probed : contacts) {
+    places.push_back(probed.contact->position);
+    tools.push_back(probed.lightest);
+  }
+  const double size = spread(places);
+  if (!(size > 0)) return;
+  const double ratio = spread(tools) / size;
+  if (ratio < kLeastSpread || ratio > kLargestSpread) {
+    findings.push_back(
+        {Implausibility::length_units, true,
+         "under the least forces, the tool positions a are spread over " + figure(ratio * size) +
+             ", their contacts over " + figure(size) + " (medians from their middles), " +
+             unit_guess(ratio),
+         "x,y,z, ax,ay,az and bx,by,bz are positions in one frame and one unit, mm (for another "
+         "unit of a whole file see probe import --length-unit)"});
+    return;
+  }
+  std::vector<long long> far;
+  std::vector<double> distances;
+  for (const ProbedContact& probed : contacts) {
+    distances.push_back((probed.lightest - probed.contact->position).norm());
+    if (distances.back() > kSuspiciousDistance * size) far.push_back(probed.contact->id);
+  }
+  if (far.empty()) return;
+  const double typical = median(distances);
+  findings.push_back(
+      {Implausibility::distant_tool, typical > kImpossibleDistance * size,
+       "the tool is up to " + figure(*std::ranges::max_element(distances)) + " mm away from " +
+           named("contact", far) + ", while the contacts are spread over " + figure(size) +
+           " mm (median from their middle)",
+       "contacts and tool positions are in one frame and one unit, mm: check these contacts, or "
+       "the frames"});
+}
+
+void find_scales(const std::vector<ProbedContact>& contacts, std::vector<Finding>& findings) {
+  Eigen::Vector3d low = contacts.front().contact->position, high = low;
+  std::vector<double> displacements;
+  double force = 0;
+  for (const ProbedContact& probed : contacts) {
+    low = low.cwiseMin(probed.contact->position);
+    high = high.cwiseMax(probed.contact->position);
+    for (const Press& press : probed.presses) {
+      displacements.push_back((press.sample->a - probed.contact->position).norm());
+      force = std::max(force, press.sample->force.norm());
+    }
+  }
+  const double extent = (high - low).norm(), displacement = median(std::move(displacements));
+  const char* const kMillimetres =
+      "lengths are in mm: check the unit (probe import --length-unit), or ignore this if it is "
+      "right";
+  if (contacts.size() > 1 && (extent < kSmallestExtent || extent > kLargestExtent)) {
+    findings.push_back({Implausibility::length_scale, false,
+                        "all contacts lie within " + figure(extent) +
+                            " mm, which is unlikely for an object under an arm",
+                        kMillimetres});
+  } else if (displacement < kSmallestDisplacement) {
+    findings.push_back({Implausibility::length_scale, false,
+                        "the tool moves the surface by " + figure(displacement) +
+                            " mm (median), less than an arm can measure",
+                        kMillimetres});
+  }
+  if (force < kSmallestForce || force > kLargestForce) {
+    findings.push_back({Implausibility::force_scale, force == 0,
+                        "the largest force is " + figure(force) +
+                            " N, which is unlikely for an arm that probes a soft object",
+                        "forces are in N: check the unit (probe import --force-unit), or ignore "
+                        "this if it is right"});
+  }
+  std::vector<double> ratios;
+  for (const ProbedContact& probed : contacts) {
+    double largest = 0;
+    for (const Press& press : probed.presses) {
+      if (!press.sample->slipped && press.normal != 0)
+        largest = std::max(largest, tangential_over_normal(press));
+    }
+    ratios.push_back(largest);
+  }
+  const double ratio = median(std::move(ratios));
+  if (ratio > kLargestFriction) {
+    findings.push_back({Implausibility::tilted_forces, false,
+                        "samples that held have tangential forces of " + figure(ratio) +
+                            " times the normal force (median of the largest at each contact)",
+                        "px,py,pz have one unit and are in the frame of the normals nx,ny,nz, and "
+                        "slipped is 1 where "
+                        "the tool slid: check these columns"});
+  }
+}
+
+}  // namespace palpate::probing
