@@ -297,7 +297,7 @@ std::vector<std::array<int, 3>> triangles_of_contacts(const IntrinsicTriangulati
       is_own = is_own && contact_of_id[id] >= 0;
       corners[static_cast<size_t>(k)] = rows[id].front().contact;
     }
-    std::ranges::rotate(corners, std::ranges::min_element(corners));
+    std::rotate(corners.begin(), std::ranges::min_element(corners), corners.end());
     if (is_own && result.fits(corners)) {
       result.add(corners);
     } else {

@@ -35,7 +35,7 @@ class EdgeLists {
       }
     }
     std::ranges::sort(edges);
-    edges.erase(std::ranges::unique(edges).begin(), edges.end());
+    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
     for (const auto& [from, to] : edges) {
       ++first_[static_cast<std::size_t>(from) + 1];
       ends_.push_back({to, (mesh.vertices.col(to) - mesh.vertices.col(from)).norm()});
@@ -190,7 +190,7 @@ Eigen::Matrix2Xi node_pairs(const DeformationGraph::Influences& influences,
     }
   }
   std::ranges::sort(pairs);
-  pairs.erase(std::ranges::unique(pairs).begin(), pairs.end());
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
   Eigen::Matrix2Xi edges(2, static_cast<Eigen::Index>(pairs.size()));
   for (std::size_t e = 0; e < pairs.size(); ++e) {
     edges.col(static_cast<Eigen::Index>(e)) << pairs[e].first, pairs[e].second;

@@ -193,7 +193,7 @@ class TriangleSearch {
   }
 
   ClosestPoint ask(const Eigen::Vector3d& point) {
-    const ClosestPoint closest = to_.query.closest_point(point);
+    ClosestPoint closest = to_.query.closest_point(point);
     raise(closest.distance, point);
     return closest;
   }
@@ -205,7 +205,7 @@ class TriangleSearch {
     }
   }
 
-  void treat(Piece piece) {
+  void treat(const Piece& piece) {
     if (piece.triangle < 0) return ask_centre(piece);
     const CornerDistances distance = distances(piece, piece.triangle);
     int worst = 0;

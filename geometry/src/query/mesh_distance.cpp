@@ -35,14 +35,14 @@ struct Sides {
         neighbours(triangle_neighbours(mesh.triangles)) {}
 
   [[nodiscard]] Eigen::Vector3d normal(const SurfacePoint& at) const {
-    const Eigen::Vector3d own = of_triangles.col(at.triangle);
+    Eigen::Vector3d own = of_triangles.col(at.triangle);
     for (int k = 0; k < 3; ++k) {
       if (at.barycentric[k] == 1) return of_vertices.col(triangles(k, at.triangle));
     }
     for (int k = 0; k < 3; ++k) {
       const int across = at.barycentric[(k + 2) % 3] == 0 ? neighbours(k, at.triangle) : -1;
       if (across < 0) continue;
-      const Eigen::Vector3d other = of_triangles.col(across);
+      Eigen::Vector3d other = of_triangles.col(across);
       // A triangle without area has no normal.
       if (!own.allFinite()) return other;
       if (other.allFinite()) return own + other;

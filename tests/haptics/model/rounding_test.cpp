@@ -62,7 +62,7 @@ TEST(Rounding, MovesTheCentreOfARidgeWithinItsPlaneOnly) {
 TEST(Rounding, PutsIsotropicBasesFirst) {
   const ForceField field = some_field_with_ridge();
   ForceField turned = field;
-  std::ranges::rotate(turned.bases, turned.bases.end() - 1);
+  std::rotate(turned.bases.begin(), turned.bases.end() - 1, turned.bases.end());
   EXPECT_NE(turned, field);
   EXPECT_EQ(rounded(turned), rounded(field));
 }
