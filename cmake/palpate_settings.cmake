@@ -26,6 +26,8 @@ if(PROJECT_IS_TOP_LEVEL)
   if(MOLD_PROGRAM)
     add_link_options(-fuse-ld=mold)
   endif()
+  # GCC otherwise collects its garbage again and again, which takes a tenth of the time of sources that use Eigen.
+  add_compile_options("$<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=524288;--param=ggc-min-expand=200>")
   if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
     add_compile_options($<$<CONFIG:Release>:-march=x86-64-v2>)
   endif()

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <numeric>
 #include <set>
 #include <tuple>
 #include <utility>
@@ -128,8 +129,8 @@ class EdgeTurning {
     turn_all([](double angle, int) { return angle < kLargestRimAngle; });
     // A contact that has no triangle yet also accepts flatter ones.
     turn_all([this](double, int corner) { return !has_triangle(corner); });
-    std::vector<int> pending;
-    for (int h = 0; h < 3 * surface_.triangle_slots(); ++h) pending.push_back(h);
+    std::vector<int> pending(static_cast<std::size_t>(3 * surface_.triangle_slots()));
+    std::iota(pending.begin(), pending.end(), 0);
     surface_.flip_to_delaunay(pending, [this](int h) { return is_between_contacts(h); });
   }
 
