@@ -231,7 +231,7 @@ void add_mesh(CLI::App& app, const Settings& settings) {
       "  palpate mesh depth/ --scale 1 --rig camera.yaml -o meshes/");
   command->callback([call, format, &settings] {
     const fs::path& first = call->inputs.front();
-    if (call->inputs.size() > 1 || (is_there(first) && is_folder(first))) {
+    if (call->inputs.size() > 1 || is_folder(first)) {
       mesh_sequence(settings, *call);
     } else if (format->count() > 0) {
       throw InvalidInput(

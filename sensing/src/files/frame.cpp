@@ -37,7 +37,7 @@ cv::Mat read_frame(const std::filesystem::path& path) {
   if (is_png(bytes)) {
     const std::string damage = find_png_damage(bytes);
     if (!damage.empty()) throw FileError(path.string() + ": " + damage);
-    const cv::Mat frame = read_png(path, bytes);
+    cv::Mat frame = read_png(path, bytes);
     if (!frame.empty()) return frame;
   } else if (!is_tiff(bytes)) {
     throw FileError(path.string() + ": neither PNG nor TIFF; a frame of 8 or 16 bit is expected");

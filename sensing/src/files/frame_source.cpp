@@ -38,7 +38,7 @@ cv::Mat first_channel(const cv::Mat& image) {
   return channels[0];
 }
 
-cv::Mat finished(cv::Mat image, const FrameSourceOptions& options) {
+cv::Mat finished(const cv::Mat& image, const FrameSourceOptions& options) {
   return options.bayer ? demosaic(image, *options.bayer) : image;
 }
 

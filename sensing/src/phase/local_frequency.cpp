@@ -36,7 +36,8 @@ class SinusoidFit {
     solve_ = weighted.householderQr().solve(Eigen::MatrixXd(weight_.cwiseSqrt().asDiagonal()));
   }
   [[nodiscard]] FitResponse response(double delta) const {
-    const auto radius = static_cast<double>(weight_.size() / 2);
+    const Eigen::Index middle = weight_.size() / 2;
+    const auto radius = static_cast<double>(middle);
     FitResponse result;
     for (const double phase : {0.0, std::numbers::pi / 2}) {
       Eigen::VectorXd wave(weight_.size());
