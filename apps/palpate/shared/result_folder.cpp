@@ -38,8 +38,8 @@ std::vector<fs::path> files_in(const fs::path& folder) {
       files.push_back(entry.path().lexically_relative(folder));
   }
   std::ranges::sort(files);
-  std::ranges::stable_partition(files,
-                                [](const fs::path& file) { return file.extension() != ".jsonl"; });
+  std::stable_partition(files.begin(), files.end(),
+                        [](const fs::path& file) { return file.extension() != ".jsonl"; });
   return files;
 }
 

@@ -52,8 +52,8 @@ double round_to_places(double value, int places) {
 
 ForceField rounded(ForceField field) {
   for (Multiquadric& base : field.bases) base = rounded_base(base);
-  std::ranges::stable_partition(field.bases,
-                                [](const Multiquadric& base) { return base.ridge.isZero(0); });
+  std::stable_partition(field.bases.begin(), field.bases.end(),
+                        [](const Multiquadric& base) { return base.ridge.isZero(0); });
   return field;
 }
 

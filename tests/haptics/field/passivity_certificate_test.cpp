@@ -117,8 +117,8 @@ TEST(CertifyPassivity, CoversTheDigitsOfAStoredField) {
   const double tolerance = CertificateOptions{}.number_tolerance;
   for (unsigned seed = 0; seed < 30; ++seed) {
     ForceField field = mixed_field(6, seed);
-    std::ranges::stable_partition(field.bases,
-                                  [](const auto& base) { return base.ridge.isZero(0); });
+    std::stable_partition(field.bases.begin(), field.bases.end(),
+                          [](const auto& base) { return base.ridge.isZero(0); });
     const ForceField stored = rounded(field);
     for (std::size_t k = 0; k < field.bases.size(); ++k) {
       const Multiquadric &base = field.bases[k], &other = stored.bases[k];
