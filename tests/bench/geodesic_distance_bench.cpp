@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-// Fast marching beside Dijkstra along the edges, the heat method and the exact distance, on range
-// maps. Every time includes what is built from the mesh. Errors are relative to exact distances, of
-// the vertices more than two mean edges from the source.
+// Fast marching beside Dijkstra along the edges, the heat method and the exact distance, and the
+// exact distance beside CGAL's, on range maps. Every time includes what is built from the mesh.
+// Errors are relative to exact distances, of the vertices more than two mean edges from the source.
 #include "palpate/geometry/geodesic_distance.h"
 
 #include <CGAL/Heat_method_3/Surface_mesh_geodesic_distances_3.h>
@@ -17,6 +17,7 @@
 #include <tuple>
 #include <vector>
 
+#include "cgal_shortest_paths.h"
 #include "mesh_corpus.h"
 #include "paired.h"
 #include "palpate/geometry/cgal_mesh.h"
@@ -205,6 +206,23 @@ void fast_marching_against_dijkstra(benchmark::State& state) {
   state.counters["exact/ours"] = exact_ms / state.counters["ours_ms"].value;
 }
 
+void exact_against_cgal(benchmark::State& state) {
+  const Case given = make_case(state.range(0), state.range(1), state.range(2));
+  GeodesicDistance ours, peer;
+  palpate::bench::run_paired(
+      state,
+      [&] {
+        ours = geodesic_distance(given.mesh, given.sources, {.method = GeodesicMethod::exact});
+      },
+      [&] { peer = palpate::geometry::test::cgal_geodesic_distance(given.mesh, given.sources); });
+  state.counters["triangles"] = static_cast<double>(given.mesh.triangles.cols());
+  // CGAL misses the shortest path to a few vertices, never ours.
+  constexpr double kPerturbed = 1e-7;  // relative
+  if ((ours.distance.array() > (1 + kPerturbed) * peer.distance.array() + kPerturbed).any()) {
+    state.SkipWithError("the exact distance is longer than CGAL's");
+  }
+}
+
 void dijkstra(benchmark::State& state) {
   const Case given = make_case(state.range(0), state.range(1), state.range(2));
   GeodesicDistance found;
@@ -234,6 +252,15 @@ void sizes_noises_and_sources(benchmark::internal::Benchmark* bench) {
 }
 
 BENCHMARK(fast_marching_against_dijkstra)->Apply(sizes_noises_and_sources);
+BENCHMARK(exact_against_cgal)
+    ->Args({3000, 25, 1})
+    ->Args({30000, 0, 1})
+    ->Args({30000, 25, 1})
+    ->Args({100000, 25, 1})
+    ->Args({kGlove, 0, 1})
+    ->Args({30000, 25, 1000})
+    ->Unit(benchmark::kMillisecond)
+    ->ArgNames({"N", "noise", "sources"});
 BENCHMARK(dijkstra)->Apply(sizes);
 BENCHMARK(heat_method)->Apply(sizes)->Args({600000, 25, 1})->Iterations(1);
 

@@ -3,7 +3,6 @@
 // Replaces the sources in cgal/ in a build without CGAL.
 #include <string>
 
-#include "geodesic/geodesic_methods.h"
 #include "palpate/error.h"
 #include "palpate/geometry/hole_filling.h"
 #include "scans/poisson_surface.h"
@@ -18,11 +17,6 @@ namespace {
 }
 
 }  // namespace
-
-GeodesicDistance exact_geodesic_distance(const TriangleMesh&, std::span<const SurfacePoint>,
-                                         double) {
-  refuse("geodesic_distance: GeodesicMethod::exact");
-}
 
 FilledMesh fill_holes(const TriangleMesh&, const HoleFillingOptions&) { refuse("fill_holes"); }
 

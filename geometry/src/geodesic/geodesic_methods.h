@@ -16,10 +16,7 @@ namespace palpate::geometry {
 
 /// Implements `geodesic_distance` for GeodesicMethod::exact. Precondition: mesh, sources and radius
 /// are valid.
-/// \throws InvalidInput naming a triangle without area, or an edge or a vertex that is not
-/// manifold.
-/// \throws SolverError if CGAL fails.
-/// \throws Unavailable if the library was built without CGAL.
+/// \throws InvalidInput naming a triangle without area, or an edge that is not manifold.
 [[nodiscard]] GeodesicDistance exact_geodesic_distance(const TriangleMesh& mesh,
                                                        std::span<const SurfacePoint> sources,
                                                        double stop_radius);

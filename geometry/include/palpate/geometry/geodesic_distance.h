@@ -12,7 +12,7 @@ namespace palpate::geometry {
 
 enum class GeodesicMethod {
   fast_marching,  ///< for any mesh; errors of some tenths of a percent
-  exact           ///< for manifolds; errors below 1e-8; some hundred times slower
+  exact           ///< for oriented surfaces; errors below 1e-10; some twenty times slower
 };
 
 struct GeodesicOptions {
@@ -40,13 +40,14 @@ struct GeodesicDistance {
 /// - With needle triangles the mean error is 0.5 %. The distance is a few percent too short where a
 ///   wave meets itself behind a finger.
 ///
-/// `exact`: shortest path over the triangles (Chen and Han 1990, improved by Xin and Wang 2009, by
-/// CGAL), accurate to 1e-8 of the distance and of the mean edge length. Rounding decides between
-/// equally near sources. The mesh must be manifold with triangles of non-zero area.
+/// `exact`: shortest path over the triangles by propagation of windows (Mitchell, Mount and
+/// Papadimitriou 1987, with the filter of Xin and Wang 2009), accurate to 1e-10 of the distance and
+/// of the mean edge length. Rounding decides between equally near sources; of several in one place
+/// the lowest wins. At most two triangles, of the same orientation, may share an edge, and all must
+/// have an area.
 /// \throws InvalidInput if the mesh is not valid, there is no source, a source is not on the mesh,
-/// or stop_radius <= 0; from `exact` also naming what is not manifold or has no area.
-/// \throws SolverError from `exact` if CGAL fails.
-/// \throws Unavailable from `exact` if the library was built with PALPATE_CGAL=OFF.
+/// or stop_radius <= 0; from `exact` also naming an edge with a third or turned triangle, or a
+/// triangle without area.
 [[nodiscard]] GeodesicDistance geodesic_distance(const TriangleMesh& mesh,
                                                  std::span<const SurfacePoint> sources,
                                                  const GeodesicOptions& options = {});

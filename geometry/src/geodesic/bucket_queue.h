@@ -1,0 +1,47 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+namespace palpate::geometry {
+
+/// Queue of events at distances, nearest bucket first and first in first out within a bucket. This
+/// is sufficient for propagation that corrects what came too early; it needs no sorting and keeps
+/// neighbours together.
+/// \tparam Event  has a member `distance`
+template <class Event>
+class BucketQueue {
+ public:
+  /// \param width  of a bucket
+  explicit BucketQueue(double width) : per_width_(1 / width) {}
+
+  void push(const Event& event) {
+    // The order of arguments matters: without a width, 0 times infinity is kMost.
+    const auto wanted = static_cast<std::size_t>(std::min(kMost, event.distance * per_width_));
+    const std::size_t bucket = std::max(wanted, nearest_);
+    if (bucket >= buckets_.size()) buckets_.resize(bucket + 1);
+    buckets_[bucket].push_back(event);
+  }
+
+  [[nodiscard]] std::optional<Event> pop() {
+    while (nearest_ < buckets_.size() && next_ == buckets_[nearest_].size()) {
+      std::vector<Event>().swap(buckets_[nearest_++]);
+      next_ = 0;
+    }
+    if (nearest_ == buckets_.size()) return std::nullopt;
+    return buckets_[nearest_][next_++];
+  }
+
+ private:
+  static constexpr double kMost = 1 << 20;  ///< buckets; the last one takes the rest
+  double per_width_;
+  std::size_t nearest_ = 0;  ///< bucket
+  std::size_t next_ = 0;     ///< event in it
+  std::vector<std::vector<Event>> buckets_;
+};
+
+}  // namespace palpate::geometry

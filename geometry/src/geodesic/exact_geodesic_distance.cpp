@@ -1,0 +1,308 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "base/numbers.h"
+#include "geodesic/bucket_queue.h"
+#include "geodesic/edge_windows.h"
+#include "geodesic/flat_triangles.h"
+#include "geodesic/geodesic_methods.h"
+
+namespace palpate::geometry {
+namespace {
+
+/// A window is dropped iff a path through a vertex is shorter by more than this fraction: above
+/// the margin of EdgeWindows, so that no two windows drop each other.
+constexpr double kShorterThroughVertex = 1e-12;
+
+/// A window that ends within this fraction of an edge from the line to a vertex reaches the vertex.
+constexpr double kReaches = 1e-14;
+
+/// Windows are passed on together if their distances differ by less than this, in units of the mean
+/// edge: small enough that few are passed on before a nearer one arrives.
+constexpr double kTogether = 0.3;
+
+/// Where the line from (along, -height) through (place, 0) hits the ray from (0, 0) in the given
+/// direction. Precondition: it does, and place >= 0.
+double hit(double place, double along, double height, const Eigen::Vector2d& direction,
+           double longest) {
+  if (place == 0) return 0;
+  const double at = place * height / (direction.x() * height + direction.y() * (along - place));
+  return std::clamp(at, 0.0, longest);
+}
+
+/// A half-edge with windows to be passed on, or a vertex at which paths bend.
+struct Arrival {
+  double distance;
+  int half_edge;  ///< or kNone
+  int vertex;     ///< or kNone
+};
+
+/// The windows of all sources on the mesh (Mitchell, Mount and Papadimitriou 1987), passed on in
+/// buckets of the distance. What comes too early is corrected later, so the order has no effect on
+/// the result beyond rounding.
+class WindowPropagation {
+ public:
+  WindowPropagation(const FlatTriangles& flat, double stop_radius)
+      : flat_(flat),
+        stop_radius_(stop_radius),
+        together_(kTogether * flat.mean_length),
+        distance_(flat.bends.size(), kInfinity),
+        source_(flat.bends.size(), kNone),
+        bends_(flat.bends),
+        windows_(static_cast<size_t>(flat.edge_count)),
+        expected_(flat.half_edges.size(), kInfinity),
+        arrivals_(together_) {}
+
+  void start(const SurfacePoint& at, int source) {
+    const Eigen::Vector3d positive = at.barycentric.cwiseMax(0);
+    const Eigen::Vector3d weights = positive / positive.sum();
+    Eigen::Index largest = 0, smallest = 0;
+    weights.maxCoeff(&largest);
+    weights.minCoeff(&smallest);
+    const auto corners = (weights.array() > 0).count();
+    if (corners == 1) {
+      const int vertex = flat_[3 * at.triangle + static_cast<int>(largest)].start;
+      if (improve(vertex, 0, source)) spread(vertex);
+      return;
+    }
+    start_in(at.triangle, weights, source);
+    const int across = flat_[3 * at.triangle + (static_cast<int>(smallest) + 1) % 3].opposite;
+    if (corners == 3 || across == kNone) return;
+    // On an edge: also from the triangle on the other side, where the edge runs the other way.
+    Eigen::Vector3d other = Eigen::Vector3d::Zero();
+    other[across % 3] = weights[(smallest + 2) % 3];
+    other[(across + 1) % 3] = weights[(smallest + 1) % 3];
+    start_in(across / 3, other, source);
+  }
+
+  void run() {
+    while (const std::optional<Arrival> arrival = arrivals_.pop()) {
+      if (arrival->distance > stop_radius_) continue;
+      if (arrival->vertex != kNone) {
+        if (arrival->distance == distance(arrival->vertex)) spread(arrival->vertex);
+        continue;
+      }
+      double& expected = expected_[static_cast<size_t>(arrival->half_edge)];
+      if (arrival->distance != expected) continue;
+      expected = kInfinity;
+      pass_on(arrival->half_edge, arrival->distance + together_);
+    }
+  }
+
+  [[nodiscard]] double distance(int vertex) const { return distance_[static_cast<size_t>(vertex)]; }
+  [[nodiscard]] int source(int vertex) const { return source_[static_cast<size_t>(vertex)]; }
+
+ private:
+  /// \return whether no path to the vertex was as short
+  bool improve(int vertex, double distance, int source) {
+    double& known = distance_[static_cast<size_t>(vertex)];
+    if (!(distance < known)) return false;
+    known = distance;
+    source_[static_cast<size_t>(vertex)] = source;
+    return true;
+  }
+
+  void reach(int vertex, double distance, int source) {
+    if (!improve(vertex, distance, source) || bends_[static_cast<size_t>(vertex)] == 0) return;
+    arrivals_.push({.distance = distance, .half_edge = kNone, .vertex = vertex});
+  }
+
+  void expect(int half_edge, double distance) {
+    double& expected = expected_[static_cast<size_t>(half_edge)];
+    if (!(distance < expected)) return;
+    expected = distance;
+    arrivals_.push({.distance = distance, .half_edge = half_edge, .vertex = kNone});
+  }
+
+  /// Starts from a point in a triangle that is not one of its vertices.
+  void start_in(int triangle, const Eigen::Vector3d& weights, int source) {
+    std::array<Eigen::Vector2d, 3> points;  // in the plane of each half-edge
+    for (int k = 0; k < 3; ++k) {
+      const int h = 3 * triangle + k;
+      Eigen::Vector2d& point = points[static_cast<size_t>(k)];
+      point = weights[(k + 2) % 3] * flat_.apex(h);
+      point.x() += weights[(k + 1) % 3] * flat_[h].length;
+      if (point.norm() < kClose * flat_[h].length) bends_[static_cast<size_t>(flat_[h].start)] = 1;
+      reach(flat_[h].start, point.norm(), source);
+    }
+    for (int k = 0; k < 3; ++k) {
+      const Eigen::Vector2d& point = points[static_cast<size_t>(k)];
+      if (point.y() > 0) leave(3 * triangle + k, point, 0, source);
+    }
+  }
+
+  /// Continues from a vertex into all its triangles.
+  void spread(int vertex) {
+    const double start = distance(vertex);
+    const int source = this->source(vertex);
+    for (const int h : flat_.from(vertex)) {
+      const int far = next_half_edge(h);
+      const int last = last_half_edge(h);
+      reach(flat_[far].start, start + flat_[h].length, source);
+      reach(flat_[last].start, start + flat_[last].length, source);
+      leave(far, flat_.apex(far), start, source);
+    }
+  }
+
+  /// Leaves the triangle from a point in it through all of a half-edge.
+  void leave(int half_edge, const Eigen::Vector2d& point, double start, int source) {
+    add(half_edge, {.begin = 0,
+                    .end = flat_[half_edge].length,
+                    .along = point.x(),
+                    .height = point.y(),
+                    .start = start,
+                    .source = source,
+                    .forward = false});
+  }
+
+  /// Adds a window on a half-edge, in the direction of the half-edge, that leaves the triangle.
+  void add(int h, const Window& window) {
+    if (!(window.begin < window.end)) return;
+    const FlatHalfEdge& half_edge = flat_[h];
+    const int first = half_edge.start;
+    const int second = flat_[next_half_edge(h)].start;
+    const double before = window.begin;
+    const double after = half_edge.length - window.end;
+    const double at_begin = window.at(window.begin);
+    const double at_end = window.at(window.end);
+    // No vertex gets lost in a gap that rounding leaves between two windows.
+    reach(first, at_begin + before, window.source);
+    reach(second, at_end + after, window.source);
+    if (half_edge.opposite == kNone) return;
+    // Paths through the vertices may be shorter everywhere in the window (Xin and Wang 2009).
+    constexpr double kMargin = 1 - kShorterThroughVertex;
+    if (distance(first) + window.end < kMargin * at_end) return;
+    if (distance(second) + half_edge.length - window.begin < kMargin * at_begin) return;
+    Window added = half_edge.along_edge ? window : turned(window, half_edge.length);
+    added.forward = !half_edge.along_edge;
+    added.waits = true;
+    expect(half_edge.opposite, windows_.add(half_edge.edge, added));
+  }
+
+  /// Passes the windows that enter a triangle through a half-edge on, up to a distance.
+  void pass_on(int h, double farthest) {
+    const FlatHalfEdge& half_edge = flat_[h];
+    double rest = kInfinity;
+    for (Window& window : windows_.of(half_edge.edge)) {
+      if (!window.waits || window.forward != half_edge.along_edge) continue;
+      const double least = window.least();
+      if (least > farthest) {
+        rest = std::min(rest, least);
+        continue;
+      }
+      window.waits = false;
+      cross(h, half_edge.along_edge ? window : turned(window, half_edge.length));
+    }
+    expect(h, rest);
+  }
+
+  /// Passes a window, in the direction of the half-edge, through the triangle.
+  void cross(int h, const Window& window) {
+    const FlatHalfEdge& half_edge = flat_[h];
+    const int right = next_half_edge(h);
+    const int left = last_half_edge(h);
+    const Eigen::Vector2d apex = flat_.apex(h);
+    // Where the line to the apex crosses the edge.
+    const double to_apex =
+        (window.along * apex.y() + apex.x() * window.height) / (window.height + apex.y());
+    const double slack = kReaches * half_edge.length;
+    const bool reaches_from_left = window.end >= to_apex - slack;
+    const bool reaches_from_right = window.begin <= to_apex + slack;
+    if (reaches_from_left && reaches_from_right) {
+      const double aside = window.along - apex.x();
+      const double depth = window.height + apex.y();
+      reach(flat_[left].start, window.start + std::sqrt(aside * aside + depth * depth),
+            window.source);
+    }
+    if (window.begin < to_apex) {
+      const Window hitting =
+          hitting_window(window, half_edge.left, flat_[left].length, reaches_from_left);
+      if (!is_longer_than_through(flat_[right].start, half_edge, half_edge.left, hitting)) {
+        add(left, turned(hitting, flat_[left].length));
+      }
+    }
+    if (window.end > to_apex) {
+      const Window hitting = hitting_window(turned(window, half_edge.length), half_edge.right,
+                                            flat_[right].length, reaches_from_right);
+      if (!is_longer_than_through(half_edge.start, half_edge, half_edge.right, hitting)) {
+        add(right, hitting);
+      }
+    }
+  }
+
+  /// The window on another edge of the triangle, which runs from (0, 0) in the given direction.
+  static Window hitting_window(const Window& window, const Eigen::Vector2d& direction,
+                               double length, bool reaches_end) {
+    const auto [begin, end, along, height] =
+        std::array{window.begin, window.end, window.along, window.height};
+    Window hitting = window;
+    hitting.begin = hit(begin, along, height, direction, length);
+    hitting.end = reaches_end ? length : hit(end, along, height, direction, length);
+    hitting.along = along * direction.x() - height * direction.y();
+    // Negative by rounding only.
+    hitting.height = std::max(0.0, height * direction.x() + along * direction.y());
+    return hitting;
+  }
+
+  /// Whether paths through the other end of the edge that a window has crossed are shorter
+  /// everywhere in the window (Xin and Wang 2009).
+  [[nodiscard]] bool is_longer_than_through(int vertex, const FlatHalfEdge& crossed,
+                                            const Eigen::Vector2d& direction,
+                                            const Window& hitting) const {
+    constexpr double kMargin = 1 - kShorterThroughVertex;
+    const double gain = kMargin * hitting.at(hitting.begin) - distance(vertex);
+    if (!(gain > 0)) return false;
+    const double aside = hitting.begin * direction.x() - crossed.length;
+    const double depth = hitting.begin * direction.y();
+    return gain * gain > aside * aside + depth * depth;
+  }
+
+  const FlatTriangles& flat_;
+  double stop_radius_;
+  double together_;
+  std::vector<double> distance_;  ///< of each vertex
+  std::vector<int> source_;       ///< of each vertex
+  std::vector<char> bends_;       ///< whether paths can bend at a vertex
+  EdgeWindows windows_;
+  std::vector<double> expected_;  ///< of each half-edge: distance of the arrival that counts
+  BucketQueue<Arrival> arrivals_;
+};
+
+/// A power of two that brings the largest coordinate near one, so that squares neither over- nor
+/// underflow.
+double power_of_two_unit(const TriangleMesh& mesh) {
+  const double largest =
+      std::max(mesh.vertices.cwiseAbs().maxCoeff(), std::numeric_limits<double>::min());
+  return std::exp2(-std::ilogb(largest));
+}
+
+}  // namespace
+
+GeodesicDistance exact_geodesic_distance(const TriangleMesh& mesh,
+                                         std::span<const SurfacePoint> sources,
+                                         double stop_radius) {
+  const double unit = power_of_two_unit(mesh);
+  const FlatTriangles flat = flat_triangles(mesh, unit);
+  WindowPropagation propagation(flat, stop_radius * unit);
+  for (size_t i = 0; i < sources.size(); ++i) {
+    propagation.start(sources[i], static_cast<int>(i));
+  }
+  propagation.run();
+  GeodesicDistance geodesic{.distance = Eigen::VectorXd::Constant(mesh.vertices.cols(), kInfinity),
+                            .label = Eigen::VectorXi::Constant(mesh.vertices.cols(), kNone)};
+  for (int v = 0; v < mesh.vertices.cols(); ++v) {
+    const double distance = propagation.distance(v) / unit;
+    if (!(distance <= stop_radius) || distance == kInfinity) continue;
+    geodesic.distance[v] = distance;
+    geodesic.label[v] = propagation.source(v);
+  }
+  return geodesic;
+}
+
+}  // namespace palpate::geometry
