@@ -64,7 +64,7 @@ int run(int argc, char** argv) {
   std::optional<int> threads;
   int verbosity = 0;
   show_shared_options(app);
-  app.add_flag("--json", settings.json, "Print the figures as one JSON object instead of text")
+  app.add_flag("--json", settings.json, "Print the results as one JSON object instead of text")
       ->group(kSharedOptions);
   app.add_option("--threads", threads, "Number of threads (default: all cores)")
       ->check(within(above(0)))
@@ -72,7 +72,7 @@ int run(int argc, char** argv) {
   CLI::Option* verbose = app.add_flag("-v", verbosity, "Print what is being done; -vv prints more")
                              ->group(kSharedOptions);
   app.add_flag("-q,--quiet", settings.quiet,
-               "Print errors only: no text, no warnings, no progress. With --json also the figures")
+               "Print errors only: no results (except with --json), warnings or progress")
       ->excludes(verbose)
       ->group(kSharedOptions);
 

@@ -98,7 +98,7 @@ nlohmann::ordered_json to_json(const geometry::ErrorStatistics& s) {
 
 std::string to_words(const geometry::ErrorStatistics& s) {
   return fmt::format(
-      "RMS {:.3f} mm, median {:.3f} mm, 90 % within {:.3f} mm, largest {:.3f} mm ({} places)",
+      "RMS {:.3f} mm, median {:.3f} mm, 90 % within {:.3f} mm, largest {:.3f} mm ({} points)",
       s.rms, s.median, s.p90, s.max, s.count);
 }
 
@@ -271,8 +271,8 @@ void compare_surfaces(const Settings& settings, const CompareCall& call) {
                     {"b_to_a", to_json(largest.b_to_a)}}}});
   print(settings, figures,
         prose + fmt::format(
-                    "Distance of A's surface from B's, over its area: RMS {:.3f} mm, mean {:.3f} "
-                    "mm, median {:.3f} mm, 90 % within {:.3f} mm.\n"
+                    "Distance of A's surface from B's, over its area: RMS {:.3f} mm, signed mean "
+                    "{:.3f} mm, median {:.3f} mm, 90 % within {:.3f} mm.\n"
                     "Hausdorff distance: A to B at most {:.3f} mm (at least {:.3f}), B to A at "
                     "most {:.3f} mm (at least {:.3f}).",
                     spread.rms, spread.mean, spread.median, spread.p90, largest.a_to_b.upper,

@@ -140,7 +140,10 @@ void add_evaluate(CLI::App& app, const Settings& settings) {
   command->add_option("--picture", call->picture,
                       "Also draw the errors of --leave-one-out on the surface (PNG)");
   command->footer(
-      "RMS is the root of the mean squared length of the error vector, in N.\n"
+      "RMS is the root of the mean squared length of the error vector, in N. With --leave-one-out, "
+      "it is compared with the error that kriging of the neighbours' compliances expects, and with "
+      "the disagreement of the neighbours' forces. A contact at the border has neighbours on one "
+      "side only.\n"
       "Example:\n  palpate evaluate model/ --queries queries.csv --leave-one-out acquisition.db");
   command->callback([call, &settings] { evaluate(settings, *call); });
 }

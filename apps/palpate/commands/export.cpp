@@ -52,7 +52,9 @@ void add_export(CLI::App& app, const Settings& settings) {
   format->require_option(1);
   command->add_option("-o,--output", call->output,
                       "File to write (default: model.ply, model.obj, ...)");
-  command->footer("Example:\n  palpate export model/ --obj -o model.obj");
+  command->footer(
+      "Here --json selects the format of the file; this command prints no JSON.\n"
+      "Example:\n  palpate export model/ --obj -o model.obj");
   command->callback([call, &settings] { export_model(settings, *call); });
 }
 

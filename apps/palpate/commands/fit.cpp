@@ -77,8 +77,8 @@ void tell_friction(const haptics::BuildResult& built) {
     spdlog::warn("{} of {} contacts do not determine their friction ({}): {}", contacts.size(),
                  built.contacts.size(), in_words(stop), named(contacts));
   }
-  if (from_others) spdlog::warn("some of those use the mean friction of the other contacts.");
-  if (bounded) spdlog::warn("some of those use their own lower bound, which is not an estimate.");
+  if (from_others) spdlog::warn("some of these use the mean friction of the other contacts.");
+  if (bounded) spdlog::warn("some of these use a lower bound; their true friction may be larger.");
 }
 
 std::string friction_of(const haptics::ContactModel& contact) {
@@ -346,7 +346,7 @@ void fit(const Settings& settings, FitCall call) {
                              {"shared_local", contact.shared_local}});
     } else {
       prose += fmt::format(
-          "  contact {}: RMS {:.4f} N with {} bases from {} samples, friction {}; {}; {}{}\n",
+          "  contact {}: RMS {:.4f} N with {} bases from {} pairs, friction {}; {}; {}{}\n",
           contact.id, contact.rms, bases, contact.samples, friction_of(contact),
           in_words(found.stop), in_words(found.certificate.passivity),
           contact.shared_local ? ", shares the local part" : "");
@@ -406,7 +406,8 @@ void add_fit(CLI::App& app, const Settings& settings) {
       "parts and near the border. Use it if delaunay fails");
   command
       ->add_option("--max-distance", call->max_distance,
-                   "Reject a contact that is farther from the surface, after registration [mm]")
+                   "Reject a contact that is farther from the surface [mm], after all contacts "
+                   "were moved onto it by one small rigid motion")
       ->check(within(at_least(0)))
       ->capture_default_str();
   command
@@ -420,9 +421,9 @@ void add_fit(CLI::App& app, const Settings& settings) {
       "--budget", call->budget_us,
       fmt::format(
           "Time to evaluate one force [us]. It limits the number of bases per field, assuming that "
-          "each base costs {} us and that three fields are blended. Finding the place and blending "
-          "take some us more, and a slipping contact evaluates many forces per step: measure a "
-          "step with palpate play",
+          "each base costs {} us and that three fields are blended. Locating the contact and "
+          "blending take a few us more, and a slipping contact evaluates many forces per step: "
+          "measure a step with palpate play",
           haptics::kEvaluationCost));
   command
       ->add_option(
@@ -437,7 +438,8 @@ void add_fit(CLI::App& app, const Settings& settings) {
       "test shows a gain (thesis 6.2.1.2); the result is reported");
   command
       ->add_option("--dense-samples", call->dense_samples,
-                   "Smallest number of pairs for a contact to count as having many samples")
+                   "Smallest number of pairs of displacement and force for a contact to count as "
+                   "having many samples")
       ->needs(shared)
       ->check(within(at_least(haptics::kFewestDenseSamples)))
       ->capture_default_str();

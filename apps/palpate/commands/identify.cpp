@@ -155,7 +155,12 @@ void add_identify(CLI::App& app, const Settings& settings) {
   displacement->needs(force);
   force->needs(displacement);
   command->footer(
-      "Example:\n  palpate identify acquisition.db --model strip\n"
+      "Parameters of the strip: tension and axial stiffness (force per strain) of the sheet, "
+      "positions of its supports along the axis, lateral stiffness against motion across the "
+      "strip, compliance of the skin under the tool, slope and curvature of tension and stiffness "
+      "across the sheet, and direction of the axis. Parameters of the half-space: Young's modulus "
+      "and Poisson's ratio.\n"
+      "Examples:\n  palpate identify acquisition.db --model strip\n"
       "  palpate identify acquisition.db --model half-space --tool-radius 3");
   command->callback([call, &settings] { identify(settings, *call); });
 }

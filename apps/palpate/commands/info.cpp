@@ -161,8 +161,8 @@ Description describe_model(const fs::path& path) {
       "model, {} contacts in {} triangles, on a surface of {} vertices\n"
       "  bases of a contact: {:.0f} in the median, at most {:.0f}\n"
       "  RMS of a contact's fit: {:.4f} N in the median, {:.4f} N at most\n"
-      "  friction coefficient: {:.3f} in the median; {} contacts have none of their own, {} of "
-      "these a lower bound\n"
+      "  friction coefficient: {:.3f} in the median; {} contacts do not determine theirs, {} of "
+      "these use a lower bound\n"
       "  {}: {} bytes, {:.0f} a contact",
       model.contacts.size(), model.triangles.cols(), model.surface.vertices.cols(),
       base_counts.median, base_counts.max, errors.median, errors.max, coefficients.median,

@@ -215,7 +215,8 @@ void add_mesh(CLI::App& app, const Settings& settings) {
   command
       ->add_option(
           "--tolerance", call->steps.tolerance,
-          "Remove triangles while the Hausdorff distance to the surface is within this [mm]")
+          "Remove triangles while the Hausdorff distance to the surface before this step is within "
+          "this [mm]")
       ->check(within(above(0)));
   command->add_option("--picture", call->picture, "Also draw the mesh (PNG)");
   command->footer(

@@ -91,22 +91,22 @@ void add_probe(CLI::App& app, const Settings& settings) {
   CLI::App* probe = app.add_subcommand("probe", "Convert measurements of an object by an arm");
   probe->require_subcommand(1);
 
-  CLI::App* in = probe->add_subcommand("import", "Convert two CSV files to an acquisition store");
+  CLI::App* in =
+      probe->add_subcommand("import", "Convert two CSV files to a database for palpate fit");
   in->add_option("CONTACTS", call->contacts, "id,x,y,z,nx,ny,nz [mm]")->required();
   in->add_option(
         "SAMPLES", call->samples,
         "id,contact,group_id,px,...,bz,on_friction_boundary,slipped,range_map,time [N, mm, s]")
       ->required();
-  in->add_option("-o,--output", call->output, "Store to write (acquisition.db)")->required();
+  in->add_option("-o,--output", call->output, "Database to write (acquisition.db)")->required();
   in->add_option_function<std::vector<std::string>>(
         "--map",
         [call](const std::vector<std::string>& pairs) {
           for (const std::string& pair : pairs) take_name(pair, call->csv);
         },
-        "Names of columns in your files, such as px=Fx,py=Fy,pz=Fz; contacts.id and samples.id "
-        "name "
-        "the ids of one file. A number stands for all rows (slipped=0), nothing for empty cells "
-        "(range_map=)")
+        "Names of columns in your files, such as px=Fx,py=Fy,pz=Fz, without spaces; contacts.id "
+        "and samples.id name the ids of one file. For a column that your files do not have, give "
+        "a number for all rows (slipped=0), or nothing for empty cells (range_map=)")
       ->delimiter(',')
       ->allow_extra_args(false);
   in->add_option_function<std::string>(
@@ -123,15 +123,14 @@ void add_probe(CLI::App& app, const Settings& settings) {
       "Unit of all forces: N, mN, kN, g, kg or lbf (default: N)");
   in->footer(
       "docs/measurements.md describes the columns. Measurements that contradict their meaning, "
-      "such "
-      "as forces with the wrong sign, are rejected; what is only suspicious is a warning.\n"
+      "such as forces with the wrong sign, are rejected. Suspicious ones cause a warning.\n"
       "Examples:\n  palpate probe import contacts.csv samples.csv -o acquisition.db\n"
       "  palpate probe import points.csv presses.csv --map px=Fx,py=Fy,pz=Fz,slipped=0 "
-      "--length-unit m -o acquisition.db");
+      "--length-unit m --force-unit g -o acquisition.db");
   in->callback([call, &settings] { import_csv(settings, *call); });
 
-  CLI::App* out = probe->add_subcommand("export", "Convert an acquisition store to two CSV files");
-  out->add_option("ACQUISITION", call->store, "Store to read (acquisition.db)")->required();
+  CLI::App* out = probe->add_subcommand("export", "Convert such a database to two CSV files");
+  out->add_option("ACQUISITION", call->store, "Database to read (acquisition.db)")->required();
   out->add_option("-o,--output", call->output, "Folder for contacts.csv and samples.csv")
       ->required();
   out->footer("Example:\n  palpate probe export acquisition.db -o csv/");

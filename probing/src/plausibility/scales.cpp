@@ -84,8 +84,7 @@ void find_scales(const std::vector<ProbedContact>& contacts, std::vector<Finding
   }
   const double extent = (high - low).norm(), displacement = median(std::move(displacements));
   const char* const kMillimetres =
-      "lengths are in mm: check the unit (probe import --length-unit), or ignore this if it is "
-      "right";
+      "check the unit of the lengths (probe import --length-unit), or ignore this if it is right";
   if (contacts.size() > 1 && (extent < kSmallestExtent || extent > kLargestExtent)) {
     findings.push_back({Implausibility::length_scale, false,
                         "all contacts lie within " + figure(extent) +
@@ -101,7 +100,7 @@ void find_scales(const std::vector<ProbedContact>& contacts, std::vector<Finding
     findings.push_back({Implausibility::force_scale, force == 0,
                         "the largest force is " + figure(force) +
                             " N, which is unlikely for an arm that probes a soft object",
-                        "forces are in N: check the unit (probe import --force-unit), or ignore "
+                        "check the unit of the forces (probe import --force-unit), or ignore "
                         "this if it is right"});
   }
   std::vector<double> ratios;
