@@ -104,8 +104,9 @@ void add_probe(CLI::App& app, const Settings& settings) {
         [call](const std::vector<std::string>& pairs) {
           for (const std::string& pair : pairs) take_name(pair, call->csv);
         },
-        "Names of columns in your files, such as px=Fx,py=Fy,pz=Fz, without spaces; contacts.id "
-        "and samples.id name the ids of one file. For a column that your files do not have, give "
+        "Names of columns in your files, such as px=Fx,py=Fy,pz=Fz (no space after a comma); "
+        "contacts.id and samples.id name the ids of one file. For a column that your files do not "
+        "have, give "
         "a number for all rows (slipped=0), or nothing for empty cells (range_map=)")
       ->delimiter(',')
       ->allow_extra_args(false);
