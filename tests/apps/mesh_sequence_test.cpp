@@ -257,6 +257,8 @@ TEST_F(DepthImages, TheCameraMayBeARigOrAFileOfACameraAlone) {
              "   data: [ 1100., 0., 319.5, 0., 1100., 239.5, 0., 0., 1. ]\n"
              "camera_distortion: []\n");
   expect_same({"--rig", scratch / "camera.yaml"});
+  EXPECT_EQ(figures({"info", scratch / "camera.yaml"})["kind"], "camera");
+  EXPECT_EQ(figures({"info", scratch / "meshes"})["meshes"], 2);
   fs::copy(scratch / "camera.yaml", scratch / "depth/rig.yaml");
   expect_same({});
 }
@@ -313,8 +315,13 @@ TEST_F(DepthImages, UnitAndCameraAreAskedForOnceAndNotForEachImage) {
   std::vector<std::string> both = mesh(by_numbers);
   both.insert(both.end(), {"--rig", demo("rig.yaml")});
   expect_refused(both, {"pass one of them"});
-  const CommandResult result = run_palpate(mesh({}));
-  EXPECT_EQ(result.err.find('\n'), result.err.size() - 1) << result.err;
+  write_text(scratch / "broken.yaml", "camera_size: 640\n");
+  for (const std::vector<std::string>& options : std::vector<std::vector<std::string>>{
+           {}, {"--scale", "0.125", "--rig", scratch / "broken.yaml"}}) {
+    const CommandResult result = run_palpate(mesh(options));
+    EXPECT_EQ(result.status, kWrongCall);
+    EXPECT_EQ(result.err.find('\n'), result.err.size() - 1) << result.err;
+  }
 }
 
 TEST_F(DepthImages, InfoSaysWhatADepthImageHolds) {
@@ -338,6 +345,20 @@ TEST_F(DepthImages, ASurfaceIsTrackedThroughThem) {
     return figures({"info", scratch / "meshes/" + name})["max"];
   };
   EXPECT_NEAR(farthest("10.ply")[2].get<double>(), farthest("9.ply")[2].get<double>() + 4, 0.5);
+}
+
+/// Noise, steps and borders of a real depth camera leave a few places where no triangle may go; all
+/// others must not be given up because of them.
+TEST(DepthCamera, AMeshShrinksSteadilyAsTheToleranceGrows) {
+  const ScratchFolder scratch;
+  std::vector<double> triangles;
+  for (const char* const tolerance : {"0.1", "0.15", "0.225"}) {
+    const auto made = figures({"mesh", demo("depth_camera/hand.png"), "--scale", "0.125",
+                               "--intrinsics", "476.007,476.007,313.683,242.755", "--smooth", "10",
+                               "--tolerance", tolerance, "-o", scratch / "hand.ply"});
+    triangles.push_back(made["triangles"]);
+  }
+  EXPECT_LT(triangles[1], 1.1 * std::sqrt(triangles[0] * triangles[2]));
 }
 
 }  // namespace

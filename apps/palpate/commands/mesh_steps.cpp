@@ -106,9 +106,14 @@ void decimate(const fs::path& input, MadeMesh& made, const MeshSteps& steps) {
                                 {"triangles_before", made.mesh.triangles.cols()},
                                 {"triangles_after", decimated.mesh.triangles.cols()},
                                 {"distance", decimated.distance}};
-  made.prose += fmt::format(
-      "{} triangles before, {} after; the Hausdorff distance is at most {:.4f} mm (verified)\n",
-      made.mesh.triangles.cols(), decimated.mesh.triangles.cols(), decimated.distance);
+  if (decimated.mesh.triangles.cols() == made.mesh.triangles.cols()) {
+    made.prose += fmt::format("none of {} triangles can be removed within {:g} mm\n",
+                              made.mesh.triangles.cols(), tolerance);
+  } else {
+    made.prose += fmt::format(
+        "{} triangles before, {} after; the Hausdorff distance is at most {:.4f} mm (verified)\n",
+        made.mesh.triangles.cols(), decimated.mesh.triangles.cols(), decimated.distance);
+  }
   made.mesh = std::move(decimated.mesh);
 }
 

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <functional>
+#include <map>
 #include <numeric>
 #include <optional>
 #include <utility>
@@ -37,14 +38,14 @@ constexpr double kShrink = 0.6;
 /// The search ends when the error falls below this fraction of the tolerance.
 constexpr double kLeastError = 0.02;
 
-/// An error is given up after fixing the unfit parts of a mesh this many times, or when there are
-/// no fewer unfit parts than kPatience rounds before. The first round does not count, because new
-/// unfit parts of all three kinds arise around those that are fixed.
-constexpr std::size_t kMostRounds = 24;
-constexpr std::size_t kPatience = 6;
+/// An error is given up after fixing the unfit parts of a mesh this many times, or after kPatience
+/// rounds in which the check that failed found no fewer than ever before. Each check is compared
+/// with itself, because new unfit parts of all kinds arise around those that are fixed.
+constexpr int kMostRounds = 24;
+constexpr int kPatience = 6;
 
 /// No new error is tried after this many meshes.
-constexpr int kMostTries = 40;
+constexpr int kMostTries = 60;
 
 /// A mesh is a useful intermediate result iff it has at least this fraction fewer triangles.
 constexpr double kLeastGain = 0.03;
@@ -205,8 +206,9 @@ std::optional<TriangleMesh> pass(Draft draft, const FloatPositions& positions, c
                                  const DecimationStandard& standard, KnownTriangles& known,
                                  Tries& tries) {
   const double most = (1 - aim.gain) * static_cast<double>(draft.mesh.triangles.cols());
-  std::vector<std::pair<int, std::size_t>> left;
-  while (left.size() < kMostRounds) {
+  std::map<Unfit::Check, std::size_t> fewest;
+  int in_vain = 0;
+  for (int round = 0; round < kMostRounds && in_vain < kPatience; ++round) {
     TriangleMesh mesh = simplify(draft, positions, aim.error, aim.target_triangles);
     mend_slivers(mesh, draft.fixed);
     tries.add();
@@ -215,11 +217,9 @@ std::optional<TriangleMesh> pass(Draft draft, const FloatPositions& positions, c
     Candidate candidate(std::move(mesh));
     const Unfit unfit = find_unfit(candidate, standard, aim.tolerance, known);
     if (unfit.count() == 0) return candidate.mesh();
-    left.push_back(unfit.left());
-    const std::size_t rounds = left.size();
-    if (rounds > kPatience + 1 && left[rounds - 1] >= left[rounds - 1 - kPatience]) {
-      return std::nullopt;
-    }
+    const auto [known_fewest, is_first] = fewest.try_emplace(unfit.check(), unfit.count());
+    in_vain = is_first || unfit.count() < known_fewest->second ? 0 : in_vain + 1;
+    known_fewest->second = std::min(known_fewest->second, unfit.count());
     fix_below(draft, candidate, unfit);
   }
   return std::nullopt;

@@ -104,9 +104,11 @@ struct Unfit {
   std::vector<Eigen::Vector3d> lost;  ///< input points whose distance exceeds the tolerance
 
   [[nodiscard]] std::size_t count() const { return far.size() + shapes.size(); }
-  /// Measure of progress: number of checks still to pass, then number of violations found.
-  [[nodiscard]] std::pair<int, std::size_t> left() const {
-    return {!shapes.empty() ? 2 : !lost.empty() ? 1 : 0, count()};
+  /// The check that found them. A candidate is not checked further.
+  enum class Check { shape, lost, far };
+  [[nodiscard]] Check check() const {
+    if (!shapes.empty()) return Check::shape;
+    return lost.empty() ? Check::far : Check::lost;
   }
 };
 
