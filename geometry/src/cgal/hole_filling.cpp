@@ -4,8 +4,10 @@
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/border.h>
+#include <CGAL/Polygon_mesh_processing/connected_components.h>
 #include <CGAL/Polygon_mesh_processing/triangulate_hole.h>
 
+#include <cmath>
 #include <iterator>
 #include <string>
 #include <vector>
@@ -22,12 +24,34 @@ namespace pmp = CGAL::Polygon_mesh_processing;
 using Point = CGAL::Exact_predicates_inexact_constructions_kernel::Point_3;
 using Surface = CGAL::Surface_mesh<Point>;
 
+/// A border loop is the outline of its component, and no hole in it, iff the bounding box of the
+/// component is at most this many times as large. That of a hemisphere is 1.06 times as large.
+constexpr double kOutline = 1.05;
+
+/// [mm]
+double diagonal(const CGAL::Bbox_3& box) {
+  return Eigen::Vector3d(box.x_span(), box.y_span(), box.z_span()).norm();
+}
+
 /// [mm] diagonal of the bounding box of a border loop.
 double diameter(const Surface& surface, Surface::Halfedge_index border) {
   CGAL::Bbox_3 box;
   for (const auto h : CGAL::halfedges_around_face(border, surface))
     box += surface.point(surface.target(h)).bbox();
-  return Eigen::Vector3d(box.x_span(), box.y_span(), box.z_span()).norm();
+  return diagonal(box);
+}
+
+/// [mm] diagonal of the bounding box of the component of each triangle.
+std::vector<double> component_diameters(Surface& surface) {
+  const auto component = surface.add_property_map<Surface::Face_index, std::size_t>().first;
+  std::vector<CGAL::Bbox_3> boxes(pmp::connected_components(surface, component));
+  for (const auto face : surface.faces()) {
+    for (const auto vertex : CGAL::vertices_around_face(surface.halfedge(face), surface))
+      boxes[component[face]] += surface.point(vertex).bbox();
+  }
+  std::vector<double> diameters;
+  for (const auto face : surface.faces()) diameters.push_back(diagonal(boxes[component[face]]));
+  return diameters;
 }
 
 bool fill(Surface& surface, Surface::Halfedge_index border) {
@@ -53,8 +77,15 @@ FilledMesh fill_holes(const TriangleMesh& mesh, const HoleFillingOptions& option
   std::vector<Surface::Halfedge_index> loops;
   pmp::extract_boundary_cycles(surface, std::back_inserter(loops));
   FilledMesh result;
+  const std::vector<double> of_component = component_diameters(surface);
+  const auto is_hole = [&](Surface::Halfedge_index border) {
+    const double width = diameter(surface, border);
+    const auto face = static_cast<std::size_t>(surface.face(surface.opposite(border)));
+    const bool is_outline = of_component[face] <= kOutline * width;
+    return width <= options.max_diameter && (!is_outline || std::isinf(options.max_diameter));
+  };
   for (const auto border : loops) {
-    if (diameter(surface, border) <= options.max_diameter && fill(surface, border)) {
+    if (is_hole(border) && fill(surface, border)) {
       ++result.filled;
     } else {
       ++result.left;

@@ -70,6 +70,32 @@ TEST_F(HoleFilling, OnlyHolesUpToTheSizeAreFilled) {
   EXPECT_EQ(test::border_edges(closed.mesh), 0);
 }
 
+TEST_F(HoleFilling, TheOutlineOfAFragmentIsNoHole) {
+  const TriangleMesh open = with_hole(test::icosphere(3, 30), {0, 0, 30}, 8.0);
+  // Beside it a single triangle, and a curved strip of six.
+  TriangleMesh mesh = open;
+  const auto vertices = open.vertices.cols();
+  const auto triangles = open.triangles.cols();
+  mesh.vertices.conservativeResize(3, vertices + 11);
+  mesh.triangles.conservativeResize(3, triangles + 7);
+  mesh.vertices.rightCols(11) << 50, 52, 50, 60, 60, 62, 62, 64, 64, 66, 66,  //
+      0, 0, 2, 0, 2, 0, 2, 0, 2, 0, 2,                                        //
+      0, 0, 0, 0, 0, 0.2, 0.2, 0.2, 0.2, 0, 0;
+  const auto first = static_cast<int>(vertices);
+  mesh.triangles.col(triangles) << first, first + 1, first + 2;
+  for (int i = 0; i < 3; ++i) {
+    const int corner = first + 3 + 2 * i;
+    mesh.triangles.col(triangles + 1 + 2 * i) << corner, corner + 2, corner + 1;
+    mesh.triangles.col(triangles + 2 + 2 * i) << corner + 1, corner + 2, corner + 3;
+  }
+  ASSERT_TRUE(find_defects(mesh).empty());
+  const FilledMesh filled = fill_holes(mesh, {.max_diameter = 25});
+  EXPECT_EQ(filled.filled, 1);
+  EXPECT_EQ(filled.left, 2);
+  EXPECT_EQ(test::border_edges(filled.mesh), 3 + 8);
+  EXPECT_TRUE(find_defects(filled.mesh).empty());
+}
+
 TEST_F(HoleFilling, TheResultHasNoDefects) {
   for (const MeshDefect& defect :
        find_defects(fill_holes(test::bumpy(4000, 0.25), {.max_diameter = 200}).mesh)) {

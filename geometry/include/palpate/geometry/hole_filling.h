@@ -7,8 +7,9 @@
 namespace palpate::geometry {
 
 struct HoleFillingOptions {
-  /// [mm] a border loop is a hole and is filled iff the diagonal of its bounding box is at most
-  /// this; > 0; infinity also fills the outline of an open surface. Must be set.
+  /// [mm] > 0, must be set: a border loop is filled iff the diagonal of its bounding box is at most
+  /// this and it is a hole. It is not a hole, but the outline of its part of the surface, iff the
+  /// bounding box of that part is at most 1.05 times as large. Infinity also fills outlines.
   double max_diameter = 0;
 };
 
@@ -16,7 +17,7 @@ struct FilledMesh {
   /// First the vertices and triangles of the input in their order, then those of the patches.
   TriangleMesh mesh;
   int filled = 0;  ///< number of holes filled
-  int left = 0;    ///< border loops that are larger, or for which no triangles were found
+  int left = 0;  ///< border loops that are larger or outlines, or for which no triangles were found
 };
 
 /// Fills holes with patches that are as dense as their rim and continue the surface smoothly (Liepa
