@@ -166,8 +166,8 @@ TEST_F(Measurements, OfOtherProgramsAreReadWithTheirNamesSeparatorAndUnits) {
                                Not(HasSubstr("no column 'id'"))));
   for (const std::vector<std::string>& separator :
        std::vector<std::vector<std::string>>{{}, {"--separator", ";"}}) {
-    std::vector<std::string> options = {"--map", "px=Fx,py=F y,pz=Fz", "--length-unit",
-                                        "m",     "--force-unit",       "mN"};
+    std::vector<std::string> options = {"--map", "px=Fx, py=F y, pz = Fz", "--length-unit",
+                                        "m",     "--force-unit",           "mN"};
     options.insert(options.end(), separator.begin(), separator.end());
     const CommandResult result = import_csv(options);
     ASSERT_EQ(result.status, kDone) << result.err;
@@ -182,6 +182,18 @@ TEST_F(Measurements, OfOtherProgramsAreReadWithTheirNamesSeparatorAndUnits) {
   }
 }
 
+TEST_F(Measurements, OfForcesOnTheToolAreReadWithTheirSignsChanged) {
+  const probing::Acquisition acquisition = sheet();
+  probing::Acquisition reversed = acquisition;
+  for (probing::Sample& sample : reversed.samples) sample.force = -sample.force;
+  write_csv(reversed);
+  EXPECT_THAT(import_csv().err, HasSubstr("--force-on tool"));
+  const CommandResult result = import_csv({"--force-on", "tool"});
+  ASSERT_EQ(result.status, kDone) << result.err;
+  EXPECT_EQ(probing::fingerprint(probing::read_acquisition(scratch.path() / "a.db")),
+            probing::fingerprint(acquisition));
+}
+
 TEST_F(Measurements, RefuseImportOptionsThatAreWrong) {
   write_csv(sheet());
   for (const auto& [option, value, words] :
@@ -189,7 +201,10 @@ TEST_F(Measurements, RefuseImportOptionsThatAreWrong) {
            {"--map", "px", "pairs such as px=Fx"},
            {"--map", "force=Fx", "--map: there is no column 'force'"},
            {"--map", "px=Fx", "no column 'Fx' (for px)"},
+           {"--map", "samples.id=Nr", "--map contacts.id=NAME or samples.id=NAME"},
            {"--separator", "::", "one character"},
+           {"--separator", "|", "Give the separator"},
+           {"--force-on", "hand", "object or tool"},
            {"--length-unit", "ell", "um, mm, cm, m or in"},
            {"--force-unit", "dyn", "N, mN, kN, g, kg or lbf"}}) {
     const CommandResult result = import_csv({option, value});

@@ -11,6 +11,7 @@
 #include "palpate/probing/acquisition_csv.h"
 #include "palpate/probing/acquisition_store.h"
 #include "palpate/probing/csv.h"
+#include "shared/call_checks.h"
 #include "shared/command_line.h"
 #include "shared/inputs.h"
 #include "shared/plausible.h"
@@ -45,7 +46,8 @@ void take_name(const std::string& pair, probing::AcquisitionCsvOptions& csv) {
   const std::size_t equals = pair.find('=');
   if (equals == std::string::npos || equals == 0)
     throw InvalidInput("--map: is " + pair + "; it must be pairs such as px=Fx,py=Fy");
-  csv.names[pair.substr(0, equals)] = pair.substr(equals + 1);
+  csv.names[CLI::detail::trim_copy(pair.substr(0, equals))] =
+      CLI::detail::trim_copy(pair.substr(equals + 1));
 }
 
 char separator_of(const std::string& text) {
@@ -59,8 +61,10 @@ probing::CheckedAcquisition read_csv(const ProbeCall& call) {
   try {
     return probing::read_acquisition_csv(call.contacts, call.samples, call.csv);
   } catch (const probing::MissingColumn& missing) {
+    const std::string column =
+        missing.name == "id" ? "contacts.id=NAME or samples.id" : missing.name;
     throw FileError(std::string(missing.what()) +
-                    ". If the column has another name, give it: --map " + missing.name + "=NAME");
+                    ". If the column has another name, give it: --map " + column + "=NAME");
   } catch (const InvalidInput& error) {
     throw InvalidInput(
         with_option_names(error.what(), {{"AcquisitionCsvOptions::names", "--map"}}));
@@ -104,7 +108,7 @@ void add_probe(CLI::App& app, const Settings& settings) {
         [call](const std::vector<std::string>& pairs) {
           for (const std::string& pair : pairs) take_name(pair, call->csv);
         },
-        "Names of columns in your files, such as px=Fx,py=Fy,pz=Fz (no space after a comma); "
+        "Names of columns in your files, such as px=Fx,py=Fy,pz=Fz; "
         "contacts.id and samples.id name the ids of one file. For a column that your files do not "
         "have, give "
         "a number for all rows (slipped=0), or nothing for empty cells (range_map=)")
@@ -122,6 +126,11 @@ void add_probe(CLI::App& app, const Settings& settings) {
       "--force-unit",
       [call](const std::string& name) { call->csv.force = probing::unit_force(name); },
       "Unit of all forces: N, mN, kN, g, kg or lbf (default: N)");
+  in->add_option_function<std::string>(
+        "--force-on", [call](const std::string& on) { call->csv.forces_on_tool = on == "tool"; },
+        "What the forces act on: object, or tool if they are those that the tool feels, which "
+        "changes their signs (default: object)")
+      ->check(one_of({"object", "tool"}));
   in->footer(
       "docs/measurements.md describes the columns. Measurements that contradict their meaning, "
       "such as forces with the wrong sign, are rejected. Suspicious ones cause a warning.\n"

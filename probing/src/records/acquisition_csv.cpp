@@ -76,6 +76,7 @@ std::vector<Contact> read_contacts(const std::filesystem::path& path,
 std::vector<Sample> read_samples(const std::filesystem::path& path,
                                  const AcquisitionCsvOptions& options) {
   CsvReader row(path, kSampleColumns, layout_of(options, kSamplesPrefix));
+  const double force = options.forces_on_tool ? -options.force : options.force;
   std::vector<Sample> samples;
   while (row.next()) {
     std::string range_map = row.text(14);
@@ -83,7 +84,7 @@ std::vector<Sample> read_samples(const std::filesystem::path& path,
         {.id = row.integer(0),
          .contact = row.integer(1),
          .group = row.integer(2),
-         .force = options.force * row.vector(3),
+         .force = force * row.vector(3),
          .a = options.length * row.vector(6),
          .b = options.length * row.vector(9),
          .on_friction_boundary = row.flag(12),

@@ -89,6 +89,12 @@ std::optional<T> parse(std::string_view text) {
   return value;
 }
 
+bool has_decimal_comma(std::string_view text) {
+  std::string pointed(text);
+  std::ranges::replace(pointed, ',', '.');
+  return parse<double>(pointed).has_value();
+}
+
 template <typename T>
 std::string shortest(T value) {
   char buffer[32];  // the longest double has 24 characters, the longest 64-bit integer 20
@@ -132,6 +138,11 @@ void CsvReader::find_columns() {
         continue;
       }
       const std::vector<std::string_view> wanted(columns_.begin(), columns_.end());
+      if (cells_.size() == 1 && columns_.size() > 1) {
+        throw FileError(place() + ": is one cell, " + shown(cells_.front()) +
+                        "; it must name the columns " + joined(wanted) +
+                        ". Give the separator that is between them");
+      }
       throw MissingColumn(place() + ": there is no column '" + name + "'" +
                               (renamed ? " (for " + columns_[column] + ")" : "") +
                               "; the first line must name the columns " + joined(wanted) +
@@ -178,7 +189,10 @@ std::string CsvReader::text(std::size_t column) const { return std::string(cell(
 
 double CsvReader::number(std::size_t column) const {
   const std::optional<double> value = parse<double>(cell(column));
-  if (!value || !std::isfinite(*value)) refuse(column, "a finite number such as -1.5e-3");
+  if (!value || !std::isfinite(*value)) {
+    refuse(column, has_decimal_comma(cell(column)) ? "a decimal point in place of the comma"
+                                                   : "a finite number such as -1.5e-3");
+  }
   return *value;
 }
 

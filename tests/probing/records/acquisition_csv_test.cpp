@@ -77,6 +77,10 @@ TEST(AcquisitionCsv, ReadsOtherNamesSeparatorsAndUnits) {
   expected.samples = {{1, 3, 1, {0.01, 0.02, 1.5}, {10, 20, 705}, {10, 20, 705}},
                       {2, 8, 2, {0, 0, 0.5}, {30, 20, 702}, {30, 20, 702}}};
   expect_same(read_acquisition_csv(folder / "c.csv", folder / "s.csv", options), expected);
+  AcquisitionCsvOptions on_tool = options;
+  on_tool.forces_on_tool = true;
+  for (Sample& sample : expected.samples) sample.force = -sample.force;
+  expect_same(read_acquisition_csv(folder / "c.csv", folder / "s.csv", on_tool), expected);
 }
 
 TEST(AcquisitionCsv, NamesTheOptionThatIsWrong) {

@@ -98,7 +98,10 @@ TEST(Csv, DetectsTheSeparatorInTheFirstLineOrTakesTheOneThatIsTold) {
   EXPECT_THAT(rows_of("a;\"x, y, z\";b\n1.5;\"1,2,3\";-2e3\n"), expected);
   EXPECT_THAT(rows_of("a|b\n1.5|-2e3\n", {.separator = '|'}), expected);
   EXPECT_THAT(rows_of("a,b\n\n\"1.5\",-2e3\n", {.separator = ','}), expected);
-  EXPECT_THAT(refused_csv("a;b\n1,5;2\n"), AllOf(HasSubstr("column 'a'"), HasSubstr("'1,5'")));
+  EXPECT_THAT(refused_csv("a;b\n1,5;2\n"),
+              AllOf(HasSubstr("column 'a'"), HasSubstr("'1,5'"), HasSubstr("decimal point")));
+  EXPECT_THAT(refused_csv("a b\n1 2\n"),
+              AllOf(HasSubstr("one cell, 'a b'"), HasSubstr("separator")));
 }
 
 TEST(Csv, TakesColumnsUnderTheNamesThatTheyHaveInTheFile) {

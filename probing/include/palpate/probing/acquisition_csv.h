@@ -19,8 +19,9 @@ struct AcquisitionCsvOptions {
   /// As in `CsvLayout`, for both files. "contacts.id" and "samples.id" are the column `id` of one
   /// of them.
   std::map<std::string, std::string, std::less<>> names = {};
-  double length = 1;  ///< [mm] unit of positions; > 0 and finite
-  double force = 1;   ///< [N] unit of forces; > 0 and finite
+  double length = 1;            ///< [mm] unit of positions; > 0 and finite
+  double force = 1;             ///< [N] unit of forces; > 0 and finite
+  bool forces_on_tool = false;  ///< forces are those of the object on the tool: the signs change
 };
 
 /// [N] Force of a unit given by name: N, mN, kN, g (the weight of a gram), kg or lbf.
