@@ -74,8 +74,12 @@ void tell_friction(const haptics::BuildResult& built) {
     bounded = bounded || source == haptics::FrictionSource::lower_bound;
   }
   for (const auto& [stop, contacts] : undetermined) {
-    spdlog::warn("{} of {} contacts do not determine their friction ({}): {}", contacts.size(),
-                 built.contacts.size(), in_words(stop), named(contacts));
+    if (contacts.size() == built.contacts.size()) {
+      spdlog::warn("no contact determines its friction ({}).", in_words(stop));
+    } else {
+      spdlog::warn("{} of {} contacts do not determine their friction ({}): {}", contacts.size(),
+                   built.contacts.size(), in_words(stop), named(contacts));
+    }
   }
   if (from_others) spdlog::warn("some of these use the mean friction of the other contacts.");
   if (bounded) spdlog::warn("some of these use a lower bound; their true friction may be larger.");

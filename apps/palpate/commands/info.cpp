@@ -184,6 +184,13 @@ Description describe_model(const fs::path& path) {
           prose};
 }
 
+Description describe_camera(const fs::path& path) {
+  const geometry::Camera camera = sensing::read_camera(path);
+  return {{{"kind", "camera"}, {"camera_size", {camera.width, camera.height}}},
+          fmt::format("camera, {} x {} px, focal lengths {:.1f} and {:.1f} px", camera.width,
+                      camera.height, camera.fx, camera.fy)};
+}
+
 Description describe_rig(const fs::path& path) {
   const sensing::Rig rig = sensing::read_rig(path);
   const double baseline = rig.T_projector_camera.translation().norm();
@@ -252,14 +259,16 @@ Description describe_record(const fs::path& path) {
 
 Description describe_yaml(const fs::path& path) {
   const std::string text = read_text(path);
-  if (text.find("camera_matrix") != std::string::npos) return describe_rig(path);
+  if (text.find("projector_matrix") != std::string::npos) return describe_rig(path);
+  if (text.find("camera_matrix") != std::string::npos) return describe_camera(path);
   if (text.find("period_px") != std::string::npos) return describe_pattern(path);
   if (text.find("gamma_deviation") != std::string::npos) return describe_response(path);
   if (text.find("variance") != std::string::npos) return describe_colors(path);
   if (text.find("read_noise") != std::string::npos) return describe_sensor(path);
   throw FileError(
       path.string() +
-      ": neither a rig (camera_matrix), nor a pattern (period_px), nor trained colours "
+      ": neither a rig (projector_matrix), nor a camera (camera_matrix), nor a pattern "
+      "(period_px), nor trained colours "
       "(variance), nor a response (gamma_deviation), nor a virtual sensor (read_noise).");
 }
 
@@ -292,6 +301,16 @@ Description describe_folder(const fs::path& path) {
     const std::size_t frames = list_frames({path / "frames"}).size();
     return {{{"kind", "simulation"}, {"frames", frames}},
             fmt::format("simulation of {} frame(s), with their true range maps", frames)};
+  }
+  int images_there = 0, meshes = 0;
+  for (const fs::directory_entry& entry : fs::directory_iterator(path)) {
+    const std::string extension = entry.path().extension().string();
+    images_there += is_image(entry.path()) ? 1 : 0;
+    meshes += extension == ".ply" || extension == ".obj" || extension == ".stl" ? 1 : 0;
+  }
+  if (images_there == 0 && meshes > 0) {
+    return {{{"kind", "meshes"}, {"meshes", meshes}},
+            fmt::format("folder of {} mesh(es); pass one of them to see what it holds", meshes)};
   }
   const std::vector<fs::path> files = list_frames({path});
   const auto sigmas = std::count_if(files.begin(), files.end(), is_sigma);

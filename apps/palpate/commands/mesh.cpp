@@ -16,6 +16,7 @@
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/pictures/draw_mesh.h"
 #include "palpate/require.h"
+#include "palpate/sensing/rig.h"
 #include "palpate/work_in_order.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
@@ -126,11 +127,14 @@ void mesh_sequence(const Settings& settings, const MeshCall& call) {
   check_outputs(call.inputs, {call.output});
   const std::vector<fs::path> maps = list_range_maps(call.inputs);
   check_camera_options(maps.front(), call.steps.camera);
+  // One message about a camera that serves all.
+  if (!call.steps.camera.rig.empty()) (void)sensing::read_camera(call.steps.camera.rig);
   check_mesh_names(maps);
   ResultFolder folder(
       call.output, [&](const fs::path& output) { return earlier_meshes(call, maps, output); },
       ResultFolder::Unfinished::dropped);
   folder.begin();
+  const char* const kind = is_range_map(maps.front()) ? "range maps" : "depth images";
   nlohmann::ordered_json per_mesh = nlohmann::ordered_json::array();
   std::size_t broken = 0, begun = 0;
   std::string first_error, prose;
@@ -167,11 +171,12 @@ void mesh_sequence(const Settings& settings, const MeshCall& call) {
   folder.finish([](const fs::path&) { return true; });
   print(settings,
         {{"range_maps", maps.size()}, {"meshes", maps.size() - broken}, {"per_mesh", per_mesh}},
-        prose + fmt::format("{} of {} range maps were meshed, in {}", maps.size() - broken,
-                            maps.size(), call.output.string()));
-  if (broken > 0)
-    throw Error(fmt::format("{} of {} range maps could not be meshed; the others were.", broken,
-                            maps.size()));
+        prose + fmt::format("{} of {} {} were meshed, in {}", maps.size() - broken, maps.size(),
+                            kind, call.output.string()));
+  if (broken > 0) {
+    throw Error(fmt::format("{} of {} {} could not be meshed; the others were.", broken,
+                            maps.size(), kind));
+  }
 }
 
 }  // namespace

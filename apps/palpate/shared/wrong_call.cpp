@@ -105,7 +105,9 @@ std::optional<std::string> nearest_word(const std::string& word,
 
 std::string describe_wrong_call(const CLI::App& app, const CLI::ParseError& error) {
   const CLI::App& command = named_command(app);
-  return describe(app, command, error) + " Help: " + whole_name(command) + " --help";
+  std::string what = describe(app, command, error);
+  if (!what.ends_with('.') && !what.ends_with('?')) what += '.';
+  return what + " Help: " + whole_name(command) + " --help";
 }
 
 }  // namespace palpate::apps
