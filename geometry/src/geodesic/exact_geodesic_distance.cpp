@@ -37,7 +37,7 @@ double hit(double place, double along, double height, const Eigen::Vector2d& dir
 }
 
 /// A half-edge with windows to be passed on, or a vertex at which paths bend.
-struct Arrival {
+struct WindowArrival {
   double distance;
   int half_edge;  ///< or kNone
   int vertex;     ///< or kNone
@@ -82,7 +82,7 @@ class WindowPropagation {
   }
 
   void run() {
-    while (const std::optional<Arrival> arrival = arrivals_.pop()) {
+    while (const std::optional<WindowArrival> arrival = arrivals_.pop()) {
       if (arrival->distance > stop_radius_) continue;
       if (arrival->vertex != kNone) {
         if (arrival->distance == distance(arrival->vertex)) spread(arrival->vertex);
@@ -271,7 +271,7 @@ class WindowPropagation {
   std::vector<char> bends_;       ///< whether paths can bend at a vertex
   EdgeWindows windows_;
   std::vector<double> expected_;  ///< of each half-edge: distance of the arrival that counts
-  BucketQueue<Arrival> arrivals_;
+  BucketQueue<WindowArrival> arrivals_;
 };
 
 /// A power of two that brings the largest coordinate near one, so that squares neither over- nor

@@ -21,7 +21,8 @@ using Eigen::Vector3d;
 using test::kMaxError;
 using test::kMeanError;
 
-GeodesicDistance exact(const TriangleMesh& mesh, const std::vector<SurfacePoint>& sources) {
+GeodesicDistance true_distances(const TriangleMesh& mesh,
+                                const std::vector<SurfacePoint>& sources) {
   return geodesic_distance(mesh, sources, {.method = GeodesicMethod::exact});
 }
 
@@ -30,7 +31,7 @@ TEST(FastMarching, OnRangeMapsIsNearTheExactOne) {
     const TriangleMesh mesh = test::bumpy(8000, noise);
     for (const SurfacePoint& source : {corner_point(3000, 1), SurfacePoint{777, {0.5, 0.5, 0}},
                                        SurfacePoint{6100, {0.2, 0.3, 0.5}}}) {
-      const GeodesicDistance truth = exact(mesh, {source});
+      const GeodesicDistance truth = true_distances(mesh, {source});
       const test::RelativeErrors errors = test::relative_errors(
           geodesic_distance(mesh, std::vector{source}).distance, truth.distance, 20);
       // Coarse for these waves: twice what finer meshes have.
@@ -43,7 +44,7 @@ TEST(FastMarching, OnRangeMapsIsNearTheExactOne) {
 TEST(FastMarching, IsNearTheExactOneInNeedlesOfAGlove) {
   const TriangleMesh glove = test::glove(4.0);
   const SurfacePoint source{100, {0.2, 0.3, 0.5}};
-  const GeodesicDistance truth = exact(glove, {source});
+  const GeodesicDistance truth = true_distances(glove, {source});
   const test::RelativeErrors errors = test::relative_errors(
       geodesic_distance(glove, std::vector{source}).distance, truth.distance, 8);
   EXPECT_LT(errors.mean, 2 * kMeanError);
@@ -59,7 +60,7 @@ TEST(FastMarching, LabelsOnARangeMapAreNearlyTheExactOnes) {
   for (int i = 0; i < 100; ++i) {
     sources.push_back({.triangle = any(random), .barycentric = {0.2, 0.3, 0.5}});
   }
-  const GeodesicDistance truth = exact(mesh, sources);
+  const GeodesicDistance truth = true_distances(mesh, sources);
   const GeodesicDistance geodesic = geodesic_distance(mesh, sources);
   const auto different = (geodesic.label.array() != truth.label.array()).count();
   EXPECT_LT(static_cast<double>(different), 0.015 * static_cast<double>(mesh.vertices.cols()));
