@@ -25,20 +25,32 @@ class BucketQueue {
     const std::size_t bucket = std::max(wanted, nearest_);
     if (bucket >= buckets_.size()) buckets_.resize(bucket + 1);
     buckets_[bucket].push_back(event);
+    ++count_;
   }
 
   [[nodiscard]] std::optional<Event> pop() {
-    while (nearest_ < buckets_.size() && next_ == buckets_[nearest_].size()) {
-      std::vector<Event>().swap(buckets_[nearest_++]);
-      next_ = 0;
-    }
-    if (nearest_ == buckets_.size()) return std::nullopt;
+    if (count_ == 0) return std::nullopt;
+    while (next_ == buckets_[nearest_].size()) close();
+    --count_;
     return buckets_[nearest_][next_++];
+  }
+
+  /// Makes the queue fit for events nearer than those popped. Precondition: it is empty.
+  void restart() {
+    if (nearest_ < buckets_.size()) close();
+    nearest_ = 0;
   }
 
  private:
   static constexpr double kMost = 1 << 20;  ///< buckets; the last one takes the rest
+
+  void close() {
+    buckets_[nearest_++].clear();
+    next_ = 0;
+  }
+
   double per_width_;
+  std::size_t count_ = 0;    ///< of events
   std::size_t nearest_ = 0;  ///< bucket
   std::size_t next_ = 0;     ///< event in it
   std::vector<std::vector<Event>> buckets_;

@@ -3,12 +3,15 @@
 #include "geodesic/geodesic_methods.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "base/numbers.h"
+#include "geodesic/bucket_queue.h"
 #include "mesh/triangle_fans.h"
 
 namespace palpate::geometry {
@@ -38,13 +41,6 @@ double mean(const std::vector<double>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
-/// Distance at the far end of an edge of the given squared length, if it is shorter than `known`.
-double distance_along(double distance, double squared_length, double known) {
-  const double gain = known - distance;
-  if (!(gain > 0 && gain * gain > squared_length)) return kInfinity;
-  return distance + std::sqrt(squared_length);
-}
-
 /// Distance at corner `c` of a wave that passed the corners `a` and `b` at the given distances. The
 /// triangle is laid in a plane with a = (0, 0), b = (e, 0) and c above. The wave comes from the
 /// point S below with these distances from `a` and `b`. With the foot of S at u e, its depth y, and
@@ -55,17 +51,17 @@ double distance_along(double distance, double squared_length, double known) {
 /// Infinite if d_c is not shorter than `known`, which is tested without a square root, or if the
 /// straight line from S to `c` misses the edge; the shortest path then runs along an edge or
 /// through another triangle.
-/// \param edge  e^2
-/// \param side  |ac|^2
-/// \param dot   e c_x
-/// \param cross (e c_y)^2
-double distance_across(double distance_a, double distance_b, double edge, double side, double dot,
-                       double cross, double known) {
+/// \param b, c    seen from a
+/// \param corner  at a
+double distance_across(double distance_a, double distance_b, const TriangleFans::Neighbour& b,
+                       const TriangleFans::Neighbour& c, const TriangleFans::Corner& corner,
+                       double known) {
+  const auto [edge, inverse, side] = std::array{b.squared, b.inverse, c.squared};
+  const auto [dot, cross] = std::array{corner.dot, corner.cross};
   const double sum = distance_a + distance_b;
   const double difference = distance_a - distance_b;
   const double steepness = edge - difference * difference;
   if (!(steepness >= 0 && edge > 0)) return kInfinity;
-  const double inverse = 1 / edge;
   const double twice_foot = difference * sum * inverse + 1;
   const double without_depth = distance_a * distance_a + side - twice_foot * dot;
   const double gain = known * known * (1 - kWorthPassingOn) - without_depth;
@@ -99,168 +95,143 @@ double common_start(const Front& a, const Front& b) {
   return 0.5 * (even + weighted);
 }
 
-/// The shortest distance found so far from one source to one vertex.
+/// The shortest path found so far from the source of the wave to a vertex.
 struct Arrival {
   Front front = {};
-  int source = kNone;
-  int next = kNone;  ///< arrival of another source at the same vertex
-  int vertex = kNone;
+  int source = kNone;  ///< the arrival is of the wave of this source only
   bool waits = false;  ///< still to be propagated
 };
 
 struct Event {
   double distance;
-  int arrival;
+  int vertex;
 };
 
-/// Queue of arrivals to be propagated, nearest bucket first and first in first out within a bucket.
-/// This is sufficient because the march corrects what was propagated too early; it needs no sorting
-/// and keeps neighbours together.
-class Events {
- public:
-  /// \param width  [mm] of a bucket
-  explicit Events(double width) : per_width_(1 / width) {}
-
-  void push(const Event& event) {
-    // The order of arguments matters: without a width, 0 times infinity is kMost.
-    const auto wanted = static_cast<size_t>(std::min(kMost, event.distance * per_width_));
-    const size_t bucket = std::max(wanted, nearest_);
-    if (bucket >= buckets_.size()) buckets_.resize(bucket + 1);
-    buckets_[bucket].push_back(event);
-  }
-
-  [[nodiscard]] std::optional<Event> pop() {
-    while (nearest_ < buckets_.size() && next_ == buckets_[nearest_].size()) {
-      std::vector<Event>().swap(buckets_[nearest_++]);
-      next_ = 0;
+/// Lengths of shortest paths along the edges to the nearest of the sources, up to the radius: at
+/// least the distances, and not much longer.
+std::vector<double> distances_along_edges(const TriangleMesh& mesh, const TriangleFans& fans,
+                                          std::span<const SurfacePoint> sources, double stop_radius,
+                                          BucketQueue<Event>& events) {
+  std::vector<double> distances(fans.longest.size(), kInfinity);
+  const auto arrive = [&](int vertex, double distance) {
+    if (!(distance < distances[static_cast<size_t>(vertex)])) return;
+    distances[static_cast<size_t>(vertex)] = distance;
+    events.push({.distance = distance, .vertex = vertex});
+  };
+  for (const SurfacePoint& source : sources) {
+    const Eigen::Vector3d from = position(mesh, source);
+    for (const int corner : mesh.triangles.col(source.triangle)) {
+      arrive(corner, (mesh.vertices.col(corner) - from).norm());
     }
-    if (nearest_ == buckets_.size()) return std::nullopt;
-    return buckets_[nearest_][next_++];
   }
+  while (const std::optional<Event> event = events.pop()) {
+    const auto v = static_cast<size_t>(event->vertex);
+    if (event->distance > distances[v] || event->distance > stop_radius) continue;
+    for (int i = fans.first_neighbour[v]; i < fans.first_neighbour[v + 1]; ++i) {
+      const TriangleFans::Neighbour& neighbour = fans.neighbours[static_cast<size_t>(i)];
+      arrive(neighbour.vertex, event->distance + neighbour.length);
+    }
+  }
+  return distances;
+}
 
- private:
-  static constexpr double kMost = 1 << 20;  ///< buckets; the last one takes the rest
-  double per_width_;
-  size_t nearest_ = 0;  ///< bucket
-  size_t next_ = 0;     ///< event in it
-  std::vector<std::vector<Event>> buckets_;
-};
-
-/// The waves of all sources on the mesh.
+/// The waves of all sources on the mesh, one after the other.
 ///
 /// Each source has its own wave, because a triangle that mixes two of them is valid for neither; it
-/// ends a little inside the neighbouring cells. Around a corner of the border a wave continues in
-/// circles about the corner. Unlike in a march in strict order, a vertex that is reached later on a
-/// shorter path is propagated again: in an obtuse triangle the wave may reach one corner before the
-/// other two. A longer distance at two corners never makes the third one shorter, so the order of
-/// events does not affect the result, except for the circles at the edge of a corner's shadow.
+/// ends a little inside the neighbouring cells. Where their waves have not run yet, they are
+/// estimated by paths along the edges. Around a corner of the border a wave continues in circles
+/// about the corner. Unlike in a march in strict order, a vertex that is reached later on a shorter
+/// path is propagated again: in an obtuse triangle the wave may reach one corner before the other
+/// two. A longer distance at two corners never makes the third one shorter, so the order of events
+/// does not affect the result, except for the circles at the edge of a corner's shadow.
 class March {
  public:
-  March(const TriangleMesh& mesh, double stop_radius)
+  March(const TriangleMesh& mesh, std::span<const SurfacePoint> sources, double stop_radius)
       : mesh_(mesh),
         stop_radius_(stop_radius),
         fans_(triangle_fans(mesh)),
-        arrivals_(static_cast<size_t>(mesh.vertices.cols())),
-        events_(kBucketWidth * mean(fans_.longest)) {}
-
-  void start(const SurfacePoint& at, int source) {
-    const Eigen::Vector3d from = position(mesh_, at);
-    for (const int corner : mesh_.triangles.col(at.triangle)) {
-      const double distance = (mesh_.vertices.col(corner) - from).norm();
-      const int known = find(corner, source);
-      arrive(corner, source, known, {.distance = distance, .start = 0});
-    }
+        events_(kBucketWidth * mean(fans_.longest)),
+        arrivals_(fans_.longest.size()),
+        nearest_{.distance = Eigen::VectorXd::Constant(mesh.vertices.cols(), kInfinity),
+                 .label = Eigen::VectorXi::Constant(mesh.vertices.cols(), kNone)} {
+    farthest_.assign(fans_.longest.size(), kInfinity);
+    if (sources.size() == 1) return;
+    const std::vector<double> along_edges =
+        distances_along_edges(mesh, fans_, sources, stop_radius, events_);
+    for (size_t v = 0; v < farthest_.size(); ++v) farthest_[v] = beyond_cell(v, along_edges[v]);
   }
 
-  void run() {
+  /// Runs the wave of a source.
+  void run(const SurfacePoint& at, int source) {
+    events_.restart();
+    touched_.clear();
+    source_ = source;
+    const Eigen::Vector3d from = position(mesh_, at);
+    for (const int corner : mesh_.triangles.col(at.triangle)) {
+      arrive(corner, {.distance = (mesh_.vertices.col(corner) - from).norm(), .start = 0});
+    }
     while (const std::optional<Event> event = events_.pop()) {
-      Arrival& arrival = arrivals_[static_cast<size_t>(event->arrival)];
+      Arrival& arrival = arrivals_[static_cast<size_t>(event->vertex)];
       // Skip the event if a shorter path was found meanwhile.
       if (!arrival.waits || event->distance > arrival.front.distance) continue;
       arrival.waits = false;
-      const double edge = fans_.longest[static_cast<size_t>(arrival.vertex)];
+      const double edge = fans_.longest[static_cast<size_t>(event->vertex)];
       if (arrival.front.distance > stop_radius_ + kBeyondRadius * edge) continue;
-      if (arrival.front.distance > nearest_distance(arrival.vertex) + kBeyondCell * edge) continue;
-      pass_on(event->arrival);
+      pass_on(event->vertex);
     }
+    for (const int vertex : touched_) keep_nearest(vertex);
   }
 
-  [[nodiscard]] GeodesicDistance result() const {
-    GeodesicDistance geodesic{
-        .distance = Eigen::VectorXd::Constant(mesh_.vertices.cols(), kInfinity),
-        .label = Eigen::VectorXi::Constant(mesh_.vertices.cols(), -1)};
-    for (int v = 0; v < mesh_.vertices.cols(); ++v) {
-      const double nearest = nearest_distance(v);
-      if (!(nearest <= stop_radius_) || nearest == kInfinity) continue;
-      geodesic.distance[v] = nearest;
-      int& label = geodesic.label[v];
-      for (int i = v; i != kNone; i = arrivals_[static_cast<size_t>(i)].next) {
-        const Arrival& arrival = arrivals_[static_cast<size_t>(i)];
-        const bool is_nearest = arrival.front.distance <= nearest * (1 + kEquallyNear);
-        if (is_nearest && (label < 0 || arrival.source < label)) label = arrival.source;
-      }
-    }
-    return geodesic;
-  }
+  [[nodiscard]] GeodesicDistance result() && { return std::move(nearest_); }
 
  private:
-  /// The arrival of a source at a vertex, or kNone.
-  [[nodiscard]] int find(int vertex, int source) const {
-    int i = vertex;
-    while (i != kNone && arrivals_[static_cast<size_t>(i)].source != source) {
-      i = arrivals_[static_cast<size_t>(i)].next;
-    }
-    return i;
+  /// The distance up to which waves matter at a vertex, if its source is no farther than this.
+  [[nodiscard]] double beyond_cell(size_t v, double distance) const {
+    return distance * (1 + kEquallyNear) + kBeyondCell * fans_.longest[v];
   }
 
-  [[nodiscard]] double nearest_distance(int vertex) const {
-    double nearest = kInfinity;
-    for (int i = vertex; i != kNone; i = arrivals_[static_cast<size_t>(i)].next) {
-      nearest = std::min(nearest, arrivals_[static_cast<size_t>(i)].front.distance);
-    }
-    return nearest;
+  void keep_nearest(int vertex) {
+    const auto v = static_cast<size_t>(vertex);
+    const double distance = arrivals_[v].front.distance;
+    double& nearest = nearest_.distance[vertex];
+    if (!(distance <= stop_radius_)) return;
+    int& label = nearest_.label[vertex];
+    const bool is_nearer = distance * (1 + kEquallyNear) < nearest;
+    const bool is_tie = !is_nearer && distance <= nearest * (1 + kEquallyNear);
+    if (is_nearer || (is_tie && source_ < label)) label = source_;
+    nearest = std::min(nearest, distance);
+    farthest_[v] = std::min(farthest_[v], beyond_cell(v, distance));
   }
 
-  /// \param known  result of `find`
-  void arrive(int vertex, int source, int known, const Front& front) {
-    const double distance = front.distance;
-    if (known == kNone) {
-      const double edge = fans_.longest[static_cast<size_t>(vertex)];
-      if (distance > nearest_distance(vertex) + (kBeyondCell + 1) * edge) return;
-      known = vertex;
-      if (arrivals_[static_cast<size_t>(vertex)].source != kNone) {
-        known = static_cast<int>(arrivals_.size());
-        arrivals_.push_back({.next = arrivals_[static_cast<size_t>(vertex)].next});
-        arrivals_[static_cast<size_t>(vertex)].next = known;
-      }
-      arrivals_[static_cast<size_t>(known)].source = source;
-      arrivals_[static_cast<size_t>(known)].vertex = vertex;
+  void arrive(int vertex, const Front& front) {
+    const auto v = static_cast<size_t>(vertex);
+    Arrival& arrival = arrivals_[v];
+    if (arrival.source != source_) {
+      if (front.distance > farthest_[v]) return;
+      arrival = {.front = {}, .source = source_, .waits = false};
+      touched_.push_back(vertex);
     }
-    Arrival& arrival = arrivals_[static_cast<size_t>(known)];
-    if (!(distance < arrival.front.distance * (1 - kWorthPassingOn))) return;
+    if (!(front.distance < arrival.front.distance * (1 - kWorthPassingOn))) return;
     arrival.front = front;
     arrival.waits = true;
-    events_.push({.distance = distance, .arrival = known});
+    events_.push({.distance = front.distance, .vertex = vertex});
   }
 
-  void pass_on(int from) {
-    const Front own = arrivals_[static_cast<size_t>(from)].front;
-    const int source = arrivals_[static_cast<size_t>(from)].source;
-    const auto v = static_cast<size_t>(arrivals_[static_cast<size_t>(from)].vertex);
+  void pass_on(int vertex) {
+    const auto v = static_cast<size_t>(vertex);
+    const Front own = arrivals_[v].front;
     const TriangleFans::Neighbour* neighbours =
         &fans_.neighbours[static_cast<size_t>(fans_.first_neighbour[v])];
     const int count = fans_.first_neighbour[v + 1] - fans_.first_neighbour[v];
     reached_.clear();
     for (int i = 0; i < count; ++i) {
-      const int known = find(neighbours[i].vertex, source);
-      const Arrival arrival = known == kNone ? Arrival{} : arrivals_[static_cast<size_t>(known)];
-      reached_.push_back(
-          {.arrival = known,
-           .settled = known != kNone && !arrival.waits,
-           .known = arrival.front,
-           .shortest = {.distance = distance_along(own.distance, neighbours[i].squared,
-                                                   arrival.front.distance),
-                        .start = fans_.turns[v] ? own.distance : own.start}});
+      const Arrival& arrival = arrivals_[static_cast<size_t>(neighbours[i].vertex)];
+      const bool has_arrived = arrival.source == source_;
+      const Front known = has_arrived ? arrival.front : Front{};
+      reached_.push_back({.settled = has_arrived && !arrival.waits,
+                          .known = known,
+                          .shortest = {.distance = own.distance + neighbours[i].length,
+                                       .start = fans_.turns[v] ? own.distance : own.start}});
     }
     const auto across = [&](const TriangleFans::Corner& corner, int over, int to) {
       const Reached& base = reached_[static_cast<size_t>(over)];
@@ -268,9 +239,9 @@ class March {
       if (!base.settled) return;
       const double start = common_start(own, base.known);
       const double known = std::min(target.known.distance, target.shortest.distance);
-      const double radius = distance_across(own.distance - start, base.known.distance - start,
-                                            neighbours[over].squared, neighbours[to].squared,
-                                            corner.dot, corner.cross, known - start);
+      const double radius =
+          distance_across(own.distance - start, base.known.distance - start, neighbours[over],
+                          neighbours[to], corner, known - start);
       if (start + radius < known) target.shortest = {.distance = start + radius, .start = start};
     };
     for (int i = fans_.first_corner[v]; i < fans_.first_corner[v + 1]; ++i) {
@@ -281,14 +252,13 @@ class March {
     for (int i = 0; i < count; ++i) {
       const Reached& target = reached_[static_cast<size_t>(i)];
       if (target.shortest.distance < target.known.distance) {
-        arrive(neighbours[i].vertex, source, target.arrival, target.shortest);
+        arrive(neighbours[i].vertex, target.shortest);
       }
     }
   }
 
   /// Knowledge about a neighbour of the vertex that is being propagated.
   struct Reached {
-    int arrival;     ///< of the wave; kNone if it has not arrived
     bool settled;    ///< its distance has been propagated, so others may depend on it
     Front known;     ///< infinite if not reached
     Front shortest;  ///< of the paths found now; infinite if none is shorter
@@ -297,19 +267,35 @@ class March {
   const TriangleMesh& mesh_;
   double stop_radius_;
   TriangleFans fans_;
-  std::vector<Arrival> arrivals_;  ///< one for each vertex, then those of further sources
-  Events events_;
-  std::vector<Reached> reached_;  ///< scratch
+  BucketQueue<Event> events_;
+  std::vector<Arrival> arrivals_;  ///< of each vertex
+  std::vector<double> farthest_;   ///< of each vertex: waves farther than this end before it
+  std::vector<int> touched_;       ///< vertices that the wave has reached
+  int source_ = kNone;             ///< of the wave
+  GeodesicDistance nearest_;       ///< result of the waves so far
+  std::vector<Reached> reached_;   ///< scratch
 };
+
+/// The sources by triangle: waves that run one after the other then use the same part of the
+/// memory.
+std::vector<int> neighbours_in_succession(std::span<const SurfacePoint> sources) {
+  std::vector<int> order(sources.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
+    return sources[static_cast<size_t>(a)].triangle < sources[static_cast<size_t>(b)].triangle;
+  });
+  return order;
+}
 
 }  // namespace
 
 GeodesicDistance fast_marching_distance(const TriangleMesh& mesh,
                                         std::span<const SurfacePoint> sources, double stop_radius) {
-  March march(mesh, stop_radius);
-  for (size_t i = 0; i < sources.size(); ++i) march.start(sources[i], static_cast<int>(i));
-  march.run();
-  return march.result();
+  March march(mesh, sources, stop_radius);
+  for (const int i : neighbours_in_succession(sources)) {
+    march.run(sources[static_cast<size_t>(i)], i);
+  }
+  return std::move(march).result();
 }
 
 }  // namespace palpate::geometry

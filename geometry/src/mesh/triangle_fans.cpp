@@ -68,7 +68,11 @@ TriangleFans triangle_fans(const TriangleMesh& mesh) {
       int& at = place[static_cast<size_t>(vertex)];
       if (at < begin) {
         at = static_cast<int>(fans.neighbours.size());
-        fans.neighbours.push_back({.vertex = vertex, .squared = edge.squaredNorm()});
+        const double squared = edge.squaredNorm();
+        fans.neighbours.push_back({.vertex = vertex,
+                                   .length = std::sqrt(squared),
+                                   .squared = squared,
+                                   .inverse = 1 / squared});
       }
       return at - begin;
     };
@@ -90,9 +94,9 @@ TriangleFans triangle_fans(const TriangleMesh& mesh) {
   for (size_t v = 0; v < vertex_count; ++v) {
     double longest = 0;
     for (int i = fans.first_neighbour[v]; i < fans.first_neighbour[v + 1]; ++i) {
-      longest = std::max(longest, fans.neighbours[static_cast<size_t>(i)].squared);
+      longest = std::max(longest, fans.neighbours[static_cast<size_t>(i)].length);
     }
-    fans.longest[v] = std::sqrt(longest);
+    fans.longest[v] = longest;
   }
   find_turns(fans);
   return fans;

@@ -13,7 +13,9 @@ struct TriangleFans {
   /// The other end of an edge.
   struct Neighbour {
     int vertex;
-    double squared;  ///< length of the edge, squared
+    double length;   ///< of the edge
+    double squared;  ///< its square
+    double inverse;  ///< of the square; infinite for an edge without length
   };
 
   /// A triangle seen from one of its corners; the other two are among that corner's neighbours.

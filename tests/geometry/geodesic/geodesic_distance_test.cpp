@@ -214,15 +214,18 @@ TEST(GeodesicDistance, SymmetricSourcesGetSymmetricLabels) {
   });
   const std::vector<SurfacePoint> vertices = vertex_points(mesh);
   const size_t row = 15 * (kCols + 1);
-  const std::vector<SurfacePoint> sources = {vertices[row + 8], vertices[row + kCols - 8]};
-  const GeodesicDistance geodesic = geodesic_distance(mesh, sources);
-  for (int v = 0; v < mesh.vertices.cols(); ++v) {
-    const int c = v % (kCols + 1);
-    const int mirrored = v - c + (kCols - c);
-    EXPECT_NEAR(geodesic.distance[v], geodesic.distance[mirrored], kWayRounding * 50);
-    // On the axis it is a tie, which goes to the first source.
-    const int expected = c == kCols / 2 ? 0 : 1 - geodesic.label[mirrored];
-    EXPECT_EQ(geodesic.label[v], expected) << v;
+  const SurfacePoint left = vertices[row + 8];
+  const SurfacePoint right = vertices[row + kCols - 8];
+  for (const std::vector<SurfacePoint>& sources : {std::vector{left, right}, {right, left}}) {
+    const GeodesicDistance geodesic = geodesic_distance(mesh, sources);
+    for (int v = 0; v < mesh.vertices.cols(); ++v) {
+      const int c = v % (kCols + 1);
+      const int mirrored = v - c + (kCols - c);
+      EXPECT_NEAR(geodesic.distance[v], geodesic.distance[mirrored], kWayRounding * 50);
+      // On the axis it is a tie, which goes to the first source.
+      const int expected = c == kCols / 2 ? 0 : 1 - geodesic.label[mirrored];
+      EXPECT_EQ(geodesic.label[v], expected) << v;
+    }
   }
 }
 
@@ -266,6 +269,29 @@ TEST(GeodesicDistance, StopsAtTheRadius) {
       EXPECT_EQ(geodesic.label[v], -1);
     }
   }
+}
+
+TEST(GeodesicDistance, OfManySourcesWithinARadiusIsThatWithoutOne) {
+  const TriangleMesh mesh = test::bumpy(3000, 0.25);
+  std::vector<SurfacePoint> sources;
+  for (int t = 50; t < mesh.triangles.cols(); t += 200) {
+    sources.push_back({.triangle = t, .barycentric = {0.2, 0.3, 0.5}});
+  }
+  const GeodesicDistance whole = geodesic_distance(mesh, sources);
+  const double radius = 0.5 * whole.distance.maxCoeff();
+  const GeodesicDistance part = geodesic_distance(mesh, sources, {.stop_radius = radius});
+  for (Eigen::Index v = 0; v < mesh.vertices.cols(); ++v) {
+    const bool is_within = whole.distance[v] <= radius;
+    EXPECT_EQ(part.distance[v], is_within ? whole.distance[v] : kInf) << v;
+    EXPECT_EQ(part.label[v], is_within ? whole.label[v] : -1) << v;
+  }
+}
+
+TEST(GeodesicDistance, ReachesVerticesInOnePlaceFromManySources) {
+  TriangleMesh sheet = test::flat_sheet(6, 4, 1);
+  for (const int v : {9, 10, 11, 16, 17, 18, 19}) sheet.vertices.col(v) = Vector3d(2, 1, 0);
+  const std::vector<SurfacePoint> sources = {{0, {0.2, 0.3, 0.5}}, {40, {0.2, 0.3, 0.5}}};
+  EXPECT_TRUE(geodesic_distance(sheet, sources).distance.allFinite());
 }
 
 TEST(GeodesicDistance, ScalesExactlyWithTheUnitOfLength) {
