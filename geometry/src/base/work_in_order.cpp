@@ -7,6 +7,7 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <vector>
 
 #include "base/thread_order.h"
 #include "palpate/error.h"
@@ -22,30 +23,37 @@ void work_in_order_erased(const std::function<std::shared_ptr<void>()>& next,
   // Places whose addresses stand for the beginning and end of the call, and for its two serial
   // functions.
   char started = 0, taking = 0, delivering = 0, done = 0;
+  // The pipeline forgets what is in it when a function throws, so it does not own the items.
+  std::vector<Item> live(static_cast<std::size_t>(max_live));
+  std::size_t taken = 0;
   leave(&started);
   tbb::parallel_pipeline(
-      static_cast<std::size_t>(max_live),
-      tbb::make_filter<void, Item>(tbb::filter_mode::serial_in_order,
-                                   [&](tbb::flow_control& control) {
-                                     enter(&started);
-                                     enter(&taking);
-                                     Item item = next();
-                                     leave(&taking);
-                                     if (!item) control.stop();
-                                     leave(item.get());
-                                     return item;
-                                   }) &
-          tbb::make_filter<Item, Item>(tbb::filter_mode::parallel,
-                                       [&](Item item) {
-                                         enter(item.get());
-                                         work(item.get());
-                                         leave(item.get());
-                                         return item;
-                                       }) &
-          tbb::make_filter<Item, void>(tbb::filter_mode::serial_in_order, [&](const Item& item) {
-            enter(item.get());
+      live.size(),
+      tbb::make_filter<void, Item*>(tbb::filter_mode::serial_in_order,
+                                    [&](tbb::flow_control& control) {
+                                      enter(&started);
+                                      enter(&taking);
+                                      Item& slot = live[taken++ % live.size()];
+                                      enter(&slot);
+                                      slot = next();
+                                      leave(&taking);
+                                      if (!slot) control.stop();
+                                      leave(slot.get());
+                                      return &slot;
+                                    }) &
+          tbb::make_filter<Item*, Item*>(tbb::filter_mode::parallel,
+                                         [&](Item* slot) {
+                                           enter(slot->get());
+                                           work(slot->get());
+                                           leave(slot->get());
+                                           return slot;
+                                         }) &
+          tbb::make_filter<Item*, void>(tbb::filter_mode::serial_in_order, [&](Item* slot) {
+            enter(slot->get());
             enter(&delivering);
-            deliver(item.get());
+            deliver(slot->get());
+            slot->reset();
+            leave(slot);
             leave(&delivering);
             leave(&done);
           }));

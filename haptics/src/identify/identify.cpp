@@ -93,6 +93,7 @@ Base base_of(const std::vector<probing::Contact>& contacts) {
   // The sign of an eigenvector means nothing: the first contact by id that is off the middle is on
   // the low side.
   std::vector<const probing::Contact*> by_id;
+  by_id.reserve(contacts.size());
   for (const probing::Contact& contact : contacts) by_id.push_back(&contact);
   std::sort(by_id.begin(), by_id.end(), [](const auto* a, const auto* b) { return a->id < b->id; });
   constexpr double kOffMiddle = 0.1;

@@ -30,7 +30,7 @@ constexpr double kSmallestPart = 1e-9;
 
 Strip sound_strip(const StripModel& model, const probing::Contact& contact,
                   const Eigen::Vector3d& given) {
-  const Strip strip = strip_at(model, contact);
+  Strip strip = strip_at(model, contact);
   if (!is_sound(strip)) {
     throw InvalidInput(fmt::format(
         "strip: contact {} has segments of {} and {} mm, tension {} N and axial stiffness {} N; it "

@@ -152,6 +152,7 @@ std::vector<std::vector<int>> contact_neighbours(const Model& model) {
   for (const auto& triangle : model.triangles.colwise()) join(triangle);
   for (const auto& group : model.surface_weights.contacts.colwise()) join(group);
   std::vector<std::vector<int>> result;
+  result.reserve(sets.size());
   for (const std::set<int>& set : sets) result.emplace_back(set.begin(), set.end());
   return result;
 }

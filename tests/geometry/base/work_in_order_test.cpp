@@ -6,6 +6,8 @@
 
 #include <atomic>
 #include <chrono>
+#include <memory>
+#include <optional>
 #include <stdexcept>
 #include <thread>
 #include <vector>
@@ -91,6 +93,20 @@ TEST(WorkInOrder, PassesOnWhatIsThrownAndEnds) {
   EXPECT_THROW(work_in_order<int>([]() -> std::optional<int> { throw FileError("gone"); }, nothing,
                                   nothing, 4),
                FileError);
+}
+
+TEST(WorkInOrder, KeepsNoItemWhateverIsThrown) {
+  using Shared = std::shared_ptr<int>;
+  const Shared shared = std::make_shared<int>(0);
+  for (const int last : {0, 1, 50}) {
+    EXPECT_THROW(work_in_order<Shared>([&] { return std::optional(shared); }, [](Shared&) {},
+                                       [&, left = last](Shared&) mutable {
+                                         if (left-- == 0) throw OutputError("full");
+                                       },
+                                       8),
+                 OutputError);
+    EXPECT_EQ(shared.use_count(), 1);
+  }
 }
 
 TEST(WorkInOrder, NothingToDoAndAWrongLimit) {
