@@ -190,7 +190,7 @@ TEST_F(Measurements, OfForcesOnTheToolAreReadWithTheirSignsChanged) {
   EXPECT_THAT(import_csv().err, HasSubstr("--force-on tool"));
   const CommandResult result = import_csv({"--force-on", "tool"});
   ASSERT_EQ(result.status, kDone) << result.err;
-  EXPECT_EQ(probing::fingerprint(probing::read_acquisition(scratch.path() / "a.db")),
+  EXPECT_EQ(probing::fingerprint(probing::read_acquisition(scratch.path() / "a.db").records()),
             probing::fingerprint(acquisition));
 }
 

@@ -349,8 +349,7 @@ TEST_F(DepthImages, ASurfaceIsTrackedThroughThem) {
 
 /// Noise, steps and borders of a real depth camera leave a few places where no triangle may go; all
 /// others must not be given up because of them.
-TEST(DepthCamera, AMeshShrinksSteadilyAsTheToleranceGrows) {
-  const ScratchFolder scratch;
+TEST_F(MeshSequence, AMeshOfADepthCameraShrinksSteadilyAsTheToleranceGrows) {
   std::vector<double> triangles;
   for (const char* const tolerance : {"0.1", "0.15", "0.225"}) {
     const auto made = figures({"mesh", demo("depth_camera/hand.png"), "--scale", "0.125",
