@@ -1,0 +1,38 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+
+#include "palpate/eigen_alignment.h"
+#include "palpate/geometry/triangle_mesh.h"
+
+namespace palpate::probing {
+
+/// The tool holds iff its force lies in this cone: with f_a the part of the force along `axis`,
+/// |f - f_a axis| <= coefficient f_a.
+struct FrictionCone {
+  Eigen::Vector3d axis = Eigen::Vector3d::Zero();  ///< into the object, unit length, world frame
+  double coefficient = 0;                          ///< >= 0
+};
+
+/// A deformable object whose truth is known, in quasi-static equilibrium with the tip of a tool.
+/// All vectors are in the world frame. A contact is a place on the undeformed surface; the nearest
+/// place is taken if it lies beside the surface. Functions may be called from several threads.
+class Specimen {
+ public:
+  virtual ~Specimen() = default;
+
+  /// The undeformed surface, its triangles turned outwards.
+  [[nodiscard]] virtual const geometry::TriangleMesh& surface() const = 0;
+
+  /// [mm] How far the tool has moved from `contact` when it applies `force` [N] to the object
+  /// without slipping: the equilibrium that is reached by increasing the force from zero.
+  /// \throws SolverError if there is none.
+  [[nodiscard]] virtual Eigen::Vector3d displacement(const Eigen::Vector3d& contact,
+                                                     const Eigen::Vector3d& force) const = 0;
+
+  [[nodiscard]] virtual FrictionCone friction_cone(const Eigen::Vector3d& contact) const = 0;
+};
+
+}  // namespace palpate::probing
