@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 #include <numeric>
 #include <optional>
 #include <utility>
@@ -155,7 +156,7 @@ class March {
         nearest_{.distance = Eigen::VectorXd::Constant(mesh.vertices.cols(), kInfinity),
                  .label = Eigen::VectorXi::Constant(mesh.vertices.cols(), kNone)} {
     farthest_.assign(fans_.longest.size(), kInfinity);
-    if (sources.size() == 1) return;
+    if (sources.size() <= 1) return;
     const std::vector<double> along_edges =
         distances_along_edges(mesh, fans_, sources, stop_radius, events_);
     for (size_t v = 0; v < farthest_.size(); ++v) farthest_[v] = beyond_cell(v, along_edges[v]);
@@ -182,6 +183,8 @@ class March {
     for (const int vertex : touched_) keep_nearest(vertex);
   }
 
+  /// Of the waves so far.
+  [[nodiscard]] const GeodesicDistance& nearest() const { return nearest_; }
   [[nodiscard]] GeodesicDistance result() && { return std::move(nearest_); }
 
  private:
@@ -297,5 +300,20 @@ GeodesicDistance fast_marching_distance(const TriangleMesh& mesh,
   }
   return std::move(march).result();
 }
+
+struct GrowingDistance::Impl {
+  March march;
+  int sources = 0;
+};
+
+GrowingDistance::GrowingDistance(const TriangleMesh& mesh)
+    : impl_(std::make_unique<Impl>(Impl{.march = March(mesh, {}, kInfinity)})) {}
+GrowingDistance::~GrowingDistance() = default;
+
+void GrowingDistance::add(const SurfacePoint& source) {
+  impl_->march.run(source, impl_->sources++);
+}
+
+const Eigen::VectorXd& GrowingDistance::distance() const { return impl_->march.nearest().distance; }
 
 }  // namespace palpate::geometry

@@ -1,0 +1,67 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/geometry/farthest_points.h"
+
+#include <algorithm>
+#include <string>
+
+#include "geodesic/geodesic_methods.h"
+#include "palpate/error.h"
+#include "palpate/require.h"
+
+namespace palpate::geometry {
+namespace {
+
+int nearest_to_mean(const TriangleMesh& mesh, std::span<const int> candidates) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const int v : candidates)
+    mean += mesh.vertices.col(v) / static_cast<double>(candidates.size());
+  return *std::min_element(candidates.begin(), candidates.end(), [&](int a, int b) {
+    return (mesh.vertices.col(a) - mean).squaredNorm() <
+           (mesh.vertices.col(b) - mean).squaredNorm();
+  });
+}
+
+// The candidates in ascending order, without those that no triangle has.
+std::vector<int> usable(const TriangleMesh& mesh, std::span<const int> candidates,
+                        std::span<const SurfacePoint> places) {
+  std::vector<int> result;
+  for (const int v : candidates) {
+    if (v < 0 || v >= mesh.vertices.cols()) {
+      throw InvalidInput("farthest_points: candidate " + std::to_string(v) +
+                         " is not a vertex; it must be in [0, " +
+                         std::to_string(mesh.vertices.cols()) + ")");
+    }
+    if (places[static_cast<size_t>(v)].triangle >= 0) result.push_back(v);
+  }
+  std::sort(result.begin(), result.end());
+  return result;
+}
+
+}  // namespace
+
+FarthestPoints farthest_points(const TriangleMesh& mesh, std::span<const int> candidates,
+                               const FarthestPointOptions& options) {
+  require("FarthestPointOptions::spacing", options.spacing, above(0).finite(), "mm");
+  require("FarthestPointOptions::count", options.count, above(0));
+  check_mesh(mesh, "farthest_points");
+  const std::vector<SurfacePoint> places = vertex_points(mesh);
+  const std::vector<int> left = usable(mesh, candidates, places);
+  FarthestPoints found;
+  if (left.empty()) return found;
+  GrowingDistance growing(mesh);
+  int next = nearest_to_mean(mesh, left);
+  while (true) {
+    growing.add(places[static_cast<size_t>(next)]);
+    const Eigen::VectorXd& distance = growing.distance();
+    found.vertices.push_back(next);
+    next = *std::max_element(left.begin(), left.end(),
+                             [&](int a, int b) { return distance[a] < distance[b]; });
+    found.cover.push_back(distance[next]);
+    if (distance[next] < options.spacing) break;
+    if (static_cast<int>(found.vertices.size()) >= options.count) break;
+  }
+  return found;
+}
+
+}  // namespace palpate::geometry
