@@ -44,7 +44,7 @@ double true_error(const ForceField& field, const Contact& at, const Strip& strip
   int count = 0;
   const Eigen::Matrix3Xd forces = random_points(400, 3.2, 7);
   for (const Eigen::Vector3d f : forces.colwise()) {
-    if (f.z() < 0.15 || !testing::strip_holds(cone, f)) continue;
+    if (f.z() < 0.15 || !holds(cone, f)) continue;
     const Eigen::Vector3d x = testing::strip_displacement(strip, at.x, at.y, f);
     sum += (force(field, frame.transpose() * x) - frame.transpose() * f).squaredNorm();
     ++count;

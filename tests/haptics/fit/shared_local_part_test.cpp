@@ -113,7 +113,7 @@ TEST(LocalGlobal, FindsHowTheBeamGivesWayFromOneContactToTheNext) {
   const Eigen::Matrix3d found = fit_with_local_part(contacts[4], part).global_compliance -
                                 fit_with_local_part(contacts[3], part).global_compliance;
   const Eigen::Matrix3d truth =
-      testing::beam_compliance(beam, 150, 0) - testing::beam_compliance(beam, 50, 14);
+      probing::bending_compliance(beam, 150, 0) - probing::bending_compliance(beam, 50, 14);
   EXPECT_LT((found - truth).norm(), 0.02 * truth.norm()) << found << "\n\n" << truth;
 }
 

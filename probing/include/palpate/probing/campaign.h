@@ -1,0 +1,98 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "palpate/probing/cone_posterior.h"
+#include "palpate/probing/contact_plan.h"
+#include "palpate/probing/probing_program.h"
+
+namespace palpate::probing {
+
+/// How tangential forces are chosen.
+enum class TrialStrategy {
+  pooled,    ///< where trials tell most about friction, with what other contacts have shown
+  bisection  ///< thesis 4.3
+};
+/// "pooled", "bisection".
+[[nodiscard]] const char* to_string(TrialStrategy strategy);
+
+struct CampaignOptions {
+  TrialStrategy strategy = TrialStrategy::pooled;
+  unsigned seed = 1;  ///< of the order of directions
+  /// [N] at which a bisection ends; > 0
+  double resolution = 0.1;
+  /// `pooled`: probability of slipping that a trial of a direction is chosen for; in (0, 1/2]
+  double cautious = 0.3;
+  /// `pooled`: a direction that held is tried again with 1 - `cautious` while the standard
+  /// deviation of the contact's coefficient exceeds this; > 0
+  double friction_accuracy = 0.01;
+  int most_failures = 2;  ///< in a row (nothing touched, not at rest, late) end a contact; > 0
+  ProgramOptions program = {};
+};
+
+/// One trial as it was stored.
+struct TrialRecord {
+  TrialOrder order;
+  TrialResult result;
+};
+
+/// What was decided after a trial, beside the next one.
+struct TrialVerdict {
+  /// The trial that held the largest tangential force of its direction and level, once it is known
+  /// that a larger one slips: its sample lies on the friction boundary.
+  std::optional<long long> on_boundary;
+  bool contact_given_up = false;
+};
+
+struct CampaignProgress {
+  int trials = 0;  ///< so far
+  int samples = 0;
+  int slipped = 0;        ///< of the samples
+  int contacts_done = 0;  ///< given up or not
+  int contacts_given_up = 0;
+  int contacts = 0;
+  double seconds = 0;       ///< of all trials so far
+  double trials_left = 0;   ///< expected
+  double seconds_left = 0;  ///< expected
+};
+
+/// Decides what to try next. The decisions are a function of the plan, the options and the records
+/// it took: a campaign that takes the stored records of another goes on as that one would.
+///
+/// Contacts come in the order of the plan, and at each one its levels ascend; each begins with the
+/// normal force alone and goes through its directions in random order. With `bisection`, each
+/// direction halves the interval from zero to sqrt(max_force^2 - normal^2). With `pooled`, each is
+/// tried once with the force that slips with the probability `cautious`, as `ConePosterior` says
+/// with the trials of this contact and a prior learnt at the contacts before it; see also
+/// `friction_accuracy`.
+class Campaign {
+ public:
+  /// \throws InvalidInput if an option is outside its range or the plan has no contact.
+  Campaign(ContactPlan plan, const CampaignOptions& options);
+  ~Campaign();
+  Campaign(Campaign&&) noexcept;
+  Campaign& operator=(Campaign&&) noexcept;
+
+  /// The next trial; none if the campaign is complete.
+  [[nodiscard]] std::optional<TrialOrder> next() const;
+
+  /// Takes the result of the trial that `next` ordered.
+  /// \throws InvalidInput if the record is of another trial.
+  TrialVerdict take(const TrialRecord& record);
+
+  [[nodiscard]] CampaignProgress progress() const;
+  [[nodiscard]] const ContactPlan& plan() const;
+
+  /// The friction cone at each contact that is done, by `ConePosterior` with the pooled prior.
+  [[nodiscard]] const std::vector<ConeEstimate>& cones() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace palpate::probing

@@ -1,0 +1,74 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "palpate/probing/campaign.h"
+
+namespace palpate::probing {
+
+/// What a campaign is: all that its decisions and its arm depend on, as text.
+struct CampaignDescription {
+  std::string plan;      ///< `to_text` of its plan
+  std::string strategy;  ///< of CampaignOptions and the seed (JSON)
+  std::string arm;       ///< what the arm needs to go on; not read by the campaign
+  std::string software;  ///< name and version of the program
+};
+
+/// The store of a running campaign: the database of acquisition_store.h, with the tables
+/// `run(key, value)`, `trial` (one row a `TrialRecord`) and `event(id, trial, kind, text)` beside.
+/// Each trial is one transaction, which survives a crash and a loss of power (write-ahead log,
+/// fully synchronous). `read_acquisition` reads the file at any time.
+class CampaignStore {
+ public:
+  /// Begins a new campaign.
+  /// \throws OutputError if `path` exists, or cannot be written.
+  static CampaignStore create(const std::filesystem::path& path,
+                              const CampaignDescription& description);
+  /// Opens a campaign in order to go on with it.
+  /// \throws FileError if it is missing, damaged, of a newer version, or holds no campaign.
+  /// \throws OutputError if it is read-only, or another process writes into it.
+  static CampaignStore open(const std::filesystem::path& path);
+  /// Opens a campaign, which may be running, in order to look at it.
+  /// \throws FileError as `open`.
+  static CampaignStore look(const std::filesystem::path& path);
+
+  ~CampaignStore();
+  CampaignStore(CampaignStore&&) noexcept;
+  CampaignStore& operator=(CampaignStore&&) noexcept;
+
+  [[nodiscard]] const CampaignDescription& description() const;
+  /// The trials so far, in order. `contacts` of the plan give what the table does not repeat.
+  /// \throws FileError if a row is not a trial of these contacts.
+  [[nodiscard]] std::vector<TrialRecord> trials(const std::vector<Contact>& contacts) const;
+
+  /// Stores a trial, its sample with its contact, and what followed from it.
+  /// \param time [s] since the campaign began.
+  /// \throws OutputError if the disk is full: nothing of the trial is then stored.
+  void append(const TrialRecord& record, const TrialVerdict& verdict, double time);
+
+  /// Stores a message about the campaign.
+  void note(const std::string& kind, const std::string& text);
+
+  /// Joins the log with the database, so that it is one file again.
+  void finish();
+
+ private:
+  struct Impl;
+  explicit CampaignStore(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+/// The options of a campaign as text, and back.
+[[nodiscard]] std::string to_text(const CampaignOptions& options);
+/// \throws FileError naming `source` and the member that is wrong.
+[[nodiscard]] CampaignOptions parse_campaign_options(const std::string& text,
+                                                     const std::string& source);
+
+}  // namespace palpate::probing

@@ -1,0 +1,99 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "palpate/eigen_alignment.h"
+#include "palpate/geometry/triangle_mesh.h"
+#include "palpate/probing/acquisition.h"
+
+namespace palpate::probing {
+
+/// How contacts are spread over a surface.
+enum class PlanPattern {
+  farthest_point,  ///< in farthest-point order along the surface: each prefix is a coarser plan
+  grid             ///< on lines, shifted by half the spacing from line to line (thesis 4.2)
+};
+/// "farthest_point", "grid".
+[[nodiscard]] const char* to_string(PlanPattern pattern);
+
+/// Whether a place of a surface may be probed, and why not.
+enum class Eligibility {
+  eligible,
+  no_surface,   ///< a vertex without triangles, or without a normal
+  near_border,  ///< the tip could miss the object
+  oblique,      ///< the sensor does not see it well, and an arm is likely to collide
+  obstructed    ///< the tip would touch another place first: a cavity tighter than it, or a wall
+};
+/// "eligible", "no_surface", "near_border", "oblique", "obstructed".
+[[nodiscard]] const char* to_string(Eligibility eligibility);
+
+struct PlanOptions {
+  PlanPattern pattern = PlanPattern::farthest_point;
+  double spacing = 14;                             ///< [mm] least distance of contacts; > 0
+  int contacts = std::numeric_limits<int>::max();  ///< most contacts; > 0
+  double tip_radius = 3;                           ///< [mm] R of the tip, a ball; > 0
+  double border = 1.5;                             ///< distance from the border >= border R; >= 0
+  double view_angle = 1.22;                        ///< [rad] normal to sensor <= this; in (0, pi/2]
+  Eigen::Vector3d sensor = Eigen::Vector3d::Zero();  ///< [mm] place of the sensor
+
+  double lowest_force = 0.15;  ///< [N] normal force of the lowest level; > 0
+  double highest_force = 3;    ///< [N] of the highest level; >= lowest_force
+  int levels = 5;              ///< of the normal force, in geometric progression; > 0
+  int directions = 4;          ///< of the tangential force, turned from level to level; >= 0
+  double max_force = 3;        ///< [N] most force that the arm applies; >= highest_force
+};
+
+/// What to probe.
+struct ContactPlan {
+  PlanOptions options = {};
+  std::vector<Contact> contacts = {};       ///< in the order of probing; ids 0, 1, ...
+  std::vector<double> normal_forces = {};   ///< [N] of each level, ascending
+  std::vector<Eigen::Index> excluded = {};  ///< number of vertices by `Eligibility`
+  double cover = 0;  ///< [mm] largest distance of an eligible vertex from a contact, along the
+                     ///< surface; infinity if a part has none
+  std::string surface = {};  ///< `surface_fingerprint` of the mesh
+};
+
+/// The angle [rad] of direction `k` of a level in the tangent plane, about the normal: all
+/// directions are even, and turned by the golden angle from level to level.
+[[nodiscard]] double direction_angle(const PlanOptions& options, int level, int k);
+
+/// Unit vectors: columns X and Y span the tangent plane of a contact, X along the world's X if that
+/// is not along the normal; Z points into the object.
+[[nodiscard]] Eigen::Matrix3d tangent_frame(const Contact& contact);
+
+/// Whether each vertex may be probed. The normal at a vertex is the mean of the triangles within
+/// about R of it, weighted by their areas; distances from the border are along the surface. A place
+/// is obstructed iff a ball of radius R that touches it from outside contains another point of the
+/// surface deeper than a tenth of R.
+/// \param normals 3 x V, receives the outward normals; NaN where there is no surface.
+[[nodiscard]] std::vector<Eligibility> eligibility(const geometry::TriangleMesh& mesh,
+                                                   const PlanOptions& options,
+                                                   Eigen::Matrix3Xd& normals);
+
+/// Plans contacts at vertices of a surface.
+/// \throws InvalidInput if the mesh is not valid or an option is outside its range, or, with the
+/// number of vertices by reason, if no place is eligible.
+[[nodiscard]] ContactPlan plan_contacts(const geometry::TriangleMesh& mesh,
+                                        const PlanOptions& options = {});
+
+/// Sixteen hexadecimal digits that identify the vertices and triangles of a mesh.
+[[nodiscard]] std::string surface_fingerprint(const geometry::TriangleMesh& mesh);
+
+/// A plan as text (JSON); docs/probing.md describes it.
+[[nodiscard]] std::string to_text(const ContactPlan& plan);
+/// \param source names the text in messages.
+/// \throws FileError naming the member that is wrong.
+[[nodiscard]] ContactPlan parse_plan(const std::string& text, const std::string& source);
+/// \throws FileError also if the file cannot be read.
+[[nodiscard]] ContactPlan read_plan(const std::filesystem::path& path);
+/// \throws OutputError if it cannot be written.
+void write_plan(const std::filesystem::path& path, const ContactPlan& plan);
+
+}  // namespace palpate::probing

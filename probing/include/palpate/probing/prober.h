@@ -1,0 +1,52 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+
+#include "palpate/eigen_alignment.h"
+
+namespace palpate::probing {
+
+/// What an arm does next. Positions and forces are in the world frame.
+enum class ProbeActionKind {
+  travel,   ///< in free space, to `target`
+  touch,    ///< approach `target` from where the arm is until the tip touches the object
+  press,    ///< apply `force` and wait until the tip rests
+  drag,     ///< the same, from a pressed state to one with a tangential part
+  release,  ///< the same, back to the normal part
+  lift      ///< away from the object, to `target`
+};
+
+struct ProbeAction {
+  ProbeActionKind kind{};
+  long long trial = 0;                               ///< the number of the trial it belongs to
+  Eigen::Vector3d target = Eigen::Vector3d::Zero();  ///< [mm]
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();   ///< [N] of the tip on the object
+  double time_limit = 0;                             ///< [s] the arm gives up after it
+};
+
+enum class ProbeOutcome {
+  done,
+  no_contact,  ///< nothing was touched
+  fell_off,    ///< the tip lost the object, or slid further than the arm follows
+  unsettled,   ///< the tip still moved at the time limit
+  timed_out    ///< the arm did not arrive
+};
+/// "done", "no_contact", ...
+[[nodiscard]] const char* to_string(ProbeOutcome outcome);
+
+struct ProbeReport {
+  ProbeOutcome outcome = ProbeOutcome::done;
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< [mm] of the tip as measured
+  double seconds = 0;                                  ///< that the action took
+};
+
+/// An arm, real or simulated, with its control loop below: it performs one action at a time.
+class Prober {
+ public:
+  virtual ~Prober() = default;
+  [[nodiscard]] virtual ProbeReport perform(const ProbeAction& action) = 0;
+};
+
+}  // namespace palpate::probing

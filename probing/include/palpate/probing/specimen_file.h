@@ -1,0 +1,28 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "palpate/probing/specimen.h"
+
+namespace palpate::probing {
+
+/// Makes a specimen from a JSON object such as
+///
+///     {"type": "sheet", "tension": 0.8, "block": 1.5, "block_low": [5, -20]}
+///
+/// `type` is sheet, beam or elastic_body; the other members are the fields of the structs in
+/// closed_form.h, with their defaults. docs/probing.md describes them.
+/// \param source names the text in messages.
+/// \throws FileError naming the member, what is wrong with it, and what would be right.
+[[nodiscard]] std::unique_ptr<Specimen> parse_specimen(const std::string& text,
+                                                       const std::string& source);
+
+/// The text of such a file.
+/// \throws FileError if it cannot be read.
+[[nodiscard]] std::string read_specimen_text(const std::filesystem::path& path);
+
+}  // namespace palpate::probing

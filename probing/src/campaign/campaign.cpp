@@ -1,0 +1,316 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/probing/campaign.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <string>
+#include <utility>
+
+#include "palpate/error.h"
+#include "palpate/require.h"
+#include "records/record_hash.h"
+
+namespace palpate::probing {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr int kPressing = -1;         // the normal force alone
+constexpr double kUsualSeconds = 12;  // [s] of a trial (thesis 6.2.1), before one was performed
+/// Tangential forces below so many standard deviations of the force are not tried.
+constexpr double kSmallestForce = 2;
+/// A second trial is worth its time iff it tells coefficients apart that differ by at most so many
+/// standard deviations of what is known.
+constexpr double kCoarsest = 1;
+constexpr double kForceTolerance = 1e-4;  // [N] of a chosen force
+
+void check_campaign_options(const CampaignOptions& options) {
+  require("CampaignOptions::resolution", options.resolution, above(0).finite(), "N");
+  require("CampaignOptions::cautious", options.cautious, above(0).at_most(0.5));
+  require("CampaignOptions::friction_accuracy", options.friction_accuracy, above(0).finite());
+  require("CampaignOptions::most_failures", options.most_failures, above(0));
+  const ProgramOptions& program = options.program;
+  require("ProgramOptions::clearance", program.clearance, above(0).finite(), "mm");
+  require("ProgramOptions::travel_limit", program.travel_limit, above(0), "s");
+  require("ProgramOptions::touch_limit", program.touch_limit, above(0), "s");
+  require("ProgramOptions::settle_limit", program.settle_limit, above(0), "s");
+  require("ProgramOptions::lift_limit", program.lift_limit, above(0), "s");
+  require("ProgramOptions::position_noise", program.position_noise, above(0).finite(), "mm");
+  require("ProgramOptions::force_noise", program.force_noise, above(0).finite(), "N");
+}
+
+}  // namespace
+
+const char* to_string(TrialStrategy strategy) {
+  return strategy == TrialStrategy::bisection ? "bisection" : "pooled";
+}
+
+struct Campaign::Impl {
+  Impl(ContactPlan wanted, const CampaignOptions& with) : plan(std::move(wanted)), options(with) {}
+
+  // One direction at one level.
+  struct Search {
+    double low = 0, high = 0;  // [N] bisection: what held, and what slipped or is the most
+    std::optional<long long> held = {};  // the trial that held `low`
+    bool slipped = false;                // some force did
+    int tries = 0;
+  };
+
+  [[nodiscard]] const Contact& here() const { return plan.contacts[contact]; }
+  [[nodiscard]] double normal_force() const {
+    return plan.normal_forces[static_cast<std::size_t>(level)];
+  }
+  /// [N] The largest tangential force that the arm may add.
+  [[nodiscard]] double most_tangential() const {
+    const double n = normal_force(), most = plan.options.max_force;
+    return std::sqrt(std::max(most * most - n * n, 0.0));
+  }
+  [[nodiscard]] Vector3d unit_tangent() const {
+    const double angle = direction_angle(plan.options, level, directions[direction]);
+    const Eigen::Matrix3d frame = tangent_frame(here());
+    return std::cos(angle) * frame.col(0) + std::sin(angle) * frame.col(1);
+  }
+  [[nodiscard]] Vector3d pressing() const { return -here().normal.normalized(); }
+
+  void begin_contact() {
+    level = 0;
+    failures = 0;
+    failed = false;
+    if (contact >= plan.contacts.size()) return;
+    posterior.emplace(pressing(), pooled_prior(cones, options.program.force_noise));
+    begin_level();
+  }
+
+  void begin_level() {
+    pressed = false;
+    direction = 0;
+    directions.resize(static_cast<std::size_t>(plan.options.directions));
+    std::iota(directions.begin(), directions.end(), 0);
+    // Fisher and Yates, with numbers that depend on the place in the campaign only.
+    RecordHash hash(options.seed);
+    hash.add(here().id);
+    hash.add(static_cast<std::uint64_t>(level));
+    for (std::size_t i = directions.size(); i > 1; --i) {
+      hash.add(static_cast<std::uint64_t>(i));
+      std::swap(directions[i - 1],
+                directions[static_cast<std::size_t>(hash.uniform() * static_cast<double>(i))]);
+    }
+    begin_direction();
+  }
+
+  void begin_direction() { search = {.high = most_tangential()}; }
+
+  void next_direction() {
+    ++direction;
+    begin_direction();
+  }
+
+  void next_level() {
+    if (++level < static_cast<int>(plan.normal_forces.size())) return begin_level();
+    next_contact();
+  }
+
+  void next_contact() {
+    cones.push_back(posterior->estimate());
+    tallies.contacts_given_up += failed ? 1 : 0;
+    ++contact;
+    begin_contact();
+  }
+
+  /// [N] The tangential force that slips with a probability, or the most that is possible.
+  [[nodiscard]] double force_for(double probability) const {
+    const Vector3d along = unit_tangent(), normal = normal_force() * pressing();
+    double low = 0, high = most_tangential();
+    if (posterior->slip_probability(normal + high * along) <= probability) return high;
+    while (high - low > kForceTolerance) {
+      const double middle = (low + high) / 2;
+      (posterior->slip_probability(normal + middle * along) < probability ? low : high) = middle;
+    }
+    return low;
+  }
+
+  /// [N] The tangential force to try now; none if the direction is done.
+  [[nodiscard]] std::optional<double> tangential() const {
+    const double least = kSmallestForce * options.program.force_noise;
+    if (options.strategy == TrialStrategy::bisection) {
+      if (search.high - search.low <= options.resolution) return std::nullopt;
+      return (search.low + search.high) / 2;
+    }
+    if (search.tries == 0) {
+      const double size = force_for(options.cautious);
+      return size >= least ? std::optional(size) : std::nullopt;
+    }
+    if (search.tries > 1) return std::nullopt;
+    if (search.slipped) {  // once more, with less
+      const double size = std::min(force_for(options.cautious), search.high - least);
+      return size >= least ? std::optional(size) : std::nullopt;
+    }
+    const ConeEstimate cone = posterior->estimate();
+    if (cone.coefficient_error <= options.friction_accuracy) return std::nullopt;
+    // The coefficient that one trial tells apart: coarse under a small normal force.
+    const double told =
+        options.program.force_noise * std::hypot(1, cone.coefficient) / normal_force();
+    if (told > kCoarsest * cone.coefficient_error) return std::nullopt;
+    const double size = force_for(1 - options.cautious);
+    // A force that cannot be larger than the one that held tells nothing.
+    return size >= search.low + least ? std::optional(size) : std::nullopt;
+  }
+
+  /// Finds the next trial from where the campaign stands.
+  void decide() {
+    order.reset();
+    while (contact < plan.contacts.size()) {
+      TrialOrder next{.trial = tallies.trials,
+                      .contact = here(),
+                      .level = level,
+                      .direction = kPressing,
+                      .normal_force = normal_force() * pressing()};
+      if (!pressed) {
+        order = next;
+        return;
+      }
+      if (direction >= directions.size()) {
+        next_level();
+        continue;
+      }
+      if (const std::optional<double> size = tangential()) {
+        next.direction = directions[direction];
+        next.tangential_force = *size * unit_tangent();
+        order = next;
+        return;
+      }
+      next_direction();
+    }
+  }
+
+  void count(const TrialResult& result) {
+    ++tallies.trials;
+    tallies.seconds += result.seconds;
+    if (sample_of(*order, result, 0)) {
+      ++tallies.samples;
+      tallies.slipped += result.outcome != TrialOutcome::held ? 1 : 0;
+    }
+  }
+
+  TrialVerdict take(const TrialResult& result) {
+    TrialVerdict verdict;
+    count(result);
+    const bool slipped =
+        result.outcome == TrialOutcome::slipped || result.outcome == TrialOutcome::fell_off;
+    if (!slipped && result.outcome != TrialOutcome::held) {
+      if (++failures >= options.most_failures) {
+        failed = verdict.contact_given_up = true;
+        next_contact();
+      } else if (pressed) {
+        next_direction();
+      }
+      decide();
+      return verdict;
+    }
+    failures = 0;
+    if (options.strategy == TrialStrategy::pooled || order->direction == kPressing) {
+      const SlipTrial trial{order->normal_force + order->tangential_force, slipped};
+      if (order->direction != kPressing || slipped) posterior->add({&trial, 1});
+    }
+    if (order->direction == kPressing) {
+      pressed = true;
+      if (slipped) direction = directions.size();  // no tangential force can hold here
+    } else {
+      take_tangential(slipped, verdict);
+    }
+    decide();
+    return verdict;
+  }
+
+  void take_tangential(bool slipped, TrialVerdict& verdict) {
+    const double size = order->tangential_force.norm();
+    ++search.tries;
+    if (slipped) {
+      search.slipped = true;
+      search.high = std::min(search.high, size);
+    } else {
+      search.low = size;
+      search.held = order->trial;
+    }
+    const bool known = options.strategy == TrialStrategy::bisection
+                           ? search.high - search.low <= options.resolution
+                           : true;
+    if (known && search.slipped && search.held) verdict.on_boundary = search.held;
+  }
+
+  ContactPlan plan;
+  CampaignOptions options;
+  std::size_t contact = 0;
+  int level = 0;
+  bool pressed = false;  // at this level
+  std::vector<int> directions;
+  std::size_t direction = 0;  // index in `directions`
+  Search search;
+  int failures = 0;     // in a row
+  bool failed = false;  // the contact
+  std::optional<ConePosterior> posterior;
+  std::vector<ConeEstimate> cones;
+  CampaignProgress tallies;
+  std::optional<TrialOrder> order;
+};
+
+Campaign::Campaign(ContactPlan plan, const CampaignOptions& options) {
+  check_campaign_options(options);
+  if (plan.contacts.empty() || plan.normal_forces.empty())
+    throw InvalidInput("Campaign: the plan has no contact or no level; plan at least one");
+  impl_ = std::make_unique<Impl>(std::move(plan), options);
+  impl_->begin_contact();
+  impl_->decide();
+}
+
+Campaign::~Campaign() = default;
+Campaign::Campaign(Campaign&&) noexcept = default;
+Campaign& Campaign::operator=(Campaign&&) noexcept = default;
+
+std::optional<TrialOrder> Campaign::next() const { return impl_->order; }
+const ContactPlan& Campaign::plan() const { return impl_->plan; }
+const std::vector<ConeEstimate>& Campaign::cones() const { return impl_->cones; }
+
+TrialVerdict Campaign::take(const TrialRecord& record) {
+  const std::optional<TrialOrder>& due = impl_->order;
+  if (!due || record.order.trial != due->trial || record.order.contact.id != due->contact.id ||
+      record.order.level != due->level || record.order.direction != due->direction ||
+      record.order.normal_force != due->normal_force ||
+      record.order.tangential_force != due->tangential_force) {
+    throw InvalidInput("Campaign: trial " + std::to_string(record.order.trial) +
+                       " is not the one that this plan and these options order next");
+  }
+  return impl_->take(record.result);
+}
+
+CampaignProgress Campaign::progress() const {
+  const Impl& at = *impl_;
+  CampaignProgress progress = at.tallies;
+  progress.contacts = static_cast<int>(at.plan.contacts.size());
+  progress.contacts_done = static_cast<int>(at.contact);
+  // What a contact takes: as those before it, or by the options.
+  double of_contact = 0;
+  for (const double normal : at.plan.normal_forces) {
+    const double most =
+        std::sqrt(std::max(std::pow(at.plan.options.max_force, 2) - normal * normal, 0.0));
+    const double tries = at.options.strategy == TrialStrategy::bisection
+                             ? std::max(0.0, std::ceil(std::log2(most / at.options.resolution)))
+                             : 1.5;
+    of_contact += 1 + (most > 0 ? at.plan.options.directions * tries : 0);
+  }
+  const double part =
+      static_cast<double>(at.level) / static_cast<double>(at.plan.normal_forces.size());
+  const double contacts_done = static_cast<double>(at.contact) + (at.order ? part : 0);
+  if (at.contact > 0) of_contact = progress.trials / contacts_done;
+  progress.trials_left = of_contact * (progress.contacts - contacts_done);
+  progress.seconds_left =
+      progress.trials_left *
+      (progress.trials > 0 ? progress.seconds / progress.trials : kUsualSeconds);
+  return progress;
+}
+
+}  // namespace palpate::probing

@@ -1,0 +1,323 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/probing/campaign_store.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <utility>
+
+#include "palpate/error.h"
+#include "palpate/output_file.h"
+#include "records/database.h"
+
+namespace palpate::probing {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kStoreVersion = 1;
+constexpr const char* kCampaignSchema =
+    "CREATE TABLE run(key TEXT PRIMARY KEY, value TEXT NOT NULL);"
+    "CREATE TABLE trial(id INTEGER PRIMARY KEY, contact INTEGER NOT NULL, level INTEGER NOT NULL,"
+    " direction INTEGER NOT NULL, nx REAL NOT NULL, ny REAL NOT NULL, nz REAL NOT NULL,"
+    " tx REAL NOT NULL, ty REAL NOT NULL, tz REAL NOT NULL, outcome TEXT NOT NULL,"
+    " touch_x REAL, touch_y REAL, touch_z REAL, ax REAL, ay REAL, az REAL, bx REAL, by REAL,"
+    " bz REAL, again_x REAL, again_y REAL, again_z REAL, slip_statistic REAL,"
+    " seconds REAL NOT NULL);"
+    "CREATE TABLE event(id INTEGER PRIMARY KEY, trial INTEGER, kind TEXT NOT NULL,"
+    " text TEXT NOT NULL);";
+constexpr const char* kWhatACampaignIs = "; expected the store of 'palpate probe run'";
+
+constexpr std::array kOutcomes = {TrialOutcome::held,      TrialOutcome::slipped,
+                                  TrialOutcome::fell_off,  TrialOutcome::no_contact,
+                                  TrialOutcome::unsettled, TrialOutcome::timed_out};
+
+TrialOutcome outcome_of(const std::string& name) {
+  for (const TrialOutcome outcome : kOutcomes) {
+    if (name == to_string(outcome)) return outcome;
+  }
+  throw DatabaseError("a trial has the outcome '" + name + "', which is unknown");
+}
+
+// The one process that may write. Declared before the database: closing any descriptor of a file
+// drops the locks that SQLite holds on it.
+class WriterLock {
+ public:
+  WriterLock(const std::filesystem::path& path, int flags)
+      : file_(::open(path.c_str(), flags | O_CLOEXEC, 0666)) {
+    if (file_ < 0) {
+      const std::string reason = errno == EEXIST ? "it exists already; choose another name, or go "
+                                                   "on with it by 'palpate probe resume'"
+                                                 : std::strerror(errno);
+      throw OutputError(path.string() + ": cannot be written: " + reason);
+    }
+    if (::flock(file_, LOCK_EX | LOCK_NB) != 0) {
+      ::close(file_);
+      throw OutputError(path.string() +
+                        ": another process writes into it; wait for it, or end it first");
+    }
+  }
+  ~WriterLock() { ::close(file_); }
+  WriterLock(const WriterLock&) = delete;
+  WriterLock& operator=(const WriterLock&) = delete;
+
+ private:
+  int file_;
+};
+
+// The members of the options, for reading and writing alike.
+template <typename Options, typename Visit>
+void visit_campaign_options(Options& o, Visit&& visit) {
+  visit("seed", o.seed);
+  visit("resolution", o.resolution);
+  visit("cautious", o.cautious);
+  visit("friction_accuracy", o.friction_accuracy);
+  visit("most_failures", o.most_failures);
+  visit("clearance", o.program.clearance);
+  visit("travel_limit", o.program.travel_limit);
+  visit("touch_limit", o.program.touch_limit);
+  visit("settle_limit", o.program.settle_limit);
+  visit("lift_limit", o.program.lift_limit);
+  visit("position_noise", o.program.position_noise);
+  visit("force_noise", o.program.force_noise);
+}
+
+void check_is_campaign(sqlite3* database) {
+  const long long version = number_of(database, "PRAGMA user_version");
+  if (version > kStoreVersion) {
+    throw DatabaseError("is of version " + std::to_string(version) +
+                        ", newer than this program, which reads " + std::to_string(kStoreVersion));
+  }
+  if (number_of(database, "SELECT count(*) FROM sqlite_master WHERE name = 'run'") == 0)
+    throw DatabaseError("holds no campaign");
+}
+
+CampaignDescription read_description(sqlite3* database) {
+  std::map<std::string, std::string> values;
+  const Statement run = prepare(database, "SELECT key, value FROM run");
+  while (step(run.get())) {
+    Row row(run.get(), "run");
+    const std::string key = row.text();
+    values[key] = row.text();
+  }
+  return {.plan = values["plan"],
+          .strategy = values["strategy"],
+          .arm = values["arm"],
+          .software = values["software"]};
+}
+
+}  // namespace
+
+struct CampaignStore::Impl {
+  std::filesystem::path path;
+  std::unique_ptr<WriterLock> lock;
+  Database database;
+  CampaignDescription description = {};
+  std::optional<Insert> contact = {}, sample = {}, trial = {}, boundary = {}, event = {};
+
+  void prepare_to_write() {
+    sqlite3* db = database.get();
+    execute(db, "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL; PRAGMA foreign_keys = ON");
+  }
+
+  void prepare_statements() {
+    sqlite3* db = database.get();
+    contact.emplace(db, "INSERT OR IGNORE INTO contact VALUES(?,?,?,?,?,?,?)");
+    sample.emplace(db, kInsertSample);
+    trial.emplace(db,
+                  "INSERT INTO trial VALUES(?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)");
+    boundary.emplace(db, "UPDATE sample SET on_friction_boundary = 1 WHERE id = ?");
+    event.emplace(db, "INSERT INTO event(trial, kind, text) VALUES(?,?,?)");
+  }
+
+  // Does all of `work` or nothing.
+  template <typename Work>
+  void transact(const Work& work) {
+    try {
+      execute(database.get(), "BEGIN IMMEDIATE");
+      work();
+      execute(database.get(), "COMMIT");
+    } catch (const DatabaseError& wrong) {
+      sqlite3_exec(database.get(), "ROLLBACK", nullptr, nullptr, nullptr);
+      throw OutputError(path.string() + ": " + wrong.what() +
+                        "; free some space, then go on with 'palpate probe resume'");
+    }
+  }
+};
+
+CampaignStore::CampaignStore(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+CampaignStore::~CampaignStore() = default;
+CampaignStore::CampaignStore(CampaignStore&&) noexcept = default;
+CampaignStore& CampaignStore::operator=(CampaignStore&&) noexcept = default;
+
+CampaignStore CampaignStore::create(const std::filesystem::path& path,
+                                    const CampaignDescription& description) {
+  auto impl = std::make_unique<Impl>();
+  impl->path = path;
+  impl->lock = std::make_unique<WriterLock>(path, O_RDWR | O_CREAT | O_EXCL);
+  impl->description = description;
+  try {
+    impl->database = open_database(path, SQLITE_OPEN_READWRITE);
+    impl->prepare_to_write();
+  } catch (const DatabaseError& wrong) {
+    throw OutputError(path.string() + ": " + wrong.what() + "; choose another folder");
+  }
+  impl->transact([&] {
+    sqlite3* db = impl->database.get();
+    execute(db, kAcquisitionSchema);
+    execute(db, kCampaignSchema);
+    execute(db, ("PRAGMA user_version = " + std::to_string(kStoreVersion)).c_str());
+    Insert run(db, "INSERT INTO run VALUES(?,?)"), meta(db, "INSERT INTO meta VALUES(?,?)");
+    const std::pair<const char*, const std::string*> values[] = {
+        {"plan", &description.plan},
+        {"strategy", &description.strategy},
+        {"arm", &description.arm},
+        {"software", &description.software}};
+    for (const auto& [key, value] : values) (run << std::string(key) << *value).run();
+    (meta << std::string("source") << description.software).run();
+  });
+  impl->prepare_statements();
+  return CampaignStore(std::move(impl));
+}
+
+CampaignStore CampaignStore::open(const std::filesystem::path& path) {
+  if (!std::filesystem::is_regular_file(path))
+    throw FileError(path.string() + ": there is no such file" + kWhatACampaignIs);
+  auto impl = std::make_unique<Impl>();
+  impl->path = path;
+  impl->lock = std::make_unique<WriterLock>(path, O_RDWR);
+  try {
+    impl->database = open_database(path, SQLITE_OPEN_READWRITE);
+    check_is_campaign(impl->database.get());
+    impl->description = read_description(impl->database.get());
+    impl->prepare_to_write();
+    impl->prepare_statements();
+  } catch (const DatabaseError& wrong) {
+    throw FileError(path.string() + ": " + wrong.what() + kWhatACampaignIs);
+  }
+  return CampaignStore(std::move(impl));
+}
+
+CampaignStore CampaignStore::look(const std::filesystem::path& path) {
+  if (!std::filesystem::is_regular_file(path))
+    throw FileError(path.string() + ": there is no such file" + kWhatACampaignIs);
+  auto impl = std::make_unique<Impl>();
+  impl->path = path;
+  try {
+    impl->database = open_database(path, SQLITE_OPEN_READONLY);
+    check_is_campaign(impl->database.get());
+    impl->description = read_description(impl->database.get());
+  } catch (const DatabaseError& wrong) {
+    throw FileError(path.string() + ": " + wrong.what() + kWhatACampaignIs);
+  }
+  return CampaignStore(std::move(impl));
+}
+
+const CampaignDescription& CampaignStore::description() const { return impl_->description; }
+
+std::vector<TrialRecord> CampaignStore::trials(const std::vector<Contact>& contacts) const {
+  std::vector<TrialRecord> records;
+  try {
+    const Statement rows = prepare(impl_->database.get(), "SELECT * FROM trial ORDER BY id");
+    while (step(rows.get())) {
+      Row row(rows.get(), "trial");
+      TrialRecord record;
+      record.order.trial = row.integer();
+      const long long contact = row.integer();
+      const auto found = std::find_if(contacts.begin(), contacts.end(),
+                                      [&](const Contact& each) { return each.id == contact; });
+      if (found == contacts.end())
+        throw DatabaseError("a trial is of contact " + std::to_string(contact) +
+                            ", which the plan does not have");
+      record.order.contact = *found;
+      record.order.level = static_cast<int>(row.integer());
+      record.order.direction = static_cast<int>(row.integer());
+      record.order.normal_force = row.vector();
+      record.order.tangential_force = row.vector();
+      record.result.outcome = outcome_of(row.text());
+      record.result.touch = row.vector_or_nan();
+      record.result.a = row.vector_or_nan();
+      record.result.b = row.vector_or_nan();
+      record.result.a_again = row.vector_or_nan();
+      record.result.slip_statistic = row.number_or_nan();
+      record.result.seconds = row.number();
+      records.push_back(record);
+    }
+  } catch (const DatabaseError& wrong) {
+    throw FileError(impl_->path.string() + ": " + wrong.what() + kWhatACampaignIs);
+  }
+  return records;
+}
+
+void CampaignStore::append(const TrialRecord& record, const TrialVerdict& verdict, double time) {
+  const TrialOrder& order = record.order;
+  const TrialResult& result = record.result;
+  impl_->transact([&] {
+    if (const std::optional<Sample> sample = sample_of(order, result, time)) {
+      (*impl_->contact << order.contact.id << order.contact.position << order.contact.normal).run();
+      insert_sample(*impl_->sample, *sample);
+    }
+    (*impl_->trial << order.trial << order.contact.id << static_cast<long long>(order.level)
+                   << static_cast<long long>(order.direction) << order.normal_force
+                   << order.tangential_force << std::string(to_string(result.outcome))
+                   << result.touch << result.a << result.b << result.a_again
+                   << result.slip_statistic << result.seconds)
+        .run();
+    if (verdict.on_boundary) (*impl_->boundary << *verdict.on_boundary).run();
+    if (verdict.contact_given_up) {
+      (*impl_->event << order.trial << std::string("contact_given_up")
+                     << "contact " + std::to_string(order.contact.id) + ": " +
+                            to_string(result.outcome))
+          .run();
+    }
+  });
+}
+
+void CampaignStore::note(const std::string& kind, const std::string& text) {
+  impl_->transact([&] {
+    const long long trial =
+        number_of(impl_->database.get(), "SELECT coalesce(max(id), -1) FROM trial");
+    (*impl_->event << trial << kind << text).run();
+  });
+}
+
+void CampaignStore::finish() {
+  for (std::optional<Insert>* each :
+       {&impl_->contact, &impl_->sample, &impl_->trial, &impl_->boundary, &impl_->event})
+    each->reset();
+  try {
+    execute(impl_->database.get(), "PRAGMA wal_checkpoint(TRUNCATE); PRAGMA journal_mode = DELETE");
+  } catch (const DatabaseError& wrong) {
+    throw OutputError(impl_->path.string() + ": " + wrong.what() + "; free some space");
+  }
+}
+
+std::string to_text(const CampaignOptions& options) {
+  Json json{{"strategy", to_string(options.strategy)}};
+  visit_campaign_options(options, [&](const char* name, const auto& value) { json[name] = value; });
+  return json.dump();
+}
+
+CampaignOptions parse_campaign_options(const std::string& text, const std::string& source) {
+  CampaignOptions options;
+  try {
+    const Json json = Json::parse(text);
+    options.strategy = json.at("strategy") == to_string(TrialStrategy::bisection)
+                           ? TrialStrategy::bisection
+                           : TrialStrategy::pooled;
+    visit_campaign_options(options,
+                           [&](const char* name, auto& value) { json.at(name).get_to(value); });
+  } catch (const Json::exception& wrong) {
+    throw FileError(source + ": its strategy cannot be read: " + wrong.what());
+  }
+  return options;
+}
+
+}  // namespace palpate::probing

@@ -1,0 +1,195 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/probing/cone_posterior.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "palpate/error.h"
+#include "palpate/require.h"
+
+namespace palpate::probing {
+namespace {
+
+constexpr int kAngles = 15, kTilts = 11;  // cells of the grid along each unknown
+/// The grid reaches so many standard deviations to each side.
+constexpr double kReach = 3.5;
+/// A trial is blurred by a variance of the squared size of a cell over this: 12 would be that of a
+/// place anywhere in a cell.
+constexpr double kBlur = 48;
+constexpr double kLapse = 0.02;  // probability that a slip was judged wrongly, either way
+constexpr double kCertain = 8;   // standard deviations beyond which a trial's outcome is certain
+/// The grid follows the distribution until no deviation changes by more than this part of itself,
+/// and no mean by more than this part of a deviation.
+constexpr double kSteady = 0.1;
+constexpr int kMaxSteps = 25;
+/// [rad] Contacts differ by so much in their angles before any contact is known, which counts like
+/// `kAssumedContacts` contacts.
+constexpr double kAssumedSpread = 0.1;
+constexpr double kAssumedContacts = 2;
+constexpr double kLargestAngle = 1.55;  // [rad]: a coefficient of 48
+
+double normal_probability(double z) {
+  if (z > kCertain) return 1;
+  if (z < -kCertain) return 0;
+  return std::erfc(-z / std::numbers::sqrt2) / 2;
+}
+
+/// The value below which a part of the weight of equal cells lies; the weight is even in a cell.
+double quantile(const Eigen::VectorXd& weights, double low, double step, double part) {
+  double below = 0;
+  for (Eigen::Index i = 0; i < weights.size(); ++i) {
+    if (below + weights[i] >= part) {
+      return low + step * (static_cast<double>(i) - 0.5 + (part - below) / weights[i]);
+    }
+    below += weights[i];
+  }
+  return low + step * (static_cast<double>(weights.size()) - 0.5);
+}
+
+}  // namespace
+
+ConePrior pooled_prior(std::span<const ConeEstimate> cones, double force_noise) {
+  ConePrior prior{.force_noise = force_noise};
+  std::vector<ConeEstimate> known;
+  for (const ConeEstimate& cone : cones) {
+    if (cone.angle_deviation < kAssumedSpread) known.push_back(cone);
+  }
+  if (known.empty()) return prior;
+  const auto count = static_cast<double>(known.size());
+  double mean = 0, squares = 0, uncertainty = 0, tilts = 0;
+  for (const ConeEstimate& cone : known) mean += cone.angle / count;
+  for (const ConeEstimate& cone : known) {
+    squares += (cone.angle - mean) * (cone.angle - mean);
+    uncertainty += cone.angle_deviation * cone.angle_deviation / count;
+    tilts += (cone.tilt * cone.tilt + cone.axis_error * cone.axis_error) / 2;
+  }
+  const double spread = (squares + kAssumedContacts * kAssumedSpread * kAssumedSpread) /
+                        (count - 1 + kAssumedContacts);
+  prior.angle = mean;
+  prior.angle_deviation = std::sqrt(spread + (spread + uncertainty) / count);
+  prior.tilt_deviation =
+      std::sqrt((tilts + kAssumedContacts * prior.tilt_deviation * prior.tilt_deviation) /
+                (count + kAssumedContacts));
+  return prior;
+}
+
+ConePosterior::ConePosterior(const Eigen::Vector3d& pressing, const ConePrior& prior)
+    : prior_(prior) {
+  require("ConePrior::angle", prior.angle, at_least(0).at_most(kLargestAngle), "rad");
+  require("ConePrior::angle_deviation", prior.angle_deviation, above(0).finite(), "rad");
+  require("ConePrior::tilt_deviation", prior.tilt_deviation, above(0).finite(), "rad");
+  require("ConePrior::force_noise", prior.force_noise, above(0).finite(), "N");
+  if (!(pressing.norm() > 0) || !pressing.allFinite())
+    throw InvalidInput("ConePosterior: the pressing direction must be finite and not zero");
+  frame_ = Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), pressing).matrix();
+  mean_ = {prior.angle, 0, 0};
+  deviation_ = {prior.angle_deviation, prior.tilt_deviation, prior.tilt_deviation};
+  follow();
+}
+
+void ConePosterior::add(std::span<const SlipTrial> trials) {
+  for (const SlipTrial& trial : trials)
+    trials_.push_back({frame_.transpose() * trial.force, trial.slipped});
+  follow();
+}
+
+// Weighs the cells of a box. Trials are blurred by the size of a cell, so that a coarse grid sees
+// where a narrow distribution lies.
+void ConePosterior::fill(const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
+  const Eigen::Vector3d step =
+      (high - low).cwiseQuotient(Eigen::Vector3d(kAngles - 1, kTilts - 1, kTilts - 1));
+  cells_.resize(4, kAngles * kTilts * kTilts);
+  angles_.setLinSpaced(kAngles, low[0], high[0]);
+  Eigen::VectorXd cost(cells_.cols());
+  Eigen::Index cell = 0;
+  for (int i = 0; i < kAngles; ++i) {
+    for (int j = 0; j < kTilts; ++j) {
+      for (int k = 0; k < kTilts; ++k, ++cell) {
+        const double angle = angles_[i], x = low[1] + step[1] * j, y = low[2] + step[2] * k;
+        cells_.col(cell) << std::sin(angle), std::cos(angle), x, y;
+        cost[cell] = std::pow((angle - prior_.angle) / prior_.angle_deviation, 2) / 2 +
+                     (x * x + y * y) / (2 * prior_.tilt_deviation * prior_.tilt_deviation);
+      }
+    }
+  }
+  const double blur = (step[0] * step[0] + std::max(step[1] * step[1], step[2] * step[2])) / kBlur;
+  for (const SlipTrial& trial : trials_) {
+    const double noise =
+        std::sqrt(prior_.force_noise * prior_.force_noise + blur * trial.force.squaredNorm());
+    for (cell = 0; cell < cells_.cols(); ++cell) {
+      const Eigen::Vector4d c = cells_.col(cell);
+      const double along = (trial.force.x() * c[2] + trial.force.y() * c[3] + trial.force.z()) /
+                           std::sqrt(1 + c[2] * c[2] + c[3] * c[3]);
+      const double across = std::sqrt(std::max(trial.force.squaredNorm() - along * along, 0.0));
+      const double slips = normal_probability((c[1] * across - c[0] * along) / noise);
+      cost[cell] -= std::log(kLapse + (1 - 2 * kLapse) * (trial.slipped ? slips : 1 - slips));
+    }
+  }
+  weights_ = (cost.minCoeff() - cost.array()).exp().matrix();
+  weights_ /= weights_.sum();
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero(), square = Eigen::Vector3d::Zero();
+  for (cell = 0; cell < cells_.cols(); ++cell) {
+    const Eigen::Vector3d at(angles_[cell / (kTilts * kTilts)], cells_(2, cell), cells_(3, cell));
+    mean += weights_[cell] * at;
+    square += weights_[cell] * at.cwiseProduct(at);
+  }
+  mean_ = mean;
+  deviation_ =
+      (square - mean.cwiseProduct(mean)).cwiseMax(step.cwiseProduct(step) / 12).cwiseSqrt();
+}
+
+void ConePosterior::follow() {
+  for (int i = 0; i < kMaxSteps; ++i) {
+    const Eigen::Vector3d mean = mean_, deviation = deviation_;
+    Eigen::Vector3d low = mean - kReach * deviation, high = mean + kReach * deviation;
+    low[0] = std::max(low[0], 0.0);
+    high[0] = std::clamp(high[0], low[0] + 1e-4, kLargestAngle);
+    fill(low, high);
+    const bool steady =
+        ((mean_ - mean).cwiseAbs().array() < kSteady * deviation_.array()).all() &&
+        ((deviation_ - deviation).cwiseAbs().array() < kSteady * deviation_.array()).all();
+    if (steady) break;
+  }
+}
+
+double ConePosterior::slip_probability(const Eigen::Vector3d& force) const {
+  const Eigen::Vector3d f = frame_.transpose() * force;
+  double probability = 0;
+  for (Eigen::Index cell = 0; cell < cells_.cols(); ++cell) {
+    const Eigen::Vector4d c = cells_.col(cell);
+    const double along =
+        (f.x() * c[2] + f.y() * c[3] + f.z()) / std::sqrt(1 + c[2] * c[2] + c[3] * c[3]);
+    const double across = std::sqrt(std::max(f.squaredNorm() - along * along, 0.0));
+    probability +=
+        weights_[cell] * normal_probability((c[1] * across - c[0] * along) / prior_.force_noise);
+  }
+  return probability;
+}
+
+ConeEstimate ConePosterior::estimate() const {
+  ConeEstimate result;
+  Eigen::VectorXd of_angle(kAngles);
+  for (int i = 0; i < kAngles; ++i)
+    of_angle[i] = weights_.segment(i * kTilts * kTilts, kTilts * kTilts).sum();
+  const double step = angles_[1] - angles_[0];
+  const auto at = [&](double part) {
+    return std::clamp(quantile(of_angle, angles_[0], step, part), 0.0, kLargestAngle);
+  };
+  result.angle = mean_[0];
+  result.angle_deviation = deviation_[0];
+  result.least_angle = at(0.05);
+  result.low = std::tan(at(0.025));
+  result.high = std::tan(at(0.975));
+  result.coefficient = std::tan(result.angle);
+  result.coefficient_error = deviation_[0] * (1 + result.coefficient * result.coefficient);
+  result.axis = frame_ * Eigen::Vector3d(mean_[1], mean_[2], 1).normalized();
+  result.axis_error = std::hypot(deviation_[1], deviation_[2]);
+  result.tilt = std::atan(std::hypot(mean_[1], mean_[2]));
+  return result;
+}
+
+}  // namespace palpate::probing

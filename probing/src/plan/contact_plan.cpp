@@ -1,0 +1,286 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/probing/contact_plan.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+#include <utility>
+
+#include "palpate/error.h"
+#include "palpate/geometry/farthest_points.h"
+#include "palpate/geometry/geodesic_distance.h"
+#include "palpate/geometry/mesh_topology.h"
+#include "palpate/geometry/surface_query.h"
+#include "palpate/parallel_for.h"
+#include "palpate/require.h"
+#include "records/record_hash.h"
+
+namespace palpate::probing {
+namespace {
+
+using geometry::TriangleMesh;
+
+/// A ball touches another place iff it contains a point deeper than this part of its radius: above
+/// the noise of scans at usual radii.
+constexpr double kObstruction = 0.1;
+constexpr int kEligibilities = 5;
+constexpr double kGoldenAngle = 2 * std::numbers::pi * (2 - std::numbers::phi);  // [rad]
+
+void check_options(const PlanOptions& options) {
+  require("PlanOptions::spacing", options.spacing, above(0).finite(), "mm");
+  require("PlanOptions::contacts", options.contacts, above(0));
+  require("PlanOptions::tip_radius", options.tip_radius, above(0).finite(), "mm");
+  require("PlanOptions::border", options.border, at_least(0).finite());
+  require("PlanOptions::view_angle", options.view_angle, above(0).at_most(std::numbers::pi / 2),
+          "rad");
+  require("PlanOptions::lowest_force", options.lowest_force, above(0).finite(), "N");
+  require("PlanOptions::highest_force", options.highest_force,
+          at_least(options.lowest_force).finite(), "N");
+  require("PlanOptions::max_force", options.max_force, at_least(options.highest_force).finite(),
+          "N");
+  require("PlanOptions::levels", options.levels, above(0));
+  require("PlanOptions::directions", options.directions, at_least(0));
+  for (const double place : options.sensor) require("PlanOptions::sensor", place, finite(), "mm");
+}
+
+/// The vertices that share an edge with each vertex.
+struct Neighbours {
+  std::vector<int> first;  // V + 1
+  std::vector<int> vertex;
+
+  explicit Neighbours(const TriangleMesh& mesh)
+      : first(static_cast<std::size_t>(mesh.vertices.cols()) + 1) {
+    for (const int v : mesh.triangles.reshaped()) first[static_cast<std::size_t>(v) + 1] += 2;
+    for (std::size_t i = 1; i < first.size(); ++i) first[i] += first[i - 1];
+    vertex.resize(static_cast<std::size_t>(first.back()));
+    std::vector<int> next(first.begin(), first.end() - 1);
+    for (const auto& corners : mesh.triangles.colwise()) {
+      for (int k = 0; k < 3; ++k) {
+        int& place = next[static_cast<std::size_t>(corners[k])];
+        vertex[static_cast<std::size_t>(place++)] = corners[(k + 1) % 3];
+        vertex[static_cast<std::size_t>(place++)] = corners[(k + 2) % 3];
+      }
+    }
+  }
+};
+
+/// For each vertex the sum of the area vectors of the triangles at the vertices within `radius` of
+/// it that are connected with it inside that ball.
+Eigen::Matrix3Xd fitted_normals(const TriangleMesh& mesh, double radius) {
+  Eigen::Matrix3Xd areas = Eigen::Matrix3Xd::Zero(3, mesh.vertices.cols());
+  for (const auto& corners : mesh.triangles.colwise()) {
+    const Eigen::Vector3d a = mesh.vertices.col(corners[0]);
+    const Eigen::Vector3d area =
+        (mesh.vertices.col(corners[1]) - a).cross(mesh.vertices.col(corners[2]) - a);
+    for (const int corner : corners) areas.col(corner) += area;
+  }
+  const Neighbours neighbours(mesh);
+  Eigen::Matrix3Xd normals(3, mesh.vertices.cols());
+  constexpr std::ptrdiff_t kGrain = 2000;
+  parallel_ranges(mesh.vertices.cols(), kGrain, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+    std::vector<Eigen::Index> found_from(static_cast<std::size_t>(mesh.vertices.cols()), -1);
+    std::vector<int> found;
+    for (Eigen::Index v = begin; v < end; ++v) {
+      found.assign(1, static_cast<int>(v));
+      found_from[static_cast<std::size_t>(v)] = v;
+      Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+      for (std::size_t i = 0; i < found.size(); ++i) {
+        sum += areas.col(found[i]);
+        const auto at = static_cast<std::size_t>(found[i]);
+        for (int n = neighbours.first[at]; n < neighbours.first[at + 1]; ++n) {
+          const int other = neighbours.vertex[static_cast<std::size_t>(n)];
+          Eigen::Index& seen = found_from[static_cast<std::size_t>(other)];
+          if (seen == v) continue;
+          seen = v;
+          const double squared = (mesh.vertices.col(other) - mesh.vertices.col(v)).squaredNorm();
+          if (squared <= radius * radius) found.push_back(other);
+        }
+      }
+      normals.col(v) = sum / sum.norm();  // NaN without triangles
+    }
+  });
+  return normals;
+}
+
+std::vector<bool> near_border(const TriangleMesh& mesh, double distance) {
+  std::vector<bool> near(static_cast<std::size_t>(mesh.vertices.cols()));
+  const std::vector<geometry::SurfacePoint> places = geometry::vertex_points(mesh);
+  std::vector<geometry::SurfacePoint> border;
+  for (const std::vector<int>& loop : geometry::boundary_loops(mesh)) {
+    for (const int v : loop) border.push_back(places[static_cast<std::size_t>(v)]);
+  }
+  if (border.empty() || distance == 0) return near;
+  const Eigen::VectorXd from_border =
+      geometry::geodesic_distance(mesh, border, {.stop_radius = distance}).distance;
+  for (std::size_t v = 0; v < near.size(); ++v)
+    near[v] = from_border[static_cast<Eigen::Index>(v)] < distance;
+  return near;
+}
+
+/// [mm] Distances of the vertices from the nearest contact.
+double cover_of(const TriangleMesh& mesh, std::span<const int> vertices,
+                std::span<const int> candidates) {
+  const std::vector<geometry::SurfacePoint> places = geometry::vertex_points(mesh);
+  std::vector<geometry::SurfacePoint> sources;
+  for (const int v : vertices) sources.push_back(places[static_cast<std::size_t>(v)]);
+  const Eigen::VectorXd distance = geometry::geodesic_distance(mesh, sources).distance;
+  double cover = 0;
+  for (const int v : candidates) cover = std::max(cover, distance[v]);
+  return cover;
+}
+
+/// Vertices on alternating grid lines, seen along the sensor's axis Z (thesis 4.2).
+std::vector<int> grid_vertices(const TriangleMesh& mesh, std::span<const Eligibility> eligible,
+                               const PlanOptions& options) {
+  const geometry::SurfaceQuery query(mesh);
+  const Eigen::Vector3d low = mesh.vertices.rowwise().minCoeff(),
+                        high = mesh.vertices.rowwise().maxCoeff();
+  const double depth = high.z() - low.z() + options.spacing;
+  std::vector<int> found;
+  bool shifted = false;
+  const double line = options.spacing * std::sqrt(3) / 2;  // contacts of both lines are as far
+  for (double y = low.y() + line / 2; y < high.y(); y += line, shifted = !shifted) {
+    for (double x = low.x() + options.spacing * (shifted ? 1 : 0.5); x < high.x();
+         x += options.spacing) {
+      const auto hit = query.first_hit({.origin = {x, y, low.z() - options.spacing},
+                                        .direction = Eigen::Vector3d::UnitZ(),
+                                        .max_distance = 2 * depth});
+      if (!hit) continue;
+      int corner = 0;
+      hit->at.barycentric.maxCoeff(&corner);
+      const int v = mesh.triangles(corner, hit->at.triangle);
+      if (eligible[static_cast<std::size_t>(v)] != Eligibility::eligible) continue;
+      if (std::find(found.begin(), found.end(), v) == found.end()) found.push_back(v);
+      if (static_cast<int>(found.size()) >= options.contacts) return found;
+    }
+  }
+  return found;
+}
+
+std::string counts(std::span<const Eigen::Index> excluded) {
+  std::string text;
+  for (int i = 1; i < kEligibilities; ++i) {
+    const Eigen::Index count = excluded[static_cast<std::size_t>(i)];
+    if (count == 0) continue;
+    text += (text.empty() ? "" : ", ") + std::to_string(count) + " " +
+            to_string(static_cast<Eligibility>(i));
+  }
+  return text;
+}
+
+}  // namespace
+
+const char* to_string(PlanPattern pattern) {
+  return pattern == PlanPattern::grid ? "grid" : "farthest_point";
+}
+
+const char* to_string(Eligibility eligibility) {
+  switch (eligibility) {
+    case Eligibility::eligible:
+      return "eligible";
+    case Eligibility::no_surface:
+      return "no_surface";
+    case Eligibility::near_border:
+      return "near_border";
+    case Eligibility::oblique:
+      return "oblique";
+    case Eligibility::obstructed:
+      return "obstructed";
+  }
+  return "";
+}
+
+double direction_angle(const PlanOptions& options, int level, int k) {
+  return kGoldenAngle * level + 2 * std::numbers::pi * k / options.directions;
+}
+
+Eigen::Matrix3d tangent_frame(const Contact& contact) {
+  const Eigen::Vector3d inward = -contact.normal.normalized();
+  Eigen::Vector3d along = Eigen::Vector3d::UnitX() - inward * inward.x();
+  constexpr double kAlongNormal = 1e-3;  // sine of the angle
+  if (along.norm() < kAlongNormal) along = Eigen::Vector3d::UnitY() - inward * inward.y();
+  along.normalize();
+  Eigen::Matrix3d frame;
+  frame << along, inward.cross(along), inward;
+  return frame;
+}
+
+std::vector<Eligibility> eligibility(const TriangleMesh& mesh, const PlanOptions& options,
+                                     Eigen::Matrix3Xd& normals) {
+  check_options(options);
+  geometry::check_mesh(mesh, "plan_contacts");
+  normals = fitted_normals(mesh, options.tip_radius);
+  const std::vector<bool> at_border = near_border(mesh, options.border * options.tip_radius);
+  const geometry::SurfaceQuery query(mesh);
+  const double least_cosine = std::cos(options.view_angle);
+  std::vector<Eligibility> result(static_cast<std::size_t>(mesh.vertices.cols()));
+  parallel_for(static_cast<int>(mesh.vertices.cols()), [&](int v) {
+    const Eigen::Vector3d at = mesh.vertices.col(v), normal = normals.col(v);
+    Eligibility& found = result[static_cast<std::size_t>(v)];
+    if (!normal.allFinite()) {
+      found = Eligibility::no_surface;
+    } else if (at_border[static_cast<std::size_t>(v)]) {
+      found = Eligibility::near_border;
+    } else if (!(normal.dot((options.sensor - at).normalized()) >= least_cosine)) {
+      found = Eligibility::oblique;
+    } else if (query.closest_point(at + options.tip_radius * normal).distance <
+               (1 - kObstruction) * options.tip_radius) {
+      found = Eligibility::obstructed;
+    }
+  });
+  return result;
+}
+
+ContactPlan plan_contacts(const TriangleMesh& mesh, const PlanOptions& options) {
+  Eigen::Matrix3Xd normals;
+  const std::vector<Eligibility> eligible = eligibility(mesh, options, normals);
+  ContactPlan plan{.options = options};
+  plan.excluded.resize(kEligibilities);
+  std::vector<int> candidates;
+  for (std::size_t v = 0; v < eligible.size(); ++v) {
+    ++plan.excluded[static_cast<std::size_t>(eligible[v])];
+    if (eligible[v] == Eligibility::eligible) candidates.push_back(static_cast<int>(v));
+  }
+  std::vector<int> chosen;
+  if (options.pattern == PlanPattern::grid) {
+    chosen = grid_vertices(mesh, eligible, options);
+  } else if (!candidates.empty()) {
+    const geometry::FarthestPoints points = geometry::farthest_points(
+        mesh, candidates, {.spacing = options.spacing, .count = options.contacts});
+    chosen = points.vertices;
+    plan.cover = points.cover.back();
+  }
+  if (chosen.empty()) {
+    const bool turned =
+        plan.excluded[static_cast<std::size_t>(Eligibility::oblique)] > mesh.vertices.cols() / 2;
+    throw InvalidInput("plan_contacts: no place of the surface may be probed: of " +
+                       std::to_string(mesh.vertices.cols()) + " vertices " + counts(plan.excluded) +
+                       (turned ? ". Are the triangles turned inwards, or the sensor elsewhere?"
+                               : ". A smaller tip or spacing would leave more"));
+  }
+  if (options.pattern == PlanPattern::grid) plan.cover = cover_of(mesh, chosen, candidates);
+  for (const int v : chosen) {
+    plan.contacts.push_back(
+        {static_cast<long long>(plan.contacts.size()), mesh.vertices.col(v), normals.col(v)});
+  }
+  for (int level = 0; level < options.levels; ++level) {
+    const double part = options.levels > 1 ? level / (options.levels - 1.0) : 1;
+    plan.normal_forces.push_back(options.lowest_force *
+                                 std::pow(options.highest_force / options.lowest_force, part));
+  }
+  plan.normal_forces.back() = options.highest_force;
+  plan.surface = surface_fingerprint(mesh);
+  return plan;
+}
+
+std::string surface_fingerprint(const TriangleMesh& mesh) {
+  RecordHash hash(static_cast<std::uint64_t>(mesh.vertices.cols()));
+  for (const auto& vertex : mesh.vertices.colwise()) hash.add(Eigen::Vector3d(vertex));
+  for (const int corner : mesh.triangles.reshaped()) hash.add(static_cast<std::uint64_t>(corner));
+  return hash.digits();
+}
+
+}  // namespace palpate::probing

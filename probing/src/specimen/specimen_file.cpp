@@ -1,0 +1,88 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/probing/specimen_file.h"
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <vector>
+
+#include "palpate/error.h"
+#include "palpate/probing/closed_form.h"
+#include "specimen/closed_form_fields.h"
+
+namespace palpate::probing {
+namespace {
+
+using nlohmann::json;
+
+constexpr const char* kTypes = "sheet, beam or elastic_body";
+
+void take_member(const json& value, double& field) { field = value.get<double>(); }
+void take_member(const json& value, Eigen::Vector2d& field) {
+  field = {value.at(0).get<double>(), value.at(1).get<double>()};
+}
+bool fits(const json& value, const double&) { return value.is_number(); }
+bool fits(const json& value, const Eigen::Vector2d&) {
+  return value.is_array() && value.size() == 2 && value[0].is_number() && value[1].is_number();
+}
+const char* kind_of(const double&) { return "a number"; }
+const char* kind_of(const Eigen::Vector2d&) { return "two numbers such as [5, -20]"; }
+
+template <typename Object>
+std::unique_ptr<Specimen> specimen_of(const json& members, const std::string& source) {
+  Object object;
+  std::vector<std::string> known{"type"};
+  visit_fields(
+      object, [&](const char* name, auto& field, const Interval& /*range*/, const char* unit) {
+        known.emplace_back(name);
+        const auto member = members.find(name);
+        if (member == members.end()) return;
+        if (!fits(*member, field)) {
+          throw FileError(source + ": '" + name + "' is " + member->dump() + "; it must be " +
+                          kind_of(field) + (*unit ? std::string(" [") + unit + "]" : ""));
+        }
+        take_member(*member, field);
+      });
+  for (const auto& [name, value] : members.items()) {
+    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+    std::string list;
+    for (const std::string& each : known) list += (list.empty() ? "" : ", ") + each;
+    throw FileError(source + ": '" + name + "' is unknown; a " +
+                    members.at("type").get<std::string>() + " has " + list);
+  }
+  try {
+    return make_specimen(object);
+  } catch (const InvalidInput& wrong) {
+    throw FileError(source + ": " + wrong.what());
+  }
+}
+
+}  // namespace
+
+std::unique_ptr<Specimen> parse_specimen(const std::string& text, const std::string& source) {
+  const json members = json::parse(text, nullptr, false);
+  if (!members.is_object()) {
+    throw FileError(source + R"(: is not a JSON object; it must be one such as {"type": "sheet"})");
+  }
+  const auto type = members.find("type");
+  if (type == members.end() || !type->is_string()) {
+    throw FileError(source + ": has no 'type'; it must be " + kTypes);
+  }
+  if (*type == "sheet") return specimen_of<Sheet>(members, source);
+  if (*type == "beam") return specimen_of<Beam>(members, source);
+  if (*type == "elastic_body") return specimen_of<ElasticBody>(members, source);
+  throw FileError(source + ": 'type' is " + type->dump() + "; it must be " + kTypes);
+}
+
+std::string read_specimen_text(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string text{std::istreambuf_iterator<char>(file), {}};
+  if (!file.good() && !file.eof()) {
+    throw FileError(path.string() + ": cannot be read; pass a specimen file (JSON)");
+  }
+  return text;
+}
+
+}  // namespace palpate::probing

@@ -1,0 +1,201 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/probing/campaign_store.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sqlite3.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "campaign/campaign_testing.h"
+#include "palpate/error.h"
+#include "palpate/probing/acquisition_store.h"
+#include "palpate/probing/fingerprint.h"
+#include "scratch_folder.h"
+
+namespace palpate::probing {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+class CampaignStoreTest : public ::testing::Test {
+ protected:
+  CampaignDescription description() const {
+    return {.plan = to_text(plan), .strategy = to_text(options), .arm = "{}", .software = "test"};
+  }
+  fs::path path(const std::string& name = "a.db") const { return folder.path() / name; }
+
+  /// Goes on with the campaign in a store until it is complete, or for some trials.
+  void go_on(CampaignStore store, int most = 1 << 20) const {
+    Campaign campaign(plan, options);
+    for (const TrialRecord& record : store.trials(plan.contacts)) (void)campaign.take(record);
+    const auto arm = make_quasi_static_arm(sheet);
+    for (int i = 0; i < most && campaign.next(); ++i) {
+      const double time = campaign.progress().seconds;
+      const TrialRecord record{*campaign.next(), run_trial(*arm, *campaign.next(), {})};
+      store.append(record, campaign.take(record), time);
+    }
+    if (!campaign.next()) store.finish();
+  }
+
+  std::string print_of(const fs::path& store) const {
+    return fingerprint(read_acquisition(store).records());
+  }
+
+  const std::shared_ptr<const Specimen> sheet = make_specimen(Sheet{});
+  const ContactPlan plan = testing::small_plan(*sheet, 3);
+  const CampaignOptions options;
+  const ScratchFolder folder;
+};
+
+template <typename Call>
+std::string refused(Call call) {
+  try {
+    call();
+  } catch (const Error& e) {
+    return e.what();
+  }
+  return "";
+}
+
+TEST_F(CampaignStoreTest, GivesBackTrialsToTheLastBit) {
+  CampaignStore store = CampaignStore::create(path(), description());
+  Campaign campaign(plan, options);
+  const auto arm = make_quasi_static_arm(sheet);
+  std::vector<TrialRecord> records = testing::perform(campaign, *arm, options, 12);
+  records.back().result.outcome = TrialOutcome::no_contact;
+  records.back().result.a.setConstant(std::numeric_limits<double>::quiet_NaN());
+  for (const TrialRecord& record : records) store.append(record, {}, 1);
+  const std::vector<TrialRecord> read = store.trials(plan.contacts);
+  ASSERT_EQ(read.size(), records.size());
+  for (std::size_t i = 0; i < read.size(); ++i) {
+    EXPECT_EQ(read[i].order.trial, records[i].order.trial);
+    EXPECT_EQ(read[i].order.contact.position, records[i].order.contact.position);
+    EXPECT_EQ(read[i].order.level, records[i].order.level);
+    EXPECT_EQ(read[i].order.direction, records[i].order.direction);
+    EXPECT_EQ(read[i].order.normal_force, records[i].order.normal_force);
+    EXPECT_EQ(read[i].order.tangential_force, records[i].order.tangential_force);
+    EXPECT_EQ(read[i].result.outcome, records[i].result.outcome);
+    EXPECT_EQ(read[i].result.b, records[i].result.b);
+    EXPECT_EQ(read[i].result.seconds, records[i].result.seconds);
+  }
+  EXPECT_FALSE(read.back().result.a.allFinite());
+  EXPECT_EQ(store.description().plan, to_text(plan));
+  EXPECT_EQ(store.description().strategy, to_text(options));
+  EXPECT_EQ(to_text(parse_campaign_options(to_text(options), "a.db")), to_text(options));
+}
+
+TEST_F(CampaignStoreTest, IsAnAcquisitionAtAnyTime) {
+  CampaignStore store = CampaignStore::create(path(), description());
+  go_on(std::move(store), 9);
+  EXPECT_EQ(read_acquisition(path()).samples().size(), 9U);
+  go_on(CampaignStore::open(path()));
+  const CheckedAcquisition acquisition = read_acquisition(path());
+  EXPECT_EQ(acquisition.contacts().size(), 3U);
+  EXPECT_GT(acquisition.samples().size(), 60U);
+  int on_boundary = 0;
+  for (const Sample& sample : acquisition.samples()) on_boundary += sample.on_friction_boundary;
+  EXPECT_GT(on_boundary, 5);
+  EXPECT_FALSE(fs::exists(path().string() + "-wal"));
+}
+
+TEST_F(CampaignStoreTest, CanBeReadWhileACampaignWrites) {
+  CampaignStore store = CampaignStore::create(path(), description());
+  Campaign campaign(plan, options);
+  const auto arm = make_quasi_static_arm(sheet);
+  for (int i = 0; i < 20; ++i) {
+    const TrialRecord record{*campaign.next(), run_trial(*arm, *campaign.next(), {})};
+    store.append(record, campaign.take(record), i);
+    EXPECT_EQ(read_acquisition(path()).samples().size(), static_cast<std::size_t>(i + 1));
+    EXPECT_EQ(CampaignStore::look(path()).trials(plan.contacts).size(),
+              static_cast<std::size_t>(i + 1));
+  }
+}
+
+// Processes that are killed at any moment, and go on: as one that was not.
+TEST_F(CampaignStoreTest, AfterKillsIsThatOfAnUninterruptedRun) {
+  go_on(CampaignStore::create(path("whole.db"), description()));
+  { CampaignStore store = CampaignStore::create(path(), description()); }
+  int kills = 0;
+  for (int wait = 3000; wait < 60000; wait += 4001) {
+    const pid_t child = ::fork();
+    ASSERT_GE(child, 0);
+    if (child == 0) {
+      go_on(CampaignStore::open(path()));
+      ::_exit(0);
+    }
+    ::usleep(static_cast<useconds_t>(wait));
+    ::kill(child, SIGKILL);
+    int status = 0;
+    ::waitpid(child, &status, 0);
+    kills += WIFSIGNALED(status) ? 1 : 0;
+  }
+  EXPECT_GT(kills, 3);
+  go_on(CampaignStore::open(path()));
+  EXPECT_EQ(print_of(path()), print_of(path("whole.db")));
+}
+
+// A full disk looks to a process like a limit of the file size.
+TEST_F(CampaignStoreTest, AfterAFullDiskGoesOn) {
+  go_on(CampaignStore::create(path("whole.db"), description()));
+  { CampaignStore store = CampaignStore::create(path(), description()); }
+  const pid_t child = ::fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    ::signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit{150000, 150000};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+    const std::string message = refused([&] { go_on(CampaignStore::open(path())); });
+    ::_exit(message.find("free some space") != std::string::npos ? 7 : 8);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  EXPECT_EQ(WEXITSTATUS(status), 7);
+  const std::size_t kept = CampaignStore::look(path()).trials(plan.contacts).size();
+  EXPECT_GT(kept, 3U);
+  go_on(CampaignStore::open(path()));
+  EXPECT_EQ(print_of(path()), print_of(path("whole.db")));
+}
+
+TEST_F(CampaignStoreTest, HasOneWriter) {
+  const CampaignStore store = CampaignStore::create(path(), description());
+  EXPECT_THAT(refused([&] { (void)CampaignStore::open(path()); }),
+              HasSubstr("another process writes into it"));
+  EXPECT_THAT(refused([&] { (void)CampaignStore::create(path(), description()); }),
+              HasSubstr("exists already"));
+}
+
+TEST_F(CampaignStoreTest, RefusesWhatIsNoCampaignOrANewerOne) {
+  EXPECT_THAT(refused([&] { (void)CampaignStore::open(path()); }), HasSubstr("no such file"));
+  Acquisition acquisition;
+  acquisition.contacts.push_back(plan.contacts[0]);
+  write_acquisition(path(), acquisition);
+  EXPECT_THAT(refused([&] { (void)CampaignStore::open(path()); }), HasSubstr("holds no campaign"));
+  EXPECT_THAT(refused([&] { (void)CampaignStore::look(path()); }), HasSubstr("holds no campaign"));
+  { const CampaignStore store = CampaignStore::create(path("b.db"), description()); }
+  sqlite3* raw = nullptr;
+  ASSERT_EQ(sqlite3_open(path("b.db").c_str(), &raw), SQLITE_OK);
+  sqlite3_exec(raw, "PRAGMA user_version = 2", nullptr, nullptr, nullptr);
+  sqlite3_close(raw);
+  EXPECT_THAT(refused([&] { (void)CampaignStore::open(path("b.db")); }),
+              HasSubstr("is of version 2, newer than this program"));
+  EXPECT_THAT(refused([&] { (void)CampaignStore::create("/nowhere/a.db", description()); }),
+              HasSubstr("cannot be written"));
+}
+
+TEST_F(CampaignStoreTest, RefusesTrialsOfOtherContacts) {
+  go_on(CampaignStore::create(path(), description()), 3);
+  EXPECT_THAT(refused([&] { (void)CampaignStore::look(path()).trials({{.id = 9}}); }),
+              HasSubstr("a trial is of contact 0, which the plan does not have"));
+}
+
+}  // namespace
+}  // namespace palpate::probing
