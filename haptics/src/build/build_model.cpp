@@ -55,6 +55,16 @@ std::vector<std::size_t> probed_contacts(const probing::CheckedAcquisition& acqu
   return source;
 }
 
+probing::ConeEstimate cone_estimate(const FrictionFit& cone, const Eigen::Vector3d& pressing) {
+  return {.angle = std::atan(cone.coefficient),
+          .angle_deviation = cone.coefficient_error / (1 + cone.coefficient * cone.coefficient),
+          .coefficient = cone.coefficient,
+          .coefficient_error = cone.coefficient_error,
+          .axis = cone.axis,
+          .axis_error = cone.axis_error,
+          .tilt = std::atan2(cone.axis.cross(pressing).norm(), cone.axis.dot(pressing))};
+}
+
 // Whether the samples of a contact determine its friction cone.
 bool is_measured(const FrictionFit& cone, const probing::Contact& contact) {
   return (cone.stop == FrictionStop::converged || cone.stop == FrictionStop::frictionless) &&
@@ -202,6 +212,34 @@ void turn_into_local_frames(std::vector<ForceSamples>& samples, const Model& mod
   }
 }
 
+// Fits the friction cones of all contacts. Where directions were not searched, the cones of the
+// others are the prior.
+std::vector<FrictionFit> fit_cones(const probing::CheckedAcquisition& acquisition,
+                                   const std::vector<std::size_t>& source,
+                                   const FrictionOptions& options) {
+  std::vector<FrictionFit> alone(source.size());
+  const auto fit = [&](std::size_t i, const FrictionOptions& with) {
+    const probing::Contact& contact = acquisition.contacts()[source[i]];
+    return fit_friction(friction_trials(contact, acquisition.samples_of(source[i])), contact.normal,
+                        with);
+  };
+  parallel_for(source.size(), [&](std::size_t i) { alone[i] = fit(i, options); });
+  std::vector<FrictionFit> cones = alone;
+  parallel_for(source.size(), [&](std::size_t i) {
+    if (!alone[i].uses_prior) return;
+    std::vector<probing::ConeEstimate> others;
+    for (std::size_t k = 0; k < alone.size(); ++k) {
+      if (k == i || alone[k].stop != FrictionStop::converged) continue;
+      const Eigen::Vector3d pressing = -acquisition.contacts()[source[k]].normal.normalized();
+      others.push_back(cone_estimate(alone[k], pressing));
+    }
+    FrictionOptions with = options;
+    with.prior = probing::pooled_prior(others, options.force_noise);
+    cones[i] = fit(i, with);
+  });
+  return cones;
+}
+
 // Fits friction and field of every contact. `source` tells which of the acquisition's contacts each
 // contact of the model is. Returns the reference force of the contacts.
 double fit_contacts(const probing::CheckedAcquisition& acquisition,
@@ -217,6 +255,7 @@ double fit_contacts(const probing::CheckedAcquisition& acquisition,
   const FrictionAxisOptions axis{
       .displacement_noise = fit.noise.displacement.value_or(kDisplacementNoise),
       .force_noise = options.friction.force_noise};
+  const std::vector<FrictionFit> cones = fit_cones(acquisition, source, options.friction);
   std::mutex reporting;
   int done = 0;
   parallel_for(source.size(), [&](std::size_t i) {
@@ -224,7 +263,7 @@ double fit_contacts(const probing::CheckedAcquisition& acquisition,
     ContactReport& report = result.contacts[i];
     const std::vector<FrictionTrial> trials =
         friction_trials(contact, acquisition.samples_of(source[i]));
-    report.friction = fit_friction(trials, contact.normal, options.friction);
+    report.friction = cones[i];
     report.friction_contradictions = contradicting_trials(report.friction, trials);
     report.friction_trials = static_cast<int>(trials.size());
     const Eigen::VectorXd forces = samples[i].forces.colwise().norm();

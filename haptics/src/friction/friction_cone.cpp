@@ -28,6 +28,8 @@ constexpr double kMaxAxisError = 0.05;
 // No more than noise held is a sign of no friction only where the coefficient cannot be larger than
 // this either: weak forces leave it open.
 constexpr double kSlippery = 0.1;
+// Without searches a coefficient is determined iff its error is at most this part of it.
+constexpr double kCoarse = 0.1;
 // The search begins with both ends of the intervals alone and the noise at this part of their
 // median force: nearly least squares of their middles. It divides the noise by kCooling until it is
 // that of the forces.
@@ -196,6 +198,24 @@ void take(std::span<const FrictionTrial> trials, const SlipOptimum& best, double
   fit.lower_bound = std::tan(least_angle(trials, best, kBoundQuantile, step, fit.noise));
 }
 
+// Writes what the distribution of cones says. `fit.axis` is the pressing direction.
+void take_posterior(std::span<const FrictionTrial> trials, const FrictionOptions& options,
+                    FrictionFit& fit) {
+  probing::ConePrior prior = options.prior;
+  prior.force_noise = options.force_noise;
+  probing::ConePosterior posterior(fit.axis, prior);
+  std::vector<probing::SlipTrial> all;
+  for (const FrictionTrial& trial : trials) all.push_back({trial.force, trial.slipped});
+  posterior.add(all);
+  const probing::ConeEstimate found = posterior.estimate();
+  fit.uses_prior = true;
+  fit.coefficient = found.coefficient;
+  fit.coefficient_error = found.coefficient_error;
+  fit.lower_bound = std::tan(found.least_angle);
+  fit.axis = found.axis;
+  fit.axis_error = found.axis_error;
+}
+
 }  // namespace
 
 const char* to_string(FrictionStop stop) {
@@ -249,6 +269,13 @@ FrictionFit fit_friction(std::span<const FrictionTrial> trials, const Eigen::Vec
   };
   if (std::none_of(used.begin(), used.end(), [](const auto& trial) { return trial.slipped; })) {
     return only_bound(FrictionStop::never_slipped);
+  }
+  if (!are_searches(used, pressing, options.force_noise)) {
+    take_posterior(used, options, fit);
+    if (fit.coefficient_error > kCoarse * std::max(fit.coefficient, kSlippery))
+      return only_bound(FrictionStop::too_few_directions);
+    fit.stop = FrictionStop::converged;
+    return fit;
   }
   if (fit.directions < kMinDirections) return only_bound(FrictionStop::too_few_directions);
   const double noise = least_noise(intervals, options.force_noise);

@@ -76,10 +76,11 @@ std::optional<SlipInterval> interval(std::span<const Polar> direction, const Pol
                       .direction = slipped->angle};
 }
 
-}  // namespace
-
-std::vector<SlipInterval> slip_intervals(std::span<const FrictionTrial> trials,
-                                         const Eigen::Vector3d& pressing, double force_noise) {
+// Calls `visit` with the trials of each direction at each level, the trial there without a
+// tangential force that held, or null, and the number of the level.
+template <typename Visit>
+void for_each_direction(std::span<const FrictionTrial> trials, const Eigen::Vector3d& pressing,
+                        double force_noise, const Visit& visit) {
   const Eigen::Matrix3d frame = rotation_between(Eigen::Vector3d::UnitZ(), pressing);
   std::vector<Polar> polars;
   for (const FrictionTrial& trial : trials) {
@@ -88,7 +89,6 @@ std::vector<SlipInterval> slip_intervals(std::span<const FrictionTrial> trials,
   }
   std::sort(polars.begin(), polars.end(),
             [](const Polar& a, const Polar& b) { return a.normal < b.normal; });
-  std::vector<SlipInterval> intervals;
   int level_index = 0;
   for (const std::span<Polar> level : split(std::span(polars), [&](const Polar&a, const Polar&b) {
          return b.normal - a.normal > kSameLevel * b.normal + 2 * force_noise;
@@ -99,16 +99,36 @@ std::vector<SlipInterval> slip_intervals(std::span<const FrictionTrial> trials,
     const auto pressed = std::find_if(level.begin(), pushed,
                                       [](const Polar& polar) { return !polar.trial->slipped; });
     const std::span<Polar> tried(pushed, level.end());
-    for (const std::span<Polar> direction : split_directions(tried, &Polar::angle)) {
-      std::optional<SlipInterval> found =
-          interval(direction, pressed == pushed ? nullptr : &*pressed, pressing);
-      if (!found) continue;
-      found->level = level_index;
-      intervals.push_back(*found);
-    }
+    for (const std::span<Polar> direction : split_directions(tried, &Polar::angle))
+      visit(direction, pressed == pushed ? nullptr : &*pressed, level_index);
     ++level_index;
   }
+}
+
+}  // namespace
+
+std::vector<SlipInterval> slip_intervals(std::span<const FrictionTrial> trials,
+                                         const Eigen::Vector3d& pressing, double force_noise) {
+  std::vector<SlipInterval> intervals;
+  for_each_direction(trials, pressing, force_noise,
+                     [&](std::span<const Polar> direction, const Polar* pressed, int level) {
+                       std::optional<SlipInterval> found = interval(direction, pressed, pressing);
+                       if (!found) return;
+                       found->level = level;
+                       intervals.push_back(*found);
+                     });
   return intervals;
+}
+
+bool are_searches(std::span<const FrictionTrial> trials, const Eigen::Vector3d& pressing,
+                  double force_noise) {
+  constexpr std::size_t kNoSearch = 2;
+  int searched = 0, others = 0;
+  for_each_direction(trials, pressing, force_noise,
+                     [&](std::span<const Polar> direction, const Polar*, int) {
+                       ++(direction.size() > kNoSearch ? searched : others);
+                     });
+  return searched >= others;
 }
 
 int count_directions(std::span<const SlipInterval> intervals) {

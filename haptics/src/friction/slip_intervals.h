@@ -27,6 +27,10 @@ struct SlipInterval {
                                                        const Eigen::Vector3d& pressing,
                                                        double force_noise);
 
+/// Whether most directions were searched: tried with more than two tangential forces at one level.
+[[nodiscard]] bool are_searches(std::span<const FrictionTrial> trials,
+                                const Eigen::Vector3d& pressing, double force_noise);
+
 /// Number of different directions.
 [[nodiscard]] int count_directions(std::span<const SlipInterval> intervals);
 

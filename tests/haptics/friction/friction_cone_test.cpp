@@ -67,6 +67,65 @@ double quantile(std::vector<double> values, double part) {
   return values[static_cast<std::size_t>(part * static_cast<double>(values.size()))];
 }
 
+// What a campaign with pooled friction tries: in each direction at each level one force near the
+// boundary, as far as it is known, and sometimes a second one.
+std::vector<FrictionTrial> probe_without_searching(const ConeProbing& with, unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> noise(0, with.noise), place(0, 0.05);
+  std::uniform_real_distribution<double> uniform;
+  std::vector<FrictionTrial> trials;
+  const double first = 2 * std::numbers::pi * uniform(random);
+  for (std::size_t level = 0; level < with.levels.size(); ++level) {
+    for (int i = 0; i < with.directions; ++i) {
+      const double angle =
+          first + 0.7 * static_cast<double>(level) + 2 * std::numbers::pi * i / with.directions;
+      const double size = with.levels[level] * with.friction * (1 + place(random));
+      const Eigen::Vector3d force = size * Eigen::Vector3d(std::cos(angle), std::sin(angle), 0) -
+                                    with.levels[level] * kNormal;
+      const Eigen::Vector3d f =
+          force + Eigen::Vector3d(noise(random), noise(random), noise(random));
+      const double along = f.dot(with.axis);
+      trials.push_back({force, (f - along * with.axis).norm() > with.friction * along});
+    }
+  }
+  return trials;
+}
+
+TEST(FitFriction, TakesTrialsWithoutSearchesAsTheyAre) {
+  constexpr int kCount = 100;
+  std::vector<double> errors;
+  int inside = 0, held = 0;
+  std::mt19937 random(4);
+  std::normal_distribution<double> normal;
+  for (unsigned i = 0; i < kCount; ++i) {
+    // Cones that differ as those of one object do, and that the others have told (pooled_prior).
+    ConeProbing with{
+        .friction = std::tan(0.7 + 0.04 * normal(random)),
+        .axis = Eigen::Vector3d(0.05 * normal(random), 0.05 * normal(random), 1).normalized(),
+        .directions = 4,
+        .levels = {0.7, 1.4, 1.8}};
+    const FrictionFit fit =
+        fit_friction(probe_without_searching(with, i), kNormal,
+                     {.prior = {.angle = 0.7, .angle_deviation = 0.05, .tilt_deviation = 0.06}});
+    ASSERT_EQ(fit.stop, FrictionStop::converged) << i;
+    EXPECT_TRUE(fit.uses_prior);
+    errors.push_back(std::abs(fit.coefficient - with.friction));
+    inside += errors.back() <= 1.96 * fit.coefficient_error ? 1 : 0;
+    held += fit.lower_bound <= with.friction ? 1 : 0;
+  }
+  EXPECT_LE(quantile(errors, 0.95), 0.03);
+  // 95 % less three standard deviations of a count of 100.
+  EXPECT_GE(inside, 88);
+  EXPECT_GE(held, 88);
+}
+
+TEST(FitFriction, WithoutSearchesTellsThatTooLittleWasTried) {
+  std::vector<FrictionTrial> few = {{{0.1, 0, 1}, false}, {{2.5, 0, 1}, true}};
+  const FrictionFit fit = fit_friction(few, kNormal);
+  EXPECT_EQ(fit.stop, FrictionStop::too_few_directions);
+  EXPECT_GT(fit.lower_bound, 0);
+}
+
 TEST(FitFriction, IsAsExactAsItsErrorsSayAndItsLowerBoundHolds) {
   constexpr int kCount = 300;
   std::vector<double> errors, angles;

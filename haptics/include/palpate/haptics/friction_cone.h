@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "palpate/probing/acquisition.h"
+#include "palpate/probing/cone_posterior.h"
 
 namespace palpate::haptics {
 
@@ -20,6 +21,9 @@ struct FrictionTrial {
 struct FrictionOptions {
   /// [N] standard deviation of each component of an applied force about the commanded one; > 0
   double force_noise = 0.01;
+  /// What is known of the cone beforehand, where directions were not searched; its force noise is
+  /// not used.
+  probing::ConePrior prior = {};
 };
 
 /// How well the trials determine the friction cone.
@@ -48,6 +52,7 @@ struct FrictionFit {
   int vectors = 0;        ///< pairs of direction and force level with trials that held and slipped
   int directions = 0;     ///< number of their directions in the tangent plane
   int levels = 0;         ///< number of their levels of normal force
+  bool uses_prior = false;  ///< directions were not searched: FrictionOptions::prior took part
   FrictionStop stop = FrictionStop::not_converged;  ///< check this before you use the cone
 };
 
@@ -67,6 +72,11 @@ struct FrictionFit {
 /// also estimated, but not below the option or the resolution given by the widths of the intervals.
 /// The lower bound comes from the profile likelihood over axes; if nothing slipped, it is the
 /// narrowest cone with which all trials would have held with a probability of 5 %.
+///
+/// Where the arm searched no direction, but tried at most two forces in most of them, as a campaign
+/// with pooled friction does (probing/campaign.h), the likelihood has no peak. The cone is then the
+/// mean of `probing::ConePosterior`, its errors and the lower bound are those of that distribution,
+/// and it is determined iff its coefficient is known to a tenth.
 /// \param normal outward geometric normal of the surface, along which the arm pressed.
 /// \throws InvalidInput if a force is not finite (naming its index), the normal has zero length, or
 /// the option is not > 0.
