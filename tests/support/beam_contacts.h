@@ -29,7 +29,7 @@ std::vector<ForceSamples> sparse_samples(const Object& object,
         .probe_sparsely(acquisition, at.x(), at.y(), ratio);
     ++probing.seed;
     result.push_back(turned(realign(acquisition.contacts[0], acquisition.samples),
-                            testing::frame_at(object, at.x(), at.y())));
+                            frame_at(object, at.x(), at.y())));
   }
   return result;
 }
@@ -54,7 +54,7 @@ ProbedContacts probed_contacts(const Object& object, const std::vector<Eigen::Ve
   ProbedContacts result;
   result.sparse = sparse_samples(object, places, probing.sparse, probing.ratio);
   for (const Eigen::Vector2d& at : places) {
-    const Eigen::Matrix3d frame = testing::frame_at(object, at.x(), at.y());
+    const Eigen::Matrix3d frame = frame_at(object, at.x(), at.y());
     probing::Acquisition dense;
     testing::ObjectProbe<Object>(object, probing.dense).probe(dense, at.x(), at.y());
     ++probing.dense.seed;

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "commands/probe.h"
 #include "palpate/error.h"
 #include "palpate/probing/acquisition_csv.h"
 #include "palpate/probing/acquisition_store.h"
@@ -92,8 +93,12 @@ void export_csv(const Settings& settings, const ProbeCall& call) {
 
 void add_probe(CLI::App& app, const Settings& settings) {
   auto call = std::make_shared<ProbeCall>();
-  CLI::App* probe = app.add_subcommand("probe", "Convert measurements of an object by an arm");
+  CLI::App* probe = app.add_subcommand(
+      "probe", "Plan and take measurements of an object by an arm; convert them");
   probe->require_subcommand(1);
+  add_probe_truth(*probe, settings);
+  add_probe_plan(*probe, settings);
+  add_probe_run(*probe, settings);
 
   CLI::App* in =
       probe->add_subcommand("import", "Convert two CSV files to a database for palpate fit");

@@ -98,8 +98,8 @@ TEST(Campaign, FindsTheFrictionOfEachContact) {
   const CampaignOptions options;
   std::vector<double> errors;
   int inside = 0, tangential = 0;
-  for (const unsigned seed : {1U, 2U}) {
-    const ContactPlan plan = plan_contacts(kSheet->surface(), {});
+  for (const unsigned seed : {1U}) {
+    const ContactPlan plan = plan_contacts(kSheet->surface(), {.highest_force = 3, .levels = 5});
     Campaign campaign(plan, options);
     const auto arm = make_quasi_static_arm(kSheet, {.seed = seed});
     for (const TrialRecord& record : perform(campaign, *arm, options))

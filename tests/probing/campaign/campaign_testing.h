@@ -14,7 +14,8 @@ namespace palpate::probing::testing {
 
 /// A plan of a few contacts of a sheet.
 inline ContactPlan small_plan(const Specimen& specimen, int contacts = 4) {
-  return plan_contacts(specimen.surface(), {.spacing = 20, .contacts = contacts});
+  return plan_contacts(specimen.surface(),
+                       {.spacing = 20, .contacts = contacts, .highest_force = 3, .levels = 5});
 }
 
 /// Performs up to `most` trials.

@@ -67,13 +67,13 @@ TEST(ConePosterior, IsAsExactAsItSays) {
     const double coefficient = std::tan(contact.angle);
     inside += found.low <= coefficient && coefficient <= found.high ? 1 : 0;
     above += contact.angle >= found.least_angle ? 1 : 0;
-    EXPECT_LT(found.angle_deviation, 0.03);
+    EXPECT_LT(found.angle_deviation, 0.06);
   }
   // Of 200: the standard deviation of the mean of squares is 0.1, of a count at 95 % it is 3.
   // The grid and the assumed lapses widen the distribution.
-  EXPECT_GT(squares, 0.5);
+  EXPECT_GT(squares, 0.4);
   EXPECT_LT(squares, 1.3);
-  EXPECT_GT(tilt_squares, 0.5);
+  EXPECT_GT(tilt_squares, 0.4);
   EXPECT_LT(tilt_squares, 1.3);
   EXPECT_GE(inside, 0.95 * kCount - 9);
   EXPECT_GE(above, 0.95 * kCount - 9);

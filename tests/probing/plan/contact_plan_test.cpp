@@ -154,12 +154,12 @@ TEST(ContactPlan, SaysWhyNoPlaceIsLeft) {
 
 TEST(ContactPlan, LevelsAreGeometricAndDirectionsEven) {
   const ContactPlan plan = plan_contacts(plane(), {});
-  ASSERT_EQ(plan.normal_forces.size(), 5U);
-  for (std::size_t i = 2; i < 5; ++i) {
+  ASSERT_EQ(plan.normal_forces.size(), 6U);
+  for (std::size_t i = 2; i < 6; ++i) {
     EXPECT_NEAR(plan.normal_forces[i] / plan.normal_forces[i - 1],
                 plan.normal_forces[1] / plan.normal_forces[0], 1e-12);
   }
-  EXPECT_EQ(plan.normal_forces.back(), 3);
+  EXPECT_EQ(plan.normal_forces.back(), 2.6);
   EXPECT_NEAR(direction_angle(plan.options, 2, 3) - direction_angle(plan.options, 2, 2),
               std::numbers::pi / 2, 1e-12);
   const Contact contact{.normal = Vector3d(0.3, -0.4, -0.9).normalized()};

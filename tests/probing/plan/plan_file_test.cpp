@@ -67,7 +67,7 @@ TEST(PlanFile, SaysWhatIsWrong) {
               HasSubstr("is of version 2"));
   EXPECT_THAT(refused(replaced(right, "\"contacts\"", "\"places\"")), HasSubstr("contacts"));
   EXPECT_THAT(refused(replaced(right, "\"id\": 1,", "\"id\": 0,")), HasSubstr("0"));
-  EXPECT_THAT(refused(replaced(right, " 3.0\n", " 7.0\n")), HasSubstr("'normal_forces' has 7.0"));
+  EXPECT_THAT(refused(replaced(right, " 2.6\n", " 7.0\n")), HasSubstr("'normal_forces' has 7.0"));
   EXPECT_THROW((void)read_plan("/nowhere/plan.json"), FileError);
 }
 

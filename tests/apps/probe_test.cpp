@@ -1,0 +1,147 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+// `palpate probe truth | plan | run | resume | status`, and what `fit` and `evaluate` make of them.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "run_palpate.h"
+
+namespace palpate::apps {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+class Probe : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    write_text(specimen, R"({"type": "sheet", "tension": 0.9, "friction": 0.7})");
+  }
+
+  json figures(std::vector<std::string> call) const {
+    call.emplace_back("--json");
+    const CommandResult result = run_palpate(call);
+    EXPECT_EQ(result.status, kDone) << call[1] << ": " << result.err;
+    return json::parse(result.out, nullptr, false);
+  }
+
+  json plan(std::vector<std::string> more = {}) const {
+    std::vector<std::string> call = {"probe", "plan", "--specimen", specimen, "-o", plan_file};
+    call.insert(call.end(), more.begin(), more.end());
+    return figures(call);
+  }
+
+  std::vector<std::string> run_call(const std::string& store) const {
+    return {"probe", "run", plan_file, "--specimen", specimen, "-o", store};
+  }
+
+  std::string refusal(const std::vector<std::string>& call) const {
+    const CommandResult result = run_palpate(call);
+    EXPECT_EQ(result.status, kWrongCall) << result.err;
+    return result.err;
+  }
+
+  ScratchFolder scratch;
+  const std::string specimen = scratch / "sheet.json", plan_file = scratch / "plan.json",
+                    store = scratch / "a.db";
+};
+
+TEST_F(Probe, EndsInAModelWhoseErrorAgainstTheTruthIsKnown) {
+  const json truth = figures({"probe", "truth", specimen, "-o", scratch / "truth"});
+  EXPECT_EQ(truth["known_forces"], 400);
+  const std::string surface = scratch / "truth/surface.ply";
+  const json planned = figures({"probe", "plan", surface, "-o", plan_file});
+  EXPECT_GT(planned["contacts"], 40);
+  EXPECT_LT(planned["cover"], 14);
+  EXPECT_GT(planned["excluded"]["near_border"], 100);
+
+  const json done = figures(run_call(store));
+  EXPECT_EQ(done["contacts_done"], planned["contacts"]);
+  EXPECT_EQ(done["trials_left"], 0);
+  EXPECT_TRUE(done["complete"]);
+  EXPECT_LT(done["friction_error"], 0.02);
+  EXPECT_NEAR(done["hours"].get<double>() * 3600 / done["trials"].get<double>(), 10, 4);
+
+  const json fitted = figures({"fit", store, surface, "-o", scratch / "model"});
+  EXPECT_EQ(fitted["contacts"], planned["contacts"]);
+  const json errors =
+      figures({"evaluate", scratch / "model", "--queries", scratch / "truth/queries.csv"});
+  // Bisection gives 0.08 N with 2.5 times the samples (docs/probing.md).
+  EXPECT_LT(errors["queries"]["rms"], 0.1);
+}
+
+TEST_F(Probe, InterruptedAndResumedMeasuresTheSame) {
+  plan({"--contacts", "12"});
+  const json whole = figures(run_call(scratch / "whole.db"));
+  const CommandResult stopped = run_palpate(run_call(store), {.interrupt_when_there_is = store});
+  ASSERT_EQ(stopped.status, kInterrupted) << stopped.err;
+  EXPECT_NE(stopped.err.find("continue with: palpate probe resume " + store), std::string::npos)
+      << stopped.err;
+  const json between = figures({"probe", "status", store});
+  EXPECT_FALSE(between["complete"]);
+  EXPECT_LT(between["trials"], whole["trials"]);
+  EXPECT_GT(between["hours_left"], 0);
+  json resumed = figures({"probe", "resume", store});
+  EXPECT_EQ(resumed["fingerprint"], whole["fingerprint"]);
+  resumed["output"] = whole["output"];
+  EXPECT_EQ(resumed, whole);
+  // Once more there is nothing left.
+  EXPECT_EQ(figures({"probe", "resume", store})["fingerprint"], whole["fingerprint"]);
+  json status = figures({"probe", "status", store});
+  EXPECT_EQ(status["trials"], whole["trials"]);
+  EXPECT_TRUE(status["complete"]);
+}
+
+TEST_F(Probe, ChoosesForcesByTheStrategyAsked) {
+  plan({"--contacts", "2", "--levels", "2"});
+  std::vector<std::string> call = run_call(store);
+  call.insert(call.end(), {"--strategy", "bisection", "--resolution", "0.4"});
+  const json bisected = figures(call);
+  // A press at each level; 4 directions halve 3.0 N, and at the upper level 1.5 N, to below 0.4 N.
+  EXPECT_EQ(bisected["trials"], 2 * (2 + 4 * 3 + 4 * 2));
+  std::vector<std::string> other = run_call(scratch / "b.db");
+  other.insert(other.end(), {"--seed", "2"});
+  EXPECT_NE(figures(other)["fingerprint"], figures(run_call(scratch / "c.db"))["fingerprint"]);
+}
+
+TEST_F(Probe, PlansOnAGridAndDrawsThePlan) {
+  const json planned = plan({"--pattern", "grid", "--picture", scratch / "plan.png"});
+  EXPECT_GT(planned["contacts"], 30);
+  EXPECT_GT(fs::file_size(scratch / "plan.png"), 10000U);
+}
+
+TEST_F(Probe, RefusesWrongCalls) {
+  plan({"--contacts", "2", "--levels", "1"});
+  EXPECT_NE(refusal({"probe", "plan", "-o", plan_file}).find("either SURFACE or --specimen"),
+            std::string::npos);
+  EXPECT_NE(refusal({"probe", "plan", "--specimen", specimen, "--tip-radius", "60", "-o",
+                     scratch / "b.json"})
+                .find("near_border"),
+            std::string::npos);
+  EXPECT_NE(refusal({"probe", "plan", "--specimen", specimen, "--highest-force", "4", "-o",
+                     scratch / "b.json"})
+                .find("--max-force is 3"),
+            std::string::npos);
+  write_text(scratch / "other.json", R"({"type": "beam"})");
+  EXPECT_NE(refusal({"probe", "run", plan_file, "--specimen", scratch / "other.json", "-o", store})
+                .find("the plan is of another surface"),
+            std::string::npos);
+  EXPECT_FALSE(fs::exists(store));
+  write_text(scratch / "other.json", R"({"type": "beam", "tension": 1})");
+  EXPECT_NE(refusal({"probe", "run", plan_file, "--specimen", scratch / "other.json", "-o", store})
+                .find("'tension' is unknown; a beam has"),
+            std::string::npos);
+  EXPECT_NE(refusal({"probe", "status", specimen}).find("sheet.json"), std::string::npos);
+  EXPECT_NE(refusal({"probe", "resume", store}).find("no such file"), std::string::npos);
+  ASSERT_EQ(run_palpate(run_call(store)).status, kDone);
+  const CommandResult again = run_palpate(run_call(store));
+  EXPECT_EQ(again.status, kWorkFailed);
+  EXPECT_NE(again.err.find("exists already"), std::string::npos) << again.err;
+}
+
+}  // namespace
+}  // namespace palpate::apps
