@@ -290,7 +290,7 @@ TEST_F(DepthImages, OneThatIsBrokenDoesNotStopTheOthers) {
   EXPECT_EQ(result.status, kWorkFailed);
   EXPECT_NE(result.err.find("1.png: "), std::string::npos) << result.err;
   EXPECT_NE(result.err.find("2.png: "), std::string::npos) << result.err;
-  EXPECT_NE(result.err.find("2 of 4 range maps"), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("2 of 4 depth images"), std::string::npos) << result.err;
   EXPECT_TRUE(fs::exists(scratch / "meshes/9.ply"));
   EXPECT_TRUE(fs::exists(scratch / "meshes/10.ply"));
 }
