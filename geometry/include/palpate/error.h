@@ -32,6 +32,11 @@ struct SolverError : Error {
   using Error::Error;
 };
 
+/// A device that does not answer, or answers what cannot be.
+struct DeviceError : Error {
+  using Error::Error;
+};
+
 /// A feature that this build of the library does not have; the message names the build option.
 struct Unavailable : Error {
   using Error::Error;

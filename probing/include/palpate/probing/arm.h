@@ -1,0 +1,65 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <limits>
+#include <string>
+
+#include "palpate/eigen_alignment.h"
+
+namespace palpate::probing {
+
+/// What an arm is and can do.
+struct ArmDescription {
+  std::string name;
+  double period = 1e-3;          ///< [s] between two states
+  double highest_force = 0;      ///< [N] that the arm can apply at its tip for a moment
+  double continuous_force = 0;   ///< [N] that it can hold for as long as one likes
+  bool measures_joints = false;  ///< `ArmState::joints`
+  bool measures_force = false;   ///< `ArmState::delivered_force`
+  bool measures_heat = false;    ///< `ArmState::heat`
+};
+
+/// An arm at one moment, in the frame of its base. What the arm does not measure is NaN.
+struct ArmState {
+  double time = 0;                                ///< [s] of the measurement, on the arm's clock
+  Eigen::Vector3d tip = Eigen::Vector3d::Zero();  ///< [mm] by the encoders: without flexure
+  Eigen::Vector3d joints = Eigen::Vector3d::Constant(kNotMeasured);  ///< [rad]
+  /// [N] at the tip that the motors deliver, by their currents.
+  Eigen::Vector3d delivered_force = Eigen::Vector3d::Constant(kNotMeasured);
+  /// Heat of each motor, relative to that at which it must rest.
+  Eigen::Vector3d heat = Eigen::Vector3d::Constant(kNotMeasured);
+
+  static constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
+};
+
+/// What the motors shall do, in the frame of the base.
+struct ArmCommand {
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< [N] of the motors at the tip
+  double lease = 0.01;  ///< [s] after which the arm drops the force unless it is commanded again
+};
+
+/// An arm with three joints whose motors are commanded by the force at its tip (thesis 4.4).
+///
+/// One thread calls `read`, computes, and calls `write`, once in each period. These two and `stop`
+/// are real-time safe in all arms of the library but simulated ones, whose object may allocate.
+class Arm {
+ public:
+  virtual ~Arm() = default;
+
+  [[nodiscard]] virtual const ArmDescription& description() const noexcept = 0;
+  /// [s] The clock of `ArmState::time`, now: that of the host, or of a simulation.
+  [[nodiscard]] virtual double now() const noexcept = 0;
+  /// Switches the motors on, with no force.
+  /// \throws DeviceError if that fails.
+  virtual void activate() = 0;
+  /// Waits for the next state. False if the arm does not answer; `state` is then unchanged.
+  [[nodiscard]] virtual bool read(ArmState& state) noexcept = 0;
+  /// False if the arm does not take the command.
+  [[nodiscard]] virtual bool write(const ArmCommand& command) noexcept = 0;
+  /// Switches the motors off. May be called at any time and more than once.
+  virtual void stop() noexcept = 0;
+};
+
+}  // namespace palpate::probing

@@ -1,0 +1,92 @@
+/* SPDX-FileCopyrightText: Palpate contributors
+ * SPDX-License-Identifier: Apache-2.0 */
+#ifndef PALPATE_DEVICE_PLUGIN_H
+#define PALPATE_DEVICE_PLUGIN_H
+
+/* The interface between Palpate and the driver of a force-feedback device: a table of C functions
+ * in a shared library. Nothing here depends on what the device is used for.
+ *
+ * A driver includes this header alone, fills one palpate_device_v1 and exports
+ *
+ *     const palpate_device_v1* palpate_device(void);
+ *
+ * Vectors are in the frame of the device's base, x, y, z; millimetre, newton, second, radian. What a
+ * device does not measure it leaves as it is: NaN. Every function but close and last_error returns
+ * 0, or anything else after a failure that last_error then describes.
+ *
+ * One thread at a time calls. read, write and stop are called at the rate of the device and must
+ * not allocate, lock or print. */
+
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define PALPATE_DEVICE_VERSION 1u
+#define PALPATE_DEVICE_SYMBOL "palpate_device"
+#define PALPATE_DEVICE_JOINTS 8
+
+/* What a device can do: bits of palpate_device_info_v1.capabilities. */
+#define PALPATE_DEVICE_MEASURES_JOINTS 1u
+#define PALPATE_DEVICE_MEASURES_FORCE 2u
+#define PALPATE_DEVICE_MEASURES_HEAT 4u
+
+/* Later versions may add fields at the end of a struct: size is that of the struct as its writer
+ * knows it. */
+typedef struct palpate_device_info_v1 {
+  uint32_t size;
+  uint32_t capabilities;
+  uint32_t joints;         /* number of joints, at most PALPATE_DEVICE_JOINTS */
+  uint32_t reserved;       /* 0 */
+  char name[64];           /* ends with a zero */
+  double period;           /* [s] between two states */
+  double highest_force;    /* [N] at the tip, for a moment */
+  double continuous_force; /* [N] at the tip, for as long as one likes */
+} palpate_device_info_v1;
+
+typedef struct palpate_device_state_v1 {
+  uint32_t size;
+  uint32_t reserved;      /* 0 */
+  double time;            /* [s] of the measurement: CLOCK_MONOTONIC of the host */
+  double tip[3];          /* [mm] */
+  double joints[PALPATE_DEVICE_JOINTS]; /* [rad] */
+  double force[3];        /* [N] at the tip that the motors deliver, as measured */
+  double heat[3];         /* of the motors, relative to that at which they must rest */
+} palpate_device_state_v1;
+
+typedef struct palpate_device_command_v1 {
+  uint32_t size;
+  uint32_t reserved; /* 0 */
+  double force[3];   /* [N] of the motors at the tip */
+  double lease;      /* [s] after which the device drops the force by itself if no command came */
+} palpate_device_command_v1;
+
+typedef struct palpate_device_v1 {
+  uint32_t size;    /* sizeof(palpate_device_v1) */
+  uint32_t version; /* PALPATE_DEVICE_VERSION */
+
+  /* Connects to the device: motors off. Sets *device and fills *info. After a failure *device may
+   * be null; last_error(null) then describes the failure. */
+  int (*open)(void** device, palpate_device_info_v1* info);
+  /* Sets an option of the driver, before activate. */
+  int (*configure)(void* device, const char* key, const char* value);
+  /* Motors on, force 0. */
+  int (*activate)(void* device);
+  /* Waits for the next state, for at most 20 periods. */
+  int (*read)(void* device, palpate_device_state_v1* state);
+  int (*write)(void* device, const palpate_device_command_v1* command);
+  /* Motors off. At any time, more than once. */
+  int (*stop)(void* device);
+  void (*close)(void* device);
+  /* The latest failure, until the next call. Never null. */
+  const char* (*last_error)(void* device);
+} palpate_device_v1;
+
+typedef const palpate_device_v1* (*palpate_device_function)(void);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,39 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "palpate/probing/arm.h"
+
+namespace palpate::probing {
+
+/// An arm whose driver is a shared library with the table of `device_plugin.h`.
+class PluginArm final : public Arm {
+ public:
+  /// Loads the library, connects to the device and sets the options of the driver.
+  /// \throws FileError if the file is no driver, or one for another version of the table.
+  /// \throws DeviceError with the driver's words if it refuses to open or to take an option.
+  explicit PluginArm(const std::filesystem::path& library,
+                     const std::map<std::string, std::string>& options = {});
+  ~PluginArm() override;
+
+  [[nodiscard]] const ArmDescription& description() const noexcept override;
+  [[nodiscard]] double now() const noexcept override;
+  void activate() override;
+  [[nodiscard]] bool read(ArmState& state) noexcept override;
+  [[nodiscard]] bool write(const ArmCommand& command) noexcept override;
+  void stop() noexcept override;
+
+  /// The driver's words about its latest failure.
+  [[nodiscard]] std::string last_error() const;
+
+ private:
+  struct Driver;
+  std::unique_ptr<Driver> driver_;
+};
+
+}  // namespace palpate::probing

@@ -1,0 +1,88 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/probing/plugin_arm.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "palpate/error.h"
+#include "palpate/probing/safe_arm.h"
+#include "refusal.h"
+#include "scratch_folder.h"
+
+namespace palpate::probing {
+namespace {
+
+const std::filesystem::path kDriver = PALPATE_POINT_MASS_DEVICE;
+
+TEST(PluginArm, MovesAsItsDriverSimulates) {
+  PluginArm arm(kDriver, {{"mass", "0.2"}});
+  EXPECT_EQ(arm.description().name, "point mass");
+  EXPECT_FALSE(arm.description().measures_joints);
+  EXPECT_TRUE(arm.description().measures_force);
+  arm.activate();
+  ArmState state;
+  ASSERT_TRUE(arm.read(state));
+  const double begin = state.time, place = state.tip.y();
+  // The lease outlasts a pause of a loaded machine.
+  for (int i = 0; i < 30; ++i) {
+    ASSERT_TRUE(arm.write({.force = {0, 0.4, 0}, .lease = 1}));
+    ASSERT_TRUE(arm.read(state));
+  }
+  // At least 30 periods from rest with 2000 mm/s^2, little slowed down by friction.
+  const double time = state.time - begin;
+  EXPECT_GE(time, 0.0299);
+  EXPECT_GT(state.tip.y() - place, 0.5 * 1000 * 0.03 * 0.03 * 0.8);
+  EXPECT_TRUE(state.joints.hasNaN());
+  EXPECT_NEAR(state.delivered_force.y(), 0.4, 1e-5);
+  EXPECT_LE(arm.now() - state.time, 0.5);
+  arm.stop();
+  EXPECT_FALSE(arm.write({}));
+  EXPECT_EQ(arm.last_error(), "write before activate");
+}
+
+TEST(PluginArm, DropsTheForceWhenTheLeaseEnds) {
+  PluginArm arm(kDriver);
+  arm.activate();
+  ASSERT_TRUE(arm.write({.force = {1, 0, 0}, .lease = 0}));
+  ArmState state;
+  ASSERT_TRUE(arm.read(state));
+  EXPECT_NEAR(state.delivered_force.x(), 0, 1e-5);
+}
+
+TEST(PluginArm, SaysWhatItsDriverSays) {
+  try {
+    const PluginArm arm(kDriver, {{"mass", "-1"}});
+    FAIL();
+  } catch (const DeviceError& error) {
+    EXPECT_EQ(std::string(error.what()),
+              kDriver.string() + ": option mass = -1: mass must be > 0 kg");
+  }
+}
+
+TEST(PluginArm, RefusesWhatIsNoDriver) {
+  const ScratchFolder folder;
+  const auto text = folder / "driver.so";
+  std::ofstream(text) << "no library";
+  EXPECT_NE(refusal([&] { return PluginArm(text); }).find("is not a driver that can be loaded"),
+            std::string::npos);
+  EXPECT_NE(refusal([&] { return PluginArm(folder / "missing.so"); }).find("missing.so"),
+            std::string::npos);
+  EXPECT_NE(refusal([] {
+              return PluginArm("libm.so.6");
+            }).find("has no function palpate_device(); see palpate/probing/device_plugin.h"),
+            std::string::npos);
+}
+
+TEST(PluginArm, RefusesADriverOfAnotherVersion) {
+  EXPECT_NE(refusal([] {
+              return PluginArm(PALPATE_OLD_DEVICE);
+            }).find("the driver is for version 99 of device_plugin.h; this build needs version 1"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace palpate::probing
