@@ -2,9 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/probing/probing_program.h"
 
-#include <algorithm>
 #include <limits>
 #include <utility>
+
+#include "palpate/probing/slip_detection.h"
 
 namespace palpate::probing {
 namespace {
@@ -78,6 +79,19 @@ TrialOutcome failure(ProbeOutcome outcome) {
   }
 }
 
+// None if the arm reported what is not finite.
+std::optional<SlipJudgement> judge(const TrialOrder& order, const TrialResult& result,
+                                   const ProgramOptions& options) {
+  return judge_slip(
+      {.contact = result.touch,
+       .normal_force = order.normal_force,
+       .tangential_force = order.tangential_force,
+       .a = result.a,
+       .b = result.b,
+       .a_again = result.a_again},
+      {.position_deviation = options.position_noise, .force_deviation = options.force_noise});
+}
+
 // The stage after an action that succeeded.
 ProgramStage record_and_proceed(ProgramState& state, const Eigen::Vector3d& position,
                                 const ProgramOptions& options) {
@@ -99,9 +113,10 @@ ProgramStage record_and_proceed(ProgramState& state, const Eigen::Vector3d& posi
       return ProgramStage::release;
     case ProgramStage::release:
       result.a_again = position;
-      result.slip_statistic = slip_statistic(result, state.order, options);
-      result.outcome =
-          result.slip_statistic > kSlipThreshold ? TrialOutcome::slipped : TrialOutcome::held;
+      if (const std::optional<SlipJudgement> judged = judge(state.order, result, options)) {
+        result.slip_statistic = judged->t_squared;
+        result.outcome = judged->slipped ? TrialOutcome::slipped : TrialOutcome::held;
+      }
       return ProgramStage::lift;
     default:
       return ProgramStage::finished;
@@ -170,15 +185,6 @@ ProgramStep advance(const ProgramState& before, const ProbeReport& report,
   if (state.stage == ProgramStage::drag && state.result.outcome == TrialOutcome::fell_off)
     state.result.b = report.position;
   return enter(std::move(state), ProgramStage::lift, options);
-}
-
-double slip_statistic(const TrialResult& result, const TrialOrder& order,
-                      const ProgramOptions& options) {
-  const double compliance = std::max((result.b - result.a).norm() / order.tangential_force.norm(),
-                                     (result.a - result.touch).norm() / order.normal_force.norm());
-  const double by_force = options.force_noise * compliance;
-  return (result.a_again - result.a).squaredNorm() /
-         (2 * (options.position_noise * options.position_noise + by_force * by_force));
 }
 
 TrialResult run_trial(Prober& arm, const TrialOrder& order, const ProgramOptions& options) {

@@ -33,7 +33,7 @@ struct TrialResult {
   Eigen::Vector3d a = Eigen::Vector3d::Zero();
   Eigen::Vector3d b = Eigen::Vector3d::Zero();
   Eigen::Vector3d a_again = Eigen::Vector3d::Zero();
-  double slip_statistic = 0;  ///< T^2 of the slip test; NaN without one
+  double slip_statistic = 0;  ///< T^2 of `judge_slip`; NaN without one
   double seconds = 0;
 };
 
@@ -69,14 +69,6 @@ struct ProgramStep {
 /// limit counts as timed out, whatever the arm says of it; every trial ends with a lift.
 [[nodiscard]] ProgramStep advance(const ProgramState& state, const ProbeReport& report,
                                   const ProgramOptions& options);
-
-/// T^2 = |a' - a|^2 / (2 (s_x^2 + (s_f c)^2)) for the position noise s_x, the force noise s_f and
-/// the compliance c that the trial showed, the larger one of |b - a| / |f_T| and |a - touch| /
-/// |f_N|. The tip slipped iff T^2 exceeds `kSlipThreshold`: what noise exceeds once in a thousand
-/// trials (chi^2 of three, 0.999).
-[[nodiscard]] double slip_statistic(const TrialResult& result, const TrialOrder& order,
-                                    const ProgramOptions& options);
-inline constexpr double kSlipThreshold = 16.3;
 
 /// Performs one trial. \throws whatever the arm throws.
 [[nodiscard]] TrialResult run_trial(Prober& arm, const TrialOrder& order,
