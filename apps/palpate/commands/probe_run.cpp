@@ -143,6 +143,7 @@ void perform(const Settings& settings, probing::CampaignStore& store, Running ru
 
 void run_campaign(const Settings& settings, const RunCall& call) {
   check_outputs({call.plan, call.specimen}, {call.store});
+  const InterruptedByThrowing interrupts;  // from the first byte of the store on, it can be resumed
   const probing::ContactPlan plan = probing::read_plan(call.plan);
   const Json arm{{"specimen", probing::read_specimen_text(call.specimen)},
                  {"seed", call.options.seed}};

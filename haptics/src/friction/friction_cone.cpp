@@ -271,11 +271,13 @@ FrictionFit fit_friction(std::span<const FrictionTrial> trials, const Eigen::Vec
     return only_bound(FrictionStop::never_slipped);
   }
   if (!are_searches(used, pressing, options.force_noise)) {
-    take_posterior(used, options, fit);
-    if (fit.coefficient_error > kCoarse * std::max(fit.coefficient, kSlippery))
+    FrictionFit found = fit;
+    take_posterior(used, options, found);
+    fit.uses_prior = true;
+    if (found.coefficient_error > kCoarse * std::max(found.coefficient, kSlippery))
       return only_bound(FrictionStop::too_few_directions);
-    fit.stop = FrictionStop::converged;
-    return fit;
+    found.stop = FrictionStop::converged;
+    return found;
   }
   if (fit.directions < kMinDirections) return only_bound(FrictionStop::too_few_directions);
   const double noise = least_noise(intervals, options.force_noise);

@@ -50,14 +50,10 @@ TrialOutcome outcome_of(const std::string& name) {
 // drops the locks that SQLite holds on it.
 class WriterLock {
  public:
-  WriterLock(const std::filesystem::path& path, int flags)
-      : file_(::open(path.c_str(), flags | O_CLOEXEC, 0666)) {
-    if (file_ < 0) {
-      const std::string reason = errno == EEXIST ? "it exists already; choose another name, or go "
-                                                   "on with it by 'palpate probe resume'"
-                                                 : std::strerror(errno);
-      throw OutputError(path.string() + ": cannot be written: " + reason);
-    }
+  explicit WriterLock(const std::filesystem::path& path)
+      : file_(::open(path.c_str(), O_RDWR | O_CLOEXEC)) {
+    if (file_ < 0)
+      throw OutputError(path.string() + ": cannot be written: " + std::strerror(errno));
     if (::flock(file_, LOCK_EX | LOCK_NB) != 0) {
       ::close(file_);
       throw OutputError(path.string() +
@@ -159,32 +155,34 @@ CampaignStore& CampaignStore::operator=(CampaignStore&&) noexcept = default;
 
 CampaignStore CampaignStore::create(const std::filesystem::path& path,
                                     const CampaignDescription& description) {
-  auto impl = std::make_unique<Impl>();
-  impl->path = path;
-  impl->lock = std::make_unique<WriterLock>(path, O_RDWR | O_CREAT | O_EXCL);
-  impl->description = description;
-  try {
-    impl->database = open_database(path, SQLITE_OPEN_READWRITE);
-    impl->prepare_to_write();
-  } catch (const DatabaseError& wrong) {
-    throw OutputError(path.string() + ": " + wrong.what() + "; choose another folder");
+  if (std::filesystem::exists(path)) {
+    throw OutputError(path.string() +
+                      ": it exists already; choose another name, or go on with it "
+                      "by 'palpate probe resume'");
   }
-  impl->transact([&] {
-    sqlite3* db = impl->database.get();
-    execute(db, kAcquisitionSchema);
-    execute(db, kCampaignSchema);
-    execute(db, ("PRAGMA user_version = " + std::to_string(kStoreVersion)).c_str());
-    Insert run(db, "INSERT INTO run VALUES(?,?)"), meta(db, "INSERT INTO meta VALUES(?,?)");
-    const std::pair<const char*, const std::string*> values[] = {
-        {"plan", &description.plan},
-        {"strategy", &description.strategy},
-        {"arm", &description.arm},
-        {"software", &description.software}};
-    for (const auto& [key, value] : values) (run << std::string(key) << *value).run();
-    (meta << std::string("source") << description.software).run();
+  // It appears as a whole: a file that is there can be resumed.
+  write_file_by_path(path, [&](const std::filesystem::path& temporary) {
+    try {
+      const Database database = open_database(temporary, SQLITE_OPEN_READWRITE);
+      sqlite3* db = database.get();
+      execute(db, "PRAGMA journal_mode = MEMORY; BEGIN");
+      execute(db, kAcquisitionSchema);
+      execute(db, kCampaignSchema);
+      execute(db, ("PRAGMA user_version = " + std::to_string(kStoreVersion)).c_str());
+      Insert run(db, "INSERT INTO run VALUES(?,?)"), meta(db, "INSERT INTO meta VALUES(?,?)");
+      const std::pair<const char*, const std::string*> values[] = {
+          {"plan", &description.plan},
+          {"strategy", &description.strategy},
+          {"arm", &description.arm},
+          {"software", &description.software}};
+      for (const auto& [key, value] : values) (run << std::string(key) << *value).run();
+      (meta << std::string("source") << description.software).run();
+      execute(db, "COMMIT");
+    } catch (const DatabaseError& wrong) {
+      throw OutputError(path.string() + ": " + wrong.what() + "; choose another folder");
+    }
   });
-  impl->prepare_statements();
-  return CampaignStore(std::move(impl));
+  return open(path);
 }
 
 CampaignStore CampaignStore::open(const std::filesystem::path& path) {
@@ -192,7 +190,7 @@ CampaignStore CampaignStore::open(const std::filesystem::path& path) {
     throw FileError(path.string() + ": there is no such file" + kWhatACampaignIs);
   auto impl = std::make_unique<Impl>();
   impl->path = path;
-  impl->lock = std::make_unique<WriterLock>(path, O_RDWR);
+  impl->lock = std::make_unique<WriterLock>(path);
   try {
     impl->database = open_database(path, SQLITE_OPEN_READWRITE);
     check_is_campaign(impl->database.get());
