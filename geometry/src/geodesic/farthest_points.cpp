@@ -3,6 +3,7 @@
 #include "palpate/geometry/farthest_points.h"
 
 #include <algorithm>
+#include <optional>
 #include <string>
 
 #include "geodesic/geodesic_methods.h"
@@ -49,18 +50,18 @@ FarthestPoints farthest_points(const TriangleMesh& mesh, std::span<const int> ca
   const std::vector<int> left = usable(mesh, candidates, places);
   FarthestPoints found;
   if (left.empty()) return found;
-  GrowingDistance growing(mesh);
   int next = nearest_to_mean(mesh, left);
-  while (true) {
-    growing.add(places[static_cast<size_t>(next)]);
-    const Eigen::VectorXd& distance = growing.distance();
+  grow_distances(mesh, [&](const Eigen::VectorXd& distance) -> std::optional<SurfacePoint> {
+    if (!found.vertices.empty()) {
+      next = *std::max_element(left.begin(), left.end(),
+                               [&](int a, int b) { return distance[a] < distance[b]; });
+      found.cover.push_back(distance[next]);
+      if (distance[next] < options.spacing) return std::nullopt;
+      if (static_cast<int>(found.vertices.size()) >= options.count) return std::nullopt;
+    }
     found.vertices.push_back(next);
-    next = *std::max_element(left.begin(), left.end(),
-                             [&](int a, int b) { return distance[a] < distance[b]; });
-    found.cover.push_back(distance[next]);
-    if (distance[next] < options.spacing) break;
-    if (static_cast<int>(found.vertices.size()) >= options.count) break;
-  }
+    return places[static_cast<size_t>(next)];
+  });
   return found;
 }
 

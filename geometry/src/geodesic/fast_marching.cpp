@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <memory>
 #include <numeric>
 #include <optional>
 #include <utility>
@@ -301,19 +300,15 @@ GeodesicDistance fast_marching_distance(const TriangleMesh& mesh,
   return std::move(march).result();
 }
 
-struct GrowingDistance::Impl {
-  March march;
-  int sources = 0;
-};
-
-GrowingDistance::GrowingDistance(const TriangleMesh& mesh)
-    : impl_(std::make_unique<Impl>(Impl{.march = March(mesh, {}, kInfinity)})) {}
-GrowingDistance::~GrowingDistance() = default;
-
-void GrowingDistance::add(const SurfacePoint& source) {
-  impl_->march.run(source, impl_->sources++);
+void grow_distances(
+    const TriangleMesh& mesh,
+    const std::function<std::optional<SurfacePoint>(const Eigen::VectorXd& distances)>& next) {
+  March march(mesh, {}, kInfinity);
+  for (int source = 0;; ++source) {
+    const std::optional<SurfacePoint> at = next(march.nearest().distance);
+    if (!at) return;
+    march.run(*at, source);
+  }
 }
-
-const Eigen::VectorXd& GrowingDistance::distance() const { return impl_->march.nearest().distance; }
 
 }  // namespace palpate::geometry

@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <memory>
+#include <functional>
+#include <optional>
 #include <span>
 
 #include "palpate/geometry/geodesic_distance.h"
@@ -22,24 +23,12 @@ namespace palpate::geometry {
                                                        std::span<const SurfacePoint> sources,
                                                        double stop_radius);
 
-/// The distances of `fast_marching_distance` while sources are added. A new source changes only its
-/// own cell, so many sources take little longer than all of them at once.
-class GrowingDistance {
- public:
-  /// Precondition: the mesh is valid, and outlives this.
-  explicit GrowingDistance(const TriangleMesh& mesh);
-  ~GrowingDistance();
-  GrowingDistance(const GrowingDistance&) = delete;
-  GrowingDistance& operator=(const GrowingDistance&) = delete;
-
-  /// Precondition: the source is on the mesh.
-  void add(const SurfacePoint& source);
-  /// [mm] V, to the nearest source; infinity if there is none.
-  [[nodiscard]] const Eigen::VectorXd& distance() const;
-
- private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
-};
+/// Adds sources one by one: `next` gets the distances of `fast_marching_distance` to those so far
+/// ([mm] V; infinity without a source), and gives another one, or none to end. A new source changes
+/// only its own cell, so many take little longer than all of them at once.
+/// Precondition: the mesh is valid, and the sources are on it.
+void grow_distances(
+    const TriangleMesh& mesh,
+    const std::function<std::optional<SurfacePoint>(const Eigen::VectorXd& distances)>& next);
 
 }  // namespace palpate::geometry
