@@ -204,7 +204,7 @@ void take_posterior(std::span<const FrictionTrial> trials, const FrictionOptions
   probing::ConePrior prior = options.prior;
   prior.force_noise = options.force_noise;
   probing::ConePosterior posterior(fit.axis, prior);
-  std::vector<probing::SlipTrial> all;
+  std::vector<probing::ConeTrial> all;
   for (const FrictionTrial& trial : trials) all.push_back({trial.force, trial.slipped});
   posterior.add(all);
   const probing::ConeEstimate found = posterior.estimate();

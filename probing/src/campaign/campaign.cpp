@@ -213,7 +213,7 @@ struct Campaign::Impl {
     }
     failures = 0;
     if (options.strategy == TrialStrategy::pooled || order->direction == kPressing) {
-      const SlipTrial trial{order->normal_force + order->tangential_force, slipped};
+      const ConeTrial trial{order->normal_force + order->tangential_force, slipped};
       if (order->direction != kPressing || slipped) posterior->add({&trial, 1});
     }
     if (order->direction == kPressing) {

@@ -46,6 +46,8 @@ TrialOutcome outcome_of(const std::string& name) {
   throw DatabaseError("a trial has the outcome '" + name + "', which is unknown");
 }
 
+}  // namespace
+
 // The one process that may write. Declared before the database: closing any descriptor of a file
 // drops the locks that SQLite holds on it.
 class WriterLock {
@@ -67,6 +69,8 @@ class WriterLock {
  private:
   int file_;
 };
+
+namespace {
 
 // The members of the options, for reading and writing alike.
 template <typename Options, typename Visit>

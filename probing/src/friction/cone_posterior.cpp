@@ -91,8 +91,8 @@ ConePosterior::ConePosterior(const Eigen::Vector3d& pressing, const ConePrior& p
   follow();
 }
 
-void ConePosterior::add(std::span<const SlipTrial> trials) {
-  for (const SlipTrial& trial : trials)
+void ConePosterior::add(std::span<const ConeTrial> trials) {
+  for (const ConeTrial& trial : trials)
     trials_.push_back({frame_.transpose() * trial.force, trial.slipped});
   follow();
 }
@@ -117,7 +117,7 @@ void ConePosterior::fill(const Eigen::Vector3d& low, const Eigen::Vector3d& high
     }
   }
   const double blur = (step[0] * step[0] + std::max(step[1] * step[1], step[2] * step[2])) / kBlur;
-  for (const SlipTrial& trial : trials_) {
+  for (const ConeTrial& trial : trials_) {
     const double noise =
         std::sqrt(prior_.force_noise * prior_.force_noise + blur * trial.force.squaredNorm());
     for (cell = 0; cell < cells_.cols(); ++cell) {

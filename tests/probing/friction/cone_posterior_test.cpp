@@ -47,7 +47,7 @@ ConePosterior probed(const Contact& contact, const ConePrior& prior, std::mt1993
     while (high - low > 1e-3)
       (posterior.slip_probability(force((low + high) / 2)) < 0.5 ? low : high) = (low + high) / 2;
     const Vector3d applied = force(low) + Vector3d(noise(random), noise(random), noise(random));
-    const SlipTrial trial{force(low), contact.slips(applied)};
+    const ConeTrial trial{force(low), contact.slips(applied)};
     posterior.add({&trial, 1});
   }
   return posterior;
@@ -104,7 +104,7 @@ TEST(ConePosterior, TurnsWithTheForces) {
   const ConePrior prior;
   const Contact contact(random, prior);
   const Eigen::Matrix3d turn = Eigen::Quaterniond(0.3, -0.5, 0.7, 0.2).normalized().matrix();
-  std::vector<SlipTrial> trials, turned;
+  std::vector<ConeTrial> trials, turned;
   for (int i = 0; i < 30; ++i) {
     const Vector3d force(1.9 * std::sin(2.4 * i), (0.5 + 0.05 * i) * std::cos(2.4 * i), 1.3);
     trials.push_back({force, contact.slips(force)});

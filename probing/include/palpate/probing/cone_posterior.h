@@ -11,7 +11,7 @@
 namespace palpate::probing {
 
 /// A force that was applied at a contact, and whether the tip slipped.
-struct SlipTrial {
+struct ConeTrial {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< [N] of the tool on the object
   bool slipped = false;
 };
@@ -53,7 +53,7 @@ class ConePosterior {
   /// \throws InvalidInput if a number of the prior is outside its range.
   explicit ConePosterior(const Eigen::Vector3d& pressing, const ConePrior& prior = {});
 
-  void add(std::span<const SlipTrial> trials);
+  void add(std::span<const ConeTrial> trials);
 
   /// Probability that the tip slips under a force, over all cones.
   [[nodiscard]] double slip_probability(const Eigen::Vector3d& force) const;
@@ -69,7 +69,7 @@ class ConePosterior {
 
   Eigen::Matrix3d frame_;  // third column: the pressing direction
   ConePrior prior_;
-  std::vector<SlipTrial> trials_;  // forces in the frame
+  std::vector<ConeTrial> trials_;  // forces in the frame
   Eigen::Matrix4Xd cells_;         // sine and cosine of the angle, tilts of the axis
   Eigen::VectorXd angles_;
   Eigen::VectorXd weights_;  // sum 1
