@@ -172,7 +172,9 @@ CampaignStore CampaignStore::create(const std::filesystem::path& path,
       execute(db, "PRAGMA journal_mode = MEMORY; BEGIN");
       execute(db, kAcquisitionSchema);
       execute(db, kCampaignSchema);
-      execute(db, ("PRAGMA user_version = " + std::to_string(kStoreVersion)).c_str());
+      std::string set_version = "PRAGMA user_version = ";
+      set_version += std::to_string(kStoreVersion);
+      execute(db, set_version.c_str());
       Insert run(db, "INSERT INTO run VALUES(?,?)"), meta(db, "INSERT INTO meta VALUES(?,?)");
       const std::pair<const char*, const std::string*> values[] = {
           {"plan", &description.plan},
