@@ -189,10 +189,13 @@ void draw_contacts(const std::filesystem::path& png, const geometry::TriangleMes
                    const Eigen::Ref<const Eigen::VectorXi>& labels,
                    const geometry::TriangleMesh& contact_mesh, const std::string& title) {
   check_input(surface, labels, contact_mesh);
+  const std::string contacts = std::to_string(contact_mesh.vertices.cols()) + " contacts";
+  const auto triangles = contact_mesh.triangles.cols();
   Canvas canvas(Canvas::kHeight, title,
-                std::to_string(contact_mesh.vertices.cols()) + " contacts, " +
-                    std::to_string(contact_mesh.triangles.cols()) +
-                    " triangles; colours: the contact that counts most there");
+                triangles == 0
+                    ? contacts + "; colours: the contact that is nearest along the surface"
+                    : contacts + ", " + std::to_string(triangles) +
+                          " triangles; colours: the contact that counts most there");
   const geometry::TriangleMesh clean = without_strays(surface);
   const Eigen::Matrix3Xd& seen = clean.vertices;
   Eigen::Matrix3Xd all(3, seen.cols() + contact_mesh.vertices.cols());
