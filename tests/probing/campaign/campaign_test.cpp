@@ -42,7 +42,9 @@ TEST(Campaign, GoesThroughContactsLevelsAndDirections) {
     EXPECT_GE(order.contact.id, contact);
     if (order.contact.id > contact) level = 0;
     EXPECT_GE(order.level, level);
-    if (order.level > level || i == 0) EXPECT_EQ(order.direction, -1);
+    if (order.level > level || i == 0) {
+      EXPECT_EQ(order.direction, -1);
+    }
     contact = order.contact.id;
     level = order.level;
     if (order.direction >= 0) directions[{contact, level}].insert(order.direction);

@@ -18,11 +18,11 @@ namespace {
 using Eigen::Vector3d;
 
 // A cone drawn from the prior, and an arm whose applied forces err by its noise.
-struct Contact {
+struct SimulatedContact {
   double angle;
   Vector3d axis;
 
-  Contact(std::mt19937& random, const ConePrior& prior) {
+  SimulatedContact(std::mt19937& random, const ConePrior& prior) {
     std::normal_distribution<double> normal;
     angle = std::max(0.05, prior.angle + prior.angle_deviation * normal(random));
     const double x = normal(random), y = normal(random);
@@ -35,7 +35,8 @@ struct Contact {
 };
 
 // Twelve trials, each where it slips with an even chance.
-ConePosterior probed(const Contact& contact, const ConePrior& prior, std::mt19937& random) {
+ConePosterior probed(const SimulatedContact& contact, const ConePrior& prior,
+                     std::mt19937& random) {
   std::normal_distribution<double> noise(0, prior.force_noise);
   ConePosterior posterior(Vector3d::UnitZ(), prior);
   for (int i = 0; i < 12; ++i) {
@@ -60,7 +61,7 @@ TEST(ConePosterior, IsAsExactAsItSays) {
   double squares = 0, tilt_squares = 0;
   int inside = 0, above = 0;
   for (int i = 0; i < kCount; ++i) {
-    const Contact contact(random, prior);
+    const SimulatedContact contact(random, prior);
     const ConeEstimate found = probed(contact, prior, random).estimate();
     squares += std::pow((found.angle - contact.angle) / found.angle_deviation, 2) / kCount;
     tilt_squares += std::pow(found.axis.cross(contact.axis).norm() / found.axis_error, 2) / kCount;
@@ -86,7 +87,7 @@ TEST(ConePosterior, PredictsTheShareOfSlips) {
   const Vector3d force(1.1, 0.4, 1.5);
   constexpr int kCount = 4000;
   int slips = 0;
-  for (int i = 0; i < kCount; ++i) slips += Contact(random, prior).slips(force) ? 1 : 0;
+  for (int i = 0; i < kCount; ++i) slips += SimulatedContact(random, prior).slips(force) ? 1 : 0;
   // The deviation of the share is 0.008; the grid has steps of half a deviation.
   EXPECT_NEAR(posterior.slip_probability(force), slips / double{kCount}, 0.03);
 }
@@ -102,7 +103,7 @@ TEST(ConePosterior, WithoutTrialsIsThePrior) {
 TEST(ConePosterior, TurnsWithTheForces) {
   std::mt19937 random(5);
   const ConePrior prior;
-  const Contact contact(random, prior);
+  const SimulatedContact contact(random, prior);
   const Eigen::Matrix3d turn = Eigen::Quaterniond(0.3, -0.5, 0.7, 0.2).normalized().matrix();
   std::vector<ConeTrial> trials, turned;
   for (int i = 0; i < 30; ++i) {

@@ -34,7 +34,7 @@ TEST(SpecimenFile, HasEveryType) {
             make_specimen(ElasticBody{.young_modulus = 0.2})->displacement(at, kForce));
 }
 
-std::string refused(const std::string& text) {
+std::string refused_specimen(const std::string& text) {
   try {
     (void)parse_specimen(text, "a.json");
   } catch (const FileError& e) {
@@ -44,16 +44,17 @@ std::string refused(const std::string& text) {
 }
 
 TEST(SpecimenFile, SaysWhatIsWrong) {
-  EXPECT_THAT(refused(""), HasSubstr("a.json: is not a JSON object"));
-  EXPECT_THAT(refused("[1]"), HasSubstr("is not a JSON object"));
-  EXPECT_THAT(refused("{}"), HasSubstr("has no 'type'; it must be sheet, beam or elastic_body"));
-  EXPECT_THAT(refused(R"({"type": "ball"})"), HasSubstr("'type' is \"ball\""));
-  EXPECT_THAT(refused(R"({"type": "beam", "tension": 1})"),
+  EXPECT_THAT(refused_specimen(""), HasSubstr("a.json: is not a JSON object"));
+  EXPECT_THAT(refused_specimen("[1]"), HasSubstr("is not a JSON object"));
+  EXPECT_THAT(refused_specimen("{}"),
+              HasSubstr("has no 'type'; it must be sheet, beam or elastic_body"));
+  EXPECT_THAT(refused_specimen(R"({"type": "ball"})"), HasSubstr("'type' is \"ball\""));
+  EXPECT_THAT(refused_specimen(R"({"type": "beam", "tension": 1})"),
               HasSubstr("'tension' is unknown; a beam has type, length"));
-  EXPECT_THAT(refused(R"({"type": "beam", "length": "long"})"),
+  EXPECT_THAT(refused_specimen(R"({"type": "beam", "length": "long"})"),
               HasSubstr("'length' is \"long\"; it must be a number [mm]"));
-  EXPECT_THAT(refused(R"({"type": "sheet", "block_low": [1]})"), HasSubstr("two numbers"));
-  EXPECT_THAT(refused(R"({"type": "sheet", "friction": -1})"),
+  EXPECT_THAT(refused_specimen(R"({"type": "sheet", "block_low": [1]})"), HasSubstr("two numbers"));
+  EXPECT_THAT(refused_specimen(R"({"type": "sheet", "friction": -1})"),
               HasSubstr("a.json: Sheet::friction is -1"));
 }
 
