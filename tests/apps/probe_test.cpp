@@ -35,8 +35,8 @@ class Probe : public ::testing::Test {
     return figures(call);
   }
 
-  std::vector<std::string> run_call(const std::string& store) const {
-    return {"probe", "run", plan_file, "--specimen", specimen, "-o", store};
+  std::vector<std::string> run_call(const std::string& output) const {
+    return {"probe", "run", plan_file, "--specimen", specimen, "-o", output};
   }
 
   std::string refusal(const std::vector<std::string>& call) const {
