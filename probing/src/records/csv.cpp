@@ -90,6 +90,7 @@ std::optional<T> parse(std::string_view text) {
 }
 
 bool has_decimal_comma(std::string_view text) {
+  if (text.find(',') == std::string_view::npos) return false;
   std::string pointed(text);
   std::ranges::replace(pointed, ',', '.');
   return parse<double>(pointed).has_value();

@@ -88,12 +88,12 @@ TEST_F(HoleFilling, TheOutlineOfAFragmentIsNoHole) {
     mesh.triangles.col(triangles + 1 + 2 * i) << corner, corner + 2, corner + 1;
     mesh.triangles.col(triangles + 2 + 2 * i) << corner + 1, corner + 2, corner + 3;
   }
-  ASSERT_TRUE(find_defects(mesh).empty());
   const FilledMesh filled = fill_holes(mesh, {.max_diameter = 25});
   EXPECT_EQ(filled.filled, 1);
   EXPECT_EQ(filled.left, 2);
   EXPECT_EQ(test::border_edges(filled.mesh), 3 + 8);
-  EXPECT_TRUE(find_defects(filled.mesh).empty());
+  for (const MeshDefect& defect : find_defects(filled.mesh))
+    EXPECT_EQ(defect.kind, DefectKind::vertex_isolated);  // of the hole
 }
 
 TEST_F(HoleFilling, TheResultHasNoDefects) {

@@ -142,7 +142,7 @@ TEST(Csv, RefusesWhatIsNotSuchATable) {
   EXPECT_THAT(refused_csv("a,b\n1,2,3\n"), AllOf(HasSubstr("line 2"), HasSubstr("3 cells")));
   EXPECT_THAT(refused_csv("a,b\n\"1,2\n"), AllOf(HasSubstr("line 2"), HasSubstr("quote")));
   EXPECT_THAT(refused_csv("a,b\n\"1\"0,2\n"), AllOf(HasSubstr("line 2"), HasSubstr("quote")));
-  EXPECT_THAT(refused_csv(std::string("\x89PNG\r\n\0\1\2,", 10)), HasSubstr("no column"));
+  EXPECT_THAT(refused_csv(std::string("\x89PNG\r\n\0\1\2,", 10)), HasSubstr("one cell"));
   EXPECT_THAT(refused_csv("a,b\n\x01\x02" + std::string(100, 'x') + ",2\n"), HasSubstr("'??xxx"));
   const ScratchFolder folder;
   EXPECT_THAT(refusal([&] { CsvReader(folder / "none.csv", kColumns); }),
