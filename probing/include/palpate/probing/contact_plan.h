@@ -43,7 +43,7 @@ struct PlanOptions {
   Eigen::Vector3d sensor = Eigen::Vector3d::Zero();  ///< [mm] place of the sensor
 
   double lowest_force = 0.15;  ///< [N] normal force of the lowest level; > 0
-  double highest_force = 2.6;    ///< [N] of the highest level; >= lowest_force
+  double highest_force = 2.6;  ///< [N] of the highest level; >= lowest_force
   int levels = 6;              ///< of the normal force, in geometric progression; > 0
   int directions = 4;          ///< of the tangential force, turned from level to level; >= 0
   double max_force = 3;        ///< [N] most force that the arm applies; >= highest_force

@@ -10,9 +10,9 @@
  *
  *     const palpate_device_v1* palpate_device(void);
  *
- * Vectors are in the frame of the device's base, x, y, z; millimetre, newton, second, radian. What a
- * device does not measure it leaves as it is: NaN. Every function but close and last_error returns
- * 0, or anything else after a failure that last_error then describes.
+ * Vectors are in the frame of the device's base, x, y, z; millimetre, newton, second, radian. What
+ * a device does not measure it leaves as it is: NaN. Every function but close and last_error
+ * returns 0, or anything else after a failure that last_error then describes.
  *
  * One thread at a time calls. read, write and stop are called at the rate of the device and must
  * not allocate, lock or print. */
@@ -47,12 +47,12 @@ typedef struct palpate_device_info_v1 {
 
 typedef struct palpate_device_state_v1 {
   uint32_t size;
-  uint32_t reserved;      /* 0 */
-  double time;            /* [s] of the measurement: CLOCK_MONOTONIC of the host */
-  double tip[3];          /* [mm] */
+  uint32_t reserved;                    /* 0 */
+  double time;                          /* [s] of the measurement: CLOCK_MONOTONIC of the host */
+  double tip[3];                        /* [mm] */
   double joints[PALPATE_DEVICE_JOINTS]; /* [rad] */
-  double force[3];        /* [N] at the tip that the motors deliver, as measured */
-  double heat[3];         /* of the motors, relative to that at which they must rest */
+  double force[3];                      /* [N] at the tip that the motors deliver, as measured */
+  double heat[3]; /* of the motors, relative to that at which they must rest */
 } palpate_device_state_v1;
 
 typedef struct palpate_device_command_v1 {
