@@ -89,7 +89,8 @@ GravityModel fit_gravity(std::span<const HeldPose> poses) {
   }
   // Terms that the poses do not tell apart get the smallest coefficients.
   Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition;
-  decomposition.setThreshold(1e-3);
+  constexpr double kToldApart = 1e-3;  // relative to the largest pivot
+  decomposition.setThreshold(kToldApart);
   decomposition.compute(design.topRows(used));
   const Eigen::VectorXd solution = decomposition.solve(torques.head(used));
   GravityModel model;

@@ -274,15 +274,17 @@ struct VirtualArm::Simulation {
   void refresh() {
     constexpr double kLeast = 0.03, kRelative = 0.05;  // [N], relative to the force
     constexpr std::uint64_t kLongest = 50;             // ticks
+    constexpr double kUnchanged = 1e-4;                // [N]
     const double change = (elastic - reference).norm();
-    const bool old = ticks - ticks_of_reference > kLongest && change > 1e-4;
+    const bool old = ticks - ticks_of_reference > kLongest && change > kUnchanged;
     if (change > kLeast + kRelative * reference.norm() || old) refresh_at(elastic);
   }
 
   void refresh_at(const Eigen::Vector3d& at) {
     const Eigen::Vector3d computed = specimen->displacement(truth.contact, at);
     const Eigen::Vector3d change = at - reference;
-    if (change.squaredNorm() > 1e-6) {
+    constexpr double kShowsSlope = 1e-3;  // [N]
+    if (change.norm() > kShowsSlope) {
       slope +=
           (computed - displacement - slope * change) * change.transpose() / change.squaredNorm();
     }

@@ -147,7 +147,8 @@ void ConePosterior::follow() {
     const Eigen::Vector3d mean = mean_, deviation = deviation_;
     Eigen::Vector3d low = mean - kReach * deviation, high = mean + kReach * deviation;
     low[0] = std::max(low[0], 0.0);
-    high[0] = std::clamp(high[0], low[0] + 1e-4, kLargestAngle);
+    constexpr double kNarrowest = 1e-4;  // [rad] of the grid
+    high[0] = std::clamp(high[0], low[0] + kNarrowest, kLargestAngle);
     fill(low, high);
     const bool steady =
         ((mean_ - mean).cwiseAbs().array() < kSteady * deviation_.array()).all() &&

@@ -196,7 +196,8 @@ Eigen::Vector3d displacement_at(const Sheet& sheet, double x, double y,
               .cwiseQuotient(eigen.eigenvalues().cwiseAbs().cwiseMax(kSmallestStiffness));
       double part = std::min(1.0, kLongestStep / step.norm());
       // Require a smaller residual each time, which suffices for the convex sheet and the block.
-      while (part > 1e-3 &&
+      constexpr double kLeastPart = 1e-3;  // of a Newton step
+      while (part > kLeastPart &&
              (sheet_gradient(sheet, x, y, e + part * step) - part_of_force).norm() > residual) {
         part /= 2;
       }
