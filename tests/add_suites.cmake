@@ -8,6 +8,6 @@ set(tests "")
 foreach(suite IN LISTS suites)
   string(REGEX REPLACE "[\n.]" "" suite "${suite}")
   string(APPEND tests "add_test([[${FOLDER}.${suite}]] [[${PROGRAM}]] [[--gtest_filter=${suite}.*]])\n"
-    "set_tests_properties([[${FOLDER}.${suite}]] PROPERTIES TIMEOUT 300 FAIL_REGULAR_EXPRESSION [[Running 0 tests]])\n")
+    "set_tests_properties([[${FOLDER}.${suite}]] PROPERTIES FAIL_REGULAR_EXPRESSION [[Running 0 tests]])\n")
 endforeach()
 file(WRITE ${OUTPUT} "${tests}")
