@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "cgal_availability.h"
 #include "run_palpate.h"
 
 namespace palpate::apps {
@@ -218,6 +219,7 @@ TEST_F(WayOfTheData, InfoListsWhatIsWrongWithAMeshAndMeshMendsIt) {
 }
 
 TEST_F(WayOfTheData, MeshFillsHolesUpToASize) {
+  if (!geometry::test::has_cgal()) GTEST_SKIP() << "the library was built without CGAL";
   // An octahedron of 6 mm in radius without one of its faces, which has a box of 6 x 6 x 6 mm.
   write_text(scratch / "open.off",
              "OFF\n6 7 0\n6 0 0\n-6 0 0\n0 6 0\n0 -6 0\n0 0 6\n0 0 -6\n3 2 1 4\n3 1 3 4\n"

@@ -5,6 +5,7 @@
 
 #include "palpate/error.h"
 #include "palpate/geometry/hole_filling.h"
+#include "palpate/require.h"
 #include "scans/poisson_surface.h"
 
 namespace palpate::geometry {
@@ -18,7 +19,10 @@ namespace {
 
 }  // namespace
 
-FilledMesh fill_holes(const TriangleMesh&, const HoleFillingOptions&) { refuse("fill_holes"); }
+FilledMesh fill_holes(const TriangleMesh&, const HoleFillingOptions& options) {
+  require("HoleFillingOptions::max_diameter", options.max_diameter, above(0), "mm");
+  refuse("fill_holes");
+}
 
 TriangleMesh poisson_surface(const Eigen::Matrix3Xd&, const Eigen::Matrix3Xd&, double) {
   refuse("merge_scans");

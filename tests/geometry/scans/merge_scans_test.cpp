@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "cgal_availability.h"
 #include "dense_sampling.h"
 #include "mesh_corpus.h"
 #include "not_finite.h"
@@ -120,6 +121,7 @@ test::Errors distances_to(const TriangleMesh& truth, const Eigen::Matrix3Xd& poi
 }
 
 TEST(MergeScans, OfASphereFromAllSidesAreTheSphere) {
+  if (!test::has_cgal()) GTEST_SKIP() << "the library was built without CGAL";
   const TriangleMesh sphere = test::icosphere(5, 30);
   std::vector<Scan> scans;
   unsigned seed = 1;
@@ -151,6 +153,7 @@ TEST(MergeScans, OfASphereFromAllSidesAreTheSphere) {
 }
 
 TEST(MergeScans, OfAHalfSeenSphereStayOpenWhereNobodyLooked) {
+  if (!test::has_cgal()) GTEST_SKIP() << "the library was built without CGAL";
   const TriangleMesh sphere = test::icosphere(5, 30);
   const Vector3d left(140, 1, 142), right(-141, 3, 140);
   const std::vector<Scan> scans = {look_at(sphere, left, 80, 26, 1),
@@ -182,6 +185,7 @@ TEST(MergeScans, OfAHalfSeenSphereStayOpenWhereNobodyLooked) {
 }
 
 TEST(MergeScans, OfAGloveFromSixSidesAreTheGlove) {
+  if (!test::has_cgal()) GTEST_SKIP() << "the library was built without CGAL";
   TriangleMesh glove = test::glove(2.1);
   glove.vertices.colwise() += Vector3d(0, -55, 0);
   std::vector<Scan> scans;

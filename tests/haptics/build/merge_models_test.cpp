@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "cgal_availability.h"
 #include "palpate/geometry/mesh_topology.h"
 #include "palpate/haptics/blended_field.h"
 #include "palpate/haptics/contact_compliance.h"
@@ -210,6 +211,7 @@ TEST(MergeModels, MovesFramesAndAxesOfFriction) {
 }
 
 TEST(MergeModels, FillsHolesAndAveragesOnRequest) {
+  if (!geometry::test::has_cgal()) GTEST_SKIP() << "the library was built without CGAL";
   std::vector<SideModel> sides = halves();
   geometry::TriangleMesh& surface = sides[0].model.surface;
   const geometry::TriangleMesh before = surface;
