@@ -63,6 +63,7 @@ std::vector<int> color_cells(const Eigen::Ref<const Eigen::Matrix3Xi>& triangles
     // Rather than one of a neighbour take any other; of those the least used, so that all are about
     // as frequent.
     std::vector<std::pair<int, int>> costs;
+    costs.reserve(uses.size());
     for (const int use : uses) {
       costs.emplace_back(0, use);
     }

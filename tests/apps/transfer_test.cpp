@@ -45,18 +45,17 @@ class Transfer : public ::testing::Test {
     write_text(scratch / "other.ply", head + faces + vertices + triangles);
     nlohmann::json contacts = nlohmann::json::array();
     for (int i = 0; i < 3; ++i) {
-      contacts.push_back(
-          {{"id", i},
-           {"position", {10 + 60 * (i == 1), 10 + 60 * (i == 2), i == 1 ? 7 / 3.0 : 7 / 3.0}},
-           {"rotation", {0, 1, 0, 0}},
-           {"bases", {{4, 5, 0, 0, 0}}},
-           {"ridges", nlohmann::json::array()},
-           {"friction",
-            {{"coefficient", 0.5},
-             {"lower_bound", 0.4},
-             {"source", "samples"},
-             {"axis", {0, 0, -1}}}},
-           {"fit", {{"samples", 10}, {"rms", 0.01}, {"stop", "accurate"}}}});
+      contacts.push_back({{"id", i},
+                          {"position", {10 + 60 * (i == 1), 10 + 60 * (i == 2), 7 / 3.0}},
+                          {"rotation", {0, 1, 0, 0}},
+                          {"bases", {{4, 5, 0, 0, 0}}},
+                          {"ridges", nlohmann::json::array()},
+                          {"friction",
+                           {{"coefficient", 0.5},
+                            {"lower_bound", 0.4},
+                            {"source", "samples"},
+                            {"axis", {0, 0, -1}}}},
+                          {"fit", {{"samples", 10}, {"rms", 0.01}, {"stop", "accurate"}}}});
     }
     const nlohmann::json document = {
         {"format", "palpate-model"},

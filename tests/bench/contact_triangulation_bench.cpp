@@ -80,7 +80,7 @@ void locate(benchmark::State& state, int step) {
       mesh, contacts, palpate::geometry::triangulate_contacts(mesh, contacts).weights);
   SurfacePoint place{.triangle = 0, .barycentric = {0.2, 0.3, 0.5}};
   double sum = 0;
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     const ContactWeights found = locator.locate(place);
     sum += found.weights[0];
     if (found.count == 0) state.SkipWithError("a place has no contact");

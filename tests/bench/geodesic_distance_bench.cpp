@@ -155,8 +155,9 @@ const Truth& truth_of(const benchmark::State& state, const Case& given) {
   static std::map<std::tuple<std::int64_t, std::int64_t, std::int64_t>, Truth> known;
   const auto [place, is_new] = known.try_emplace({state.range(0), state.range(1), state.range(2)});
   if (is_new) {
-    place->second.seconds = palpate::bench::seconds([&] {
-      place->second.geodesic =
+    Truth& truth = place->second;
+    truth.seconds = palpate::bench::seconds([&] {
+      truth.geodesic =
           geodesic_distance(given.mesh, given.sources, {.method = GeodesicMethod::exact});
     });
   }

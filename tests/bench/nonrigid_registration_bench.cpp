@@ -126,7 +126,7 @@ void frame_that_is_partly_hidden(benchmark::State& state) {
   constexpr float kBefore = 400;  // mm
   scene.map.z.leftCols(cols * state.range(0) / 100) = kBefore;
   DeformedSurface found;
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     found = register_deformed(graph, scene.map, {.min_matched = 0}, start.node_motions);
   }
   const auto with = [&](VertexSight sight) {

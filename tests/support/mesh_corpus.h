@@ -112,8 +112,8 @@ inline TriangleMesh polygonise(const std::function<double(const Eigen::Vector3d&
   const Eigen::Array3i n =
       (box.sizes().array() / spacing).ceil().cast<int>() + 1;  // grid points per axis
   const auto grid_point = [&](int i) {
-    return Eigen::Vector3d(
-        box.min() + spacing * Eigen::Vector3d(i % n.x(), i / n.x() % n.y(), i / (n.x() * n.y())));
+    const Eigen::Vector3i place(i % n.x(), i / n.x() % n.y(), i / (n.x() * n.y()));
+    return Eigen::Vector3d(box.min() + spacing * place.cast<double>());
   };
   std::vector<double> value(static_cast<size_t>(n.prod()));
   for (size_t i = 0; i < value.size(); ++i) value[i] = distance(grid_point(static_cast<int>(i)));

@@ -17,8 +17,8 @@ namespace fs = std::filesystem;
 constexpr int kPaneWidth = 640;
 constexpr int kPaneHeight = 480;
 
-/// Draws an image into the middle of `pane`, as large as it fits.
-void fit_into(cv::Mat pane, const cv::Mat& image) {
+/// Draws an image into the middle of `pane`, a view of the pixels to fill, as large as it fits.
+void fit_into(const cv::Mat& pane, const cv::Mat& image) {
   const double scale = std::min(static_cast<double>(pane.cols) / image.cols,
                                 static_cast<double>(pane.rows) / image.rows);
   const cv::Size size(static_cast<int>(scale * image.cols), static_cast<int>(scale * image.rows));

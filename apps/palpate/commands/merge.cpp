@@ -55,6 +55,7 @@ std::vector<haptics::SideModel> read_sides(const MergeCall& call) {
 /// \return the registration of each side but the first.
 Json register_sides(const MergeCall& call, std::vector<haptics::SideModel>& sides) {
   std::vector<geometry::Scan> scans;
+  scans.reserve(sides.size());
   for (const haptics::SideModel& side : sides)
     scans.push_back({.mesh = side.model.surface, .T_object_scan = side.T_object_model});
   geometry::RegistrationOptions options = call.registration;

@@ -159,7 +159,7 @@ std::vector<std::string> reason_words() {
 
 fs::path rig_of(const fs::path& range_map, const fs::path& rig) {
   if (!rig.empty()) return rig;
-  const fs::path beside = range_map.parent_path() / "rig.yaml";
+  fs::path beside = range_map.parent_path() / "rig.yaml";
   std::error_code ignored;
   if (!fs::exists(beside, ignored)) {
     throw FileError(

@@ -14,6 +14,7 @@ namespace palpate::apps {
 ///
 /// The file holds JSON Lines: the first line is the head, which says what the results depend on;
 /// each further line is one finished item.
+// NOLINTNEXTLINE(bugprone-exception-escape): JSON is moved without throwing.
 struct RunRecord {
   nlohmann::ordered_json head;
   std::vector<nlohmann::ordered_json> items;

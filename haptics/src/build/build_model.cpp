@@ -352,6 +352,7 @@ BuildResult build_model(const probing::CheckedAcquisition& acquisition,
   result.model.surface = surface;
   const auto [kept, places] = place_contacts(contacts, query, options, result);
   std::vector<std::size_t> source;
+  source.reserve(kept.size());
   for (const std::size_t i : kept) source.push_back(probed[i]);
   contacts.clear();
   for (const std::size_t i : source) contacts.push_back(acquisition.contacts()[i]);

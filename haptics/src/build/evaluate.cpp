@@ -91,7 +91,7 @@ Model without_contact(const Model& model, std::vector<geometry::SurfacePoint> po
   rest.triangles = std::move(triangulation.mesh.triangles);
   rest.surface_weights = std::move(triangulation.weights);
   if (rest.interpolation.rule == BlendRule::compliances)
-    rest = with_compliances(std::move(rest), rest.interpolation.reference_force);
+    rest = with_compliances(std::move(rest), model.interpolation.reference_force);
   return rest;
 }
 

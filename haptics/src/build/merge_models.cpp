@@ -281,7 +281,8 @@ void tell_origin(std::span<const SideModel> sides, const std::vector<Eigen::Isom
   made["surface"] = options.surface == MergedSurface::zippered ? "zippered" : "averaged";
   for (std::size_t k = 0; k < sides.size(); ++k) {
     const std::string side = "model " + std::to_string(k);
-    for (const auto& [key, value] : sides[k].model.made) made[side + " made " + key] = value;
+    const std::string made_before = side + " made ";
+    for (const auto& [key, value] : sides[k].model.made) made[made_before + key] = value;
     made[side] = sides[k].name;
     made[side + " pose"] = to_text(poses[k]);
   }

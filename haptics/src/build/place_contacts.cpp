@@ -140,6 +140,7 @@ PlacedContacts place_contacts(const std::vector<probing::Contact>& contacts,
   register_contacts(positions(contacts, query, options), result.model.surface, query, options,
                     result);
   std::vector<ClosestPoint> places;
+  places.reserve(contacts.size());
   for (const probing::Contact& contact : contacts)
     places.push_back(query.closest_point(result.model.T_surface_acquisition * contact.position));
   const std::vector<Facing> facing = orient_surface(facings(places, contacts, result), result);

@@ -136,7 +136,8 @@ ScaledModel scale_model(const Model& model, const ScaleModelOptions& options) {
     // `forces` with the same.
     const double factor =
         options.forces == ForceScaling::material ? std::pow(S.determinant(), 2.0 / 3) : 1;
-    scaled = with_compliances(std::move(scaled), factor * scaled.interpolation.reference_force);
+    const double pressed = factor * scaled.interpolation.reference_force;
+    scaled = with_compliances(std::move(scaled), pressed);
   }
   return result;
 }

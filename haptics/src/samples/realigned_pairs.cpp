@@ -19,6 +19,7 @@ struct Scatter {
 
 Scatter scatter_of(const std::vector<Eigen::Vector3d>& positions, const Eigen::Vector3d& mean) {
   std::vector<double> distances;
+  distances.reserve(positions.size());
   for (const Eigen::Vector3d& a : positions) distances.push_back((a - mean).norm());
   std::vector<double> ordered = distances;
   const auto middle = ordered.begin() + static_cast<std::ptrdiff_t>(ordered.size() / 2);

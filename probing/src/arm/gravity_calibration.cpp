@@ -75,7 +75,7 @@ class PoseHolder {
   /// [N mm] that the motors were commanded.
   Eigen::Vector3d step(const Eigen::Vector3d& target) {
     const double period = arm_.description().period;
-    const Eigen::Vector3d torque =
+    Eigen::Vector3d torque =
         controller_.step(state_.joints, target, (target - target_) / period, period);
     target_ = target;
     const Eigen::Matrix3d jacobian = arm_jacobian(calibration_.geometry, state_.joints);

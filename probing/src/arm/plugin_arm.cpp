@@ -88,10 +88,12 @@ PluginArm::PluginArm(const std::filesystem::path& library,
     throw DeviceError(driver.name() + ": " + last_error());
   }
   check_info(driver.info, driver.name());
-  for (const auto& [key, value] : options) {
-    if (driver.table->configure(driver.device, key.c_str(), value.c_str()) != 0) {
-      throw DeviceError(driver.name() + ": option " + key + " = " + value + ": " + last_error());
-    }
+  const auto refused = std::find_if(options.begin(), options.end(), [&](const auto& option) {
+    return driver.table->configure(driver.device, option.first.c_str(), option.second.c_str()) != 0;
+  });
+  if (refused != options.end()) {
+    throw DeviceError(driver.name() + ": option " + refused->first + " = " + refused->second +
+                      ": " + last_error());
   }
   driver.info.name[sizeof(driver.info.name) - 1] = '\0';
   const auto can = [&](unsigned bit) { return (driver.info.capabilities & bit) != 0; };

@@ -78,7 +78,7 @@ class QuasiStaticArm : public Prober {
   }
 
   Vector3d measured(const ProbeAction& action, const Vector3d& position) const {
-    const Vector3d noisy = position + options_.position_noise * noise(action, 0);
+    Vector3d noisy = position + options_.position_noise * noise(action, 0);
     if (options_.position_quantum == 0) return noisy;
     return options_.position_quantum * (noisy / options_.position_quantum).array().round();
   }

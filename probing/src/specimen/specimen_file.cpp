@@ -30,6 +30,13 @@ bool fits(const json& value, const Eigen::Vector2d&) {
 const char* kind_of(const double&) { return "a number"; }
 const char* kind_of(const Eigen::Vector2d&) { return "two numbers such as [5, -20]"; }
 
+[[noreturn]] void refuse_member(const std::string& source, const std::string& name,
+                                const std::string& type, const std::vector<std::string>& known) {
+  std::string list;
+  for (const std::string& each : known) list.append(list.empty() ? "" : ", ").append(each);
+  throw FileError(source + ": '" + name + "' is unknown; a " + type + " has " + list);
+}
+
 template <typename Object>
 std::unique_ptr<Specimen> specimen_of(const json& members, const std::string& source) {
   Object object;
@@ -46,11 +53,9 @@ std::unique_ptr<Specimen> specimen_of(const json& members, const std::string& so
         take_member(*member, field);
       });
   for (const auto& [name, value] : members.items()) {
-    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
-    std::string list;
-    for (const std::string& each : known) list += (list.empty() ? "" : ", ") + each;
-    throw FileError(source + ": '" + name + "' is unknown; a " +
-                    members.at("type").get<std::string>() + " has " + list);
+    if (std::find(known.begin(), known.end(), name) == known.end()) {
+      refuse_member(source, name, members.at("type").get<std::string>(), known);
+    }
   }
   try {
     return make_specimen(object);

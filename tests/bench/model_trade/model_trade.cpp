@@ -142,7 +142,7 @@ void run(const std::filesystem::path& csv) {
 }  // namespace
 }  // namespace palpate::bench
 
-int main(int count, char** arguments) {
+int main(int count, char** arguments) try {
   CLI::App app("Measures what fitting force fields costs and buys; prints Markdown");
   std::filesystem::path csv = "trade-model.csv";
   app.add_option("-o,--output", csv, "The same figures as CSV");
@@ -151,15 +151,13 @@ int main(int count, char** arguments) {
                  "In place of all that: what a local part that contacts share is worth, on so many "
                  "objects of each kind");
   CLI11_PARSE(app, count, arguments);
-  try {
-    if (sharing > 0) {
-      palpate::bench::measure_sharing(sharing);
-    } else {
-      palpate::bench::run(csv);
-    }
-  } catch (const std::exception& error) {
-    std::cerr << error.what() << '\n';
-    return 1;
+  if (sharing > 0) {
+    palpate::bench::measure_sharing(sharing);
+  } else {
+    palpate::bench::run(csv);
   }
   return 0;
+} catch (const std::exception& error) {
+  std::cerr << error.what() << '\n';
+  return 1;
 }

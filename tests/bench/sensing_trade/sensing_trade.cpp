@@ -130,7 +130,7 @@ void run(const fs::path& rendered, const fs::path& output, int repeats) {
 }  // namespace
 }  // namespace palpate::bench
 
-int main(int count, char** arguments) {
+int main(int count, char** arguments) try {
   CLI::App app("Measures what each choice in decoding costs and buys; prints Markdown");
   std::filesystem::path rendered, output = ".";
   int repeats = 5;
@@ -143,11 +143,9 @@ int main(int count, char** arguments) {
   // One thread, so that its processor time is that of the frame.
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
   cv::setNumThreads(1);
-  try {
-    palpate::bench::run(rendered, output, repeats);
-  } catch (const std::exception& error) {
-    std::cerr << error.what() << '\n';
-    return 1;
-  }
+  palpate::bench::run(rendered, output, repeats);
   return 0;
+} catch (const std::exception& error) {
+  std::cerr << error.what() << '\n';
+  return 1;
 }

@@ -315,13 +315,14 @@ TEST(RangeMapMesh, RenderedObjectsStayWholeAndApart) {
         {.width = 640, .height = 480, .fx = 1100, .fy = 1100, .cx = 319.5, .cy = 239.5}};
     const cv::Mat id = cv::imread(path.string() + "_id.png", cv::IMREAD_GRAYSCALE);
     ASSERT_EQ(id.size(), cv::Size(640, 480));
-    const auto [mesh, pixel, width, height] = mesh_range_map(map);
+    const RangeMapMesh built = mesh_range_map(map);
+    const TriangleMesh& mesh = built.mesh;
     EXPECT_GT(static_cast<double>(mesh.vertices.cols()),
               0.995 * static_cast<double>((map.z > 0).count()))
         << name;
     for (Eigen::Index i = 0; i < mesh.triangles.cols(); ++i) {
       const auto object = [&](int k) {
-        return id.data[pixel[static_cast<std::size_t>(mesh.triangles(k, i))]];
+        return id.data[built.source[static_cast<std::size_t>(mesh.triangles(k, i))]];
       };
       if (object(0) == object(1) && object(1) == object(2)) continue;
       EXPECT_LT(depth_range(mesh, i), 0.02 * mesh.vertices(2, mesh.triangles(0, i))) << name;

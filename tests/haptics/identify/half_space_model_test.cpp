@@ -56,7 +56,8 @@ TEST(HalfSpaceModel, RefusesWhatIsNoMaterial) {
       {{0.05, -1, 4}, "poisson_ratio is -1"},
       {{0.05, 0.3, 0}, "tool_radius is 0"},
       {{std::nan(""), 0.3, 4}, "young_modulus is nan"}};
-  for (const auto& [model, words] : cases) {
+  for (const auto& [wrong, words] : cases) {
+    const HalfSpaceModel& model = wrong;
     EXPECT_THAT(refusal([&] { return stiffness(model, kFoamContact); }),
                 ::testing::HasSubstr(words));
   }

@@ -52,7 +52,7 @@ class CampaignStoreTest : public ::testing::Test {
 
   const std::shared_ptr<const Specimen> sheet = make_specimen(Sheet{});
   const ContactPlan plan = testing::small_plan(*sheet, 3);
-  const CampaignOptions options;
+  const CampaignOptions options = {};
   const ScratchFolder folder;
 };
 
