@@ -39,6 +39,12 @@ target_compile_options(palpate_warnings INTERFACE
   -Wall -Wextra -Wshadow -Wconversion -Wdouble-promotion
   $<$<BOOL:${PALPATE_WARNINGS_AS_ERRORS}>:-Werror>)
 
+if(PROJECT_IS_TOP_LEVEL AND CMAKE_CXX_FLAGS MATCHES "fsanitize=[^ ]*address")
+  add_library(palpate_keep_modules OBJECT ${PROJECT_SOURCE_DIR}/tests/house/keep_modules.cpp)
+  target_link_libraries(palpate_warnings INTERFACE
+    $<$<STREQUAL:$<TARGET_PROPERTY:TYPE>,EXECUTABLE>:$<TARGET_OBJECTS:palpate_keep_modules>>)
+endif()
+
 # palpate_precompile(target HEADER ...): Eigen and the standard headers that nearly every source includes, and HEADER ...
 # Sources still include what they use: the dev preset, and so clang-tidy, works without precompiled headers.
 function(palpate_precompile target)
