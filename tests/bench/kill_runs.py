@@ -7,8 +7,12 @@ After each kill, a reader of the output must find the results of the earlier run
 as a whole; while one replaces the other, the marker that keeps readers away must be there. A file is never a part of
 one. Where there was no earlier run, the files that are there must be whole. Then the same call must succeed, give what
 a run gives that was never killed, and leave nothing else.
+
+A campaign of `probe run` is killed, resumed and killed again until it ends: no trial that was stored may get lost, and
+the fingerprint of its samples must be that of a campaign that was never killed.
 """
 import argparse
+import json
 import random
 import re
 import shutil
@@ -152,7 +156,56 @@ class Export(Fit):
         return ["export", self.work / f"model{version}", "--json", "-o", self.out / "model.json"]
 
 
-COMMANDS = {kind.__name__.lower(): kind for kind in (Decode, Mesh, Import, Fit, Export)}
+class Probe(Command):
+    """A campaign, whose store is not replaced but resumed."""
+
+    def prepare(self):
+        specimen = self.work / "sheet.json"
+        specimen.write_text('{"type": "sheet"}\n')
+        self.figures("probe", "plan", "--specimen", specimen, "--contacts", 8, "-o", self.work / "plan.json", "--json")
+        self.store = self.out / "a.db"
+
+    def call(self, version):
+        if version == "resume":
+            return ["probe", "resume", self.store, "--json"]
+        return ["probe", "run", self.work / "plan.json", "--specimen", self.work / "sheet.json", "-o", self.store,
+                "--json"]
+
+    def figures(self, *words):
+        done = self.run(*words)
+        if done.returncode != 0:
+            raise Wrong(f"exit status {done.returncode} instead of 0: {done.stderr.strip()}")
+        return json.loads(done.stdout)
+
+    def stored_trials(self):
+        """None if the run was killed before there was a store."""
+        status = self.run("probe", "status", self.store, "--json")
+        return json.loads(status.stdout)["trials"] if status.returncode == 0 else None
+
+    def check(self, kills, moments):
+        """Kills runs so many times. Returns how many of them were still at work."""
+        start = time.monotonic()
+        whole = self.figures(*self.call("run"))
+        seconds = time.monotonic() - start
+        killed, trials = 0, whole["trials"]
+        for _ in range(kills):
+            if trials == whole["trials"]:
+                shutil.rmtree(self.out)
+                self.out.mkdir()
+                trials = None
+            killed += self.kill_after("run" if trials is None else "resume", moments.uniform(0, seconds))
+            before, trials = trials, self.stored_trials()
+            if trials is None and self.store.exists():
+                raise Wrong("the store cannot be read")
+            if before is not None and trials < before:
+                raise Wrong(f"{before} trials were stored, and {trials} after the next kill")
+        found = self.figures(*self.call("run" if trials is None else "resume"))
+        if (found["fingerprint"], found["trials"]) != (whole["fingerprint"], whole["trials"]):
+            raise Wrong("the samples are not those of a campaign that was never killed")
+        return killed
+
+
+COMMANDS = {kind.__name__.lower(): kind for kind in (Decode, Mesh, Import, Fit, Export, Probe)}
 
 
 def check_killed(command, before, after):
@@ -210,6 +263,10 @@ def check_command(command, kills, moments):
     return killed
 
 
+def check(command, kills, moments):
+    return command.check(kills, moments) if isinstance(command, Probe) else check_command(command, kills, moments)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("palpate", help="the program")
@@ -221,7 +278,7 @@ def main():
     for name in call.commands:
         with tempfile.TemporaryDirectory() as work:
             try:
-                killed = check_command(COMMANDS[name](call.palpate, Path(work)), call.kills, random.Random(call.seed))
+                killed = check(COMMANDS[name](call.palpate, Path(work)), call.kills, random.Random(call.seed))
                 print(f"{name}: {call.kills} runs, {killed} of them killed at work: nothing lost", flush=True)
             except Wrong as wrong:
                 print(f"{name}: {wrong}", flush=True)
