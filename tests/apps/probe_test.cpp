@@ -45,6 +45,25 @@ class Probe : public ::testing::Test {
     return result.err;
   }
 
+  /// The page shows all pictures that are there, and no other.
+  static void expect_whole_page(const fs::path& folder) {
+    const std::string page = read_text(folder / "index.html");
+    int pictures = 0;
+    for (const fs::directory_entry& file : fs::directory_iterator(folder)) {
+      if (file.path().extension() != ".png") continue;
+      ++pictures;
+      EXPECT_GT(file.file_size(), 10000U) << file.path();
+      EXPECT_NE(page.find("<img src=\"" + file.path().filename().string() + "\""),
+                std::string::npos);
+    }
+    EXPECT_EQ(pictures, 7);  // time line, displacements at two forces, three contacts, errors
+    std::size_t shown = 0;
+    for (std::size_t at = page.find("<img"); at != std::string::npos;
+         at = page.find("<img", at + 1))
+      ++shown;
+    EXPECT_EQ(shown, 7U);
+  }
+
   ScratchFolder scratch;
   const std::string specimen = scratch / "sheet.json", plan_file = scratch / "plan.json",
                     store = scratch / "a.db";
@@ -72,6 +91,12 @@ TEST_F(Probe, EndsInAModelWhoseErrorAgainstTheTruthIsKnown) {
       figures({"evaluate", scratch / "model", "--queries", scratch / "truth/queries.csv"});
   // Bisection gives 0.08 N with 2.5 times the samples (docs/probing.md).
   EXPECT_LT(errors["queries"]["rms"], 0.1);
+
+  const json reported = figures({"probe", "report", store, scratch / "model", "--queries",
+                                 scratch / "truth/queries.csv", "-o", scratch / "report"});
+  EXPECT_EQ(reported["queries_rms"], errors["queries"]["rms"]);
+  EXPECT_EQ(reported["trials"], done["trials"]);
+  expect_whole_page(scratch / "report");
 }
 
 TEST_F(Probe, InterruptedAndResumedMeasuresTheSame) {

@@ -58,49 +58,6 @@ std::unique_ptr<probing::Prober> arm_of(const std::string& text, const std::stri
   return probing::make_quasi_static_arm(specimen, {.seed = json["seed"].get<std::uint64_t>()});
 }
 
-/// Where a stored campaign stands: its trials once more, without the arm.
-probing::Campaign replayed(const probing::CampaignStore& store, const std::string& source) {
-  const probing::CampaignDescription& description = store.description();
-  probing::Campaign campaign(probing::parse_plan(description.plan, source),
-                             probing::parse_campaign_options(description.strategy, source));
-  for (const probing::TrialRecord& record : store.trials(campaign.plan().contacts)) {
-    try {
-      (void)campaign.take(record);
-    } catch (const InvalidInput&) {
-      throw FileError(fmt::format(
-          "{}: trial {} is not what its plan and its options order; the store was changed, or is "
-          "of another version of palpate",
-          source, record.order.trial));
-    }
-  }
-  return campaign;
-}
-
-Json figures_of(const probing::Campaign& campaign) {
-  const probing::CampaignProgress at = campaign.progress();
-  std::vector<double> errors;
-  for (const probing::ConeEstimate& cone : campaign.cones())
-    errors.push_back(cone.coefficient_error);
-  std::optional<double> median;
-  if (!errors.empty()) {
-    const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
-    std::nth_element(errors.begin(), middle, errors.end());
-    median = *middle;
-  }
-  const bool complete = !campaign.next();
-  return {{"contacts", at.contacts},
-          {"contacts_done", at.contacts_done},
-          {"contacts_given_up", at.contacts_given_up},
-          {"trials", at.trials},
-          {"samples", at.samples},
-          {"slipped", at.slipped},
-          {"hours", at.seconds / kHour},
-          {"trials_left", std::llround(at.trials_left)},
-          {"hours_left", at.seconds_left / kHour},
-          {"friction_error", number_or_null(median)},
-          {"complete", complete}};
-}
-
 std::string words_of(const probing::Campaign& campaign) {
   const probing::CampaignProgress at = campaign.progress();
   std::string text = fmt::format(
@@ -135,7 +92,7 @@ void perform(const Settings& settings, probing::CampaignStore& store, Running ru
     throw;
   }
   store.finish();
-  Json figures = figures_of(campaign);
+  Json figures = campaign_figures(campaign);
   figures["fingerprint"] = probing::fingerprint(probing::read_acquisition(path).records());
   figures["output"] = path.string();
   print(settings, figures, words_of(campaign) + "\nwritten to " + path.string());
@@ -167,10 +124,52 @@ void resume_campaign(const Settings& settings, const fs::path& path) {
 void show_status(const Settings& settings, const fs::path& path) {
   const probing::CampaignStore store = probing::CampaignStore::look(path);
   const probing::Campaign campaign = replayed(store, path.string());
-  print(settings, figures_of(campaign), words_of(campaign));
+  print(settings, campaign_figures(campaign), words_of(campaign));
 }
 
 }  // namespace
+
+probing::Campaign replayed(const probing::CampaignStore& store, const std::string& source) {
+  const probing::CampaignDescription& description = store.description();
+  probing::Campaign campaign(probing::parse_plan(description.plan, source),
+                             probing::parse_campaign_options(description.strategy, source));
+  for (const probing::TrialRecord& record : store.trials(campaign.plan().contacts)) {
+    try {
+      (void)campaign.take(record);
+    } catch (const InvalidInput&) {
+      throw FileError(fmt::format(
+          "{}: trial {} is not what its plan and its options order; the store was changed, or is "
+          "of another version of palpate",
+          source, record.order.trial));
+    }
+  }
+  return campaign;
+}
+
+Json campaign_figures(const probing::Campaign& campaign) {
+  const probing::CampaignProgress at = campaign.progress();
+  std::vector<double> errors;
+  for (const probing::ConeEstimate& cone : campaign.cones())
+    errors.push_back(cone.coefficient_error);
+  std::optional<double> median;
+  if (!errors.empty()) {
+    const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
+    std::nth_element(errors.begin(), middle, errors.end());
+    median = *middle;
+  }
+  const bool complete = !campaign.next();
+  return {{"contacts", at.contacts},
+          {"contacts_done", at.contacts_done},
+          {"contacts_given_up", at.contacts_given_up},
+          {"trials", at.trials},
+          {"samples", at.samples},
+          {"slipped", at.slipped},
+          {"hours", at.seconds / kHour},
+          {"trials_left", std::llround(at.trials_left)},
+          {"hours_left", at.seconds_left / kHour},
+          {"friction_error", number_or_null(median)},
+          {"complete", complete}};
+}
 
 void add_probe_run(CLI::App& probe, const Settings& settings) {
   auto call = std::make_shared<RunCall>();

@@ -1,0 +1,286 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "commands/probe.h"
+#include "commands/report_page.h"
+#include "palpate/error.h"
+#include "palpate/haptics/evaluate.h"
+#include "palpate/haptics/model_io.h"
+#include "palpate/output_file.h"
+#include "palpate/pictures/draw_displacements.h"
+#include "palpate/pictures/draw_time_line.h"
+#include "palpate/probing/acquisition_store.h"
+#include "shared/call_checks.h"
+#include "shared/inputs.h"
+#include "shared/model_pictures.h"
+
+namespace palpate::apps {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr double kSecondsPerHour = 3600;
+
+/// A contact is predicted from at least three others.
+constexpr std::size_t kLeastLeftOut = 4;
+
+struct ReportCall {
+  fs::path store, model, queries, output;
+};
+
+/// All that the page tells.
+struct ReportInput {
+  probing::Campaign campaign;
+  std::vector<probing::TrialRecord> trials;
+  std::string software;
+  probing::CheckedAcquisition acquisition;
+  haptics::Model model;
+  std::optional<haptics::LeaveOneOut> left_out;
+  std::optional<haptics::QueryErrors> queries;
+};
+
+std::string newtons(std::optional<double> force) {
+  return force ? fmt::format("{:.3f} N", *force) : std::string("unknown");
+}
+
+pictures::TrialKind kind_of(probing::TrialOutcome outcome) {
+  switch (outcome) {
+    case probing::TrialOutcome::held:
+      return pictures::TrialKind::held;
+    case probing::TrialOutcome::slipped:
+    case probing::TrialOutcome::fell_off:
+      return pictures::TrialKind::slipped;
+    default:
+      return pictures::TrialKind::failed;
+  }
+}
+
+pictures::TimeLine time_line(const ReportInput& input) {
+  std::map<long long, int> number;
+  for (const probing::Contact& contact : input.campaign.plan().contacts)
+    number.emplace(contact.id, static_cast<int>(number.size()));
+  const auto count = static_cast<Eigen::Index>(input.trials.size());
+  pictures::TimeLine line{Eigen::VectorXd(count), {}, Eigen::VectorXi(count)};
+  double seconds = 0;
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const probing::TrialRecord& record = input.trials[static_cast<std::size_t>(i)];
+    seconds += record.result.seconds;
+    line.hours(i) = seconds / kSecondsPerHour;
+    line.kinds.push_back(kind_of(record.result.outcome));
+    line.contacts(i) = number.at(record.order.contact.id);
+  }
+  return line;
+}
+
+/// [mm] the mean displacement along the normal under the normal force of a level, at each contact
+/// of the model; NaN where that was not tried.
+Eigen::VectorXd displacements(const ReportInput& input, int level) {
+  std::map<long long, std::pair<double, int>> sums;
+  for (const probing::TrialRecord& record : input.trials) {
+    const probing::Contact& contact = record.order.contact;
+    const double depth = (contact.position - record.result.a).dot(contact.normal);
+    if (record.order.level != level || !std::isfinite(depth)) continue;
+    auto& [sum, count] = sums[contact.id];
+    sum += depth;
+    ++count;
+  }
+  Eigen::VectorXd means = Eigen::VectorXd::Constant(
+      static_cast<Eigen::Index>(input.model.contacts.size()), std::nan(""));
+  for (Eigen::Index i = 0; i < means.size(); ++i) {
+    const auto found = sums.find(input.model.contacts[static_cast<std::size_t>(i)].id);
+    if (found != sums.end()) means(i) = found->second.first / found->second.second;
+  }
+  return means;
+}
+
+void add_displacements(ReportPage& page, const fs::path& folder, const ReportInput& input) {
+  const std::vector<double>& forces = input.campaign.plan().normal_forces;
+  Eigen::Matrix3Xd places(3, static_cast<Eigen::Index>(input.model.contacts.size()));
+  for (Eigen::Index i = 0; i < places.cols(); ++i)
+    places.col(i) = input.model.contacts[static_cast<std::size_t>(i)].position;
+  page.add_heading("Displacements");
+  for (const std::size_t level : {std::size_t{0}, forces.size() - 1}) {
+    const Eigen::VectorXd depths = displacements(input, static_cast<int>(level));
+    const bool any = (depths.array() > 0 && depths.array().isFinite()).any();
+    if (!any || (level > 0 && forces.size() == 1)) continue;
+    const std::string file = fmt::format("displacements-{}.png", level);
+    const std::string title = fmt::format("Displacement under {:.3g} N", forces[level]);
+    pictures::draw_displacements(folder / file, input.model.surface, places, depths, title);
+    page.add_picture(file, title +
+                               " along the normal. The diameter of a circle is proportional to the "
+                               "displacement (thesis, Figure 4.10).");
+  }
+}
+
+/// The contacts whose fields fit best, as the median, and worst; fewer if there are fewer.
+std::set<std::size_t> shown_contacts(const haptics::Model& model) {
+  std::vector<std::size_t> order(model.contacts.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return model.contacts[a].rms < model.contacts[b].rms;
+  });
+  return {order.front(), order[order.size() / 2], order.back()};
+}
+
+void add_samples(ReportPage& page, const fs::path& folder, const ReportInput& input) {
+  page.add_heading("Samples");
+  page.add_paragraph(
+      "Each arrow is a measured force at the displacement that it caused (thesis, Figure 4.12). "
+      "Shown are the contacts whose fields fit best, as the median, and worst.");
+  for (const std::size_t i : shown_contacts(input.model)) {
+    const std::string file = fmt::format("contact-{}.png", input.model.contacts[i].id);
+    draw_contact_field(folder / file, input.model, input.acquisition, i);
+    page.add_picture(file, fmt::format("Contact {}", input.model.contacts[i].id));
+  }
+}
+
+void add_errors(ReportPage& page, const fs::path& folder, const ReportInput& input) {
+  page.add_heading("Errors");
+  std::vector<std::vector<std::string>> rows;
+  if (input.queries) {
+    rows.push_back({fmt::format("Against {} known forces, RMS", input.queries->count),
+                    newtons(input.queries->rms)});
+  }
+  if (input.left_out) {
+    rows.push_back({"Each contact predicted without itself, RMS", newtons(input.left_out->rms)});
+    rows.push_back({"of these, inside", newtons(input.left_out->interior_rms)});
+    rows.push_back({"of these, at the border", newtons(input.left_out->border_rms)});
+  } else {
+    page.add_paragraph("The model has too few contacts to predict one from the others.");
+  }
+  page.add_table({}, rows);
+  if (input.left_out) {
+    draw_leave_one_out(folder / "errors.png", input.model, *input.left_out);
+    page.add_picture("errors.png", "Error of each contact when it is predicted from the others.");
+  }
+}
+
+void add_contact_table(ReportPage& page, const ReportInput& input) {
+  page.add_heading("Contacts");
+  std::vector<std::vector<std::string>> rows;
+  for (std::size_t i = 0; i < input.model.contacts.size(); ++i) {
+    const haptics::ContactModel& contact = input.model.contacts[i];
+    const auto samples = input.acquisition.samples_of(input.acquisition.find(contact.id).value());
+    const auto slipped =
+        std::count_if(samples.begin(), samples.end(), [](const auto& s) { return s.slipped; });
+    rows.push_back(
+        {std::to_string(contact.id), std::to_string(samples.size()), std::to_string(slipped),
+         contact.friction_error
+             ? fmt::format("{:.3f} ± {:.3f}", contact.friction, *contact.friction_error)
+             : fmt::format("{:.3f}", contact.friction),
+         newtons(contact.rms),
+         input.left_out ? newtons(input.left_out->per_contact[i].rms) : std::string("unknown")});
+  }
+  page.add_table(
+      {"contact", "samples", "slipped", "friction coefficient", "RMS of fit", "RMS left out"},
+      rows);
+}
+
+void add_summary(ReportPage& page, const ReportInput& input) {
+  const probing::CampaignProgress at = input.campaign.progress();
+  const probing::ContactPlan& plan = input.campaign.plan();
+  std::vector<std::vector<std::string>> rows{
+      {"Program", input.software},
+      {"Contacts planned", std::to_string(at.contacts)},
+      {"Contacts done", std::to_string(at.contacts_done)},
+      {"Contacts given up", std::to_string(at.contacts_given_up)},
+      {"Trials", std::to_string(at.trials)},
+      {"Samples", std::to_string(at.samples)},
+      {"Samples that slipped", std::to_string(at.slipped)},
+      {"Hours of the arm", fmt::format("{:.2f}", at.seconds / kSecondsPerHour)},
+      {"Normal forces", fmt::format("{} from {:.3g} to {:.3g} N", plan.normal_forces.size(),
+                                    plan.normal_forces.front(), plan.normal_forces.back())}};
+  if (std::isfinite(plan.cover)) {
+    rows.push_back({"Largest distance from a contact", fmt::format("{:.1f} mm", plan.cover)});
+  }
+  page.add_table({}, rows);
+}
+
+ReportInput read_report_input(const ReportCall& call) {
+  const probing::CampaignStore store = probing::CampaignStore::look(call.store);
+  probing::Campaign campaign = replayed(store, call.store.string());
+  std::vector<probing::TrialRecord> trials = store.trials(campaign.plan().contacts);
+  ReportInput input{.campaign = std::move(campaign),
+                    .trials = std::move(trials),
+                    .software = store.description().software,
+                    .acquisition = probing::read_acquisition(call.store),
+                    .model = haptics::read_model(call.model),
+                    .left_out = {},
+                    .queries = {}};
+  if (input.model.contacts.size() >= kLeastLeftOut)
+    input.left_out = haptics::leave_one_out(input.model, input.acquisition, {.suggestions = 0});
+  if (!call.queries.empty())
+    input.queries = haptics::evaluate_queries(input.model, haptics::read_queries(call.queries));
+  return input;
+}
+
+void write_page(const fs::path& folder, const ReportInput& input) {
+  ReportPage page("Report of a probing campaign");
+  add_summary(page, input);
+  page.add_heading("Time line");
+  pictures::draw_time_line(folder / "timeline.png", time_line(input), "Trials of the campaign");
+  page.add_picture(
+      "timeline.png",
+      "Upper chart: trials so far by outcome. Lower chart: each trial at its contact.");
+  add_displacements(page, folder, input);
+  add_samples(page, folder, input);
+  add_errors(page, folder, input);
+  add_contact_table(page, input);
+  write_file(folder / "index.html", [&](std::ostream& out) { out << page.html(); });
+}
+
+/// All files that a report of this campaign can have, of an earlier model also.
+std::vector<fs::path> report_files(const probing::Campaign& campaign) {
+  std::vector<fs::path> files{"index.html", "timeline.png", "errors.png"};
+  for (std::size_t level = 0; level < campaign.plan().normal_forces.size(); ++level)
+    files.emplace_back(fmt::format("displacements-{}.png", level));
+  for (const probing::Contact& contact : campaign.plan().contacts)
+    files.emplace_back(fmt::format("contact-{}.png", contact.id));
+  return files;
+}
+
+void report(const Settings& settings, const ReportCall& call) {
+  check_outputs({call.store, call.model, call.queries}, {call.output});
+  const ReportInput input = read_report_input(call);
+  if (input.trials.empty())
+    throw InvalidInput(call.store.string() + ": has no trial yet; there is nothing to report");
+  write_folder(call.output, report_files(input.campaign),
+               [&](const fs::path& folder) { write_page(folder, input); });
+  Json figures = campaign_figures(input.campaign);
+  figures["queries_rms"] =
+      number_or_null(input.queries ? std::optional(input.queries->rms) : std::nullopt);
+  figures["leave_one_out_rms"] =
+      number_or_null(input.left_out ? std::optional(input.left_out->rms) : std::nullopt);
+  figures["output"] = call.output.string();
+  print(settings, figures, "written to " + (call.output / "index.html").string());
+}
+
+}  // namespace
+
+void add_probe_report(CLI::App& probe, const Settings& settings) {
+  auto call = std::make_shared<ReportCall>();
+  CLI::App* command =
+      probe.add_subcommand("report", "Make a page with tables and pictures of a campaign");
+  command->add_option("ACQUISITION", call->store, "Store of the campaign (acquisition.db)")
+      ->required();
+  command->add_option("MODEL", call->model, "Model folder that was fitted to it")->required();
+  command->add_option("--queries", call->queries,
+                      "Known forces to compare with (queries.csv of 'palpate probe truth')");
+  command->add_option("-o,--output", call->output, "Folder for index.html and its pictures")
+      ->required();
+  command->footer("Example:\n  palpate probe report acquisition.db model/ -o report/");
+  command->callback([call, &settings] { report(settings, *call); });
+}
+
+}  // namespace palpate::apps
