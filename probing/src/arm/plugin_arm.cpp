@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstddef>
 #include <string>
 
 #include "palpate/error.h"
@@ -28,12 +29,16 @@ struct PluginArm::Driver {
   std::filesystem::path path;
   void* library = nullptr;
   const palpate_device_v1* table = nullptr;
+  double (*clock)(void*) = nullptr;  // of the device, if it has one
   void* device = nullptr;
   palpate_device_info_v1 info{};
   ArmDescription description;
 };
 
 namespace {
+
+/// [bytes] of the table without the functions that a driver may leave out.
+constexpr std::size_t kLeastTable = offsetof(palpate_device_v1, now);
 
 /// \throws FileError unless the table is complete and of our version.
 void check_table(const palpate_device_v1* table, const std::string& file) {
@@ -43,10 +48,10 @@ void check_table(const palpate_device_v1* table, const std::string& file) {
                     " of device_plugin.h; this build needs version " +
                     std::to_string(PALPATE_DEVICE_VERSION) + ". Rebuild the driver");
   }
-  if (table->size < sizeof(palpate_device_v1)) {
+  if (table->size < kLeastTable) {
     throw FileError(file + ": the driver's table has " + std::to_string(table->size) +
-                    " bytes; version " + std::to_string(PALPATE_DEVICE_VERSION) + " has " +
-                    std::to_string(sizeof(palpate_device_v1)) + ". Rebuild the driver");
+                    " bytes; version " + std::to_string(PALPATE_DEVICE_VERSION) + " has at least " +
+                    std::to_string(kLeastTable) + ". Rebuild the driver");
   }
   if (table->open == nullptr || table->configure == nullptr || table->activate == nullptr ||
       table->read == nullptr || table->write == nullptr || table->stop == nullptr ||
@@ -83,6 +88,7 @@ PluginArm::PluginArm(const std::filesystem::path& library,
   }
   driver.table = reinterpret_cast<palpate_device_function>(symbol)();
   check_table(driver.table, driver.name());
+  if (driver.table->size >= sizeof(palpate_device_v1)) driver.clock = driver.table->now;
   driver.info.size = sizeof(driver.info);
   if (driver.table->open(&driver.device, &driver.info) != 0 || driver.device == nullptr) {
     throw DeviceError(driver.name() + ": " + last_error());
@@ -104,7 +110,8 @@ PluginArm::PluginArm(const std::filesystem::path& library,
       .continuous_force = driver.info.continuous_force,
       .measures_joints = can(PALPATE_DEVICE_MEASURES_JOINTS) && driver.info.joints >= 3,
       .measures_force = can(PALPATE_DEVICE_MEASURES_FORCE),
-      .measures_heat = can(PALPATE_DEVICE_MEASURES_HEAT)};
+      .measures_heat = can(PALPATE_DEVICE_MEASURES_HEAT),
+      .real_time = driver.clock == nullptr};
 }
 
 PluginArm::~PluginArm() = default;
@@ -112,6 +119,7 @@ PluginArm::~PluginArm() = default;
 const ArmDescription& PluginArm::description() const noexcept { return driver_->description; }
 
 double PluginArm::now() const noexcept {
+  if (driver_->clock != nullptr) return driver_->clock(driver_->device);
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 

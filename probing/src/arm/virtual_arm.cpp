@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/probing/virtual_arm.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
@@ -97,7 +98,7 @@ LinkDynamics link_dynamics(const VirtualArmOptions& o, const Eigen::Vector3d& q,
 }  // namespace
 
 /// The tip on the object. The object's displacement is linearised about the latest force at which
-/// it was computed; slopes follow by Broyden's update.
+/// it was computed; slopes follow by Powell's symmetric update.
 struct VirtualArm::Simulation {
   Simulation(const Specimen* object, const VirtualArmOptions& o) : options(o), specimen(object) {
     require("VirtualArmOptions::upper_mass", o.upper_mass, above(0).finite(), "kg");
@@ -124,7 +125,8 @@ struct VirtualArm::Simulation {
                    .continuous_force = o.continuous_torque / reach,
                    .measures_joints = true,
                    .measures_force = true,
-                   .measures_heat = true};
+                   .measures_heat = true,
+                   .real_time = false};
     truth.tip = tip_position(o.geometry, q);
   }
 
@@ -285,8 +287,11 @@ struct VirtualArm::Simulation {
     const Eigen::Vector3d change = at - reference;
     constexpr double kShowsSlope = 1e-3;  // [N]
     if (change.norm() > kShowsSlope) {
-      slope +=
-          (computed - displacement - slope * change) * change.transpose() / change.squaredNorm();
+      // Powell's symmetric update: an elastic object's compliance is symmetric.
+      const double square = change.squaredNorm();
+      const Eigen::Vector3d error = computed - displacement - slope * change;
+      slope += (error * change.transpose() + change * error.transpose()) / square -
+               change.dot(error) / (square * square) * change * change.transpose();
     }
     reference = at;
     displacement = computed;
@@ -295,6 +300,11 @@ struct VirtualArm::Simulation {
   }
 
   void soften() {
+    // A compliance is never negative. Updates along a few directions can make it so in others where
+    // the object stiffens quickly, as beside a support; the forces would then grow without bound.
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen((slope + slope.transpose()) / 2);
+    slope = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).asDiagonal() *
+            eigen.eigenvectors().transpose();
     softness = slope + Eigen::Matrix3d::Identity() / options.structure;
     softness_inverse = softness.inverse();
   }
@@ -376,6 +386,34 @@ void VirtualArm::stop() noexcept { simulation_->active = false; }
 void VirtualArm::begin_sample(std::uint64_t sample) noexcept {
   simulation_->sample = sample;
   simulation_->sample_begin = simulation_->ticks;
+}
+
+VirtualArmMemory VirtualArm::memory() const noexcept {
+  const Simulation& s = *simulation_;
+  VirtualArmMemory memory{.ticks = s.ticks,
+                          .sample = s.sample,
+                          .sample_begin = s.sample_begin,
+                          .joints = s.q,
+                          .speed = s.v,
+                          .bristle = s.bristle,
+                          .heat = s.heat};
+  for (int i = 0; i < 3; ++i) memory.resting[i] = s.resting[static_cast<std::size_t>(i)] ? 1 : 0;
+  return memory;
+}
+
+void VirtualArm::restore(const VirtualArmMemory& memory) noexcept {
+  Simulation& s = *simulation_;
+  s.ticks = memory.ticks;
+  s.time = static_cast<double>(s.ticks) * kPeriod;
+  s.sample = memory.sample;
+  s.sample_begin = memory.sample_begin;
+  s.q = memory.joints;
+  s.v = memory.speed;
+  s.bristle = memory.bristle;
+  s.heat = memory.heat;
+  for (int i = 0; i < 3; ++i) s.resting[static_cast<std::size_t>(i)] = memory.resting[i] != 0;
+  s.truth.in_contact = s.near = false;
+  s.truth.tip = tip_position(s.options.geometry, s.q);
 }
 
 const VirtualArmTruth& VirtualArm::truth() const noexcept { return simulation_->truth; }

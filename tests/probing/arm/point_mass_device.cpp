@@ -128,6 +128,7 @@ extern "C" const palpate_device_v1* palpate_device(void) {
                                           write_device,
                                           stop_device,
                                           close_device,
-                                          last_error_of_device};
+                                          last_error_of_device,
+                                          nullptr};
   return &table;
 }

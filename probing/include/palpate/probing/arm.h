@@ -19,6 +19,7 @@ struct ArmDescription {
   bool measures_joints = false;  ///< `ArmState::joints`
   bool measures_force = false;   ///< `ArmState::delivered_force`
   bool measures_heat = false;    ///< `ArmState::heat`
+  bool real_time = true;         ///< its clock goes on while nobody reads; not in simulations
 };
 
 /// An arm at one moment, in the frame of its base. What the arm does not measure is NaN.
@@ -51,15 +52,19 @@ class Arm {
   [[nodiscard]] virtual const ArmDescription& description() const noexcept = 0;
   /// [s] The clock of `ArmState::time`, now: that of the host, or of a simulation.
   [[nodiscard]] virtual double now() const noexcept = 0;
-  /// Switches the motors on, with no force.
+  /// Switches the motors on, with no force; also while they are on.
   /// \throws DeviceError if that fails.
   virtual void activate() = 0;
+  /// The trial that begins, before `activate`: a record can be replayed from there.
+  virtual void begin_trial(long long /*trial*/) noexcept {}
   /// Waits for the next state. False if the arm does not answer; `state` is then unchanged.
   [[nodiscard]] virtual bool read(ArmState& state) noexcept = 0;
   /// False if the arm does not take the command.
   [[nodiscard]] virtual bool write(const ArmCommand& command) noexcept = 0;
   /// Switches the motors off. May be called at any time and more than once.
   virtual void stop() noexcept = 0;
+  /// The arm's own words about its latest failure; empty if it has none. Not for the loop.
+  [[nodiscard]] virtual std::string last_error() const { return {}; }
 };
 
 }  // namespace palpate::probing

@@ -48,7 +48,7 @@ typedef struct palpate_device_info_v1 {
 typedef struct palpate_device_state_v1 {
   uint32_t size;
   uint32_t reserved;                    /* 0 */
-  double time;                          /* [s] of the measurement: CLOCK_MONOTONIC of the host */
+  double time;                          /* [s] of the measurement, by the clock of now */
   double tip[3];                        /* [mm] */
   double joints[PALPATE_DEVICE_JOINTS]; /* [rad] */
   double force[3];                      /* [N] at the tip that the motors deliver, as measured */
@@ -71,7 +71,7 @@ typedef struct palpate_device_v1 {
   int (*open)(void** device, palpate_device_info_v1* info);
   /* Sets an option of the driver, before activate. */
   int (*configure)(void* device, const char* key, const char* value);
-  /* Motors on, force 0. */
+  /* Motors on, force 0; also while they are on. */
   int (*activate)(void* device);
   /* Waits for the next state, for at most 20 periods. */
   int (*read)(void* device, palpate_device_state_v1* state);
@@ -81,6 +81,9 @@ typedef struct palpate_device_v1 {
   void (*close)(void* device);
   /* The latest failure, until the next call. Never null. */
   const char* (*last_error)(void* device);
+  /* [s] The clock of state.time. Null, as for hardware: CLOCK_MONOTONIC of the host. A simulation
+   * may have its own, which stands still while nobody reads. */
+  double (*now)(void* device);
 } palpate_device_v1;
 
 typedef const palpate_device_v1* (*palpate_device_function)(void);

@@ -25,7 +25,7 @@ struct GravityCalibration {
   JointGains gains;
 };
 
-/// Holds the arm at each pose. The arm must be active and its tip in free space; about three
+/// Holds the arm at each pose. The arm must be active and its tip in free space; about seven
 /// minutes.
 /// \throws InvalidInput on an option outside its range.
 /// \throws DeviceError if the arm stops, or does not measure its joints.

@@ -29,7 +29,7 @@ class PluginArm final : public Arm {
   void stop() noexcept override;
 
   /// The driver's words about its latest failure.
-  [[nodiscard]] std::string last_error() const;
+  [[nodiscard]] std::string last_error() const override;
 
  private:
   struct Driver;

@@ -7,6 +7,7 @@
 #include <atomic>
 #include <filesystem>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <thread>
 
@@ -103,7 +104,9 @@ class SafeArm final : public Arm {
   [[nodiscard]] bool read(ArmState& state) noexcept override;
   /// False after a fault: no force is applied.
   [[nodiscard]] bool write(const ArmCommand& command) noexcept override;
+  void begin_trial(long long trial) noexcept override { arm_.begin_trial(trial); }
   void stop() noexcept override;
+  [[nodiscard]] std::string last_error() const override { return arm_.last_error(); }
 
   [[nodiscard]] ArmFault fault() const noexcept { return fault_; }
   /// [s] when the fault was noticed, on the arm's clock.
@@ -112,6 +115,8 @@ class SafeArm final : public Arm {
   /// The tip may go `SafetyLimits::depth` behind this plane.
   /// \param inwards unit vector into the object, in the base's frame.
   void limit_depth(const Eigen::Vector3d& place, const Eigen::Vector3d& inwards) noexcept;
+  /// Until the next call of `limit_depth` there is no such plane.
+  void forget_depth() noexcept { plane_.reset(); }
 
  private:
   void raise(ArmFault fault) noexcept;

@@ -49,6 +49,17 @@ struct VirtualArmTruth {
   bool in_contact = false;
 };
 
+/// All that a simulated arm in free space carries from one moment to the next, so that another one
+/// goes on as it would have.
+struct VirtualArmMemory {
+  std::uint64_t ticks = 0, sample = 0, sample_begin = 0;
+  Eigen::Vector3d joints = Eigen::Vector3d::Zero();   ///< [rad]
+  Eigen::Vector3d speed = Eigen::Vector3d::Zero();    ///< [rad/s]
+  Eigen::Vector3d bristle = Eigen::Vector3d::Zero();  ///< [rad] deflection of each joint's friction
+  Eigen::Vector3d heat = Eigen::Vector3d::Zero();     ///< of each motor
+  Eigen::Vector3d resting = Eigen::Vector3d::Zero();  ///< 1 for a motor that must rest, else 0
+};
+
 /// A simulated arm on a specimen: dynamics at 10 kHz, states at 1 kHz, on its own clock. Equal
 /// seeds, samples and commands give equal states, bit by bit.
 class VirtualArm final : public Arm {
@@ -70,6 +81,11 @@ class VirtualArm final : public Arm {
   /// resumed campaign sees the noise that it would have seen.
   void begin_sample(std::uint64_t sample) noexcept;
   [[nodiscard]] const VirtualArmTruth& truth() const noexcept;
+
+  /// For a tip in free space with motors that are about to be activated: neither the contact nor
+  /// the latest command is in it.
+  [[nodiscard]] VirtualArmMemory memory() const noexcept;
+  void restore(const VirtualArmMemory& memory) noexcept;
 
  private:
   struct Simulation;
