@@ -120,7 +120,8 @@ struct CampaignStore::Impl {
   std::unique_ptr<WriterLock> lock;
   Database database;
   CampaignDescription description = {};
-  std::optional<Insert> contact = {}, sample = {}, trial = {}, boundary = {}, event = {};
+  std::optional<Insert> contact = {}, sample = {}, trial = {}, boundary = {}, event = {},
+                        memory = {};
 
   void prepare_to_write() {
     sqlite3* db = database.get();
@@ -135,6 +136,7 @@ struct CampaignStore::Impl {
                   "INSERT INTO trial VALUES(?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)");
     boundary.emplace(db, "UPDATE sample SET on_friction_boundary = 1 WHERE id = ?");
     event.emplace(db, "INSERT INTO event(trial, kind, text) VALUES(?,?,?)");
+    memory.emplace(db, "INSERT OR REPLACE INTO run VALUES('memory', ?)");
   }
 
   // Does all of `work` or nothing.
@@ -260,7 +262,8 @@ std::vector<TrialRecord> CampaignStore::trials(const std::vector<Contact>& conta
   return records;
 }
 
-void CampaignStore::append(const TrialRecord& record, const TrialVerdict& verdict, double time) {
+void CampaignStore::append(const TrialRecord& record, const TrialVerdict& verdict, double time,
+                           const std::string& memory) {
   const TrialOrder& order = record.order;
   const TrialResult& result = record.result;
   impl_->transact([&] {
@@ -281,7 +284,18 @@ void CampaignStore::append(const TrialRecord& record, const TrialVerdict& verdic
                             to_string(result.outcome))
           .run();
     }
+    if (!memory.empty()) (*impl_->memory << memory).run();
   });
+}
+
+std::string CampaignStore::memory() const {
+  try {
+    const Statement run =
+        prepare(impl_->database.get(), "SELECT value FROM run WHERE key = 'memory'");
+    return step(run.get()) ? Row(run.get(), "run").text() : std::string();
+  } catch (const DatabaseError& wrong) {
+    throw FileError(impl_->path.string() + ": " + wrong.what() + kWhatACampaignIs);
+  }
 }
 
 void CampaignStore::note(const std::string& kind, const std::string& text) {
@@ -294,7 +308,8 @@ void CampaignStore::note(const std::string& kind, const std::string& text) {
 
 void CampaignStore::finish() {
   for (std::optional<Insert>* each :
-       {&impl_->contact, &impl_->sample, &impl_->trial, &impl_->boundary, &impl_->event})
+       {&impl_->contact, &impl_->sample, &impl_->trial, &impl_->boundary, &impl_->event,
+        &impl_->memory})
     each->reset();
   try {
     execute(impl_->database.get(), "PRAGMA wal_checkpoint(TRUNCATE); PRAGMA journal_mode = DELETE");

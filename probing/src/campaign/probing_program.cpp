@@ -36,6 +36,7 @@ std::optional<ProbeAction> action_of(const ProgramState& state, const ProgramOpt
   switch (state.stage) {
     case ProgramStage::travel:
       action.kind = ProbeActionKind::travel;
+      action.force += order.tangential_force;
       break;
     case ProgramStage::touch:
       action.kind = ProbeActionKind::touch;

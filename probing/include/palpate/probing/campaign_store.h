@@ -50,8 +50,12 @@ class CampaignStore {
 
   /// Stores a trial, its sample with its contact, and what followed from it.
   /// \param time [s] since the campaign began.
+  /// \param memory `Prober::memory` after the trial.
   /// \throws OutputError if the disk is full: nothing of the trial is then stored.
-  void append(const TrialRecord& record, const TrialVerdict& verdict, double time);
+  void append(const TrialRecord& record, const TrialVerdict& verdict, double time,
+              const std::string& memory = {});
+  /// `memory` of the latest trial; empty if the arm had none.
+  [[nodiscard]] std::string memory() const;
 
   /// Stores a message about the campaign.
   void note(const std::string& kind, const std::string& text);

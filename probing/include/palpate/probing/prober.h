@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <string>
 
 #include "palpate/eigen_alignment.h"
 
@@ -22,8 +23,9 @@ struct ProbeAction {
   ProbeActionKind kind{};
   long long trial = 0;                               ///< the number of the trial it belongs to
   Eigen::Vector3d target = Eigen::Vector3d::Zero();  ///< [mm]
-  Eigen::Vector3d force = Eigen::Vector3d::Zero();   ///< [N] of the tip on the object
-  double time_limit = 0;                             ///< [s] the arm gives up after it
+  /// [N] of the tip on the object; before the touch, the one that is coming.
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();
+  double time_limit = 0;  ///< [s] the arm gives up after it
 };
 
 enum class ProbeOutcome {
@@ -47,6 +49,9 @@ class Prober {
  public:
   virtual ~Prober() = default;
   [[nodiscard]] virtual ProbeReport perform(const ProbeAction& action) = 0;
+  /// What this arm needs, besides its description, to go on after the latest trial as if it had not
+  /// been interrupted; empty if it needs nothing.
+  [[nodiscard]] virtual std::string memory() const { return {}; }
 };
 
 }  // namespace palpate::probing

@@ -1,0 +1,99 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "palpate/eigen_alignment.h"
+#include "palpate/error.h"
+#include "palpate/probing/arm.h"
+#include "palpate/probing/contact_detection.h"
+#include "palpate/probing/gravity_calibration.h"
+#include "palpate/probing/prober.h"
+#include "palpate/probing/safe_arm.h"
+
+namespace palpate::probing {
+
+/// A fault, or an emergency stop, ended what an arm did. Its motors are off.
+struct ArmStopped : DeviceError {
+  ArmStopped(const std::string& message, ArmFault reason) : DeviceError(message), fault(reason) {}
+  ArmFault fault;
+};
+
+/// How an arm is moved and how it presses. Defaults suit a PHANToM and `VirtualArm`.
+struct ArmProberOptions {
+  ArmGeometry geometry;
+  Eigen::Isometry3d T_world_base = Eigen::Isometry3d::Identity();
+  GravityCalibration calibration;  ///< its geometry and gains are those of this struct
+  JointGains gains;
+  SafetyLimits limits;
+  ContactOptions contact;
+  /// [N/mm] between the encoders and the tip; > 0. Its deflection is taken off each position.
+  double structure = 3.5;
+  double travel_speed = 60;    ///< [mm/s] in free space; > 0
+  double start_distance = 4;   ///< [mm] before the surface, where internal forces are measured; > 0
+  double beyond = 8;           ///< [mm] behind the surface an approach ends without a touch; > 0
+  double push = 0.2;           ///< [N] of an approach; > 0
+  double approach_speed = 15;  ///< [mm/s] in free space; > 0
+  double free_settling = 0.6;  ///< [s] before internal forces are measured; >= 0
+  double measuring = 0.3;      ///< [s] of this measurement; >= 0.1
+  double hunting = 0.01;       ///< [N] standard deviation of an internal force that is refused; > 0
+  int attempts = 3;            ///< at an approach whose joints hunt or whose signal is faulty; > 0
+  double ramp = 2;             ///< [N/s] by which forces grow; > 0
+  double damping = 0.015;      ///< [N s/mm] of the pressed tip; >= 0
+  /// [rad] way on which the friction of a joint turns round; > 0
+  double presliding = 3e-4;
+  double resting_window = 0.5;  ///< [s] of the line and the mean by which a tip rests; > 0
+  double settled_speed = 0.01;  ///< [mm/s] of this line; > 0
+  double longest_slide = 10;    ///< [mm] that a tip may go once its force is constant; > 0
+  double heating_time = 20;     ///< [s] with which motors warm up and cool; > 0
+  double expected_load = 6;     ///< [s] for which they must stand the coming force; >= 0
+  double warm = 0.85;           ///< heat at which an action is given up; in (0, limits.hottest)
+};
+
+/// Performs the actions of a campaign on an arm, through a `SafeArm` (thesis 4.4).
+///
+/// Travel and lift are joint control along straight lines; travel then waits until the motors are
+/// cool enough for the coming force. A touch comes along the coming force, stops in free space to
+/// measure the internal force, and approaches until `ContactDetector` finds the object; its place
+/// is that of `estimate_contact`. Press, drag and release turn the force on a ramp, and wait until
+/// a line through the latest positions is level; their position is the mean over it, without the
+/// deflection of the arm. The internal force is that of the touch, with the friction of a joint,
+/// known from the calibration, turned round when the joint turns.
+///
+/// A trial begins with motors switched off and on again in free space, so that it does not depend
+/// on the control loop of those before it. An arm whose clock is real is held by a thread between
+/// trials.
+class ArmProber final : public Prober {
+ public:
+  /// `arm` and `emergency_stop`, which may be null, must outlive the prober.
+  /// \param gravity of an earlier calibration; otherwise call `calibrate` first.
+  /// \throws InvalidInput if an option is outside its range.
+  /// \throws DeviceError if the arm does not measure its joints.
+  ArmProber(Arm& arm, const ArmProberOptions& options,
+            const EmergencyStop* emergency_stop = nullptr,
+            const std::optional<GravityModel>& gravity = std::nullopt);
+  ~ArmProber() override;
+
+  /// Measures gravity by `hold_poses`, in free space.
+  /// \throws ArmStopped, or InvalidInput of `fit_gravity`.
+  void calibrate();
+  [[nodiscard]] const std::optional<GravityModel>& gravity() const;
+
+  /// \throws ArmStopped naming the fault: nothing of the interval is then a measurement. The next
+  /// trial clears it.
+  /// \throws InvalidInput if gravity is not known.
+  [[nodiscard]] ProbeReport perform(const ProbeAction& action) override;
+
+  [[nodiscard]] const SafeArm& arm() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace palpate::probing

@@ -1,0 +1,80 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "palpate/probing/arm.h"
+
+// A record of an arm: all that a program read from it and commanded it, exactly. The file begins
+// with one line of JSON, {"format": "palpate arm record", "version": 1, "byte_order": "little",
+// "name": ..., "period": ..., "highest_force": ..., "continuous_force": ..., "measures_joints":
+// ..., "measures_force": ..., "measures_heat": ..., "real_time": ..., "session": ...}, and a line
+// break. Each event follows as one byte and its numbers, doubles of 8 bytes or a whole number of 8
+// bytes:
+//
+//     N time                           the clock was asked
+//     T trial (whole number)           a trial begins
+//     A                                motors on
+//     R time tip[3] joints[3] force[3] heat[3]    a state was read
+//     F                                a state could not be read
+//     W force[3] lease                 a command was taken
+//     V force[3] lease                 a command was not taken
+//     S                                motors off
+namespace palpate::probing {
+
+/// Records another arm, which must outlive it. Writes go through a buffer of 1 MB.
+class RecordingArm final : public Arm {
+ public:
+  /// \param session what a replay must know besides, as text.
+  /// \throws OutputError if the file cannot be written.
+  RecordingArm(Arm& arm, const std::filesystem::path& path, const std::string& session = {});
+  ~RecordingArm() override;
+
+  [[nodiscard]] const ArmDescription& description() const noexcept override;
+  [[nodiscard]] double now() const noexcept override;
+  void activate() override;
+  void begin_trial(long long trial) noexcept override;
+  [[nodiscard]] bool read(ArmState& state) noexcept override;
+  [[nodiscard]] bool write(const ArmCommand& command) noexcept override;
+  void stop() noexcept override;
+  [[nodiscard]] std::string last_error() const override;
+
+  /// Writes what is buffered. \throws OutputError if the record is not complete: a full disk.
+  void finish();
+
+ private:
+  struct File;
+  Arm& arm_;
+  std::unique_ptr<File> file_;
+};
+
+/// An arm that answers as a record says, as long as it is commanded what was commanded then; the
+/// same program gets the same measurements from it. At the end of the record, or at a command that
+/// differs, it does not answer any more, and `last_error` says why.
+class ReplayArm final : public Arm {
+ public:
+  /// \throws FileError if the file is no record, or of another version.
+  explicit ReplayArm(const std::filesystem::path& path);
+  ~ReplayArm() override;
+  /// As it was given to `RecordingArm`.
+  [[nodiscard]] const std::string& session() const noexcept;
+
+  [[nodiscard]] const ArmDescription& description() const noexcept override;
+  [[nodiscard]] double now() const noexcept override;
+  void activate() override;
+  /// Goes to the beginning of this trial in the record; if it has none, goes on.
+  void begin_trial(long long trial) noexcept override;
+  [[nodiscard]] bool read(ArmState& state) noexcept override;
+  [[nodiscard]] bool write(const ArmCommand& command) noexcept override;
+  void stop() noexcept override;
+  [[nodiscard]] std::string last_error() const override;
+
+ private:
+  struct Tape;
+  std::unique_ptr<Tape> tape_;
+};
+
+}  // namespace palpate::probing

@@ -1,0 +1,347 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/probing/arm_prober.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <exception>
+#include <future>
+#include <span>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "arm/arm_motion.h"
+#include "arm/resting_window.h"
+#include "palpate/require.h"
+
+namespace palpate::probing {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kSlowPart = 3.5;           // [mm] of the way to the start of an approach ...
+constexpr double kSlowSpeed = 10;           // [mm/s] ... which is slow, along the coming force
+constexpr double kLateralStiffness = 0.15;  // [N/mm] beside the way of an approach
+constexpr double kLateralDamping = 0.0125;  // [N s/mm]
+constexpr double kEstimating = 0.1;         // [s] that the touch may take to be located
+constexpr double kUnloading = 0.4;          // [s] in which a lift takes the force away
+constexpr double kUnloaded = 0.05;          // [N] that are left then
+constexpr double kShortestRamp = 0.3;       // [s]
+constexpr double kLevelled = 0.05;          // [s] between two looks at whether the tip rests
+
+void check_prober_options(const ArmProberOptions& o) {
+  const auto positive = [](const char* name, double value, const char* unit) {
+    require(name, value, above(0).finite(), unit);
+  };
+  positive("ArmProberOptions::structure", o.structure, "N/mm");
+  positive("ArmProberOptions::travel_speed", o.travel_speed, "mm/s");
+  positive("ArmProberOptions::start_distance", o.start_distance, "mm");
+  positive("ArmProberOptions::beyond", o.beyond, "mm");
+  positive("ArmProberOptions::push", o.push, "N");
+  positive("ArmProberOptions::approach_speed", o.approach_speed, "mm/s");
+  require("ArmProberOptions::free_settling", o.free_settling, at_least(0).finite(), "s");
+  require("ArmProberOptions::measuring", o.measuring, at_least(0.1).finite(), "s");
+  positive("ArmProberOptions::hunting", o.hunting, "N");
+  require("ArmProberOptions::attempts", o.attempts, above(0));
+  positive("ArmProberOptions::ramp", o.ramp, "N/s");
+  require("ArmProberOptions::damping", o.damping, at_least(0).finite(), "N s/mm");
+  positive("ArmProberOptions::presliding", o.presliding, "rad");
+  positive("ArmProberOptions::resting_window", o.resting_window, "s");
+  positive("ArmProberOptions::settled_speed", o.settled_speed, "mm/s");
+  positive("ArmProberOptions::longest_slide", o.longest_slide, "mm");
+  positive("ArmProberOptions::heating_time", o.heating_time, "s");
+  require("ArmProberOptions::expected_load", o.expected_load, at_least(0).finite(), "s");
+  require("ArmProberOptions::warm", o.warm, above(0).below(o.limits.hottest));
+}
+
+}  // namespace
+
+struct ArmProber::Impl {
+  Impl(Arm& arm, const ArmProberOptions& given, const EmergencyStop* button,
+       const std::optional<GravityModel>& known)
+      : options(given),
+        stop(button),
+        safe(arm, given.limits, button),
+        motion(safe, options),
+        gravity(known),
+        T_base_world(given.T_world_base.inverse()) {
+    check_prober_options(options);
+    options.calibration.geometry = options.geometry;
+    options.calibration.gains = options.gains;
+    if (!arm.description().measures_joints) {
+      throw DeviceError(arm.description().name +
+                        ": does not measure its joints, so that it cannot be moved by them and "
+                        "gravity cannot be compensated");
+    }
+  }
+  ~Impl() { static_cast<void>(end_keeping()); }
+
+  [[nodiscard]] double time() const { return motion.state().time; }
+  [[nodiscard]] double seconds() const { return time() - begun; }
+  [[nodiscard]] bool has_time(double limit) const { return seconds() + motion.period() <= limit; }
+
+  /// \param bending [N] on the object, in the frame of the base.
+  [[nodiscard]] ProbeReport report(ProbeOutcome outcome, const Vector3d& tip,
+                                   const Vector3d& bending = Vector3d::Zero()) const {
+    return {outcome, options.T_world_base * (tip - bending / options.structure), seconds()};
+  }
+
+  void switch_on() {
+    try {
+      safe.activate();
+    } catch (const DeviceError& error) {  // the reason of a fault still exists, or the arm refuses
+      const bool pressed = stop != nullptr && stop->pressed();
+      throw ArmStopped(error.what(), pressed ? ArmFault::emergency_stop : safe.fault());
+    }
+  }
+
+  void begin_trial(long long number) {
+    trial = number;
+    safe.begin_trial(number);
+    switch_on();
+    motion.begin(*gravity);
+    force.setZero();
+  }
+
+  // Between trials nobody else moves the arm: their results are written to the disk meanwhile.
+  void keep() {
+    if (!safe.description().real_time) return;
+    keeping = true;
+    keeper = std::thread([this] {
+      try {
+        while (keeping) motion.hold();
+      } catch (...) {
+        kept = std::current_exception();
+      }
+    });
+  }
+  std::exception_ptr end_keeping() {
+    keeping = false;
+    if (keeper.joinable()) keeper.join();
+    return std::exchange(kept, nullptr);
+  }
+
+  ProbeReport perform(const ProbeAction& action) {
+    if (const std::exception_ptr fault = end_keeping()) std::rethrow_exception(fault);
+    if (!gravity) throw InvalidInput("ArmProber: gravity is not known; call calibrate first");
+    if (action.trial != trial || safe.fault() != ArmFault::none) begin_trial(action.trial);
+    begun = time();
+    ProbeReport result;
+    switch (action.kind) {
+      case ProbeActionKind::travel:
+        result = travel(action);
+        break;
+      case ProbeActionKind::touch:
+        result = touch(action);
+        break;
+      case ProbeActionKind::press:
+      case ProbeActionKind::drag:
+      case ProbeActionKind::release:
+        result = apply(action);
+        break;
+      case ProbeActionKind::lift:
+        result = lift(action);
+        keep();
+        break;
+    }
+    return result;
+  }
+
+  /// Whether all motors can stand `coming` [N] for `expected_load`, by du/dt = (load^2 - u) / T.
+  [[nodiscard]] bool is_cool(const Vector3d& coming) const {
+    if (!safe.description().measures_heat) return true;
+    const double decay = std::exp(-options.expected_load / options.heating_time);
+    const double continuous = safe.description().continuous_force *
+                              std::max(options.geometry.upper, options.geometry.lower);  // [N mm]
+    const Vector3d loaded = motion.torque_of(coming).cwiseAbs2() / (continuous * continuous);
+    const Vector3d held =
+        motion.torque_of(Vector3d::Zero()).cwiseAbs2() / (continuous * continuous);
+    for (int i = 0; i < 3; ++i) {
+      const double heat = motion.state().heat[i];
+      // What holding the arm alone keeps up, no waiting takes away.
+      constexpr double kAsCoolAsItGets = 0.02;
+      if (heat < held[i] + kAsCoolAsItGets) continue;
+      if (loaded[i] + (heat - loaded[i]) * decay > options.warm) return false;
+    }
+    return true;
+  }
+
+  [[nodiscard]] bool is_warm() const {
+    return safe.description().measures_heat && motion.state().heat.maxCoeff() > options.warm;
+  }
+
+  ProbeReport travel(const ProbeAction& action) {
+    const Vector3d place = T_base_world * action.target;
+    const Vector3d coming = T_base_world.linear() * action.force;
+    const double deadline = begun + action.time_limit;
+    if (!motion.move_to(place, options.travel_speed, deadline))
+      return report(ProbeOutcome::timed_out, motion.state().tip);
+    constexpr double kArrived = 1;  // [mm]
+    do {
+      if (!has_time(action.time_limit)) return report(ProbeOutcome::timed_out, motion.state().tip);
+      motion.hold();
+    } while (!is_cool(coming) || (motion.state().tip - place).norm() > kArrived);
+    return report(ProbeOutcome::done, motion.state().tip);
+  }
+
+  ProbeReport touch(const ProbeAction& action) {
+    const Vector3d surface = T_base_world * action.target;
+    const Vector3d along = (T_base_world.linear() * action.force).normalized();
+    const Vector3d start = surface - options.start_distance * along;
+    const double deadline = begun + action.time_limit;
+    safe.limit_depth(surface, along);
+    ProbeReport last = report(ProbeOutcome::timed_out, motion.state().tip);
+    for (int attempt = 0; attempt < options.attempts; ++attempt) {
+      if (!motion.move_to(start - kSlowPart * along, options.travel_speed, deadline) ||
+          !motion.move_to(start, kSlowSpeed, deadline))
+        return report(ProbeOutcome::timed_out, motion.state().tip);
+      if (!measure_internal_force()) {
+        last = report(ProbeOutcome::unsettled, motion.state().tip);
+        continue;
+      }
+      last = approach(action, along);
+      if (last.outcome == ProbeOutcome::done || last.outcome == ProbeOutcome::no_contact)
+        return last;
+      motion.take_hold();
+    }
+    return last;
+  }
+
+  /// False if the joints hunt.
+  bool measure_internal_force() {
+    for (int i = motion.ticks_in(options.free_settling); i > 0; --i) motion.hold();
+    std::vector<Vector3d> held(static_cast<std::size_t>(motion.ticks_in(options.measuring)));
+    for (Vector3d& each : held) each = motion.hold();
+    const std::optional<Vector3d> internal = internal_force(held, options.hunting);
+    if (!internal) return false;
+    motion.set_internal_torque(arm_jacobian(options.geometry, motion.state().joints).transpose() *
+                               *internal);
+    return true;
+  }
+
+  ProbeReport approach(const ProbeAction& action, const Vector3d& along) {
+    ContactDetector detector(options.contact);
+    const Vector3d from = motion.state().tip;
+    const Eigen::Matrix3d beside = Eigen::Matrix3d::Identity() - along * along.transpose();
+    const double longest = options.start_distance + options.beyond;
+    std::vector<Vector3d> offsets;  // one for each sample of the detector
+    offsets.reserve(static_cast<std::size_t>(motion.ticks_in(options.contact.longest_approach)));
+    while (true) {
+      const Vector3d offset = motion.state().tip - from;
+      const double way = along.dot(offset);
+      const double push =
+          std::max(0.0, approach_force(detector.speed(), options.push, options.approach_speed));
+      offsets.push_back(offset);
+      if (detector.step({.time = time(), .position = way, .force = push})) break;
+      if (detector.fault() != SignalFault::none || !has_time(action.time_limit))
+        return report(ProbeOutcome::timed_out, motion.state().tip);
+      if (way > longest) return report(ProbeOutcome::no_contact, motion.state().tip);
+      motion.push(push * along -
+                  beside * (kLateralStiffness * offset + kLateralDamping * motion.speed()));
+    }
+    // The loop goes on while the touch is located: that takes milliseconds.
+    std::future<std::optional<ContactEstimate>> located = std::async(
+        std::launch::async, [&] { return estimate_contact(detector.samples(), options.contact); });
+    force = options.push * along;
+    for (int i = motion.ticks_in(kEstimating); i > 0; --i)
+      motion.push(force - options.damping * motion.speed());
+    const std::optional<ContactEstimate> estimate = located.get();
+    if (!estimate) return report(ProbeOutcome::timed_out, motion.state().tip);
+    const std::span<const ApproachSample> samples = detector.samples();
+    const auto touched = std::lower_bound(
+        samples.begin(), samples.end() - 1, estimate->time,
+        [](const ApproachSample& sample, double value) { return sample.time < value; });
+    const Vector3d& sideways = offsets[static_cast<std::size_t>(touched - samples.begin())];
+    return report(ProbeOutcome::done, from + beside * sideways + along * estimate->position);
+  }
+
+  ProbeReport apply(const ProbeAction& action) {
+    const Vector3d before = force, wanted = T_base_world.linear() * action.force;
+    const double ramp = std::max(kShortestRamp, (wanted - before).norm() / options.ramp);
+    const int rising = motion.ticks_in(ramp), look = motion.ticks_in(kLevelled);
+    RestingWindow window(motion.ticks_in(options.resting_window));
+    Vector3d constant_from = motion.state().tip;
+    for (int tick = 1; has_time(action.time_limit); ++tick) {
+      const double t = std::min(1.0, static_cast<double>(tick) / rising);
+      force = before + (wanted - before) * (t * t * (3 - 2 * t));
+      motion.push(force - options.damping * motion.speed());
+      const Vector3d& tip = motion.state().tip;
+      if (tick == rising) constant_from = tip;
+      if (is_warm()) return report(ProbeOutcome::timed_out, tip, force);
+      if (tick < rising) continue;
+      if ((tip - constant_from).norm() > options.longest_slide)
+        return report(ProbeOutcome::fell_off, tip, force);
+      window.add(time(), tip);
+      if (window.full() && tick % look == 0 && window.speed() < options.settled_speed)
+        return report(ProbeOutcome::done, window.mean(), force);
+    }
+    return report(ProbeOutcome::unsettled, motion.state().tip, force);
+  }
+
+  ProbeReport lift(const ProbeAction& action) {
+    const Vector3d place = T_base_world * action.target;
+    if (!force.isZero(0)) {
+      const Vector3d before = force;
+      const int ticks = motion.ticks_in(kUnloading);
+      for (int i = 1; i <= ticks; ++i) {
+        const double left = 1 - static_cast<double>(i) / ticks;
+        force = before.normalized() * (kUnloaded + (before.norm() - kUnloaded) * left);
+        motion.push(force - options.damping * motion.speed());
+      }
+      force.setZero();
+    }
+    motion.take_hold();
+    const bool there = motion.move_to(place, options.travel_speed, begun + action.time_limit);
+    return report(there ? ProbeOutcome::done : ProbeOutcome::timed_out, motion.state().tip);
+  }
+
+  ArmProberOptions options;
+  const EmergencyStop* stop;
+  SafeArm safe;
+  ArmMotion motion;
+  std::optional<GravityModel> gravity;
+  Eigen::Isometry3d T_base_world;
+  long long trial = -1;               // that was begun
+  double begun = 0;                   // [s] time of the action
+  Vector3d force = Vector3d::Zero();  // [N] of the tip on the object, as commanded last
+  std::thread keeper;
+  std::atomic<bool> keeping = false;
+  std::exception_ptr kept;
+};
+
+ArmProber::ArmProber(Arm& arm, const ArmProberOptions& options, const EmergencyStop* emergency_stop,
+                     const std::optional<GravityModel>& gravity)
+    : impl_(std::make_unique<Impl>(arm, options, emergency_stop, gravity)) {}
+
+ArmProber::~ArmProber() = default;
+
+void ArmProber::calibrate() {
+  Impl& impl = *impl_;
+  static_cast<void>(impl.end_keeping());
+  impl.safe.forget_depth();
+  impl.switch_on();
+  try {
+    impl.gravity = fit_gravity(hold_poses(impl.safe, impl.options.calibration));
+  } catch (const DeviceError& error) {
+    if (impl.safe.fault() == ArmFault::none) throw;
+    std::string message = error.what();
+    message += ": " + std::string(to_string(impl.safe.fault()));
+    if (const std::string words = impl.safe.last_error(); !words.empty())
+      message += " (" + words + ")";
+    throw ArmStopped(message, impl.safe.fault());
+  }
+  impl.switch_on();
+  impl.motion.begin(*impl.gravity);
+  impl.keep();
+}
+
+const std::optional<GravityModel>& ArmProber::gravity() const { return impl_->gravity; }
+
+ProbeReport ArmProber::perform(const ProbeAction& action) { return impl_->perform(action); }
+
+const SafeArm& ArmProber::arm() const { return impl_->safe; }
+
+}  // namespace palpate::probing

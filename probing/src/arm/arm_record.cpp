@@ -1,0 +1,322 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/probing/arm_record.h"
+
+#include <array>
+#include <bit>
+#include <cerrno>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <type_traits>
+#include <vector>
+
+#include "palpate/error.h"
+
+namespace palpate::probing {
+namespace {
+
+using nlohmann::json;
+
+constexpr const char* kRecordFormat = "palpate arm record";
+constexpr int kRecordVersion = 1;
+constexpr std::size_t kStateNumbers = 13, kCommandNumbers = 4;
+constexpr const char* kRecordExpected = "; expected the file of 'palpate probe run --record'";
+static_assert(std::endian::native == std::endian::little, "the file is in the order of the host");
+
+using StateNumbers = std::array<double, kStateNumbers>;
+using CommandNumbers = std::array<double, kCommandNumbers>;
+
+StateNumbers numbers_of(const ArmState& state) {
+  StateNumbers numbers{state.time};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    numbers[1 + i] = state.tip[k];
+    numbers[4 + i] = state.joints[k];
+    numbers[7 + i] = state.delivered_force[k];
+    numbers[10 + i] = state.heat[k];
+  }
+  return numbers;
+}
+
+ArmState state_of(const StateNumbers& numbers) {
+  ArmState state;
+  state.time = numbers[0];
+  state.tip = Eigen::Vector3d(&numbers[1]);
+  state.joints = Eigen::Vector3d(&numbers[4]);
+  state.delivered_force = Eigen::Vector3d(&numbers[7]);
+  state.heat = Eigen::Vector3d(&numbers[10]);
+  return state;
+}
+
+CommandNumbers numbers_of(const ArmCommand& command) {
+  return {command.force.x(), command.force.y(), command.force.z(), command.lease};
+}
+
+/// [bytes] after the letter of an event; negative for a letter that is unknown.
+int size_of_event(char letter) {
+  constexpr int kNumber = 8;
+  switch (letter) {
+    case 'N':
+    case 'T':
+      return kNumber;
+    case 'R':
+      return kNumber * static_cast<int>(kStateNumbers);
+    case 'W':
+    case 'V':
+      return kNumber * static_cast<int>(kCommandNumbers);
+    case 'A':
+    case 'F':
+    case 'S':
+      return 0;
+    default:
+      return -1;
+  }
+}
+
+}  // namespace
+
+struct RecordingArm::File {
+  explicit File(const std::filesystem::path& where) : path(where), buffer(std::size_t{1} << 20) {
+    file = std::fopen(path.c_str(), "wb");
+    if (file == nullptr)
+      throw OutputError(path.string() + ": cannot be written: " + std::strerror(errno));
+    std::setvbuf(file, buffer.data(), _IOFBF, buffer.size());
+  }
+  ~File() {
+    if (file != nullptr) std::fclose(file);
+  }
+  File(const File&) = delete;
+  File& operator=(const File&) = delete;
+
+  void put(const void* bytes, std::size_t size) noexcept {
+    complete = complete && std::fwrite(bytes, 1, size, file) == size;
+  }
+  void event(char letter) noexcept { put(&letter, 1); }
+  template <typename Numbers>
+  void event(char letter, const Numbers& numbers) noexcept {
+    event(letter);
+    put(&numbers, sizeof(numbers));
+  }
+
+  std::filesystem::path path;
+  std::vector<char> buffer;
+  std::FILE* file = nullptr;
+  bool complete = true;
+};
+
+RecordingArm::RecordingArm(Arm& arm, const std::filesystem::path& path, const std::string& session)
+    : arm_(arm), file_(std::make_unique<File>(path)) {
+  const ArmDescription& d = arm.description();
+  const std::string head = nlohmann::ordered_json{{"format", kRecordFormat},
+                                                  {"version", kRecordVersion},
+                                                  {"byte_order", "little"},
+                                                  {"name", d.name},
+                                                  {"period", d.period},
+                                                  {"highest_force", d.highest_force},
+                                                  {"continuous_force", d.continuous_force},
+                                                  {"measures_joints", d.measures_joints},
+                                                  {"measures_force", d.measures_force},
+                                                  {"measures_heat", d.measures_heat},
+                                                  {"real_time", d.real_time},
+                                                  {"session", session}}
+                               .dump() +
+                           "\n";
+  file_->put(head.data(), head.size());
+}
+
+RecordingArm::~RecordingArm() = default;
+
+const ArmDescription& RecordingArm::description() const noexcept { return arm_.description(); }
+
+double RecordingArm::now() const noexcept {
+  const double time = arm_.now();
+  file_->event('N', time);
+  return time;
+}
+
+void RecordingArm::activate() {
+  arm_.activate();
+  file_->event('A');
+}
+
+void RecordingArm::begin_trial(long long trial) noexcept {
+  file_->event('T', static_cast<std::int64_t>(trial));
+  arm_.begin_trial(trial);
+}
+
+bool RecordingArm::read(ArmState& state) noexcept {
+  if (!arm_.read(state)) {
+    file_->event('F');
+    return false;
+  }
+  file_->event('R', numbers_of(state));
+  return true;
+}
+
+bool RecordingArm::write(const ArmCommand& command) noexcept {
+  const bool taken = arm_.write(command);
+  file_->event(taken ? 'W' : 'V', numbers_of(command));
+  return taken;
+}
+
+void RecordingArm::stop() noexcept {
+  arm_.stop();
+  file_->event('S');
+}
+
+std::string RecordingArm::last_error() const { return arm_.last_error(); }
+
+void RecordingArm::finish() {
+  file_->complete = std::fflush(file_->file) == 0 && file_->complete;
+  if (!file_->complete)
+    throw OutputError(file_->path.string() + ": could not be written completely; free some space");
+}
+
+struct ReplayArm::Tape {
+  explicit Tape(const std::filesystem::path& where) : path(where.string()) {
+    file = std::fopen(path.c_str(), "rb");
+    if (file == nullptr)
+      throw FileError(path + ": cannot be read: " + std::strerror(errno) + kRecordExpected);
+    read_head();
+    begin = std::ftell(file);
+  }
+  ~Tape() {
+    if (file != nullptr) std::fclose(file);
+  }
+  Tape(const Tape&) = delete;
+  Tape& operator=(const Tape&) = delete;
+
+  void read_head() {
+    constexpr std::size_t kLongest = std::size_t{1} << 20;  // [bytes]
+    std::string head;
+    for (int c = std::fgetc(file); c != EOF && c != '\n' && head.size() < kLongest;
+         c = std::fgetc(file))
+      head += static_cast<char>(c);
+    const json members = json::parse(head, nullptr, false);
+    if (!members.is_object() || members.value("format", "") != kRecordFormat)
+      throw FileError(path + ": is no record of an arm" + kRecordExpected);
+    if (members.value("version", 0) != kRecordVersion) {
+      throw FileError(path + ": is a record of version " +
+                      members.value("version", json(0)).dump() + "; this program reads " +
+                      std::to_string(kRecordVersion));
+    }
+    try {
+      members.at("name").get_to(description.name);
+      members.at("period").get_to(description.period);
+      members.at("highest_force").get_to(description.highest_force);
+      members.at("continuous_force").get_to(description.continuous_force);
+      members.at("measures_joints").get_to(description.measures_joints);
+      members.at("measures_force").get_to(description.measures_force);
+      members.at("measures_heat").get_to(description.measures_heat);
+      members.at("session").get_to(session);
+    } catch (const json::exception& wrong) {
+      throw FileError(path + ": its first line is damaged: " + wrong.what());
+    }
+    description.real_time = false;
+  }
+
+  /// Takes the event if it has this letter; the place does not change otherwise.
+  template <typename Numbers>
+  bool take(char letter, Numbers* numbers) noexcept {
+    if (broken != nullptr) return false;
+    const int found = std::fgetc(file);
+    if (found != letter) {
+      if (found != EOF) std::ungetc(found, file);
+      ended = found == EOF;
+      return false;
+    }
+    if constexpr (!std::is_void_v<Numbers>) {
+      ended = std::fread(numbers, sizeof(Numbers), 1, file) != 1;
+      return !ended;
+    }
+    return true;
+  }
+  bool take(char letter) noexcept { return take<void>(letter, nullptr); }
+  void depart(const char* from) noexcept {
+    if (broken == nullptr) broken = ended ? "the record ends here" : from;
+  }
+
+  /// Behind the next beginning of a trial from this place on. False if there is none.
+  bool seek_from(long place, std::int64_t trial) noexcept {
+    std::fseek(file, place, SEEK_SET);
+    std::array<char, sizeof(StateNumbers)> numbers{};
+    for (int letter = std::fgetc(file); letter != EOF; letter = std::fgetc(file)) {
+      const int size = size_of_event(static_cast<char>(letter));
+      if (size < 0 || std::fread(numbers.data(), 1, static_cast<std::size_t>(size), file) !=
+                          static_cast<std::size_t>(size))
+        return false;
+      std::int64_t number = 0;
+      std::memcpy(&number, numbers.data(), sizeof(number));
+      if (letter == 'T' && number == trial) return true;
+    }
+    return false;
+  }
+  void seek(std::int64_t trial) noexcept {
+    const long place = std::ftell(file);
+    if (!seek_from(place, trial) && !seek_from(begin, trial)) std::fseek(file, place, SEEK_SET);
+  }
+
+  std::string path;
+  std::FILE* file = nullptr;
+  long begin = 0;  // [bytes] of the first event
+  std::string session;
+  ArmDescription description;
+  double time = 0;  // that the clock said last
+  bool ended = false;
+  const char* broken = nullptr;  // why nothing is replayed any more
+};
+
+ReplayArm::ReplayArm(const std::filesystem::path& path) : tape_(std::make_unique<Tape>(path)) {}
+
+ReplayArm::~ReplayArm() = default;
+
+const std::string& ReplayArm::session() const noexcept { return tape_->session; }
+
+const ArmDescription& ReplayArm::description() const noexcept { return tape_->description; }
+
+double ReplayArm::now() const noexcept {
+  double time = 0;
+  if (tape_->take('N', &time)) tape_->time = time;
+  return tape_->time;
+}
+
+void ReplayArm::activate() {
+  if (!tape_->take('A')) tape_->depart("the motors were not switched on here");
+}
+
+void ReplayArm::begin_trial(long long trial) noexcept { tape_->seek(trial); }
+
+bool ReplayArm::read(ArmState& state) noexcept {
+  StateNumbers numbers{};
+  if (tape_->take('R', &numbers)) {
+    state = state_of(numbers);
+    return true;
+  }
+  if (!tape_->take('F')) tape_->depart("no state was read here");
+  return false;
+}
+
+bool ReplayArm::write(const ArmCommand& command) noexcept {
+  CommandNumbers numbers{};
+  const bool taken = tape_->take('W', &numbers);
+  if (!taken && !tape_->take('V', &numbers)) {
+    tape_->depart("nothing was commanded here");
+    return false;
+  }
+  if (numbers != numbers_of(command)) {
+    tape_->depart("another force was commanded here");
+    return false;
+  }
+  return taken;
+}
+
+void ReplayArm::stop() noexcept { static_cast<void>(tape_->take('S')); }
+
+std::string ReplayArm::last_error() const {
+  if (tape_->broken == nullptr) return {};
+  return tape_->path + " at " + std::to_string(tape_->time) + " s: " + tape_->broken;
+}
+
+}  // namespace palpate::probing

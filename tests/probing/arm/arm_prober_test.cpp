@@ -1,0 +1,297 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/probing/arm_prober.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "not_finite.h"
+#include "palpate/error.h"
+#include "probing_arm.h"
+#include "refusal.h"
+
+namespace palpate::probing {
+namespace {
+
+using Eigen::Vector3d;
+using testing::pull_at;
+
+const std::shared_ptr<const Specimen> kElasticBody =
+    make_specimen(ElasticBody{.young_modulus = 0.2, .friction = 0.7});
+const Vector3d kProbedPlace(10, -12, 700), kTowardsArm(0, 0, -1);
+
+/// Between an arm and its program something may go wrong, from one state on.
+class BreakingArm final : public Arm {
+ public:
+  enum class Break { none, silent, jump, late, not_finite, dead_force };
+
+  explicit BreakingArm(Arm& arm) : arm_(arm) {}
+  void begin(Break what) { what_ = what, age_ = 0; }
+
+  const ArmDescription& description() const noexcept override { return arm_.description(); }
+  double now() const noexcept override { return arm_.now() + skipped_; }
+  void activate() override { arm_.activate(); }
+  bool read(ArmState& state) noexcept override {
+    if (before_read) before_read(reads);
+    ++reads;
+    if (!arm_.read(state)) return false;
+    state.time += skipped_;
+    ++age_;
+    switch (what_) {
+      case Break::none:
+        return true;
+      case Break::silent:
+        return false;
+      case Break::jump:
+        state.tip.x() += 1;
+        return true;
+      case Break::late:
+        if (age_ == 1) state.time += 0.03, skipped_ += 0.03;
+        return true;
+      case Break::not_finite:
+        state.tip.y() = kNaN;
+        return true;
+      case Break::dead_force:
+        state.delivered_force.setZero();
+        return true;
+    }
+    return true;
+  }
+  bool write(const ArmCommand& command) noexcept override {
+    force = command.force;
+    return arm_.write(command);
+  }
+  void stop() noexcept override {
+    stopped = true;
+    arm_.stop();
+  }
+
+  Vector3d force = Vector3d::Zero();  // that arrived last
+  bool stopped = false;
+  int reads = 0;
+  std::function<void(int)> before_read;
+
+ private:
+  Arm& arm_;
+  Break what_ = Break::none;
+  int age_ = 0;
+  double skipped_ = 0;
+};
+
+/// A prober on a virtual arm over the body.
+struct ProbingRig {
+  explicit ProbingRig(const Specimen& specimen = *kElasticBody, const EmergencyStop* stop = nullptr)
+      : options(testing::prober_over(specimen)),
+        arm(&specimen, testing::virtual_arm_for(options)),
+        breaking(arm),
+        prober(breaking, options, stop, testing::measured_gravity()) {}
+
+  Vector3d force_on_object() const { return options.T_world_base.linear() * arm.truth().force; }
+  Vector3d tip() const { return options.T_world_base * arm.truth().tip; }
+
+  ArmProberOptions options;
+  VirtualArm arm;
+  BreakingArm breaking;
+  ArmProber prober;
+};
+
+/// Keeps what the simulation knows when an action ends.
+struct TruthWitness final : Prober {
+  explicit TruthWitness(ProbingRig& which) : rig(which) {}
+  ProbeReport perform(const ProbeAction& action) override {
+    const ProbeReport report = rig.prober.perform(action);
+    if (report.outcome != ProbeOutcome::done) return report;
+    if (action.kind == ProbeActionKind::touch)
+      touch_errors.push_back(report.position - rig.arm.truth().contact);
+    if (action.kind == ProbeActionKind::press || action.kind == ProbeActionKind::drag ||
+        action.kind == ProbeActionKind::release) {
+      force_errors.push_back((rig.force_on_object() - action.force).norm());
+      position_errors.push_back((report.position - rig.tip()).norm());
+      EXPECT_LT(rig.arm.truth().slid, 0.05);
+    }
+    return report;
+  }
+  ProbingRig& rig;
+  std::vector<Vector3d> touch_errors;
+  std::vector<double> force_errors, position_errors;
+};
+
+TEST(ArmProber, PressesAndDragsWithTheForcesAskedAndMeasuresWhereTheTipIs) {
+  const std::shared_ptr<const Specimen> sheet = make_specimen(Sheet{});
+  for (const Specimen* specimen : {kElasticBody.get(), sheet.get()}) {
+    ProbingRig rig(*specimen);
+    TruthWitness witness(rig);
+    long long trial = 0;
+    for (const double normal : {0.2, 0.8, 2.2}) {
+      const Vector3d place =
+          specimen == kElasticBody.get() ? kProbedPlace : surface_at(Sheet{}, 10, -12);
+      const TrialResult result =
+          run_trial(witness, pull_at(trial++, place, kTowardsArm, normal, 0.4 * normal), {});
+      EXPECT_EQ(result.outcome, TrialOutcome::held) << normal;
+    }
+    ASSERT_EQ(witness.touch_errors.size(), 3U);
+    for (const Vector3d& error : witness.touch_errors) {
+      EXPECT_LT(error.head<2>().norm(), 0.05);  // [mm] along the surface
+      EXPECT_LT(std::abs(error.z()), 0.15);
+    }
+    // Encoder steps are 0.03 mm; friction of the joints is 0.048 N at the tip, 0.1 N to and fro.
+    ASSERT_EQ(witness.force_errors.size(), 9U);
+    for (const double error : witness.position_errors) EXPECT_LT(error, 0.04);
+    for (const double error : witness.force_errors) EXPECT_LT(error, 0.06);
+  }
+}
+
+TEST(ArmProber, TellsSlippingFromHolding) {
+  ProbingRig rig;
+  EXPECT_EQ(run_trial(rig.prober, pull_at(0, kProbedPlace, kTowardsArm, 1, 0.55), {}).outcome,
+            TrialOutcome::held);
+  // The cone is the same everywhere: the tip slides until the prober gives it up.
+  EXPECT_EQ(run_trial(rig.prober, pull_at(1, kProbedPlace, kTowardsArm, 1, 0.85), {}).outcome,
+            TrialOutcome::fell_off);
+}
+
+TEST(ArmProber, FindsNoContactWhereThereIsNone) {
+  ProbingRig rig;
+  const TrialResult result = run_trial(rig.prober, pull_at(0, {0, 0, 688}, kTowardsArm, 1, 0), {});
+  EXPECT_EQ(result.outcome, TrialOutcome::no_contact);
+  EXPECT_FALSE(rig.arm.truth().in_contact);
+}
+
+TEST(ArmProber, SaysThatItDidNotArriveWhereTheArmCannotReach) {
+  ProbingRig rig;
+  EXPECT_EQ(run_trial(rig.prober, pull_at(0, {0, 600, 700}, kTowardsArm, 1, 0), {}).outcome,
+            TrialOutcome::timed_out);
+}
+
+TEST(ArmProber, AFaultInAnyActionEndsItNamesItselfAndTheNextTrialWorks) {
+  using Break = BreakingArm::Break;
+  const std::vector<std::pair<Break, ArmFault>> faults = {
+      {Break::silent, ArmFault::no_answer},
+      {Break::jump, ArmFault::jump},
+      {Break::late, ArmFault::late},
+      {Break::not_finite, ArmFault::state_not_finite},
+      {Break::dead_force, ArmFault::force_exactly_zero}};
+  ProbingRig rig;
+  long long trial = 0;
+  for (const auto& [what, fault] : faults) {
+    for (const ProbeActionKind when :
+         {ProbeActionKind::touch, ProbeActionKind::press, ProbeActionKind::release}) {
+      struct Breaker final : Prober {
+        ProbeReport perform(const ProbeAction& action) override {
+          if (action.kind == when) rig->breaking.begin(what);
+          return rig->prober.perform(action);
+        }
+        ProbingRig* rig = nullptr;
+        ProbeActionKind when{};
+        Break what{};
+      } breaker;
+      breaker.rig = &rig, breaker.when = when, breaker.what = what;
+      rig.breaking.stopped = false;
+      try {
+        static_cast<void>(
+            run_trial(breaker, pull_at(trial++, kProbedPlace, kTowardsArm, 0.5, 0.2), {}));
+        ADD_FAILURE() << to_string(fault) << ": a result came out";
+      } catch (const ArmStopped& stopped) {
+        EXPECT_EQ(stopped.fault, fault);
+        EXPECT_NE(std::string(stopped.what()).find(to_string(fault)), std::string::npos)
+            << stopped.what();
+      }
+      EXPECT_TRUE(rig.breaking.stopped);
+      EXPECT_TRUE(rig.breaking.force.isZero(0));
+      rig.breaking.begin(Break::none);
+      // The arm fell while its motors were off; here it is put back, as a user does.
+      rig.arm.restore({.ticks = rig.arm.memory().ticks});
+    }
+  }
+  EXPECT_EQ(run_trial(rig.prober, pull_at(trial, kProbedPlace, kTowardsArm, 0.5, 0.2), {}).outcome,
+            TrialOutcome::held);
+}
+
+TEST(ArmProber, AnEmergencyStopTakesTheForceAwayWithinTwoTicks) {
+  EmergencyStop stop;
+  ProbingRig rig(*kElasticBody, &stop);
+  constexpr int kPressedAt = 3000;  // [ticks] the tip then holds above the body
+  rig.breaking.before_read = [&](int reads) {
+    if (reads == kPressedAt) stop.press();
+  };
+  try {
+    static_cast<void>(run_trial(rig.prober, pull_at(0, kProbedPlace, kTowardsArm, 0.5, 0.2), {}));
+    ADD_FAILURE() << "a result came out";
+  } catch (const ArmStopped& stopped) {
+    EXPECT_EQ(stopped.fault, ArmFault::emergency_stop);
+  }
+  EXPECT_LE(rig.breaking.reads - kPressedAt, 2);
+  EXPECT_TRUE(rig.breaking.stopped);
+  EXPECT_TRUE(rig.breaking.force.isZero(0));
+  EXPECT_THROW(
+      static_cast<void>(run_trial(rig.prober, pull_at(1, kProbedPlace, kTowardsArm, 0.5, 0.2), {})),
+      DeviceError);
+}
+
+TEST(ArmProber, WaitsUntilTheMotorsAreCoolEnoughForTheComingForce) {
+  ProbingRig rig;
+  const auto travel = [&](long long trial, double limit) {
+    VirtualArmMemory hot = rig.arm.memory();
+    hot.heat = {0.2, 0.9, 0.2};
+    rig.arm.restore(hot);
+    return rig.prober.perform({.kind = ProbeActionKind::travel,
+                               .trial = trial,
+                               .target = kProbedPlace + 20 * kTowardsArm,
+                               .force = -2.5 * kTowardsArm,
+                               .time_limit = limit});
+  };
+  const ProbeReport patient = travel(0, 60);
+  EXPECT_EQ(patient.outcome, ProbeOutcome::done);
+  EXPECT_GT(patient.seconds, 5);
+  EXPECT_EQ(travel(1, 3).outcome, ProbeOutcome::timed_out);
+}
+
+TEST(ArmProber, GoesOnFromItsMemoryAsItWouldHave) {
+  const auto order = [](long long trial) {
+    return pull_at(trial, kProbedPlace + Vector3d(5.0 * static_cast<double>(trial), 0, 0),
+                   kTowardsArm, 0.6, 0.3);
+  };
+  ProbingRig whole;
+  static_cast<void>(run_trial(whole.prober, order(0), {}));
+  const VirtualArmMemory between = whole.arm.memory();
+  const TrialResult expected = run_trial(whole.prober, order(1), {});
+  ProbingRig resumed;
+  resumed.arm.restore(between);
+  const TrialResult found = run_trial(resumed.prober, order(1), {});
+  EXPECT_EQ(found.touch, expected.touch);
+  EXPECT_EQ(found.a, expected.a);
+  EXPECT_EQ(found.b, expected.b);
+  EXPECT_EQ(found.a_again, expected.a_again);
+  EXPECT_EQ(found.seconds, expected.seconds);
+}
+
+TEST(ArmProber, RefusesAnApproachWhoseJointsHunt) {
+  ArmProberOptions options = testing::prober_over(*kElasticBody);
+  options.hunting = 1e-9;  // [N] less than the noise of any controller
+  options.gains.dead_band = 0;
+  VirtualArm arm(kElasticBody.get(), testing::virtual_arm_for(options));
+  ArmProber prober(arm, options, nullptr, testing::measured_gravity());
+  EXPECT_EQ(run_trial(prober, pull_at(0, kProbedPlace, kTowardsArm, 1, 0), {}).outcome,
+            TrialOutcome::unsettled);
+  EXPECT_FALSE(arm.truth().in_contact);
+}
+
+TEST(ArmProber, RefusesOptionsOutOfRangeAndArmsThatItCannotMove) {
+  VirtualArm arm(nullptr);
+  ArmProberOptions options;
+  options.ramp = 0;
+  EXPECT_EQ(refusal([&] { return ArmProber(arm, options).gravity(); }),
+            "ArmProberOptions::ramp is 0 N/s; it must be > 0 and finite");
+  ArmProber uncalibrated(arm, {});
+  EXPECT_THROW(static_cast<void>(uncalibrated.perform({.time_limit = 1})), InvalidInput);
+}
+
+}  // namespace
+}  // namespace palpate::probing

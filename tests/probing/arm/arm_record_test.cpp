@@ -1,0 +1,130 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/probing/arm_record.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <string>
+
+#include "palpate/error.h"
+#include "probing_arm.h"
+#include "refusal.h"
+#include "scratch_folder.h"
+
+namespace palpate::probing {
+namespace {
+
+using Eigen::Vector3d;
+
+const std::shared_ptr<const Specimen> kRecordedBody =
+    make_specimen(ElasticBody{.young_modulus = 0.2, .friction = 0.7});
+
+TrialOrder recorded_order(long long trial, double force = 0.4) {
+  return testing::pull_at(trial, {10, 5, 700}, {0, 0, -1}, force, 0.1);
+}
+
+class ArmRecord : public ::testing::Test {
+ protected:
+  /// Two trials, recorded.
+  void SetUp() override {
+    VirtualArm arm(kRecordedBody.get(), testing::virtual_arm_for(options));
+    RecordingArm recorder(arm, file, "a session");
+    ArmProber prober(recorder, options, nullptr, testing::measured_gravity());
+    for (TrialResult& each : results) each = run_trial(prober, recorded_order(trial++), {});
+    recorder.finish();
+  }
+  TrialResult replayed(ReplayArm& arm, long long which, double force = 0.4) {
+    ArmProber prober(arm, options, nullptr, testing::measured_gravity());
+    return run_trial(prober, recorded_order(which, force), {});
+  }
+
+  ScratchFolder folder;
+  std::filesystem::path file = folder / "session.arm";
+  ArmProberOptions options = testing::prober_over(*kRecordedBody);
+  TrialResult results[2];
+  long long trial = 0;
+};
+
+TEST_F(ArmRecord, GivesTheSameMeasurementsAgain) {
+  ReplayArm arm(file);
+  EXPECT_EQ(arm.session(), "a session");
+  EXPECT_EQ(arm.description().name, "virtual arm");
+  EXPECT_FALSE(arm.description().real_time);
+  ArmProber prober(arm, options, nullptr, testing::measured_gravity());
+  for (int i = 0; i < 2; ++i) {
+    const TrialResult again = run_trial(prober, recorded_order(i), {});
+    EXPECT_EQ(again.outcome, TrialOutcome::held);
+    EXPECT_EQ(again.touch, results[i].touch);
+    EXPECT_EQ(again.a, results[i].a);
+    EXPECT_EQ(again.b, results[i].b);
+    EXPECT_EQ(again.a_again, results[i].a_again);
+    EXPECT_EQ(again.seconds, results[i].seconds);
+  }
+}
+
+TEST_F(ArmRecord, GoesOnAtTheTrialThatIsAskedFor) {
+  ReplayArm arm(file);
+  EXPECT_EQ(replayed(arm, 1).b, results[1].b);
+  EXPECT_EQ(replayed(arm, 0).b, results[0].b);
+}
+
+TEST_F(ArmRecord, StopsWhereTheProgramCommandsSomethingElse) {
+  ReplayArm arm(file);
+  try {
+    static_cast<void>(replayed(arm, 0, 0.41));
+    FAIL() << "a result came out";
+  } catch (const ArmStopped& stopped) {
+    EXPECT_EQ(stopped.fault, ArmFault::no_answer);
+    EXPECT_NE(std::string(stopped.what()).find("another force was commanded here"),
+              std::string::npos)
+        << stopped.what();
+  }
+}
+
+TEST_F(ArmRecord, StopsAtTheEndOfARecordThatWasCutOff) {
+  std::filesystem::resize_file(file, std::filesystem::file_size(file) / 3);
+  ReplayArm arm(file);
+  try {
+    static_cast<void>(replayed(arm, 0));
+    FAIL() << "a result came out";
+  } catch (const ArmStopped& stopped) {
+    EXPECT_NE(std::string(stopped.what()).find("the record ends here"), std::string::npos)
+        << stopped.what();
+  }
+}
+
+TEST_F(ArmRecord, RefusesWhatIsNoRecord) {
+  const auto refused = [&](const std::string& text) {
+    std::ofstream(folder / "other") << text;
+    return refusal([&] { return ReplayArm(folder / "other").now(); });
+  };
+  EXPECT_NE(refused("id,x,y\n").find("is no record of an arm"), std::string::npos);
+  EXPECT_NE(refused("").find("is no record of an arm"), std::string::npos);
+  EXPECT_NE(refused(R"({"format": "palpate arm record", "version": 2})"
+                    "\n")
+                .find("version 2; this program reads 1"),
+            std::string::npos);
+  EXPECT_NE(refused(R"({"format": "palpate arm record", "version": 1})"
+                    "\n")
+                .find("its first line is damaged"),
+            std::string::npos);
+  EXPECT_NE(refusal([&] { return ReplayArm(folder / "missing").now(); }).find("cannot be read"),
+            std::string::npos);
+  VirtualArm arm(nullptr);
+  EXPECT_THROW(RecordingArm(arm, folder / "no folder" / "file"), OutputError);
+}
+
+TEST_F(ArmRecord, ADiskThatIsFullIsNoticedAtTheEnd) {
+  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "needs /dev/full";
+  VirtualArm arm(nullptr);
+  RecordingArm recorder(arm, "/dev/full");
+  ArmState state;
+  ASSERT_TRUE(recorder.read(state));
+  EXPECT_THROW(recorder.finish(), OutputError);
+}
+
+}  // namespace
+}  // namespace palpate::probing
