@@ -10,13 +10,14 @@
 #include <vector>
 
 #include "commands/probe.h"
+#include "commands/probe_arm.h"
 #include "palpate/error.h"
 #include "palpate/probing/acquisition_store.h"
+#include "palpate/probing/arm_prober.h"
 #include "palpate/probing/campaign.h"
 #include "palpate/probing/campaign_store.h"
 #include "palpate/probing/fingerprint.h"
-#include "palpate/probing/quasi_static_arm.h"
-#include "palpate/probing/specimen_file.h"
+#include "palpate/probing/probing_program.h"
 #include "shared/call_checks.h"
 #include "shared/inputs.h"
 #include "shared/progress.h"
@@ -30,33 +31,18 @@ using Json = nlohmann::ordered_json;
 constexpr double kHour = 3600;  // [s]
 
 struct RunCall {
-  fs::path plan, specimen, store;
+  fs::path plan, store;
+  bool dry_run = false;
+  ArmCall arm;
+  ArmWatch watch;
   probing::CampaignOptions options;
 };
 
 /// A campaign with the arm that performs it.
 struct Running {
   probing::Campaign campaign;
-  std::unique_ptr<probing::Prober> arm;
+  std::unique_ptr<CampaignArm> arm;
 };
-
-/// The simulated arm that a text describes: its specimen and its seed.
-std::unique_ptr<probing::Prober> arm_of(const std::string& text, const std::string& source,
-                                        const probing::ContactPlan& plan) {
-  const Json json = Json::parse(text, nullptr, false);
-  if (!json.is_object() || !json.contains("specimen") || !json.contains("seed"))
-    throw FileError(source +
-                    ": does not say which arm probes; expected the store of "
-                    "'palpate probe run'");
-  std::shared_ptr<const probing::Specimen> specimen =
-      probing::parse_specimen(json["specimen"].get<std::string>(), source);
-  if (probing::surface_fingerprint(specimen->surface()) != plan.surface) {
-    throw InvalidInput(source +
-                       ": the plan is of another surface than that of the specimen. Plan with "
-                       "--specimen, or with the surface.ply of 'palpate probe truth'");
-  }
-  return probing::make_quasi_static_arm(specimen, {.seed = json["seed"].get<std::uint64_t>()});
-}
 
 std::string words_of(const probing::Campaign& campaign) {
   const probing::CampaignProgress at = campaign.progress();
@@ -70,25 +56,70 @@ std::string words_of(const probing::Campaign& campaign) {
   return text;
 }
 
+/// Contacts that an arm cannot probe, by reason: "2 too_far (contacts 5, 9)".
+std::string out_of_reach(const probing::ContactPlan& plan, const probing::PlanReach& reach) {
+  std::string text;
+  for (std::size_t reason = 1; reason < probing::kReaches; ++reason) {
+    if (reach.counts[reason] == 0) continue;
+    std::string ids;
+    for (std::size_t i = 0; i < plan.contacts.size(); ++i) {
+      if (reach.contacts[i] == static_cast<probing::Reach>(reason))
+        ids += fmt::format("{}{}", ids.empty() ? "" : ", ", plan.contacts[i].id);
+    }
+    text += fmt::format("{}{} {} (contacts {})", text.empty() ? "" : ", ", reach.counts[reason],
+                        probing::to_string(static_cast<probing::Reach>(reason)), ids);
+  }
+  return text;
+}
+
+/// \throws InvalidInput naming the contacts that the arm cannot probe.
+void check_reach(const CampaignArm& arm, const probing::ContactPlan& plan,
+                 const std::string& source) {
+  const probing::PlanReach reach = arm.reach(plan);
+  if (reach.counts[0] == static_cast<int>(plan.contacts.size())) return;
+  throw InvalidInput(fmt::format(
+      "{}: the arm cannot probe {} of {} contacts: {}. Take them out of the plan, or place the arm "
+      "otherwise ('pose' in --arm-config)",
+      source, static_cast<int>(plan.contacts.size()) - reach.counts[0], plan.contacts.size(),
+      out_of_reach(plan, reach)));
+}
+
+/// Performs trials until the campaign is complete.
+void perform_trials(probing::CampaignStore& store, Running& running,
+                    const probing::CampaignOptions& options) {
+  probing::Campaign& campaign = running.campaign;
+  Progress progress("probing");
+  if (campaign.next()) running.arm->start();
+  while (const std::optional<probing::TrialOrder> order = campaign.next()) {
+    const probing::CampaignProgress at = campaign.progress();
+    progress.show(at.trials, at.trials + std::max(1, static_cast<int>(at.trials_left)));
+    const probing::TrialRecord record{*order,
+                                      probing::run_trial(*running.arm, *order, options.program)};
+    const probing::TrialVerdict verdict = campaign.take(record);
+    store.append(record, verdict, at.seconds, running.arm->memory());
+  }
+  running.arm->finish();
+}
+
 void perform(const Settings& settings, probing::CampaignStore& store, Running running,
              const fs::path& path) {
   probing::Campaign& campaign = running.campaign;
   const probing::CampaignOptions options =
       probing::parse_campaign_options(store.description().strategy, path.string());
+  const auto kept = [&] {
+    return fmt::format("{} trials are kept; continue with: palpate probe resume {}",
+                       campaign.progress().trials, path.string());
+  };
   try {
-    Progress progress("probing");
-    while (const std::optional<probing::TrialOrder> order = campaign.next()) {
-      const probing::CampaignProgress at = campaign.progress();
-      progress.show(at.trials, at.trials + std::max(1, static_cast<int>(at.trials_left)));
-      const probing::TrialRecord record{*order,
-                                        probing::run_trial(*running.arm, *order, options.program)};
-      const probing::TrialVerdict verdict = campaign.take(record);
-      store.append(record, verdict, at.seconds);
+    try {
+      perform_trials(store, running, options);
+    } catch (const probing::ArmStopped& stopped) {
+      InterruptedByThrowing::check();  // Ctrl-C stops the arm too
+      store.note("arm_stopped", stopped.what());
+      throw DeviceError(fmt::format("the arm was stopped: {}; {}", stopped.what(), kept()));
     }
   } catch (Interrupted& interrupted) {
-    interrupted.message =
-        fmt::format("interrupted; {} trials are kept; continue with: palpate probe resume {}",
-                    campaign.progress().trials, path.string());
+    interrupted.message = "interrupted; " + kept();
     throw;
   }
   store.finish();
@@ -99,25 +130,94 @@ void perform(const Settings& settings, probing::CampaignStore& store, Running ru
 }
 
 void run_campaign(const Settings& settings, const RunCall& call) {
-  check_outputs({call.plan, call.specimen}, {call.store});
+  if (call.store.empty()) throw InvalidInput("palpate probe run: give -o, or --dry-run");
+  check_outputs({call.plan, call.arm.specimen, call.arm.setup, call.arm.replay},
+                {call.store, call.watch.record});
   const InterruptedByThrowing interrupts;  // from the first byte of the store on, it can be resumed
   const probing::ContactPlan plan = probing::read_plan(call.plan);
-  const Json arm{{"specimen", probing::read_specimen_text(call.specimen)},
-                 {"seed", call.options.seed}};
+  const std::string arm = describe_arm(call.arm);
+  const std::string source =
+      call.arm.replay.empty()
+          ? call.arm.specimen.empty() ? call.arm.arm : call.arm.specimen.string()
+          : call.arm.replay.string();
   Running running{probing::Campaign(plan, call.options),
-                  arm_of(arm.dump(), call.specimen.string(), plan)};
+                  make_campaign_arm(arm, source, plan, {}, call.watch)};
+  check_reach(*running.arm, plan, call.plan.string());
   probing::CampaignStore store =
       probing::CampaignStore::create(call.store, {.plan = probing::to_text(plan),
                                                   .strategy = probing::to_text(call.options),
-                                                  .arm = arm.dump(),
+                                                  .arm = arm,
                                                   .software = "palpate " PALPATE_VERSION});
   perform(settings, store, std::move(running), call.store);
 }
 
-void resume_campaign(const Settings& settings, const fs::path& path) {
+/// Visits each contact at the height in which the arm travels, without touching.
+void dry_run(const Settings& settings, const RunCall& call) {
+  if (!call.store.empty())
+    throw InvalidInput("--dry-run: measures nothing, so there is nothing to write; leave out -o");
+  check_outputs({call.plan, call.arm.specimen, call.arm.setup, call.arm.replay},
+                {call.watch.record});
+  const InterruptedByThrowing interrupts;
+  const probing::ContactPlan plan = probing::read_plan(call.plan);
+  const std::unique_ptr<CampaignArm> arm =
+      make_campaign_arm(describe_arm(call.arm), call.arm.arm, plan, {}, call.watch);
+  if (!arm->moves())
+    throw InvalidInput("--dry-run: a quasi-static arm does not move; give --arm virtual");
+  const probing::PlanReach reach = arm->reach(plan);
+  Json unreachable = Json::array();
+  std::string words;
+  int reached = 0;
+  double seconds = 0;
+  const auto miss = [&](const probing::Contact& contact, const char* reason) {
+    unreachable.push_back({{"contact", contact.id}, {"reason", reason}});
+    words += fmt::format("\ncontact {}: {}", contact.id, reason);
+  };
+  try {
+    Progress progress("visiting");
+    arm->start();
+    for (std::size_t i = 0; i < plan.contacts.size(); ++i) {
+      const probing::Contact& contact = plan.contacts[i];
+      progress.show(static_cast<int>(i), static_cast<int>(plan.contacts.size()));
+      if (reach.contacts[i] != probing::Reach::reachable) {
+        miss(contact, probing::to_string(reach.contacts[i]));
+        continue;
+      }
+      const probing::ProbeReport report = arm->perform(
+          {.kind = probing::ProbeActionKind::travel,
+           .trial = static_cast<long long>(i),
+           .target = contact.position + call.options.program.clearance * contact.normal,
+           .time_limit = call.options.program.travel_limit});
+      seconds += report.seconds;
+      if (report.outcome == probing::ProbeOutcome::done)
+        ++reached;
+      else
+        miss(contact, probing::to_string(report.outcome));
+    }
+    arm->finish();
+  } catch (const probing::ArmStopped& stopped) {
+    InterruptedByThrowing::check();
+    throw DeviceError(fmt::format("the arm was stopped: {}; {} of {} contacts were visited",
+                                  stopped.what(), reached, plan.contacts.size()));
+  }
+  print(settings,
+        {{"contacts", plan.contacts.size()},
+         {"reached", reached},
+         {"unreachable", unreachable},
+         {"hours", seconds / kHour}},
+        fmt::format("{} of {} contacts reached, {:.0f} mm above the surface{}", reached,
+                    plan.contacts.size(), call.options.program.clearance, words));
+  if (!unreachable.empty()) {
+    throw Error(fmt::format("{}: {} of {} contacts were not reached", call.plan.string(),
+                            unreachable.size(), plan.contacts.size()));
+  }
+}
+
+void resume_campaign(const Settings& settings, const fs::path& path, const ArmWatch& watch) {
+  const InterruptedByThrowing interrupts;
   probing::CampaignStore store = probing::CampaignStore::open(path);
   probing::Campaign campaign = replayed(store, path.string());
-  auto arm = arm_of(store.description().arm, path.string(), campaign.plan());
+  auto arm = make_campaign_arm(store.description().arm, path.string(), campaign.plan(),
+                               store.memory(), watch);
   perform(settings, store, {std::move(campaign), std::move(arm)}, path);
 }
 
@@ -125,6 +225,11 @@ void show_status(const Settings& settings, const fs::path& path) {
   const probing::CampaignStore store = probing::CampaignStore::look(path);
   const probing::Campaign campaign = replayed(store, path.string());
   print(settings, campaign_figures(campaign), words_of(campaign));
+}
+
+void add_stop_file(CLI::App& command, ArmWatch& watch) {
+  command.add_option("--stop-file", watch.stop_file,
+                     "Stop the arm within milliseconds of the moment at which this file exists");
 }
 
 }  // namespace
@@ -174,12 +279,25 @@ Json campaign_figures(const probing::Campaign& campaign) {
 void add_probe_run(CLI::App& probe, const Settings& settings) {
   auto call = std::make_shared<RunCall>();
   probing::CampaignOptions& options = call->options;
-  CLI::App* run = probe.add_subcommand("run", "Probe a simulated object by a plan");
+  CLI::App* run = probe.add_subcommand("run", "Probe an object by a plan");
   run->add_option("PLAN", call->plan, "Plan of 'palpate probe plan'")->required();
-  run->add_option("--specimen", call->specimen, "Simulated object (JSON; docs/probing.md)")
-      ->required();
-  run->add_option("-o,--output", call->store, "Store to write (acquisition.db); must not exist")
-      ->required();
+  run->add_option("-o,--output", call->store,
+                  "Store to write (acquisition.db); must not exist. Needed without --dry-run");
+  run->add_option("--arm", call->arm.arm,
+                  "quasi-static: simulated equilibria, quickly; virtual: a simulated arm with its "
+                  "control loop at 1 kHz; or the driver of a device, a shared library")
+      ->capture_default_str();
+  run->add_option("--specimen", call->arm.specimen,
+                  "Object of a simulated arm (JSON; docs/probing.md)");
+  run->add_option("--arm-config", call->arm.setup,
+                  "Setup of an arm: its pose, links, limits (JSON; docs/probing.md)");
+  add_stop_file(*run, call->watch);
+  run->add_option("--record", call->watch.record,
+                  "Also write all that the arm measured and was commanded, at 1 kHz");
+  run->add_option("--replay", call->arm.replay,
+                  "In place of an arm: a file of --record, with the same plan and options");
+  run->add_flag("--dry-run", call->dry_run,
+                "Only visit all contacts, 20 mm above the surface, and name those out of reach");
   add_choice<probing::TrialStrategy>(
       *run, "--strategy", options.strategy,
       {{"pooled", probing::TrialStrategy::pooled},
@@ -199,14 +317,24 @@ void add_probe_run(CLI::App& probe, const Settings& settings) {
   run->footer(
       "Each trial is stored at once: after Ctrl-C, a crash or a loss of power 'palpate probe "
       "resume' goes on, and the result is the same.\n"
-      "Example:\n  palpate probe run plan.json --specimen sheet.json -o acquisition.db");
-  run->callback([call, &settings] { run_campaign(settings, *call); });
+      "A fault of an arm, the stop file and Ctrl-C take its force away at once; the trial does not "
+      "count.\n"
+      "Examples:\n  palpate probe run plan.json --specimen sheet.json -o acquisition.db\n"
+      "  palpate probe run plan.json --arm ./libdevice.so --arm-config arm.json --dry-run");
+  run->callback([call, &settings] {
+    call->arm.seed = call->options.seed;
+    if (call->dry_run)
+      dry_run(settings, *call);
+    else
+      run_campaign(settings, *call);
+  });
 
   CLI::App* resume = probe.add_subcommand("resume", "Go on with a campaign of 'probe run'");
   resume->add_option("ACQUISITION", call->store, "Store of the campaign (acquisition.db)")
       ->required();
+  add_stop_file(*resume, call->watch);
   resume->footer("Example:\n  palpate probe resume acquisition.db");
-  resume->callback([call, &settings] { resume_campaign(settings, call->store); });
+  resume->callback([call, &settings] { resume_campaign(settings, call->store, call->watch); });
 
   CLI::App* status = probe.add_subcommand(
       "status", "Show what is done and left of a campaign, also while it runs");

@@ -11,8 +11,10 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <mutex>
 #include <system_error>
 #include <thread>
+#include <utility>
 
 #include "palpate/output_file.h"
 
@@ -21,7 +23,9 @@ namespace {
 
 std::atomic<int> throwers = 0;
 std::atomic<bool> is_interrupted = false;
-int signals_to_watcher = -1;  // the end of a pipe; a handler may write to it, but not lock
+std::mutex at_interrupt_mutex;
+std::function<void()> at_interrupt;  // guarded by the mutex
+int signals_to_watcher = -1;         // the end of a pipe; a handler may write to it, but not lock
 
 void tell_watcher(int /*signal*/) {
   const int reason = errno;
@@ -42,6 +46,8 @@ void watch(int signals) {
     if (read == -1 && errno == EINTR) continue;
     if (read != 1) return;
     if (throwers == 0 || is_interrupted.exchange(true)) end_program();
+    const std::lock_guard lock(at_interrupt_mutex);
+    if (at_interrupt) at_interrupt();
   }
 }
 
@@ -69,6 +75,16 @@ InterruptedByThrowing::~InterruptedByThrowing() { --throwers; }
 
 void InterruptedByThrowing::check() {
   if (is_interrupted) throw Interrupted{};
+}
+
+AtInterrupt::AtInterrupt(std::function<void()> call) {
+  const std::lock_guard lock(at_interrupt_mutex);
+  at_interrupt = std::move(call);
+  if (is_interrupted) at_interrupt();
+}
+AtInterrupt::~AtInterrupt() {
+  const std::lock_guard lock(at_interrupt_mutex);
+  at_interrupt = nullptr;
 }
 
 }  // namespace palpate::apps

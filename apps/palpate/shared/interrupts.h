@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <string>
 
 namespace palpate::apps {
@@ -31,6 +32,20 @@ class InterruptedByThrowing {
   /// Thread-safe.
   /// \throws Interrupted after Ctrl-C or SIGTERM.
   static void check();
+};
+
+/// An `InterruptedByThrowing` with which the first Ctrl-C or SIGTERM also calls a function at once,
+/// from another thread. One at a time.
+class AtInterrupt {
+ public:
+  /// Calls it now if the signal came before.
+  explicit AtInterrupt(std::function<void()> call);
+  ~AtInterrupt();
+  AtInterrupt(const AtInterrupt&) = delete;
+  AtInterrupt& operator=(const AtInterrupt&) = delete;
+
+ private:
+  InterruptedByThrowing throwing_;
 };
 
 }  // namespace palpate::apps

@@ -1,0 +1,58 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "palpate/probing/arm_reach.h"
+#include "palpate/probing/contact_plan.h"
+#include "palpate/probing/prober.h"
+
+namespace palpate::apps {
+
+/// The arm of a campaign, as a call names it.
+struct ArmCall {
+  std::string arm = "quasi-static";  ///< or "virtual", or the driver of a device
+  std::filesystem::path specimen, setup;
+  std::filesystem::path replay;  ///< a record, in place of an arm
+  std::uint64_t seed = 1;
+};
+
+/// What happens to an arm while it probes; the result does not depend on it.
+struct ArmWatch {
+  std::filesystem::path stop_file;  ///< the arm is stopped when this file exists; empty: none
+  std::filesystem::path record;     ///< to write; empty: none
+};
+
+/// The description of an arm that a store keeps (JSON), with the texts of its files.
+/// \throws FileError, or InvalidInput if the options do not suit the arm.
+[[nodiscard]] std::string describe_arm(const ArmCall& call);
+
+/// An arm that probes by a plan.
+class CampaignArm : public probing::Prober {
+ public:
+  /// Before the first trial: switches the arm on, and measures gravity unless it is remembered.
+  /// \throws ArmStopped
+  virtual void start() {}
+  /// Ends the record, if there is one.
+  virtual void finish() {}
+  /// Whether it moves at all: a quasi-static arm does not.
+  [[nodiscard]] virtual bool moves() const { return false; }
+  /// Which contacts the arm can probe.
+  [[nodiscard]] virtual probing::PlanReach reach(const probing::ContactPlan& plan) const;
+};
+
+/// Makes an arm of its description. Ctrl-C stops it as an emergency stop does.
+/// \param memory of the arm after the trials that are done; empty at the beginning.
+/// \param source names the description in messages.
+/// \throws FileError, InvalidInput, or DeviceError of a driver.
+[[nodiscard]] std::unique_ptr<CampaignArm> make_campaign_arm(const std::string& description,
+                                                             const std::string& source,
+                                                             const probing::ContactPlan& plan,
+                                                             const std::string& memory,
+                                                             const ArmWatch& watch);
+
+}  // namespace palpate::apps
