@@ -75,6 +75,23 @@ TEST_F(Demo, GivesTheFiguresOfTheReadme) {
   }
 }
 
+TEST_F(Demo, ProbesWhatACampaignProbesThatIsNotStopped) {
+  ASSERT_EQ(run().result.status, 0) << run().result.err;
+  const nlohmann::json probing = nlohmann::json::parse(run().result.out)["probing"];
+  EXPECT_GT(probing["trials_before"], 100);
+  EXPECT_LT(probing["trials_before"], probing["trials"]);
+  const std::string folder = run().folder / "out/probing/", whole = run().folder / "whole.db";
+  const CommandResult campaign =
+      run_palpate({"probe", "run", folder + "plan.json", "--specimen",
+                   (demo_data() / "probing/sheet_block.json").string(), "-o", whole, "--json"});
+  ASSERT_EQ(campaign.status, 0) << campaign.err;
+  EXPECT_EQ(nlohmann::json::parse(campaign.out)["trials"], probing["trials"]);
+  for (const std::string& store : {whole, folder + "acquisition.db"})
+    ASSERT_EQ(run_palpate({"probe", "export", store, "-o", store + ".csv"}).status, 0);
+  EXPECT_EQ(read_text(whole + ".csv/samples.csv"),
+            read_text(folder + "acquisition.db.csv/samples.csv"));
+}
+
 TEST_F(Demo, MakesTheOverviewOfTheReadme) {
   ASSERT_EQ(run().result.status, 0) << run().result.err;
   const auto small = [](const fs::path& png) {

@@ -73,6 +73,20 @@ std::string feeling_table(const Json& sheets) {
          "1 kHz loop)\n";
 }
 
+std::string probing_table(const Json& p) {
+  return fmt::format(
+      "PROBING: a simulated arm measures a simulated sheet by itself; it is stopped half way, and "
+      "goes on.\n"
+      "  object        contacts   trials   slipped   arm      RMS against truth   leave one out   "
+      "friction error\n"
+      "  {:<12}{:>10}{:>9}{:>10}{:>6.1f} h{:>18.3f} N{:>14.3f} N{:>17.3f}\n"
+      "  (stopped after {} trials; the page probing/report/index.html shows the campaign)\n",
+      p["name"].get<std::string>(), p["contacts"].get<int>(), p["trials"].get<int>(),
+      p["slipped"].get<int>(), p["hours"].get<double>(), p["queries_rms"].get<double>(),
+      p["leave_one_out_rms"].get<double>(), p["friction_error"].get<double>(),
+      p["trials_before"].get<int>());
+}
+
 std::string list_files(const fs::path& output) {
   std::vector<std::string> files;
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(output)) {
@@ -89,6 +103,7 @@ void demo(const Settings& settings, const fs::path& given_data, const fs::path& 
   const auto start = std::chrono::steady_clock::now();
   const Json seeing = demo_seeing(data, output);
   const Json feeling = demo_feeling(data, output);
+  const Json probing = demo_probing(data, output);
   demo_overview(data, output);
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
   const bool same = std::all_of(feeling.begin(), feeling.end(),
@@ -96,9 +111,11 @@ void demo(const Settings& settings, const fs::path& given_data, const fs::path& 
   print(settings,
         {{"seeing", seeing},
          {"feeling", feeling},
+         {"probing", probing},
          {"seconds", elapsed.count()},
          {"output", output.string()}},
-        seeing_table(seeing) + "\n" + feeling_table(feeling) + "\n" + list_files(output) +
+        seeing_table(seeing) + "\n" + feeling_table(feeling) + "\n" + probing_table(probing) +
+            "\n" + list_files(output) +
             fmt::format("\nThe whole demo took {:.1f} s. Every played force is finite and the same "
                         "in a second run: {}.",
                         elapsed.count(), same ? "yes" : "NO"));

@@ -3,11 +3,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
-#include <nlohmann/json_fwd.hpp>
-#include <string>
 
-#include "palpate/probing/campaign.h"
-#include "palpate/probing/campaign_store.h"
 #include "shared/command_line.h"
 
 namespace palpate::apps {
@@ -22,13 +18,5 @@ void add_probe_plan(CLI::App& probe, const Settings& settings);
 void add_probe_run(CLI::App& probe, const Settings& settings);
 /// `probe report`: a page with tables and pictures of a campaign.
 void add_probe_report(CLI::App& probe, const Settings& settings);
-
-/// Where a stored campaign stands: it takes the stored trials once more, without an arm.
-/// \param source names the store in messages.
-/// \throws FileError if the trials are not those that the plan and the options order.
-[[nodiscard]] probing::Campaign replayed(const probing::CampaignStore& store,
-                                         const std::string& source);
-/// What `probe run` and `probe status` print with --json.
-[[nodiscard]] nlohmann::ordered_json campaign_figures(const probing::Campaign& campaign);
 
 }  // namespace palpate::apps

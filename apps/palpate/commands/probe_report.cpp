@@ -12,6 +12,8 @@
 #include <vector>
 
 #include "commands/probe.h"
+#include "commands/probe_campaign.h"
+#include "commands/probe_report.h"
 #include "commands/report_page.h"
 #include "palpate/error.h"
 #include "palpate/haptics/evaluate.h"
@@ -30,24 +32,11 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr double kSecondsPerHour = 3600;
-
 /// A contact is predicted from at least three others.
 constexpr std::size_t kLeastLeftOut = 4;
 
 struct ReportCall {
   fs::path store, model, queries, output;
-};
-
-/// All that the page tells.
-struct ReportInput {
-  probing::Campaign campaign;
-  std::vector<probing::TrialRecord> trials;
-  std::string software;
-  probing::CheckedAcquisition acquisition;
-  haptics::Model model;
-  std::optional<haptics::LeaveOneOut> left_out;
-  std::optional<haptics::QueryErrors> queries;
 };
 
 std::string newtons(std::optional<double> force) {
@@ -66,7 +55,7 @@ pictures::TrialKind kind_of(probing::TrialOutcome outcome) {
   }
 }
 
-pictures::TimeLine time_line(const ReportInput& input) {
+pictures::TimeLine time_line(const CampaignReport& input) {
   std::map<long long, int> number;
   for (const probing::Contact& contact : input.campaign.plan().contacts)
     number.emplace(contact.id, static_cast<int>(number.size()));
@@ -85,7 +74,7 @@ pictures::TimeLine time_line(const ReportInput& input) {
 
 /// [mm] the mean displacement along the normal under the normal force of a level, at each contact
 /// of the model; NaN where that was not tried.
-Eigen::VectorXd displacements(const ReportInput& input, int level) {
+Eigen::VectorXd displacements(const CampaignReport& input, int level) {
   std::map<long long, std::pair<double, int>> sums;
   for (const probing::TrialRecord& record : input.trials) {
     const probing::Contact& contact = record.order.contact;
@@ -104,7 +93,7 @@ Eigen::VectorXd displacements(const ReportInput& input, int level) {
   return means;
 }
 
-void add_displacements(ReportPage& page, const fs::path& folder, const ReportInput& input) {
+void add_displacements(ReportPage& page, const fs::path& folder, const CampaignReport& input) {
   const std::vector<double>& forces = input.campaign.plan().normal_forces;
   Eigen::Matrix3Xd places(3, static_cast<Eigen::Index>(input.model.contacts.size()));
   for (Eigen::Index i = 0; i < places.cols(); ++i)
@@ -133,7 +122,7 @@ std::set<std::size_t> shown_contacts(const haptics::Model& model) {
   return {order.front(), order[order.size() / 2], order.back()};
 }
 
-void add_samples(ReportPage& page, const fs::path& folder, const ReportInput& input) {
+void add_samples(ReportPage& page, const fs::path& folder, const CampaignReport& input) {
   page.add_heading("Samples");
   page.add_paragraph(
       "Each arrow is a measured force at the displacement that it caused (thesis, Figure 4.12). "
@@ -145,7 +134,7 @@ void add_samples(ReportPage& page, const fs::path& folder, const ReportInput& in
   }
 }
 
-void add_errors(ReportPage& page, const fs::path& folder, const ReportInput& input) {
+void add_errors(ReportPage& page, const fs::path& folder, const CampaignReport& input) {
   page.add_heading("Errors");
   std::vector<std::vector<std::string>> rows;
   if (input.queries) {
@@ -166,7 +155,7 @@ void add_errors(ReportPage& page, const fs::path& folder, const ReportInput& inp
   }
 }
 
-void add_contact_table(ReportPage& page, const ReportInput& input) {
+void add_contact_table(ReportPage& page, const CampaignReport& input) {
   page.add_heading("Contacts");
   std::vector<std::vector<std::string>> rows;
   for (std::size_t i = 0; i < input.model.contacts.size(); ++i) {
@@ -187,7 +176,7 @@ void add_contact_table(ReportPage& page, const ReportInput& input) {
       rows);
 }
 
-void add_summary(ReportPage& page, const ReportInput& input) {
+void add_summary(ReportPage& page, const CampaignReport& input) {
   const probing::CampaignProgress at = input.campaign.progress();
   const probing::ContactPlan& plan = input.campaign.plan();
   std::vector<std::vector<std::string>> rows{
@@ -207,25 +196,17 @@ void add_summary(ReportPage& page, const ReportInput& input) {
   page.add_table({}, rows);
 }
 
-ReportInput read_report_input(const ReportCall& call) {
-  const probing::CampaignStore store = probing::CampaignStore::look(call.store);
-  probing::Campaign campaign = replayed(store, call.store.string());
-  std::vector<probing::TrialRecord> trials = store.trials(campaign.plan().contacts);
-  ReportInput input{.campaign = std::move(campaign),
-                    .trials = std::move(trials),
-                    .software = store.description().software,
-                    .acquisition = probing::read_acquisition(call.store),
-                    .model = haptics::read_model(call.model),
-                    .left_out = {},
-                    .queries = {}};
-  if (input.model.contacts.size() >= kLeastLeftOut)
-    input.left_out = haptics::leave_one_out(input.model, input.acquisition, {.suggestions = 0});
-  if (!call.queries.empty())
-    input.queries = haptics::evaluate_queries(input.model, haptics::read_queries(call.queries));
-  return input;
+/// All files that a report of this campaign can have, of an earlier model also.
+std::vector<fs::path> report_files(const probing::Campaign& campaign) {
+  std::vector<fs::path> files{"index.html", "timeline.png", "errors.png"};
+  for (std::size_t level = 0; level < campaign.plan().normal_forces.size(); ++level)
+    files.emplace_back(fmt::format("displacements-{}.png", level));
+  for (const probing::Contact& contact : campaign.plan().contacts)
+    files.emplace_back(fmt::format("contact-{}.png", contact.id));
+  return files;
 }
 
-void write_page(const fs::path& folder, const ReportInput& input) {
+void write_page(const fs::path& folder, const CampaignReport& input) {
   ReportPage page("Report of a probing campaign");
   add_summary(page, input);
   page.add_heading("Time line");
@@ -240,23 +221,10 @@ void write_page(const fs::path& folder, const ReportInput& input) {
   write_file(folder / "index.html", [&](std::ostream& out) { out << page.html(); });
 }
 
-/// All files that a report of this campaign can have, of an earlier model also.
-std::vector<fs::path> report_files(const probing::Campaign& campaign) {
-  std::vector<fs::path> files{"index.html", "timeline.png", "errors.png"};
-  for (std::size_t level = 0; level < campaign.plan().normal_forces.size(); ++level)
-    files.emplace_back(fmt::format("displacements-{}.png", level));
-  for (const probing::Contact& contact : campaign.plan().contacts)
-    files.emplace_back(fmt::format("contact-{}.png", contact.id));
-  return files;
-}
-
 void report(const Settings& settings, const ReportCall& call) {
   check_outputs({call.store, call.model, call.queries}, {call.output});
-  const ReportInput input = read_report_input(call);
-  if (input.trials.empty())
-    throw InvalidInput(call.store.string() + ": has no trial yet; there is nothing to report");
-  write_folder(call.output, report_files(input.campaign),
-               [&](const fs::path& folder) { write_page(folder, input); });
+  const CampaignReport input = read_report(call.store, call.model, call.queries);
+  write_report(call.output, input);
   Json figures = campaign_figures(input.campaign);
   figures["queries_rms"] =
       number_or_null(input.queries ? std::optional(input.queries->rms) : std::nullopt);
@@ -267,6 +235,30 @@ void report(const Settings& settings, const ReportCall& call) {
 }
 
 }  // namespace
+
+CampaignReport read_report(const fs::path& store, const fs::path& model, const fs::path& queries) {
+  const probing::CampaignStore campaign = probing::CampaignStore::look(store);
+  CampaignReport report{.campaign = replayed(campaign, store.string()),
+                        .trials = {},
+                        .software = campaign.description().software,
+                        .acquisition = probing::read_acquisition(store),
+                        .model = haptics::read_model(model),
+                        .left_out = {},
+                        .queries = {}};
+  report.trials = campaign.trials(report.campaign.plan().contacts);
+  if (report.trials.empty())
+    throw InvalidInput(store.string() + ": has no trial yet; there is nothing to report");
+  if (report.model.contacts.size() >= kLeastLeftOut)
+    report.left_out = haptics::leave_one_out(report.model, report.acquisition, {.suggestions = 0});
+  if (!queries.empty())
+    report.queries = haptics::evaluate_queries(report.model, haptics::read_queries(queries));
+  return report;
+}
+
+void write_report(const fs::path& folder, const CampaignReport& report) {
+  write_folder(folder, report_files(report.campaign),
+               [&](const fs::path& place) { write_page(place, report); });
+}
 
 void add_probe_report(CLI::App& probe, const Settings& settings) {
   auto call = std::make_shared<ReportCall>();

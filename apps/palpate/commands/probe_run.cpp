@@ -11,6 +11,7 @@
 
 #include "commands/probe.h"
 #include "commands/probe_arm.h"
+#include "commands/probe_campaign.h"
 #include "palpate/error.h"
 #include "palpate/probing/acquisition_store.h"
 #include "palpate/probing/arm_prober.h"
@@ -28,8 +29,6 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr double kHour = 3600;  // [s]
-
 struct RunCall {
   fs::path plan, store;
   bool dry_run = false;
@@ -37,24 +36,6 @@ struct RunCall {
   ArmWatch watch;
   probing::CampaignOptions options;
 };
-
-/// A campaign with the arm that performs it.
-struct Running {
-  probing::Campaign campaign;
-  std::unique_ptr<CampaignArm> arm;
-};
-
-std::string words_of(const probing::Campaign& campaign) {
-  const probing::CampaignProgress at = campaign.progress();
-  std::string text = fmt::format(
-      "{} of {} contacts done, {} given up\n{} trials in {:.1f} h, {} samples, of which {} slipped",
-      at.contacts_done, at.contacts, at.contacts_given_up, at.trials, at.seconds / kHour,
-      at.samples, at.slipped);
-  if (campaign.next())
-    text += fmt::format("\nabout {:.0f} trials left, {:.1f} h", at.trials_left,
-                        at.seconds_left / kHour);
-  return text;
-}
 
 /// Contacts that an arm cannot probe, by reason: "2 too_far (contacts 5, 9)".
 std::string out_of_reach(const probing::ContactPlan& plan, const probing::PlanReach& reach) {
@@ -84,24 +65,7 @@ void check_reach(const CampaignArm& arm, const probing::ContactPlan& plan,
       out_of_reach(plan, reach)));
 }
 
-/// Performs trials until the campaign is complete.
-void perform_trials(probing::CampaignStore& store, Running& running,
-                    const probing::CampaignOptions& options) {
-  probing::Campaign& campaign = running.campaign;
-  Progress progress("probing");
-  if (campaign.next()) running.arm->start();
-  while (const std::optional<probing::TrialOrder> order = campaign.next()) {
-    const probing::CampaignProgress at = campaign.progress();
-    progress.show(at.trials, at.trials + std::max(1, static_cast<int>(at.trials_left)));
-    const probing::TrialRecord record{*order,
-                                      probing::run_trial(*running.arm, *order, options.program)};
-    const probing::TrialVerdict verdict = campaign.take(record);
-    store.append(record, verdict, at.seconds, running.arm->memory());
-  }
-  running.arm->finish();
-}
-
-void perform(const Settings& settings, probing::CampaignStore& store, Running running,
+void perform(const Settings& settings, probing::CampaignStore& store, RunningCampaign running,
              const fs::path& path) {
   probing::Campaign& campaign = running.campaign;
   const probing::CampaignOptions options =
@@ -126,7 +90,7 @@ void perform(const Settings& settings, probing::CampaignStore& store, Running ru
   Json figures = campaign_figures(campaign);
   figures["fingerprint"] = probing::fingerprint(probing::read_acquisition(path).records());
   figures["output"] = path.string();
-  print(settings, figures, words_of(campaign) + "\nwritten to " + path.string());
+  print(settings, figures, campaign_words(campaign) + "\nwritten to " + path.string());
 }
 
 void run_campaign(const Settings& settings, const RunCall& call) {
@@ -140,8 +104,8 @@ void run_campaign(const Settings& settings, const RunCall& call) {
       call.arm.replay.empty()
           ? call.arm.specimen.empty() ? call.arm.arm : call.arm.specimen.string()
           : call.arm.replay.string();
-  Running running{probing::Campaign(plan, call.options),
-                  make_campaign_arm(arm, source, plan, {}, call.watch)};
+  RunningCampaign running{probing::Campaign(plan, call.options),
+                          make_campaign_arm(arm, source, plan, {}, call.watch)};
   check_reach(*running.arm, plan, call.plan.string());
   probing::CampaignStore store =
       probing::CampaignStore::create(call.store, {.plan = probing::to_text(plan),
@@ -203,7 +167,7 @@ void dry_run(const Settings& settings, const RunCall& call) {
         {{"contacts", plan.contacts.size()},
          {"reached", reached},
          {"unreachable", unreachable},
-         {"hours", seconds / kHour}},
+         {"hours", seconds / kSecondsPerHour}},
         fmt::format("{} of {} contacts reached, {:.0f} mm above the surface{}", reached,
                     plan.contacts.size(), call.options.program.clearance, words));
   if (!unreachable.empty()) {
@@ -224,7 +188,7 @@ void resume_campaign(const Settings& settings, const fs::path& path, const ArmWa
 void show_status(const Settings& settings, const fs::path& path) {
   const probing::CampaignStore store = probing::CampaignStore::look(path);
   const probing::Campaign campaign = replayed(store, path.string());
-  print(settings, campaign_figures(campaign), words_of(campaign));
+  print(settings, campaign_figures(campaign), campaign_words(campaign));
 }
 
 void add_stop_file(CLI::App& command, ArmWatch& watch) {
@@ -233,48 +197,6 @@ void add_stop_file(CLI::App& command, ArmWatch& watch) {
 }
 
 }  // namespace
-
-probing::Campaign replayed(const probing::CampaignStore& store, const std::string& source) {
-  const probing::CampaignDescription& description = store.description();
-  probing::Campaign campaign(probing::parse_plan(description.plan, source),
-                             probing::parse_campaign_options(description.strategy, source));
-  for (const probing::TrialRecord& record : store.trials(campaign.plan().contacts)) {
-    try {
-      (void)campaign.take(record);
-    } catch (const InvalidInput&) {
-      throw FileError(fmt::format(
-          "{}: trial {} is not what its plan and its options order; the store was changed, or is "
-          "of another version of palpate",
-          source, record.order.trial));
-    }
-  }
-  return campaign;
-}
-
-Json campaign_figures(const probing::Campaign& campaign) {
-  const probing::CampaignProgress at = campaign.progress();
-  std::vector<double> errors;
-  for (const probing::ConeEstimate& cone : campaign.cones())
-    errors.push_back(cone.coefficient_error);
-  std::optional<double> median;
-  if (!errors.empty()) {
-    const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
-    std::nth_element(errors.begin(), middle, errors.end());
-    median = *middle;
-  }
-  const bool complete = !campaign.next();
-  return {{"contacts", at.contacts},
-          {"contacts_done", at.contacts_done},
-          {"contacts_given_up", at.contacts_given_up},
-          {"trials", at.trials},
-          {"samples", at.samples},
-          {"slipped", at.slipped},
-          {"hours", at.seconds / kHour},
-          {"trials_left", std::llround(at.trials_left)},
-          {"hours_left", at.seconds_left / kHour},
-          {"friction_error", number_or_null(median)},
-          {"complete", complete}};
-}
 
 void add_probe_run(CLI::App& probe, const Settings& settings) {
   auto call = std::make_shared<RunCall>();

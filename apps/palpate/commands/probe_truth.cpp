@@ -11,10 +11,12 @@
 #include <string_view>
 
 #include "commands/probe.h"
+#include "commands/probe_truth.h"
 #include "palpate/error.h"
 #include "palpate/geometry/geodesic_distance.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/mesh_topology.h"
+#include "palpate/haptics/evaluate.h"
 #include "palpate/output_file.h"
 #include "palpate/probing/csv.h"
 #include "palpate/probing/specimen_file.h"
@@ -30,14 +32,7 @@ using Json = nlohmann::ordered_json;
 
 struct TruthCall {
   fs::path specimen, output;
-  int queries = 400;
-  double margin = 8;
-  double max_force = 3;
-  unsigned seed = 1;
-};
-
-struct Truth {
-  Vector3d contact, displacement, force;
+  TruthOptions options;
 };
 
 /// The vertices at least `margin` away from the border.
@@ -56,10 +51,11 @@ std::vector<bool> inner_vertices(const geometry::TriangleMesh& mesh, double marg
 }
 
 /// Forces at even places of the surface, as far from the boundary of friction as they happen to be.
-std::vector<Truth> sample_truth(const probing::Specimen& specimen, const TruthCall& call) {
+std::vector<haptics::Query> known_forces(const probing::Specimen& specimen,
+                                         const TruthOptions& options) {
   constexpr double kLeastForce = 0.1;  // [N]
   const geometry::TriangleMesh& mesh = specimen.surface();
-  const std::vector<bool> inner = inner_vertices(mesh, call.margin);
+  const std::vector<bool> inner = inner_vertices(mesh, options.margin);
   std::vector<int> triangles;
   for (int t = 0; t < mesh.triangles.cols(); ++t) {
     const auto is_inner = [&](int corner) { return inner[static_cast<std::size_t>(corner)]; };
@@ -70,13 +66,13 @@ std::vector<Truth> sample_truth(const probing::Specimen& specimen, const TruthCa
   if (triangles.empty()) {
     throw InvalidInput(fmt::format(
         "palpate probe truth: no place is {} mm from the border; give a smaller --margin",
-        call.margin));
+        options.margin));
   }
-  std::mt19937 random(call.seed);
+  std::mt19937 random(options.seed);
   std::uniform_int_distribution<std::size_t> any(0, triangles.size() - 1);
   std::uniform_real_distribution<double> uniform(0, 1);
-  std::vector<Truth> truths;
-  while (static_cast<int>(truths.size()) < call.queries) {
+  std::vector<haptics::Query> truths;
+  while (static_cast<int>(truths.size()) < options.queries) {
     double u = uniform(random), v = uniform(random);
     if (u + v > 1) u = 1 - u, v = 1 - v;
     const Vector3d contact = geometry::position(mesh, {triangles[any(random)], {1 - u - v, u, v}});
@@ -84,7 +80,7 @@ std::vector<Truth> sample_truth(const probing::Specimen& specimen, const TruthCa
     const double angle = 2 * std::numbers::pi * uniform(random);
     const Vector3d x = cone.axis.unitOrthogonal(), y = cone.axis.cross(x);
     const double ratio = 0.9 * cone.coefficient * std::sqrt(uniform(random));
-    const double size = kLeastForce + (call.max_force - kLeastForce) * uniform(random);
+    const double size = kLeastForce + (options.max_force - kLeastForce) * uniform(random);
     const Vector3d force =
         size * (cone.axis + ratio * (std::cos(angle) * x + std::sin(angle) * y)).normalized();
     truths.push_back({contact, specimen.displacement(contact, force), force});
@@ -92,12 +88,12 @@ std::vector<Truth> sample_truth(const probing::Specimen& specimen, const TruthCa
   return truths;
 }
 
-void write_queries(const fs::path& path, const std::vector<Truth>& truths) {
+void write_queries(const fs::path& path, const std::vector<haptics::Query>& truths) {
   constexpr std::array<std::string_view, 9> kColumns = {"cx", "cy", "cz", "dx", "dy",
                                                         "dz", "fx", "fy", "fz"};
   write_file(path, [&](std::ostream& out) {
     probing::write_csv_header(out, kColumns);
-    for (const Truth& truth : truths) {
+    for (const haptics::Query& truth : truths) {
       std::string line;
       for (const Vector3d& vector : {truth.contact, truth.displacement, truth.force}) {
         for (const double number : vector)
@@ -109,22 +105,27 @@ void write_queries(const fs::path& path, const std::vector<Truth>& truths) {
 }
 
 void tell_truth(const Settings& settings, const TruthCall& call) {
-  const fs::path surface = call.output / "surface.ply", queries = call.output / "queries.csv";
-  check_outputs({call.specimen}, {surface, queries});
+  check_outputs({call.specimen}, {call.output / kTruthSurface, call.output / kTruthQueries});
   const auto specimen =
       probing::parse_specimen(probing::read_specimen_text(call.specimen), call.specimen.string());
-  const std::vector<Truth> truths = sample_truth(*specimen, call);
-  geometry::write_mesh(surface, specimen->surface());
-  write_queries(queries, truths);
+  write_truth(call.output, *specimen, call.options);
+  const auto vertices = specimen->surface().vertices.cols();
   print(settings,
-        {{"vertices", specimen->surface().vertices.cols()},
-         {"known_forces", truths.size()},
+        {{"vertices", vertices},
+         {"known_forces", call.options.queries},
          {"output", call.output.string()}},
-        fmt::format("Surface with {} vertices and {} known forces, written to {}",
-                    specimen->surface().vertices.cols(), truths.size(), call.output.string()));
+        fmt::format("Surface with {} vertices and {} known forces, written to {}", vertices,
+                    call.options.queries, call.output.string()));
 }
 
 }  // namespace
+
+void write_truth(const fs::path& folder, const probing::Specimen& specimen,
+                 const TruthOptions& options) {
+  const std::vector<haptics::Query> queries = known_forces(specimen, options);
+  geometry::write_mesh(folder / kTruthSurface, specimen.surface());
+  write_queries(folder / kTruthQueries, queries);
+}
 
 void add_probe_truth(CLI::App& probe, const Settings& settings) {
   auto call = std::make_shared<TruthCall>();
@@ -134,17 +135,18 @@ void add_probe_truth(CLI::App& probe, const Settings& settings) {
       ->required();
   command->add_option("-o,--output", call->output, "Folder for surface.ply and queries.csv")
       ->required();
-  command->add_option("--queries", call->queries, "Number of known forces")
+  command->add_option("--queries", call->options.queries, "Number of known forces")
       ->check(within(above(0)))
       ->capture_default_str();
   command
-      ->add_option("--margin", call->margin, "Least distance of their places from the border [mm]")
+      ->add_option("--margin", call->options.margin,
+                   "Least distance of their places from the border [mm]")
       ->check(within(at_least(0).finite()))
       ->capture_default_str();
-  command->add_option("--max-force", call->max_force, "Largest of the forces [N]")
+  command->add_option("--max-force", call->options.max_force, "Largest of the forces [N]")
       ->check(within(above(0.1).finite()))
       ->capture_default_str();
-  command->add_option("--seed", call->seed, "Of the random places and forces")
+  command->add_option("--seed", call->options.seed, "Of the random places and forces")
       ->capture_default_str();
   command->footer(
       "Example:\n  palpate probe truth sheet.json -o truth/\n"

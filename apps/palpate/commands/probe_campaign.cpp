@@ -1,0 +1,98 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "commands/probe_campaign.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <vector>
+
+#include "palpate/error.h"
+#include "palpate/probing/probing_program.h"
+#include "shared/command_line.h"
+#include "shared/inputs.h"
+#include "shared/progress.h"
+
+namespace palpate::apps {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+}  // namespace
+
+probing::Campaign replayed(const probing::CampaignStore& store, const std::string& source) {
+  const probing::CampaignDescription& description = store.description();
+  probing::Campaign campaign(probing::parse_plan(description.plan, source),
+                             probing::parse_campaign_options(description.strategy, source));
+  for (const probing::TrialRecord& record : store.trials(campaign.plan().contacts)) {
+    try {
+      (void)campaign.take(record);
+    } catch (const InvalidInput&) {
+      throw FileError(fmt::format(
+          "{}: trial {} is not what its plan and its options order; the store was changed, or is "
+          "of another version of palpate",
+          source, record.order.trial));
+    }
+  }
+  return campaign;
+}
+
+Json campaign_figures(const probing::Campaign& campaign) {
+  const probing::CampaignProgress at = campaign.progress();
+  std::vector<double> errors;
+  for (const probing::ConeEstimate& cone : campaign.cones())
+    errors.push_back(cone.coefficient_error);
+  std::optional<double> median;
+  if (!errors.empty()) {
+    const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
+    std::nth_element(errors.begin(), middle, errors.end());
+    median = *middle;
+  }
+  const bool complete = !campaign.next();
+  return {{"contacts", at.contacts},
+          {"contacts_done", at.contacts_done},
+          {"contacts_given_up", at.contacts_given_up},
+          {"trials", at.trials},
+          {"samples", at.samples},
+          {"slipped", at.slipped},
+          {"hours", at.seconds / kSecondsPerHour},
+          {"trials_left", std::llround(at.trials_left)},
+          {"hours_left", at.seconds_left / kSecondsPerHour},
+          {"friction_error", number_or_null(median)},
+          {"complete", complete}};
+}
+
+std::string campaign_words(const probing::Campaign& campaign) {
+  const probing::CampaignProgress at = campaign.progress();
+  std::string text = fmt::format(
+      "{} of {} contacts done, {} given up\n{} trials in {:.1f} h, {} samples, of which {} slipped",
+      at.contacts_done, at.contacts, at.contacts_given_up, at.trials, at.seconds / kSecondsPerHour,
+      at.samples, at.slipped);
+  if (campaign.next())
+    text += fmt::format("\nabout {:.0f} trials left, {:.1f} h", at.trials_left,
+                        at.seconds_left / kSecondsPerHour);
+  return text;
+}
+
+void perform_trials(probing::CampaignStore& store, RunningCampaign& running,
+                    const probing::CampaignOptions& options, int most) {
+  probing::Campaign& campaign = running.campaign;
+  Progress progress("probing");
+  if (campaign.next()) running.arm->start();
+  for (int i = 0; i < most; ++i) {
+    const std::optional<probing::TrialOrder> order = campaign.next();
+    if (!order) break;
+    const probing::CampaignProgress at = campaign.progress();
+    progress.show(at.trials, at.trials + std::max(1, static_cast<int>(at.trials_left)));
+    const probing::TrialRecord record{*order,
+                                      probing::run_trial(*running.arm, *order, options.program)};
+    const probing::TrialVerdict verdict = campaign.take(record);
+    store.append(record, verdict, at.seconds, running.arm->memory());
+  }
+  running.arm->finish();
+}
+
+}  // namespace palpate::apps

@@ -1,0 +1,39 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <limits>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "commands/probe_arm.h"
+#include "palpate/probing/campaign.h"
+#include "palpate/probing/campaign_store.h"
+
+namespace palpate::apps {
+
+inline constexpr double kSecondsPerHour = 3600;
+
+/// A campaign with the arm that performs it.
+struct RunningCampaign {
+  probing::Campaign campaign;
+  std::unique_ptr<CampaignArm> arm;
+};
+
+/// Where a stored campaign stands: it takes the stored trials once more, without an arm.
+/// \param source names the store in messages.
+/// \throws FileError if the trials are not those that the plan and the options order.
+[[nodiscard]] probing::Campaign replayed(const probing::CampaignStore& store,
+                                         const std::string& source);
+
+/// What `probe run` and `probe status` print, with and without --json.
+[[nodiscard]] nlohmann::ordered_json campaign_figures(const probing::Campaign& campaign);
+[[nodiscard]] std::string campaign_words(const probing::Campaign& campaign);
+
+/// Performs and stores trials until the campaign is complete, or `most` of them.
+void perform_trials(probing::CampaignStore& store, RunningCampaign& running,
+                    const probing::CampaignOptions& options,
+                    int most = std::numeric_limits<int>::max());
+
+}  // namespace palpate::apps

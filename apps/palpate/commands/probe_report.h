@@ -1,0 +1,39 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "palpate/haptics/evaluate.h"
+#include "palpate/haptics/model.h"
+#include "palpate/probing/acquisition.h"
+#include "palpate/probing/campaign.h"
+
+namespace palpate::apps {
+
+/// A campaign and what was made of it.
+struct CampaignReport {
+  probing::Campaign campaign;
+  std::vector<probing::TrialRecord> trials;  ///< at least one
+  std::string software;                      ///< that performed them
+  probing::CheckedAcquisition acquisition;
+  haptics::Model model;
+  std::optional<haptics::LeaveOneOut> left_out;  ///< none if the model has too few contacts
+  std::optional<haptics::QueryErrors> queries;   ///< none if no forces are known
+};
+
+/// Reads a campaign, the model that was fitted to it, and known forces.
+/// \param queries may be empty: no forces are known.
+/// \throws FileError, or InvalidInput if there is no trial, or the model is of other samples.
+[[nodiscard]] CampaignReport read_report(const std::filesystem::path& store,
+                                         const std::filesystem::path& model,
+                                         const std::filesystem::path& queries);
+
+/// Writes a page with tables and pictures, `index.html`, and its pictures into a folder.
+/// \throws OutputError if it cannot be written, InvalidInput if it holds other files.
+void write_report(const std::filesystem::path& folder, const CampaignReport& report);
+
+}  // namespace palpate::apps
