@@ -102,7 +102,7 @@ bool ArmMotion::move_to(const Eigen::Vector3d& place, double speed, double deadl
 void ArmMotion::set_internal_torque(const Eigen::Vector3d& torque) {
   internal_ = torque;
   for (int i = 0; i < 3; ++i) {
-    const double friction = gravity_.friction[i];
+    const double friction = options_.sliding_friction * gravity_.friction[i];
     deflection_then_[i] = friction > 0 ? std::clamp(torque[i] / friction, -1.0, 1.0) : 0.0;
   }
   deflection_ = deflection_smooth_ = deflection_then_;
@@ -110,6 +110,7 @@ void ArmMotion::set_internal_torque(const Eigen::Vector3d& torque) {
 
 void ArmMotion::push(const Eigen::Vector3d& force) {
   const Eigen::Vector3d turned =
+      options_.sliding_friction *
       gravity_.friction.cwiseMax(0).cwiseProduct(deflection_smooth_ - deflection_then_);
   send(arm_jacobian(options_.geometry, state_.joints).transpose() * force + internal_ + turned);
 }

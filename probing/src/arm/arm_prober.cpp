@@ -49,6 +49,7 @@ void check_prober_options(const ArmProberOptions& o) {
   positive("ArmProberOptions::ramp", o.ramp, "N/s");
   require("ArmProberOptions::damping", o.damping, at_least(0).finite(), "N s/mm");
   positive("ArmProberOptions::presliding", o.presliding, "rad");
+  require("ArmProberOptions::sliding_friction", o.sliding_friction, at_least(1).finite());
   positive("ArmProberOptions::resting_window", o.resting_window, "s");
   positive("ArmProberOptions::settled_speed", o.settled_speed, "mm/s");
   positive("ArmProberOptions::longest_slide", o.longest_slide, "mm");

@@ -139,7 +139,7 @@ TEST(ArmProber, PressesAndDragsWithTheForcesAskedAndMeasuresWhereTheTipIs) {
     ASSERT_EQ(witness.touch_errors.size(), 3U);
     for (const Vector3d& error : witness.touch_errors) {
       EXPECT_LT(error.head<2>().norm(), 0.05);  // [mm] along the surface
-      EXPECT_LT(std::abs(error.z()), 0.15);
+      EXPECT_LT(std::abs(error.z()), 0.25);     // bias 0.1 mm, standard deviation 0.15 mm
     }
     // Encoder steps are 0.03 mm; friction of the joints is 0.048 N at the tip, 0.1 N to and fro.
     ASSERT_EQ(witness.force_errors.size(), 9U);

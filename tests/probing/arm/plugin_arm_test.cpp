@@ -53,6 +53,20 @@ TEST(PluginArm, DropsTheForceWhenTheLeaseEnds) {
   EXPECT_NEAR(state.delivered_force.x(), 0, 1e-5);
 }
 
+TEST(PluginArm, TakesTheClockOfADriverThatHasOne) {
+  PluginArm simulated(PALPATE_VIRTUAL_DEVICE);
+  EXPECT_TRUE(simulated.description().measures_joints);
+  EXPECT_FALSE(simulated.description().real_time);
+  simulated.activate();
+  ArmState state;
+  for (int i = 1; i <= 3; ++i) {
+    ASSERT_TRUE(simulated.read(state));
+    EXPECT_NEAR(simulated.now(), 1e-3 * i, 1e-12);
+    EXPECT_EQ(simulated.now(), state.time);
+  }
+  EXPECT_TRUE(PluginArm(kDriver).description().real_time);
+}
+
 TEST(PluginArm, SaysWhatItsDriverSays) {
   try {
     const PluginArm arm(kDriver, {{"mass", "-1"}});

@@ -210,6 +210,26 @@ TEST(VirtualArm, RepeatsItselfBitByBitAndItsNoiseFollowsTheSample) {
   EXPECT_NE(run(1, 1), run(1, 2));
 }
 
+TEST(VirtualArm, GoesOnFromItsMemoryBitByBit) {
+  VirtualArmOptions options;
+  VirtualArm whole(nullptr, options);
+  whole.activate();
+  for (int i = 0; i < 200; ++i) next_state(whole, {0.1, 0.5 + 0.2 * std::sin(0.05 * i), -0.1});
+  options.joints = {0.3, 0.2, 0.1};  // anywhere else
+  VirtualArm resumed(nullptr, options);
+  resumed.restore(whole.memory());
+  EXPECT_EQ(resumed.now(), whole.now());
+  for (VirtualArm* arm : {&whole, &resumed}) arm->activate();
+  for (int i = 0; i < 100; ++i) {
+    const ArmState expected = next_state(whole, {0, 0.6, 0}),
+                   found = next_state(resumed, {0, 0.6, 0});
+    ASSERT_EQ(found.joints, expected.joints) << i;
+    ASSERT_EQ(found.delivered_force, expected.delivered_force) << i;
+    ASSERT_EQ(found.heat, expected.heat) << i;
+    ASSERT_EQ(found.time, expected.time) << i;
+  }
+}
+
 TEST(VirtualArm, RunsFiftyTimesAsFastAsRealTime) {
   const testing::BlockSpecimen block(0.8);
   VirtualArm arm(&block, testing::arm_above_block(2));

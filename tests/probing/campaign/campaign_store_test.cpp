@@ -66,6 +66,22 @@ std::string refused(Call call) {
   return "";
 }
 
+TEST_F(CampaignStoreTest, KeepsWhatTheArmRemembersAfterTheLatestTrial) {
+  Campaign campaign(plan, options);
+  const auto arm = make_quasi_static_arm(sheet);
+  {
+    CampaignStore store = CampaignStore::create(path(), description());
+    EXPECT_EQ(store.memory(), "");
+    for (const char* memory : {"first", "second", ""}) {
+      const TrialRecord record{*campaign.next(), run_trial(*arm, *campaign.next(), {})};
+      store.append(record, campaign.take(record), 0, memory);
+    }
+  }
+  const CampaignStore again = CampaignStore::open(path());
+  EXPECT_EQ(again.memory(), "second");
+  EXPECT_EQ(again.trials(plan.contacts).size(), 3U);
+}
+
 TEST_F(CampaignStoreTest, GivesBackTrialsToTheLastBit) {
   CampaignStore store = CampaignStore::create(path(), description());
   Campaign campaign(plan, options);

@@ -47,6 +47,9 @@ struct ArmProberOptions {
   double damping = 0.015;      ///< [N s/mm] of the pressed tip; >= 0
   /// [rad] way on which the friction of a joint turns round; > 0
   double presliding = 3e-4;
+  /// Friction of a joint that moves, relative to what it keeps when it is held; >= 1. A held joint
+  /// relaxes a little, a tip that creeps to rest does not.
+  double sliding_friction = 1.2;
   double resting_window = 0.5;  ///< [s] of the line and the mean by which a tip rests; > 0
   double settled_speed = 0.01;  ///< [mm/s] of this line; > 0
   double longest_slide = 10;    ///< [mm] that a tip may go once its force is constant; > 0
