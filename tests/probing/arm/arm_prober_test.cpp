@@ -5,10 +5,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <cmath>
 #include <functional>
 #include <memory>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -233,6 +236,64 @@ TEST(ArmProber, AnEmergencyStopTakesTheForceAwayWithinTwoTicks) {
   EXPECT_THROW(
       static_cast<void>(run_trial(rig.prober, pull_at(1, kProbedPlace, kTowardsArm, 0.5, 0.2), {})),
       DeviceError);
+}
+
+/// A virtual arm whose clock goes on, as far as the prober knows.
+class RealTimeArm final : public Arm {
+ public:
+  explicit RealTimeArm(Arm& arm) : arm_(arm), description_(arm.description()) {
+    description_.real_time = true;
+  }
+  const ArmDescription& description() const noexcept override { return description_; }
+  double now() const noexcept override { return arm_.now(); }
+  void activate() override { arm_.activate(); }
+  void begin_trial(long long) noexcept override { reads = 0; }
+  bool read(ArmState& state) noexcept override {
+    if (broken || !arm_.read(state)) return false;
+    if (watched) furthest = std::max(furthest.load(), (state.tip - place).norm());
+    place = watched ? place : state.tip;
+    ++reads;
+    return true;
+  }
+  bool write(const ArmCommand& command) noexcept override { return arm_.write(command); }
+  void stop() noexcept override { arm_.stop(); }
+
+  std::atomic<int> reads = 0;  // since the trial began
+  std::atomic<bool> broken = false, watched = false;
+  std::atomic<double> furthest = 0;  // [mm] from where the tip was when it began to be watched
+  Vector3d place = Vector3d::Zero();
+
+ private:
+  Arm& arm_;
+  ArmDescription description_;
+};
+
+TEST(ArmProber, HoldsAnArmWithARealClockBetweenTrials) {
+  const ArmProberOptions options = testing::prober_over(*kElasticBody);
+  VirtualArm simulated(kElasticBody.get(), testing::virtual_arm_for(options));
+  RealTimeArm arm(simulated);
+  ArmProber prober(arm, options, nullptr, testing::measured_gravity());
+  const auto run = [&](long long trial) {
+    return run_trial(prober, pull_at(trial, kProbedPlace, kTowardsArm, 0.5, 0.2), {});
+  };
+  const auto wait = [&](const auto& condition) {
+    for (int i = 0; i < 5000 && !condition(); ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    return condition();
+  };
+  EXPECT_EQ(run(0).outcome, TrialOutcome::held);
+  arm.watched = true;
+  const int before = arm.reads;
+  ASSERT_TRUE(wait([&] { return arm.reads > before + 500; }));
+  EXPECT_LT(arm.furthest, 1);  // without force it falls 0.4 m in 500 ticks
+  arm.watched = false;
+  EXPECT_EQ(run(1).outcome, TrialOutcome::held);
+  // A fault meanwhile is the fault of the next trial.
+  arm.broken = true;
+  EXPECT_THROW(static_cast<void>(run(2)), ArmStopped);
+  arm.broken = false;
+  simulated.restore({.ticks = simulated.memory().ticks});
+  EXPECT_EQ(run(2).outcome, TrialOutcome::held);
 }
 
 TEST(ArmProber, WaitsUntilTheMotorsAreCoolEnoughForTheComingForce) {
