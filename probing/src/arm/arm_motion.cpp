@@ -70,7 +70,7 @@ Eigen::Vector3d ArmMotion::control(const Eigen::Vector3d& joints) {
       controller_->step(state_.joints, joints, (joints - target_joints_) / period(), period());
   target_joints_ = joints;
   const Eigen::Matrix3d jacobian = arm_jacobian(options_.geometry, state_.joints);
-  const Eigen::Vector3d force = jacobian.transpose().inverse() * torque;
+  Eigen::Vector3d force = jacobian.transpose().inverse() * torque;
   send(torque);
   return force;
 }

@@ -94,8 +94,13 @@ class Members {
     for (const auto& [name, value] : object_.items()) {
       if (std::find(known_.begin(), known_.end(), name) != known_.end()) continue;
       std::string list;
-      for (const std::string& each : known_) list += (list.empty() ? "" : ", ") + each;
-      throw FileError(source_ + ": '" + place_ + name + "' is unknown; there are " + list);
+      for (const std::string& each : known_) {
+        if (!list.empty()) list += ", ";
+        list += each;
+      }
+      std::string message = source_;
+      message.append(": '").append(place_).append(name);
+      throw FileError(message.append("' is unknown; there are ").append(list));
     }
   }
 

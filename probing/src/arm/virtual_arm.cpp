@@ -319,11 +319,12 @@ struct VirtualArm::Simulation {
   Eigen::Vector3d gain;
 
   // the arm
-  bool active = false;
   double time = 0;
   double lease_end = 0;
   std::uint64_t ticks = 0, sample = 0, sample_begin = 0;
   std::array<bool, 3> resting{};
+  bool active = false;
+  bool near = false;  // the surface is within a period's motion
   Eigen::Vector3d force = Eigen::Vector3d::Zero();
   Eigen::Vector3d torque = Eigen::Vector3d::Zero();
   Eigen::Vector3d delivered = Eigen::Vector3d::Zero();
@@ -331,7 +332,6 @@ struct VirtualArm::Simulation {
   Eigen::Vector3d q, v = Eigen::Vector3d::Zero(), bristle = Eigen::Vector3d::Zero();
 
   // the surface below the tip, and the contact; world frame
-  bool near = false;
   Eigen::Vector3d surface_point = Eigen::Vector3d::Zero();
   Eigen::Vector3d surface_normal = Eigen::Vector3d::UnitZ();
   Eigen::Vector3d cone_place = Eigen::Vector3d::Zero();

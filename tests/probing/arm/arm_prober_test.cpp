@@ -109,7 +109,7 @@ struct ProbingRig {
 struct TruthWitness final : Prober {
   explicit TruthWitness(ProbingRig& which) : rig(which) {}
   ProbeReport perform(const ProbeAction& action) override {
-    const ProbeReport report = rig.prober.perform(action);
+    ProbeReport report = rig.prober.perform(action);
     if (report.outcome != ProbeOutcome::done) return report;
     if (action.kind == ProbeActionKind::touch)
       touch_errors.push_back(report.position - rig.arm.truth().contact);
