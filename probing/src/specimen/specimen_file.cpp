@@ -11,13 +11,14 @@
 #include "palpate/error.h"
 #include "palpate/probing/closed_form.h"
 #include "specimen/closed_form_fields.h"
+#include "specimen/finite_element_file.h"
 
 namespace palpate::probing {
 namespace {
 
 using nlohmann::json;
 
-constexpr const char* kTypes = "sheet, beam or elastic_body";
+constexpr const char* kTypes = "sheet, beam, elastic_body or finite_elements";
 
 void take_member(const json& value, double& field) { field = value.get<double>(); }
 void take_member(const json& value, Eigen::Vector2d& field) {
@@ -78,6 +79,7 @@ std::unique_ptr<Specimen> parse_specimen(const std::string& text, const std::str
   if (*type == "sheet") return specimen_of<Sheet>(members, source);
   if (*type == "beam") return specimen_of<Beam>(members, source);
   if (*type == "elastic_body") return specimen_of<ElasticBody>(members, source);
+  if (*type == "finite_elements") return finite_elements_of(members, source);
   throw FileError(source + ": 'type' is " + type->dump() + "; it must be " + kTypes);
 }
 

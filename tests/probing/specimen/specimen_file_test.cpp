@@ -47,7 +47,7 @@ TEST(SpecimenFile, SaysWhatIsWrong) {
   EXPECT_THAT(refused_specimen(""), HasSubstr("a.json: is not a JSON object"));
   EXPECT_THAT(refused_specimen("[1]"), HasSubstr("is not a JSON object"));
   EXPECT_THAT(refused_specimen("{}"),
-              HasSubstr("has no 'type'; it must be sheet, beam or elastic_body"));
+              HasSubstr("has no 'type'; it must be sheet, beam, elastic_body or finite_elements"));
   EXPECT_THAT(refused_specimen(R"({"type": "ball"})"), HasSubstr("'type' is \"ball\""));
   EXPECT_THAT(refused_specimen(R"({"type": "beam", "tension": 1})"),
               HasSubstr("'tension' is unknown; a beam has type, length"));

@@ -14,8 +14,8 @@ namespace palpate::probing {
 ///
 ///     {"type": "sheet", "tension": 0.8, "block": 1.5, "block_low": [5, -20]}
 ///
-/// `type` is sheet, beam or elastic_body; the other members are the fields of the structs in
-/// closed_form.h, with their defaults. docs/probing.md describes them.
+/// `type` is sheet, beam, elastic_body or finite_elements. The other members of the first three are
+/// the fields of the structs in closed_form.h, with their defaults. docs/probing.md describes all.
 /// \param source names the text in messages.
 /// \throws FileError naming the member, what is wrong with it, and what would be right.
 [[nodiscard]] std::unique_ptr<Specimen> parse_specimen(const std::string& text,
