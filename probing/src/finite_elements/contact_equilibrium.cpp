@@ -332,7 +332,8 @@ void ContactEquilibrium::Impl::relax() {
     }
     bool converged = false;
     SystemForces forces = system.forces(positions, nowhere, nullptr);
-    const double floor = kLeastForce * modulus * options.tip_radius * options.tip_radius;
+    // Rounding leaves forces where nothing moved.
+    const double floor = modulus * options.tip_radius * options.tip_radius;
     for (int i = 0; i < options.max_iterations && forces.valid; ++i) {
       converged = forces.nodes.norm() <= kRestTolerance * std::max(forces.reaction, floor);
       if (converged) break;
