@@ -83,14 +83,31 @@ probing::VirtualArmMemory simulation_of(const Json& json) {
 
 class QuasiStaticCampaignArm final : public CampaignArm {
  public:
-  explicit QuasiStaticCampaignArm(std::unique_ptr<probing::Prober> arm) : arm_(std::move(arm)) {}
+  QuasiStaticCampaignArm(std::shared_ptr<const probing::Specimen> specimen,
+                         const probing::QuasiStaticArmOptions& options)
+      : arm_(probing::make_quasi_static_arm(std::move(specimen), options)), tip_(options.start) {}
   probing::ProbeReport perform(const probing::ProbeAction& action) override {
+    if (action.kind == probing::ProbeActionKind::lift) tip_ = action.target;
     return arm_->perform(action);
   }
+  // How long the next travel takes.
+  std::string memory() const override { return Json{{"tip", vector_json(tip_)}}.dump(); }
 
  private:
   std::unique_ptr<probing::Prober> arm_;
+  Eigen::Vector3d tip_;
 };
+
+/// What an arm remembers, by a function that takes it.
+template <typename Take>
+void recall(const std::string& memory, const std::string& source, Take take) {
+  if (memory.empty()) return;
+  try {
+    take(Json::parse(memory));
+  } catch (const std::exception& wrong) {
+    throw FileError(source + ": what the arm remembers cannot be read: " + wrong.what());
+  }
+}
 
 /// A 1 kHz arm with all that belongs to it, in the order in which it is destroyed last to first.
 class MovingCampaignArm final : public CampaignArm {
@@ -289,17 +306,13 @@ std::unique_ptr<CampaignArm> make_campaign_arm(const std::string& description,
       throw InvalidInput(
           "--record and --stop-file are for arms that move; the arm is quasi-static");
     }
-    return std::make_unique<QuasiStaticCampaignArm>(probing::make_quasi_static_arm(
-        specimen_of(json, source, plan), {.seed = json["seed"].get<std::uint64_t>()}));
+    probing::QuasiStaticArmOptions options;
+    options.seed = json["seed"].get<std::uint64_t>();
+    recall(memory, source, [&](const Json& known) { take_vector(known.at("tip"), options.start); });
+    return std::make_unique<QuasiStaticCampaignArm>(specimen_of(json, source, plan), options);
   }
   std::unique_ptr<MovingCampaignArm> arm = make_moving_arm(json, source, plan, watch);
-  if (!memory.empty()) {
-    try {
-      arm->remember(Json::parse(memory));
-    } catch (const std::exception& wrong) {
-      throw FileError(source + ": what the arm remembers cannot be read: " + wrong.what());
-    }
-  }
+  recall(memory, source, [&](const Json& known) { arm->remember(known); });
   return arm;
 }
 

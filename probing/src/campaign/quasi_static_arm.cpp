@@ -36,6 +36,8 @@ void check_arm_options(const QuasiStaticArmOptions& o) {
   require("QuasiStaticArmOptions::settled_speed", o.settled_speed, above(0).finite(), "mm/s");
   require("QuasiStaticArmOptions::speed", o.speed, above(0).finite(), "mm/s");
   require("QuasiStaticArmOptions::touch_seconds", o.touch_seconds, at_least(0).finite(), "s");
+  for (const double coordinate : o.start)
+    require("QuasiStaticArmOptions::start", coordinate, finite(), "mm");
 }
 
 class QuasiStaticArm : public Prober {
@@ -44,7 +46,8 @@ class QuasiStaticArm : public Prober {
       : specimen_(std::move(specimen)),
         options_(options),
         query_(specimen_->surface()),
-        normals_(geometry::triangle_normals(specimen_->surface())) {}
+        normals_(geometry::triangle_normals(specimen_->surface())),
+        tip_(options.start) {}
 
   ProbeReport perform(const ProbeAction& action) override {
     switch (action.kind) {
@@ -177,7 +180,7 @@ class QuasiStaticArm : public Prober {
   QuasiStaticArmOptions options_;
   geometry::SurfaceQuery query_;
   Eigen::Matrix3Xd normals_;
-  Vector3d tip_ = Vector3d::Zero();           // [mm]
+  Vector3d tip_;                              // [mm]
   Vector3d place_ = Vector3d::Zero();         // [mm] of the contact on the undeformed surface
   Vector3d steady_error_ = Vector3d::Zero();  // [N] of this trial
   Vector3d microslip_ = Vector3d::Zero();     // [mm]

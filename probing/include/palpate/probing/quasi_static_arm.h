@@ -2,9 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <memory>
 
+#include "palpate/eigen_alignment.h"
 #include "palpate/probing/prober.h"
 #include "palpate/probing/specimen.h"
 
@@ -27,6 +29,7 @@ struct QuasiStaticArmOptions {
   double settled_speed = 0.01;  ///< [mm/s] below which the tip rests; > 0
   double speed = 30;            ///< [mm/s] of travel (thesis 6.2.1); > 0
   double touch_seconds = 3;     ///< [s] of an approach with the estimate of internal forces; >= 0
+  Eigen::Vector3d start = Eigen::Vector3d::Zero();  ///< [mm] the tip before the first action
 };
 
 /// An arm that probes a specimen, for campaigns: it knows equilibria only, not the motion between
