@@ -46,11 +46,29 @@ void check_campaign_options(const CampaignOptions& options) {
 }  // namespace
 
 const char* to_string(TrialStrategy strategy) {
-  return strategy == TrialStrategy::bisection ? "bisection" : "pooled";
+  switch (strategy) {
+    case TrialStrategy::pooled:
+      return "pooled";
+    case TrialStrategy::bisection:
+      return "bisection";
+    case TrialStrategy::adaptive:
+      return "adaptive";
+  }
+  return "";
 }
 
 struct Campaign::Impl {
-  Impl(ContactPlan wanted, const CampaignOptions& with) : plan(std::move(wanted)), options(with) {}
+  Impl(ContactPlan wanted, const CampaignOptions& with) : plan(std::move(wanted)), options(with) {
+    if (options.strategy != TrialStrategy::adaptive) return;
+    adaptive.emplace(plan, AdaptiveOptions{.until = options.until,
+                                           .max_hours = options.max_hours,
+                                           .max_samples = options.max_samples,
+                                           .seed = options.seed,
+                                           .cautious = options.cautious,
+                                           .friction_accuracy = options.friction_accuracy,
+                                           .most_failures = options.most_failures,
+                                           .program = options.program});
+  }
 
   // One direction at one level.
   struct Search {
@@ -163,6 +181,10 @@ struct Campaign::Impl {
   /// Finds the next trial from where the campaign stands.
   void decide() {
     order.reset();
+    if (adaptive) {
+      order = adaptive->next();
+      return;
+    }
     while (contact < plan.contacts.size()) {
       TrialOrder next{.trial = tallies.trials,
                       .contact = here(),
@@ -199,6 +221,12 @@ struct Campaign::Impl {
   TrialVerdict take(const TrialResult& result) {
     TrialVerdict verdict;
     count(result);
+    if (adaptive) {
+      const AdaptiveTrials::Taken taken = adaptive->take(result);
+      cones = adaptive->cones();
+      decide();
+      return {.on_boundary = taken.on_boundary, .contact_given_up = taken.contact_given_up};
+    }
     const bool slipped =
         result.outcome == TrialOutcome::slipped || result.outcome == TrialOutcome::fell_off;
     if (!slipped && result.outcome != TrialOutcome::held) {
@@ -244,6 +272,7 @@ struct Campaign::Impl {
 
   ContactPlan plan;
   CampaignOptions options;
+  std::optional<AdaptiveTrials> adaptive;
   std::size_t contact = 0;
   int level = 0;
   bool pressed = false;  // at this level
@@ -263,7 +292,7 @@ Campaign::Campaign(ContactPlan plan, const CampaignOptions& options) {
   if (plan.contacts.empty() || plan.normal_forces.empty())
     throw InvalidInput("Campaign: the plan has no contact or no level; plan at least one");
   impl_ = std::make_unique<Impl>(std::move(plan), options);
-  impl_->begin_contact();
+  if (!impl_->adaptive) impl_->begin_contact();
   impl_->decide();
 }
 
@@ -291,6 +320,17 @@ CampaignProgress Campaign::progress() const {
   const Impl& at = *impl_;
   CampaignProgress progress = at.tallies;
   progress.contacts = static_cast<int>(at.plan.contacts.size());
+  if (at.adaptive) {
+    progress.contacts_done = at.adaptive->contacts_begun();
+    progress.contacts_given_up = at.adaptive->contacts_given_up();
+    progress.stated = at.adaptive->stated();
+    progress.stop = at.adaptive->stop();
+    progress.trials_left = at.adaptive->trials_left();
+    progress.seconds_left =
+        progress.trials_left *
+        (progress.trials > 0 ? progress.seconds / progress.trials : kUsualSeconds);
+    return progress;
+  }
   progress.contacts_done = static_cast<int>(at.contact);
   // What a contact takes: as those before it, or by the options.
   double of_contact = 0;

@@ -89,6 +89,22 @@ void visit_campaign_options(Options& o, Visit&& visit) {
   visit("force_noise", o.program.force_noise);
 }
 
+// Stores of campaigns without limits do not have them.
+template <typename Options, typename Visit>
+void visit_limits(Options& o, Visit&& visit) {
+  visit("until", o.until);
+  visit("max_hours", o.max_hours);
+  visit("max_samples", o.max_samples);
+}
+
+TrialStrategy strategy_of(const std::string& name) {
+  for (const TrialStrategy each :
+       {TrialStrategy::pooled, TrialStrategy::bisection, TrialStrategy::adaptive}) {
+    if (name == to_string(each)) return each;
+  }
+  throw DatabaseError("the strategy '" + name + "' is unknown");
+}
+
 void check_is_campaign(sqlite3* database) {
   const long long version = number_of(database, "PRAGMA user_version");
   if (version > kStoreVersion) {
@@ -320,7 +336,9 @@ void CampaignStore::finish() {
 
 std::string to_text(const CampaignOptions& options) {
   Json json{{"strategy", to_string(options.strategy)}};
-  visit_campaign_options(options, [&](const char* name, const auto& value) { json[name] = value; });
+  const auto write = [&](const char* name, const auto& value) { json[name] = value; };
+  visit_campaign_options(options, write);
+  if (options.strategy == TrialStrategy::adaptive) visit_limits(options, write);
   return json.dump();
 }
 
@@ -328,13 +346,16 @@ CampaignOptions parse_campaign_options(const std::string& text, const std::strin
   CampaignOptions options;
   try {
     const Json json = Json::parse(text);
-    options.strategy = json.at("strategy") == to_string(TrialStrategy::bisection)
-                           ? TrialStrategy::bisection
-                           : TrialStrategy::pooled;
+    options.strategy = strategy_of(json.at("strategy").get<std::string>());
     visit_campaign_options(options,
                            [&](const char* name, auto& value) { json.at(name).get_to(value); });
+    visit_limits(options, [&](const char* name, auto& value) {
+      if (json.contains(name)) json.at(name).get_to(value);
+    });
   } catch (const Json::exception& wrong) {
     throw FileError(source + ": its strategy cannot be read: " + wrong.what());
+  } catch (const DatabaseError& wrong) {
+    throw FileError(source + ": " + wrong.what());
   }
   return options;
 }

@@ -6,18 +6,20 @@
 #include <optional>
 #include <vector>
 
+#include "palpate/probing/adaptive_trials.h"
 #include "palpate/probing/cone_posterior.h"
 #include "palpate/probing/contact_plan.h"
 #include "palpate/probing/probing_program.h"
 
 namespace palpate::probing {
 
-/// How tangential forces are chosen.
+/// How trials are chosen.
 enum class TrialStrategy {
-  pooled,    ///< where trials tell most about friction, with what other contacts have shown
-  bisection  ///< thesis 4.3
+  pooled,     ///< where trials tell most about friction, with what other contacts have shown
+  bisection,  ///< thesis 4.3
+  adaptive    ///< where they reduce the error of the model most per second: `AdaptiveTrials`
 };
-/// "pooled", "bisection".
+/// "pooled", "bisection", "adaptive".
 [[nodiscard]] const char* to_string(TrialStrategy strategy);
 
 struct CampaignOptions {
@@ -32,6 +34,10 @@ struct CampaignOptions {
   double friction_accuracy = 0.01;
   int most_failures = 2;  ///< in a row (nothing touched, not at rest, late) end a contact; > 0
   ProgramOptions program = {};
+  /// `adaptive`, which needs one of these limits; 0: no limit; >= 0
+  double until = 0;      ///< [N] stated error
+  double max_hours = 0;  ///< of the arm
+  int max_samples = 0;
 };
 
 /// One trial as it was stored.
@@ -55,15 +61,18 @@ struct CampaignProgress {
   int contacts_done = 0;  ///< given up or not
   int contacts_given_up = 0;
   int contacts = 0;
-  double seconds = 0;       ///< of all trials so far
-  double trials_left = 0;   ///< expected
-  double seconds_left = 0;  ///< expected
+  double seconds = 0;                      ///< of all trials so far
+  double trials_left = 0;                  ///< expected
+  double seconds_left = 0;                 ///< expected
+  StatedError stated = {};                 ///< `adaptive`
+  AdaptiveStop stop = AdaptiveStop::none;  ///< `adaptive`: why it ended
 };
 
 /// Decides what to try next. The decisions are a function of the plan, the options and the records
 /// it took: a campaign that takes the stored records of another goes on as that one would.
 ///
-/// Contacts come in the order of the plan, and at each one its levels ascend; each begins with the
+/// `adaptive` is described with `AdaptiveTrials`. Otherwise contacts come in the order of the plan,
+/// and at each one its levels ascend; each begins with the
 /// normal force alone and goes through its directions in random order. With `bisection`, each
 /// direction halves the interval from zero to sqrt(max_force^2 - normal^2). With `pooled`, each is
 /// tried once with the force that slips with the probability `cautious`, as `ConePosterior` says

@@ -1,0 +1,94 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "palpate/probing/cone_posterior.h"
+#include "palpate/probing/contact_plan.h"
+#include "palpate/probing/probing_program.h"
+
+namespace palpate::probing {
+
+/// When to stop, and how friction is searched. At least one of the limits must be given.
+struct AdaptiveOptions {
+  double until = 0;       ///< [N] stated error at which the campaign ends; >= 0, 0: no limit
+  double max_hours = 0;   ///< of the arm; >= 0, 0: no limit
+  int max_samples = 0;    ///< >= 0, 0: no limit
+  unsigned seed = 1;      ///< of the order of directions
+  double cautious = 0.3;  ///< probability of slipping of a trial that searches friction
+  double friction_accuracy = 0.01;  ///< of a contact's coefficient at which the search ends
+  int most_failures = 2;            ///< in a row end a contact
+  ProgramOptions program = {};
+};
+
+enum class AdaptiveStop {
+  none,         ///< not yet
+  accurate,     ///< the stated error is at most `until`
+  max_hours,    ///< no time for another trial
+  max_samples,  ///< so many samples were taken
+  exhausted     ///< every contact of the plan has as many samples as are worth their time
+};
+/// "none", "accurate", "max_hours", "max_samples", "exhausted".
+[[nodiscard]] const char* to_string(AdaptiveStop stop);
+
+/// What a campaign says of its own accuracy. Numbers are NaN until enough is known.
+struct StatedError {
+  double error = std::numeric_limits<double>::quiet_NaN();        ///< [N] of the model, RMS
+  double at_contacts = std::numeric_limits<double>::quiet_NaN();  ///< [N] the part of noise
+  double between = std::numeric_limits<double>::quiet_NaN();  ///< [N] the part of the gaps; NaN if
+                                                              ///< contacts are too few
+  /// [N] that this plan can be expected to reach at best
+  double reachable = std::numeric_limits<double>::quiet_NaN();
+  /// Ratio of the predicted to the actual errors of the samples before they were taken, by which
+  /// `at_contacts` is corrected.
+  double predicted_over_actual = std::numeric_limits<double>::quiet_NaN();
+  int predictions = 0;
+};
+
+/// Chooses trials where they reduce the error of the model most per second.
+///
+/// Each contact begins with a base of five normal forces in nearly even steps, with the tangential
+/// directions of the plan, at the force that slips with a probability of 5 %, or of `cautious`
+/// where friction is not yet known. After that either the next contact of the plan is begun, or a
+/// contact gets another trial: whichever reduces the stated error more per second. A
+/// `ForceSurrogate` of each contact says what a trial would tell; what contacts would tell is
+/// learnt by predicting each from the others around it. The decisions are a function of the plan,
+/// the options and the records it took.
+class AdaptiveTrials {
+ public:
+  /// \throws InvalidInput if an option is outside its range, or no limit is given.
+  AdaptiveTrials(const ContactPlan& plan, const AdaptiveOptions& options);
+  ~AdaptiveTrials();
+  AdaptiveTrials(AdaptiveTrials&&) noexcept;
+  AdaptiveTrials& operator=(AdaptiveTrials&&) noexcept;
+
+  /// The next trial, numbered by those taken so far; none if the campaign has ended.
+  [[nodiscard]] const std::optional<TrialOrder>& next() const;
+
+  struct Taken {
+    std::optional<long long> on_boundary;  ///< as `TrialVerdict`
+    bool contact_given_up = false;
+  };
+  /// Takes the result of the trial that `next` ordered.
+  Taken take(const TrialResult& result);
+
+  [[nodiscard]] StatedError stated() const;
+  [[nodiscard]] AdaptiveStop stop() const;
+  [[nodiscard]] int contacts_begun() const;
+  [[nodiscard]] int contacts_given_up() const;
+  /// Expected until a limit.
+  [[nodiscard]] double trials_left() const;
+  /// The friction cone at each contact that was begun, in the order of the plan.
+  [[nodiscard]] std::vector<ConeEstimate> cones() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace palpate::probing
