@@ -133,6 +133,29 @@ TEST_F(Probe, ChoosesForcesByTheStrategyAsked) {
   EXPECT_NE(figures(other)["fingerprint"], figures(run_call(scratch / "c.db"))["fingerprint"]);
 }
 
+TEST_F(Probe, AdaptiveCampaignsEndAtTheirLimitAndSayWhatTheyReached) {
+  plan({"--contacts", "3"});
+  const std::vector<std::string> strategy = {"--strategy", "adaptive"};
+  std::vector<std::string> call = run_call(scratch / "whole.db");
+  call.insert(call.end(), strategy.begin(), strategy.end());
+  EXPECT_NE(refusal(call).find("needs a limit"), std::string::npos);
+  call.insert(call.end(), {"--max-samples", "75", "--until", "0.005N"});
+  const json whole = figures(call);
+  EXPECT_EQ(whole["samples"], 75);
+  EXPECT_EQ(whole["stop"], "max_samples");
+  EXPECT_GT(whole["stated_at_contacts"], 0);
+  const CommandResult status = run_palpate({"probe", "status", scratch / "whole.db"});
+  EXPECT_NE(status.out.find("below the noise of the arm's forces"), std::string::npos)
+      << status.out;
+  std::vector<std::string> again = run_call(store);
+  again.insert(again.end(), {"--strategy", "adaptive", "--max-samples", "75", "--until", "0.005"});
+  ASSERT_EQ(run_palpate(again, {.interrupt_when_there_is = store}).status, kInterrupted);
+  EXPECT_EQ(figures({"probe", "resume", store})["fingerprint"], whole["fingerprint"]);
+  std::vector<std::string> other = run_call(scratch / "b.db");
+  other.insert(other.end(), {"--until", "0.05"});
+  EXPECT_NE(refusal(other).find("--strategy adaptive"), std::string::npos);
+}
+
 TEST_F(Probe, PlansOnAGridAndDrawsThePlan) {
   const json planned = plan({"--pattern", "grid", "--picture", scratch / "plan.png"});
   EXPECT_GT(planned["contacts"], 30);

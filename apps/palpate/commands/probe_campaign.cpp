@@ -21,6 +21,19 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+std::string words_of_stop(probing::AdaptiveStop stop) {
+  switch (stop) {
+    case probing::AdaptiveStop::accurate:
+      return "ended: the stated error is what was asked for";
+    case probing::AdaptiveStop::max_hours:
+      return "ended: no time is left";
+    case probing::AdaptiveStop::max_samples:
+      return "ended: all samples were taken";
+    default:
+      return "";
+  }
+}
+
 }  // namespace
 
 probing::Campaign replayed(const probing::CampaignStore& store, const std::string& source) {
@@ -40,7 +53,7 @@ probing::Campaign replayed(const probing::CampaignStore& store, const std::strin
   return campaign;
 }
 
-Json campaign_figures(const probing::Campaign& campaign) {
+Json campaign_figures(const probing::Campaign& campaign, const probing::CampaignOptions& options) {
   const probing::CampaignProgress at = campaign.progress();
   std::vector<double> errors;
   for (const probing::ConeEstimate& cone : campaign.cones())
@@ -52,20 +65,55 @@ Json campaign_figures(const probing::Campaign& campaign) {
     median = *middle;
   }
   const bool complete = !campaign.next();
-  return {{"contacts", at.contacts},
-          {"contacts_done", at.contacts_done},
-          {"contacts_given_up", at.contacts_given_up},
-          {"trials", at.trials},
-          {"samples", at.samples},
-          {"slipped", at.slipped},
-          {"hours", at.seconds / kSecondsPerHour},
-          {"trials_left", std::llround(at.trials_left)},
-          {"hours_left", at.seconds_left / kSecondsPerHour},
-          {"friction_error", number_or_null(median)},
-          {"complete", complete}};
+  Json figures{{"contacts", at.contacts},
+               {"contacts_done", at.contacts_done},
+               {"contacts_given_up", at.contacts_given_up},
+               {"trials", at.trials},
+               {"samples", at.samples},
+               {"slipped", at.slipped},
+               {"hours", at.seconds / kSecondsPerHour},
+               {"trials_left", std::llround(at.trials_left)},
+               {"hours_left", at.seconds_left / kSecondsPerHour},
+               {"friction_error", number_or_null(median)},
+               {"complete", complete}};
+  if (options.strategy == probing::TrialStrategy::adaptive) {
+    const auto number = [](double value) {
+      return number_or_null(std::isfinite(value) ? std::optional(value) : std::nullopt);
+    };
+    figures["stated_error"] = number(at.stated.error);
+    figures["stated_at_contacts"] = number(at.stated.at_contacts);
+    figures["stated_between"] = number(at.stated.between);
+    figures["reachable_error"] = number(at.stated.reachable);
+    figures["predicted_over_actual"] = number(at.stated.predicted_over_actual);
+    figures["stop"] = probing::to_string(at.stop);
+  }
+  return figures;
 }
 
-std::string campaign_words(const probing::Campaign& campaign) {
+std::string beyond_reach(const probing::CampaignProgress& at,
+                         const probing::CampaignOptions& options) {
+  if (options.strategy != probing::TrialStrategy::adaptive || options.until == 0) return "";
+  if (at.stop == probing::AdaptiveStop::exhausted) {
+    return fmt::format(
+        "{} N were not reached: each contact has as many samples as help. Plan more contacts "
+        "(--spacing), or accept the error",
+        options.until);
+  }
+  if (options.until < options.program.force_noise) {
+    return fmt::format("{} N are below the noise of the arm's forces, {} N: they cannot be reached",
+                       options.until, options.program.force_noise);
+  }
+  if (std::isfinite(at.stated.reachable) && at.stated.reachable > options.until) {
+    return fmt::format(
+        "{} N are likely to be below what this plan can reach, about {:.3f} N: noise and the gaps "
+        "between contacts remain. Plan more contacts (--spacing)",
+        options.until, at.stated.reachable);
+  }
+  return "";
+}
+
+std::string campaign_words(const probing::Campaign& campaign,
+                           const probing::CampaignOptions& options) {
   const probing::CampaignProgress at = campaign.progress();
   std::string text = fmt::format(
       "{} of {} contacts done, {} given up\n{} trials in {:.1f} h, {} samples, of which {} slipped",
@@ -74,6 +122,14 @@ std::string campaign_words(const probing::Campaign& campaign) {
   if (campaign.next())
     text += fmt::format("\nabout {:.0f} trials left, {:.1f} h", at.trials_left,
                         at.seconds_left / kSecondsPerHour);
+  if (options.strategy != probing::TrialStrategy::adaptive) return text;
+  if (std::isfinite(at.stated.error)) {
+    text += fmt::format("\nstated error {:.3f} N, {:.3f} N at contacts", at.stated.error,
+                        at.stated.at_contacts);
+  }
+  for (const std::string& more : {words_of_stop(at.stop), beyond_reach(at, options)}) {
+    if (!more.empty()) text += "\n" + more;
+  }
   return text;
 }
 

@@ -28,8 +28,14 @@ struct RunningCampaign {
                                          const std::string& source);
 
 /// What `probe run` and `probe status` print, with and without --json.
-[[nodiscard]] nlohmann::ordered_json campaign_figures(const probing::Campaign& campaign);
-[[nodiscard]] std::string campaign_words(const probing::Campaign& campaign);
+[[nodiscard]] nlohmann::ordered_json campaign_figures(const probing::Campaign& campaign,
+                                                      const probing::CampaignOptions& options);
+[[nodiscard]] std::string campaign_words(const probing::Campaign& campaign,
+                                         const probing::CampaignOptions& options);
+
+/// What a reader must know of a target that is not reached; empty if there is nothing to say.
+[[nodiscard]] std::string beyond_reach(const probing::CampaignProgress& at,
+                                       const probing::CampaignOptions& options);
 
 /// Performs and stores trials until the campaign is complete, or `most` of them.
 void perform_trials(probing::CampaignStore& store, RunningCampaign& running,

@@ -225,7 +225,7 @@ void report(const Settings& settings, const ReportCall& call) {
   check_outputs({call.store, call.model, call.queries}, {call.output});
   const CampaignReport input = read_report(call.store, call.model, call.queries);
   write_report(call.output, input);
-  Json figures = campaign_figures(input.campaign);
+  Json figures = campaign_figures(input.campaign, input.options);
   figures["queries_rms"] =
       number_or_null(input.queries ? std::optional(input.queries->rms) : std::nullopt);
   figures["leave_one_out_rms"] =
@@ -238,13 +238,15 @@ void report(const Settings& settings, const ReportCall& call) {
 
 CampaignReport read_report(const fs::path& store, const fs::path& model, const fs::path& queries) {
   const probing::CampaignStore campaign = probing::CampaignStore::look(store);
-  CampaignReport report{.campaign = replayed(campaign, store.string()),
-                        .trials = {},
-                        .software = campaign.description().software,
-                        .acquisition = probing::read_acquisition(store),
-                        .model = haptics::read_model(model),
-                        .left_out = {},
-                        .queries = {}};
+  CampaignReport report{
+      .campaign = replayed(campaign, store.string()),
+      .trials = {},
+      .options = probing::parse_campaign_options(campaign.description().strategy, store.string()),
+      .software = campaign.description().software,
+      .acquisition = probing::read_acquisition(store),
+      .model = haptics::read_model(model),
+      .left_out = {},
+      .queries = {}};
   report.trials = campaign.trials(report.campaign.plan().contacts);
   if (report.trials.empty())
     throw InvalidInput(store.string() + ": has no trial yet; there is nothing to report");

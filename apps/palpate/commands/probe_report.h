@@ -18,7 +18,8 @@ namespace palpate::apps {
 struct CampaignReport {
   probing::Campaign campaign;
   std::vector<probing::TrialRecord> trials;  ///< at least one
-  std::string software;                      ///< that performed them
+  probing::CampaignOptions options;
+  std::string software;  ///< that performed them
   probing::CheckedAcquisition acquisition;
   haptics::Model model;
   std::optional<haptics::LeaveOneOut> left_out;  ///< none if the model has too few contacts

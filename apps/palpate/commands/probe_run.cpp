@@ -86,15 +86,39 @@ void perform(const Settings& settings, probing::CampaignStore& store, RunningCam
     interrupted.message = "interrupted; " + kept();
     throw;
   }
+  if (const std::string aloud = beyond_reach(campaign.progress(), options); !aloud.empty())
+    store.note("target", aloud);
   store.finish();
-  Json figures = campaign_figures(campaign);
+  Json figures = campaign_figures(campaign, options);
   figures["fingerprint"] = probing::fingerprint(probing::read_acquisition(path).records());
   figures["output"] = path.string();
-  print(settings, figures, campaign_words(campaign) + "\nwritten to " + path.string());
+  print(settings, figures, campaign_words(campaign, options) + "\nwritten to " + path.string());
+}
+
+/// "0.05N" is 0.05.
+std::string without_newton(std::string text) {
+  if (text.ends_with('N')) text.pop_back();
+  return text;
+}
+
+void check_limits(const probing::CampaignOptions& options) {
+  const bool limited = options.until > 0 || options.max_hours > 0 || options.max_samples > 0;
+  const bool adaptive = options.strategy == probing::TrialStrategy::adaptive;
+  if (adaptive && !limited) {
+    throw InvalidInput(
+        "palpate probe run: --strategy adaptive needs a limit: --until, --max-hours or "
+        "--max-samples");
+  }
+  if (!adaptive && limited) {
+    throw InvalidInput(
+        "palpate probe run: --until, --max-hours and --max-samples are of --strategy adaptive; the "
+        "others end when their plan is done");
+  }
 }
 
 void run_campaign(const Settings& settings, const RunCall& call) {
   if (call.store.empty()) throw InvalidInput("palpate probe run: give -o, or --dry-run");
+  check_limits(call.options);
   check_outputs({call.plan, call.arm.specimen, call.arm.setup, call.arm.replay},
                 {call.store, call.watch.record});
   const InterruptedByThrowing interrupts;  // from the first byte of the store on, it can be resumed
@@ -188,7 +212,9 @@ void resume_campaign(const Settings& settings, const fs::path& path, const ArmWa
 void show_status(const Settings& settings, const fs::path& path) {
   const probing::CampaignStore store = probing::CampaignStore::look(path);
   const probing::Campaign campaign = replayed(store, path.string());
-  print(settings, campaign_figures(campaign), campaign_words(campaign));
+  const probing::CampaignOptions options =
+      probing::parse_campaign_options(store.description().strategy, path.string());
+  print(settings, campaign_figures(campaign, options), campaign_words(campaign, options));
 }
 
 void add_stop_file(CLI::App& command, ArmWatch& watch) {
@@ -223,9 +249,11 @@ void add_probe_run(CLI::App& probe, const Settings& settings) {
   add_choice<probing::TrialStrategy>(
       *run, "--strategy", options.strategy,
       {{"pooled", probing::TrialStrategy::pooled},
-       {"bisection", probing::TrialStrategy::bisection}},
+       {"bisection", probing::TrialStrategy::bisection},
+       {"adaptive", probing::TrialStrategy::adaptive}},
       "Choice of tangential forces: pooled: where they tell most about friction, with what other "
-      "contacts have shown (default); bisection: halve the interval in each direction");
+      "contacts have shown (default); bisection: halve the interval in each direction; adaptive: "
+      "where trials reduce the error of the model most per second, until a limit below");
   run->add_option("--resolution", options.resolution, "At which a bisection ends [N]")
       ->check(within(above(0).finite()))
       ->capture_default_str();
@@ -234,6 +262,14 @@ void add_probe_run(CLI::App& probe, const Settings& settings) {
                   "tried for friction alone")
       ->check(within(above(0).finite()))
       ->capture_default_str();
+  run->add_option("--until", options.until,
+                  "adaptive: stated error of the model at which to stop [N], such as 0.05N")
+      ->transform(without_newton)
+      ->check(within(at_least(0).finite()));
+  run->add_option("--max-hours", options.max_hours, "adaptive: hours of the arm at most")
+      ->check(within(at_least(0).finite()));
+  run->add_option("--max-samples", options.max_samples, "adaptive: samples at most")
+      ->check(within(at_least(0)));
   run->add_option("--seed", options.seed, "Of the order of directions and the errors of the arm")
       ->capture_default_str();
   run->footer(
