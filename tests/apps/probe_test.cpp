@@ -156,6 +156,17 @@ TEST_F(Probe, AdaptiveCampaignsEndAtTheirLimitAndSayWhatTheyReached) {
   EXPECT_NE(refusal(other).find("--strategy adaptive"), std::string::npos);
 }
 
+TEST_F(Probe, ProbesASolidOfFiniteElements) {
+  write_text(specimen, R"({"type": "finite_elements", "size": [40, 40, 15], "cells": [4, 4, 2]})");
+  EXPECT_EQ(figures({"probe", "truth", specimen, "--queries", "5", "-o",
+                     scratch / "truth"})["known_forces"],
+            5);
+  plan({"--contacts", "1", "--levels", "2", "--highest-force", "0.5", "--directions", "2"});
+  const json done = figures(run_call(store));
+  EXPECT_EQ(done["contacts_done"], 1);
+  EXPECT_GE(done["samples"], 6);
+}
+
 TEST_F(Probe, PlansOnAGridAndDrawsThePlan) {
   const json planned = plan({"--pattern", "grid", "--picture", scratch / "plan.png"});
   EXPECT_GT(planned["contacts"], 30);

@@ -9,6 +9,7 @@
 #include <optional>
 #include <utility>
 
+#include "palpate/error.h"
 #include "palpate/geometry/surface_query.h"
 #include "palpate/require.h"
 #include "records/record_hash.h"
@@ -119,9 +120,20 @@ class QuasiStaticArm : public Prober {
     } else if (action.kind == ProbeActionKind::drag) {
       microslip_ = microslip_after(force);
     }
-    Vector3d rest = place_ + specimen_->displacement(place_, force);
+    const std::optional<Vector3d> displacement = displacement_under(force);
+    if (!displacement) return {ProbeOutcome::unsettled, measured(action, tip_), action.time_limit};
+    Vector3d rest = place_ + *displacement;
     if (action.kind == ProbeActionKind::release) rest += microslip_;
     return settle(action, rest);
+  }
+
+  /// None where the object has no equilibrium: it does not come to rest.
+  std::optional<Vector3d> displacement_under(const Vector3d& force) const {
+    try {
+      return specimen_->displacement(place_, force);
+    } catch (const SolverError&) {
+      return std::nullopt;
+    }
   }
 
   static bool sticks(const FrictionCone& cone, const Vector3d& force, double part) {

@@ -124,6 +124,32 @@ TEST(QuasiStaticArm, GivesUpWhereTheObjectDoesNotComeToRest) {
 }
 
 // Thesis 6.2.1: 5300 samples in 17 hours.
+/// An elastic body that breaks down above some force.
+class WeakBody final : public Specimen {
+ public:
+  const geometry::TriangleMesh& surface() const override { return body_->surface(); }
+  Vector3d displacement(const Vector3d& contact, const Vector3d& force) const override {
+    if (force.norm() > 1) throw SolverError("no equilibrium");
+    return body_->displacement(contact, force);
+  }
+  FrictionCone friction_cone(const Vector3d& contact) const override {
+    return body_->friction_cone(contact);
+  }
+
+ private:
+  std::shared_ptr<const Specimen> body_ = make_specimen(kBody);
+};
+
+TEST(QuasiStaticArm, DoesNotComeToRestWhereTheObjectHasNoEquilibrium) {
+  const auto arm = make_quasi_static_arm(std::make_shared<const WeakBody>(), exact());
+  ProgramOptions patient;
+  patient.settle_limit = 60;
+  EXPECT_EQ(run_trial(*arm, order(0, 0.9, 0), patient).outcome, TrialOutcome::held);
+  const TrialResult failed = run_trial(*arm, order(1, 1.1, 0), patient);
+  EXPECT_EQ(failed.outcome, TrialOutcome::unsettled);
+  EXPECT_GE(failed.seconds, patient.settle_limit);
+}
+
 TEST(QuasiStaticArm, TakesAboutTwelveSecondsASample) {
   const auto arm = make_quasi_static_arm(make_specimen(Sheet{}));
   const Vector3d at = surface_at(Sheet{}, 0, 0), next = surface_at(Sheet{}, 14, 0);
