@@ -347,6 +347,7 @@ BuildResult build_model(const probing::CheckedAcquisition& acquisition,
   result.model.made[kTriangulation] = geometry::to_string(options.triangulation);
   const std::vector<std::size_t> probed = probed_contacts(acquisition, result);
   std::vector<probing::Contact> contacts;
+  contacts.reserve(probed.size());
   for (const std::size_t i : probed) contacts.push_back(acquisition.contacts()[i]);
   const geometry::SurfaceQuery query(surface);
   result.model.surface = surface;

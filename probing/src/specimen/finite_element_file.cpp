@@ -85,11 +85,11 @@ class Members {
   }
   [[noreturn]] void fail(const std::string& what) const { throw FileError(place_ + ": " + what); }
   void refuse_others() const {
+    std::string list;
+    for (const std::string& each : known_) list.append(list.empty() ? "" : ", ").append(each);
     for (const auto& [name, value] : object_.items()) {
-      if (std::find(known_.begin(), known_.end(), name) != known_.end()) continue;
-      std::string list;
-      for (const std::string& each : known_) list += (list.empty() ? "" : ", ") + each;
-      throw FileError(place_ + ": '" + name + "' is unknown; here are allowed " + list);
+      if (std::find(known_.begin(), known_.end(), name) == known_.end())
+        fail("'" + name + "' is unknown; here are allowed " + list);
     }
   }
 
