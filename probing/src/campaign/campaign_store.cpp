@@ -323,9 +323,8 @@ void CampaignStore::note(const std::string& kind, const std::string& text) {
 }
 
 void CampaignStore::finish() {
-  for (std::optional<Insert>* each :
-       {&impl_->contact, &impl_->sample, &impl_->trial, &impl_->boundary, &impl_->event,
-        &impl_->memory})
+  for (std::optional<Insert>* each : {&impl_->contact, &impl_->sample, &impl_->trial,
+                                      &impl_->boundary, &impl_->event, &impl_->memory})
     each->reset();
   try {
     execute(impl_->database.get(), "PRAGMA wal_checkpoint(TRUNCATE); PRAGMA journal_mode = DELETE");
