@@ -63,7 +63,7 @@ void equilibria(benchmark::State& state, const DeformableBody& body) {
   (void)solid.apply_force(start, forces[0]);  // makes the factors of the place
   std::vector<double> times;
   double factorisations = 0, iterations = 0;
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     for (const Vector3d& force : forces) {
       ContactResult result;
       times.push_back(1e3 * bench::seconds([&] { result = solid.apply_force(start, force); }));

@@ -227,7 +227,7 @@ void exact_against_cgal(benchmark::State& state) {
 void dijkstra(benchmark::State& state) {
   const Case given = make_case(state.range(0), state.range(1), state.range(2));
   GeodesicDistance found;
-  for (auto _ : state) found = edge_dijkstra(given.mesh, given.sources);
+  for ([[maybe_unused]] auto _ : state) found = edge_dijkstra(given.mesh, given.sources);
   count_errors(state, given, found);
 }
 
@@ -235,7 +235,7 @@ void heat_method(benchmark::State& state) {
   const Case given = make_case(state.range(0), state.range(1), 1);
   const int source = given.mesh.triangles(0, given.sources[0].triangle);
   GeodesicDistance found;
-  for (auto _ : state) found = heat(given.mesh, source);
+  for ([[maybe_unused]] auto _ : state) found = heat(given.mesh, source);
   count_errors(state, given, found);
 }
 

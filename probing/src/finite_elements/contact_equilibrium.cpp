@@ -24,6 +24,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kRestTolerance = 1e-10;  // unbalanced forces over those of supports
+constexpr double kUnitTolerance = 1e-6;   // of the length of a direction
 constexpr double kLeastForce = 1e-6;      // [E R^2] forces below it count as none
 constexpr double kFirstDepth = 1e-3;      // [tip radii] the least with which a first step begins
 constexpr double kPatchReach = 1.2;   // [tip radii] of the faces whose contact is solved exactly
@@ -567,7 +568,7 @@ const std::vector<BoundaryFace>& ContactEquilibrium::faces() const { return impl
 ContactState ContactEquilibrium::touch(const Vector3d& place, const Vector3d& inward) const {
   require("ContactEquilibrium::touch(): place", place.sum(), finite(), "mm");
   require("ContactEquilibrium::touch(): inward has length", inward.norm(),
-          at_least(1 - 1e-6).at_most(1 + 1e-6));
+          at_least(1 - kUnitTolerance).at_most(1 + kUnitTolerance));
   const double radius = impl_->options.tip_radius;
   ContactState state;
   state.positions = impl_->rest;
