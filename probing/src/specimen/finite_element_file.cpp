@@ -84,12 +84,14 @@ class Members {
                     right);
   }
   [[noreturn]] void fail(const std::string& what) const { throw FileError(place_ + ": " + what); }
-  void refuse_others() const {
+  [[noreturn]] void refuse(const std::string& name) const {
     std::string list;
     for (const std::string& each : known_) list.append(list.empty() ? "" : ", ").append(each);
+    fail("'" + name + "' is unknown; here are allowed " + list);
+  }
+  void refuse_others() const {
     for (const auto& [name, value] : object_.items()) {
-      if (std::find(known_.begin(), known_.end(), name) == known_.end())
-        fail("'" + name + "' is unknown; here are allowed " + list);
+      if (std::find(known_.begin(), known_.end(), name) == known_.end()) refuse(name);
     }
   }
 
