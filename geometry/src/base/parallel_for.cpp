@@ -14,13 +14,13 @@ void parallel_ranges(std::ptrdiff_t count, std::ptrdiff_t grain,
   if (count <= 0) return;
   char started = 0, done = 0;  // places whose addresses stand for the two ends of the loop
   leave(&started);
+  const EnterAtEnd after_all(&done);
   tbb::parallel_for(tbb::blocked_range<std::ptrdiff_t>(0, count, static_cast<std::size_t>(grain)),
                     [&](const tbb::blocked_range<std::ptrdiff_t>& range) {
                       enter(&started);
+                      const LeaveAtEnd after_this(&done);
                       body(range.begin(), range.end());
-                      leave(&done);
                     });
-  enter(&done);
 }
 
 }  // namespace palpate

@@ -22,4 +22,28 @@ inline void enter([[maybe_unused]] void* place) {
 #endif
 }
 
+/// Calls `enter(place)` when it is destroyed, also by an exception.
+class EnterAtEnd {
+ public:
+  explicit EnterAtEnd(void* place) : place_(place) {}
+  ~EnterAtEnd() { enter(place_); }
+  EnterAtEnd(const EnterAtEnd&) = delete;
+  EnterAtEnd& operator=(const EnterAtEnd&) = delete;
+
+ private:
+  void* place_;
+};
+
+/// Calls `leave(place)` when it is destroyed, also by an exception.
+class LeaveAtEnd {
+ public:
+  explicit LeaveAtEnd(void* place) : place_(place) {}
+  ~LeaveAtEnd() { leave(place_); }
+  LeaveAtEnd(const LeaveAtEnd&) = delete;
+  LeaveAtEnd& operator=(const LeaveAtEnd&) = delete;
+
+ private:
+  void* place_;
+};
+
 }  // namespace palpate

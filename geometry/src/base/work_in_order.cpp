@@ -27,12 +27,14 @@ void work_in_order_erased(const std::function<std::shared_ptr<void>()>& next,
   std::vector<Item> live(static_cast<std::size_t>(max_live));
   std::size_t taken = 0;
   leave(&started);
+  const EnterAtEnd after_all(&done);
   tbb::parallel_pipeline(
       live.size(),
       tbb::make_filter<void, Item*>(tbb::filter_mode::serial_in_order,
                                     [&](tbb::flow_control& control) {
                                       enter(&started);
                                       enter(&taking);
+                                      const LeaveAtEnd after_this(&done);
                                       Item& slot = live[taken++ % live.size()];
                                       enter(&slot);
                                       slot = next();
@@ -44,6 +46,7 @@ void work_in_order_erased(const std::function<std::shared_ptr<void>()>& next,
           tbb::make_filter<Item*, Item*>(tbb::filter_mode::parallel,
                                          [&](Item* slot) {
                                            enter(slot->get());
+                                           const LeaveAtEnd after_this(&done);
                                            work(slot->get());
                                            leave(slot->get());
                                            return slot;
@@ -51,14 +54,12 @@ void work_in_order_erased(const std::function<std::shared_ptr<void>()>& next,
           tbb::make_filter<Item*, void>(tbb::filter_mode::serial_in_order, [&](Item* slot) {
             enter(slot->get());
             enter(&delivering);
+            const LeaveAtEnd after_this(&done);
             deliver(slot->get());
             slot->reset();
             leave(slot);
             leave(&delivering);
-            leave(&done);
           }));
-  enter(&taking);
-  enter(&done);
 }
 
 int usual_live_items() {
