@@ -16,21 +16,23 @@
 namespace palpate::haptics {
 namespace {
 
-// With all bases: one after the other until noise explains the errors. The last is for contacts
-// that need all they can get; they are spared the removals.
+// Efforts before any base is removed. They are used in turn until noise explains the errors.
+// Removals follow the last one in any case.
 constexpr Effort kFirstEfforts[] = {{8, 0.1}, {8, 0.1}, {20, 0.1}};
-// After bases were removed. Noise alone moves the loss by more than what is not worthwhile here.
+// Effort after each removal. Noise alone changes the loss by more than 1.
 constexpr Effort kRemovalEffort = {8, 1};
 constexpr Effort kLastEffort = {40, 0.1};
-// Of chi^2 below its mean, in standard deviations of what noise makes: a third of true fields are.
+// Margin of `explained_loss` below the mean of chi^2, in standard deviations of chi^2. About a
+// third of true fields lie below it.
 constexpr double kMargin = 0.5;
-// A field that misses what noise explains by this factor at most is worth a closer look.
+// If the loss exceeds `explained_loss` by at most this factor, the removal is tried again with
+// kCloserEffort.
 constexpr double kNearlyExplained = 1.1;
 constexpr Effort kCloserEffort = {20, 0.1};
-// Part of the bases that is removed at once while many are left over.
+// Fraction of the bases that is removed at once, while many are superfluous.
 constexpr double kManyAtOnce = 0.2;
-// Bases that are tried for removal, one by one, before it counts as a failure: the order that the
-// second order of the loss puts them in is not that of what can be reached without them.
+// Number of removals that are tried before removing one base counts as failed. Several are needed
+// because the second-order estimate of the loss ranks them only roughly.
 constexpr std::size_t kCandidates = 4;
 
 double mean_squared_error(const WhitenedProblem& problem, const ForceField& field) {
@@ -41,15 +43,15 @@ double mean_squared_error(const WhitenedProblem& problem, const ForceField& fiel
   return sum / static_cast<double>(problem.size());
 }
 
-// The largest loss that noise explains. The discrepancy principle, with a margin: n - p, what noise
-// makes in the mean, would also let pass what lacks something where noise happens to be low.
+// The largest loss that noise explains, by the discrepancy principle. The margin below the mean n -
+// p is needed because noise can be low by chance, which would hide that a field lacks a base.
 double explained_loss(const WhitenedProblem& problem, std::size_t bases) {
   const double degrees =
       static_cast<double>(3 * problem.size()) - kBaseSize * static_cast<double>(bases);
   return degrees - kMargin * std::sqrt(2 * std::max(0.0, degrees));
 }
 
-// Looks at the errors anew after the field has changed much.
+// Updates the whitening and the spread after the field has changed much.
 void look_again(WhitenedProblem& problem, const ForceField& field) {
   problem.whiten(field);
   problem.adapt_spread(field);
@@ -60,8 +62,7 @@ class Pruning {
   Pruning(const WhitenedProblem& problem, double accuracy, std::size_t max_bases, ConvexFit& fit)
       : problem_(problem), accuracy_(accuracy), max_bases_(max_bases), fit_(fit) {}
 
-  /// Removes bases down to their number at most, and on for as long as those that remain are
-  /// accurate enough, noise explains their errors, or it pays.
+  /// Removes bases until at most `max_bases` are left, then further while `accept` allows it.
   void run() {
     loss_ = improve(fit_.field);
     while (remove_many()) {
@@ -82,9 +83,9 @@ class Pruning {
            mean_squared_error(problem_, field) <= accuracy_ * accuracy_;
   }
 
-  // As good; or, where noise does not explain the errors of any, so none is the true one, better in
-  // what it will predict: by Akaike's information criterion. The variance of the noise is given, so
-  // that is chi^2 + 2 parameters.
+  // Accepts a field that is good. If noise explains none of the fields, it accepts a field that is
+  // expected to predict better by Akaike's information criterion, chi^2 + 2 parameters, because the
+  // variance of the noise is given.
   [[nodiscard]] bool accept(const ForceField& fewer, double loss) const {
     return good(fewer, loss) || loss - loss_ < 2 * kBaseSize;
   }
@@ -94,7 +95,7 @@ class Pruning {
     loss_ = loss;
   }
 
-  // Without looking for the best way down: what is left over goes fast.
+  // Removes several bases without trying alternatives, to get rid of superfluous ones quickly.
   bool remove_many() {
     const auto many = static_cast<int>(kManyAtOnce * static_cast<double>(fit_.field.bases.size()));
     if (many < 2) return false;
@@ -108,7 +109,8 @@ class Pruning {
     return true;
   }
 
-  // The first of some that is accepted; the best of them where it has to be.
+  // Takes the first candidate that is accepted. If there are still too many bases, it takes the
+  // best one.
   bool remove_one() {
     if (fit_.field.bases.size() <= 1) return false;
     ForceField best;
@@ -142,7 +144,7 @@ class Pruning {
 }  // namespace
 
 ConvexFit fit_convex(WhitenedProblem problem, double accuracy, int max_bases) {
-  // Also the way to few bases leads over more, which find the places where they are needed.
+  // Start with many bases even if few are wanted: they find the places where bases are needed.
   const auto determined = static_cast<int>(3 * problem.size() / kBaseSize);
   const int start = std::max(1, std::min(determined, std::max(max_bases, kMaxConvexBases)));
   ConvexFit fit;
@@ -158,8 +160,8 @@ ConvexFit fit_convex(WhitenedProblem problem, double accuracy, int max_bases) {
   look_again(problem, fit.field);
   ForceField last = fit.field;
   fit.iterations += refine(problem, kLastEffort, last).iterations;
-  // Weighted by their noise the errors have become smaller, but not so in N: what was just accurate
-  // enough stays so.
+  // The last refinement reduces the whitened errors, but can increase the errors in N. Keep the
+  // previous field if only that one meets `accuracy`.
   const double limit = accuracy * accuracy;
   if (mean_squared_error(problem, last) <= limit ||
       !(mean_squared_error(problem, fit.field) <= limit)) {

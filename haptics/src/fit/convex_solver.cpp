@@ -12,40 +12,38 @@
 namespace palpate::haptics {
 namespace {
 
-// Bounds in units of the data's extent. A base that is rounded less than a hundredth of it is a
-// kink between samples; one rounded over thirty times as far, or ten times as far away, is a linear
-// spring or a constant force there already.
+// Bounds in units of the data's extent. Below the least epsilon, a base would be a kink between two
+// samples. Above the largest epsilon or distance, it acts as a linear spring or a constant force.
 constexpr double kMinEpsilon = 0.01;
 constexpr double kMaxEpsilon = 30;
 constexpr double kMaxDistance = 10;
-// A ridge beyond all samples shows them its tail only, the stiffness w epsilon^2 / d^3 at a
-// distance d: many pairs of w and epsilon make the same one, those of small epsilon with a wall
-// where nothing was measured. So it is rounded over at least this part of how far beyond them it
-// stands.
+// Least epsilon of a ridge beyond all samples, relative to its distance d from them. The samples
+// see only its tail, the stiffness w epsilon^2 / d^3, which many pairs of w and epsilon share. A
+// small epsilon would put a wall where nothing was measured.
 constexpr double kLeastRounding = 0.5;
-// What is expected of epsilon, in the same units: its logarithm varies about that of the first with
-// a deviation of the second, more or less what fields have where samples tell it. Where they do
-// not, between levels of force, steps of a staircase would fit them as well.
+// Prior of log(epsilon): centre and standard deviation, in the same units. It is about the
+// distribution found in fields where the samples determine epsilon. Between levels of force they do
+// not, and a staircase would fit as well.
 constexpr double kExpectedEpsilon = 0.5;
 constexpr double kEpsilonDeviation = 0.32;
-// Degrees of freedom of the expectation (Student's t but for its constant factor): tails so long
-// that a kink that many samples show costs little more than any other surprise.
+// Degrees of freedom of the prior, which is Student's t up to a constant factor. Its tails are
+// long, so a kink that many samples show costs little.
 constexpr double kEpsilonTails = 20;
-// Of the logarithm of epsilon, in one step.
+// Limit of the change of log(epsilon) in one step.
 constexpr double kMaxLogStep = 1.5;
 
-// Levenberg-Marquardt (Nielsen's update): damping at the start, at least and at most, and what is
-// added to the diagonal so that a parameter without influence stays.
+// Levenberg-Marquardt (Nielsen's update): initial, smallest and largest damping, and a constant
+// added to the damping so that a parameter without influence does not move.
 constexpr double kFirstDamping = 1e-3;
 constexpr double kMinDamping = 1e-12;
 constexpr double kMaxDamping = 1e8;
 constexpr double kFloor = 1e-6;
-// An expected gain that is so little of what is worth while ends the search where steps fail.
+// The search ends after a failed step if the expected gain is below this fraction of `worthwhile`.
 constexpr double kHopeless = 0.01;
-// Relative damping where a base is removed: parameters that hardly matter must not jump.
+// Relative damping for the removal of a base, so that parameters with little influence do not jump.
 constexpr double kRemovalDamping = 1e-3;
 
-// How far a ridge stands beyond zero and the samples; <= 0 between them.
+// Distance of a ridge beyond zero and all samples; <= 0 if it is between them.
 double distance_beyond(const WhitenedProblem& problem, const Multiquadric& base) {
   const Eigen::VectorXd along = problem.displacements().transpose() * base.ridge;
   const double offset = base.ridge.dot(base.center);
@@ -53,7 +51,7 @@ double distance_beyond(const WhitenedProblem& problem, const Multiquadric& base)
                   std::min(0.0, along.minCoeff()) - offset);
 }
 
-// Rounds a ridge beyond the samples, with its tail as it was.
+// Raises the epsilon of a ridge beyond the samples to its least value and keeps its tail.
 void round_beyond(const WhitenedProblem& problem, Multiquadric& base) {
   const double least = kLeastRounding * distance_beyond(problem, base);
   if (!(base.epsilon < least)) return;
@@ -83,7 +81,7 @@ ForceField moved(const WhitenedProblem& problem, ForceField field, const Eigen::
   return field;
 }
 
-// How far epsilon is from what is expected, in deviations.
+// Distance of log(epsilon) from the prior's centre, in its standard deviations.
 double surprise(const Multiquadric& base) {
   return std::log(base.epsilon / kExpectedEpsilon) / kEpsilonDeviation;
 }
@@ -92,7 +90,7 @@ double loss_of_surprise(const Multiquadric& base) {
   return kEpsilonTails * std::log1p(surprise(base) * surprise(base) / kEpsilonTails);
 }
 
-// What is to be least: the loss of the errors, and of what is surprising of the bases.
+// The function to be minimised: the loss of the errors plus the negative log prior.
 double total_loss(const WhitenedProblem& problem, const ForceField& field,
                   const Eigen::VectorXd& residuals) {
   double sum = problem.loss(residuals);
@@ -129,7 +127,7 @@ Quadratic expand(const WhitenedProblem& problem, const ForceField& field,
   return result;
 }
 
-// Takes parameters out of the step that stand at a bound and want beyond it.
+// Fixes parameters that are at a bound and whose gradient points beyond it.
 void hold_bounds(const ForceField& field, Quadratic& quadratic) {
   const auto hold = [&](Eigen::Index j) {
     quadratic.matrix.row(j).setZero();
@@ -148,8 +146,8 @@ void hold_bounds(const ForceField& field, Quadratic& quadratic) {
   }
 }
 
-// The diagonal, alike over the components of a turn or of a centre: its choice of axes must not
-// matter.
+// Diagonal of the matrix, averaged over the components of a rotation or a centre so that the result
+// does not depend on the choice of axes.
 Eigen::VectorXd damping(const ForceField& field, const Eigen::MatrixXd& matrix) {
   Eigen::VectorXd result = matrix.diagonal();
   for (std::size_t k = 0; k < field.bases.size(); ++k) {
@@ -214,13 +212,14 @@ std::vector<ForceField> without_one(const WhitenedProblem& problem, const ForceF
   Eigen::MatrixXd matrix = expand(problem, field, problem.residuals(field)).matrix;
   matrix.diagonal() += kRemovalDamping * damping(field, matrix);
   const Eigen::LLT<Eigen::MatrixXd> factor(matrix);
-  // Of a matrix that is not finite there is no inverse: then the least weight counts for least, and
-  // nothing follows.
+  // A matrix that is not finite has no inverse. Then the base with the least weight counts as the
+  // least important, and the other parameters stay.
   const bool solved = factor.info() == Eigen::Success;
   Eigen::MatrixXd inverse = Eigen::MatrixXd::Identity(matrix.rows(), matrix.cols());
   if (solved) factor.solveInPlace(inverse);
   const auto weight_at = [](std::size_t k) { return 5 * static_cast<Eigen::Index>(k); };
-  // The total loss rises by w^2 / inverse_ww if weight w goes to zero and all else follows.
+  // Removing weight w raises the total loss by w^2 / inverse_ww if all other parameters are
+  // adjusted.
   std::vector<std::pair<double, std::size_t>> costs;
   for (std::size_t k = 0; k < bases; ++k) {
     const double weight = field.bases[k].weight;
@@ -257,7 +256,7 @@ double condition_number(const WhitenedProblem& problem, const ForceField& field)
                                                              Eigen::EigenvaluesOnly);
   const double least = eigen.eigenvalues()[0];
   const double most = eigen.eigenvalues()[eigen.eigenvalues().size() - 1];
-  // Below rounding of the product it is not known how bad it is.
+  // Eigenvalues below the rounding of the product are not known.
   return std::sqrt(most / std::max(least, most * std::numeric_limits<double>::epsilon()));
 }
 

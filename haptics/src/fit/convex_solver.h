@@ -13,7 +13,7 @@ namespace palpate::haptics {
 /// When to stop minimising the loss.
 struct Effort {
   int iterations = 0;  ///< upper limit
-  /// A step that gains less than this is the last; noise changes the loss by some units.
+  /// A step that gains less than this ends the search; noise alone changes the loss by some units.
   double worthwhile = 0;
 };
 

@@ -13,31 +13,31 @@
 namespace palpate::haptics {
 namespace {
 
-// Candidates, lengths in units of the data's extent: epsilons in octaves about what is expected
-// (`refine`), and quantiles of the samples that ridges stand at.
+// Candidates: epsilons in octaves around the prior of `refine`, in units of the data's extent, and
+// the quantiles of the displacements at which ridges are placed.
 constexpr std::array<double, 4> kEpsilons = {0.2, 0.4, 0.8, 1.6};
 constexpr std::array<double, 7> kQuantiles = {0, 0.1, 0.25, 0.5, 0.75, 0.9, 1};
-// Ridges also stand this part of the samples' width beyond them, on both sides.
+// Ridges are also placed beyond the samples on both sides, by this fraction of the samples' width.
 constexpr double kBeyond = 0.5;
 constexpr std::array<double, 3> kMultiples = {1, -1, 2};
 constexpr std::size_t kMaxDirections = 24;
 constexpr std::size_t kCenters = 8;
-// A sample nearer to zero, in units of the extent, has no direction worth a candidate.
+// Samples closer to zero than this, in units of the extent, give no direction.
 constexpr double kShortestSample = 0.05;
-// |cosine| from which on two directions are one: 6 degrees.
+// Directions with a larger |cosine| count as the same: 6 degrees.
 constexpr double kSameDirectionCosine = 0.995;
-// Candidates that the least squares may hold at once, and the squared whitened error that one has
-// to gain: what noise gains by one parameter.
+// Largest number of candidates with a weight, and the least gain in squared whitened error by one
+// candidate: that expected from fitting one parameter to noise.
 constexpr Eigen::Index kMaxActive = 30;
 constexpr double kWorthwhile = 1;
-// Rounds of the least squares: each adds a candidate and may remove others. As many as candidates
-// that they may hold, and some more, are enough (Lawson and Hanson's usual bound is three times).
+// Limit of the rounds, each of which adds one candidate and may remove others. Lawson and Hanson
+// suggest three times the number of columns.
 constexpr int kMaxLeastSquaresRounds = 3 * kMaxActive;
-// Added to the diagonal of normal equations of neighbouring candidates, relative to it.
+// Relative regularisation of the normal equations, because neighbouring candidates are nearly
+// parallel.
 constexpr double kRegularisation = 1e-9;
 
-// Axes along which errors of a linear field, displacements and forces spread: they turn with the
-// frame.
+// Principal axes of the displacements, the forces and their product. They rotate with the frame.
 std::vector<Eigen::Vector3d> principal_directions(const WhitenedProblem& problem) {
   const Eigen::Matrix3Xd &x = problem.displacements(), &f = problem.forces();
   const std::array<Eigen::Matrix3d, 3> moments = {x * x.transpose(), f * f.transpose(),
@@ -50,7 +50,7 @@ std::vector<Eigen::Vector3d> principal_directions(const WhitenedProblem& problem
   return result;
 }
 
-// These and more, each time the one that is furthest from those before.
+// Adds directions of samples to the principal ones by farthest-point sampling.
 std::vector<Eigen::Vector3d> spread_directions(const WhitenedProblem& problem) {
   std::vector<Eigen::Vector3d> pool;
   const Eigen::Vector3d mean = problem.displacements().rowwise().mean();
@@ -78,7 +78,7 @@ std::vector<Eigen::Vector3d> spread_directions(const WhitenedProblem& problem) {
   return result;
 }
 
-// Displacements, each time the one that is furthest from those before and from zero.
+// Farthest-point sampling of the displacements, starting from zero.
 std::vector<Eigen::Vector3d> spread_places(const Eigen::Matrix3Xd& displacements) {
   std::vector<Eigen::Vector3d> result;
   Eigen::VectorXd distance = displacements.colwise().norm();
@@ -99,8 +99,7 @@ std::vector<double> ridge_offsets(Eigen::VectorXd along) {
   const double low = along[0], high = along[last];
   std::vector<double> result = {0, low - kBeyond * (high - low), high + kBeyond * (high - low)};
   for (const double quantile : kQuantiles) {
-    // Between two samples, so that counting from the other end, along the opposite direction, makes
-    // the same.
+    // Interpolate between samples, so that the opposite direction gives the same offsets.
     const double place = quantile * static_cast<double>(last);
     const auto below = static_cast<Eigen::Index>(place);
     const double part = place - static_cast<double>(below);
@@ -109,8 +108,8 @@ std::vector<double> ridge_offsets(Eigen::VectorXd along) {
   return result;
 }
 
-// All candidates with weight 1. Ridges of one direction lie side by side: their whitened forces are
-// a number h times the same vectors.
+// All candidates with weight 1. Ridges of one direction are neighbours, because their whitened
+// forces are the same vectors times a scalar h per sample.
 class Dictionary {
  public:
   explicit Dictionary(const WhitenedProblem& problem) : problem_(problem) {
@@ -140,7 +139,8 @@ class Dictionary {
     }
     return result;
   }
-  /// The candidate whose forces point most along some whitened errors; -1 if none does.
+  /// The candidate with the largest normalised product with some whitened errors; -1 if none is
+  /// positive.
   [[nodiscard]] Eigen::Index best(const Eigen::VectorXd& errors) const {
     Eigen::VectorXd gains(size());
     Eigen::Matrix3Xd pulls(3, problem_.size());
@@ -194,7 +194,7 @@ class Dictionary {
     }
   }
 
-  // Room for columns, in steps.
+  // Doubles the number of columns when they do not suffice.
   static void reserve(Eigen::MatrixXd& matrix, Eigen::Index rows, Eigen::Index columns) {
     if (matrix.cols() < columns) {
       matrix.conservativeResize(rows, std::max(columns, 2 * matrix.cols()));
@@ -209,7 +209,7 @@ class Dictionary {
   Eigen::Index per_direction_ = 1;
 };
 
-// Non-negative least squares over the chosen columns of a dictionary, one more at a time.
+// Non-negative least squares over chosen columns of a dictionary, which are added one by one.
 class ActiveSet {
  public:
   explicit ActiveSet(Eigen::VectorXd target)
@@ -237,8 +237,8 @@ class ActiveSet {
     solve();
   }
 
-  /// Removes the column that the others can replace best, with their weights following; what would
-  /// turn negative stays at zero.
+  /// Removes the column that the others replace best and adjusts their weights. Weights that would
+  /// become negative are set to zero.
   void remove_least() {
     const Eigen::MatrixXd inverse =
         normal_matrix().llt().solve(Eigen::MatrixXd::Identity(size(), size()));
@@ -256,8 +256,8 @@ class ActiveSet {
     return result;
   }
 
-  // Goes from the weights to the least squares solution as far as none turns negative, and drops
-  // those that reach zero, until all of the solution are positive.
+  // Moves from the weights towards the least-squares solution until a weight reaches zero and
+  // removes that column, until the solution is positive.
   void solve() {
     while (size() > 0) {
       const Eigen::VectorXd solution = normal_matrix().llt().solve(products_.head(size()));
@@ -276,7 +276,7 @@ class ActiveSet {
           first = k;
         }
       }
-      // No entry is negative only if some are not numbers: then nothing can be done.
+      // This happens only if some entries are NaN.
       if (first < 0) return;
       weights_ += part * (solution - weights_);
       remove(first);
@@ -307,7 +307,7 @@ class ActiveSet {
 
 ForceField convex_start(const WhitenedProblem& problem, int max_bases) {
   const Dictionary dictionary(problem);
-  // The whitened errors of no field are minus the target.
+  // The residuals without a field are minus the target.
   const Eigen::VectorXd target = -problem.residuals({});
   ActiveSet active(target);
   double squares = target.squaredNorm();

@@ -37,7 +37,7 @@ struct BaseDerivatives {
 
 Eigen::Vector4d extended(const Eigen::Vector3d& v) { return {v[0], v[1], v[2], 0}; }
 
-// dd/d(g, epsilon): a centre enters with the other sign.
+// dd/d(g, epsilon): d depends on minus the centre.
 const Eigen::Vector4d kSigns(-1, -1, -1, 1);
 
 Eigen::Matrix4d signed_sides(const Eigen::Matrix4d& m) {
@@ -50,7 +50,7 @@ Eigen::VectorXd weights_only(const Eigen::Ref<const Eigen::VectorXd>& parameters
   return result;
 }
 
-// What one base adds: weight times a function of d's derivatives, which are given.
+// Adds the contribution of one base: its weight times a function of d, given with its derivatives.
 void add_base(Eigen::Index k, double weight, double value, const Eigen::Vector4d& first,
               const Eigen::Matrix4d& second, FieldFunction& result) {
   const Eigen::Vector4d slope = kSigns.cwiseProduct(first);
@@ -100,7 +100,7 @@ Eigen::MatrixXd FieldObjective::hessian(const Eigen::Ref<const Eigen::VectorXd>&
   const ForceField field = to_field(parameters);
   const Eigen::Index size = parameters.size();
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(size, size);
-  Eigen::MatrixXd jacobian(size, 3 * forces.cols());  // a column a residual component
+  Eigen::MatrixXd jacobian(size, 3 * forces.cols());  // one column per residual component
   for (Eigen::Index i = 0; i < forces.cols(); ++i) {
     const Eigen::Vector4d residual = extended(force(field, displacements.col(i)) - forces.col(i));
     for (Eigen::Index k = 0; k < size; k += kBaseSize) {

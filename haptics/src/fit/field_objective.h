@@ -29,7 +29,7 @@ struct FieldObjective {
   [[nodiscard]] Eigen::MatrixXd hessian(const Eigen::Ref<const Eigen::VectorXd>& parameters) const;
 };
 
-/// Parameters of one base; a ridge has as many: its offset and direction in place of the centre.
+/// Number of parameters of one base. A ridge has as many: weight, epsilon, offset and direction.
 inline constexpr Eigen::Index kBaseSize = 5;
 
 /// L . K for the stiffness K at zero displacement (Eq 5.9) and a symmetric L, as needed for a

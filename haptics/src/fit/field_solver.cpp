@@ -17,13 +17,12 @@ namespace {
 using Ipopt::Index;
 using Ipopt::Number;
 
-// Bounds of weights and of centre coordinates, in units of the data's force and extent. Far out, a
-// base is a constant force and two of them cancel: nothing is gained there, and extrapolation
-// suffers.
+// Bounds of weights and centre coordinates, in units of the data's force and extent. A distant base
+// acts as a constant force, and two of them cancel: they gain nothing and harm extrapolation.
 constexpr double kMaxWeight = 30;
 constexpr double kMaxCenter = 5;
-// Bounds of epsilons that are free, in units of the data's extent: below, a base is a kink at its
-// centre, above, a parabola, whatever its epsilon.
+// Bounds of free epsilons, in units of the data's extent. Beyond them epsilon hardly matters:
+// below, a base is a kink at its centre; above, a parabola.
 constexpr double kMinFreeEpsilon = 0.1;
 constexpr double kMaxFreeEpsilon = 10;
 constexpr double kSolverTolerance = 1e-5;  // of Ipopt, on quantities scaled to 1
@@ -171,7 +170,7 @@ class FieldProgram : public Ipopt::TNLP {
 
   static double scale(const Eigen::Vector3d& place) { return place.squaredNorm() / 2; }
 
-  // What the stiffness constraint is a function of: entries of K - least_stiffness I, and slacks.
+  // Arguments of the stiffness constraint: entries of K - least_stiffness I, then the slacks.
   [[nodiscard]] Eigen::VectorXd entries(Index n, const Number* x) const {
     const Eigen::Matrix3d excess = stiffness(to_field(parameters(x)), Eigen::Vector3d::Zero()) -
                                    constraints_.least_stiffness * Eigen::Matrix3d::Identity();
@@ -183,7 +182,7 @@ class FieldProgram : public Ipopt::TNLP {
     return result;
   }
 
-  // Derivatives of the entries of K, a column an entry.
+  // Derivatives of the entries of K, one column per entry.
   [[nodiscard]] Eigen::MatrixXd entry_slopes(const Number* x) const {
     Eigen::MatrixXd result(size_, kEntries);
     for (std::size_t e = 0; e < kEntries; ++e) {
@@ -195,7 +194,7 @@ class FieldProgram : public Ipopt::TNLP {
     return result;
   }
 
-  // The symmetric matrix whose product with K is a sum of K's entries with these factors.
+  // The symmetric matrix L for which L . K is the sum of K's entries times these factors.
   static Eigen::Matrix3d contraction(const Eigen::Ref<const Eigen::VectorXd>& factors) {
     Eigen::Matrix3d result = Eigen::Matrix3d::Zero();
     for (std::size_t e = 0; e < kEntries; ++e) {
@@ -206,7 +205,7 @@ class FieldProgram : public Ipopt::TNLP {
     return result;
   }
 
-  // Chain rule of second order: through the entries of K.
+  // Second-order chain rule through the entries of K.
   void add_stiffness(Index n, const Number* x, const Eigen::Ref<const Eigen::VectorXd>& multipliers,
                      Eigen::MatrixXd& hessian) const {
     const Eigen::VectorXd y = entries(n, x);
@@ -233,8 +232,8 @@ class FieldProgram : public Ipopt::TNLP {
 FieldSolution solve_field(const FieldObjective& objective,
                           const Eigen::Ref<const Eigen::VectorXd>& start,
                           const FieldConstraints& constraints) {
-  // MUMPS, the only linear solver of Debian's Ipopt, keeps global state: one solve at a time. Its
-  // headers offer no way to bring another one.
+  // Debian's Ipopt has only the linear solver MUMPS, which keeps global state, and its headers
+  // allow no other solver. So only one solve runs at a time.
   static std::mutex one_at_a_time;
   const std::lock_guard lock(one_at_a_time);
   Ipopt::SmartPtr<FieldProgram> program = new FieldProgram(objective, start, constraints);
@@ -245,13 +244,13 @@ FieldSolution solve_field(const FieldObjective& objective,
   options->SetStringValue("nlp_scaling_method", "none");
   options->SetNumericValue("tol", kSolverTolerance);
   options->SetIntegerValue("max_iter", kMaxSolverIterations);
-  // Not from an ipopt.opt that happens to lie in the working directory.
+  // An empty name prevents Ipopt from reading an ipopt.opt in the working directory.
   if (application->Initialize("") != Ipopt::Solve_Succeeded) {
     throw SolverError("solve_field(): Ipopt could not be set up; is its linear solver installed?");
   }
   const Ipopt::ApplicationReturnStatus status = application->OptimizeTNLP(program);
   FieldSolution solution = program->solution();
-  if (solution.parameters.size() == 0) {  // it gave up before it had any
+  if (solution.parameters.size() == 0) {  // Ipopt gave up before the first iteration
     solution.parameters = start;
     solution.value = objective.value(start);
   }

@@ -21,13 +21,13 @@
 namespace palpate::haptics {
 namespace {
 
-// epsilon over the root mean square of the displacements. Measured on two kinds of sheet: 0.5 to 1
-// fit best, 0.1 and 4 give twice the error.
+// Epsilon relative to the root mean square of the displacements. Measured on two kinds of sheet:
+// 0.5 to 1 fit best, while 0.1 and 4 double the error.
 constexpr double kEpsilonRatio = 1;
-// Cost of weights against the squared error, both in units of the data: far below the noise of any
-// arm; settles what the samples leave open.
+// Penalty of weights relative to the squared error, in units of the data. It is far below the noise
+// of any arm and decides only what the samples leave undetermined.
 constexpr double kWeightPenalty = 1e-7;
-// The spring of a rigid contact holds its force up to so many times the measured one.
+// The spring of a rigid contact reaches this multiple of the measured force.
 constexpr double kRigidReserve = 10;
 
 void check(const Eigen::Ref<const Eigen::Matrix3Xd>& displacements,
@@ -62,7 +62,7 @@ double extent(const Eigen::Ref<const Eigen::Matrix3Xd>& columns) {
   return largest * std::sqrt((columns / largest).colwise().squaredNorm().mean());
 }
 
-// Columns in an order that does not depend on how they came: sums round the same way.
+// Order of the columns that does not depend on their input order, so that sums round the same way.
 std::vector<Eigen::Index> canonical_order(const Eigen::Ref<const Eigen::Matrix3Xd>& displacements,
                                           const Eigen::Ref<const Eigen::Matrix3Xd>& forces) {
   std::vector<Eigen::Index> order(static_cast<std::size_t>(forces.cols()));
@@ -107,8 +107,8 @@ ForceField in_units(ForceField field, double length, double force_scale) {
   return field;
 }
 
-// How the errors compare with what the noise makes with the field's own stiffness, after so many
-// parameters were fitted.
+// Compares the errors with those expected from noise at the field's own stiffness, given the number
+// of fitted parameters.
 void compare_with_noise(const ScaledSamples& samples, const ForceField& field, double parameters,
                         const FitOptions& options, FitResult& result) {
   WhitenedProblem problem = samples.problem;
@@ -122,8 +122,8 @@ void compare_with_noise(const ScaledSamples& samples, const ForceField& field, d
   result.displacement_noise = options.noise.displacement.value_or(kDisplacementNoise);
 }
 
-// The field, and what holds of it however it was found. The certificate is that of the field as it
-// is returned: in its units the parameters are rounded anew.
+// Completes the result of any kind of fit. The certificate is made for the field in mm and N,
+// because its parameters are rounded again by the scaling.
 void finish(const ScaledSamples& samples, const FitOptions& options, ForceField field,
             double parameters, FitResult& result) {
   compare_with_noise(samples, field, parameters, options, result);
@@ -150,8 +150,7 @@ FitStop verdict(const FitResult& result, const FitOptions& options) {
                                         : FitStop::unexplained;
 }
 
-// As stiff as displacements that only just stood out from the noise would have it; in units of the
-// data.
+// A spring as stiff as if the displacements just exceeded the noise; in units of the data.
 ForceField rigid_field(double displacement_noise) {
   const double stiffness = 1 / (kRigidRatio * std::sqrt(3.0) * displacement_noise);
   return {{{kRigidReserve, kRigidReserve / stiffness}}};
@@ -169,7 +168,7 @@ FitResult fit_as_convex(const ScaledSamples& samples, const FitOptions& options)
   return result;
 }
 
-// `local`, or `certified`, which then still has to be looked up in the certificate.
+// Fits in the mode `local` or `certified`. The caller must check the certificate of the latter.
 FitResult fit_as_local(const ScaledSamples& samples, const FitOptions& options, FitMode mode) {
   FieldObjective objective;
   objective.displacements = samples.problem.displacements();
@@ -191,14 +190,14 @@ FitResult fit_as_local(const ScaledSamples& samples, const FitOptions& options, 
   return result;
 }
 
-// Of two fits of the same samples; counts the work on both.
+// The chosen one of two fits of the same samples, with the iterations of both.
 FitResult chosen(FitResult taken, const FitResult& left) {
   taken.iterations += left.iterations;
   return taken;
 }
 
-// The same for all fields: errors in units of the noise with the samples' own secant stiffness, and
-// outliers hardly count, so that no field gains by being stiff or by running after outliers.
+// Uses the same whitening for all fields, by the samples' own secant stiffness, so that no field
+// gains by being stiff. Outliers hardly count.
 double robust_loss(const ScaledSamples& samples, const FitResult& fit) {
   return samples.problem.loss(
       samples.problem.residuals(in_units(fit.field, 1 / samples.length, 1 / samples.force_scale)));

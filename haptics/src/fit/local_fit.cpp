@@ -18,24 +18,24 @@
 namespace palpate::haptics {
 namespace {
 
-// Where a new base may start, as multiples of the displacements.
+// Start positions of a new base, as multiples of the displacements.
 constexpr std::array<double, 4> kStartMultiples = {1, -1, 2, -2};
-// Each number of bases is tried from the best starts that are kStartSpacing apart (in units of the
-// data's extent): from at least kMinStarts of them, and on to kMaxStarts while nothing is gained.
+// For each number of bases, the best starts that are kStartSpacing apart (in units of the data's
+// extent) are tried: kMinStarts of them, and up to kMaxStarts until the criterion improves.
 constexpr int kMinStarts = 2;
 constexpr int kMaxStarts = 4;
 constexpr double kStartSpacing = 0.5;
-// Cost of weights where starts are chosen, as a fraction of the data's force.
+// Penalty of weights in the choice of starts, relative to the data's force.
 constexpr double kRidge = 1e-3;
-// What the stiffness at zero keeps, and the secant stiffness 2 p / |x|^2 at the places of repairs,
-// in units of force / extent, where the data have about 1. Enough for a safe ball around zero that
-// spares cells, and for repairs that need not be repeated close by.
+// Least stiffness at zero, and least secant stiffness 2 p / |x|^2 at the places of repairs, in
+// units of force / extent, where the data have about 1. They are large enough for a safe ball
+// around zero that saves cells of the certificate, and to avoid repeated repairs at nearby places.
 constexpr double kLeastStiffness = 0.02;
 constexpr double kLeastSecant = 0.02;
 constexpr int kMaxRepairs = 30;
 
-// A field with bases where they are and one more at each of some places, best ones first by linear
-// least squares (thesis 5.3.1.2: "a starting point ...").
+// Extends a field by one base, whose centre is varied. Ranks the centres by linear least squares
+// (thesis 5.3.1.2: "a starting point ...").
 class Starts {
  public:
   Starts(const FieldObjective& objective, const ForceField& field, double epsilon)
@@ -50,7 +50,7 @@ class Starts {
     rank_places();
   }
 
-  /// The n-th best, far from those before; none if there are no more.
+  /// The n-th best start at some distance from the better ones; nullopt if there are no more.
   [[nodiscard]] std::optional<ForceField> select(int n) {
     std::vector<Eigen::Vector3d> chosen;
     for (const Place& place : places_) {
@@ -70,8 +70,8 @@ class Starts {
     Eigen::Vector3d center;
   };
 
-  // Forces of one base with weight 1 at all displacements; below them a row for each weight keeps
-  // the weights from cancelling each other where the data cannot tell.
+  // Forces of one base with weight 1 at all displacements. The additional rows penalise the
+  // weights, so that bases that the data cannot distinguish do not cancel each other.
   [[nodiscard]] Eigen::VectorXd column(const Multiquadric& shape, Eigen::Index base) const {
     const ForceField one{{{1, shape.epsilon, shape.center}}};
     Eigen::VectorXd result = Eigen::VectorXd::Zero(matrix_.rows());
@@ -83,7 +83,8 @@ class Starts {
     return result;
   }
 
-  // One more column lowers the squared error by its part across the others.
+  // One more column reduces the squared error by the residual's component along the part of the
+  // column that is orthogonal to the others.
   void rank_places() {
     const auto old = static_cast<Eigen::Index>(field_.bases.size());
     const Eigen::HouseholderQR<Eigen::MatrixXd> qr(matrix_.leftCols(old));
@@ -130,7 +131,7 @@ double mean_squared_error(const FieldObjective& objective, const ForceField& fie
   return sum / static_cast<double>(objective.forces.cols());
 }
 
-// The field that moves from a start to where the error is least, with the constraints.
+// Minimises the error from a start, subject to the constraints.
 LocalFit refit(const FieldObjective& objective, const ForceField& start,
                const FieldConstraints& constraints) {
   const FieldSolution solution = solve_field(objective, to_parameters(start), constraints);
@@ -145,7 +146,7 @@ LocalFit refit(const FieldObjective& objective, const ForceField& start,
   return result;
 }
 
-// The better the lower; in units of the data.
+// Bayesian information criterion; lower is better. In units of the data.
 double information_criterion(const FieldObjective& objective, const ForceField& field,
                              const FieldConstraints& constraints) {
   const double values = static_cast<double>(objective.forces.size());
@@ -161,8 +162,8 @@ struct Step {
   bool converged = false;
 };
 
-// One base more than `field` has, all moved to where the error is least. A solve that ran out of
-// iterations counts too: what it found is valid, only perhaps not the best.
+// Adds one base and optimises all. A solve that ran out of iterations counts as well, because its
+// result is valid, though perhaps not optimal.
 Step add_base(const FieldObjective& objective, const ForceField& field, double criterion,
               const LocalFitOptions& options, int& iterations) {
   Starts starts(objective, field, options.epsilon);
@@ -227,7 +228,8 @@ CertifiedFit fit_certified(const FieldObjective& objective, const LocalFitOption
   result.fit = fit_local(objective, certain);
   result.certificate = certify_passivity(result.fit.field, volume);
   while (!is_passive(result.certificate) && result.repairs < kMaxRepairs) {
-    // What is certain to be missing can be asked for; what is only not proven cannot.
+    // Only a place that certainly lacks energy can become a constraint. An unproven certificate
+    // does not name one.
     if (!(result.certificate.weakest_stiffness < kLeastSecant / 2)) break;
     if (result.certificate.weakest == Eigen::Vector3d::Zero()) break;
     certain.constraints.places.push_back(result.certificate.weakest);

@@ -15,7 +15,7 @@ namespace palpate::haptics {
 struct LocalFitOptions {
   double accuracy = 0;  ///< bases are added until rms <= accuracy; >= 0
   int max_bases = 6;    ///< >= 1
-  double epsilon = 1;   ///< > 0, of each base, or where it starts
+  double epsilon = 1;   ///< > 0, epsilon of each base, or its start value
   FieldConstraints constraints;
 };
 
@@ -27,8 +27,8 @@ struct LocalFit {
 };
 
 /// Fits isotropic bases whose energy has a local minimum at zero (thesis 5.3.1), in units of the
-/// data. Bases are added one by one. Each starts where it alone lowers the linear least squares
-/// most, among the displacements and their multiples by -1, 2 and -2; then all are moved (Ipopt).
+/// data. Bases are added one by one. Each starts at the displacement, or its multiple by -1, 2 or
+/// -2, that reduces the linear least squares most. Then all bases are optimised (Ipopt).
 [[nodiscard]] LocalFit fit_local(const FieldObjective& objective, const LocalFitOptions& options);
 
 struct CertifiedFit {
@@ -37,10 +37,10 @@ struct CertifiedFit {
   int repairs = 0;                   ///< refits with one more place where energy must not be lost
 };
 
-/// A local fit that is passive over the reachable volume, in units of the data. Where the
-/// certificate finds a place with too little energy, that place becomes a constraint and all bases
-/// move again, up to a number of times. If the field is not passive then, the certificate says so
-/// and the field is the last one.
+/// A local fit that is passive over the reachable volume, in units of the data. A place where the
+/// certificate finds too little energy becomes a constraint, and all bases are optimised again, a
+/// limited number of times. If that fails, the result has the last field, and its certificate says
+/// so.
 [[nodiscard]] CertifiedFit fit_certified(const FieldObjective& objective,
                                          const LocalFitOptions& options,
                                          const ReachableVolume& volume);

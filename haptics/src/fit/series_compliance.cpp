@@ -16,16 +16,17 @@
 namespace palpate::haptics {
 namespace {
 
-// Weights settle in three or four rounds.
+// The weights converge in three or four iterations.
 constexpr int kReweightings = 8;
-// Compliances that count as positive, relative to the prior's deviation.
+// Least compliance that counts as positive, relative to the prior's deviation.
 constexpr double kLeastCompliance = 1e-9;
 
 using Vector6d = Eigen::Vector<double, 6>;
 
 const double kRoot2 = std::sqrt(2.0);
 
-// A symmetric matrix in an orthonormal basis of the Frobenius product, so that no frame is special.
+// Coordinates of a symmetric matrix in an orthonormal basis of the Frobenius product, so that the
+// result does not depend on the frame.
 Vector6d to_vector(const Eigen::Matrix3d& m) {
   Vector6d v;
   v << m(0, 0), m(1, 1), m(2, 2), kRoot2 * m(0, 1), kRoot2 * m(0, 2), kRoot2 * m(1, 2);
@@ -49,7 +50,7 @@ Eigen::Matrix<double, 3, 6> equations(const Eigen::Vector3d& f) {
   return e;
 }
 
-// W with W S W^T = I of the covariance S that an error of a displacement has.
+// W with W S W^T = I, where S is the covariance of the error of a displacement.
 Eigen::Matrix3d whitening(const Eigen::Matrix3d& compliance, const PairNoise& noise) {
   const Eigen::Matrix3d covariance =
       noise.displacement * noise.displacement * Eigen::Matrix3d::Identity() +
@@ -57,7 +58,7 @@ Eigen::Matrix3d whitening(const Eigen::Matrix3d& compliance, const PairNoise& no
   return covariance.llt().matrixL().solve(Eigen::Matrix3d::Identity());
 }
 
-// The way from the prior's mean to G is gone as far as no compliance turns negative.
+// Moves from the prior's mean towards G as long as the compliance stays positive semi-definite.
 Eigen::Matrix3d monotone(const Eigen::Matrix3d& global, const CompliancePrior& prior,
                          const ForceField& local, const Eigen::Matrix3Xd& forces) {
   const Eigen::Matrix3d way = global - prior.mean;
@@ -106,7 +107,7 @@ Eigen::Matrix3d fit_global_compliance(const ForceSamples& samples, const ForceFi
       squares[i] = (whiten * (d - series.displacement(f))).squaredNorm();
     }
     const double median = geometry::median(std::vector(squares.begin(), squares.end()));
-    // As of fields: from there on an error counts ever less.
+    // Robust weights as in `WhitenedProblem`.
     const double scale = kOutlier * std::max(1.0, median / kMedianChi2);
     for (Eigen::Index i = 0; i < count; ++i) {
       const double weight = 1 / std::sqrt(1 + squares[i] / scale);

@@ -31,15 +31,15 @@ struct Series {
   }
 };
 
-/// [mm] and [N], both > 0: at least the rounding of the samples.
+/// [mm] and [N], both > 0: at least the rounding errors of the samples.
 struct PairNoise {
   double displacement = 0, force = 0;
 };
 [[nodiscard]] PairNoise pair_noise(const ForceSamples& samples, const FitNoise& noise);
 
-/// Robust least squares for G. Errors are in units of the noise of displacements and, through the
-/// compliance, of forces; outliers hardly count. The result is the point closest to the least
-/// squares, on the way from the prior's mean, at which the compliance is still positive
+/// Fits G by robust least squares. Errors are in units of the noise of the displacements and,
+/// through the compliance, of the forces; outliers hardly count. The result lies on the line from
+/// the prior's mean to the least-squares solution, as far as the compliance stays positive
 /// semi-definite at the samples' forces and at `forces`.
 [[nodiscard]] Eigen::Matrix3d fit_global_compliance(const ForceSamples& samples,
                                                     const ForceField& local,

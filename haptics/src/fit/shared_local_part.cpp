@@ -21,39 +21,40 @@
 namespace palpate::haptics {
 namespace {
 
-// The local part is shared iff its gain is at least so many standard errors.
+// The local part is shared iff it reduces the mean log error by more than this many standard
+// errors.
 constexpr double kSignificance = 2;
-// l and G_i in turns: the first turn takes linear compliances for what depends on the force.
+// Alternations between l and the G_i. They start with linear compliances.
 constexpr int kTurns = 3;
-// Pairs that the local part is fitted to; of more, every second, third, ...: they would cost time
-// and tell nothing new.
+// Largest number of pairs for the fit of the local part. If there are more, an even selection is
+// used, because more pairs cost time and add no information.
 constexpr std::size_t kMostPairs = 1500;
-// Dense contacts that the local part is learnt from: these have more pairs than that.
+// Largest number of dense contacts for the local part. They have more pairs than kMostPairs.
 constexpr std::size_t kMostDense = 64;
-// Dense contacts that are tried, and groups of them that are left out together.
+// Largest number of dense contacts in the trial, and of its cross-validation folds.
 constexpr std::size_t kMostTrials = 24;
 constexpr std::size_t kMostFolds = 6;
-// Forces that a series is sampled at, about as many as a dense contact is.
+// Number of forces at which a series is sampled, similar to the samples of a dense contact.
 constexpr Eigen::Index kSeriesForces = 150;
-// The series is exact where samples are not: its fit may take a part of their noise.
+// Noise assumed for the fit of a series, relative to that of the samples, as the series has none.
 constexpr double kSeriesNoise = 0.5;
-// Numbers of G.
+// Number of parameters of G.
 constexpr int kGlobalParameters = 6;
-// Deviation of a compliance of which nothing is known, over what the samples show.
+// Standard deviation of an unknown compliance, relative to the compliance of the samples.
 constexpr double kUnknown = 10;
-// Own fits that leave out a part of a sparse contact's pairs; of fewer pairs there are none.
+// Folds of the cross-validation of a sparse contact's own fit. It needs at least as many pairs.
 constexpr std::size_t kParts = 5;
 
 using Contacts = std::vector<const ForceSamples*>;
 
-// For pairs that are computed and for trials: one convex fit, whatever it explains.
+// A single convex fit without alternatives, for computed pairs and for trials.
 FitResult fit_once(const Eigen::Matrix3Xd& displacements, const Eigen::Matrix3Xd& forces,
                    FitOptions options) {
   options.try_certified = false;
   return fit_force_field(displacements, forces, options);
 }
 
-// A pair of a force and a displacement in numbers that can be put in an order.
+// Sort key of a pair.
 std::array<double, 6> key(const ForceSamples& samples, Eigen::Index i) {
   const Eigen::Vector3d f = samples.forces.col(i), d = samples.displacements.col(i);
   return {f.x(), f.y(), f.z(), d.x(), d.y(), d.z()};
@@ -66,10 +67,10 @@ std::vector<Eigen::Index> ordered(const ForceSamples& samples) {
   return order;
 }
 
-// Pairs in an order that does not depend on how they came: sums round the same way.
+// Sorts the pairs, so that sums round the same way whatever their input order.
 ForceSamples in_order(const ForceSamples& samples) { return columns(samples, ordered(samples)); }
 
-// Contacts with many pairs first, then by their pairs, which are in order.
+// Orders contacts by their number of pairs, most first, then by the sorted pairs.
 bool comes_first(const ForceSamples& l, const ForceSamples& r) {
   if (l.forces.cols() != r.forces.cols()) return l.forces.cols() > r.forces.cols();
   for (Eigen::Index i = 0; i < l.forces.cols(); ++i) {
@@ -78,7 +79,7 @@ bool comes_first(const ForceSamples& l, const ForceSamples& r) {
   return false;
 }
 
-// At most `most` of some elements, evenly.
+// An even selection of at most `most` elements.
 template <typename Element>
 std::vector<Element> some_of(const std::vector<Element>& all, std::size_t most) {
   if (all.size() <= most) return all;
@@ -91,7 +92,7 @@ double rms(const Eigen::Matrix3Xd& columns) {
   return std::sqrt(columns.colwise().squaredNorm().mean());
 }
 
-// One after the other, in an order that does not depend on how they came.
+// All pairs of some contacts, sorted.
 ForceSamples pooled(const Contacts& contacts) {
   Eigen::Index count = 0;
   for (const ForceSamples* contact : contacts) count += contact->forces.cols();
@@ -107,7 +108,7 @@ ForceSamples pooled(const Contacts& contacts) {
   return in_order(all);
 }
 
-// Of the whole displacement at a contact.
+// Compliance of the whole displacement at a contact.
 Eigen::Matrix3d linear_compliance(const ForceSamples& samples, const FitNoise& noise) {
   const PairNoise pairs = pair_noise(samples, noise);
   const double largest = std::max(rms(samples.forces), pairs.force);
@@ -116,8 +117,8 @@ Eigen::Matrix3d linear_compliance(const ForceSamples& samples, const FitNoise& n
                                pairs, samples.forces);
 }
 
-// The fit of displacements to forces: noises are exchanged with them. To the noise of the
-// displacements comes what that of the forces makes by the compliances taken off.
+// Options for fitting displacements as a function of forces, with the noises exchanged. The noise
+// of the displacements also includes that of the forces, through the subtracted compliances.
 FitOptions exchanged(const FitNoise& noise, const std::vector<Eigen::Matrix3d>& global) {
   double squares = 0;
   for (const Eigen::Matrix3d& compliance : global) squares += compliance.squaredNorm() / 3;
@@ -145,7 +146,7 @@ ForceField fit_local_part(const Contacts& dense, const std::vector<Eigen::Matrix
   return fit_once(all.forces, all.displacements, exchanged(noise, global)).field;
 }
 
-// What is expected of G elsewhere.
+// Prior of G at other contacts.
 CompliancePrior prior_of(const ForceField& local, const Eigen::Matrix3d& mean_global,
                          const Eigen::Matrix3Xd& forces) {
   Eigen::Matrix3d mean = mean_global;
@@ -155,7 +156,7 @@ CompliancePrior prior_of(const ForceField& local, const Eigen::Matrix3d& mean_gl
   return {mean_global, std::max(mean.norm(), std::numeric_limits<double>::min())};
 }
 
-// The local part of some dense contacts, without a verdict.
+// Learns the local part from dense contacts, without deciding whether to share it.
 LocalPart learn(const Contacts& dense, const FitNoise& noise) {
   LocalPart part;
   part.noise = noise;
@@ -210,7 +211,7 @@ FitResult fit_series(const ForceSamples& samples, const Series& series, const Lo
   return result;
 }
 
-// The error in force that an error in displacement is.
+// Error of a displacement, expressed as a force through the compliance.
 double force_error(const Series& series, const ForceSamples& samples, Eigen::Index i) {
   const Eigen::Vector3d f = samples.forces.col(i);
   return series.compliance(f)
@@ -219,9 +220,9 @@ double force_error(const Series& series, const ForceSamples& samples, Eigen::Ind
       .norm();
 }
 
-// Whether a fit of their own predicts pairs that are held out better than the series does;
-// by the product of the errors, so that outliers do not decide. Those of about the same force are
-// held out together: others as good as equal would tell them to any fit.
+// Whether a fit to the contact's own pairs predicts held-out pairs better than the series does. The
+// errors are compared by their product, so that outliers do not decide. Pairs of about the same
+// force are held out together, because any fit would interpolate between nearly equal pairs.
 bool own_is_better(const ForceSamples& samples, const LocalPart& part, const FitOptions& options) {
   std::vector<Eigen::Index> order(static_cast<std::size_t>(samples.forces.cols()));
   std::iota(order.begin(), order.end(), Eigen::Index{0});
@@ -255,8 +256,8 @@ double held_out_rms(const ForceField& field, const ForceSamples& samples) {
   return std::sqrt(sum / static_cast<double>(samples.forces.cols()));
 }
 
-// log(error with the local part / error without) on the pairs of a dense contact, if only those
-// were known whose forces are nearest to some of a sparse contact.
+// log(error with the local part / error without) at a dense contact, on the pairs that are held out
+// if only those with the forces nearest to a sparse contact's are known.
 double gain_at(const ForceSamples& dense, const Eigen::Matrix3Xd& sparse_forces,
                const LocalPart& part, const FitOptions& options) {
   std::vector<bool> taken(static_cast<std::size_t>(dense.forces.cols()), false);
@@ -272,13 +273,13 @@ double gain_at(const ForceSamples& dense, const Eigen::Matrix3Xd& sparse_forces,
   const ForceSamples few = columns(dense, kept), others = columns(dense, held_out);
   const FitResult own = fit_once(few.displacements, few.forces, options);
   const SeriesFit series = fit_with_local_part(few, part, options);
-  // Exact data can be met exactly; its logarithm is to be finite.
+  // Exact data can have zero error; keep the logarithm finite.
   const double least = std::numeric_limits<double>::min();
   return std::log(std::max(held_out_rms(series.fit.field, others), least)) -
          std::log(std::max(held_out_rms(own.field, others), least));
 }
 
-// Tries dense contacts as if they were sparse, with the local part of the others.
+// Cross-validation: treats dense contacts as sparse, with the local part of the other contacts.
 void try_sharing(const Contacts& dense, const Contacts& sparse, const FitOptions& options,
                  LocalPart& part) {
   const Contacts tried = some_of(dense, kMostTrials);
@@ -341,7 +342,7 @@ LocalPart learn_local_part(std::span<const ForceSamples> contacts,
   for (const ForceSamples& contact : all) {
     (contact.forces.cols() >= options.dense_samples ? dense : sparse).push_back(&contact);
   }
-  // Few samples tell their noise less well than all do: one noise for all.
+  // Use the same noise for all contacts, because few samples estimate it less well than all.
   FitOptions fit = options.fit;
   if (!fit.noise.displacement) {
     fit.noise.displacement = pooled_displacement_noise(all).value_or(kDisplacementNoise);

@@ -9,7 +9,8 @@ namespace palpate::haptics::stiffness_constraint {
 namespace {
 
 constexpr auto kSize = static_cast<Eigen::Index>(kEntries);
-// Where a factor starts, in units of force / extent: away from the kink of the factor at zero.
+// Least eigenvalue of the initial C C^T, in units of force / extent. At C = 0 the constraint has no
+// gradient.
 constexpr double kStartFloor = 1e-2;
 
 Eigen::Matrix3d lower_triangle(const Eigen::Ref<const Eigen::VectorXd>& entries) {
@@ -39,7 +40,7 @@ Eigen::MatrixXd jacobian(const Eigen::Ref<const Eigen::VectorXd>& y) {
   const Eigen::Matrix3d factor = lower_triangle(y.tail(kSize));
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(kSize, 2 * kSize);
   result.leftCols(kSize).setIdentity();
-  // d(C C^T)/dC_ab, entry e: (E C^T + C E^T) with E the unit matrix of (a, b)
+  // d(C C^T)/dC_ab, entry e: (E C^T + C E^T), where E has 1 at (a, b) and 0 elsewhere
   for (std::size_t e = 0; e < kEntries; ++e) {
     for (std::size_t v = 0; v < kEntries; ++v) {
       double slope = 0;
@@ -67,7 +68,7 @@ Eigen::MatrixXd hessian(const Eigen::Ref<const Eigen::VectorXd>& multipliers) {
 }
 
 Eigen::VectorXd start(const Eigen::Matrix3d& stiffness) {
-  // The Cholesky factor of the nearest matrix whose eigenvalues are not too small.
+  // The Cholesky factor of the nearest matrix whose eigenvalues are at least kStartFloor.
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(stiffness);
   const Eigen::Vector3d kept = eigen.eigenvalues().cwiseMax(kStartFloor);
   const Eigen::Matrix3d near =

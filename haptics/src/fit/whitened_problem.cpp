@@ -11,13 +11,13 @@
 namespace palpate::haptics {
 namespace {
 
-// Squared length of a whitened error from which on it counts ever less. Noise alone exceeds it once
-// in 10^10 samples (chi^2 with three degrees of freedom), so the loss costs no accuracy; of an
-// outlier thirty deviations away a twentieth is left.
+// Squared length of a whitened error at which its weight has fallen to a half. Noise alone exceeds
+// it once in 10^10 samples (chi^2 with three degrees of freedom), so the robust loss costs no
+// accuracy. An outlier of 30 standard deviations keeps a twentieth of its weight.
 constexpr double kCauchy = 50;
-// Shortest displacement, in units of the data's extent, that a secant stiffness is taken from.
+// Least length, in units of the data's extent, by which a force is divided for a secant stiffness.
 constexpr double kShortestSecant = 1e-3;
-// More than this part of the samples are no outliers but what the fit cannot follow.
+// If more than this fraction are outliers, the fit cannot follow the samples, so none are left out.
 constexpr double kMaxOutliers = 0.1;
 
 }  // namespace

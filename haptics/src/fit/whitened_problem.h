@@ -9,7 +9,8 @@
 
 namespace palpate::haptics {
 
-/// Least error relative to the extent of what it is in: some rounding errors.
+/// Least standard deviation of an error relative to the extent of its quantity: a few rounding
+/// errors.
 inline constexpr double kExact = 1e-9;
 
 /// Median of chi^2 with three degrees of freedom.
@@ -24,10 +25,10 @@ struct SampleNoise {
 /// Measures how well a field with weights >= 0 fits samples, with each error in units of its noise.
 /// Dimensionless: the caller scales.
 ///
-/// An error of a displacement is one of the force times the local stiffness K, so the error of a
-/// sample has the covariance S = force^2 I + displacement^2 K K^T, and is whitened by the inverse
-/// of its Cholesky factor. The loss of a whitened error of length r is c^2 log(1 + r^2 / c^2)
-/// (Cauchy), c^2 = kCauchy * spread: that of an outlier no longer grows as its square.
+/// An error of a displacement acts as an error of the force through the local stiffness K, so the
+/// error of a sample has the covariance S = force^2 I + displacement^2 K K^T. It is whitened by the
+/// inverse of the Cholesky factor of S. The loss of a whitened error of length r is c^2 log(1 + r^2
+/// / c^2) (Cauchy), c^2 = kCauchy * spread, which grows only slowly for outliers.
 class WhitenedProblem {
  public:
   WhitenedProblem(Eigen::Matrix3Xd displacements, Eigen::Matrix3Xd forces, SampleNoise noise);
