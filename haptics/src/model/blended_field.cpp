@@ -24,15 +24,15 @@ std::vector<Eigen::Matrix3d> pressing_frames(const Model& model) {
   return frames;
 }
 
-// A frame with the mean z axis; its x axis is that of the heaviest contact, carried there by the
-// smallest turn.
+// A frame whose z axis is the weighted mean of the frames' z axes. Its x axis is that of the frame
+// with the largest weight, after the smallest rotation between the z axes.
 Eigen::Matrix3d carried_frame(std::span<const Eigen::Matrix3d> frames,
                               std::span<const double> weights) noexcept {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (std::size_t k = 0; k < frames.size(); ++k) mean += weights[k] * frames[k].col(2);
   const auto heaviest = std::ranges::max_element(weights) - weights.begin();
   const Eigen::Matrix3d& frame = frames[static_cast<std::size_t>(heaviest)];
-  // They cancel each other only where the object has no inside to press into.
+  // The z axes cancel only where the object has no inside to press into.
   return mean.norm() > 0 ? Eigen::Matrix3d(rotation_between(frame.col(2), mean) * frame) : frame;
 }
 
@@ -75,7 +75,7 @@ Blend BlendedField::blend(const geometry::SurfacePoint& contact) const noexcept 
   const std::span weights(result.contacts.weights.data(), count);
   const bool by_compliance = interpolation_.rule == BlendRule::compliances;
   result.frame = by_compliance ? carried_frame(span, weights) : blend_rotations(span, weights);
-  // Axes of neighbours may cancel each other only if they are opposite.
+  // The axes of neighbours cancel only if they are opposite.
   result.friction_axis = axis.norm() > 0 ? Eigen::Vector3d(axis.normalized()) : result.frame.col(2);
   result.field_frame = result.frame;
   if (by_compliance) warp_fields(contact, result);
@@ -107,7 +107,7 @@ void BlendedField::warp_fields(const geometry::SurfacePoint& place, Blend& at) c
       const Eigen::Matrix2d turn = turn_between(frames[k], at.field_frame);
       at.warps[k] = warp_between(turned(contact.compliance->values, turn), here);
     }
-    // From the place's frame into the local frame, which the field is in.
+    // Maps from the place's frame into the local frame, in which the field is given.
     const Eigen::Matrix3d carry = rotation_between(frames[k].col(2), at.field_frame.col(2));
     at.warps[k].displacement =
         (carry * contact.frame).transpose() * at.field_frame * at.warps[k].displacement;

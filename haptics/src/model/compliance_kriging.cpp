@@ -16,19 +16,20 @@ namespace {
 
 using Values = Eigen::Matrix<double, 6, Eigen::Dynamic>;
 
-// Displacements, and compliances across, that vary by less than this of the largest do not vary.
+// Displacements and transverse compliances count as constant if they vary by less than this,
+// relative to the largest.
 constexpr double kNegligible = 1e-6;
-// Length scales are sought between these times the spacing of contacts, and the noise of a value
-// between these times the amplitude: data of tens of contacts tell no more apart.
+// Bounds of length scales, relative to the spacing of contacts, and of the noise of a value,
+// relative to the amplitude. Tens of contacts do not resolve more.
 constexpr double kShortestLength = 0.5, kLongestLength = 64;
 constexpr double kLeastNoise = 1e-3, kMostNoise = 0.3;
-// Where the search begins, in the same units.
+// Start of the search, in the same units.
 constexpr double kFirstLength = 4, kFirstNoise = 1e-2;
-// The search goes in factors of 2^kFirstStep down to 2^kLastStep, which changes a likelihood
-// little.
+// Steps of the search are factors of 2^kFirstStep, refined down to 2^kLastStep, which hardly
+// changes the likelihood.
 constexpr double kFirstStep = 2, kLastStep = 0.5;
-constexpr int kMaxRounds = 30;  // of the search; it takes fewer than ten
-// The covariance is learnt of this many contacts, evenly over their list.
+constexpr int kMaxRounds = 30;  // the search takes fewer than ten
+// Largest number of contacts, evenly selected, from which the covariance is learnt.
 constexpr std::size_t kMaxLearntFrom = 64;
 
 double matern(double distance) {
@@ -59,7 +60,7 @@ System make_system(const Eigen::Matrix2Xd& places, const Covariance& covariance)
   return system;
 }
 
-// Of each of the six numbers: the largest displacement, or compliance across.
+// Scale of each of the six numbers: the largest displacement or transverse compliance.
 Compliance sizes(const std::vector<Compliance>& values) {
   double displacement = 0, across = 0;
   for (const Compliance& value : values) {
@@ -71,7 +72,7 @@ Compliance sizes(const std::vector<Compliance>& values) {
   return result;
 }
 
-// The direction in which compliances change most, and the one across it, as rows.
+// The direction in which compliances change most, and its perpendicular, as rows.
 Eigen::Matrix2d principal_directions(const std::vector<Surroundings>& around,
                                      const std::vector<Compliance>& values,
                                      const Compliance& size) {
@@ -105,8 +106,8 @@ Covariance to_covariance(const Parameters& parameters, const Eigen::Matrix2d& di
   return covariance;
 }
 
-// Sets the most likely amplitudes; returns minus the logarithm of the likelihood of each contact
-// together with those around it, their unknown mean integrated out, per value.
+// Sets the most likely amplitudes. Returns the negative log-likelihood per value of each contact
+// and its surroundings, with the unknown mean integrated out.
 double fit_amplitudes(const std::vector<Surroundings>& around,
                       const std::vector<Compliance>& values, const Compliance& size,
                       Covariance& covariance) {
@@ -126,14 +127,15 @@ double fit_amplitudes(const std::vector<Surroundings>& around,
     logarithms += 2 * lower.diagonal().array().log().sum() + std::log(system.sum);
     count += static_cast<double>(others);
   }
-  // One amplitude for what a turn of the axes about z mixes: u_x and u_y; u_z; c, by its norm.
+  // Use one amplitude for the values that a rotation about z mixes: u_x and u_y; u_z; c, by its
+  // norm.
   squares /= count;
   const double sideways = (squares(0) + squares(1)) / 2;
   const double across = (squares(3) + 2 * squares(4) + squares(5)) / 4;
   squares << sideways, sideways, squares(2), across, across, across;
   const Compliance least = kNegligible * kNegligible * size.cwiseAbs2();
   covariance.amplitude = squares.cwiseMax(least).cwiseSqrt();
-  // What does not vary says nothing of lengths.
+  // Constant values carry no information on length scales.
   const double varying = (squares.array() > least.array()).cast<double>().sum();
   return covariance.amplitude.array().log().sum() + varying / 2 * logarithms / count;
 }
@@ -244,7 +246,7 @@ Covariance learn_covariance(const std::vector<Surroundings>& around,
     covariance = to_covariance(parameters, directions, spacing);
     return fit_amplitudes(around, values, size, covariance);
   };
-  // Compass search: the likelihood is smooth, has few dimensions and needs no digits.
+  // Compass search suffices: the likelihood is smooth, and its few parameters need not be accurate.
   Parameters best(std::log2(kFirstLength), std::log2(kFirstLength), std::log2(kFirstNoise));
   Covariance covariance;
   double least = evaluate(best, covariance);

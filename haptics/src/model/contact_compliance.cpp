@@ -16,21 +16,21 @@
 namespace palpate::haptics {
 namespace {
 
-// Newton's method ends when the force is met to this, relative to it: far above rounding, far below
-// what is measured.
+// Newton's method has converged when the relative error of the force is at most this: far above
+// rounding, far below the accuracy of measurements.
 constexpr double kForceTolerance = 1e-9;
 constexpr int kMaxNewtonIterations = 100;  // of Newton's method; convex fields take about ten
 constexpr double kSufficientDecrease = 1e-4;
 constexpr double kShortestStep = 1e-9;
 // A stiffness counts as positive definite with eigenvalues above this times its norm.
 constexpr double kPositiveDefinite = 1e-9;
-// Digits of what is stored: a trend is an estimate, a direction keeps `kFrameTolerance`.
+// Precision of stored values: a trend is only an estimate, a direction keeps `kFrameTolerance`.
 constexpr int kTrendDigits = 5;
 constexpr int kDirectionPlaces = 10;
-// The reach in distances between neighbours: further out than that a trend says nothing.
+// Reach of a trend relative to the spacing of contacts; further out a trend is meaningless.
 constexpr double kReachRatio = 2;
 
-// Where the energy minus the work of `load` is least, near zero; none if there is no such place
+// Minimises the energy minus the work of `load`, starting from zero; nullopt if no minimum is found
 // within `limit`.
 std::optional<Eigen::Vector3d> displacement_under(const ForceField& field,
                                                   const Eigen::Vector3d& load, double limit) {
@@ -42,13 +42,14 @@ std::optional<Eigen::Vector3d> displacement_under(const ForceField& field,
     const Eigen::Vector3d gradient = force(field, x) - load;
     if (gradient.norm() <= kForceTolerance * load.norm()) return x;
     const Eigen::Matrix3d hessian = stiffness(field, x);
-    // Where it is not convex, downhill at least.
+    // Where the energy is not convex, take a gradient step.
     Eigen::LLT<Eigen::Matrix3d> factor(hessian + kPositiveDefinite * hessian.norm() *
                                                      Eigen::Matrix3d::Identity());
     Eigen::Vector3d step = -gradient / std::max(hessian.norm(), load.norm() / limit);
     if (factor.info() == Eigen::Success && hessian.norm() > 0) step = -factor.solve(gradient);
     if (step.norm() > limit / 2) step *= limit / 2 / step.norm();
-    // Near the end the energy is lost in rounding; there the force must come closer instead.
+    // Near the minimum rounding hides the decrease of the energy; accept a smaller force error
+    // instead.
     double length = 1;
     const auto improves = [&](const Eigen::Vector3d& next) {
       return energy(next) <= energy(x) + kSufficientDecrease * length * gradient.dot(step) ||
@@ -61,8 +62,8 @@ std::optional<Eigen::Vector3d> displacement_under(const ForceField& field,
   return std::nullopt;
 }
 
-// Of each contact: the mean inward normal of the surface in the world, weighted with the contact's
-// weight; the z axis of its frame where there is none.
+// For each contact, the mean inward normal of the surface in the world frame, weighted with the
+// contact's weights; the z axis of its frame if all weights are zero.
 std::vector<Eigen::Vector3d> inward_normals(const Model& model) {
   const geometry::SurfaceWeights weights = vertex_weights(model);
   std::vector<Eigen::Vector3d> sums(model.contacts.size(), Eigen::Vector3d::Zero());

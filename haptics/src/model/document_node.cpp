@@ -26,8 +26,7 @@ std::string escaped(const std::string& key) {
   return result;
 }
 
-// Few nodes ever need their pointer, so they do not carry it: it is found by a search for the
-// value.
+// Finds the JSON pointer of a value by search. Nodes do not store it because few ever need it.
 bool append_pointer(const json& value, const json& root, std::string& pointer) {
   if (&value == &root) return true;
   const std::size_t length = pointer.size();
@@ -82,7 +81,7 @@ std::vector<DocumentNode> DocumentNode::items() const {
 double DocumentNode::number() const {
   if (!value_->is_number()) refuse("a number");
   const double result = value_->get<double>();
-  // Written so that NaN, which CBOR can tell, is refused.
+  // The negated comparison also refuses NaN, which CBOR can represent.
   if (!(std::abs(result) <= kLargestNumber)) refuse("a finite number of at most 1e12");
   return result;
 }

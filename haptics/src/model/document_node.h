@@ -12,8 +12,8 @@
 
 namespace palpate::haptics {
 
-/// No number of a document is further from zero, in whatever unit: a larger one would be a mistake,
-/// and the square of a smaller one is still finite.
+/// Largest magnitude of a number in a document, in any unit. A larger one would be a mistake, and
+/// the square of a smaller one is finite.
 inline constexpr double kLargestNumber = 1e12;
 
 /// A part of a JSON document: its value, and the JSON pointer to it in the document.
@@ -26,9 +26,9 @@ struct DocumentPart {
 [[noreturn]] void refuse(const std::string& pointer, const std::string& found,
                          const std::string& right);
 
-/// A value inside a part of a JSON document, seen by a reader that knows what it has to be. Every
-/// function throws InvalidInput if the value is something else: the message has the JSON pointer,
-/// what was found, and what would be right. The part must outlive the node.
+/// Typed access to a value inside a part of a JSON document. Every function throws InvalidInput if
+/// the value is not of the requested kind: the message has the JSON pointer, what was found, and
+/// what would be right. The part must outlive the node.
 class DocumentNode {
  public:
   explicit DocumentNode(const DocumentPart& part) : part_(&part), value_(&part.value) {}

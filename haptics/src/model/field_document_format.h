@@ -8,8 +8,8 @@
 
 namespace palpate::haptics {
 
-// Words of the field document, which its writer and its reader share. An enumerator is written as
-// `to_string` names it.
+// Names in the field document, shared by its writer and its reader. Enumerators are written as
+// `to_string` names them.
 inline constexpr const char* kFieldFormat = "palpate-model";
 inline constexpr int kFieldVersion = 1;
 inline constexpr const char* kSurfaceFile = "surface.ply";

@@ -30,7 +30,7 @@ std::array<double, N> numbers(const Node& node, const char* right) {
   return result;
 }
 
-// The value that `to_string` has the word for.
+// The value whose name by `to_string` the node contains.
 template <typename Value, std::size_t N>
 Value choice(const Node& node, const std::array<Value, N>& values) {
   std::array<const char*, N> words;
@@ -58,7 +58,7 @@ Multiquadric to_base(const Node& node) {
 Multiquadric ridge_of(const Node& node) {
   const auto of = numbers<5>(node, "five numbers: weight, offset, three of the slope");
   const StoredRidge ridge{of[0], of[1], {of[2], of[3], of[4]}};
-  // The ridge's epsilon is the inverse, which would be larger than any number of a document.
+  // Epsilon is the inverse of the slope's length and must not exceed the largest number.
   if (!(ridge.slope.stableNorm() >= 1 / kLargestNumber))
     node.refuse("the last three numbers to be a vector of a length of at least 1e-12");
   return to_ridge(ridge);
@@ -138,8 +138,8 @@ std::string pointer_to(const char* list, std::size_t index) {
   return std::string("/") + list + "/" + std::to_string(index);
 }
 
-// Contacts and triangles, as they come in. An error is kept until `check`: the document may say
-// further on that it has another version, which explains it.
+// Collects contacts and triangles as they are parsed. An error is kept until `take`, because the
+// document may state further on that it has another version, which explains it.
 class Lists {
  public:
   static constexpr const char* kContacts = "contacts";
@@ -170,7 +170,7 @@ class Lists {
     }
   }
 
-  // Hands the lists over. `document` has the members that are no list of these.
+  // Moves the lists into the model. `document` has all other members.
   void take(const Node& document, Model& model) {
     if (!error_.empty()) throw InvalidInput(error_);
     if (!contacts_) static_cast<void>(document.at(kContacts).items());
@@ -217,9 +217,8 @@ class Lists {
   std::string error_;                                    ///< the first; empty = none
 };
 
-// Takes a document from nlohmann's parser event by event. Only one item of the long lists is in
-// memory as JSON at a time: 1e5 contacts as a whole would take gigabytes, and more time than
-// everything else.
+// Handles the events of nlohmann's parser. Only one item of the long lists is in memory as JSON at
+// a time, because 1e5 contacts as a whole would take gigabytes, and more time than everything else.
 class DocumentHandler : public nlohmann::json_sax<json> {
  public:
   explicit DocumentHandler(Lists& lists) : lists_(lists) {}
@@ -245,12 +244,12 @@ class DocumentHandler : public nlohmann::json_sax<json> {
   }
 
   [[nodiscard]] const std::string& error() const { return error_; }
-  /// The members that are no list; or whatever is in place of an object.
+  /// The members other than the lists, or the value found in place of an object.
   [[nodiscard]] DocumentPart rest() && { return {std::move(rest_), ""}; }
 
  private:
-  // The parser for CBOR calls itself at each level.
-  static constexpr int kMaxDepth = 32;  // ours have 6
+  // Limits the recursion of the CBOR parser, which calls itself at each level.
+  static constexpr int kMaxDepth = 32;  // field documents have 6
 
   bool open(json container) {
     if (depth_ == kMaxDepth) {
@@ -293,7 +292,7 @@ class DocumentHandler : public nlohmann::json_sax<json> {
     return container[std::move(key_)] = std::move(value);
   }
 
-  // A member, or an item of a list, is complete.
+  // Called when a member, or an item of a list, is complete.
   void finish() {
     if (in_list_)
       lists_.add(member_, std::move(part_));

@@ -18,8 +18,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Whole numbers are shorter without ".0"; -0 has no other form. A number that the reader would
-// refuse is not written.
+// Whole numbers are written without ".0", except -0. A number that the reader would refuse is an
+// error.
 Json to_json(double value) {
   if (!(std::abs(value) <= kLargestNumber)) {
     throw InvalidInput("field_document(): the model has a number of " + Json(value).dump() +
@@ -51,8 +51,8 @@ Json to_json(const StoredRidge& ridge) {
   return result;
 }
 
-// A number that was rounded before equals its rounded stored form: this is written, and read back
-// as it was. Any other number is written as exactly as the stored form allows.
+// Writes the shortened form if it stands for the same base, so that a rounded model is read back
+// unchanged. Any other base is written with all digits.
 Json ridge_to_json(const Multiquadric& base) {
   const StoredRidge stored = to_stored(base), shortened = rounded(stored);
   return to_json(to_ridge(shortened) == base ? shortened : stored);
@@ -75,7 +75,7 @@ Json axis_to_json(const Eigen::Vector3d& axis) {
   return to_json(shortened.normalized() == axis ? shortened : stored);
 }
 
-// Nothing where the figure is not known.
+// Omits figures that are not known.
 void put(Json& object, const char* key, const std::optional<double>& figure) {
   if (figure) object[key] = to_json(*figure);
 }
@@ -173,7 +173,7 @@ class TextWriter {
     stream_ << separator_ << '"' << key << "\":";
     separator_ = ",\n";
   }
-  // JSON is UTF-8; a file name in `made` may be in any encoding.
+  // JSON is UTF-8, but a file name in `made` may be in any encoding.
   static std::string text(const Json& value) {
     return value.dump(-1, ' ', false, Json::error_handler_t::replace);
   }
@@ -214,7 +214,7 @@ class CborWriter {
   std::vector<std::uint8_t> bytes_;
 };
 
-// A file name may be in any encoding; texts of CBOR and JSON are UTF-8.
+// Texts of CBOR and JSON are UTF-8, but a file name may be in any encoding.
 Json valid_texts(const std::map<std::string, std::string>& texts) {
   const std::string text = Json(texts).dump(-1, ' ', false, Json::error_handler_t::replace);
   return Json::parse(text);

@@ -24,16 +24,16 @@ Eigen::Matrix2d geometric_mean(const Eigen::Matrix2d& a, const Eigen::Matrix2d& 
   return std::sqrt(scale_a * scale_b / sum.determinant()) * sum;
 }
 
-// How far `change` goes relative to `mean`: the larger of the relative change of u_z and the
-// Frobenius norm of that of c, which bounds its eigenvalues.
+// Size of `change` relative to `mean`: the larger of the relative change of u_z and the Frobenius
+// norm of that of c, which bounds its eigenvalues.
 double relative_change(const Compliance& change, const Compliance& mean) {
   const Eigen::Matrix2d relative = across(mean).inverse() * across(change);
-  // Similar to a symmetric matrix: this trace is its squared norm.
+  // The matrix is similar to a symmetric one, so this trace is its squared Frobenius norm.
   const double square = (relative * relative).trace();
   return std::max(std::abs(change(2)) / mean(2), std::sqrt(std::max(square, 0.0)));
 }
 
-// D(place + step) - D(place) of second order, D and its derivatives as in `ContactCompliance`.
+// a^T H b with the second derivatives H of the compliance.
 Compliance curvature(const ContactCompliance& contact, const Eigen::Vector2d& a,
                      const Eigen::Vector2d& b) {
   return contact.trend.rightCols<3>() *

@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 constexpr const char* kContacts = "contacts.ply";
 constexpr const char* kDocument = "field.json";
 constexpr const char* kBinaryDocument = "field.cbor";
-// Properties of the vertices in surface.ply: the contacts that have influence there, and how much.
+// Vertex properties in surface.ply: the contacts that have influence there, and their weights.
 constexpr std::array<const char*, 3> kContactNames = {"contact_0", "contact_1", "contact_2"};
 constexpr std::array<const char*, 3> kWeightNames = {"weight_0", "weight_1", "weight_2"};
 
@@ -135,7 +135,7 @@ void write_model(const fs::path& folder, const Model& model,
       model.contacts.size() > kMaxJsonContacts ? ModelEncoding::cbor : ModelEncoding::json);
   write_folder(folder, model_entries(), [&](const fs::path& temporary) {
     write_surface(temporary / kSurfaceFile, model);
-    // A copy of what the document says, for programs that show meshes.
+    // Redundant copy of the triangles in the document, for mesh viewers.
     if (model.triangles.cols() > 0) {
       geometry::write_mesh(temporary / kContacts, contact_mesh(model));
     }

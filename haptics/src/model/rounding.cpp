@@ -17,10 +17,10 @@ constexpr int kPositionDigits = 9;
 constexpr int kFrictionDigits = 6;
 constexpr int kReportDigits = 4;  // of errors and other figures that nothing is computed from
 
-// The decimal that `std::to_chars` writes is the nearest, and reading it gives the double that a
-// file's reader will get: neither is true of multiplying by powers of ten.
+// `std::to_chars` writes the nearest decimal, and reading it gives the same double as reading the
+// file will. Multiplying by powers of ten guarantees neither.
 double through_text(double value, std::chars_format format, int precision) {
-  constexpr std::size_t kLongest = 512;  // the greatest double with some decimal places takes 330
+  constexpr std::size_t kLongest = 512;  // the largest double with some decimal places takes 330
   std::array<char, kLongest> text;
   const auto written =
       std::to_chars(text.data(), text.data() + text.size(), value, format, precision);

@@ -19,8 +19,8 @@ double largest_entry(const Vector& v) {
 
 double to_places(double entry) { return round_to_places(entry, kFieldDigits); }
 
-// Decimal places that a slope is rounded to. Weight and epsilon take over the errors of three
-// entries. A digit more for a largest entry that begins with 1 or 2 keeps them within
+// Decimal places to which a slope is rounded. Weight and epsilon depend on the errors of all three
+// entries. One more digit if the largest entry begins with 1 or 2 keeps them within
 // CertificateOptions::number_tolerance.
 int places_of(const Eigen::Vector3d& slope) {
   constexpr double kEnough = 3;
@@ -48,8 +48,8 @@ StoredRidge rounded(StoredRidge stored) {
   const auto slope_with = [&](int places) -> Eigen::Vector3d {
     return stored.slope.unaryExpr([&](double entry) { return round_to_places(entry, places); });
   };
-  // Rounding may take the largest entry over a bound at which places change: rounding again must
-  // not take one off.
+  // Rounding may move the largest entry over a bound at which the number of places changes.
+  // Rounding again must not remove another place.
   const int places = places_of(stored.slope);
   stored.slope = slope_with(std::min(places, places_of(slope_with(places))));
   return stored;
@@ -62,7 +62,7 @@ Eigen::Vector4d to_quaternion(const Eigen::Matrix3d& frame) {
 }
 
 Eigen::Matrix3d to_frame(const Eigen::Vector4d& quaternion) {
-  // The square of its length may be too small for a number.
+  // The squared length may underflow, so scale first.
   const Eigen::Vector4d scaled = quaternion / std::abs(largest_entry(quaternion));
   const double w = scaled[0], x = scaled[1], y = scaled[2], z = scaled[3];
   const double twice = 2 / scaled.squaredNorm();

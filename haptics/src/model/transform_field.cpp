@@ -20,20 +20,20 @@
 namespace palpate::haptics {
 namespace {
 
-// A is a rotation times a scale iff no entry of A^T A / s^2 is further from the identity than this:
-// rounding of some operations.
+// A is a rotation times a scale iff A^T A / s^2 differs from the identity by at most this in each
+// entry: the rounding of some operations.
 constexpr double kSimilarity = 1e-12;
-// Displacements to refit a field at: directions on some spheres within its reach.
+// Displacements at which a field is refitted: directions on concentric spheres within its reach.
 constexpr int kSphereDirections = 48;
 constexpr int kSpheres = 4;
-// Of the root mean square force: how well a field is refitted, far better than it was measured.
+// Accuracy of a refit relative to the root mean square force; far better than the measurement.
 constexpr double kRefitAccuracy = 0.005;
-// Of the force that a field tends to: far beyond the place where it has reached so much, it is
-// nearly constant.
+// The reach is limited to where the force is this fraction of its asymptotic value. Further out it
+// is nearly constant.
 constexpr double kSaturation = 0.75;
-// In extents of a field: where its force is constant to a thousandth.
+// Distance, in extents of a field, at which its force is constant to a thousandth.
 constexpr double kFarOut = 1e3;
-constexpr int kBisections = 50;  // from there to a millionth of a millionth of an extent
+constexpr int kBisections = 50;  // from kFarOut to 1e-12 of an extent
 
 bool is_negative(const Multiquadric& base) { return base.weight < 0; }
 
@@ -57,7 +57,7 @@ Multiquadric scaled(const Multiquadric& base, const Eigen::Matrix3d& A, double s
 
 double extent(const Multiquadric& base) { return base.center.norm() + base.epsilon; }
 
-// Unit vectors, evenly spread; those of each sphere fall between those of the others.
+// Unit vectors, evenly spread; those of different spheres are staggered.
 Eigen::Matrix3Xd directions(int sphere) {
   Eigen::Matrix3Xd result(3, kSphereDirections);
   for (int i = 0; i < kSphereDirections; ++i) {
@@ -70,7 +70,7 @@ Eigen::Matrix3Xd directions(int sphere) {
   return result;
 }
 
-// On spheres whose radii are evenly spaced: denser towards zero, where each touch begins.
+// On spheres of evenly spaced radii, so that they are denser near zero, where each touch begins.
 Eigen::Matrix3Xd displacements_within(double reach) {
   Eigen::Matrix3Xd result(3, kSpheres * kSphereDirections);
   for (int i = 0; i < kSpheres; ++i)
@@ -83,7 +83,7 @@ double root_mean_square(const Eigen::Matrix3Xd& columns) {
   return columns.norm() / std::sqrt(static_cast<double>(columns.cols()));
 }
 
-// [mm] as far as a field with bases is refitted.
+// [mm] Distance from zero within which a field with bases is refitted.
 double refit_reach(const ForceField& field, const std::optional<double>& largest_force) {
   std::vector<double> extents;
   for (const Multiquadric& base : field.bases) extents.push_back(extent(base));
@@ -108,14 +108,14 @@ double refit_reach(const ForceField& field, const std::optional<double>& largest
   return kReachFactor * above;
 }
 
-// Bases with the given forces, and with no negative weight if `convex`. All is in units of the
-// samples, for neither reach nor forces need be of the size of a measurement.
+// Fits bases to the given forces, without negative weights if `convex`. The samples are scaled
+// because reach and forces may differ much from those of a measurement.
 ForceField fit_bases(const Eigen::Matrix3Xd& displacements, const Eigen::Matrix3Xd& forces,
                      bool convex) {
   const double length = root_mean_square(displacements), newton = root_mean_square(forces);
   ForceField field;
   if (convex) {
-    // `fit_force_field` would take bases of any sign where these fit worse.
+    // `fit_force_field` may choose bases with negative weights if they fit better.
     field = fit_convex({displacements / length, forces / newton, {0, kRefitAccuracy / 2}},
                        kRefitAccuracy, kMaxConvexBases)
                 .field;
