@@ -18,8 +18,9 @@ namespace {
 
 using Complex = std::complex<double>;
 
-// The Laplacian is made definite by this fraction of its mean diagonal. Inverse iteration then
-// keeps apart by less than 1e-100 parts that are not connected, and settles in some ten steps.
+// Shift of the Laplacian, relative to its mean diagonal, that makes it definite. Inverse iteration
+// then converges in about ten steps, and in kIterations the amplitudes of unconnected parts differ
+// by less than a factor of 1e100, so that none underflows.
 constexpr double kShift = 1e-3;
 constexpr int kIterations = 30;
 
@@ -31,8 +32,8 @@ std::set<std::pair<int, int>> edges(const Eigen::Matrix3Xi& triangles) {
   return result;
 }
 
-// exp(i angle), the direction in `to` of the x axis of `from` when its z axis is turned onto that
-// of `to` by the smallest turn.
+// exp(i angle) of the direction in `to` of the x axis of `from`, after the smallest rotation that
+// aligns the z axes.
 Complex transport(const Eigen::Matrix3d& from, const Eigen::Matrix3d& to) {
   const Eigen::Vector3d x = rotation_between(from.col(2), to.col(2)) * from.col(0);
   const Complex direction(to.col(0).dot(x), to.col(1).dot(x));

@@ -36,8 +36,7 @@ void check_options(const BuildOptions& options) {
   require("BuildOptions::dense_samples", options.dense_samples, at_least(kFewestDenseSamples));
 }
 
-// The indices in the acquisition of the contacts that have samples. Those without are named in the
-// result.
+// Indices in the acquisition of the contacts with samples. The others are listed in the result.
 std::vector<std::size_t> probed_contacts(const probing::CheckedAcquisition& acquisition,
                                          BuildResult& result) {
   std::vector<std::size_t> source;
@@ -76,7 +75,7 @@ Eigen::Vector3d pressing_direction(const FrictionFit& cone, const probing::Conta
   return is_measured(cone, contact) ? cone.axis : Eigen::Vector3d(-contact.normal.normalized());
 }
 
-// Directions are still in the frame of the acquisition.
+// The directions are still in the frame of the acquisition.
 void take_friction(const ContactReport& report, const probing::Contact& contact,
                    ContactModel& model) {
   const FrictionFit& cone = report.friction;
@@ -90,13 +89,13 @@ void take_friction(const ContactReport& report, const probing::Contact& contact,
   model.friction_axis = axis.stop == FrictionAxisStop::converged ? *axis.axis : model.frame.col(2);
 }
 
-// All x axes come from one by the smallest turn from the mean pressing direction, so that
-// neighbours agree on them.
+// All x axes are derived from one by the smallest rotation from the mean pressing direction, so
+// that neighbours have similar ones.
 void choose_frames(Model& model) {
   const Eigen::Matrix3d to_surface = model.T_surface_acquisition.linear();
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const ContactModel& contact : model.contacts) mean += contact.frame.col(2);
-  // A closed object may press from all sides: then any direction will do.
+  // On a closed object the pressing directions may cancel. Then any direction serves.
   if (!(mean.norm() > 0)) mean = model.contacts.front().frame.col(2);
   const Eigen::Matrix3d mean_frame = rotation_between(Eigen::Vector3d::UnitZ(), mean);
   for (ContactModel& contact : model.contacts) {
@@ -106,7 +105,7 @@ void choose_frames(Model& model) {
   }
 }
 
-// Figures of a model are at most the greatest that a file may hold. NaN: not known.
+// Limits a figure to the largest number that a file may hold. NaN: not known.
 std::optional<double> storable(double figure) {
   constexpr double kGreatest = 1e12;
   if (std::isnan(figure)) return std::nullopt;
@@ -189,7 +188,7 @@ void check_usable(const std::vector<ContactReport>& contacts) {
       failed, contacts.size(), worst, named, failed > kNamed ? ", ..." : ""));
 }
 
-// The largest force along the z axis that all but a quarter of the contacts were pressed with.
+// The lower quartile, over the contacts, of the largest force along the z axis.
 double reference_force(const std::vector<ForceSamples>& samples, const Model& model) {
   std::vector<double> largest;
   for (std::size_t i = 0; i < samples.size(); ++i) {
@@ -212,8 +211,8 @@ void turn_into_local_frames(std::vector<ForceSamples>& samples, const Model& mod
   }
 }
 
-// Fits the friction cones of all contacts. Where directions were not searched, the cones of the
-// others are the prior.
+// Fits the friction cones of all contacts. Where no directions were searched, the cones of the
+// other contacts are the prior.
 std::vector<FrictionFit> fit_cones(const probing::CheckedAcquisition& acquisition,
                                    const std::vector<std::size_t>& source,
                                    const FrictionOptions& options) {
@@ -240,8 +239,8 @@ std::vector<FrictionFit> fit_cones(const probing::CheckedAcquisition& acquisitio
   return cones;
 }
 
-// Fits friction and field of every contact. `source` tells which of the acquisition's contacts each
-// contact of the model is. Returns the reference force of the contacts.
+// Fits friction and field of every contact and returns their reference force. `source` maps
+// contacts of the model to those of the acquisition.
 double fit_contacts(const probing::CheckedAcquisition& acquisition,
                     const std::vector<std::size_t>& source, const BuildOptions& options,
                     BuildResult& result) {
@@ -249,7 +248,7 @@ double fit_contacts(const probing::CheckedAcquisition& acquisition,
   parallel_for(source.size(), [&](std::size_t i) {
     samples[i] = realign(acquisition.contacts()[source[i]], acquisition.samples_of(source[i]));
   });
-  // One tool and one tracker measured all contacts: together they tell their noise best.
+  // Estimate the noise from all contacts, as one tool and one tracker measured them.
   FitOptions fit = options.fit;
   if (!fit.noise.displacement) fit.noise.displacement = pooled_displacement_noise(samples);
   const FrictionAxisOptions axis{
@@ -298,7 +297,7 @@ void fill_in_friction(Model& model) {
   }
   for (ContactModel& contact : model.contacts) {
     if (contact.friction_source == FrictionSource::samples) continue;
-    // A lower bound of its own is a cautious coefficient (thesis 5.4.1).
+    // A contact's own lower bound is a cautious coefficient (thesis 5.4.1).
     const bool bounded = contact.friction_lower_bound > mean;
     contact.friction = bounded ? contact.friction_lower_bound : mean;
     contact.friction_error = bounded ? std::nullopt : scatter;
@@ -367,8 +366,8 @@ BuildResult build_model(const probing::CheckedAcquisition& acquisition,
     result.contacts[i].distance = places[i].distance;
     points.push_back(places[i].at);
   }
-  // The triangulation is oriented as the surface: after it was turned over. A surface point that
-  // was found before names the same triangle with two corners exchanged.
+  // The triangulation follows the orientation of the surface. If that was reversed, two corners of
+  // each triangle were exchanged since the points were found.
   if (result.surface_flipped) {
     for (geometry::SurfacePoint& point : points)
       std::swap(point.barycentric[1], point.barycentric[2]);

@@ -31,18 +31,18 @@
 namespace palpate::haptics {
 namespace {
 
-// A contact of the acquisition, put on the surface, is that of the model within this, relative to
-// the surface's diagonal: surfaces are stored in single precision.
+// Largest distance between a contact of the acquisition, projected onto the surface, and that of
+// the model, relative to the surface's diagonal: surfaces are stored in single precision.
 constexpr double kSamePlaceRatio = 1e-5;
-// The stiffness is the difference of forces over this part of the displacement, on either side.
+// Step of the central difference for the stiffness, relative to the displacement.
 constexpr double kStepRatio = 1e-3;
-// Suggestions are sought at no more vertices of the surface than this, evenly over them.
+// Largest number of vertices, evenly selected, that are candidates for suggested contacts.
 constexpr Eigen::Index kMaxCandidates = 4000;
-// Suggestions lie no further from the contacts' triangles than this times the spacing of contacts:
-// beyond, the object may be held by something, and errors grow with the distance whatever it does.
+// Largest distance of suggested contacts from the contacts' triangles, relative to the spacing of
+// contacts. Further out the object may be held, and errors grow with the distance anyway.
 constexpr double kMaxBeyond = 0.5;
 
-// A model of an earlier version does not tell what it was made of.
+// Models of earlier versions have no fingerprint of their samples.
 void check_same_samples(const Model& model, const probing::CheckedAcquisition& acquisition) {
   const auto made_of = model.made.find(kSamplesFingerprint);
   if (made_of == model.made.end()) return;
@@ -54,8 +54,8 @@ void check_same_samples(const Model& model, const probing::CheckedAcquisition& a
                      "the acquisition that the model was made of, or fit it to this one");
 }
 
-// The realigned samples of a contact of the model, in the frame of the surface; displacements count
-// from the contact as measured.
+// The realigned samples of a contact of the model, in the frame of the surface. Displacements are
+// relative to the measured contact.
 ForceSamples samples_of(const ContactModel& contact, const Model& model,
                         const probing::CheckedAcquisition& acquisition,
                         const geometry::SurfaceQuery& surface) {
@@ -149,7 +149,7 @@ ContactError predict_contact(const BlendedField& field, const Blend& at,
   return error;
 }
 
-// Of the errors that count, if any does.
+// RMS of the errors that count; nullopt if there are none.
 std::optional<double> pooled_rms(const std::vector<ContactError>& errors,
                                  const std::vector<bool>& counts) {
   double sum = 0, count = 0;
@@ -161,7 +161,7 @@ std::optional<double> pooled_rms(const std::vector<ContactError>& errors,
   return count > 0 ? std::optional(std::sqrt(sum / count)) : std::nullopt;
 }
 
-// How much larger errors are than expected.
+// Ratio of measured to expected errors.
 double expectation_scale(const std::vector<ContactError>& errors) {
   double measured = 0, expected = 0;
   for (const ContactError& error : errors) {

@@ -28,12 +28,13 @@ namespace {
 using geometry::ClosestPoint;
 using geometry::SurfaceQuery;
 
-// Of the median distance between neighbouring contacts: nearer ones of different sides are one.
+// Contacts of different sides closer than this are the same; relative to the median distance
+// between neighbouring contacts.
 constexpr double kSamePlace = 0.25;
-// Of the surface's diagonal: contacts this near cannot be triangulated (below 1e-9), so they are
-// one whatever the options say.
+// Closer contacts are always merged, because contacts closer than 1e-9 cannot be triangulated;
+// relative to the surface's diagonal.
 constexpr double kCoincide = 1e-8;
-// Ids stay below: far from the end of `long long`, and exact in every JSON reader.
+// Largest magnitude of an id: cannot overflow `long long`, and is exact in every JSON reader.
 constexpr long long kLargestId = 1LL << 53;
 
 std::string side_name(std::span<const SideModel> sides, std::size_t side) {
@@ -47,7 +48,7 @@ void check_options(const MergeModelsOptions& options) {
   require("MergeModelsOptions::same_place", options.same_place, at_least(0), "mm");
 }
 
-// A pose whose rotation is one to the last digit: a text file may carry six.
+// The pose with an exact rotation, because a text file may give only six digits.
 Eigen::Isometry3d exact_pose(std::span<const SideModel> sides, std::size_t side) {
   constexpr double kRotation = 1e-6;
   const Eigen::Isometry3d& pose = sides[side].T_object_model;
@@ -62,7 +63,7 @@ Eigen::Isometry3d exact_pose(std::span<const SideModel> sides, std::size_t side)
   return result;
 }
 
-/// A contact on its way into the merged model.
+/// A contact that may enter the merged model.
 struct MergeCandidate {
   SideContact source;
   ContactModel contact;     ///< in the frame of the object
@@ -78,7 +79,7 @@ void add_candidates(const SideModel& side, int index, const Eigen::Isometry3d& p
   for (const ContactModel& contact : side.model.contacts) {
     MergeCandidate candidate{
         .source = {index, contact.id}, .contact = contact, .outward = {}, .at = {}};
-    candidate.contact.compliance.reset();  // was learnt among the contacts of this side
+    candidate.contact.compliance.reset();  // it was learnt from the contacts of this side
     candidate.contact.position = pose * contact.position;
     candidate.contact.frame = pose.linear() * contact.frame;
     candidate.contact.friction_axis = (pose.linear() * contact.friction_axis).normalized();
@@ -120,7 +121,7 @@ void place_on_surface(std::span<const SideModel> sides, const MergeModelsOptions
           std::to_string(options.max_distance) +
           " mm are allowed. Check the poses, or raise MergeModelsOptions::max_distance");
     }
-    // A normal that is NaN, of a triangle without area, is no reason to refuse.
+    // A triangle without area has a NaN normal, which is no reason to refuse.
     if (normals.col(place.at.triangle).dot(candidate.outward) < 0) {
       throw InvalidInput(name +
                          " lies on the inside of the merged surface: two sides are nearer "
@@ -152,7 +153,7 @@ double neighbour_distance(std::span<const SideModel> sides) {
   return *middle;
 }
 
-/// Contacts along x, to look for those near a place.
+/// Contacts sorted by x, to find those near a place.
 class NearContacts {
  public:
   NearContacts(const std::vector<MergeCandidate>& candidates, double distance)
@@ -161,7 +162,7 @@ class NearContacts {
     std::ranges::sort(along_x_, [&](std::size_t a, std::size_t b) { return x(a) < x(b); });
   }
 
-  /// The nearest contact of another side at the same place that `counts`; itself if there is none.
+  /// The nearest contact of another side at the same place that `counts`; `i` if there is none.
   [[nodiscard]] std::size_t nearest(std::size_t i, const std::vector<bool>& counts) const {
     std::size_t found = i;
     double least = distance_;
@@ -187,7 +188,8 @@ class NearContacts {
   std::vector<std::size_t> along_x_;
 };
 
-// Which candidates stay; the best first, so that each is left out only for a better one that stays.
+// Selects the candidates to keep. The best come first, so that each is left out only for a better
+// one that is kept.
 std::vector<bool> keep_the_better(const std::vector<MergeCandidate>& candidates,
                                   MergedModel& merged) {
   std::vector<std::size_t> best_first(candidates.size());
@@ -209,8 +211,8 @@ std::vector<bool> keep_the_better(const std::vector<MergeCandidate>& candidates,
   return kept;
 }
 
-// What is added to the ids of each further side so that all differ: 0 if they do, else a power of
-// ten.
+// Offset between the ids of successive sides that makes all ids differ: 0 if they do already, else
+// a power of ten.
 long long id_stride(std::span<const SideModel> sides) {
   std::set<long long> ids;
   bool all_differ = true;
@@ -220,7 +222,7 @@ long long id_stride(std::span<const SideModel> sides) {
   }
   if (all_differ) return 0;
   const auto further = static_cast<long long>(sides.size());
-  // Before anything is computed with ids, which may be as large as `long long` goes.
+  // Check this first, because computing with ids near the limits of `long long` would overflow.
   bool too_large = *ids.begin() < -kLargestId || *ids.rbegin() > kLargestId;
   long long stride = 10;
   if (!too_large) {
@@ -256,7 +258,7 @@ void keep_contacts(std::span<const SideModel> sides, std::vector<MergeCandidate>
   }
 }
 
-// The least of the sides that blend compliances; none if none does.
+// The least reference force of the sides that blend compliances; nullopt if none does.
 std::optional<double> reference_force(std::span<const SideModel> sides) {
   std::optional<double> least;
   for (const SideModel& side : sides) {

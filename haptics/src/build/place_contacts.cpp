@@ -16,7 +16,7 @@ namespace {
 using geometry::ClosestPoint;
 using geometry::SurfaceQuery;
 
-// Without contacts that no registration may bring to the surface, if enough others remain.
+// Positions without those that registration cannot bring to the surface, if at least three remain.
 Eigen::Matrix3Xd positions(const std::vector<probing::Contact>& contacts, const SurfaceQuery& query,
                            const BuildOptions& options) {
   Eigen::Matrix3Xd all(3, static_cast<Eigen::Index>(contacts.size()));
@@ -38,17 +38,16 @@ double distance_rms(const Eigen::Matrix3Xd& points, const SurfaceQuery& query) {
   return std::sqrt(sum / static_cast<double>(points.cols()));
 }
 
-// Finds out whether and how the acquisition moves onto the surface.
+// Decides whether and how to move the acquisition onto the surface.
 void register_contacts(const Eigen::Matrix3Xd& points, const geometry::TriangleMesh& surface,
                        const SurfaceQuery& query, const BuildOptions& options,
                        BuildResult& result) {
   result.distance_rms = distance_rms(points, query);
   result.registration = RegistrationOutcome::not_needed;
   if (result.distance_rms <= options.on_surface) return;
-  // From where they are, without a search: contacts are not meant to move far. For the same reason
-  // the verdict does not count but for the steps' end: a few contacts on a plate are too few and
-  // slide, yet move no further than the surface wants, at most `max_motion`, and each is checked to
-  // be on the surface then.
+  // Start from the measured positions without a search, because contacts are not meant to move far.
+  // The verdict counts only if the registration has not converged: a few contacts on a plate may be
+  // too few and slide, but they move at most `max_motion`, and each is checked afterwards.
   const geometry::Registration found = geometry::register_points(
       points, surface, {.search_rotation = 0, .search_translation = 0, .min_overlap = 1});
   if (found.verdict == geometry::RegistrationVerdict::not_converged) {
@@ -66,8 +65,8 @@ void register_contacts(const Eigen::Matrix3Xd& points, const geometry::TriangleM
 
 enum class Facing { outwards, inwards, unclear };
 
-// How each contact's normal agrees with the surface. A single triangle may face anywhere, where a
-// scan is folded for example, so the normals of the vertices around it count too.
+// How each contact's normal agrees with the surface. The normals of the vertices count as well as
+// that of the triangle, which may face anywhere, for example where a scan is folded.
 std::vector<Facing> facings(const std::vector<ClosestPoint>& places,
                             const std::vector<probing::Contact>& contacts,
                             const BuildResult& result) {
@@ -83,7 +82,7 @@ std::vector<Facing> facings(const std::vector<ClosestPoint>& places,
     for (Eigen::Index corner = 0; corner < 3; ++corner)
       around += at.barycentric[corner] * of_vertices.col(surface.triangles(corner, at.triangle));
     const double here = of_triangles.col(at.triangle).dot(outwards), there = around.dot(outwards);
-    // A normal that is NaN, of a triangle without area, says nothing.
+    // A triangle without area has a NaN normal, for which all comparisons are false.
     facing.push_back(here > 0 || there > 0
                          ? (here < 0 || there < 0 ? Facing::unclear : Facing::outwards)
                      : here < 0 || there < 0 ? Facing::inwards
@@ -92,8 +91,8 @@ std::vector<Facing> facings(const std::vector<ClosestPoint>& places,
   return facing;
 }
 
-// Turns the surface over if it is seen from inside at most contacts. Returns how contacts face it
-// then.
+// Reverses the surface if more contacts see it from inside than from outside. Returns how the
+// contacts then face it.
 std::vector<Facing> orient_surface(std::vector<Facing> facing, BuildResult& result) {
   result.surface_flipped =
       std::ranges::count(facing, Facing::inwards) > std::ranges::count(facing, Facing::outwards);
@@ -107,7 +106,7 @@ std::vector<Facing> orient_surface(std::vector<Facing> facing, BuildResult& resu
 
 std::string millimetres(double distance) { return std::to_string(distance) + " mm"; }
 
-// What is wrong with a contact; empty if it fits the surface.
+// The reason why a contact does not fit the surface; empty if it does.
 std::string misfit(double distance, Facing facing, const BuildOptions& options) {
   if (!(distance <= options.max_distance))
     return "is " + millimetres(distance) + " from the surface";

@@ -34,13 +34,13 @@ Eigen::Matrix3d stretch(const ScaleModelOptions& options) {
   return Eigen::Matrix3d::Identity() + (options.factor - 1) * axis * axis.transpose();
 }
 
-// What the energy of a strain is multiplied by.
+// Factor of the energy at a given strain.
 double energy_factor(ForceScaling forces, double volume) {
   return forces == ForceScaling::material ? volume : std::cbrt(volume);
 }
 
-// What is known of a field that `transform_field` has refitted: it is no longer that of the
-// samples.
+// Updates what is known of a field that `transform_field` has refitted, because it is no longer the
+// fit of the samples.
 void tell_refit(ContactModel& contact) {
   const bool convex = std::ranges::none_of(
       contact.field.bases, [](const Multiquadric& base) { return base.weight < 0; });
@@ -56,15 +56,15 @@ TransformedField scale_contact(const Eigen::Matrix3d& S, ForceScaling forces,
   const Eigen::Vector3d z = S.inverse() * before.col(2);
   contact.frame = rotation_between(before.col(2), z) * before;
   contact.friction_axis = (S * contact.friction_axis).normalized();
-  contact.compliance.reset();  // was that of the old field
+  contact.compliance.reset();  // it belonged to the old field
   if (forces == ForceScaling::feel) {
     contact = rounded(std::move(contact));
     return {.field = contact.field};
   }
   const double volume = S.determinant();
   const double factor = energy_factor(forces, volume);
-  // From the old frame's displacements to the new one's. By the inverse, for frames are rounded:
-  // a uniform S stays one.
+  // Maps displacements in the old frame to the new one. The inverse is used because frames are
+  // rounded: it keeps a uniform S uniform.
   const Eigen::Matrix3d displacements_by = contact.frame.inverse() * S * before;
   TransformedField transformed =
       transform_field(contact.field, displacements_by, factor, largest_force);
@@ -132,8 +132,7 @@ ScaledModel scale_model(const Model& model, const ScaleModelOptions& options) {
   std::string& before = scaled.made["scaled"];
   before += (before.empty() ? "" : "; ") + description(options);
   if (compliances) {
-    // Where contacts were pressed with one force they are pressed with another now; with `feel` and
-    // `forces` with the same.
+    // With `material`, the forces of pressing scale with the object; otherwise they stay the same.
     const double factor =
         options.forces == ForceScaling::material ? std::pow(S.determinant(), 2.0 / 3) : 1;
     const double pressed = factor * scaled.interpolation.reference_force;

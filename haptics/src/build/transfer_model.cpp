@@ -77,7 +77,7 @@ TransferredModel transfer_model(const Model& model, const geometry::TriangleMesh
     places.push_back(image.at);
     turn(contact, at, corners, rotations);
     scale_forces(contact, map.scale, options.forces);
-    contact.compliance.reset();  // was that of the old surface
+    contact.compliance.reset();  // it belonged to the old surface
     contact = rounded(std::move(contact));
     if (map.distorted[at.triangle]) result.distorted.push_back(contact.id);
   }
@@ -91,7 +91,7 @@ TransferredModel transfer_model(const Model& model, const geometry::TriangleMesh
   before += (before.empty() ? "" : "; ") + std::string("forces: ") + to_string(options.forces) +
             ", " + map.reason;
   if (result.model.interpolation.rule == BlendRule::compliances) {
-    // Where contacts were pressed with one force they are pressed with another now.
+    // With `material`, the forces of pressing scale with the object.
     const double factor = options.forces == ForceScaling::material ? map.scale * map.scale : 1;
     const double force = factor * result.model.interpolation.reference_force;
     result.model = with_compliances(std::move(result.model), force);
