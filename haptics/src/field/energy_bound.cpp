@@ -110,7 +110,7 @@ struct EnergyBound::Root {
   RoundedNumber s;
   Vector slope;              // grad s
   RoundedNumber difference;  // s(x) - s(0), without cancellation near zero
-  double clear;              // |P (x - g)| >= this, in all the reach
+  double clear;              // lower bound of |P (x - g)| within the reach
 
   Root(const Base& base, const Vector& x, double reach) {
     if (base.ridge) {
@@ -168,8 +168,8 @@ EnergyBound::InCell EnergyBound::in_cell(const Cell& cell) const {
   const RoundedNumber half_width{cell.half_width};
   const RoundedNumber reach{std::sqrt(3.0) * cell.half_width * (1 + kPositiveSlack)};
   const Taylor taylor = expand(cell.center, reach.value);
-  // q(x + h) >= q + g.h + curvature / 2 |h|^2: Taylor with the third derivative as remainder, or
-  // with the second.
+  // q(x + h) >= q + g.h + curvature / 2 |h|^2: Taylor expansion with the remainder of third or of
+  // second order, whichever is better.
   const RoundedNumber remainder = RoundedNumber{taylor.third} * reach / RoundedNumber{3};
   const RoundedNumber curvature{std::max(
       (RoundedNumber{smallest_eigenvalue(taylor.hessian)} - remainder).lower(), -taylor.concave)};

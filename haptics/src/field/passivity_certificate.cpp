@@ -19,7 +19,7 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // More than the relative rounding error of a length.
 constexpr double kLengthSlack = 1e-12;
-// Cells are not subdivided below this part of the volume, up to which centres are exact.
+// Smallest cell relative to the volume. Down to this size the centres have no rounding error.
 constexpr double kSmallestCell = 0x1p-28;
 // Descent from a place where the energy is negative.
 constexpr int kDescentSteps = 40;
@@ -37,7 +37,7 @@ void check(const ForceField& field, const ReachableVolume& volume,
   require("CertificateOptions::max_cells", options.max_cells, at_least(1));
 }
 
-// At least `length`, with so few digits that the centres of a cube's cells have no rounding error.
+// Rounds up to so few digits that the centres of a cube's cells have no rounding error.
 double round_up(double length) {
   int exponent = 0;
   const double digits = std::frexp(length, &exponent);
@@ -49,7 +49,7 @@ double secant_stiffness(const ForceField& field, const Eigen::Vector3d& place) {
   return 2 * potential(field, place) / place.squaredNorm();
 }
 
-// Minimises the secant stiffness within the volume, to where the energy is most clearly negative.
+// Minimises the secant stiffness within the volume, to find where the energy is most negative.
 Eigen::Vector3d descend(const ForceField& field, double radius, Eigen::Vector3d place) {
   double lowest = secant_stiffness(field, place), step = 0.25;
   for (int i = 0; i < kDescentSteps && step > kSmallestStep; ++i) {

@@ -15,24 +15,24 @@
 namespace palpate::haptics {
 namespace {
 
-// A pair is used iff its parts along the cone's axis exceed so many times their noise: a ratio
-// with a denominator of more noise is biased.
+// A pair is used iff its components along the cone's axis exceed this multiple of their noise,
+// because a noisy denominator biases a ratio.
 constexpr double kMinSignal = 5;
-// How far the ratios d_T / d_N of a real object lie from the linear law, which bounds the weight of
-// a pair with little noise (about 6 degrees). Sheets do so by 0.05 to 0.2; all of these make the
-// same axis within 0.03 degrees.
+// Deviation of the ratios d_T / d_N of a real object from the linear law (about 6 degrees). It
+// bounds the weight of pairs with little noise. Sheets deviate by 0.05 to 0.2; all of these values
+// give the same axis within 0.03 degrees.
 constexpr double kNonlinearity = 0.1;
 constexpr double kHuberOfRatios = 2;  // times the robust standard deviation
 // The median length of two independent normal numbers of standard deviation 1, sqrt(2 ln 2).
 constexpr double kMedianLength = 1.17741;
 constexpr int kUnknowns = 3;              // of each component: t and a row of S
-constexpr int kMinPairs = 2 * kUnknowns;  // half of them tell the scatter
+constexpr int kMinPairs = 2 * kUnknowns;  // half of them estimate the scatter
 constexpr int kMaxReweightings = 50;
-constexpr double kRatioTolerance = 1e-10;  // of the ratios, between two iterations
+constexpr double kRatioTolerance = 1e-10;  // change of the solution between two iterations
 // The forces span a plane iff the least pivot is larger than this times the largest.
 constexpr double kMinPivot = 1e-6;
-// [rad] An axis is used iff its standard error is at most this (9 degrees): about what the axis of
-// the friction cone, which is used instead, is off on a stretched sheet.
+// [rad] An axis is used iff its standard error is at most this (9 degrees), about the error of the
+// axis of the friction cone on a stretched sheet, which is used instead.
 constexpr double kMaxError = 0.15;
 
 // Rows: pairs.
@@ -140,13 +140,13 @@ FrictionAxisFit fit_friction_axis(const ForceSamples& samples, const Eigen::Vect
                    .solve(Eigen::MatrixX2d(roots.matrix().asDiagonal() * observed));
     if ((solution - before).cwiseAbs().maxCoeff() <= kRatioTolerance) break;
   }
-  // Of an error that is shrunk the estimate feels a change across it in part, along it not at all
-  // (the asymptotic variance of an M-estimate).
+  // Mean derivative of Huber's influence function (asymptotic variance of an M-estimate). For a
+  // shrunk error it is `shrunk` across the error and zero along it.
   const double felt = (shrunk < 1.0).select(shrunk / 2, 1.0).mean();
   const double variance =
       (shrunk * errors).square().sum() / (2.0 * (fit.pairs - kUnknowns)) / (felt * felt);
   const Eigen::Vector2d t = solution.row(0);
-  // Across the direction of t an error turns (t, 1) by its part 1 / |(t, 1)|, along it by less.
+  // An error perpendicular to t rotates (t, 1) by its ratio to |(t, 1)|, one along t by less.
   const double square = 1 + t.squaredNorm();
   const double error =
       std::sqrt(variance * inverse.row(0).squaredNorm() * (1 / square + 1 / (square * square)));

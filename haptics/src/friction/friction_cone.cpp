@@ -22,26 +22,26 @@ namespace {
 constexpr double kPlateau = 3;     // see least_noise
 constexpr int kMinDirections = 4;  // three unknowns and one to check them with
 constexpr int kMinLevels = 2;
-// [rad] An axis is determined iff its standard error is at most this (3 degrees): else the
-// directions lie all to one side.
+// [rad] An axis is determined iff its standard error is at most this (3 degrees). Otherwise all
+// directions lie on one side.
 constexpr double kMaxAxisError = 0.05;
-// No more than noise held is a sign of no friction only where the coefficient cannot be larger than
-// this either: weak forces leave it open.
+// A contact is frictionless only if the upper bound of the coefficient is at most this, too. That
+// no more than noise held is not enough, because weak forces leave the coefficient open.
 constexpr double kSlippery = 0.1;
-// Without searches a coefficient is determined iff its error is at most this part of it.
+// Without searches a coefficient is determined iff its relative error is at most this.
 constexpr double kCoarse = 0.1;
-// The search begins with both ends of the intervals alone and the noise at this part of their
-// median force: nearly least squares of their middles. It divides the noise by kCooling until it is
-// that of the forces.
+// The search starts with only the ends of the intervals, and with the noise at this fraction of
+// their median force, which is nearly a least-squares fit of their middles. The noise is then
+// divided by kCooling until it is that of the forces.
 constexpr double kFirstNoisePart = 0.3;
 constexpr double kCooling = 4;
-// One-sided 95 % quantile of the normal distribution: of the signed root of twice the logarithm of
+// One-sided 95 % quantile of the normal distribution, for the signed root of twice the logarithm of
 // a likelihood ratio.
 constexpr double kBoundQuantile = 1.645;
-// The same where nothing slipped, so that no cone is the best: then all would have held with a
+// The same if nothing slipped, so that there is no most likely cone: there, all trials hold with a
 // probability of 5 %, sqrt(-2 ln 0.05).
 constexpr double kHeldQuantile = 2.448;
-constexpr double kFirstAngleStep = 0.1;   // [rad] in search of it where nothing slipped
+constexpr double kFirstAngleStep = 0.1;   // [rad] of the search if nothing slipped
 constexpr double kBoundTolerance = 1e-5;  // [rad] of the angle of the lower bound
 
 double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
@@ -57,8 +57,8 @@ double median(std::span<const SlipInterval> intervals, Measure measure) {
   return *middle;
 }
 
-// The noise below which the likelihood becomes a plateau with steps: n intervals with a
-// width w leave about w / n between the ends nearest to the boundary. 3: some ends feel it.
+// The noise below which the likelihood becomes a plateau with steps. n intervals of width w leave a
+// gap of about w / n between the ends nearest to the boundary; kPlateau lets several ends count.
 double least_noise(std::span<const SlipInterval> intervals, double force_noise) {
   const double width = median(intervals, [](const SlipInterval& interval) {
     return (interval.slipped - interval.held).norm();
@@ -72,8 +72,8 @@ double typical_force(std::span<const SlipInterval> intervals) {
   });
 }
 
-// Searches with noise that falls from that of `cone` to `noise`, so that trials far from the
-// boundary tell the way to it at first.
+// Searches with noise that decreases from that of `cone` to `noise`, so that at first trials far
+// from the boundary guide the search as well.
 SlipOptimum cool(std::span<const FrictionTrial> trials, SlipCone cone, FreeParameters free,
                  double noise) {
   for (; cone.noise > noise; cone.noise /= kCooling) {
@@ -100,8 +100,9 @@ SlipOptimum fit_cone(std::span<const FrictionTrial> trials, std::span<const Slip
   return maximise_likelihood(trials, cone, FreeParameters::axis_angle_noise, noise);
 }
 
-// The least angle of a cone that is as likely as `quantile` asks, over all axes. `best` is the most
-// likely one; axes are searched for with noise that begins at `first_noise` if need be.
+// The smallest angle of a cone, over all axes, whose likelihood is within `quantile` of that of
+// `best`, the most likely cone. If necessary, axes are searched with noise that starts at
+// `first_noise`.
 double least_angle(std::span<const FrictionTrial> trials, const SlipOptimum& best, double quantile,
                    double first_step, double first_noise) {
   SlipCone feasible = best.cone;  // the nearest cone known from which to look for the axis
@@ -122,7 +123,7 @@ double least_angle(std::span<const FrictionTrial> trials, const SlipOptimum& bes
   };
   const double at_best = excess(best.cone.angle);
   if (at_best >= 0) return best.cone.angle;
-  // Down in steps that grow, until it is too narrow.
+  // Decrease the angle in growing steps until the cone is too narrow.
   double high = best.cone.angle, low = high, at_high = at_best, at_low = at_best;
   for (double step = first_step; at_low < 0; step *= 2) {
     if (low <= 0) return 0;
@@ -138,7 +139,7 @@ double least_angle(std::span<const FrictionTrial> trials, const SlipOptimum& bes
       .first;
 }
 
-// The same where the trials do not determine a cone.
+// The same if the trials do not determine a cone.
 double least_angle_of_any(std::span<const FrictionTrial> trials, const Eigen::Vector3d& pressing,
                           double noise) {
   double largest = 0;
@@ -176,17 +177,17 @@ void check(std::span<const FrictionTrial> trials, const Eigen::Vector3d& normal,
   }
 }
 
-// Writes what the most likely cone says.
+// Fills in the results of the most likely cone.
 void take(std::span<const FrictionTrial> trials, const SlipOptimum& best, double least_noise,
           FrictionFit& fit) {
   fit.coefficient = std::tan(best.cone.angle);
   fit.axis = best.cone.frame.col(2);
   fit.noise = best.cone.noise;
-  // With the noise at its lower end nothing is known to be lost by not knowing it.
+  // Noise at its lower limit counts as known.
   const int unknowns = best.cone.noise > least_noise ? 4 : 3;
   const Eigen::FullPivLU<Eigen::MatrixXd> information(
       best.information.topLeftCorner(unknowns, unknowns));
-  // No trial near the boundary tells nothing about it.
+  // Without trials near the boundary the information is singular.
   const Eigen::MatrixXd covariance =
       information.isInvertible()
           ? Eigen::MatrixXd(information.inverse())
@@ -198,7 +199,8 @@ void take(std::span<const FrictionTrial> trials, const SlipOptimum& best, double
   fit.lower_bound = std::tan(least_angle(trials, best, kBoundQuantile, step, fit.noise));
 }
 
-// Writes what the distribution of cones says. `fit.axis` is the pressing direction.
+// Fills in the results of the posterior distribution of cones. `fit.axis` is the pressing
+// direction.
 void take_posterior(std::span<const FrictionTrial> trials, const FrictionOptions& options,
                     FrictionFit& fit) {
   probing::ConePrior prior = options.prior;
@@ -254,14 +256,14 @@ FrictionFit fit_friction(std::span<const FrictionTrial> trials, const Eigen::Vec
   fit.noise = options.force_noise;
   std::vector<FrictionTrial> used;
   for (const FrictionTrial& trial : trials) {
-    // Where the tool pulls, contact is lost, and nothing can slip or hold.
+    // A tool that pulls has no contact, so nothing can slip or hold.
     if (trial.force.dot(pressing) > 0) used.push_back(trial);
   }
   const std::vector<SlipInterval> intervals = slip_intervals(used, pressing, options.force_noise);
   fit.vectors = static_cast<int>(intervals.size());
   fit.directions = count_directions(intervals);
   fit.levels = count_levels(intervals);
-  // What is known where the cone is not determined.
+  // The result if the cone is not determined.
   const auto only_bound = [&](FrictionStop stop) {
     fit.lower_bound = std::tan(least_angle_of_any(used, pressing, fit.noise));
     fit.stop = stop;

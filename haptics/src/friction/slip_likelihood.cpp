@@ -134,7 +134,7 @@ SlipOptimum maximise_likelihood(std::span<const FrictionTrial> trials, const Sli
   Evaluation at = evaluate(trials, best.cone);
   double damping = kFirstConeDamping;
   for (int i = 0; i < kMaxConeIterations && !best.converged; ++i) {
-    // A parameter at its limit that is pushed against it stays.
+    // Keep a parameter that is at its limit and pushed against it.
     const bool narrowest = best.cone.angle <= 0 && at.gradient[2] >= 0,
                widest = best.cone.angle >= kRightAngle && at.gradient[2] <= 0,
                quietest = best.cone.noise <= least_noise && at.gradient[3] >= 0;

@@ -90,8 +90,8 @@ Base base_of(const std::vector<probing::Contact>& contacts) {
   // Contacts at one place spread in no direction.
   if (!(eigen.eigenvalues()[2] > 0)) base.spread = base.inward.unitOrthogonal();
   base.spread.normalize();
-  // The sign of an eigenvector means nothing: the first contact by id that is off the middle is on
-  // the low side.
+  // The sign of an eigenvector is arbitrary. Choose it so that the first contact by id that is off
+  // the middle is on the low side.
   std::vector<const probing::Contact*> by_id;
   by_id.reserve(contacts.size());
   for (const probing::Contact& contact : contacts) by_id.push_back(&contact);
@@ -185,8 +185,8 @@ double reach(const Base& base, const std::vector<probing::Contact>& contacts,
   return most;
 }
 
-/// Rough sizes, and where the search begins: supports somewhat outside the contacts, along several
-/// directions.
+/// Scales of the parameters, and starts of the search: supports somewhat outside the contacts,
+/// along several directions.
 void add_scales(ParametricLaw& law, const Base& base, const std::vector<probing::Contact>& contacts,
                 const Sizes& sizes) {
   constexpr double kOutside = 1.25;  // supports beyond the contacts
@@ -195,8 +195,8 @@ void add_scales(ParametricLaw& law, const Base& base, const std::vector<probing:
   const double half = std::max(
       kOutside * std::max(reach(base, contacts, base.spread), reach(base, contacts, base.side)),
       kLeastReach * sizes.displacement);
-  // A segment of this length that is drawn this far across gives a third of a force by tension and
-  // the rest by strain.
+  // A segment of this length, displaced transversely by this much, takes a third of the force by
+  // tension and the rest by strain.
   const double ratio = half / sizes.displacement;
   law.scale.resize(kStripParameters);
   law.scale << sizes.force, sizes.force * ratio * ratio * ratio, half, half,
@@ -280,7 +280,7 @@ IdentifiedHalfSpace identify_half_space(const probing::CheckedAcquisition& acqui
   require("identify_half_space(): tool_radius", tool_radius, above(0).finite(), "mm");
   const std::vector<Pair> pairs = realigned_pairs(acquisition);
   const Sizes sizes = sizes_of(pairs);
-  // Materials beyond either are not known; at nu = -1 the stiffness is infinite.
+  // No known material is outside these bounds; at nu = -1 the stiffness is infinite.
   constexpr double kLeastModulus = 1e-6;  // of the first guess
   constexpr double kLeastPoisson = -0.99, kMostPoisson = 0.5, kUsualPoisson = 0.3;
   const double modulus = sizes.force / (2 * tool_radius * sizes.displacement);

@@ -14,12 +14,13 @@
 namespace palpate::haptics {
 namespace {
 
-/// Huber's loss is linear beyond this many deviations: for 3 % of valid pairs (chi of three
-/// numbers).
+/// Huber's loss is linear beyond this many standard deviations, which 3 % of valid pairs exceed
+/// (chi of three numbers).
 constexpr double kHuberOfPairs = 3;
-/// A pair beyond this is an outlier; so is one valid pair in ten million.
+/// A pair beyond this many standard deviations is an outlier, as is one valid pair in ten million.
 constexpr double kOutlierDistance = 6;
-/// Unless this share of its contact's pairs is beyond it: then the model is wrong there.
+/// If more than this share of a contact's pairs is beyond it, the model is wrong there, and these
+/// pairs are not outliers.
 constexpr double kOutlierShare = 0.1;
 /// The weights are updated until no parameter changes by more than this times its standard error.
 constexpr double kRestingError = 0.02;
@@ -28,8 +29,8 @@ constexpr int kMaxWeightRounds = 12;
 constexpr std::size_t kStartPairs = 300;
 /// Initial damping of a search from a distant start, and of one continued with other weights.
 constexpr double kFar = 1e-2, kNear = 1e-6;
-/// A direction is undetermined iff its standard error >= this, in units of the parameters' scales:
-/// then a change of that size is less than three deviations.
+/// A direction is undetermined iff its standard error >= this, in units of the parameters' scales,
+/// so that a change of one scale is less than three standard errors.
 constexpr double kUndetermined = 1.0 / 3;
 /// A parameter belongs to a direction iff its component of the unit vector is larger.
 constexpr double kBelongs = 0.1;

@@ -18,9 +18,9 @@ constexpr double kLeastDamping = 1e-9;
 constexpr double kMostDamping = 1e12;
 /// Damping of directions without any effect, relative to the largest diagonal element.
 constexpr double kIdle = 1e-12;
-/// The search has converged iff a step changes the residuals by less than this times their size,
-/// which in the parameters is as small compared to their uncertainty. The damping has to be low,
-/// because otherwise it may be what makes the step short.
+/// The search has converged iff a step changes the residuals by less than this fraction of their
+/// size, which is equally small in the parameters compared to their uncertainty. The damping has to
+/// be low as well, because a high damping shortens the step.
 constexpr double kRestingChange = 1e-4;
 constexpr double kRestingDamping = 1e-5;
 /// It has also converged iff no parameter moves by more than this times its scale.

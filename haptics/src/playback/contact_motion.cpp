@@ -9,19 +9,20 @@
 namespace palpate::haptics {
 namespace {
 
-// The way is searched in doubling steps from 2^-kSteps for where the contact holds again: h has a
-// second minimum beyond, on the far side of the friction cone, where a slipping contact must not
+// The place where the contact holds again is searched in doubling steps from 2^-kSteps of the way.
+// h has a second minimum on the far side of the friction cone, to which a slipping contact must not
 // jump.
 constexpr int kSteps = 8;
-// Then Brent's method stops when t is known to 2^-kBits of that step, or after kMaxEvaluations.
-// Both bound the tick.
+// Brent's method then stops when t is known to 2^-kBits of that step, or after kMaxEvaluations.
+// Both limit the time of a tick.
 constexpr int kBits = 14;
 constexpr std::uintmax_t kMaxEvaluations = 16;
 // The friction axis is used where the cosine between it and the inward normal is at least this (75
 // degrees); nearer to the tangent plane the line along it would run far away.
 constexpr double kMinAxisCosine = 0.26;
 
-// From the contact to where the friction axis through the tool meets the tangent plane.
+// From the contact to the intersection of the tangent plane with the friction axis through the
+// tool.
 Eigen::Vector3d travel(const Blend& at, const TouchPoint& contact, const Eigen::Vector3d& tool) {
   const Eigen::Vector3d displacement = tool - contact.position;
   Eigen::Vector3d axis = at.friction_axis;
@@ -52,7 +53,7 @@ TouchPoint slip_contact(const BlendedField& field, const Eigen::Matrix3Xd& norma
     low = high;
     high *= 2;
   }
-  // Nothing holds before the end: the least h may be anywhere.
+  // The contact holds nowhere before the end, so the minimum of h may be anywhere.
   if (high >= 1 && excess(1) > 0) low = 0;
   std::uintmax_t evaluations = kMaxEvaluations;
   const double t = boost::math::tools::brent_find_minima(h, low, high, kBits, evaluations).first;

@@ -5,8 +5,8 @@
 namespace palpate::haptics {
 namespace {
 
-// How far outside the surface a contact looks at the tool, as a fraction of the surface's diagonal:
-// far above rounding (1e-16), far below what a user can feel.
+// Distance outside the surface at which the search for a hit starts, as a fraction of the surface's
+// diagonal: far above rounding (1e-16), far below what a user can feel.
 constexpr double kOffsetRatio = 1e-9;
 
 Command no_force(const Eigen::Vector3d& tool) {
@@ -57,7 +57,7 @@ Command Playback::step(const Eigen::Vector3d& tool, LoopState& state) const noex
   }
   const bool pulls = friction_parts(at, force).normal < 0;
   if (pulls || !force.allFinite()) {
-    // Outside the surface, so that a tool that is still behind it touches again.
+    // Start outside the surface, so that a tool that is still behind it touches again.
     state = {ContactState::free, true, contact};
     state.proxy.position += offset_ * contact.normal;
     return no_force(tool);

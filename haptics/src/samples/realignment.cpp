@@ -32,8 +32,8 @@ Eigen::Index count_pairs(const std::map<long long, Group>& groups) {
   return pairs;
 }
 
-// Of fewer positions neither tells the others' scatter apart from an outlier, nor have all but one
-// of them a direction across all that they scatter in.
+// Fewer positions do not distinguish an outlier from the scatter of the others, and all but one of
+// them do not determine a direction of least scatter.
 constexpr std::size_t kMinPositions = 4;
 
 double median(std::vector<double> values) {
@@ -43,7 +43,7 @@ double median(std::vector<double> values) {
   return (*std::max_element(values.begin(), middle) + *middle) / 2;
 }
 
-// Component by component: no minority of outliers moves it far, as it would the mean.
+// Median per component. Unlike the mean, it is hardly moved by a minority of outliers.
 Eigen::Vector3d median_position(const Group& group) {
   Eigen::Vector3d result;
   for (Eigen::Index component = 0; component < 3; ++component) {
@@ -82,12 +82,12 @@ double mean_force_along(const Group& group, const Eigen::Vector3d& direction) {
   return sum;
 }
 
-// Sum of squares, n - 1 times the variance, of the positions in the direction in which they
-// scatter least. The smallest eigenvalue of their covariance would be too small: its direction is
-// chosen to suit the very positions. So for each position the others choose the direction: of
-// noise that is the same in all directions this makes the unbiased variance whatever n, of other
-// noise the expectation is never below the least variance. (That of the others about their mean is
-// less by n / (n - 1) d_i d_i^T, d_i from the mean of all.)
+// Sum of squares, n - 1 times the variance, of the positions in the direction of least scatter. The
+// smallest eigenvalue of their covariance would be too small, because its direction is fitted to
+// the same positions. Instead, the others determine the direction for each position. This gives the
+// unbiased variance for isotropic noise whatever n; otherwise the expectation is never below the
+// least variance. (The scatter of the others about their mean is less by n / (n - 1) d_i d_i^T,
+// with d_i relative to the mean of all.)
 double least_sum_of_squares(const Group& group, const Eigen::Vector3d& mean) {
   Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
   for (const probing::Sample* sample : group) {
