@@ -13,8 +13,8 @@
 #include "palpate/error.h"
 #include "palpate/parallel_for.h"
 
-// The unknowns of a node are a turn about its own place, times the spacing of the nodes, and a
-// shift: six lengths, so that the unit of length drops out of the matrix.
+// The unknowns of a node are its rotation about its own position, times the spacing of the nodes,
+// and its translation. All six are lengths, so the matrix does not depend on the unit of length.
 
 namespace palpate::geometry {
 namespace {
@@ -22,15 +22,16 @@ namespace {
 constexpr int kUnknowns = 6;
 constexpr int kPairs = DeformationGraph::kInfluences * (DeformationGraph::kInfluences - 1) / 2;
 
-/// Sums are made in so many parts whatever the number of threads, and added in order.
+/// The sums are always computed in this many parts and added in order, whatever the number of
+/// threads.
 constexpr std::size_t kParts = 8;
 
-/// A node is held where it was by this fraction of the stiffness: what neither data nor neighbours
-/// hold (a sheet that slides in itself, a piece that is not seen) stays.
+/// Each node is held at its anchor by this fraction of the stiffness, so that what neither data nor
+/// neighbours determine (a sheet that slides in itself, a piece that is not seen) stays.
 constexpr double kAnchor = 0.005;
 
-/// Turns and shifts of a step are damped by this fraction of the weight of the data, so that the
-/// equations can be solved: nothing else holds the turn of a node that is alone and not seen.
+/// Damping of a step relative to the weight of the data. It makes the equations solvable: nothing
+/// else determines the rotation of an isolated node that is not seen.
 constexpr double kDamping = 1e-5;
 
 }  // namespace
@@ -49,7 +50,7 @@ DeformationEquations::DeformationEquations(const DeformationGraph& graph, std::v
     for (int e = first; e < end; ++e) {
       if (edges(1, e) == b) return e;
     }
-    return -1;  // one of them has no weight
+    return -1;  // one of the two nodes has no weight
   };
   pair_blocks_.reserve(samples_.size() * kPairs);
   for (const int v : samples_) {
@@ -91,7 +92,7 @@ DeformationEquations::Sums DeformationEquations::sum_of_planes(
       const PlanePair& pair = pairs[s];
       if (!(pair.weight > 0)) continue;
       const int v = samples_[s];
-      // Derivative of the distance by each node's unknowns.
+      // Derivative of the distance with respect to the unknowns of each node.
       std::array<Vector6d, DeformationGraph::kInfluences> row;
       for (int k = 0; k < DeformationGraph::kInfluences; ++k) {
         const int node = graph_.influences()(k, v);
@@ -129,7 +130,7 @@ DeformationEquations::Sums DeformationEquations::sum_of_planes(
   return total;
 }
 
-/// |R_j (g_k - g_j) - (g'_k - g'_j)|^2 of both ends of each edge.
+/// |R_j (g_k - g_j) - (g'_k - g'_j)|^2 for both directions of each edge.
 void DeformationEquations::add_stiffness(double stiffness,
                                          const std::vector<Eigen::Isometry3d>& motions,
                                          Sums& sums) const {
@@ -149,7 +150,7 @@ void DeformationEquations::add_stiffness(double stiffness,
       of_j << -cross_matrix(arm) / graph_.spacing(), identity;
       sums.blocks[static_cast<std::size_t>(j)] += stiffness * of_j.transpose() * of_j;
       sums.blocks[static_cast<std::size_t>(k)].bottomRightCorner<3, 3>() += stiffness * identity;
-      // The shift of k has the derivative -I.
+      // The derivative with respect to the translation of k is -I.
       if (j == low) {
         coupling.bottomRows<3>() -= stiffness * of_j;
       } else {

@@ -58,7 +58,7 @@ class EdgeLists {
   std::vector<End> ends_;
 };
 
-/// A way to a vertex. The shortest goes first; the rest makes the order unique.
+/// A path to a vertex. The shortest comes first; the other members make the order unique.
 struct Way {
   double length;
   int vertex;
@@ -69,15 +69,15 @@ struct Way {
 };
 using Ways = std::priority_queue<Way, std::vector<Way>, std::greater<>>;
 
-/// Farthest-point sampling: each new node is the vertex that is farthest from all before, or, first
-/// of all, one that none of them can reach. Returns vertices.
+/// Farthest-point sampling: each new node is the vertex farthest from all previous nodes; vertices
+/// that no node can reach come first. Returns vertices.
 std::vector<int> choose_nodes(const EdgeLists& edges, Eigen::Index vertex_count, int wanted) {
   std::vector<double> distance(static_cast<std::size_t>(vertex_count), kInfinity);
   const auto at = [&](int v) -> double& { return distance[static_cast<std::size_t>(v)]; };
-  // The farthest vertex; entries that are out of date are put back with their true distance.
+  // The farthest vertex. Outdated entries are put back with their true distance.
   std::priority_queue<std::pair<double, int>> farthest;
   for (int v = static_cast<int>(vertex_count) - 1; v >= 0; --v) {
-    if (!edges.is_loose(v)) farthest.emplace(kInfinity, -v);  // of equals the lowest index
+    if (!edges.is_loose(v)) farthest.emplace(kInfinity, -v);  // the lowest index first among equals
   }
   std::vector<int> nodes;
   while (!farthest.empty()) {
@@ -108,7 +108,7 @@ std::vector<int> choose_nodes(const EdgeLists& edges, Eigen::Index vertex_count,
   return nodes;
 }
 
-/// The nodes nearest to a vertex, one more than move it, nearest first.
+/// The nodes nearest to a vertex, nearest first: those that move it and the next one.
 struct NearestNodes {
   std::array<double, kInfluences + 1> distance;
   std::array<int, kInfluences + 1> node;
@@ -118,7 +118,7 @@ struct NearestNodes {
   }
 };
 
-/// Dijkstra's shortest paths from all nodes at once; a vertex passes on the first few that come.
+/// Dijkstra's algorithm from all nodes at once; a vertex passes on only its first few arrivals.
 std::vector<NearestNodes> nearest_nodes(const EdgeLists& edges, Eigen::Index vertex_count,
                                         const std::vector<int>& nodes) {
   std::vector<NearestNodes> nearest(static_cast<std::size_t>(vertex_count));
@@ -144,8 +144,8 @@ std::vector<NearestNodes> nearest_nodes(const EdgeLists& edges, Eigen::Index ver
   return nearest;
 }
 
-/// w = (1 - d / d_last)^2, d_last to the first node that has no influence (Sumner et al., eq. 5),
-/// or, where the piece of surface has fewer nodes, so far that the last of them counts half.
+/// w = (1 - d / d_last)^2, where d_last is the distance of the first node without influence (Sumner
+/// et al., eq. 5). If the piece of surface has fewer nodes, d_last is twice the largest distance.
 void weigh(const NearestNodes& nearest, DeformationGraph::Influences::ColXpr influences,
            DeformationGraph::Weights::ColXpr weights) {
   const int count = std::min(nearest.count, kInfluences);
@@ -164,7 +164,7 @@ void weigh(const NearestNodes& nearest, DeformationGraph::Influences::ColXpr inf
     of_nodes[static_cast<std::size_t>(k)] = {nearest.node[i], weight};
     sum += weight;
   }
-  if (!(sum > 0)) {  // the vertex is as far from all
+  if (!(sum > 0)) {  // all nodes are equally far from the vertex
     for (int k = 0; k < count; ++k) of_nodes[static_cast<std::size_t>(k)].second = 1;
     sum = count;
   }

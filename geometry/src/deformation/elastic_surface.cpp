@@ -14,7 +14,7 @@
 namespace palpate::geometry {
 namespace {
 
-constexpr int kSteps = 3;  // rotations and positions in turn; the caller's loop goes on
+constexpr int kSteps = 3;  // alternations of rotations and positions; the caller iterates further
 
 }  // namespace
 
@@ -33,7 +33,7 @@ ElasticSurface::ElasticSurface(const TriangleMesh& rest, const std::vector<Surfa
     }
   }
   shares_ /= area;
-  // A vertex without a triangle has a place too.
+  // Give a vertex without triangles a share as well, so that the equations have a solution.
   shares_ = (shares_.array() > 0).select(shares_, 1 / static_cast<double>(shares_.size()));
   for (const auto& [edge, weight] : cotangents) {
     if (weight > 0) edges_.push_back({edge.first, edge.second, weight / area});

@@ -8,8 +8,8 @@
 namespace palpate::geometry {
 namespace {
 
-// Relative to the largest pivot: directions that the landmarks do not span, as that across a plane
-// they lie in, count as such below it. Measured places are not exact to more.
+// Directions that the landmarks do not span, such as the normal of a plane that contains them, have
+// pivots below this, relative to the largest. Measured positions are no more exact.
 constexpr double kSpan = 1e-3;
 
 // Distances of points from landmarks, N x L.
@@ -35,7 +35,7 @@ Eigen::Matrix3Xd warp_by_landmarks(const Eigen::Matrix3Xd& points, const Landmar
     return Eigen::Matrix3Xd((similarity.topLeftCorner<3, 3>() * p).colwise() +
                             similarity.topRightCorner<3, 1>());
   };
-  // About the landmarks' middle and in units of their spread, so that the rank means something.
+  // Centre on the landmarks and scale by their spread, so that the threshold of the rank applies.
   const Eigen::Vector3d middle = landmarks.target.rowwise().mean();
   const double spread = (landmarks.target.colwise() - middle).norm() /
                         std::sqrt(static_cast<double>(landmarks.target.cols()));
@@ -46,7 +46,7 @@ Eigen::Matrix3Xd warp_by_landmarks(const Eigen::Matrix3Xd& points, const Landmar
   const Eigen::Matrix3Xd from = moved(landmarks.source);
   const Eigen::Matrix3Xd nodes = normalised(from);
 
-  // First the affine map, then a spline of what is left, which does not make up for it.
+  // The affine map comes first. The spline then only fits the remaining error.
   const Eigen::MatrixXd P = affine(nodes);
   Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> span;
   span.setThreshold(kSpan);

@@ -13,20 +13,21 @@
 namespace palpate::geometry {
 namespace {
 
-/// A normal is that of the plane through the pixels at most so far away: noise of one pixel would
-/// turn the normal of its direct neighbours by as much as the surface itself does.
+/// A normal is that of the plane fitted to the pixels within this many rows and columns. With
+/// direct neighbours alone, the noise of one pixel would turn the normal as much as the surface
+/// does.
 constexpr Eigen::Index kWindow = 2;
-/// ... of those that are no further in depth than this times as far across the image: the rest lies
-/// on another surface. A surface is steeper only where it is grazed.
+/// Pixels are used if their depth differs by at most this factor times their lateral distance. The
+/// others lie on another surface, as surfaces are this steep only at grazing incidence.
 constexpr double kMaxSlope = 4;
-/// ... if they are at least so many of the 25: a straight edge leaves 15, a corner 9.
+/// A normal needs at least this many of the 25 pixels: a straight edge leaves 15, a corner 9.
 constexpr int kMinPixels = 12;
-/// They fix a plane iff the determinant of their spread is above this fraction of the square of its
-/// trace.
+/// Pixels determine a plane iff the determinant of their scatter matrix exceeds this fraction of
+/// the square of its trace.
 constexpr double kMinSpread = 1e-3;
 
-/// The lens shows a point iff the ray of its pixel passes it within so many pixels; otherwise the
-/// lens model folds back there.
+/// The camera sees a point iff the ray of its pixel passes it within this many pixels. Otherwise
+/// the distortion model folds back there.
 constexpr double kMaxPixelOffset = 2;
 
 }  // namespace
@@ -34,7 +35,7 @@ constexpr double kMaxPixelOffset = 2;
 MeasuredSurface::MeasuredSurface(const RangeMap& map)
     : camera_(map.camera), points_(back_project(map)) {
   rays_ = pixel_rays(camera_);
-  // Depths that are not positive are unknown, as everywhere.
+  // Depths that are not positive are unknown.
   for (Eigen::Index i = 0; i < points_.cols(); ++i) {
     if (!(points_(2, i) > 0) || !points_.col(i).allFinite()) {
       points_.col(i).setConstant(std::numeric_limits<double>::quiet_NaN());
@@ -74,7 +75,7 @@ void MeasuredSurface::fit_normal(Eigen::Index row, Eigen::Index col) {
   if (std::isnan(depth)) return;
   const Eigen::Vector2d ray = rays_.col(pixel);
   int count = 0;
-  Eigen::Vector3d sum = Eigen::Vector3d::Zero();  // of (x, y, 1 / Z), from the pixel's own
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();  // of (x, y, 1 / Z), relative to the pixel's own
   Eigen::Matrix3d products = Eigen::Matrix3d::Zero();
   const Eigen::Index last_row = std::min<Eigen::Index>(row + kWindow, camera_.height - 1);
   const Eigen::Index last_col = std::min<Eigen::Index>(col + kWindow, camera_.width - 1);

@@ -18,24 +18,24 @@
 namespace palpate::geometry {
 namespace {
 
-/// About so many vertices a node are drawn to the map: more change the result by less than the
-/// noise of a sensor, and cost time.
+/// Approximate number of vertices per node that are attracted to the map. More cost time and change
+/// the result by less than the noise of a sensor.
 constexpr std::size_t kSamplesPerNode = 60;
 
-/// Below six pairs not even a rigid motion is determined.
+/// Fewer pairs do not even determine a rigid motion.
 constexpr int kMinPairs = 6;
 
-/// From the start, the stiffness falls and the gate narrows in so many steps of equal ratio.
+/// The stiffness decreases and the gate narrows geometrically in this many levels.
 constexpr int kLevels = 6;
-/// Where a surface that comes from a frame before starts.
+/// First level of a surface that was tracked from the previous frame.
 constexpr int kFirstTrackedLevel = 3;
-/// Stiffness at the start, relative to that at the end: the surface then moves almost rigidly.
+/// Initial stiffness relative to the final one: the surface moves almost rigidly at first.
 constexpr double kStiffStart = 1000;
-/// A level has done its work when the nodes move by at most this fraction of their spacing (rms),
-/// or after so many steps.
+/// A level ends when the nodes move by at most this fraction of their spacing (rms), or after
+/// kMaxStepsOfLevel steps.
 constexpr double kLevelSettled = 0.02;
 constexpr int kMaxStepsOfLevel = 4;
-/// The same at the end: below it the moves are those of pixels that change, not of the surface.
+/// The same for the last level. Smaller motions are due to changing pixels, not to the surface.
 constexpr double kSettled = 1e-3;
 
 /// What limits the correspondences of one iteration.
@@ -77,7 +77,7 @@ Association associate(const MeasuredSurface& surface, const Eigen::Vector3d& ver
   } else {
     found.sight = VertexSight::seen;
     found.pixel = pixel;
-    // Tukey's biweight: its influence falls to zero at the gate.
+    // Tukey's biweight: the influence of a pair falls to zero at the gate.
     const double fraction = distance / gate.distance;
     const double root = 1 - fraction * fraction;
     found.pair = {found.plane.normal, distance, root * root};
@@ -87,7 +87,7 @@ Association associate(const MeasuredSurface& surface, const Eigen::Vector3d& ver
 
 struct PlacedVertex {
   Eigen::Vector3d position;
-  Eigen::Vector3d normal;  ///< unit, but for a vertex without one: NaN
+  Eigen::Vector3d normal;  ///< unit, or NaN if the vertex has none
 };
 
 PlacedVertex place(const DeformationGraph& graph, const std::vector<Eigen::Isometry3d>& motions,
@@ -106,8 +106,8 @@ PlacedVertex place(const DeformationGraph& graph, const std::vector<Eigen::Isome
   return placed;
 }
 
-/// About kSamplesPerNode vertices a node that have a normal, evenly but not on a grid: a regular
-/// choice from a range map would be columns of it.
+/// About kSamplesPerNode vertices per node that have a normal, evenly but not regularly spaced: a
+/// regular selection from a range map would consist of columns.
 std::vector<int> choose_samples(const DeformationGraph& graph) {
   const auto count = static_cast<std::size_t>(graph.mesh().vertices.cols());
   const std::size_t wanted = kSamplesPerNode * static_cast<std::size_t>(graph.nodes().cols());
@@ -196,7 +196,7 @@ class Fit {
         result_.stop = NonRigidStop::no_overlap;
         return;
       }
-      // A surface that comes from a frame before has moved already: stiffness would take it back.
+      // A tracked surface is already deformed, and a higher stiffness would undo this.
       const double stiffness =
           options_.stiffness * (is_tracked ? 1 : between(kStiffStart, 1, level));
       const double move = equations_.step(pairs, stiffness, anchors, result_.node_motions);
@@ -206,9 +206,10 @@ class Fit {
         if (move <= kLevelSettled * graph_.spacing() || steps_of_level >= kMaxStepsOfLevel) {
           ++level;
           steps_of_level = 0;
-          // From level to level, so that they slow the surface down but do not hold it back.
+          // Reset the anchors at each level, so that they slow the surface down but do not hold it
+          // back.
           anchors = places_of_nodes();
-          // Pixels that were kept on the way lag behind.
+          // Release the pixels that were kept during this level, because they lag behind.
           std::ranges::fill(pixels, -1);
         }
       } else if (move <= kSettled * graph_.spacing()) {
@@ -226,8 +227,8 @@ class Fit {
     return places;
   }
 
-  /// Pairs the samples with the map; returns how many found a plane.
-  /// Pixels are kept while they can be: noise that jumps from pixel to pixel would never settle.
+  /// Pairs the samples with the map; returns how many found a plane. Keeps each sample's pixel if
+  /// possible, because noise that changes from pixel to pixel prevents convergence.
   long draw(const Gate& limit, std::vector<int>& pixels, std::vector<PlanePair>& pairs) const {
     parallel_for(pairs.size(), [&](std::size_t s) {
       const PlacedVertex placed = place(graph_, result_.node_motions, equations_.samples()[s]);
@@ -257,7 +258,7 @@ class Fit {
       if (found.sight != VertexSight::seen) return;
       result_.confidence[v] = found.pair.weight;
       result_.distance[v] = found.pair.distance;
-      // Along the ray, by as much as it is off the plane.
+      // Move along the ray until the point is on the plane.
       const double per_depth = found.plane.normal.dot(placed.position);
       result_.measured.col(v) = placed.position * (1 - found.pair.distance / per_depth);
     });

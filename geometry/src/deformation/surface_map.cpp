@@ -25,17 +25,18 @@
 namespace palpate::geometry {
 namespace {
 
-// Landmarks are in a line iff their spread across it is at most this part of that along it: the
-// turn about it would be known to no better than this part of a radian per part of their error.
+// Landmarks are collinear iff their spread across the line is at most this fraction of that along
+// it. The rotation about the line would then be poorly determined.
 constexpr double kInLine = 0.05;
 
-// Elastic lengths over the diagonal, from first to last, and how often the nearest places are taken
-// at each.
+// First and last elastic length relative to the diagonal, number of levels, and number of times the
+// closest points are updated at each.
 constexpr double kFirstLength = 0.25, kLastLength = 0.01;
 constexpr int kElasticLevels = 8, kElasticRounds = 6;
-// Of the diagonal: moves below this are rounding.
+// Relative to the diagonal; smaller moves are rounding.
 constexpr double kRoundingMove = 1e-12;
-// A vertex of the border is drawn to the border so much more than others to the surface.
+// Weight of the attraction of border vertices to the border, relative to that of other vertices to
+// the surface.
 constexpr double kBorderWeight = 10;
 
 void check_options(const SurfaceMapOptions& options) {
@@ -75,7 +76,7 @@ bool in_line(const Eigen::Matrix3Xd& points) {
   return !(spread[1] > kInLine * spread[0]);
 }
 
-// Where the landmarks of one side are on its surface.
+// Projects the landmarks of one side onto its surface.
 std::vector<SurfacePoint> place_landmarks(Eigen::Matrix3Xd& points, const SurfaceQuery& surface,
                                           double max_distance, const char* side) {
   std::vector<SurfacePoint> places;
@@ -114,7 +115,7 @@ void check_landmarks(const Landmarks& landmarks) {
   }
 }
 
-/// The target as vertices are drawn to it: those of the border to its border.
+/// Computes the target position of each vertex. Border vertices are attracted to the border.
 class Attractor {
  public:
   Attractor(const TriangleMesh& source, const TriangleMesh& target, const SurfaceQuery& surface)
@@ -133,7 +134,7 @@ class Attractor {
     return is_border_[static_cast<std::size_t>(v)] && !border_edges_.empty();
   }
 
-  /// Where each vertex is drawn to; one that sees only the back of the surface stays.
+  /// The target of each vertex. A vertex that only faces the back of the surface stays.
   [[nodiscard]] Eigen::Matrix3Xd targets(const Eigen::Matrix3Xd& positions) const {
     const ClosestPoints closest = closest_points(surface_, positions);
     const Eigen::Matrix3Xd facing = vertex_normals({positions, triangles_});
@@ -205,7 +206,7 @@ Eigen::Matrix3d triangle_basis(const Eigen::Matrix3Xd& vertices, const Eigen::Ve
 
 double area_of(const Eigen::Matrix3d& basis) { return basis.col(0).cross(basis.col(1)).norm() / 2; }
 
-// The gradient of the map of a triangle that takes its normal to the image's; NaN without an area.
+// The gradient of a triangle's map, which maps its normal to the image's; NaN without an area.
 Eigen::Matrix3d gradient(const Eigen::Matrix3d& from, const Eigen::Matrix3d& to) {
   if (!(area_of(from) > 0)) return Eigen::Matrix3d::Constant(kNan);
   return to * from.inverse();
@@ -223,7 +224,7 @@ void measure_distortion(const TriangleMesh& source, const TriangleMesh& target,
     const Eigen::Matrix3d to = triangle_basis(map.positions, source.triangles.col(t));
     if (!(area_of(from) > 0)) continue;
     const Eigen::Matrix<double, 3, 2> edges = gradient(from, to) * from.leftCols<2>();
-    // In an orthonormal basis of the source's triangle: the R of its edges divides.
+    // Express the edges in an orthonormal basis of the source's triangle.
     const Eigen::Vector3d u = from.col(0).normalized();
     const Eigen::Vector3d w = from.col(2).cross(u);
     Eigen::Matrix2d planar;

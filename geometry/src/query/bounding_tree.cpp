@@ -45,7 +45,7 @@ void set_children(void* node, void** children, unsigned count, void* /*user*/) {
   }
 }
 
-/// Boxes are set later by `refit`, as after every move.
+/// `refit` sets the boxes later, as after every move.
 void ignore_bounds(void* /*node*/, const RTCBounds** /*bounds*/, unsigned /*count*/,
                    void* /*user*/) {}
 
@@ -73,8 +73,8 @@ std::vector<RTCBuildPrimitive> triangle_boxes(const Eigen::Matrix3Xd& vertices,
   return boxes;
 }
 
-/// Copies what Embree built: the packet of a leaf, or a node and everything below it. Returns its
-/// value in `TreeNode::child`.
+/// Copies the tree built by Embree: the packet of a leaf, or a node and everything below it.
+/// Returns the value for `TreeNode::child`.
 int copy(BoundingTree& tree, const BuiltNode& built, int depth) {
   if (depth > BoundingTree::kMaxDepth)
     throw SolverError("SurfaceQuery: the search tree is too deep");

@@ -85,7 +85,7 @@ struct Draft {
         neighbours(triangle_neighbours(mesh.triangles)) {}
 };
 
-/// A zero error for meshoptimizer, which squares it in float.
+/// Upper limit of the relative error, because meshoptimizer squares it in float.
 constexpr double kMostRelativeError = 1e6;
 
 /// One run of meshoptimizer: `error` in mm by its own estimate.
@@ -94,8 +94,8 @@ TriangleMesh simplify(const Draft& draft, const FloatPositions& positions, doubl
   const std::vector<int>& source = draft.used.source;
   const auto is_fixed = [&](int v) { return draft.fixed[static_cast<std::size_t>(v)] != 0; };
   const auto fixed = static_cast<Eigen::Index>(std::ranges::count_if(source, is_fixed));
-  // meshoptimizer never moves a vertex that coincides with two others: a corner of several
-  // surfaces.
+  // Two copies of each fixed vertex are added, because meshoptimizer never moves a vertex that
+  // coincides with two others: it takes it for a corner of several surfaces.
   const auto count = static_cast<Eigen::Index>(source.size());
   Eigen::Matrix3Xf local(3, count + 2 * fixed);
   local.leftCols(count) = positions.local(Eigen::all, source);

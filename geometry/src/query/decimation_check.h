@@ -45,7 +45,7 @@ class Candidate {
  public:
   explicit Candidate(TriangleMesh mesh) : mesh_(std::move(mesh)) {}
   [[nodiscard]] const TriangleMesh& mesh() const { return mesh_; }
-  /// Its search tree, built when it is asked for first. The indices of its triangles are the same.
+  /// Its search tree, built at the first call. Triangle indices are the same.
   [[nodiscard]] const DistanceTarget& target();
 
  private:
@@ -53,8 +53,8 @@ class Candidate {
   std::optional<DistanceTarget> target_;
 };
 
-/// What the checks of earlier candidates with the same tolerance have shown. Most triangles of a
-/// candidate were in one before it, so that little is left to check.
+/// Results of the checks of earlier candidates with the same tolerance. Most triangles of a
+/// candidate were in an earlier one, so that little is left to check.
 class KnownTriangles {
  public:
   enum class Facing { unknown, right, turned_over };
@@ -66,7 +66,7 @@ class KnownTriangles {
   /// The input's triangles face right and are near.
   explicit KnownTriangles(const TriangleMesh& input);
 
-  /// Makes `candidate` the present one: facts are asked for by the indices of its triangles.
+  /// Sets the current candidate, whose triangle indices `facts` refers to.
   void enter(const TriangleMesh& candidate);
   [[nodiscard]] Facts& facts(std::size_t triangle) {
     return facts_[static_cast<std::size_t>(present_[triangle])];
@@ -79,7 +79,7 @@ class KnownTriangles {
   void set_covered(std::size_t input_triangle, const Witnesses& witnesses);
 
  private:
-  /// A triangle by its corners, turned so that the lowest comes first.
+  /// A triangle by its corners, rotated so that the lowest comes first.
   struct Entry {
     std::array<int, 2> others;
     int next;  ///< another one with the same lowest corner, or -1
