@@ -79,7 +79,7 @@ Eigen::Vector3d ArmMotion::hold() { return control(target_joints_); }
 
 bool ArmMotion::move_to(const Eigen::Vector3d& place, double speed, double deadline) {
   const Eigen::Vector3d from = target_;
-  // Before it moves: near the limits of the links small forces need large torques.
+  // Check the path first, because near the limits of the links small forces need large torques.
   constexpr double kLook = 5;  // [mm]
   const ReachOptions links{.geometry = options_.geometry};
   const int looks = std::max(1, static_cast<int>(std::ceil((place - from).norm() / kLook)));
@@ -88,7 +88,7 @@ bool ArmMotion::move_to(const Eigen::Vector3d& place, double speed, double deadl
   }
   const int ticks = std::max(1, ticks_in((place - from).norm() / speed));
   for (int i = 1; i <= ticks; ++i) {
-    // Starts and ends gently, so that the tip does not overshoot and turn its friction round.
+    // Start and end gently, so that the tip does not overshoot and reverse the friction.
     const double t = static_cast<double>(i) / ticks;
     const Eigen::Vector3d next = from + (place - from) * (t * t * (3 - 2 * t));
     const std::optional<Eigen::Vector3d> joints = joints_at(options_.geometry, next);

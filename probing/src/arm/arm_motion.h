@@ -11,13 +11,13 @@
 
 namespace palpate::probing {
 
-/// The control loop of an arm: one call of `control`, `hold` or `push` is one tick. All is in the
-/// frame of the base. Each throws ArmStopped after a fault.
+/// The control loop of an arm: one call of `control`, `hold` or `push` is one tick. All quantities
+/// are in the frame of the base. Each function throws ArmStopped after a fault.
 class ArmMotion {
  public:
   ArmMotion(SafeArm& arm, const ArmProberOptions& options) : arm_(arm), options_(options) {}
 
-  /// Forgets all of the motion before. The motors have just been switched on.
+  /// Discards the state of all previous motion. The motors have just been switched on.
   void begin(const GravityModel& gravity);
 
   [[nodiscard]] const ArmState& state() const { return state_; }
@@ -25,14 +25,15 @@ class ArmMotion {
   [[nodiscard]] double period() const { return arm_.description().period; }
   [[nodiscard]] int ticks_in(double seconds) const;
 
-  /// Joint control from where the tip is, after forces were applied.
+  /// Starts joint control at the current position of the tip, after forces were applied.
   void take_hold();
-  /// Moves the tip along a line. False if a place on it is out of reach, or `deadline` [s] passes.
+  /// Moves the tip along a line. False if a point of it is out of reach, or `deadline` [s] passes.
   [[nodiscard]] bool move_to(const Eigen::Vector3d& place, double speed, double deadline);
   /// Holds the tip where `move_to` or `take_hold` left it. \return [N] of the controller.
   Eigen::Vector3d hold();
 
-  /// [N mm] What the joints need besides gravity, as measured with the arm at rest in free space.
+  /// [N mm] Torque that the joints need besides gravity, measured with the arm at rest in free
+  /// space.
   void set_internal_torque(const Eigen::Vector3d& torque);
   /// Applies a force [N] at the tip, with gravity and internal forces compensated.
   void push(const Eigen::Vector3d& force);
@@ -53,8 +54,8 @@ class ArmMotion {
   Eigen::Vector3d speed_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d target_ = Eigen::Vector3d::Zero();         // [mm]
   Eigen::Vector3d target_joints_ = Eigen::Vector3d::Zero();  // [rad]
-  // Friction: the measured torque, and the deflection of each joint's friction in [-1, 1] then, now
-  // and smoothed.
+  // Friction: the measured torque, and the deflection of each joint's friction in [-1, 1] at that
+  // measurement, now, and smoothed.
   Eigen::Vector3d internal_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d deflection_then_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d deflection_ = Eigen::Vector3d::Zero();

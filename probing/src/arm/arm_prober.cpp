@@ -22,15 +22,15 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kSlowPart = 3.5;           // [mm] of the way to the start of an approach ...
-constexpr double kSlowSpeed = 10;           // [mm/s] ... which is slow, along the coming force
-constexpr double kLateralStiffness = 0.15;  // [N/mm] beside the way of an approach
+constexpr double kSlowPart = 3.5;  // [mm] last part of the way to the start of an approach ...
+constexpr double kSlowSpeed = 10;  // [mm/s] ... which is slow, along the coming force
+constexpr double kLateralStiffness = 0.15;  // [N/mm] across the direction of an approach
 constexpr double kLateralDamping = 0.0125;  // [N s/mm]
-constexpr double kEstimating = 0.1;         // [s] that the touch may take to be located
-constexpr double kUnloading = 0.4;          // [s] in which a lift takes the force away
-constexpr double kUnloaded = 0.05;          // [N] that are left then
+constexpr double kEstimating = 0.1;         // [s] allowed for locating the touch
+constexpr double kUnloading = 0.4;          // [s] in which a lift removes the force
+constexpr double kUnloaded = 0.05;          // [N] that remain after that
 constexpr double kShortestRamp = 0.3;       // [s]
-constexpr double kLevelled = 0.05;          // [s] between two looks at whether the tip rests
+constexpr double kLevelled = 0.05;          // [s] between two checks of whether the tip rests
 
 void check_prober_options(const ArmProberOptions& o) {
   const auto positive = [](const char* name, double value, const char* unit) {
@@ -107,7 +107,7 @@ struct ArmProber::Impl {
     force.setZero();
   }
 
-  // Between trials nobody else moves the arm: their results are written to the disk meanwhile.
+  // Holds the arm between trials, while their results are written to the disk.
   void keep() {
     if (!safe.description().real_time) return;
     keeping = true;
@@ -151,7 +151,7 @@ struct ArmProber::Impl {
     return result;
   }
 
-  /// Whether all motors can stand `coming` [N] for `expected_load`, by du/dt = (load^2 - u) / T.
+  /// Whether all motors can bear `coming` [N] for `expected_load`, by du/dt = (load^2 - u) / T.
   [[nodiscard]] bool is_cool(const Vector3d& coming) const {
     if (!safe.description().measures_heat) return true;
     const double decay = std::exp(-options.expected_load / options.heating_time);
@@ -162,7 +162,7 @@ struct ArmProber::Impl {
         motion.torque_of(Vector3d::Zero()).cwiseAbs2() / (continuous * continuous);
     for (int i = 0; i < 3; ++i) {
       const double heat = motion.state().heat[i];
-      // What holding the arm alone keeps up, no waiting takes away.
+      // Waiting does not remove the heat that holding the arm alone causes.
       constexpr double kAsCoolAsItGets = 0.02;
       if (heat < held[i] + kAsCoolAsItGets) continue;
       if (loaded[i] + (heat - loaded[i]) * decay > options.warm) return false;
@@ -211,7 +211,7 @@ struct ArmProber::Impl {
     return last;
   }
 
-  /// False if the joints hunt.
+  /// False if the joints oscillate (`hunting`).
   bool measure_internal_force() {
     for (int i = motion.ticks_in(options.free_settling); i > 0; --i) motion.hold();
     std::vector<Vector3d> held(static_cast<std::size_t>(motion.ticks_in(options.measuring)));
@@ -243,7 +243,7 @@ struct ArmProber::Impl {
       motion.push(push * along -
                   beside * (kLateralStiffness * offset + kLateralDamping * motion.speed()));
     }
-    // The loop goes on while the touch is located: that takes milliseconds.
+    // Keep the control loop running while the touch is located, which takes milliseconds.
     std::future<std::optional<ContactEstimate>> located = std::async(
         std::launch::async, [&] { return estimate_contact(detector.samples(), options.contact); });
     force = options.push * along;

@@ -11,7 +11,7 @@
 namespace palpate::probing {
 namespace {
 
-/// All forces [N] of a plan at a contact, world frame: of each level without and with the largest
+/// All forces [N] of a plan at a contact, world frame: each level alone, and with the largest
 /// tangential force in each direction.
 std::vector<Eigen::Vector3d> planned_forces(const Contact& contact, const ContactPlan& plan) {
   const Eigen::Matrix3d frame = tangent_frame(contact);

@@ -54,7 +54,7 @@ CommandNumbers numbers_of(const ArmCommand& command) {
   return {command.force.x(), command.force.y(), command.force.z(), command.lease};
 }
 
-/// [bytes] after the letter of an event; negative for a letter that is unknown.
+/// [bytes] Size of an event after its letter; negative for an unknown letter.
 int size_of_event(char letter) {
   constexpr int kNumber = 8;
   switch (letter) {
@@ -217,7 +217,7 @@ struct ReplayArm::Tape {
     description.real_time = false;
   }
 
-  /// Takes the event if it has this letter; the place does not change otherwise.
+  /// Reads the event if it has this letter; otherwise the position in the file does not change.
   template <typename Numbers>
   bool take(char letter, Numbers* numbers) noexcept {
     if (broken != nullptr) return false;
@@ -238,7 +238,7 @@ struct ReplayArm::Tape {
     if (broken == nullptr) broken = ended ? "the record ends here" : from;
   }
 
-  /// Behind the next beginning of a trial from this place on. False if there is none.
+  /// Moves behind the next beginning of the trial after this position. False if there is none.
   bool seek_from(long place, std::int64_t trial) noexcept {
     std::fseek(file, place, SEEK_SET);
     std::array<char, sizeof(StateNumbers)> numbers{};
@@ -263,9 +263,9 @@ struct ReplayArm::Tape {
   long begin = 0;  // [bytes] of the first event
   std::string session;
   ArmDescription description;
-  double time = 0;  // that the clock said last
+  double time = 0;  // latest reading of the clock
   bool ended = false;
-  const char* broken = nullptr;  // why nothing is replayed any more
+  const char* broken = nullptr;  // why the replay has ended
 };
 
 ReplayArm::ReplayArm(const std::filesystem::path& path) : tape_(std::make_unique<Tape>(path)) {}

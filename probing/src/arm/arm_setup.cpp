@@ -19,7 +19,7 @@ namespace {
 
 using nlohmann::json;
 
-/// One JSON object of a setup: takes its members one by one and refuses what is left.
+/// One JSON object of a setup: its members are taken one by one, and `end` refuses any others.
 class Members {
  public:
   Members(const json& object, std::string source, std::string place)
@@ -179,7 +179,7 @@ void take_prober(Members& m, ArmProberOptions& o) {
   m.take("heating_time", o.heating_time, positive, "s");
 }
 
-// Where the middle of the surface lies in the frame of the base, and how far below the sweeps.
+// Position of the middle of the surface in the frame of the base, so that it is below the sweeps.
 constexpr double kOutwards = 195;  // [mm]
 constexpr double kHeight = -215;   // [mm]
 
@@ -221,7 +221,7 @@ Eigen::Isometry3d mount_over(const geometry::TriangleMesh& surface, const ArmGeo
   if (!(normal.norm() > 0)) throw InvalidInput("mount_over: the surface has no mean normal");
   normal.normalize();
   const Eigen::Vector3d first = normal.unitOrthogonal(), second = normal.cross(first);
-  // Along the sides of the smallest of a few rectangles around the surface.
+  // Use the sides of the smallest of a few rectangles around the surface.
   constexpr int kTurns = 90;
   constexpr double kTurn = 1.5707963267948966 / kTurns;  // [rad]
   Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();

@@ -19,7 +19,7 @@ constexpr int kTerms = 12;
 constexpr double kSmallestRange = std::numbers::pi / 6;  // [rad]
 constexpr double kHunting = 10;                          // [N mm]
 
-/// Derivatives of the potential's terms by the joints.
+/// Derivatives of the potential's terms with respect to the joints.
 Eigen::Matrix<double, 3, kTerms> gravity_terms(const Eigen::Vector3d& joints) {
   const double s0 = std::sin(joints[0]), c0 = std::cos(joints[0]);
   const std::array<double, 3> turn{1, s0, c0}, turn_slope{0, c0, -s0};
@@ -87,7 +87,7 @@ GravityModel fit_gravity(std::span<const HeldPose> poses) {
       torques[used++] = pose.torque[joint];
     }
   }
-  // Terms that the poses do not tell apart get the smallest coefficients.
+  // Minimum norm: terms that the poses do not distinguish get the smallest coefficients.
   Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition;
   constexpr double kToldApart = 1e-3;  // relative to the largest pivot
   decomposition.setThreshold(kToldApart);

@@ -12,7 +12,7 @@
 namespace palpate::probing {
 namespace {
 
-/// Moves an arm along straight lines in its joints, and holds it.
+/// Moves an arm along straight lines in joint space, and holds it.
 class PoseHolder {
  public:
   PoseHolder(Arm& arm, const GravityCalibration& calibration)
@@ -26,7 +26,7 @@ class PoseHolder {
     const int ticks = std::max(1, ticks_in(way / speed));
     const Eigen::Vector3d from = at_;
     for (int i = 1; i <= ticks; ++i) {
-      // Starts and ends gently, so that the tip does not overshoot and turn its friction round.
+      // Start and end gently, so that the tip does not overshoot and reverse the friction.
       const double t = static_cast<double>(i) / ticks;
       step(from + (joints - from) * (t * t * (3 - 2 * t)));
     }
@@ -37,7 +37,7 @@ class PoseHolder {
     for (int i = ticks_in(calibration_.settling); i > 0; --i) step(at_);
   }
 
-  /// Comes to the joints along `direction`, slowly on the last part, and holds them.
+  /// Approaches the joints along `direction`, slowly at the end, and holds them.
   HeldPose hold(const Eigen::Vector3d& joints, const Eigen::Vector3i& direction) {
     constexpr double kLastPart = 0.02;  // [rad]
     constexpr double kSlow = 3;         // times slower

@@ -37,7 +37,7 @@ struct PluginArm::Driver {
 
 namespace {
 
-/// [bytes] of the table without the functions that a driver may leave out.
+/// [bytes] Size of the table without the optional functions.
 constexpr std::size_t kLeastTable = offsetof(palpate_device_v1, now);
 
 /// \throws FileError unless the table is complete and of our version.

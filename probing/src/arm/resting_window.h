@@ -11,7 +11,7 @@
 
 namespace palpate::probing {
 
-/// The latest positions of a tip, and the line through them. Allocates when it is made only.
+/// The latest positions of a tip, and the line through them. Allocates only on construction.
 class RestingWindow {
  public:
   explicit RestingWindow(int length) : at_(static_cast<std::size_t>(length < 2 ? 2 : length)) {}
@@ -23,14 +23,14 @@ class RestingWindow {
   }
   [[nodiscard]] bool full() const { return count_ == at_.size(); }
 
-  /// [mm] of the positions so far.
+  /// [mm] Mean of the positions so far.
   [[nodiscard]] Eigen::Vector3d mean() const {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     for (std::size_t i = 0; i < count_; ++i) sum += at_[i].position;
     return sum / static_cast<double>(count_);
   }
 
-  /// [mm/s] by a line through the positions so far; infinite if there are fewer than two.
+  /// [mm/s] Slope of a line through the positions so far; infinite if there are fewer than two.
   [[nodiscard]] double speed() const {
     double middle = 0;
     for (std::size_t i = 0; i < count_; ++i) middle += at_[i].time / static_cast<double>(count_);

@@ -217,8 +217,8 @@ ArmFault SafeArm::check_motion(const ArmState& state) noexcept {
   }
   const Eigen::Vector3d step = state.tip - last_.tip;
   if (step.isZero(0)) {
-    // One state without motion is quantisation. At two the tip must have been braked, at most as
-    // hard as it can be; its latest speed is that before.
+    // One state without motion may be quantisation. Two mean that the tip was braked from its last
+    // speed, which its highest acceleration limits.
     if (++still_ == 1) return ArmFault::none;
     const double braking = period * period * limits_.highest_acceleration / 2;
     const bool stopped_dead =
@@ -246,7 +246,7 @@ ArmFault SafeArm::check_force(const ArmState& state) noexcept {
   if (!state.delivered_force.allFinite()) return ArmFault::state_not_finite;
   zero_force_ = state.delivered_force.isZero(0) ? zero_force_ + 1 : 0;
   if (zero_force_ >= kStates) return ArmFault::force_exactly_zero;
-  // The motors may be one command behind.
+  // The motors may lag by one command.
   const double error = std::min((state.delivered_force - force_).norm(),
                                 (state.delivered_force - earlier_force_).norm());
   const double tolerance = limits_.force_tolerance + limits_.force_relative * force_.norm();

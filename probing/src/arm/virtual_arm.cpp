@@ -46,9 +46,9 @@ Eigen::Vector3d normal_numbers(std::uint64_t seed, std::uint64_t sample, std::ui
   return {first.x(), first.y(), second.x()};
 }
 
-/// Deflection of a joint's friction after a way. Dahl's model, but elastic below a breakaway and
-/// against the deflection, so that vibrations do not make a joint at rest creep (Dupont, Hayward,
-/// Armstrong and Altpeter 2002).
+/// Deflection of a joint's friction after a motion. Dahl's model, but elastic below a breakaway
+/// deflection and for motion against the deflection, so that vibrations do not make a joint at rest
+/// creep (Dupont, Hayward, Armstrong and Altpeter 2002).
 double bristle_after(double bristle, double way, double presliding) {
   constexpr double kBreakaway = 0.8;  // of the deflection when sliding
   const double share = std::abs(bristle) / presliding;
@@ -97,8 +97,8 @@ LinkDynamics link_dynamics(const VirtualArmOptions& o, const Eigen::Vector3d& q,
 
 }  // namespace
 
-/// The tip on the object. The object's displacement is linearised about the latest force at which
-/// it was computed; slopes follow by Powell's symmetric update.
+/// The arm with its tip on the object. The object's displacement is linearised about the latest
+/// force at which it was computed; its slope is updated by Powell's symmetric formula.
 struct VirtualArm::Simulation {
   Simulation(const Specimen* object, const VirtualArmOptions& o) : options(o), specimen(object) {
     require("VirtualArmOptions::upper_mass", o.upper_mass, above(0).finite(), "kg");
@@ -204,7 +204,7 @@ struct VirtualArm::Simulation {
     return truth.force;
   }
 
-  /// The contact moves in the surface until the force is on the cone.
+  /// Moves the contact along the surface until the force is on the cone.
   Eigen::Vector3d slide(const Eigen::Vector3d& p_world_tip, const Eigen::Vector3d& tangential) {
     const Eigen::Vector3d on_cone = cone.axis + cone.coefficient * tangential.normalized();
     const Eigen::Vector3d first = surface_normal.unitOrthogonal();
@@ -225,7 +225,7 @@ struct VirtualArm::Simulation {
   void find_surface() {
     const Eigen::Vector3d p =
         truth.in_contact ? truth.contact : options.T_world_base * tip_position(options.geometry, q);
-    constexpr double kNear = 3;  // [mm] within which the tip can be in one period
+    constexpr double kNear = 3;  // [mm] the tip moves less than this in one period
     const geometry::ClosestPoint closest = query->closest_point(p);
     const geometry::TriangleMesh& mesh = specimen->surface();
     surface_normal.setZero();
@@ -236,7 +236,7 @@ struct VirtualArm::Simulation {
     surface_normal.normalize();
     surface_point = closest.position;
     const Eigen::Vector3d offset = p - surface_point;
-    // Beside the border the closest point is not below the tip.
+    // Beyond the border the closest point is not below the tip.
     const double beside = (offset - offset.dot(surface_normal) * surface_normal).norm();
     if (!truth.in_contact) {
       near = closest.distance < kNear && beside < 0.5;
@@ -300,7 +300,7 @@ struct VirtualArm::Simulation {
   }
 
   void soften() {
-    // A compliance is never negative. Updates along a few directions can make it so in others where
+    // Remove negative compliances. Updates along a few directions can cause them in others where
     // the object stiffens quickly, as beside a support; the forces would then grow without bound.
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen((slope + slope.transpose()) / 2);
     slope = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).asDiagonal() *

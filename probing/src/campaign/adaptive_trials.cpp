@@ -25,17 +25,19 @@ constexpr double kHourSeconds = 3600;  // [s]
 constexpr int kBaseLevels = 5;
 /// Normal force = lowest + (highest - lowest) part^kLevelPower: nearly even, a little denser below.
 constexpr double kLevelPower = 1.25;
-/// Probability of slipping of a trial that is not to search friction.
+/// Probability of slip of a trial that is not meant to search the friction cone.
 constexpr double kHolding = 0.05;
-constexpr double kHoldingDeviations = 1.645;  // of a normal distribution, with that probability
-/// Tangential forces below so many standard deviations of the force are not tried.
+constexpr double kHoldingDeviations = 1.645;  // normal quantile for that probability
+/// Tangential forces below this many standard deviations of the force are not tried.
 constexpr double kLeastTangential = 2;
 constexpr double kForceStep = 1e-4;  // [N] of a chosen force
 
-/// Further trials at a contact: directions in the tangent plane, and parts of the largest force.
+/// Further trials at a contact: directions in the tangent plane, and fractions of the largest
+/// force.
 constexpr int kFineDirections = 12;
 constexpr std::array kParts = {1.0, 0.55};
-/// So many times the base: more samples at a contact hardly help, and choices stay fast.
+/// Limit of the trials at a contact, in multiples of its base. More hardly help and slow down the
+/// choice.
 constexpr double kMostOfBase = 3;
 constexpr int kQueriesPerContact = 20;
 constexpr double kQueryLow = 0.1;     // [N] least force of a query
@@ -45,20 +47,22 @@ constexpr std::size_t kNeighbours = 6;
 constexpr std::size_t kFewestContacts = 6;  // before the error between contacts is stated
 /// Contacts whose normals differ by more than 60 degrees do not predict each other.
 constexpr double kSameSide = 0.5;
-/// A contact is enclosed iff the weighted mean of the ways to its neighbours is at most this part
-/// of their mean length.
+/// A contact is enclosed iff the weighted mean of the vectors to its neighbours is at most this
+/// fraction of their mean length.
 constexpr double kEnclosed = 0.4;
-constexpr double kPlaneRidge = 0.01;  // of the slopes of the plane, relative to its constant
-/// A place between contacts is nearer to them than a contact that is left out. Fitted to the errors
-/// of `palpate fit` on the specimens that docs/trade-probing.md names.
+constexpr double kPlaneRidge = 0.01;  // penalty of the plane's slopes, relative to its constant
+/// Error at a place between contacts relative to that of predicting a left-out contact, which is
+/// farther from the others. Fitted to the errors of `palpate fit` on the specimens that
+/// docs/trade-probing.md names.
 constexpr double kBetweenShare = 0.17;
-/// The error between contacts falls with the square of their distance.
+/// The squared error between contacts falls with this power of their number, because the error
+/// falls with the square of their distance.
 constexpr double kGapPower = 2;
-/// Predictions count from this number of pairs at a contact on.
+/// Number of pairs at a contact from which on its predictions count.
 constexpr int kFewestToPredict = 8;
-/// Before samples were predicted the stated error counts as right, like so many predictions.
+/// The stated error is assumed to be right with the weight of this many predictions.
 constexpr double kAssumedPredictions = 10;
-constexpr double kLargestRatio = 25;  // of squared errors: an outlier
+constexpr double kLargestRatio = 25;  // of squared errors; limits the effect of outliers
 
 void check_adaptive_options(const AdaptiveOptions& options) {
   require("AdaptiveOptions::until", options.until, at_least(0).finite(), "N");
@@ -92,7 +96,7 @@ const char* to_string(AdaptiveStop stop) {
   return "";
 }
 
-// What is known of a contact that was begun.
+// State of a contact that was begun.
 struct AdaptiveSite {
   std::size_t contact = 0;  // index in the plan
   std::optional<ConePosterior> posterior = {};
@@ -101,7 +105,7 @@ struct AdaptiveSite {
   std::array<ForcePair, kBaseLevels> pressed = {};  // mean of each level
   std::array<int, kBaseLevels> presses = {};
   int trials = 0;
-  int failures = 0;  // in a row
+  int failures = 0;  // in succession
   bool given_up = false, base_done = false;
   std::optional<ForceSurrogate> surrogate = {};
   std::vector<Vector3d> queries = {};
@@ -140,7 +144,8 @@ struct AdaptiveTrials::Impl {
   }
   [[nodiscard]] int base_size() const { return kBaseLevels * std::max(plan.options.directions, 1); }
 
-  // [N] The tangential force along a unit vector that slips with a probability, or the most.
+  // [N] The tangential force along a unit vector that slips with this probability, or the largest
+  // one.
   [[nodiscard]] double force_for(const AdaptiveSite& site, double normal, const Vector3d& along,
                                  double probability) const {
     const Vector3d pressed = normal * pressing(site);
@@ -154,7 +159,7 @@ struct AdaptiveTrials::Impl {
     return low;
   }
 
-  // [N] The tangential force that a cone holds which is as narrow as the trials allow, or the most.
+  // [N] The largest tangential force that is held with the smallest plausible coefficient.
   [[nodiscard]] double surely_held(const AdaptiveSite& site, double normal,
                                    const Vector3d& along) const {
     const double coefficient =
@@ -202,7 +207,7 @@ struct AdaptiveTrials::Impl {
     slipped_at = 0;
     directions.resize(static_cast<std::size_t>(plan.options.directions));
     std::iota(directions.begin(), directions.end(), 0);
-    // Fisher and Yates, with numbers that depend on the place in the campaign only.
+    // Fisher-Yates shuffle with numbers that depend only on the position in the campaign.
     RecordHash hash(options.seed);
     hash.add(contact_of(sites[current]).id);
     hash.add(static_cast<std::uint64_t>(level));
@@ -227,7 +232,7 @@ struct AdaptiveTrials::Impl {
       if (direction < directions.size()) {
         const int k = directions[direction];
         const Vector3d along = tangent(site, direction_angle(plan.options, level, k));
-        // What one trial tells of the coefficient: little under a small normal force.
+        // Error of the coefficient by one trial: large under a small normal force.
         const double told =
             options.program.force_noise * std::hypot(1, site.cone.coefficient) / normal;
         const bool search = site.cone.coefficient_error > options.friction_accuracy &&
@@ -238,7 +243,7 @@ struct AdaptiveTrials::Impl {
         next_direction();
         continue;
       }
-      // Where nothing can be dragged, the normal force alone.
+      // If no tangential force can be tried, press with the normal force alone.
       if (site.presses[static_cast<std::size_t>(level)] == 0)
         return order_of(site, level, -1, Vector3d::Zero());
       next_level();
@@ -261,11 +266,12 @@ struct AdaptiveTrials::Impl {
                                                    .force_noise = options.program.force_noise});
   }
 
-  // Forces at which the model is to be right: even in size, and over the section of the cone.
+  // Chooses forces at which the model should be right: evenly spaced in size, and spread evenly
+  // over the section of the cone.
   void place_queries(AdaptiveSite& site) const {
     site.queries.clear();
     const Vector3d axis = site.cone.axis;
-    // The same in all frames that turn with the contact.
+    // Define the axes by the tangent, so that the result does not depend on the frame.
     const Vector3d x = (tangent(site, 0) - tangent(site, 0).dot(axis) * axis).normalized();
     const Vector3d y = axis.cross(x);
     for (int i = 0; i < kQueriesPerContact; ++i) {
@@ -279,7 +285,7 @@ struct AdaptiveTrials::Impl {
     }
   }
 
-  // What is expected of a contact, and its best further trial.
+  // Updates the expected error of a contact, and its best further trial.
   void assess(AdaptiveSite& site) const {
     site.gain = 0;
     site.best.reset();
@@ -317,7 +323,7 @@ struct AdaptiveTrials::Impl {
     return site.base_done && !site.given_up && site.surrogate.has_value();
   }
 
-  // The known contacts nearest to one, itself excepted.
+  // The known contacts nearest to a contact, without itself.
   [[nodiscard]] std::vector<std::pair<double, std::size_t>> neighbours_of(std::size_t index) const {
     std::vector<std::pair<double, std::size_t>> near;
     const Contact& here = contact_of(sites[index]);
@@ -430,7 +436,7 @@ struct AdaptiveTrials::Impl {
       result.between = std::sqrt(at.between);
       result.error = std::hypot(result.at_contacts, result.between);
     } else if (sites.size() == plan.contacts.size()) {
-      result.error = result.at_contacts;  // too few contacts to tell what lies between them
+      result.error = result.at_contacts;  // too few contacts to estimate the error between them
     } else {
       return result;
     }
@@ -447,7 +453,7 @@ struct AdaptiveTrials::Impl {
     return trials > 0 ? seconds / static_cast<double>(trials) : 0;
   }
 
-  // Whether a limit was reached; `further` trials are wanted.
+  // The limit that `further` trials would exceed, if any.
   [[nodiscard]] AdaptiveStop limit(int further) const {
     if (options.max_samples > 0 && samples + further > options.max_samples)
       return AdaptiveStop::max_samples;
@@ -462,7 +468,7 @@ struct AdaptiveTrials::Impl {
     order.reset();
   }
 
-  // Finds the next trial from where the campaign stands.
+  // Chooses the next trial from the current state of the campaign.
   void decide() {
     order.reset();
     if (limit(1) != AdaptiveStop::none) return end(limit(1));
@@ -480,7 +486,7 @@ struct AdaptiveTrials::Impl {
     const bool more = sites.size() < plan.contacts.size();
     const bool fits = limit(base_size()) == AdaptiveStop::none;
     const bool few = at.left_out < kFewestContacts;
-    // One trial against a contact more, whose base takes as many times longer.
+    // Compare the gain of one trial with that of another contact, per trial of its base.
     const double by_trial = best == sites.end() ? 0 : correction() * best->gain;
     const double by_contact = kGapPower * at.between / base_size();
     if (more && fits && (few || by_contact > by_trial)) {
@@ -504,7 +510,7 @@ struct AdaptiveTrials::Impl {
     end(more ? limit(base_size()) : AdaptiveStop::exhausted);
   }
 
-  // Compares a held trial with what was expected of it.
+  // Compares a held trial with its prediction.
   void judge_prediction(const AdaptiveSite& site, const Vector3d& force,
                         const Vector3d& displacement) {
     if (!site.surrogate || !site.base_done ||
@@ -642,7 +648,7 @@ double AdaptiveTrials::trials_left() const {
   }
   const double error = at.stated().error;
   if (at.options.until > 0 && std::isfinite(error)) {
-    // As if all were noise.
+    // If all of the error is noise, it falls with the root of the number of trials.
     const double times = std::pow(error / at.options.until, 2);
     left = std::min(left, static_cast<double>(at.trials) * (times - 1));
   }

@@ -21,10 +21,10 @@ using Eigen::Vector3d;
 
 constexpr int kPressing = -1;         // the normal force alone
 constexpr double kUsualSeconds = 12;  // [s] of a trial (thesis 6.2.1), before one was performed
-/// Tangential forces below so many standard deviations of the force are not tried.
+/// Tangential forces below this many standard deviations of the force are not tried.
 constexpr double kSmallestForce = 2;
-/// A second trial is worth its time iff it tells coefficients apart that differ by at most so many
-/// standard deviations of what is known.
+/// A second trial is made iff the difference of coefficients that it resolves is at most this many
+/// standard deviations of the current estimate.
 constexpr double kCoarsest = 1;
 constexpr double kForceTolerance = 1e-4;  // [N] of a chosen force
 
@@ -72,9 +72,9 @@ struct Campaign::Impl {
 
   // One direction at one level.
   struct Search {
-    double low = 0, high = 0;  // [N] bisection: what held, and what slipped or is the most
+    double low = 0, high = 0;  // [N] bisection: what held, and what slipped or is the largest
     std::optional<long long> held = {};  // the trial that held `low`
-    bool slipped = false;                // some force did
+    bool slipped = false;                // whether some force slipped
     int tries = 0;
   };
 
@@ -108,7 +108,7 @@ struct Campaign::Impl {
     direction = 0;
     directions.resize(static_cast<std::size_t>(plan.options.directions));
     std::iota(directions.begin(), directions.end(), 0);
-    // Fisher and Yates, with numbers that depend on the place in the campaign only.
+    // Fisher-Yates shuffle with numbers that depend only on the position in the campaign.
     RecordHash hash(options.seed);
     hash.add(here().id);
     hash.add(static_cast<std::uint64_t>(level));
@@ -139,7 +139,7 @@ struct Campaign::Impl {
     begin_contact();
   }
 
-  /// [N] The tangential force that slips with a probability, or the most that is possible.
+  /// [N] The tangential force that slips with this probability, or the largest possible one.
   [[nodiscard]] double force_for(double probability) const {
     const Vector3d along = unit_tangent(), normal = normal_force() * pressing();
     double low = 0, high = most_tangential();
@@ -169,16 +169,16 @@ struct Campaign::Impl {
     }
     const ConeEstimate cone = posterior->estimate();
     if (cone.coefficient_error <= options.friction_accuracy) return std::nullopt;
-    // The coefficient that one trial tells apart: coarse under a small normal force.
+    // The difference of coefficients that one trial resolves: large under a small normal force.
     const double told =
         options.program.force_noise * std::hypot(1, cone.coefficient) / normal_force();
     if (told > kCoarsest * cone.coefficient_error) return std::nullopt;
     const double size = force_for(1 - options.cautious);
-    // A force that cannot be larger than the one that held tells nothing.
+    // A force that is not larger than one that held gives no information.
     return size >= search.low + least ? std::optional(size) : std::nullopt;
   }
 
-  /// Finds the next trial from where the campaign stands.
+  /// Chooses the next trial from the current state of the campaign.
   void decide() {
     order.reset();
     if (adaptive) {
@@ -279,7 +279,7 @@ struct Campaign::Impl {
   std::vector<int> directions;
   std::size_t direction = 0;  // index in `directions`
   Search search;
-  int failures = 0;     // in a row
+  int failures = 0;     // in succession
   bool failed = false;  // the contact
   std::optional<ConePosterior> posterior;
   std::vector<ConeEstimate> cones;
@@ -332,7 +332,7 @@ CampaignProgress Campaign::progress() const {
     return progress;
   }
   progress.contacts_done = static_cast<int>(at.contact);
-  // What a contact takes: as those before it, or by the options.
+  // Trials of a contact: estimated from the options, or from the contacts before it.
   double of_contact = 0;
   for (const double normal : at.plan.normal_forces) {
     const double most =

@@ -48,8 +48,8 @@ TrialOutcome outcome_of(const std::string& name) {
 
 }  // namespace
 
-// The one process that may write. Declared before the database: closing any descriptor of a file
-// drops the locks that SQLite holds on it.
+// Ensures that only one process writes. Declared before the database, because closing any
+// descriptor of a file drops the locks that SQLite holds on it.
 class WriterLock {
  public:
   explicit WriterLock(const std::filesystem::path& path)
@@ -72,7 +72,7 @@ class WriterLock {
 
 namespace {
 
-// The members of the options, for reading and writing alike.
+// Visits the members of the options, both for reading and for writing.
 template <typename Options, typename Visit>
 void visit_campaign_options(Options& o, Visit&& visit) {
   visit("seed", o.seed);
@@ -89,7 +89,7 @@ void visit_campaign_options(Options& o, Visit&& visit) {
   visit("force_noise", o.program.force_noise);
 }
 
-// Stores of campaigns without limits do not have them.
+// Members that stores of campaigns without limits do not have.
 template <typename Options, typename Visit>
 void visit_limits(Options& o, Visit&& visit) {
   visit("until", o.until);
@@ -155,7 +155,7 @@ struct CampaignStore::Impl {
     memory.emplace(db, "INSERT OR REPLACE INTO run VALUES('memory', ?)");
   }
 
-  // Does all of `work` or nothing.
+  // Performs all of `work` or nothing.
   template <typename Work>
   void transact(const Work& work) {
     try {
@@ -182,7 +182,7 @@ CampaignStore CampaignStore::create(const std::filesystem::path& path,
                       ": it exists already; choose another name, or go on with it "
                       "by 'palpate probe resume'");
   }
-  // It appears as a whole: a file that is there can be resumed.
+  // The file appears only when it is complete, so that every existing file can be resumed.
   write_file_by_path(path, [&](const std::filesystem::path& temporary) {
     try {
       const Database database = open_database(temporary, SQLITE_OPEN_READWRITE);

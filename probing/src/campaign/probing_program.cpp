@@ -26,7 +26,7 @@ double limit_of(ProgramStage stage, const ProgramOptions& options) {
   }
 }
 
-// The action with which a stage begins.
+// The first action of a stage.
 std::optional<ProbeAction> action_of(const ProgramState& state, const ProgramOptions& options) {
   const TrialOrder& order = state.order;
   ProbeAction action{.trial = order.trial,
@@ -80,7 +80,7 @@ TrialOutcome failure(ProbeOutcome outcome) {
   }
 }
 
-// None if the arm reported what is not finite.
+// Nullopt if the arm reported values that are not finite.
 std::optional<SlipJudgement> judge(const TrialOrder& order, const TrialResult& result,
                                    const ProgramOptions& options) {
   return judge_slip(
@@ -174,7 +174,7 @@ ProgramStep advance(const ProgramState& before, const ProbeReport& report,
                     const ProgramOptions& options) {
   ProgramState state = before;
   state.result.seconds += report.seconds;
-  // After the lift nothing can fail that matters to the trial.
+  // Failures after the lift do not matter to the trial.
   if (state.stage == ProgramStage::lift || state.stage == ProgramStage::finished)
     return enter(std::move(state), ProgramStage::finished, options);
   const bool late = report.seconds > limit_of(state.stage, options);

@@ -14,8 +14,8 @@
 // Free motion: s = s_0 + v_0 t + (1000 / m) (travel(t) + e t^2 / 2) with travel the double integral
 // of the commanded force, and 1000 mm/s^2 = 1 N/kg. The unknowns (s_0, v_0, 1/m, e/m) have Gaussian
 // priors. A spring that acts from t_c on subtracts kappa D(t), where kappa = k / m, and D is the
-// double integral of the distance that the tip has gone since t_c; a damper subtracts eta times the
-// single integral, eta = b / m. All is linear but t_c.
+// double integral of the distance from the position at t_c; a damper subtracts eta times the single
+// integral, eta = b / m. The model is linear in all unknowns except t_c.
 namespace palpate::probing {
 namespace {
 
@@ -34,14 +34,14 @@ void check_options(const ContactOptions& options) {
   require("ContactOptions::longest_approach", options.longest_approach, above(0).at_most(60), "s");
 }
 
-/// [mm] Standard deviation of a position by quantisation.
+/// [mm] Standard deviation of a position due to quantisation.
 double position_deviation(const ContactOptions& options) {
   return options.signal.quantum / std::sqrt(12.0);
 }
 
 /// Information of the priors, in units of the quantisation.
 Eigen::Matrix4d prior_information(const ContactOptions& options) {
-  constexpr double kPlaceQuanta = 100;  // the first position tells nothing more than itself
+  constexpr double kPlaceQuanta = 100;  // wide: s_0 follows from the samples
   const ApproachModel& model = options.model;
   const double per_newton = kAcceleration / model.mass;
   const Eigen::Vector4d deviations(kPlaceQuanta * options.signal.quantum, model.speed_deviation,
@@ -177,7 +177,7 @@ struct ChangePointFit {
   Vector6d unknowns = Vector6d::Zero();                   // free motion, kappa, eta
 };
 
-/// The samples of an approach with what does not depend on the change point.
+/// The samples of an approach, and what is computed from them independently of the change point.
 class ChangePoint {
  public:
   ChangePoint(std::span<const ApproachSample> samples, const ContactOptions& options)
@@ -239,7 +239,7 @@ class ChangePoint {
     return fit;
   }
 
-  /// [mm] of the tip by a parabola through the samples around a time since the first sample.
+  /// [mm] Position of the tip at a time since the first sample, by a local parabola.
   [[nodiscard]] double position(double time) const { return around(time)[0]; }
   /// [mm/s]
   [[nodiscard]] double speed(double time) const { return around(time)[1]; }
@@ -332,7 +332,7 @@ std::optional<ContactEstimate> estimate_contact(std::span<const ApproachSample> 
   check_samples(samples, options);
   const ChangePoint change(samples, options);
   constexpr double kDampingRatio = 0.25;  // standard deviation of the prior
-  // What damps an object is not known before its stiffness is.
+  // The damping is not known before the stiffness is, so first search with almost none.
   double damper = kRoughDamper;
   std::size_t best = change.search(damper);
   const double undamped = change.position(change.time(best));
@@ -341,7 +341,7 @@ std::optional<ContactEstimate> estimate_contact(std::span<const ApproachSample> 
   damper = 2 * kDampingRatio * std::sqrt(kappa);
   best = change.search(damper);
 
-  // A parabola through the costs within a few samples: they scatter by quantisation.
+  // Fit a parabola to the costs of nearby samples, because quantisation makes them scatter.
   const std::size_t around =
       std::min({best - kMargin + 1, samples.size() - kMargin - best, kCoarse});
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
@@ -369,7 +369,7 @@ std::optional<ContactEstimate> estimate_contact(std::span<const ApproachSample> 
   estimate.time = samples[0].time + time;
   estimate.position = change.position(time);
   estimate.speed = change.speed(time);
-  // The cost rises by 1 at one standard deviation; how much the object damps is a guess.
+  // The cost rises by 1 at one standard deviation. The damping of the object is uncertain as well.
   const double time_deviation = curvature > 0 ? std::sqrt(2 / curvature) : reach;
   estimate.position_deviation =
       Eigen::Vector3d(time_deviation * estimate.speed, position_deviation(options),

@@ -15,19 +15,19 @@ namespace palpate::probing {
 namespace {
 
 constexpr int kAngles = 15, kTilts = 11;  // cells of the grid along each unknown
-/// The grid reaches so many standard deviations to each side.
+/// Half-width of the grid, in standard deviations.
 constexpr double kReach = 3.5;
-/// A trial is blurred by a variance of the squared size of a cell over this: 12 would be that of a
-/// place anywhere in a cell.
+/// The outcome of a trial is blurred by a variance of the squared size of a cell over this. 12
+/// would be the variance of a position anywhere in a cell.
 constexpr double kBlur = 48;
 constexpr double kLapse = 0.02;  // probability that a slip was judged wrongly, either way
 constexpr double kCertain = 8;   // standard deviations beyond which a trial's outcome is certain
-/// The grid follows the distribution until no deviation changes by more than this part of itself,
-/// and no mean by more than this part of a deviation.
+/// The grid is centred again until each standard deviation changes by less than this fraction of
+/// itself, and each mean by less than this fraction of its standard deviation.
 constexpr double kSteady = 0.1;
 constexpr int kMaxSteps = 25;
-/// [rad] Contacts differ by so much in their angles before any contact is known, which counts like
-/// `kAssumedContacts` contacts.
+/// [rad] Assumed spread of the angle between contacts. It counts like `kAssumedContacts` known
+/// contacts.
 constexpr double kAssumedSpread = 0.1;
 constexpr double kAssumedContacts = 2;
 constexpr double kLargestAngle = 1.55;  // [rad]: a coefficient of 48
@@ -38,7 +38,7 @@ double normal_probability(double z) {
   return std::erfc(-z / std::numbers::sqrt2) / 2;
 }
 
-/// The value below which a part of the weight of equal cells lies; the weight is even in a cell.
+/// Quantile of a distribution given by the weights of equal cells, uniform within each cell.
 double quantile(const Eigen::VectorXd& weights, double low, double step, double part) {
   double below = 0;
   for (Eigen::Index i = 0; i < weights.size(); ++i) {
@@ -97,8 +97,8 @@ void ConePosterior::add(std::span<const ConeTrial> trials) {
   follow();
 }
 
-// Weighs the cells of a box. Trials are blurred by the size of a cell, so that a coarse grid sees
-// where a narrow distribution lies.
+// Computes the weights of the cells of a box. Trials are blurred by the size of a cell, so that a
+// coarse grid does not miss a narrow distribution.
 void ConePosterior::fill(const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
   const Eigen::Vector3d step =
       (high - low).cwiseQuotient(Eigen::Vector3d(kAngles - 1, kTilts - 1, kTilts - 1));
@@ -147,7 +147,7 @@ void ConePosterior::follow() {
     const Eigen::Vector3d mean = mean_, deviation = deviation_;
     Eigen::Vector3d low = mean - kReach * deviation, high = mean + kReach * deviation;
     low[0] = std::max(low[0], 0.0);
-    constexpr double kNarrowest = 1e-4;  // [rad] of the grid
+    constexpr double kNarrowest = 1e-4;  // [rad] least width of the grid
     high[0] = std::clamp(high[0], low[0] + kNarrowest, kLargestAngle);
     fill(low, high);
     const bool steady =

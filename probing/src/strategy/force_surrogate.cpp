@@ -18,17 +18,17 @@ using Eigen::Vector3d;
 
 /// Standard deviation of a component of the random compliance, relative to the mean compliance.
 constexpr double kLinearDeviation = 1;
-/// A smooth part: its length, and the standard deviation of the displacement that it adds, relative
-/// to the mean compliance times 1 N.
+/// A smooth part: its length scale, and the standard deviation of the displacement that it
+/// contributes, relative to the mean compliance times 1 N.
 struct SmoothPart {
   double length;  // [N^1/2]
   double deviation;
 };
 constexpr std::array<SmoothPart, 2> kSmoothParts{{{1, 0.1}, {3, 3}}};
 constexpr double kBentForce = 0.6;  // [N] beyond which lengths grow with the root of the force
-/// Least eigenvalue of a compliance, relative to the mean compliance: stiffer is not believed.
+/// Least eigenvalue of a compliance, relative to the mean compliance; smaller ones are implausible.
 constexpr double kLeastCompliance = 0.03;
-constexpr double kDifference = 1e-3;  // [N] for derivatives of the mean
+constexpr double kDifference = 1e-3;  // [N] step of the derivatives of the mean
 /// Variance that keeps the factor positive definite, relative to that of a displacement at 1 N.
 constexpr double kJitter = 1e-10;
 
@@ -90,7 +90,7 @@ ForceSurrogate::ForceSurrogate(std::span<const ForcePair> pairs, const Surrogate
     displacements += pair.displacement.squaredNorm();
   }
   if (!(forces > 0)) throw InvalidInput("ForceSurrogate: needs a pair whose force is not zero");
-  // A rigid contact still has the compliance that its noise could hide.
+  // Add the compliance that noise could hide, so that the scale of a rigid contact is not zero.
   const double hidden =
       options.position_noise * options.position_noise * static_cast<double>(pairs.size()) / forces;
   scale_ = std::sqrt(displacements / forces + hidden);
@@ -145,8 +145,8 @@ double ForceSurrogate::error_variance(std::span<const Vector3d> queries) const {
 std::vector<double> ForceSurrogate::reductions(std::span<const Vector3d> queries,
                                                std::span<const Vector3d> candidates) const {
   const Eigen::MatrixXd at_queries = whitened(queries), at_candidates = whitened(candidates);
-  // Covariance of queries and candidates, given the measurements; stiffnesses make it one of
-  // forces.
+  // Covariance of queries and candidates, given the measurements. The stiffnesses convert it to one
+  // of forces.
   Eigen::MatrixXd between =
       covariances(queries, candidates) - at_queries.transpose() * at_candidates;
   for (std::size_t q = 0; q < queries.size(); ++q) {
