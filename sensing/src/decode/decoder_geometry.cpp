@@ -15,7 +15,7 @@ namespace palpate::sensing {
 namespace {
 
 /// Constants of planes through the projector's centre. Each contains the projector pixels with one
-/// coordinate along `axis`, which is along_per_phase times the phase.
+/// coordinate along `axis`, which is pixels_per_phase times the phase.
 SurfaceConstants surface_constants(const Rig& rig, int axis, double pixels_per_phase) {
   const geometry::Camera& projector = rig.projector;
   const bool x = axis == 0;

@@ -13,21 +13,21 @@
 namespace palpate::sensing {
 namespace {
 
-/// At a border a sinusoid and a mean are told apart only if the window still holds enough of a
-/// period: the smallest pivot of the normal equations, which is 1/2 in a whole window, must exceed
-/// this.
+/// At a border, a sinusoid and a mean can be separated only if the window still contains enough of
+/// a period: the smallest pivot of the normal equations, which is 1/2 in a whole window, must
+/// exceed this.
 constexpr double kLeastPivot = 0.05;
 
-/// And so much of the window's weight: where less is left, the pixel lies so far off the middle of
-/// what is that a slope of the brightness or of the phase passes for a phase.
+/// The window must also keep this share of its weight. With less, the pixel is so far from the
+/// middle of what remains that a slope of the brightness or of the phase changes the phase.
 constexpr double kLeastWeight = 0.85;
 
-/// Sixteen columns at once: one register of recent processors, a few of others.
+/// Sixteen columns at once: one register of recent processors, or several of others.
 constexpr long kLanes = 16;
 using Lanes = float __attribute__((vector_size(kLanes * sizeof(float))));
 using MaskLanes = std::uint8_t __attribute__((vector_size(kLanes)));
 
-// What follows works on so many columns or on one: T is Lanes or float.
+// The functions below work on kLanes columns or on one: T is Lanes or float.
 
 template <typename T>
 [[gnu::always_inline]] inline void load(const float* from, T& to) {
@@ -52,7 +52,7 @@ template <typename Fit>
   for (; i < columns; ++i) fit(i, 0.0F);
 }
 
-/// Half amplitudes, the carrier taken out.
+/// Half amplitudes, with the carrier removed.
 template <typename T>
 [[gnu::always_inline]] inline void store_turned(const T& amplitude, const T& quadrature, Turn turn,
                                                 const T& half, float* re, float* im) {
@@ -60,8 +60,8 @@ template <typename T>
   store<T>(half * (quadrature * turn.cosine - amplitude * turn.sine), im);
 }
 
-/// Fits the windows around the pixels of one row of a channel; takes from the residual what mean
-/// and sinusoid explain.
+/// Fits the windows around the pixels of one row of a channel, and subtracts from the residual what
+/// mean and sinusoid explain.
 PALPATE_HOT_LOOP void fit_whole_row(const float* center, long stride, const Tap* pairs, int radius,
                                     WholeWindow whole, Turn turn, long columns,
                                     FittedRow::Channel out, float* residual) {
@@ -89,16 +89,16 @@ PALPATE_HOT_LOOP void fit_whole_row(const float* center, long stride, const Tap*
       });
 }
 
-/// The normal equations of a window that the mask cuts, for the basis 1, cos, -sin, divided by the
-/// weight that is left; then solved by elimination of the mean.
+/// The normal equations of a window that is cut by the mask, for the basis 1, cos, -sin, divided by
+/// the remaining weight, and solved by elimination of the mean.
 template <typename T>
 struct CutWindow {
-  T scale;  ///< 1 / weight that is left
+  T scale;  ///< 1 / remaining weight
   T cosine, sine;
   T p, q, r;     ///< p r / r q, without the mean
   T inverse;     ///< of their determinant; zero where the fit is not determined
   T determined;  ///< 1 or 0
-  T half;        ///< 1/2; zero where too little weight is left
+  T half;        ///< 1/2; zero if the remaining weight is too small
 };
 
 /// The rows of a column that a cut window reaches.

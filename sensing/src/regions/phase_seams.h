@@ -8,7 +8,6 @@
 
 namespace palpate::sensing {
 
-/// What counts as the continuation of a surface across a seam.
 /// Conditions for a surface to continue across a seam between two regions.
 struct SeamLimits {
   /// Smallest width of a seam [px]. 1 excludes the borders cut by `split_regions`, across which the

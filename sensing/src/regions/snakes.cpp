@@ -178,7 +178,7 @@ void grow_snakes(const Plane& wrapped, const Plane& variance, const FloodLimits&
                          roughness, regions.label);
     contour.grow(max_rounds);
     fill(contour.points(), regions.count, regions.label);
-    // Wherever the contour went, the next circle starts somewhere else.
+    // Label the centre even if the contour has left it, so that the next circle starts elsewhere.
     regions.label(row, column) = regions.count++;
     seeds.push_back(center);
   }

@@ -16,7 +16,7 @@ namespace {
 /// Half the width of the necks that are cut [px].
 constexpr long kNeck = 3;
 
-/// A smaller core may lie between two stripe edges [px].
+/// Smallest core in which a stripe edge is expected [px]; a smaller one may lie between two edges.
 constexpr int kLeastCorePixels = 300;
 
 /// Smoothness classes have equal width in the square root of the variance.
