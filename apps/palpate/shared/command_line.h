@@ -15,7 +15,7 @@ namespace palpate::apps {
 /// [rad] Factor from degrees, used on the command line, to radians, used by the library.
 constexpr double kDegree = std::numbers::pi / 180;
 
-/// [mm] The scale of a picture of distances goes at least so far.
+/// [mm] Smallest upper end of the colour scale in a picture of distances.
 constexpr double kLeastScale = 1e-3;
 
 /// Settings that all commands have.

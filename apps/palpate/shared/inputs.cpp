@@ -24,7 +24,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Canonical form of a path; a path that cannot be resolved is left to its reader or writer.
+/// Canonical form of a path. A path that cannot be resolved is returned unchanged, so that its
+/// reader or writer reports the error.
 fs::path place_of(const fs::path& path) {
   std::error_code cannot_look;
   const fs::path place = fs::weakly_canonical(path, cannot_look);
@@ -50,7 +51,7 @@ void check_writable(const fs::path& path) {
                     std::generic_category().message(errno) + ".");
 }
 
-/// \throws FileError if `path` is a PNG, but no depth image; one that is damaged is left to its
+/// \throws FileError if `path` is a PNG but not a depth image. A damaged file is left to its
 /// reader.
 void check_depth_image(const fs::path& path) {
   const std::optional<sensing::PngPixels> pixels = sensing::read_png_pixels(path);
@@ -72,7 +73,8 @@ InvalidInput both_kinds(const fs::path& range_map, const fs::path& depth_image) 
                       "their own.");
 }
 
-/// Range maps, or else depth images. Pictures beside range maps are none of them.
+/// Lists the range maps, or the depth images if there are none. Pictures beside range maps are
+/// neither.
 std::vector<fs::path> range_maps_in(const fs::path& folder) {
   check_is_of_one_run(folder);
   std::vector<fs::path> maps, images;

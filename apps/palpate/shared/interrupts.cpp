@@ -35,7 +35,7 @@ void tell_watcher(int /*signal*/) {
 
 [[noreturn]] void end_program() {
   abandon_temporaries();
-  if (::isatty(STDERR_FILENO) != 0) std::fputs("\r\x1b[K", stderr);  // a bar may stand there
+  if (::isatty(STDERR_FILENO) != 0) std::fputs("\r\x1b[K", stderr);  // erases a progress bar
   spdlog::critical("{}", Interrupted{}.message);
   ::_exit(kInterruptedStatus);
 }

@@ -12,7 +12,7 @@ constexpr int kInterruptedStatus = 130;
 
 /// Thrown after Ctrl-C or SIGTERM, so that stack unwinding cleans up.
 struct Interrupted {
-  /// What the user is told: what is kept, and what is not changed.
+  /// Message for the user: what is kept, and what is not changed.
   std::string message = "interrupted; completed files are kept, no other file was changed";
 };
 

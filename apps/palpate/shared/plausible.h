@@ -10,7 +10,7 @@
 
 namespace palpate::apps {
 
-/// Tells a warning on standard error, and adds it to the list `warnings` of a command's figures:
+/// Prints a warning on standard error, and adds it to the list `warnings` of a command's figures:
 /// {"kind": ..., "message": ...}.
 void warn(nlohmann::ordered_json& warnings, const std::string& kind, const std::string& message);
 

@@ -12,8 +12,8 @@ namespace palpate::apps {
 
 /// Progress on standard error with the estimated time left, if the work takes more than a second: a
 /// bar on a terminal; elsewhere a line after each tenth of the work. With --quiet there is none, as
-/// there are no warnings. While it exists, Ctrl-C and SIGTERM do not kill the
-/// process in the middle of a file; instead the next `show` throws. Only one may exist at a time.
+/// there are no warnings. While it exists, Ctrl-C and SIGTERM do not kill the process in the middle
+/// of a file; instead the next `show` throws. Only one may exist at a time.
 class Progress {
  public:
   /// `what` describes the work, such as "decoding".

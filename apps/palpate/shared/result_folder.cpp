@@ -22,15 +22,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The hidden folder of a run changes its name with its state, in one step each. A run that is
-// killed is continued from there.
+// The name of a run's hidden folder states how far the run is. It is renamed atomically, so that a
+// run that was killed can be continued from there.
 constexpr const char* kWriting = ".palpate-unfinished";
-constexpr const char* kFinished = ".palpate-finished";  // old results without a successor may go
-constexpr const char* kPlacing = ".palpate-placing";    // new ones are moved
+constexpr const char* kFinished = ".palpate-finished";  // results without a new version are removed
+constexpr const char* kPlacing = ".palpate-placing";    // its files are moved into place
 constexpr const char* kDropped = ".palpate-dropped";    // of a run that is not resumed
 
-/// All files in `folder`, relative to it, without left-over temporaries. Records come last: who
-/// finds one finds what it records.
+/// All files in `folder`, relative to it, without left-over temporaries. Records come last, so that
+/// whatever a record in place names is in place as well.
 std::vector<fs::path> files_in(const fs::path& folder) {
   std::vector<fs::path> files;
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
@@ -64,7 +64,7 @@ ResultFolder::ResultFolder(fs::path folder, List list, Unfinished unfinished)
                       ": cannot be written: " + std::generic_category().message(errno) + ".");
   }
   try {
-    // On a file system without locks, runs are not told apart.
+    // On a file system without locks, concurrent runs are not detected.
     if (::flock(lock_, LOCK_EX | LOCK_NB) == -1 && errno == EWOULDBLOCK) {
       throw OutputError(folder_.string() +
                         ": another run of palpate is writing into this folder. Wait until it has "

@@ -10,7 +10,7 @@
 
 namespace palpate::apps {
 
-// What prose says in place of the codes in JSON.
+// Text of the prose output for the codes in JSON.
 
 /// "noise explains the errors", ...
 [[nodiscard]] const char* in_words(haptics::FitStop stop);
@@ -21,8 +21,8 @@ namespace palpate::apps {
 /// "passive everywhere", ...
 [[nodiscard]] const char* in_words(haptics::Passivity passivity);
 
-/// A message of the library in the words of a command: `names` gives each option that it names
-/// ("BuildOptions::max_distance") the name that it has there ("--max-distance").
+/// Replaces the library's names of options in a message ("BuildOptions::max_distance") by those of
+/// the command ("--max-distance"), as given by `names`.
 [[nodiscard]] std::string with_option_names(
     std::string message, const std::vector<std::pair<std::string, std::string>>& names);
 

@@ -31,7 +31,7 @@ std::size_t typing_errors(const std::string& a, const std::string& b) {
   return errors[a.size()][b.size()];
 }
 
-/// The command that the call names, as far as it is one.
+/// The innermost subcommand that the call names.
 const CLI::App& named_command(const CLI::App& app) {
   const std::vector<CLI::App*> named = app.get_subcommands();
   return named.empty() ? app : named_command(*named.front());

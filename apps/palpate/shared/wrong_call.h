@@ -9,8 +9,8 @@
 
 namespace palpate::apps {
 
-/// What is wrong with a call that could not be parsed, with the nearest command or option if a word
-/// is none.
+/// Explains why a call could not be parsed. For a word that is unknown, names the nearest command
+/// or option.
 [[nodiscard]] std::string describe_wrong_call(const CLI::App& app, const CLI::ParseError& error);
 
 /// The word of `words` from which `word` differs by the fewest typing errors: letters that are
