@@ -16,17 +16,18 @@
 namespace palpate::haptics {
 namespace {
 
-// Efforts before any base is removed. They are used in turn until noise explains the errors.
-// Removals follow the last one in any case.
+// Efforts with all bases, used in turn until noise explains the errors. Only contacts that need
+// nearly all bases reach the last one; it is too expensive for the removals.
 constexpr Effort kFirstEfforts[] = {{8, 0.1}, {8, 0.1}, {20, 0.1}};
-// Effort after each removal. Noise alone changes the loss by more than 1.
+// Effort after each removal. A gain below 1 is not worthwhile, because noise alone changes the loss
+// by more.
 constexpr Effort kRemovalEffort = {8, 1};
 constexpr Effort kLastEffort = {40, 0.1};
 // Margin of `explained_loss` below the mean of chi^2, in standard deviations of chi^2. About a
 // third of true fields lie below it.
 constexpr double kMargin = 0.5;
-// If the loss exceeds `explained_loss` by at most this factor, the removal is tried again with
-// kCloserEffort.
+// If the loss exceeds `explained_loss` by at most this factor, the field is refined with
+// kCloserEffort before the decision.
 constexpr double kNearlyExplained = 1.1;
 constexpr Effort kCloserEffort = {20, 0.1};
 // Fraction of the bases that is removed at once, while many are superfluous.

@@ -21,9 +21,9 @@ constexpr double kMaxDistance = 10;
 // see only its tail, the stiffness w epsilon^2 / d^3, which many pairs of w and epsilon share. A
 // small epsilon would put a wall where nothing was measured.
 constexpr double kLeastRounding = 0.5;
-// Prior of log(epsilon): centre and standard deviation, in the same units. It is about the
-// distribution found in fields where the samples determine epsilon. Between levels of force they do
-// not, and a staircase would fit as well.
+// Prior of epsilon: centre, in the same units, and standard deviation of its logarithm. It is about
+// the distribution found in fields where the samples determine epsilon. Between levels of force
+// they do not, and a staircase would fit as well.
 constexpr double kExpectedEpsilon = 0.5;
 constexpr double kEpsilonDeviation = 0.32;
 // Degrees of freedom of the prior, which is Student's t up to a constant factor. Its tails are

@@ -31,8 +31,8 @@ constexpr int kMaxReweightings = 50;
 constexpr double kRatioTolerance = 1e-10;  // change of the solution between two iterations
 // The forces span a plane iff the least pivot is larger than this times the largest.
 constexpr double kMinPivot = 1e-6;
-// [rad] An axis is used iff its standard error is at most this (9 degrees), about the error of the
-// axis of the friction cone on a stretched sheet, which is used instead.
+// [rad] An axis is used iff its standard error is at most this (9 degrees). Otherwise the axis of
+// the friction cone is used, whose error on a stretched sheet is about as large.
 constexpr double kMaxError = 0.15;
 
 // Rows: pairs.

@@ -25,8 +25,8 @@ constexpr int kMinLevels = 2;
 // [rad] An axis is determined iff its standard error is at most this (3 degrees). Otherwise all
 // directions lie on one side.
 constexpr double kMaxAxisError = 0.05;
-// A contact is frictionless only if the upper bound of the coefficient is at most this, too. That
-// no more than noise held is not enough, because weak forces leave the coefficient open.
+// A contact is frictionless only if the upper bound of the coefficient is at most this as well,
+// because weak forces leave the coefficient open even if only forces within the noise held.
 constexpr double kSlippery = 0.1;
 // Without searches a coefficient is determined iff its relative error is at most this.
 constexpr double kCoarse = 0.1;
