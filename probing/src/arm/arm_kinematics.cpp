@@ -14,8 +14,8 @@ Eigen::Vector3d tip_position(const ArmGeometry& geometry, const Eigen::Vector3d&
 
 std::optional<Eigen::Vector3d> joints_at(const ArmGeometry& geometry,
                                          const Eigen::Vector3d& tip) noexcept {
-  // In a vertical plane this is an arm of two links, elbow up; its lower link has the angle joint 2
-  // - pi/2.
+  // In a vertical plane this is an arm of two links, elbow up. The angle of the lower link is that
+  // of joint 2 minus pi / 2.
   const double l1 = geometry.upper, l2 = geometry.lower;
   const double r = std::hypot(tip.x(), tip.z());
   const double bend = (r * r + tip.y() * tip.y() - l1 * l1 - l2 * l2) / (2 * l1 * l2);  // a cosine

@@ -217,8 +217,8 @@ ArmFault SafeArm::check_motion(const ArmState& state) noexcept {
   }
   const Eigen::Vector3d step = state.tip - last_.tip;
   if (step.isZero(0)) {
-    // One state without motion may be quantisation. Two mean that the tip was braked from its last
-    // speed, which its highest acceleration limits.
+    // One state without motion may be quantisation. With two, the tip has stopped from its last
+    // speed, and its highest acceleration limits how fast it can have braked.
     if (++still_ == 1) return ArmFault::none;
     const double braking = period * period * limits_.highest_acceleration / 2;
     const bool stopped_dead =
