@@ -30,7 +30,8 @@ struct Scene {
 };
 
 void append_vertices(const aiMesh& part, const aiMatrix4x4& transform, Scene& scene) {
-  // Normals stay at right angles to a surface that is stretched under the inverse transpose.
+  // Normals are transformed by the inverse transpose, so that they stay perpendicular to a surface
+  // that is stretched.
   aiMatrix3x3 of_normals(transform);
   of_normals.Inverse().Transpose();
   for (unsigned i = 0; i < part.mNumVertices; ++i) {

@@ -31,7 +31,7 @@ PolygonMesh read_polygons(const fs::path& path) {
   return read_assimp_scene(path);
 }
 
-/// Also 1 keeps every bit; a product that leaves the range of double is refused.
+/// Multiplying by 1 keeps every bit. A product beyond the range of double is refused.
 void convert_to_mm(Eigen::Matrix3Xd& points, const FileUnit& unit, const std::string& file) {
   for (Eigen::Index i = 0; i < points.cols(); ++i) {
     const bool was_finite = points.col(i).allFinite();

@@ -27,13 +27,13 @@ namespace fs = std::filesystem;
 // LZF writes 3 bytes for at most 264 that it repeats.
 constexpr std::uint64_t kMaxCompression = 264 / 3;
 
-// Fields of this name hold nothing; there may be several.
+// Fields of this name are padding; there may be several.
 constexpr std::string_view kPadding = "_";
 
 struct Field {
   std::string name;
   Scalar type = Scalar::float32;
-  std::uint64_t count = 1;   ///< numbers a point has in it
+  std::uint64_t count = 1;   ///< numbers per point
   std::uint64_t offset = 0;  ///< bytes from the start of a point
 };
 
@@ -42,8 +42,8 @@ struct Header {
   std::uint64_t width = 0;
   std::uint64_t height = 1;
   std::uint64_t points = 0;
-  std::uint64_t values = 0;       ///< numbers a point
-  std::uint64_t point_bytes = 0;  ///< bytes a point, where it is not text
+  std::uint64_t values = 0;       ///< numbers per point
+  std::uint64_t point_bytes = 0;  ///< bytes per point, unless it is text
   std::string_view data;          ///< ascii, binary or binary_compressed
   std::vector<std::string> comments;
   std::size_t size = 0;  ///< bytes of the header
@@ -59,7 +59,7 @@ std::optional<Scalar> scalar_of(std::string_view kind, std::uint64_t bytes) {
   return std::nullopt;
 }
 
-/// The header as it stands: all words behind each keyword.
+/// The words after each keyword of the header.
 struct HeaderLines {
   std::vector<std::string_view> fields, size, type, count, width, height, points, data;
 
@@ -128,7 +128,7 @@ void take_point_count(const HeaderLines& lines, const std::string& file, Header&
                     std::to_string(header.height));
 }
 
-/// Takes over a line that is a comment; the first one of every file names the format.
+/// Keeps a line if it is a comment, except the first one of every file, which names the format.
 void take_comment(std::string_view line, Header& header) {
   if (!line.starts_with('#')) return;
   line.remove_prefix(line.starts_with("# ") ? 2 : 1);
@@ -160,11 +160,11 @@ FileError truncated(const std::string& file, std::uint64_t present, std::uint64_
                    " points; it is truncated or its header is wrong");
 }
 
-/// One empty column a field.
+/// One empty column per field.
 Attributes make_columns(const Header& header, bool text) {
   Attributes columns;
   for (const Field& field : header.fields) {
-    // A coordinate in a text may have more digits than its type can hold.
+    // A coordinate in a text may have more digits than its type holds.
     const bool coordinate = field.name == "x" || field.name == "y" || field.name == "z";
     columns.push_back(
         {field.name, no_values(text && coordinate ? Scalar::float64 : field.type), {}});
@@ -177,7 +177,7 @@ Attributes make_columns(const Header& header, bool text) {
 }
 
 Attributes read_text(std::string_view body, const Header& header, const std::string& file) {
-  // A number takes a digit and a blank, but for the last blank.
+  // A number takes at least a digit and a blank, except that the last blank may be missing.
   if (header.points > (body.size() + 1) / (2 * header.values))
     throw truncated(file, (body.size() + 1) / (2 * header.values), header.points);
   Attributes columns = make_columns(header, true);
@@ -193,7 +193,7 @@ Attributes read_text(std::string_view body, const Header& header, const std::str
   return columns;
 }
 
-/// Points one after the other (`by_field` false), or first all of the first field and so on.
+/// The data are stored point by point, or field by field if `by_field`.
 Attributes unpack(std::string_view body, const Header& header, bool by_field) {
   Attributes columns = make_columns(header, false);
   for (std::size_t i = 0; i < columns.size(); ++i) {

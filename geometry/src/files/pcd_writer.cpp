@@ -43,7 +43,7 @@ Attributes fields_of(const PointCloud& cloud, bool single_precision, const char*
   return fields;
 }
 
-/// I, U or F. PCL packs rgb into a float where it is binary, and writes whole numbers in a text.
+/// I, U or F. PCL stores a packed rgb as a float in binary files, and as a whole number in text.
 char kind_of(const Attribute& field, bool text) {
   switch (type_of(field.values)) {
     case Scalar::int8:

@@ -32,7 +32,7 @@ class Body {
         order_(header.order),
         file_(std::move(file)) {}
 
-  /// All rows of the element that comes next, one attribute a property.
+  /// Reads all rows of the next element, one attribute per property.
   Attributes read(const PlyElement& element) {
     element_ = &element;
     row_ = 0;
@@ -40,7 +40,7 @@ class Body {
     for (const PlyProperty& property : element.properties)
       columns.push_back({property.name, no_values(column_type(property)), {}});
     const std::uint64_t row_bytes = least_row_bytes();
-    if (row_bytes == 0) return columns;  // of no properties
+    if (row_bytes == 0) return columns;  // the element has no properties
     check_count(row_bytes);
     const bool has_lists = std::any_of(element.properties.begin(), element.properties.end(),
                                        [](const auto& p) { return p.list_size.has_value(); });
@@ -59,7 +59,7 @@ class Body {
     return text_ && coordinate && !property.list_size ? Scalar::float64 : property.type;
   }
 
-  /// Empty lists count as one number; a number in a text needs at least a digit and a blank.
+  /// An empty list still has its length; a number in a text needs at least a digit and a blank.
   [[nodiscard]] std::uint64_t least_row_bytes() const {
     std::uint64_t bytes = 0;
     for (const PlyProperty& property : element_->properties)
@@ -191,7 +191,7 @@ bool is_polygon(const std::string& name) {
   return name == "vertex_indices" || name == "vertex_index";
 }
 
-/// Takes the vertex indices of a row out of its columns.
+/// Moves the vertex indices of a row out of its columns.
 Attribute take_indices(Attributes& columns, const PlyElement& element, const std::string& file) {
   const auto& properties = element.properties;
   const auto found = std::find_if(properties.begin(), properties.end(),

@@ -125,7 +125,7 @@ void write_ply(std::ostream& stream, const MeshFile& file, const WriteOptions& o
   check_names(file.vertex_attributes, {"x", "y", "z"}, what);
   check_names(file.triangle_attributes, {"vertex_indices", "vertex_index"}, what);
   std::string bytes = header_of(file, options);
-  // Without attributes a binary file takes exactly that; what grows further is copied less often.
+  // Exact for a binary file without attributes; otherwise it avoids some copies.
   bytes.reserve(
       bytes.size() + sizeof(double) * static_cast<std::size_t>(file.mesh.vertices.size()) +
       (1 + 3 * sizeof(std::int32_t)) * static_cast<std::size_t>(file.mesh.triangles.cols()));

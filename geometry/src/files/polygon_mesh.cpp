@@ -204,8 +204,8 @@ MeshFile triangulate(PolygonMesh mesh, const std::string& file, bool keep_defect
     result.mesh.triangles.col(static_cast<Eigen::Index>(i)) = triangles[i];
   result.vertex_attributes = std::move(mesh.vertex_attributes);
   result.triangle_attributes = std::move(mesh.face_attributes);
-  // If there are as many triangles as faces, they are the faces, unless some face gave none and
-  // another two.
+  // If there is one triangle per face, in order, the attributes stay as they are. Equal counts are
+  // not enough: one face may give no triangle and another one two.
   if (triangles.size() != mesh.sizes.size() ||
       std::adjacent_find(face_of.begin(), face_of.end()) != face_of.end())
     for (Attribute& attribute : result.triangle_attributes)

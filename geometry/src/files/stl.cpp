@@ -105,7 +105,7 @@ class Words {
 
 void read_facet(Words& words, PolygonMesh& mesh) {
   words.expect("normal");
-  // Some write a normal without length as nan, or in words of their own; it is not used.
+  // Some writers write a normal without length as nan, or in other words. It is not used.
   for (int axis = 0; axis < 3; ++axis)
     if (words.next().empty()) words.fail("a normal");
   words.expect("outer");
@@ -181,7 +181,7 @@ std::string text(const TriangleMesh& mesh, const Eigen::Matrix3Xd& normals) {
 PolygonMesh read_stl(const fs::path& path) {
   const std::string content = read_input_file(path);
   const std::string file = path.string();
-  // Many a binary file starts with "solid" too, but then its length is what it announces.
+  // Many binary files start with "solid" as well, but they have the size that they announce.
   std::string_view rest = content;
   const bool is_text = announced_bytes(content) != content.size() && next_word(rest) == "solid";
   PolygonMesh mesh = is_text ? read_text(content, file) : read_binary(content, file);

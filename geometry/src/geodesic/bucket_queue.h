@@ -20,7 +20,7 @@ class BucketQueue {
   explicit BucketQueue(double width) : per_width_(1 / width) {}
 
   void push(const Event& event) {
-    // The order of arguments matters: without a width, 0 times infinity is kMost.
+    // For a width of 0 the product may be NaN, for which std::min returns its first argument.
     const auto wanted = static_cast<std::size_t>(std::min(kMost, event.distance * per_width_));
     const std::size_t bucket = std::max(wanted, nearest_);
     if (bucket >= buckets_.size()) buckets_.resize(bucket + 1);
@@ -35,7 +35,7 @@ class BucketQueue {
     return buckets_[nearest_][next_++];
   }
 
-  /// Makes the queue fit for events nearer than those popped. Precondition: it is empty.
+  /// Prepares the queue for events nearer than those popped. Precondition: it is empty.
   void restart() {
     if (nearest_ < buckets_.size()) close();
     nearest_ = 0;

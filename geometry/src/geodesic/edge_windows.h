@@ -40,16 +40,16 @@ struct Window {
   return window;
 }
 
-/// For each edge the windows that are the nearest at some place, sorted and without overlap.
+/// For each edge, the windows that are nearest at some place, sorted and without overlap.
 class EdgeWindows {
  public:
   explicit EdgeWindows(size_t edge_count) : of_edge_(edge_count) {}
 
   [[nodiscard]] std::vector<Window>& of(int edge) { return of_edge_[static_cast<size_t>(edge)]; }
 
-  /// Adds the parts of a window that are nearer than the windows known, and removes from those what
-  /// is farther.
-  /// \return the least distance in what was added; infinite if nothing was.
+  /// Adds the parts of a window that are nearer than the known windows, and removes the parts of
+  /// these that are farther.
+  /// \return the least distance in the added parts; infinite if there are none.
   double add(int edge, const Window& window);
 
  private:

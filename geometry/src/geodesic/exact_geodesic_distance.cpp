@@ -74,7 +74,8 @@ class WindowPropagation {
     start_in(at.triangle, weights, source);
     const int across = flat_[3 * at.triangle + (static_cast<int>(smallest) + 1) % 3].opposite;
     if (corners == 3 || across == kNone) return;
-    // On an edge: also from the triangle on the other side, where the edge runs the other way.
+    // A source on an edge also starts in the triangle on the other side, where the edge is
+    // reversed.
     Eigen::Vector3d other = Eigen::Vector3d::Zero();
     other[across % 3] = weights[(smallest + 2) % 3];
     other[(across + 1) % 3] = weights[(smallest + 1) % 3];
@@ -171,7 +172,7 @@ class WindowPropagation {
     const double after = half_edge.length - window.end;
     const double at_begin = window.at(window.begin);
     const double at_end = window.at(window.end);
-    // No vertex gets lost in a gap that rounding leaves between two windows.
+    // Reach the vertices as well, so that none is missed in a gap that rounding leaves.
     reach(first, at_begin + before, window.source);
     reach(second, at_end + after, window.source);
     if (half_edge.opposite == kNone) return;
@@ -185,7 +186,7 @@ class WindowPropagation {
     expect(half_edge.opposite, windows_.add(half_edge.edge, added));
   }
 
-  /// Passes the windows that enter a triangle through a half-edge on, up to a distance.
+  /// Passes on the windows that enter a triangle through a half-edge, up to a distance.
   void pass_on(int h, double farthest) {
     const FlatHalfEdge& half_edge = flat_[h];
     double rest = kInfinity;

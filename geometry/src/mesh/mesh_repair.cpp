@@ -289,7 +289,8 @@ class Repair {
       for (const auto& [a, b] : pairs) fans.join(a, b);
       const std::vector<bool> is_free = excess_at_edges(fans, pairs);
       if (std::ranges::find(is_free, true) == is_free.end()) return fans;
-      // Each of them has a neighbour, or its fans would be its own: this comes to an end.
+      // Each free triangle is in a pair, or its fans would be its own. So every round removes
+      // pairs, and the loop ends.
       cut([&](const Pair& pair) {
         return is_free[static_cast<size_t>(pair.first.triangle())] ||
                is_free[static_cast<size_t>(pair.second.triangle())];

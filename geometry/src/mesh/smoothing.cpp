@@ -16,7 +16,7 @@
 namespace palpate::geometry {
 namespace {
 
-/// Up to this lambda the highest frequency, 2, is damped for every pass band.
+/// Largest lambda at which the highest frequency, 2, is damped for every pass band.
 constexpr double kMaxLambda = 0.6;
 // Vertices per parallel task.
 constexpr Eigen::Index kVerticesPerTask = 4096;
