@@ -9,9 +9,9 @@
 
 namespace palpate::sensing {
 
-/// Where a rig is looked at before anything is known of the scene: at this many depths from one to
-/// so many baselines in equal ratios, and at this many places along each side of the camera image.
-/// Closer, the views do not overlap; farther, the depth cannot be measured.
+/// Where a rig is evaluated before anything is known of the scene: at kTriedDepths depths from one
+/// to kFarthestBaselines baselines in equal ratios, and at kPlacesPerSide places along each side of
+/// the camera image. Closer, the views do not overlap; farther, the depth cannot be measured.
 inline constexpr int kTriedDepths = 30;
 inline constexpr double kFarthestBaselines = 20;
 inline constexpr int kPlacesPerSide = 9;
