@@ -17,7 +17,7 @@ namespace palpate::haptics {
 namespace {
 
 // Efforts with all bases, used in turn until noise explains the errors. Only contacts that need
-// nearly all bases reach the last one; it is too expensive for the removals.
+// nearly all bases reach the last one; few of theirs are removed.
 constexpr Effort kFirstEfforts[] = {{8, 0.1}, {8, 0.1}, {20, 0.1}};
 // Effort after each removal. A gain below 1 is not worthwhile, because noise alone changes the loss
 // by more.

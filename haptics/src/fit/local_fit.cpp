@@ -228,8 +228,8 @@ CertifiedFit fit_certified(const FieldObjective& objective, const LocalFitOption
   result.fit = fit_local(objective, certain);
   result.certificate = certify_passivity(result.fit.field, volume);
   while (!is_passive(result.certificate) && result.repairs < kMaxRepairs) {
-    // Only a place that certainly lacks energy can become a constraint. An unproven certificate
-    // does not name one.
+    // A constraint helps only where the certificate has found too little energy, not where the
+    // proof alone has failed.
     if (!(result.certificate.weakest_stiffness < kLeastSecant / 2)) break;
     if (result.certificate.weakest == Eigen::Vector3d::Zero()) break;
     certain.constraints.places.push_back(result.certificate.weakest);
