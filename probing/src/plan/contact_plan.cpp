@@ -67,8 +67,8 @@ struct Neighbours {
   }
 };
 
-/// For each vertex the sum of the area vectors of the triangles at the vertices within `radius` of
-/// it that are connected with it inside that ball.
+/// For each vertex, the direction of the sum of the area vectors of the triangles at the vertices
+/// within `radius` of it that are connected with it inside that ball.
 Eigen::Matrix3Xd fitted_normals(const TriangleMesh& mesh, double radius) {
   Eigen::Matrix3Xd areas = Eigen::Matrix3Xd::Zero(3, mesh.vertices.cols());
   for (const auto& corners : mesh.triangles.colwise()) {
@@ -120,7 +120,7 @@ std::vector<bool> near_border(const TriangleMesh& mesh, double distance) {
   return near;
 }
 
-/// [mm] Distances of the vertices from the nearest contact.
+/// [mm] Largest distance of a candidate from the nearest contact.
 double cover_of(const TriangleMesh& mesh, std::span<const int> vertices,
                 std::span<const int> candidates) {
   const std::vector<geometry::SurfacePoint> places = geometry::vertex_points(mesh);
@@ -141,7 +141,7 @@ std::vector<int> grid_vertices(const TriangleMesh& mesh, std::span<const Eligibi
   const double depth = high.z() - low.z() + options.spacing;
   std::vector<int> found;
   bool shifted = false;
-  const double line = options.spacing * std::sqrt(3) / 2;  // contacts of both lines are as far
+  const double line = options.spacing * std::sqrt(3) / 2;  // all neighbours are equally far apart
   for (double y = low.y() + line / 2; y < high.y(); y += line, shifted = !shifted) {
     for (double x = low.x() + options.spacing * (shifted ? 1 : 0.5); x < high.x();
          x += options.spacing) {
