@@ -21,7 +21,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-/// Upper limit of the rounds of adding helpers, in case the metric is so distorted that equal edges
+/// Upper limit of the number of added helpers, in case the metric is so distorted that equal edges
 /// remain.
 constexpr int kMaxAdded = 2000;
 
