@@ -22,7 +22,7 @@ constexpr double kMaxBend = 0.08;
 /// A crossing of the border gives a whole number of turns iff it is this close to it [turns] ...
 constexpr double kNearCrossingTurns = 0.08;
 
-/// ... and all crossings together iff their mean is this close.
+/// ... and all crossings that agree on the number iff their mean is this close.
 constexpr double kMeanTurns = 0.03;
 
 /// Smallest number of crossings of a border, counting rows and columns.
