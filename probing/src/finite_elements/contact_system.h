@@ -57,6 +57,9 @@ class ContactSystem {
   [[nodiscard]] double elastic_energy(const Eigen::Matrix3Xd& positions) const;
 
   [[nodiscard]] const std::vector<ContactFace>& faces() const { return faces_; }
+  [[nodiscard]] const Eigen::Matrix<int, 10, Eigen::Dynamic>& elements() const {
+    return body_.mesh.elements;
+  }
   [[nodiscard]] const std::vector<bool>& fixed() const { return fixed_; }
 
  private:

@@ -1,0 +1,279 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "finite_elements/contact_newton.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "finite_elements/anderson_acceleration.h"
+
+namespace palpate::probing {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kLeastForce = 1e-6;  // [E R^2] forces below it count as none
+constexpr double kFirstDepth = 1e-3;  // [tip radii] the least with which a first step begins
+constexpr double kGoodRate = 0.05;    // of residuals: below it even near fronts are kept,
+constexpr double kPoorRate = 0.4;     // above it the whole matrix is factored anew
+constexpr double kSteady = 0.1;  // [force] of residuals, where the set of contacts is nearly found
+constexpr int kPatience = 8;     // iterations in which the residual must fall to half
+// Residuals of contact jump when points come in, so that only large growth shortens a step.
+constexpr int kFreeIterations = 6;
+constexpr double kFreeGrowth = 30, kLaterGrowth = 3;
+constexpr double kLeastPart = 1.0 / 128;  // of a step, before it is given up
+
+Eigen::Matrix3Xd surface_points(const ContactFace& face, const Eigen::Matrix3Xd& positions) {
+  Eigen::Matrix<double, 3, 6> nodes;
+  for (int k = 0; k < 6; ++k) nodes.col(k) = positions.col(face.face.nodes[k]);
+  return nodes * face.rule->shapes;
+}
+
+// Norm of what is out of balance [N].
+double residual(const SystemForces& forces, const ContactStep& step) {
+  const bool force = step.goal == ContactGoal::force;
+  return std::hypot(forces.nodes.norm(), force ? (forces.tip - step.target).norm() : 0.0);
+}
+
+// Where Newton's method begins. A tip that nothing holds is pressed in by what Hertz would expect,
+// so that the first system has a solution.
+ContactAttempt first_guess(const ContactSystem& system, double radius, double modulus,
+                           const ContactState& start, const ContactStep& step) {
+  ContactAttempt guess;
+  guess.positions = start.positions;
+  guess.tip = step.goal == ContactGoal::position ? step.target : start.tip;
+  guess.forces = system.forces(guess.positions, guess.tip, &start);
+  if (step.goal == ContactGoal::position) return guess;
+  const double force = step.target.norm();
+  double depth = std::clamp(std::cbrt(9 * force * force / (16 * modulus * modulus * radius)),
+                            kFirstDepth * radius, radius / 4);
+  while (guess.forces.contacts.empty() && depth < radius) {
+    guess.tip = start.tip + depth * start.inward;
+    guess.forces = system.forces(guess.positions, guess.tip, &start);
+    depth *= 2;
+  }
+  return guess;
+}
+
+bool touches_beyond(const ContactSystem& system, const PlaceFactors& place,
+                    const SystemForces& forces) {
+  return std::ranges::any_of(forces.contacts, [&](const FaceContact& contact) {
+    const auto& nodes = system.faces()[static_cast<std::size_t>(contact.face)].face.nodes;
+    return std::ranges::any_of(nodes, [&](int node) {
+      const auto n = static_cast<std::size_t>(node);
+      return place.root_index[n] < 0 && !system.fixed()[n];
+    });
+  });
+}
+
+// The matrix of the root's nodes with the contact. With a force as goal, the three unknowns of the
+// tip are its border.
+Eigen::MatrixXd root_matrix(const ContactSystem& system, const PlaceFactors& place,
+                            const NestedFactors& factors, const SystemForces& forces,
+                            ContactGoal goal) {
+  const bool tip_moves = goal == ContactGoal::force;
+  const Eigen::Index tip = 3 * static_cast<Eigen::Index>(place.problem.root.size());
+  const Eigen::Index unknowns = tip + (tip_moves ? 3 : 0);
+  Eigen::MatrixXd root = Eigen::MatrixXd::Zero(unknowns, unknowns);
+  root.topLeftCorner(tip, tip) =
+      factors.fronts[static_cast<std::size_t>(place.tree.root_front())].update;
+  for (const FaceContact& contact : forces.contacts) {
+    const ContactFace& face = system.faces()[static_cast<std::size_t>(contact.face)];
+    const auto shape = face.rule->shapes.col(contact.point);
+    for (int a = 0; a < 6; ++a) {
+      const int row = place.root_index[static_cast<std::size_t>(face.face.nodes[a])];
+      if (row < 0) continue;
+      for (int b = 0; b < 6; ++b) {
+        const int column = place.root_index[static_cast<std::size_t>(face.face.nodes[b])];
+        if (column >= 0)
+          root.block<3, 3>(3 * row, 3 * column) -= shape[a] * shape[b] * contact.tangent;
+      }
+      if (tip_moves) {
+        root.block<3, 3>(3 * row, tip) += shape[a] * contact.tangent;
+        root.block<3, 3>(tip, 3 * row) += shape[a] * contact.tangent;
+      }
+    }
+    if (tip_moves) root.bottomRightCorner<3, 3>() -= contact.tangent;
+  }
+  return root;
+}
+
+// Motions of all nodes and of the tip, one after the other [mm]: Newton's step.
+Eigen::VectorXd newton_step(const ContactSystem& system, const PlaceFactors& place,
+                            const NestedFactors& near, const NestedFactors& below,
+                            const SystemForces& forces, const ContactStep& step) {
+  const bool tip_moves = step.goal == ContactGoal::force;
+  const std::vector<int>& root_nodes = place.problem.root;
+  const auto tip = static_cast<Eigen::Index>(3 * root_nodes.size());
+  Eigen::VectorXd change = -forces.nodes;
+  substitute_forward(place.tree, near, below, change);
+  Eigen::VectorXd right(tip + (tip_moves ? 3 : 0));
+  for (std::size_t k = 0; k < root_nodes.size(); ++k)
+    right.segment<3>(static_cast<Eigen::Index>(3 * k)) = change.segment<3>(3 * root_nodes[k]);
+  if (tip_moves) right.tail<3>() = step.target - forces.tip;
+  const Eigen::VectorXd solved =
+      root_matrix(system, place, near, forces, step.goal).partialPivLu().solve(right);
+  for (std::size_t k = 0; k < root_nodes.size(); ++k)
+    change.segment<3>(3 * root_nodes[k]) = solved.segment<3>(static_cast<Eigen::Index>(3 * k));
+  substitute_backward(place.tree, near, below, change);
+  Eigen::VectorXd whole(change.size() + 3);
+  whole << change, (tip_moves ? Vector3d(solved.tail<3>()) : Vector3d::Zero());
+  return whole;
+}
+
+// The largest part of a step that does not invert elements, lose the contact or let residuals grow.
+struct ShortenedStep {
+  ContactAttempt next;
+  double norm = 0;  // [N] of its residual
+  double part = 0;
+  bool accepted = false;
+};
+
+ShortenedStep shorten(const ContactSystem& system, double radius, const ContactState& start,
+                      const ContactStep& goal, const ContactAttempt& now,
+                      const Eigen::VectorXd& whole, double largest_norm) {
+  const Eigen::Map<const Eigen::Matrix3Xd> step(whole.data(), 3, now.positions.cols());
+  const Vector3d tip_step = whole.tail<3>();
+  const double longest =
+      std::sqrt(std::max(step.colwise().squaredNorm().maxCoeff(), tip_step.squaredNorm()));
+  ShortenedStep shortened;
+  for (shortened.part = std::min(1.0, radius / longest); shortened.part > kLeastPart;
+       shortened.part /= 2) {
+    ContactAttempt& next = shortened.next;
+    next.positions = now.positions + shortened.part * step;
+    next.tip = now.tip + shortened.part * tip_step;
+    next.forces = system.forces(next.positions, next.tip, &start);
+    shortened.norm = residual(next.forces, goal);
+    shortened.accepted = next.forces.valid && std::isfinite(shortened.norm) &&
+                         shortened.norm <= largest_norm &&
+                         (goal.goal == ContactGoal::position || !next.forces.contacts.empty());
+    if (shortened.accepted) break;
+  }
+  return shortened;
+}
+
+}  // namespace
+
+PlaceFactors order_unknowns(const ContactSystem& system, const Eigen::Matrix3Xd& rest,
+                            const Vector3d& centre, double reach) {
+  PlaceFactors place;
+  place.reach = reach;
+  place.problem = {rest, system.elements(), system.fixed(), {}, {}};
+  const auto count = static_cast<std::size_t>(rest.cols());
+  std::vector<bool> touched(count, false), near(count, false);
+  if (reach > 0) {
+    for (const ContactFace& face : system.faces()) {
+      const Eigen::Matrix3Xd points = surface_points(face, rest);
+      if ((points.colwise() - centre).colwise().squaredNorm().minCoeff() > reach * reach) continue;
+      for (const int node : face.face.nodes) touched[static_cast<std::size_t>(node)] = true;
+    }
+  }
+  for (Eigen::Index e = 0; e < place.problem.elements.cols(); ++e) {
+    const auto element = place.problem.elements.col(e);
+    const bool beside = std::any_of(element.begin(), element.end(), [&](int node) {
+      return touched[static_cast<std::size_t>(node)];
+    });
+    if (!beside) continue;
+    for (const int node : element) near[static_cast<std::size_t>(node)] = true;
+  }
+  place.root_index.assign(count, -1);
+  for (std::size_t n = 0; n < count; ++n) {
+    if (system.fixed()[n]) continue;
+    const int node = static_cast<int>(n);
+    if (touched[n]) {
+      place.root_index[n] = static_cast<int>(place.problem.root.size());
+      place.problem.root.push_back(node);
+    } else if (near[n]) {
+      place.problem.near.push_back(node);
+    }
+  }
+  place.tree = nested_dissection(place.problem);
+  return place;
+}
+
+void factor_place(const ContactSystem& system, const PlaceFactors& place,
+                  const Eigen::Matrix3Xd& positions, int first, NestedFactors& factors,
+                  const NestedFactors* below) {
+  const auto tangent = [&](int element) { return system.tangent(positions, element); };
+  factor_fronts(place.tree, first, place.problem, tangent, factors, below);
+}
+
+ContactAttempt attempt_step(const ContactSystem& system, const EquilibriumOptions& options,
+                            double modulus, const PlaceFactors& place, const ContactState& start,
+                            const ContactStep& step) {
+  const double radius = options.tip_radius;
+  const double floor = kLeastForce * modulus * radius * radius;
+  ContactAttempt now = first_guess(system, radius, modulus, start, step);
+  NestedFactors near_factors, far;
+  const NestedFactors *below = &place.rest, *near = below;
+  int last_near = 0;
+  AndersonAcceleration acceleration;
+  double norm = residual(now.forces, step), rate = 1;
+  double best = norm;
+  int poor = 0, best_at = 0;
+  for (int i = 0; i < options.max_iterations; ++i) {
+    if (!now.forces.valid) {
+      now.stop = ContactStop::elements_inverted;
+      return now;
+    }
+    const double scale = std::max(floor, step.goal == ContactGoal::force
+                                             ? std::max(step.target.norm(), start.force.norm())
+                                             : now.forces.tip.norm());
+    if (norm <= options.tolerance * scale) {
+      now.stop = ContactStop::converged;
+      return now;
+    }
+    now.outgrown = touches_beyond(system, place, now.forces);
+    if (now.outgrown) return now;
+    ++now.iterations;
+
+    // While many points come into contact and leave it, residuals tell little about the matrix.
+    const bool steady = norm < kSteady * scale;
+    poor = rate > kPoorRate ? poor + 1 : 0;
+    if (step.exact || poor >= 3) {
+      factor_place(system, place, now.positions, 0, far, nullptr);
+      below = &far;
+      near = below;
+      last_near = i;
+      poor = 0;
+      ++now.factorisations;
+      acceleration.clear();
+    } else if (i > 0 && rate > kGoodRate && (i != last_near + 1 || !steady)) {
+      factor_place(system, place, now.positions, place.tree.near_front(), near_factors, below);
+      near = &near_factors;
+      last_near = i;
+    }
+    Eigen::VectorXd whole = newton_step(system, place, *near, *below, now.forces, step);
+    if (!whole.allFinite()) return now;
+    if (steady) whole = acceleration.improved(whole);
+
+    const double growth = i < kFreeIterations ? kFreeGrowth : kLaterGrowth;
+    ShortenedStep taken = shorten(system, radius, start, step, now, whole, growth * norm);
+    if (!taken.accepted) {
+      const SystemForces& failed = taken.next.forces;
+      now.stop = !failed.valid             ? ContactStop::elements_inverted
+                 : failed.contacts.empty() ? ContactStop::contact_lost
+                                           : ContactStop::not_converged;
+      return now;
+    }
+    if (steady) acceleration.took(taken.part * whole);
+    rate = taken.norm / norm;
+    if (taken.norm < best / 2) {
+      best = taken.norm;
+      best_at = i;
+    }
+    if (i - best_at > kPatience) break;
+    norm = taken.norm;
+    now.positions = std::move(taken.next.positions);
+    now.tip = taken.next.tip;
+    now.forces = std::move(taken.next.forces);
+  }
+  if (!now.forces.contacts.empty() &&
+      now.forces.slipping == static_cast<int>(now.forces.contacts.size()))
+    now.stop = ContactStop::tip_slides;
+  return now;
+}
+
+}  // namespace palpate::probing
