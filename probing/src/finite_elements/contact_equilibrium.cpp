@@ -7,6 +7,7 @@
 #include <deque>
 #include <mutex>
 #include <string>
+#include <thread>
 #include <utility>
 
 #include "finite_elements/contact_newton.h"
@@ -26,7 +27,12 @@ constexpr double kPatchReach = 1.2;      // [tip radii] of the faces whose conta
 constexpr double kPatchGrowth = 1.5;     // of the reach, when the tip touches beyond
 constexpr double kDetour = 1;            // [tip radii] by which the tip may stop early
 constexpr double kRounding = 1e-12;      // of the way of a force or of the tip
-constexpr std::size_t kKeptPlaces = 4;   // whose factors are kept
+
+// Places whose factors are kept: for each thread one, and the same with a larger patch.
+std::size_t kept_places() {
+  constexpr std::size_t kLeast = 4;
+  return std::max<std::size_t>(kLeast, 2 * std::thread::hardware_concurrency());
+}
 
 void check_equilibrium_options(const EquilibriumOptions& o) {
   require("EquilibriumOptions::tip_radius", o.tip_radius, above(0).finite(), "mm");
@@ -90,7 +96,7 @@ struct ContactEquilibrium::Impl {
     factor_place(system, *place, rest, 0, place->rest, nullptr);
     const std::scoped_lock lock(mutex);
     places.emplace_front(node, place);
-    if (places.size() > kKeptPlaces) places.pop_back();
+    if (places.size() > kept_places()) places.pop_back();
     return place;
   }
 
