@@ -4,6 +4,7 @@
 
 #include <filesystem>
 
+#include "palpate/probing/known_forces.h"
 #include "palpate/probing/specimen.h"
 
 namespace palpate::apps {
@@ -12,16 +13,10 @@ namespace palpate::apps {
 inline constexpr const char* kTruthSurface = "surface.ply";
 inline constexpr const char* kTruthQueries = "queries.csv";
 
-struct TruthOptions {
-  int queries = 400;     ///< number of known forces
-  double margin = 8;     ///< [mm] least distance of their places from the border
-  double max_force = 3;  ///< [N] largest of the forces
-  unsigned seed = 1;     ///< of the random places and forces
-};
-
 /// Writes the surface of a simulated object and known forces on it.
-/// \throws InvalidInput if no place is so far from the border, or OutputError.
+/// \throws InvalidInput if no place is so far from the border, SolverError if a force has no
+/// equilibrium, or OutputError.
 void write_truth(const std::filesystem::path& folder, const probing::Specimen& specimen,
-                 const TruthOptions& options = {});
+                 const probing::KnownForceOptions& options = {});
 
 }  // namespace palpate::apps

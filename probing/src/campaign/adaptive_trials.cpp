@@ -80,6 +80,19 @@ void check_adaptive_options(const AdaptiveOptions& options) {
 
 }  // namespace
 
+std::vector<double> base_forces(const ContactPlan& plan) {
+  if (plan.normal_forces.empty())
+    throw InvalidInput(
+        "base_forces(): the plan has no level of the normal force; plan at least one");
+  const double low = plan.normal_forces.front(), high = plan.normal_forces.back();
+  std::vector<double> forces;
+  for (int l = 0; l < kBaseLevels; ++l) {
+    const double part = static_cast<double>(l) / static_cast<double>(kBaseLevels - 1);
+    forces.push_back(low + (high - low) * std::pow(part, kLevelPower));
+  }
+  return forces;
+}
+
 const char* to_string(AdaptiveStop stop) {
   switch (stop) {
     case AdaptiveStop::none:
@@ -116,12 +129,8 @@ struct AdaptiveSite {
 };
 
 struct AdaptiveTrials::Impl {
-  Impl(const ContactPlan& with_plan, const AdaptiveOptions& with) : plan(with_plan), options(with) {
-    const double low = plan.normal_forces.front(), high = plan.normal_forces.back();
-    for (std::size_t l = 0; l < levels.size(); ++l) {
-      const double part = static_cast<double>(l) / static_cast<double>(levels.size() - 1);
-      levels[l] = low + (high - low) * std::pow(part, kLevelPower);
-    }
+  Impl(const ContactPlan& with_plan, const AdaptiveOptions& with)
+      : plan(with_plan), options(with), levels(base_forces(with_plan)) {
     decide();
   }
 
@@ -594,9 +603,9 @@ struct AdaptiveTrials::Impl {
 
   ContactPlan plan;
   AdaptiveOptions options;
-  std::array<double, kBaseLevels> levels = {};  // [N]
-  std::vector<AdaptiveSite> sites;              // in the order of the plan
-  std::size_t current = 0;                      // of the order
+  std::vector<double> levels;       // [N]
+  std::vector<AdaptiveSite> sites;  // in the order of the plan
+  std::size_t current = 0;          // of the order
   int level = 0;
   std::size_t direction = 0;  // index in `directions`
   std::vector<int> directions;

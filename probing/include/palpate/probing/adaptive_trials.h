@@ -14,6 +14,11 @@
 
 namespace palpate::probing {
 
+/// [N] The five normal forces with which each contact begins: from the lowest to the highest level
+/// of the plan in nearly even steps, a little denser below.
+/// \throws InvalidInput if the plan has no level.
+[[nodiscard]] std::vector<double> base_forces(const ContactPlan& plan);
+
 /// When to stop, and how friction is searched. At least one of the limits must be given.
 struct AdaptiveOptions {
   double until = 0;       ///< [N] stated error at which the campaign ends; >= 0, 0: no limit

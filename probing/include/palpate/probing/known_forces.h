@@ -1,0 +1,46 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <vector>
+
+#include "palpate/eigen_alignment.h"
+#include "palpate/probing/specimen.h"
+#include "palpate/probing/specimen_response.h"
+
+namespace palpate::probing {
+
+/// A force on an object and the displacement that it causes.
+struct KnownForce {
+  Eigen::Vector3d contact = Eigen::Vector3d::Zero();       ///< [mm] on the undeformed surface
+  Eigen::Vector3d displacement = Eigen::Vector3d::Zero();  ///< [mm] of the tip
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();         ///< [N] on the object
+};
+
+struct KnownForceOptions {
+  int count = 400;           ///< > 0
+  double margin = 8;         ///< [mm] least distance of their places from the border; >= 0
+  double least_force = 0.1;  ///< [N] > 0
+  double max_force = 3;      ///< [N] >= least_force
+  unsigned seed = 1;         ///< of the random places and forces
+  /// Called after each force with the number of forces done and in all, from one thread at a time.
+  /// An exception that it throws ends the work.
+  std::function<void(int done, int total)> progress = {};
+};
+
+struct KnownForces {
+  std::vector<KnownForce> forces;
+  std::vector<UnansweredForce> unanswered;  ///< of `count`, those without a displacement
+};
+
+/// Known forces, to compare a model with: at random places, equally likely on each triangle, with
+/// sizes that are equally likely, at most 0.9 of the friction coefficient away from the axis of the
+/// friction cone. Computed in parallel; the result does not depend on the number of threads.
+/// \throws InvalidInput if an option is outside its range, or no triangle is as far from the border
+/// as `margin` says.
+[[nodiscard]] KnownForces known_forces(const Specimen& specimen,
+                                       const KnownForceOptions& options = {});
+
+}  // namespace palpate::probing
