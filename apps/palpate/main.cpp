@@ -96,6 +96,7 @@ int run(int argc, char** argv) {
   add_track(app, settings);
   add_compare(app, settings);
   add_probe(app, settings);
+  add_bake(app, settings);
   add_fit(app, settings);
   add_merge(app, settings);
   add_transfer(app, settings);

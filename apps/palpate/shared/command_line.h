@@ -45,6 +45,7 @@ void show_shared_options(CLI::App& app);
 void refuse_empty_values(CLI::App& app);
 
 // Each function adds a subcommand; its callback does the work and throws exceptions on failure.
+void add_bake(CLI::App& app, const Settings& settings);
 void add_compare(CLI::App& app, const Settings& settings);
 void add_decode(CLI::App& app, const Settings& settings);
 void add_demo(CLI::App& app, const Settings& settings);
