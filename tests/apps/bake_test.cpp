@@ -50,7 +50,8 @@ class Bake : public ::testing::Test {
 };
 
 TEST_F(Bake, MakesAModelOfAClosedFormWhoseErrorIsThatOfEvaluate) {
-  write_text(specimen, R"({"type": "sheet", "tension": 0.9, "friction": 0.7})");
+  write_text(specimen,
+             R"({"type": "sheet", "tension": 0.9, "friction": 0.7, "friction_variation": 0})");
   const json baked = figures(call({"--acquisition", store}));
   EXPECT_GT(baked["contacts"], 40);
   EXPECT_EQ(baked["failed"], json::array());
@@ -62,7 +63,7 @@ TEST_F(Bake, MakesAModelOfAClosedFormWhoseErrorIsThatOfEvaluate) {
   const json errors = figures({"evaluate", model, "--queries", scratch / "truth/queries.csv"});
   EXPECT_NEAR(errors["queries"]["rms"], baked["queries"]["rms"], 1e-6);
   for (const json& contact : json::parse(read_text(model + "/field.json"))["contacts"])
-    EXPECT_NEAR(contact["friction"]["coefficient"], 0.7, 0.01);
+    EXPECT_NEAR(contact["friction"]["coefficient"], 0.7, 0.002);
 
   // The samples, fitted on their own as noisy ones.
   const json fitted =
@@ -78,7 +79,10 @@ TEST_F(Bake, MakesAModelOfASolidOfFiniteElements) {
   EXPECT_GE(baked["contacts"], 4);
   EXPECT_EQ(baked["failed"], json::array());
   EXPECT_EQ(baked["queries"]["count"], 20);
-  EXPECT_LT(baked["queries"]["rms"], 0.05);
+  EXPECT_LT(baked["rms"]["median"], 0.02);
+  // Cells of 10 mm are coarse for a tip of 5 mm: what the model cannot follow is that depths vary
+  // within a cell.
+  EXPECT_LT(baked["queries"]["rms"], 0.15);
 }
 
 TEST_F(Bake, SaysWhatIsWrongWithASpecimen) {
@@ -86,16 +90,15 @@ TEST_F(Bake, SaysWhatIsWrongWithASpecimen) {
       R"({"type": "finite_elements", "size": [40, 40, 15], "cells": [4, 4, 2])";
   EXPECT_THAT(refusal(begin + R"(, "cell": 3})"),
               AllOf(HasSubstr("specimen.json"), HasSubstr("'cell' is unknown")));
-  EXPECT_THAT(refusal(begin + R"(, "supports": []})"),
-              HasSubstr("supported nodes; it must have three"));
+  EXPECT_THAT(refusal(begin + R"(, "supports": []})"), HasSubstr("has no 'supports'"));
   EXPECT_THAT(refusal(R"({"type": "finite_elements", "size": [0.04, 0.04, 0.015]})"),
               HasSubstr("mm"));
-  // The upper side is pushed through the lower one.
+  // The right side is pushed through the left one.
   EXPECT_THAT(
       refusal(
           begin + R"(, "supports": [{"side": "left"}, {"side": "right", "move": [-60, 0, 0]}]})",
           kWorkFailed),
-      HasSubstr("no equilibrium after its supports have moved"));
+      AllOf(HasSubstr("specimen.json"), HasSubstr("no equilibrium after its supports have moved")));
   EXPECT_THAT(refusal(R"({"type": "elastic_body", "size": 8})"), HasSubstr("near_border"));
 }
 

@@ -52,6 +52,14 @@ haptics::BuildOptions exact_samples() {
   return options;
 }
 
+std::unique_ptr<probing::Specimen> read_specimen(const fs::path& path) {
+  try {
+    return probing::parse_specimen(probing::read_specimen_text(path), path.string());
+  } catch (const SolverError& error) {  // of the object at rest, before the tip comes
+    throw SolverError(path.string() + ": " + error.what());
+  }
+}
+
 /// Where and how hard to press.
 probing::ContactPlan plan_bake(const probing::Specimen& specimen, const BakeCall& call) {
   // Of the largest force. Below the highest level there is room for a tangential force; a model
@@ -187,8 +195,7 @@ void bake(const Settings& settings, const BakeCall& call) {
   check_outputs({call.specimen}, {call.output, call.acquisition});
   check_output_folder({call.specimen}, call.output);
   check_replaceable(call.output, haptics::model_entries());
-  const auto specimen =
-      probing::parse_specimen(probing::read_specimen_text(call.specimen), call.specimen.string());
+  const auto specimen = read_specimen(call.specimen);
   const probing::ContactPlan plan = plan_bake(*specimen, call);
   const probing::KnownForces known = compute_queries(*specimen, call);
   probing::SpecimenTrials trials = compute_samples(*specimen, plan, call);

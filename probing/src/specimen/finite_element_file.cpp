@@ -233,6 +233,7 @@ Extent side_extent(Members& members, const std::string& side, const Extent& whol
 void read_supports(Members& members, const std::string& shape, DeformableBody& body) {
   const Extent whole{body.mesh.nodes.rowwise().minCoeff(), body.mesh.nodes.rowwise().maxCoeff()};
   std::vector<std::pair<Extent, Vector3d>> supports;
+  const bool stated = members.has("supports");
   std::vector<Members> listed = members.list("supports");
   for (Members& support : listed) {
     Extent extent;
@@ -250,9 +251,9 @@ void read_supports(Members& members, const std::string& shape, DeformableBody& b
     if (!holds) support.fail("holds no node; enlarge it");
     supports.emplace_back(extent, move);
   }
-  if (listed.empty() && shape == "block")
+  if (!stated && shape == "block")
     supports.emplace_back(side_extent(members, "bottom", whole), Vector3d::Zero());
-  if (listed.empty() && shape == "ball") {
+  if (!stated && shape == "ball") {
     constexpr double kHeld = 0.75;  // of the height, from above, is free
     Extent extent = whole;
     extent.low.z() += kHeld * (whole.high.z() - whole.low.z());

@@ -96,6 +96,7 @@ TEST(FiniteElementSpecimen, SaysWhatIsWrongWithItsFile) {
   EXPECT_THAT(
       refused_solid(with_member(R"("supports": [{"low": [90, 0, 0], "high": [99, 1, 1]}])")),
       HasSubstr("supports[0]: holds no node"));
+  EXPECT_THAT(refused_solid(with_member(R"("supports": [])")), HasSubstr("has no 'supports'"));
   EXPECT_THAT(refused_solid(with_member(R"("supports": [{"side": "left", "low": [0, 0, 0]}])")),
               HasSubstr("'low' is unknown"));
   EXPECT_THAT(refused_solid(with_member(R"("regions": [{"low": [0, 0, 0], "high": [1, 1, 1]}])")),
