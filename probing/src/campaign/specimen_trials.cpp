@@ -21,7 +21,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr int kPressing = -1;  // the direction of the normal force alone
+constexpr int kNoDrag = -1;  // the direction of the normal force alone
 /// Of the tangential force at which the tip slips: one that holds and one that does not.
 constexpr double kInside = 0.98, kOutside = 1.02;
 /// Of the largest tangential force that holds, what every second direction has: forces all at the
@@ -71,7 +71,7 @@ std::vector<LevelOfTrials> trials_at(const Specimen& specimen, const ContactPlan
     const TrialOrder press{.trial = first,
                            .contact = contact,
                            .level = l,
-                           .direction = kPressing,
+                           .direction = kNoDrag,
                            .normal_force = normal * frame.col(2)};
     LevelOfTrials level{press, {}, {}};
     const double most =

@@ -30,17 +30,17 @@ double share_of_cone(const Vector3d& force, const FrictionCone& cone) {
   return (force - along * cone.axis).norm() / along / cone.coefficient;
 }
 
-double normal_part(const Vector3d& force, const Contact& contact) {
+double pressing_part(const Vector3d& force, const Contact& contact) {
   return -force.dot(contact.normal.normalized());
 }
 
-ContactPlan plan_of(const Specimen& specimen, int contacts) {
+ContactPlan specimen_plan(const Specimen& specimen, int contacts) {
   return plan_contacts(specimen.surface(), {.spacing = 20, .contacts = contacts});
 }
 
 TEST(SpecimenTrials, AreExactAndEncloseTheFrictionCone) {
   const auto specimen = make_specimen(ElasticBody{.friction = 0.4});
-  const ContactPlan plan = plan_of(*specimen, 3);
+  const ContactPlan plan = specimen_plan(*specimen, 3);
   const SpecimenTrials made = try_specimen(*specimen, plan);
   EXPECT_TRUE(made.failed.empty());
   EXPECT_EQ(made.equilibria, 3 * 5 * (1 + 4));
@@ -52,7 +52,7 @@ TEST(SpecimenTrials, AreExactAndEncloseTheFrictionCone) {
     std::map<long long, double> levels;
     std::set<double> shares_held;
     for (const Sample& sample : checked.samples_of(c)) {
-      const double normal = normal_part(sample.force, contact);
+      const double normal = pressing_part(sample.force, contact);
       levels.emplace(sample.group, normal);
       EXPECT_NEAR(levels.at(sample.group), normal, 1e-9);
       const Vector3d pressed = -normal * contact.normal.normalized();
@@ -79,7 +79,7 @@ TEST(SpecimenTrials, AreExactAndEncloseTheFrictionCone) {
 
 TEST(SpecimenTrials, DoNotExceedTheMostForceWhereFrictionHoldsMore) {
   const auto specimen = make_specimen(ElasticBody{.friction = 3});
-  const ContactPlan plan = plan_of(*specimen, 1);
+  const ContactPlan plan = specimen_plan(*specimen, 1);
   double largest = 0;
   for (const Sample& sample : try_specimen(*specimen, plan).acquisition.samples)
     if (!sample.slipped) largest = std::max(largest, sample.force.norm());
@@ -88,14 +88,14 @@ TEST(SpecimenTrials, DoNotExceedTheMostForceWhereFrictionHoldsMore) {
 
 TEST(SpecimenTrials, OfAnObjectWithoutFrictionPressOnly) {
   const auto specimen = make_specimen(ElasticBody{.friction = 0});
-  const SpecimenTrials made = try_specimen(*specimen, plan_of(*specimen, 2));
+  const SpecimenTrials made = try_specimen(*specimen, specimen_plan(*specimen, 2));
   EXPECT_EQ(made.acquisition.samples.size(), 2U * 5U);
   for (const Sample& sample : made.acquisition.samples) EXPECT_EQ(sample.a, sample.b);
 }
 
 TEST(SpecimenTrials, NameTheContactAndTheForceThatFailAndKeepTheOthers) {
   const auto whole = make_specimen(ElasticBody{});
-  const ContactPlan plan = plan_of(*whole, 4);
+  const ContactPlan plan = specimen_plan(*whole, 4);
   const Vector3d weak = plan.contacts[2].position;
   const testing::WeakSpecimen specimen(make_specimen(ElasticBody{}), [&](const Vector3d& place) {
     return (place - weak).norm() < 1e-9 ? 1.5 : 10.0;
@@ -130,7 +130,7 @@ TEST(SpecimenTrials, NameTheContactAndTheForceThatFailAndKeepTheOthers) {
 
 TEST(SpecimenTrials, LeaveOutAContactWithoutSamplesAndFailWithoutAny) {
   const auto whole = make_specimen(ElasticBody{});
-  const ContactPlan plan = plan_of(*whole, 3);
+  const ContactPlan plan = specimen_plan(*whole, 3);
   const testing::WeakSpecimen half(make_specimen(ElasticBody{}), [&](const Vector3d& place) {
     return (place - plan.contacts[0].position).norm() < 1e-9 ? 0.0 : 10.0;
   });
