@@ -22,6 +22,7 @@
 #include "palpate/haptics/build_model.h"
 #include "palpate/haptics/model_io.h"
 #include "palpate/output_file.h"
+#include "palpate/probing/plausibility.h"
 #include "palpate/require.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
@@ -257,6 +258,22 @@ haptics::BuildResult build(const probing::CheckedAcquisition& acquisition,
   }
 }
 
+/// Warns of what was not measured, so that the model only assumes it.
+void tell_gaps(const probing::CheckedAcquisition& acquisition, Json& warnings) {
+  const std::vector<long long> contacts = probing::probed_in_one_direction(acquisition);
+  if (contacts.empty()) return;
+  const bool all = contacts.size() == acquisition.contacts().size();
+  warn(
+      warnings, "one_direction",
+      fmt::format("at {}, all forces have one direction: the stiffness across it was not measured. "
+                  "Forces of the model against a drag there are an assumption, and so is its "
+                  "friction. Only presses in that direction can be relied on; drag the tool in at "
+                  "least four directions to measure the others",
+                  all ? "all contacts"
+                      : fmt::format("{} of {} contacts ({})", contacts.size(),
+                                    acquisition.contacts().size(), named(contacts))));
+}
+
 /// Warns of fits that are complete, but say little of the measurements.
 void tell_doubts(const haptics::BuildResult& built, Json& warnings) {
   constexpr double kLeastExplained = 0.9;  // share of the squared forces
@@ -319,6 +336,7 @@ void fit(const Settings& settings, FitCall call) {
   haptics::write_model(call.output, built.model, call.encoding);
   record.remove();
   tell(built);
+  tell_gaps(acquisition, warnings);
   tell_doubts(built, warnings);
   if (!call.pictures.empty()) draw(call, built.model, acquisition);
 

@@ -457,5 +457,27 @@ TEST(Plausibility, GivesEveryKindANameOfItsOwn) {
   EXPECT_FALSE(names.front().empty());
 }
 
+TEST(Plausibility, NamesContactsThatWereProbedInOneDirection) {
+  EXPECT_THAT(probed_in_one_direction(dragged()), IsEmpty());
+  Acquisition acquisition = dragged();
+  // At two contacts only presses held; a press may be tilted, as long as all are.
+  for (Sample& sample : acquisition.samples) {
+    if (sample.contact != 12 && sample.contact != 15) continue;
+    const Eigen::Vector3d& n =
+        acquisition.contacts[static_cast<std::size_t>(sample.contact - 10)].normal;
+    if (!sample.slipped) sample.force = sample.force.dot(n) * (n + 0.3 * tangent(n, 1));
+  }
+  EXPECT_THAT(probed_in_one_direction(acquisition), ElementsAre(12, 15));
+  // Tilted in two ways, by 0.12 in all.
+  bool left = false;
+  for (Sample& sample : acquisition.samples) {
+    if (sample.contact != 15 || sample.slipped) continue;
+    const Eigen::Vector3d& n = acquisition.contacts[5].normal;
+    left = !left;
+    sample.force = sample.force.dot(n) * (n + (left ? 0.12 : -0.12) * tangent(n, 1));
+  }
+  EXPECT_THAT(probed_in_one_direction(acquisition), ElementsAre(12));
+}
+
 }  // namespace
 }  // namespace palpate::probing

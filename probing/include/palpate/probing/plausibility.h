@@ -94,4 +94,12 @@ inline constexpr double kFewestSlipPairs = 25;
 /// come in the order of `Implausibility`.
 [[nodiscard]] std::vector<Finding> find_implausible(const CheckedAcquisition& acquisition);
 
+/// Forces have one direction if none is off their mean direction by more than this tangent (6
+/// degrees): what a sensor and its mounting are off.
+inline constexpr double kOneDirection = 0.1;
+
+/// Ids of the contacts whose samples that held have forces of one direction, so that nothing was
+/// measured of the stiffness across it.
+[[nodiscard]] std::vector<long long> probed_in_one_direction(const CheckedAcquisition& acquisition);
+
 }  // namespace palpate::probing
