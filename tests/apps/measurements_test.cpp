@@ -341,10 +341,13 @@ TEST_F(Measurements, OfThePageAreImportedAndFitted) {
 }
 
 TEST_F(Measurements, OfPressingAloneAreImportedAsThePageSays) {
-  // The second call of the page, whose columns are those of the contacts and the presses only.
+  // The call of the page whose columns are those of the contacts and the presses only.
   const std::vector<std::string> calls =
       code_blocks(read_text(repository("docs/measurements.md")), "sh");
-  const std::string& call = calls.back();
+  const auto found = std::ranges::find_if(
+      calls, [](const std::string& each) { return each.find("group_id=id") != std::string::npos; });
+  ASSERT_NE(found, calls.end());
+  const std::string& call = *found;
   const std::size_t at = call.find("--map ") + 6;
   const std::string map = call.substr(at, call.find('\n', at) - at);
   write_text(scratch / "c.csv", "id,x,y,z,nx,ny,nz\n4,0,0,700,0,0,-1\n5,9,0,700,0,0,-1\n");

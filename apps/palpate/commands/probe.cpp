@@ -1,17 +1,24 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
+#include <filesystem>
+#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "commands/probe.h"
 #include "palpate/error.h"
+#include "palpate/geometry/mesh_io.h"
 #include "palpate/probing/acquisition_csv.h"
+#include "palpate/probing/acquisition_import.h"
 #include "palpate/probing/acquisition_store.h"
-#include "palpate/probing/csv.h"
+#include "palpate/probing/contact_surface.h"
+#include "palpate/probing/table_reader.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
 #include "shared/inputs.h"
@@ -26,16 +33,18 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 struct ProbeCall {
-  fs::path contacts, samples, store, output;
-  probing::AcquisitionCsvOptions csv;
+  std::vector<fs::path> data;
+  fs::path mapping, store, output, surface;
+  /// Options for single fields, which change those of the mapping file.
+  std::vector<std::function<void(probing::AcquisitionMapping&)>> changes;
 };
 
-/// `warnings`: null if the command looks for none.
+/// `more`: further figures, if there are any.
 void report(const Settings& settings, const probing::CheckedAcquisition& acquisition,
-            const std::string& written, const Json& warnings = {}) {
+            const std::string& written, const Json& more = {}) {
   Json figures = {{"contacts", acquisition.contacts().size()},
                   {"samples", acquisition.samples().size()}};
-  if (!warnings.is_null()) figures["warnings"] = warnings;
+  if (!more.is_null()) figures.update(more);
   figures["output"] = written;
   print(settings, figures,
         fmt::format("{} contacts and {} samples, written to {}", acquisition.contacts().size(),
@@ -43,42 +52,98 @@ void report(const Settings& settings, const probing::CheckedAcquisition& acquisi
 }
 
 /// "px=Fx" gives the column px the name Fx.
-void take_name(const std::string& pair, probing::AcquisitionCsvOptions& csv) {
+void take_name(const std::string& pair, probing::AcquisitionMapping& mapping) {
   const std::size_t equals = pair.find('=');
   if (equals == std::string::npos || equals == 0)
     throw InvalidInput("--map: is " + pair + "; it must be pairs such as px=Fx,py=Fy");
-  csv.names[CLI::detail::trim_copy(pair.substr(0, equals))] =
+  mapping.columns[CLI::detail::trim_copy(pair.substr(0, equals))] =
       CLI::detail::trim_copy(pair.substr(equals + 1));
 }
 
-char separator_of(const std::string& text) {
-  if (text == "tab" || text == "\\t") return '\t';
-  if (text.size() != 1 || text == "\"")
-    throw InvalidInput("--separator: is " + text + "; it must be one character, or tab");
-  return text.front();
+template <typename Field, typename Value>
+void change(ProbeCall& call, Field probing::AcquisitionMapping::*field, const Value& value) {
+  call.changes.emplace_back(
+      [field, value](probing::AcquisitionMapping& mapping) { mapping.*field = value; });
 }
 
-probing::CheckedAcquisition read_csv(const ProbeCall& call) {
+/// The mapping file, or none, with the changes of single options.
+probing::AcquisitionMapping mapping_of(const ProbeCall& call) {
+  probing::AcquisitionMapping mapping;
+  if (!call.mapping.empty()) mapping = probing::read_mapping(call.mapping);
+  for (const auto& change : call.changes) change(mapping);
+  return mapping;
+}
+
+probing::ImportedAcquisition read_data(const ProbeCall& call) {
+  const probing::AcquisitionMapping mapping = mapping_of(call);
   try {
-    return probing::read_acquisition_csv(call.contacts, call.samples, call.csv);
+    return probing::import_acquisition(call.data, mapping);
   } catch (const probing::MissingColumn& missing) {
     const std::string column =
         missing.name == "id" ? "contacts.id=NAME or samples.id" : missing.name;
     throw FileError(std::string(missing.what()) +
                     ". If the column has another name, give it: --map " + column + "=NAME");
+  } catch (const FileError&) {
+    throw;
   } catch (const InvalidInput& error) {
-    throw InvalidInput(
-        with_option_names(error.what(), {{"AcquisitionCsvOptions::names", "--map"}}));
+    throw InvalidInput(with_option_names(
+        error.what(), {{"AcquisitionMapping::columns", call.mapping.empty() ? "--map" : "columns"},
+                       {"AcquisitionMapping::", "--mapping: "}}));
   }
 }
 
-void import_csv(const Settings& settings, const ProbeCall& call) {
-  check_outputs({call.contacts, call.samples}, {call.output});
-  const probing::CheckedAcquisition acquisition = read_csv(call);
+std::string files_in_words(const std::vector<fs::path>& files) {
+  std::string names;
+  for (const fs::path& file : files) names += (names.empty() ? "" : " and ") + file.string();
+  return names;
+}
+
+/// Says what is left out of a recording.
+void tell_series(const probing::SeriesCounts& series) {
+  spdlog::info("{} presses were found; {} moments in contact were too fast for a sample.",
+               series.presses, series.fast);
+  if (series.empty_presses > 0)
+    spdlog::warn("{} of {} presses are left out: the tip was never slow enough in them.",
+                 series.empty_presses, series.presses);
+  if (series.saturated > 0)
+    spdlog::warn("{} moments are left out: the sensor was at its limit.", series.saturated);
+  if (series.unpaired > 0)
+    spdlog::warn("{} moments are left out: with the delay of the forces they have none.",
+                 series.unpaired);
+  if (series.brief > 0)
+    spdlog::info("{} slow pieces are left out: they are shorter than sample_time.", series.brief);
+}
+
+geometry::MeshFile surface_of(const ProbeCall& call,
+                              const probing::CheckedAcquisition& acquisition) {
+  geometry::MeshFile surface;
+  surface.comments = {"made of the contacts alone, flat between them"};
+  try {
+    surface.mesh = probing::contact_surface(acquisition.contacts());
+    return surface;
+  } catch (const InvalidInput& wrong) {
+    throw InvalidInput(with_option_names(
+        wrong.what(), {{"contact_surface(): ", files_in_words(call.data) + ": --surface-out: "}}));
+  }
+}
+
+void import_data(const Settings& settings, const ProbeCall& call) {
+  std::vector<fs::path> inputs = call.data;
+  if (!call.mapping.empty()) inputs.push_back(call.mapping);
+  check_outputs(inputs, {call.output, call.surface});
+  const probing::ImportedAcquisition imported = read_data(call);
+  if (imported.series.presses > 0) tell_series(imported.series);
   Json warnings = Json::array();
-  check_plausible(call.contacts.string() + " and " + call.samples.string(), acquisition, warnings);
-  probing::write_acquisition(call.output, acquisition);
-  report(settings, acquisition, call.output.string(), warnings);
+  check_plausible(files_in_words(call.data), imported.acquisition, warnings);
+  std::optional<geometry::MeshFile> surface;
+  if (!call.surface.empty()) surface = surface_of(call, imported.acquisition);
+  probing::write_acquisition(call.output, imported.acquisition);
+  Json figures = {{"warnings", warnings}};
+  if (surface) {
+    geometry::write_mesh_file(call.surface, *surface);
+    figures["surface"] = call.surface.string();
+  }
+  report(settings, imported.acquisition, call.output.string(), figures);
 }
 
 void export_csv(const Settings& settings, const ProbeCall& call) {
@@ -101,39 +166,63 @@ void add_probe(CLI::App& app, const Settings& settings) {
   add_probe_run(*probe, settings);
   add_probe_report(*probe, settings);
 
-  CLI::App* in =
-      probe->add_subcommand("import", "Convert two CSV files to a database for palpate fit");
-  in->add_option("CONTACTS", call->contacts, "id,x,y,z,nx,ny,nz [mm]")->required();
+  CLI::App* in = probe->add_subcommand(
+      "import", "Convert measurements in CSV, TSV or MAT files to a database for palpate fit");
   in->add_option(
-        "SAMPLES", call->samples,
-        "id,contact,group_id,px,...,bz,on_friction_boundary,slipped,range_map,time [N, mm, s]")
+        "DATA", call->data,
+        "contacts (id,x,y,z,nx,ny,nz [mm]) and samples (id,contact,group_id,px,...,bz,"
+        "on_friction_boundary,slipped,range_map,time [N, mm, s]); with a mapping, also one "
+        "table or MAT file that holds both, or recordings")
       ->required();
   in->add_option("-o,--output", call->output, "Database to write (acquisition.db)")->required();
+  in->add_option(
+      "--mapping", call->mapping,
+      "File (YAML) that says what your files hold: columns, units, signs, frame, and how "
+      "contacts are made; the options below change single fields of it");
+  in->add_option("--surface-out", call->surface,
+                 "Mesh to write: a surface made of the contacts, if no other is known. It is flat "
+                 "between them");
   in->add_option_function<std::vector<std::string>>(
         "--map",
         [call](const std::vector<std::string>& pairs) {
-          for (const std::string& pair : pairs) take_name(pair, call->csv);
+          call->changes.emplace_back([pairs](probing::AcquisitionMapping& mapping) {
+            for (const std::string& pair : pairs) take_name(pair, mapping);
+          });
         },
         "Names of columns in your files, such as px=Fx,py=Fy,pz=Fz; "
         "contacts.id and samples.id name the ids of one file. For a column that your files do not "
         "have, give "
-        "a number for all rows (slipped=0), or nothing for empty cells (range_map=)")
+        "a number for all rows (slipped=0), row_number, or nothing for empty cells (range_map=)")
       ->delimiter(',')
       ->allow_extra_args(false);
   in->add_option_function<std::string>(
-      "--separator", [call](const std::string& text) { call->csv.separator = separator_of(text); },
+      "--separator",
+      [call](const std::string& text) {
+        try {
+          change(*call, &probing::AcquisitionMapping::separator, probing::separator_from(text));
+        } catch (const InvalidInput& wrong) {
+          throw InvalidInput(std::string("--separator: ") + wrong.what());
+        }
+      },
       "Character between cells, or tab (default: the most frequent of , ; and tab in the first "
       "line)");
   in->add_option_function<std::string>(
       "--length-unit",
-      [call](const std::string& name) { call->csv.length = geometry::unit_length(name); },
+      [call](const std::string& name) {
+        change(*call, &probing::AcquisitionMapping::length, geometry::unit_length(name));
+      },
       "Unit of all positions: um, mm, cm, m or in (default: mm)");
   in->add_option_function<std::string>(
       "--force-unit",
-      [call](const std::string& name) { call->csv.force = probing::unit_force(name); },
+      [call](const std::string& name) {
+        change(*call, &probing::AcquisitionMapping::force, probing::unit_force(name));
+      },
       "Unit of all forces: N, mN, kN, g, kg or lbf (default: N)");
   in->add_option_function<std::string>(
-        "--force-on", [call](const std::string& on) { call->csv.forces_on_tool = on == "tool"; },
+        "--force-on",
+        [call](const std::string& on) {
+          change(*call, &probing::AcquisitionMapping::forces_on_tool, on == "tool");
+        },
         "What the forces act on: object, or tool if they are those that the tool feels, which "
         "changes their signs (default: object)")
       ->check(one_of({"object", "tool"}));
@@ -142,8 +231,10 @@ void add_probe(CLI::App& app, const Settings& settings) {
       "such as forces with the wrong sign, are rejected. Suspicious ones cause a warning.\n"
       "Examples:\n  palpate probe import contacts.csv samples.csv -o acquisition.db\n"
       "  palpate probe import points.csv presses.csv --map px=Fx,py=Fy,pz=Fz,slipped=0 "
-      "--length-unit m --force-unit g -o acquisition.db");
-  in->callback([call, &settings] { import_csv(settings, *call); });
+      "--length-unit m --force-unit g -o acquisition.db\n"
+      "  palpate probe import --mapping lab.yaml experiment.mat -o acquisition.db --surface-out "
+      "surface.ply");
+  in->callback([call, &settings] { import_data(settings, *call); });
 
   CLI::App* out = probe->add_subcommand("export", "Convert such a database to two CSV files");
   out->add_option("ACQUISITION", call->store, "Database to read (acquisition.db)")->required();

@@ -14,6 +14,7 @@
 namespace palpate::probing {
 namespace {
 
+constexpr std::string_view kNoMinus = "the name of the column without a minus sign";
 constexpr std::size_t kShownLength = 40;  // characters of a wrong cell that a message repeats
 
 std::string shown(std::string_view text) {
@@ -105,12 +106,8 @@ std::string shortest(T value) {
 }  // namespace
 
 CsvReader::CsvReader(const std::filesystem::path& path, std::span<const std::string_view> columns,
-                     const CsvLayout& layout)
-    : path_(path), columns_(columns.begin(), columns.end()) {
-  for (const std::string& column : columns_) {
-    const auto renamed = layout.names.find(column);
-    names_.push_back(renamed == layout.names.end() ? column : renamed->second);
-  }
+                     const TableLayout& layout)
+    : path_(path), columns_(columns.begin(), columns.end()), row_number_(layout.first_row - 1) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) {
     throw FileError(path.string() + ": there is no such file; expected a CSV file");
@@ -122,46 +119,70 @@ CsvReader::CsvReader(const std::filesystem::path& path, std::span<const std::str
     throw FileError(path.string() + ": the file is empty; the first line must name the columns " +
                     joined(columns));
   }
-  find_columns();
+  find_columns(layout);
   width_ = cells_.size();
 }
 
-// Where each wanted column stands in the header line, which was just read.
-void CsvReader::find_columns() {
-  for (std::size_t column = 0; column < columns_.size(); ++column) {
-    const std::string& name = names_[column];
-    const auto is_it = [&](std::string_view cell) { return trimmed(cell) == name; };
-    const auto found = std::ranges::find_if(cells_, is_it);
-    if (found == cells_.end()) {
-      const bool renamed = name != columns_[column];
-      if (renamed && (name.empty() || parse<double>(name))) {
-        places_.emplace_back();
-        continue;
-      }
-      const std::vector<std::string_view> wanted(columns_.begin(), columns_.end());
-      if (cells_.size() == 1 && columns_.size() > 1) {
-        throw FileError(place() + ": is one cell, " + shown(cells_.front()) +
-                        "; it must name the columns " + joined(wanted) +
-                        ". Give the separator that is between them");
-      }
-      throw MissingColumn(place() + ": there is no column '" + name + "'" +
-                              (renamed ? " (for " + columns_[column] + ")" : "") +
-                              "; the first line must name the columns " + joined(wanted) +
-                              ", and it names " + shown(joined(cells_)),
-                          columns_[column]);
-    }
+// The column of the header line, or what stands for a column, with this name.
+std::optional<CsvReader::Source> CsvReader::find_source(const std::string& name,
+                                                        bool renamed) const {
+  const auto place_of = [&](std::string_view wanted) -> std::optional<std::size_t> {
+    const auto is_it = [&](std::string_view cell) { return trimmed(cell) == wanted; };
+    const auto found = std::find_if(cells_.begin(), cells_.end(), is_it);
+    if (found == cells_.end()) return std::nullopt;
     if (std::find_if(found + 1, cells_.end(), is_it) != cells_.end())
-      throw FileError(place() + ": column '" + name + "' is there twice; keep one");
-    places_.emplace_back(static_cast<std::size_t>(found - cells_.begin()));
+      throw FileError(place() + ": column '" + std::string(wanted) + "' is there twice; keep one");
+    return static_cast<std::size_t>(found - cells_.begin());
+  };
+  if (const auto place = place_of(name)) return Source{name, place};
+  if (!renamed) return std::nullopt;
+  if (name.empty() || parse<double>(name)) return Source{name};
+  if (name == kRowNumber) return Source{.name = name, .row_number = true};
+  if (name.starts_with('-')) {
+    const std::string positive = name.substr(1);
+    if (const auto place = place_of(positive))
+      return Source{.name = positive, .place = place, .negated = true};
+  }
+  return std::nullopt;
+}
+
+// Where each wanted column stands in the header line, which was just read.
+void CsvReader::find_columns(const TableLayout& layout) {
+  for (const std::string& column : columns_) {
+    const auto named = layout.names.find(column);
+    const bool renamed = named != layout.names.end();
+    const std::string& name = renamed ? named->second : column;
+    std::optional<Source> source = find_source(name, renamed);
+    const auto other = layout.defaults.find(column);
+    if (!source && !renamed && other != layout.defaults.end())
+      source = find_source(other->second, true);
+    if (source) {
+      sources_.push_back(*std::move(source));
+      continue;
+    }
+    const std::vector<std::string_view> wanted(columns_.begin(), columns_.end());
+    if (cells_.size() == 1 && columns_.size() > 1) {
+      throw FileError(place() + ": is one cell, " + shown(cells_.front()) +
+                      "; it must name the columns " + joined(wanted) +
+                      ". Give the separator that is between them");
+    }
+    throw MissingColumn(place() + ": there is no column '" + name + "'" +
+                            (name != column ? " (for " + column + ")" : "") +
+                            "; the first line must name the columns " + joined(wanted) +
+                            ", and it names " + shown(joined(cells_)),
+                        column);
   }
 }
 
 std::string_view CsvReader::cell(std::size_t column) const {
-  return places_[column] ? cells_[*places_[column]] : std::string_view(names_[column]);
+  const Source& source = sources_[column];
+  if (source.place) return cells_[*source.place];
+  return source.row_number ? row_ : source.name;
 }
 
 bool CsvReader::next() {
   if (!next_line()) return false;
+  row_ = to_text(++row_number_);
   if (cells_.size() == width_) return true;
   throw FileError(place() + ": " + std::to_string(cells_.size()) + " cells, the first line names " +
                   std::to_string(width_) +
@@ -194,27 +215,25 @@ double CsvReader::number(std::size_t column) const {
     refuse(column, has_decimal_comma(cell(column)) ? "a decimal point in place of the comma"
                                                    : "a finite number such as -1.5e-3");
   }
-  return *value;
-}
-
-Eigen::Vector3d CsvReader::vector(std::size_t column) const {
-  return {number(column), number(column + 1), number(column + 2)};
+  return sources_[column].negated ? -*value : *value;
 }
 
 long long CsvReader::integer(std::size_t column) const {
+  if (sources_[column].negated) refuse(column, kNoMinus);
   const std::optional<long long> value = parse<long long>(cell(column));
   if (!value) refuse(column, "a whole number such as 12");
   return *value;
 }
 
 bool CsvReader::flag(std::size_t column) const {
+  if (sources_[column].negated) refuse(column, kNoMinus);
   const std::string_view value = trimmed(cell(column));
   if (value != "0" && value != "1") refuse(column, "0 or 1");
   return value == "1";
 }
 
 void CsvReader::refuse(std::size_t column, std::string_view right) const {
-  const std::string& name = (places_[column] ? names_ : columns_)[column];
+  const std::string& name = sources_[column].place ? sources_[column].name : columns_[column];
   throw FileError(place() + ", column '" + name + "': found " + shown(cell(column)) +
                   ", expected " + std::string(right));
 }

@@ -19,7 +19,7 @@ using ::testing::HasSubstr;
 constexpr std::array<std::string_view, 2> kColumns = {"b", "a"};
 
 // Before the first row. What is open can be read even after its folder is gone.
-CsvReader reader_of(const std::string& text, const CsvLayout& layout = {}) {
+CsvReader reader_of(const std::string& text, const TableLayout& layout = {}) {
   const ScratchFolder scratch;
   const std::filesystem::path path = scratch / "t.csv";
   write_text(path, text);
@@ -27,7 +27,8 @@ CsvReader reader_of(const std::string& text, const CsvLayout& layout = {}) {
 }
 
 // Columns b and a of each row.
-std::vector<std::array<double, 2>> rows_of(const std::string& text, const CsvLayout& layout = {}) {
+std::vector<std::array<double, 2>> rows_of(const std::string& text,
+                                           const TableLayout& layout = {}) {
   CsvReader row = reader_of(text, layout);
   std::vector<std::array<double, 2>> rows;
   while (row.next()) rows.push_back({row.number(0), row.number(1)});
@@ -105,7 +106,7 @@ TEST(Csv, DetectsTheSeparatorInTheFirstLineOrTakesTheOneThatIsTold) {
 }
 
 TEST(Csv, TakesColumnsUnderTheNamesThatTheyHaveInTheFile) {
-  const CsvLayout layout{.names = {{"a", "Force X"}, {"b", "id"}}};
+  const TableLayout layout{.names = {{"a", "Force X"}, {"b", "id"}}};
   EXPECT_THAT(rows_of("id,Force X,a\n7,1.5,9\n", layout),
               testing::ElementsAre(std::array{7.0, 1.5}));
   EXPECT_THAT(refusal([&] { return rows_of("id,Force X,a\n7,x,9\n", layout); }),
@@ -115,7 +116,7 @@ TEST(Csv, TakesColumnsUnderTheNamesThatTheyHaveInTheFile) {
 }
 
 TEST(Csv, TakesANumberThatNamesNoColumnForAllRows) {
-  const CsvLayout layout{.names = {{"a", "0"}}};
+  const TableLayout layout{.names = {{"a", "0"}}};
   EXPECT_THAT(rows_of("b\n7\n8\n", layout),
               testing::ElementsAre(std::array{7.0, 0.0}, std::array{8.0, 0.0}));
   EXPECT_THAT(rows_of("b,0\n7,3\n", layout), testing::ElementsAre(std::array{7.0, 3.0}));

@@ -1,0 +1,38 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <span>
+
+#include "palpate/probing/acquisition.h"
+#include "palpate/probing/acquisition_mapping.h"
+
+namespace palpate::probing {
+
+/// What was left out of a recording, over all files.
+struct SeriesCounts {
+  std::size_t presses = 0;
+  std::size_t empty_presses = 0;  ///< presses without a quasi-static piece
+  std::size_t saturated = 0, unpaired = 0, fast = 0, brief = 0;  ///< as in `SeriesPresses`
+};
+
+struct ImportedAcquisition {
+  CheckedAcquisition acquisition;
+  SeriesCounts series = {};  ///< of a time series
+};
+
+/// Reads contacts and samples from files with the extension .mat (see mat_file.h) and CSV files
+/// (all others, see csv.h).
+///
+/// With `ContactSource::table`, `files` are the two tables, or one MAT file that holds both.
+/// Otherwise they are any number of files with the same columns; `row_number` goes on from file to
+/// file, and a column named `file_number` is the number of the file, from 1.
+/// \throws FileError naming the file, row, column, the text found and what would be right, also
+/// for what `CheckedAcquisition` refuses. MissingColumn if a file lacks a column.
+/// \throws InvalidInput if the mapping is not valid, or does not suit the number of files.
+[[nodiscard]] ImportedAcquisition import_acquisition(std::span<const std::filesystem::path> files,
+                                                     const AcquisitionMapping& mapping = {});
+
+}  // namespace palpate::probing

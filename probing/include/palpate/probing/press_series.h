@@ -1,0 +1,72 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "palpate/eigen_alignment.h"
+
+namespace palpate::probing {
+
+/// How presses are found in a recording, and what is done to its forces first.
+struct SeriesOptions {
+  double touch_force = 0.1;    ///< [N] the tip touches while the force is above this; > 0
+  double highest_speed = 0.5;  ///< [mm/s] slower than this is quasi-static; > 0
+  double speed_window = 0.1;   ///< [s] in which the speed is measured; > 0
+  double sample_length = 0.2;  ///< [mm] way of the tip within one sample, at most; > 0
+  double sample_time = 0.1;    ///< [s] that a sample lasts, at least; >= 0
+  bool tare = true;            ///< subtract the median force before each touch
+  double tare_time = 0.2;      ///< [s] free of contact at the beginning; a shorter time between two
+                               ///< presses keeps the force before; > 0
+  /// [s] by which forces are recorded later than positions; finite
+  double force_delay = 0;
+  /// [N] limit of the sensor, of each component, before any correction; > 0
+  double saturation = std::numeric_limits<double>::infinity();
+};
+
+/// The tip over time.
+struct TipSeries {
+  std::vector<double> time;          ///< [s] ascending
+  Eigen::Matrix3Xd tip;              ///< [mm] 3 x N positions
+  Eigen::Matrix3Xd force;            ///< [N] 3 x N forces on the object, as recorded
+  std::vector<bool> saturated = {};  ///< N, or empty: the sensor was at its limit
+};
+
+/// A quasi-static piece of a press.
+struct HeldPress {
+  double time = 0;                                  ///< [s] mean
+  Eigen::Vector3d tip = Eigen::Vector3d::Zero();    ///< [mm] mean position
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< [N] mean force on the object
+};
+
+/// From one touch to the next release.
+struct SeriesPress {
+  std::size_t begin = 0;                            ///< first moment of the series in contact
+  double time = 0;                                  ///< [s] of the touch
+  Eigen::Vector3d touch = Eigen::Vector3d::Zero();  ///< [mm] tip as the force passed touch_force
+  Eigen::Vector3d tare = Eigen::Vector3d::Zero();   ///< [N] that was subtracted
+  std::vector<HeldPress> held;                      ///< in the order of time
+};
+
+struct SeriesPresses {
+  std::vector<SeriesPress> presses;
+  std::size_t saturated = 0;  ///< moments left out because the sensor was at its limit
+  std::size_t unpaired = 0;   ///< moments left out because the delay leaves them without a force
+  std::size_t fast = 0;       ///< moments in contact that were too fast
+  std::size_t brief = 0;      ///< slow pieces that were shorter than sample_time
+};
+
+/// Finds the presses of a recording, and in each of them the pieces in which the tip was slower
+/// than `highest_speed`. A press begins where the force, less its median before, exceeds
+/// `touch_force`, and ends where it falls below half of it. The touch is between two moments; it
+/// is late by the depth at `touch_force`.
+/// \throws InvalidInput if an option is outside its range, if times do not ascend or numbers are
+/// not finite, or if the tip is in contact from the beginning.
+[[nodiscard]] SeriesPresses find_presses(const TipSeries& series,
+                                         const SeriesOptions& options = {});
+
+}  // namespace palpate::probing
