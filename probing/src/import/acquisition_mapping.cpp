@@ -130,14 +130,18 @@ class MappingPage {
     for (const auto& entry : map) {
       const std::string key = text(entry.first, "key");
       const auto found = std::ranges::find(keys, key, [](const auto& each) { return each.first; });
-      if (found == keys.end())
-        refuse(entry.first, "'" + key + "' is unknown; " + what + " has " + known);
+      if (found == keys.end()) refuse_unknown(entry.first, key, what, known);
       if (!seen.insert(key).second) refuse(entry.first, "'" + key + "' is there twice; keep one");
       found->second(entry.second);
     }
   }
 
  private:
+  [[noreturn]] void refuse_unknown(const YAML::Node& at, const std::string& key,
+                                   const std::string& what, const std::string& known) const {
+    refuse(at, "'" + key + "' is unknown; " + what + " has " + known);
+  }
+
   std::string path_;
 };
 
@@ -196,17 +200,23 @@ void read_columns(const MappingPage& page, const YAML::Node& node, ColumnNames& 
 }
 
 void read_units(const MappingPage& page, const YAML::Node& node, AcquisitionMapping& mapping) {
-  const auto unit = [&](double& field, const char* name, auto&& length_of) {
-    return std::pair{std::string(name),
-                     std::function<void(const YAML::Node&)>([&, name, length_of](const auto& at) {
-                       field = page.at(at, name, [&] { return length_of(page.text(at, name)); });
-                     })};
+  const auto unit = [&](const YAML::Node& at, const char* name, auto&& size_of) {
+    return page.at(at, name, [&] { return size_of(page.text(at, name)); });
   };
-  page.read(
-      node, "units",
-      {unit(mapping.length, "length", [](const auto& name) { return geometry::unit_length(name); }),
-       unit(mapping.force, "force", [](const auto& name) { return unit_force(name); }),
-       unit(mapping.time, "time", [](const auto& name) { return unit_time(name); })});
+  page.read(node, "units",
+            {{"length",
+              [&](const YAML::Node& at) {
+                mapping.length = unit(at, "length",
+                                      [](const auto& name) { return geometry::unit_length(name); });
+              }},
+             {"force",
+              [&](const YAML::Node& at) {
+                mapping.force =
+                    unit(at, "force", [](const auto& name) { return unit_force(name); });
+              }},
+             {"time", [&](const YAML::Node& at) {
+                mapping.time = unit(at, "time", [](const auto& name) { return unit_time(name); });
+              }}});
 }
 
 void read_series(const MappingPage& page, const YAML::Node& node, SeriesOptions& series) {

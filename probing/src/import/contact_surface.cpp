@@ -27,7 +27,7 @@ Eigen::Vector3d mean_normal(std::span<const Contact> contacts) {
   constexpr double kSteepest = 0.258819;  // cosine of 75 degrees
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const Contact& contact : contacts) sum += contact.normal.normalized();
-  const Eigen::Vector3d mean = sum.normalized();
+  Eigen::Vector3d mean = sum.normalized();
   for (const Contact& contact : contacts) {
     if (contact.normal.normalized().dot(mean) > kSteepest) continue;
     throw InvalidInput("contact_surface(): the normal of contact " + std::to_string(contact.id) +
