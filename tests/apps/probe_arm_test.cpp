@@ -101,6 +101,29 @@ TEST_F(ProbeArm, TheSameArmSimulatedBehindADriverStoppedAndReplayedMeasuresTheSa
   EXPECT_EQ(resumed["fingerprint"], whole["fingerprint"]);
 }
 
+TEST_F(ProbeArm, AReportWithTheRecordShowsATouchAndTheCompensationOfGravity) {
+  const std::string record = scratch / "session.arm", surface = scratch / "truth/surface.ply";
+  const json done = figures(call(simulated, store, {"--record", record}));
+  EXPECT_TRUE(done["energy_loops"].is_number());
+  (void)figures({"probe", "truth", specimen, "-o", scratch / "truth", "--json"});
+  (void)figures({"fit", store, surface, "-o", scratch / "model", "--json"});
+  std::vector<std::string> report = {"probe",    "report", store, scratch / "model",
+                                     "--record", record,   "-o",  scratch / "report",
+                                     "--json"};
+  (void)figures(report);
+  const std::string page = read_text(scratch / "report/index.html");
+  for (const char* picture : {"touch.png", "gravity-0.png", "gravity-1.png", "gravity-2.png"}) {
+    EXPECT_NE(page.find(std::string("<img src=\"") + picture), std::string::npos) << picture;
+    EXPECT_GT(fs::file_size(fs::path(scratch / "report") / picture), 10000U) << picture;
+  }
+
+  plan.normal_forces = {0.7};
+  probing::write_plan(plan_file, plan);
+  (void)figures(call(simulated, scratch / "other.db", {"--record", scratch / "other.arm"}));
+  report[5] = scratch / "other.arm";
+  EXPECT_NE(refused(report).find("is not the record of this campaign"), std::string::npos);
+}
+
 TEST_F(ProbeArm, AFaultOfADeviceEndsTheCampaignWithItsNameAndItCanBeResumed) {
   write_setup_with_pose({{"fail_at", "118000"}});  // 95 s of calibration, 30 s of trials
   const std::string message = refused(call(device, store), kWorkFailed);

@@ -99,6 +99,29 @@ TEST_F(Probe, EndsInAModelWhoseErrorAgainstTheTruthIsKnown) {
   expect_whole_page(scratch / "report");
 }
 
+TEST_F(Probe, SaysWhereAQuasiStaticModelDoesNotShowWhatWasMeasured) {
+  write_text(specimen, R"({"type": "sheet", "retarded": 0.3, "retardation_time": 1.5})");
+  plan({"--contacts", "3"});
+  const json done = figures(run_call(store));
+  // What is then slower than 0.01 mm/s, 0.015 mm, does not come.
+  EXPECT_NEAR(done["creep"].get<double>(), 0.3, 0.02);
+  EXPECT_TRUE(done["energy_lost"].is_null());  // this arm knows no path
+  EXPECT_EQ(done["energy_loops"], 0);
+  const std::string words = "of the displacement came after the force was constant";
+  EXPECT_NE(run_palpate({"probe", "status", store}).out.find(words), std::string::npos);
+  (void)figures({"probe", "truth", specimen, "-o", scratch / "truth"});
+  const json fitted =
+      figures({"fit", store, scratch / "truth/surface.ply", "-o", scratch / "model"});
+  ASSERT_EQ(fitted["warnings"].size(), 1) << fitted["warnings"];
+  EXPECT_EQ(fitted["warnings"][0]["kind"], "rate_dependent");
+
+  write_text(specimen, R"({"type": "sheet"})");
+  const json elastic = figures(run_call(scratch / "elastic.db"));
+  EXPECT_EQ(elastic["creep"], 0);
+  EXPECT_EQ(run_palpate({"probe", "status", scratch / "elastic.db"}).out.find(words),
+            std::string::npos);
+}
+
 TEST_F(Probe, InterruptedAndResumedMeasuresTheSame) {
   plan({"--contacts", "12"});
   const json whole = figures(run_call(scratch / "whole.db"));

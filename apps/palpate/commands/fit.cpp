@@ -16,13 +16,17 @@
 #include <vector>
 
 #include "commands/fit_record.h"
+#include "commands/probe_campaign.h"
 #include "palpate/error.h"
 #include "palpate/geometry/error_statistics.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/haptics/build_model.h"
 #include "palpate/haptics/model_io.h"
 #include "palpate/output_file.h"
+#include "palpate/probing/campaign_store.h"
+#include "palpate/probing/contact_plan.h"
 #include "palpate/probing/plausibility.h"
+#include "palpate/probing/rate_dependence.h"
 #include "palpate/require.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
@@ -302,6 +306,19 @@ void tell_doubts(const haptics::BuildResult& built, Json& warnings) {
   }
 }
 
+/// Warns of measurements that a quasi-static model does not show.
+void tell_rates(const fs::path& acquisition, Json& warnings) {
+  const std::optional<probing::CampaignStore> campaign = probing::CampaignStore::find(acquisition);
+  if (!campaign) return;
+  const std::string source = acquisition.string();
+  const probing::ContactPlan plan = probing::parse_plan(campaign->description().plan, source);
+  const probing::CampaignOptions options =
+      probing::parse_campaign_options(campaign->description().strategy, source);
+  const std::string more =
+      beyond_statics(probing::rate_dependence(campaign->trials(plan.contacts), options.program));
+  if (!more.empty()) warn(warnings, "rate_dependent", source + ": " + more);
+}
+
 /// A run that fails because of its fits keeps none: another one would find the same.
 haptics::BuildResult build_or_forget(const probing::CheckedAcquisition& acquisition,
                                      const geometry::TriangleMesh& surface, const FitCall& call,
@@ -323,6 +340,7 @@ void fit(const Settings& settings, FitCall call) {
   Json warnings = Json::array();
   const probing::CheckedAcquisition acquisition =
       read_plausible_acquisition(call.acquisition, warnings);
+  tell_rates(call.acquisition, warnings);
   const geometry::TriangleMesh surface = geometry::read_mesh(call.surface, call.meshes);
   FitRecord record(record_path, settings_of(call));
   if (call.resume) record.resume();

@@ -144,6 +144,7 @@ class MovingCampaignArm final : public CampaignArm {
     if (recorder_) recorder_->finish();
   }
   bool moves() const override { return true; }
+  const probing::ArmProber* prober() const override { return &*prober_; }
   probing::ProbeReport perform(const probing::ProbeAction& action) override {
     return prober_->perform(action);
   }

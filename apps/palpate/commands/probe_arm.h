@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 
+#include "palpate/probing/arm_prober.h"
 #include "palpate/probing/arm_reach.h"
 #include "palpate/probing/contact_plan.h"
 #include "palpate/probing/prober.h"
@@ -41,6 +42,8 @@ class CampaignArm : public probing::Prober {
   virtual void finish() {}
   /// Whether it moves at all: a quasi-static arm does not.
   [[nodiscard]] virtual bool moves() const { return false; }
+  /// What moves it; null if it does not move.
+  [[nodiscard]] virtual const probing::ArmProber* prober() const { return nullptr; }
   /// Which contacts the arm can probe.
   [[nodiscard]] virtual probing::PlanReach reach(const probing::ContactPlan& plan) const;
 };

@@ -21,6 +21,14 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+/// Shares from which on a difference is told. Without one, joints whose friction is compensated
+/// show less.
+constexpr double kNoticedLoss = 0.15, kNoticedCreep = 0.1;
+
+std::optional<double> finite_or_none(double value) {
+  return std::isfinite(value) ? std::optional(value) : std::nullopt;
+}
+
 std::string words_of_stop(probing::AdaptiveStop stop) {
   switch (stop) {
     case probing::AdaptiveStop::accurate:
@@ -53,7 +61,8 @@ probing::Campaign replayed(const probing::CampaignStore& store, const std::strin
   return campaign;
 }
 
-Json campaign_figures(const probing::Campaign& campaign, const probing::CampaignOptions& options) {
+Json campaign_figures(const probing::Campaign& campaign, const probing::CampaignOptions& options,
+                      const probing::RateDependence& rates) {
   const probing::CampaignProgress at = campaign.progress();
   std::vector<double> errors;
   for (const probing::ConeEstimate& cone : campaign.cones())
@@ -75,11 +84,12 @@ Json campaign_figures(const probing::Campaign& campaign, const probing::Campaign
                {"trials_left", std::llround(at.trials_left)},
                {"hours_left", at.seconds_left / kSecondsPerHour},
                {"friction_error", number_or_null(median)},
+               {"energy_lost", number_or_null(finite_or_none(rates.energy_lost))},
+               {"energy_loops", rates.loops},
+               {"creep", number_or_null(finite_or_none(rates.creep))},
                {"complete", complete}};
   if (options.strategy == probing::TrialStrategy::adaptive) {
-    const auto number = [](double value) {
-      return number_or_null(std::isfinite(value) ? std::optional(value) : std::nullopt);
-    };
+    const auto number = [](double value) { return number_or_null(finite_or_none(value)); };
     figures["stated_error"] = number(at.stated.error);
     figures["stated_at_contacts"] = number(at.stated.at_contacts);
     figures["stated_between"] = number(at.stated.between);
@@ -112,8 +122,25 @@ std::string beyond_reach(const probing::CampaignProgress& at,
   return "";
 }
 
+std::string beyond_statics(const probing::RateDependence& rates) {
+  if (rates.energy_lost >= kNoticedLoss) {
+    return fmt::format(
+        "unloading differs from loading by {:.0f} % of the energy (median of {} trials): a "
+        "quasi-static model does not show this",
+        100 * rates.energy_lost, rates.loops);
+  }
+  if (rates.creep >= kNoticedCreep) {
+    return fmt::format(
+        "{:.0f} % of the displacement came after the force was constant (median of {} trials): a "
+        "quasi-static model does not show this",
+        100 * rates.creep, rates.creeps);
+  }
+  return "";
+}
+
 std::string campaign_words(const probing::Campaign& campaign,
-                           const probing::CampaignOptions& options) {
+                           const probing::CampaignOptions& options,
+                           const probing::RateDependence& rates) {
   const probing::CampaignProgress at = campaign.progress();
   std::string text = fmt::format(
       "{} of {} contacts done, {} given up\n{} trials in {:.1f} h, {} samples, of which {} slipped",
@@ -122,6 +149,7 @@ std::string campaign_words(const probing::Campaign& campaign,
   if (campaign.next())
     text += fmt::format("\nabout {:.0f} trials left, {:.1f} h", at.trials_left,
                         at.seconds_left / kSecondsPerHour);
+  if (const std::string more = beyond_statics(rates); !more.empty()) text += "\n" + more;
   if (options.strategy != probing::TrialStrategy::adaptive) return text;
   if (std::isfinite(at.stated.error)) {
     text += fmt::format("\nstated error {:.3f} N, {:.3f} N at contacts", at.stated.error,

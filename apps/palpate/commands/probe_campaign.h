@@ -10,6 +10,7 @@
 #include "commands/probe_arm.h"
 #include "palpate/probing/campaign.h"
 #include "palpate/probing/campaign_store.h"
+#include "palpate/probing/rate_dependence.h"
 
 namespace palpate::apps {
 
@@ -29,9 +30,14 @@ struct RunningCampaign {
 
 /// What `probe run` and `probe status` print, with and without --json.
 [[nodiscard]] nlohmann::ordered_json campaign_figures(const probing::Campaign& campaign,
-                                                      const probing::CampaignOptions& options);
+                                                      const probing::CampaignOptions& options,
+                                                      const probing::RateDependence& rates);
 [[nodiscard]] std::string campaign_words(const probing::Campaign& campaign,
-                                         const probing::CampaignOptions& options);
+                                         const probing::CampaignOptions& options,
+                                         const probing::RateDependence& rates);
+
+/// Where a quasi-static model does not show what was measured; empty if there is nothing to say.
+[[nodiscard]] std::string beyond_statics(const probing::RateDependence& rates);
 
 /// What a reader must know of a target that is not reached; empty if there is nothing to say.
 [[nodiscard]] std::string beyond_reach(const probing::CampaignProgress& at,

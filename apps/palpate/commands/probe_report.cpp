@@ -7,11 +7,13 @@
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <optional>
 #include <set>
 #include <vector>
 
 #include "commands/probe.h"
+#include "commands/probe_arm.h"
 #include "commands/probe_campaign.h"
 #include "commands/probe_report.h"
 #include "commands/report_page.h"
@@ -20,8 +22,11 @@
 #include "palpate/haptics/model_io.h"
 #include "palpate/output_file.h"
 #include "palpate/pictures/draw_displacements.h"
+#include "palpate/pictures/draw_joint_torques.h"
 #include "palpate/pictures/draw_time_line.h"
+#include "palpate/pictures/draw_touch.h"
 #include "palpate/probing/acquisition_store.h"
+#include "palpate/probing/rate_dependence.h"
 #include "shared/call_checks.h"
 #include "shared/inputs.h"
 #include "shared/model_pictures.h"
@@ -36,7 +41,7 @@ using Json = nlohmann::ordered_json;
 constexpr std::size_t kLeastLeftOut = 4;
 
 struct ReportCall {
-  fs::path store, model, queries, output;
+  fs::path store, model, queries, record, output;
 };
 
 std::string newtons(std::optional<double> force) {
@@ -112,13 +117,23 @@ void add_displacements(ReportPage& page, const fs::path& folder, const CampaignR
   }
 }
 
-/// The contacts whose fields fit best, as the median, and worst; fewer if there are fewer.
-std::set<std::size_t> shown_contacts(const haptics::Model& model) {
+/// Contacts by the errors of their fields.
+std::vector<std::size_t> ranked_contacts(const haptics::Model& model) {
   std::vector<std::size_t> order(model.contacts.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     return model.contacts[a].rms < model.contacts[b].rms;
   });
+  return order;
+}
+
+std::size_t median_contact(const haptics::Model& model) {
+  return ranked_contacts(model)[model.contacts.size() / 2];
+}
+
+/// The contacts whose fields fit best, as the median, and worst; fewer if there are fewer.
+std::set<std::size_t> shown_contacts(const haptics::Model& model) {
+  const std::vector<std::size_t> order = ranked_contacts(model);
   return {order.front(), order[order.size() / 2], order.back()};
 }
 
@@ -155,6 +170,61 @@ void add_errors(ReportPage& page, const fs::path& folder, const CampaignReport& 
   }
 }
 
+/// The poses at which a joint alone was moved, the first in the middle of its range.
+std::optional<pictures::JointTorques> torques_of(const ArmSession& session, int joint) {
+  std::vector<const probing::HeldPose*> poses;
+  for (const probing::HeldPose& pose : session.poses) {
+    if (pose.direction[joint] == 0) continue;
+    // The first sweep is the one of Figure 4.6; others have the first joint turned aside.
+    constexpr double kSamePose = 0.01;  // [rad]
+    if (joint > 0 && !poses.empty() &&
+        std::abs(pose.joints[0] - poses.front()->joints[0]) > kSamePose)
+      break;
+    poses.push_back(&pose);
+  }
+  if (poses.empty()) return std::nullopt;
+  const auto count = static_cast<Eigen::Index>(poses.size());
+  pictures::JointTorques torques{Eigen::VectorXd(count), Eigen::VectorXd(count),
+                                 Eigen::VectorXi(count), Eigen::VectorXd(count),
+                                 session.gravity.friction[joint]};
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const probing::HeldPose& pose = *poses[static_cast<std::size_t>(i)];
+    torques.angles(i) = pose.joints[joint] * 180 / std::numbers::pi;
+    torques.torques(i) = pose.torque[joint];
+    torques.directions(i) = pose.direction[joint];
+    torques.gravity(i) = probing::gravity_torque(session.gravity, pose.joints)[joint];
+  }
+  return torques;
+}
+
+void add_arm(ReportPage& page, const fs::path& folder, const ArmSession& session) {
+  page.add_heading("Arm");
+  const auto count = static_cast<Eigen::Index>(session.touch.samples.size());
+  pictures::Touch touch{Eigen::VectorXd(count), Eigen::VectorXd(count), session.touch.found.time};
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const probing::ApproachSample& sample = session.touch.samples[static_cast<std::size_t>(i)];
+    touch.times(i) = sample.time;
+    touch.positions(i) = sample.position - session.touch.found.position;
+  }
+  const std::string title = fmt::format("Touch of contact {} in trial {}",
+                                        session.touched.contact.id, session.touched.trial);
+  pictures::draw_touch(folder / "touch.png", touch, title);
+  page.add_picture("touch.png",
+                   title +
+                       ": the object is found where a spring must begin to act so that the "
+                       "motion is explained best (thesis, Figure 4.3).");
+  for (const int joint : {0, 1, 2}) {
+    const std::optional<pictures::JointTorques> torques = torques_of(session, joint);
+    if (!torques) continue;
+    const std::string file = fmt::format("gravity-{}.png", joint);
+    const std::string name = fmt::format("Torque that holds joint {}", joint);
+    pictures::draw_joint_torques(folder / file, *torques, name);
+    page.add_picture(file, name +
+                               " at rest, after upward and after downward motion, and the "
+                               "gravity that was fitted (thesis, Figure 4.6).");
+  }
+}
+
 void add_contact_table(ReportPage& page, const CampaignReport& input) {
   page.add_heading("Contacts");
   std::vector<std::vector<std::string>> rows;
@@ -176,6 +246,10 @@ void add_contact_table(ReportPage& page, const CampaignReport& input) {
       rows);
 }
 
+probing::RateDependence rates_of(const CampaignReport& input) {
+  return probing::rate_dependence(input.trials, input.options.program);
+}
+
 void add_summary(ReportPage& page, const CampaignReport& input) {
   const probing::CampaignProgress at = input.campaign.progress();
   const probing::ContactPlan& plan = input.campaign.plan();
@@ -193,12 +267,26 @@ void add_summary(ReportPage& page, const CampaignReport& input) {
   if (std::isfinite(plan.cover)) {
     rows.push_back({"Largest distance from a contact", fmt::format("{:.1f} mm", plan.cover)});
   }
+  const probing::RateDependence rates = rates_of(input);
+  if (rates.loops > 0) {
+    rows.push_back(
+        {"Energy of a drag that its release did not give back",
+         fmt::format("{:.0f} % (median of {} trials)", 100 * rates.energy_lost, rates.loops)});
+  }
+  if (rates.creeps > 0) {
+    rows.push_back(
+        {"Displacement after the force was constant",
+         fmt::format("{:.0f} % (median of {} trials)", 100 * rates.creep, rates.creeps)});
+  }
   page.add_table({}, rows);
+  if (const std::string more = beyond_statics(rates); !more.empty())
+    page.add_paragraph("Note: " + more + ".");
 }
 
 /// All files that a report of this campaign can have, of an earlier model also.
 std::vector<fs::path> report_files(const probing::Campaign& campaign) {
-  std::vector<fs::path> files{"index.html", "timeline.png", "errors.png"};
+  std::vector<fs::path> files{"index.html",    "timeline.png",  "errors.png",   "touch.png",
+                              "gravity-0.png", "gravity-1.png", "gravity-2.png"};
   for (std::size_t level = 0; level < campaign.plan().normal_forces.size(); ++level)
     files.emplace_back(fmt::format("displacements-{}.png", level));
   for (const probing::Contact& contact : campaign.plan().contacts)
@@ -217,15 +305,16 @@ void write_page(const fs::path& folder, const CampaignReport& input) {
   add_displacements(page, folder, input);
   add_samples(page, folder, input);
   add_errors(page, folder, input);
+  if (input.session) add_arm(page, folder, *input.session);
   add_contact_table(page, input);
   write_file(folder / "index.html", [&](std::ostream& out) { out << page.html(); });
 }
 
 void report(const Settings& settings, const ReportCall& call) {
-  check_outputs({call.store, call.model, call.queries}, {call.output});
-  const CampaignReport input = read_report(call.store, call.model, call.queries);
+  check_outputs({call.store, call.model, call.queries, call.record}, {call.output});
+  const CampaignReport input = read_report(call.store, call.model, call.queries, call.record);
   write_report(call.output, input);
-  Json figures = campaign_figures(input.campaign, input.options);
+  Json figures = campaign_figures(input.campaign, input.options, rates_of(input));
   figures["queries_rms"] =
       number_or_null(input.queries ? std::optional(input.queries->rms) : std::nullopt);
   figures["leave_one_out_rms"] =
@@ -234,9 +323,45 @@ void report(const Settings& settings, const ReportCall& call) {
   print(settings, figures, "written to " + (call.output / "index.html").string());
 }
 
+/// Replays the measurement of gravity, and the first trial that touched the contact whose field
+/// fits as the median.
+ArmSession read_session(const CampaignReport& report, const fs::path& record) {
+  const std::string source = record.string();
+  const long long shown = report.model.contacts[median_contact(report.model)].id;
+  const auto trial = std::find_if(report.trials.begin(), report.trials.end(), [&](const auto& t) {
+    return t.order.contact.id == shown && t.result.touch.allFinite();
+  });
+  if (trial == report.trials.end()) {
+    throw InvalidInput(fmt::format(
+        "{}: no trial of the campaign touched contact {}, which the model has", source, shown));
+  }
+  const std::string description = describe_arm({.replay = record});
+  const std::unique_ptr<CampaignArm> arm =
+      make_campaign_arm(description, source, report.campaign.plan(), {}, {});
+  try {
+    arm->start();
+    const probing::TrialResult again =
+        probing::run_trial(*arm, trial->order, report.options.program);
+    if (again.touch != trial->result.touch) {
+      throw InvalidInput(fmt::format(
+          "{}: trial {} touched elsewhere than in the store; the record is of another campaign",
+          source, trial->order.trial));
+    }
+  } catch (const probing::ArmStopped& stopped) {
+    throw InvalidInput(
+        fmt::format("{}: is not the record of this campaign: {}", source, stopped.what()));
+  }
+  const probing::ArmProber& prober = *arm->prober();
+  return {.poses = prober.held_poses(),
+          .gravity = prober.gravity().value(),
+          .touched = trial->order,
+          .touch = prober.approach().value()};
+}
+
 }  // namespace
 
-CampaignReport read_report(const fs::path& store, const fs::path& model, const fs::path& queries) {
+CampaignReport read_report(const fs::path& store, const fs::path& model, const fs::path& queries,
+                           const fs::path& record) {
   const probing::CampaignStore campaign = probing::CampaignStore::look(store);
   CampaignReport report{
       .campaign = replayed(campaign, store.string()),
@@ -246,7 +371,8 @@ CampaignReport read_report(const fs::path& store, const fs::path& model, const f
       .acquisition = probing::read_acquisition(store),
       .model = haptics::read_model(model),
       .left_out = {},
-      .queries = {}};
+      .queries = {},
+      .session = {}};
   report.trials = campaign.trials(report.campaign.plan().contacts);
   if (report.trials.empty())
     throw InvalidInput(store.string() + ": has no trial yet; there is nothing to report");
@@ -254,6 +380,7 @@ CampaignReport read_report(const fs::path& store, const fs::path& model, const f
     report.left_out = haptics::leave_one_out(report.model, report.acquisition, {.suggestions = 0});
   if (!queries.empty())
     report.queries = haptics::evaluate_queries(report.model, haptics::read_queries(queries));
+  if (!record.empty()) report.session = read_session(report, record);
   return report;
 }
 
@@ -271,6 +398,9 @@ void add_probe_report(CLI::App& probe, const Settings& settings) {
   command->add_option("MODEL", call->model, "Model folder that was fitted to it")->required();
   command->add_option("--queries", call->queries,
                       "Known forces to compare with (queries.csv of 'palpate probe truth')");
+  command->add_option("--record", call->record,
+                      "Record of the arm (session.arm of 'palpate probe run --record'): adds a "
+                      "touch and the compensation of gravity");
   command->add_option("-o,--output", call->output, "Folder for index.html and its pictures")
       ->required();
   command->footer("Example:\n  palpate probe report acquisition.db model/ -o report/");

@@ -10,9 +10,18 @@
 #include "palpate/haptics/evaluate.h"
 #include "palpate/haptics/model.h"
 #include "palpate/probing/acquisition.h"
+#include "palpate/probing/arm_prober.h"
 #include "palpate/probing/campaign.h"
 
 namespace palpate::apps {
+
+/// What a record of an arm tells beside the trials.
+struct ArmSession {
+  std::vector<probing::HeldPose> poses;  ///< at which gravity was measured
+  probing::GravityModel gravity;
+  probing::TrialOrder touched;  ///< the trial whose touch is shown
+  probing::ArmApproach touch;
+};
 
 /// A campaign and what was made of it.
 struct CampaignReport {
@@ -24,14 +33,18 @@ struct CampaignReport {
   haptics::Model model;
   std::optional<haptics::LeaveOneOut> left_out;  ///< none if the model has too few contacts
   std::optional<haptics::QueryErrors> queries;   ///< none if no forces are known
+  std::optional<ArmSession> session;             ///< none without a record
 };
 
 /// Reads a campaign, the model that was fitted to it, and known forces.
 /// \param queries may be empty: no forces are known.
-/// \throws FileError, or InvalidInput if there is no trial, or the model is of other samples.
+/// \param record of the arm that performed the campaign; may be empty.
+/// \throws FileError, or InvalidInput if there is no trial, or the model or the record is of another
+/// campaign.
 [[nodiscard]] CampaignReport read_report(const std::filesystem::path& store,
                                          const std::filesystem::path& model,
-                                         const std::filesystem::path& queries);
+                                         const std::filesystem::path& queries,
+                                         const std::filesystem::path& record = {});
 
 /// Writes a page with tables and pictures, `index.html`, and its pictures into a folder.
 /// \throws OutputError if it cannot be written, InvalidInput if it holds other files.

@@ -19,6 +19,7 @@
 #include "palpate/probing/campaign_store.h"
 #include "palpate/probing/fingerprint.h"
 #include "palpate/probing/probing_program.h"
+#include "palpate/probing/rate_dependence.h"
 #include "shared/call_checks.h"
 #include "shared/inputs.h"
 #include "shared/progress.h"
@@ -88,11 +89,14 @@ void perform(const Settings& settings, probing::CampaignStore& store, RunningCam
   }
   if (const std::string aloud = beyond_reach(campaign.progress(), options); !aloud.empty())
     store.note("target", aloud);
+  const probing::RateDependence rates =
+      probing::rate_dependence(store.trials(campaign.plan().contacts), options.program);
   store.finish();
-  Json figures = campaign_figures(campaign, options);
+  Json figures = campaign_figures(campaign, options, rates);
   figures["fingerprint"] = probing::fingerprint(probing::read_acquisition(path).records());
   figures["output"] = path.string();
-  print(settings, figures, campaign_words(campaign, options) + "\nwritten to " + path.string());
+  print(settings, figures,
+        campaign_words(campaign, options, rates) + "\nwritten to " + path.string());
 }
 
 /// "0.05N" is 0.05.
@@ -214,7 +218,10 @@ void show_status(const Settings& settings, const fs::path& path) {
   const probing::Campaign campaign = replayed(store, path.string());
   const probing::CampaignOptions options =
       probing::parse_campaign_options(store.description().strategy, path.string());
-  print(settings, campaign_figures(campaign, options), campaign_words(campaign, options));
+  const probing::RateDependence rates =
+      probing::rate_dependence(store.trials(campaign.plan().contacts), options.program);
+  print(settings, campaign_figures(campaign, options, rates),
+        campaign_words(campaign, options, rates));
 }
 
 void add_stop_file(CLI::App& command, ArmWatch& watch) {

@@ -15,6 +15,7 @@
 
 #include "arm/arm_motion.h"
 #include "arm/resting_window.h"
+#include "arm/work_meter.h"
 #include "palpate/require.h"
 
 namespace palpate::probing {
@@ -252,6 +253,7 @@ struct ArmProber::Impl {
     const std::optional<ContactEstimate> estimate = located.get();
     if (!estimate) return report(ProbeOutcome::timed_out, motion.state().tip);
     const std::span<const ApproachSample> samples = detector.samples();
+    latest_approach = {.samples = {samples.begin(), samples.end()}, .found = *estimate};
     const auto touched = std::lower_bound(
         samples.begin(), samples.end() - 1, estimate->time,
         [](const ApproachSample& sample, double value) { return sample.time < value; });
@@ -264,22 +266,47 @@ struct ArmProber::Impl {
     const double ramp = std::max(kShortestRamp, (wanted - before).norm() / options.ramp);
     const int rising = motion.ticks_in(ramp), look = motion.ticks_in(kLevelled);
     RestingWindow window(motion.ticks_in(options.resting_window));
-    Vector3d constant_from = motion.state().tip;
+    // The work of what drag and release add to the force that stays.
+    const Vector3d staying = action.kind == ProbeActionKind::release ? wanted : before;
+    const Vector3d start =
+        action.kind == ProbeActionKind::press ? without_bending(motion.state().tip) : rested;
+    WorkMeter work(time(), before - staying, start, options.damping, look);
+    Vector3d constant_from = motion.state().tip, speed_then = motion.speed();
     for (int tick = 1; has_time(action.time_limit); ++tick) {
       const double t = std::min(1.0, static_cast<double>(tick) / rising);
       force = before + (wanted - before) * (t * t * (3 - 2 * t));
       motion.push(force - options.damping * motion.speed());
       const Vector3d& tip = motion.state().tip;
-      if (tick == rising) constant_from = tip;
+      work.add(time(), force - staying, without_bending(tip));
+      if (tick == rising) constant_from = tip, speed_then = motion.speed();
       if (is_warm()) return report(ProbeOutcome::timed_out, tip, force);
       if (tick < rising) continue;
       if ((tip - constant_from).norm() > options.longest_slide)
         return report(ProbeOutcome::fell_off, tip, force);
       window.add(time(), tip);
-      if (window.full() && tick % look == 0 && window.speed() < options.settled_speed)
-        return report(ProbeOutcome::done, window.mean(), force);
+      if (window.full() && tick % look == 0 && window.speed() < options.settled_speed) {
+        rested = without_bending(window.mean());
+        ProbeReport done = report(ProbeOutcome::done, window.mean(), force);
+        done.creep =
+            creep_share(rested - start, window.mean() - constant_from, wanted - before, speed_then);
+        if (action.kind != ProbeActionKind::press) done.work = work.end(force - staying, rested);
+        return done;
+      }
     }
     return report(ProbeOutcome::unsettled, motion.state().tip, force);
+  }
+
+  /// [mm] By `force`.
+  [[nodiscard]] Vector3d without_bending(const Vector3d& tip) const {
+    return tip - force / options.structure;
+  }
+
+  /// Of the displacement `whole`, the share of `late` that the arm's damping does not explain: at
+  /// the speed of the tip, it took a part of the change of the force away.
+  [[nodiscard]] double creep_share(const Vector3d& whole, const Vector3d& late,
+                                   const Vector3d& change, const Vector3d& speed) const {
+    const double delayed = options.damping * speed.dot(change) / change.squaredNorm();
+    return late.dot(whole) / whole.squaredNorm() - delayed;
   }
 
   ProbeReport lift(const ProbeAction& action) {
@@ -304,10 +331,13 @@ struct ArmProber::Impl {
   SafeArm safe;
   ArmMotion motion;
   std::optional<GravityModel> gravity;
+  std::vector<HeldPose> poses;
+  std::optional<ArmApproach> latest_approach;
   Eigen::Isometry3d T_base_world;
-  long long trial = -1;               // that was begun
-  double begun = 0;                   // [s] time of the action
-  Vector3d force = Vector3d::Zero();  // [N] of the tip on the object, as commanded last
+  long long trial = -1;                // that was begun
+  double begun = 0;                    // [s] time of the action
+  Vector3d force = Vector3d::Zero();   // [N] of the tip on the object, as commanded last
+  Vector3d rested = Vector3d::Zero();  // [mm] where the tip came to rest last, without bending
   std::thread keeper;
   std::atomic<bool> keeping = false;
   std::exception_ptr kept;
@@ -325,7 +355,8 @@ void ArmProber::calibrate() {
   impl.safe.forget_depth();
   impl.switch_on();
   try {
-    impl.gravity = fit_gravity(hold_poses(impl.safe, impl.options.calibration));
+    impl.poses = hold_poses(impl.safe, impl.options.calibration);
+    impl.gravity = fit_gravity(impl.poses);
   } catch (const DeviceError& error) {
     if (impl.safe.fault() == ArmFault::none) throw;
     std::string message = error.what();
@@ -340,6 +371,10 @@ void ArmProber::calibrate() {
 }
 
 const std::optional<GravityModel>& ArmProber::gravity() const { return impl_->gravity; }
+
+const std::vector<HeldPose>& ArmProber::held_poses() const { return impl_->poses; }
+
+const std::optional<ArmApproach>& ArmProber::approach() const { return impl_->latest_approach; }
 
 ProbeReport ArmProber::perform(const ProbeAction& action) { return impl_->perform(action); }
 

@@ -117,6 +117,8 @@ struct VirtualArm::Simulation {
     if (object != nullptr) {
       query.emplace(object->surface());
       normals = geometry::vertex_normals(object->surface());
+      retardation = object->retardation();
+      prompt = 1 - retardation.share;
     }
     const double reach = std::max(o.geometry.upper, o.geometry.lower);
     description = {.name = "virtual arm",
@@ -156,7 +158,10 @@ struct VirtualArm::Simulation {
     }
     if (query) find_surface();
     for (int step = 0; step < kSteps; ++step) move(motor, kPeriod / kSteps);
-    if (truth.in_contact) refresh();
+    if (truth.in_contact) {
+      refresh();
+      creep();
+    }
     delivered = arm_jacobian(options.geometry, q).transpose().lu().solve(torque) +
                 options.force_noise * normal_numbers(options.seed, sample, sample_tick, 1);
   }
@@ -188,11 +193,15 @@ struct VirtualArm::Simulation {
       if (!near || (p_world_tip - surface_point).dot(surface_normal) > 0) return truth.force;
       touch(p_world_tip);
     }
-    Eigen::Vector3d pressed =
-        softness_inverse * (p_world_tip - truth.contact - displacement + slope * reference);
+    Eigen::Vector3d pressed = softness_inverse * strain(p_world_tip);
     const double along = pressed.dot(cone.axis);
     if (along <= 0) {
-      truth.in_contact = near = false;
+      // What is retarded keeps the surface below its place for a while; the tip may leave it, and
+      // be met again.
+      const bool inside = (p_world_tip - surface_point).dot(surface_normal) < 0;
+      truth.in_contact = inside && !late.isZero(0);
+      if (!truth.in_contact) near = false;
+      elastic.setZero();
       return truth.force;
     }
     const Eigen::Vector3d tangential = pressed - along * cone.axis;
@@ -204,14 +213,25 @@ struct VirtualArm::Simulation {
     return truth.force;
   }
 
+  /// [mm] What the tip's place asks of the force: `softness` times it.
+  [[nodiscard]] Eigen::Vector3d strain(const Eigen::Vector3d& p_world_tip) const {
+    return p_world_tip - truth.contact - late - prompt * displacement + prompt * slope * reference;
+  }
+
+  /// The retarded part of the displacement approaches its share of the equilibrium.
+  void creep() {
+    if (retardation.share == 0) return;
+    const Eigen::Vector3d equilibrium = displacement + slope * (elastic - reference);
+    late += (1 - std::exp(-kPeriod / retardation.time)) * (retardation.share * equilibrium - late);
+  }
+
   /// Moves the contact along the surface until the force is on the cone.
   Eigen::Vector3d slide(const Eigen::Vector3d& p_world_tip, const Eigen::Vector3d& tangential) {
     const Eigen::Vector3d on_cone = cone.axis + cone.coefficient * tangential.normalized();
     const Eigen::Vector3d first = surface_normal.unitOrthogonal();
     Eigen::Matrix3d system;
     system << softness * on_cone, first, surface_normal.cross(first);
-    const Eigen::Vector3d solution = system.lu().solve(
-        Eigen::Vector3d(p_world_tip - truth.contact - displacement + slope * reference));
+    const Eigen::Vector3d solution = system.lu().solve(strain(p_world_tip));
     if (!(solution[0] > 0)) {
       truth.in_contact = near = false;
       return Eigen::Vector3d::Zero();
@@ -269,6 +289,7 @@ struct VirtualArm::Simulation {
     reference.setZero();
     displacement.setZero();
     elastic.setZero();
+    late.setZero();
     ticks_of_reference = ticks;
     soften();
   }
@@ -305,7 +326,7 @@ struct VirtualArm::Simulation {
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen((slope + slope.transpose()) / 2);
     slope = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).asDiagonal() *
             eigen.eigenvectors().transpose();
-    softness = slope + Eigen::Matrix3d::Identity() / options.structure;
+    softness = prompt * slope + Eigen::Matrix3d::Identity() / options.structure;
     softness_inverse = softness.inverse();
   }
 
@@ -339,6 +360,9 @@ struct VirtualArm::Simulation {
   Eigen::Vector3d elastic = Eigen::Vector3d::Zero();    // [N] force without damping
   Eigen::Vector3d reference = Eigen::Vector3d::Zero();  // [N] force of the linearisation
   Eigen::Vector3d displacement = Eigen::Vector3d::Zero();
+  Eigen::Vector3d late = Eigen::Vector3d::Zero();  // [mm] retarded part of the displacement
+  Retardation retardation;
+  double prompt = 1;  // share that is not retarded
   Eigen::Matrix3d slope = Eigen::Matrix3d::Zero();
   Eigen::Matrix3d softness = Eigen::Matrix3d::Zero();  // [mm/N] with the arm's structure
   Eigen::Matrix3d softness_inverse = Eigen::Matrix3d::Zero();

@@ -22,7 +22,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kStoreVersion = 1;
+constexpr int kStoreVersion = 2;
 constexpr const char* kCampaignSchema =
     "CREATE TABLE run(key TEXT PRIMARY KEY, value TEXT NOT NULL);"
     "CREATE TABLE trial(id INTEGER PRIMARY KEY, contact INTEGER NOT NULL, level INTEGER NOT NULL,"
@@ -30,7 +30,7 @@ constexpr const char* kCampaignSchema =
     " tx REAL NOT NULL, ty REAL NOT NULL, tz REAL NOT NULL, outcome TEXT NOT NULL,"
     " touch_x REAL, touch_y REAL, touch_z REAL, ax REAL, ay REAL, az REAL, bx REAL, by REAL,"
     " bz REAL, again_x REAL, again_y REAL, again_z REAL, slip_statistic REAL,"
-    " seconds REAL NOT NULL);"
+    " seconds REAL NOT NULL, creep REAL, work_dragging REAL, work_releasing REAL);"
     "CREATE TABLE event(id INTEGER PRIMARY KEY, trial INTEGER, kind TEXT NOT NULL,"
     " text TEXT NOT NULL);";
 constexpr const char* kWhatACampaignIs = "; expected the store of 'palpate probe run'";
@@ -105,14 +105,22 @@ TrialStrategy strategy_of(const std::string& name) {
   throw DatabaseError("the strategy '" + name + "' is unknown");
 }
 
+bool has_campaign(sqlite3* database) {
+  return number_of(database, "SELECT count(*) FROM sqlite_master WHERE name = 'run'") > 0;
+}
+
 void check_is_campaign(sqlite3* database) {
   const long long version = number_of(database, "PRAGMA user_version");
   if (version > kStoreVersion) {
     throw DatabaseError("is of version " + std::to_string(version) +
                         ", newer than this program, which reads " + std::to_string(kStoreVersion));
   }
-  if (number_of(database, "SELECT count(*) FROM sqlite_master WHERE name = 'run'") == 0)
-    throw DatabaseError("holds no campaign");
+  if (!has_campaign(database)) throw DatabaseError("holds no campaign");
+  if (version < kStoreVersion) {
+    throw DatabaseError("is of version " + std::to_string(version) +
+                        ", older than this program, which reads " + std::to_string(kStoreVersion) +
+                        "; its samples can be exported, its campaign must be begun again");
+  }
 }
 
 CampaignDescription read_description(sqlite3* database) {
@@ -148,8 +156,8 @@ struct CampaignStore::Impl {
     sqlite3* db = database.get();
     contact.emplace(db, "INSERT OR IGNORE INTO contact VALUES(?,?,?,?,?,?,?)");
     sample.emplace(db, kInsertSample);
-    trial.emplace(db,
-                  "INSERT INTO trial VALUES(?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)");
+    trial.emplace(
+        db, "INSERT INTO trial VALUES(?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)");
     boundary.emplace(db, "UPDATE sample SET on_friction_boundary = 1 WHERE id = ?");
     event.emplace(db, "INSERT INTO event(trial, kind, text) VALUES(?,?,?)");
     memory.emplace(db, "INSERT OR REPLACE INTO run VALUES('memory', ?)");
@@ -242,6 +250,18 @@ CampaignStore CampaignStore::look(const std::filesystem::path& path) {
   return CampaignStore(std::move(impl));
 }
 
+std::optional<CampaignStore> CampaignStore::find(const std::filesystem::path& path) {
+  try {
+    const Database database = open_database(path, SQLITE_OPEN_READONLY);
+    if (!has_campaign(database.get()) ||
+        number_of(database.get(), "PRAGMA user_version") != kStoreVersion)
+      return std::nullopt;
+  } catch (const DatabaseError& wrong) {
+    throw FileError(path.string() + ": " + wrong.what());
+  }
+  return look(path);
+}
+
 const CampaignDescription& CampaignStore::description() const { return impl_->description; }
 
 std::vector<TrialRecord> CampaignStore::trials(const std::vector<Contact>& contacts) const {
@@ -270,6 +290,9 @@ std::vector<TrialRecord> CampaignStore::trials(const std::vector<Contact>& conta
       record.result.a_again = row.vector_or_nan();
       record.result.slip_statistic = row.number_or_nan();
       record.result.seconds = row.number();
+      record.result.creep = row.number_or_nan();
+      record.result.work_dragging = row.number_or_nan();
+      record.result.work_releasing = row.number_or_nan();
       records.push_back(record);
     }
   } catch (const DatabaseError& wrong) {
@@ -291,7 +314,8 @@ void CampaignStore::append(const TrialRecord& record, const TrialVerdict& verdic
                    << static_cast<long long>(order.direction) << order.normal_force
                    << order.tangential_force << std::string(to_string(result.outcome))
                    << result.touch << result.a << result.b << result.a_again
-                   << result.slip_statistic << result.seconds)
+                   << result.slip_statistic << result.seconds << result.creep
+                   << result.work_dragging << result.work_releasing)
         .run();
     if (verdict.on_boundary) (*impl_->boundary << *verdict.on_boundary).run();
     if (verdict.contact_given_up) {

@@ -94,26 +94,29 @@ std::optional<SlipJudgement> judge(const TrialOrder& order, const TrialResult& r
 }
 
 // The stage after an action that succeeded.
-ProgramStage record_and_proceed(ProgramState& state, const Eigen::Vector3d& position,
+ProgramStage record_and_proceed(ProgramState& state, const ProbeReport& report,
                                 const ProgramOptions& options) {
   TrialResult& result = state.result;
   switch (state.stage) {
     case ProgramStage::travel:
       return ProgramStage::touch;
     case ProgramStage::touch:
-      result.touch = position;
+      result.touch = report.position;
       return ProgramStage::press;
     case ProgramStage::press:
-      result.a = position;
+      result.a = report.position;
       if (state.order.direction >= 0) return ProgramStage::drag;
-      result.b = position;
+      result.b = report.position;
       result.outcome = TrialOutcome::held;
       return ProgramStage::lift;
     case ProgramStage::drag:
-      result.b = position;
+      result.b = report.position;
+      result.creep = report.creep;
+      result.work_dragging = report.work;
       return ProgramStage::release;
     case ProgramStage::release:
-      result.a_again = position;
+      result.a_again = report.position;
+      result.work_releasing = report.work;
       if (const std::optional<SlipJudgement> judged = judge(state.order, result, options)) {
         result.slip_statistic = judged->t_squared;
         result.outcome = judged->slipped ? TrialOutcome::slipped : TrialOutcome::held;
@@ -179,7 +182,7 @@ ProgramStep advance(const ProgramState& before, const ProbeReport& report,
     return enter(std::move(state), ProgramStage::finished, options);
   const bool late = report.seconds > limit_of(state.stage, options);
   if (!late && report.outcome == ProbeOutcome::done) {
-    const ProgramStage next = record_and_proceed(state, report.position, options);
+    const ProgramStage next = record_and_proceed(state, report, options);
     return enter(std::move(state), next, options);
   }
   state.result.outcome = late ? TrialOutcome::timed_out : failure(report.outcome);

@@ -48,6 +48,7 @@ class QuasiStaticArm : public Prober {
         options_(options),
         query_(specimen_->surface()),
         normals_(geometry::triangle_normals(specimen_->surface())),
+        retardation_(specimen_->retardation()),
         tip_(options.start) {}
 
   ProbeReport perform(const ProbeAction& action) override {
@@ -105,6 +106,7 @@ class QuasiStaticArm : public Prober {
     place_ = query_.closest_point(aimed.position + beside).position;
     steady_error_ = options_.force_noise / std::numbers::sqrt2 * noise(action, 2);
     microslip_.setZero();
+    late_.setZero();
     tip_ = place_;
     const Vector3d noticed = place_ + options_.touch_noise * noise(action, 3).x() * normal;
     return {ProbeOutcome::done, measured(action, noticed), options_.touch_seconds};
@@ -124,7 +126,7 @@ class QuasiStaticArm : public Prober {
     if (!displacement) return {ProbeOutcome::unsettled, measured(action, tip_), action.time_limit};
     Vector3d rest = place_ + *displacement;
     if (action.kind == ProbeActionKind::release) rest += microslip_;
-    return settle(action, rest);
+    return settle(action, rest, retardation_.share * *displacement - late_);
   }
 
   /// None where the object has no equilibrium: it does not come to rest.
@@ -169,33 +171,39 @@ class QuasiStaticArm : public Prober {
     return 1.5 * options_.tip_compliance * limit * share * across.normalized();
   }
 
-  ProbeReport settle(const ProbeAction& action, const Vector3d& rest) {
-    const Vector3d way = tip_ - rest;
-    const double slowest = options_.time_constant * options_.settled_speed;  // [mm] left then
-    double seconds = kRestingTime;
-    double left = way.norm();
-    if (left > slowest) {
-      seconds += options_.time_constant * std::log(left / slowest);
-      left = slowest;
-    }
-    const bool late = seconds > action.time_limit;
-    if (late) {
-      seconds = action.time_limit;
-      left = way.norm() * std::exp(-std::max(seconds - kRestingTime, 0.0) / options_.time_constant);
-    }
-    tip_ = rest;
-    if (way.norm() > 0) tip_ += left * way.normalized();
-    return {late ? ProbeOutcome::unsettled : ProbeOutcome::done, measured(action, tip_), seconds};
+  /// \param lagging [mm] way of the object's retarded part.
+  ProbeReport settle(const ProbeAction& action, const Vector3d& rest, const Vector3d& lagging) {
+    const Vector3d from = tip_, way = tip_ - (rest - lagging);
+    double moving = std::max(time_to_settle(way.norm(), options_.time_constant),
+                             time_to_settle(lagging.norm(), retardation_.time));
+    const bool unsettled = kRestingTime + moving > action.time_limit;
+    if (unsettled) moving = std::max(action.time_limit - kRestingTime, 0.0);
+    const Vector3d left = std::exp(-moving / retardation_.time) * lagging;
+    late_ += lagging - left;
+    tip_ = rest - left + std::exp(-moving / options_.time_constant) * way;
+    ProbeReport report{unsettled ? ProbeOutcome::unsettled : ProbeOutcome::done,
+                       measured(action, tip_),
+                       unsettled ? action.time_limit : kRestingTime + moving};
+    if (tip_ != from) report.creep = (lagging - left).norm() / (tip_ - from).norm();
+    return report;
+  }
+
+  /// [s] until what is `left` [mm] moves at the speed of rest.
+  double time_to_settle(double left, double time_constant) const {
+    const double slowest = time_constant * options_.settled_speed;
+    return left > slowest ? time_constant * std::log(left / slowest) : 0;
   }
 
   std::shared_ptr<const Specimen> specimen_;
   QuasiStaticArmOptions options_;
   geometry::SurfaceQuery query_;
   Eigen::Matrix3Xd normals_;
+  Retardation retardation_;
   Vector3d tip_;                              // [mm]
   Vector3d place_ = Vector3d::Zero();         // [mm] of the contact on the undeformed surface
   Vector3d steady_error_ = Vector3d::Zero();  // [N] of this trial
   Vector3d microslip_ = Vector3d::Zero();     // [mm]
+  Vector3d late_ = Vector3d::Zero();          // [mm] the object's retarded displacement
 };
 
 }  // namespace

@@ -137,6 +137,10 @@ class ClosedFormSpecimen : public Specimen {
     return {frame_at(object_, at.x(), at.y()).transpose() * cone.axis, cone.friction};
   }
 
+  Retardation retardation() const override {
+    return {.share = object_.retarded, .time = object_.retardation_time};
+  }
+
  private:
   Eigen::Vector2d place(const Eigen::Vector3d& contact) const {
     return contact.head<2>().cwiseMax(extent_.low).cwiseMin(extent_.high);

@@ -27,6 +27,8 @@ void visit_fields(Sheet& sheet, Visit&& visit) {
   visit("friction", sheet.friction, at_least(0).finite(), "");
   visit("friction_variation", sheet.friction_variation, at_least(0).finite(), "");
   visit("tilt", sheet.tilt, at_least(0).at_most(45), "degrees");
+  visit("retarded", sheet.retarded, at_least(0).below(1), "");
+  visit("retardation_time", sheet.retardation_time, above(0).finite(), "s");
 }
 
 template <typename Visit>
@@ -45,6 +47,8 @@ void visit_fields(Beam& beam, Visit&& visit) {
   visit("stretching", beam.stretching, at_least(0).finite(), "mm/N");
   visit("twisting", beam.twisting, at_least(0).finite(), "1/(N mm)");
   visit("friction", beam.friction, at_least(0).finite(), "");
+  visit("retarded", beam.retarded, at_least(0).below(1), "");
+  visit("retardation_time", beam.retardation_time, above(0).finite(), "s");
 }
 
 template <typename Visit>
@@ -54,6 +58,8 @@ void visit_fields(ElasticBody& body, Visit&& visit) {
   visit("tool_radius", body.tool_radius, above(0).finite(), "mm");
   visit("size", body.size, above(0).finite(), "mm");
   visit("friction", body.friction, at_least(0).finite(), "");
+  visit("retarded", body.retarded, at_least(0).below(1), "");
+  visit("retardation_time", body.retardation_time, above(0).finite(), "s");
 }
 
 }  // namespace palpate::probing

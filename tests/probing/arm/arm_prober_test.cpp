@@ -151,6 +151,74 @@ TEST(ArmProber, PressesAndDragsWithTheForcesAskedAndMeasuresWhereTheTipIs) {
   }
 }
 
+/// What the work of a tangential force is on a body with retarded elasticity, dragged along one
+/// axis on the ramp of the prober, by the equations of the standard linear solid.
+struct WorkOfRamp {
+  double in = 0, lost = 0;  // [N mm] to the end of the rest; in the drag and in the release
+};
+WorkOfRamp work_of_ramp(double compliance, const Retardation& retardation, double force,
+                        double seconds) {
+  // What the dashpot takes: h^2 / (share compliance time), with h = share compliance f - r, which
+  // follows dh/dt = share compliance df/dt - h / time. Ramp up and down take the same.
+  constexpr double kStep = 1e-5;  // [s]
+  const double late = retardation.share * compliance, time = retardation.time;
+  double h = 0, taken = 0;
+  for (double t = kStep / 2; t < seconds + 10 * time; t += kStep) {
+    const double x = t / seconds, rate = x < 1 ? force * 6 * x * (1 - x) / seconds : 0;
+    h += kStep * (late * rate - h / time);
+    taken += kStep * h * h / (late * time);
+  }
+  return {.in = compliance * force * force / 2 + taken, .lost = 2 * taken};
+}
+
+/// The work of the tangential force by what the simulation knows.
+struct TrueWork final : Prober {
+  explicit TrueWork(ProbingRig& which) : rig(which) {}
+  ProbeReport perform(const ProbeAction& action) override {
+    double& work = action.kind == ProbeActionKind::release ? releasing : dragging;
+    const bool counts =
+        action.kind == ProbeActionKind::release || action.kind == ProbeActionKind::drag;
+    double latest = rig.tip().x(), force = rig.force_on_object().x();
+    if (counts) {
+      rig.breaking.before_read = [&](int) {
+        const double x = rig.tip().x(), f = rig.force_on_object().x();
+        work += (f + force) / 2 * (x - latest);
+        latest = x, force = f;
+      };
+    }
+    const ProbeReport report = rig.prober.perform(action);
+    rig.breaking.before_read = nullptr;
+    return report;
+  }
+  ProbingRig& rig;
+  double dragging = 0, releasing = 0;  // [N mm]
+};
+
+TEST(ArmProber, MeasuresTheEnergyThatARetardedObjectLosesInALoop) {
+  constexpr double kForce = 0.9, kSeconds = kForce / 2;  // [N], [s] at 2 N/s
+  for (const double share : {0.0, 0.2, 0.4}) {
+    const ElasticBody body{
+        .young_modulus = 0.15, .friction = 0.9, .retarded = share, .retardation_time = 0.4};
+    const double compliance = displacement_at(body, 0, 0, {1, 0, 0}).x();
+    const std::shared_ptr<const Specimen> specimen = make_specimen(body);
+    ProbingRig rig(*specimen);
+    TrueWork witness(rig);
+    const TrialResult result =
+        run_trial(witness, pull_at(0, kProbedPlace, kTowardsArm, 1.5, kForce), {});
+    ASSERT_EQ(result.outcome, TrialOutcome::held);
+    const WorkOfRamp truth =
+        share > 0 ? work_of_ramp(compliance, specimen->retardation(), kForce, kSeconds)
+                  : WorkOfRamp{.in = compliance * kForce * kForce / 2, .lost = 0};
+    std::printf(
+        "share %g: truth in %.4f lost %.4f (%.3f); simulated in %.4f lost %.4f (%.3f); measured in "
+        "%.4f lost %.4f (%.3f) creep %.3f\n",
+        share, truth.in, truth.lost, truth.lost / truth.in, witness.dragging,
+        witness.dragging + witness.releasing, 1 + witness.releasing / witness.dragging,
+        result.work_dragging, result.work_dragging + result.work_releasing,
+        1 + result.work_releasing / result.work_dragging, result.creep);
+  }
+}
+
 TEST(ArmProber, TellsSlippingFromHolding) {
   ProbingRig rig;
   EXPECT_EQ(run_trial(rig.prober, pull_at(0, kProbedPlace, kTowardsArm, 1, 0.55), {}).outcome,

@@ -9,6 +9,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <csignal>
 #include <filesystem>
 #include <memory>
@@ -88,6 +89,9 @@ TEST_F(CampaignStoreTest, GivesBackTrialsToTheLastBit) {
   const auto arm = make_quasi_static_arm(sheet);
   std::vector<TrialRecord> records = testing::perform(campaign, *arm, options, 12);
   records.back().result.outcome = TrialOutcome::no_contact;
+  records.front().result.creep = 0.1;
+  records.front().result.work_dragging = 1.0 / 3;
+  records.front().result.work_releasing = -1.0 / 7;
   records.back().result.a.setConstant(std::numeric_limits<double>::quiet_NaN());
   for (const TrialRecord& record : records) store.append(record, {}, 1);
   const std::vector<TrialRecord> read = store.trials(plan.contacts);
@@ -104,6 +108,10 @@ TEST_F(CampaignStoreTest, GivesBackTrialsToTheLastBit) {
     EXPECT_EQ(read[i].result.seconds, records[i].result.seconds);
   }
   EXPECT_FALSE(read.back().result.a.allFinite());
+  EXPECT_EQ(read.front().result.creep, 0.1);
+  EXPECT_EQ(read.front().result.work_dragging, 1.0 / 3);
+  EXPECT_EQ(read.front().result.work_releasing, -1.0 / 7);
+  EXPECT_TRUE(std::isnan(read[1].result.work_dragging));  // the quasi-static arm knows no path
   EXPECT_EQ(store.description().plan, to_text(plan));
   EXPECT_EQ(store.description().strategy, to_text(options));
   EXPECT_EQ(to_text(parse_campaign_options(to_text(options), "a.db")), to_text(options));
@@ -199,10 +207,10 @@ TEST_F(CampaignStoreTest, RefusesWhatIsNoCampaignOrANewerOne) {
   { const CampaignStore store = CampaignStore::create(path("b.db"), description()); }
   sqlite3* raw = nullptr;
   ASSERT_EQ(sqlite3_open(path("b.db").c_str(), &raw), SQLITE_OK);
-  sqlite3_exec(raw, "PRAGMA user_version = 2", nullptr, nullptr, nullptr);
+  sqlite3_exec(raw, "PRAGMA user_version = 3", nullptr, nullptr, nullptr);
   sqlite3_close(raw);
   EXPECT_THAT(refused([&] { (void)CampaignStore::open(path("b.db")); }),
-              HasSubstr("is of version 2, newer than this program"));
+              HasSubstr("is of version 3, newer than this program"));
   EXPECT_THAT(refused([&] { (void)CampaignStore::create("/proc/a.db", description()); }),
               HasSubstr("/proc/a.db"));
 }

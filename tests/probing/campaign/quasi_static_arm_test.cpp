@@ -60,6 +60,32 @@ TEST(QuasiStaticArm, SlipsAtTheConeAndNowhereElse) {
   EXPECT_EQ(run_trial(*arm, order(1, 1, 0.601), patient).outcome, TrialOutcome::fell_off);
 }
 
+TEST(QuasiStaticArm, WaitsForWhatIsRetardedAndSaysHowMuchThatWas) {
+  ElasticBody body = kBody;
+  body.retarded = 0.3;
+  body.retardation_time = 2;
+  const std::shared_ptr<const Specimen> specimen = make_specimen(body);
+  QuasiStaticArmOptions options = exact();
+  options.settled_speed = 1e-4;
+  options.start = {0, 0, 680};
+  const auto arm = make_quasi_static_arm(specimen, options);
+  ProgramOptions patient;
+  patient.settle_limit = 60;
+  const TrialResult result = run_trial(*arm, order(0, 1.5, 0.8), patient);
+  const Vector3d at(0, 0, 700), pressed = specimen->displacement(at, {0, 0, 1.5}),
+                                dragged = specimen->displacement(at, {0.8, 0, 1.5}) - pressed;
+  // 0.3 d exp(-t / 2 s) / 2 s = 1e-4 mm/s; what is then left stays.
+  constexpr double kLeft = 2 * 1e-4;
+  const auto time = [](double way) { return 0.5 + 2 * std::log(0.3 * way / kLeft); };
+  EXPECT_NEAR((result.a - at - pressed).norm(), kLeft, 1e-6);
+  EXPECT_NEAR(result.creep, 0.3, kLeft / dragged.norm());
+  EXPECT_EQ(result.outcome, TrialOutcome::held);
+  // An approach of 3 s, three times at rest, and a lift at 30 mm/s.
+  EXPECT_NEAR(result.seconds,
+              3 + time(pressed.norm()) + 2 * time(dragged.norm()) + (20 + pressed.z()) / 30, 0.02);
+  EXPECT_TRUE(std::isnan(result.work_dragging));
+}
+
 TEST(QuasiStaticArm, ScattersAsStated) {
   const std::shared_ptr<const Specimen> body = make_specimen(kBody);
   const auto arm = make_quasi_static_arm(body, {.settled_speed = 1e-4});

@@ -7,11 +7,14 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "palpate/eigen_alignment.h"
 #include "palpate/error.h"
+#include "palpate/probing/approach_signal.h"
 #include "palpate/probing/arm.h"
 #include "palpate/probing/contact_detection.h"
+#include "palpate/probing/force_compensation.h"
 #include "palpate/probing/gravity_calibration.h"
 #include "palpate/probing/prober.h"
 #include "palpate/probing/safe_arm.h"
@@ -58,6 +61,12 @@ struct ArmProberOptions {
   double warm = 0.85;           ///< heat at which an action is given up; in (0, limits.hottest)
 };
 
+/// An approach that found the object.
+struct ArmApproach {
+  std::vector<ApproachSample> samples;  ///< up to where the touch was certain
+  ContactEstimate found;
+};
+
 /// Performs the actions of a campaign on an arm, through a `SafeArm` (thesis 4.4).
 ///
 /// Travel and lift are joint control along straight lines; travel then waits until the motors are
@@ -86,6 +95,10 @@ class ArmProber final : public Prober {
   /// \throws ArmStopped, or InvalidInput of `fit_gravity`.
   void calibrate();
   [[nodiscard]] const std::optional<GravityModel>& gravity() const;
+  /// Of `calibrate`; empty before.
+  [[nodiscard]] const std::vector<HeldPose>& held_poses() const;
+  /// The latest one; none before.
+  [[nodiscard]] const std::optional<ArmApproach>& approach() const;
 
   /// \throws ArmStopped naming the fault: nothing of the interval is then a measurement. The next
   /// trial clears it.

@@ -38,6 +38,8 @@ class CampaignStore {
   /// Opens a campaign, which may be running, in order to look at it.
   /// \throws FileError as `open`.
   static CampaignStore look(const std::filesystem::path& path);
+  /// The same for any acquisition; none if it was not measured by a campaign of this version.
+  static std::optional<CampaignStore> find(const std::filesystem::path& path);
 
   ~CampaignStore();
   CampaignStore(CampaignStore&&) noexcept;

@@ -12,7 +12,8 @@
 // Each is a surface z(x, y) near z = 700 mm that faces a camera at the origin. At the place (x, y)
 // [mm] it has a local frame: Z points into the object, X is the camera's X projected onto the
 // tangent plane. `displacement_at` is the equilibrium reached by increasing the force from zero;
-// its vectors are local. Functions of places do not check their numbers; `make_specimen` does.
+// its vectors are local. Functions of places do not check their numbers; `make_specimen` does. A
+// share of each displacement may be retarded (`Retardation`), as in foam and tissue.
 namespace palpate::probing {
 
 /// Axis (local frame) and coefficient of the friction cone at a place.
@@ -49,6 +50,9 @@ struct Sheet {
   double friction = 0.9;             ///< mean coefficient; >= 0
   double friction_variation = 0.05;  ///< amplitude of its variation over the sheet; >= 0
   double tilt = 4;                   ///< [degrees] amplitude of the angle between axis and normal
+
+  double retarded = 0;          ///< share of the displacement that comes late; in [0, 1)
+  double retardation_time = 1;  ///< [s] with which it comes; > 0
 };
 
 /// Rows X, Y, Z of the local frame.
@@ -86,6 +90,9 @@ struct Beam {
   double twisting = 0.002;   ///< [1/(N mm)] angle at the tip by a torque; >= 0
 
   double friction = 0.8;  ///< >= 0
+
+  double retarded = 0;          ///< share of the displacement that comes late; in [0, 1)
+  double retardation_time = 1;  ///< [s] with which it comes; > 0
 };
 
 [[nodiscard]] Eigen::Matrix3d frame_at(const Beam& beam, double x, double y);
@@ -107,6 +114,9 @@ struct ElasticBody {
   double tool_radius = 3;       ///< [mm] > 0
   double size = 100;            ///< [mm] side of the square |x|, |y| <= size / 2; > 0
   double friction = 0.7;        ///< >= 0
+
+  double retarded = 0;          ///< share of the displacement that comes late; in [0, 1)
+  double retardation_time = 1;  ///< [s] with which it comes; > 0
 };
 
 [[nodiscard]] Eigen::Matrix3d frame_at(const ElasticBody& body, double x, double y);

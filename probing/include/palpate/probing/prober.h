@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <string>
 
 #include "palpate/eigen_alignment.h"
@@ -42,6 +43,12 @@ struct ProbeReport {
   ProbeOutcome outcome = ProbeOutcome::done;
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< [mm] of the tip as measured
   double seconds = 0;                                  ///< that the action took
+  /// Of press, drag and release, if the arm measures it, otherwise NaN: the share of the
+  /// displacement that came once the force was constant, without what the arm's own damping delays.
+  double creep = std::numeric_limits<double>::quiet_NaN();
+  /// [N mm] Of drag and release, if the arm measures it, otherwise NaN: the work on the object of
+  /// what the force is more than before the drag, and than after the release.
+  double work = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// An arm, real or simulated, with its control loop below: it performs one action at a time.

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <optional>
 
 #include "palpate/probing/acquisition.h"
@@ -35,6 +36,11 @@ struct TrialResult {
   Eigen::Vector3d a_again = Eigen::Vector3d::Zero();
   double slip_statistic = 0;  ///< T^2 of `judge_slip`; NaN without one
   double seconds = 0;
+  /// `ProbeReport::creep` of the drag; [N mm] `ProbeReport::work` of the drag and of the release.
+  /// NaN where the trial did not come so far, or the arm does not measure it.
+  double creep = std::numeric_limits<double>::quiet_NaN();
+  double work_dragging = std::numeric_limits<double>::quiet_NaN();
+  double work_releasing = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// The states of the program at a contact (thesis 4.3, 4.4.2).

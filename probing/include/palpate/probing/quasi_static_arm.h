@@ -41,8 +41,8 @@ struct QuasiStaticArmOptions {
 /// tangential force T under the normal force N leaves a part of the motion of the contact,
 ///   3/2 C mu N [2 (1 - T / (2 mu N))^(2/3) - (1 - T / (mu N))^(2/3) - 1]
 /// with C = `tip_compliance` (microslip of a sphere: Mindlin and Deresiewicz 1953). It comes to
-/// rest exponentially, and what is left at `settled_speed` stays. Where the specimen has no
-/// equilibrium, it does not come to rest.
+/// rest exponentially, and what is left at `settled_speed` stays; a retarded part of the object
+/// creeps with its own time. Where the specimen has no equilibrium, it does not come to rest.
 ///
 /// Each random number is a hash of the seed, the trial and the action: a trial gives the same
 /// result whatever came before it.

@@ -16,6 +16,14 @@ struct FrictionCone {
   double coefficient = 0;                          ///< >= 0
 };
 
+/// Retarded elasticity of a standard linear solid: a tool under the force f(t) is displaced by
+/// (1 - share) d(f) + r with time dr/dt = share d(f) - r, where d(f) is the equilibrium. In a cycle
+/// of forces such an object takes energy, never gives any.
+struct Retardation {
+  double share = 0;  ///< of the displacement; 0 is elastic; in [0, 1)
+  double time = 1;   ///< [s] > 0
+};
+
 /// A deformable object whose truth is known, in quasi-static equilibrium with the tip of a tool.
 /// All vectors are in the world frame. A contact is a place on the undeformed surface; the nearest
 /// place is taken if it lies beside the surface. Functions may be called from several threads.
@@ -33,6 +41,9 @@ class Specimen {
                                                      const Eigen::Vector3d& force) const = 0;
 
   [[nodiscard]] virtual FrictionCone friction_cone(const Eigen::Vector3d& contact) const = 0;
+
+  /// How it approaches its equilibria: at once, unless it says otherwise.
+  [[nodiscard]] virtual Retardation retardation() const { return {}; }
 };
 
 }  // namespace palpate::probing
