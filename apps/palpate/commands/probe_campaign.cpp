@@ -21,9 +21,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Shares from which on a difference is told. Without one, joints whose friction is compensated
-/// show less.
-constexpr double kNoticedLoss = 0.15, kNoticedCreep = 0.1;
+/// Shares from which on a difference is told. The virtual arm, whose force errs by 0.03 N on each
+/// way and whose objects damp a little, shows a loss of 0.19 on an elastic body.
+constexpr double kNoticedLoss = 0.3, kNoticedCreep = 0.1;
 
 std::optional<double> finite_or_none(double value) {
   return std::isfinite(value) ? std::optional(value) : std::nullopt;
