@@ -335,7 +335,9 @@ ArmSession read_session(const CampaignReport& report, const fs::path& record) {
     throw InvalidInput(fmt::format(
         "{}: no trial of the campaign touched contact {}, which the model has", source, shown));
   }
-  const std::string description = describe_arm({.replay = record});
+  ArmCall replay;
+  replay.replay = record;
+  const std::string description = describe_arm(replay);
   const std::unique_ptr<CampaignArm> arm =
       make_campaign_arm(description, source, report.campaign.plan(), {}, {});
   try {
