@@ -293,7 +293,8 @@ TEST_F(AcquisitionImport, FindsThePressesOfARecording) {
     const double stiffness = i == 0 ? 0.5 : 1, number = i == 0 ? 0 : 1;
     const Contact& contact = acquisition.contacts()[i];
     // Where 0.1 N is reached.
-    EXPECT_LT((contact.position - Eigen::Vector3d(20.0 * number, 0, -0.1 / stiffness)).norm(), 1e-5);
+    EXPECT_LT((contact.position - Eigen::Vector3d(20.0 * number, 0, -0.1 / stiffness)).norm(),
+              1e-5);
     EXPECT_LT((contact.normal - Eigen::Vector3d::UnitZ()).norm(), 1e-9);
     ASSERT_EQ(acquisition.samples_of(i).size(), 1u);
     const Sample& sample = acquisition.samples_of(i)[0];

@@ -78,8 +78,9 @@ TEST(PressSeries, DividesASlowPressIntoSamplesOfLimitedLength) {
   // Ten times as fast, it has none.
   const auto fast = [&](double t) { return t < 2 ? slow(t) : -3 * (t - 2); };
   EXPECT_TRUE(find_presses(spring_series(3, fast)).presses.at(0).held.empty());
-  EXPECT_FALSE(
-      find_presses(spring_series(3, fast), {.highest_speed = 3.1, .sample_time = 0.05}).presses.at(0).held.empty());
+  EXPECT_FALSE(find_presses(spring_series(3, fast), {.highest_speed = 3.1, .sample_time = 0.05})
+                   .presses.at(0)
+                   .held.empty());
 }
 
 TEST(PressSeries, PairsPositionsWithForcesThatAreRecordedLater) {
