@@ -177,11 +177,12 @@ void add_probe(CLI::App& app, const Settings& settings) {
   in->add_option("-o,--output", call->output, "Database to write (acquisition.db)")->required();
   in->add_option(
       "--mapping", call->mapping,
-      "File (YAML) that says what your files hold: columns, units, signs, frame, and how "
-      "contacts are made; the options below change single fields of it");
-  in->add_option("--surface-out", call->surface,
-                 "Mesh to write: a surface made of the contacts, if no other is known. It is flat "
-                 "between them");
+      "Mapping file (YAML; docs/measurements.md) that describes your files: columns, units, signs, "
+      "frame, and how rows become contacts; the options below change single fields of it");
+  in->add_option(
+      "--surface-out", call->surface,
+      "Also write a mesh made of the contacts, flat between them, for objects without a scan "
+      "(PLY, OBJ or STL)");
   in->add_option_function<std::vector<std::string>>(
         "--map",
         [call](const std::vector<std::string>& pairs) {
@@ -189,10 +190,10 @@ void add_probe(CLI::App& app, const Settings& settings) {
             for (const std::string& pair : pairs) take_name(pair, mapping);
           });
         },
-        "Names of columns in your files, such as px=Fx,py=Fy,pz=Fz; "
-        "contacts.id and samples.id name the ids of one file. For a column that your files do not "
-        "have, give "
-        "a number for all rows (slipped=0), row_number, or nothing for empty cells (range_map=)")
+        "Names of columns in your files, such as px=Fx,py=Fy,pz=Fz or, with the opposite sign, "
+        "pz=-Fz; contacts.id and samples.id are the columns id of one file. For a column that your "
+        "files do not have, give a number for all rows (slipped=0), row_number, file_number, or "
+        "nothing for empty cells (range_map=)")
       ->delimiter(',')
       ->allow_extra_args(false);
   in->add_option_function<std::string>(
