@@ -229,11 +229,13 @@ void add_bake(CLI::App& app, const Settings& settings) {
   command->add_option("--spacing", call->plan.spacing, "Least distance of contacts [mm]")
       ->check(within(above(0).finite()))
       ->capture_default_str();
-  command->add_option("--contacts", call->plan.contacts, "Most contacts (default: no limit)")
+  command
+      ->add_option("--contacts", call->plan.contacts,
+                   "Largest number of contacts (default: no limit)")
       ->check(within(above(0)));
   command
       ->add_option("--directions", call->plan.directions,
-                   "Of the tangential force under each of five normal forces")
+                   "Number of tangential directions under each of five normal forces")
       ->check(within(at_least(0)))
       ->capture_default_str();
   command
@@ -248,14 +250,15 @@ void add_bake(CLI::App& app, const Settings& settings) {
       ->capture_default_str();
   command
       ->add_option("--margin", call->queries.margin,
-                   "Least distance of their places from the border [mm]")
+                   "Least distance of these forces from the border of the surface [mm]")
       ->check(within(at_least(0).finite()))
       ->capture_default_str();
-  command->add_option("--acquisition", call->acquisition,
-                      "Also write the samples (acquisition.db), for palpate fit and evaluate");
+  command->add_option(
+      "--acquisition", call->acquisition,
+      "Also write the samples to a database (acquisition.db), for palpate fit and evaluate");
   command->footer(
-      "Nothing is measured: displacements are computed without error, friction is that of the "
-      "specimen, and contacts are computed in parallel (--threads).\n"
+      "Nothing is measured: displacements are computed, and friction is that of the specimen. "
+      "Contacts are computed in parallel (--threads).\n"
       "Example:\n  palpate bake block.json -o model/");
   command->callback([call, &settings] { bake(settings, *call); });
 }
