@@ -11,16 +11,16 @@
 
 namespace palpate::probing {
 
-/// What was left out of a recording, over all files.
+/// What was found in recordings and what was left out, over all files.
 struct SeriesCounts {
-  std::size_t presses = 0;
+  std::size_t presses = 0;        ///< with those that are empty
   std::size_t empty_presses = 0;  ///< presses without a quasi-static piece
   std::size_t saturated = 0, unpaired = 0, fast = 0, brief = 0;  ///< as in `SeriesPresses`
 };
 
 struct ImportedAcquisition {
   CheckedAcquisition acquisition;
-  SeriesCounts series = {};  ///< of a time series
+  SeriesCounts series = {};  ///< zeros without a time series
 };
 
 /// Reads contacts and samples from files with the extension .mat (see mat_file.h) and CSV files

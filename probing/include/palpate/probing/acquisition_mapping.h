@@ -17,7 +17,7 @@ namespace palpate::probing {
 /// What a row of measurements is.
 enum class RowContent {
   presses_and_drags,  ///< a sample with all columns, see acquisition_csv.h
-  presses,            ///< a sample that was only pressed: b is a, nothing slipped, its own group
+  presses,            ///< a sample without a drag: b is a, it did not slip, and is its own group
   time_series         ///< the tip at one moment: time, ax,ay,az (its position), px,py,pz
 };
 
@@ -28,12 +28,12 @@ enum class ContactSource {
   place    ///< the same for rows whose x,y,z are at one place; they need no column `contact`
 };
 
-/// How the files of another laboratory give contacts and samples. docs/measurements.md describes
-/// each field, and the file that holds them.
+/// How the files of another laboratory become contacts and samples. docs/measurements.md describes
+/// each field, and the mapping file that holds them.
 struct AcquisitionMapping {
-  /// Names of the columns in the files. "contacts.id" and "samples.id" are the column `id` of one
-  /// of the two tables. Besides the columns of acquisition_csv.h there are `depth` and
-  /// `normal_force`, in place of ax,...,bz and px,py,pz.
+  /// Names of columns in the files, where they differ. "contacts.id" and "samples.id" are the
+  /// column `id` of one of the two tables. Besides the columns of acquisition_csv.h there are
+  /// `depth` and `normal_force`, in place of ax,...,bz and px,py,pz.
   ColumnNames columns = {};
   std::optional<char> separator = std::nullopt;  ///< as in `TableLayout`
   double length = 1;                             ///< [mm] unit of positions; > 0 and finite
@@ -61,7 +61,8 @@ struct AcquisitionMapping {
 /// \throws InvalidInput for anything else.
 [[nodiscard]] char separator_from(const std::string& text);
 
-/// \throws InvalidInput if a number is outside its range, or if a name is given to no column.
+/// \throws InvalidInput if a number is outside its range, if `columns` has an unknown key or two
+/// that exclude each other, or if `normals_from_forces` does not suit the other fields.
 void check_mapping(const AcquisitionMapping& mapping);
 
 /// Reads a mapping file (YAML).

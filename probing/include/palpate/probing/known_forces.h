@@ -21,9 +21,9 @@ struct KnownForce {
 
 struct KnownForceOptions {
   int count = 400;           ///< > 0
-  double margin = 8;         ///< [mm] least distance of their places from the border; >= 0
-  double least_force = 0.1;  ///< [N] > 0
-  double max_force = 3;      ///< [N] >= least_force
+  double margin = 8;         ///< [mm] least distance of places from the border; >= 0
+  double least_force = 0.1;  ///< [N] smallest size; > 0
+  double max_force = 3;      ///< [N] largest size; >= least_force
   unsigned seed = 1;         ///< of the random places and forces
   /// Called after each force with the number of forces done and in all, from one thread at a time.
   /// An exception that it throws ends the work.
@@ -35,9 +35,10 @@ struct KnownForces {
   std::vector<UnansweredForce> unanswered;  ///< of `count`, those without a displacement
 };
 
-/// Known forces, to compare a model with: at random places, equally likely on each triangle, with
-/// sizes that are equally likely, at most 0.9 of the friction coefficient away from the axis of the
-/// friction cone. Computed in parallel; the result does not depend on the number of threads.
+/// Computes known forces, to compare a model with. Places are random; each triangle is equally
+/// likely. Sizes are uniform from `least_force` to `max_force`. Directions are random within the
+/// friction cone of 0.9 of the coefficient. Computed in parallel; the result does not depend on the
+/// number of threads.
 /// \throws InvalidInput if an option is outside its range, or no triangle is as far from the border
 /// as `margin` says.
 [[nodiscard]] KnownForces known_forces(const Specimen& specimen,

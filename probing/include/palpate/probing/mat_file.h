@@ -15,8 +15,8 @@ namespace palpate::probing {
 /// of either byte order.
 class MatFile {
  public:
-  /// \throws FileError if the file is missing, cut off, damaged or of another version, with the
-  /// command that saves it again.
+  /// \throws FileError if the file is missing, cut off or damaged; for another version, with the
+  /// command that saves it as level 5.
   explicit MatFile(const std::filesystem::path& path);
   ~MatFile();
   MatFile(MatFile&&) noexcept;

@@ -12,23 +12,24 @@
 
 namespace palpate::probing {
 
-/// How presses are found in a recording, and what is done to its forces first.
+/// How presses are found in a recording, and how its forces are corrected first.
 struct SeriesOptions {
   double touch_force = 0.1;    ///< [N] the tip touches while the force is above this; > 0
   double highest_speed = 0.5;  ///< [mm/s] slower than this is quasi-static; > 0
   double speed_window = 0.1;   ///< [s] in which the speed is measured; > 0
-  double sample_length = 0.2;  ///< [mm] way of the tip within one sample, at most; > 0
-  double sample_time = 0.1;    ///< [s] that a sample lasts, at least; >= 0
-  bool tare = true;            ///< subtract the median force before each touch
-  double tare_time = 0.2;      ///< [s] free of contact at the beginning; a shorter time between two
-                               ///< presses keeps the force before; > 0
+  double sample_length = 0.2;  ///< [mm] farthest motion of the tip in one sample; > 0
+  double sample_time = 0.1;    ///< [s] shortest duration of a sample; >= 0
+  bool tare = true;            ///< subtract the median force between the last release and the touch
+  /// [s] without contact at the beginning; a shorter time between two presses keeps the earlier
+  /// median; > 0
+  double tare_time = 0.2;
   /// [s] by which forces are recorded later than positions; finite
   double force_delay = 0;
   /// [N] limit of the sensor, of each component, before any correction; > 0
   double saturation = std::numeric_limits<double>::infinity();
 };
 
-/// The tip over time.
+/// Positions of the tip and its forces on the object over time.
 struct TipSeries {
   std::vector<double> time;          ///< [s] ascending
   Eigen::Matrix3Xd tip;              ///< [mm] 3 x N positions
@@ -62,8 +63,8 @@ struct SeriesPresses {
 
 /// Finds the presses of a recording, and in each of them the pieces in which the tip was slower
 /// than `highest_speed`. A press begins where the force, less its median before, exceeds
-/// `touch_force`, and ends where it falls below half of it. The touch is between two moments; it
-/// is late by the depth at `touch_force`.
+/// `touch_force`, and ends where it falls below half of it. The touch is interpolated between two
+/// moments; it lies below the surface by the depth at `touch_force`.
 /// \throws InvalidInput if an option is outside its range, if times do not ascend or numbers are
 /// not finite, or if the tip is in contact from the beginning.
 [[nodiscard]] SeriesPresses find_presses(const TipSeries& series,

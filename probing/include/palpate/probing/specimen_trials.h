@@ -26,18 +26,20 @@ struct FailedTrial {
 };
 
 struct SpecimenTrials {
-  /// All contacts with samples. A sample's id tells its place in the programme; times are 0.
+  /// All contacts with samples. Ids of samples number the trials, with gaps for those left out;
+  /// times are 0.
   Acquisition acquisition;
   std::vector<FailedTrial> failed;  ///< in the order of the plan
   int equilibria = 0;               ///< that were computed
 };
 
-/// What exact trials of a simulated object give, without an arm: the base of `AdaptiveTrials`, five
-/// normal forces with each direction of the plan. A direction ends at the specimen's friction cone
-/// or the most force of the plan: a sample 2 % inside the cone held, and one 2 % outside slipped,
-/// which needs no equilibrium. Every second direction holds 0.55 of that instead. If a normal
-/// force has no equilibrium, the contact's forces with it and above are not tried. Contacts are
-/// computed in parallel; the result does not depend on the number of threads.
+/// Computes samples of a simulated object without an arm and without errors: at each contact, the
+/// five normal forces of `base_forces`, and under each of them a drag in each direction of the
+/// plan. Every second direction has a sample 2 % inside the friction cone, which held, and one 2 %
+/// outside, which slipped and needs no equilibrium. The others hold 0.55 of the largest tangential
+/// force. No force that holds exceeds `max_force` of the plan. If a normal force has no
+/// equilibrium, larger ones are not tried. Contacts are computed in parallel; the result does not
+/// depend on the number of threads.
 /// \throws InvalidInput if the plan has no contact or no level; SolverError if no contact has a
 /// sample, naming the first reason.
 [[nodiscard]] SpecimenTrials try_specimen(const Specimen& specimen, const ContactPlan& plan,

@@ -23,14 +23,14 @@ using ColumnNames = std::map<std::string, std::string, std::less<>>;
 /// The number of the row in place of the content of a column.
 inline constexpr std::string_view kRowNumber = "row_number";
 
-/// How a file of another program differs.
+/// How a table of another program differs.
 struct TableLayout {
   /// Between the cells of a CSV file. Default: the most frequent of comma, semicolon and tab in the
   /// first line.
   std::optional<char> separator = std::nullopt;
   /// The names that columns have in the file, by the names that they are asked for.
   ColumnNames names = {};
-  /// The same for columns that are not in `names`, if the file has none of their own name.
+  /// The same for columns that are not in `names`, if the file has no column of that name.
   ColumnNames defaults = {};
   long long first_row = 1;  ///< number of the first row
 };
