@@ -103,6 +103,8 @@ TEST_F(ProbeArm, TheSameArmSimulatedBehindADriverStoppedAndReplayedMeasuresTheSa
 
 TEST_F(ProbeArm, AReportWithTheRecordShowsATouchAndTheCompensationOfGravity) {
   const std::string record = scratch / "session.arm", surface = scratch / "truth/surface.ply";
+  plan.contacts = probing::plan_contacts(sheet->surface(), {.contacts = 3}).contacts;
+  probing::write_plan(plan_file, plan);
   const json done = figures(call(simulated, store, {"--record", record}));
   EXPECT_TRUE(done["energy_loops"].is_number());
   (void)figures({"probe", "truth", specimen, "-o", scratch / "truth", "--json"});
@@ -117,7 +119,7 @@ TEST_F(ProbeArm, AReportWithTheRecordShowsATouchAndTheCompensationOfGravity) {
     EXPECT_GT(fs::file_size(fs::path(scratch / "report") / picture), 10000U) << picture;
   }
 
-  plan.normal_forces = {0.7};
+  plan.contacts.resize(1);
   probing::write_plan(plan_file, plan);
   (void)figures(call(simulated, scratch / "other.db", {"--record", scratch / "other.arm"}));
   report[5] = scratch / "other.arm";
