@@ -108,10 +108,5 @@ TEST(OutputSchema, OfCommandsWhoseFiguresNoOtherTestReads) {
       0);
 }
 
-TEST(OutputSchema, OfTheDemo) {
-  const ScratchFolder scratch;
-  EXPECT_EQ(run_palpate({"demo", "-o", scratch / "demo", "--json"}).status, 0);
-}
-
 }  // namespace
 }  // namespace palpate::apps
