@@ -34,9 +34,6 @@ constexpr size_t kLeastKept = 12;
 /// How strongly motion along the surface is suppressed: far from the surface its planes mislead.
 constexpr double kStayFar = 0.05;
 
-/// Poses are equal iff the points differ by at most this many cells on average.
-constexpr double kSamePose = 2;
-
 /// The vectors k * step, k whole numbers, within `range`, where step divides `range` and is at most
 /// `largest_step`.
 std::vector<Eigen::Vector3d> lattice(double range, double largest_step) {

@@ -10,6 +10,9 @@
 
 namespace palpate::geometry {
 
+/// Poses are equal iff the points differ by at most this many cells of the coarse map on average.
+inline constexpr double kSamePose = 2;
+
 /// A pose and its score.
 struct PoseCandidate {
   Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();

@@ -182,7 +182,7 @@ Choice choose(const RegistrationTarget::Impl& target, const Eigen::Matrix3Xd& po
   for (size_t i = 0; i < search.candidates.size(); ++i) {
     const bool is_settled = i < settled.size();
     const PoseCandidate& other = is_settled ? settled[i] : search.candidates[i];
-    if (mean_displacement(other.motion, choice.best, some) < 2 * cell) continue;
+    if (mean_displacement(other.motion, choice.best, some) < kSamePose * cell) continue;
     const double median = is_settled ? medians[i] : other.score;
     choice.runner_up = std::min(choice.runner_up.value_or(kInfinity), median);
   }
