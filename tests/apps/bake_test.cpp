@@ -62,7 +62,8 @@ TEST_F(Bake, MakesAModelOfAClosedFormWhoseErrorIsThatOfEvaluate) {
             100);
   const json errors = figures({"evaluate", model, "--queries", scratch / "truth/queries.csv"});
   EXPECT_NEAR(errors["queries"]["rms"], baked["queries"]["rms"], 1e-6);
-  for (const json& contact : json::parse(read_text(model + "/field.json"))["contacts"])
+  const json field = json::parse(read_text(model + "/field.json"));
+  for (const json& contact : field["contacts"])
     EXPECT_NEAR(contact["friction"]["coefficient"], 0.7, 0.002);
 
   const json exported = figures({"probe", "export", store, "-o", scratch / "csv"});
