@@ -8,15 +8,21 @@ as a whole; while one replaces the other, the marker that keeps readers away mus
 one. Where there was no earlier run, the files that are there must be whole. Then the same call must succeed, give what
 a run gives that was never killed, and leave nothing else.
 
-A campaign of `probe run` is killed, resumed and killed again until it ends: no trial that was stored may get lost, and
-the fingerprint of its samples must be that of a campaign that was never killed.
+A campaign of `probe run` is killed, resumed and killed again until it ends, and then begun anew, until so many runs were
+killed at work. After each kill, all trials that a reader saw before must be there, and what is there must be, to the last
+bit, what a campaign that was never killed stored up to there: nothing but the trial in flight is lost.
+
+A campaign on a file system that becomes full (a small tmpfs, in a mount namespace of its own) must end with a message
+that names the store and the cause, and measure the same once there is room.
 """
 import argparse
+import contextlib
 import json
 import random
 import re
 import shutil
 import signal
+import sqlite3
 import subprocess
 import sys
 import tempfile
@@ -177,35 +183,89 @@ class Probe(Command):
             raise Wrong(f"exit status {done.returncode} instead of 0: {done.stderr.strip()}")
         return json.loads(done.stdout)
 
-    def stored_trials(self):
-        """None if the run was killed before there was a store."""
-        status = self.run("probe", "status", self.store, "--json")
-        return json.loads(status.stdout)["trials"] if status.returncode == 0 else None
+    def rows(self):
+        """Trials and samples as they are stored. None if the run was killed before there was a store."""
+        if not self.store.exists():
+            return None
+        with contextlib.closing(sqlite3.connect(f"file:{self.store}?mode=ro", uri=True)) as store:
+            # Whether a sample is on the boundary of friction is known later.
+            return (store.execute("SELECT * FROM trial ORDER BY id").fetchall(),
+                    store.execute("SELECT id, contact, group_id, px, py, pz, ax, ay, az, bx, by, bz, slipped, time"
+                                  " FROM sample ORDER BY id").fetchall())
+
+    def killed_after(self, version, seconds):
+        """Whether the run was killed before it ended, and how many trials a reader saw just before."""
+        words = [self.palpate, *map(str, self.call(version))]
+        with subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as process:
+            try:
+                process.wait(seconds)
+            except subprocess.TimeoutExpired:
+                pass
+            seen = self.rows()
+            process.send_signal(signal.SIGKILL)
+            return process.wait() == -signal.SIGKILL, len(seen[0]) if seen else 0
 
     def check(self, kills, moments):
-        """Kills runs so many times. Returns how many of them were still at work."""
+        """Kills so many runs at work. Returns their number, and that of the campaigns they were of."""
         start = time.monotonic()
         whole = self.figures(*self.call("run"))
         seconds = time.monotonic() - start
-        killed, trials = 0, whole["trials"]
-        for _ in range(kills):
-            if trials == whole["trials"]:
+        trials, samples = self.rows()
+        killed, campaigns, here = 0, 0, None
+        while killed < kills:
+            if here is None or here == len(trials):
                 shutil.rmtree(self.out)
                 self.out.mkdir()
-                trials = None
-            killed += self.kill_after("run" if trials is None else "resume", moments.uniform(0, seconds))
-            before, trials = trials, self.stored_trials()
-            if trials is None and self.store.exists():
-                raise Wrong("the store cannot be read")
-            if before is not None and trials < before:
-                raise Wrong(f"{before} trials were stored, and {trials} after the next kill")
-        found = self.figures(*self.call("run" if trials is None else "resume"))
+                campaigns += 1
+                here = None
+            was_killed, seen = self.killed_after("run" if here is None else "resume", moments.uniform(0, seconds / 4))
+            killed += was_killed
+            found = self.rows()
+            if found is None:
+                continue
+            if len(found[0]) < seen:
+                raise Wrong(f"{seen} trials were stored, and {len(found[0])} after the kill")
+            if found[0] != trials[: len(found[0])] or found[1] != samples[: len(found[1])]:
+                raise Wrong("the trials after a kill are not those of a campaign that was never killed")
+            if len(found[1]) != sum(trial[0] <= found[0][-1][0] for trial in samples) if found[0] else found[1]:
+                raise Wrong("a trial was stored without its sample")
+            here = len(found[0])
+        found = self.figures(*self.call("run" if here is None else "resume"))
         if (found["fingerprint"], found["trials"]) != (whole["fingerprint"], whole["trials"]):
             raise Wrong("the samples are not those of a campaign that was never killed")
-        return killed
+        return f"{killed} runs of {campaigns} campaigns of {len(trials)} trials killed at work"
 
 
-COMMANDS = {kind.__name__.lower(): kind for kind in (Decode, Mesh, Import, Fit, Export, Probe)}
+class FullDisk(Probe):
+    """The same campaign on a file system that becomes full, and then gets room."""
+
+    SCRIPT = """mount -t tmpfs -o size=500k palpate "$1" || exit 77
+shift; room=$1; shift
+"$@" >/dev/null; echo $? >"$room/status"
+mount -o remount,size=16m "$(dirname "$STORE")" && "$1" probe resume "$STORE" --json"""
+
+    def check(self, _kills, _moments):
+        whole = self.figures(*self.call("run"))
+        shutil.rmtree(self.out)
+        self.out.mkdir()
+        done = subprocess.run(
+            ["unshare", "--mount", "--map-root-user", "sh", "-c", self.SCRIPT, "sh", self.out, self.work, self.palpate,
+             *map(str, self.call("run"))], capture_output=True, text=True, check=False,
+            env={"STORE": str(self.store), "PATH": "/usr/sbin:/usr/bin:/sbin:/bin"})
+        status = self.work / "status"
+        if not status.exists():
+            raise Wrong(f"a small file system cannot be made here: {done.stderr.strip()}")
+        ended = status.read_text().strip()
+        said = [line for line in done.stderr.splitlines() if str(self.store) in line and "full" in line]
+        if ended != "1" or not said:
+            raise Wrong(f"exit status {ended} on a full disk: {done.stderr.strip()}")
+        found = json.loads(done.stdout)
+        if (found["fingerprint"], found["trials"]) != (whole["fingerprint"], whole["trials"]):
+            raise Wrong("the samples are not those of a campaign that always had room")
+        return f"{said[0]}; then there was room"
+
+
+COMMANDS = {kind.__name__.lower(): kind for kind in (Decode, Mesh, Import, Fit, Export, Probe, FullDisk)}
 
 
 def check_killed(command, before, after):
@@ -264,7 +324,10 @@ def check_command(command, kills, moments):
 
 
 def check(command, kills, moments):
-    return command.check(kills, moments) if isinstance(command, Probe) else check_command(command, kills, moments)
+    """Returns what was done, in words."""
+    if isinstance(command, Probe):
+        return command.check(kills, moments)
+    return f"{kills} runs, {check_command(command, kills, moments)} of them killed at work"
 
 
 def main():
@@ -278,8 +341,8 @@ def main():
     for name in call.commands:
         with tempfile.TemporaryDirectory() as work:
             try:
-                killed = check(COMMANDS[name](call.palpate, Path(work)), call.kills, random.Random(call.seed))
-                print(f"{name}: {call.kills} runs, {killed} of them killed at work: nothing lost", flush=True)
+                done = check(COMMANDS[name](call.palpate, Path(work)), call.kills, random.Random(call.seed))
+                print(f"{name}: {done}: nothing lost", flush=True)
             except Wrong as wrong:
                 print(f"{name}: {wrong}", flush=True)
                 status = 1
