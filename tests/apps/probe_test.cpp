@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // `palpate probe truth | plan | run | resume | status`, and what `fit` and `evaluate` make of them.
 #include <gtest/gtest.h>
+#include <sqlite3.h>
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -144,6 +145,21 @@ TEST_F(Probe, InterruptedAndResumedMeasuresTheSame) {
   EXPECT_TRUE(status["complete"]);
 }
 
+// A full disk looks to a process like a limit of the file size.
+TEST_F(Probe, AFullDiskEndsACampaignWhichThenGoesOn) {
+  plan({"--contacts", "6"});
+  const json whole = figures(run_call(scratch / "whole.db"));
+  const CommandResult full = run_palpate(run_call(store), {.max_file_size = 300000});
+  EXPECT_EQ(full.status, kWorkFailed);
+  EXPECT_NE(full.err.find(store + ": disk I/O error (File too large)"), std::string::npos)
+      << full.err;
+  EXPECT_NE(full.err.find("palpate probe resume"), std::string::npos) << full.err;
+  const json between = figures({"probe", "status", store});
+  EXPECT_GT(between["trials"], 0);
+  EXPECT_LT(between["trials"], whole["trials"]);
+  EXPECT_EQ(figures({"probe", "resume", store})["fingerprint"], whole["fingerprint"]);
+}
+
 TEST_F(Probe, ChoosesForcesByTheStrategyAsked) {
   plan({"--contacts", "2", "--levels", "2"});
   std::vector<std::string> call = run_call(store);
@@ -188,6 +204,25 @@ TEST_F(Probe, ProbesASolidOfFiniteElements) {
   const json done = figures(run_call(store));
   EXPECT_EQ(done["contacts_done"], 1);
   EXPECT_GE(done["samples"], 6);
+}
+
+TEST_F(Probe, RefusesAStoreWhosePlanIsNotThatOfItsTrials) {
+  plan({"--contacts", "2", "--levels", "2"});
+  (void)figures(run_call(store));
+  plan({"--contacts", "2", "--levels", "3"});
+  (void)figures(run_call(scratch / "b.db"));
+  sqlite3* raw = nullptr;
+  ASSERT_EQ(sqlite3_open(store.c_str(), &raw), SQLITE_OK);
+  const std::string take = "ATTACH '" + (scratch / "b.db") +
+                           "' AS other; UPDATE run SET value = (SELECT value FROM other.run WHERE "
+                           "key = 'plan') WHERE key = 'plan'";
+  EXPECT_EQ(sqlite3_exec(raw, take.c_str(), nullptr, nullptr, nullptr), SQLITE_OK);
+  sqlite3_close(raw);
+  for (const char* command : {"status", "resume"}) {
+    const std::string message = refusal({"probe", command, store});
+    EXPECT_NE(message.find("is not what its plan and its options order"), std::string::npos)
+        << message;
+  }
 }
 
 TEST_F(Probe, PlansOnAGridAndDrawsThePlan) {

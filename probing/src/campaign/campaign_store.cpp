@@ -39,6 +39,13 @@ constexpr std::array kOutcomes = {TrialOutcome::held,      TrialOutcome::slipped
                                   TrialOutcome::fell_off,  TrialOutcome::no_contact,
                                   TrialOutcome::unsettled, TrialOutcome::timed_out};
 
+/// Why the system refused an access to a file: " (File too large)"; empty if it did not.
+std::string cause_of_system(sqlite3* database) {
+  constexpr int kPrimaryCode = 0xff;
+  if ((sqlite3_errcode(database) & kPrimaryCode) != SQLITE_IOERR) return "";
+  return std::string(" (") + std::strerror(sqlite3_system_errno(database)) + ")";
+}
+
 TrialOutcome outcome_of(const std::string& name) {
   for (const TrialOutcome outcome : kOutcomes) {
     if (name == to_string(outcome)) return outcome;
@@ -171,8 +178,9 @@ struct CampaignStore::Impl {
       work();
       execute(database.get(), "COMMIT");
     } catch (const DatabaseError& wrong) {
+      const std::string cause = wrong.what() + cause_of_system(database.get());
       sqlite3_exec(database.get(), "ROLLBACK", nullptr, nullptr, nullptr);
-      throw OutputError(path.string() + ": " + wrong.what() +
+      throw OutputError(path.string() + ": " + cause +
                         "; free some space, then go on with 'palpate probe resume'");
     }
   }
@@ -350,10 +358,14 @@ void CampaignStore::finish() {
   for (std::optional<Insert>* each : {&impl_->contact, &impl_->sample, &impl_->trial,
                                       &impl_->boundary, &impl_->event, &impl_->memory})
     each->reset();
+  sqlite3* db = impl_->database.get();
   try {
-    execute(impl_->database.get(), "PRAGMA wal_checkpoint(TRUNCATE); PRAGMA journal_mode = DELETE");
+    execute(db, "PRAGMA wal_checkpoint(TRUNCATE); PRAGMA journal_mode = DELETE");
   } catch (const DatabaseError& wrong) {
-    throw OutputError(impl_->path.string() + ": " + wrong.what() + "; free some space");
+    // Someone reads it at this moment: it is complete with its log.
+    if (const int code = sqlite3_errcode(db); code == SQLITE_BUSY || code == SQLITE_LOCKED) return;
+    throw OutputError(impl_->path.string() + ": " + wrong.what() + cause_of_system(db) +
+                      "; free some space");
   }
 }
 

@@ -52,7 +52,7 @@ class ColumnList {
  public:
   std::size_t add(std::initializer_list<std::string_view> names) {
     const std::size_t first = names_.size();
-    names_.insert(names_.end(), names);
+    for (const std::string_view name : names) names_.push_back(name);
     return first;
   }
   [[nodiscard]] const std::vector<std::string_view>& names() const { return names_; }

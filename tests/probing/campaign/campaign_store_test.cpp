@@ -144,6 +144,17 @@ TEST_F(CampaignStoreTest, CanBeReadWhileACampaignWrites) {
   }
 }
 
+TEST_F(CampaignStoreTest, IsFinishedAlsoWhileAnotherProcessReadsIt) {
+  CampaignStore store = CampaignStore::create(path(), description());
+  sqlite3* reader = nullptr;
+  ASSERT_EQ(sqlite3_open(path().c_str(), &reader), SQLITE_OK);
+  ASSERT_EQ(sqlite3_exec(reader, "BEGIN; SELECT count(*) FROM trial", nullptr, nullptr, nullptr),
+            SQLITE_OK);
+  go_on(std::move(store));
+  sqlite3_close(reader);
+  EXPECT_GT(read_acquisition(path()).samples().size(), 60U);
+}
+
 // Processes that are killed at any moment, and go on: as one that was not.
 TEST_F(CampaignStoreTest, AfterKillsIsThatOfAnUninterruptedRun) {
   go_on(CampaignStore::create(path("whole.db"), description()));
@@ -178,7 +189,9 @@ TEST_F(CampaignStoreTest, AfterAFullDiskGoesOn) {
     const rlimit limit{150000, 150000};
     ::setrlimit(RLIMIT_FSIZE, &limit);
     const std::string message = refused([&] { go_on(CampaignStore::open(path())); });
-    ::_exit(message.find("free some space") != std::string::npos ? 7 : 8);
+    const bool says = message.find(path().string() + ": ") != std::string::npos &&
+                      message.find("(File too large); free some space") != std::string::npos;
+    ::_exit(says ? 7 : 8);
   }
   int status = 0;
   ::waitpid(child, &status, 0);
@@ -195,6 +208,26 @@ TEST_F(CampaignStoreTest, HasOneWriter) {
               HasSubstr("another process writes into it"));
   EXPECT_THAT(refused([&] { (void)CampaignStore::create(path(), description()); }),
               HasSubstr("exists already"));
+}
+
+// A privileged user may write into files that are read-only.
+TEST_F(CampaignStoreTest, AReadOnlyStoreCanBeLookedAtAndIsNotOpened) {
+  go_on(CampaignStore::create(path(), description()));
+  fs::permissions(folder.path(), fs::perms{0755});
+  fs::permissions(path(), fs::perms{0444});
+  const pid_t child = ::fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    constexpr uid_t kNobody = 65534;
+    if (::geteuid() == 0 && ::setuid(kNobody) != 0) ::_exit(9);
+    const std::string message = refused([&] { (void)CampaignStore::open(path()); });
+    const bool named = message == path().string() + ": cannot be written: Permission denied";
+    const bool looks = !CampaignStore::look(path()).trials(plan.contacts).empty();
+    ::_exit(named && looks ? 7 : 8);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  EXPECT_EQ(WEXITSTATUS(status), 7);
 }
 
 TEST_F(CampaignStoreTest, RefusesWhatIsNoCampaignOrANewerOne) {

@@ -62,7 +62,8 @@ class CampaignStore {
   /// Stores a message about the campaign.
   void note(const std::string& kind, const std::string& text);
 
-  /// Joins the log with the database, so that it is one file again.
+  /// Joins the log with the database, so that it is one file again. If another process reads it at
+  /// this moment, the log stays beside it.
   void finish();
 
  private:
