@@ -36,6 +36,39 @@ void check_reach_options(const ReachOptions& o) {
   require("ReachOptions::clearance", o.clearance, at_least(0).finite(), "mm");
   require("ReachOptions::depth", o.depth, at_least(0).finite(), "mm");
   require("ReachOptions::margin", o.margin, at_least(0).finite(), "mm");
+  require("LinkClearance::distance", o.links.distance, at_least(0).finite(), "mm");
+  require("LinkClearance::free_end", o.links.free_end, at_least(0).finite(), "mm");
+  require("LinkClearance::approach", o.links.approach, at_least(0).finite(), "mm");
+}
+
+/// Whether all points from one end to the other are at least `distance` [mm] from the surface.
+/// Along a line, the distance from a surface changes by no more than the way.
+bool line_is_clear(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double distance,
+                   const geometry::SurfaceQuery& surface) {
+  constexpr double kShortestStep = 0.1;  // [mm]; half of it may be missed between two points
+  const double length = (to - from).norm();
+  const Eigen::Vector3d along = (to - from).normalized();
+  for (double way = 0;;) {
+    const double room = surface.closest_point(from + way * along).distance - distance;
+    if (!(room >= 0)) return false;
+    if (way >= length) return true;
+    way = std::min(length, way + std::max(room, kShortestStep));
+  }
+}
+
+/// Along the approach, from its beginning to the touch. Places that the arm does not reach are
+/// above those where it must be.
+bool approach_is_clear(const Contact& contact, const ReachOptions& options,
+                       const geometry::SurfaceQuery& surface) {
+  constexpr double kStep = 2;  // [mm]
+  const double way = options.links.approach;
+  const int steps = std::max(1, static_cast<int>(std::ceil(way / kStep)));
+  for (int i = 0; i <= steps; ++i) {
+    const Eigen::Vector3d place = contact.position + (way - way * i / steps) * contact.normal;
+    if (reach_of(place, options) == Reach::reachable && !links_are_clear(place, surface, options))
+      return false;
+  }
+  return true;
 }
 
 }  // namespace
@@ -52,6 +85,8 @@ const char* to_string(Reach reach) {
       return "joint_limit";
     case Reach::too_weak:
       return "too_weak";
+    case Reach::collides:
+      return "collides";
   }
   return "";
 }
@@ -70,7 +105,25 @@ Reach reach_of(const Eigen::Vector3d& p_world, const ReachOptions& options) {
   return inside ? Reach::reachable : Reach::joint_limit;
 }
 
-Reach reach_of(const Contact& contact, const ContactPlan& plan, const ReachOptions& options) {
+bool links_are_clear(const Eigen::Vector3d& p_world, const geometry::SurfaceQuery& surface,
+                     const ReachOptions& options) {
+  const ArmGeometry& arm = options.geometry;
+  const Eigen::Vector3d tip = options.T_world_base.inverse() * p_world;
+  const std::optional<Eigen::Vector3d> joints = joints_at(arm, tip);
+  if (!joints) return false;
+  const double radius = arm.upper * std::cos((*joints)[1]);
+  const Eigen::Vector3d elbow(radius * std::sin((*joints)[0]), arm.upper * std::sin((*joints)[1]),
+                              radius * std::cos((*joints)[0]));
+  const double held = std::max(0.0, 1 - options.links.free_end / arm.lower);
+  const auto world = [&](const Eigen::Vector3d& place) { return options.T_world_base * place; };
+  return line_is_clear(world(elbow), world(elbow + held * (tip - elbow)), options.links.distance,
+                       surface) &&
+         line_is_clear(world(elbow), world(Eigen::Vector3d::Zero()), options.links.distance,
+                       surface);
+}
+
+Reach reach_of(const Contact& contact, const ContactPlan& plan, const ReachOptions& options,
+               const geometry::SurfaceQuery* surface) {
   constexpr double kStep = 5;  // [mm]
   const double way = options.clearance + options.depth;
   const int steps = std::max(1, static_cast<int>(std::ceil(way / kStep)));
@@ -89,14 +142,16 @@ Reach reach_of(const Contact& contact, const ContactPlan& plan, const ReachOptio
         return Reach::too_weak;
     }
   }
-  return Reach::reachable;
+  const bool clear = surface == nullptr || approach_is_clear(contact, options, *surface);
+  return clear ? Reach::reachable : Reach::collides;
 }
 
-PlanReach reach_of_plan(const ContactPlan& plan, const ReachOptions& options) {
+PlanReach reach_of_plan(const ContactPlan& plan, const ReachOptions& options,
+                        const geometry::SurfaceQuery* surface) {
   check_reach_options(options);
   PlanReach result;
   for (const Contact& contact : plan.contacts) {
-    result.contacts.push_back(reach_of(contact, plan, options));
+    result.contacts.push_back(reach_of(contact, plan, options, surface));
     ++result.counts[static_cast<std::size_t>(result.contacts.back())];
   }
   return result;

@@ -197,6 +197,11 @@ ArmSetup parse_arm_setup(const std::string& text, const std::string& source) {
   setup.knows_pose = members.take_pose("pose", setup.prober.T_world_base);
   members.take_words("driver", setup.driver);
   take_prober(members, setup.prober);
+  members.inside("links", [&](Members& inner) {
+    inner.take("distance", setup.links.distance, at_least(0).finite(), "mm");
+    inner.take("free_end", setup.links.free_end, at_least(0).finite(), "mm");
+    inner.take("approach", setup.links.approach, at_least(0).finite(), "mm");
+  });
   members.end();
   return setup;
 }

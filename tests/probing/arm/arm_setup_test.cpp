@@ -21,7 +21,7 @@ TEST(ArmSetup, TakesItsMembersAndKeepsTheDefaultsOfTheOthers) {
   const ArmSetup setup = parse_arm_setup(
       R"({"pose": [[0, 0, 1, 5], [1, 0, 0, 6], [0, 1, 0, 7]], "structure": 2, "mass": 0.1,
           "geometry": {"upper": 200}, "limits": {"depth": 30, "workspace": [[-1, -2, -3], [1, 2, 3]]},
-          "calibration": {"angles": 9, "low": [-0.4, 0, -0.3]}, "driver": {"port": "usb0", "n": 3}})",
+          "links": {"distance": 12}, "calibration": {"angles": 9, "low": [-0.4, 0, -0.3]}, "driver": {"port": "usb0", "n": 3}})",
       "arm.json");
   EXPECT_TRUE(setup.knows_pose);
   EXPECT_EQ(setup.prober.T_world_base * Vector3d(1, 2, 3), Vector3d(8, 7, 9));
@@ -31,6 +31,8 @@ TEST(ArmSetup, TakesItsMembersAndKeepsTheDefaultsOfTheOthers) {
   EXPECT_EQ(setup.prober.geometry.lower, ArmGeometry{}.lower);
   EXPECT_EQ(setup.prober.limits.depth, 30);
   EXPECT_EQ(setup.prober.limits.workspace.min(), Vector3d(-1, -2, -3));
+  EXPECT_EQ(setup.links.distance, 12);
+  EXPECT_EQ(setup.links.free_end, LinkClearance{}.free_end);
   EXPECT_EQ(setup.prober.calibration.angles, 9);
   EXPECT_EQ(setup.prober.calibration.low, Vector3d(-0.4, 0, -0.3));
   EXPECT_EQ(setup.driver.at("port"), "usb0");

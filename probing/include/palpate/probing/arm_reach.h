@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "palpate/eigen_alignment.h"
+#include "palpate/geometry/surface_query.h"
 #include "palpate/probing/arm_kinematics.h"
 #include "palpate/probing/contact_plan.h"
 
@@ -19,11 +20,20 @@ enum class Reach {
   too_far,      ///< the links are too short
   too_near,     ///< the links cannot fold so far, or the tip would be at the vertical axis
   joint_limit,  ///< a joint would be outside its range
-  too_weak      ///< a motor cannot give the torque of a planned force
+  too_weak,     ///< a motor cannot give the torque of a planned force
+  collides      ///< a link would come too near to the object
 };
-inline constexpr std::size_t kReaches = 5;
-/// "reachable", "too_far", "too_near", "joint_limit", "too_weak".
+inline constexpr std::size_t kReaches = 6;
+/// "reachable", "too_far", "too_near", "joint_limit", "too_weak", "collides".
 [[nodiscard]] const char* to_string(Reach reach);
+
+/// How far the links stay from the object while the tip comes to it. Links are the lines between
+/// the joints, and from the last joint to the tip.
+struct LinkClearance {
+  double distance = 3;   ///< [mm] of each link from the surface, with half of its thickness; >= 0
+  double free_end = 10;  ///< [mm] before the tip, where the last link may come nearer; >= 0
+  double approach = 30;  ///< [mm] along the normal, on which this must hold; >= 0
+};
 
 struct ReachOptions {
   ArmGeometry geometry = {};
@@ -35,21 +45,32 @@ struct ReachOptions {
   double clearance = 20;  ///< [mm] above the surface; >= 0
   double depth = 10;      ///< [mm] that a tip may go into the object; >= 0
   double margin = 5;      ///< [mm] to the limits of the links; >= 0
+  LinkClearance links = {};
 };
 
 /// Whether the tip can be at a place, with `margin`, and apply no force.
 [[nodiscard]] Reach reach_of(const Eigen::Vector3d& p_world, const ReachOptions& options);
 
+/// Whether the links stay away from a surface (world frame) while the tip is at a place, which must
+/// be reachable: every point of them, but for 0.05 mm.
+[[nodiscard]] bool links_are_clear(const Eigen::Vector3d& p_world,
+                                   const geometry::SurfaceQuery& surface,
+                                   const ReachOptions& options);
+
 /// The worst of a contact: from `clearance` above it to `depth` behind it, a place each 5 mm, with
 /// all planned forces where the tip presses.
+/// \param surface of the object at rest, for the links along `LinkClearance::approach`, a place each
+/// 2 mm; null: they are not checked.
 [[nodiscard]] Reach reach_of(const Contact& contact, const ContactPlan& plan,
-                             const ReachOptions& options);
+                             const ReachOptions& options,
+                             const geometry::SurfaceQuery* surface = nullptr);
 
 struct PlanReach {
   std::vector<Reach> contacts = {};       ///< of each contact of the plan
   std::array<int, kReaches> counts = {};  ///< of contacts by `Reach`
 };
 /// \throws InvalidInput if an option is outside its range.
-[[nodiscard]] PlanReach reach_of_plan(const ContactPlan& plan, const ReachOptions& options);
+[[nodiscard]] PlanReach reach_of_plan(const ContactPlan& plan, const ReachOptions& options,
+                                      const geometry::SurfaceQuery* surface = nullptr);
 
 }  // namespace palpate::probing

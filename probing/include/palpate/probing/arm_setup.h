@@ -11,12 +11,14 @@
 #include "palpate/eigen_alignment.h"
 #include "palpate/geometry/triangle_mesh.h"
 #include "palpate/probing/arm_prober.h"
+#include "palpate/probing/arm_reach.h"
 
 namespace palpate::probing {
 
 /// How an arm stands before an object, and how it is used.
 struct ArmSetup {
   ArmProberOptions prober;
+  LinkClearance links;
   bool knows_pose = false;                    ///< `prober.T_world_base` was given
   std::map<std::string, std::string> driver;  ///< options of a driver
 };
@@ -26,8 +28,8 @@ struct ArmSetup {
 ///     {"pose": [[1, 0, 0, 0], [0, 0, 1, -195], [0, -1, 0, 485]], "structure": 3.5,
 ///      "calibration": {"angles": 9}, "driver": {"port": "/dev/ttyUSB0"}}
 ///
-/// The members are the fields of ArmProberOptions and of its structs with their defaults;
-/// docs/probing.md lists them.
+/// The members are the fields of ArmProberOptions, LinkClearance and their structs, with their
+/// defaults; docs/probing.md lists them.
 /// \param source names the text in messages.
 /// \throws FileError naming the member, what is wrong with it, and what would be right.
 [[nodiscard]] ArmSetup parse_arm_setup(const std::string& text, const std::string& source);
