@@ -9,6 +9,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <string>
 
 #include "palpate/error.h"
 #include "palpate/geometry/surface_query.h"
@@ -345,7 +346,8 @@ struct VirtualArm::Simulation {
   std::uint64_t ticks = 0, sample = 0, sample_begin = 0;
   std::array<bool, 3> resting{};
   bool active = false;
-  bool near = false;  // the surface is within a period's motion
+  std::string refusal;  // why the specimen gave no displacement
+  bool near = false;    // the surface is within a period's motion
   Eigen::Vector3d force = Eigen::Vector3d::Zero();
   Eigen::Vector3d torque = Eigen::Vector3d::Zero();
   Eigen::Vector3d delivered = Eigen::Vector3d::Zero();
@@ -380,6 +382,7 @@ double VirtualArm::now() const noexcept { return simulation_->time; }
 
 void VirtualArm::activate() {
   simulation_->active = true;
+  simulation_->refusal.clear();
   simulation_->force.setZero();
 }
 
@@ -387,7 +390,8 @@ bool VirtualArm::read(ArmState& state) noexcept {
   Simulation& s = *simulation_;
   try {
     s.tick();
-  } catch (const Error&) {  // the specimen has no equilibrium
+  } catch (const Error& none) {  // the specimen has no equilibrium
+    s.refusal = none.what();
     return false;
   }
   state.time = s.time;
@@ -406,6 +410,8 @@ bool VirtualArm::write(const ArmCommand& command) noexcept {
 }
 
 void VirtualArm::stop() noexcept { simulation_->active = false; }
+
+std::string VirtualArm::last_error() const { return simulation_->refusal; }
 
 void VirtualArm::begin_sample(std::uint64_t sample) noexcept {
   simulation_->sample = sample;

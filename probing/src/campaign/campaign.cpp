@@ -33,6 +33,7 @@ void check_campaign_options(const CampaignOptions& options) {
   require("CampaignOptions::cautious", options.cautious, above(0).at_most(0.5));
   require("CampaignOptions::friction_accuracy", options.friction_accuracy, above(0).finite());
   require("CampaignOptions::most_failures", options.most_failures, above(0));
+  require("CampaignOptions::reference_every", options.reference_every, at_least(0));
   const ProgramOptions& program = options.program;
   require("ProgramOptions::clearance", program.clearance, above(0).finite(), "mm");
   require("ProgramOptions::travel_limit", program.travel_limit, above(0), "s");
@@ -222,7 +223,9 @@ struct Campaign::Impl {
     TrialVerdict verdict;
     count(result);
     if (adaptive) {
-      const AdaptiveTrials::Taken taken = adaptive->take(result);
+      TrialResult charged = result;  // with the time of the reference probe before it
+      charged.seconds += std::exchange(reference_seconds, 0);
+      const AdaptiveTrials::Taken taken = adaptive->take(charged);
       cones = adaptive->cones();
       decide();
       return {.on_boundary = taken.on_boundary, .contact_given_up = taken.contact_given_up};
@@ -284,6 +287,7 @@ struct Campaign::Impl {
   std::optional<ConePosterior> posterior;
   std::vector<ConeEstimate> cones;
   CampaignProgress tallies;
+  double reference_seconds = 0;  // since the latest trial
   std::optional<TrialOrder> order;
 };
 
@@ -314,6 +318,25 @@ TrialVerdict Campaign::take(const TrialRecord& record) {
                        " is not the one that this plan and these options order next");
   }
   return impl_->take(record.result);
+}
+
+std::optional<TrialOrder> Campaign::reference() const {
+  const Impl& at = *impl_;
+  const int every = at.options.reference_every;
+  if (every == 0 || !at.order || at.tallies.samples / every < at.tallies.references)
+    return std::nullopt;
+  return reference_order(at.plan, at.tallies.references);
+}
+
+void Campaign::take_reference(const ReferenceProbe& probe) {
+  Impl& at = *impl_;
+  if (!reference() || probe.number != at.tallies.references || probe.trials != at.tallies.trials) {
+    throw InvalidInput("Campaign: reference probe " + std::to_string(probe.number) + " after " +
+                       std::to_string(probe.trials) + " trials is not due");
+  }
+  ++at.tallies.references;
+  at.tallies.seconds += probe.result.seconds;
+  at.reference_seconds += probe.result.seconds;
 }
 
 CampaignProgress Campaign::progress() const {

@@ -33,6 +33,12 @@ constexpr const char* kCampaignSchema =
     " seconds REAL NOT NULL, creep REAL, work_dragging REAL, work_releasing REAL);"
     "CREATE TABLE event(id INTEGER PRIMARY KEY, trial INTEGER, kind TEXT NOT NULL,"
     " text TEXT NOT NULL);";
+// Stores that campaigns without reference probes began do not have it.
+constexpr const char* kReferenceSchema =
+    "CREATE TABLE IF NOT EXISTS reference_probe(id INTEGER PRIMARY KEY, trials INTEGER NOT NULL,"
+    " time REAL NOT NULL, contact INTEGER NOT NULL, nx REAL NOT NULL, ny REAL NOT NULL,"
+    " nz REAL NOT NULL, outcome TEXT NOT NULL, touch_x REAL, touch_y REAL, touch_z REAL,"
+    " ax REAL, ay REAL, az REAL, seconds REAL NOT NULL)";
 constexpr const char* kWhatACampaignIs = "; expected the store of 'palpate probe run'";
 
 constexpr std::array kOutcomes = {TrialOutcome::held,      TrialOutcome::slipped,
@@ -104,6 +110,8 @@ void visit_limits(Options& o, Visit&& visit) {
   visit("max_samples", o.max_samples);
 }
 
+constexpr const char* kReferenceEvery = "reference_every";  // older stores do not have it
+
 TrialStrategy strategy_of(const std::string& name) {
   for (const TrialStrategy each :
        {TrialStrategy::pooled, TrialStrategy::bisection, TrialStrategy::adaptive}) {
@@ -114,6 +122,11 @@ TrialStrategy strategy_of(const std::string& name) {
 
 bool has_campaign(sqlite3* database) {
   return number_of(database, "SELECT count(*) FROM sqlite_master WHERE name = 'run'") > 0;
+}
+
+bool has_references(sqlite3* database) {
+  return number_of(database, "SELECT count(*) FROM sqlite_master WHERE name = 'reference_probe'") >
+         0;
 }
 
 void check_is_campaign(sqlite3* database) {
@@ -152,11 +165,12 @@ struct CampaignStore::Impl {
   Database database;
   CampaignDescription description = {};
   std::optional<Insert> contact = {}, sample = {}, trial = {}, boundary = {}, event = {},
-                        memory = {};
+                        memory = {}, reference = {};
 
   void prepare_to_write() {
     sqlite3* db = database.get();
     execute(db, "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL; PRAGMA foreign_keys = ON");
+    if (!has_references(db)) execute(db, kReferenceSchema);
   }
 
   void prepare_statements() {
@@ -168,6 +182,7 @@ struct CampaignStore::Impl {
     boundary.emplace(db, "UPDATE sample SET on_friction_boundary = 1 WHERE id = ?");
     event.emplace(db, "INSERT INTO event(trial, kind, text) VALUES(?,?,?)");
     memory.emplace(db, "INSERT OR REPLACE INTO run VALUES('memory', ?)");
+    reference.emplace(db, "INSERT INTO reference_probe VALUES(?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)");
   }
 
   // Performs all of `work` or nothing.
@@ -206,6 +221,7 @@ CampaignStore CampaignStore::create(const std::filesystem::path& path,
       execute(db, "PRAGMA journal_mode = MEMORY; BEGIN");
       execute(db, kAcquisitionSchema);
       execute(db, kCampaignSchema);
+      execute(db, kReferenceSchema);
       std::string set_version = "PRAGMA user_version = ";
       set_version += std::to_string(kStoreVersion);
       execute(db, set_version.c_str());
@@ -309,6 +325,51 @@ std::vector<TrialRecord> CampaignStore::trials(const std::vector<Contact>& conta
   return records;
 }
 
+std::vector<ReferenceProbe> CampaignStore::references() const {
+  sqlite3* db = impl_->database.get();
+  std::vector<ReferenceProbe> probes;
+  try {
+    if (!has_references(db)) return {};
+    const Statement rows = prepare(db, "SELECT * FROM reference_probe ORDER BY id");
+    while (step(rows.get())) {
+      Row row(rows.get(), "reference_probe");
+      ReferenceProbe probe;
+      probe.number = row.integer();
+      probe.trials = row.integer();
+      probe.time = row.number();
+      static_cast<void>(row.integer());  // contact and force, which the plan gives
+      static_cast<void>(row.vector());
+      probe.result.outcome = outcome_of(row.text());
+      probe.result.touch = row.vector_or_nan();
+      probe.result.a = row.vector_or_nan();
+      probe.result.seconds = row.number();
+      probes.push_back(probe);
+    }
+  } catch (const DatabaseError& wrong) {
+    throw FileError(impl_->path.string() + ": " + wrong.what() + kWhatACampaignIs);
+  }
+  return probes;
+}
+
+std::vector<CampaignEvent> CampaignStore::events() const {
+  std::vector<CampaignEvent> events;
+  try {
+    const Statement rows =
+        prepare(impl_->database.get(), "SELECT trial, kind, text FROM event ORDER BY id");
+    while (step(rows.get())) {
+      Row row(rows.get(), "event");
+      CampaignEvent event;
+      event.trial = row.integer();
+      event.kind = row.text();
+      event.text = row.text();
+      events.push_back(std::move(event));
+    }
+  } catch (const DatabaseError& wrong) {
+    throw FileError(impl_->path.string() + ": " + wrong.what() + kWhatACampaignIs);
+  }
+  return events;
+}
+
 void CampaignStore::append(const TrialRecord& record, const TrialVerdict& verdict, double time,
                            const std::string& memory) {
   const TrialOrder& order = record.order;
@@ -326,12 +387,29 @@ void CampaignStore::append(const TrialRecord& record, const TrialVerdict& verdic
                    << result.work_dragging << result.work_releasing)
         .run();
     if (verdict.on_boundary) (*impl_->boundary << *verdict.on_boundary).run();
+    if (!result.reason.empty()) {
+      (*impl_->event << order.trial << std::string("no_equilibrium")
+                     << "contact " + std::to_string(order.contact.id) + ": " + result.reason)
+          .run();
+    }
     if (verdict.contact_given_up) {
       (*impl_->event << order.trial << std::string("contact_given_up")
                      << "contact " + std::to_string(order.contact.id) + ": " +
                             to_string(result.outcome))
           .run();
     }
+    if (!memory.empty()) (*impl_->memory << memory).run();
+  });
+}
+
+void CampaignStore::append(const ReferenceProbe& probe, const TrialOrder& order,
+                           const std::string& memory) {
+  const TrialResult& result = probe.result;
+  impl_->transact([&] {
+    (*impl_->reference << probe.number << probe.trials << probe.time << order.contact.id
+                       << order.normal_force << std::string(to_string(result.outcome))
+                       << result.touch << result.a << result.seconds)
+        .run();
     if (!memory.empty()) (*impl_->memory << memory).run();
   });
 }
@@ -355,8 +433,9 @@ void CampaignStore::note(const std::string& kind, const std::string& text) {
 }
 
 void CampaignStore::finish() {
-  for (std::optional<Insert>* each : {&impl_->contact, &impl_->sample, &impl_->trial,
-                                      &impl_->boundary, &impl_->event, &impl_->memory})
+  for (std::optional<Insert>* each :
+       {&impl_->contact, &impl_->sample, &impl_->trial, &impl_->boundary, &impl_->event,
+        &impl_->memory, &impl_->reference})
     each->reset();
   sqlite3* db = impl_->database.get();
   try {
@@ -374,6 +453,7 @@ std::string to_text(const CampaignOptions& options) {
   const auto write = [&](const char* name, const auto& value) { json[name] = value; };
   visit_campaign_options(options, write);
   if (options.strategy == TrialStrategy::adaptive) visit_limits(options, write);
+  write(kReferenceEvery, options.reference_every);
   return json.dump();
 }
 
@@ -387,6 +467,7 @@ CampaignOptions parse_campaign_options(const std::string& text, const std::strin
     visit_limits(options, [&](const char* name, auto& value) {
       if (json.contains(name)) json.at(name).get_to(value);
     });
+    options.reference_every = json.value(kReferenceEvery, 0);
   } catch (const Json::exception& wrong) {
     throw FileError(source + ": its strategy cannot be read: " + wrong.what());
   } catch (const DatabaseError& wrong) {

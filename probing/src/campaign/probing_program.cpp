@@ -186,6 +186,7 @@ ProgramStep advance(const ProgramState& before, const ProbeReport& report,
     return enter(std::move(state), next, options);
   }
   state.result.outcome = late ? TrialOutcome::timed_out : failure(report.outcome);
+  state.result.reason = report.reason;
   if (state.stage == ProgramStage::drag && state.result.outcome == TrialOutcome::fell_off)
     state.result.b = report.position;
   return enter(std::move(state), ProgramStage::lift, options);

@@ -7,10 +7,11 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <string>
 #include <utility>
 
-#include "palpate/error.h"
 #include "palpate/geometry/surface_query.h"
+#include "palpate/probing/specimen_response.h"
 #include "palpate/require.h"
 #include "records/record_hash.h"
 
@@ -122,20 +123,16 @@ class QuasiStaticArm : public Prober {
     } else if (action.kind == ProbeActionKind::drag) {
       microslip_ = microslip_after(force);
     }
-    const std::optional<Vector3d> displacement = displacement_under(force);
-    if (!displacement) return {ProbeOutcome::unsettled, measured(action, tip_), action.time_limit};
+    std::string reason;
+    const std::optional<Vector3d> displacement = response_of(*specimen_, place_, force, reason);
+    if (!displacement) {
+      ProbeReport report{ProbeOutcome::unsettled, measured(action, tip_), action.time_limit};
+      report.reason = std::move(reason);
+      return report;
+    }
     Vector3d rest = place_ + *displacement;
     if (action.kind == ProbeActionKind::release) rest += microslip_;
     return settle(action, rest, retardation_.share * *displacement - late_);
-  }
-
-  /// None where the object has no equilibrium: it does not come to rest.
-  std::optional<Vector3d> displacement_under(const Vector3d& force) const {
-    try {
-      return specimen_->displacement(place_, force);
-    } catch (const SolverError&) {
-      return std::nullopt;
-    }
   }
 
   static bool sticks(const FrictionCone& cone, const Vector3d& force, double part) {

@@ -14,6 +14,7 @@
 #include "block_specimen.h"
 #include "not_finite.h"
 #include "palpate/error.h"
+#include "palpate/probing/arm_setup.h"
 #include "refusal.h"
 
 namespace palpate::probing {
@@ -247,6 +248,37 @@ TEST(VirtualArm, RunsFiftyTimesAsFastAsRealTime) {
 #ifdef NDEBUG
   EXPECT_LT(quickest / 500, 20e-6);
 #endif
+}
+
+TEST(VirtualArm, SaysWhyTheObjectDoesNotAnswer) {
+  class BreakingBlock final : public Specimen {
+   public:
+    const geometry::TriangleMesh& surface() const override { return block_.surface(); }
+    Eigen::Vector3d displacement(const Eigen::Vector3d&, const Eigen::Vector3d&) const override {
+      throw SolverError("elements turned inside out");
+    }
+    FrictionCone friction_cone(const Eigen::Vector3d& contact) const override {
+      return block_.friction_cone(contact);
+    }
+
+   private:
+    testing::BlockSpecimen block_{0.8};
+  } const broken;
+  VirtualArmOptions options;
+  options.T_world_base = mount_over(broken.surface(), options.geometry);
+  VirtualArm arm(&broken, options);
+  EXPECT_EQ(arm.last_error(), "");
+  arm.activate();
+  ArmState state;
+  bool answers = true;
+  for (int i = 0; i < 5000 && answers; ++i) {
+    answers = arm.read(state);
+    (void)arm.write({.force = Eigen::Vector3d(0, -1, 0)});  // down, onto the block
+  }
+  EXPECT_FALSE(answers);
+  EXPECT_EQ(arm.last_error(), "elements turned inside out");
+  arm.activate();
+  EXPECT_EQ(arm.last_error(), "");
 }
 
 TEST(VirtualArm, RefusesWrongOptionsAndCommands) {

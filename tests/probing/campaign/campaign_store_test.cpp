@@ -117,6 +117,75 @@ TEST_F(CampaignStoreTest, GivesBackTrialsToTheLastBit) {
   EXPECT_EQ(to_text(parse_campaign_options(to_text(options), "a.db")), to_text(options));
 }
 
+TEST_F(CampaignStoreTest, GivesBackReferenceProbesToTheLastBit) {
+  CampaignStore store = CampaignStore::create(path(), description());
+  const auto arm = make_quasi_static_arm(sheet);
+  std::vector<ReferenceProbe> probes;
+  for (long long i = 0; i < 3; ++i) {
+    const TrialOrder order = reference_order(plan, i);
+    probes.push_back(
+        {.number = i, .trials = 50 * i, .time = 600.5, .result = run_trial(*arm, order, {})});
+    if (i == 2) probes[2].result.a.setConstant(std::nan(""));
+    if (i == 2) probes[2].result.outcome = TrialOutcome::no_contact;
+    store.append(probes.back(), order, "after " + std::to_string(i));
+  }
+  const std::vector<ReferenceProbe> read = CampaignStore::look(path()).references();
+  ASSERT_EQ(read.size(), 3U);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(read[i].number, probes[i].number);
+    EXPECT_EQ(read[i].trials, probes[i].trials);
+    EXPECT_EQ(read[i].time, probes[i].time);
+    EXPECT_EQ(read[i].result.outcome, probes[i].result.outcome);
+    EXPECT_EQ(read[i].result.touch, probes[i].result.touch);
+    EXPECT_EQ(read[i].result.seconds, probes[i].result.seconds);
+  }
+  EXPECT_EQ(read[1].result.a, probes[1].result.a);
+  EXPECT_FALSE(read[2].result.a.allFinite());
+  EXPECT_EQ(store.memory(), "after 2");
+  EXPECT_TRUE(read_acquisition(path()).samples().empty());  // they are no samples
+}
+
+TEST_F(CampaignStoreTest, GoesOnWithAStoreThatWasBegunWithoutReferenceProbes) {
+  { CampaignStore store = CampaignStore::create(path(), description()); }
+  sqlite3* raw = nullptr;
+  ASSERT_EQ(sqlite3_open(path().c_str(), &raw), SQLITE_OK);
+  sqlite3_exec(raw, "DROP TABLE reference_probe", nullptr, nullptr, nullptr);
+  sqlite3_close(raw);
+  EXPECT_TRUE(CampaignStore::look(path()).references().empty());
+  go_on(CampaignStore::open(path()), 2);
+  CampaignStore store = CampaignStore::open(path());
+  store.append(ReferenceProbe{}, reference_order(plan, 0));
+  EXPECT_EQ(store.references().size(), 1U);
+  std::string text = to_text(options);
+  const std::string member = ",\"reference_every\":50";
+  ASSERT_NE(text.find(member), std::string::npos) << text;
+  text.erase(text.find(member), member.size());
+  EXPECT_EQ(parse_campaign_options(text, "a.db").reference_every, 0);
+}
+
+TEST_F(CampaignStoreTest, TellsWhyATrialFailed) {
+  CampaignStore store = CampaignStore::create(path(), description());
+  Campaign campaign(plan, options);
+  TrialRecord record{*campaign.next(), {}};
+  record.result.outcome = TrialOutcome::unsettled;
+  record.result.reason = "the object has no equilibrium: path_blocked beyond 1 N";
+  TrialVerdict verdict;
+  verdict.contact_given_up = true;
+  store.append(record, verdict, 0);
+  record.order.trial = 1;
+  record.result.reason = "";  // it only takes too long
+  store.append(record, {}, 10);
+  store.note("arm_stopped", "cable");
+  const std::vector<CampaignEvent> events = store.events();
+  ASSERT_EQ(events.size(), 3U);
+  EXPECT_EQ(events[0].trial, 0);
+  EXPECT_EQ(events[0].kind, "no_equilibrium");
+  EXPECT_EQ(events[0].text, "contact 0: the object has no equilibrium: path_blocked beyond 1 N");
+  EXPECT_EQ(events[1].kind, "contact_given_up");
+  EXPECT_EQ(events[2].kind, "arm_stopped");
+  EXPECT_EQ(events[2].trial, 1);
+}
+
 TEST_F(CampaignStoreTest, IsAnAcquisitionAtAnyTime) {
   CampaignStore store = CampaignStore::create(path(), description());
   go_on(std::move(store), 9);

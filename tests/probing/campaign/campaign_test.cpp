@@ -62,6 +62,98 @@ TEST(Campaign, GoesThroughContactsLevelsAndDirections) {
   EXPECT_EQ(campaign.cones().size(), 4U);
 }
 
+TEST(Campaign, ReferenceProbesComeEachFiftySamplesAndDecideNothing) {
+  const CampaignOptions options;
+  Campaign with(small_plan(*kSheet), options), without(small_plan(*kSheet), options);
+  const auto arm = make_quasi_static_arm(kSheet);
+  std::vector<int> samples_before;
+  double seconds = 0;
+  while (const auto order = with.next()) {
+    if (const auto reference = with.reference()) {
+      samples_before.push_back(with.progress().samples);
+      ReferenceProbe probe{.number = with.progress().references,
+                           .trials = with.progress().trials,
+                           .result = run_trial(*arm, *reference, {})};
+      EXPECT_EQ(probe.result.outcome, TrialOutcome::held);
+      seconds += probe.result.seconds;
+      ++probe.number;
+      EXPECT_THROW(with.take_reference(probe), InvalidInput);
+      --probe.number;
+      with.take_reference(probe);
+      EXPECT_FALSE(with.reference());
+      EXPECT_THROW(with.take_reference(probe), InvalidInput);
+    }
+    ASSERT_EQ(without.next()->tangential_force, order->tangential_force);
+    ASSERT_EQ(without.next()->trial, order->trial);
+    const TrialResult result = run_trial(*arm, *order, {});
+    (void)with.take({*order, result});
+    (void)without.take({*order, result});
+  }
+  EXPECT_FALSE(with.reference());
+  ASSERT_EQ(samples_before.size(), 1U + static_cast<std::size_t>(with.progress().samples - 1) / 50);
+  for (std::size_t i = 0; i < samples_before.size(); ++i)
+    EXPECT_EQ(samples_before[i], static_cast<int>(50 * i));
+  EXPECT_EQ(with.progress().references, static_cast<int>(samples_before.size()));
+  EXPECT_NEAR(with.progress().seconds, without.progress().seconds + seconds, 1e-6);
+  EXPECT_LT(seconds, 0.05 * with.progress().seconds);  // with the way from where the arm stood
+  EXPECT_FALSE(Campaign(small_plan(*kSheet), {.reference_every = 0}).reference());
+  EXPECT_THROW(Campaign(small_plan(*kSheet), {.reference_every = -1}), InvalidInput);
+}
+
+TEST(Campaign, EndsWhereNothingHoldsAndWhereHardlyAnythingSlips) {
+  for (const TrialStrategy strategy : {TrialStrategy::pooled, TrialStrategy::bisection}) {
+    const CampaignOptions options{.strategy = strategy};
+    for (const double friction : {0.0, 3.0}) {
+      const std::shared_ptr<const Specimen> body = make_specimen(ElasticBody{.friction = friction});
+      Campaign campaign(small_plan(*body, 2), options);
+      const auto arm = make_quasi_static_arm(body);
+      const std::vector<TrialRecord> records = perform(campaign, *arm, options);
+      EXPECT_EQ(campaign.progress().contacts_done, 2);
+      EXPECT_EQ(campaign.progress().contacts_given_up, 0);
+      for (const TrialRecord& record : records) {
+        const TrialOrder& order = record.order;
+        // Without friction the tip slides off as it is pressed; so much friction it leaves only
+        // under the least normal forces.
+        const bool slips = order.tangential_force.norm() > friction * order.normal_force.norm();
+        if (friction == 0) {
+          EXPECT_EQ(record.result.outcome, TrialOutcome::fell_off);
+          EXPECT_EQ(order.direction, -1);
+        } else if (std::abs(order.tangential_force.norm() - 3 * order.normal_force.norm()) > 0.15) {
+          EXPECT_EQ(is_slip(record.result.outcome), slips) << order.trial;
+        }
+      }
+      if (friction == 0) {
+        EXPECT_EQ(records.size(), 2U * 5);
+        continue;
+      }
+      for (const ConeEstimate& cone : campaign.cones()) {
+        EXPECT_LT(cone.low, 3);
+        EXPECT_GT(cone.high, 3);
+      }
+    }
+  }
+}
+
+TEST(Campaign, GoesOnAfterTheTipFellOffAnEdge) {
+  const std::shared_ptr<const Specimen> body = make_specimen(ElasticBody{.friction = 0.4});
+  ContactPlan plan = small_plan(*body, 2);
+  const double edge = body->surface().vertices.row(0).maxCoeff();
+  plan.contacts[0].position = {edge - 2, 0, 700};
+  const CampaignOptions options;
+  Campaign campaign(plan, options);
+  const auto arm = make_quasi_static_arm(body);
+  int fallen = 0, held_after = 0;
+  for (const TrialRecord& record : perform(campaign, *arm, options)) {
+    const bool at_edge = std::abs(record.result.b.x() - edge) < 0.2;  // NaN if it was only pressed
+    fallen += record.result.outcome == TrialOutcome::fell_off && at_edge ? 1 : 0;
+    held_after += fallen > 0 && record.result.outcome == TrialOutcome::held ? 1 : 0;
+  }
+  EXPECT_GT(fallen, 0);
+  EXPECT_GT(held_after, 10);
+  EXPECT_EQ(campaign.progress().contacts_done, 2);
+  EXPECT_EQ(campaign.progress().contacts_given_up, 0);
+}
+
 // Thesis 4.3, with the cone that the arm does not show.
 TEST(Campaign, BisectionEndsAtTheFrictionBoundary) {
   QuasiStaticArmOptions exact{.position_noise = 0.001, .force_noise = 0, .location_noise = 0};

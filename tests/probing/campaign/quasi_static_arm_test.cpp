@@ -174,6 +174,9 @@ TEST(QuasiStaticArm, DoesNotComeToRestWhereTheObjectHasNoEquilibrium) {
   const TrialResult failed = run_trial(*arm, order(1, 1.1, 0), patient);
   EXPECT_EQ(failed.outcome, TrialOutcome::unsettled);
   EXPECT_GE(failed.seconds, patient.settle_limit);
+  EXPECT_EQ(failed.reason, "no equilibrium");
+  const auto slow = make_quasi_static_arm(make_specimen(kBody), {.time_constant = 4});
+  EXPECT_EQ(run_trial(*slow, order(0, 1, 0.2), {}).reason, "");  // it only takes too long
 }
 
 TEST(QuasiStaticArm, TakesAboutTwelveSecondsASample) {

@@ -10,6 +10,7 @@
 #include "palpate/probing/cone_posterior.h"
 #include "palpate/probing/contact_plan.h"
 #include "palpate/probing/probing_program.h"
+#include "palpate/probing/reference_probe.h"
 
 namespace palpate::probing {
 
@@ -33,6 +34,9 @@ struct CampaignOptions {
   /// deviation of the contact's coefficient exceeds this; > 0
   double friction_accuracy = 0.01;
   int most_failures = 2;  ///< in a row (nothing touched, not at rest, late) end a contact; > 0
+  /// Samples from one reference probe to the next, of which the first precedes all trials; >= 0,
+  /// 0: none
+  int reference_every = 50;
   ProgramOptions program = {};
   /// `adaptive`, which needs one of these limits; 0: no limit; >= 0
   double until = 0;      ///< [N] stated error
@@ -61,7 +65,8 @@ struct CampaignProgress {
   int contacts_done = 0;  ///< given up or not
   int contacts_given_up = 0;
   int contacts = 0;
-  double seconds = 0;                      ///< of all trials so far
+  int references = 0;                      ///< reference probes so far
+  double seconds = 0;                      ///< of all trials and reference probes so far
   double trials_left = 0;                  ///< expected
   double seconds_left = 0;                 ///< expected
   StatedError stated = {};                 ///< `adaptive`
@@ -92,6 +97,12 @@ class Campaign {
   /// Takes the result of the trial that `next` ordered.
   /// \throws InvalidInput if the record is of another trial.
   TrialVerdict take(const TrialRecord& record);
+
+  /// The reference probe that is due before `next`; none if none is.
+  [[nodiscard]] std::optional<TrialOrder> reference() const;
+  /// Takes what `reference` ordered. Only the time that it took counts for what comes next.
+  /// \throws InvalidInput if it is not due.
+  void take_reference(const ReferenceProbe& probe);
 
   [[nodiscard]] CampaignProgress progress() const;
   [[nodiscard]] const ContactPlan& plan() const;

@@ -21,10 +21,18 @@ struct CampaignDescription {
   std::string software;  ///< name and version of the program
 };
 
+/// A message about a campaign.
+struct CampaignEvent {
+  long long trial = -1;  ///< that it belongs to, or that was the latest; -1 if there was none
+  std::string kind;      ///< "contact_given_up", "no_equilibrium", "arm_stopped", ...
+  std::string text;
+};
+
 /// The store of a running campaign: the database of acquisition_store.h, with the tables
-/// `run(key, value)`, `trial` (one row a `TrialRecord`) and `event(id, trial, kind, text)` beside.
-/// Each trial is one transaction, which survives a crash and a loss of power (write-ahead log,
-/// fully synchronous). `read_acquisition` reads the file at any time.
+/// `run(key, value)`, `trial` (one row a `TrialRecord`), `reference_probe` (one row a
+/// `ReferenceProbe`) and `event(id, trial, kind, text)` beside. Each trial is one transaction,
+/// which survives a crash and a loss of power (write-ahead log, fully synchronous).
+/// `read_acquisition` reads the file at any time.
 class CampaignStore {
  public:
   /// Begins a new campaign.
@@ -50,13 +58,21 @@ class CampaignStore {
   /// \throws FileError if a row is not a trial of these contacts.
   [[nodiscard]] std::vector<TrialRecord> trials(const std::vector<Contact>& contacts) const;
 
-  /// Stores a trial, its sample with its contact, and what followed from it.
+  /// The reference probes so far, in order. \throws FileError if a row is not one.
+  [[nodiscard]] std::vector<ReferenceProbe> references() const;
+  /// In order. \throws FileError if the table cannot be read.
+  [[nodiscard]] std::vector<CampaignEvent> events() const;
+
+  /// Stores a trial, its sample with its contact, and what followed from it. A trial that failed
+  /// for a `TrialResult::reason` gives an event "no_equilibrium".
   /// \param time [s] since the campaign began.
   /// \param memory `Prober::memory` after the trial.
   /// \throws OutputError if the disk is full: nothing of the trial is then stored.
   void append(const TrialRecord& record, const TrialVerdict& verdict, double time,
               const std::string& memory = {});
-  /// `memory` of the latest trial; empty if the arm had none.
+  /// Stores a reference probe, which was made with this order. \throws as above.
+  void append(const ReferenceProbe& probe, const TrialOrder& order, const std::string& memory = {});
+  /// `memory` of the latest trial or reference probe; empty if the arm had none.
   [[nodiscard]] std::string memory() const;
 
   /// Stores a message about the campaign.

@@ -49,6 +49,9 @@ struct ProbeReport {
   /// [N mm] Of drag and release, if the arm measures it, otherwise NaN: the work on the object of
   /// what the force is more than before the drag, and than after the release.
   double work = std::numeric_limits<double>::quiet_NaN();
+  /// Why the tip does not rest, if the arm knows: a simulated object says where it has no
+  /// equilibrium.
+  std::string reason = {};
 };
 
 /// An arm, real or simulated, with its control loop below: it performs one action at a time.

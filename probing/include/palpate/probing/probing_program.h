@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <limits>
 #include <optional>
+#include <string>
 
 #include "palpate/probing/acquisition.h"
 #include "palpate/probing/prober.h"
@@ -41,6 +42,8 @@ struct TrialResult {
   double creep = std::numeric_limits<double>::quiet_NaN();
   double work_dragging = std::numeric_limits<double>::quiet_NaN();
   double work_releasing = std::numeric_limits<double>::quiet_NaN();
+  /// `ProbeReport::reason` of the action that failed; stores keep it as an event.
+  std::string reason = {};
 };
 
 /// The states of the program at a contact (thesis 4.3, 4.4.2).

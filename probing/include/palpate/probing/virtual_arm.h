@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <cstdint>
 #include <memory>
+#include <string>
 
 #include "palpate/eigen_alignment.h"
 #include "palpate/probing/arm.h"
@@ -76,6 +77,8 @@ class VirtualArm final : public Arm {
   [[nodiscard]] bool read(ArmState& state) noexcept override;
   [[nodiscard]] bool write(const ArmCommand& command) noexcept override;
   void stop() noexcept override;
+  /// Why the specimen has no equilibrium.
+  [[nodiscard]] std::string last_error() const override;
 
   /// Makes the noise that follows a function of the seed, this number and the tick since, so that a
   /// resumed campaign sees the noise that it would have seen.
