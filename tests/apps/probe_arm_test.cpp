@@ -126,27 +126,58 @@ TEST_F(ProbeArm, AReportWithTheRecordShowsATouchAndTheCompensationOfGravity) {
   EXPECT_NE(refused(report).find("is not the record of this campaign"), std::string::npos);
 }
 
-TEST_F(ProbeArm, AFaultOfADeviceEndsTheCampaignWithItsNameAndItCanBeResumed) {
-  write_setup_with_pose({{"fail_at", "118000"}});  // 95 s of calibration, 30 s of trials
-  const std::string message = refused(call(device, store), kWorkFailed);
+TEST_F(ProbeArm, AFaultOfADeviceEndsTheCampaignWhichGoesOnIfTheObjectHasNotMoved) {
+  const std::string first = scratch / "first.arm", second = scratch / "second.arm",
+                    moved = scratch / "moved";
+  // 95 s of calibration, 40 s of trials.
+  write_setup_with_pose(
+      {{"fail_at", "122000"}, {"fail_once", scratch / "failed"}, {"moved", moved}});
+  const std::string message = refused(call(device, store, {"--record", first}), kWorkFailed);
   EXPECT_NE(message.find("arm does not answer"), std::string::npos) << message;
   EXPECT_NE(message.find("cable pulled"), std::string::npos) << message;
   EXPECT_NE(message.find("continue with: palpate probe resume " + store), std::string::npos);
   const json between = figures({"probe", "status", store, "--json"});
   EXPECT_FALSE(between["complete"]);
   EXPECT_GT(between["trials"], 0);
-  // The driver begins to count anew: the cable holds until the few trials that are left are done.
-  const json resumed = figures({"probe", "resume", store, "--json"});
+
+  write_text(moved, "0.3");  // mm
+  const std::string elsewhere = refused({"probe", "resume", store}, kWorkFailed);
+  EXPECT_NE(elsewhere.find("the object is not where it was"), std::string::npos) << elsewhere;
+  EXPECT_NE(elsewhere.find("give --record"), std::string::npos) << elsewhere;
+  const json told = figures({"probe", "status", store, "--json"})["events"].back();
+  EXPECT_EQ(told["kind"], "object_moved");
+  const std::string by = told["text"];
+  ASSERT_EQ(by.find("contact 0: +0."), 0U) << by;
+  EXPECT_NEAR(std::stod(by.substr(by.find('+'))), 0.3, 0.06);
+
+  fs::remove(moved);
+  EXPECT_NE(refused({"probe", "resume", store, "--record", first}).find("exists already"),
+            std::string::npos);
+  const json resumed = figures({"probe", "resume", store, "--record", second, "--json"});
   EXPECT_TRUE(resumed["complete"]);
   EXPECT_EQ(resumed["samples"], resumed["trials"]);
+  EXPECT_EQ(resumed["references"], 1);
+
+  // Both records one after the other give the same.
+  const std::string again = scratch / "again.db";
+  (void)refused(call({"--replay", first}, again), kWorkFailed);
+  EXPECT_EQ(figures({"probe", "status", again, "--json"})["trials"], between["trials"]);
+  EXPECT_EQ(figures({"probe", "resume", again, "--replay", second, "--json"})["fingerprint"],
+            resumed["fingerprint"]);
 }
 
 TEST_F(ProbeArm, InterruptedByCtrlCItIsResumedAsIfItHadNotBeen) {
+  const std::string first = scratch / "first.arm", second = scratch / "second.arm",
+                    again = scratch / "again.db";
   const json whole = figures(call(simulated, scratch / "whole.db"));
   const CommandResult stopped =
-      run_palpate(call(simulated, store), {.interrupt_when_there_is = store});
+      run_palpate(call(simulated, store, {"--record", first}), {.interrupt_when_there_is = store});
   ASSERT_EQ(stopped.status, kInterrupted) << stopped.err;
-  EXPECT_EQ(figures({"probe", "resume", store, "--json"})["fingerprint"], whole["fingerprint"]);
+  EXPECT_EQ(figures({"probe", "resume", store, "--record", second, "--json"})["fingerprint"],
+            whole["fingerprint"]);
+  (void)refused(call({"--replay", first}, again), kWorkFailed);
+  EXPECT_EQ(figures({"probe", "resume", again, "--replay", second, "--json"})["fingerprint"],
+            whole["fingerprint"]);
 }
 
 TEST_F(ProbeArm, ADryRunVisitsContactsWithoutMeasuringAndNamesThoseOutOfReach) {
@@ -165,7 +196,31 @@ TEST_F(ProbeArm, ADryRunVisitsContactsWithoutMeasuringAndNamesThoseOutOfReach) {
   EXPECT_EQ(missed["unreachable"], json::parse(R"([{"contact": 1, "reason": "too_far"}])"));
   // A campaign does not begin.
   EXPECT_NE(refused(call(simulated, store)).find("1 too_far (contacts 1)"), std::string::npos);
+  setup["links"] = {{"distance", 100}};
+  write_text(config, setup.dump());
+  const std::string none = refused(call(simulated, store));
+  EXPECT_NE(none.find("3 of 3 contacts: 1 too_far (contacts 1), 2 collides (contacts 0, 2)"),
+            std::string::npos)
+      << none;
   EXPECT_FALSE(fs::exists(store));
+}
+
+TEST_F(ProbeArm, TheLinksOfADeviceStayAwayFromTheSurfaceOfThePlan) {
+  (void)figures({"probe", "truth", specimen, "--queries", "1", "-o", scratch / "truth", "--json"});
+  const std::string surface = scratch / "truth/surface.ply";
+  (void)figures({"probe", "plan", surface, "--contacts", "1", "-o", plan_file, "--json"});
+  setup["links"] = {{"distance", 100}};
+  write_setup_with_pose(json::object());
+  const CommandResult unseen = run_palpate(call(device, "", {"--dry-run"}));
+  EXPECT_EQ(unseen.status, kDone) << unseen.err;
+  EXPECT_NE(unseen.err.find("give --surface"), std::string::npos) << unseen.err;
+  const std::string near = refused(call(device, store, {"--surface", surface}));
+  EXPECT_NE(near.find("1 collides (contacts 0)"), std::string::npos) << near;
+  write_text(specimen, R"({"type": "beam"})");
+  (void)figures({"probe", "truth", specimen, "--queries", "1", "-o", scratch / "beam", "--json"});
+  EXPECT_NE(refused(call(device, store, {"--surface", scratch / "beam/surface.ply"}))
+                .find("is of another surface"),
+            std::string::npos);
 }
 
 TEST_F(ProbeArm, RefusesWrongCalls) {

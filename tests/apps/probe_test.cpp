@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <sqlite3.h>
 
+#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -132,6 +133,9 @@ TEST_F(Probe, InterruptedAndResumedMeasuresTheSame) {
       << stopped.err;
   const json between = figures({"probe", "status", store});
   EXPECT_FALSE(between["complete"]);
+  // One before all trials, and one after each 50 samples.
+  EXPECT_EQ(whole["references"], 1 + (whole["samples"].get<int>() - 1) / 50);
+  EXPECT_LT(std::abs(whole["drift"].get<double>()), 0.1);
   EXPECT_LT(between["trials"], whole["trials"]);
   EXPECT_GT(between["hours_left"], 0);
   json resumed = figures({"probe", "resume", store});
@@ -169,7 +173,16 @@ TEST_F(Probe, ChoosesForcesByTheStrategyAsked) {
   EXPECT_EQ(bisected["trials"], 2 * (2 + 4 * 3 + 4 * 2));
   std::vector<std::string> other = run_call(scratch / "b.db");
   other.insert(other.end(), {"--seed", "2"});
-  EXPECT_NE(figures(other)["fingerprint"], figures(run_call(scratch / "c.db"))["fingerprint"]);
+  const json pooled = figures(run_call(scratch / "c.db"));
+  EXPECT_NE(figures(other)["fingerprint"], pooled["fingerprint"]);
+  // Reference probes take time and change nothing else.
+  std::vector<std::string> without = run_call(scratch / "d.db");
+  without.insert(without.end(), {"--reference-every", "0"});
+  const json unreferenced = figures(without);
+  EXPECT_EQ(unreferenced["fingerprint"], pooled["fingerprint"]);
+  EXPECT_EQ(unreferenced["references"], 0);
+  EXPECT_TRUE(unreferenced["drift"].is_null());
+  EXPECT_LT(unreferenced["hours"], pooled["hours"]);
 }
 
 TEST_F(Probe, AdaptiveCampaignsEndAtTheirLimitAndSayWhatTheyReached) {

@@ -10,7 +10,9 @@
 #include <vector>
 
 #include "palpate/error.h"
+#include "palpate/geometry/surface_query.h"
 #include "palpate/probing/arm_prober.h"
+#include "palpate/probing/arm_reach.h"
 #include "palpate/probing/arm_record.h"
 #include "palpate/probing/arm_setup.h"
 #include "palpate/probing/plugin_arm.h"
@@ -113,13 +115,14 @@ void recall(const std::string& memory, const std::string& source, Take take) {
 class MovingCampaignArm final : public CampaignArm {
  public:
   MovingCampaignArm(std::shared_ptr<const probing::Specimen> specimen,
-                    std::unique_ptr<probing::Arm> arm, const probing::ArmProberOptions& options,
+                    std::unique_ptr<probing::Arm> arm, const probing::ArmSetup& setup,
                     const std::string& description, const ArmWatch& watch)
       : specimen_(std::move(specimen)),
         arm_(std::move(arm)),
         simulated_(dynamic_cast<probing::VirtualArm*>(arm_.get())),
         is_replay_(dynamic_cast<probing::ReplayArm*>(arm_.get()) != nullptr),
-        options_(options),
+        options_(setup.prober),
+        links_(setup.links),
         stop_(watch.stop_file.empty() ? std::nullopt : std::optional(watch.stop_file)),
         at_interrupt_([this] { stop_.press(); }) {
     probing::Arm* used = arm_.get();
@@ -130,8 +133,9 @@ class MovingCampaignArm final : public CampaignArm {
     prober_.emplace(*used, options_, &stop_);
   }
 
-  /// Goes on after the trials that left `memory`.
+  /// Goes on after the trials that left `memory`, unless gravity was measured anew.
   void remember(const Json& memory) {
+    if (!remembers()) return;
     probing::Arm* used = recorder_ ? static_cast<probing::Arm*>(&*recorder_) : arm_.get();
     if (simulated_ != nullptr) simulated_->restore(simulation_of(memory.at("simulation")));
     prober_.emplace(*used, options_, &stop_, gravity_of(memory.at("gravity")));
@@ -140,35 +144,46 @@ class MovingCampaignArm final : public CampaignArm {
   void start() override {
     if (!prober_->gravity()) prober_->calibrate();
   }
-  void finish() override {
-    if (recorder_) recorder_->finish();
+  void keep_record() override {
+    if (recorder_) recorder_->flush();
   }
   bool moves() const override { return true; }
+  bool is_device() const override { return simulated_ == nullptr && !is_replay_; }
   const probing::ArmProber* prober() const override { return &*prober_; }
   probing::ProbeReport perform(const probing::ProbeAction& action) override {
     return prober_->perform(action);
   }
-  // A device may have been moved or warmed up since: it measures gravity anew.
   std::string memory() const override {
-    if ((simulated_ == nullptr && !is_replay_) || !prober_->gravity()) return {};
+    if (!remembers() || !prober_->gravity()) return {};
     Json memory{{"gravity", gravity_json(*prober_->gravity())}};
     if (simulated_ != nullptr) memory["simulation"] = simulation_json(simulated_->memory());
     return memory.dump();
   }
-  probing::PlanReach reach(const probing::ContactPlan& plan) const override {
+  probing::PlanReach reach(const probing::ContactPlan& plan,
+                           const geometry::TriangleMesh* surface) const override {
     const double lever = std::max(options_.geometry.upper, options_.geometry.lower);
-    return probing::reach_of_plan(plan,
-                                  {.geometry = options_.geometry,
-                                   .T_world_base = options_.T_world_base,
-                                   .highest_torque = arm_->description().highest_force * lever});
+    probing::ReachOptions options;
+    options.geometry = options_.geometry;
+    options.T_world_base = options_.T_world_base;
+    options.highest_torque = arm_->description().highest_force * lever;
+    options.links = links_;
+    if (specimen_) surface = &specimen_->surface();
+    if (surface == nullptr) return probing::reach_of_plan(plan, options);
+    const geometry::SurfaceQuery query(*surface);
+    return probing::reach_of_plan(plan, options, &query);
   }
 
  private:
+  /// A device may have been moved or warmed up since: it measures gravity anew, and so does its
+  /// replay. Only a virtual arm, which has a specimen, goes on with what it measured before.
+  bool remembers() const { return simulated_ != nullptr || (is_replay_ && specimen_); }
+
   std::shared_ptr<const probing::Specimen> specimen_;
   std::unique_ptr<probing::Arm> arm_;
   probing::VirtualArm* simulated_;  // `arm_` if it is one
   bool is_replay_;
   probing::ArmProberOptions options_;
+  probing::LinkClearance links_;
   std::optional<probing::RecordingArm> recorder_;
   probing::EmergencyStop stop_;
   AtInterrupt at_interrupt_;
@@ -231,15 +246,15 @@ std::unique_ptr<MovingCampaignArm> make_moving_arm(const Json& json, const std::
     std::shared_ptr<const probing::Specimen> specimen;
     if (session["arm"] == kVirtual) specimen = specimen_of(session, source, plan);
     const probing::ArmSetup setup = setup_of(session, source, specimen.get());
-    return std::make_unique<MovingCampaignArm>(specimen, std::move(record), setup.prober,
-                                               json.dump(), watch);
+    return std::make_unique<MovingCampaignArm>(specimen, std::move(record), setup, json.dump(),
+                                               watch);
   }
   if (kind == kDevice) {
     const probing::ArmSetup setup = setup_of(json, source, nullptr);
     return std::make_unique<MovingCampaignArm>(
         nullptr,
         std::make_unique<probing::PluginArm>(json["driver"].get<std::string>(), setup.driver),
-        setup.prober, json.dump(), watch);
+        setup, json.dump(), watch);
   }
   const std::shared_ptr<const probing::Specimen> specimen = specimen_of(json, source, plan);
   const probing::ArmSetup setup = setup_of(json, source, specimen.get());
@@ -248,13 +263,14 @@ std::unique_ptr<MovingCampaignArm> make_moving_arm(const Json& json, const std::
   options.T_world_base = setup.prober.T_world_base;
   options.seed = json["seed"].get<std::uint64_t>();
   return std::make_unique<MovingCampaignArm>(
-      specimen, std::make_unique<probing::VirtualArm>(specimen.get(), options), setup.prober,
-      json.dump(), watch);
+      specimen, std::make_unique<probing::VirtualArm>(specimen.get(), options), setup, json.dump(),
+      watch);
 }
 
 }  // namespace
 
-probing::PlanReach CampaignArm::reach(const probing::ContactPlan& plan) const {
+probing::PlanReach CampaignArm::reach(const probing::ContactPlan& plan,
+                                      const geometry::TriangleMesh* /*surface*/) const {
   probing::PlanReach all;
   all.contacts.resize(plan.contacts.size(), probing::Reach::reachable);
   all.counts[0] = static_cast<int>(plan.contacts.size());

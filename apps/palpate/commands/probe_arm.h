@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 
+#include "palpate/geometry/triangle_mesh.h"
 #include "palpate/probing/arm_prober.h"
 #include "palpate/probing/arm_reach.h"
 #include "palpate/probing/contact_plan.h"
@@ -38,14 +39,18 @@ class CampaignArm : public probing::Prober {
   /// Before the first trial: switches the arm on, and measures gravity unless it is remembered.
   /// \throws ArmStopped
   virtual void start() {}
-  /// Ends the record, if there is one.
-  virtual void finish() {}
+  /// Writes what is recorded so far, if there is a record.
+  virtual void keep_record() {}
   /// Whether it moves at all: a quasi-static arm does not.
   [[nodiscard]] virtual bool moves() const { return false; }
+  /// Whether it stands before a real object, which may be moved while the arm rests.
+  [[nodiscard]] virtual bool is_device() const { return false; }
   /// What moves it; null if it does not move.
   [[nodiscard]] virtual const probing::ArmProber* prober() const { return nullptr; }
   /// Which contacts the arm can probe.
-  [[nodiscard]] virtual probing::PlanReach reach(const probing::ContactPlan& plan) const;
+  /// \param surface of a real object, that the links must not touch; null if it is not known.
+  [[nodiscard]] virtual probing::PlanReach reach(const probing::ContactPlan& plan,
+                                                 const geometry::TriangleMesh* surface) const;
 };
 
 /// Makes an arm of its description. Ctrl-C stops it as an emergency stop does.

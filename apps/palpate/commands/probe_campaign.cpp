@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <vector>
@@ -24,6 +25,10 @@ using Json = nlohmann::ordered_json;
 /// Shares from which on a difference is told. The virtual arm, whose force errs by 0.03 N on each
 /// way and whose objects damp a little, shows a loss of 0.19 on an elastic body.
 constexpr double kNoticedLoss = 0.3, kNoticedCreep = 0.1;
+/// [mm] Change of the displacement under the reference force from which on it is told, if noise
+/// alone does not explain it: what a displaced object may be off when a campaign is resumed.
+constexpr double kNoticedDrift = 0.1;
+constexpr double kBeyondNoise = 3;  // standard deviations
 
 std::optional<double> finite_or_none(double value) {
   return std::isfinite(value) ? std::optional(value) : std::nullopt;
@@ -48,22 +53,44 @@ probing::Campaign replayed(const probing::CampaignStore& store, const std::strin
   const probing::CampaignDescription& description = store.description();
   probing::Campaign campaign(probing::parse_plan(description.plan, source),
                              probing::parse_campaign_options(description.strategy, source));
+  const std::vector<probing::ReferenceProbe> references = store.references();
+  auto reference = references.begin();
+  const auto refuse = [&](const char* what, long long number) {
+    throw FileError(fmt::format(
+        "{}: {} {} is not what its plan and its options order; the store was changed, or is of "
+        "another version of palpate",
+        source, what, number));
+  };
+  const auto take_references = [&](long long trials) {
+    try {
+      for (; reference != references.end() && reference->trials <= trials; ++reference)
+        campaign.take_reference(*reference);
+    } catch (const InvalidInput&) {
+      refuse("reference probe", reference->number);
+    }
+  };
   for (const probing::TrialRecord& record : store.trials(campaign.plan().contacts)) {
+    take_references(record.order.trial);
     try {
       (void)campaign.take(record);
     } catch (const InvalidInput&) {
-      throw FileError(fmt::format(
-          "{}: trial {} is not what its plan and its options order; the store was changed, or is "
-          "of another version of palpate",
-          source, record.order.trial));
+      refuse("trial", record.order.trial);
     }
   }
+  take_references(std::numeric_limits<long long>::max());
   return campaign;
 }
 
+CampaignFindings findings_of(const probing::CampaignStore& store, const probing::ContactPlan& plan,
+                             const probing::CampaignOptions& options) {
+  return {.rates = probing::rate_dependence(store.trials(plan.contacts), options.program),
+          .drift = probing::reference_drift(store.references(), plan, options.program)};
+}
+
 Json campaign_figures(const probing::Campaign& campaign, const probing::CampaignOptions& options,
-                      const probing::RateDependence& rates) {
+                      const CampaignFindings& findings) {
   const probing::CampaignProgress at = campaign.progress();
+  const probing::RateDependence& rates = findings.rates;
   std::vector<double> errors;
   for (const probing::ConeEstimate& cone : campaign.cones())
     errors.push_back(cone.coefficient_error);
@@ -87,6 +114,8 @@ Json campaign_figures(const probing::Campaign& campaign, const probing::Campaign
                {"energy_lost", number_or_null(finite_or_none(rates.energy_lost))},
                {"energy_loops", rates.loops},
                {"creep", number_or_null(finite_or_none(rates.creep))},
+               {"references", findings.drift.probes},
+               {"drift", number_or_null(finite_or_none(findings.drift.change))},
                {"complete", complete}};
   if (options.strategy == probing::TrialStrategy::adaptive) {
     const auto number = [](double value) { return number_or_null(finite_or_none(value)); };
@@ -138,9 +167,17 @@ std::string beyond_statics(const probing::RateDependence& rates) {
   return "";
 }
 
+std::string beyond_steadiness(const probing::ReferenceDrift& drift) {
+  if (!(std::abs(drift.change) > std::max(kNoticedDrift, kBeyondNoise * drift.error))) return "";
+  return fmt::format(
+      "the displacement under the reference force changed by {:.2f} mm ({} probes): the object, "
+      "its place or the arm is not what it was",
+      drift.change, drift.probes);
+}
+
 std::string campaign_words(const probing::Campaign& campaign,
                            const probing::CampaignOptions& options,
-                           const probing::RateDependence& rates) {
+                           const CampaignFindings& findings) {
   const probing::CampaignProgress at = campaign.progress();
   std::string text = fmt::format(
       "{} of {} contacts done, {} given up\n{} trials in {:.1f} h, {} samples, of which {} slipped",
@@ -149,7 +186,10 @@ std::string campaign_words(const probing::Campaign& campaign,
   if (campaign.next())
     text += fmt::format("\nabout {:.0f} trials left, {:.1f} h", at.trials_left,
                         at.seconds_left / kSecondsPerHour);
-  if (const std::string more = beyond_statics(rates); !more.empty()) text += "\n" + more;
+  for (const std::string& more :
+       {beyond_statics(findings.rates), beyond_steadiness(findings.drift)}) {
+    if (!more.empty()) text += "\n" + more;
+  }
   if (options.strategy != probing::TrialStrategy::adaptive) return text;
   if (std::isfinite(at.stated.error)) {
     text += fmt::format("\nstated error {:.3f} N, {:.3f} N at contacts", at.stated.error,
@@ -169,14 +209,26 @@ void perform_trials(probing::CampaignStore& store, RunningCampaign& running,
   for (int i = 0; i < most; ++i) {
     const std::optional<probing::TrialOrder> order = campaign.next();
     if (!order) break;
+    if (const std::optional<probing::TrialOrder> reference = campaign.reference()) {
+      const probing::CampaignProgress before = campaign.progress();
+      const probing::ReferenceProbe probe{
+          .number = before.references,
+          .trials = before.trials,
+          .time = before.seconds,
+          .result = probing::run_trial(*running.arm, *reference, options.program)};
+      running.arm->keep_record();
+      campaign.take_reference(probe);
+      store.append(probe, *reference, running.arm->memory());
+    }
     const probing::CampaignProgress at = campaign.progress();
     progress.show(at.trials, at.trials + std::max(1, static_cast<int>(at.trials_left)));
     const probing::TrialRecord record{*order,
                                       probing::run_trial(*running.arm, *order, options.program)};
+    running.arm->keep_record();
     const probing::TrialVerdict verdict = campaign.take(record);
     store.append(record, verdict, at.seconds, running.arm->memory());
   }
-  running.arm->finish();
+  running.arm->keep_record();
 }
 
 }  // namespace palpate::apps

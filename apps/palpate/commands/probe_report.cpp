@@ -67,8 +67,12 @@ pictures::TimeLine time_line(const CampaignReport& input) {
   const auto count = static_cast<Eigen::Index>(input.trials.size());
   pictures::TimeLine line{Eigen::VectorXd(count), {}, Eigen::VectorXi(count)};
   double seconds = 0;
+  auto reference = input.references.begin();
   for (Eigen::Index i = 0; i < count; ++i) {
     const probing::TrialRecord& record = input.trials[static_cast<std::size_t>(i)];
+    for (; reference != input.references.end() && reference->trials <= record.order.trial;
+         ++reference)
+      seconds += reference->result.seconds;
     seconds += record.result.seconds;
     line.hours(i) = seconds / kSecondsPerHour;
     line.kinds.push_back(kind_of(record.result.outcome));
@@ -246,10 +250,6 @@ void add_contact_table(ReportPage& page, const CampaignReport& input) {
       rows);
 }
 
-probing::RateDependence rates_of(const CampaignReport& input) {
-  return probing::rate_dependence(input.trials, input.options.program);
-}
-
 void add_summary(ReportPage& page, const CampaignReport& input) {
   const probing::CampaignProgress at = input.campaign.progress();
   const probing::ContactPlan& plan = input.campaign.plan();
@@ -267,7 +267,7 @@ void add_summary(ReportPage& page, const CampaignReport& input) {
   if (std::isfinite(plan.cover)) {
     rows.push_back({"Largest distance from a contact", fmt::format("{:.1f} mm", plan.cover)});
   }
-  const probing::RateDependence rates = rates_of(input);
+  const probing::RateDependence& rates = input.findings.rates;
   if (rates.loops > 0) {
     rows.push_back(
         {"Energy of a drag that its release did not give back",
@@ -278,9 +278,16 @@ void add_summary(ReportPage& page, const CampaignReport& input) {
         {"Displacement after the force was constant",
          fmt::format("{:.0f} % (median of {} trials)", 100 * rates.creep, rates.creeps)});
   }
+  const probing::ReferenceDrift& drift = input.findings.drift;
+  if (std::isfinite(drift.change)) {
+    rows.push_back({"Change of the displacement under the reference force",
+                    fmt::format("{:.3f} ± {:.3f} of {:.2f} mm ({} probes)", drift.change,
+                                drift.error, drift.displacement, drift.probes)});
+  }
   page.add_table({}, rows);
-  if (const std::string more = beyond_statics(rates); !more.empty())
-    page.add_paragraph("Note: " + more + ".");
+  for (const std::string& more : {beyond_statics(rates), beyond_steadiness(drift)}) {
+    if (!more.empty()) page.add_paragraph("Note: " + more + ".");
+  }
 }
 
 /// All files that a report of this campaign can have, of an earlier model also.
@@ -314,7 +321,7 @@ void report(const Settings& settings, const ReportCall& call) {
   check_outputs({call.store, call.model, call.queries, call.record}, {call.output});
   const CampaignReport input = read_report(call.store, call.model, call.queries, call.record);
   write_report(call.output, input);
-  Json figures = campaign_figures(input.campaign, input.options, rates_of(input));
+  Json figures = campaign_figures(input.campaign, input.options, input.findings);
   figures["queries_rms"] =
       number_or_null(input.queries ? std::optional(input.queries->rms) : std::nullopt);
   figures["leave_one_out_rms"] =
@@ -368,6 +375,8 @@ CampaignReport read_report(const fs::path& store, const fs::path& model, const f
   CampaignReport report{
       .campaign = replayed(campaign, store.string()),
       .trials = {},
+      .references = campaign.references(),
+      .findings = {},
       .options = probing::parse_campaign_options(campaign.description().strategy, store.string()),
       .software = campaign.description().software,
       .acquisition = probing::read_acquisition(store),
@@ -376,6 +385,7 @@ CampaignReport read_report(const fs::path& store, const fs::path& model, const f
       .queries = {},
       .session = {}};
   report.trials = campaign.trials(report.campaign.plan().contacts);
+  report.findings = findings_of(campaign, report.campaign.plan(), report.options);
   if (report.trials.empty())
     throw InvalidInput(store.string() + ": has no trial yet; there is nothing to report");
   if (report.model.contacts.size() >= kLeastLeftOut)

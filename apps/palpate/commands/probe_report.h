@@ -7,11 +7,13 @@
 #include <string>
 #include <vector>
 
+#include "commands/probe_campaign.h"
 #include "palpate/haptics/evaluate.h"
 #include "palpate/haptics/model.h"
 #include "palpate/probing/acquisition.h"
 #include "palpate/probing/arm_prober.h"
 #include "palpate/probing/campaign.h"
+#include "palpate/probing/reference_probe.h"
 
 namespace palpate::apps {
 
@@ -27,6 +29,8 @@ struct ArmSession {
 struct CampaignReport {
   probing::Campaign campaign;
   std::vector<probing::TrialRecord> trials;  ///< at least one
+  std::vector<probing::ReferenceProbe> references;
+  CampaignFindings findings;
   probing::CampaignOptions options;
   std::string software;  ///< that performed them
   probing::CheckedAcquisition acquisition;

@@ -1,25 +1,29 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "commands/probe.h"
 #include "commands/probe_arm.h"
 #include "commands/probe_campaign.h"
 #include "palpate/error.h"
+#include "palpate/geometry/mesh_io.h"
+#include "palpate/geometry/triangle_mesh.h"
 #include "palpate/probing/acquisition_store.h"
 #include "palpate/probing/arm_prober.h"
 #include "palpate/probing/campaign.h"
 #include "palpate/probing/campaign_store.h"
 #include "palpate/probing/fingerprint.h"
+#include "palpate/probing/object_shift.h"
 #include "palpate/probing/probing_program.h"
-#include "palpate/probing/rate_dependence.h"
 #include "shared/call_checks.h"
 #include "shared/inputs.h"
 #include "shared/progress.h"
@@ -30,12 +34,18 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
+/// Contacts that are touched again before a device goes on, and touches of each. A touch scatters
+/// by 0.03 mm along the approach.
+constexpr int kTouchedContacts = 3, kTouchesOfContact = 5;
+constexpr int kShownEvents = 5;  // by `probe status`, the latest
+
 struct RunCall {
-  fs::path plan, store;
+  fs::path plan, store, surface;
   bool dry_run = false;
   ArmCall arm;
   ArmWatch watch;
   probing::CampaignOptions options;
+  double moved_limit = 0.1;  // [mm]
 };
 
 /// Contacts that an arm cannot probe, by reason: "2 too_far (contacts 5, 9)".
@@ -54,20 +64,89 @@ std::string out_of_reach(const probing::ContactPlan& plan, const probing::PlanRe
   return text;
 }
 
+/// The surface of a real object, if it is given.
+/// \throws InvalidInput if the plan is of another one.
+std::optional<geometry::TriangleMesh> planned_surface(const RunCall& call,
+                                                      const probing::ContactPlan& plan) {
+  if (call.surface.empty()) return std::nullopt;
+  geometry::TriangleMesh surface = geometry::read_mesh(call.surface);
+  if (probing::surface_fingerprint(surface) != plan.surface) {
+    throw InvalidInput(
+        fmt::format("{}: the plan {} is of another surface; give the one it was made of, or plan "
+                    "anew",
+                    call.surface.string(), call.plan.string()));
+  }
+  return surface;
+}
+
+probing::PlanReach reach_of_arm(const CampaignArm& arm, const probing::ContactPlan& plan,
+                                const RunCall& call) {
+  const std::optional<geometry::TriangleMesh> surface = planned_surface(call, plan);
+  if (arm.is_device() && !surface) {
+    spdlog::warn(
+        "Whether the links of the arm stay away from the object is not checked: give --surface.");
+  }
+  return arm.reach(plan, surface ? &*surface : nullptr);
+}
+
 /// \throws InvalidInput naming the contacts that the arm cannot probe.
-void check_reach(const CampaignArm& arm, const probing::ContactPlan& plan,
-                 const std::string& source) {
-  const probing::PlanReach reach = arm.reach(plan);
+void check_reach(const CampaignArm& arm, const probing::ContactPlan& plan, const RunCall& call) {
+  const probing::PlanReach reach = reach_of_arm(arm, plan, call);
   if (reach.counts[0] == static_cast<int>(plan.contacts.size())) return;
   throw InvalidInput(fmt::format(
       "{}: the arm cannot probe {} of {} contacts: {}. Take them out of the plan, or place the arm "
       "otherwise ('pose' in --arm-config)",
-      source, static_cast<int>(plan.contacts.size()) - reach.counts[0], plan.contacts.size(),
-      out_of_reach(plan, reach)));
+      call.plan.string(), static_cast<int>(plan.contacts.size()) - reach.counts[0],
+      plan.contacts.size(), out_of_reach(plan, reach)));
 }
 
+/// Touches a real object again where it was touched before the campaign was interrupted.
+/// \throws Error if it is no longer where it was.
+void check_not_moved(probing::CampaignStore& store, RunningCampaign& running,
+                     const probing::CampaignOptions& options, double limit, const fs::path& path) {
+  const std::vector<probing::ContactTouches> before =
+      probing::reference_touches(store.trials(running.campaign.plan().contacts), kTouchedContacts);
+  if (before.empty()) return;
+  running.arm->start();
+  const std::vector<probing::ContactTouches> now =
+      probing::touch_again(*running.arm, before, kTouchesOfContact, options.program);
+  running.arm->keep_record();
+  std::string words;
+  bool moved = false;
+  for (const probing::ObjectShift& shift : probing::object_shift(before, now, options.program)) {
+    moved = moved || probing::has_moved(shift, limit);
+    words += fmt::format("{}contact {}: ", words.empty() ? "" : ", ", shift.contact);
+    words += shift.touches == 0 ? std::string("nothing was touched")
+                                : fmt::format("{:+.2f} ± {:.2f} mm", shift.shift, shift.error);
+  }
+  store.note(moved ? "object_moved" : "object_checked", words);
+  if (!moved) return;
+  throw Error(fmt::format(
+      "{}: the object is not where it was when the campaign was interrupted; outwards along the "
+      "normal, {}; at most {} mm are allowed (--moved-limit). Put it back, or begin a new "
+      "campaign; {} trials are kept",
+      path.string(), words, limit, running.campaign.progress().trials));
+}
+
+/// What is said of the record of the arm, at the beginning of a part of the campaign.
+void note_record(probing::CampaignStore& store, const fs::path& record, int trials) {
+  if (!record.empty()) {
+    return store.note("recorded",
+                      fmt::format("{} from trial {} on", fs::absolute(record).string(), trials));
+  }
+  const std::vector<probing::CampaignEvent> events = store.events();
+  const auto earlier = std::find_if(events.begin(), events.end(),
+                                    [](const auto& event) { return event.kind == "recorded"; });
+  if (earlier != events.end()) {
+    spdlog::warn("Earlier trials were recorded ({}), those that follow are not: give --record.",
+                 earlier->text);
+  }
+}
+
+/// \param goes_on whether trials were performed before.
 void perform(const Settings& settings, probing::CampaignStore& store, RunningCampaign running,
-             const fs::path& path) {
+             const RunCall& call, bool goes_on) {
+  const fs::path& path = call.store;
   probing::Campaign& campaign = running.campaign;
   const probing::CampaignOptions options =
       probing::parse_campaign_options(store.description().strategy, path.string());
@@ -77,6 +156,9 @@ void perform(const Settings& settings, probing::CampaignStore& store, RunningCam
   };
   try {
     try {
+      note_record(store, call.watch.record, campaign.progress().trials);
+      if (goes_on && running.arm->is_device() && campaign.next())
+        check_not_moved(store, running, options, call.moved_limit, path);
       perform_trials(store, running, options);
     } catch (const probing::ArmStopped& stopped) {
       InterruptedByThrowing::check();  // Ctrl-C stops the arm too
@@ -89,14 +171,14 @@ void perform(const Settings& settings, probing::CampaignStore& store, RunningCam
   }
   if (const std::string aloud = beyond_reach(campaign.progress(), options); !aloud.empty())
     store.note("target", aloud);
-  const probing::RateDependence rates =
-      probing::rate_dependence(store.trials(campaign.plan().contacts), options.program);
+  const CampaignFindings findings = findings_of(store, campaign.plan(), options);
   store.finish();
-  Json figures = campaign_figures(campaign, options, rates);
+  Json figures = campaign_figures(campaign, options, findings);
   figures["fingerprint"] = probing::fingerprint(probing::read_acquisition(path).records());
   figures["output"] = path.string();
-  print(settings, figures,
-        campaign_words(campaign, options, rates) + "\nwritten to " + path.string());
+  std::string words = campaign_words(campaign, options, findings) + "\nwritten to " + path.string();
+  if (!call.watch.record.empty()) words += "\narm recorded in " + call.watch.record.string();
+  print(settings, figures, words);
 }
 
 /// "0.05N" is 0.05.
@@ -123,7 +205,7 @@ void check_limits(const probing::CampaignOptions& options) {
 void run_campaign(const Settings& settings, const RunCall& call) {
   if (call.store.empty()) throw InvalidInput("palpate probe run: give -o, or --dry-run");
   check_limits(call.options);
-  check_outputs({call.plan, call.arm.specimen, call.arm.setup, call.arm.replay},
+  check_outputs({call.plan, call.arm.specimen, call.arm.setup, call.arm.replay, call.surface},
                 {call.store, call.watch.record});
   const InterruptedByThrowing interrupts;  // from the first byte of the store on, it can be resumed
   const probing::ContactPlan plan = probing::read_plan(call.plan);
@@ -134,20 +216,20 @@ void run_campaign(const Settings& settings, const RunCall& call) {
           : call.arm.replay.string();
   RunningCampaign running{probing::Campaign(plan, call.options),
                           make_campaign_arm(arm, source, plan, {}, call.watch)};
-  check_reach(*running.arm, plan, call.plan.string());
+  check_reach(*running.arm, plan, call);
   probing::CampaignStore store =
       probing::CampaignStore::create(call.store, {.plan = probing::to_text(plan),
                                                   .strategy = probing::to_text(call.options),
                                                   .arm = arm,
                                                   .software = "palpate " PALPATE_VERSION});
-  perform(settings, store, std::move(running), call.store);
+  perform(settings, store, std::move(running), call, false);
 }
 
 /// Visits each contact at the height in which the arm travels, without touching.
 void dry_run(const Settings& settings, const RunCall& call) {
   if (!call.store.empty())
     throw InvalidInput("--dry-run: measures nothing, so there is nothing to write; leave out -o");
-  check_outputs({call.plan, call.arm.specimen, call.arm.setup, call.arm.replay},
+  check_outputs({call.plan, call.arm.specimen, call.arm.setup, call.arm.replay, call.surface},
                 {call.watch.record});
   const InterruptedByThrowing interrupts;
   const probing::ContactPlan plan = probing::read_plan(call.plan);
@@ -155,7 +237,7 @@ void dry_run(const Settings& settings, const RunCall& call) {
       make_campaign_arm(describe_arm(call.arm), call.arm.arm, plan, {}, call.watch);
   if (!arm->moves())
     throw InvalidInput("--dry-run: a quasi-static arm does not move; give --arm virtual");
-  const probing::PlanReach reach = arm->reach(plan);
+  const probing::PlanReach reach = reach_of_arm(*arm, plan, call);
   Json unreachable = Json::array();
   std::string words;
   int reached = 0;
@@ -185,7 +267,7 @@ void dry_run(const Settings& settings, const RunCall& call) {
       else
         miss(contact, probing::to_string(report.outcome));
     }
-    arm->finish();
+    arm->keep_record();
   } catch (const probing::ArmStopped& stopped) {
     InterruptedByThrowing::check();
     throw DeviceError(fmt::format("the arm was stopped: {}; {} of {} contacts were visited",
@@ -204,13 +286,41 @@ void dry_run(const Settings& settings, const RunCall& call) {
   }
 }
 
-void resume_campaign(const Settings& settings, const fs::path& path, const ArmWatch& watch) {
+/// The arm of a store, or a record in its place.
+std::unique_ptr<CampaignArm> resumed_arm(const probing::CampaignStore& store,
+                                         const probing::ContactPlan& plan, const RunCall& call) {
+  const bool replays = !call.arm.replay.empty();
+  const std::string description = replays ? describe_arm(call.arm) : store.description().arm;
+  const fs::path& source = replays ? call.arm.replay : call.store;
+  return make_campaign_arm(description, source.string(), plan, store.memory(), call.watch);
+}
+
+void resume_campaign(const Settings& settings, const RunCall& call) {
+  check_outputs({call.store, call.arm.replay}, {call.watch.record});
+  if (fs::exists(call.watch.record)) {
+    throw InvalidInput(call.watch.record.string() +
+                       ": exists already; a record holds one part of a campaign, from its run or "
+                       "resume to its end. Choose another name");
+  }
   const InterruptedByThrowing interrupts;
-  probing::CampaignStore store = probing::CampaignStore::open(path);
-  probing::Campaign campaign = replayed(store, path.string());
-  auto arm = make_campaign_arm(store.description().arm, path.string(), campaign.plan(),
-                               store.memory(), watch);
-  perform(settings, store, {std::move(campaign), std::move(arm)}, path);
+  probing::CampaignStore store = probing::CampaignStore::open(call.store);
+  probing::Campaign campaign = replayed(store, call.store.string());
+  auto arm = resumed_arm(store, campaign.plan(), call);
+  perform(settings, store, {std::move(campaign), std::move(arm)}, call, true);
+}
+
+/// The latest events as lines.
+std::string events_in_words(const std::vector<probing::CampaignEvent>& events) {
+  std::string words;
+  const std::size_t hidden = events.size() - std::min<std::size_t>(events.size(), kShownEvents);
+  if (hidden > 0) words += fmt::format("\n{} earlier events: see --json", hidden);
+  for (std::size_t i = hidden; i < events.size(); ++i) {
+    words += fmt::format("\n{}, {}: {}",
+                         events[i].trial < 0 ? std::string("before the first trial")
+                                             : fmt::format("trial {}", events[i].trial),
+                         events[i].kind, events[i].text);
+  }
+  return words;
 }
 
 void show_status(const Settings& settings, const fs::path& path) {
@@ -218,10 +328,14 @@ void show_status(const Settings& settings, const fs::path& path) {
   const probing::Campaign campaign = replayed(store, path.string());
   const probing::CampaignOptions options =
       probing::parse_campaign_options(store.description().strategy, path.string());
-  const probing::RateDependence rates =
-      probing::rate_dependence(store.trials(campaign.plan().contacts), options.program);
-  print(settings, campaign_figures(campaign, options, rates),
-        campaign_words(campaign, options, rates));
+  const CampaignFindings findings = findings_of(store, campaign.plan(), options);
+  const std::vector<probing::CampaignEvent> events = store.events();
+  Json figures = campaign_figures(campaign, options, findings);
+  figures["events"] = Json::array();
+  for (const probing::CampaignEvent& event : events)
+    figures["events"].push_back(
+        {{"trial", event.trial}, {"kind", event.kind}, {"text", event.text}});
+  print(settings, figures, campaign_words(campaign, options, findings) + events_in_words(events));
 }
 
 void add_stop_file(CLI::App& command, ArmWatch& watch) {
@@ -244,6 +358,8 @@ void add_probe_run(CLI::App& probe, const Settings& settings) {
       ->capture_default_str();
   run->add_option("--specimen", call->arm.specimen,
                   "Object of a simulated arm (JSON; docs/probing.md)");
+  run->add_option("--surface", call->surface,
+                  "Surface of the plan: the links of a device are kept away from it");
   run->add_option("--arm-config", call->arm.setup,
                   "Setup of an arm: its pose, links, limits (JSON; docs/probing.md)");
   add_stop_file(*run, call->watch);
@@ -277,6 +393,11 @@ void add_probe_run(CLI::App& probe, const Settings& settings) {
       ->check(within(at_least(0).finite()));
   run->add_option("--max-samples", options.max_samples, "adaptive: samples at most")
       ->check(within(at_least(0)));
+  run->add_option("--reference-every", options.reference_every,
+                  "Samples from one reference probe to the next: the same press at the first "
+                  "contact, to see whether the object or the arm changes; 0: none")
+      ->check(within(at_least(0)))
+      ->capture_default_str();
   run->add_option("--seed", options.seed, "Of the order of directions and the errors of the arm")
       ->capture_default_str();
   run->footer(
@@ -298,8 +419,22 @@ void add_probe_run(CLI::App& probe, const Settings& settings) {
   resume->add_option("ACQUISITION", call->store, "Store of the campaign (acquisition.db)")
       ->required();
   add_stop_file(*resume, call->watch);
-  resume->footer("Example:\n  palpate probe resume acquisition.db");
-  resume->callback([call, &settings] { resume_campaign(settings, call->store, call->watch); });
+  resume->add_option("--record", call->watch.record,
+                     "Also write what the arm does from here on, as --record of 'probe run'; must "
+                     "not exist: each part of a campaign has its own record");
+  resume->add_option("--replay", call->arm.replay,
+                     "In place of the arm: the record of this part of the campaign");
+  resume
+      ->add_option("--moved-limit", call->moved_limit,
+                   "Most that the object may have moved along the normals before a device goes on "
+                   "[mm]")
+      ->check(within(above(0).finite()))
+      ->capture_default_str();
+  resume->footer(
+      "A device touches a few contacts again, and refuses to go on if the object has moved.\n"
+      "Examples:\n  palpate probe resume acquisition.db\n"
+      "  palpate probe resume acquisition.db --record session2.arm");
+  resume->callback([call, &settings] { resume_campaign(settings, *call); });
 
   CLI::App* status = probe.add_subcommand(
       "status", "Show what is done and left of a campaign, also while it runs");

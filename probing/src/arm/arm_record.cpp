@@ -3,6 +3,7 @@
 #include "palpate/probing/arm_record.h"
 
 #include <array>
+#include <atomic>
 #include <bit>
 #include <cerrno>
 #include <cstdint>
@@ -91,7 +92,7 @@ struct RecordingArm::File {
   File& operator=(const File&) = delete;
 
   void put(const void* bytes, std::size_t size) noexcept {
-    complete = complete && std::fwrite(bytes, 1, size, file) == size;
+    if (std::fwrite(bytes, 1, size, file) != size) complete = false;
   }
   void event(char letter) noexcept { put(&letter, 1); }
   template <typename Numbers>
@@ -103,7 +104,8 @@ struct RecordingArm::File {
   std::filesystem::path path;
   std::vector<char> buffer;
   std::FILE* file = nullptr;
-  bool complete = true;
+  // The thread that holds an arm between trials writes too, while another one flushes.
+  std::atomic<bool> complete = true;
 };
 
 RecordingArm::RecordingArm(Arm& arm, const std::filesystem::path& path, const std::string& session)
@@ -168,8 +170,8 @@ void RecordingArm::stop() noexcept {
 
 std::string RecordingArm::last_error() const { return arm_.last_error(); }
 
-void RecordingArm::finish() {
-  file_->complete = std::fflush(file_->file) == 0 && file_->complete;
+void RecordingArm::flush() {
+  if (std::fflush(file_->file) != 0) file_->complete = false;
   if (!file_->complete)
     throw OutputError(file_->path.string() + ": could not be written completely; free some space");
 }

@@ -34,7 +34,7 @@ class ArmRecord : public ::testing::Test {
     RecordingArm recorder(arm, file, "a session");
     ArmProber prober(recorder, options, nullptr, testing::measured_gravity());
     for (TrialResult& each : results) each = run_trial(prober, recorded_order(trial++), {});
-    recorder.finish();
+    recorder.flush();
   }
   TrialResult replayed(ReplayArm& arm, long long which, double force = 0.4) {
     ArmProber prober(arm, options, nullptr, testing::measured_gravity());
@@ -123,7 +123,7 @@ TEST_F(ArmRecord, ADiskThatIsFullIsNoticedAtTheEnd) {
   RecordingArm recorder(arm, "/dev/full");
   ArmState state;
   ASSERT_TRUE(recorder.read(state));
-  EXPECT_THROW(recorder.finish(), OutputError);
+  EXPECT_THROW(recorder.flush(), OutputError);
 }
 
 }  // namespace

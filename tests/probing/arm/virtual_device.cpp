@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <fstream>
 #include <memory>
 #include <new>
 #include <string>
@@ -27,11 +28,16 @@ struct Device {
   VirtualArmOptions options;
   std::unique_ptr<VirtualArm> arm;
   long long fail_at = -1;  // number of the state that cannot be read
+  std::string fail_once;   // file that is made then, and with which it does not fail any more
+  std::string moved;       // file that says by how many mm the sheet was moved towards the arm
   long long states = 0;
   std::string error;
 
   void renew() {
     options.T_world_base = palpate::probing::mount_over(sheet->surface(), options.geometry);
+    double up = 0;
+    if (std::ifstream file(moved); file >> up)
+      options.T_world_base.translation() -= up * options.T_world_base.linear().col(1);
     arm = std::make_unique<VirtualArm>(sheet.get(), options);
   }
 };
@@ -69,8 +75,12 @@ int configure_device(void* device, const char* key, const char* value) {
     d.options.seed = std::strtoull(value, nullptr, 10);
   } else if (std::string(key) == "fail_at") {
     d.fail_at = std::atoll(value);
+  } else if (std::string(key) == "fail_once") {
+    d.fail_once = value;
+  } else if (std::string(key) == "moved") {
+    d.moved = value;
   } else {
-    return fail(d, "the options are seed and fail_at");
+    return fail(d, "the options are seed, fail_at, fail_once and moved");
   }
   d.renew();
   return 0;
@@ -83,7 +93,10 @@ int activate_device(void* device) {
 
 int read_device(void* device, palpate_device_state_v1* state) {
   auto& d = *static_cast<Device*>(device);
-  if (d.states++ == d.fail_at) return fail(d, "cable pulled");
+  if (d.states++ == d.fail_at && !std::ifstream(d.fail_once)) {
+    if (!d.fail_once.empty()) std::ofstream(d.fail_once) << "once";
+    return fail(d, "cable pulled");
+  }
   ArmState measured;
   if (!d.arm->read(measured)) return fail(d, "no equilibrium");
   state->time = measured.time;

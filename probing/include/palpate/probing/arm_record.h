@@ -42,8 +42,9 @@ class RecordingArm final : public Arm {
   void stop() noexcept override;
   [[nodiscard]] std::string last_error() const override;
 
-  /// Writes what is buffered. \throws OutputError if the record is not complete: a full disk.
-  void finish();
+  /// Writes what is buffered, so that it survives the end of the program. Also while another thread
+  /// uses the arm. \throws OutputError if the record is not complete: a full disk.
+  void flush();
 
  private:
   struct File;
