@@ -114,6 +114,12 @@ TEST_F(Bake, RefusesWrongCallsBeforeItComputes) {
   const CommandResult nowhere = run_palpate({"bake", specimen, "-o", specimen + "/model"});
   EXPECT_NE(nowhere.status, kDone);
   EXPECT_THAT(nowhere.err, HasSubstr("specimen.json"));
+  // Not even the superuser can make a folder there. Samples would be written before the model.
+  const CommandResult kernel =
+      run_palpate({"bake", specimen, "-o", "/proc/model", "--acquisition", store});
+  EXPECT_EQ(kernel.status, kWorkFailed);
+  EXPECT_THAT(kernel.err, HasSubstr("/proc/model: cannot be written"));
+  EXPECT_FALSE(fs::exists(store));
   EXPECT_EQ(run_palpate({"bake", specimen, "-o", scratch / "b", "--max-force", "0"}).status,
             kWrongCall);
   const CommandResult margin =
