@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "palpate/error.h"
+#include "random_paths.h"
 
 namespace palpate::probing {
 namespace {
@@ -297,6 +298,24 @@ TEST(ContactEquilibrium, FailsByName) {
   EXPECT_THROW((void)solid.apply_force(start, Vector3d(0, 0, std::nan(""))), InvalidInput);
   EXPECT_THROW((void)solid.touch({100, 0, 0}, kDown), InvalidInput);
   EXPECT_THROW((void)solid.touch({0, 0, 16}, kDown), InvalidInput);  // through the object
+}
+
+// Many more in `finite_element_validation` in tests/bench.
+TEST(ContactEquilibrium, RandomPathsConvergeOrFailByName) {
+  palpate::testing::PathCounts counts;
+  unsigned seed = 0;
+  const auto follow = [&](const palpate::testing::PathSolid& object, double friction, int paths) {
+    const ContactEquilibrium solid(object.body, {.friction = friction});
+    for (int i = 0; i < paths; ++i)
+      palpate::testing::follow_random_path(object, solid, seed++, 2, counts);
+  };
+  follow(palpate::testing::path_block(10, 4, 2), kInfinity, 6);
+  follow(palpate::testing::path_block(10, 4, 2), 0.6, 6);
+  follow(palpate::testing::path_sheet(8, 4), kInfinity, 4);
+  EXPECT_THAT(counts.broken, ::testing::IsEmpty());
+  EXPECT_EQ(counts.paths, 16);
+  EXPECT_GE(counts.converged, 8);
+  EXPECT_GT(counts.deepest, 8);
 }
 
 std::string body_refusal(const DeformableBody& body, const EquilibriumOptions& options = {}) {
