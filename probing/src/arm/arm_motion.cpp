@@ -100,6 +100,7 @@ bool ArmMotion::move_to(const Eigen::Vector3d& place, double speed, double deadl
 }
 
 void ArmMotion::set_internal_torque(const Eigen::Vector3d& torque) {
+  if (options_.friction == FrictionCompensation::none) return;
   internal_ = torque;
   for (int i = 0; i < 3; ++i) {
     const double friction = options_.sliding_friction * gravity_.friction[i];
@@ -109,9 +110,11 @@ void ArmMotion::set_internal_torque(const Eigen::Vector3d& torque) {
 }
 
 void ArmMotion::push(const Eigen::Vector3d& force) {
-  const Eigen::Vector3d turned =
-      options_.sliding_friction *
-      gravity_.friction.cwiseMax(0).cwiseProduct(deflection_smooth_ - deflection_then_);
+  Eigen::Vector3d turned = Eigen::Vector3d::Zero();
+  if (options_.friction == FrictionCompensation::followed) {
+    turned = options_.sliding_friction *
+             gravity_.friction.cwiseMax(0).cwiseProduct(deflection_smooth_ - deflection_then_);
+  }
   send(arm_jacobian(options_.geometry, state_.joints).transpose() * force + internal_ + turned);
 }
 

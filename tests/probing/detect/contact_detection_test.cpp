@@ -4,83 +4,27 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "not_finite.h"
 #include "refusal.h"
 #include "simulated_approach.h"
+#include "touch_figures.h"
 
 namespace palpate::probing {
 namespace {
 
-constexpr double kPush = 0.2;        // [N]
-constexpr double kSpeedLimit = 30;   // [mm/s]
-constexpr double kBeforeIt = -0.03;  // [mm] a detection farther from the surface is a false alarm
-
-/// One simulated approach, up to the detection.
-struct Touch {
-  bool touched = false;
-  double place = 0;  // [mm] of the tip at the detection, from the surface
-  double force = 0;  // [N] the highest so far
-  SignalFault fault = SignalFault::none;
-  std::vector<ApproachSample> samples;
-};
-
-Touch approach_until_touch(const testing::Approach& approach, double give_up = kInf) {
-  ContactDetector detector;
-  Touch touch;
-  touch.force = testing::simulate(approach, 2.9, [&](ApproachSample& sample) {
-    sample.force = approach_force(detector.speed(), kPush, kSpeedLimit);
-    touch.touched = detector.step(sample);
-    touch.place = sample.position;
-    return !touch.touched && detector.fault() == SignalFault::none && sample.position < give_up;
-  });
-  touch.fault = detector.fault();
-  touch.samples.assign(detector.samples().begin(), detector.samples().end());
-  return touch;
-}
-
-/// Figures of many approaches to objects of one stiffness.
-struct Figures {
-  int wrong = 0;  // false alarms, missed contacts and estimates that were not possible
-  double bias = 0, deviation = 0, pull = 0, force = 0;
-};
-
-Figures figures(double stiffness, int runs) {
-  Figures result;
-  std::vector<double> errors, forces, pulls;
-  for (int run = 0; run < runs; ++run) {
-    const unsigned seed = static_cast<unsigned>(run + std::lround(1e5 * stiffness));
-    const Touch touch = approach_until_touch(testing::random_approach(stiffness, seed));
-    forces.push_back(touch.force);
-    std::optional<ContactEstimate> estimate;
-    if (touch.touched && touch.place > kBeforeIt) estimate = estimate_contact(touch.samples);
-    if (!estimate) {
-      ++result.wrong;
-      continue;
-    }
-    errors.push_back(estimate->position);
-    pulls.push_back(estimate->position / estimate->position_deviation);
-  }
-  for (const double error : errors) result.bias += error / static_cast<double>(errors.size());
-  for (std::size_t i = 0; i < errors.size(); ++i) {
-    result.deviation += std::pow(errors[i] - result.bias, 2) / static_cast<double>(errors.size());
-    result.pull += pulls[i] * pulls[i] / static_cast<double>(errors.size());
-  }
-  result.deviation = std::sqrt(result.deviation);
-  result.pull = std::sqrt(result.pull);
-  std::sort(forces.begin(), forces.end());
-  result.force = forces[forces.size() * 99 / 100];
-  return result;
-}
+using testing::approach_until_touch;
+using testing::kBeforeIt;
+using testing::kPush;
+using testing::kSpeedLimit;
+using testing::Touch;
 
 TEST(ContactDetection, FindsTheSurfaceOfSoftAndStiffObjectsAndTouchesThemGently) {
   for (const double stiffness : {0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0}) {
-    const Figures f = figures(stiffness, 120);
+    const testing::TouchFigures f = testing::touch_figures(stiffness, 120);
     EXPECT_EQ(f.wrong, 0) << stiffness;
     EXPECT_LT(std::abs(f.bias), 0.1) << stiffness;
     EXPECT_LT(f.deviation, stiffness < 0.1 ? 0.4 : 0.15) << stiffness;

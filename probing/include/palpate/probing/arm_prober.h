@@ -27,6 +27,14 @@ struct ArmStopped : DeviceError {
   ArmFault fault;
 };
 
+/// What is added to a force, besides gravity, so that the friction of the joints does not change
+/// it.
+enum class FrictionCompensation {
+  none,     ///< nothing
+  held,     ///< what the joints needed in free space before the touch (thesis 4.4.3.2)
+  followed  ///< the same at first, then turned round as each joint turns, by its encoder
+};
+
 /// How an arm is moved and how it presses. Defaults suit a PHANToM and `VirtualArm`.
 struct ArmProberOptions {
   ArmGeometry geometry;
@@ -48,6 +56,7 @@ struct ArmProberOptions {
   int attempts = 3;            ///< at an approach whose joints hunt or whose signal is faulty; > 0
   double ramp = 2;             ///< [N/s] by which forces grow; > 0
   double damping = 0.015;      ///< [N s/mm] of the pressed tip; >= 0
+  FrictionCompensation friction = FrictionCompensation::followed;  ///< others are for comparison
   /// [rad] way on which the friction of a joint turns round; > 0
   double presliding = 3e-4;
   /// Friction of a joint that moves, relative to what it keeps when it is held; >= 1. A held joint
@@ -75,7 +84,8 @@ struct ArmApproach {
 /// is that of `estimate_contact`. Press, drag and release turn the force on a ramp, and wait until
 /// a line through the latest positions is level; their position is the mean over it, without the
 /// deflection of the arm. The internal force is that of the touch, with the friction of a joint,
-/// known from the calibration, turned round when the joint turns.
+/// known from the calibration, turned round when the joint turns. Within the last step of an
+/// encoder nobody sees a joint turn, which limits the force to about 0.01 N (docs/probing.md).
 ///
 /// A trial begins with motors switched off and on again in free space, so that it does not depend
 /// on the control loop of those before it. An arm whose clock is real is held by a thread between

@@ -1,0 +1,77 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "palpate/probing/slip_detection.h"
+
+namespace palpate::probing::testing {
+
+/// A trial with its truth. The object is an isotropic spring, a share of whose compliance is that
+/// of a round contact, and whose surface is curved, so that a tip that slips comes to rest.
+struct SimulatedTrial {
+  SlipTrial trial;
+  double load = 0;       // tangential force relative to the limit
+  bool slipped = false;  // the tip slid
+};
+
+/// [relative to the displacement at full slip] of a round contact that was dragged with `load`
+/// times the limit and released (Mindlin and Deresiewicz 1953).
+inline double microslip_left(double load) {
+  return 2 * std::pow(1 - load / 2, 2.0 / 3) - std::pow(1 - load, 2.0 / 3) - 1;
+}
+
+inline SimulatedTrial simulate_trial(unsigned seed) {
+  std::mt19937_64 random(seed);
+  const auto uniform = [&](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(random);
+  };
+  const auto log_uniform = [&](double low, double high) {
+    return std::exp(uniform(std::log(low), std::log(high)));
+  };
+  std::normal_distribution<double> normal(0, 1);
+  const auto noise = [&](double deviation) {
+    return Eigen::Vector3d(deviation * normal(random), deviation * normal(random),
+                           deviation * normal(random));
+  };
+  const double compliance = 1 / log_uniform(0.1, 5);  // [mm/N]
+  const double share = uniform(0, 1);                 // of it in the contact itself
+  const double friction = uniform(0.3, 1.5), radius = log_uniform(10, 100);  // [mm]
+  const double pressing = log_uniform(0.1, 3), limit = friction * pressing;  // [N]
+  SimulatedTrial result;
+  result.load = uniform(0.1, 2);
+  result.slipped = result.load > 1;
+  const double force = result.load * limit;
+  const double held = std::min(result.load, 1.0);
+  const double contact_at_limit = 1.5 * limit * compliance * share;  // [mm] displacement
+  const double stays = contact_at_limit * microslip_left(held);
+  const double elastic =
+      (1 - share) * compliance * force + contact_at_limit * (1 - std::pow(1 - held, 2.0 / 3));
+  // The surface turns by distance / radius, which raises the limit by about that times the force.
+  const double slid = result.slipped ? (result.load - 1) * friction * radius : 0.0;
+
+  const Eigen::AngleAxisd turn(uniform(0, 3), Eigen::Vector3d(0.3, -0.5, 0.8).normalized());
+  const Eigen::Vector3d n = turn * Eigen::Vector3d::UnitZ(), t = turn * Eigen::Vector3d::UnitX();
+  const Eigen::Vector3d creep = uniform(0, 0.1) * n;
+  SlipTrial& trial = result.trial;
+  trial.contact = {12, -7, 702};
+  trial.normal_force = pressing * n;
+  trial.tangential_force = force * t;
+  constexpr double kPosition = 0.02, kForce = 0.004;  // [mm], [N] Table 4.1, compensated
+  const auto measured = [&](const Eigen::Vector3d& place) -> Eigen::Vector3d {
+    return place + noise(kPosition) + compliance * noise(kForce);
+  };
+  const Eigen::Vector3d pressed = trial.contact + compliance * pressing * n;
+  trial.a = measured(pressed);
+  trial.b = measured(pressed + (elastic + slid) * t + creep / 2);
+  trial.a_again = measured(pressed + (stays + slid) * t + creep);
+  trial.creep = 0.9 * creep;
+  return result;
+}
+
+}  // namespace palpate::probing::testing
