@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <memory>
 #include <random>
 #include <utility>
@@ -38,6 +39,28 @@ struct SlipCounts {
   }
 };
 
+/// How far [mm] the contact of the virtual arm slid between the pressed and the released state,
+/// which is when slipping is judged.
+class SlidWay final : public probing::Prober {
+ public:
+  explicit SlidWay(SimulatedRig& rig) : rig_(rig) {}
+  probing::ProbeReport perform(const probing::ProbeAction& action) override {
+    probing::ProbeReport report = rig_.prober.perform(action);
+    const probing::VirtualArmTruth& truth = rig_.arm.truth();
+    if (action.kind == probing::ProbeActionKind::press) before_ = truth.slid;
+    if (action.kind == probing::ProbeActionKind::drag ||
+        action.kind == probing::ProbeActionKind::release) {
+      way = truth.in_contact ? truth.slid - before_ : std::numeric_limits<double>::infinity();
+    }
+    return report;
+  }
+  double way = 0;
+
+ private:
+  SimulatedRig& rig_;
+  double before_ = 0;
+};
+
 /// Trials of the virtual arm; the truth is the way that its contact slid.
 SlipCounts counts_of(const probing::Specimen& specimen, int contacts, int trials_a_contact) {
   constexpr double kSlid = 0.1;  // [mm] five times the noise of a position
@@ -47,6 +70,7 @@ SlipCounts counts_of(const probing::Specimen& specimen, int contacts, int trials
   const probing::ContactPlan plan = probing::plan_contacts(specimen.surface(), options);
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> uniform(0, 1);
+  SlidWay slid(rig);
   SlipCounts counts;
   long long trial = 0;
   for (const probing::Contact& contact : plan.contacts) {
@@ -66,7 +90,7 @@ SlipCounts counts_of(const probing::Specimen& specimen, int contacts, int trials
             !(along > 0) || (force - along * cone.axis).norm() > load * cone.coefficient * along;
         (beyond ? high : low) = middle;
       }
-      const probing::TrialResult result = probing::run_trial(rig.prober,
+      const probing::TrialResult result = probing::run_trial(slid,
                                                              {.trial = trial++,
                                                               .contact = contact,
                                                               .direction = 0,
@@ -76,7 +100,7 @@ SlipCounts counts_of(const probing::Specimen& specimen, int contacts, int trials
       const bool held = result.outcome == probing::TrialOutcome::held;
       const bool slipped = result.outcome == probing::TrialOutcome::slipped ||
                            result.outcome == probing::TrialOutcome::fell_off;
-      if (held || slipped) counts.add(load, slipped != (rig.watched.slid > kSlid));
+      if (held || slipped) counts.add(load, slipped != (slid.way > kSlid));
     }
   }
   return counts;

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <algorithm>
 #include <cstddef>
 #include <vector>
 
@@ -24,14 +23,10 @@ class WatchedArm final : public probing::Arm {
   }
   double now() const noexcept override { return arm_.now(); }
   void activate() override { arm_.activate(); }
-  void begin_trial(long long trial) noexcept override {
-    arm_.begin_trial(trial);
-    slid = 0;
-  }
+  void begin_trial(long long trial) noexcept override { arm_.begin_trial(trial); }
   bool read(probing::ArmState& state) noexcept override {
     const bool good = arm_.read(state);
     forces_[next_++ % forces_.size()] = arm_.truth().force;
-    if (arm_.truth().in_contact) slid = std::max(slid, arm_.truth().slid);
     return good;
   }
   bool write(const probing::ArmCommand& command) noexcept override { return arm_.write(command); }
@@ -43,8 +38,6 @@ class WatchedArm final : public probing::Arm {
     for (const Eigen::Vector3d& force : forces_) sum += force;
     return sum / static_cast<double>(forces_.size());
   }
-
-  double slid = 0;  ///< [mm] the longest way of a contact since the trial began
 
  private:
   probing::VirtualArm& arm_;
