@@ -1,32 +1,23 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
-#include <fmt/ranges.h>
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
-#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
 #include "commands/fit_record.h"
-#include "commands/probe_campaign.h"
+#include "commands/fit_report.h"
+#include "commands/fit_warnings.h"
 #include "palpate/error.h"
-#include "palpate/geometry/error_statistics.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/haptics/build_model.h"
 #include "palpate/haptics/model_io.h"
 #include "palpate/output_file.h"
-#include "palpate/probing/campaign_store.h"
-#include "palpate/probing/contact_plan.h"
-#include "palpate/probing/plausibility.h"
-#include "palpate/probing/rate_dependence.h"
+#include "palpate/probing/acquisition.h"
 #include "palpate/require.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
@@ -58,121 +49,6 @@ struct FitCall {
   double max_distance = haptics::BuildOptions{}.max_distance;
   int max_left_out = haptics::BuildOptions{}.max_left_out;
 };
-
-constexpr std::size_t kNamed = 50;  // largest number of contacts named per reason
-
-std::string named(const std::vector<long long>& contacts) {
-  const std::span first(contacts.data(), std::min(contacts.size(), kNamed));
-  return fmt::format("{}{}", fmt::join(first, ", "), first.size() < contacts.size() ? ", ..." : "");
-}
-
-/// Reports the contacts without friction of their own, one line per reason.
-void tell_friction(const haptics::BuildResult& built) {
-  std::map<haptics::FrictionStop, std::vector<long long>> undetermined;
-  bool from_others = false, bounded = false;
-  for (std::size_t i = 0; i < built.contacts.size(); ++i) {
-    const haptics::FrictionFit& friction = built.contacts[i].friction;
-    if (friction.stop == haptics::FrictionStop::converged) continue;
-    undetermined[friction.stop].push_back(built.contacts[i].id);
-    const haptics::FrictionSource source = built.model.contacts[i].friction_source;
-    from_others = from_others || source == haptics::FrictionSource::other_contacts;
-    bounded = bounded || source == haptics::FrictionSource::lower_bound;
-  }
-  for (const auto& [stop, contacts] : undetermined) {
-    if (contacts.size() == built.contacts.size()) {
-      spdlog::warn("no contact determines its friction ({}).", in_words(stop));
-    } else {
-      spdlog::warn("{} of {} contacts do not determine their friction ({}): {}", contacts.size(),
-                   built.contacts.size(), in_words(stop), named(contacts));
-    }
-  }
-  if (from_others) spdlog::warn("some of these use the mean friction of the other contacts.");
-  if (bounded) spdlog::warn("some of these use a lower bound; their true friction may be larger.");
-}
-
-std::string friction_of(const haptics::ContactModel& contact) {
-  if (contact.friction_source == haptics::FrictionSource::lower_bound)
-    return fmt::format(">= {:.3f}", contact.friction);
-  const std::string error =
-      contact.friction_error ? fmt::format(" +- {:.3f}", *contact.friction_error) : "";
-  return fmt::format("{:.3f}{} (>= {:.3f})", contact.friction, error, contact.friction_lower_bound);
-}
-
-Json contradictions_of(const haptics::ContactReport& contact) {
-  return contact.friction_contradictions ? Json(*contact.friction_contradictions) : Json();
-}
-
-/// Error with the local part relative to that without, at sparse contacts.
-double ratio(const haptics::LocalPart& part) { return std::exp(*part.gain); }
-
-/// Describes whether contacts share a local part, or why not; for messages and for the model.
-std::string sharing_in_words(const haptics::BuildResult& built) {
-  const haptics::LocalPart& part = *built.local_part;
-  const std::string counts = fmt::format("{} contacts with at least {} pairs, {} with fewer",
-                                         part.dense, part.dense_samples, part.sparse);
-  switch (part.outcome) {
-    case haptics::SharingOutcome::shared: {
-      const auto sharing = std::ranges::count_if(
-          built.contacts, [](const auto& contact) { return contact.fit.shared_local; });
-      return fmt::format(
-          "{} share the local part of the dense ones: {}; errors are {:.2f} times "
-          "those without it, +- {:.0f} % (tested at dense contacts)",
-          sharing, counts, ratio(part), 100 * *part.gain_error);
-    }
-    case haptics::SharingOutcome::no_gain:
-      return fmt::format(
-          "none shares a local part: {}; errors would be {:.2f} times those "
-          "without it, +- {:.0f} % (tested at dense contacts), which is not a "
-          "significant gain",
-          counts, ratio(part), 100 * *part.gain_error);
-    case haptics::SharingOutcome::too_few_dense:
-      return fmt::format(
-          "none shares a local part: {}; at least {} must be dense, so probe more "
-          "there or lower --dense-samples",
-          counts, haptics::kFewestDense);
-    case haptics::SharingOutcome::none_sparse:
-      return fmt::format("none shares a local part: {}; none needs it", counts);
-  }
-  return {};
-}
-
-void tell_sharing(const haptics::BuildResult& built) {
-  if (!built.local_part) return;
-  if (built.local_part->outcome == haptics::SharingOutcome::shared) {
-    spdlog::info("of the contacts, {}.", sharing_in_words(built));
-  } else {
-    spdlog::warn("each contact is fitted on its own; {}.", sharing_in_words(built));
-  }
-}
-
-Json sharing_in_figures(const haptics::BuildResult& built) {
-  const haptics::LocalPart& part = *built.local_part;
-  return {{"outcome", haptics::to_string(part.outcome)},
-          {"dense_samples", part.dense_samples},
-          {"dense", part.dense},
-          {"sparse", part.sparse},
-          {"gain", number_or_null(part.gain)},
-          {"gain_error", number_or_null(part.gain_error)}};
-}
-
-void tell(const haptics::BuildResult& built) {
-  spdlog::info("the contacts lie {:.3f} mm from the surface (RMS); {}.", built.distance_rms,
-               in_words(built.registration));
-  for (const long long id : built.without_samples)
-    spdlog::warn("contact {} has no samples and is omitted.", id);
-  for (const haptics::ContactMisfit& contact : built.left_out)
-    spdlog::warn("contact {} is left out: it {}.", contact.id, contact.reason);
-  for (const long long id : built.isolated) {
-    spdlog::warn(
-        "contact {} is in no triangle of contacts: there are too few around it; probe more "
-        "there.",
-        id);
-  }
-  tell_friction(built);
-  tell_sharing(built);
-  if (built.surface_flipped)
-    spdlog::warn("the surface's triangles were reversed to agree with the contact normals.");
-}
 
 void draw(const FitCall& call, const haptics::Model& model,
           const probing::CheckedAcquisition& acquisition) {
@@ -262,63 +138,6 @@ haptics::BuildResult build(const probing::CheckedAcquisition& acquisition,
   }
 }
 
-/// Warns of what was not measured, so that the model only assumes it.
-void tell_gaps(const probing::CheckedAcquisition& acquisition, Json& warnings) {
-  const std::vector<long long> contacts = probing::probed_in_one_direction(acquisition);
-  if (contacts.empty()) return;
-  const bool all = contacts.size() == acquisition.contacts().size();
-  warn(
-      warnings, "one_direction",
-      fmt::format("at {}, all forces have one direction: the stiffness across it was not measured. "
-                  "Forces of the model against a drag there are an assumption, and so is its "
-                  "friction. Only presses in that direction can be relied on; drag the tool in at "
-                  "least four directions to measure the others",
-                  all ? "all contacts"
-                      : fmt::format("{} of {} contacts ({})", contacts.size(),
-                                    acquisition.contacts().size(), named(contacts))));
-}
-
-/// Warns of fits that are complete, but say little of the measurements.
-void tell_doubts(const haptics::BuildResult& built, Json& warnings) {
-  constexpr double kLeastExplained = 0.9;  // share of the squared forces
-  // Of the samples: the rate of wrong marks that the fit of friction allows for.
-  constexpr double kMostContradicting = 0.05;
-  const double explained = haptics::explained_share(built.contacts);
-  if (explained < kLeastExplained) {
-    warn(warnings, "poorly_explained",
-         fmt::format("the model explains only {:.0f} % of the measured forces (squared): errors "
-                     "are {:.0f} % of the forces. Check the groups, signs and units of the "
-                     "measurements",
-                     100 * explained, 100 * std::sqrt(1 - explained)));
-  }
-  int contradictions = 0, trials = 0;
-  for (const haptics::ContactReport& contact : built.contacts) {
-    if (!contact.friction_contradictions) continue;
-    contradictions += *contact.friction_contradictions;
-    trials += contact.friction_trials;
-  }
-  if (contradictions > kMostContradicting * trials) {
-    warn(warnings, "friction_contradicted",
-         fmt::format("the friction that was found contradicts {} of {} samples: they held outside "
-                     "of the friction cone, or are marked as slipped inside it. Check the column "
-                     "slipped",
-                     contradictions, trials));
-  }
-}
-
-/// Warns of measurements that a quasi-static model does not show.
-void tell_rates(const fs::path& acquisition, Json& warnings) {
-  const std::optional<probing::CampaignStore> campaign = probing::CampaignStore::find(acquisition);
-  if (!campaign) return;
-  const std::string source = acquisition.string();
-  const probing::ContactPlan plan = probing::parse_plan(campaign->description().plan, source);
-  const probing::CampaignOptions options =
-      probing::parse_campaign_options(campaign->description().strategy, source);
-  const std::string more =
-      beyond_statics(probing::rate_dependence(campaign->trials(plan.contacts), options.program));
-  if (!more.empty()) warn(warnings, "rate_dependent", source + ": " + more);
-}
-
 /// A run that fails because of its fits keeps none: another one would find the same.
 haptics::BuildResult build_or_forget(const probing::CheckedAcquisition& acquisition,
                                      const geometry::TriangleMesh& surface, const FitCall& call,
@@ -353,66 +172,18 @@ void fit(const Settings& settings, FitCall call) {
   if (built.local_part) built.model.made["local part"] = sharing_in_words(built);
   haptics::write_model(call.output, built.model, call.encoding);
   record.remove();
-  tell(built);
+  tell_build(built);
   tell_gaps(acquisition, warnings);
   tell_doubts(built, warnings);
   if (!call.pictures.empty()) draw(call, built.model, acquisition);
 
-  Json per_contact = Json::array();
-  std::vector<double> rms;
-  std::string prose;
-  for (std::size_t i = 0; i < built.contacts.size(); ++i) {
-    const haptics::ContactModel& contact = built.model.contacts[i];
-    const haptics::FitResult& found = built.contacts[i].fit;
-    rms.push_back(contact.rms);
-    const auto bases = contact.field.bases.size();
-    if (settings.json) {
-      per_contact.push_back({{"contact", contact.id},
-                             {"rms", contact.rms},
-                             {"bases", bases},
-                             {"friction", contact.friction},
-                             {"friction_error", number_or_null(contact.friction_error)},
-                             {"friction_lower_bound", contact.friction_lower_bound},
-                             {"friction_source", haptics::to_string(contact.friction_source)},
-                             {"friction_stop", haptics::to_string(built.contacts[i].friction.stop)},
-                             {"friction_contradictions", contradictions_of(built.contacts[i])},
-                             {"samples", contact.samples},
-                             {"stop", haptics::to_string(found.stop)},
-                             {"passive", haptics::to_string(found.certificate.passivity)},
-                             {"chi2", found.chi2},
-                             {"noise_floor", found.noise_floor},
-                             {"outliers", found.outliers},
-                             {"condition", number_or_null(found.condition)},
-                             {"shared_local", contact.shared_local}});
-    } else {
-      prose += fmt::format(
-          "  contact {}: RMS {:.4f} N with {} bases from {} pairs, friction {}; {}; {}{}\n",
-          contact.id, contact.rms, bases, contact.samples, friction_of(contact),
-          in_words(found.stop), in_words(found.certificate.passivity),
-          contact.shared_local ? ", shares the local part" : "");
-    }
-  }
-  const geometry::ErrorStatistics statistics = geometry::error_statistics(rms);
-  Json left_out = Json::array();
-  for (const haptics::ContactMisfit& contact : built.left_out)
-    left_out.push_back({{"contact", contact.id}, {"reason", contact.reason}});
-  Json figures = {
-      {"contacts", built.contacts.size()},
-      {"kept", kept},
-      {"triangles", built.model.triangles.cols()},
-      {"registration", haptics::to_string(built.registration)},
-      {"left_out", left_out},
-      {"explained", haptics::explained_share(built.contacts)},
-      {"rms", {{"median", statistics.median}, {"p90", statistics.p90}, {"max", statistics.max}}},
-      {"per_contact", per_contact},
-      {"warnings", warnings},
-      {"file", call.output.string()}};
-  if (built.local_part) figures["shared_local"] = sharing_in_figures(built);
+  Json figures = {{"contacts", built.contacts.size()}, {"kept", kept}};
+  figures.update(fit_figures(built, settings.json));
+  figures["warnings"] = warnings;
+  figures["file"] = call.output.string();
   print(settings, figures,
-        prose + fmt::format("{} contacts in {} triangles; RMS of a contact {:.4f} N in the median, "
-                            "at most {:.4f} N. Written to {}",
-                            built.contacts.size(), built.model.triangles.cols(), statistics.median,
-                            statistics.max, call.output.string()));
+        (settings.json ? std::string() : per_contact_in_words(built)) +
+            fmt::format("{}. Written to {}", fit_in_words(built), call.output.string()));
 }
 
 }  // namespace

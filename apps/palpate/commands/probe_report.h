@@ -3,42 +3,10 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
-#include <string>
-#include <vector>
 
-#include "commands/probe_campaign.h"
-#include "palpate/haptics/evaluate.h"
-#include "palpate/haptics/model.h"
-#include "palpate/probing/acquisition.h"
-#include "palpate/probing/arm_prober.h"
-#include "palpate/probing/campaign.h"
-#include "palpate/probing/reference_probe.h"
+#include "commands/campaign_report.h"
 
 namespace palpate::apps {
-
-/// What a record of an arm tells beside the trials.
-struct ArmSession {
-  std::vector<probing::HeldPose> poses;  ///< at which gravity was measured
-  probing::GravityModel gravity;
-  probing::TrialOrder touched;  ///< the trial whose touch is shown
-  probing::ArmApproach touch;
-};
-
-/// A campaign and what was made of it.
-struct CampaignReport {
-  probing::Campaign campaign;
-  std::vector<probing::TrialRecord> trials;  ///< at least one
-  std::vector<probing::ReferenceProbe> references;
-  CampaignFindings findings;
-  probing::CampaignOptions options;
-  std::string software;  ///< that performed them
-  probing::CheckedAcquisition acquisition;
-  haptics::Model model;
-  std::optional<haptics::LeaveOneOut> left_out;  ///< none if the model has too few contacts
-  std::optional<haptics::QueryErrors> queries;   ///< none if no forces are known
-  std::optional<ArmSession> session;             ///< none without a record
-};
 
 /// Reads a campaign, the model that was fitted to it, and known forces.
 /// \param queries may be empty: no forces are known.

@@ -1,0 +1,211 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "commands/fit_report.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <span>
+
+#include "palpate/geometry/error_statistics.h"
+#include "shared/command_line.h"
+#include "shared/inputs.h"
+#include "shared/words.h"
+
+namespace palpate::apps {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kNamed = 50;  // largest number of contacts named per reason
+
+/// Reports the contacts without friction of their own, one line per reason.
+void tell_friction(const haptics::BuildResult& built) {
+  std::map<haptics::FrictionStop, std::vector<long long>> undetermined;
+  bool from_others = false, bounded = false;
+  for (std::size_t i = 0; i < built.contacts.size(); ++i) {
+    const haptics::FrictionFit& friction = built.contacts[i].friction;
+    if (friction.stop == haptics::FrictionStop::converged) continue;
+    undetermined[friction.stop].push_back(built.contacts[i].id);
+    const haptics::FrictionSource source = built.model.contacts[i].friction_source;
+    from_others = from_others || source == haptics::FrictionSource::other_contacts;
+    bounded = bounded || source == haptics::FrictionSource::lower_bound;
+  }
+  for (const auto& [stop, contacts] : undetermined) {
+    if (contacts.size() == built.contacts.size()) {
+      spdlog::warn("no contact determines its friction ({}).", in_words(stop));
+    } else {
+      spdlog::warn("{} of {} contacts do not determine their friction ({}): {}", contacts.size(),
+                   built.contacts.size(), in_words(stop), contacts_in_words(contacts));
+    }
+  }
+  if (from_others) spdlog::warn("some of these use the mean friction of the other contacts.");
+  if (bounded) spdlog::warn("some of these use a lower bound; their true friction may be larger.");
+}
+
+std::string friction_of(const haptics::ContactModel& contact) {
+  if (contact.friction_source == haptics::FrictionSource::lower_bound)
+    return fmt::format(">= {:.3f}", contact.friction);
+  const std::string error =
+      contact.friction_error ? fmt::format(" +- {:.3f}", *contact.friction_error) : "";
+  return fmt::format("{:.3f}{} (>= {:.3f})", contact.friction, error, contact.friction_lower_bound);
+}
+
+Json contradictions_of(const haptics::ContactReport& contact) {
+  return contact.friction_contradictions ? Json(*contact.friction_contradictions) : Json();
+}
+
+/// Error with the local part relative to that without, at sparse contacts.
+double ratio(const haptics::LocalPart& part) { return std::exp(*part.gain); }
+
+void tell_sharing(const haptics::BuildResult& built) {
+  if (!built.local_part) return;
+  if (built.local_part->outcome == haptics::SharingOutcome::shared) {
+    spdlog::info("of the contacts, {}.", sharing_in_words(built));
+  } else {
+    spdlog::warn("each contact is fitted on its own; {}.", sharing_in_words(built));
+  }
+}
+
+Json sharing_in_figures(const haptics::BuildResult& built) {
+  const haptics::LocalPart& part = *built.local_part;
+  return {{"outcome", haptics::to_string(part.outcome)},
+          {"dense_samples", part.dense_samples},
+          {"dense", part.dense},
+          {"sparse", part.sparse},
+          {"gain", number_or_null(part.gain)},
+          {"gain_error", number_or_null(part.gain_error)}};
+}
+
+geometry::ErrorStatistics rms_of(const haptics::BuildResult& built) {
+  std::vector<double> rms;
+  for (const haptics::ContactModel& contact : built.model.contacts) rms.push_back(contact.rms);
+  return geometry::error_statistics(rms);
+}
+
+/// The figures of one contact.
+Json contact_figures(const haptics::ContactModel& contact, const haptics::ContactReport& report) {
+  const haptics::FitResult& found = report.fit;
+  return {{"contact", contact.id},
+          {"rms", contact.rms},
+          {"bases", contact.field.bases.size()},
+          {"friction", contact.friction},
+          {"friction_error", number_or_null(contact.friction_error)},
+          {"friction_lower_bound", contact.friction_lower_bound},
+          {"friction_source", haptics::to_string(contact.friction_source)},
+          {"friction_stop", haptics::to_string(report.friction.stop)},
+          {"friction_contradictions", contradictions_of(report)},
+          {"samples", contact.samples},
+          {"stop", haptics::to_string(found.stop)},
+          {"passive", haptics::to_string(found.certificate.passivity)},
+          {"chi2", found.chi2},
+          {"noise_floor", found.noise_floor},
+          {"outliers", found.outliers},
+          {"condition", number_or_null(found.condition)},
+          {"shared_local", contact.shared_local}};
+}
+
+}  // namespace
+
+std::string contacts_in_words(const std::vector<long long>& contacts) {
+  const std::span first(contacts.data(), std::min(contacts.size(), kNamed));
+  return fmt::format("{}{}", fmt::join(first, ", "), first.size() < contacts.size() ? ", ..." : "");
+}
+
+std::string sharing_in_words(const haptics::BuildResult& built) {
+  const haptics::LocalPart& part = *built.local_part;
+  const std::string counts = fmt::format("{} contacts with at least {} pairs, {} with fewer",
+                                         part.dense, part.dense_samples, part.sparse);
+  switch (part.outcome) {
+    case haptics::SharingOutcome::shared: {
+      const auto sharing = std::ranges::count_if(
+          built.contacts, [](const auto& contact) { return contact.fit.shared_local; });
+      return fmt::format(
+          "{} share the local part of the dense ones: {}; errors are {:.2f} times "
+          "those without it, +- {:.0f} % (tested at dense contacts)",
+          sharing, counts, ratio(part), 100 * *part.gain_error);
+    }
+    case haptics::SharingOutcome::no_gain:
+      return fmt::format(
+          "none shares a local part: {}; errors would be {:.2f} times those "
+          "without it, +- {:.0f} % (tested at dense contacts), which is not a "
+          "significant gain",
+          counts, ratio(part), 100 * *part.gain_error);
+    case haptics::SharingOutcome::too_few_dense:
+      return fmt::format(
+          "none shares a local part: {}; at least {} must be dense, so probe more "
+          "there or lower --dense-samples",
+          counts, haptics::kFewestDense);
+    case haptics::SharingOutcome::none_sparse:
+      return fmt::format("none shares a local part: {}; none needs it", counts);
+  }
+  return {};
+}
+
+void tell_build(const haptics::BuildResult& built) {
+  spdlog::info("the contacts lie {:.3f} mm from the surface (RMS); {}.", built.distance_rms,
+               in_words(built.registration));
+  for (const long long id : built.without_samples)
+    spdlog::warn("contact {} has no samples and is omitted.", id);
+  for (const haptics::ContactMisfit& contact : built.left_out)
+    spdlog::warn("contact {} is left out: it {}.", contact.id, contact.reason);
+  for (const long long id : built.isolated) {
+    spdlog::warn(
+        "contact {} is in no triangle of contacts: there are too few around it; probe more "
+        "there.",
+        id);
+  }
+  tell_friction(built);
+  tell_sharing(built);
+  if (built.surface_flipped)
+    spdlog::warn("the surface's triangles were reversed to agree with the contact normals.");
+}
+
+std::string per_contact_in_words(const haptics::BuildResult& built) {
+  std::string prose;
+  for (std::size_t i = 0; i < built.contacts.size(); ++i) {
+    const haptics::ContactModel& contact = built.model.contacts[i];
+    const haptics::FitResult& found = built.contacts[i].fit;
+    prose += fmt::format(
+        "  contact {}: RMS {:.4f} N with {} bases from {} pairs, friction {}; {}; {}{}\n",
+        contact.id, contact.rms, contact.field.bases.size(), contact.samples, friction_of(contact),
+        in_words(found.stop), in_words(found.certificate.passivity),
+        contact.shared_local ? ", shares the local part" : "");
+  }
+  return prose;
+}
+
+std::string fit_in_words(const haptics::BuildResult& built) {
+  const geometry::ErrorStatistics statistics = rms_of(built);
+  return fmt::format(
+      "{} contacts in {} triangles; RMS of a contact {:.4f} N in the median, at most {:.4f} N",
+      built.contacts.size(), built.model.triangles.cols(), statistics.median, statistics.max);
+}
+
+Json fit_figures(const haptics::BuildResult& built, bool with_contacts) {
+  Json per_contact = Json::array(), left_out = Json::array();
+  if (with_contacts) {
+    for (std::size_t i = 0; i < built.contacts.size(); ++i)
+      per_contact.push_back(contact_figures(built.model.contacts[i], built.contacts[i]));
+  }
+  for (const haptics::ContactMisfit& contact : built.left_out)
+    left_out.push_back({{"contact", contact.id}, {"reason", contact.reason}});
+  const geometry::ErrorStatistics statistics = rms_of(built);
+  Json figures = {
+      {"contacts", built.contacts.size()},
+      {"triangles", built.model.triangles.cols()},
+      {"registration", haptics::to_string(built.registration)},
+      {"left_out", left_out},
+      {"explained", haptics::explained_share(built.contacts)},
+      {"rms", {{"median", statistics.median}, {"p90", statistics.p90}, {"max", statistics.max}}},
+      {"per_contact", per_contact}};
+  if (built.local_part) figures["shared_local"] = sharing_in_figures(built);
+  return figures;
+}
+
+}  // namespace palpate::apps
