@@ -97,36 +97,40 @@ std::vector<std::string> commands_in(const std::string& help) {
   return commands;
 }
 
-// All commands without subcommands of their own, with the words that call them.
-std::vector<std::vector<std::string>> all_commands(const std::vector<std::string>& words = {}) {
+struct Help {
+  std::vector<std::string> words;  // that call the command
+  CommandResult result;
+};
+
+// The help of all commands without subcommands of their own.
+std::vector<Help> all_commands(const std::vector<std::string>& words = {}) {
   std::vector<std::string> call = words;
   call.emplace_back("--help");
-  std::vector<std::vector<std::string>> result;
-  for (const std::string& command : commands_in(run_palpate(call).out)) {
+  const CommandResult help = run_palpate(call);
+  std::vector<Help> result;
+  for (const std::string& command : commands_in(help.out)) {
     std::vector<std::string> longer = words;
     longer.push_back(command);
-    const std::vector<std::vector<std::string>> inner = all_commands(longer);
+    const std::vector<Help> inner = all_commands(longer);
     result.insert(result.end(), inner.begin(), inner.end());
   }
-  if (result.empty()) result.push_back(words);
+  if (result.empty()) result.push_back({words, help});
   return result;
 }
 
 TEST_F(BadInput, EveryCommandShowsAnExampleOfItself) {
-  const std::vector<std::vector<std::string>> commands = all_commands();
+  std::vector<std::vector<std::string>> commands;
+  for (const Help& help : all_commands()) {
+    commands.push_back(help.words);
+    EXPECT_EQ(help.result.status, 0);
+    std::string words = "palpate";
+    for (const std::string& word : help.words) words += " " + word;
+    const std::size_t example = help.result.out.find("Example");
+    ASSERT_NE(example, std::string::npos) << words;
+    EXPECT_NE(help.result.out.find(words, example), std::string::npos) << words;
+  }
   EXPECT_THAT(commands, IsSupersetOf(std::vector<std::vector<std::string>>{
                             {"fit"}, {"calibrate", "rig"}, {"probe", "import"}}));
-  for (const std::vector<std::string>& command : commands) {
-    std::vector<std::string> call = command;
-    call.emplace_back("--help");
-    const CommandResult result = run_palpate(call);
-    EXPECT_EQ(result.status, 0);
-    std::string words = "palpate";
-    for (const std::string& word : command) words += " " + word;
-    const std::size_t example = result.out.find("Example");
-    ASSERT_NE(example, std::string::npos) << words;
-    EXPECT_NE(result.out.find(words, example), std::string::npos) << words;
-  }
 }
 
 TEST_F(BadInput, FramesThatAreMissingEmptyOrTruncated) {

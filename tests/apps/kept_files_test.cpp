@@ -33,8 +33,8 @@ class KeptFiles : public ::testing::Test {
     return files;
   }
 
-  /// The call has status 2 and says `place`; not a file is another afterwards.
-  void expect_refused(const std::vector<std::string>& call, const std::string& place) const {
+  /// The call has status 2 and says `place`; not a file is another afterwards. What it says.
+  std::string expect_refused(const std::vector<std::string>& call, const std::string& place) const {
     const auto before = content();
     const CommandResult result = run_palpate(call);
     std::string line;
@@ -42,6 +42,7 @@ class KeptFiles : public ::testing::Test {
     EXPECT_EQ(result.status, kWrongCall) << line << "\n" << result.err;
     EXPECT_NE(result.err.find(place), std::string::npos) << line << "\n" << result.err;
     EXPECT_EQ(content(), before) << line;
+    return result.err;
   }
 
   std::vector<std::string> simulate_call(const std::string& output) const {
@@ -102,9 +103,8 @@ TEST_F(KeptFiles, NoOutputIsOrLiesInAnInput) {
   for (const Case& one : cases) {
     std::vector<std::string> call = one.call;
     call.insert(call.end(), one.outputs.begin(), one.outputs.end());
-    expect_refused(call, one.outputs.back());
     // Not for another fault of these files, which are stand-ins: for the place.
-    const std::string reason = run_palpate(call).err;
+    const std::string reason = expect_refused(call, one.outputs.back());
     EXPECT_TRUE(reason.find("already used in this call") != std::string::npos ||
                 reason.find("which would be replaced") != std::string::npos ||
                 reason.find("results could replace frames of the same name") != std::string::npos)

@@ -103,14 +103,15 @@ class Track : public ::testing::Test {
     return run_palpate(call, options);
   }
 
-  /// The call is refused and nothing is written.
-  void expect_refused(const std::vector<std::string>& call, const std::string& words) const {
+  /// The call is refused and nothing is written. What it says.
+  std::string expect_refused(const std::vector<std::string>& call, const std::string& words) const {
     const auto before = content(scratch.path());
     const CommandResult result = run_palpate(call);
     EXPECT_EQ(result.status, kWrongCall) << words << '\n' << result.err;
     EXPECT_NE(result.err.find(words), std::string::npos)
         << "no '" << words << "' in " << result.err;
     EXPECT_EQ(content(scratch.path()), before) << words;
+    return result.err;
   }
   std::vector<std::string> call(const std::vector<std::string>& more = {}) const {
     std::vector<std::string> words = {"track", scratch / "range", "-o", scratch / "meshes"};
@@ -304,9 +305,10 @@ TEST_F(Track, RefusesWhatCannotBeTracked) {
   geometry::TriangleMesh far = reference_mesh();
   far.vertices.row(0).array() += 300;
   geometry::write_mesh(scratch / "far.ply", far);
-  expect_refused(call({"--reference", scratch / "far.ply"}),
-                 "far.ply: does not lie at the pose of the first frame");
-  expect_refused(call({"--reference", scratch / "far.ply"}), "palpate compare");
+  const std::string elsewhere =
+      expect_refused(call({"--reference", scratch / "far.ply"}),
+                     "far.ply: does not lie at the pose of the first frame");
+  EXPECT_NE(elsewhere.find("palpate compare"), std::string::npos) << elsewhere;
   // Most of it lies on the map, in the wrong place.
   far.vertices.row(0).array() -= 200;
   geometry::write_mesh(scratch / "far.ply", far);
@@ -330,8 +332,10 @@ TEST_F(Track, RefusesWhatCannotBeTracked) {
 
   fs::rename(scratch / "range/rig.yaml", scratch / "rig.yaml");
   expect_refused(call(), "rig.yaml: missing");
-  EXPECT_EQ(run_palpate(call({"--rig", scratch / "rig.yaml", "--reference", reference})).status,
-            kDone);
+  EXPECT_EQ(
+      run_palpate(call({"--rig", scratch / "rig.yaml", "--reference", reference, "--nodes", "250"}))
+          .status,
+      kDone);
 }
 
 TEST_F(Track, RefusesAFolderWithoutAnyDepth) {

@@ -5,8 +5,8 @@
 
 After each kill, a reader of the output must find the results of the earlier run as a whole, or those of the killed run
 as a whole; while one replaces the other, the marker that keeps readers away must be there. A file is never a part of
-one. Where there was no earlier run, the files that are there must be whole. Then the same call must succeed, give what
-a run gives that was never killed, and leave nothing else.
+one. Where there was no earlier run, the files that are there must be whole. Then the same call, or its continuation,
+must succeed, give what a run gives that was never killed, and leave nothing else.
 
 A campaign of `probe run` is killed, resumed and killed again until it ends, and then begun anew, until so many runs were
 killed at work. After each kill, all trials that a reader saw before must be there, and what is there must be, to the last
@@ -318,6 +318,7 @@ def check_command(command, kills, moments):
                 raise Wrong(f"--resume: exit status {resumed.returncode}: {resumed.stderr.strip()}")
             if resumed.returncode == 0:
                 check_whole(command, results[now])
+                continue
         command.run_whole(now)
         check_whole(command, results[now])
     return killed
