@@ -101,7 +101,7 @@ TEST_F(ProbeArm, TheSameArmSimulatedBehindADriverStoppedAndReplayedMeasuresTheSa
   EXPECT_EQ(resumed["fingerprint"], whole["fingerprint"]);
 }
 
-TEST_F(ProbeArm, AReportWithTheRecordShowsATouchAndTheCompensationOfGravity) {
+TEST_F(ProbeArm, AReportWithTheRecordShowsATouchTheCompensationOfGravityAndErrorsOfForces) {
   const std::string record = scratch / "session.arm", surface = scratch / "truth/surface.ply";
   plan.contacts = probing::plan_contacts(sheet->surface(), {.contacts = 3}).contacts;
   probing::write_plan(plan_file, plan);
@@ -114,7 +114,8 @@ TEST_F(ProbeArm, AReportWithTheRecordShowsATouchAndTheCompensationOfGravity) {
                                      "--json"};
   (void)figures(report);
   const std::string page = read_text(scratch / "report/index.html");
-  for (const char* picture : {"touch.png", "gravity-0.png", "gravity-1.png", "gravity-2.png"}) {
+  for (const char* picture :
+       {"touch.png", "gravity-0.png", "gravity-1.png", "gravity-2.png", "force-errors.png"}) {
     EXPECT_NE(page.find(std::string("<img src=\"") + picture), std::string::npos) << picture;
     EXPECT_GT(fs::file_size(fs::path(scratch / "report") / picture), 10000U) << picture;
   }

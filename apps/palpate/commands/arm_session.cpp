@@ -13,6 +13,7 @@
 
 #include "commands/probe_arm.h"
 #include "palpate/error.h"
+#include "palpate/pictures/draw_force_errors.h"
 #include "palpate/pictures/draw_joint_torques.h"
 #include "palpate/pictures/draw_touch.h"
 
@@ -46,6 +47,69 @@ std::optional<pictures::JointTorques> torques_of(const ArmSession& session, int 
     torques.gravity(i) = probing::gravity_torque(session.gravity, pose.joints)[joint];
   }
   return torques;
+}
+
+/// What the first trials applied. A record may end before they do: a campaign that is resumed is
+/// not recorded.
+std::vector<probing::AppliedForce> applied_forces(CampaignArm& arm,
+                                                  const probing::CampaignOptions& options,
+                                                  const std::vector<probing::TrialRecord>& trials) {
+  constexpr std::size_t kMostTrials = 300;  // a replay of so many takes seconds
+  const probing::ArmProber& prober = *arm.prober();
+  if (!prober.arm().description().measures_reference) return {};
+  const auto before = static_cast<std::ptrdiff_t>(prober.applied_forces().size());
+  try {
+    for (std::size_t i = 0; i < std::min(kMostTrials, trials.size()); ++i)
+      static_cast<void>(probing::run_trial(arm, trials[i].order, options.program));
+  } catch (const probing::ArmStopped&) {
+    // the end of the record
+  }
+  std::vector<probing::AppliedForce> forces(prober.applied_forces().begin() + before,
+                                            prober.applied_forces().end());
+  std::erase_if(forces, [](const auto& each) { return !each.reference.allFinite(); });
+  return forces;
+}
+
+/// The errors along an axis of the base, which the reference force shows.
+pictures::ForceErrors errors_along(const std::vector<probing::AppliedForce>& forces, int axis) {
+  const auto count = static_cast<Eigen::Index>(forces.size());
+  pictures::ForceErrors errors{Eigen::VectorXd(count), Eigen::VectorXd(count),
+                               Eigen::VectorXd(count)};
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const probing::AppliedForce& force = forces[static_cast<std::size_t>(i)];
+    errors.commanded(i) = force.commanded[axis];
+    errors.fully_compensated(i) = force.reference[axis] - force.commanded[axis];
+    errors.gravity_only(i) = errors.fully_compensated(i) - force.internal[axis];
+  }
+  return errors;
+}
+
+std::string mean_and_deviation(const Eigen::VectorXd& errors) {
+  const double mean = errors.mean();
+  return fmt::format("{:.4f} ± {:.4f} N", mean, std::sqrt((errors.array() - mean).square().mean()));
+}
+
+void add_force_errors(ReportPage& page, const fs::path& folder,
+                      const std::vector<probing::AppliedForce>& forces) {
+  if (forces.empty()) return;
+  std::vector<std::vector<std::string>> rows;
+  for (const int axis : {0, 1, 2}) {
+    const pictures::ForceErrors errors = errors_along(forces, axis);
+    rows.push_back({fmt::format("{}", "XYZ"[axis]), mean_and_deviation(errors.gravity_only),
+                    mean_and_deviation(errors.fully_compensated)});
+  }
+  pictures::draw_force_errors(folder / "force-errors.png", errors_along(forces, 0),
+                              "Error of the force along X of the arm");
+  page.add_picture("force-errors.png",
+                   "Forces on the object at rest, as a sensor of its own measured them, less those "
+                   "that were commanded (thesis, Figure 4.7). With gravity compensated alone, the "
+                   "internal forces that were added would have been missing.");
+  page.add_paragraph(
+      fmt::format("Errors of {} forces at rest along the axes of the arm (thesis, Table 4.1): mean "
+                  "and standard "
+                  "deviation.",
+                  forces.size()));
+  page.add_table({"axis", "gravity compensated", "internal forces too"}, rows);
 }
 
 }  // namespace
@@ -82,7 +146,8 @@ ArmSession read_session(const fs::path& record, const probing::Campaign& campaig
   return {.poses = prober.held_poses(),
           .gravity = prober.gravity().value(),
           .touched = trial->order,
-          .touch = prober.approach().value()};
+          .touch = prober.approach().value(),
+          .forces = applied_forces(*arm, options, trials)};
 }
 
 void add_arm(ReportPage& page, const fs::path& folder, const ArmSession& session) {
@@ -111,6 +176,7 @@ void add_arm(ReportPage& page, const fs::path& folder, const ArmSession& session
                                " at rest, after upward and after downward motion, and the "
                                "gravity that was fitted (thesis, Figure 4.6).");
   }
+  add_force_errors(page, folder, session.forces);
 }
 
 }  // namespace palpate::apps

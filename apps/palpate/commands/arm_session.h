@@ -17,9 +17,12 @@ struct ArmSession {
   probing::GravityModel gravity;
   probing::TrialOrder touched;  ///< the trial whose touch is shown
   probing::ArmApproach touch;
+  /// Of the first trials; empty if the arm measures no reference force.
+  std::vector<probing::AppliedForce> forces;
 };
 
-/// Replays the measurement of gravity, and the first trial that touched a contact.
+/// Replays the measurement of gravity, the first trial that touched a contact and, if there is a
+/// reference force, the first trials of the campaign.
 /// \throws FileError, or InvalidInput if no trial touched it or the record is of another campaign.
 [[nodiscard]] ArmSession read_session(const std::filesystem::path& record,
                                       const probing::Campaign& campaign,
@@ -27,7 +30,8 @@ struct ArmSession {
                                       const std::vector<probing::TrialRecord>& trials,
                                       long long contact);
 
-/// Adds the touch and the compensation of gravity to a page; their pictures go into the folder.
+/// Adds the touch, the compensation of gravity and the errors of forces to a page; their pictures
+/// go into the folder.
 void add_arm(ReportPage& page, const std::filesystem::path& folder, const ArmSession& session);
 
 }  // namespace palpate::apps

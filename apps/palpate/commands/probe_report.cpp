@@ -33,8 +33,9 @@ struct ReportCall {
 
 /// All files that a report of this campaign can have, of an earlier model also.
 std::vector<fs::path> report_files(const probing::Campaign& campaign) {
-  std::vector<fs::path> files{"index.html",    "timeline.png",  "errors.png",   "touch.png",
-                              "gravity-0.png", "gravity-1.png", "gravity-2.png"};
+  std::vector<fs::path> files{"index.html",    "timeline.png",    "errors.png",
+                              "touch.png",     "gravity-0.png",   "gravity-1.png",
+                              "gravity-2.png", "force-errors.png"};
   for (std::size_t level = 0; level < campaign.plan().normal_forces.size(); ++level)
     files.emplace_back(fmt::format("displacements-{}.png", level));
   for (const probing::Contact& contact : campaign.plan().contacts)
@@ -118,9 +119,11 @@ void add_probe_report(CLI::App& probe, const Settings& settings) {
   command->add_option("MODEL", call->model, "Model folder that was fitted to it")->required();
   command->add_option("--queries", call->queries,
                       "Known forces to compare with (queries.csv of 'palpate probe truth')");
-  command->add_option("--record", call->record,
-                      "Record of the arm (session.arm of 'palpate probe run --record'): adds a "
-                      "touch and the compensation of gravity");
+  command->add_option(
+      "--record", call->record,
+      "Record of the arm (session.arm of 'palpate probe run --record'): adds a "
+      "touch, the compensation of gravity and, if the arm has a sensor of its own for them, "
+      "the errors of forces");
   command->add_option("-o,--output", call->output, "Folder for index.html and its pictures")
       ->required();
   command->footer("Example:\n  palpate probe report acquisition.db model/ -o report/");

@@ -109,13 +109,20 @@ void ArmMotion::set_internal_torque(const Eigen::Vector3d& torque) {
   deflection_ = deflection_smooth_ = deflection_then_;
 }
 
+Eigen::Vector3d ArmMotion::turned_torque() const {
+  if (options_.friction != FrictionCompensation::followed) return Eigen::Vector3d::Zero();
+  return options_.sliding_friction *
+         gravity_.friction.cwiseMax(0).cwiseProduct(deflection_smooth_ - deflection_then_);
+}
+
+Eigen::Vector3d ArmMotion::internal_force() const {
+  const Eigen::Matrix3d jacobian = arm_jacobian(options_.geometry, state_.joints);
+  return jacobian.transpose().inverse() * (internal_ + turned_torque());
+}
+
 void ArmMotion::push(const Eigen::Vector3d& force) {
-  Eigen::Vector3d turned = Eigen::Vector3d::Zero();
-  if (options_.friction == FrictionCompensation::followed) {
-    turned = options_.sliding_friction *
-             gravity_.friction.cwiseMax(0).cwiseProduct(deflection_smooth_ - deflection_then_);
-  }
-  send(arm_jacobian(options_.geometry, state_.joints).transpose() * force + internal_ + turned);
+  send(arm_jacobian(options_.geometry, state_.joints).transpose() * force + internal_ +
+       turned_torque());
 }
 
 Eigen::Vector3d ArmMotion::torque_of(const Eigen::Vector3d& force) const {

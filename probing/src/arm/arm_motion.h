@@ -37,11 +37,15 @@ class ArmMotion {
   void set_internal_torque(const Eigen::Vector3d& torque);
   /// Applies a force [N] at the tip, with gravity and internal forces compensated.
   void push(const Eigen::Vector3d& force);
+  /// [N] at the tip that `push` adds against internal forces, now.
+  [[nodiscard]] Eigen::Vector3d internal_force() const;
 
   /// [N mm] of the motors for a force at the tip, with gravity.
   [[nodiscard]] Eigen::Vector3d torque_of(const Eigen::Vector3d& force) const;
 
  private:
+  /// [N mm] By which the friction of the joints has changed since it was measured.
+  [[nodiscard]] Eigen::Vector3d turned_torque() const;
   Eigen::Vector3d control(const Eigen::Vector3d& joints);
   void send(const Eigen::Vector3d& torque);
   [[noreturn]] void fail() const;

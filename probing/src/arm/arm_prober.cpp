@@ -265,7 +265,7 @@ struct ArmProber::Impl {
     const Vector3d before = force, wanted = T_base_world.linear() * action.force;
     const double ramp = std::max(kShortestRamp, (wanted - before).norm() / options.ramp);
     const int rising = motion.ticks_in(ramp), look = motion.ticks_in(kLevelled);
-    RestingWindow window(motion.ticks_in(options.resting_window));
+    RestingWindow window(motion.ticks_in(options.resting_window)), reference = window;
     // The work of what drag and release add to the force that stays.
     const Vector3d staying = action.kind == ProbeActionKind::release ? wanted : before;
     const Vector3d start =
@@ -284,8 +284,11 @@ struct ArmProber::Impl {
       if ((tip - constant_from).norm() > options.longest_slide)
         return report(ProbeOutcome::fell_off, tip, force);
       window.add(time(), tip);
+      reference.add(time(), motion.state().reference_force);
       if (window.full() && tick % look == 0 && window.speed() < options.settled_speed) {
         rested = without_bending(window.mean());
+        if (safe.description().measures_reference)
+          applied.push_back({force, motion.internal_force(), reference.mean()});
         ProbeReport done = report(ProbeOutcome::done, window.mean(), force);
         done.creep =
             creep_share(rested - start, window.mean() - constant_from, wanted - before, speed_then);
@@ -333,6 +336,7 @@ struct ArmProber::Impl {
   std::optional<GravityModel> gravity;
   std::vector<HeldPose> poses;
   std::optional<ArmApproach> latest_approach;
+  std::vector<AppliedForce> applied;
   Eigen::Isometry3d T_base_world;
   long long trial = -1;                // that was begun
   double begun = 0;                    // [s] time of the action
@@ -375,6 +379,8 @@ const std::optional<GravityModel>& ArmProber::gravity() const { return impl_->gr
 const std::vector<HeldPose>& ArmProber::held_poses() const { return impl_->poses; }
 
 const std::optional<ArmApproach>& ArmProber::approach() const { return impl_->latest_approach; }
+
+const std::vector<AppliedForce>& ArmProber::applied_forces() const { return impl_->applied; }
 
 ProbeReport ArmProber::perform(const ProbeAction& action) { return impl_->perform(action); }
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/probing/arm_record.h"
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <bit>
@@ -10,7 +11,6 @@
 #include <cstdio>
 #include <cstring>
 #include <nlohmann/json.hpp>
-#include <type_traits>
 #include <vector>
 
 #include "palpate/error.h"
@@ -21,8 +21,9 @@ namespace {
 using nlohmann::json;
 
 constexpr const char* kRecordFormat = "palpate arm record";
-constexpr int kRecordVersion = 1;
-constexpr std::size_t kStateNumbers = 13, kCommandNumbers = 4;
+constexpr int kRecordVersion = 2;
+constexpr std::size_t kStateNumbers = 16, kCommandNumbers = 4;
+constexpr std::size_t kStateNumbersOfVersion1 = 13;  // without the reference force
 constexpr const char* kRecordExpected = "; expected the file of 'palpate probe run --record'";
 static_assert(std::endian::native == std::endian::little, "the file is in the order of the host");
 
@@ -37,6 +38,7 @@ StateNumbers numbers_of(const ArmState& state) {
     numbers[4 + i] = state.joints[k];
     numbers[7 + i] = state.delivered_force[k];
     numbers[10 + i] = state.heat[k];
+    numbers[13 + i] = state.reference_force[k];
   }
   return numbers;
 }
@@ -48,6 +50,7 @@ ArmState state_of(const StateNumbers& numbers) {
   state.joints = Eigen::Vector3d(&numbers[4]);
   state.delivered_force = Eigen::Vector3d(&numbers[7]);
   state.heat = Eigen::Vector3d(&numbers[10]);
+  state.reference_force = Eigen::Vector3d(&numbers[13]);
   return state;
 }
 
@@ -56,14 +59,14 @@ CommandNumbers numbers_of(const ArmCommand& command) {
 }
 
 /// [bytes] Size of an event after its letter; negative for an unknown letter.
-int size_of_event(char letter) {
+int size_of_event(char letter, std::size_t state_numbers) {
   constexpr int kNumber = 8;
   switch (letter) {
     case 'N':
     case 'T':
       return kNumber;
     case 'R':
-      return kNumber * static_cast<int>(kStateNumbers);
+      return kNumber * static_cast<int>(state_numbers);
     case 'W':
     case 'V':
       return kNumber * static_cast<int>(kCommandNumbers);
@@ -121,6 +124,7 @@ RecordingArm::RecordingArm(Arm& arm, const std::filesystem::path& path, const st
                                                   {"measures_joints", d.measures_joints},
                                                   {"measures_force", d.measures_force},
                                                   {"measures_heat", d.measures_heat},
+                                                  {"measures_reference", d.measures_reference},
                                                   {"real_time", d.real_time},
                                                   {"session", session}}
                                .dump() +
@@ -199,11 +203,12 @@ struct ReplayArm::Tape {
     const json members = json::parse(head, nullptr, false);
     if (!members.is_object() || members.value("format", "") != kRecordFormat)
       throw FileError(path + ": is no record of an arm" + kRecordExpected);
-    if (members.value("version", 0) != kRecordVersion) {
-      throw FileError(path + ": is a record of version " +
-                      members.value("version", json(0)).dump() + "; this program reads " +
-                      std::to_string(kRecordVersion));
+    const json version = members.value("version", json(0));
+    if (version != kRecordVersion && version != 1) {
+      throw FileError(path + ": is a record of version " + version.dump() +
+                      "; this program reads 1 to " + std::to_string(kRecordVersion));
     }
+    if (version == 1) state_numbers = kStateNumbersOfVersion1;
     try {
       members.at("name").get_to(description.name);
       members.at("period").get_to(description.period);
@@ -212,6 +217,7 @@ struct ReplayArm::Tape {
       members.at("measures_joints").get_to(description.measures_joints);
       members.at("measures_force").get_to(description.measures_force);
       members.at("measures_heat").get_to(description.measures_heat);
+      if (version != 1) members.at("measures_reference").get_to(description.measures_reference);
       members.at("session").get_to(session);
     } catch (const json::exception& wrong) {
       throw FileError(path + ": its first line is damaged: " + wrong.what());
@@ -219,9 +225,9 @@ struct ReplayArm::Tape {
     description.real_time = false;
   }
 
-  /// Reads the event if it has this letter; otherwise the position in the file does not change.
-  template <typename Numbers>
-  bool take(char letter, Numbers* numbers) noexcept {
+  /// Reads the letter of an event and its numbers if it has this letter; otherwise the position in
+  /// the file does not change.
+  bool take(char letter, void* numbers = nullptr, std::size_t size = 0) noexcept {
     if (broken != nullptr) return false;
     const int found = std::fgetc(file);
     if (found != letter) {
@@ -229,13 +235,10 @@ struct ReplayArm::Tape {
       ended = found == EOF;
       return false;
     }
-    if constexpr (!std::is_void_v<Numbers>) {
-      ended = std::fread(numbers, sizeof(Numbers), 1, file) != 1;
-      return !ended;
-    }
-    return true;
+    if (size == 0) return true;
+    ended = std::fread(numbers, size, 1, file) != 1;
+    return !ended;
   }
-  bool take(char letter) noexcept { return take<void>(letter, nullptr); }
   void depart(const char* from) noexcept {
     if (broken == nullptr) broken = ended ? "the record ends here" : from;
   }
@@ -245,7 +248,7 @@ struct ReplayArm::Tape {
     std::fseek(file, place, SEEK_SET);
     std::array<char, sizeof(StateNumbers)> numbers{};
     for (int letter = std::fgetc(file); letter != EOF; letter = std::fgetc(file)) {
-      const int size = size_of_event(static_cast<char>(letter));
+      const int size = size_of_event(static_cast<char>(letter), state_numbers);
       if (size < 0 || std::fread(numbers.data(), 1, static_cast<std::size_t>(size), file) !=
                           static_cast<std::size_t>(size))
         return false;
@@ -263,6 +266,7 @@ struct ReplayArm::Tape {
   std::string path;
   std::FILE* file = nullptr;
   long begin = 0;  // [bytes] of the first event
+  std::size_t state_numbers = kStateNumbers;
   std::string session;
   ArmDescription description;
   double time = 0;  // latest reading of the clock
@@ -280,7 +284,7 @@ const ArmDescription& ReplayArm::description() const noexcept { return tape_->de
 
 double ReplayArm::now() const noexcept {
   double time = 0;
-  if (tape_->take('N', &time)) tape_->time = time;
+  if (tape_->take('N', &time, sizeof(time))) tape_->time = time;
   return tape_->time;
 }
 
@@ -292,7 +296,8 @@ void ReplayArm::begin_trial(long long trial) noexcept { tape_->seek(trial); }
 
 bool ReplayArm::read(ArmState& state) noexcept {
   StateNumbers numbers{};
-  if (tape_->take('R', &numbers)) {
+  std::fill(numbers.begin() + kStateNumbersOfVersion1, numbers.end(), ArmState::kNotMeasured);
+  if (tape_->take('R', numbers.data(), tape_->state_numbers * sizeof(double))) {
     state = state_of(numbers);
     return true;
   }
@@ -302,8 +307,8 @@ bool ReplayArm::read(ArmState& state) noexcept {
 
 bool ReplayArm::write(const ArmCommand& command) noexcept {
   CommandNumbers numbers{};
-  const bool taken = tape_->take('W', &numbers);
-  if (!taken && !tape_->take('V', &numbers)) {
+  const bool taken = tape_->take('W', numbers.data(), sizeof(numbers));
+  if (!taken && !tape_->take('V', numbers.data(), sizeof(numbers))) {
     tape_->depart("nothing was commanded here");
     return false;
   }

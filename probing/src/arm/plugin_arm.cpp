@@ -111,6 +111,7 @@ PluginArm::PluginArm(const std::filesystem::path& library,
       .measures_joints = can(PALPATE_DEVICE_MEASURES_JOINTS) && driver.info.joints >= 3,
       .measures_force = can(PALPATE_DEVICE_MEASURES_FORCE),
       .measures_heat = can(PALPATE_DEVICE_MEASURES_HEAT),
+      .measures_reference = can(PALPATE_DEVICE_MEASURES_REFERENCE),
       .real_time = driver.clock == nullptr};
 }
 
@@ -137,12 +138,14 @@ bool PluginArm::read(ArmState& state) noexcept {
   std::for_each(std::begin(measured.joints), std::end(measured.joints), forget);
   std::for_each(std::begin(measured.force), std::end(measured.force), forget);
   std::for_each(std::begin(measured.heat), std::end(measured.heat), forget);
+  std::for_each(std::begin(measured.reference_force), std::end(measured.reference_force), forget);
   if (driver_->table->read(driver_->device, &measured) != 0) return false;
   state.time = measured.time;
   state.tip = Eigen::Vector3d(measured.tip);
   state.joints = Eigen::Vector3d(measured.joints);
   state.delivered_force = Eigen::Vector3d(measured.force);
   state.heat = Eigen::Vector3d(measured.heat);
+  state.reference_force = Eigen::Vector3d(measured.reference_force);
   return true;
 }
 

@@ -129,6 +129,7 @@ struct VirtualArm::Simulation {
                    .measures_joints = true,
                    .measures_force = true,
                    .measures_heat = true,
+                   .measures_reference = true,
                    .real_time = false};
     truth.tip = tip_position(o.geometry, q);
   }
@@ -399,6 +400,7 @@ bool VirtualArm::read(ArmState& state) noexcept {
   state.tip = tip_position(s.options.geometry, state.joints);
   state.delivered_force = s.delivered;
   state.heat = s.heat;
+  state.reference_force = s.truth.force;
   return state.tip.allFinite();
 }
 

@@ -71,6 +71,47 @@ TEST_F(ArmRecord, GoesOnAtTheTrialThatIsAskedFor) {
   EXPECT_EQ(replayed(arm, 0).b, results[0].b);
 }
 
+TEST_F(ArmRecord, HoldsTheReferenceForceIfThereIsOne) {
+  ReplayArm arm(file);
+  EXPECT_TRUE(arm.description().measures_reference);
+  ArmProber prober(arm, options, nullptr, testing::measured_gravity());
+  static_cast<void>(run_trial(prober, recorded_order(0), {}));
+  ASSERT_EQ(prober.applied_forces().size(), 3u);  // press, drag, release
+  for (const AppliedForce& each : prober.applied_forces()) {
+    EXPECT_LT((each.reference - each.commanded).norm(), 0.05);
+    EXPECT_GT(each.internal.norm(), 0.005);  // friction of the joints is 0.05 N at the tip
+  }
+}
+
+TEST_F(ArmRecord, OfVersion1IsReplayedWithoutAReferenceForce) {
+  // A state of that version: one clock reading, one state of 13 numbers, another clock reading.
+  const std::filesystem::path old = folder / "old.arm";
+  std::ofstream out(old, std::ios::binary);
+  out << R"({"format": "palpate arm record", "version": 1, "name": "old", "period": 0.001, )"
+      << R"("highest_force": 3, "continuous_force": 1, "measures_joints": true, )"
+      << R"("measures_force": true, "measures_heat": true, "session": ""})" << '\n';
+  const auto put = [&](char letter, int first, int count) {
+    out.put(letter);
+    for (int i = 0; i < count; ++i) {
+      const double number = first + i;
+      out.write(reinterpret_cast<const char*>(&number), sizeof(number));
+    }
+  };
+  put('N', 7, 1);
+  put('R', 1, 13);
+  put('N', 8, 1);
+  out.close();
+  ReplayArm arm(old);
+  EXPECT_FALSE(arm.description().measures_reference);
+  EXPECT_EQ(arm.now(), 7);
+  ArmState state;
+  ASSERT_TRUE(arm.read(state));
+  EXPECT_EQ(state.time, 1);
+  EXPECT_EQ(state.heat, Vector3d(11, 12, 13));
+  EXPECT_TRUE(state.reference_force.hasNaN());
+  EXPECT_EQ(arm.now(), 8);
+}
+
 TEST_F(ArmRecord, StopsWhereTheProgramCommandsSomethingElse) {
   ReplayArm arm(file);
   try {
@@ -103,9 +144,9 @@ TEST_F(ArmRecord, RefusesWhatIsNoRecord) {
   };
   EXPECT_NE(refused("id,x,y\n").find("is no record of an arm"), std::string::npos);
   EXPECT_NE(refused("").find("is no record of an arm"), std::string::npos);
-  EXPECT_NE(refused(R"({"format": "palpate arm record", "version": 2})"
+  EXPECT_NE(refused(R"({"format": "palpate arm record", "version": 3})"
                     "\n")
-                .find("version 2; this program reads 1"),
+                .find("version 3; this program reads 1 to 2"),
             std::string::npos);
   EXPECT_NE(refused(R"({"format": "palpate arm record", "version": 1})"
                     "\n")

@@ -37,6 +37,8 @@ TEST(PluginArm, MovesAsItsDriverSimulates) {
   EXPECT_GE(time, 0.0299);
   EXPECT_GT(state.tip.y() - place, 0.5 * 1000 * 0.03 * 0.03 * 0.8);
   EXPECT_TRUE(state.joints.hasNaN());
+  EXPECT_TRUE(state.reference_force.hasNaN());
+  EXPECT_FALSE(arm.description().measures_reference);
   EXPECT_NEAR(state.delivered_force.y(), 0.4, 1e-5);
   EXPECT_LE(arm.now() - state.time, 0.5);
   arm.stop();
@@ -57,12 +59,14 @@ TEST(PluginArm, TakesTheClockOfADriverThatHasOne) {
   PluginArm simulated(PALPATE_VIRTUAL_DEVICE);
   EXPECT_TRUE(simulated.description().measures_joints);
   EXPECT_FALSE(simulated.description().real_time);
+  EXPECT_TRUE(simulated.description().measures_reference);
   simulated.activate();
   ArmState state;
   for (int i = 1; i <= 3; ++i) {
     ASSERT_TRUE(simulated.read(state));
     EXPECT_NEAR(simulated.now(), 1e-3 * i, 1e-12);
     EXPECT_EQ(simulated.now(), state.time);
+    EXPECT_EQ(state.reference_force, Eigen::Vector3d::Zero());  // in free space
   }
   EXPECT_TRUE(PluginArm(kDriver).description().real_time);
 }

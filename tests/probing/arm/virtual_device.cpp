@@ -3,6 +3,7 @@
 
 // A complete driver of an arm with joints: the virtual arm over a sheet, behind the C table. It has
 // its own clock, so that a campaign takes as long as the simulation.
+#include <cstddef>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
@@ -55,7 +56,7 @@ int open_device(void** device, palpate_device_info_v1* info) {
     made->renew();
     const palpate::probing::ArmDescription& description = made->arm->description();
     info->capabilities = PALPATE_DEVICE_MEASURES_JOINTS | PALPATE_DEVICE_MEASURES_FORCE |
-                         PALPATE_DEVICE_MEASURES_HEAT;
+                         PALPATE_DEVICE_MEASURES_HEAT | PALPATE_DEVICE_MEASURES_REFERENCE;
     info->joints = 3;
     std::snprintf(info->name, sizeof(info->name), "virtual device");
     info->period = description.period;
@@ -106,6 +107,9 @@ int read_device(void* device, palpate_device_state_v1* state) {
     state->force[i] = measured.delivered_force[i];
     state->heat[i] = measured.heat[i];
   }
+  if (state->size < offsetof(palpate_device_state_v1, reference_force) + 3 * sizeof(double))
+    return 0;
+  for (int i = 0; i < 3; ++i) state->reference_force[i] = measured.reference_force[i];
   return 0;
 }
 

@@ -13,13 +13,14 @@ namespace palpate::probing {
 /// What an arm is and can do.
 struct ArmDescription {
   std::string name;
-  double period = 1e-3;          ///< [s] between two states
-  double highest_force = 0;      ///< [N] that the arm can apply at its tip for a moment
-  double continuous_force = 0;   ///< [N] that it can hold for as long as one likes
-  bool measures_joints = false;  ///< `ArmState::joints`
-  bool measures_force = false;   ///< `ArmState::delivered_force`
-  bool measures_heat = false;    ///< `ArmState::heat`
-  bool real_time = true;         ///< its clock goes on while nobody reads; not in simulations
+  double period = 1e-3;             ///< [s] between two states
+  double highest_force = 0;         ///< [N] that the arm can apply at its tip for a moment
+  double continuous_force = 0;      ///< [N] that it can hold for as long as one likes
+  bool measures_joints = false;     ///< `ArmState::joints`
+  bool measures_force = false;      ///< `ArmState::delivered_force`
+  bool measures_heat = false;       ///< `ArmState::heat`
+  bool measures_reference = false;  ///< `ArmState::reference_force`
+  bool real_time = true;            ///< its clock goes on while nobody reads; not in simulations
 };
 
 /// An arm at one moment, in the frame of its base. What the arm does not measure is NaN.
@@ -31,6 +32,9 @@ struct ArmState {
   Eigen::Vector3d delivered_force = Eigen::Vector3d::Constant(kNotMeasured);
   /// Heat of each motor, relative to that at which it must rest.
   Eigen::Vector3d heat = Eigen::Vector3d::Constant(kNotMeasured);
+  /// [N] On the object, by a sensor of its own, as the thesis assesses its arm (4.4.3). It judges
+  /// the arm: nothing that is commanded or measured depends on it.
+  Eigen::Vector3d reference_force = Eigen::Vector3d::Constant(kNotMeasured);
 
   static constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
 };

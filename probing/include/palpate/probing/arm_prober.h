@@ -76,6 +76,13 @@ struct ArmApproach {
   ContactEstimate found;
 };
 
+/// A force that rested on the object, in the frame of the base.
+struct AppliedForce {
+  Eigen::Vector3d commanded;  ///< [N]
+  Eigen::Vector3d internal;   ///< [N] that was added against internal forces, besides gravity
+  Eigen::Vector3d reference;  ///< [N] mean of `ArmState::reference_force` meanwhile
+};
+
 /// Performs the actions of a campaign on an arm, through a `SafeArm` (thesis 4.4).
 ///
 /// Travel and lift are joint control along straight lines; travel then waits until the motors are
@@ -109,6 +116,8 @@ class ArmProber final : public Prober {
   [[nodiscard]] const std::vector<HeldPose>& held_poses() const;
   /// The latest one; none before.
   [[nodiscard]] const std::optional<ArmApproach>& approach() const;
+  /// Each press, drag and release that came to rest, if the arm measures a reference force.
+  [[nodiscard]] const std::vector<AppliedForce>& applied_forces() const;
 
   /// \throws ArmStopped naming the fault: nothing of the interval is then a measurement. The next
   /// trial clears it.

@@ -9,20 +9,22 @@
 #include "palpate/probing/arm.h"
 
 // A record of an arm: all that a program read from it and commanded it, exactly. The file begins
-// with one line of JSON, {"format": "palpate arm record", "version": 1, "byte_order": "little",
+// with one line of JSON, {"format": "palpate arm record", "version": 2, "byte_order": "little",
 // "name": ..., "period": ..., "highest_force": ..., "continuous_force": ..., "measures_joints":
-// ..., "measures_force": ..., "measures_heat": ..., "real_time": ..., "session": ...}, and a line
-// break. Each event follows as one byte and its numbers, doubles of 8 bytes or a whole number of 8
-// bytes:
+// ..., "measures_force": ..., "measures_heat": ..., "measures_reference": ..., "real_time": ...,
+// "session": ...}, and a line break. Each event follows as one byte and its numbers, doubles of 8
+// bytes or a whole number of 8 bytes:
 //
 //     N time                           the clock was asked
 //     T trial (whole number)           a trial begins
 //     A                                motors on
-//     R time tip[3] joints[3] force[3] heat[3]    a state was read
+//     R time tip[3] joints[3] force[3] heat[3] reference_force[3]    a state was read
 //     F                                a state could not be read
 //     W force[3] lease                 a command was taken
 //     V force[3] lease                 a command was not taken
 //     S                                motors off
+//
+// Records of version 1, which have no reference force, can be replayed too.
 namespace palpate::probing {
 
 /// Records another arm, which must outlive it. Writes go through a buffer of 1 MB.

@@ -31,9 +31,10 @@ extern "C" {
 #define PALPATE_DEVICE_MEASURES_JOINTS 1u
 #define PALPATE_DEVICE_MEASURES_FORCE 2u
 #define PALPATE_DEVICE_MEASURES_HEAT 4u
+#define PALPATE_DEVICE_MEASURES_REFERENCE 8u
 
-/* Later versions may add fields at the end of a struct: size is that of the struct as its writer
- * knows it. */
+/* Later versions may add fields at the end of a struct: size is that of the struct as its owner
+ * knows it. A driver writes fields that are marked as added only if size reaches their end. */
 typedef struct palpate_device_info_v1 {
   uint32_t size;
   uint32_t capabilities;
@@ -53,6 +54,9 @@ typedef struct palpate_device_state_v1 {
   double joints[PALPATE_DEVICE_JOINTS]; /* [rad] */
   double force[3];                      /* [N] at the tip that the motors deliver, as measured */
   double heat[3]; /* of the motors, relative to that at which they must rest */
+  /* Added: [N] on the object, by a force sensor under it or before the tip. It judges the device;
+   * nothing that is commanded depends on it. */
+  double reference_force[3];
 } palpate_device_state_v1;
 
 typedef struct palpate_device_command_v1 {
