@@ -187,11 +187,80 @@ TEST_F(Measurements, OfForcesOnTheToolAreReadWithTheirSignsChanged) {
   probing::Acquisition reversed = acquisition;
   for (probing::Sample& sample : reversed.samples) sample.force = -sample.force;
   write_csv(reversed);
-  EXPECT_THAT(import_csv().err, HasSubstr("--force-on tool"));
-  const CommandResult result = import_csv({"--force-on", "tool"});
+  EXPECT_THAT(import_csv().err, HasSubstr("--forces-on tool"));
+  const CommandResult result = import_csv({"--forces-on", "tool"});
   ASSERT_EQ(result.status, kDone) << result.err;
   EXPECT_EQ(probing::fingerprint(probing::read_acquisition(scratch.path() / "a.db").records()),
             probing::fingerprint(acquisition));
+}
+
+std::string replaced(std::string text, const std::string& old, const std::string& now) {
+  for (std::size_t at = text.find(old); at != std::string::npos;
+       at = text.find(old, at + now.size()))
+    text.replace(at, old.size(), now);
+  return text;
+}
+
+TEST_F(Measurements, OfASpreadsheetWithDecimalCommasOrOfALoggerWithoutNamesAreRead) {
+  const probing::Acquisition acquisition = sheet();
+  const auto expect_read = [&](const CommandResult& result) {
+    ASSERT_EQ(result.status, kDone) << result.err;
+    EXPECT_EQ(probing::fingerprint(probing::read_acquisition(scratch.path() / "a.db").records()),
+              probing::fingerprint(acquisition));
+  };
+  write_csv(acquisition);
+  const std::string contacts = read_text(scratch / "c.csv"), samples = read_text(scratch / "s.csv");
+  const auto spreadsheet = [](std::string text) {
+    text = replaced(replaced(replaced(text, ",", ";"), ".", ","), "\n", "\r\n");
+    return "\xEF\xBB\xBF\"id\"" + text.substr(2) + "\r\n";
+  };
+  write_text(scratch / "c.csv", spreadsheet(contacts));
+  write_text(scratch / "s.csv", spreadsheet(samples));
+  EXPECT_THAT(import_csv().err,
+              AllOf(HasSubstr("c.csv: line 2, column 'x'"), HasSubstr("decimal: comma")));
+  expect_read(import_csv({"--decimal", "comma"}));
+
+  const auto nameless = [](const std::string& text) { return text.substr(text.find('\n') + 1); };
+  write_text(scratch / "c.csv", nameless(contacts));
+  write_text(scratch / "s.csv", nameless(samples));
+  EXPECT_THAT(import_csv().err, AllOf(HasSubstr("c.csv: line 1"), HasSubstr("numbers only"),
+                                      HasSubstr("header: false")));
+  expect_read(import_csv(
+      {"--no-header", "--map",
+       "contacts.id=column_1,x=column_2,y=column_3,z=column_4,nx=column_5,ny=column_6,nz=column_7",
+       "--map",
+       "samples.id=column_1,contact=column_2,group_id=column_3,px=column_4,py=column_5,pz=column_6,"
+       "ax=column_7,ay=column_8,az=column_9,bx=column_10,by=column_11,bz=column_12",
+       "--map",
+       "on_friction_boundary=column_13,slipped=column_14,range_map=column_15,time=column_16"}));
+}
+
+TEST_F(Measurements, WhoseFilesCannotBeReadAreRefusedWithWhatWouldBeRight) {
+  write_csv(sheet());
+  const std::string contacts = read_text(scratch / "c.csv"), samples = read_text(scratch / "s.csv");
+  const std::size_t second = samples.find('\n') + 1;
+  const auto with_cell = [&](const std::string& cell) {  // id of the first sample
+    return samples.substr(0, second) + cell + samples.substr(samples.find(',', second));
+  };
+  for (const auto& [text, words] : std::vector<std::tuple<std::string, std::string>>{
+           {std::string("PK\3\4\24\0\6\0", 8),
+            "s.csv: is a workbook (.xlsx, .ods) or a zip archive"},
+           {std::string("\xFF\xFEi\0d\0", 6), "s.csv: is text in UTF-16; save it as UTF-8"},
+           {replaced(samples, "pz", "pz (mN)"),
+            "s.csv: line 1: there is no column 'pz', but 'pz (mN)'"},
+           {replaced(samples, ",by,", ",ax,"), "s.csv: line 1: column 'ax' is there twice"},
+           {with_cell("1.5"), "s.csv: line 2, column 'id': found '1.5', expected a whole number"},
+           {replaced(samples, "\n1,", "\n1,NaN,"), "s.csv: line 3: 17 cells"}}) {
+    write_text(scratch / "s.csv", text);
+    const CommandResult result = import_csv();
+    EXPECT_EQ(result.status, kWrongCall) << words;
+    EXPECT_THAT(result.err, HasSubstr(words));
+    EXPECT_FALSE(fs::exists(scratch / "a.db"));
+  }
+  // A unit in a name that is given must be the unit in use.
+  write_text(scratch / "s.csv", replaced(samples, "pz", "Fz (mN)"));
+  EXPECT_THAT(import_csv({"--map", "pz=Fz (mN)"}).err,
+              AllOf(HasSubstr("--map: 'pz' is the column 'Fz (mN)'"), HasSubstr("--force-unit")));
 }
 
 TEST_F(Measurements, RefuseImportOptionsThatAreWrong) {
@@ -204,8 +273,10 @@ TEST_F(Measurements, RefuseImportOptionsThatAreWrong) {
            {"--map", "samples.id=Nr", "--map contacts.id=NAME or samples.id=NAME"},
            {"--separator", "::", "one character"},
            {"--separator", "|", "Give the separator"},
-           {"--force-on", "hand", "object or tool"},
+           {"--forces-on", "hand", "object or tool"},
            {"--length-unit", "ell", "um, mm, cm, m or in"},
+           {"--decimal", "dot", "point or comma"},
+           {"--time-unit", "h", "s, ms, us or min"},
            {"--force-unit", "dyn", "N, mN, kN, g, kg or lbf"}}) {
     const CommandResult result = import_csv({option, value});
     EXPECT_EQ(result.status, kWrongCall) << option << ' ' << value;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <cmath>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -103,8 +104,28 @@ void tell_series(const probing::SeriesCounts& series) {
   spdlog::info("{} presses were found; {} moments in contact were too fast for a sample.",
                series.presses, series.fast);
   if (series.empty_presses > 0)
-    spdlog::warn("{} of {} presses are left out: the tip was never slow enough in them.",
-                 series.empty_presses, series.presses);
+    spdlog::warn(
+        "{} of {} presses are left out: the tip was never slow enough in them, or slid before.",
+        series.empty_presses, series.presses);
+  if (series.slides > 0)
+    spdlog::warn(
+        "in {} of {} presses, the tip slid along the surface; what followed the slide is left out.",
+        series.slides, series.presses);
+  if (series.drags > 0)
+    spdlog::info("{} samples have a drag: the force was turned while the tip held.", series.drags);
+  if (series.drags_without_base > 0)
+    spdlog::warn("{} drags are left out: no press before them had their normal force.",
+                 series.drags_without_base);
+  if (std::isfinite(series.touch_depth))
+    spdlog::info(
+        "touches were moved back to zero force by {:.3f} mm, which is known to {:.3f} mm "
+        "(medians).",
+        series.touch_depth, series.touch_deviation);
+  if (series.not_extrapolated > 0)
+    spdlog::warn(
+        "{} touches lie below the surface, where the force passed touch_force: the presses do not "
+        "tell where it was zero.",
+        series.not_extrapolated);
   if (series.saturated > 0)
     spdlog::warn("{} moments are left out: the sensor was at its limit.", series.saturated);
   if (series.unpaired > 0)
@@ -220,7 +241,23 @@ void add_probe(CLI::App& app, const Settings& settings) {
       },
       "Unit of all forces: N, mN, kN, g, kg or lbf (default: N)");
   in->add_option_function<std::string>(
-        "--force-on",
+      "--time-unit",
+      [call](const std::string& name) {
+        change(*call, &probing::AcquisitionMapping::time, probing::unit_time(name));
+      },
+      "Unit of all times: s, ms, us or min (default: s)");
+  in->add_option_function<std::string>(
+        "--decimal",
+        [call](const std::string& sign) {
+          change(*call, &probing::AcquisitionMapping::decimal_comma, sign == "comma");
+        },
+        "Sign before the decimals of all numbers: point or comma (default: point)")
+      ->check(one_of({"point", "comma"}));
+  in->add_flag_callback(
+      "--no-header", [call] { change(*call, &probing::AcquisitionMapping::header, false); },
+      "The first line of the files does not name their columns; they are column_1, column_2, ...");
+  in->add_option_function<std::string>(
+        "--forces-on",
         [call](const std::string& on) {
           change(*call, &probing::AcquisitionMapping::forces_on_tool, on == "tool");
         },

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "import/column_units.h"
 #include "import/import_columns.h"
 #include "import/import_conversion.h"
 #include "import/import_tables.h"
@@ -28,6 +29,7 @@ std::vector<Contact> read_contacts(TableReader& row, const ImportConversion& con
 }
 void check_combination(std::span<const fs::path> files, const AcquisitionMapping& mapping) {
   check_mapping(mapping);
+  check_units_of_names(mapping);
   if (files.empty())
     throw InvalidInput("import_acquisition(): there is no file; give at least one");
   const bool has_depth = mapping.columns.contains(kDepthColumn);

@@ -238,50 +238,60 @@ void read_series(const MappingPage& page, const YAML::Node& node, SeriesOptions&
 }
 
 void read_page(const MappingPage& page, const YAML::Node& root, AcquisitionMapping& mapping) {
-  page.read(root, "a mapping",
-            {{"columns", [&](const auto& node) { read_columns(page, node, mapping.columns); }},
-             {"separator",
-              [&](const auto& node) {
-                mapping.separator = page.at(node, "separator", [&] {
-                  return separator_from(page.text(node, "separator"));
-                });
-              }},
-             {"units", [&](const auto& node) { read_units(page, node, mapping); }},
-             {"forces_on",
-              [&](const auto& node) {
-                mapping.forces_on_tool =
-                    page.choice<bool>(node, "forces_on", {{"object", false}, {"tool", true}});
-              }},
-             {"frame", [&](const auto& node) { mapping.T_surface_file = read_frame(page, node); }},
-             {"content",
-              [&](const auto& node) {
-                mapping.content =
-                    page.choice<RowContent>(node, "content",
-                                            {{"presses_and_drags", RowContent::presses_and_drags},
-                                             {"presses", RowContent::presses},
-                                             {"time_series", RowContent::time_series}});
-              }},
-             {"contacts",
-              [&](const auto& node) {
-                mapping.contacts = page.choice<ContactSource>(node, "contacts",
-                                                              {{"table", ContactSource::table},
-                                                               {"column", ContactSource::column},
-                                                               {"place", ContactSource::place}});
-              }},
-             {"normals",
-              [&](const auto& node) {
-                mapping.normals_from_forces =
-                    page.choice<bool>(node, "normals", {{"columns", false}, {"forces", true}});
-              }},
-             {"same_place",
-              [&](const auto& node) {
-                mapping.same_place = page.number(node, "same_place");
-                page.at(node, "a mapping", [&] {
-                  require("'same_place'", mapping.same_place, above(0).finite(), "mm");
-                  return 0;
-                });
-              }},
-             {"time_series", [&](const auto& node) { read_series(page, node, mapping.series); }}});
+  page.read(
+      root, "a mapping",
+      {{"columns", [&](const auto& node) { read_columns(page, node, mapping.columns); }},
+       {"separator",
+        [&](const auto& node) {
+          mapping.separator = page.at(node, "separator",
+                                      [&] { return separator_from(page.text(node, "separator")); });
+        }},
+       {"header",
+        [&](const auto& node) {
+          mapping.header = page.choice<bool>(node, "header", {{"true", true}, {"false", false}});
+        }},
+       {"decimal",
+        [&](const auto& node) {
+          mapping.decimal_comma =
+              page.choice<bool>(node, "decimal", {{"point", false}, {"comma", true}});
+        }},
+       {"units", [&](const auto& node) { read_units(page, node, mapping); }},
+       {"forces_on",
+        [&](const auto& node) {
+          mapping.forces_on_tool =
+              page.choice<bool>(node, "forces_on", {{"object", false}, {"tool", true}});
+        }},
+       {"weight", [&](const auto& node) { mapping.weight = page.vector(node, "weight"); }},
+       {"frame", [&](const auto& node) { mapping.T_surface_file = read_frame(page, node); }},
+       {"content",
+        [&](const auto& node) {
+          mapping.content =
+              page.choice<RowContent>(node, "content",
+                                      {{"presses_and_drags", RowContent::presses_and_drags},
+                                       {"presses", RowContent::presses},
+                                       {"time_series", RowContent::time_series}});
+        }},
+       {"contacts",
+        [&](const auto& node) {
+          mapping.contacts = page.choice<ContactSource>(node, "contacts",
+                                                        {{"table", ContactSource::table},
+                                                         {"column", ContactSource::column},
+                                                         {"place", ContactSource::place}});
+        }},
+       {"normals",
+        [&](const auto& node) {
+          mapping.normals_from_forces =
+              page.choice<bool>(node, "normals", {{"columns", false}, {"forces", true}});
+        }},
+       {"same_place",
+        [&](const auto& node) {
+          mapping.same_place = page.number(node, "same_place");
+          page.at(node, "a mapping", [&] {
+            require("'same_place'", mapping.same_place, above(0).finite(), "mm");
+            return 0;
+          });
+        }},
+       {"time_series", [&](const auto& node) { read_series(page, node, mapping.series); }}});
 }
 
 std::string mapping_text(const std::filesystem::path& path) {
@@ -325,6 +335,8 @@ void check_mapping(const AcquisitionMapping& mapping) {
   require("AcquisitionMapping::force", mapping.force, above(0).finite(), "N");
   require("AcquisitionMapping::time", mapping.time, above(0).finite(), "s");
   require("AcquisitionMapping::same_place", mapping.same_place, above(0).finite(), "mm");
+  for (const double component : mapping.weight)
+    require("AcquisitionMapping::weight", component, finite(), "N");
   check_names(mapping.columns);
   if (mapping.normals_from_forces && mapping.contacts == ContactSource::table &&
       mapping.content != RowContent::time_series)

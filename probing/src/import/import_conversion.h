@@ -22,11 +22,16 @@ class ImportConversion {
     return mapping_.T_surface_file ? Eigen::Vector3d(mapping_.T_surface_file->linear() * in_file)
                                    : in_file;
   }
+  /// The weight below the sensor pulls on it as a force of the object does, whatever the sign of
+  /// its numbers.
   [[nodiscard]] Eigen::Vector3d force(const Eigen::Vector3d& in_file) const {
-    return direction(force_ * in_file);
+    return direction(force_ * in_file + mapping_.weight);
+  }
+  /// Of a number that is positive if the tool presses.
+  [[nodiscard]] Eigen::Vector3d normal_force(double in_file, const Eigen::Vector3d& normal) const {
+    return (direction(mapping_.weight).dot(normal) - force_ * in_file) * normal;
   }
   [[nodiscard]] double length(double in_file) const { return mapping_.length * in_file; }
-  [[nodiscard]] double force(double in_file) const { return force_ * in_file; }
   [[nodiscard]] double time(double in_file) const { return mapping_.time * in_file; }
 
  private:

@@ -27,7 +27,10 @@ std::unique_ptr<TableReader> ImportTables::open(const std::filesystem::path& pat
 
 TableLayout layout_of(const AcquisitionMapping& mapping, std::string_view prefix,
                       std::size_t file_number, long long first_row) {
-  TableLayout layout{.separator = mapping.separator, .first_row = first_row};
+  TableLayout layout{.separator = mapping.separator,
+                     .header = mapping.header,
+                     .decimal_comma = mapping.decimal_comma,
+                     .first_row = first_row};
   for (const auto& [column, given] : mapping.columns) {
     const std::string name =
         given == kFileNumber ? to_text(static_cast<long long>(file_number)) : given;

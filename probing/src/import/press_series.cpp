@@ -4,12 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "import/series_fields.h"
+#include "import/surface_touch.h"
+#include "import/tip_slides.h"
 #include "palpate/error.h"
 #include "palpate/probing/csv.h"
 
@@ -161,7 +164,8 @@ class HeldPieces {
   HeldPieces(const SeriesOptions& options, SeriesPress& press, SeriesPresses& result)
       : options_(options), press_(press), result_(result) {}
 
-  void add(const Moment& moment, double speed) {
+  /// \param number of the moment, among those with a force
+  void add(const Moment& moment, std::size_t number, double speed) {
     if (moment.saturated) {
       finish();
       return;
@@ -177,6 +181,7 @@ class HeldPieces {
       begin_ = moment.time;
     }
     ++count_;
+    last_ = number;
     end_ = moment.time;
     time_ += moment.time - begin_;
     way_ += moment.tip - first_;
@@ -185,20 +190,32 @@ class HeldPieces {
 
   void finish() {
     if (count_ > 0) {
-      if (end_ - begin_ >= options_.sample_time)
+      if (end_ - begin_ >= options_.sample_time) {
         press_.held.push_back({begin_ + time_ / count_, first_ + way_ / count_, force_ / count_});
-      else
+        ends_.push_back(last_);
+      } else {
         ++result_.brief;
+      }
     }
     count_ = time_ = 0;
     way_.setZero();
     force_.setZero();
   }
 
+  /// Leaves out the pieces that end after this moment.
+  void keep_until(std::size_t number) {
+    while (!ends_.empty() && ends_.back() > number) {
+      ends_.pop_back();
+      press_.held.pop_back();
+    }
+  }
+
  private:
   const SeriesOptions& options_;
   SeriesPress& press_;
   SeriesPresses& result_;
+  std::vector<std::size_t> ends_;  // last moment of each piece of the press
+  std::size_t last_ = 0;
   double count_ = 0, begin_ = 0, end_ = 0, time_ = 0;
   Eigen::Vector3d first_ = Eigen::Vector3d::Zero(), way_ = Eigen::Vector3d::Zero(),
                   force_ = Eigen::Vector3d::Zero();
@@ -213,6 +230,28 @@ SeriesPress touch_between(const Moment& before, const Moment& after, const Eigen
           .touch = before.tip + share * (after.tip - before.tip),
           .tare = tare,
           .held = {}};
+}
+
+/// Moves the touch to where the force was zero, by the moments in which the force first rises.
+void move_to_surface(SeriesPress& press, std::span<const Moment> moments, double touch_force) {
+  constexpr double kFirstPart = 5;  // largest force, relative to touch_force
+  constexpr double kFalling = 0.5;  // of touch_force below the largest force so far
+  std::vector<Eigen::Vector3d> tips;
+  std::vector<double> forces;
+  double highest = 0;
+  for (const Moment& moment : moments) {
+    const double force = (moment.force - press.tare).norm();
+    if (moment.saturated || force < highest - kFalling * touch_force) break;
+    highest = std::max(highest, force);
+    tips.push_back(moment.tip);
+    forces.push_back(force);
+    if (force > kFirstPart * touch_force) break;
+  }
+  const std::optional<TouchDepth> found = touch_depth(tips, forces, press.touch, touch_force);
+  if (!found) return;
+  press.touch -= found->depth * found->along;
+  press.depth = found->depth;
+  press.depth_deviation = found->deviation;
 }
 
 }  // namespace
@@ -244,12 +283,27 @@ SeriesPresses find_presses(const TipSeries& series, const SeriesOptions& options
     while (i > tare.release() + 1 && force_of(moments[i - 1]) > options.touch_force) --i;
     SeriesPress press =
         touch_between(moments[i - 1], moments[i], tare.value(), options.touch_force);
+    const std::size_t begin = i;
     HeldPieces pieces(options, press, result);
+    TipSlides slides(begin, press.touch, moments[begin].force - press.tare, options.touch_force,
+                     options.slide_length);
+    std::optional<TipSlide> slide;
     while (i < moments.size() && force_of(moments[i]) >= kReleaseShare * options.touch_force) {
-      pieces.add(moments[i], speeds[i]);
+      const Moment& moment = moments[i];
+      if (!slide && !moment.saturated) slide = slides.add(i, moment.tip, moment.force - press.tare);
+      if (!slide) pieces.add(moment, i, speeds[i]);
       ++i;
     }
     pieces.finish();
+    if (!slide && i < moments.size())
+      slide = slides.release(moments[i].tip, moments[i].force - press.tare);
+    if (slide) {
+      press.slid = true;
+      pieces.keep_until(slide->last_held);
+      if (slide->last_held > begin)
+        press.slip = HeldPress{moments[slide->last_held].time, slide->tip, slide->force};
+    }
+    move_to_surface(press, std::span(moments).subspan(begin, i - begin), options.touch_force);
     result.presses.push_back(std::move(press));
     tare.release(i);
   }

@@ -69,9 +69,8 @@ Sample SampleRows::sample_of(const TableReader& row, const RowPlace& place) {
     origin = contacts_[known->second].position;
     normal = contacts_[known->second].normal;
   }
-  sample.force = normal_force_
-                     ? Eigen::Vector3d(-convert_.force(row.number(*normal_force_)) * normal)
-                     : convert_.force(row.vector(*force_));
+  sample.force = normal_force_ ? convert_.normal_force(row.number(*normal_force_), normal)
+                               : convert_.force(row.vector(*force_));
   if (depth_) {
     sample.a = sample.b = origin - convert_.length(row.number(*depth_)) * normal;
   } else {

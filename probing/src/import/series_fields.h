@@ -17,12 +17,13 @@ struct SeriesField {
   const char* unit;
 };
 
-inline constexpr std::array<SeriesField, 8> kSeriesFields = {{
+inline constexpr std::array<SeriesField, 9> kSeriesFields = {{
     {"touch_force", &SeriesOptions::touch_force, above(0).finite(), "N"},
     {"highest_speed", &SeriesOptions::highest_speed, above(0).finite(), "mm/s"},
     {"speed_window", &SeriesOptions::speed_window, above(0).finite(), "s"},
     {"sample_length", &SeriesOptions::sample_length, above(0).finite(), "mm"},
     {"sample_time", &SeriesOptions::sample_time, at_least(0).finite(), "s"},
+    {"slide_length", &SeriesOptions::slide_length, above(0).finite(), "mm"},
     {"tare_time", &SeriesOptions::tare_time, above(0).finite(), "s"},
     {"force_delay", &SeriesOptions::force_delay, finite(), "s"},
     {"saturation", &SeriesOptions::saturation, above(0), "N"},

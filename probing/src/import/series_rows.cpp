@@ -6,9 +6,12 @@
 #include <cmath>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "import/import_columns.h"
+#include "import/press_samples.h"
 #include "palpate/error.h"
+#include "palpate/geometry/median.h"
 #include "palpate/probing/csv.h"
 
 namespace palpate::probing {
@@ -44,17 +47,23 @@ void SeriesRows::read(ImportTables& tables, const std::filesystem::path& file,
 }
 
 Acquisition SeriesRows::take() {
+  if (samples_.empty() && counts_.presses == 0) {
+    throw InvalidInput("no press was found: no force exceeds touch_force (" +
+                       to_text(mapping_.series.touch_force) + " N), the largest is " +
+                       to_text(largest_) + " N; check the unit of the forces");
+  }
+  if (samples_.empty() && counts_.slides == counts_.presses) {
+    throw InvalidInput(std::to_string(counts_.presses) +
+                       " presses were found, but in each of them the tip slid along the surface "
+                       "before it was held; lift it between two contacts, or see slide_length (" +
+                       to_text(mapping_.series.slide_length) + " mm)");
+  }
   if (samples_.empty()) {
-    throw InvalidInput(counts_.presses == 0
-                           ? "no press was found: no force exceeds touch_force (" +
-                                 to_text(mapping_.series.touch_force) + " N), the largest is " +
-                                 to_text(largest_) + " N; check the unit of the forces"
-                           : std::to_string(counts_.presses) +
-                                 " presses were found, but none is slower than highest_speed (" +
-                                 to_text(mapping_.series.highest_speed) +
-                                 " mm/s) for sample_time (" + to_text(mapping_.series.sample_time) +
-                                 " s); check the units of lengths and "
-                                 "times");
+    throw InvalidInput(std::to_string(counts_.presses) +
+                       " presses were found, but none is slower than highest_speed (" +
+                       to_text(mapping_.series.highest_speed) + " mm/s) for sample_time (" +
+                       to_text(mapping_.series.sample_time) +
+                       " s); check the units of lengths and times");
   }
   for (Sample& sample : samples_) sample.time -= earliest_;
   return {maker_.contacts(), std::move(samples_), {}};
@@ -69,7 +78,7 @@ void SeriesRows::append(const TableReader& row, const RowPlace& place, Recording
   recording.normal.push_back(normal);
   if (normal_force_) {
     const double force = row.number(*normal_force_);
-    recording.force.emplace_back(-convert_.force(force) * normal);
+    recording.force.push_back(convert_.normal_force(force, normal));
     recording.saturated.push_back(mapping_.force * std::abs(force) >= limit);
   } else {
     const Eigen::Vector3d force = row.vector(*force_);
@@ -106,29 +115,48 @@ void SeriesRows::finish(const Recording& recording, long long contact,
   counts_.fast += found.fast;
   counts_.brief += found.brief;
   earliest_ = std::min(earliest_, recording.time.front());
-  for (const SeriesPress& press : found.presses) {
-    if (press.held.empty()) {
-      ++counts_.empty_presses;
-      continue;
-    }
-    const RowPlace place{file, recording.first_row + press.begin};
-    long long id = contact;
-    if (contact_)
-      maker_.add(id, press.touch, place);
-    else
-      id = maker_.add(press.touch, place);
-    if (normal_) maker_.add_normal(id, recording.normal[press.begin]);
-    for (const HeldPress& held : press.held) {
-      if (!normal_) maker_.add_normal(id, -held.force);
-      const auto number = static_cast<long long>(samples_.size()) + 1;
-      Sample& sample = samples_.emplace_back();
-      sample.id = sample.group = number;
-      sample.contact = id;
-      sample.force = held.force;
-      sample.a = sample.b = held.tip;
-      sample.time = held.time;
-    }
+  for (const SeriesPress& press : found.presses)
+    add_press(press, recording, contact, {file, recording.first_row + press.begin});
+}
+
+void SeriesRows::add_press(const SeriesPress& press, const Recording& recording, long long contact,
+                           const RowPlace& place) {
+  if (press.slid) ++counts_.slides;
+  PressSamples found = samples_of_press(press, mapping_.series.touch_force);
+  counts_.drags_without_base += found.drags_without_base;
+  if (found.samples.empty()) {
+    ++counts_.empty_presses;
+    return;
   }
+  if (std::isfinite(press.depth_deviation)) {
+    depths_.push_back(press.depth);
+    deviations_.push_back(press.depth_deviation);
+  } else {
+    ++counts_.not_extrapolated;
+  }
+  long long id = contact;
+  if (contact_)
+    maker_.add(id, press.touch, place);
+  else
+    id = maker_.add(press.touch, place);
+  if (normal_) maker_.add_normal(id, recording.normal[press.begin]);
+  for (std::size_t i = 0; i < found.samples.size(); ++i) {
+    Sample& sample = samples_.emplace_back(std::move(found.samples[i]));
+    if (found.dragged[i] && !sample.slipped) ++counts_.drags;
+    // Drags turn the force, but not the normal.
+    if (!normal_ && !found.dragged[i]) maker_.add_normal(id, -sample.force);
+    sample.id = sample.group = static_cast<long long>(samples_.size());
+    sample.contact = id;
+  }
+}
+
+SeriesCounts SeriesRows::counts() const {
+  SeriesCounts counts = counts_;
+  if (!depths_.empty()) {
+    counts.touch_depth = geometry::median(depths_);
+    counts.touch_deviation = geometry::median(deviations_);
+  }
+  return counts;
 }
 
 }  // namespace palpate::probing

@@ -28,7 +28,7 @@ class SeriesRows {
   void read(ImportTables& tables, const std::filesystem::path& file, std::size_t file_number);
   /// \throws InvalidInput if there is no sample.
   [[nodiscard]] Acquisition take();
-  [[nodiscard]] const SeriesCounts& counts() const { return counts_; }
+  [[nodiscard]] SeriesCounts counts() const;
 
  private:
   struct Recording {
@@ -42,6 +42,8 @@ class SeriesRows {
   [[nodiscard]] SeriesPresses presses_of(const Recording& recording,
                                          const std::filesystem::path& file) const;
   void finish(const Recording& recording, long long contact, const std::filesystem::path& file);
+  void add_press(const SeriesPress& press, const Recording& recording, long long contact,
+                 const RowPlace& place);
 
   const AcquisitionMapping& mapping_;
   const ImportConversion& convert_;
@@ -51,6 +53,7 @@ class SeriesRows {
   ContactMaker maker_;
   std::vector<Sample> samples_;
   SeriesCounts counts_;
+  std::vector<double> depths_, deviations_;  // [mm] of touches that were extrapolated
   double earliest_ = std::numeric_limits<double>::infinity();
   double largest_ = 0;
 };

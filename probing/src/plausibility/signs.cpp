@@ -54,7 +54,7 @@ Finding sign_finding(Implausibility kind, const std::vector<long long>& ids, std
                   " the forces px,py,pz point out of the object while the tool goes into it: they "
                   "are those of the object on the tool",
               "give the force of the tool on the object, so that px*nx + py*ny + pz*nz < 0: change "
-              "the signs of px,py,pz, or import them with --force-on tool"};
+              "the signs of px,py,pz, or import them with --forces-on tool"};
     case Implausibility::normals_inwards:
       return {kind, impossible,
               "at " + where +

@@ -4,16 +4,20 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <optional>
 #include <ostream>
+#include <utility>
 
 #include "palpate/error.h"
+#include "records/file_kind.h"
 
 namespace palpate::probing {
 namespace {
 
+constexpr std::string_view kColumnNumber = "column_";  // before the number of a column, from 1
 constexpr std::string_view kNoMinus = "the name of the column without a minus sign";
 constexpr std::size_t kShownLength = 40;  // characters of a wrong cell that a message repeats
 
@@ -66,17 +70,17 @@ std::string joined(std::span<const std::string_view> columns) {
   return result;
 }
 
-// The most frequent of the separators outside quotes; a comma if there is none.
-char separator_in(std::string_view line) {
-  constexpr std::string_view kSeparators = ",;\t";
-  std::array<int, kSeparators.size()> counts{};
+// The most frequent of the separators outside quotes; the first of them if there is none.
+char separator_in(std::string_view line, bool decimal_comma) {
+  const std::string_view separators = decimal_comma ? ";\t" : ",;\t";
+  std::array<int, 3> counts{};
   bool quoted = false;
   for (const char c : line) {
     quoted = quoted != (c == '"');
-    const std::size_t which = kSeparators.find(c);
+    const std::size_t which = separators.find(c);
     if (!quoted && which != std::string_view::npos) ++counts[which];
   }
-  return kSeparators[static_cast<std::size_t>(std::ranges::max_element(counts) - counts.begin())];
+  return separators[static_cast<std::size_t>(std::ranges::max_element(counts) - counts.begin())];
 }
 
 // The whole text as a T, or none.
@@ -97,6 +101,49 @@ bool has_decimal_comma(std::string_view text) {
   return parse<double>(pointed).has_value();
 }
 
+// Such as 1,234.5 or 1'234: a number once these characters are out.
+bool has_thousands(std::string_view text) {
+  constexpr std::string_view kBetween = ",.' _";
+  std::string digits;
+  for (const char c : trimmed(text))
+    if (kBetween.find(c) == std::string_view::npos) digits += c;
+  return digits.size() < trimmed(text).size() && parse<double>(digits).has_value();
+}
+
+// What would be right in place of a cell that is no number.
+std::string_view right_number(std::string_view cell, bool decimal_comma) {
+  if (!decimal_comma && has_decimal_comma(cell)) {
+    return "a decimal point in place of the comma; or say that numbers have a decimal comma "
+           "(decimal: comma in a mapping)";
+  }
+  if (has_thousands(cell)) {
+    return decimal_comma
+               ? "a finite number with a decimal comma, without signs between the thousands"
+               : "a finite number with a decimal point, without signs between the thousands";
+  }
+  return decimal_comma ? "a finite number such as -1,5" : "a finite number such as -1.5e-3";
+}
+
+// Whether a column seems to be the one with this name: with a unit, or in other letters.
+bool is_like(std::string_view cell, std::string_view name) {
+  const std::string_view found =
+      trimmed(trimmed(cell).substr(0, trimmed(cell).find_first_of("([")));
+  const auto same = [](char a, char b) {
+    return std::tolower(static_cast<unsigned char>(a)) ==
+           std::tolower(static_cast<unsigned char>(b));
+  };
+  return !found.empty() && std::ranges::equal(found, name, same);
+}
+
+constexpr const char* kSayNoHeader =
+    "if the file has no line of names, say so (header: false in a mapping) and name its columns "
+    "column_1, column_2, ...";
+
+bool has_numbers_only(const std::vector<std::string_view>& cells) {
+  return std::all_of(cells.begin(), cells.end(),
+                     [](std::string_view cell) { return parse<double>(cell).has_value(); });
+}
+
 template <typename T>
 std::string shortest(T value) {
   char buffer[32];  // the longest double has 24 characters, the longest 64-bit integer 20
@@ -114,26 +161,56 @@ CsvReader::CsvReader(const std::filesystem::path& path, std::span<const std::str
   }
   file_.open(path, std::ios::binary);
   if (!file_) throw FileError(path.string() + ": cannot be read");
+  check_text();
   separator_ = layout.separator.value_or('\0');
+  header_ = layout.header;
+  decimal_comma_ = layout.decimal_comma;
   if (!next_line()) {
     throw FileError(path.string() + ": the file is empty; the first line must name the columns " +
                     joined(columns));
   }
   find_columns(layout);
   width_ = cells_.size();
+  kept_ = !header_;
+}
+
+// A file of another kind is better named than read.
+void CsvReader::check_text() {
+  std::array<char, kFileStart> start{};
+  file_.read(start.data(), start.size());
+  const std::string_view found(start.data(), static_cast<std::size_t>(file_.gcount()));
+  if (const std::optional<std::string_view> kind = other_than_text(found))
+    throw FileError(path_.string() + ": is " + std::string(*kind));
+  file_.clear();
+  file_.seekg(0);
+}
+
+std::optional<std::size_t> CsvReader::place_of(std::string_view name) const {
+  if (header_) {
+    const auto is_it = [&](std::string_view cell) { return trimmed(cell) == name; };
+    const auto found = std::find_if(cells_.begin(), cells_.end(), is_it);
+    if (found != cells_.end()) {
+      if (std::find_if(found + 1, cells_.end(), is_it) != cells_.end()) {
+        throw FileError(place() + ": column '" + std::string(name) +
+                        "' is there twice; keep one, or name it by its number, such as " +
+                        std::string(kColumnNumber) + std::to_string(found - cells_.begin() + 1));
+      }
+      return static_cast<std::size_t>(found - cells_.begin());
+    }
+  }
+  if (!name.starts_with(kColumnNumber)) return std::nullopt;
+  const std::optional<std::size_t> number = parse<std::size_t>(name.substr(kColumnNumber.size()));
+  if (!number || *number == 0 || *number > cells_.size()) return std::nullopt;
+  if (header_ && has_numbers_only(cells_)) {
+    throw FileError(place() + ": holds numbers only, but is taken as the names of the columns; " +
+                    kSayNoHeader);
+  }
+  return *number - 1;
 }
 
 // The column of the header line, or what stands for a column, with this name.
 std::optional<CsvReader::Source> CsvReader::find_source(const std::string& name,
                                                         bool renamed) const {
-  const auto place_of = [&](std::string_view wanted) -> std::optional<std::size_t> {
-    const auto is_it = [&](std::string_view cell) { return trimmed(cell) == wanted; };
-    const auto found = std::find_if(cells_.begin(), cells_.end(), is_it);
-    if (found == cells_.end()) return std::nullopt;
-    if (std::find_if(found + 1, cells_.end(), is_it) != cells_.end())
-      throw FileError(place() + ": column '" + std::string(wanted) + "' is there twice; keep one");
-    return static_cast<std::size_t>(found - cells_.begin());
-  };
   if (const auto place = place_of(name)) return Source{name, place};
   if (!renamed) return std::nullopt;
   if (name.empty() || parse<double>(name)) return Source{name};
@@ -146,7 +223,7 @@ std::optional<CsvReader::Source> CsvReader::find_source(const std::string& name,
   return std::nullopt;
 }
 
-// Where each wanted column stands in the header line, which was just read.
+// Where each wanted column stands in the first line, which was just read.
 void CsvReader::find_columns(const TableLayout& layout) {
   for (const std::string& column : columns_) {
     const auto named = layout.names.find(column);
@@ -156,22 +233,39 @@ void CsvReader::find_columns(const TableLayout& layout) {
     const auto other = layout.defaults.find(column);
     if (!source && !renamed && other != layout.defaults.end())
       source = find_source(other->second, true);
-    if (source) {
-      sources_.push_back(*std::move(source));
-      continue;
-    }
-    const std::vector<std::string_view> wanted(columns_.begin(), columns_.end());
-    if (cells_.size() == 1 && columns_.size() > 1) {
-      throw FileError(place() + ": is one cell, " + shown(cells_.front()) +
-                      "; it must name the columns " + joined(wanted) +
-                      ". Give the separator that is between them");
-    }
-    throw MissingColumn(place() + ": there is no column '" + name + "'" +
-                            (name != column ? " (for " + column + ")" : "") +
-                            "; the first line must name the columns " + joined(wanted) +
-                            ", and it names " + shown(joined(cells_)),
+    if (!source) refuse_columns(column, name);
+    sources_.push_back(*std::move(source));
+  }
+}
+
+// Says why the first line does not have a column, and which it has.
+void CsvReader::refuse_columns(const std::string& column, const std::string& name) const {
+  const std::vector<std::string_view> wanted(columns_.begin(), columns_.end());
+  if (cells_.size() == 1 && columns_.size() > 1) {
+    throw FileError(place() + ": is one cell, " + shown(cells_.front()) +
+                    "; it must name the columns " + joined(wanted) +
+                    ". Give the separator that is between them");
+  }
+  const std::string whose = name != column ? " (for " + column + ")" : "";
+  if (!header_) {
+    throw MissingColumn(place() + ": there is no column '" + name + "'" + whose +
+                            "; without a header line, columns are named by their numbers, from " +
+                            std::string(kColumnNumber) + "1 to " + std::string(kColumnNumber) +
+                            std::to_string(cells_.size()),
                         column);
   }
+  if (has_numbers_only(cells_)) {
+    throw MissingColumn(place() + ": there is no column '" + name + "'" + whose +
+                            ": the line holds numbers only; " + kSayNoHeader,
+                        column);
+  }
+  const auto like = std::find_if(cells_.begin(), cells_.end(),
+                                 [&](std::string_view cell) { return is_like(cell, name); });
+  throw MissingColumn(place() + ": there is no column '" + name + "'" + whose +
+                          (like == cells_.end() ? "" : ", but " + shown(trimmed(*like))) +
+                          "; the first line must name the columns " + joined(wanted) +
+                          ", and it names " + shown(joined(cells_)),
+                      column);
 }
 
 std::string_view CsvReader::cell(std::size_t column) const {
@@ -181,11 +275,11 @@ std::string_view CsvReader::cell(std::size_t column) const {
 }
 
 bool CsvReader::next() {
-  if (!next_line()) return false;
+  if (!std::exchange(kept_, false) && !next_line()) return false;
   row_ = to_text(++row_number_);
   if (cells_.size() == width_) return true;
-  throw FileError(place() + ": " + std::to_string(cells_.size()) + " cells, the first line names " +
-                  std::to_string(width_) +
+  throw FileError(place() + ": " + std::to_string(cells_.size()) + " cells, the first line " +
+                  (header_ ? "names " : "has ") + std::to_string(width_) +
                   " columns; the line is cut off or has a separator too many");
 }
 
@@ -196,7 +290,7 @@ bool CsvReader::next_line() {
     if (++line_ == 1 && text_.starts_with(kByteOrderMark)) text_.erase(0, kByteOrderMark.size());
     if (text_.ends_with('\r')) text_.pop_back();
     if (trimmed(text_).empty()) continue;
-    if (separator_ == '\0') separator_ = separator_in(text_);
+    if (separator_ == '\0') separator_ = separator_in(text_, decimal_comma_);
     if (!split(text_, separator_, cells_))
       throw FileError(place() + ": a quote is not closed or stands inside a cell");
     return true;
@@ -210,11 +304,16 @@ std::string CsvReader::place() const { return path_.string() + ": line " + std::
 std::string CsvReader::text(std::size_t column) const { return std::string(cell(column)); }
 
 double CsvReader::number(std::size_t column) const {
-  const std::optional<double> value = parse<double>(cell(column));
-  if (!value || !std::isfinite(*value)) {
-    refuse(column, has_decimal_comma(cell(column)) ? "a decimal point in place of the comma"
-                                                   : "a finite number such as -1.5e-3");
+  const std::string_view text = cell(column);
+  std::optional<double> value;
+  if (!decimal_comma_ || !sources_[column].place) {
+    value = parse<double>(text);
+  } else if (text.find('.') == std::string_view::npos) {
+    std::string pointed(text);
+    std::ranges::replace(pointed, ',', '.');
+    value = parse<double>(pointed);
   }
+  if (!value || !std::isfinite(*value)) refuse(column, right_number(text, decimal_comma_));
   return sources_[column].negated ? -*value : *value;
 }
 

@@ -29,7 +29,7 @@ TEST(AcquisitionMapping, HoldsWhatTheFileSays) {
       "# A comment.\n"
       "columns:\n  contacts.id: Point\n  px: 'F x'\n  pz: data.F(:,3)\n  slipped: 0\n"
       "  y: -Y\n  range_map:\n"
-      "separator: tab\n"
+      "separator: tab\nheader: false\ndecimal: comma\nweight: [0, 0.5, -1]\n"
       "units: {length: m, force: mN, time: ms}\n"
       "forces_on: tool\n"
       "frame:\n  rotation: [[0, -1, 0], [1, 0, 0], [0, 0, 1]]\n  translation: [1, 2.5, -3]\n"
@@ -42,6 +42,9 @@ TEST(AcquisitionMapping, HoldsWhatTheFileSays) {
                                           {"y", "-Y"},
                                           {"range_map", ""}}));
   EXPECT_EQ(mapping.separator, '\t');
+  EXPECT_FALSE(mapping.header);
+  EXPECT_TRUE(mapping.decimal_comma);
+  EXPECT_EQ(mapping.weight, Eigen::Vector3d(0, 0.5, -1));
   EXPECT_EQ(mapping.length, 1000);
   EXPECT_EQ(mapping.force, 1e-3);
   EXPECT_EQ(mapping.time, 1e-3);
@@ -72,12 +75,17 @@ TEST(AcquisitionMapping, NamesTheLineAndWhatWouldBeRight) {
       {"columns:\n  px: Fx\n  px: Fy\n", {"line 3", "'px' is there twice"}},
       {"columns:\n  px: [Fx, Fy]\n", {"line 2", "'px' has parts"}},
       {"columns: Fx\n", {"line 1", "must give names to columns"}},
-      {"\nunit: {length: m}\n", {"line 2", "'unit' is unknown", "columns, separator, units"}},
+      {"\nunit: {length: m}\n",
+       {"line 2", "'unit' is unknown", "columns, separator, header, decimal, units"}},
       {"units:\n  length: ell\n", {"line 2", "length", "um, mm, cm, m or in"}},
       {"units:\n  force: dyn\n", {"line 2", "force", "N, mN, kN, g, kg or lbf"}},
       {"units:\n  time: h\n", {"line 2", "time", "s, ms, us or min"}},
       {"units:\n  angle: deg\n", {"line 2", "'angle' is unknown", "length, force, time"}},
       {"forces_on: hand\n", {"line 1", "'forces_on' is 'hand'", "object or tool"}},
+      {"header: none\n", {"'header' is 'none'", "true or false"}},
+      {"decimal: ','\n", {"'decimal' is ','", "point or comma"}},
+      {"weight: 0.5\n", {"'weight' must be three numbers"}},
+      {"weight: [0, 0, heavy]\n", {"'weight' is 'heavy'", "a finite number"}},
       {"content: press\n", {"'press'", "presses_and_drags, presses or time_series"}},
       {"contacts: rows\n", {"table, column or place"}},
       {"same_place: near\n", {"'same_place' is 'near'", "a finite number"}},
@@ -90,6 +98,7 @@ TEST(AcquisitionMapping, NamesTheLineAndWhatWouldBeRight) {
       {"frame: {translation: [1, 2]}\n", {"'translation' must be three numbers"}},
       {"frame: {scale: 2}\n", {"'scale' is unknown"}},
       {"time_series: {touch_force: 0}\n", {"'touch_force' is 0", "> 0"}},
+      {"time_series: {slide_length: 0}\n", {"'slide_length' is 0", "> 0"}},
       {"time_series: {speed: 0.5}\n", {"'speed' is unknown", "highest_speed"}},
       {"time_series: {tare: maybe}\n", {"'tare' is 'maybe'", "true or false"}},
       {"columns: {px: Fx\n", {"line 2", "is not YAML"}},
@@ -119,6 +128,7 @@ TEST(AcquisitionMapping, IsCheckedAlsoIfAProgramMadeIt) {
   EXPECT_THAT(refused({.columns = {{"pX", "Fx"}}}), HasSubstr("no column 'pX'"));
   EXPECT_THAT(refused({.length = 0}), HasSubstr("AcquisitionMapping::length"));
   EXPECT_THAT(refused({.force = -1}), HasSubstr("AcquisitionMapping::force"));
+  EXPECT_THAT(refused({.weight = {0, NAN, 0}}), HasSubstr("AcquisitionMapping::weight"));
   EXPECT_THAT(refused({.time = NAN}), HasSubstr("AcquisitionMapping::time"));
 }
 

@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <random>
@@ -52,8 +53,11 @@ TEST(PressSeries, HasTheForceAndPositionOfEachHoldAndTheTouch) {
   ASSERT_EQ(found.presses.size(), 2u);
   for (const SeriesPress& press : found.presses) {
     EXPECT_LT((press.tare - kBias).norm(), 1e-9);
-    // The spring gives 0.1 N there.
-    EXPECT_NEAR(press.touch.z(), -0.1 / kStiffness, 1e-9);
+    // The spring gives 0.1 N where the touch is noticed, and begins at the surface.
+    EXPECT_NEAR(press.depth, 0.1 / kStiffness, 1e-6);
+    EXPECT_NEAR(press.touch.z(), 0, 1e-6);
+    EXPECT_LT(press.depth_deviation, 1e-4);
+    EXPECT_FALSE(press.slid);
     ASSERT_EQ(press.held.size(), 1u);
     // At both ends, half of the window of the speed still sees the motion.
     EXPECT_LT((press.held[0].force - Eigen::Vector3d(0, 0, -3 * kStiffness)).norm(), 0.02);
@@ -123,7 +127,8 @@ TEST(PressSeries, IsFoundInNoise) {
   ASSERT_EQ(found.presses.size(), 4u);
   for (const SeriesPress& press : found.presses) {
     EXPECT_LT((press.tare - kBias).norm(), 0.01 * std::sqrt(3.0 / 40) * 4);
-    EXPECT_NEAR(press.touch.z(), -0.1 / kStiffness, 4 * 0.01 / kStiffness);
+    EXPECT_LT(std::abs(press.touch.z()), 4 * press.depth_deviation);
+    EXPECT_LT(press.depth_deviation, 0.5 * 0.1 / kStiffness);
     ASSERT_EQ(press.held.size(), 1u);
     EXPECT_NEAR(press.held[0].force.z(), kStiffness * press.held[0].tip.z(), 0.01);
   }
@@ -137,6 +142,54 @@ TEST(PressSeries, WithoutTareTakesForcesAsTheyAre) {
   const SeriesPresses found = find_presses(series, {.tare = false});
   ASSERT_EQ(found.presses.size(), 2u);
   EXPECT_TRUE(found.presses[0].tare.isZero(0));
+}
+
+/// A press 2.5 mm deep onto the spring, a slow motion aside, and the release. The surface is
+/// dragged along with 0.5 N/mm until friction of 0.6 yields.
+TipSeries dragged_series(double aside, double speed) {
+  TipSeries series = spring_series(3 + aside / speed + 2, [&](double time) {
+    const double end = 3 + aside / speed;
+    return time < 1     ? 1
+           : time < 2   ? 1 - 3.5 * (time - 1)
+           : time < end ? -2.5
+                        : -2.5 + 3 * (time - end);
+  });
+  double held = 0;
+  for (Eigen::Index i = 0; i < series.tip.cols(); ++i) {
+    const double depth = std::max(0.0, -series.tip(2, i)), limit = 0.6 * kStiffness * depth;
+    const double x = std::clamp(speed * (series.time[static_cast<std::size_t>(i)] - 3), 0.0, aside);
+    held = depth > 0 ? std::clamp(held, x - limit / 0.5, x + limit / 0.5) : x;
+    series.tip(0, i) = x;
+    series.force(0, i) += 0.5 * (x - held);
+  }
+  return series;
+}
+
+TEST(PressSeries, KeepsADragThatHoldsAndLeavesOutWhatFollowsASlide) {
+  // Friction yields at 2.4 mm.
+  const SeriesPresses held = find_presses(dragged_series(0.9, 0.4));
+  ASSERT_EQ(held.presses.size(), 1u);
+  EXPECT_FALSE(held.presses[0].slid);
+  EXPECT_GT(held.presses[0].held.back().force.x(), 0.35);
+
+  const SeriesPresses slid = find_presses(dragged_series(12, 0.4));
+  ASSERT_EQ(slid.presses.size(), 1u);
+  const SeriesPress& press = slid.presses[0];
+  EXPECT_TRUE(press.slid);
+  for (const HeldPress& piece : press.held) EXPECT_LT(piece.tip.x(), 2.5);
+  EXPECT_GT(press.held.back().tip.x(), 1.8);
+  ASSERT_TRUE(press.slip);
+  EXPECT_NEAR(press.slip->force.x() / -press.slip->force.z(), 0.6, 0.05);
+}
+
+TEST(PressSeries, NoticesAFastSlideToo) {
+  const SeriesPresses fast = find_presses(dragged_series(20, 40));
+  ASSERT_EQ(fast.presses.size(), 1u);
+  EXPECT_TRUE(fast.presses[0].slid);
+  // The hold before it is whole.
+  ASSERT_EQ(fast.presses[0].held.size(), 1u);
+  EXPECT_NEAR(fast.presses[0].held[0].tip.x(), 0, 0.05);
+  EXPECT_FALSE(find_presses(dragged_series(20, 40), {.slide_length = 30}).presses[0].slid);
 }
 
 TEST(PressSeries, ThatIsDamagedIsRefused) {

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -56,14 +57,17 @@ TEST_F(SeriesRowsTest, FindsThePressesOfARecording) {
   const std::vector<std::filesystem::path> files = {folder / "r.csv"};
   const ImportedAcquisition found = import_acquisition(files, mapping);
   EXPECT_EQ(found.series.presses, 2u);
+  EXPECT_EQ(found.series.slides, 0u);
+  EXPECT_EQ(found.series.not_extrapolated, 0u);
+  EXPECT_NEAR(found.series.touch_depth, (0.2 + 0.1) / 2, 0.06);  // one of them, or their mean
+  EXPECT_LT(found.series.touch_deviation, 1e-3);
   const CheckedAcquisition& acquisition = found.acquisition;
   ASSERT_EQ(acquisition.contacts().size(), 2u);
   for (std::size_t i = 0; i < 2; ++i) {
     const double stiffness = i == 0 ? 0.5 : 1, number = i == 0 ? 0 : 1;
     const Contact& contact = acquisition.contacts()[i];
-    // Where 0.1 N is reached.
-    EXPECT_LT((contact.position - Eigen::Vector3d(20.0 * number, 0, -0.1 / stiffness)).norm(),
-              1e-5);
+    // At the surface, although the touch is noticed at 0.1 N.
+    EXPECT_LT((contact.position - Eigen::Vector3d(20.0 * number, 0, 0)).norm(), 1e-4);
     EXPECT_LT((contact.normal - Eigen::Vector3d::UnitZ()).norm(), 1e-9);
     ASSERT_EQ(acquisition.samples_of(i).size(), 1u);
     const Sample& sample = acquisition.samples_of(i)[0];
@@ -77,6 +81,60 @@ TEST_F(SeriesRowsTest, FindsThePressesOfARecording) {
   mapping.series.touch_force = 0.1;
   mapping.series.sample_time = 5;
   EXPECT_THAT(refused({"r.csv"}, mapping), HasSubstr("2 presses were found, but none is slower"));
+}
+
+TEST_F(SeriesRowsTest, MakesSamplesOfDragsAndOfTheForceUnderWhichTheTipSlid) {
+  // 0.5 N/mm along -z and 0.4 N/mm along x, up to friction of 0.5, at 50 Hz: pressed 4 mm deep,
+  // held, dragged by 8 mm with 0.4 mm/s, and lifted.
+  std::string text = "t,X,Z,Fx,Fz\n";
+  double time = 0, held = 0;
+  const auto add = [&](double x, double z) {
+    const double load = 0.5 * std::max(-z, 0.0), reach = 0.5 * load / 0.4;
+    held = load > 0 ? std::clamp(held, x - reach, x + reach) : x;
+    text += std::to_string(time) + ',' + std::to_string(x) + ',' + std::to_string(z) + ',' +
+            std::to_string(0.4 * (x - held)) + ',' + std::to_string(-load) + '\n';
+    time += 0.02;
+  };
+  for (int i = 0; i < 50; ++i) add(0, 2);
+  for (int i = 0; i < 120; ++i) add(0, 2 - 0.05 * i);
+  for (int i = 0; i < 50; ++i) add(0, -4);
+  for (int i = 0; i <= 1000; ++i) add(0.008 * i, -4);
+  for (int i = 0; i < 100; ++i) add(8, -4 + 0.1 * i);
+  write_text(folder / "r.csv", text);
+  const AcquisitionMapping mapping{.columns = {{"time", "t"},
+                                               {"ax", "X"},
+                                               {"ay", "0"},
+                                               {"az", "Z"},
+                                               {"px", "Fx"},
+                                               {"py", "0"},
+                                               {"pz", "Fz"}},
+                                   .content = RowContent::time_series,
+                                   .contacts = ContactSource::place,
+                                   .normals_from_forces = true};
+  const std::vector<std::filesystem::path> files = {folder / "r.csv"};
+  const ImportedAcquisition found = import_acquisition(files, mapping);
+  EXPECT_EQ(found.series.slides, 1u);
+  EXPECT_EQ(found.series.drags_without_base, 0u);
+  ASSERT_EQ(found.acquisition.contacts().size(), 1u);
+  EXPECT_LT((found.acquisition.contacts()[0].normal - Eigen::Vector3d::UnitZ()).norm(), 0.05);
+  std::size_t drags = 0, slipped = 0;
+  for (const Sample& sample : found.acquisition.samples()) {
+    slipped += sample.slipped ? 1 : 0;
+    EXPECT_NEAR(sample.force.z(), -2, 0.05);
+    if (sample.slipped) {
+      EXPECT_NEAR(sample.force.x(), 1, 0.06);  // friction
+      continue;
+    }
+    // Friction yields at 2.5 mm. What holds has the forces of the springs.
+    EXPECT_LT(sample.b.x(), 2.5);
+    EXPECT_NEAR(sample.force.x(), 0.4 * sample.b.x(), 1e-3);
+    if (sample.a == sample.b) continue;
+    ++drags;
+    EXPECT_LT(sample.a.x(), 0.3);  // up to a twentieth of the force, it is no drag
+  }
+  EXPECT_EQ(slipped, 1u);
+  EXPECT_GE(drags, 7u);
+  EXPECT_EQ(found.series.drags, drags);
 }
 
 }  // namespace

@@ -93,7 +93,7 @@ TEST(Csv, NamesFileLineColumnTextAndWhatIsRight) {
 }
 
 TEST(Csv, DetectsTheSeparatorInTheFirstLineOrTakesTheOneThatIsTold) {
-  const auto expected = testing::ElementsAre(std::array{-2000.0, 1.5});
+  const auto expected = ::testing::ElementsAre(std::array{-2000.0, 1.5});
   EXPECT_THAT(rows_of("a;b\n1.5;-2e3\n"), expected);
   EXPECT_THAT(rows_of("a\tb\r\n1.5\t-2e3\r\n"), expected);
   EXPECT_THAT(rows_of("a;\"x, y, z\";b\n1.5;\"1,2,3\";-2e3\n"), expected);
@@ -108,18 +108,75 @@ TEST(Csv, DetectsTheSeparatorInTheFirstLineOrTakesTheOneThatIsTold) {
 TEST(Csv, TakesColumnsUnderTheNamesThatTheyHaveInTheFile) {
   const TableLayout layout{.names = {{"a", "Force X"}, {"b", "id"}}};
   EXPECT_THAT(rows_of("id,Force X,a\n7,1.5,9\n", layout),
-              testing::ElementsAre(std::array{7.0, 1.5}));
+              ::testing::ElementsAre(std::array{7.0, 1.5}));
   EXPECT_THAT(refusal([&] { return rows_of("id,Force X,a\n7,x,9\n", layout); }),
               HasSubstr("column 'Force X'"));
   EXPECT_THAT(refusal([&] { return rows_of("id,a\n7,x,9\n", layout); }),
               AllOf(HasSubstr("no column 'Force X' (for a)"), HasSubstr("it names 'id,a'")));
 }
 
+TEST(Csv, ReadsDecimalCommasIfItIsTold) {
+  const TableLayout comma{.decimal_comma = true};
+  const auto expected = ::testing::ElementsAre(std::array{-2000.5, 1.5});
+  EXPECT_THAT(rows_of("a;b\n1,5;-2000,5\n", comma), expected);
+  EXPECT_THAT(rows_of("a, in N;a;b\n7;1,5;-2,0005e3\n", comma), expected);
+  EXPECT_THAT(rows_of("a,b\n\"1,5\",\"-2000,5\"\n", {.separator = ',', .decimal_comma = true}),
+              expected);
+  // A number in place of a name has a point, as in a mapping.
+  EXPECT_THAT(rows_of("b;c\n-2000,5;1\n", {.decimal_comma = true, .names = {{"a", "1.5"}}}),
+              expected);
+  for (const char* cell : {"1.5", "1.234,5", "1,234,5"}) {
+    EXPECT_THAT(refusal([&] { return rows_of("a;b\n" + std::string(cell) + ";2\n", comma); }),
+                AllOf(HasSubstr("line 2, column 'a'"), HasSubstr("decimal comma"),
+                      HasSubstr("without signs between the thousands")))
+        << cell;
+  }
+}
+
+TEST(Csv, NamesSignsBetweenThousands) {
+  for (const std::string& cell :
+       std::vector<std::string>{"1,234.5", "1'234.5", "12 345", "1.234.567"}) {
+    EXPECT_THAT(refused_csv("a\tb\n" + cell + "\t2\n"),
+                AllOf(HasSubstr("line 2, column 'a'"), HasSubstr("'" + cell + "'"),
+                      HasSubstr("without signs between the thousands")));
+  }
+}
+
+TEST(Csv, ReadsFilesWithoutALineOfNamesByTheNumbersOfTheirColumns) {
+  const TableLayout layout{.header = false, .names = {{"a", "column_3"}, {"b", "-column_1"}}};
+  EXPECT_THAT(rows_of("7;x;1.5\n\n8;y;2.5\n", layout),
+              ::testing::ElementsAre(std::array{-7.0, 1.5}, std::array{-8.0, 2.5}));
+  EXPECT_THAT(refusal([&] { return rows_of("7;1.5\n", layout); }),
+              AllOf(HasSubstr("no column 'column_3' (for a)"), HasSubstr("column_1 to column_2")));
+  EXPECT_THAT(refusal([&] { return rows_of("7;x;1.5\n7;1.5\n", layout); }),
+              AllOf(HasSubstr("line 2: 2 cells"), HasSubstr("has 3 columns")));
+  EXPECT_THAT(refusal([&] { return rows_of("n;x;F\n7;y;1.5\n", layout); }),
+              AllOf(HasSubstr("line 1, column 'column_1': found 'n'"), HasSubstr("finite number")));
+  // The first row is not lost silently.
+  const TableLayout forgotten{.names = {{"a", "column_2"}, {"b", "column_1"}}};
+  EXPECT_THAT(refusal([&] { return rows_of("7;1.5\n8;2.5\n", forgotten); }),
+              AllOf(HasSubstr("line 1: holds numbers only"), HasSubstr("header: false")));
+  EXPECT_THAT(refused_csv("7,1.5\n8,2.5\n"),
+              AllOf(HasSubstr("numbers only"), HasSubstr("column_1")));
+}
+
+TEST(Csv, TakesAColumnWhoseNameIsThereTwiceByItsNumber) {
+  const TableLayout layout{.names = {{"a", "column_3"}}};
+  EXPECT_THAT(rows_of("a,b,a\n1,2,3\n", layout), ::testing::ElementsAre(std::array{2.0, 3.0}));
+  EXPECT_THAT(refused_csv("a,b,a\n1,2,3\n"),
+              AllOf(HasSubstr("'a' is there twice"), HasSubstr("such as column_1")));
+}
+
+TEST(Csv, PointsAtAColumnOfNearlyThatName) {
+  EXPECT_THAT(refused_csv("a (mN),b\n1,2\n"), HasSubstr("no column 'a', but 'a (mN)'"));
+  EXPECT_THAT(refused_csv("\"A\",b\n1,2\n"), HasSubstr("no column 'a', but 'A'"));
+}
+
 TEST(Csv, TakesANumberThatNamesNoColumnForAllRows) {
   const TableLayout layout{.names = {{"a", "0"}}};
   EXPECT_THAT(rows_of("b\n7\n8\n", layout),
-              testing::ElementsAre(std::array{7.0, 0.0}, std::array{8.0, 0.0}));
-  EXPECT_THAT(rows_of("b,0\n7,3\n", layout), testing::ElementsAre(std::array{7.0, 3.0}));
+              ::testing::ElementsAre(std::array{7.0, 0.0}, std::array{8.0, 0.0}));
+  EXPECT_THAT(rows_of("b,0\n7,3\n", layout), ::testing::ElementsAre(std::array{7.0, 3.0}));
   CsvReader row = reader_of("b\n7\n", {.names = {{"a", ""}}});
   ASSERT_TRUE(row.next());
   EXPECT_EQ(row.text(1), "");
@@ -143,7 +200,8 @@ TEST(Csv, RefusesWhatIsNotSuchATable) {
   EXPECT_THAT(refused_csv("a,b\n1,2,3\n"), AllOf(HasSubstr("line 2"), HasSubstr("3 cells")));
   EXPECT_THAT(refused_csv("a,b\n\"1,2\n"), AllOf(HasSubstr("line 2"), HasSubstr("quote")));
   EXPECT_THAT(refused_csv("a,b\n\"1\"0,2\n"), AllOf(HasSubstr("line 2"), HasSubstr("quote")));
-  EXPECT_THAT(refused_csv(std::string("\x89PNG\r\n\0\1\2,", 10)), HasSubstr("one cell"));
+  EXPECT_THAT(refused_csv(std::string("\x89PNG\r\n\0\1\2,", 10)), HasSubstr("no text file"));
+  EXPECT_THAT(refused_csv("PK\3\4a,b\n1,2\n"), AllOf(HasSubstr("t.csv"), HasSubstr("(.xlsx")));
   EXPECT_THAT(refused_csv("a,b\n\x01\x02" + std::string(100, 'x') + ",2\n"), HasSubstr("'??xxx"));
   const ScratchFolder folder;
   EXPECT_THAT(refusal([&] { CsvReader(folder / "none.csv", kColumns); }),

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <limits>
 #include <span>
 
 #include "palpate/probing/acquisition.h"
@@ -16,6 +17,14 @@ struct SeriesCounts {
   std::size_t presses = 0;        ///< with those that are empty
   std::size_t empty_presses = 0;  ///< presses without a quasi-static piece
   std::size_t saturated = 0, unpaired = 0, fast = 0, brief = 0;  ///< as in `SeriesPresses`
+  std::size_t slides = 0;              ///< presses in which the tip slid along the surface
+  std::size_t drags = 0;               ///< samples with a drag, without those that slipped
+  std::size_t drags_without_base = 0;  ///< drags left out: no press had their normal force
+  std::size_t not_extrapolated = 0;    ///< touches left where the force passed `touch_force`
+  /// [mm] Medians over the other touches: how far they were moved back to zero force, and the
+  /// standard deviation of that. NaN if there is none.
+  double touch_depth = std::numeric_limits<double>::quiet_NaN();
+  double touch_deviation = std::numeric_limits<double>::quiet_NaN();
 };
 
 struct ImportedAcquisition {

@@ -35,11 +35,16 @@ struct AcquisitionMapping {
   /// column `id` of one of the two tables. Besides the columns of acquisition_csv.h there are
   /// `depth` and `normal_force`, in place of ax,...,bz and px,py,pz.
   ColumnNames columns = {};
-  std::optional<char> separator = std::nullopt;  ///< as in `TableLayout`
-  double length = 1;                             ///< [mm] unit of positions; > 0 and finite
-  double force = 1;                              ///< [N] unit of forces; > 0 and finite
-  double time = 1;                               ///< [s] unit of times; > 0 and finite
+  std::optional<char> separator = std::nullopt;  ///< as in `TableLayout`, and so are the next two
+  bool header = true;
+  bool decimal_comma = false;
+  double length = 1;            ///< [mm] unit of positions; > 0 and finite
+  double force = 1;             ///< [N] unit of forces; > 0 and finite
+  double time = 1;              ///< [s] unit of times; > 0 and finite
   bool forces_on_tool = false;  ///< forces are those of the object on the tool: the signs change
+  /// [N] Weight of what hangs on the sensor, as a vector in the frame of the files; finite. It is
+  /// taken off the forces, with which the sensor measures it.
+  Eigen::Vector3d weight = Eigen::Vector3d::Zero();
   /// Maps the frame of the files to that of the surface, after lengths are in mm.
   std::optional<Eigen::Isometry3d> T_surface_file = std::nullopt;
   RowContent content = RowContent::presses_and_drags;

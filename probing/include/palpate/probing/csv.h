@@ -17,7 +17,7 @@
 namespace palpate::probing {
 
 /// Reads a CSV file row by row, so that only one line is in memory however long the file is. The
-/// first line of the file names its columns.
+/// first line of the file names its columns, unless the layout says that there is no such line.
 ///
 /// Columns may stand in any order, and those that were not asked for are ignored. Cells are
 /// separated as the layout says and may be quoted ("" is a quote). Lines end with \n or \r\n; the
@@ -25,8 +25,8 @@ namespace palpate::probing {
 /// the text found and what would be right.
 class CsvReader final : public TableReader {
  public:
-  /// \throws FileError if the file is missing or empty, or if one of `columns` is named twice;
-  /// MissingColumn if it is missing.
+  /// \throws FileError if the file is missing, empty or no text, or if one of `columns` is named
+  /// twice; MissingColumn if it is missing.
   CsvReader(const std::filesystem::path& path, std::span<const std::string_view> columns,
             const TableLayout& layout = {});
 
@@ -41,6 +41,7 @@ class CsvReader final : public TableReader {
   [[nodiscard]] bool flag(std::size_t column) const override;
 
  private:
+  void check_text();
   [[nodiscard]] bool next_line();
   [[nodiscard]] std::string place() const;
   [[noreturn]] void refuse(std::size_t column, std::string_view right) const;
@@ -57,12 +58,17 @@ class CsvReader final : public TableReader {
     bool row_number = false;
   };
   [[nodiscard]] std::optional<Source> find_source(const std::string& name, bool renamed) const;
+  [[nodiscard]] std::optional<std::size_t> place_of(std::string_view name) const;
+  [[noreturn]] void refuse_columns(const std::string& column, const std::string& name) const;
 
   std::vector<std::string> columns_;  // as they are asked for
   std::vector<Source> sources_;
   std::string row_;  // number of the row
   long long row_number_ = 0;
   char separator_ = '\0';  // '\0': not known before the first line
+  bool header_ = true;
+  bool decimal_comma_ = false;
+  bool kept_ = false;      // the first line is a row, which `next` has still to deliver
   std::size_t width_ = 0;  // cells of the header line
   std::size_t line_ = 0;
   std::string text_;                     // of the line; quoted cells without their quotes

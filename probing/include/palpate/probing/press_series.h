@@ -19,7 +19,9 @@ struct SeriesOptions {
   double speed_window = 0.1;   ///< [s] in which the speed is measured; > 0
   double sample_length = 0.2;  ///< [mm] farthest motion of the tip in one sample; > 0
   double sample_time = 0.1;    ///< [s] shortest duration of a sample; >= 0
-  bool tare = true;            ///< subtract the median force between the last release and the touch
+  /// [mm] a tip that is further away than this, under the same force, has slid; > 0
+  double slide_length = 1;
+  bool tare = true;  ///< subtract the median force between the last release and the touch
   /// [s] without contact at the beginning; a shorter time between two presses keeps the earlier
   /// median; > 0
   double tare_time = 0.2;
@@ -46,11 +48,16 @@ struct HeldPress {
 
 /// From one touch to the next release.
 struct SeriesPress {
-  std::size_t begin = 0;                            ///< first moment of the series in contact
-  double time = 0;                                  ///< [s] of the touch
-  Eigen::Vector3d touch = Eigen::Vector3d::Zero();  ///< [mm] tip as the force passed touch_force
-  Eigen::Vector3d tare = Eigen::Vector3d::Zero();   ///< [N] that was subtracted
-  std::vector<HeldPress> held;                      ///< in the order of time
+  std::size_t begin = 0;  ///< first moment of the series in contact
+  double time = 0;        ///< [s] as the force passed touch_force
+  /// [mm] Place of the surface: the tip as the force passed touch_force, moved back by `depth`.
+  Eigen::Vector3d touch = Eigen::Vector3d::Zero();
+  double depth = 0;  ///< [mm] at touch_force, extrapolated; 0 if the press does not tell
+  double depth_deviation = std::numeric_limits<double>::quiet_NaN();  ///< [mm] of `depth`
+  Eigen::Vector3d tare = Eigen::Vector3d::Zero();                     ///< [N] that was subtracted
+  std::vector<HeldPress> held;  ///< in the order of time; until the tip slid, if it did
+  bool slid = false;            ///< the tip slid along the surface before the release
+  std::optional<HeldPress> slip = std::nullopt;  ///< where it held last, and the force of the slide
 };
 
 struct SeriesPresses {
@@ -63,8 +70,9 @@ struct SeriesPresses {
 
 /// Finds the presses of a recording, and in each of them the pieces in which the tip was slower
 /// than `highest_speed`. A press begins where the force, less its median before, exceeds
-/// `touch_force`, and ends where it falls below half of it. The touch is interpolated between two
-/// moments; it lies below the surface by the depth at `touch_force`.
+/// `touch_force`, and ends where it falls below half of it. The place where the force passed
+/// `touch_force` is extrapolated to zero force by the beginning of the press. A tip that holds is
+/// at one place under one force; what follows a slide is left out.
 /// \throws InvalidInput if an option is outside its range, if times do not ascend or numbers are
 /// not finite, or if the tip is in contact from the beginning.
 [[nodiscard]] SeriesPresses find_presses(const TipSeries& series,

@@ -15,7 +15,8 @@
 
 namespace palpate::probing {
 
-/// What the columns of a table are called in a file. Text that names no column of the file may also
+/// What the columns of a table are called in a file: by name, or in a CSV file also by number, as
+/// "column_1". Text that names no column of the file may also
 /// be what all cells hold: a number, nothing, or `kRowNumber`. A column with a minus sign before
 /// its name, such as "-Fz", has its numbers negated.
 using ColumnNames = std::map<std::string, std::string, std::less<>>;
@@ -26,8 +27,10 @@ inline constexpr std::string_view kRowNumber = "row_number";
 /// How a table of another program differs.
 struct TableLayout {
   /// Between the cells of a CSV file. Default: the most frequent of comma, semicolon and tab in the
-  /// first line.
+  /// first line; not the comma if it is the decimal sign.
   std::optional<char> separator = std::nullopt;
+  bool header = true;          ///< the first line of a CSV file names the columns
+  bool decimal_comma = false;  ///< numbers of a CSV file are such as 1,5, without a point
   /// The names that columns have in the file, by the names that they are asked for.
   ColumnNames names = {};
   /// The same for columns that are not in `names`, if the file has no column of that name.
