@@ -92,7 +92,7 @@ TEST(ReferenceProbe, ACampaignOnASofteningObjectShowsIt) {
   const ContactPlan plan = testing::small_plan(*make_specimen(ElasticBody{}), 1);
   std::vector<ReferenceProbe> probes;
   const Contact& contact = plan.contacts[0];
-  Vector3d first, last;
+  Vector3d first = Vector3d::Zero(), last = first;
   for (int i = 0; i < 10; ++i) {
     const std::shared_ptr<const Specimen> body =
         make_specimen(ElasticBody{.young_modulus = 0.05 / (1 + i / 30.0)});

@@ -16,14 +16,14 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-constexpr std::array<std::string_view, 2> kColumns = {"b", "a"};
+constexpr std::array<std::string_view, 2> kLetterColumns = {"b", "a"};
 
 // Before the first row. What is open can be read even after its folder is gone.
 CsvReader reader_of(const std::string& text, const TableLayout& layout = {}) {
   const ScratchFolder scratch;
   const std::filesystem::path path = scratch / "t.csv";
   write_text(path, text);
-  return {path, kColumns, layout};
+  return {path, kLetterColumns, layout};
 }
 
 // Columns b and a of each row.
@@ -204,7 +204,7 @@ TEST(Csv, RefusesWhatIsNotSuchATable) {
   EXPECT_THAT(refused_csv("PK\3\4a,b\n1,2\n"), AllOf(HasSubstr("t.csv"), HasSubstr("(.xlsx")));
   EXPECT_THAT(refused_csv("a,b\n\x01\x02" + std::string(100, 'x') + ",2\n"), HasSubstr("'??xxx"));
   const ScratchFolder folder;
-  EXPECT_THAT(refusal([&] { CsvReader(folder / "none.csv", kColumns); }),
+  EXPECT_THAT(refusal([&] { CsvReader(folder / "none.csv", kLetterColumns); }),
               AllOf(HasSubstr("none.csv"), HasSubstr("no such file")));
 }
 
