@@ -45,13 +45,6 @@ constexpr std::array kOutcomes = {TrialOutcome::held,      TrialOutcome::slipped
                                   TrialOutcome::fell_off,  TrialOutcome::no_contact,
                                   TrialOutcome::unsettled, TrialOutcome::timed_out};
 
-/// Why the system refused an access to a file: " (File too large)"; empty if it did not.
-std::string cause_of_system(sqlite3* database) {
-  constexpr int kPrimaryCode = 0xff;
-  if ((sqlite3_errcode(database) & kPrimaryCode) != SQLITE_IOERR) return "";
-  return std::string(" (") + std::strerror(sqlite3_system_errno(database)) + ")";
-}
-
 TrialOutcome outcome_of(const std::string& name) {
   for (const TrialOutcome outcome : kOutcomes) {
     if (name == to_string(outcome)) return outcome;
@@ -193,7 +186,7 @@ struct CampaignStore::Impl {
       work();
       execute(database.get(), "COMMIT");
     } catch (const DatabaseError& wrong) {
-      const std::string cause = wrong.what() + cause_of_system(database.get());
+      const std::string cause = wrong.what();
       sqlite3_exec(database.get(), "ROLLBACK", nullptr, nullptr, nullptr);
       throw OutputError(path.string() + ": " + cause +
                         "; free some space, then go on with 'palpate probe resume'");
@@ -443,8 +436,7 @@ void CampaignStore::finish() {
   } catch (const DatabaseError& wrong) {
     // Someone reads it at this moment: it is complete with its log.
     if (const int code = sqlite3_errcode(db); code == SQLITE_BUSY || code == SQLITE_LOCKED) return;
-    throw OutputError(impl_->path.string() + ": " + wrong.what() + cause_of_system(db) +
-                      "; free some space");
+    throw OutputError(impl_->path.string() + ": " + wrong.what() + "; free some space");
   }
 }
 
