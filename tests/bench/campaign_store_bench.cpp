@@ -4,7 +4,9 @@
 // one insertion by plain SQLite into a table of as many rows, with the same pragmas. Counters are
 // quantiles over the transactions [ms].
 #include <benchmark/benchmark.h>
+
 #include <sqlite3.h>
+#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <filesystem>
@@ -74,8 +76,10 @@ void append_at_1e5(benchmark::State& state) {
   const auto path = folder.path() / "a.db", peer_path = folder.path() / "peer.db";
   const ContactPlan plan = plan_contacts(make_specimen(Sheet{})->surface());
   {
-    CampaignStore store = CampaignStore::create(
-        path, {.plan = to_text(plan), .strategy = to_text({}), .arm = "{}", .software = "bench"});
+    CampaignStore store = CampaignStore::create(path, {.plan = to_text(plan),
+                                                       .strategy = to_text(CampaignOptions{}),
+                                                       .arm = "{}",
+                                                       .software = "bench"});
     for (std::size_t i = 0; i < plan.contacts.size(); ++i)
       store.append(trial_at(plan, static_cast<long long>(i)), {}, 0);
     store.finish();
