@@ -179,10 +179,8 @@ inline FaultOutcome outcome_of_fault(FaultyArm::Fault fault, unsigned seed) {
     ++outcome.ticks;
     const bool good = step();
     // A wrong force is a fault from the tick on at which it leaves the tolerance.
-    // The motors may lag by one command, and the measurement has noise of 0.003 N.
-    const double tolerated = limits.force_tolerance +
-                             limits.force_relative * device.force().norm() +
-                             (device.force() - last_force).norm() + 0.01;
+    const double tolerated =
+        limits.force_tolerance + limits.force_relative * device.force().norm();
     if (fault == Fault::drift && device.drift() < tolerated) outcome.ticks = 0;
     if ((fault == Fault::saturated || fault == Fault::tripped) && wrong_force < 0.21) {
       outcome.ticks = 0;
