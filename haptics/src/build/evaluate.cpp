@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <functional>
-#include <map>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -17,11 +16,10 @@
 #include "build/made.h"
 #include "model/compliance_kriging.h"
 #include "palpate/error.h"
-#include "palpate/geometry/contact_triangulation.h"
 #include "palpate/geometry/range_map_score.h"
 #include "palpate/geometry/surface_query.h"
 #include "palpate/haptics/blended_field.h"
-#include "palpate/haptics/contact_compliance.h"
+#include "palpate/haptics/left_out_contact.h"
 #include "palpate/haptics/realignment.h"
 #include "palpate/parallel_for.h"
 #include "palpate/probing/csv.h"
@@ -79,35 +77,6 @@ ForceSamples samples_of(const ContactModel& contact, const Model& model,
   samples.displacements = rotation * samples.displacements;
   samples.forces = rotation * samples.forces;
   return samples;
-}
-
-Model without_contact(const Model& model, std::vector<geometry::SurfacePoint> points,
-                      std::size_t i) {
-  Model rest = model;
-  rest.contacts.erase(rest.contacts.begin() + static_cast<std::ptrdiff_t>(i));
-  points.erase(points.begin() + static_cast<std::ptrdiff_t>(i));
-  geometry::ContactTriangulation triangulation = geometry::triangulate_contacts(
-      model.surface, points, {.method = triangulation_method(model)});
-  rest.triangles = std::move(triangulation.mesh.triangles);
-  rest.surface_weights = std::move(triangulation.weights);
-  if (rest.interpolation.rule == BlendRule::compliances)
-    rest = with_compliances(std::move(rest), model.interpolation.reference_force);
-  return rest;
-}
-
-// Which contacts lie on an edge of one triangle only.
-std::vector<bool> border_contacts(const Model& model) {
-  std::map<std::pair<int, int>, int> uses;
-  for (const auto& t : model.triangles.colwise()) {
-    for (int k = 0; k < 3; ++k) ++uses[std::minmax({t[k], t[(k + 1) % 3]})];
-  }
-  std::vector<bool> border(model.contacts.size(), false);
-  for (const auto& [edge, count] : uses) {
-    if (count > 1) continue;
-    border[static_cast<std::size_t>(edge.first)] = true;
-    border[static_cast<std::size_t>(edge.second)] = true;
-  }
-  return border;
 }
 
 // [N] Standard deviation of the normal force at the reference displacement at a place.

@@ -5,18 +5,16 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <map>
 #include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "palpate/geometry/contact_triangulation.h"
 #include "palpate/geometry/error_statistics.h"
 #include "palpate/geometry/surface_query.h"
 #include "palpate/haptics/blended_field.h"
-#include "palpate/haptics/contact_compliance.h"
 #include "palpate/haptics/evaluate.h"
+#include "palpate/haptics/left_out_contact.h"
 #include "palpate/haptics/model_io.h"
 #include "palpate/parallel_for.h"
 #include "palpate/probing/acquisition_store.h"
@@ -29,35 +27,6 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr int kTruthsPerContact = 12;
-
-haptics::Model without(const haptics::Model& model, std::vector<geometry::SurfacePoint> points,
-                       std::size_t index) {
-  haptics::Model rest = model;
-  rest.contacts.erase(rest.contacts.begin() + static_cast<std::ptrdiff_t>(index));
-  points.erase(points.begin() + static_cast<std::ptrdiff_t>(index));
-  geometry::ContactTriangulation triangulation =
-      geometry::triangulate_contacts(model.surface, points);
-  rest.triangles = std::move(triangulation.mesh.triangles);
-  rest.surface_weights = std::move(triangulation.weights);
-  if (rest.interpolation.rule == haptics::BlendRule::compliances)
-    rest = haptics::with_compliances(std::move(rest), model.interpolation.reference_force);
-  return rest;
-}
-
-// Whether each contact is on an edge with one triangle only.
-std::vector<bool> at_border(const haptics::Model& model) {
-  std::map<std::pair<int, int>, int> uses;
-  for (const auto& t : model.triangles.colwise()) {
-    for (int k = 0; k < 3; ++k) ++uses[std::minmax({t[k], t[(k + 1) % 3]})];
-  }
-  std::vector<bool> border(model.contacts.size(), false);
-  for (const auto& [edge, count] : uses) {
-    if (count > 1) continue;
-    border[static_cast<std::size_t>(edge.first)] = true;
-    border[static_cast<std::size_t>(edge.second)] = true;
-  }
-  return border;
-}
 
 // Forces of the friction cone at a contact, spread as the known forces are.
 std::vector<haptics::Query> truths_at(const PreparedObject& object, const Vector3d& place) {
@@ -86,10 +55,10 @@ void predict_left_out(const PreparedObject& object, const haptics::Model& model,
   std::vector<geometry::SurfacePoint> points;
   for (const haptics::ContactModel& contact : model.contacts)
     points.push_back(surface.closest_point(contact.position).at);
-  const std::vector<bool> border = at_border(model);
+  const std::vector<bool> border = haptics::border_contacts(model);
   std::vector<double> sums(model.contacts.size()), counts(model.contacts.size());
   parallel_for(model.contacts.size(), [&](std::size_t i) {
-    const haptics::BlendedField field(without(model, points, i));
+    const haptics::BlendedField field(haptics::without_contact(model, points, i));
     for (const haptics::Query& truth : truths_at(object, model.contacts[i].position)) {
       sums[i] += (field.force(truth.contact, truth.displacement) - truth.force).squaredNorm();
       counts[i] += 1;

@@ -1,0 +1,51 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/haptics/left_out_contact.h"
+
+#include <algorithm>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "build/made.h"
+#include "palpate/error.h"
+#include "palpate/geometry/contact_triangulation.h"
+#include "palpate/haptics/contact_compliance.h"
+
+namespace palpate::haptics {
+
+Model without_contact(const Model& model, std::vector<geometry::SurfacePoint> points,
+                      std::size_t index) {
+  if (points.size() != model.contacts.size() || index >= points.size()) {
+    throw InvalidInput("without_contact(): the model has " + std::to_string(model.contacts.size()) +
+                       " contacts, but there are " + std::to_string(points.size()) +
+                       " points, and contact " + std::to_string(index) + " was to be left out");
+  }
+  Model rest = model;
+  rest.contacts.erase(rest.contacts.begin() + static_cast<std::ptrdiff_t>(index));
+  points.erase(points.begin() + static_cast<std::ptrdiff_t>(index));
+  geometry::ContactTriangulation triangulation = geometry::triangulate_contacts(
+      model.surface, points, {.method = triangulation_method(model)});
+  rest.triangles = std::move(triangulation.mesh.triangles);
+  rest.surface_weights = std::move(triangulation.weights);
+  if (rest.interpolation.rule == BlendRule::compliances)
+    rest = with_compliances(std::move(rest), model.interpolation.reference_force);
+  return rest;
+}
+
+std::vector<bool> border_contacts(const Model& model) {
+  std::map<std::pair<int, int>, int> uses;
+  for (const auto& t : model.triangles.colwise()) {
+    for (int k = 0; k < 3; ++k) ++uses[std::minmax({t[k], t[(k + 1) % 3]})];
+  }
+  std::vector<bool> border(model.contacts.size(), false);
+  for (const auto& [edge, count] : uses) {
+    if (count > 1) continue;
+    border[static_cast<std::size_t>(edge.first)] = true;
+    border[static_cast<std::size_t>(edge.second)] = true;
+  }
+  return border;
+}
+
+}  // namespace palpate::haptics
