@@ -26,7 +26,7 @@ constexpr double kPointDiameter = 6;    ///< px, of a contact without a displace
 constexpr double kLargestCircle = 0.9;  ///< diameter, of the median distance of nearest contacts
 constexpr double kAloneCircle = 0.1;    ///< the same if there is one contact, of the diagonal
 constexpr double kCircleOpacity = 0.75;
-constexpr double kCircleLift = 0.05;  ///< towards the viewer, of the surface's diagonal
+constexpr double kCircleLift = 0.05;  ///< above the surface's highest point, of its diagonal
 constexpr int kCircleSides = 48;
 constexpr double kSampleBarLeft = 480;  ///< px from the left of the picture
 
@@ -100,7 +100,10 @@ void draw_displacements(const std::filesystem::path& png, const geometry::Triang
 
   const double mm_per_mm = kLargestCircle * typical_distance(contacts, diagonal) / known.maxCoeff();
   const Eigen::Vector3d towards = view.axes().row(2);
-  const Eigen::Matrix3Xd lifted = contacts.colwise() + kCircleLift * diagonal * towards;
+  // In front of all the surface, or a slope would hide a part of a large circle.
+  const Eigen::RowVectorXd heights = towards.transpose() * contacts;
+  const double top = (towards.transpose() * all).maxCoeff() + kCircleLift * diagonal;
+  const Eigen::Matrix3Xd lifted = contacts + towards * (top - heights.array()).matrix();
   const vtkSmartPointer<vtkActor> circles =
       disc_actor(lifted, mm_per_mm / 2 * known, view.axes(), kBlue);
   circles->GetProperty()->SetOpacity(kCircleOpacity);

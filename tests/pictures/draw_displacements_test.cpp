@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "picture_test_utils.h"
 
@@ -24,8 +25,8 @@ cv::Mat3b displacements_picture(const TwoContacts& scene) {
   });
 }
 
-/// Height of what is bluish in the left or the right half of the picture, px.
-int circle_height(const cv::Mat3b& picture, bool right) {
+/// What is bluish in the left or the right half of the picture.
+cv::Mat1b circle(const cv::Mat3b& picture, bool right) {
   cv::Mat1b bluish(600, 560);
   const int left = right ? 610 : 30;
   for (int y = 0; y < bluish.rows; ++y) {
@@ -34,7 +35,12 @@ int circle_height(const cv::Mat3b& picture, bool right) {
       bluish(y, x) = color[2] > color[0] + 60 ? 255 : 0;
     }
   }
-  return box_of(bluish).height;
+  return bluish;
+}
+
+/// px
+int circle_height(const cv::Mat3b& picture, bool right) {
+  return box_of(circle(picture, right)).height;
 }
 
 TEST(DrawDisplacements, DiametersAreProportionalToTheDisplacements) {
@@ -43,6 +49,16 @@ TEST(DrawDisplacements, DiametersAreProportionalToTheDisplacements) {
   const int small = circle_height(picture, false), large = circle_height(picture, true);
   ASSERT_GT(small, 20);
   EXPECT_NEAR(large, 2 * small, 4);
+}
+
+TEST(DrawDisplacements, ASlopeHidesNoPartOfACircle) {
+  TwoContacts scene;
+  scene.surface.vertices.row(2) -= 1.5 * scene.surface.vertices.row(1);
+  scene.displacements << 8, 6;
+  const cv::Mat1b shown = circle(displacements_picture(scene), true);
+  const cv::Rect box = box_of(shown);
+  EXPECT_NEAR(box.width, box.height, 2);
+  EXPECT_NEAR(cv::countNonZero(shown) / (box.width * 1.0 * box.height), std::numbers::pi / 4, 0.02);
 }
 
 TEST(DrawDisplacements, ContactsWithoutADisplacementHaveNoCircle) {
