@@ -185,6 +185,7 @@ void add_probe(CLI::App& app, const Settings& settings) {
   add_probe_truth(*probe, settings);
   add_probe_plan(*probe, settings);
   add_probe_run(*probe, settings);
+  add_probe_status(*probe, settings);
   add_probe_report(*probe, settings);
 
   CLI::App* in = probe->add_subcommand(

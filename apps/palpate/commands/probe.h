@@ -16,6 +16,7 @@ void add_probe_truth(CLI::App& probe, const Settings& settings);
 void add_probe_plan(CLI::App& probe, const Settings& settings);
 /// `probe run`, `probe resume` and `probe status`: a campaign.
 void add_probe_run(CLI::App& probe, const Settings& settings);
+void add_probe_status(CLI::App& probe, const Settings& settings);
 /// `probe report`: a page with tables and pictures of a campaign.
 void add_probe_report(CLI::App& probe, const Settings& settings);
 

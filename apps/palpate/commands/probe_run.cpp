@@ -4,19 +4,17 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <cmath>
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "commands/probe.h"
 #include "commands/probe_arm.h"
 #include "commands/probe_campaign.h"
+#include "commands/probe_reach.h"
 #include "palpate/error.h"
-#include "palpate/geometry/mesh_io.h"
-#include "palpate/geometry/triangle_mesh.h"
 #include "palpate/probing/acquisition_store.h"
 #include "palpate/probing/arm_prober.h"
 #include "palpate/probing/campaign.h"
@@ -37,7 +35,6 @@ using Json = nlohmann::ordered_json;
 /// Contacts that are touched again before a device goes on, and touches of each. A touch scatters
 /// by 0.03 mm along the approach.
 constexpr int kTouchedContacts = 3, kTouchesOfContact = 5;
-constexpr int kShownEvents = 5;  // by `probe status`, the latest
 
 struct RunCall {
   fs::path plan, store, surface;
@@ -47,58 +44,6 @@ struct RunCall {
   probing::CampaignOptions options;
   double moved_limit = 0.1;  // [mm]
 };
-
-/// Contacts that an arm cannot probe, by reason: "2 too_far (contacts 5, 9)".
-std::string out_of_reach(const probing::ContactPlan& plan, const probing::PlanReach& reach) {
-  std::string text;
-  for (std::size_t reason = 1; reason < probing::kReaches; ++reason) {
-    if (reach.counts[reason] == 0) continue;
-    std::string ids;
-    for (std::size_t i = 0; i < plan.contacts.size(); ++i) {
-      if (reach.contacts[i] == static_cast<probing::Reach>(reason))
-        ids += fmt::format("{}{}", ids.empty() ? "" : ", ", plan.contacts[i].id);
-    }
-    text += fmt::format("{}{} {} (contacts {})", text.empty() ? "" : ", ", reach.counts[reason],
-                        probing::to_string(static_cast<probing::Reach>(reason)), ids);
-  }
-  return text;
-}
-
-/// The surface of a real object, if it is given.
-/// \throws InvalidInput if the plan is of another one.
-std::optional<geometry::TriangleMesh> planned_surface(const RunCall& call,
-                                                      const probing::ContactPlan& plan) {
-  if (call.surface.empty()) return std::nullopt;
-  geometry::TriangleMesh surface = geometry::read_mesh(call.surface);
-  if (probing::surface_fingerprint(surface) != plan.surface) {
-    throw InvalidInput(
-        fmt::format("{}: the plan {} is of another surface; give the one it was made of, or plan "
-                    "anew",
-                    call.surface.string(), call.plan.string()));
-  }
-  return surface;
-}
-
-probing::PlanReach reach_of_arm(const CampaignArm& arm, const probing::ContactPlan& plan,
-                                const RunCall& call) {
-  const std::optional<geometry::TriangleMesh> surface = planned_surface(call, plan);
-  if (arm.is_device() && !surface) {
-    spdlog::warn(
-        "Whether the links of the arm stay away from the object is not checked: give --surface.");
-  }
-  return arm.reach(plan, surface ? &*surface : nullptr);
-}
-
-/// \throws InvalidInput naming the contacts that the arm cannot probe.
-void check_reach(const CampaignArm& arm, const probing::ContactPlan& plan, const RunCall& call) {
-  const probing::PlanReach reach = reach_of_arm(arm, plan, call);
-  if (reach.counts[0] == static_cast<int>(plan.contacts.size())) return;
-  throw InvalidInput(fmt::format(
-      "{}: the arm cannot probe {} of {} contacts: {}. Take them out of the plan, or place the arm "
-      "otherwise ('pose' in --arm-config)",
-      call.plan.string(), static_cast<int>(plan.contacts.size()) - reach.counts[0],
-      plan.contacts.size(), out_of_reach(plan, reach)));
-}
 
 /// Touches a real object again where it was touched before the campaign was interrupted.
 /// \throws Error if it is no longer where it was.
@@ -216,7 +161,7 @@ void run_campaign(const Settings& settings, const RunCall& call) {
           : call.arm.replay.string();
   RunningCampaign running{probing::Campaign(plan, call.options),
                           make_campaign_arm(arm, source, plan, {}, call.watch)};
-  check_reach(*running.arm, plan, call);
+  check_reach(*running.arm, plan, call.plan, call.surface);
   probing::CampaignStore store =
       probing::CampaignStore::create(call.store, {.plan = probing::to_text(plan),
                                                   .strategy = probing::to_text(call.options),
@@ -237,7 +182,7 @@ void dry_run(const Settings& settings, const RunCall& call) {
       make_campaign_arm(describe_arm(call.arm), call.arm.arm, plan, {}, call.watch);
   if (!arm->moves())
     throw InvalidInput("--dry-run: a quasi-static arm does not move; give --arm virtual");
-  const probing::PlanReach reach = reach_of_arm(*arm, plan, call);
+  const probing::PlanReach reach = reach_of_arm(*arm, plan, call.plan, call.surface);
   Json unreachable = Json::array();
   std::string words;
   int reached = 0;
@@ -307,35 +252,6 @@ void resume_campaign(const Settings& settings, const RunCall& call) {
   probing::Campaign campaign = replayed(store, call.store.string());
   auto arm = resumed_arm(store, campaign.plan(), call);
   perform(settings, store, {std::move(campaign), std::move(arm)}, call, true);
-}
-
-/// The latest events as lines.
-std::string events_in_words(const std::vector<probing::CampaignEvent>& events) {
-  std::string words;
-  const std::size_t hidden = events.size() - std::min<std::size_t>(events.size(), kShownEvents);
-  if (hidden > 0) words += fmt::format("\n{} earlier events: see --json", hidden);
-  for (std::size_t i = hidden; i < events.size(); ++i) {
-    words += fmt::format("\n{}, {}: {}",
-                         events[i].trial < 0 ? std::string("before the first trial")
-                                             : fmt::format("trial {}", events[i].trial),
-                         events[i].kind, events[i].text);
-  }
-  return words;
-}
-
-void show_status(const Settings& settings, const fs::path& path) {
-  const probing::CampaignStore store = probing::CampaignStore::look(path);
-  const probing::Campaign campaign = replayed(store, path.string());
-  const probing::CampaignOptions options =
-      probing::parse_campaign_options(store.description().strategy, path.string());
-  const CampaignFindings findings = findings_of(store, campaign.plan(), options);
-  const std::vector<probing::CampaignEvent> events = store.events();
-  Json figures = campaign_figures(campaign, options, findings);
-  figures["events"] = Json::array();
-  for (const probing::CampaignEvent& event : events)
-    figures["events"].push_back(
-        {{"trial", event.trial}, {"kind", event.kind}, {"text", event.text}});
-  print(settings, figures, campaign_words(campaign, options, findings) + events_in_words(events));
 }
 
 void add_stop_file(CLI::App& command, ArmWatch& watch) {
@@ -435,13 +351,6 @@ void add_probe_run(CLI::App& probe, const Settings& settings) {
       "Examples:\n  palpate probe resume acquisition.db\n"
       "  palpate probe resume acquisition.db --record session2.arm");
   resume->callback([call, &settings] { resume_campaign(settings, *call); });
-
-  CLI::App* status = probe.add_subcommand(
-      "status", "Show what is done and left of a campaign, also while it runs");
-  status->add_option("ACQUISITION", call->store, "Store of the campaign (acquisition.db)")
-      ->required();
-  status->footer("Example:\n  palpate probe status acquisition.db --json");
-  status->callback([call, &settings] { show_status(settings, call->store); });
 }
 
 }  // namespace palpate::apps
