@@ -5,6 +5,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 
 #include "palpate/probing/arm_reach.h"
@@ -120,9 +121,21 @@ Eigen::Vector3d ArmMotion::internal_force() const {
   return jacobian.transpose().inverse() * (internal_ + turned_torque());
 }
 
-void ArmMotion::push(const Eigen::Vector3d& force) {
-  send(arm_jacobian(options_.geometry, state_.joints).transpose() * force + internal_ +
-       turned_torque());
+Eigen::Vector3d ArmMotion::pushing_torque(const Eigen::Vector3d& force) const {
+  return arm_jacobian(options_.geometry, state_.joints).transpose() * force + internal_ +
+         turned_torque();
+}
+
+void ArmMotion::push(const Eigen::Vector3d& force) { send(pushing_torque(force)); }
+
+void ArmMotion::push_with_dither(const Eigen::Vector3d& force, double seconds) {
+  const double periods = seconds * options_.dither_frequency;
+  const double amplitude = options_.dither * std::min(1.0, periods);
+  Eigen::Vector3d oscillation;
+  // In turn, so that the tip does not swing along one direction.
+  for (int i = 0; i < 3; ++i)
+    oscillation[i] = amplitude * std::sin(2 * std::numbers::pi * (periods + i / 3.0));
+  send(pushing_torque(force) + oscillation);
 }
 
 Eigen::Vector3d ArmMotion::torque_of(const Eigen::Vector3d& force) const {

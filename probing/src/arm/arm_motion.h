@@ -11,7 +11,7 @@
 
 namespace palpate::probing {
 
-/// The control loop of an arm: one call of `control`, `hold` or `push` is one tick. All quantities
+/// The control loop of an arm: one call of `control`, `hold` or a push is one tick. All quantities
 /// are in the frame of the base. Each function throws ArmStopped after a fault.
 class ArmMotion {
  public:
@@ -37,6 +37,8 @@ class ArmMotion {
   void set_internal_torque(const Eigen::Vector3d& torque);
   /// Applies a force [N] at the tip, with gravity and internal forces compensated.
   void push(const Eigen::Vector3d& force);
+  /// The same, `seconds` after the torques of the joints began to oscillate.
+  void push_with_dither(const Eigen::Vector3d& force, double seconds);
   /// [N] at the tip that `push` adds against internal forces, now.
   [[nodiscard]] Eigen::Vector3d internal_force() const;
 
@@ -46,6 +48,8 @@ class ArmMotion {
  private:
   /// [N mm] By which the friction of the joints has changed since it was measured.
   [[nodiscard]] Eigen::Vector3d turned_torque() const;
+  /// [N mm] besides gravity.
+  [[nodiscard]] Eigen::Vector3d pushing_torque(const Eigen::Vector3d& force) const;
   Eigen::Vector3d control(const Eigen::Vector3d& joints);
   void send(const Eigen::Vector3d& torque);
   [[noreturn]] void fail() const;

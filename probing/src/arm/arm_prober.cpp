@@ -32,6 +32,9 @@ constexpr double kUnloading = 0.4;          // [s] in which a lift removes the f
 constexpr double kUnloaded = 0.05;          // [N] that remain after that
 constexpr double kShortestRamp = 0.3;       // [s]
 constexpr double kLevelled = 0.05;          // [s] between two checks of whether the tip rests
+constexpr double kSwinging = 1.5;           // periods of a dither before the tip is measured
+constexpr double kStill = 0.1;              // [mm/s] under a dither, without its oscillation
+constexpr double kLongestDither = 2;        // times the shortest, until the tip is still
 
 void check_prober_options(const ArmProberOptions& o) {
   const auto positive = [](const char* name, double value, const char* unit) {
@@ -51,6 +54,8 @@ void check_prober_options(const ArmProberOptions& o) {
   require("ArmProberOptions::damping", o.damping, at_least(0).finite(), "N s/mm");
   positive("ArmProberOptions::presliding", o.presliding, "rad");
   require("ArmProberOptions::sliding_friction", o.sliding_friction, at_least(1).finite());
+  require("ArmProberOptions::dither", o.dither, at_least(0).finite(), "N mm");
+  positive("ArmProberOptions::dither_frequency", o.dither_frequency, "Hz");
   positive("ArmProberOptions::resting_window", o.resting_window, "s");
   positive("ArmProberOptions::settled_speed", o.settled_speed, "mm/s");
   positive("ArmProberOptions::longest_slide", o.longest_slide, "mm");
@@ -272,10 +277,18 @@ struct ArmProber::Impl {
         action.kind == ProbeActionKind::press ? without_bending(motion.state().tip) : rested;
     WorkMeter work(time(), before - staying, start, options.damping, look);
     Vector3d constant_from = motion.state().tip, speed_then = motion.speed();
+    int measuring = motion.ticks_in(kSwinging / options.dither_frequency + options.resting_window);
+    if (options.dither == 0) measuring = 0;
+    int resting = 0;  // tick from which the tip rests; 0 while it does not
+    Vector3d came_to_rest = Vector3d::Zero();
     for (int tick = 1; has_time(action.time_limit); ++tick) {
       const double t = std::min(1.0, static_cast<double>(tick) / rising);
       force = before + (wanted - before) * (t * t * (3 - 2 * t));
-      motion.push(force - options.damping * motion.speed());
+      const Vector3d damped = force - options.damping * motion.speed();
+      if (resting > 0)
+        motion.push_with_dither(damped, (tick - resting) * motion.period());
+      else
+        motion.push(damped);
       const Vector3d& tip = motion.state().tip;
       work.add(time(), force - staying, without_bending(tip));
       if (tick == rising) constant_from = tip, speed_then = motion.speed();
@@ -285,13 +298,26 @@ struct ArmProber::Impl {
         return report(ProbeOutcome::fell_off, tip, force);
       window.add(time(), tip);
       reference.add(time(), motion.state().reference_force);
-      if (window.full() && tick % look == 0 && window.speed() < options.settled_speed) {
+      if (resting == 0 && window.full() && tick % look == 0 &&
+          window.speed() < options.settled_speed) {
+        resting = tick;
+        came_to_rest = window.mean();
+      }
+      if (resting == 0) continue;
+      const int measured = tick - resting;
+      if (measuring > 0 && measured > kLongestDither * measuring) {
+        // The dither makes the tip creep, near the limit of friction: wait and measure without it.
+        measuring = 0;
+        resting = 0;
+      } else if (measured >= measuring && tick % look == 0 &&
+                 (measuring == 0 || window.speed_of_halves() < kStill)) {
         rested = without_bending(window.mean());
         if (safe.description().measures_reference)
-          applied.push_back({force, motion.internal_force(), reference.mean()});
+          applied.push_back(
+              {action.trial, action.kind, force, motion.internal_force(), reference.mean()});
         ProbeReport done = report(ProbeOutcome::done, window.mean(), force);
         done.creep =
-            creep_share(rested - start, window.mean() - constant_from, wanted - before, speed_then);
+            creep_share(rested - start, came_to_rest - constant_from, wanted - before, speed_then);
         if (action.kind != ProbeActionKind::press) done.work = work.end(force - staying, rested);
         return done;
       }

@@ -173,7 +173,10 @@ void take_prober(Members& m, ArmProberOptions& o) {
   m.take("attempts", o.attempts, 1);
   m.take("ramp", o.ramp, positive, "N/s");
   m.take("damping", o.damping, at_least(0).finite(), "N s/mm");
+  m.take("presliding", o.presliding, above(0).finite(), "rad");
   m.take("sliding_friction", o.sliding_friction, at_least(1).finite(), "");
+  m.take("dither", o.dither, at_least(0).finite(), "N mm");
+  m.take("dither_frequency", o.dither_frequency, above(0).finite(), "Hz");
   m.take("settled_speed", o.settled_speed, positive, "mm/s");
   m.take("longest_slide", o.longest_slide, positive, "mm");
   m.take("heating_time", o.heating_time, positive, "s");

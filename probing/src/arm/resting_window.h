@@ -30,6 +30,21 @@ class RestingWindow {
     return sum / static_cast<double>(count_);
   }
 
+  /// [mm/s] From the mean of the earlier half to that of the later one; infinite before it is full.
+  /// An oscillation of whole periods in each half does not count, other than in `speed`.
+  [[nodiscard]] double speed_of_halves() const {
+    if (!full()) return std::numeric_limits<double>::infinity();
+    const std::size_t half = at_.size() / 2;
+    Sample earlier, later;
+    for (std::size_t i = 0; i < half; ++i) {
+      const Sample& early = at_[(next_ + i) % at_.size()];
+      const Sample& late = at_[(next_ + at_.size() - half + i) % at_.size()];
+      earlier.time += early.time, earlier.position += early.position;
+      later.time += late.time, later.position += late.position;
+    }
+    return (later.position - earlier.position).norm() / (later.time - earlier.time);
+  }
+
   /// [mm/s] Slope of a line through the positions so far; infinite if there are fewer than two.
   [[nodiscard]] double speed() const {
     double middle = 0;

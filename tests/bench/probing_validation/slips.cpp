@@ -64,7 +64,7 @@ class SlidWay final : public probing::Prober {
 /// Trials of the virtual arm; the truth is the way that its contact slid.
 SlipCounts counts_of(const probing::Specimen& specimen, int contacts, int trials_a_contact) {
   constexpr double kSlid = 0.1;  // [mm] five times the noise of a position
-  SimulatedRig rig(specimen, 1, probing::FrictionCompensation::followed);
+  SimulatedRig rig(specimen, 1);
   probing::PlanOptions options;
   options.contacts = contacts;
   const probing::ContactPlan plan = probing::plan_contacts(specimen.surface(), options);

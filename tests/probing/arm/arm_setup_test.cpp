@@ -21,12 +21,16 @@ TEST(ArmSetup, TakesItsMembersAndKeepsTheDefaultsOfTheOthers) {
   const ArmSetup setup = parse_arm_setup(
       R"({"pose": [[0, 0, 1, 5], [1, 0, 0, 6], [0, 1, 0, 7]], "structure": 2, "mass": 0.1,
           "geometry": {"upper": 200}, "limits": {"depth": 30, "workspace": [[-1, -2, -3], [1, 2, 3]]},
+          "dither": 0, "dither_frequency": 9, "presliding": 1e-4,
           "links": {"distance": 12}, "calibration": {"angles": 9, "low": [-0.4, 0, -0.3]}, "driver": {"port": "usb0", "n": 3}})",
       "arm.json");
   EXPECT_TRUE(setup.knows_pose);
   EXPECT_EQ(setup.prober.T_world_base * Vector3d(1, 2, 3), Vector3d(8, 7, 9));
   EXPECT_EQ(setup.prober.structure, 2);
   EXPECT_EQ(setup.prober.contact.model.mass, 0.1);
+  EXPECT_EQ(setup.prober.dither, 0);
+  EXPECT_EQ(setup.prober.dither_frequency, 9);
+  EXPECT_EQ(setup.prober.presliding, 1e-4);
   EXPECT_EQ(setup.prober.geometry.upper, 200);
   EXPECT_EQ(setup.prober.geometry.lower, ArmGeometry{}.lower);
   EXPECT_EQ(setup.prober.limits.depth, 30);

@@ -58,16 +58,22 @@ struct ArmProberOptions {
   double damping = 0.015;      ///< [N s/mm] of the pressed tip; >= 0
   FrictionCompensation friction = FrictionCompensation::followed;  ///< others are for comparison
   /// [rad] way on which the friction of a joint turns round; > 0
-  double presliding = 3e-4;
+  double presliding = 2.5e-4;
   /// Friction of a joint that moves, relative to what it keeps when it is held; >= 1. A held joint
   /// relaxes a little, a tip that creeps to rest does not.
-  double sliding_friction = 1.2;
-  double resting_window = 0.5;  ///< [s] of the line and the mean by which a tip rests; > 0
-  double settled_speed = 0.01;  ///< [mm/s] of this line; > 0
-  double longest_slide = 10;    ///< [mm] that a tip may go once its force is constant; > 0
-  double heating_time = 20;     ///< [s] with which motors warm up and cool; > 0
-  double expected_load = 6;     ///< [s] for which they must stand the coming force; >= 0
-  double warm = 0.85;           ///< heat at which an action is given up; in (0, limits.hottest)
+  double sliding_friction = 1.15;
+  /// [N mm] Once the tip rests, the torque of each joint oscillates with this amplitude while
+  /// position and force are measured; 0: it does not; >= 0. The joints move by about half a step of
+  /// their encoders, so that the mean over the window shows where within a step they stand, and how
+  /// far their friction has turned. Their friction springs take nearly all of it off the tip.
+  double dither = 5;
+  double dither_frequency = 12;  ///< [Hz] > 0; best whole periods in `resting_window`
+  double resting_window = 0.5;   ///< [s] of the line and the mean by which a tip rests; > 0
+  double settled_speed = 0.01;   ///< [mm/s] of this line; > 0
+  double longest_slide = 10;     ///< [mm] that a tip may go once its force is constant; > 0
+  double heating_time = 20;      ///< [s] with which motors warm up and cool; > 0
+  double expected_load = 6;      ///< [s] for which they must stand the coming force; >= 0
+  double warm = 0.85;            ///< heat at which an action is given up; in (0, limits.hottest)
 };
 
 /// An approach that found the object.
@@ -78,6 +84,8 @@ struct ArmApproach {
 
 /// A force that rested on the object, in the frame of the base.
 struct AppliedForce {
+  long long trial = 0;
+  ProbeActionKind kind{};     ///< press, drag or release
   Eigen::Vector3d commanded;  ///< [N]
   Eigen::Vector3d internal;   ///< [N] that was added against internal forces, besides gravity
   Eigen::Vector3d reference;  ///< [N] mean of `ArmState::reference_force` meanwhile
@@ -91,8 +99,8 @@ struct AppliedForce {
 /// is that of `estimate_contact`. Press, drag and release turn the force on a ramp, and wait until
 /// a line through the latest positions is level; their position is the mean over it, without the
 /// deflection of the arm. The internal force is that of the touch, with the friction of a joint,
-/// known from the calibration, turned round when the joint turns. Within the last step of an
-/// encoder nobody sees a joint turn, which limits the force to about 0.01 N (docs/probing.md).
+/// known from the calibration, turned round when the joint turns. Encoders show this in steps; an
+/// oscillation at rest shows what is between them (docs/probing.md, "What limits the force").
 ///
 /// A trial begins with motors switched off and on again in free space, so that it does not depend
 /// on the control loop of those before it. An arm whose clock is real is held by a thread between
