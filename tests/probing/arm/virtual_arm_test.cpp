@@ -8,6 +8,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <memory>
 #include <numbers>
 #include <vector>
 
@@ -15,6 +16,7 @@
 #include "not_finite.h"
 #include "palpate/error.h"
 #include "palpate/probing/arm_setup.h"
+#include "palpate/probing/closed_form.h"
 #include "refusal.h"
 
 namespace palpate::probing {
@@ -135,6 +137,41 @@ TEST(VirtualArm, SlipsBeyondTheFrictionConeOnly) {
     } else {
       EXPECT_GT(arm.truth().slid, 1);
     }
+  }
+}
+
+// Beside a support, where the object stiffens quickly, updates of its compliance along a few
+// directions can make it negative in others; the force then grows to several times the commanded.
+TEST(VirtualArm, KeepsTheForceBoundedWhenTheTipSlidesTowardsASupport) {
+  struct Slide {
+    double x, y;             // [mm] where the tip is pressed
+    double pressing, angle;  // [N]; [rad] of the pull from the way to the support
+  };
+  const Sheet sheet;
+  const std::shared_ptr<const Specimen> specimen = make_specimen(sheet);
+  for (const Slide& slide : {Slide{36, -30, 1, 0}, Slide{36, 60, 1.8, 0.5}, Slide{44, 0, 1, 0.5}}) {
+    VirtualArmOptions options;
+    options.T_world_base = mount_over(specimen->surface(), options.geometry);
+    options.gravity.setZero();
+    options.viscosity = 20;
+    const Eigen::Isometry3d T_base_world = options.T_world_base.inverse();
+    const Eigen::Vector3d above = surface_at(sheet, slide.x, slide.y) - Eigen::Vector3d::UnitZ();
+    options.joints = joints_at(options.geometry, T_base_world * above).value();
+    VirtualArm arm(specimen.get(), options);
+    arm.activate();
+    const Eigen::Vector3d press = slide.pressing * Eigen::Vector3d::UnitZ();
+    const Eigen::Vector3d pull =
+        1.3 * slide.pressing * Eigen::Vector3d(std::cos(slide.angle), std::sin(slide.angle), 0);
+    double highest = 0, nearest = kInf;
+    for (int i = 0; i < 2500; ++i) {
+      const double share = std::clamp((i - 800) / 600.0, 0.0, 1.0);
+      next_state(arm, T_base_world.linear() * (press + share * pull));
+      if (arm.truth().in_contact)
+        nearest = std::min(nearest, sheet.support - arm.truth().contact.x());
+      highest = std::max(highest, arm.truth().force.norm());
+    }
+    EXPECT_LT(nearest, 8) << slide.x;  // [mm] from the support: it slid there
+    EXPECT_LT(highest, 2 * (press + pull).norm()) << slide.x << ", " << slide.y;
   }
 }
 
