@@ -14,6 +14,7 @@
 #include "palpate/haptics/build_model.h"
 #include "palpate/haptics/model_io.h"
 #include "palpate/probing/acquisition_store.h"
+#include "palpate/probing/campaign_options_text.h"
 #include "palpate/probing/contact_plan.h"
 #include "palpate/probing/specimen_file.h"
 

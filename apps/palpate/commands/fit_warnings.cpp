@@ -12,6 +12,7 @@
 
 #include "commands/fit_report.h"
 #include "commands/probe_campaign.h"
+#include "palpate/probing/campaign_options_text.h"
 #include "palpate/probing/campaign_store.h"
 #include "palpate/probing/contact_plan.h"
 #include "palpate/probing/plausibility.h"

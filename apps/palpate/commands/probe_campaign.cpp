@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "palpate/error.h"
+#include "palpate/probing/campaign_options_text.h"
 #include "palpate/probing/probing_program.h"
 #include "shared/command_line.h"
 #include "shared/inputs.h"

@@ -15,6 +15,7 @@
 #include "palpate/haptics/model_io.h"
 #include "palpate/output_file.h"
 #include "palpate/probing/acquisition_store.h"
+#include "palpate/probing/campaign_options_text.h"
 #include "shared/call_checks.h"
 #include "shared/inputs.h"
 

@@ -18,6 +18,7 @@
 #include "palpate/probing/acquisition_store.h"
 #include "palpate/probing/arm_prober.h"
 #include "palpate/probing/campaign.h"
+#include "palpate/probing/campaign_options_text.h"
 #include "palpate/probing/campaign_store.h"
 #include "palpate/probing/fingerprint.h"
 #include "palpate/probing/object_shift.h"

@@ -2,25 +2,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/probing/campaign_store.h"
 
-#include <fcntl.h>
-#include <sys/file.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
-#include <cerrno>
-#include <cstring>
-#include <nlohmann/json.hpp>
 #include <utility>
 
+#include "campaign/writer_lock.h"
 #include "palpate/error.h"
 #include "palpate/output_file.h"
 #include "records/database.h"
 
 namespace palpate::probing {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr int kStoreVersion = 2;
 constexpr const char* kCampaignSchema =
@@ -50,67 +42,6 @@ TrialOutcome outcome_of(const std::string& name) {
     if (name == to_string(outcome)) return outcome;
   }
   throw DatabaseError("a trial has the outcome '" + name + "', which is unknown");
-}
-
-}  // namespace
-
-// Ensures that only one process writes. Declared before the database, because closing any
-// descriptor of a file drops the locks that SQLite holds on it.
-class WriterLock {
- public:
-  explicit WriterLock(const std::filesystem::path& path)
-      : file_(::open(path.c_str(), O_RDWR | O_CLOEXEC)) {
-    if (file_ < 0)
-      throw OutputError(path.string() + ": cannot be written: " + std::strerror(errno));
-    if (::flock(file_, LOCK_EX | LOCK_NB) != 0) {
-      ::close(file_);
-      throw OutputError(path.string() +
-                        ": another process writes into it; wait for it, or end it first");
-    }
-  }
-  ~WriterLock() { ::close(file_); }
-  WriterLock(const WriterLock&) = delete;
-  WriterLock& operator=(const WriterLock&) = delete;
-
- private:
-  int file_;
-};
-
-namespace {
-
-// Visits the members of the options, both for reading and for writing.
-template <typename Options, typename Visit>
-void visit_campaign_options(Options& o, Visit&& visit) {
-  visit("seed", o.seed);
-  visit("resolution", o.resolution);
-  visit("cautious", o.cautious);
-  visit("friction_accuracy", o.friction_accuracy);
-  visit("most_failures", o.most_failures);
-  visit("clearance", o.program.clearance);
-  visit("travel_limit", o.program.travel_limit);
-  visit("touch_limit", o.program.touch_limit);
-  visit("settle_limit", o.program.settle_limit);
-  visit("lift_limit", o.program.lift_limit);
-  visit("position_noise", o.program.position_noise);
-  visit("force_noise", o.program.force_noise);
-}
-
-// Members that stores of campaigns without limits do not have.
-template <typename Options, typename Visit>
-void visit_limits(Options& o, Visit&& visit) {
-  visit("until", o.until);
-  visit("max_hours", o.max_hours);
-  visit("max_samples", o.max_samples);
-}
-
-constexpr const char* kReferenceEvery = "reference_every";  // older stores do not have it
-
-TrialStrategy strategy_of(const std::string& name) {
-  for (const TrialStrategy each :
-       {TrialStrategy::pooled, TrialStrategy::bisection, TrialStrategy::adaptive}) {
-    if (name == to_string(each)) return each;
-  }
-  throw DatabaseError("the strategy '" + name + "' is unknown");
 }
 
 bool has_campaign(sqlite3* database) {
@@ -154,7 +85,7 @@ CampaignDescription read_description(sqlite3* database) {
 
 struct CampaignStore::Impl {
   std::filesystem::path path;
-  std::unique_ptr<WriterLock> lock;
+  std::unique_ptr<WriterLock> lock;  // before the database, as writer_lock.h says
   Database database;
   CampaignDescription description = {};
   std::optional<Insert> contact = {}, sample = {}, trial = {}, boundary = {}, event = {},
@@ -438,34 +369,6 @@ void CampaignStore::finish() {
     if (const int code = sqlite3_errcode(db); code == SQLITE_BUSY || code == SQLITE_LOCKED) return;
     throw OutputError(impl_->path.string() + ": " + wrong.what() + "; free some space");
   }
-}
-
-std::string to_text(const CampaignOptions& options) {
-  Json json{{"strategy", to_string(options.strategy)}};
-  const auto write = [&](const char* name, const auto& value) { json[name] = value; };
-  visit_campaign_options(options, write);
-  if (options.strategy == TrialStrategy::adaptive) visit_limits(options, write);
-  write(kReferenceEvery, options.reference_every);
-  return json.dump();
-}
-
-CampaignOptions parse_campaign_options(const std::string& text, const std::string& source) {
-  CampaignOptions options;
-  try {
-    const Json json = Json::parse(text);
-    options.strategy = strategy_of(json.at("strategy").get<std::string>());
-    visit_campaign_options(options,
-                           [&](const char* name, auto& value) { json.at(name).get_to(value); });
-    visit_limits(options, [&](const char* name, auto& value) {
-      if (json.contains(name)) json.at(name).get_to(value);
-    });
-    options.reference_every = json.value(kReferenceEvery, 0);
-  } catch (const Json::exception& wrong) {
-    throw FileError(source + ": its strategy cannot be read: " + wrong.what());
-  } catch (const DatabaseError& wrong) {
-    throw FileError(source + ": " + wrong.what());
-  }
-  return options;
 }
 
 }  // namespace palpate::probing

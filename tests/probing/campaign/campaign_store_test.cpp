@@ -18,6 +18,7 @@
 #include "campaign/campaign_testing.h"
 #include "palpate/error.h"
 #include "palpate/probing/acquisition_store.h"
+#include "palpate/probing/campaign_options_text.h"
 #include "palpate/probing/fingerprint.h"
 #include "scratch_folder.h"
 

@@ -88,10 +88,4 @@ class CampaignStore {
   std::unique_ptr<Impl> impl_;
 };
 
-/// The options of a campaign as text, and back.
-[[nodiscard]] std::string to_text(const CampaignOptions& options);
-/// \throws FileError naming `source` and the member that is wrong.
-[[nodiscard]] CampaignOptions parse_campaign_options(const std::string& text,
-                                                     const std::string& source);
-
 }  // namespace palpate::probing
