@@ -49,24 +49,37 @@ std::optional<pictures::JointTorques> torques_of(const ArmSession& session, int 
   return torques;
 }
 
-/// What the first trials applied. A record may end before they do: a campaign that is resumed is
-/// not recorded.
+/// Whether `fit` uses what was measured under this force: the normal force of each sample, and the
+/// whole force of one that held. A tip that slipped rests elsewhere, under a force of no use.
+bool is_of_a_sample(const probing::AppliedForce& force, const probing::TrialRecord& trial) {
+  if (!force.reference.allFinite() || !probing::sample_of(trial.order, trial.result, 0))
+    return false;
+  return force.kind == probing::ProbeActionKind::press ||
+         (force.kind == probing::ProbeActionKind::drag &&
+          trial.result.outcome == probing::TrialOutcome::held);
+}
+
+/// What was applied in the samples of the first trials. A record may end before they do: a campaign
+/// that is resumed is not recorded.
 std::vector<probing::AppliedForce> applied_forces(CampaignArm& arm,
                                                   const probing::CampaignOptions& options,
                                                   const std::vector<probing::TrialRecord>& trials) {
   constexpr std::size_t kMostTrials = 300;  // a replay of so many takes seconds
   const probing::ArmProber& prober = *arm.prober();
   if (!prober.arm().description().measures_reference) return {};
-  const auto before = static_cast<std::ptrdiff_t>(prober.applied_forces().size());
+  std::vector<probing::AppliedForce> forces;
   try {
-    for (std::size_t i = 0; i < std::min(kMostTrials, trials.size()); ++i)
+    for (std::size_t i = 0; i < std::min(kMostTrials, trials.size()); ++i) {
+      const std::size_t before = prober.applied_forces().size();
       static_cast<void>(probing::run_trial(arm, trials[i].order, options.program));
+      for (std::size_t k = before; k < prober.applied_forces().size(); ++k) {
+        const probing::AppliedForce& force = prober.applied_forces()[k];
+        if (is_of_a_sample(force, trials[i])) forces.push_back(force);
+      }
+    }
   } catch (const probing::ArmStopped&) {
     // the end of the record
   }
-  std::vector<probing::AppliedForce> forces(prober.applied_forces().begin() + before,
-                                            prober.applied_forces().end());
-  std::erase_if(forces, [](const auto& each) { return !each.reference.allFinite(); });
   return forces;
 }
 
@@ -102,13 +115,14 @@ void add_force_errors(ReportPage& page, const fs::path& folder,
                               "Error of the force along X of the arm");
   page.add_picture("force-errors.png",
                    "Forces on the object at rest, as a sensor of its own measured them, less those "
-                   "that were commanded (thesis, Figure 4.7). With gravity compensated alone, the "
-                   "internal forces that were added would have been missing.");
-  page.add_paragraph(
-      fmt::format("Errors of {} forces at rest along the axes of the arm (thesis, Table 4.1): mean "
-                  "and standard "
-                  "deviation.",
-                  forces.size()));
+                   "that were commanded (thesis, Figure 4.7): the forces of samples that 'fit' "
+                   "uses, that is normal forces, and whole forces that held. With gravity "
+                   "compensated alone, the internal forces that were added would have been "
+                   "missing.");
+  page.add_paragraph(fmt::format(
+      "Errors of {} forces of samples along the axes of the arm (thesis, Table 4.1): mean "
+      "and standard deviation.",
+      forces.size()));
   page.add_table({"axis", "gravity compensated", "internal forces too"}, rows);
 }
 
