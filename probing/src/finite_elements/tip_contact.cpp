@@ -49,12 +49,16 @@ std::optional<TipTraction> tip_traction(const TipLaw& law, const Eigen::Vector3d
   result.anchor = n;
   if (law.friction == 0 || law.tangential_stiffness == 0) return result;
 
-  // A point that was inside without an anchor stuck nowhere yet: it does so where it is.
   Entry entry{n, Eigen::Matrix3d::Zero()};
+  const double began = start.norm();
   if (anchor) {
     entry.anchor = *anchor;
-  } else if (start.norm() > law.radius) {
+  } else if (began > law.radius) {
     entry = entry_into_ball(law.radius, start, point);
+  } else if (began > 0) {
+    // It sticks where it was: the same as if it had been just outside, as a point that the tip
+    // touches may be by rounding.
+    entry.anchor = start / began;
   }
   const Eigen::Vector3d& a = entry.anchor;
   const double stiffness = law.tangential_stiffness * law.radius * law.radius;

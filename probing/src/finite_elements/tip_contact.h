@@ -32,8 +32,8 @@ struct TipTraction {
 };
 
 // `point` and `start` are relative to the centre of the tip, now and at the start of the load step.
-// A point without an anchor takes the place where the straight way between them enters the ball.
-// Nothing if the point is outside the ball.
+// A point without an anchor takes the place where the straight way between them enters the ball, or
+// `start` if that is inside. Nothing if the point is outside the ball.
 [[nodiscard]] std::optional<TipTraction> tip_traction(const TipLaw& law,
                                                       const Eigen::Vector3d& point,
                                                       const Eigen::Vector3d& start,

@@ -45,6 +45,20 @@ TEST(TipContact, TangentIsTheDerivativeOfTheTraction) {
   expect_tangent(kSlippery, std::nullopt, true);
 }
 
+TEST(TipContact, APointThatBeganJustInsideSticksAsOneThatBeganJustOutside) {
+  constexpr double kRounding = 1e-12;  // of the radius
+  const Vector3d surface = 5 * Vector3d(0.3, -0.1, 5).normalized();
+  const auto outside = tip_traction(kSticky, kInside, (1 + kRounding) * surface, std::nullopt);
+  const Vector3d start = (1 - kRounding) * surface;
+  const auto inside = tip_traction(kSticky, kInside, start, std::nullopt);
+  EXPECT_LT((inside->traction - outside->traction).norm(), 1e-9 * outside->traction.norm());
+  EXPECT_GT((inside->traction - 2 * (5 - kInside.norm()) * kInside.normalized()).norm(), 0.1);
+  const Matrix3d expected = difference(
+      [&](const Vector3d& at) { return tip_traction(kSticky, at, start, std::nullopt)->traction; },
+      kInside);
+  EXPECT_LT((inside->tangent - expected).norm(), 1e-7 * expected.norm());
+}
+
 TEST(TipContact, ASlippingPointIsOnTheConeAndStartsThereAgain) {
   const auto contact = tip_traction(kSlippery, kInside, kStart, kAnchor);
   const Vector3d n = kInside.normalized();
