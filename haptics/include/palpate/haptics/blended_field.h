@@ -73,6 +73,12 @@ class BlendedField {
   [[nodiscard]] Eigen::Vector3d force(const Eigen::Vector3d& contact,
                                       const Eigen::Vector3d& displacement) const noexcept;
 
+  /// Weights of the contacts at a place, as `blend` uses them.
+  [[nodiscard]] geometry::ContactWeights weights(
+      const geometry::SurfacePoint& contact) const noexcept {
+    return locator_.locate(contact);
+  }
+
   [[nodiscard]] const geometry::SurfaceQuery& surface() const noexcept { return surface_; }
 
  private:
