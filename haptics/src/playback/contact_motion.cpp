@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "playback/slip_search.h"
+
 namespace palpate::haptics {
 namespace {
 
@@ -17,24 +19,23 @@ constexpr int kSteps = 8;
 // Both limit the time of a tick.
 constexpr int kBits = 14;
 constexpr std::uintmax_t kMaxEvaluations = 16;
-// The friction axis is used where the cosine between it and the inward normal is at least this (75
-// degrees); nearer to the tangent plane the line along it would run far away.
-constexpr double kMinAxisCosine = 0.26;
+// The friction boundary is searched in so many halvings of the line: to 1e-7 of it.
+constexpr int kHalvings = 24;
 
-// From the contact to the intersection of the tangent plane with the friction axis through the
-// tool.
-Eigen::Vector3d travel(const Blend& at, const TouchPoint& contact, const Eigen::Vector3d& tool) {
-  const Eigen::Vector3d displacement = tool - contact.position;
-  Eigen::Vector3d axis = at.friction_axis;
-  if (-axis.dot(contact.normal) < kMinAxisCosine) axis = -contact.normal;
-  return displacement - axis * (displacement.dot(contact.normal) / axis.dot(contact.normal));
+TouchPoint touch_point(const BlendedField& field, const Eigen::Matrix3Xd& normals,
+                       const TouchPoint& contact, const Eigen::Vector3d& place) {
+  const geometry::ClosestPoint found = field.surface().closest_point(place);
+  if (found.at.triangle < 0) return contact;
+  const Eigen::Vector3d normal = normals.col(found.at.triangle);
+  return {found.position, normal.allFinite() ? normal : contact.normal, found.at};
 }
 
 }  // namespace
 
 TouchPoint slip_contact(const BlendedField& field, const Eigen::Matrix3Xd& normals,
                         const TouchPoint& contact, const Eigen::Vector3d& tool) noexcept {
-  const Eigen::Vector3d line = travel(field.blend(contact.at), contact, tool);
+  const Eigen::Vector3d line =
+      slip_line(field.blend(contact.at).friction_axis, contact.normal, tool - contact.position);
   if (!line.allFinite()) return contact;
   const auto place = [&](double t) {
     return field.surface().closest_point(contact.position + t * line);
@@ -57,10 +58,22 @@ TouchPoint slip_contact(const BlendedField& field, const Eigen::Matrix3Xd& norma
   if (high >= 1 && excess(1) > 0) low = 0;
   std::uintmax_t evaluations = kMaxEvaluations;
   const double t = boost::math::tools::brent_find_minima(h, low, high, kBits, evaluations).first;
-  const geometry::ClosestPoint found = place(t);
-  if (found.at.triangle < 0) return contact;
-  const Eigen::Vector3d normal = normals.col(found.at.triangle);
-  return {found.position, normal.allFinite() ? normal : contact.normal, found.at};
+  return touch_point(field, normals, contact, contact.position + t * line);
+}
+
+TouchPoint slip_by_boundary(const BlendedField& field, const Eigen::Matrix3Xd& normals,
+                            const TouchPoint& contact, const Eigen::Vector3d& tool) noexcept {
+  const Blend at = field.blend(contact.at);
+  const Eigen::Vector3d displacement = tool - contact.position;
+  const Eigen::Vector3d on_axis = displacement.dot(at.friction_axis) * at.friction_axis;
+  const Eigen::Vector3d line = displacement - on_axis;
+  double inside = 0, outside = 1;
+  for (int i = 0; i < kHalvings; ++i) {
+    const double middle = (inside + outside) / 2;
+    const Eigen::Vector3d force = field.force(at, on_axis + middle * line);
+    (friction_parts(at, force).excess > 0 ? outside : inside) = middle;
+  }
+  return touch_point(field, normals, contact, contact.position + (1 - inside) * line);
 }
 
 }  // namespace palpate::haptics

@@ -2,68 +2,260 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/haptics/playback.h"
 
+#include <algorithm>
+#include <limits>
+#include <optional>
+
+#include "palpate/require.h"
+#include "playback/slip_search.h"
+#include "playback/surface_walk.h"
+
 namespace palpate::haptics {
 namespace {
 
 // Distance outside the surface at which the search for a hit starts, as a fraction of the surface's
 // diagonal: far above rounding (1e-16), far below what a user can feel.
 constexpr double kOffsetRatio = 1e-9;
+// A contact lies on an edge if it is at most so many offsets away: then even in a crease of 0.6
+// degrees the start is in front of both sides.
+constexpr double kOnEdge = 100;
+// The start is in front of all sides of a crease if its direction has at least this cosine to their
+// normals.
+constexpr double kLeastOpening = 1e-6;
 
-Command no_force(const Eigen::Vector3d& tool) {
-  return {Eigen::Vector3d::Zero(), tool, ContactState::free};
+bool pushes(const SlidingContact& contact) {
+  return contact.parts.normal >= 0 && contact.force.force.allFinite();
 }
 
 }  // namespace
 
-Playback::Playback(const Model& model)
-    : normals_(geometry::triangle_normals(model.surface)),
-      offset_(kOffsetRatio * geometry::bounding_diagonal(model.surface)),
-      field_(model) {}
+struct Playback::Impl {
+  PlaybackOptions options;
+  PackedField field;
+  SurfaceWalk surface;
+  Eigen::Matrix3Xd normals;  // of the surface's triangles
+  double offset;             // [mm]
 
-// Whether the tool is behind the surface on its way from the proxy, and the contact if it is.
-bool Playback::touches(const LoopState& state, const Eigen::Vector3d& tool,
-                       TouchPoint& contact) const noexcept {
-  const bool touched = state.contact_state != ContactState::free;
-  const Eigen::Vector3d start =
-      touched ? Eigen::Vector3d(state.proxy.position + offset_ * state.proxy.normal)
-              : state.proxy.position;
-  const std::optional<geometry::SegmentHit> hit = field_.surface().first_hit(start, tool);
+  Impl(const Model& model, const PlaybackOptions& given);
+
+  [[nodiscard]] Eigen::Vector3d centroid(int triangle) const;
+  [[nodiscard]] TouchPoint touch_point(const SurfacePlace& place,
+                                       const Eigen::Vector3d& fallback) const;
+  [[nodiscard]] bool enters(const Eigen::Vector3d& from, const Eigen::Vector3d& tool,
+                            TouchPoint& contact) const;
+  [[nodiscard]] bool stays(const TouchPoint& contact, const Eigen::Vector3d& tool) const;
+  [[nodiscard]] Eigen::Vector3d lifted(const TouchPoint& contact) const;
+  [[nodiscard]] bool is_inside(const Eigen::Vector3d& tool, TouchPoint& contact) const;
+  [[nodiscard]] SlidingContact slip(const SlidingContact& start, const Eigen::Vector3d& tool,
+                                    LoopState& state) const;
+  [[nodiscard]] Command respond(const Eigen::Vector3d& force, double moved, LoopState& state) const;
+  [[nodiscard]] Command let_go(const Eigen::Vector3d& proxy, double moved, LoopState& state) const;
+  [[nodiscard]] Command hold(LoopState& state) const;
+};
+
+Playback::Impl::Impl(const Model& model, const PlaybackOptions& given)
+    : options(given),
+      field(model),
+      surface(model.surface),
+      normals(geometry::triangle_normals(model.surface)),
+      offset(kOffsetRatio * geometry::bounding_diagonal(model.surface)) {
+  require("PlaybackOptions::tolerance", options.tolerance, above(0).finite(), "N");
+  require("PlaybackOptions::largest_jump", options.largest_jump, above(0), "N");
+  require("PlaybackOptions::start_depth", options.start_depth, at_least(0), "mm");
+  require("PlaybackOptions::longest_step", options.longest_step, above(0), "mm");
+  require("PlaybackOptions::hold_ticks", options.hold_ticks, at_least(0));
+}
+
+Eigen::Vector3d Playback::Impl::centroid(int triangle) const {
+  return (surface.corner(triangle, 0) + surface.corner(triangle, 1) + surface.corner(triangle, 2)) /
+         3;
+}
+
+TouchPoint Playback::Impl::touch_point(const SurfacePlace& place,
+                                       const Eigen::Vector3d& fallback) const {
+  const Eigen::Vector3d& normal = surface.normal(place.triangle);
+  return {place.position, normal.allFinite() ? normal : fallback, surface.point(place)};
+}
+
+// Whether the way to the tool enters the surface from outside, and where.
+bool Playback::Impl::enters(const Eigen::Vector3d& from, const Eigen::Vector3d& tool,
+                            TouchPoint& contact) const {
+  const std::optional<geometry::SegmentHit> hit = field.blended().surface().first_hit(from, tool);
   if (!hit) return false;
-  const Eigen::Vector3d normal = normals_.col(hit->at.triangle);
+  const Eigen::Vector3d& normal = surface.normal(hit->at.triangle);
   // From inside, or a triangle without area (NaN): no contact.
-  if (!((tool - start).dot(normal) < 0)) return false;
-  contact = touched ? state.proxy : TouchPoint{hit->position, normal, hit->at};
+  if (!((tool - from).dot(normal) < 0)) return false;
+  contact = {hit->position, normal, hit->at};
   return true;
 }
 
+// A point outside the surface and next to a contact, in front of all triangles that it touches.
+Eigen::Vector3d Playback::Impl::lifted(const TouchPoint& contact) const {
+  const TouchedTriangles touched =
+      surface.touched({contact.at.triangle, contact.position}, kOnEdge * offset);
+  Eigen::Vector3d up = contact.normal;
+  for (int i = 1; i < touched.count; ++i) {
+    const int t = touched.triangles[static_cast<std::size_t>(i)];
+    const bool rises = (centroid(t) - contact.position).dot(contact.normal) > 0;
+    if (rises && surface.normal(t).allFinite()) up += surface.normal(t);
+  }
+  const double opening = std::max(up.dot(contact.normal), kLeastOpening);
+  return contact.position + offset / opening * up;
+}
+
+// Whether a tool that touched still does.
+bool Playback::Impl::stays(const TouchPoint& contact, const Eigen::Vector3d& tool) const {
+  const Eigen::Vector3d displacement = tool - contact.position;
+  if (displacement.dot(contact.normal) < 0) return true;
+  // In a crease the tool is inside as long as it is behind one of the sides.
+  const TouchedTriangles touched =
+      surface.touched({contact.at.triangle, contact.position}, kOnEdge * offset);
+  for (int i = 1; i < touched.count; ++i) {
+    const int t = touched.triangles[static_cast<std::size_t>(i)];
+    const bool rises = (centroid(t) - contact.position).dot(contact.normal) > offset;
+    if (rises && displacement.dot(surface.normal(t)) < 0) return true;
+  }
+  TouchPoint elsewhere;
+  return enters(lifted(contact), tool, elsewhere);
+}
+
+// Whether the tool is behind the nearest part of the surface, not beyond its border, and not too
+// far inside.
+bool Playback::Impl::is_inside(const Eigen::Vector3d& tool, TouchPoint& contact) const {
+  const geometry::ClosestPoint nearest = field.blended().surface().closest_point(tool);
+  if (nearest.at.triangle < 0 || !(nearest.distance <= options.start_depth)) return false;
+  const TouchedTriangles touched =
+      surface.touched({nearest.at.triangle, nearest.position}, kOnEdge * offset);
+  if (touched.on_border) return false;
+  for (int i = 0; i < touched.count; ++i) {
+    const int t = touched.triangles[static_cast<std::size_t>(i)];
+    if (!((tool - nearest.position).dot(surface.normal(t)) < 0)) return false;
+  }
+  contact = {nearest.position, surface.normal(nearest.at.triangle), nearest.at};
+  return true;
+}
+
+SlidingContact Playback::Impl::slip(const SlidingContact& start, const Eigen::Vector3d& tool,
+                                    LoopState& state) const {
+  if (options.motion == ContactMotion::bracketed) {
+    return search_slip(field, surface, start, tool,
+                       {.tolerance = options.tolerance, .passive = options.passive}, state.place,
+                       state.slip_slope);
+  }
+  const auto move = options.motion == ContactMotion::brent ? slip_contact : slip_by_boundary;
+  const TouchPoint to = move(field.blended(), normals, state.proxy, tool);
+  SlidingContact end{.at = {to.at.triangle, to.position}, .force = {}, .parts = {}};
+  field.move_to(to.at, to.position, state.place);
+  end.force = field.force(state.place, tool - to.position);
+  end.parts = friction_parts(state.place, end.force.force);
+  return end;
+}
+
+// The command with this force on the user, or with as much of its change as a tick may have.
+Command Playback::Impl::respond(const Eigen::Vector3d& force, double moved,
+                                LoopState& state) const {
+  Command command{.force = force, .contact = state.proxy.position, .state = state.contact_state};
+  const Eigen::Vector3d change = force - state.force;
+  const double largest = options.largest_jump + field.stiffness_bound() * moved;
+  const double size = change.norm();
+  if (size > largest) {
+    command.force = state.force + largest / size * change;
+    command.limited = true;
+  }
+  state.force = command.force;
+  return command;
+}
+
+// \param proxy where the way of the free tool begins.
+Command Playback::Impl::let_go(const Eigen::Vector3d& proxy, double moved, LoopState& state) const {
+  state.contact_state = ContactState::free;
+  state.has_place = false;
+  state.slip_slope = 0;
+  state.proxy.position = proxy;
+  Command command = respond(Eigen::Vector3d::Zero(), moved, state);
+  command.contact = state.tool;
+  return command;
+}
+
+// The command while the tool's position is not usable.
+Command Playback::Impl::hold(LoopState& state) const {
+  const int left = options.hold_ticks - state.faulty_ticks;
+  state.force *= static_cast<double>(left) / (left + 1);
+  return {.force = state.force,
+          .contact = state.proxy.position,
+          .state = state.contact_state,
+          .held = true};
+}
+
+Playback::Playback(const Model& model, const PlaybackOptions& options)
+    : impl_(std::make_unique<const Impl>(model, options)) {}
+Playback::~Playback() = default;
+Playback::Playback(Playback&&) noexcept = default;
+Playback& Playback::operator=(Playback&&) noexcept = default;
+
 Command Playback::step(const Eigen::Vector3d& tool, LoopState& state) const noexcept {
-  if (!tool.allFinite()) {
+  const Impl& self = *impl_;
+  if (state.playback != self.field.id()) {
     state = {};
-    return no_force(Eigen::Vector3d::Zero());
+    state.playback = self.field.id();
   }
-  TouchPoint contact;
-  if (!state.has_proxy || !touches(state, tool, contact)) {
-    state = {ContactState::free, true, {tool, Eigen::Vector3d::Zero(), {}}};
-    return no_force(tool);
+  double moved = state.has_proxy ? (tool - state.tool).norm() : 0;
+  if (!tool.allFinite() || !(moved <= self.options.longest_step)) {
+    if (state.has_proxy && ++state.faulty_ticks <= self.options.hold_ticks) return self.hold(state);
+    state.contact_state = ContactState::free;
+    state.has_proxy = state.has_place = false;
+    state.force.setZero();
+    state.slip_slope = 0;
+    if (!tool.allFinite()) return {.held = true};
+    moved = 0;
   }
-  ContactState contact_state = ContactState::stick;
-  Blend at = field_.blend(contact.at);
-  Eigen::Vector3d force = field_.force(at, tool - contact.position);
-  if (friction_parts(at, force).excess > 0) {
-    contact_state = ContactState::slip;
-    contact = slip_contact(field_, normals_, contact, tool);
-    at = field_.blend(contact.at);
-    force = field_.force(at, tool - contact.position);
+  state.faulty_ticks = 0;
+  state.tool = tool;
+
+  bool started_inside = false, touches = false;
+  if (state.contact_state != ContactState::free) {
+    touches = self.stays(state.proxy, tool);
+  } else if (state.has_proxy) {
+    touches = self.enters(state.proxy.position, tool, state.proxy);
+  } else {
+    started_inside = touches = self.is_inside(tool, state.proxy);
+    state.has_proxy = true;
   }
-  const bool pulls = friction_parts(at, force).normal < 0;
-  if (pulls || !force.allFinite()) {
-    // Start outside the surface, so that a tool that is still behind it touches again.
-    state = {ContactState::free, true, contact};
-    state.proxy.position += offset_ * contact.normal;
-    return no_force(tool);
+  if (!touches) return self.let_go(tool, moved, state);
+
+  state.contact_state = ContactState::stick;
+  if (!state.has_place) self.field.move_to(state.proxy.at, state.proxy.position, state.place);
+  state.has_place = true;
+  SlidingContact contact{.at = {state.proxy.at.triangle, state.proxy.position},
+                         .force = self.field.force(state.place, tool - state.proxy.position),
+                         .parts = {}};
+  contact.parts = friction_parts(state.place, contact.force.force);
+  if (contact.parts.excess > self.options.tolerance) {
+    const SlidingContact end = self.slip(contact, tool, state);
+    if (end.at.position != contact.at.position) {
+      state.contact_state = ContactState::slip;
+      state.proxy = self.touch_point(end.at, state.proxy.normal);
+    }
+    contact = end;
+    if (contact.off_border) return self.let_go(tool, moved, state);
   }
-  state = {contact_state, true, contact};
-  return {-force, contact.position, contact_state};
+  if (!pushes(contact)) {
+    // Start outside the surface, so that a tool that is still behind it touches again: at once if
+    // that is another side of a crease.
+    const Eigen::Vector3d outside = self.lifted(state.proxy);
+    TouchPoint other;
+    if (!self.enters(outside, tool, other) || other.at.triangle == state.proxy.at.triangle)
+      return self.let_go(outside, moved, state);
+    state.proxy = other;
+    state.contact_state = ContactState::slip;
+    self.field.move_to(other.at, other.position, state.place);
+    contact.force = self.field.force(state.place, tool - other.position);
+    contact.parts = friction_parts(state.place, contact.force.force);
+    if (!pushes(contact)) return self.let_go(self.lifted(other), moved, state);
+  }
+  Command command = self.respond(-contact.force.force, moved, state);
+  command.started_inside = started_inside;
+  return command;
 }
 
 const char* to_string(ContactState state) {

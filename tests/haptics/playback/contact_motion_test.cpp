@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "sheet_model.h"
 
 namespace palpate::haptics {
@@ -64,6 +66,33 @@ TEST(SlipContact, StaysOnTheSurfaceBeyondItsBorder) {
   const TouchPoint found = slip(sheet_model(0.3), {45, 0, 700}, {80, 0, 705});
   EXPECT_LE(found.position.x(), 50);
   EXPECT_NEAR(found.position.z(), 700, 1e-12);
+}
+
+// Figure 5.6: without friction's change the boundary slides to the tool exactly.
+TEST(SlipByBoundary, IsExactWhereFieldAndFrictionAreTheSameEverywhere) {
+  for (const double friction : {0.0, 0.3, 0.9}) {
+    const BlendedField field(sheet_model(friction));
+    const Eigen::Vector3d contact(-5, 2, 700), tool(15, 2, 706);
+    const TouchPoint found =
+        slip_by_boundary(field, geometry::triangle_normals(sheet_model().surface),
+                         {contact, {0, 0, -1}, field.surface().closest_point(contact).at}, tool);
+    EXPECT_NEAR(found.position.x(), 15 - friction * 6, 1e-5) << friction;
+    EXPECT_NEAR(found.position.y(), 2, 1e-9);
+  }
+}
+
+TEST(SlipByBoundary, MissesTheConeWhereFrictionDiffersUnlikeTheSearch) {
+  const Model model = uneven_model();
+  const BlendedField field(model);
+  const Eigen::Vector3d before(-10, 0, 700), tool(14, 8, 706);
+  const TouchPoint contact{before, {0, 0, -1}, field.surface().closest_point(before).at};
+  const Eigen::Matrix3Xd normals = geometry::triangle_normals(model.surface);
+  const auto excess = [&](const TouchPoint& at) {
+    const Eigen::Vector3d force = field.force(at.position, tool - at.position);
+    return std::abs(friction_parts(field.blend(at.at), force).excess);
+  };
+  EXPECT_GT(excess(slip_by_boundary(field, normals, contact, tool)), 0.005);
+  EXPECT_LT(excess(slip_contact(field, normals, contact, tool)), 1e-3);
 }
 
 }  // namespace

@@ -28,4 +28,16 @@ struct TouchPoint {
                                       const TouchPoint& contact,
                                       const Eigen::Vector3d& tool) noexcept;
 
+/// Finds where a slipping contact moves to by the rule of Mahvash and Hayward (thesis 5.4.2, Figure
+/// 5.6b): the friction boundary of the old contact slides to the tool.
+///
+/// On the line from the friction axis to the displacement, perpendicular to the axis, the boundary
+/// is where |f_T| = mu f_N at the old contact. The contact moves by the rest of that line,
+/// projected onto the surface. Changes of field, friction and axis on the way are ignored.
+/// Parameters as `slip_contact`. Real-time safe.
+[[nodiscard]] TouchPoint slip_by_boundary(const BlendedField& field,
+                                          const Eigen::Matrix3Xd& normals,
+                                          const TouchPoint& contact,
+                                          const Eigen::Vector3d& tool) noexcept;
+
 }  // namespace palpate::haptics

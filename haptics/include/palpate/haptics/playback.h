@@ -3,10 +3,13 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "palpate/haptics/contact_motion.h"
+#include "palpate/haptics/packed_field.h"
 
 namespace palpate::haptics {
 
@@ -32,13 +35,46 @@ struct TracePoint {
   ContactState state = ContactState::free;
 };
 
-/// The state of the haptic loop between two ticks. The first tick with a new state is free,
-/// wherever the tool is.
+/// How a slipping contact moves (thesis 5.4.2, Figure 5.6).
+enum class ContactMotion {
+  bracketed,         ///< to a root of |f_T| - mu f_N (Eq 5.17), found by a bracketed search
+  brent,             ///< to a minimum of h(t) (Eq 5.18), found by Brent's method: `slip_contact`
+  friction_boundary  ///< by the tool's way beyond the friction boundary: `slip_by_boundary`
+};
+
+struct PlaybackOptions {
+  ContactMotion motion = ContactMotion::bracketed;
+  /// [N] > 0. A contact holds while |f_T| - mu f_N is at most this, and a slip ends there.
+  double tolerance = 2e-4;
+  /// Only with `bracketed`: a slip ends early where the stored energy would begin to rise, since
+  /// the object would give back more than the user put in. Eq 5.17 alone does not prevent that.
+  bool passive = true;
+  /// [N] > 0. In one tick the force changes by at most this, and by the largest stiffness of a
+  /// contact times the tool's movement. Only jumps are longer: at the border, at a start inside.
+  double largest_jump = 0.1;
+  /// [mm] >= 0. A tool that is this far inside when the loop starts touches the nearest point of
+  /// the surface; deeper ones start free.
+  double start_depth = 20;
+  /// [mm] > 0. A longer movement in one tick is taken for a fault of the device.
+  double longest_step = 50;
+  /// >= 0. So many faulty ticks keep the contact while the force decays to zero; after them the
+  /// contact is forgotten, and the loop starts again with the next position.
+  int hold_ticks = 20;
+};
+
+/// The state of the haptic loop between two ticks, of one `Playback`; another one starts afresh.
 struct LoopState {
   ContactState contact_state = ContactState::free;
-  bool has_proxy = false;
+  bool has_proxy = false;  ///< false before the first tick
   /// The contact while touching; while free, its position is that of the tool at the last tick.
   TouchPoint proxy;
+  Eigen::Vector3d tool = Eigen::Vector3d::Zero();   ///< [mm] the last usable position
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< [N] the last command
+  int faulty_ticks = 0;                             ///< in a row until now
+  double slip_slope = 0;                            ///< [N/mm] of the last slip, 0 for none
+  std::uint64_t playback = 0;                       ///< whose state this is
+  bool has_place = false;                           ///< whether `place` is that of the contact
+  PlaceField place;
 };
 
 /// The result of one tick for the device.
@@ -48,34 +84,37 @@ struct Command {
   Eigen::Vector3d contact =
       Eigen::Vector3d::Zero();  ///< [mm] on the undeformed surface; free: the tool
   ContactState state = ContactState::free;
+  bool started_inside = false;  ///< the tool was inside the object when the loop started
+  bool held = false;            ///< the tool's position was not usable
+  bool limited = false;         ///< by `PlaybackOptions::largest_jump`
 };
 
 /// The haptic loop of a model (thesis 5.5.1), at 1 kHz or more.
 ///
 /// A free tool touches when its path since the last tick enters the surface from outside. The
 /// contact stays (stick) while the force lies in the friction cone and moves otherwise (slip). It
-/// ends when the tool is no longer behind the surface as seen from the contact. If the force pulls
-/// even at the place to which the contact slips (f_N <= 0), the contact is lost: this tick has no
-/// force, and the tool touches again in the next tick if it is still behind the surface.
+/// ends when the tool is neither behind the contact's own triangle nor, where the contact lies in a
+/// crease, behind the other ones there, nor behind any other part of the surface as seen from the
+/// contact; or when it slips off the border. If the force pulls even at the place to which the
+/// contact slips (f_N <= 0), it is lost, and the tool may touch again in the next tick.
 class Playback {
  public:
   /// Allocates everything that `step` needs.
   ///
-  /// \throws InvalidInput if `check_model` throws.
-  explicit Playback(const Model& model);
+  /// \throws InvalidInput if `check_model` throws or an option is outside its range.
+  explicit Playback(const Model& model, const PlaybackOptions& options = {});
+  ~Playback();
+  Playback(Playback&&) noexcept;
+  Playback& operator=(Playback&&) noexcept;
 
-  /// Computes one tick. It does not allocate, lock, throw or log, and is thread-safe with one state
-  /// per thread. The force is always finite. A tool position that is not finite gives no force and
-  /// ends the contact.
+  /// Computes one tick. It does not allocate, lock, throw or log, its time is bounded, and it is
+  /// thread-safe with one state per thread. The force is always finite. A position that is not
+  /// finite or farther away than `longest_step` is not used: see `PlaybackOptions::hold_ticks`.
   [[nodiscard]] Command step(const Eigen::Vector3d& tool, LoopState& state) const noexcept;
 
  private:
-  Eigen::Matrix3Xd normals_;  // of the surface's triangles
-  double offset_;             // [mm] height of a contact's viewpoint above the surface
-  BlendedField field_;
-
-  [[nodiscard]] bool touches(const LoopState& state, const Eigen::Vector3d& tool,
-                             TouchPoint& contact) const noexcept;
+  struct Impl;
+  std::unique_ptr<const Impl> impl_;
 };
 
 /// Plays a whole trajectory, beginning with a new state.

@@ -1,0 +1,270 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "playback/slip_search.h"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace palpate::haptics {
+namespace {
+
+// The friction axis is used where the cosine between it and the inward normal is at least this (75
+// degrees); nearer to the tangent plane the line along it would run far away.
+constexpr double kMinAxisCosine = 0.26;
+constexpr int kMaxOnSection = 8;   // evaluations along the section
+constexpr int kMaxInPlane = 12;    // and by Broyden's method
+constexpr double kFarthest = 1.3;  // end of the section, in lengths of the line of Eq 5.19
+// The slope of the last slip is used if it agrees with the line's own estimate to this factor.
+constexpr double kSlopeAgrees = 2;
+// The first step in the plane is at most the line, and this much of the displacement.
+constexpr double kFurther = 0.25;
+// A contact is at the border if it is this near to where a walk ended there [mm]: some times the
+// rounding of coordinates of up to 1e6 mm.
+constexpr double kAtBorder = 1e-7;
+// The bracket is exhausted when it is this short [mm].
+constexpr double kShortestBracket = 1e-9;
+// A Jacobian is used while its determinant is at least this much of that of the first one.
+constexpr double kLeastDeterminant = 0.05;
+// Stored energy counts as increased by more than this [N mm]: some rounding errors of energies up
+// to 1e3 N mm.
+constexpr double kEnergyRounding = 1e-11;
+
+class SlipSearcher {
+ public:
+  SlipSearcher(const PackedField& field, const SurfaceWalk& surface, const SlidingContact& start,
+               const Eigen::Vector3d& tool, const SlipSearchOptions& options, PlaceField& place)
+      : field_(field),
+        surface_(surface),
+        start_(start),
+        tool_(tool),
+        options_(options),
+        place_(place),
+        axis_(place.friction_axis),
+        best_(start),
+        last_(start) {
+    const Eigen::Vector3d& normal = surface.normal(start.at.triangle);
+    line_ = slip_line(axis_, normal, tool - start.at.position);
+    length_ = line_.norm();
+    forward_ = line_ / length_;
+    if (!(-axis_.dot(normal) >= kMinAxisCosine * axis_.norm())) axis_ = -normal;
+  }
+
+  SlidingContact search(double& slope) {
+    if (!(std::isfinite(length_) && length_ > 0)) return start_;
+    if (!along_section(slope)) in_plane(slope);
+    // What slips off the border loses its energy.
+    best_.off_border =
+        border_ && !is_root(best_) && (best_.at.position - *border_).norm() <= kAtBorder;
+    if (options_.passive && !best_.off_border &&
+        best_.force.energy > start_.force.energy + kEnergyRounding) {
+      keep_energy();
+    }
+    if (last_.at.position != best_.at.position) static_cast<void>(evaluate(best_.at));
+    return best_;
+  }
+
+ private:
+  const PackedField& field_;
+  const SurfaceWalk& surface_;
+  const SlidingContact& start_;
+  const Eigen::Vector3d& tool_;
+  const SlipSearchOptions& options_;
+  PlaceField& place_;
+  Eigen::Vector3d axis_, line_, forward_;
+  double length_;
+  SlidingContact best_, last_;
+  std::optional<Eigen::Vector3d> border_;  // a place from which the contact would go on beyond it
+  Eigen::Vector3d tangential_ = Eigen::Vector3d::Zero();  // f_T of `last_`
+
+  const SlidingContact& evaluate(const SurfacePlace& at) {
+    field_.move_to(surface_.point(at), at.position, place_);
+    last_.at = at;
+    last_.force = field_.force(place_, tool_ - at.position);
+    last_.parts = friction_parts(place_, last_.force.force);
+    tangential_ = last_.force.force - last_.parts.normal * place_.cone_axis;
+    return last_;
+  }
+
+  [[nodiscard]] bool is_root(const SlidingContact& at) const {
+    return std::abs(at.parts.excess) <= options_.tolerance;
+  }
+
+  // Takes the last place if it is the best so far. False for NaN.
+  void keep_best() {
+    if (std::abs(last_.parts.excess) < std::abs(best_.parts.excess)) best_ = last_;
+  }
+
+  // The border ends the walk, and the contact would go on beyond it.
+  void note_border(const Walk& walk) {
+    if (walk.border_edge < 0 || !(last_.parts.excess > options_.tolerance)) return;
+    const int t = walk.at.triangle, k = walk.border_edge;
+    const Eigen::Vector3d outward =
+        (surface_.corner(t, k == 2 ? 0 : k + 1) - surface_.corner(t, k)).cross(surface_.normal(t));
+    if (tangential_.dot(outward) > 0 && line_.dot(outward) > 0) border_ = walk.at.position;
+  }
+
+  // |f_T| - mu f_N, with -|f_T| beyond the place where f_T turns round. It falls along the section.
+  [[nodiscard]] double signed_excess() const {
+    const bool beyond = tangential_.dot(forward_) < 0;
+    return last_.parts.excess - (beyond ? 2 * last_.parts.tangential : 0);
+  }
+  // f_T across the section is beyond the cone, so that no place near here is a root.
+  [[nodiscard]] bool passes_beside() const {
+    const double along = tangential_.dot(forward_);
+    const double across = std::sqrt(std::max(0.0, tangential_.squaredNorm() - along * along));
+    return across > std::max(0.0, last_.parts.tangential - last_.parts.excess);
+  }
+
+  // True if a root was found.
+  bool along_section(double& slope) {
+    const Eigen::Vector3d plane = line_.cross(axis_);
+    const double farthest = kFarthest * length_;
+    double low = 0, low_excess = start_.parts.excess, before = 0, before_excess = low_excess;
+    double high = -1, high_excess = 0;
+    bool last_low = false, last_high = false;
+    SurfacePlace low_place = start_.at;
+    double at =
+        length_ * start_.parts.excess / std::max(start_.parts.tangential, start_.parts.excess);
+    if (slope < 0) {
+      const double guess = -start_.parts.excess / slope;
+      if (guess < kSlopeAgrees * at && kSlopeAgrees * guess > at) at = guess;
+    }
+    slope = 0;
+    SurfacePlace from = start_.at;
+    double from_at = 0;
+    for (int i = 0; i < kMaxOnSection; ++i) {
+      if (from_at > at) {
+        from = low_place;
+        from_at = low;
+      }
+      const Walk walk = surface_.walk(from, plane, forward_, at - from_at);
+      const bool ended = walk.border_edge >= 0;
+      if (ended) at = from_at + walk.length;
+      evaluate(walk.at);
+      note_border(walk);
+      from = walk.at;
+      from_at = at;
+      const double excess = signed_excess();
+      if (at > 0 && (i == 0 || std::abs(excess) < low_excess))
+        slope = (excess - start_.parts.excess) / at;
+      keep_best();
+      if (std::abs(excess) <= options_.tolerance) return true;
+      if (!std::isfinite(excess)) return false;
+      if (excess > 0) {
+        before = low;
+        before_excess = low_excess;
+        low = at;
+        low_excess = excess;
+        low_place = walk.at;
+        if (ended || at >= farthest) return is_root(best_);
+      } else {
+        if (passes_beside()) return is_root(best_);
+        high = at;
+        high_excess = excess;
+      }
+      if (high < 0) {
+        const double falls = (low_excess - before_excess) / (low - before);
+        at = falls < 0 ? low - low_excess / falls : 2 * low;
+        at = std::min({at, std::max(2 * low, length_), farthest});
+        if (excess > 0 && !(at > low)) return is_root(best_);
+      } else {
+        // Two in a row on the same side: halve the weight of the other end (Illinois).
+        if (excess > 0 && last_low) high_excess /= 2;
+        if (!(excess > 0) && last_high) low_excess /= 2;
+        last_low = excess > 0;
+        last_high = !last_low;
+        if (high - low < kShortestBracket) return is_root(best_);
+        at = low + low_excess / (low_excess - high_excess) * (high - low);
+      }
+    }
+    return is_root(best_);
+  }
+
+  // The part of f_T beyond the cone, in the plane perpendicular to the axis.
+  [[nodiscard]] Eigen::Vector2d beyond_cone(const Eigen::Matrix<double, 2, 3>& axes) const {
+    const double limit = std::max(0.0, last_.parts.tangential - last_.parts.excess);
+    const double part = last_.parts.tangential > 0 ? 1 - limit / last_.parts.tangential : 0;
+    return part * (axes * tangential_);
+  }
+
+  // Follows f_T from the best place so far.
+  void in_plane(double slope) {
+    if (last_.at.position != best_.at.position) evaluate(best_.at);
+    Eigen::Matrix<double, 2, 3> axes;
+    axes.row(0) = (forward_ - forward_.dot(axis_) / axis_.squaredNorm() * axis_).normalized();
+    axes.row(1) = axis_.cross(Eigen::Vector3d(axes.row(0))).normalized();
+    double stiffness = std::max(-slope, start_.parts.tangential / length_);
+    Eigen::Matrix2d jacobian = -stiffness * Eigen::Matrix2d::Identity();
+    Eigen::Vector2d rest = beyond_cone(axes);
+    double longest = length_ + kFurther * (tool_ - start_.at.position).norm();
+    for (int i = 0; i < kMaxInPlane && !is_root(best_); ++i) {
+      if (!(jacobian.determinant() > kLeastDeterminant * stiffness * stiffness))
+        jacobian = -stiffness * Eigen::Matrix2d::Identity();
+      Eigen::Vector2d step = -jacobian.inverse() * rest;
+      if (!step.allFinite()) return;
+      if (step.norm() > longest) step *= longest / step.norm();
+      const Eigen::Vector3d direction = axes.transpose() * step;
+      const SurfacePlace from = best_.at;
+      const Eigen::Vector3d along = slip_line(axis_, surface_.normal(from.triangle), direction);
+      const Walk walk = surface_.walk(from, direction.cross(axis_), along, along.norm());
+      const Eigen::Vector2d moved = axes * (walk.at.position - from.position);
+      if (!(moved.norm() > kShortestBracket)) return;
+      evaluate(walk.at);
+      note_border(walk);
+      const Eigen::Vector2d now = beyond_cone(axes);
+      jacobian += (now - rest - jacobian * moved) * moved.transpose() / moved.squaredNorm();
+      if (now.norm() < rest.norm() || is_root(last_)) {
+        best_ = last_;
+        rest = now;
+      } else {
+        longest = moved.norm() / 2;
+        stiffness *= 2;
+      }
+    }
+  }
+
+  // Of the places between the start and the result, which has more energy than the start: the one
+  // with the least, by a parabola through three.
+  void keep_energy() {
+    const SlidingContact end = best_;
+    const Eigen::Vector3d way = end.at.position - start_.at.position;
+    const Eigen::Vector3d plane = way.cross(axis_);
+    const double half = way.norm() / 2;
+    const auto at = [&](double length) -> const SlidingContact& {
+      return evaluate(surface_.walk(start_.at, plane, way, length).at);
+    };
+    best_ = start_;
+    const double first = start_.force.energy, middle = at(half).force.energy;
+    const auto keep_least = [&] {
+      if (last_.force.energy <= best_.force.energy) best_ = last_;
+    };
+    keep_least();
+    const double curvature = first - 2 * middle + end.force.energy;
+    const double falls = 3 * first - 4 * middle + end.force.energy;
+    if (curvature > 0 && falls > 0) {
+      at(half * falls / (2 * curvature));
+      keep_least();
+    }
+  }
+};
+
+}  // namespace
+
+Eigen::Vector3d slip_line(const Eigen::Vector3d& friction_axis, const Eigen::Vector3d& normal,
+                          const Eigen::Vector3d& displacement) noexcept {
+  Eigen::Vector3d axis = friction_axis;
+  if (!(-axis.dot(normal) >= kMinAxisCosine * axis.norm())) axis = -normal;
+  return displacement - axis * (displacement.dot(normal) / axis.dot(normal));
+}
+
+SlidingContact search_slip(const PackedField& field, const SurfaceWalk& surface,
+                           const SlidingContact& start, const Eigen::Vector3d& tool,
+                           const SlipSearchOptions& options, PlaceField& place,
+                           double& slope) noexcept {
+  return SlipSearcher(field, surface, start, tool, options, place).search(slope);
+}
+
+}  // namespace palpate::haptics

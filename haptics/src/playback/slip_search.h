@@ -1,0 +1,48 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+
+#include "palpate/haptics/packed_field.h"
+#include "playback/surface_walk.h"
+
+namespace palpate::haptics {
+
+struct SlipSearchOptions {
+  double tolerance = 2e-4;  ///< [N] > 0; a place is found where ||f_T| - mu f_N| is at most this
+  /// The contact never moves to where more energy is stored at the same place of the tool.
+  bool passive = true;
+};
+
+/// A contact with the force at it.
+struct SlidingContact {
+  SurfacePlace at;
+  FieldForce force;
+  FrictionParts parts;
+  bool off_border = false;  ///< the contact still slips, off the border of the surface
+};
+
+/// Vector from a contact to where the friction axis through the tool meets the tangent plane: the
+/// line of Eq 5.19 for t = 0 .. 1. An axis more than 75 degrees from the inward normal is replaced
+/// by the normal.
+[[nodiscard]] Eigen::Vector3d slip_line(const Eigen::Vector3d& friction_axis,
+                                        const Eigen::Vector3d& normal,
+                                        const Eigen::Vector3d& displacement) noexcept;
+
+/// Finds where a slipping contact moves to (Eq 5.17): a root of |f_T| - mu f_N.
+///
+/// It walks along the section of the surface with the plane of tool and friction axis (Eq 5.19),
+/// with a bracketed secant that begins with the slope of the last slip. On the far side of the cone
+/// |f_T| counts as negative, so that the bracket holds the near side. Where the section has no
+/// root, the contact follows f_T itself, by Broyden's method in two dimensions. At most 23
+/// evaluations. Real-time safe.
+/// \param start where |f_T| exceeds mu f_N.
+/// \param place of `start`; afterwards of the result.
+/// \param slope [N/mm] of the last slip, or 0; afterwards of this one.
+[[nodiscard]] SlidingContact search_slip(const PackedField& field, const SurfaceWalk& surface,
+                                         const SlidingContact& start, const Eigen::Vector3d& tool,
+                                         const SlipSearchOptions& options, PlaceField& place,
+                                         double& slope) noexcept;
+
+}  // namespace palpate::haptics

@@ -1,0 +1,111 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "playback/slip_search.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "height_field_model.h"
+#include "palpate/haptics/contact_motion.h"
+
+namespace palpate::haptics {
+namespace {
+
+// A contact below the tool's place `from`, and where it is when the tool has moved to `to`.
+class SlipSearch : public ::testing::Test {
+ protected:
+  const Model model = height_field_model({.height = waves, .friction = 0.4, .uneven = true});
+  const PackedField field{model};
+  const SurfaceWalk surface{model.surface};
+
+  [[nodiscard]] SlidingContact contact(const Eigen::Vector3d& above, const Eigen::Vector3d& tool,
+                                       PlaceField& place) const {
+    const auto at = field.blended().surface().closest_point(above);
+    field.move_to(at.at, at.position, place);
+    SlidingContact result{.at = {at.at.triangle, at.position},
+                          .force = field.force(place, tool - at.position),
+                          .parts = {}};
+    result.parts = friction_parts(place, result.force.force);
+    return result;
+  }
+};
+
+TEST_F(SlipSearch, FindsTheRootThatBrentsMethodFindsAfterSmallSteps) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  const Eigen::Matrix3Xd normals = geometry::triangle_normals(model.surface);
+  int slips = 0, agree = 0;
+  for (int i = 0; i < 200; ++i) {
+    const double x = 20 * uniform(random), y = 20 * uniform(random);
+    const Eigen::Vector3d above(x, y, waves(x, y));
+    const Eigen::Vector3d tool =
+        above + Eigen::Vector3d(2 * uniform(random), 2 * uniform(random), -3);
+    PlaceField place;
+    const SlidingContact start = contact(above, tool, place);
+    if (start.parts.excess < 0.01) continue;
+    ++slips;
+    double slope = 0;
+    const SlidingContact end =
+        search_slip(field, surface, start, tool, {.passive = false}, place, slope);
+    EXPECT_LE(std::abs(end.parts.excess), 2e-4) << i;
+    EXPECT_LT(slope, 0) << i;
+    // What is returned is the force at the place that is returned.
+    EXPECT_LT((field.force(place, tool - end.at.position).force - end.force.force).norm(), 1e-12);
+    EXPECT_LT((position(model.surface, surface.point(end.at)) - end.at.position).norm(), 1e-6);
+    const TouchPoint brent = slip_contact(
+        field.blended(), normals,
+        {start.at.position, surface.normal(start.at.triangle), surface.point(start.at)}, tool);
+    // Brent's method moves along a straight line and projects, to 1e-3 mm.
+    agree += (brent.position - end.at.position).norm() < 0.05;
+  }
+  EXPECT_GT(slips, 100);
+  EXPECT_GT(agree, 9 * slips / 10);
+}
+
+TEST_F(SlipSearch, NeverStoresMoreEnergyIfItIsPassive) {
+  std::mt19937 random(2);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  Model slippery = model;
+  for (ContactModel& c : slippery.contacts) c.friction *= 0.1;
+  const PackedField slippery_field(slippery);
+  int stopped = 0;
+  for (int i = 0; i < 300; ++i) {
+    const double x = 20 * uniform(random), y = 20 * uniform(random);
+    const Eigen::Vector3d above(x, y, waves(x, y));
+    const Eigen::Vector3d tool =
+        above + Eigen::Vector3d(0.5 * uniform(random), 0.5 * uniform(random), -3);
+    for (const bool passive : {false, true}) {
+      PlaceField place;
+      const auto at = field.blended().surface().closest_point(above);
+      slippery_field.move_to(at.at, at.position, place);
+      SlidingContact start{.at = {at.at.triangle, at.position},
+                           .force = slippery_field.force(place, tool - at.position),
+                           .parts = {}};
+      start.parts = friction_parts(place, start.force.force);
+      if (!(start.parts.excess > 2e-4)) continue;
+      double slope = 0;
+      const SlidingContact end =
+          search_slip(slippery_field, surface, start, tool, {.passive = passive}, place, slope);
+      if (passive) {
+        EXPECT_LE(end.force.energy, start.force.energy + 1e-9) << i;
+      } else {
+        stopped += end.force.energy > start.force.energy + 1e-6;
+      }
+    }
+  }
+  EXPECT_GT(stopped, 3);  // without the rule some do
+}
+
+TEST(SlipLine, MeetsTheTangentPlaneWhereTheAxisThroughTheToolDoes) {
+  const Eigen::Vector3d normal(0, 0, -1), axis = Eigen::Vector3d(0.3, -0.2, 1).normalized();
+  const Eigen::Vector3d displacement(4, 5, 6);
+  const Eigen::Vector3d line = slip_line(axis, normal, displacement);
+  EXPECT_EQ(line.z(), 0);
+  EXPECT_LT((displacement - line).cross(axis).norm(), 1e-12);
+  EXPECT_EQ(slip_line({1, 0, 0.1}, normal, displacement), Eigen::Vector3d(4, 5, 0));
+}
+
+}  // namespace
+}  // namespace palpate::haptics
