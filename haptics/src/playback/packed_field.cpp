@@ -13,8 +13,8 @@
 #include <emmintrin.h>
 #endif
 
-// Every function over vectors of 32 bytes is inlined, so that how they would be passed is no
-// matter.
+// Every function over vectors of 32 bytes is inlined and takes them by reference: how they would be
+// passed or returned depends on the processor that is compiled for.
 #pragma GCC diagnostic ignored "-Wpsabi"
 
 #define PALPATE_INLINE __attribute__((always_inline)) inline
@@ -56,12 +56,12 @@ using Vector4 __attribute__((vector_size(32), may_alias)) = double;
 PALPATE_INLINE Vector4 load(const Lanes& lanes) {
   return *reinterpret_cast<const Vector4*>(lanes.of.data());
 }
-PALPATE_INLINE void store(Lanes& lanes, Vector4 value) {
+PALPATE_INLINE void store(Lanes& lanes, const Vector4& value) {
   *reinterpret_cast<Vector4*>(lanes.of.data()) = value;
 }
 PALPATE_INLINE Vector4 all(double value) { return Vector4{value, value, value, value}; }
 
-PALPATE_INLINE Vector4 square_root(Vector4 value) {
+PALPATE_INLINE Vector4 square_root(const Vector4& value) {
 #if defined(__SSE2__)
   const __m128d low = _mm_sqrt_pd(_mm_set_pd(value[1], value[0]));
   const __m128d high = _mm_sqrt_pd(_mm_set_pd(value[3], value[2]));
@@ -73,7 +73,8 @@ PALPATE_INLINE Vector4 square_root(Vector4 value) {
 }
 
 // The sums over the lanes of a, b, c and d.
-PALPATE_INLINE Vector4 sums(Vector4 a, Vector4 b, Vector4 c, Vector4 d) {
+PALPATE_INLINE Vector4 sums(const Vector4& a, const Vector4& b, const Vector4& c,
+                            const Vector4& d) {
   const Vector4 ab =
       __builtin_shufflevector(a, b, 0, 4, 2, 6) + __builtin_shufflevector(a, b, 1, 5, 3, 7);
   const Vector4 cd =
@@ -169,7 +170,7 @@ void evaluate_bases(const Bases& bases, int contact, const double* x, Lanes& res
 }
 
 // A compliance after a turn by the angle with this cosine and sine.
-PALPATE_INLINE void turn_compliance(const Vector4* from, Vector4 cosine, Vector4 sine,
+PALPATE_INLINE void turn_compliance(const Vector4* from, const Vector4& cosine, const Vector4& sine,
                                     Vector4* to) {
   to[0] = cosine * from[0] - sine * from[1];
   to[1] = sine * from[0] + cosine * from[1];

@@ -47,7 +47,7 @@ struct Playback::Impl {
   [[nodiscard]] Eigen::Vector3d lifted(const TouchPoint& contact) const;
   [[nodiscard]] bool is_inside(const Eigen::Vector3d& tool, TouchPoint& contact) const;
   [[nodiscard]] SlidingContact slip(const SlidingContact& start, const Eigen::Vector3d& tool,
-                                    LoopState& state) const;
+                                    const Eigen::Vector3d& way, LoopState& state) const;
   [[nodiscard]] Command respond(const Eigen::Vector3d& force, double moved, LoopState& state) const;
   [[nodiscard]] Command let_go(const Eigen::Vector3d& proxy, double moved, LoopState& state) const;
   [[nodiscard]] Command hold(LoopState& state) const;
@@ -60,6 +60,7 @@ Playback::Impl::Impl(const Model& model, const PlaybackOptions& given)
       normals(geometry::triangle_normals(model.surface)),
       offset(kOffsetRatio * geometry::bounding_diagonal(model.surface)) {
   require("PlaybackOptions::tolerance", options.tolerance, above(0).finite(), "N");
+  require("PlaybackOptions::energy_credit", options.energy_credit, at_least(0), "N mm");
   require("PlaybackOptions::largest_jump", options.largest_jump, above(0), "N");
   require("PlaybackOptions::start_depth", options.start_depth, at_least(0), "mm");
   require("PlaybackOptions::longest_step", options.longest_step, above(0), "mm");
@@ -135,12 +136,16 @@ bool Playback::Impl::is_inside(const Eigen::Vector3d& tool, TouchPoint& contact)
   return true;
 }
 
+// \param way of the tool in this tick.
 SlidingContact Playback::Impl::slip(const SlidingContact& start, const Eigen::Vector3d& tool,
-                                    LoopState& state) const {
+                                    const Eigen::Vector3d& way, LoopState& state) const {
   if (options.motion == ContactMotion::bracketed) {
+    // The user's work is that of the commanded forces, by the trapezoidal rule.
     return search_slip(field, surface, start, tool,
-                       {.tolerance = options.tolerance, .passive = options.passive}, state.place,
-                       state.slip_slope);
+                       {.tolerance = options.tolerance,
+                        .budget = state.work - state.force.dot(way) / 2,
+                        .moved = way},
+                       state.place, state.slip_slope);
   }
   const auto move = options.motion == ContactMotion::brent ? slip_contact : slip_by_boundary;
   const TouchPoint to = move(field.blended(), normals, state.proxy, tool);
@@ -210,6 +215,9 @@ Command Playback::step(const Eigen::Vector3d& tool, LoopState& state) const noex
     moved = 0;
   }
   state.faulty_ticks = 0;
+  Eigen::Vector3d way = tool - state.tool;
+  if (!state.has_proxy) way.setZero();
+  const Eigen::Vector3d force_before = state.force;
   state.tool = tool;
 
   bool started_inside = false, touches = false;
@@ -223,6 +231,7 @@ Command Playback::step(const Eigen::Vector3d& tool, LoopState& state) const noex
   }
   if (!touches) return self.let_go(tool, moved, state);
 
+  if (state.contact_state == ContactState::free) state.work = self.options.energy_credit;
   state.contact_state = ContactState::stick;
   if (!state.has_place) self.field.move_to(state.proxy.at, state.proxy.position, state.place);
   state.has_place = true;
@@ -231,7 +240,7 @@ Command Playback::step(const Eigen::Vector3d& tool, LoopState& state) const noex
                          .parts = {}};
   contact.parts = friction_parts(state.place, contact.force.force);
   if (contact.parts.excess > self.options.tolerance) {
-    const SlidingContact end = self.slip(contact, tool, state);
+    const SlidingContact end = self.slip(contact, tool, way, state);
     if (end.at.position != contact.at.position) {
       state.contact_state = ContactState::slip;
       state.proxy = self.touch_point(end.at, state.proxy.normal);
@@ -255,6 +264,7 @@ Command Playback::step(const Eigen::Vector3d& tool, LoopState& state) const noex
   }
   Command command = self.respond(-contact.force.force, moved, state);
   command.started_inside = started_inside;
+  state.work -= (force_before + state.force).dot(way) / 2;
   return command;
 }
 

@@ -58,10 +58,7 @@ class SlipSearcher {
     // What slips off the border loses its energy.
     best_.off_border =
         border_ && !is_root(best_) && (best_.at.position - *border_).norm() <= kAtBorder;
-    if (options_.passive && !best_.off_border &&
-        best_.force.energy > start_.force.energy + kEnergyRounding) {
-      keep_energy();
-    }
+    if (!best_.off_border) keep_energy();
     if (last_.at.position != best_.at.position) static_cast<void>(evaluate(best_.at));
     return best_;
   }
@@ -226,28 +223,47 @@ class SlipSearcher {
     }
   }
 
-  // Of the places between the start and the result, which has more energy than the start: the one
-  // with the least, by a parabola through three.
+  // Energy [N mm] that the user must have put in before this tick if the contact goes there.
+  [[nodiscard]] double cost(const SlidingContact& at) const {
+    return at.force.energy - at.force.force.dot(options_.moved) / 2;
+  }
+
+  // If the result costs more than there is: the farthest place on the way there that does not, by a
+  // parabola through three places and the chord after it.
   void keep_energy() {
+    const double limit = std::max(options_.budget, cost(start_)) + kEnergyRounding;
     const SlidingContact end = best_;
+    const double at_start = cost(start_) - limit, at_end = cost(end) - limit;
+    if (!(at_end > 0)) return;
     const Eigen::Vector3d way = end.at.position - start_.at.position;
     const Eigen::Vector3d plane = way.cross(axis_);
-    const double half = way.norm() / 2;
-    const auto at = [&](double length) -> const SlidingContact& {
-      return evaluate(surface_.walk(start_.at, plane, way, length).at);
-    };
+    const double length = way.norm();
+    double low = 0, low_cost = at_start, high = 1, high_cost = at_end;
     best_ = start_;
-    const double first = start_.force.energy, middle = at(half).force.energy;
-    const auto keep_least = [&] {
-      if (last_.force.energy <= best_.force.energy) best_ = last_;
+    const auto try_at = [&](double part) {
+      evaluate(surface_.walk(start_.at, plane, way, part * length).at);
+      const double here = cost(last_) - limit;
+      if (here <= 0) {
+        low = part;
+        low_cost = here;
+        best_ = last_;
+      } else {
+        high = part;
+        high_cost = here;
+      }
+      return here;
     };
-    keep_least();
-    const double curvature = first - 2 * middle + end.force.energy;
-    const double falls = 3 * first - 4 * middle + end.force.energy;
-    if (curvature > 0 && falls > 0) {
-      at(half * falls / (2 * curvature));
-      keep_least();
-    }
+    const double middle = try_at(0.5);
+    const double curvature = 2 * (at_start - 2 * middle + at_end);
+    const double slope = 4 * middle - 3 * at_start - at_end;
+    const double root = std::sqrt(std::max(0.0, slope * slope - 4 * curvature * at_start));
+    const double crossing =
+        slope > 0 ? -2 * at_start / (slope + root) : (root - slope) / (2 * curvature);
+    if (crossing > low && crossing < high) try_at(crossing);
+    if ((high - low) * length > kShortestBracket)
+      try_at(low + low_cost / (low_cost - high_cost) * (high - low));
+    // A contact that pulls would be lost, and all of its energy.
+    if (best_.parts.normal < 0 && end.parts.normal >= 0) best_ = end;
   }
 };
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 
 #include "palpate/haptics/packed_field.h"
 #include "playback/surface_walk.h"
@@ -11,8 +12,10 @@ namespace palpate::haptics {
 
 struct SlipSearchOptions {
   double tolerance = 2e-4;  ///< [N] > 0; a place is found where ||f_T| - mu f_N| is at most this
-  /// The contact never moves to where more energy is stored at the same place of the tool.
-  bool passive = true;
+  /// [N mm] The contact only moves to places where stored energy less half of f . `moved` is at
+  /// most this, or what it is at the start if that is more.
+  double budget = std::numeric_limits<double>::infinity();
+  Eigen::Vector3d moved = Eigen::Vector3d::Zero();  ///< [mm] by the tool in this tick
 };
 
 /// A contact with the force at it.
@@ -35,7 +38,7 @@ struct SlidingContact {
 /// It walks along the section of the surface with the plane of tool and friction axis (Eq 5.19),
 /// with a bracketed secant that begins with the slope of the last slip. On the far side of the cone
 /// |f_T| counts as negative, so that the bracket holds the near side. Where the section has no
-/// root, the contact follows f_T itself, by Broyden's method in two dimensions. At most 23
+/// root, the contact follows f_T itself, by Broyden's method in two dimensions. At most 24
 /// evaluations. Real-time safe.
 /// \param start where |f_T| exceeds mu f_N.
 /// \param place of `start`; afterwards of the result.

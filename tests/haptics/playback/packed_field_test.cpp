@@ -91,7 +91,7 @@ TEST(PackedField, DoesNotDependOnThePlaceBefore) {
   const Model model = height_field_model({.height = waves, .uneven = true});
   const PackedField field(model), other(model);
   PlaceField used;
-  for (const Eigen::Vector3d place : {Eigen::Vector3d(3, 4, 0), {-20, 7, 0}, {3.1, 4, 0}}) {
+  for (const Eigen::Vector3d& place : {Eigen::Vector3d(3, 4, 0), {-20, 7, 0}, {3.1, 4, 0}}) {
     const auto at = field.blended().surface().closest_point(place);
     PlaceField fresh;
     other.move_to(at.at, at.position, used);  // of another field

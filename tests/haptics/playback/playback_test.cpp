@@ -116,7 +116,7 @@ TEST(Playback, ReportsAStartInsideAndRaisesTheForceSlowly) {
 
 TEST(Playback, StartsFreeBesideTheSurfaceAndTooDeepInside) {
   const Playback playback(sheet_model());
-  for (const Eigen::Vector3d start :
+  for (const Eigen::Vector3d& start :
        {Eigen::Vector3d(51, 0, 705), {0, 0, 721}, {0, 0, 695}, {-60, -60, 701}}) {
     LoopState state;
     const Command command = playback.step(start, state);
@@ -219,7 +219,7 @@ struct Hand {
 constexpr double kTick = 0.03;  // [mm] in a tick: 30 mm/s
 
 TEST(PlaybackOnCreases, DoesNotFallThroughConcaveOnes) {
-  for (const double slope : {0.3, 1.05, 2.0}) {
+  for (const double slope : {0.3, 1.05, 2.0, 4.0, 7.0, 10.0}) {
     for (const double friction : {0.0, 0.05, 0.5, 1.5}) {
       const Playback playback(height_field_model(
           {.height = [&](double x, double) { return slope * std::abs(x); }, .friction = friction}));
@@ -242,11 +242,18 @@ TEST(PlaybackOnCreases, ForceDoesNotJumpOverConvexEdges) {
       const Playback playback(
           height_field_model({.height = [&](double x, double) { return -slope * std::abs(x); },
                               .friction = friction}));
-      Hand hand(playback, {-8, 1, -8 * slope + 1});
-      hand.go({-8, 1, -8 * slope - 3}, kTick);
-      hand.go({0, 1, -3}, kTick);
-      hand.go({8, 1, -8 * slope - 3}, kTick);
-      EXPECT_LT(hand.largest_change, 0.2) << slope << ' ' << friction;
+      // Across below the edge, so that force builds up, and along one side and straight on, so that
+      // the other side passes below the tool.
+      const double below = -8 * slope - 3 * std::sqrt(1 + slope * slope);
+      for (const double bend : {below, -3.0}) {
+        Hand hand(playback, {-8, 1, -8 * slope + 1});
+        const double start = std::max(below, -8 * slope + bend);
+        hand.go({-8, 1, start}, kTick);
+        hand.go({0, 1, bend}, kTick);
+        hand.go({8, 1, bend}, kTick);
+        EXPECT_LT(hand.largest_change, 0.2) << slope << ' ' << friction;
+        EXPECT_GT(hand.largest_change, 0.01);
+      }
     }
   }
 }
@@ -340,7 +347,7 @@ TEST(PlaybackSlip, EndsOnTheConeAfterJumpsAtAnyFriction) {
   for (const double friction : {0.0, 0.05, 0.2, 0.5, 3.0}) {
     const Playback playback(
         height_field_model({.height = waves, .friction = friction, .uneven = true}),
-        {.passive = false});
+        {.energy_credit = std::numeric_limits<double>::infinity()});
     int slips = 0, beyond = 0, restless = 0;
     for (int i = 0; i < 300; ++i) {
       const double x = 15 * uniform(random), y = 15 * uniform(random);
@@ -417,6 +424,8 @@ TEST(PlaybackSlip, ThreeRulesAgreeWhereTheObjectIsTheSameEverywhere) {
 TEST(Playback, RefusesBadOptions) {
   EXPECT_THAT(refusal([] { return Playback(sheet_model(), {.tolerance = 0}); }),
               ::testing::HasSubstr("PlaybackOptions::tolerance"));
+  EXPECT_THAT(refusal([] { return Playback(sheet_model(), {.energy_credit = -1}); }),
+              ::testing::HasSubstr("PlaybackOptions::energy_credit"));
   EXPECT_THAT(refusal([] { return Playback(sheet_model(), {.longest_step = -1}); }),
               ::testing::HasSubstr("PlaybackOptions::longest_step"));
   EXPECT_THAT(refusal([] { return Playback(sheet_model(), {.hold_ticks = -1}); }),

@@ -46,9 +46,11 @@ struct PlaybackOptions {
   ContactMotion motion = ContactMotion::bracketed;
   /// [N] > 0. A contact holds while |f_T| - mu f_N is at most this, and a slip ends there.
   double tolerance = 2e-4;
-  /// Only with `bracketed`: a slip ends early where the stored energy would begin to rise, since
-  /// the object would give back more than the user put in. Eq 5.17 alone does not prevent that.
-  bool passive = true;
+  /// [N mm] >= 0, only with `bracketed`: from touch to release the object does at most this much
+  /// work on the user. A slip that would take more ends early, beyond the friction cone. Eq 5.17
+  /// alone returns up to 0.6 N mm on a fitted sheet where mu < 0.2, and nothing above; infinity
+  /// keeps to it. See docs/trade-playback.md.
+  double energy_credit = 0.04;
   /// [N] > 0. In one tick the force changes by at most this, and by the largest stiffness of a
   /// contact times the tool's movement. Only jumps are longer: at the border, at a start inside.
   double largest_jump = 0.1;
@@ -71,9 +73,10 @@ struct LoopState {
   Eigen::Vector3d tool = Eigen::Vector3d::Zero();   ///< [mm] the last usable position
   Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< [N] the last command
   int faulty_ticks = 0;                             ///< in a row until now
-  double slip_slope = 0;                            ///< [N/mm] of the last slip, 0 for none
-  std::uint64_t playback = 0;                       ///< whose state this is
-  bool has_place = false;                           ///< whether `place` is that of the contact
+  double work = 0;             ///< [N mm] by the user since the touch, with the credit
+  double slip_slope = 0;       ///< [N/mm] of the last slip, 0 for none
+  std::uint64_t playback = 0;  ///< whose state this is
+  bool has_place = false;      ///< whether `place` is that of the contact
   PlaceField place;
 };
 
