@@ -207,10 +207,11 @@ PALPATE_INLINE bool blend(const double* position, double reach, const Lanes* wei
       std::sqrt(cones[0] * cones[0] + cones[1] * cones[1] + cones[2] * cones[2]);
   if (!(normal_length > kLeastCosineAboveMinusOne && cone_length > kLeastCosineAboveMinusOne))
     return false;
-  place.cone_axis = Eigen::Vector3d(cones[0], cones[1], cones[2]) / cone_length;
+  const double per_cone = 1 / cone_length, per_normal = 1 / normal_length;
+  place.cone_axis = Eigen::Vector3d(cones[0], cones[1], cones[2]) * per_cone;
   place.friction_axis = Eigen::Vector3d(axes[0], axes[1], axes[2]);
-  const double bx = normals[0] / normal_length, by = normals[1] / normal_length,
-               bz = normals[2] / normal_length;
+  const double bx = normals[0] * per_normal, by = normals[1] * per_normal,
+               bz = normals[2] * per_normal;
   // Two axes perpendicular to b (Duff et al. 2017). Which ones makes no difference.
   const double sign = bz >= 0 ? 1.0 : -1.0, a = -1 / (sign + bz), b = bx * by * a;
   const double q[3][3] = {
@@ -270,10 +271,12 @@ PALPATE_INLINE bool blend(const double* position, double reach, const Lanes* wei
   const double determinant = ma * md - mb * mb;
   const double r00 = md * ca - mb * cb, r01 = md * cb - mb * cd, r10 = ma * cb - mb * ca,
                r11 = ma * cd - mb * cb;
-  const double square = (r00 * r00 + 2 * r01 * r10 + r11 * r11) / (determinant * determinant);
-  const double deep = first[3] / first[2];
-  const double size = std::sqrt(std::max({square, deep * deep, 0.0}));
-  const double part = size > kMaxChange ? kMaxChange / size : 1;
+  // Squares of the relative changes across and along z, times those of determinant and mean.
+  const double across = r00 * r00 + 2 * r01 * r10 + r11 * r11, along = first[3] * first[3];
+  const double square = determinant * determinant, mean = first[2] * first[2];
+  double part = 1;
+  if (across > kMaxChange * kMaxChange * square || along > kMaxChange * kMaxChange * mean)
+    part = kMaxChange / std::sqrt(std::max(across / square, along / mean));
   const double ux = first[0] + part * third[0], uy = first[1] + part * third[1],
                uz = first[2] + part * first[3];
   const double ha = ma + part * ca, hb = mb + part * cb, hd = md + part * cd;

@@ -162,9 +162,8 @@ Command Playback::Impl::respond(const Eigen::Vector3d& force, double moved,
   Command command{.force = force, .contact = state.proxy.position, .state = state.contact_state};
   const Eigen::Vector3d change = force - state.force;
   const double largest = options.largest_jump + field.stiffness_bound() * moved;
-  const double size = change.norm();
-  if (size > largest) {
-    command.force = state.force + largest / size * change;
+  if (change.squaredNorm() > largest * largest) {
+    command.force = state.force + largest / change.norm() * change;
     command.limited = true;
   }
   state.force = command.force;
