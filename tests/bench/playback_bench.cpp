@@ -2,16 +2,23 @@
 // SPDX-License-Identifier: Apache-2.0
 // One step of the haptic loop, on surfaces of 200 to two million triangles: free against one ray of
 // Embree used directly, which is what any proxy algorithm needs at least; slipping against Brent's
-// method (thesis 5.4.2).
+// method (thesis 5.4.2); and the distribution of its time (docs/trade-playback.md).
 #include "palpate/haptics/playback.h"
 
+#include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
-#include <memory>
+#include <cstddef>
+#include <limits>
+#include <string>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "height_field_model.h"
 #include "paired.h"
+#include "palpate/haptics/contact_compliance.h"
 #include "surface_query_peers.h"
 
 namespace {
@@ -126,5 +133,123 @@ void place_against_blended_field(benchmark::State& state) {
   report_us(state);
 }
 BENCHMARK(place_against_blended_field)->Unit(benchmark::kMillisecond);
+
+constexpr int kRepeats = 6;
+// With cold caches a tick takes ten milliseconds to prepare.
+constexpr int kColdRepeats = 2;
+constexpr std::size_t kColdTicks = 300;
+
+/// [us] of each tick: the least of the repeats, without the clock's own time.
+struct TimedPath {
+  std::vector<double> times;
+  std::vector<haptics::ContactState> states;
+};
+
+double microseconds(auto&& work) {
+  const auto start = std::chrono::steady_clock::now();
+  work();
+  return 1e6 * std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// \param flushed overwritten before each tick; larger than the caches for a cold start.
+TimedPath time_path(const haptics::Playback& playback, const std::vector<Vector3d>& path,
+                    std::vector<char>& flushed) {
+  constexpr std::size_t kCacheLine = 64;
+  double clock = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < 1000; ++i) clock = std::min(clock, microseconds([] {}));
+  TimedPath result{
+      .times = std::vector<double>(path.size(), std::numeric_limits<double>::infinity()),
+      .states = std::vector<haptics::ContactState>(path.size())};
+  const int repeats = flushed.empty() ? kRepeats : kColdRepeats;
+  for (int repeat = 0; repeat < repeats; ++repeat) {
+    haptics::LoopState state;
+    for (std::size_t i = 0; i < path.size(); ++i) {
+      for (std::size_t k = 0; k < flushed.size(); k += kCacheLine) ++flushed[k];
+      haptics::Command command;
+      const double time = microseconds([&] { command = playback.step(path[i], state); });
+      result.times[i] = std::min(result.times[i], time - clock);
+      result.states[i] = command.state;
+    }
+  }
+  return result;
+}
+
+void report(benchmark::State& state, const std::string& name, std::vector<double> times) {
+  if (times.empty()) return;
+  std::ranges::sort(times);
+  double sum = 0;
+  for (const double time : times) sum += time;
+  const auto count = static_cast<double>(times.size());
+  const auto at = [&](double part) { return times[static_cast<std::size_t>(part * (count - 1))]; };
+  state.counters[name + "_mean"] = sum / count;
+  state.counters[name + "_p99"] = at(0.99);
+  state.counters[name + "_p99.9"] = at(0.999);
+}
+
+/// As many bases as asked for: the six, then copies of them with half the weight elsewhere.
+haptics::Model with_bases(haptics::Model model, int bases) {
+  for (haptics::ContactModel& contact : model.contacts) {
+    std::vector<haptics::Multiquadric>& all = contact.field.bases;
+    const std::size_t given = all.size();
+    for (std::size_t i = given; i < static_cast<std::size_t>(bases); ++i) {
+      all.push_back(all[i % given]);
+      all.back().weight *= 0.5;
+      all.back().center += Vector3d(2, -1, 1);
+    }
+    all.resize(static_cast<std::size_t>(bases));
+  }
+  return haptics::with_compliances(std::move(model), 1);
+}
+
+/// Arguments: cells along each side (2 n^2 triangles), contacts along each side, bases, friction in
+/// percent, megabytes that are overwritten between ticks.
+void step_times(benchmark::State& state) {
+  const auto cells = static_cast<int>(state.range(0)), grid = static_cast<int>(state.range(1));
+  const haptics::Model model =
+      with_bases(haptics::height_field_model({.height = hills,
+                                              .friction = static_cast<double>(state.range(3)) / 100,
+                                              .uneven = true,
+                                              .half_size = kHalfSize,
+                                              .cells = cells,
+                                              .grid = grid}),
+                 static_cast<int>(state.range(2)));
+  const haptics::Playback playback(model);
+  std::vector<char> flushed(static_cast<std::size_t>(state.range(4)) << 20);
+  std::vector<Vector3d> free = wander(8), slide = wander(-3.5), stick;
+  slide.insert(slide.begin(), slide.front() + 12 * Vector3d::UnitZ());
+  for (std::size_t i = 0; i < slide.size(); ++i) {
+    // 0.3 mm to and fro at a place for half a second, lifted before the next one.
+    constexpr std::size_t kStay = 500, kLifted = 20;
+    const double t = 1e-3 * static_cast<double>(i);
+    const Vector3d place = slide[1 + i / kStay * kStay];
+    stick.push_back(place + 0.3 * Vector3d(std::sin(19 * t), std::cos(31 * t), 0));
+    if (i % kStay < kLifted) stick.back().z() += 20;
+  }
+  if (!flushed.empty()) {
+    for (std::vector<Vector3d>* path : {&free, &slide, &stick}) path->resize(kColdTicks);
+  }
+  for (auto _ : state) {
+    report(state, "free", time_path(playback, free, flushed).times);
+    for (const auto& [name, path, wanted] :
+         {std::tuple("stick", &stick, haptics::ContactState::stick),
+          std::tuple("slip", &slide, haptics::ContactState::slip)}) {
+      const TimedPath timed = time_path(playback, *path, flushed);
+      std::vector<double> times;
+      for (std::size_t i = 0; i < timed.times.size(); ++i) {
+        if (timed.states[i] == wanted) times.push_back(timed.times[i]);
+      }
+      report(state, name, std::move(times));
+    }
+  }
+}
+BENCHMARK(step_times)
+    ->ArgNames({"cells", "grid", "bases", "mu", "MB"})
+    ->ArgsProduct({{10}, {5}, {6}, {50}, {0}})
+    ->ArgsProduct({{100, 1000}, {10}, {6}, {50}, {0, 64}})
+    ->ArgsProduct({{100}, {10}, {1, 2, 4, 8, 12}, {50}, {0}})
+    ->ArgsProduct({{100}, {10}, {6}, {0, 5, 10, 20}, {0}})
+    ->ArgsProduct({{1000}, {31, 100}, {6}, {50}, {0}})
+    ->Iterations(1)
+    ->Unit(benchmark::kSecond);
 
 }  // namespace

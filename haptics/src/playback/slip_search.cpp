@@ -193,7 +193,9 @@ class SlipSearcher {
     Eigen::Matrix<double, 2, 3> axes;
     axes.row(0) = (forward_ - forward_.dot(axis_) / axis_.squaredNorm() * axis_).normalized();
     axes.row(1) = axis_.cross(Eigen::Vector3d(axes.row(0))).normalized();
-    double stiffness = std::max(-slope, start_.parts.tangential / length_);
+    // That of the whole displacement if the section shows none: the line may be far shorter.
+    double stiffness =
+        slope < 0 ? -slope : start_.force.force.norm() / (tool_ - start_.at.position).norm();
     Eigen::Matrix2d jacobian = -stiffness * Eigen::Matrix2d::Identity();
     Eigen::Vector2d rest = beyond_cone(axes);
     double longest = length_ + kFurther * (tool_ - start_.at.position).norm();
