@@ -26,8 +26,11 @@ constexpr double kFurther = 0.25;
 constexpr double kAtBorder = 1e-7;
 // The bracket is exhausted when it is this short [mm].
 constexpr double kShortestBracket = 1e-9;
-// A Jacobian is used while its determinant is at least this much of that of the first one.
+// A Jacobian is used while its determinant is at least this much of its squared norm: 0.5 is the
+// most.
 constexpr double kLeastDeterminant = 0.05;
+// The first stiffness in the plane is at most so many times that of the whole displacement.
+constexpr double kStiffest = 2;
 // Stored energy counts as increased by more than this [N mm]: some rounding errors of energies up
 // to 1e3 N mm.
 constexpr double kEnergyRounding = 1e-11;
@@ -193,14 +196,15 @@ class SlipSearcher {
     Eigen::Matrix<double, 2, 3> axes;
     axes.row(0) = (forward_ - forward_.dot(axis_) / axis_.squaredNorm() * axis_).normalized();
     axes.row(1) = axis_.cross(Eigen::Vector3d(axes.row(0))).normalized();
-    // That of the whole displacement if the section shows none: the line may be far shorter.
+    // The line may be far shorter than the displacement that the force comes from.
+    const double whole = start_.force.force.norm() / (tool_ - start_.at.position).norm();
     double stiffness =
-        slope < 0 ? -slope : start_.force.force.norm() / (tool_ - start_.at.position).norm();
+        std::max(-slope, std::min(start_.parts.tangential / length_, kStiffest * whole));
     Eigen::Matrix2d jacobian = -stiffness * Eigen::Matrix2d::Identity();
     Eigen::Vector2d rest = beyond_cone(axes);
     double longest = length_ + kFurther * (tool_ - start_.at.position).norm();
     for (int i = 0; i < kMaxInPlane && !is_root(best_); ++i) {
-      if (!(jacobian.determinant() > kLeastDeterminant * stiffness * stiffness))
+      if (!(jacobian.determinant() > kLeastDeterminant * jacobian.squaredNorm()))
         jacobian = -stiffness * Eigen::Matrix2d::Identity();
       Eigen::Vector2d step = -jacobian.inverse() * rest;
       if (!step.allFinite()) return;
