@@ -233,7 +233,8 @@ void add_fit(CLI::App& app, const Settings& settings) {
       fmt::format(
           "Time to evaluate one force [us]. It limits the number of bases per field, assuming that "
           "each base costs {} us and that three fields are blended. Locating the contact and "
-          "blending take a few us more, and a slipping contact evaluates many forces per step: "
+          "blending take about 0.15 us more, and a slipping contact evaluates many forces per "
+          "step: "
           "measure a step with palpate play",
           haptics::kEvaluationCost));
   command
