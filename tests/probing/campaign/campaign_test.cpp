@@ -281,11 +281,12 @@ TEST(Campaign, RefusesTheRecordOfAnotherTrial) {
 
 TEST(Campaign, GivesAContactUpThatFailsAgainAndAgain) {
   const ContactPlan plan = small_plan(*kSheet);
-  Campaign campaign(plan, {});
+  Campaign campaign(plan, {.most_failures = 3});
   (void)campaign.take({*campaign.next(), {.outcome = TrialOutcome::held}});
-  EXPECT_FALSE(
-      campaign.take({*campaign.next(), {.outcome = TrialOutcome::no_contact}}).contact_given_up);
-  EXPECT_EQ(campaign.next()->contact.id, 0);
+  for (const TrialOutcome failure : {TrialOutcome::no_contact, TrialOutcome::timed_out}) {
+    EXPECT_FALSE(campaign.take({*campaign.next(), {.outcome = failure}}).contact_given_up);
+    EXPECT_EQ(campaign.next()->contact.id, 0);
+  }
   EXPECT_TRUE(
       campaign.take({*campaign.next(), {.outcome = TrialOutcome::unsettled}}).contact_given_up);
   EXPECT_EQ(campaign.next()->contact.id, 1);

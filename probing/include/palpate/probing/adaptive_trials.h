@@ -27,7 +27,7 @@ struct AdaptiveOptions {
   unsigned seed = 1;      ///< of the order of directions
   double cautious = 0.3;  ///< probability of slipping of a trial that searches friction
   double friction_accuracy = 0.01;  ///< of a contact's coefficient at which the search ends
-  int most_failures = 2;            ///< in a row end a contact
+  int most_failures = 4;            ///< in a row end a contact
   ProgramOptions program = {};
 };
 

@@ -33,7 +33,7 @@ struct CampaignOptions {
   /// `pooled`: a direction that held is tried again with 1 - `cautious` while the standard
   /// deviation of the contact's coefficient exceeds this; > 0
   double friction_accuracy = 0.01;
-  int most_failures = 2;  ///< in a row (nothing touched, not at rest, late) end a contact; > 0
+  int most_failures = 4;  ///< in a row (nothing touched, not at rest, late) end a contact; > 0
   /// Samples from one reference probe to the next, of which the first precedes all trials; >= 0,
   /// 0: none
   int reference_every = 50;
