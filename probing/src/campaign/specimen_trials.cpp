@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -111,8 +112,8 @@ struct ContactTrials {
 
 class ContactWorker {
  public:
-  ContactWorker(const Specimen& specimen, const std::function<void(int)>& done)
-      : specimen_(specimen), done_(done) {}
+  ContactWorker(std::unique_ptr<SpecimenContact> contact, const std::function<void(int)>& done)
+      : contact_(std::move(contact)), done_(done) {}
 
   ContactTrials perform(const std::vector<LevelOfTrials>& levels) {
     for (std::size_t l = 0; l < levels.size(); ++l) {
@@ -146,7 +147,7 @@ class ContactWorker {
     const Vector3d force = order.normal_force + order.tangential_force;
     std::string reason;
     const Vector3d& place = order.contact.position;
-    const std::optional<Vector3d> moved = response_of(specimen_, place, force, reason);
+    const std::optional<Vector3d> moved = response_of(*contact_, force, reason);
     ++result_.equilibria;
     done_(1);
     if (moved) return place + *moved;
@@ -160,7 +161,7 @@ class ContactWorker {
     result_.samples.push_back(sample_of(order, result, 0).value());
   }
 
-  const Specimen& specimen_;
+  std::unique_ptr<SpecimenContact> contact_;
   const std::function<void(int)>& done_;
   ContactTrials result_;
 };
@@ -189,7 +190,8 @@ SpecimenTrials try_specimen(const Specimen& specimen, const ContactPlan& plan,
   };
   std::vector<ContactTrials> performed(programme.size());
   parallel_for(programme.size(), [&](std::size_t i) {
-    performed[i] = ContactWorker(specimen, done).perform(programme[i]);
+    performed[i] =
+        ContactWorker(specimen.at(plan.contacts[i].position), done).perform(programme[i]);
   });
 
   SpecimenTrials result;

@@ -5,10 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <limits>
 #include <mutex>
 #include <string>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include "finite_elements/contact_newton.h"
 #include "finite_elements/contact_system.h"
@@ -27,8 +29,9 @@ constexpr double kPatchReach = 1.2;      // [tip radii] of the faces whose conta
 constexpr double kPatchGrowth = 1.5;     // of the reach, when the tip touches beyond
 constexpr double kDetour = 1;            // [tip radii] by which the tip may stop early
 constexpr double kRounding = 1e-12;      // of the way of a force or of the tip
+constexpr int kGuessHalvings = 2;        // of the way between guesses, before they are given up
 
-// Places whose factors are kept: for each thread one, and the same with a larger patch.
+// Places whose factors are kept: those of two contacts for each thread.
 std::size_t kept_places() {
   constexpr std::size_t kLeast = 4;
   return std::max<std::size_t>(kLeast, 2 * std::thread::hardware_concurrency());
@@ -42,6 +45,16 @@ void check_equilibrium_options(const EquilibriumOptions& o) {
   require("EquilibriumOptions::load_steps", o.load_steps, at_least(1));
   require("EquilibriumOptions::max_iterations", o.max_iterations, at_least(1));
   require("EquilibriumOptions::max_halvings", o.max_halvings, at_least(0));
+}
+
+// Makes an equilibrium that was found the state of the result.
+void adopt(ContactAttempt& attempted, ContactResult& result) {
+  result.points = static_cast<int>(attempted.forces.contacts.size());
+  result.slipping = attempted.forces.slipping;
+  result.state.positions = std::move(attempted.positions);
+  result.state.tip = attempted.tip;
+  result.state.force = attempted.forces.tip;
+  result.state.anchors = std::move(attempted.forces.anchors);
 }
 
 }  // namespace
@@ -61,6 +74,19 @@ const char* to_string(ContactStop stop) {
   }
   return "";
 }
+
+// What a series of forces at one place leaves for the next one.
+struct KnownEquilibrium {
+  Vector3d force;  // [N]
+  ContactGuess at;
+};
+struct ContactMemory {
+  int node = 0;
+  double reach = 0;                           // [mm] of the patch
+  std::shared_ptr<const PlaceFactors> place;  // without factors at rest, if the patch has grown
+  WorkingFactors working;
+  std::vector<KnownEquilibrium> known;
+};
 
 struct ContactEquilibrium::Impl {
   DeformableBody body;
@@ -93,18 +119,118 @@ struct ContactEquilibrium::Impl {
     }
     const auto place =
         std::make_shared<PlaceFactors>(order_unknowns(system, rest, rest.col(node), reach));
-    factor_place(system, *place, rest, 0, place->rest, nullptr);
+    factor_place(system, *place, rest, place->rest);
     const std::scoped_lock lock(mutex);
     places.emplace_front(node, place);
     if (places.size() > kept_places()) places.pop_back();
     return place;
   }
 
-  ContactResult follow(const ContactState& from, ContactGoal goal, const Vector3d& target);
+  ContactMemory begin(int node) {
+    ContactMemory memory;
+    memory.node = node;
+    memory.reach = kPatchReach * options.tip_radius;
+    memory.place = place_factors(node, memory.reach);
+    return memory;
+  }
+  // Newton's method goes on with the factors at rest.
+  void forget_working_factors(ContactMemory& memory) const {
+    memory.working.valid = false;
+    if (!memory.place->rest.fronts.empty()) return;
+    factor_place(system, *memory.place, rest, memory.working.factors);
+    memory.working.valid = true;
+  }
+  ContactResult apply_force(const ContactState& from, const Vector3d& force, ContactMemory& memory);
+  ContactResult follow(const ContactState& from, ContactGoal goal, const Vector3d& target,
+                       ContactMemory& memory);
+  ContactAttempt leap(const ContactState& from, const Vector3d& force, ContactMemory& memory,
+                      ContactResult& counts);
+  ContactAttempt attempt(const ContactState& from, const ContactStep& step, ContactMemory& memory,
+                         const ContactGuess* guess, ContactResult& counts);
 };
 
+// Takes one step, with a larger patch if the tip touches beyond the one of the memory.
+ContactAttempt ContactEquilibrium::Impl::attempt(const ContactState& from, const ContactStep& step,
+                                                 ContactMemory& memory, const ContactGuess* guess,
+                                                 ContactResult& counts) {
+  ContactGuess reached;
+  for (;;) {
+    ContactAttempt attempted = attempt_step(system, options, largest_modulus(body), *memory.place,
+                                            from, step, memory.working, guess);
+    counts.iterations += attempted.iterations;
+    counts.factorisations += attempted.factorisations;
+    if (!attempted.outgrown) return attempted;
+    if (static_cast<Eigen::Index>(memory.place->problem.root.size()) == rest.cols())
+      return attempted;
+    memory.reach *= kPatchGrowth;
+    memory.place = std::make_shared<PlaceFactors>(
+        order_unknowns(system, rest, rest.col(memory.node), memory.reach));
+    reached = {std::move(attempted.positions), attempted.tip};
+    guess = &reached;
+    factor_place(system, *memory.place, reached.positions, memory.working.factors);
+    memory.working.valid = true;
+    ++counts.factorisations;
+  }
+}
+
+// The equilibrium under a force that is applied in one step. Newton's method begins at the nearest
+// equilibrium known, and if need be, at some on the way from there, which are guesses only.
+ContactAttempt ContactEquilibrium::Impl::leap(const ContactState& from, const Vector3d& force,
+                                              ContactMemory& memory, ContactResult& counts) {
+  Vector3d begin = from.force;
+  const ContactGuess* guess = nullptr;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const KnownEquilibrium& one : memory.known) {
+    if (!((one.force - force).norm() < nearest)) continue;
+    nearest = (one.force - force).norm();
+    begin = one.force;
+    guess = &one.at;
+  }
+  const double least = std::ldexp(1.0, -std::min(kGuessHalvings, options.max_halvings));
+  double done = 0, part = 1;
+  ContactGuess reached;
+  for (;;) {
+    const double next = done + part;
+    const ContactStep step{ContactGoal::force,
+                           next >= 1 ? force : Vector3d(begin + next * (force - begin)),
+                           options.exact_tangent};
+    ContactAttempt attempted = attempt(from, step, memory, guess, counts);
+    if (attempted.stop != ContactStop::converged) {
+      part /= 2;
+      forget_working_factors(memory);
+      if (part < least) return attempted;
+      continue;
+    }
+    if (next >= 1) return attempted;
+    done = next;
+    reached = {std::move(attempted.positions), attempted.tip};
+    guess = &reached;
+  }
+}
+
+ContactResult ContactEquilibrium::Impl::apply_force(const ContactState& from, const Vector3d& force,
+                                                    ContactMemory& memory) {
+  const bool presses = !from.anchors.empty() || force.dot(from.inward) > 0;
+  if (!presses || options.load_steps > 1) return follow(from, ContactGoal::force, force, memory);
+  ContactResult result;
+  result.state = from;
+  ContactAttempt attempted = leap(from, force, memory, result);
+  result.stop = attempted.stop;
+  if (attempted.stop != ContactStop::converged) {
+    // Several load steps have another contact, but may have an equilibrium.
+    ContactResult path = follow(from, ContactGoal::force, force, memory);
+    path.iterations += result.iterations;
+    path.factorisations += result.factorisations;
+    return path;
+  }
+  result.load_steps = 1;
+  adopt(attempted, result);
+  memory.known.push_back({force, {result.state.positions, result.state.tip}});
+  return result;
+}
+
 ContactResult ContactEquilibrium::Impl::follow(const ContactState& from, ContactGoal goal,
-                                               const Vector3d& target) {
+                                               const Vector3d& target, ContactMemory& memory) {
   ContactResult result;
   result.state = from;
   if (goal == ContactGoal::force && from.anchors.empty() && !(target.dot(from.inward) > 0)) {
@@ -113,42 +239,24 @@ ContactResult ContactEquilibrium::Impl::follow(const ContactState& from, Contact
     return result;
   }
   const Vector3d begin = goal == ContactGoal::force ? from.force : from.tip;
-  double reach = kPatchReach * options.tip_radius;
-  auto place = place_factors(from.place, reach);
   double done = 0;
   const double whole = 1.0 / options.load_steps;
   double step = whole;
   const double least = std::ldexp(whole, -options.max_halvings);
-  const double modulus = largest_modulus(body);
-  bool exact = options.exact_tangent;
   while (done < 1 - kRounding) {
     const double next = std::min(1.0, done + step);
     const ContactStep goal_now{goal, next >= 1 ? target : Vector3d(begin + next * (target - begin)),
-                               exact};
-    ContactAttempt attempted =
-        attempt_step(system, options, modulus, *place, result.state, goal_now);
-    result.iterations += attempted.iterations;
-    result.factorisations += attempted.factorisations;
-    if (attempted.outgrown) {
-      if (static_cast<Eigen::Index>(place->problem.root.size()) == rest.cols()) return result;
-      reach *= kPatchGrowth;
-      place = place_factors(from.place, reach);
-      continue;
-    }
+                               options.exact_tangent};
+    ContactAttempt attempted = attempt(result.state, goal_now, memory, nullptr, result);
+    if (attempted.outgrown) return result;
     result.stop = attempted.stop;
     if (attempted.stop != ContactStop::converged) {
-      exact = exact || step < whole;
       step /= 2;
       if (step < least) return result;
       continue;
     }
     ++result.load_steps;
-    result.points = static_cast<int>(attempted.forces.contacts.size());
-    result.slipping = attempted.forces.slipping;
-    result.state.positions = std::move(attempted.positions);
-    result.state.tip = attempted.tip;
-    result.state.force = attempted.forces.tip;
-    result.state.anchors = std::move(attempted.forces.anchors);
+    adopt(attempted, result);
     done = next;
   }
   result.stop = ContactStop::converged;
@@ -215,12 +323,35 @@ ContactState ContactEquilibrium::touch(const Vector3d& place, const Vector3d& in
 ContactResult ContactEquilibrium::apply_force(const ContactState& from,
                                               const Vector3d& force) const {
   require("ContactEquilibrium::apply_force(): force", force.sum(), finite(), "N");
-  return impl_->follow(from, ContactGoal::force, force);
+  ContactMemory memory = impl_->begin(from.place);
+  return impl_->apply_force(from, force, memory);
 }
 
 ContactResult ContactEquilibrium::move_tip(const ContactState& from, const Vector3d& tip) const {
   require("ContactEquilibrium::move_tip(): tip", tip.sum(), finite(), "mm");
-  return impl_->follow(from, ContactGoal::position, tip);
+  ContactMemory memory = impl_->begin(from.place);
+  return impl_->follow(from, ContactGoal::position, tip, memory);
+}
+
+struct ContactSeries::Impl {
+  ContactEquilibrium::Impl& solid;
+  ContactState from;
+  ContactMemory memory;
+};
+
+ContactSeries::ContactSeries(const ContactEquilibrium& solid, ContactState from)
+    : impl_(new Impl{*solid.impl_, std::move(from), {}}) {
+  impl_->memory = impl_->solid.begin(impl_->from.place);
+}
+ContactSeries::~ContactSeries() = default;
+ContactSeries::ContactSeries(ContactSeries&&) noexcept = default;
+ContactSeries& ContactSeries::operator=(ContactSeries&&) noexcept = default;
+
+const ContactState& ContactSeries::from() const { return impl_->from; }
+
+ContactResult ContactSeries::apply_force(const Vector3d& force) {
+  require("ContactSeries::apply_force(): force", force.sum(), finite(), "N");
+  return impl_->solid.apply_force(impl_->from, force, impl_->memory);
 }
 
 double ContactEquilibrium::elastic_energy(const Eigen::Matrix3Xd& positions) const {

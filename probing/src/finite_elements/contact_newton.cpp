@@ -5,9 +5,10 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
-#include "finite_elements/anderson_acceleration.h"
+#include "finite_elements/krylov_solve.h"
 
 namespace palpate::probing {
 namespace {
@@ -16,14 +17,19 @@ using Eigen::Vector3d;
 
 constexpr double kLeastForce = 1e-6;  // [E R^2] forces below it count as none
 constexpr double kFirstDepth = 1e-3;  // [tip radii] the least with which a first step begins
-constexpr double kGoodRate = 0.05;    // of residuals: below it even near fronts are kept,
-constexpr double kPoorRate = 0.4;     // above it the whole matrix is factored anew
 constexpr double kSteady = 0.1;  // [force] of residuals, where the set of contacts is nearly found
 constexpr int kPatience = 8;     // iterations in which the residual must fall to half
 // Residuals of contact jump when points come in, so that only large growth shortens a step.
 constexpr int kFreeIterations = 6;
 constexpr double kFreeGrowth = 30, kLaterGrowth = 3;
 constexpr double kLeastPart = 1.0 / 128;  // of a step, before it is given up
+
+constexpr double kTangentStep = 1e-6;  // [tip radii] by which forces are compared for the tangent
+constexpr int kMostProducts = 12;      // of the tangent with a vector, for one step
+constexpr int kManyProducts = 4;    // products of a step, beyond which the matrix is factored anew
+constexpr double kGoodRate = 0.05;  // of residuals: below it old factors alone give the step
+constexpr double kFirstTolerance = 0.3;  // of a step, over the residual, while contacts change,
+constexpr double kLaterTolerance = 0.1;  // and once they are nearly found
 
 Eigen::Matrix3Xd surface_points(const ContactFace& face, const Eigen::Matrix3Xd& positions) {
   Eigen::Matrix<double, 3, 6> nodes;
@@ -100,27 +106,63 @@ Eigen::MatrixXd root_matrix(const ContactSystem& system, const PlaceFactors& pla
   return root;
 }
 
-// Motions of all nodes and of the tip, one after the other [mm]: Newton's step.
-Eigen::VectorXd newton_step(const ContactSystem& system, const PlaceFactors& place,
-                            const NestedFactors& near, const NestedFactors& below,
-                            const SystemForces& forces, const ContactStep& step) {
-  const bool tip_moves = step.goal == ContactGoal::force;
-  const std::vector<int>& root_nodes = place.problem.root;
-  const auto tip = static_cast<Eigen::Index>(3 * root_nodes.size());
-  Eigen::VectorXd change = -forces.nodes;
-  substitute_forward(place.tree, near, below, change);
-  Eigen::VectorXd right(tip + (tip_moves ? 3 : 0));
-  for (std::size_t k = 0; k < root_nodes.size(); ++k)
-    right.segment<3>(static_cast<Eigen::Index>(3 * k)) = change.segment<3>(3 * root_nodes[k]);
-  if (tip_moves) right.tail<3>() = step.target - forces.tip;
-  const Eigen::VectorXd solved =
-      root_matrix(system, place, near, forces, step.goal).partialPivLu().solve(right);
-  for (std::size_t k = 0; k < root_nodes.size(); ++k)
-    change.segment<3>(3 * root_nodes[k]) = solved.segment<3>(static_cast<Eigen::Index>(3 * k));
-  substitute_backward(place.tree, near, below, change);
-  Eigen::VectorXd whole(change.size() + 3);
-  whole << change, (tip_moves ? Vector3d(solved.tail<3>()) : Vector3d::Zero());
-  return whole;
+// What is missing to balance: 3 N forces on nodes, then that on the tip [N].
+Eigen::VectorXd missing_forces(const SystemForces& forces, const ContactStep& step) {
+  Eigen::VectorXd result(forces.nodes.size() + 3);
+  result << -forces.nodes,
+      (step.goal == ContactGoal::force ? Vector3d(step.target - forces.tip) : Vector3d::Zero());
+  return result;
+}
+
+// The system of Newton's method, with old factors of the solid and the contact as it is.
+class NearTangent {
+ public:
+  NearTangent(const ContactSystem& system, const PlaceFactors& place, const NestedFactors& factors,
+              const SystemForces& forces, ContactGoal goal)
+      : place_(place),
+        factors_(factors),
+        tip_moves_(goal == ContactGoal::force),
+        root_(root_matrix(system, place, factors, forces, goal)) {}
+
+  // Motions of all nodes and of the tip, one after the other [mm], that such forces cause [N].
+  [[nodiscard]] Eigen::VectorXd solve(const Eigen::VectorXd& forces) const {
+    const std::vector<int>& root_nodes = place_.problem.root;
+    const auto tip = static_cast<Eigen::Index>(3 * root_nodes.size());
+    Eigen::VectorXd change = forces.head(forces.size() - 3);
+    substitute_forward(place_.tree, factors_, change);
+    Eigen::VectorXd right(tip + (tip_moves_ ? 3 : 0));
+    for (std::size_t k = 0; k < root_nodes.size(); ++k)
+      right.segment<3>(static_cast<Eigen::Index>(3 * k)) = change.segment<3>(3 * root_nodes[k]);
+    if (tip_moves_) right.tail<3>() = forces.tail<3>();
+    const Eigen::VectorXd solved = root_.solve(right);
+    for (std::size_t k = 0; k < root_nodes.size(); ++k)
+      change.segment<3>(3 * root_nodes[k]) = solved.segment<3>(static_cast<Eigen::Index>(3 * k));
+    substitute_backward(place_.tree, factors_, change);
+    Eigen::VectorXd whole(forces.size());
+    whole << change, (tip_moves_ ? Vector3d(solved.tail<3>()) : Vector3d::Zero());
+    return whole;
+  }
+
+ private:
+  const PlaceFactors& place_;
+  const NestedFactors& factors_;
+  bool tip_moves_;
+  Eigen::PartialPivLU<Eigen::MatrixXd> root_;
+};
+
+// The true tangent times motions of all nodes and of the tip, by a difference of forces.
+Eigen::VectorXd tangent_product(const ContactSystem& system, double radius,
+                                const ContactState& start, const ContactStep& step,
+                                const ContactAttempt& now, const Eigen::VectorXd& motion) {
+  const Eigen::Map<const Eigen::Matrix3Xd> nodes(motion.data(), 3, now.positions.cols());
+  const double longest =
+      std::sqrt(std::max(nodes.colwise().squaredNorm().maxCoeff(), motion.tail<3>().squaredNorm()));
+  const double part = kTangentStep * radius / longest;
+  const SystemForces moved =
+      system.forces(now.positions + part * nodes, now.tip + part * motion.tail<3>(), &start);
+  if (!moved.valid)
+    return Eigen::VectorXd::Constant(motion.size(), std::numeric_limits<double>::quiet_NaN());
+  return (missing_forces(now.forces, step) - missing_forces(moved, step)) / part;
 }
 
 // The largest part of a step that does not invert elements, lose the contact or let residuals grow.
@@ -160,9 +202,9 @@ PlaceFactors order_unknowns(const ContactSystem& system, const Eigen::Matrix3Xd&
                             const Vector3d& centre, double reach) {
   PlaceFactors place;
   place.reach = reach;
-  place.problem = {rest, system.elements(), system.fixed(), {}, {}};
+  place.problem = {rest, system.elements(), system.fixed(), {}};
   const auto count = static_cast<std::size_t>(rest.cols());
-  std::vector<bool> touched(count, false), near(count, false);
+  std::vector<bool> touched(count, false);
   if (reach > 0) {
     for (const ContactFace& face : system.faces()) {
       const Eigen::Matrix3Xd points = surface_points(face, rest);
@@ -170,49 +212,39 @@ PlaceFactors order_unknowns(const ContactSystem& system, const Eigen::Matrix3Xd&
       for (const int node : face.face.nodes) touched[static_cast<std::size_t>(node)] = true;
     }
   }
-  for (Eigen::Index e = 0; e < place.problem.elements.cols(); ++e) {
-    const auto element = place.problem.elements.col(e);
-    const bool beside = std::any_of(element.begin(), element.end(), [&](int node) {
-      return touched[static_cast<std::size_t>(node)];
-    });
-    if (!beside) continue;
-    for (const int node : element) near[static_cast<std::size_t>(node)] = true;
-  }
   place.root_index.assign(count, -1);
   for (std::size_t n = 0; n < count; ++n) {
-    if (system.fixed()[n]) continue;
-    const int node = static_cast<int>(n);
-    if (touched[n]) {
-      place.root_index[n] = static_cast<int>(place.problem.root.size());
-      place.problem.root.push_back(node);
-    } else if (near[n]) {
-      place.problem.near.push_back(node);
-    }
+    if (system.fixed()[n] || !touched[n]) continue;
+    place.root_index[n] = static_cast<int>(place.problem.root.size());
+    place.problem.root.push_back(static_cast<int>(n));
   }
   place.tree = nested_dissection(place.problem);
   return place;
 }
 
 void factor_place(const ContactSystem& system, const PlaceFactors& place,
-                  const Eigen::Matrix3Xd& positions, int first, NestedFactors& factors,
-                  const NestedFactors* below) {
+                  const Eigen::Matrix3Xd& positions, NestedFactors& factors) {
   const auto tangent = [&](int element) { return system.tangent(positions, element); };
-  factor_fronts(place.tree, first, place.problem, tangent, factors, below);
+  factor_fronts(place.tree, place.problem, tangent, factors);
 }
 
 ContactAttempt attempt_step(const ContactSystem& system, const EquilibriumOptions& options,
                             double modulus, const PlaceFactors& place, const ContactState& start,
-                            const ContactStep& step) {
+                            const ContactStep& step, WorkingFactors& working,
+                            const ContactGuess* guess) {
   const double radius = options.tip_radius;
   const double floor = kLeastForce * modulus * radius * radius;
-  ContactAttempt now = first_guess(system, radius, modulus, start, step);
-  NestedFactors near_factors, far;
-  const NestedFactors *below = &place.rest, *near = below;
-  int last_near = 0;
-  AndersonAcceleration acceleration;
+  ContactAttempt now;
+  if (guess) {
+    now.positions = guess->positions;
+    now.tip = guess->tip;
+    now.forces = system.forces(now.positions, now.tip, &start);
+  } else {
+    now = first_guess(system, radius, modulus, start, step);
+  }
   double norm = residual(now.forces, step), rate = 1;
   double best = norm;
-  int poor = 0, best_at = 0;
+  int best_at = 0, products = 0;
   for (int i = 0; i < options.max_iterations; ++i) {
     if (!now.forces.valid) {
       now.stop = ContactStop::elements_inverted;
@@ -229,28 +261,39 @@ ContactAttempt attempt_step(const ContactSystem& system, const EquilibriumOption
     if (now.outgrown) return now;
     ++now.iterations;
 
-    // While many points come into contact and leave it, residuals tell little about the matrix.
-    const bool steady = norm < kSteady * scale;
-    poor = rate > kPoorRate ? poor + 1 : 0;
-    if (step.exact || poor >= 3) {
-      factor_place(system, place, now.positions, 0, far, nullptr);
-      below = &far;
-      near = below;
-      last_near = i;
-      poor = 0;
+    if (step.exact || products > kManyProducts) {
+      factor_place(system, place, now.positions, working.factors);
+      working.valid = true;
       ++now.factorisations;
-      acceleration.clear();
-    } else if (i > 0 && rate > kGoodRate && (i != last_near + 1 || !steady)) {
-      factor_place(system, place, now.positions, place.tree.near_front(), near_factors, below);
-      near = &near_factors;
-      last_near = i;
     }
-    Eigen::VectorXd whole = newton_step(system, place, *near, *below, now.forces, step);
+    const NestedFactors& factors = working.valid ? working.factors : place.rest;
+    const NearTangent tangent(system, place, factors, now.forces, step.goal);
+    const Eigen::VectorXd missing = missing_forces(now.forces, step);
+    Eigen::VectorXd whole;
+    if (rate < kGoodRate && products <= 1) {
+      whole = tangent.solve(missing);
+      products = 0;
+    } else {
+      // While many points come into contact and leave it, an exact step is not worth its time.
+      const bool steady = norm < kSteady * scale;
+      KrylovResult linear = krylov_solve(
+          [&](const Eigen::VectorXd& motion) {
+            return tangent_product(system, radius, start, step, now, motion);
+          },
+          [&](const Eigen::VectorXd& forces) { return tangent.solve(forces); }, missing,
+          {.tolerance = steady ? kLaterTolerance : kFirstTolerance, .max_products = kMostProducts});
+      whole = std::move(linear.solution);
+      products = linear.products;
+    }
     if (!whole.allFinite()) return now;
-    if (steady) whole = acceleration.improved(whole);
 
     const double growth = i < kFreeIterations ? kFreeGrowth : kLaterGrowth;
     ShortenedStep taken = shorten(system, radius, start, step, now, whole, growth * norm);
+    if (!taken.accepted && products > 0) {
+      // The true tangent may be singular, where few points are in contact and slip.
+      whole = tangent.solve(missing);
+      taken = shorten(system, radius, start, step, now, whole, growth * norm);
+    }
     if (!taken.accepted) {
       const SystemForces& failed = taken.next.forces;
       now.stop = !failed.valid             ? ContactStop::elements_inverted
@@ -258,7 +301,6 @@ ContactAttempt attempt_step(const ContactSystem& system, const EquilibriumOption
                                            : ContactStop::not_converged;
       return now;
     }
-    if (steady) acceleration.took(taken.part * whole);
     rate = taken.norm / norm;
     if (taken.norm < best / 2) {
       best = taken.norm;

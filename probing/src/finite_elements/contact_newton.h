@@ -7,8 +7,8 @@
 #include "finite_elements/contact_system.h"
 #include "finite_elements/nested_factor.h"
 
-// Newton's method for the equilibrium of a solid and the tip. Most of the matrix keeps its factors
-// from rest; what lies near the tip is factored anew when residuals fall slowly.
+// Newton's method for the equilibrium of a solid and the tip. Its linear systems are solved by a
+// Krylov method with old factors of the solid, to which the contact as it is now is added.
 namespace palpate::probing {
 
 // The matrix about a place of the surface: the order of elimination, and its factors at rest.
@@ -25,10 +25,9 @@ struct PlaceFactors {
 [[nodiscard]] PlaceFactors order_unknowns(const ContactSystem& system, const Eigen::Matrix3Xd& rest,
                                           const Eigen::Vector3d& centre, double reach);
 
-// Factors the fronts from `first` on at the given positions [mm]. See `factor_fronts`.
+// Factors the matrix at the given positions [mm]. See `factor_fronts`.
 void factor_place(const ContactSystem& system, const PlaceFactors& place,
-                  const Eigen::Matrix3Xd& positions, int first, NestedFactors& factors,
-                  const NestedFactors* below);
+                  const Eigen::Matrix3Xd& positions, NestedFactors& factors);
 
 enum class ContactGoal { force, position };
 
@@ -48,10 +47,25 @@ struct ContactAttempt {
   int factorisations = 0;  // of the whole matrix
 };
 
-// Takes one load step from `start`. `modulus` [N/mm^2] is the largest Young's modulus of the solid.
+// The newest factors at a place. They are used, and replaced when linear systems need many products
+// with them. If they are not valid, those at rest are used.
+struct WorkingFactors {
+  NestedFactors factors;
+  bool valid = false;
+};
+
+// Where Newton's method begins.
+struct ContactGuess {
+  Eigen::Matrix3Xd positions;  // 3 x N [mm]
+  Eigen::Vector3d tip;         // [mm]
+};
+
+// Takes one load step from `start`, beginning at the guess if there is one. `modulus` [N/mm^2] is
+// the largest Young's modulus of the solid.
 [[nodiscard]] ContactAttempt attempt_step(const ContactSystem& system,
                                           const EquilibriumOptions& options, double modulus,
                                           const PlaceFactors& place, const ContactState& start,
-                                          const ContactStep& step);
+                                          const ContactStep& step, WorkingFactors& working,
+                                          const ContactGuess* guess);
 
 }  // namespace palpate::probing

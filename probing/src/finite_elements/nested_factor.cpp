@@ -37,15 +37,13 @@ class Dissection {
 
   FrontTree run() {
     std::vector<bool> taken = problem_.fixed;
-    for (const std::vector<int>* group : {&problem_.near, &problem_.root})
-      for (const int node : *group) taken[static_cast<std::size_t>(node)] = true;
+    for (const int node : problem_.root) taken[static_cast<std::size_t>(node)] = true;
     std::vector<int> far;
     for (std::size_t n = 0; n < taken.size(); ++n)
       if (!taken[n]) far.push_back(static_cast<int>(n));
     std::vector<int> roots;
     if (!far.empty()) roots.push_back(divide(std::move(far)));
-    const int near = add(problem_.near, std::move(roots));
-    add(problem_.root, {near});
+    add(problem_.root, std::move(roots));
     find_borders();
     return std::move(tree_);
   }
@@ -202,13 +200,12 @@ void eliminate(Eigen::MatrixXd& matrix, Eigen::Index own, FrontFactor& factor, d
 
 FrontTree nested_dissection(const NestedProblem& problem) { return Dissection(problem).run(); }
 
-void factor_fronts(const FrontTree& tree, int first, const NestedProblem& problem,
-                   const ElementTangents& tangents, NestedFactors& factors,
-                   const NestedFactors* below) {
+void factor_fronts(const FrontTree& tree, const NestedProblem& problem,
+                   const ElementTangents& tangents, NestedFactors& factors) {
   factors.fronts.resize(tree.fronts.size());
   factors.shift = 0;
   std::vector<int> place(static_cast<std::size_t>(problem.nodes.cols()), -1);
-  for (int f = first; f <= tree.root_front(); ++f) {
+  for (int f = 0; f <= tree.root_front(); ++f) {
     const FrontTree::Front& front = tree.fronts[static_cast<std::size_t>(f)];
     int next = 0;
     for (const std::vector<int>* group : {&front.own, &front.border})
@@ -226,8 +223,7 @@ void factor_fronts(const FrontTree& tree, int first, const NestedProblem& proble
       }
     }
     for (const int child : front.children) {
-      const NestedFactors& source = child < first && below ? *below : factors;
-      const Eigen::MatrixXd& update = source.fronts[static_cast<std::size_t>(child)].update;
+      Eigen::MatrixXd& update = factors.fronts[static_cast<std::size_t>(child)].update;
       const std::vector<int>& border = tree.fronts[static_cast<std::size_t>(child)].border;
       for (std::size_t b = 0; b < border.size(); ++b) {
         // Borders are in the order of elimination, so that rows stay below columns.
@@ -239,6 +235,7 @@ void factor_fronts(const FrontTree& tree, int first, const NestedProblem& proble
                     matrix);
         }
       }
+      update.resize(0, 0);
     }
     const auto own = static_cast<Eigen::Index>(3 * front.own.size());
     FrontFactor& factor = factors.fronts[static_cast<std::size_t>(f)];
@@ -252,13 +249,12 @@ void factor_fronts(const FrontTree& tree, int first, const NestedProblem& proble
   }
 }
 
-void substitute_forward(const FrontTree& tree, const NestedFactors& near,
-                        const NestedFactors& below, Eigen::VectorXd& vector) {
+void substitute_forward(const FrontTree& tree, const NestedFactors& factors,
+                        Eigen::VectorXd& vector) {
   Eigen::VectorXd own, border;
   for (int f = 0; f < tree.root_front(); ++f) {
     const FrontTree::Front& front = tree.fronts[static_cast<std::size_t>(f)];
-    const FrontFactor& factor =
-        (f < tree.near_front() ? below : near).fronts[static_cast<std::size_t>(f)];
+    const FrontFactor& factor = factors.fronts[static_cast<std::size_t>(f)];
     const auto n = static_cast<Eigen::Index>(3 * front.own.size());
     if (n == 0) continue;
     own.resize(n);
@@ -274,13 +270,12 @@ void substitute_forward(const FrontTree& tree, const NestedFactors& near,
   }
 }
 
-void substitute_backward(const FrontTree& tree, const NestedFactors& near,
-                         const NestedFactors& below, Eigen::VectorXd& vector) {
+void substitute_backward(const FrontTree& tree, const NestedFactors& factors,
+                         Eigen::VectorXd& vector) {
   Eigen::VectorXd own, border;
-  for (int f = tree.near_front(); f >= 0; --f) {
+  for (int f = tree.root_front() - 1; f >= 0; --f) {
     const FrontTree::Front& front = tree.fronts[static_cast<std::size_t>(f)];
-    const FrontFactor& factor =
-        (f < tree.near_front() ? below : near).fronts[static_cast<std::size_t>(f)];
+    const FrontFactor& factor = factors.fronts[static_cast<std::size_t>(f)];
     const auto n = static_cast<Eigen::Index>(3 * front.own.size());
     if (n == 0) continue;
     own.resize(n);

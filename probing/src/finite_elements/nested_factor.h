@@ -10,17 +10,16 @@
 #include "finite_elements/quadratic_tetrahedron.h"
 
 // Cholesky factors of a finite-element matrix by nested dissection in space, with dense fronts
-// (multifrontal: Duff and Reid 1983). The last fronts hold the surroundings of a contact, so that
-// these can be factored anew while the rest stays. Written for this purpose since the solver must
-// be safe in threads, the same on every processor, and able to keep a part of the factors.
+// (multifrontal: Duff and Reid 1983). The last front, the root, holds the surface about a contact
+// and is assembled only, so that the contact can be added to it at little cost. Written for this
+// purpose since the solver must be safe in threads and the same on every processor.
 namespace palpate::probing {
 
 struct NestedProblem {
   Eigen::Matrix3Xd nodes;  // [mm] places, by which nodes are divided
   Eigen::Matrix<int, 10, Eigen::Dynamic> elements;
   std::vector<bool> fixed;  // nodes without unknowns
-  std::vector<int> near;    // nodes whose front is the last but the root
-  std::vector<int> root;    // nodes that stay in the root, in its order; none is in `near`
+  std::vector<int> root;    // nodes that stay in the root, in its order
 };
 
 // The order of elimination; depends on the mesh alone.
@@ -30,8 +29,7 @@ struct FrontTree {
     std::vector<int> children;     // fronts
     std::vector<int> elements;     // assembled here
   };
-  std::vector<Front> fronts;  // children before parents; the last but one is `near`, the last root
-  [[nodiscard]] int near_front() const { return static_cast<int>(fronts.size()) - 2; }
+  std::vector<Front> fronts;  // children before parents; the last is the root
   [[nodiscard]] int root_front() const { return static_cast<int>(fronts.size()) - 1; }
 };
 [[nodiscard]] FrontTree nested_dissection(const NestedProblem& problem);
@@ -48,17 +46,16 @@ struct NestedFactors {
   double shift = 0;  // [N/mm] added to the diagonal of fronts that were not positive definite
 };
 
-// Factors the fronts from `first` on and takes those before from `factors`. The last, the root, is
-// assembled only: its update is the Schur complement of all others, without the tip.
-void factor_fronts(const FrontTree& tree, int first, const NestedProblem& problem,
-                   const ElementTangents& tangents, NestedFactors& factors,
-                   const NestedFactors* below = nullptr);
+// Factors all fronts. The last, the root, is assembled only: its update is the Schur complement of
+// all others, without the tip.
+void factor_fronts(const FrontTree& tree, const NestedProblem& problem,
+                   const ElementTangents& tangents, NestedFactors& factors);
 
 // Forward and backward substitution through the fronts before the root, in place on a vector with
 // three entries a node.
-void substitute_forward(const FrontTree& tree, const NestedFactors& near,
-                        const NestedFactors& below, Eigen::VectorXd& vector);
-void substitute_backward(const FrontTree& tree, const NestedFactors& near,
-                         const NestedFactors& below, Eigen::VectorXd& vector);
+void substitute_forward(const FrontTree& tree, const NestedFactors& factors,
+                        Eigen::VectorXd& vector);
+void substitute_backward(const FrontTree& tree, const NestedFactors& factors,
+                         Eigen::VectorXd& vector);
 
 }  // namespace palpate::probing

@@ -21,9 +21,9 @@ constexpr double kRestTolerance = 1e-10;  // unbalanced forces over those of sup
 void solve_tangent(const ContactSystem& system, const PlaceFactors& place,
                    const Eigen::Matrix3Xd& positions, Eigen::VectorXd& vector) {
   NestedFactors factors;
-  factor_place(system, place, positions, 0, factors, nullptr);
-  substitute_forward(place.tree, factors, factors, vector);
-  substitute_backward(place.tree, factors, factors, vector);
+  factor_place(system, place, positions, factors);
+  substitute_forward(place.tree, factors, vector);
+  substitute_backward(place.tree, factors, vector);
 }
 
 // The linear answer of the solid to a motion of its supports by a part of their ways. With it, no

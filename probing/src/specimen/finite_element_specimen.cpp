@@ -5,7 +5,9 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -77,6 +79,34 @@ std::string numbers_of(const Vector3d& v) {
          ")";
 }
 
+// [mm] How far the tip has come.
+Vector3d tip_motion(const ContactState& start, const Vector3d& place, const Vector3d& force,
+                    const ContactResult& found) {
+  if (found.stop != ContactStop::converged) {
+    throw SolverError("the object has no equilibrium at " + numbers_of(place) +
+                      " mm under the force " + numbers_of(force) + " N: " + to_string(found.stop) +
+                      " beyond " + std::to_string(found.state.force.norm()) + " N");
+  }
+  return found.state.tip - start.tip;
+}
+
+class FiniteElementContact : public SpecimenContact {
+ public:
+  FiniteElementContact(const ContactEquilibrium& solid, Vector3d place, Vector3d inward)
+      : solid_(solid), place_(std::move(place)), inward_(std::move(inward)) {}
+
+  Vector3d displacement(const Vector3d& force) override {
+    // Not before, since a contact that the tip cannot reach has no displacement.
+    if (!series_) series_.emplace(solid_, solid_.touch(place_, inward_));
+    return tip_motion(series_->from(), place_, force, series_->apply_force(force));
+  }
+
+ private:
+  const ContactEquilibrium& solid_;
+  Vector3d place_, inward_;
+  std::optional<ContactSeries> series_;
+};
+
 class FiniteElementSpecimen : public Specimen {
  public:
   FiniteElementSpecimen(DeformableBody body, const FiniteElementSpecimenOptions& options)
@@ -91,14 +121,12 @@ class FiniteElementSpecimen : public Specimen {
   Vector3d displacement(const Vector3d& contact, const Vector3d& force) const override {
     const Place at = place(contact);
     const ContactState start = solid_.touch(at.position, at.inward);
-    const ContactResult found = solid_.apply_force(start, force);
-    if (found.stop != ContactStop::converged) {
-      throw SolverError("the object has no equilibrium at " + numbers_of(at.position) +
-                        " mm under the force " + numbers_of(force) +
-                        " N: " + to_string(found.stop) + " beyond " +
-                        std::to_string(found.state.force.norm()) + " N");
-    }
-    return found.state.tip - start.tip;
+    return tip_motion(start, at.position, force, solid_.apply_force(start, force));
+  }
+
+  std::unique_ptr<SpecimenContact> at(const Vector3d& contact) const override {
+    const Place there = place(contact);
+    return std::make_unique<FiniteElementContact>(solid_, there.position, there.inward);
   }
 
   FrictionCone friction_cone(const Vector3d& contact) const override {

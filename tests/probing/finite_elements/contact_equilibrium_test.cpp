@@ -152,6 +152,23 @@ TEST(ContactEquilibrium, TheTipCarriesTheForce) {
   EXPECT_LT((exact.apply_force(start, force).state.tip - result.state.tip).norm(), 1e-4);
 }
 
+TEST(ContactEquilibrium, IsTheSameWhereverTheObjectIs) {
+  // Far away, rounding decides whether the point that the tip touches first is inside it.
+  const Vector3d force(0, 0.4, 1.1), place(1, 2, 0);
+  const auto depth = [&](const Vector3d& away) {
+    DeformableBody body = soft_block();
+    body.mesh.nodes.colwise() += away;
+    const ContactEquilibrium solid(std::move(body));
+    const ContactState start = solid.touch(place + away, kDown);
+    const ContactResult result = solid.apply_force(start, force);
+    EXPECT_EQ(result.stop, ContactStop::converged) << away.transpose();
+    return Vector3d(result.state.tip - start.tip);
+  };
+  const Vector3d here = depth(Vector3d::Zero());
+  for (const Vector3d& away : {Vector3d(0, 0, 700), Vector3d(0, 0, -700), Vector3d(300, -200, 650)})
+    EXPECT_LT((depth(away) - here).norm(), 1e-5) << away.transpose();
+}
+
 TEST(ContactEquilibrium, OneLoadStepIsNearlyManySteps) {
   const ContactState start = ContactEquilibrium(soft_block()).touch(kPlace, kDown);
   const Vector3d force(0.5, 0, 1.5);
@@ -286,6 +303,40 @@ TEST(ContactEquilibrium, GivesTheSameFromAnyThreadAndInAnyOrder) {
   EXPECT_EQ(tip(other, places[1]), found[1]);
   EXPECT_EQ(tip(other, places[0]), found[0]);
   EXPECT_EQ(tip(solid, places[1]), found[1]);
+}
+
+TEST(ContactSeries, FindsWhatTheSolidFindsOneByOne) {
+  const ContactEquilibrium solid(soft_block());
+  const ContactState start = solid.touch(kPlace, kDown);
+  const std::vector<Vector3d> forces = {{0, 0, 0.2},      {0.1, 0, 0.2},    {0, 0, 1.5},
+                                        {0.6, -0.7, 1.5}, {-0.9, 0.2, 1.5}, {0, 0.1, 0.3}};
+  ContactSeries series(solid, start), again(solid, start);
+  for (const Vector3d& force : forces) {
+    const ContactResult found = series.apply_force(force);
+    ASSERT_EQ(found.stop, ContactStop::converged) << force.transpose();
+    const ContactResult alone = solid.apply_force(start, force);
+    EXPECT_LT((found.state.tip - alone.state.tip).norm(), 1e-4) << force.transpose();
+    EXPECT_LT((found.state.force - force).norm(), 1e-5);
+    EXPECT_EQ(again.apply_force(force).state.tip, found.state.tip);
+  }
+}
+
+TEST(ContactSeries, GoesOnAfterAForceWithoutEquilibrium) {
+  const ContactEquilibrium solid(soft_block(6), {.max_halvings = 1});
+  const ContactState start = solid.touch(kPlace, kDown);
+  ContactSeries series(solid, start);
+  // Under it the tip touches more of the surface than was expected.
+  const ContactResult large = series.apply_force(Vector3d(2, 0, 3));
+  EXPECT_EQ(large.stop, ContactStop::converged);
+  EXPECT_GT(large.factorisations, 0);
+  EXPECT_EQ(series.apply_force(Vector3d(0, 0, -1)).stop, ContactStop::contact_lost);
+  EXPECT_EQ(series.apply_force(Vector3d::Zero()).stop, ContactStop::converged);
+  EXPECT_NE(series.apply_force(Vector3d(0, 0, 1e4)).stop, ContactStop::converged);
+  EXPECT_THROW((void)series.apply_force(Vector3d(0, 0, std::nan(""))), InvalidInput);
+  const Vector3d force(0.2, 0.1, 0.7);
+  EXPECT_LT(
+      (series.apply_force(force).state.tip - solid.apply_force(start, force).state.tip).norm(),
+      1e-4);
 }
 
 TEST(ContactEquilibrium, FailsByName) {

@@ -28,8 +28,7 @@ SmallSolid small_solid() {
   for (int n = 0; n < mesh.nodes.cols(); ++n) {
     const Eigen::Vector3d at = mesh.nodes.col(n);
     problem.fixed[static_cast<std::size_t>(n)] = at.z() == 4;
-    if (at.z() < 4 && at.head<2>().norm() < 3.5)
-      (at.z() == 0 ? problem.root : problem.near).push_back(n);
+    if (at.z() == 0 && at.head<2>().norm() < 3.5) problem.root.push_back(n);
   }
   solid.tangents = [mesh](int e) {
     const ElementNodes nodes = element_nodes(mesh, mesh.nodes, e);
@@ -53,17 +52,16 @@ SmallSolid small_solid() {
 }
 
 Eigen::VectorXd solved_by_fronts(const SmallSolid& solid, const FrontTree& tree,
-                                 const NestedFactors& near, const NestedFactors& below,
-                                 Eigen::VectorXd vector) {
-  substitute_forward(tree, near, below, vector);
+                                 const NestedFactors& factors, Eigen::VectorXd vector) {
+  substitute_forward(tree, factors, vector);
   const std::vector<int>& root = solid.problem.root;
   Eigen::VectorXd right(3 * static_cast<Eigen::Index>(root.size()));
   for (std::size_t k = 0; k < root.size(); ++k)
     right.segment<3>(static_cast<Eigen::Index>(3 * k)) = vector.segment<3>(3 * root[k]);
-  if (!root.empty()) right = near.fronts.back().update.partialPivLu().solve(right).eval();
+  if (!root.empty()) right = factors.fronts.back().update.partialPivLu().solve(right).eval();
   for (std::size_t k = 0; k < root.size(); ++k)
     vector.segment<3>(3 * root[k]) = right.segment<3>(static_cast<Eigen::Index>(3 * k));
-  substitute_backward(tree, near, below, vector);
+  substitute_backward(tree, factors, vector);
   return vector;
 }
 
@@ -74,19 +72,16 @@ TEST(NestedFactor, SolvesAsADenseFactorDoes) {
     if (solid.problem.fixed[static_cast<std::size_t>(n)]) right.segment<3>(3 * n).setZero();
   const Eigen::VectorXd expected = solid.dense.partialPivLu().solve(right);
   for (const bool with_root : {true, false}) {
-    if (!with_root) {
-      solid.problem.root.clear();
-      solid.problem.near.clear();
-    }
+    if (!with_root) solid.problem.root.clear();
     const FrontTree tree = nested_dissection(solid.problem);
-    NestedFactors all, near;
-    factor_fronts(tree, 0, solid.problem, solid.tangents, all);
-    factor_fronts(tree, tree.near_front(), solid.problem, solid.tangents, near, &all);
-    EXPECT_EQ(all.shift, 0);
-    EXPECT_LT((solved_by_fronts(solid, tree, all, all, right) - expected).norm(),
-              1e-11 * expected.norm());
-    EXPECT_EQ(solved_by_fronts(solid, tree, near, all, right),
-              solved_by_fronts(solid, tree, all, all, right));
+    NestedFactors factors;
+    factor_fronts(tree, solid.problem, solid.tangents, factors);
+    EXPECT_EQ(factors.shift, 0);
+    const Eigen::VectorXd solved = solved_by_fronts(solid, tree, factors, right);
+    EXPECT_LT((solved - expected).norm(), 1e-11 * expected.norm());
+    // Again in place, as when positions have changed.
+    factor_fronts(tree, solid.problem, solid.tangents, factors);
+    EXPECT_EQ(solved_by_fronts(solid, tree, factors, right), solved);
   }
 }
 
@@ -109,11 +104,10 @@ TEST(NestedFactor, ShiftsAMatrixThatIsNotPositiveDefinite) {
   const FrontTree tree = nested_dissection(solid.problem);
   NestedFactors factors;
   factor_fronts(
-      tree, 0, solid.problem, [&](int e) { return ElementMatrix(-solid.tangents(e)); }, factors);
+      tree, solid.problem, [&](int e) { return ElementMatrix(-solid.tangents(e)); }, factors);
   EXPECT_GT(factors.shift, 0);
-  EXPECT_TRUE(
-      solved_by_fronts(solid, tree, factors, factors, Eigen::VectorXd::Ones(solid.dense.rows()))
-          .allFinite());
+  EXPECT_TRUE(solved_by_fronts(solid, tree, factors, Eigen::VectorXd::Ones(solid.dense.rows()))
+                  .allFinite());
 }
 
 }  // namespace

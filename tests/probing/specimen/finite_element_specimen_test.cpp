@@ -69,6 +69,15 @@ TEST(FiniteElementSpecimen, MovesWithTheForceWhateverCameBefore) {
   EXPECT_THROW((void)block->displacement(at, -force), SolverError);
 }
 
+TEST(FiniteElementSpecimen, MovesTheSameWhenManyForcesAreAskedAtOneContact) {
+  const auto block = parse_specimen(kBlock, "");
+  const Vector3d at(1, 2, 700);
+  const auto contact = block->at(at);
+  for (const Vector3d& force : {Vector3d(0, 0, 0.5), Vector3d(0.2, -0.1, 1), Vector3d(0, 0.4, 1.1)})
+    EXPECT_LT((contact->displacement(force) - block->displacement(at, force)).norm(), 1e-4);
+  EXPECT_THROW((void)contact->displacement({0, 0, -1}), SolverError);
+}
+
 TEST(FiniteElementSpecimen, HasRegionsSupportsAndObstacles) {
   const Vector3d at(0, 0, 700), force(0, 0, 1);
   const double soft = parse_specimen(kBlock, "")->displacement(at, force).z();

@@ -114,6 +114,27 @@ class ContactEquilibrium {
   [[nodiscard]] double elastic_energy(const Eigen::Matrix3Xd& positions) const;
 
  private:
+  friend class ContactSeries;
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Equilibria under several forces at one place. Each is that of `ContactEquilibrium::apply_force`
+/// from the state `from`, to the tolerance of the solver, but takes a fraction of the time since it
+/// is sought from the nearest one found before. Last digits thus depend on the order of the forces.
+/// Ask from one thread at a time, while the solid exists.
+class ContactSeries {
+ public:
+  ContactSeries(const ContactEquilibrium& solid, ContactState from);
+  ~ContactSeries();
+  ContactSeries(ContactSeries&&) noexcept;
+  ContactSeries& operator=(ContactSeries&&) noexcept;
+
+  [[nodiscard]] const ContactState& from() const;
+  /// Changes the force on the object [N] along the straight line from that of `from()`.
+  [[nodiscard]] ContactResult apply_force(const Eigen::Vector3d& force);
+
+ private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

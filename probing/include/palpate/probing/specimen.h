@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 
 #include "palpate/eigen_alignment.h"
 #include "palpate/geometry/triangle_mesh.h"
@@ -24,6 +25,14 @@ struct Retardation {
   double time = 1;   ///< [s] > 0
 };
 
+/// Displacements at one contact of a specimen, asked from one thread at a time.
+class SpecimenContact {
+ public:
+  virtual ~SpecimenContact() = default;
+  /// [mm] As `Specimen::displacement`.
+  [[nodiscard]] virtual Eigen::Vector3d displacement(const Eigen::Vector3d& force) = 0;
+};
+
 /// A deformable object whose truth is known, in quasi-static equilibrium with the tip of a tool.
 /// All vectors are in the world frame. A contact is a place on the undeformed surface; the nearest
 /// place is taken if it lies beside the surface. Functions may be called from several threads.
@@ -39,6 +48,10 @@ class Specimen {
   /// \throws SolverError if there is none.
   [[nodiscard]] virtual Eigen::Vector3d displacement(const Eigen::Vector3d& contact,
                                                      const Eigen::Vector3d& force) const = 0;
+
+  /// For many forces at one contact, while the specimen exists. May be faster than `displacement`;
+  /// results are the same to the tolerance of a solver, and may depend on the forces before.
+  [[nodiscard]] virtual std::unique_ptr<SpecimenContact> at(const Eigen::Vector3d& contact) const;
 
   [[nodiscard]] virtual FrictionCone friction_cone(const Eigen::Vector3d& contact) const = 0;
 

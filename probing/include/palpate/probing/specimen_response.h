@@ -24,5 +24,8 @@ struct UnansweredForce {
                                                          const Eigen::Vector3d& contact,
                                                          const Eigen::Vector3d& force,
                                                          std::string& reason);
+[[nodiscard]] std::optional<Eigen::Vector3d> response_of(SpecimenContact& contact,
+                                                         const Eigen::Vector3d& force,
+                                                         std::string& reason);
 
 }  // namespace palpate::probing
