@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <string>
 
+#include "arm/device_structs.h"
 #include "palpate/error.h"
 #include "palpate/probing/device_plugin.h"
 
@@ -37,8 +38,10 @@ struct PluginArm::Driver {
 
 namespace {
 
-/// [bytes] Size of the table without the optional functions.
+/// [bytes] Sizes of the table: without the functions that were added, and with them.
 constexpr std::size_t kLeastTable = offsetof(palpate_device_v1, now);
+constexpr std::size_t kTableWithClock = offsetof(palpate_device_v1, count);
+constexpr std::size_t kTableWithSeveral = sizeof(palpate_device_v1);
 
 /// \throws FileError unless the table is complete and of our version.
 void check_table(const palpate_device_v1* table, const std::string& file) {
@@ -60,20 +63,27 @@ void check_table(const palpate_device_v1* table, const std::string& file) {
   }
 }
 
+bool at_least_zero(double value) { return value >= 0 && std::isfinite(value); }
+
 void check_info(const palpate_device_info_v1& info, const std::string& file) {
   if (!(info.period > 0) || !(info.highest_force > 0) || !(info.continuous_force > 0) ||
-      !std::isfinite(info.period) || info.joints > PALPATE_DEVICE_JOINTS) {
+      !std::isfinite(info.period) || info.joints > PALPATE_DEVICE_JOINTS ||
+      !at_least_zero(info.highest_torque) || !at_least_zero(info.damping) ||
+      !at_least_zero(info.delay) || !at_least_zero(info.workspace_scale)) {
     throw DeviceError(
         file + ": the driver describes a device that cannot be: period " +
         std::to_string(info.period) + " s, forces " + std::to_string(info.highest_force) + " and " +
-        std::to_string(info.continuous_force) + " N, " + std::to_string(info.joints) + " joints");
+        std::to_string(info.continuous_force) + " N, " + std::to_string(info.joints) +
+        " joints, torque " + std::to_string(info.highest_torque) + " N mm, damping " +
+        std::to_string(info.damping) + " N s/mm, delay " + std::to_string(info.delay) +
+        " s, workspace scale " + std::to_string(info.workspace_scale));
   }
 }
 
 }  // namespace
 
 PluginArm::PluginArm(const std::filesystem::path& library,
-                     const std::map<std::string, std::string>& options)
+                     const std::map<std::string, std::string>& options, unsigned number)
     : driver_(std::make_unique<Driver>()) {
   Driver& driver = *driver_;
   driver.path = library;
@@ -88,9 +98,19 @@ PluginArm::PluginArm(const std::filesystem::path& library,
   }
   driver.table = reinterpret_cast<palpate_device_function>(symbol)();
   check_table(driver.table, driver.name());
-  if (driver.table->size >= sizeof(palpate_device_v1)) driver.clock = driver.table->now;
+  const auto reaches = [&](std::size_t end) { return driver.table->size >= end; };
+  if (reaches(kTableWithClock)) driver.clock = driver.table->now;
+  const bool several = reaches(kTableWithSeveral) && driver.table->count != nullptr &&
+                       driver.table->open_at != nullptr;
+  const unsigned devices = several ? driver.table->count() : 1;
+  if (number >= devices) {
+    throw InvalidInput(driver.name() + ": there is no device " + std::to_string(number) +
+                       "; the driver finds " + std::to_string(devices) + ", counted from 0");
+  }
   driver.info.size = sizeof(driver.info);
-  if (driver.table->open(&driver.device, &driver.info) != 0 || driver.device == nullptr) {
+  const int failed = number == 0 ? driver.table->open(&driver.device, &driver.info)
+                                 : driver.table->open_at(number, &driver.device, &driver.info);
+  if (failed != 0 || driver.device == nullptr) {
     throw DeviceError(driver.name() + ": " + last_error());
   }
   check_info(driver.info, driver.name());
@@ -101,18 +121,7 @@ PluginArm::PluginArm(const std::filesystem::path& library,
     throw DeviceError(driver.name() + ": option " + refused->first + " = " + refused->second +
                       ": " + last_error());
   }
-  driver.info.name[sizeof(driver.info.name) - 1] = '\0';
-  const auto can = [&](unsigned bit) { return (driver.info.capabilities & bit) != 0; };
-  driver.description = {
-      .name = static_cast<const char*>(driver.info.name),
-      .period = driver.info.period,
-      .highest_force = driver.info.highest_force,
-      .continuous_force = driver.info.continuous_force,
-      .measures_joints = can(PALPATE_DEVICE_MEASURES_JOINTS) && driver.info.joints >= 3,
-      .measures_force = can(PALPATE_DEVICE_MEASURES_FORCE),
-      .measures_heat = can(PALPATE_DEVICE_MEASURES_HEAT),
-      .measures_reference = can(PALPATE_DEVICE_MEASURES_REFERENCE),
-      .real_time = driver.clock == nullptr};
+  driver.description = description_of(driver.info, driver.clock == nullptr);
 }
 
 PluginArm::~PluginArm() = default;
@@ -131,29 +140,14 @@ void PluginArm::activate() {
 }
 
 bool PluginArm::read(ArmState& state) noexcept {
-  palpate_device_state_v1 measured{};
-  measured.size = sizeof(measured);
-  const auto forget = [](double& value) { value = ArmState::kNotMeasured; };
-  std::for_each(std::begin(measured.tip), std::end(measured.tip), forget);
-  std::for_each(std::begin(measured.joints), std::end(measured.joints), forget);
-  std::for_each(std::begin(measured.force), std::end(measured.force), forget);
-  std::for_each(std::begin(measured.heat), std::end(measured.heat), forget);
-  std::for_each(std::begin(measured.reference_force), std::end(measured.reference_force), forget);
+  palpate_device_state_v1 measured = unmeasured_state();
   if (driver_->table->read(driver_->device, &measured) != 0) return false;
-  state.time = measured.time;
-  state.tip = Eigen::Vector3d(measured.tip);
-  state.joints = Eigen::Vector3d(measured.joints);
-  state.delivered_force = Eigen::Vector3d(measured.force);
-  state.heat = Eigen::Vector3d(measured.heat);
-  state.reference_force = Eigen::Vector3d(measured.reference_force);
+  state = state_of(measured, driver_->description);
   return true;
 }
 
 bool PluginArm::write(const ArmCommand& command) noexcept {
-  palpate_device_command_v1 sent{};
-  sent.size = sizeof(sent);
-  for (int i = 0; i < 3; ++i) sent.force[i] = command.force[i];
-  sent.lease = command.lease;
+  const palpate_device_command_v1 sent = struct_of(command);
   return driver_->table->write(driver_->device, &sent) == 0;
 }
 

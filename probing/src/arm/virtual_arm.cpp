@@ -133,8 +133,13 @@ struct VirtualArm::Simulation {
       bristle[i] = bristle_after(bristle[i], dt * v[i], options.presliding);
       friction[i] = level * bristle[i] / options.presliding + options.viscosity * v[i];
     }
-    v += dt * links.inertia.llt().solve(motor - links.bias - friction -
-                                        jacobian.transpose() * on_object);
+    Eigen::Matrix3d inertia = links.inertia;
+    Eigen::Vector3d at_tip = -on_object;
+    if (grip) {
+      inertia += grip->mass * kKilogram * jacobian.transpose() * jacobian;
+      at_tip += grip->stiffness * (grip->place - tip) + grip->push - grip->damping * jacobian * v;
+    }
+    v += dt * inertia.llt().solve(motor - links.bias - friction + jacobian.transpose() * at_tip);
     q += dt * v;
   }
 
@@ -172,6 +177,7 @@ struct VirtualArm::Simulation {
   Eigen::Vector3d torque = Eigen::Vector3d::Zero();
   Eigen::Vector3d delivered = Eigen::Vector3d::Zero();
   Eigen::Vector3d heat = Eigen::Vector3d::Zero();
+  std::optional<HandGrip> grip;
   Eigen::Vector3d q, v = Eigen::Vector3d::Zero(), bristle = Eigen::Vector3d::Zero();
 };
 
@@ -217,6 +223,8 @@ bool VirtualArm::write(const ArmCommand& command) noexcept {
 void VirtualArm::stop() noexcept { simulation_->active = false; }
 
 std::string VirtualArm::last_error() const { return simulation_->refusal; }
+
+void VirtualArm::hold(const HandGrip& grip) noexcept { simulation_->grip = grip; }
 
 void VirtualArm::begin_sample(std::uint64_t sample) noexcept {
   simulation_->sample = sample;

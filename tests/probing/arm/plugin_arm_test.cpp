@@ -71,6 +71,74 @@ TEST(PluginArm, TakesTheClockOfADriverThatHasOne) {
   EXPECT_TRUE(PluginArm(kDriver).description().real_time);
 }
 
+TEST(PluginArm, CarriesWhatPlaybackNeeds) {
+  PluginArm arm(kDriver);
+  const ArmDescription& description = arm.description();
+  EXPECT_EQ(description.highest_torque, 80);
+  EXPECT_NEAR(description.damping, 5e-4, 1e-18);
+  EXPECT_EQ(description.delay, 1e-3);
+  EXPECT_EQ(description.workspace_scale, 3);
+  EXPECT_EQ(description.clutch_buttons, 2U);
+  EXPECT_TRUE(description.measures_velocity);
+  EXPECT_TRUE(description.measures_orientation);
+  EXPECT_TRUE(description.reports_armed);
+  arm.activate();
+  ArmState state;
+  ASSERT_TRUE(arm.write({.force = {0, 0.3, 0}, .lease = 1, .torque = {0, 0, 1}}));
+  ASSERT_TRUE(arm.read(state));
+  EXPECT_GT(state.velocity.y(), 0);
+  EXPECT_EQ(state.orientation, Eigen::Vector4d(1, 0, 0, 0));
+  EXPECT_EQ(state.buttons, 1U);
+  EXPECT_TRUE(state.armed);
+  EXPECT_FALSE(state.clutched);
+  ASSERT_TRUE(arm.write({.torque = {0, 0, 3}}));
+  ASSERT_TRUE(arm.read(state));
+  EXPECT_EQ(state.buttons, 3U);
+  EXPECT_TRUE(state.clutched);
+  arm.stop();
+  ASSERT_TRUE(arm.read(state));
+  EXPECT_FALSE(state.armed);
+}
+
+TEST(PluginArm, OpensEachOfSeveralDevices) {
+  EXPECT_EQ(PluginArm(kDriver, {}, 0).description().highest_force, 5);
+  EXPECT_EQ(PluginArm(kDriver, {}, 1).description().highest_force, 9);
+  EXPECT_NE(refusal([] {
+              return PluginArm(kDriver, {}, 2).now();
+            }).find("there is no device 2; the driver finds 2"),
+            std::string::npos);
+  EXPECT_NE(refusal([] {
+              return PluginArm(PALPATE_VIRTUAL_DEVICE, {}, 1).now();
+            }).find("there is no device 1; the driver finds 1"),
+            std::string::npos);
+}
+
+// Built before playback's fields were added: their sizes end where they began.
+TEST(PluginArm, TakesADriverThatKnowsNothingOfPlayback) {
+  PluginArm arm(PALPATE_VIRTUAL_DEVICE);
+  EXPECT_EQ(arm.description().damping, 0);
+  EXPECT_EQ(arm.description().workspace_scale, 1);
+  arm.activate();
+  ArmState state;
+  ASSERT_TRUE(arm.read(state));
+  EXPECT_TRUE(state.armed);
+  EXPECT_FALSE(state.clutched);
+  EXPECT_TRUE(state.velocity.hasNaN());
+  EXPECT_EQ(state.buttons, 0U);
+}
+
+TEST(PluginArm, PassesOnThatItsDriverSaysNanOrRefuses) {
+  PluginArm nan(PALPATE_BROKEN_DEVICE, {{"fault", "nan"}, {"at", "1"}});
+  ArmState state;
+  ASSERT_TRUE(nan.read(state));
+  EXPECT_TRUE(state.tip.allFinite());
+  ASSERT_TRUE(nan.read(state));
+  EXPECT_FALSE(state.tip.allFinite());
+  PluginArm refusing(PALPATE_BROKEN_DEVICE, {{"fault", "refuse"}, {"at", "0"}});
+  EXPECT_FALSE(refusing.read(state));
+  EXPECT_EQ(refusing.last_error(), "broken as told");
+}
+
 TEST(PluginArm, SaysWhatItsDriverSays) {
   try {
     const PluginArm arm(kDriver, {{"mass", "-1"}});

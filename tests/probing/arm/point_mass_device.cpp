@@ -25,8 +25,10 @@ struct Device {
   double friction = 0.5;  // [N s/m]
   double period = 1e-3;   // [s]
   bool active = false;
+  bool forgets_lease = false;                       // as a vendor's service may do
   double time = 0;                                  // [s] of the latest state
   double lease_end = 0;                             // [s]
+  double torque = 0;                                // [N mm]
   std::array<double, 3> force{}, place{}, speed{};  // [N], [mm], [mm/s]
   std::string error;
 };
@@ -52,12 +54,35 @@ int open_device(void** device, palpate_device_info_v1* info) {
   info->period = made->period;
   info->highest_force = 5;
   info->continuous_force = 5;
+  if (info->size >= sizeof(*info)) {
+    info->capabilities |= PALPATE_DEVICE_MEASURES_VELOCITY | PALPATE_DEVICE_MEASURES_ORIENTATION |
+                          PALPATE_DEVICE_APPLIES_TORQUE | PALPATE_DEVICE_REPORTS_ARMED;
+    info->highest_torque = 80;
+    info->damping = 0.001 * made->friction;
+    info->delay = made->period;
+    info->workspace_scale = 3;
+    info->buttons = 2;
+    info->clutch_buttons = 2;
+  }
   return 0;
+}
+
+// Two devices, of which the second is the stronger.
+uint32_t count_devices() { return 2; }
+
+int open_numbered(uint32_t number, void** device, palpate_device_info_v1* info) {
+  const int failed = open_device(device, info);
+  if (number == 1) info->highest_force = 9;
+  return failed;
 }
 
 int configure_device(void* device, const char* key, const char* value) {
   auto& d = *static_cast<Device*>(device);
-  if (std::string(key) != "mass") return fail(d, "the only option is mass");
+  if (std::string(key) == "forget_lease") {
+    d.forgets_lease = true;
+    return 0;
+  }
+  if (std::string(key) != "mass") return fail(d, "the options are mass and forget_lease");
   const double mass = std::atof(value);
   if (!(mass > 0)) return fail(d, "mass must be > 0 kg");
   d.mass = mass;
@@ -80,7 +105,7 @@ int read_device(void* device, palpate_device_state_v1* state) {
           std::chrono::duration<double>(d.time + d.period))));
   const double now = monotonic_time();
   const double step = std::min(now - d.time, 0.01);
-  const bool powered = d.active && now <= d.lease_end;
+  const bool powered = d.active && (now <= d.lease_end || d.forgets_lease);
   for (std::size_t i = 0; i < 3; ++i) {
     const double force = powered ? d.force[i] : 0;
     d.speed[i] += step * (1000 * force - d.friction * d.speed[i]) / d.mass;
@@ -90,6 +115,13 @@ int read_device(void* device, palpate_device_state_v1* state) {
   }
   d.time = now;
   state->time = now;
+  if (state->size < sizeof(*state)) return 0;
+  for (std::size_t i = 0; i < 3; ++i) state->velocity[i] = d.speed[i];
+  state->orientation[0] = 1;
+  for (std::size_t i = 1; i < 4; ++i) state->orientation[i] = 0;
+  // The torque on the handle presses its buttons: 1 N mm the first, 2 N mm the second.
+  state->buttons = static_cast<uint32_t>(d.torque);
+  state->flags = d.active ? PALPATE_DEVICE_ARMED : 0;
   return 0;
 }
 
@@ -97,6 +129,7 @@ int write_device(void* device, const palpate_device_command_v1* command) {
   auto& d = *static_cast<Device*>(device);
   if (!d.active) return fail(d, "write before activate");
   for (std::size_t i = 0; i < 3; ++i) d.force[i] = command->force[i];
+  if (command->size >= sizeof(*command)) d.torque = command->torque[2];
   d.lease_end = monotonic_time() + command->lease;
   return 0;
 }
@@ -129,6 +162,8 @@ extern "C" const palpate_device_v1* palpate_device(void) {
                                           stop_device,
                                           close_device,
                                           last_error_of_device,
-                                          nullptr};
+                                          nullptr,
+                                          count_devices,
+                                          open_numbered};
   return &table;
 }

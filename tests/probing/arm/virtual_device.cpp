@@ -146,6 +146,8 @@ extern "C" const palpate_device_v1* palpate_device(void) {
                                           stop_device,
                                           close_device,
                                           last_error_of_device,
-                                          now_of_device};
+                                          now_of_device,
+                                          nullptr,
+                                          nullptr};
   return &table;
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <limits>
 #include <string>
 
@@ -21,6 +22,15 @@ struct ArmDescription {
   bool measures_heat = false;       ///< `ArmState::heat`
   bool measures_reference = false;  ///< `ArmState::reference_force`
   bool real_time = true;            ///< its clock goes on while nobody reads; not in simulations
+  // What playback also uses. 0: not known, or none.
+  double highest_torque = 0;   ///< [N mm] at the tip
+  double damping = 0;          ///< [N s/mm] that the device alone has at least
+  double delay = 0;            ///< [s] from a measurement until the force that answers it begins
+  double workspace_scale = 1;  ///< [mm/mm] of the object for one of the device
+  std::uint32_t clutch_buttons = 0;   ///< bits of `ArmState::buttons` that clutch
+  bool measures_velocity = false;     ///< `ArmState::velocity`
+  bool measures_orientation = false;  ///< `ArmState::orientation`
+  bool reports_armed = false;         ///< `ArmState::armed` may be false
 };
 
 /// An arm at one moment, in the frame of its base. What the arm does not measure is NaN.
@@ -35,6 +45,12 @@ struct ArmState {
   /// [N] On the object, by a sensor of its own, as the thesis assesses its arm (4.4.3). It judges
   /// the arm: nothing that is commanded or measured depends on it.
   Eigen::Vector3d reference_force = Eigen::Vector3d::Constant(kNotMeasured);
+  Eigen::Vector3d velocity = Eigen::Vector3d::Constant(kNotMeasured);  ///< [mm/s] of the tip
+  /// Unit quaternion w, x, y, z of the handle.
+  Eigen::Vector4d orientation = Eigen::Vector4d::Constant(kNotMeasured);
+  std::uint32_t buttons = 0;  ///< bits of those that are pressed
+  bool armed = true;          ///< false: no force is felt until the user takes the device again
+  bool clutched = false;      ///< the user moves the hand back; the tool shall stand still
 
   static constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
 };
@@ -43,9 +59,11 @@ struct ArmState {
 struct ArmCommand {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< [N] of the motors at the tip
   double lease = 0.01;  ///< [s] after which the arm drops the force unless it is commanded again
+  Eigen::Vector3d torque = Eigen::Vector3d::Zero();  ///< [N mm] at the tip
 };
 
-/// An arm with three joints whose motors are commanded by the force at its tip (thesis 4.4).
+/// An arm whose motors are commanded by the force at its tip (thesis 4.4): one that probes, or a
+/// device that a hand holds.
 ///
 /// One thread calls `read`, computes, and calls `write`, once in each period. These two and `stop`
 /// are real-time safe in all arms of the library but simulated ones, whose object may allocate.
@@ -56,7 +74,7 @@ class Arm {
   [[nodiscard]] virtual const ArmDescription& description() const noexcept = 0;
   /// [s] The clock of `ArmState::time`, now: that of the host, or of a simulation.
   [[nodiscard]] virtual double now() const noexcept = 0;
-  /// Switches the motors on, with no force; also while they are on.
+  /// Arms the arm: switches the motors on, with no force; also while they are on.
   /// \throws DeviceError if that fails.
   virtual void activate() = 0;
   /// The trial that begins, before `activate`: a record can be replayed from there.

@@ -15,10 +15,12 @@ namespace palpate::probing {
 class PluginArm final : public Arm {
  public:
   /// Loads the library, connects to the device and sets the options of the driver.
+  /// \param number of the device, from 0, for drivers of several.
+  /// \throws InvalidInput if the driver has no device of this number.
   /// \throws FileError if the file is no driver, or one for another version of the table.
   /// \throws DeviceError with the driver's words if it refuses to open or to take an option.
   explicit PluginArm(const std::filesystem::path& library,
-                     const std::map<std::string, std::string>& options = {});
+                     const std::map<std::string, std::string>& options = {}, unsigned number = 0);
   ~PluginArm() override;
 
   [[nodiscard]] const ArmDescription& description() const noexcept override;

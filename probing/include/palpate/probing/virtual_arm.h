@@ -50,6 +50,16 @@ struct VirtualArmTruth {
   bool in_contact = false;
 };
 
+/// A hand at the tip of a simulated arm, in the frame of its base. Its mass adds to the inertia of
+/// the joints; the forces that its turning about them makes are left out.
+struct HandGrip {
+  double mass = 0;                                  ///< [kg] >= 0
+  double damping = 0;                               ///< [N s/mm] >= 0
+  double stiffness = 0;                             ///< [N/mm] >= 0, of a spring to ...
+  Eigen::Vector3d place = Eigen::Vector3d::Zero();  ///< [mm] ... where the hand wants the tip
+  Eigen::Vector3d push = Eigen::Vector3d::Zero();   ///< [N] besides
+};
+
 /// All that a simulated arm in free space carries from one moment to the next, so that another one
 /// goes on as it would have.
 struct VirtualArmMemory {
@@ -79,6 +89,9 @@ class VirtualArm final : public Arm {
   void stop() noexcept override;
   /// Why the specimen has no equilibrium.
   [[nodiscard]] std::string last_error() const override;
+
+  /// From the next tick on, a hand holds the tip like this. Nobody holds a new arm.
+  void hold(const HandGrip& grip) noexcept;
 
   /// Makes the noise that follows a function of the seed, this number and the tick since, so that a
   /// resumed campaign sees the noise that it would have seen.

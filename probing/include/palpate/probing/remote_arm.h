@@ -1,0 +1,52 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "palpate/probing/arm.h"
+
+namespace palpate::probing {
+
+struct RemoteArmOptions {
+  std::map<std::string, std::string> driver = {};  ///< options of the driver
+  unsigned number = 0;                             ///< of the device, for drivers of several
+  /// The program `palpate-device-host`; empty: beside this program, otherwise on the path.
+  std::filesystem::path host = {};
+  double open_timeout = 10;  ///< [s] until the device is connected or armed; > 0
+  /// [s] > 0 until a read counts as unanswered. At least 20 periods are waited.
+  double read_timeout = 0.02;
+  /// The process asks for SCHED_FIFO when it is armed; without, a loaded machine lets it wait.
+  bool real_time = false;
+};
+
+/// A driver as `PluginArm`, but in a process of its own: a driver that crashes, stalls or writes
+/// where it must not does not touch this program. The host drops the force itself when a lease
+/// ends. A tick takes two messages and two changes of process longer than with `PluginArm`.
+class RemoteArm final : public Arm {
+ public:
+  /// \throws FileError if the host program is missing, or as `PluginArm`.
+  /// \throws InvalidInput on an option outside its range.
+  /// \throws DeviceError with the words of the host or the driver, or how the process ended.
+  explicit RemoteArm(const std::filesystem::path& library, const RemoteArmOptions& options = {});
+  /// Ends the process; one that does not end within a second is killed.
+  ~RemoteArm() override;
+
+  [[nodiscard]] const ArmDescription& description() const noexcept override;
+  [[nodiscard]] double now() const noexcept override;
+  void activate() override;
+  [[nodiscard]] bool read(ArmState& state) noexcept override;
+  /// False if the process has ended, or the driver refused the command before.
+  [[nodiscard]] bool write(const ArmCommand& command) noexcept override;
+  void stop() noexcept override;
+  [[nodiscard]] std::string last_error() const override;
+
+ private:
+  struct Process;
+  std::unique_ptr<Process> process_;
+};
+
+}  // namespace palpate::probing

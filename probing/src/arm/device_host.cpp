@@ -1,0 +1,157 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/probing/device_host.h"
+
+#include <poll.h>
+#include <pthread.h>
+#include <sched.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <chrono>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include "arm/device_structs.h"
+#include "arm/host_messages.h"
+#include "palpate/error.h"
+#include "palpate/probing/plugin_arm.h"
+
+namespace palpate::probing {
+namespace {
+
+using HostTime = std::chrono::steady_clock;
+
+void say(HostAnswer& answer, const std::string& words) {
+  answer.words[words.copy(static_cast<char*>(answer.words), sizeof(answer.words) - 1)] = '\0';
+}
+
+/// Ends the process soon after the other end has gone, even if the driver does not return.
+void end_without_client(int socket) {
+  std::thread([socket] {
+    pollfd watched{.fd = socket, .events = POLLRDHUP, .revents = 0};
+    while (poll(&watched, 1, -1) < 0 && errno == EINTR) {
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    _exit(1);
+  }).detach();
+}
+
+/// As the thread of the loop does. It is no failure if that is not allowed: the loop says so.
+void ask_for_real_time() {
+  constexpr int kPriority = 80;  // that of `RunOptions`
+  sched_param parameters{};
+  parameters.sched_priority = kPriority;
+  static_cast<void>(pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters));
+}
+
+class Host {
+ public:
+  Host(int socket, PluginArm& arm) : socket_(socket), arm_(arm) {}
+
+  void serve() {
+    HostRequest request;
+    while (true) {
+      if (!wait()) {
+        drop_force();
+        continue;
+      }
+      const ssize_t size = recv(socket_, &request, sizeof(request), 0);
+      if (size < 0 && errno == EINTR) continue;
+      if (size != sizeof(request)) return;
+      if (request.kind == HostRequest::write) {
+        take(command_of(request.command));
+      } else if (!answer(request)) {
+        return;
+      }
+    }
+  }
+
+ private:
+  /// False if the lease ends before a request comes.
+  bool wait() {
+    pollfd watched{.fd = socket_, .events = POLLIN, .revents = 0};
+    while (true) {
+      int milliseconds = -1;
+      if (lease_end_) {
+        const auto left = *lease_end_ - HostTime::now();
+        milliseconds = static_cast<int>(
+            std::chrono::ceil<std::chrono::milliseconds>(std::max(left, HostTime::duration(0)))
+                .count());
+      }
+      const int ready = poll(&watched, 1, milliseconds);
+      if (ready >= 0 || errno != EINTR) return ready != 0;
+    }
+  }
+
+  void take(const ArmCommand& command) {
+    if (!arm_.write(command)) ++refused_;
+    lease_end_.reset();
+    if (command.force.isZero(0) && command.torque.isZero(0)) return;
+    lease_end_ = HostTime::now() + std::chrono::duration_cast<HostTime::duration>(
+                                       std::chrono::duration<double>(command.lease));
+  }
+
+  void drop_force() {
+    lease_end_.reset();
+    static_cast<void>(arm_.write({}));
+  }
+
+  bool answer(const HostRequest& request) {
+    HostAnswer answer{.number = request.number, .done = 1};
+    ArmState state;
+    if (request.kind == HostRequest::read) {
+      if (arm_.read(state)) {
+        answer.state = struct_of(state);
+      } else {
+        answer.done = 0;
+      }
+    } else if (request.kind == HostRequest::activate) {
+      if (request.real_time != 0) ask_for_real_time();
+      try {
+        arm_.activate();
+      } catch (const Error&) {
+        answer.done = 0;
+      }
+    } else {
+      arm_.stop();
+      lease_end_.reset();
+    }
+    if (answer.done == 0 || refused_ > 0) say(answer, arm_.last_error());
+    answer.refused = refused_;
+    answer.now = arm_.now();
+    return send(socket_, &answer, sizeof(answer), MSG_NOSIGNAL) == sizeof(answer);
+  }
+
+  int socket_;
+  PluginArm& arm_;
+  std::uint32_t refused_ = 0;
+  std::optional<HostTime::time_point> lease_end_;  // of a force that acts
+};
+
+}  // namespace
+
+int serve_device(int socket, const std::filesystem::path& library,
+                 const std::map<std::string, std::string>& options, unsigned number) {
+  end_without_client(socket);
+  HostAnswer greeting;
+  try {
+    PluginArm arm(library, options, number);
+    greeting.done = 1;
+    greeting.has_clock = arm.description().real_time ? 0 : 1;
+    greeting.now = arm.now();
+    greeting.info = struct_of(arm.description());
+    if (send(socket, &greeting, sizeof(greeting), MSG_NOSIGNAL) < 0) return 1;
+    Host(socket, arm).serve();
+    return 0;
+  } catch (const Error& wrong) {
+    greeting.invalid = dynamic_cast<const InvalidInput*>(&wrong) != nullptr ? 1 : 0;
+    say(greeting, wrong.what());
+    static_cast<void>(send(socket, &greeting, sizeof(greeting), MSG_NOSIGNAL));
+    return 1;
+  }
+}
+
+}  // namespace palpate::probing

@@ -1,0 +1,78 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+
+// A driver that goes wrong in the tick that its option "at" says, as its option "fault" says:
+// crash, stall, nan or refuse. Built with BROKEN_ON_LOAD it crashes while it is loaded.
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <string>
+#include <thread>
+
+#include "palpate/probing/device_plugin.h"
+
+namespace {
+
+struct Device {
+  std::string fault;
+  long at = -1, tick = 0;
+};
+
+#ifdef BROKEN_ON_LOAD
+[[maybe_unused]] const bool loaded = (std::abort(), true);
+#endif
+
+int open_device(void** device, palpate_device_info_v1* info) {
+  *device = new Device;
+  info->period = 1e-3;
+  info->highest_force = 5;
+  info->continuous_force = 5;
+  return 0;
+}
+
+int configure_device(void* device, const char* key, const char* value) {
+  auto& d = *static_cast<Device*>(device);
+  (std::string(key) == "at" ? d.at = std::atol(value) : (d.fault = value, 0L));
+  return 0;
+}
+
+int read_device(void* device, palpate_device_state_v1* state) {
+  auto& d = *static_cast<Device*>(device);
+  std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  state->time =
+      std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+  for (double& coordinate : state->tip) coordinate = 0;
+  if (d.tick++ != d.at) return 0;
+  if (d.fault == "crash") std::abort();
+  if (d.fault == "stall") std::this_thread::sleep_for(std::chrono::milliseconds(150));
+  if (d.fault == "hang") std::this_thread::sleep_for(std::chrono::hours(1));
+  if (d.fault == "nan") state->tip[1] = std::numeric_limits<double>::quiet_NaN();
+  return d.fault == "refuse" ? 1 : 0;
+}
+
+int do_nothing(void*) { return 0; }
+int write_device(void*, const palpate_device_command_v1* command) {
+  return std::isfinite(command->force[0]) ? 0 : 1;
+}
+void close_device(void* device) { delete static_cast<Device*>(device); }
+const char* last_error_of_device(void*) { return "broken as told"; }
+
+}  // namespace
+
+extern "C" const palpate_device_v1* palpate_device(void) {
+  static const palpate_device_v1 table = {sizeof(palpate_device_v1),
+                                          PALPATE_DEVICE_VERSION,
+                                          open_device,
+                                          configure_device,
+                                          do_nothing,
+                                          read_device,
+                                          write_device,
+                                          do_nothing,
+                                          close_device,
+                                          last_error_of_device,
+                                          nullptr,
+                                          nullptr,
+                                          nullptr};
+  return &table;
+}

@@ -1,0 +1,156 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/probing/remote_arm.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <csignal>
+#include <functional>
+#include <string>
+#include <thread>
+
+#include "palpate/error.h"
+#include "refusal.h"
+
+namespace palpate::probing {
+namespace {
+
+RemoteArmOptions hosted(std::map<std::string, std::string> driver = {}) {
+  return {.driver = std::move(driver), .host = PALPATE_DEVICE_HOST};
+}
+
+std::string words_of(const std::function<void()>& call) {
+  try {
+    call();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  ADD_FAILURE() << "nothing was refused";
+  return {};
+}
+
+bool says(const std::string& words, const std::string& part) {
+  return words.find(part) != std::string::npos;
+}
+
+TEST(RemoteArm, MovesAsItsDriverSimulates) {
+  RemoteArm arm(PALPATE_POINT_MASS_DEVICE, hosted({{"mass", "0.2"}}));
+  EXPECT_EQ(arm.description().name, "point mass");
+  EXPECT_TRUE(arm.description().measures_force);
+  EXPECT_TRUE(arm.description().real_time);
+  arm.activate();
+  ArmState state;
+  ASSERT_TRUE(arm.read(state));
+  const double begin = state.time, place = state.tip.y();
+  for (int i = 0; i < 30; ++i) {
+    ASSERT_TRUE(arm.write({.force = {0, 0.4, 0}, .lease = 1}));
+    ASSERT_TRUE(arm.read(state));
+  }
+  EXPECT_GE(state.time - begin, 0.0299);
+  EXPECT_GT(state.tip.y() - place, 0.5 * 1000 * 0.03 * 0.03 * 0.8);
+  EXPECT_TRUE(state.joints.hasNaN());
+  EXPECT_NEAR(state.delivered_force.y(), 0.4, 1e-5);
+  EXPECT_LE(arm.now() - state.time, 0.5);
+  arm.stop();
+  static_cast<void>(arm.write({.force = {0, 1, 0}}));
+  ASSERT_TRUE(arm.read(state));
+  EXPECT_FALSE(arm.write({})) << "the driver refused the command before";
+  EXPECT_EQ(arm.last_error(), "write before activate");
+}
+
+TEST(RemoteArm, TakesTheClockOfADriverThatHasOne) {
+  RemoteArm arm(PALPATE_VIRTUAL_DEVICE, hosted());
+  EXPECT_FALSE(arm.description().real_time);
+  arm.activate();
+  ArmState state;
+  for (int i = 1; i <= 3; ++i) {
+    ASSERT_TRUE(arm.read(state));
+    EXPECT_NEAR(arm.now(), 1e-3 * i, 1e-12);
+    EXPECT_EQ(arm.now(), state.time);
+  }
+}
+
+// The driver keeps a force for a second; its host does not.
+TEST(RemoteArm, LetsItsHostDropTheForceWhenTheLeaseEnds) {
+  RemoteArm arm(PALPATE_POINT_MASS_DEVICE, hosted({{"forget_lease", "1"}}));
+  arm.activate();
+  ArmState state;
+  ASSERT_TRUE(arm.write({.force = {1, 0, 0}, .lease = 0.5}));
+  ASSERT_TRUE(arm.read(state));
+  EXPECT_NEAR(state.delivered_force.x(), 1, 1e-5);
+  ASSERT_TRUE(arm.write({.force = {1, 0, 0}, .lease = 0.02}));
+  std::this_thread::sleep_for(std::chrono::milliseconds(80));
+  ASSERT_TRUE(arm.read(state));
+  EXPECT_NEAR(state.delivered_force.x(), 0, 1e-5);
+}
+
+TEST(RemoteArm, OutlivesADriverThatCrashesWhileItIsLoaded) {
+  const std::string words =
+      words_of([] { const RemoteArm arm(PALPATE_CRASHING_DEVICE, hosted()); });
+  EXPECT_TRUE(says(words, "crashed: signal 6")) << words;
+  EXPECT_TRUE(says(words, "while the driver was loaded")) << words;
+}
+
+TEST(RemoteArm, OutlivesADriverThatCrashesInATick) {
+  RemoteArm arm(PALPATE_BROKEN_DEVICE, hosted({{"fault", "crash"}, {"at", "5"}}));
+  arm.activate();
+  ArmState state;
+  for (int i = 0; i < 5; ++i) ASSERT_TRUE(arm.read(state));
+  EXPECT_FALSE(arm.read(state));
+  EXPECT_FALSE(arm.read(state));
+  EXPECT_FALSE(arm.write({}));
+  EXPECT_TRUE(says(arm.last_error(), "crashed: signal 6")) << arm.last_error();
+  EXPECT_TRUE(says(words_of([&] { arm.activate(); }), "crashed"));
+}
+
+TEST(RemoteArm, WaitsForADriverThatStallsNoLongerThanItsTimeAndGoesOnAfterwards) {
+  RemoteArm arm(PALPATE_BROKEN_DEVICE, hosted({{"fault", "stall"}, {"at", "3"}}));
+  arm.activate();
+  ArmState state;
+  for (int i = 0; i < 3; ++i) ASSERT_TRUE(arm.read(state));
+  const double before = state.time;
+  const auto begin = std::chrono::steady_clock::now();
+  EXPECT_FALSE(arm.read(state));
+  EXPECT_EQ(state.time, before);
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::milliseconds(140));
+  EXPECT_EQ(arm.last_error(), "the driver's process does not answer");
+  bool answered = false;
+  for (int i = 0; i < 100 && !answered; ++i) answered = arm.read(state);
+  EXPECT_TRUE(answered);
+  // What comes is each time a new state, not a late one.
+  const double after = state.time;
+  ASSERT_TRUE(arm.read(state));
+  EXPECT_GT(state.time, after);
+}
+
+TEST(RemoteArm, EndsADriverThatHangs) {
+  const auto begin = std::chrono::steady_clock::now();
+  {
+    RemoteArm arm(PALPATE_BROKEN_DEVICE, hosted({{"fault", "hang"}, {"at", "0"}}));
+    arm.activate();
+    ArmState state;
+    EXPECT_FALSE(arm.read(state));
+  }
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(5));
+}
+
+TEST(RemoteArm, SaysWhatItsDriverSays) {
+  EXPECT_EQ(words_of([] {
+              const RemoteArm arm(PALPATE_POINT_MASS_DEVICE, hosted({{"mass", "-1"}}));
+            }),
+            std::string(PALPATE_POINT_MASS_DEVICE) + ": option mass = -1: mass must be > 0 kg");
+  EXPECT_TRUE(says(words_of([] { const RemoteArm arm(PALPATE_OLD_DEVICE, hosted()); }),
+                   "the driver is for version 99 of device_plugin.h"));
+  EXPECT_TRUE(says(words_of([] { const RemoteArm arm("missing.so", hosted()); }),
+                   "is not a driver that can be loaded"));
+}
+
+TEST(RemoteArm, SaysThatItsHostIsMissing) {
+  EXPECT_TRUE(says(
+      refusal([] { return RemoteArm(PALPATE_POINT_MASS_DEVICE, {.host = "/nowhere/host"}).now(); }),
+      "/nowhere/host: the host of drivers cannot be started"));
+}
+
+}  // namespace
+}  // namespace palpate::probing
