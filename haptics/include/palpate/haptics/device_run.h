@@ -1,0 +1,74 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "palpate/haptics/device_loop.h"
+#include "palpate/haptics/tick_statistics.h"
+
+namespace palpate::haptics {
+
+/// Another model from a moment on.
+struct ModelExchange {
+  double time = 0;  ///< [s] on the device's clock since the first state
+  std::shared_ptr<const Playback> model;
+};
+
+struct RunOptions {
+  double duration = 0;    ///< [s] on the device's clock; 0: until `stop`; >= 0
+  bool real_time = true;  ///< the thread asks for SCHED_FIFO; never waits for the record
+  int priority = 80;      ///< of SCHED_FIFO, 1 to 99
+  std::filesystem::path record = {};          ///< file of `LoopRecorder`; empty: none
+  std::string session = {};                   ///< for the record
+  std::vector<ModelExchange> exchanges = {};  ///< in the order of time
+  int most_unanswered = 100;  ///< ticks in a row without a state, after which the run ends; >= 1
+};
+
+struct RunReport {
+  TickStatistics time;
+  GivenEnergy given;
+  /// Ticks with each bit of `SafetyAction`, from the lowest.
+  std::array<long long, 9> actions{};
+  std::array<long long, 3> states{};  ///< ticks of each `ContactState`
+  double largest_force = 0;           ///< [N] that was commanded
+  double coupling_stiffness = 0;      ///< [N/mm] at the device; infinite without coupling
+  long long refused = 0;              ///< commands that the device did not take
+  int exchanges = 0;
+  std::string not_real_time = {};  ///< why SCHED_FIFO is not allowed; empty if it is, or not asked
+  bool memory_locked = false;      ///< the process's memory, against page faults
+  std::string device_lost = {};    ///< the device's words, if it does not answer any more
+};
+
+/// Runs a `DeviceLoop` in a thread of its own. The loop neither allocates, locks, throws nor logs.
+class DeviceRun {
+ public:
+  /// Arms the device and starts. `device` must outlive the run, and nobody else may use it.
+  /// \throws InvalidInput on an option outside its range, DeviceError if the device cannot be armed,
+  /// OutputError if the record cannot be written.
+  DeviceRun(probing::Arm& device, std::shared_ptr<const Playback> model,
+            const DeviceLoopOptions& loop = {}, const RunOptions& options = {});
+  /// Stops the loop and disarms the device.
+  ~DeviceRun();
+  DeviceRun(const DeviceRun&) = delete;
+  DeviceRun& operator=(const DeviceRun&) = delete;
+
+  /// Exchanges the model while the loop runs, from any one thread. Returns when the loop uses it,
+  /// or has ended. The loop does not wait.
+  void exchange(std::shared_ptr<const Playback> model);
+  /// Asks the loop to end. Any thread.
+  void stop() noexcept;
+  [[nodiscard]] bool done() const noexcept;
+  /// Waits for the end. \throws OutputError if the record is not complete.
+  [[nodiscard]] RunReport finish();
+
+ private:
+  struct Runner;
+  std::unique_ptr<Runner> runner_;
+};
+
+}  // namespace palpate::haptics

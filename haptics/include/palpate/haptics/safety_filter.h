@@ -1,0 +1,86 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+
+#include "palpate/eigen_alignment.h"
+
+namespace palpate::haptics {
+
+/// What a safety filter did to a force, as bits.
+enum class SafetyAction : std::uint32_t {
+  ramped = 1,             ///< reduced: the ramp after a start is not over
+  clamped = 2,            ///< longer than allowed
+  slewed = 4,             ///< it grew too fast
+  force_not_finite = 8,   ///< zero: the force was NaN or infinite
+  state_not_finite = 16,  ///< zero: the device said NaN or infinity
+  stale = 32,             ///< zero: the state is too old
+  late = 64,              ///< zero: the loop stalled
+  no_answer = 128,        ///< zero: the device gave no state
+  disarmed = 256,         ///< zero: the user does not hold the device
+};
+
+/// "ramped, slewed" and so on; empty for none.
+[[nodiscard]] std::string to_words(std::uint32_t actions);
+
+struct SafetyOptions {
+  double force = 3.3;       ///< [N] a longer force is shortened; > 0
+  double torque = 100;      ///< [N mm] > 0
+  double slew = 1000;       ///< [N/s] by which a force may grow or turn; > 0. It may shrink freely
+  double ramp = 0.5;        ///< [s] of growth from zero after a start, a fault or a clutch; > 0
+  double crossfade = 0.05;  ///< [s] from the last force to that of another model; > 0
+  double oldest_state = 0.02;  ///< [s] > 0
+  double lease = 0.01;         ///< [s] of a command; a loop that comes back later has stalled; > 0
+};
+
+/// \throws InvalidInput on an option outside its range.
+void check_safety(const SafetyOptions& options);
+
+/// What a safety filter must know of a tick. Times are on the device's clock.
+struct SafetyInput {
+  double now = 0;          ///< [s]
+  double state_time = 0;   ///< [s] of the measurement
+  bool answered = true;    ///< the device gave a state
+  bool finite = true;      ///< its position and time
+  bool armed = true;       ///< the user holds the device
+  bool restart = false;    ///< the force begins anew from zero, as after a clutch
+  bool crossfade = false;  ///< it changes for another reason than the tool's motion
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();   ///< [N] wanted
+  Eigen::Vector3d torque = Eigen::Vector3d::Zero();  ///< [N mm] wanted
+};
+
+struct SafeCommand {
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();   ///< [N]
+  Eigen::Vector3d torque = Eigen::Vector3d::Zero();  ///< [N mm]
+  std::uint32_t actions = 0;                         ///< bits of `SafetyAction`
+};
+
+/// Stands between playback and every device. After a fault the force is zero in the same tick, and
+/// begins anew with the ramp when the fault is over. A value: equal inputs give equal commands.
+class SafetyFilter {
+ public:
+  /// \throws InvalidInput on an option outside its range.
+  explicit SafetyFilter(const SafetyOptions& options = {});
+
+  /// Call once a tick. Real-time safe.
+  [[nodiscard]] SafeCommand filter(const SafetyInput& input) noexcept;
+  /// For a command that was computed for longer than `lease`: [s] since `filter`.
+  void check_age(double age, SafeCommand& command) noexcept;
+
+ private:
+  [[nodiscard]] std::uint32_t fault(const SafetyInput& input) const noexcept;
+  void begin_ramp(double now, double length, const Eigen::Vector3d& from) noexcept;
+
+  SafetyOptions options_;
+  bool any_ = false;  // a tick came before
+  bool was_faulty_ = true;
+  double last_now_ = 0;                                  // [s]
+  double ramp_begin_ = 0, ramp_length_ = 0;              // [s]
+  Eigen::Vector3d ramp_from_ = Eigen::Vector3d::Zero();  // [N]
+  Eigen::Vector3d force_ = Eigen::Vector3d::Zero();      // [N] that was sent last
+};
+
+}  // namespace palpate::haptics

@@ -1,0 +1,52 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+
+#include "palpate/eigen_alignment.h"
+#include "palpate/haptics/timed_path.h"
+#include "palpate/probing/arm.h"
+
+namespace palpate::haptics {
+
+/// A hand that holds a device: a mass that a spring pulls to where the hand wants to be.
+struct HandOptions {
+  double mass = 0.2;                               ///< [kg] of hand and device; > 0
+  double damping = 0.005;                          ///< [N s/mm] of hand and device; >= 0
+  double stiffness = 0.1;                          ///< [N/mm] of the spring; >= 0
+  Eigen::Vector3d push = Eigen::Vector3d::Zero();  ///< [N] of the hand besides
+  double encoder_step = 0.02;  ///< [mm] between two positions that are told apart; 0: exact
+  int delay = 1;               ///< [ticks] from a command until its force begins; 0 to 16
+  double period = 1e-3;        ///< [s] > 0
+  double highest_force = 10;   ///< [N] > 0
+  bool real_time = false;      ///< on the host's clock; otherwise on its own
+};
+
+/// A simulated hand, which closes the loop. Between two ticks its motion is exact for a constant
+/// force. Equal commands give equal states, bit by bit.
+class SimulatedHand final : public probing::Arm {
+ public:
+  /// \param wish where the hand wants to be; it begins there, at rest.
+  /// \throws InvalidInput on an option outside its range.
+  explicit SimulatedHand(TimedPath wish, const HandOptions& options = {});
+  ~SimulatedHand() override;
+
+  [[nodiscard]] const probing::ArmDescription& description() const noexcept override;
+  [[nodiscard]] double now() const noexcept override;
+  void activate() override;
+  [[nodiscard]] bool read(probing::ArmState& state) noexcept override;
+  [[nodiscard]] bool write(const probing::ArmCommand& command) noexcept override;
+  void stop() noexcept override;
+
+  /// What encoders do not show: the position [mm], and the force [N] of the motors now.
+  [[nodiscard]] const Eigen::Vector3d& position() const noexcept;
+  [[nodiscard]] const Eigen::Vector3d& applied_force() const noexcept;
+
+ private:
+  struct Simulation;
+  std::unique_ptr<Simulation> simulation_;
+};
+
+}  // namespace palpate::haptics

@@ -1,0 +1,331 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/haptics/loop_record.h"
+
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <cerrno>
+#include <chrono>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <thread>
+#include <type_traits>
+
+#include "palpate/error.h"
+
+namespace palpate::haptics {
+namespace {
+
+using LoopJson = nlohmann::ordered_json;
+
+constexpr const char* kLoopFormat = "palpate loop record";
+constexpr int kLoopVersion = 1;
+static_assert(std::endian::native == std::endian::little, "the file is in the order of the host");
+static_assert(std::is_trivially_copyable_v<TickRecord> && sizeof(TickRecord) == 224,
+              "ticks are written as they are, without padding");
+
+std::array<double, 3> numbers(const Eigen::Vector3d& v) noexcept { return {v.x(), v.y(), v.z()}; }
+Eigen::Vector3d vector(const std::array<double, 3>& v) noexcept { return {v[0], v[1], v[2]}; }
+
+LoopJson json_of(const probing::ArmDescription& device) {
+  return {{"name", device.name},
+          {"period", device.period},
+          {"highest_force", device.highest_force},
+          {"highest_torque", device.highest_torque},
+          {"damping", device.damping},
+          {"delay", device.delay},
+          {"workspace_scale", device.workspace_scale},
+          {"clutch_buttons", device.clutch_buttons}};
+}
+
+probing::ArmDescription device_of(const LoopJson& json) {
+  probing::ArmDescription device;
+  json.at("name").get_to(device.name);
+  json.at("period").get_to(device.period);
+  json.at("highest_force").get_to(device.highest_force);
+  json.at("highest_torque").get_to(device.highest_torque);
+  json.at("damping").get_to(device.damping);
+  json.at("delay").get_to(device.delay);
+  json.at("workspace_scale").get_to(device.workspace_scale);
+  json.at("clutch_buttons").get_to(device.clutch_buttons);
+  return device;
+}
+
+LoopJson json_of(const std::optional<double>& value) {
+  return value ? LoopJson(*value) : LoopJson(nullptr);
+}
+
+std::optional<double> optional_of(const LoopJson& json) {
+  return json.is_null() ? std::nullopt : std::optional(json.get<double>());
+}
+
+LoopJson json_of(const DeviceLoopOptions& options) {
+  LoopJson pose = LoopJson::array();
+  for (const double entry : options.T_world_device.matrix().topRows<3>().transpose().reshaped()) {
+    pose.push_back(entry);
+  }
+  const SafetyOptions& safety = options.safety;
+  const CouplingOptions& coupling = options.coupling;
+  return {{"T_world_device", pose},  // row by row
+          {"scale", json_of(options.scale)},
+          {"clutch_buttons", options.clutch_buttons},
+          {"safety",
+           {{"force", safety.force},
+            {"torque", safety.torque},
+            {"slew", safety.slew},
+            {"ramp", safety.ramp},
+            {"crossfade", safety.crossfade},
+            {"oldest_state", safety.oldest_state},
+            {"lease", safety.lease}}},
+          {"coupling",
+           {{"on", coupling.on},
+            {"stiffness", json_of(coupling.stiffness)},
+            {"safety", coupling.safety},
+            {"least_damping", coupling.least_damping},
+            {"tolerance", coupling.tolerance},
+            {"most_steps", coupling.most_steps}}}};
+}
+
+DeviceLoopOptions options_of(const LoopJson& json) {
+  DeviceLoopOptions options;
+  for (Eigen::Index i = 0; i < 12; ++i) {
+    options.T_world_device.matrix()(i / 4, i % 4) =
+        json.at("T_world_device").at(static_cast<std::size_t>(i)).get<double>();
+  }
+  options.scale = optional_of(json.at("scale"));
+  json.at("clutch_buttons").get_to(options.clutch_buttons);
+  const LoopJson& safety = json.at("safety");
+  safety.at("force").get_to(options.safety.force);
+  safety.at("torque").get_to(options.safety.torque);
+  safety.at("slew").get_to(options.safety.slew);
+  safety.at("ramp").get_to(options.safety.ramp);
+  safety.at("crossfade").get_to(options.safety.crossfade);
+  safety.at("oldest_state").get_to(options.safety.oldest_state);
+  safety.at("lease").get_to(options.safety.lease);
+  const LoopJson& coupling = json.at("coupling");
+  coupling.at("on").get_to(options.coupling.on);
+  options.coupling.stiffness = optional_of(coupling.at("stiffness"));
+  coupling.at("safety").get_to(options.coupling.safety);
+  coupling.at("least_damping").get_to(options.coupling.least_damping);
+  coupling.at("tolerance").get_to(options.coupling.tolerance);
+  coupling.at("most_steps").get_to(options.coupling.most_steps);
+  return options;
+}
+
+bool same_bits(const TickRecord& a, const TickRecord& b) {
+  TickRecord first = a, second = b;
+  first.nanoseconds = second.nanoseconds = 0;
+  return std::memcmp(&first, &second, sizeof(TickRecord)) == 0;
+}
+
+}  // namespace
+
+TickRecord record_of(const TickInput& input, double written, const TickOutput& output) noexcept {
+  const probing::ArmState& state = input.state;
+  TickRecord record;
+  record.now = input.now;
+  record.state_time = state.time;
+  record.tip = numbers(state.tip);
+  std::copy_n(state.orientation.data(), 4, record.orientation.begin());
+  record.velocity = numbers(state.velocity);
+  record.buttons = state.buttons;
+  if (input.answered) record.flags |= TickRecord::kAnswered;
+  if (state.armed) record.flags |= TickRecord::kArmed;
+  if (state.clutched) record.flags |= TickRecord::kClutched;
+  if (input.exchanged) record.flags |= TickRecord::kExchanged;
+  record.written = written;
+  record.force = numbers(output.command.force);
+  record.torque = numbers(output.command.torque);
+  record.tool = numbers(output.tool);
+  record.contact = numbers(output.contact);
+  record.contact_state = static_cast<std::uint32_t>(output.state);
+  record.actions = output.command.actions;
+  return record;
+}
+
+TickInput input_of(const TickRecord& record) noexcept {
+  TickInput input;
+  input.now = record.now;
+  input.answered = (record.flags & TickRecord::kAnswered) != 0;
+  input.exchanged = (record.flags & TickRecord::kExchanged) != 0;
+  input.state.time = record.state_time;
+  input.state.tip = vector(record.tip);
+  input.state.orientation = Eigen::Vector4d(record.orientation.data());
+  input.state.velocity = vector(record.velocity);
+  input.state.buttons = record.buttons;
+  input.state.armed = (record.flags & TickRecord::kArmed) != 0;
+  input.state.clutched = (record.flags & TickRecord::kClutched) != 0;
+  return input;
+}
+
+struct LoopRecorder::Writer {
+  static constexpr std::size_t kRoom = std::size_t{1} << 14;  // ticks: 16 s at 1 kHz
+
+  explicit Writer(const std::filesystem::path& where) : path(where), ring(kRoom) {
+    file = std::fopen(path.c_str(), "wb");
+    if (file == nullptr) {
+      throw OutputError(path.string() + ": cannot be written: " + std::strerror(errno));
+    }
+  }
+  ~Writer() {
+    if (thread.joinable()) {
+      done.store(true, std::memory_order_release);
+      thread.join();
+    }
+    if (file != nullptr) std::fclose(file);
+  }
+  Writer(const Writer&) = delete;
+  Writer& operator=(const Writer&) = delete;
+
+  void run() {
+    constexpr std::chrono::milliseconds kPause(2);
+    while (true) {
+      const bool last = done.load(std::memory_order_acquire);
+      const std::size_t end = put.load(std::memory_order_acquire);
+      for (std::size_t i = taken.load(std::memory_order_relaxed); i != end;) {
+        const std::size_t begin = i % kRoom;
+        const std::size_t count = std::min(end - i, kRoom - begin);
+        if (std::fwrite(&ring[begin], sizeof(TickRecord), count, file) != count) complete = false;
+        i += count;
+        taken.store(i, std::memory_order_release);
+      }
+      if (last) return;
+      std::this_thread::sleep_for(kPause);
+    }
+  }
+
+  std::filesystem::path path;
+  std::vector<TickRecord> ring;
+  std::atomic<std::size_t> put{0}, taken{0};  // ticks so far
+  std::atomic<bool> done{false};
+  long long lost = 0;
+  bool complete = true;
+  std::FILE* file = nullptr;
+  std::thread thread;
+};
+
+LoopRecorder::LoopRecorder(const std::filesystem::path& path, const probing::ArmDescription& device,
+                           const DeviceLoopOptions& options, const std::string& session)
+    : writer_(std::make_unique<Writer>(path)) {
+  const std::string head = LoopJson{{"format", kLoopFormat},     {"version", kLoopVersion},
+                                    {"byte_order", "little"},    {"tick_bytes", sizeof(TickRecord)},
+                                    {"device", json_of(device)}, {"options", json_of(options)},
+                                    {"session", session}}
+                               .dump() +
+                           "\n";
+  if (std::fwrite(head.data(), 1, head.size(), writer_->file) != head.size()) {
+    throw OutputError(path.string() + ": cannot be written: " + std::strerror(errno));
+  }
+  writer_->thread = std::thread([writer = writer_.get()] { writer->run(); });
+}
+
+LoopRecorder::~LoopRecorder() = default;
+
+bool LoopRecorder::put(const TickRecord& tick) noexcept {
+  Writer& w = *writer_;
+  const std::size_t at = w.put.load(std::memory_order_relaxed);
+  if (at - w.taken.load(std::memory_order_acquire) >= Writer::kRoom) {
+    ++w.lost;
+    return false;
+  }
+  w.ring[at % Writer::kRoom] = tick;
+  w.put.store(at + 1, std::memory_order_release);
+  return true;
+}
+
+void LoopRecorder::wait_for_room() const {
+  constexpr std::chrono::microseconds kPause(100);
+  const Writer& w = *writer_;
+  while (w.put.load(std::memory_order_relaxed) - w.taken.load(std::memory_order_acquire) >=
+         Writer::kRoom) {
+    std::this_thread::sleep_for(kPause);
+  }
+}
+
+void LoopRecorder::finish() {
+  Writer& w = *writer_;
+  if (w.file == nullptr) return;
+  w.done.store(true, std::memory_order_release);
+  if (w.thread.joinable()) w.thread.join();
+  const bool closed = std::fclose(w.file) == 0;
+  w.file = nullptr;
+  if (!w.complete || !closed) {
+    throw OutputError(w.path.string() + ": the record is not complete: the disk may be full");
+  }
+  if (w.lost > 0) {
+    throw OutputError(w.path.string() + ": the record is not complete: the disk was too slow for " +
+                      std::to_string(w.lost) + " ticks");
+  }
+}
+
+LoopRecord read_loop_record(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw FileError(path.string() + ": cannot be read; expected the record of a loop");
+  std::string line;
+  constexpr std::size_t kLongestHead = 1 << 20;  // [bytes]
+  char letter = 0;
+  while (line.size() < kLongestHead && file.get(letter) && letter != '\n') line += letter;
+  const LoopJson head = LoopJson::parse(line, nullptr, false);
+  if (!head.is_object() || head.value("format", "") != kLoopFormat) {
+    throw FileError(path.string() +
+                    ": is no loop record; expected the file of 'palpate play --session'");
+  }
+  LoopRecord record;
+  try {
+    if (head.at("version") != kLoopVersion || head.at("tick_bytes") != sizeof(TickRecord)) {
+      throw FileError(path.string() + ": is a loop record of version " + head.at("version").dump() +
+                      "; this program reads version " + std::to_string(kLoopVersion));
+    }
+    record.device = device_of(head.at("device"));
+    record.options = options_of(head.at("options"));
+    head.at("session").get_to(record.session);
+  } catch (const nlohmann::json::exception& wrong) {
+    throw FileError(path.string() + ": the head of the loop record is damaged: " + wrong.what());
+  }
+  TickRecord tick;
+  while (file.read(reinterpret_cast<char*>(&tick), sizeof(tick))) record.ticks.push_back(tick);
+  return record;
+}
+
+LoopReplay replay(const LoopRecord& record, std::span<const Playback* const> models) {
+  const auto exchanges =
+      static_cast<std::size_t>(std::ranges::count_if(record.ticks, [](const TickRecord& tick) {
+        return (tick.flags & TickRecord::kExchanged) != 0;
+      }));
+  if (models.size() < exchanges + 1) {
+    throw InvalidInput("replay: there are " + std::to_string(models.size()) +
+                       " models; the record has " + std::to_string(exchanges) +
+                       " exchanges and needs one more model than that");
+  }
+  DeviceLoop loop(record.device, record.options);
+  LoopReplay result;
+  std::size_t model = 0;
+  for (const TickRecord& tick : record.ticks) {
+    const TickInput input = input_of(tick);
+    if (input.exchanged) ++model;
+    TickOutput output = loop.tick(*models[model], input);
+    loop.check_age(tick.written - tick.now, output);
+    if (!same_bits(record_of(input, tick.written, output), tick)) {
+      if (result.different++ == 0) result.first_different = result.ticks;
+    }
+    ++result.ticks;
+  }
+  return result;
+}
+
+std::vector<TracePoint> trace_of(const LoopRecord& record) {
+  std::vector<TracePoint> trace;
+  trace.reserve(record.ticks.size());
+  const Eigen::Matrix3d rotation = record.options.T_world_device.linear();
+  for (const TickRecord& tick : record.ticks) {
+    trace.push_back({tick.state_time, vector(tick.tool), vector(tick.contact),
+                     rotation * vector(tick.force),
+                     static_cast<ContactState>(std::min(tick.contact_state, 2u))});
+  }
+  return trace;
+}
+
+}  // namespace palpate::haptics

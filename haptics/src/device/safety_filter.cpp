@@ -1,0 +1,134 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/haptics/safety_filter.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string_view>
+#include <utility>
+
+#include "palpate/require.h"
+
+namespace palpate::haptics {
+namespace {
+
+constexpr std::array<std::pair<SafetyAction, std::string_view>, 9> kSafetyWords = {{
+    {SafetyAction::ramped, "ramped"},
+    {SafetyAction::clamped, "clamped"},
+    {SafetyAction::slewed, "slewed"},
+    {SafetyAction::force_not_finite, "force not finite"},
+    {SafetyAction::state_not_finite, "state not finite"},
+    {SafetyAction::stale, "state too old"},
+    {SafetyAction::late, "loop late"},
+    {SafetyAction::no_answer, "no answer"},
+    {SafetyAction::disarmed, "disarmed"},
+}};
+
+constexpr std::uint32_t bit(SafetyAction action) { return static_cast<std::uint32_t>(action); }
+
+/// The point of the segment from zero to `last` that is nearest to `wanted`: as far as a force may
+/// change at once, since it only becomes less.
+Eigen::Vector3d released(const Eigen::Vector3d& last, const Eigen::Vector3d& wanted) noexcept {
+  const double square = last.squaredNorm();
+  if (square == 0) return last;
+  return std::clamp(wanted.dot(last) / square, 0.0, 1.0) * last;
+}
+
+Eigen::Vector3d shortened(const Eigen::Vector3d& vector, double longest) noexcept {
+  const double length = vector.stableNorm();
+  return length > longest ? Eigen::Vector3d(vector * (longest / length)) : vector;
+}
+
+}  // namespace
+
+std::string to_words(std::uint32_t actions) {
+  std::string words;
+  for (const auto& [action, word] : kSafetyWords) {
+    if ((actions & bit(action)) == 0) continue;
+    if (!words.empty()) words += ", ";
+    words += word;
+  }
+  return words;
+}
+
+void check_safety(const SafetyOptions& options) {
+  require("SafetyOptions::force", options.force, above(0).finite(), "N");
+  require("SafetyOptions::torque", options.torque, above(0).finite(), "N mm");
+  require("SafetyOptions::slew", options.slew, above(0).finite(), "N/s");
+  require("SafetyOptions::ramp", options.ramp, above(0).finite(), "s");
+  require("SafetyOptions::crossfade", options.crossfade, above(0).finite(), "s");
+  require("SafetyOptions::oldest_state", options.oldest_state, above(0).finite(), "s");
+  require("SafetyOptions::lease", options.lease, above(0).at_most(0.1), "s");
+}
+
+SafetyFilter::SafetyFilter(const SafetyOptions& options) : options_(options) {
+  check_safety(options);
+}
+
+std::uint32_t SafetyFilter::fault(const SafetyInput& input) const noexcept {
+  if (!input.answered) return bit(SafetyAction::no_answer);
+  if (!input.finite) return bit(SafetyAction::state_not_finite);
+  // Written so that a time that is NaN is a fault too.
+  if (!(input.now - input.state_time <= options_.oldest_state)) return bit(SafetyAction::stale);
+  if (any_ && !(input.now - last_now_ <= options_.lease)) return bit(SafetyAction::late);
+  if (!input.armed) return bit(SafetyAction::disarmed);
+  if (!input.force.allFinite() || !input.torque.allFinite()) {
+    return bit(SafetyAction::force_not_finite);
+  }
+  return 0;
+}
+
+void SafetyFilter::begin_ramp(double now, double length, const Eigen::Vector3d& from) noexcept {
+  ramp_begin_ = now;
+  ramp_length_ = length;
+  ramp_from_ = from;
+}
+
+SafeCommand SafetyFilter::filter(const SafetyInput& input) noexcept {
+  const std::uint32_t wrong = fault(input);
+  const double period = any_ ? input.now - last_now_ : 0;
+  any_ = true;
+  last_now_ = input.now;
+  if (wrong != 0) {
+    was_faulty_ = true;
+    force_.setZero();
+    return {.actions = wrong};
+  }
+  if (was_faulty_ || input.restart) {
+    begin_ramp(input.now, options_.ramp, Eigen::Vector3d::Zero());
+  } else if (input.crossfade) {
+    begin_ramp(input.now, options_.crossfade, force_);
+  }
+  was_faulty_ = false;
+
+  SafeCommand command{.force = input.force, .torque = input.torque};
+  const double share = std::clamp((input.now - ramp_begin_) / ramp_length_, 0.0, 1.0);
+  if (share < 1) {
+    command.force = (1 - share) * ramp_from_ + share * command.force;
+    command.torque *= share;
+    command.actions |= bit(SafetyAction::ramped);
+  }
+  const Eigen::Vector3d allowed = shortened(command.force, options_.force);
+  if (allowed != command.force) command.actions |= bit(SafetyAction::clamped);
+  const Eigen::Vector3d begin = released(force_, allowed);
+  // The segment from `begin` to `allowed` lies within the clamp: both ends do.
+  command.force = begin + shortened(allowed - begin, options_.slew * std::max(period, 0.0));
+  if ((command.force - allowed).norm() > 1e-12 * options_.force) {
+    command.actions |= bit(SafetyAction::slewed);
+  }
+  command.torque = shortened(command.torque, options_.torque);
+  force_ = command.force;
+  return command;
+}
+
+void SafetyFilter::check_age(double age, SafeCommand& command) noexcept {
+  if (age <= options_.lease) return;
+  command.force.setZero();
+  command.torque.setZero();
+  command.actions = bit(SafetyAction::late);
+  force_.setZero();
+  was_faulty_ = true;
+}
+
+}  // namespace palpate::haptics

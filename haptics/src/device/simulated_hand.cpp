@@ -1,0 +1,146 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/haptics/simulated_hand.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "device/tick_clock.h"
+#include "palpate/error.h"
+#include "palpate/require.h"
+
+// Units: mm, N, s, and so masses in N s^2/mm (1000 kg).
+namespace palpate::haptics {
+namespace {
+
+constexpr double kKilogramOfHand = 1e-3;  // [N s^2/mm]
+constexpr int kLongestDelay = 16;         // [ticks]
+
+/// exp(A) by scaling and squaring of its Taylor series.
+Eigen::Matrix3d matrix_exponential(const Eigen::Matrix3d& matrix) {
+  constexpr int kTerms = 12;  // at a norm of at most 1/2: 1e-13 relative
+  const int halvings =
+      std::max(0, static_cast<int>(std::ceil(std::log2(2 * matrix.cwiseAbs().sum() + 1e-300))));
+  const Eigen::Matrix3d small = std::ldexp(1.0, -halvings) * matrix;
+  Eigen::Matrix3d sum = Eigen::Matrix3d::Identity(), term = sum;
+  for (int i = 1; i <= kTerms; ++i) {
+    term = term * small / i;
+    sum += term;
+  }
+  for (int i = 0; i < halvings; ++i) sum = (sum * sum).eval();
+  return sum;
+}
+
+}  // namespace
+
+struct SimulatedHand::Simulation {
+  struct Pending {
+    Eigen::Vector3d force = Eigen::Vector3d::Zero();
+    double end = 0;  // [s] of the lease
+  };
+
+  /// One tick of position offset, speed and force: x' = v, v' = (f - b v - k x) / m.
+  void make_step() {
+    const double mass = kKilogramOfHand * options.mass;
+    Eigen::Matrix3d rates;
+    rates << 0, 1, 0,                                                  //
+        -options.stiffness / mass, -options.damping / mass, 1 / mass,  //
+        0, 0, 0;
+    step = matrix_exponential(options.period * rates);
+  }
+
+  void move() noexcept {
+    time += options.period;
+    const Pending& due = queue[static_cast<std::size_t>(options.delay)];
+    applied =
+        active && time <= due.end + options.period / 2 ? due.force : Eigen::Vector3d::Zero().eval();
+    const Eigen::Vector3d rest = wish.position(time);
+    for (int i = 0; i < 3; ++i) {
+      const Eigen::Vector3d now(place[i] - rest[i], speed[i], applied[i] + options.push[i]);
+      const Eigen::Vector3d next = step * now;
+      place[i] = rest[i] + next[0];
+      speed[i] = next[1];
+    }
+    std::move_backward(queue.begin(), queue.end() - 1, queue.end());
+  }
+
+  TimedPath wish;
+  HandOptions options;
+  TickClock clock;
+  probing::ArmDescription description;
+  Eigen::Matrix3d step = Eigen::Matrix3d::Identity();
+  std::array<Pending, kLongestDelay + 1> queue{};  // [0]: the latest command
+  bool active = false;
+  double time = 0;  // [s] of the simulation
+  Eigen::Vector3d place = Eigen::Vector3d::Zero(), speed = Eigen::Vector3d::Zero();
+  Eigen::Vector3d applied = Eigen::Vector3d::Zero();
+};
+
+SimulatedHand::SimulatedHand(TimedPath wish, const HandOptions& options) {
+  require("HandOptions::mass", options.mass, above(0).finite(), "kg");
+  require("HandOptions::damping", options.damping, at_least(0).finite(), "N s/mm");
+  require("HandOptions::stiffness", options.stiffness, at_least(0).finite(), "N/mm");
+  require("HandOptions::encoder_step", options.encoder_step, at_least(0).finite(), "mm");
+  require("HandOptions::delay", options.delay, at_least(0).at_most(kLongestDelay), "ticks");
+  require("HandOptions::period", options.period, above(0).finite(), "s");
+  require("HandOptions::highest_force", options.highest_force, above(0).finite(), "N");
+  if (!options.push.allFinite()) {
+    throw InvalidInput("HandOptions::push is not finite; it must be a force in N");
+  }
+  simulation_ = std::make_unique<Simulation>(
+      Simulation{.wish = std::move(wish),
+                 .options = options,
+                 .clock = TickClock(options.period, options.real_time),
+                 .description = {.name = "simulated hand",
+                                 .period = options.period,
+                                 .highest_force = options.highest_force,
+                                 .continuous_force = options.highest_force,
+                                 .real_time = options.real_time,
+                                 .damping = options.damping,
+                                 .delay = options.delay * options.period}});
+  simulation_->place = simulation_->wish.position(0);
+  simulation_->make_step();
+}
+
+SimulatedHand::~SimulatedHand() = default;
+
+const probing::ArmDescription& SimulatedHand::description() const noexcept {
+  return simulation_->description;
+}
+
+double SimulatedHand::now() const noexcept { return simulation_->clock.now(); }
+
+void SimulatedHand::activate() {
+  simulation_->active = true;
+  simulation_->queue.fill({});
+}
+
+bool SimulatedHand::read(probing::ArmState& state) noexcept {
+  Simulation& s = *simulation_;
+  for (int ticks = s.clock.wait(); ticks > 0; --ticks) s.move();
+  state = {};
+  state.time = s.clock.now();
+  const double quantum = s.options.encoder_step;
+  state.tip = s.place;
+  if (quantum > 0) state.tip = quantum * (s.place / quantum).array().round();
+  return true;
+}
+
+bool SimulatedHand::write(const probing::ArmCommand& command) noexcept {
+  Simulation& s = *simulation_;
+  if (!s.active || !command.force.allFinite()) return false;
+  s.queue[0] = {command.force, s.time + s.options.delay * s.options.period + command.lease};
+  return true;
+}
+
+void SimulatedHand::stop() noexcept { simulation_->active = false; }
+
+const Eigen::Vector3d& SimulatedHand::position() const noexcept { return simulation_->place; }
+
+const Eigen::Vector3d& SimulatedHand::applied_force() const noexcept {
+  return simulation_->applied;
+}
+
+}  // namespace palpate::haptics

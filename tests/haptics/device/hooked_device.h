@@ -1,0 +1,43 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "palpate/probing/arm.h"
+
+namespace palpate::haptics {
+
+/// Another device with a hook in its functions, to make it fail or to watch it.
+class HookedDevice final : public probing::Arm {
+ public:
+  explicit HookedDevice(probing::Arm& device) : device_(device) {}
+
+  /// Called after each read with its number from 0; returns whether the device answered.
+  std::function<bool(long long, probing::ArmState&)> after_read = [](long long, auto&) {
+    return true;
+  };
+  std::function<void(const probing::ArmCommand&)> on_write = [](const probing::ArmCommand&) {};
+
+  [[nodiscard]] const probing::ArmDescription& description() const noexcept override {
+    return device_.description();
+  }
+  [[nodiscard]] double now() const noexcept override { return device_.now(); }
+  void activate() override { device_.activate(); }
+  [[nodiscard]] bool read(probing::ArmState& state) noexcept override {
+    return device_.read(state) && after_read(reads_++, state);
+  }
+  [[nodiscard]] bool write(const probing::ArmCommand& command) noexcept override {
+    on_write(command);
+    return device_.write(command);
+  }
+  void stop() noexcept override { device_.stop(); }
+  [[nodiscard]] std::string last_error() const override { return "cable pulled"; }
+
+ private:
+  probing::Arm& device_;
+  long long reads_ = 0;
+};
+
+}  // namespace palpate::haptics

@@ -1,0 +1,119 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/haptics/simulated_hand.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "refusal.h"
+
+namespace palpate::haptics {
+namespace {
+
+TimedPath rest() { return TimedPath({{0, Eigen::Vector3d::Zero()}}); }
+
+TEST(SimulatedHand, FallsFreely) {
+  SimulatedHand hand(
+      rest(), {.mass = 0.1, .damping = 0, .stiffness = 0, .push = {0, 0, -1}, .encoder_step = 0});
+  probing::ArmState state;
+  for (int tick = 1; tick <= 100; ++tick) {
+    ASSERT_TRUE(hand.read(state));
+    const double time = 1e-3 * tick;
+    EXPECT_NEAR(state.tip.z(), -0.5 * 1e4 * time * time, 1e-9);
+    EXPECT_NEAR(state.time, time, 1e-12);
+  }
+}
+
+TEST(SimulatedHand, SwingsAsADampedOscillator) {
+  const HandOptions options{
+      .mass = 0.2, .damping = 0.003, .stiffness = 0.1, .push = {0.5, 0, 0}, .encoder_step = 0};
+  SimulatedHand hand(rest(), options);
+  const double mass = 1e-3 * options.mass;
+  const double decay = options.damping / (2 * mass);
+  const double turn = std::sqrt(options.stiffness / mass - decay * decay);
+  probing::ArmState state;
+  for (int tick = 1; tick <= 500; ++tick) {
+    ASSERT_TRUE(hand.read(state));
+    const double time = 1e-3 * tick;
+    const double expected =
+        5 * (1 - std::exp(-decay * time) *
+                     (std::cos(turn * time) + decay / turn * std::sin(turn * time)));
+    EXPECT_NEAR(state.tip.x(), expected, 1e-8) << tick;
+  }
+}
+
+TEST(SimulatedHand, FollowsItsWish) {
+  SimulatedHand hand(TimedPath({{0, {0, 0, 0}}, {1, {20, 0, 0}}}, PathShape::smooth));
+  probing::ArmState state;
+  for (int tick = 0; tick < 1500; ++tick) ASSERT_TRUE(hand.read(state));
+  EXPECT_NEAR(state.tip.x(), 20, 0.05);
+}
+
+TEST(SimulatedHand, FeelsAForceAfterItsDelay) {
+  for (const int delay : {0, 1, 4}) {
+    SimulatedHand hand(rest(), {.delay = delay});
+    EXPECT_EQ(hand.description().delay, 1e-3 * delay);
+    hand.activate();
+    probing::ArmState state;
+    ASSERT_TRUE(hand.read(state));
+    for (int tick = 0; tick < 10; ++tick) {
+      ASSERT_TRUE(hand.write({.force = {0, 0, 1.0 + tick}}));
+      ASSERT_TRUE(hand.read(state));
+      EXPECT_EQ(hand.applied_force().z(), tick < delay ? 0 : 1.0 + tick - delay) << delay;
+    }
+  }
+}
+
+// The watchdog that every device has: it needs no loop.
+TEST(SimulatedHand, DropsTheForceWhenTheLeaseEnds) {
+  SimulatedHand hand(rest(), {.delay = 1});
+  hand.activate();
+  probing::ArmState state;
+  ASSERT_TRUE(hand.read(state));
+  ASSERT_TRUE(hand.write({.force = {0, 0, 1}, .lease = 0.01}));
+  int felt = 0;
+  for (int tick = 0; tick < 40; ++tick) {
+    ASSERT_TRUE(hand.read(state));
+    felt += hand.applied_force().z() == 1;
+    if (tick > 12) {
+      EXPECT_EQ(hand.applied_force().z(), 0) << tick;
+    }
+  }
+  EXPECT_EQ(felt, 10);
+}
+
+TEST(SimulatedHand, ReadsQuantisedEncoders) {
+  SimulatedHand hand(rest(), {.push = {0.3, 0, 0}, .encoder_step = 0.05});
+  probing::ArmState state;
+  for (int tick = 0; tick < 100; ++tick) {
+    ASSERT_TRUE(hand.read(state));
+    EXPECT_NEAR(state.tip.x() / 0.05, std::round(state.tip.x() / 0.05), 1e-9);
+    EXPECT_LE(std::abs(state.tip.x() - hand.position().x()), 0.025 + 1e-12);
+  }
+}
+
+TEST(SimulatedHand, FeelsNothingUnlessItIsArmed) {
+  SimulatedHand hand(rest(), {.delay = 0});
+  EXPECT_FALSE(hand.write({.force = {0, 0, 1}}));
+  hand.activate();
+  ASSERT_TRUE(hand.write({.force = {0, 0, 1}}));
+  hand.stop();
+  probing::ArmState state;
+  ASSERT_TRUE(hand.read(state));
+  EXPECT_EQ(hand.applied_force(), Eigen::Vector3d::Zero());
+}
+
+TEST(SimulatedHand, RefusesWhatCannotBe) {
+  const auto message = [](const HandOptions& options) {
+    return refusal([&] { return SimulatedHand(rest(), options).now(); });
+  };
+  EXPECT_NE(message({.mass = 0}).find("HandOptions::mass"), std::string::npos);
+  EXPECT_NE(message({.damping = -1}).find("HandOptions::damping"), std::string::npos);
+  EXPECT_NE(message({.stiffness = std::nan("")}).find("HandOptions::stiffness"), std::string::npos);
+  EXPECT_NE(message({.push = {std::nan(""), 0, 0}}).find("HandOptions::push"), std::string::npos);
+  EXPECT_NE(message({.delay = 17}).find("HandOptions::delay"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace palpate::haptics
