@@ -9,6 +9,8 @@
 #include <optional>
 #include <vector>
 
+#include "commands/play_device.h"
+#include "palpate/error.h"
 #include "palpate/haptics/model_io.h"
 #include "palpate/haptics/playback.h"
 #include "palpate/haptics/trajectory_csv.h"
@@ -24,7 +26,9 @@ namespace {
 namespace fs = std::filesystem;
 
 struct PlayCall {
-  fs::path model, trajectory, record, picture;
+  fs::path model, trajectory, record, picture, replay;
+  bool stability = false;
+  DeviceCall device;
 };
 
 void play(const Settings& settings, const PlayCall& call) {
@@ -70,6 +74,87 @@ void play(const Settings& settings, const PlayCall& call) {
   }
 }
 
+/// What is asked for: a trajectory, a device, a session again, or the stability of a device.
+void play_anything(const Settings& settings, PlayCall& call) {
+  DeviceCall& device = call.device;
+  device.model = call.model;
+  device.trajectory = call.trajectory;
+  device.trace = call.record;
+  const bool has_device = !device.device.empty();
+  if (!has_device && (device.real_time || !device.session.empty())) {
+    throw InvalidInput("--realtime and --session: need --device");
+  }
+  if ((has_device || call.stability || !call.replay.empty()) && !call.picture.empty()) {
+    throw InvalidInput("--picture: shows the forces along a trajectory; it goes without --device");
+  }
+  if (!call.replay.empty()) {
+    if (has_device || call.stability || !call.trajectory.empty()) {
+      throw InvalidInput(
+          "--replay: the session says what was read; leave out --device, --trajectory and "
+          "--stability");
+    }
+    play_replay(settings, call.model, device.exchange, call.replay);
+  } else if (call.stability) {
+    if (!has_device) device.device = "hand";
+    play_stability(settings, device);
+  } else if (has_device) {
+    play_device(settings, device);
+  } else if (call.trajectory.empty()) {
+    throw InvalidInput("palpate play: needs --trajectory, --device, --replay or --stability");
+  } else {
+    play(settings, call);
+  }
+}
+
+void add_device_options(CLI::App& command, PlayCall& call) {
+  DeviceCall& device = call.device;
+  command.add_option("--device", device.device,
+                     "Close the loop with a device: recorded or scripted (follow --trajectory, "
+                     "exactly or smoothly from point to point), hand (simulated), arm (simulated, "
+                     "held by the hand), or a driver, a shared library (docs/devices.md)");
+  command.add_option("--set", device.settings,
+                     "Options of the device, KEY=VALUE; of simulated ones mass [kg], damping [N "
+                     "s/mm], stiffness [N/mm], encoder_step [mm], delay [ticks], rate [Hz]");
+  command.add_option("--device-number", device.number, "Which of a driver's devices, from 0");
+  command.add_flag("--in-process", device.in_process,
+                   "Run the driver in this process: faster, but its crash is that of the loop");
+  command.add_flag("--realtime", device.real_time,
+                   "On the host's clock, with real-time scheduling if that is allowed");
+  command
+      .add_option("--duration", device.duration,
+                  "[s] (default: that of the trajectory; of a driver, until Ctrl-C)")
+      ->check(within(above(0).finite()));
+  command.add_option("--session", device.session,
+                     "Record of all that the loop reads and commands, which --replay takes");
+  command.add_option("--replay", call.replay, "Compute a session again and compare every bit");
+  command.add_option("--pose", device.pose,
+                     "Where the device's frame lies in the model's: a file with a 3 x 4 matrix");
+  command
+      .add_option("--scale", device.scale,
+                  "[mm/mm] of the model for one of the device (default: as it declares, or 1)")
+      ->check(within(above(0).finite()));
+  command
+      .add_option("--clutch-button", device.clutch_buttons,
+                  "Numbers of buttons, from 0, while which the tool stands still")
+      ->check(within(at_least(0).at_most(31)));
+  command.add_option("--coupling", device.coupling,
+                     "Virtual coupling: auto (by the device's damping and delay), off, or N/mm");
+  command.add_option("--max-force", device.force, "[N] Longer forces are shortened")
+      ->check(within(above(0).finite()));
+  command.add_option("--slew", device.slew, "[N/s] by which a force may grow")
+      ->check(within(above(0).finite()));
+  command
+      .add_option("--ramp", device.ramp, "[s] in which the force grows after a start or a fault")
+      ->check(within(above(0).finite()));
+  command.add_option("--exchange", device.exchange, "Another model, which replaces the first ...");
+  command
+      .add_option("--exchange-at", device.exchange_at, "... after this time [s], without a pause")
+      ->check(within(at_least(0).finite()));
+  command.add_flag("--stability", call.stability,
+                   "Say which stiffness is calm with the device, and which rate and damping the "
+                   "model needs");
+}
+
 }  // namespace
 
 void add_play(CLI::App& app, const Settings& settings) {
@@ -77,15 +162,22 @@ void add_play(CLI::App& app, const Settings& settings) {
   CLI::App* command = app.add_subcommand(
       "play", "Compute the forces along a tool's path over a model, as in the haptic loop");
   command->add_option("MODEL", call->model, "Model folder")->required();
-  command
-      ->add_option("--trajectory", call->trajectory,
-                   "Tool positions, one per step: t,x,y,z [s, mm]")
-      ->required();
+  command->add_option(
+      "--trajectory", call->trajectory,
+      "Tool positions, one per step: t,x,y,z [s, mm], CSV or binary; with --device, "
+      "where a simulated device or its hand goes");
   command->add_option("--record", call->record,
                       "Trace to write: t,x,y,z,cx,cy,cz,fx,fy,fz,state (f: force on the user)");
   command->add_option("--picture", call->picture, "Also draw the forces over time (PNG)");
-  command->footer("Example:\n  palpate play model/ --trajectory t.csv --record trace.csv");
-  command->callback([call, &settings] { play(settings, *call); });
+  add_device_options(*command, *call);
+  command->footer(
+      "Examples:\n"
+      "  palpate play model/ --trajectory t.csv --record trace.csv\n"
+      "  palpate play model/ --device hand --trajectory t.csv --session s.bin\n"
+      "  palpate play model/ --replay s.bin\n"
+      "  palpate play model/ --device ./libdevice.so --realtime\n"
+      "  palpate play model/ --stability --set damping=0.002");
+  command->callback([call, &settings] { play_anything(settings, *call); });
 }
 
 }  // namespace palpate::apps
