@@ -99,8 +99,10 @@ TickOutput DeviceLoop::tick(const Playback& playback, const TickInput& input) no
     } else {
       wanted = touch(playback, place + clutch_offset_, output);
       safety.force = rotation_.transpose() * wanted;
+      // Playback meets a position that cannot be, or has found the contact without a touch.
+      safety.restart = trial_.held || trial_.started_inside;
     }
-    safety.restart = clutched || clutched_;
+    safety.restart = safety.restart || clutched || clutched_;
     clutched_ = clutched;
     has_place_ = true;
     place_ = place;

@@ -96,10 +96,16 @@ struct DeviceRun::Runner {
     std::optional<double> first_time;
     double last_now = 0;
     const double period = device.description().period;
+    const auto tick_length =
+        std::chrono::duration_cast<HostClock::duration>(std::chrono::duration<double>(period));
+    const bool paced = options.real_time || device.description().real_time;
     const HostClock::time_point begin = HostClock::now();
     TickInput input;
     while (!stopping.load(std::memory_order_relaxed)) {
+      const HostClock::time_point asked = HostClock::now();
       input.answered = device.read(input.state);
+      // A device that fails at once does not set the pace.
+      if (!input.answered && paced) std::this_thread::sleep_until(asked + tick_length);
       const HostClock::time_point start = HostClock::now();
       input.now = device.now();
       unanswered = input.answered ? 0 : unanswered + 1;

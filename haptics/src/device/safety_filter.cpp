@@ -70,7 +70,10 @@ std::uint32_t SafetyFilter::fault(const SafetyInput& input) const noexcept {
   if (!input.answered) return bit(SafetyAction::no_answer);
   if (!input.finite) return bit(SafetyAction::state_not_finite);
   // Written so that a time that is NaN is a fault too.
-  if (!(input.now - input.state_time <= options_.oldest_state)) return bit(SafetyAction::stale);
+  // A time in the future comes of another clock, and says nothing of the state's age.
+  if (!(std::abs(input.now - input.state_time) <= options_.oldest_state)) {
+    return bit(SafetyAction::stale);
+  }
   if (any_ && !(input.now - last_now_ <= options_.lease)) return bit(SafetyAction::late);
   if (!input.armed) return bit(SafetyAction::disarmed);
   if (!input.force.allFinite() || !input.torque.allFinite()) {
@@ -79,9 +82,11 @@ std::uint32_t SafetyFilter::fault(const SafetyInput& input) const noexcept {
   return 0;
 }
 
+// A ramp that is under way does not end earlier by another one that begins.
 void SafetyFilter::begin_ramp(double now, double length, const Eigen::Vector3d& from) noexcept {
+  const double left = std::min(ramp_begin_ + ramp_length_ - now, ramp_length_);
   ramp_begin_ = now;
-  ramp_length_ = length;
+  ramp_length_ = std::max(length, left);
   ramp_from_ = from;
 }
 

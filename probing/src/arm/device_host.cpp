@@ -10,6 +10,8 @@
 
 #include <cerrno>
 #include <chrono>
+#include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
@@ -28,16 +30,44 @@ void say(HostAnswer& answer, const std::string& words) {
   answer.words[words.copy(static_cast<char*>(answer.words), sizeof(answer.words) - 1)] = '\0';
 }
 
-/// Ends the process soon after the other end has gone, even if the driver does not return.
-void end_without_client(int socket) {
-  std::thread([socket] {
+/// The device while it is open, for the thread that ends the process.
+struct OpenArm {
+  std::mutex mutex;
+  PluginArm* arm = nullptr;
+};
+
+/// Ends the process soon after the other end has gone, even if the driver does not return from a
+/// call. Its stop is called before, in a thread of its own, since that may hang as well.
+void end_without_client(int socket, const std::shared_ptr<OpenArm>& open) {
+  std::thread([socket, open] {
     pollfd watched{.fd = socket, .events = POLLRDHUP, .revents = 0};
     while (poll(&watched, 1, -1) < 0 && errno == EINTR) {
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(500));
+    std::thread([open] {
+      const std::lock_guard lock(open->mutex);
+      if (open->arm != nullptr) open->arm->stop();
+    }).detach();
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
     _exit(1);
   }).detach();
 }
+
+/// Shows an open device to that thread for as long as it exists.
+class ShownArm {
+ public:
+  ShownArm(OpenArm& open, PluginArm& arm) : open_(open) { show(&arm); }
+  ~ShownArm() { show(nullptr); }
+  ShownArm(const ShownArm&) = delete;
+  ShownArm& operator=(const ShownArm&) = delete;
+
+ private:
+  void show(PluginArm* arm) {
+    const std::lock_guard lock(open_.mutex);
+    open_.arm = arm;
+  }
+  OpenArm& open_;
+};
 
 /// As the thread of the loop does. It is no failure if that is not allowed: the loop says so.
 void ask_for_real_time() {
@@ -87,7 +117,10 @@ class Host {
   }
 
   void take(const ArmCommand& command) {
-    if (!arm_.write(command)) ++refused_;
+    if (!arm_.write(command)) {
+      ++refused_;
+      return;  // the force before may act still, until its lease ends
+    }
     lease_end_.reset();
     if (command.force.isZero(0) && command.torque.isZero(0)) return;
     lease_end_ = HostTime::now() + std::chrono::duration_cast<HostTime::duration>(
@@ -96,7 +129,7 @@ class Host {
 
   void drop_force() {
     lease_end_.reset();
-    static_cast<void>(arm_.write({}));
+    if (!arm_.write({})) arm_.stop();
   }
 
   bool answer(const HostRequest& request) {
@@ -135,10 +168,12 @@ class Host {
 
 int serve_device(int socket, const std::filesystem::path& library,
                  const std::map<std::string, std::string>& options, unsigned number) {
-  end_without_client(socket);
+  const auto open = std::make_shared<OpenArm>();
+  end_without_client(socket, open);
   HostAnswer greeting;
   try {
     PluginArm arm(library, options, number);
+    const ShownArm shown(*open, arm);
     greeting.done = 1;
     greeting.has_clock = arm.description().real_time ? 0 : 1;
     greeting.now = arm.now();

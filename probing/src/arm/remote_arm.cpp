@@ -65,8 +65,14 @@ struct RemoteArm::Process {
     posix_spawn_file_actions_t actions;
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_adddup2(&actions, pair[1], kSocketOfHost);
+    // In a process group of its own: Ctrl-C must not end it before the loop has stopped the device.
+    posix_spawnattr_t attributes;
+    posix_spawnattr_init(&attributes);
+    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
+    posix_spawnattr_setpgroup(&attributes, 0);
     const int not_spawned =
-        posix_spawnp(&pid, host.c_str(), &actions, nullptr, arguments.data(), environ);
+        posix_spawnp(&pid, host.c_str(), &actions, &attributes, arguments.data(), environ);
+    posix_spawnattr_destroy(&attributes);
     posix_spawn_file_actions_destroy(&actions);
     close(pair[1]);
     if (not_spawned != 0) {

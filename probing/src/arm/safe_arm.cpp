@@ -180,7 +180,7 @@ ArmFault SafeArm::check_state(const ArmState& state) noexcept {
   const double loop = now - last_loop_;
   last_loop_ = now;
   if (loop > limits_.lease) return ArmFault::late;
-  if (now - state.time > limits_.oldest_state) return ArmFault::state_too_old;
+  if (std::abs(now - state.time) > limits_.oldest_state) return ArmFault::state_too_old;
   if (emergency_stop_ != nullptr && emergency_stop_->pressed()) return ArmFault::emergency_stop;
   if (state.heat.allFinite()) {
     const double hottest = state.heat.maxCoeff();

@@ -151,6 +151,23 @@ TEST(DeviceLoop, KeepsTheContactThroughStatesThatAreNotFinite) {
   EXPECT_LT((output.command.force - reaction_of_sheet({0, 0, 5})).norm(), 1e-6);
 }
 
+TEST(DeviceLoop, RampsTheForceAfterAJumpOfThePosition) {
+  const Eigen::Vector3d inside(3, 4, 705), far(3, 4, 760);
+  for (const int ticks : {1, 5, 30}) {  // while playback keeps the contact, and after
+    Driver driver(kPlain);
+    EXPECT_GT(driver.move(kAboveSheet, inside, 10).command.force.norm(), 1);
+    TickOutput output;
+    for (int i = 0; i < ticks; ++i) {
+      output = driver.tick(far);
+      EXPECT_EQ(output.command.force, Eigen::Vector3d::Zero()) << i;
+    }
+    for (int i = 0; i < 30; ++i) {
+      output = driver.tick(inside);
+      EXPECT_LT(output.command.force.norm(), 0.11) << i;  // of 1.8 N, after 0.03 of 0.5 s
+    }
+  }
+}
+
 TEST(DeviceLoop, NeverCommandsMoreThanTheDeviceCan) {
   probing::ArmDescription device = some_device();
   device.highest_force = 0.7;

@@ -192,6 +192,16 @@ TEST(DeviceRun, EndsWithTheWordsOfADeviceThatIsLost) {
   EXPECT_EQ(report.time.ticks, 599);
 }
 
+TEST(DeviceRun, GivesADeviceThatFailsAtOnceTheTimeOfItsTicks) {
+  SimulatedHand hand(touches(), {.real_time = true});
+  HookedDevice device(hand);
+  device.unplugged = true;
+  const auto begin = std::chrono::steady_clock::now();
+  DeviceRun run(device, sheet(), {}, {.most_unanswered = 60});
+  EXPECT_EQ(run.finish().device_lost, "cable pulled");
+  EXPECT_GE(std::chrono::steady_clock::now() - begin, milliseconds(60));
+}
+
 TEST(DeviceRun, RefusesWhatCannotBe) {
   SimulatedHand hand(touches());
   const auto message = [&](const RunOptions& options) {

@@ -18,6 +18,7 @@ class HookedDevice final : public probing::Arm {
   std::function<bool(long long, probing::ArmState&)> after_read = [](long long, auto&) {
     return true;
   };
+  bool unplugged = false;  ///< each read fails at once
   std::function<void(const probing::ArmCommand&)> on_write = [](const probing::ArmCommand&) {};
 
   [[nodiscard]] const probing::ArmDescription& description() const noexcept override {
@@ -26,7 +27,7 @@ class HookedDevice final : public probing::Arm {
   [[nodiscard]] double now() const noexcept override { return device_.now(); }
   void activate() override { device_.activate(); }
   [[nodiscard]] bool read(probing::ArmState& state) noexcept override {
-    return device_.read(state) && after_read(reads_++, state);
+    return !unplugged && device_.read(state) && after_read(reads_++, state);
   }
   [[nodiscard]] bool write(const probing::ArmCommand& command) noexcept override {
     on_write(command);

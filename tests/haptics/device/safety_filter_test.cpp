@@ -108,6 +108,7 @@ TEST(SafetyFilter, IsZeroForEachFaultInTheSameTickAndRampsAfterIt) {
       {{.answered = false}, SafetyAction::no_answer},
       {{.finite = false}, SafetyAction::state_not_finite},
       {{.state_time = -0.021}, SafetyAction::stale},
+      {{.state_time = 0.021}, SafetyAction::stale},
       {{.state_time = kNan}, SafetyAction::stale},
       {{.armed = false}, SafetyAction::disarmed},
   };
@@ -148,6 +149,16 @@ TEST(SafetyFilter, FadesFromOneModelToTheNext) {
   EXPECT_NEAR(loop.tick({0, 0, 2}, {.crossfade = true}).force.z(), 1, 1e-12);
   EXPECT_NEAR(loop.after(25, {0, 0, 2}).force.z(), 1.5, 1e-9);
   EXPECT_NEAR(loop.after(25, {0, 0, 2}).force.z(), 2, 1e-9);
+}
+
+// The tool may be deep inside after a start or a fault, whatever the model.
+TEST(SafetyFilter, DoesNotEndARampEarlierByAnotherModel) {
+  Loop loop({.ramp = 0.5, .crossfade = 0.05});
+  EXPECT_NEAR(loop.after(101, {0, 0, 2}).force.z(), 0.4, 1e-9);
+  EXPECT_NEAR(loop.tick({0, 0, 3}, {.crossfade = true}).force.z(), 0.4, 1e-9);
+  // The rest of the ramp: from 0.4 N to 3 N in 399 ticks.
+  EXPECT_NEAR(loop.after(100, {0, 0, 3}).force.z(), 0.4 + 2.6 * 100 / 399, 1e-9);
+  EXPECT_NEAR(loop.after(299, {0, 0, 3}).force.z(), 3, 1e-9);
 }
 
 TEST(SafetyFilter, ShortensTorques) {

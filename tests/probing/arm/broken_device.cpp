@@ -2,10 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // A driver that goes wrong in the tick that its option "at" says, as its option "fault" says:
-// crash, stall, nan or refuse. Built with BROKEN_ON_LOAD it crashes while it is loaded.
+// crash, stall, hang, nan, refuse, or group (its process group as y). With the fault keep it takes
+// one force, shows it as y, and refuses all commands until stop. Its option "stopped" names a file
+// that stop makes. Built with BROKEN_ON_LOAD it crashes while it is loaded.
+#include <unistd.h>
+
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
+#include <fstream>
 #include <limits>
 #include <string>
 #include <thread>
@@ -15,8 +20,9 @@
 namespace {
 
 struct Device {
-  std::string fault;
+  std::string fault, stopped;
   long at = -1, tick = 0;
+  double kept = 0;  // [N]
 };
 
 #ifdef BROKEN_ON_LOAD
@@ -33,7 +39,9 @@ int open_device(void** device, palpate_device_info_v1* info) {
 
 int configure_device(void* device, const char* key, const char* value) {
   auto& d = *static_cast<Device*>(device);
-  (std::string(key) == "at" ? d.at = std::atol(value) : (d.fault = value, 0L));
+  if (std::string(key) == "at") d.at = std::atol(value);
+  if (std::string(key) == "fault") d.fault = value;
+  if (std::string(key) == "stopped") d.stopped = value;
   return 0;
 }
 
@@ -43,16 +51,29 @@ int read_device(void* device, palpate_device_state_v1* state) {
   state->time =
       std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
   for (double& coordinate : state->tip) coordinate = 0;
+  if (d.fault == "keep") state->tip[1] = d.kept;
   if (d.tick++ != d.at) return 0;
   if (d.fault == "crash") std::abort();
   if (d.fault == "stall") std::this_thread::sleep_for(std::chrono::milliseconds(150));
   if (d.fault == "hang") std::this_thread::sleep_for(std::chrono::hours(1));
   if (d.fault == "nan") state->tip[1] = std::numeric_limits<double>::quiet_NaN();
+  if (d.fault == "group") state->tip[1] = static_cast<double>(getpgrp());
   return d.fault == "refuse" ? 1 : 0;
 }
 
 int do_nothing(void*) { return 0; }
-int write_device(void*, const palpate_device_command_v1* command) {
+int stop_device(void* device) {
+  auto& d = *static_cast<Device*>(device);
+  d.kept = 0;
+  if (!d.stopped.empty()) std::ofstream(d.stopped) << "stopped";
+  return 0;
+}
+int write_device(void* device, const palpate_device_command_v1* command) {
+  auto& d = *static_cast<Device*>(device);
+  if (d.fault == "keep") {
+    if (d.kept != 0) return 1;
+    d.kept = command->force[0];
+  }
   return std::isfinite(command->force[0]) ? 0 : 1;
 }
 void close_device(void* device) { delete static_cast<Device*>(device); }
@@ -68,7 +89,7 @@ extern "C" const palpate_device_v1* palpate_device(void) {
                                           do_nothing,
                                           read_device,
                                           write_device,
-                                          do_nothing,
+                                          stop_device,
                                           close_device,
                                           last_error_of_device,
                                           nullptr,

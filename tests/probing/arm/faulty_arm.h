@@ -30,6 +30,7 @@ class FaultyArm final : public Arm {
     zero_force,
     drift,
     old_states,
+    future_states,
     not_finite
   };
 
@@ -57,6 +58,7 @@ class FaultyArm final : public Arm {
     if (fault_ == Fault::zero_force) now_state.delivered_force.setZero();
     if (fault_ == Fault::drift) drift_.x() += 0.01;
     if (fault_ == Fault::old_states) now_state.time -= 0.025;
+    if (fault_ == Fault::future_states) now_state.time += 0.025;
     if (fault_ == Fault::not_finite) now_state.tip.z() = std::numeric_limits<double>::quiet_NaN();
     now_state.delivered_force += drift_;
     now_state.tip += offset_;
@@ -179,8 +181,7 @@ inline FaultOutcome outcome_of_fault(FaultyArm::Fault fault, unsigned seed) {
     ++outcome.ticks;
     const bool good = step();
     // A wrong force is a fault from the tick on at which it leaves the tolerance.
-    const double tolerated =
-        limits.force_tolerance + limits.force_relative * device.force().norm();
+    const double tolerated = limits.force_tolerance + limits.force_relative * device.force().norm();
     if (fault == Fault::drift && device.drift() < tolerated) outcome.ticks = 0;
     if ((fault == Fault::saturated || fault == Fault::tripped) && wrong_force < 0.21) {
       outcome.ticks = 0;

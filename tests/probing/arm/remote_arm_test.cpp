@@ -3,6 +3,7 @@
 #include "palpate/probing/remote_arm.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <csignal>
@@ -12,6 +13,7 @@
 
 #include "palpate/error.h"
 #include "refusal.h"
+#include "scratch_folder.h"
 
 namespace palpate::probing {
 namespace {
@@ -124,15 +126,44 @@ TEST(RemoteArm, WaitsForADriverThatStallsNoLongerThanItsTimeAndGoesOnAfterwards)
   EXPECT_GT(state.time, after);
 }
 
-TEST(RemoteArm, EndsADriverThatHangs) {
+// A force that no command can take away is ended by stop.
+TEST(RemoteArm, LetsItsHostStopADriverThatRefusesToDropTheForce) {
+  RemoteArm arm(PALPATE_BROKEN_DEVICE, hosted({{"fault", "keep"}}));
+  arm.activate();
+  ArmState state;
+  ASSERT_TRUE(arm.write({.force = {1, 0, 0}, .lease = 0.05}));
+  ASSERT_TRUE(arm.write({.force = {2, 0, 0}, .lease = 0.05}));
+  ASSERT_TRUE(arm.read(state));
+  EXPECT_EQ(state.tip.y(), 1);
+  static_cast<void>(arm.write({.force = {0, 0, 0}, .lease = 0.05}));  // refused, too
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  ASSERT_TRUE(arm.read(state));
+  EXPECT_EQ(state.tip.y(), 0);
+}
+
+// Ctrl-C goes to the group of the terminal; the host must live until the loop has ended.
+TEST(RemoteArm, KeepsItsHostOutOfTheProcessGroupOfTheProgram) {
+  RemoteArm arm(PALPATE_BROKEN_DEVICE, hosted({{"fault", "group"}, {"at", "0"}}));
+  arm.activate();
+  ArmState state;
+  ASSERT_TRUE(arm.read(state));
+  EXPECT_GT(state.tip.y(), 0);
+  EXPECT_NE(state.tip.y(), static_cast<double>(getpgrp()));
+}
+
+TEST(RemoteArm, StopsAndEndsADriverThatHangs) {
+  const ScratchFolder folder;
   const auto begin = std::chrono::steady_clock::now();
   {
-    RemoteArm arm(PALPATE_BROKEN_DEVICE, hosted({{"fault", "hang"}, {"at", "0"}}));
+    RemoteArm arm(
+        PALPATE_BROKEN_DEVICE,
+        hosted({{"fault", "hang"}, {"at", "0"}, {"stopped", (folder / "stopped").string()}}));
     arm.activate();
     ArmState state;
     EXPECT_FALSE(arm.read(state));
   }
   EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(5));
+  EXPECT_EQ(read_text(folder / "stopped"), "stopped");
 }
 
 TEST(RemoteArm, SaysWhatItsDriverSays) {

@@ -60,6 +60,14 @@ struct Rig {
   Eigen::Vector3d begin;
 };
 
+TEST(SafeArm, StopsAtAStateOfTheFuture) {
+  Rig rig;
+  EXPECT_EQ(rig.arm.fault(), ArmFault::none);
+  rig.device.begin(FaultyArm::Fault::future_states);
+  EXPECT_FALSE(rig.step(Eigen::Vector3d::Zero()));
+  EXPECT_EQ(to_string(rig.arm.fault()), "state too old");
+}
+
 TEST(SafeArm, LimitsForceAndSlew) {
   SafetyLimits limits;
   limits.force = 0.5;

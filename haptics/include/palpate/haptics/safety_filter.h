@@ -17,7 +17,7 @@ enum class SafetyAction : std::uint32_t {
   slewed = 4,             ///< it grew too fast
   force_not_finite = 8,   ///< zero: the force was NaN or infinite
   state_not_finite = 16,  ///< zero: the device said NaN or infinity
-  stale = 32,             ///< zero: the state is too old
+  stale = 32,             ///< zero: the state is too old, or its time in the future
   late = 64,              ///< zero: the loop stalled
   no_answer = 128,        ///< zero: the device gave no state
   disarmed = 256,         ///< zero: the user does not hold the device
@@ -32,7 +32,7 @@ struct SafetyOptions {
   double slew = 1000;       ///< [N/s] by which a force may grow or turn; > 0. It may shrink freely
   double ramp = 0.5;        ///< [s] of growth from zero after a start, a fault or a clutch; > 0
   double crossfade = 0.05;  ///< [s] from the last force to that of another model; > 0
-  double oldest_state = 0.02;  ///< [s] > 0
+  double oldest_state = 0.02;  ///< [s] > 0; nor may its time be further in the future
   double lease = 0.01;         ///< [s] of a command; a loop that comes back later has stalled; > 0
 };
 

@@ -25,7 +25,8 @@ struct RemoteArmOptions {
 
 /// A driver as `PluginArm`, but in a process of its own: a driver that crashes, stalls or writes
 /// where it must not does not touch this program. The host drops the force itself when a lease
-/// ends. A tick takes two messages and two changes of process longer than with `PluginArm`.
+/// ends, unless the driver hangs inside a call: then only the device's own watchdog can. A tick
+/// takes two messages and two changes of process longer than with `PluginArm`.
 class RemoteArm final : public Arm {
  public:
   /// \throws FileError if the host program is missing, or as `PluginArm`.
