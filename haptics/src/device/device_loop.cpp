@@ -108,13 +108,18 @@ TickOutput DeviceLoop::tick(const Playback& playback, const TickInput& input) no
     place_ = place;
   }
   output.command = safety_.filter(safety);
-  if (safety.answered && safety.finite) observer_.observe(state.tip, output.command.force);
+  if (safety.answered && safety.finite) {
+    observer_.observe(state.tip, output.command.force);
+  } else {
+    observer_.release();
+  }
   last_ = output;
   return output;
 }
 
 void DeviceLoop::check_age(double age, TickOutput& output) noexcept {
   safety_.check_age(age, output.command);
+  if (output.command.force.isZero(0)) observer_.release();
 }
 
 }  // namespace palpate::haptics

@@ -69,11 +69,16 @@ struct DeviceRun::Runner {
       }
       last = exchange.time;
     }
-    if (!options.record.empty()) {
-      recorder.emplace(options.record, device.description(), l, options.session);
-    }
     device.activate();
-    thread = std::thread([this] { run(); });
+    try {
+      if (!options.record.empty()) {
+        recorder.emplace(options.record, device.description(), l, options.session);
+      }
+      thread = std::thread([this] { run(); });
+    } catch (...) {
+      device.stop();
+      throw;
+    }
   }
 
   void run() {
@@ -98,14 +103,14 @@ struct DeviceRun::Runner {
     const double period = device.description().period;
     const auto tick_length =
         std::chrono::duration_cast<HostClock::duration>(std::chrono::duration<double>(period));
-    const bool paced = options.real_time || device.description().real_time;
+    const bool in_real_time = options.real_time || device.description().real_time;
     const HostClock::time_point begin = HostClock::now();
     TickInput input;
     while (!stopping.load(std::memory_order_relaxed)) {
       const HostClock::time_point asked = HostClock::now();
       input.answered = device.read(input.state);
       // A device that fails at once does not set the pace.
-      if (!input.answered && paced) std::this_thread::sleep_until(asked + tick_length);
+      if (!input.answered && in_real_time) std::this_thread::sleep_until(asked + tick_length);
       const HostClock::time_point start = HostClock::now();
       input.now = device.now();
       unanswered = input.answered ? 0 : unanswered + 1;
@@ -142,7 +147,7 @@ struct DeviceRun::Runner {
       if (recorder) {
         TickRecord record = record_of(input, written, output);
         record.nanoseconds = static_cast<std::uint64_t>(computing);
-        if (!options.real_time) recorder->wait_for_room();
+        if (!in_real_time) recorder->wait_for_room();
         recorder->put(record);
       }
     }
@@ -204,7 +209,6 @@ bool DeviceRun::done() const noexcept { return runner_->ended.load(std::memory_o
 RunReport DeviceRun::finish() {
   Runner& r = *runner_;
   if (r.thread.joinable()) r.thread.join();
-  if (r.recorder) r.recorder->finish();
   r.report.given = r.loop.given();
   r.report.coupling_stiffness = r.loop.coupling_stiffness();
   r.report.time.p50 = 1e-3 * static_cast<double>(r.computing_times.quantile(0.5));
@@ -214,6 +218,7 @@ RunReport DeviceRun::finish() {
     r.report.device_lost = r.device.last_error();
     if (r.report.device_lost.empty()) r.report.device_lost = "it gives no reason";
   }
+  if (r.recorder) r.recorder->finish();
   return r.report;
 }
 

@@ -214,7 +214,7 @@ LoopRecorder::LoopRecorder(const std::filesystem::path& path, const probing::Arm
                                     {"byte_order", "little"},    {"tick_bytes", sizeof(TickRecord)},
                                     {"device", json_of(device)}, {"options", json_of(options)},
                                     {"session", session}}
-                               .dump() +
+                               .dump(-1, ' ', false, LoopJson::error_handler_t::replace) +
                            "\n";
   if (std::fwrite(head.data(), 1, head.size(), writer_->file) != head.size()) {
     throw OutputError(path.string() + ": cannot be written: " + std::strerror(errno));
@@ -269,7 +269,8 @@ LoopRecord read_loop_record(const std::filesystem::path& path) {
   char letter = 0;
   while (line.size() < kLongestHead && file.get(letter) && letter != '\n') line += letter;
   const LoopJson head = LoopJson::parse(line, nullptr, false);
-  if (!head.is_object() || head.value("format", "") != kLoopFormat) {
+  const auto format = head.find("format");
+  if (!head.is_object() || format == head.end() || *format != kLoopFormat) {
     throw FileError(path.string() +
                     ": is no loop record; expected the file of 'palpate play --session'");
   }

@@ -64,7 +64,8 @@ std::vector<TrajectoryPoint> read_trajectory_file(const std::filesystem::path& p
   std::ifstream file(path, std::ios::binary);
   if (!file || file.peek() != '{') return read_trajectory(path);
   const nlohmann::json head = trajectory_head(file);
-  if (!head.is_object() || head.value("format", "") != kTrajectoryFormat) {
+  const auto format = head.find("format");
+  if (!head.is_object() || format == head.end() || *format != kTrajectoryFormat) {
     throw FileError(path.string() + ": is neither a CSV file with the columns t,x,y,z nor a " +
                     kTrajectoryFormat);
   }

@@ -8,8 +8,10 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
+#include <iterator>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -26,8 +28,10 @@ namespace {
 
 using HostTime = std::chrono::steady_clock;
 
-void say(HostAnswer& answer, const std::string& words) {
-  answer.words[words.copy(static_cast<char*>(answer.words), sizeof(answer.words) - 1)] = '\0';
+using HostWords = char[sizeof(HostAnswer::words)];
+
+void say(HostWords& to, const std::string& words) {
+  to[words.copy(static_cast<char*>(to), sizeof(to) - 1)] = '\0';
 }
 
 /// The device while it is open, for the thread that ends the process.
@@ -119,6 +123,7 @@ class Host {
   void take(const ArmCommand& command) {
     if (!arm_.write(command)) {
       ++refused_;
+      say(refusal_, arm_.last_error());
       return;  // the force before may act still, until its lease ends
     }
     lease_end_.reset();
@@ -152,7 +157,11 @@ class Host {
       arm_.stop();
       lease_end_.reset();
     }
-    if (answer.done == 0 || refused_ > 0) say(answer, arm_.last_error());
+    if (answer.done == 0) {
+      say(answer.words, arm_.last_error());
+    } else {
+      std::copy(std::begin(refusal_), std::end(refusal_), std::begin(answer.words));
+    }
     answer.refused = refused_;
     answer.now = arm_.now();
     return send(socket_, &answer, sizeof(answer), MSG_NOSIGNAL) == sizeof(answer);
@@ -161,6 +170,7 @@ class Host {
   int socket_;
   PluginArm& arm_;
   std::uint32_t refused_ = 0;
+  HostWords refusal_ = {};                         // why the latest of them was refused
   std::optional<HostTime::time_point> lease_end_;  // of a force that acts
 };
 
@@ -183,7 +193,7 @@ int serve_device(int socket, const std::filesystem::path& library,
     return 0;
   } catch (const Error& wrong) {
     greeting.invalid = dynamic_cast<const InvalidInput*>(&wrong) != nullptr ? 1 : 0;
-    say(greeting, wrong.what());
+    say(greeting.words, wrong.what());
     static_cast<void>(send(socket, &greeting, sizeof(greeting), MSG_NOSIGNAL));
     return 1;
   }

@@ -67,7 +67,8 @@ bool at_least_zero(double value) { return value >= 0 && std::isfinite(value); }
 
 void check_info(const palpate_device_info_v1& info, const std::string& file) {
   if (!(info.period > 0) || !(info.highest_force > 0) || !(info.continuous_force > 0) ||
-      !std::isfinite(info.period) || info.joints > PALPATE_DEVICE_JOINTS ||
+      !std::isfinite(info.period) || !std::isfinite(info.highest_force) ||
+      !std::isfinite(info.continuous_force) || info.joints > PALPATE_DEVICE_JOINTS ||
       !at_least_zero(info.highest_torque) || !at_least_zero(info.damping) ||
       !at_least_zero(info.delay) || !at_least_zero(info.workspace_scale)) {
     throw DeviceError(

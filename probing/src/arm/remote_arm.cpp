@@ -116,7 +116,9 @@ struct RemoteArm::Process {
         gone = true;
         return false;
       }
-      if (answer.number == number) return true;  // not a late one to a request that was given up
+      if (answer.number == number) return true;
+      // A late one to a request that was given up.
+      if (open_read && answer.number == *open_read) open_read.reset();
     }
   }
 
@@ -198,7 +200,6 @@ void RemoteArm::activate() {
   if (p.answer.done == 0) {
     throw DeviceError(p.name + ": " + static_cast<const char*>(p.answer.words));
   }
-  p.open_read.reset();
 }
 
 bool RemoteArm::read(ArmState& state) noexcept {

@@ -229,6 +229,28 @@ TEST(DeviceLoop, GivesAHandNoMoreEnergyThanSamplingDoes) {
   EXPECT_LT(given.in_touches, 0.4 * 0.0143 * 0.0143 * 700);
 }
 
+// A hand that goes back without a force is given nothing.
+TEST(DeviceLoop, CountsNoEnergyOfAForceThatWasTakenBack) {
+  for (const bool answered : {false, true}) {
+    Driver driver(kPlain);
+    driver.move(kAboveSheet, kAboveSheet);
+    TickOutput output = driver.move(kAboveSheet, {3, 4, 705});
+    EXPECT_GT(output.command.force.norm(), 1);
+    if (answered) {  // but it computed for too long
+      output = driver.tick({3, 4, 705});
+      driver.loop.check_age(0.02, output);
+    } else {
+      driver.now += 1e-3;
+      output = driver.loop.tick(driver.sheet, {.now = driver.now, .answered = false});
+    }
+    EXPECT_EQ(output.command.force, Eigen::Vector3d::Zero());
+    driver.tick(kAboveSheet);
+    driver.tick(kAboveSheet);
+    EXPECT_EQ(driver.loop.given().touches, 1) << answered;
+    EXPECT_EQ(driver.loop.given().in_touches, 0) << answered;
+  }
+}
+
 TEST(DeviceLoop, RefusesWhatCannotBe) {
   const auto message = [](const DeviceLoopOptions& options) {
     return refusal([&] { return DeviceLoop(some_device(), options).scale(); });

@@ -195,11 +195,32 @@ TEST(DeviceRun, EndsWithTheWordsOfADeviceThatIsLost) {
 TEST(DeviceRun, GivesADeviceThatFailsAtOnceTheTimeOfItsTicks) {
   SimulatedHand hand(touches(), {.real_time = true});
   HookedDevice device(hand);
-  device.unplugged = true;
+  device.after_read = [&](long long, auto&) { return !(device.unplugged = true); };
   const auto begin = std::chrono::steady_clock::now();
   DeviceRun run(device, sheet(), {}, {.most_unanswered = 60});
   EXPECT_EQ(run.finish().device_lost, "cable pulled");
   EXPECT_GE(std::chrono::steady_clock::now() - begin, milliseconds(60));
+}
+
+TEST(DeviceRun, LeavesADeviceThatItCannotStartDisarmedAndItsOldRecordAsItWas) {
+  const ScratchFolder folder;
+  SimulatedHand hand(touches());
+  HookedDevice device(hand);
+  EXPECT_THROW(DeviceRun(device, sheet(), {}, {.record = folder / "missing" / "run.bin"}),
+               OutputError);
+  EXPECT_FALSE(device.armed);
+  write_text(folder / "run.bin", "an old record");
+  device.unplugged = true;
+  EXPECT_THROW(DeviceRun(device, sheet(), {}, {.record = folder / "run.bin"}), DeviceError);
+  EXPECT_EQ(read_text(folder / "run.bin"), "an old record");
+}
+
+// The figures of a run are not lost with its record.
+TEST(DeviceRun, ReportsARunWhoseRecordIsNotComplete) {
+  SimulatedHand hand(touches());
+  DeviceRun run(hand, sheet(), {}, {.duration = 0.1, .real_time = false, .record = "/dev/full"});
+  EXPECT_THROW(static_cast<void>(run.finish()), OutputError);
+  EXPECT_GT(run.finish().coupling_stiffness, 0);
 }
 
 TEST(DeviceRun, RefusesWhatCannotBe) {

@@ -5,6 +5,7 @@
 #include <functional>
 #include <string>
 
+#include "palpate/error.h"
 #include "palpate/probing/arm.h"
 
 namespace palpate::haptics {
@@ -18,6 +19,7 @@ class HookedDevice final : public probing::Arm {
   std::function<bool(long long, probing::ArmState&)> after_read = [](long long, auto&) {
     return true;
   };
+  bool armed = false;
   bool unplugged = false;  ///< each read fails at once
   std::function<void(const probing::ArmCommand&)> on_write = [](const probing::ArmCommand&) {};
 
@@ -25,7 +27,11 @@ class HookedDevice final : public probing::Arm {
     return device_.description();
   }
   [[nodiscard]] double now() const noexcept override { return device_.now(); }
-  void activate() override { device_.activate(); }
+  void activate() override {
+    if (unplugged) throw DeviceError(last_error());
+    device_.activate();
+    armed = true;
+  }
   [[nodiscard]] bool read(probing::ArmState& state) noexcept override {
     return !unplugged && device_.read(state) && after_read(reads_++, state);
   }
@@ -33,7 +39,10 @@ class HookedDevice final : public probing::Arm {
     on_write(command);
     return device_.write(command);
   }
-  void stop() noexcept override { device_.stop(); }
+  void stop() noexcept override {
+    armed = false;
+    device_.stop();
+  }
   [[nodiscard]] std::string last_error() const override { return "cable pulled"; }
 
  private:

@@ -114,10 +114,18 @@ TEST_F(LoopRecordTest, RefusesWhatIsNoRecord) {
     return refusal([&] { return read_loop_record(folder / "wrong.bin"); });
   };
   EXPECT_NE(message("t,x,y,z\n").find("is no loop record"), std::string::npos);
+  EXPECT_NE(message("{\"format\": 7}\n").find("is no loop record"), std::string::npos);
   EXPECT_NE(message(replaced(whole, "\"version\":1", "\"version\":7")).find("of version 7"),
             std::string::npos);
   EXPECT_NE(message(replaced(whole, "\"slew\":1000.0", "\"slew\":\"x\"")).find("head of the loop"),
             std::string::npos);
+}
+
+TEST_F(LoopRecordTest, ReplacesLettersOfANameThatAreNotUnicode) {
+  probing::ArmDescription device = kDevice;
+  device.name = "caf\xe9";  // Latin-1
+  LoopRecorder(folder / "loop.bin", device, some_options()).finish();
+  EXPECT_EQ(read_loop_record(folder / "loop.bin").device.name, "caf\xef\xbf\xbd");
 }
 
 TEST_F(LoopRecordTest, SaysThatTicksWereLost) {

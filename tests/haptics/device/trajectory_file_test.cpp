@@ -51,6 +51,8 @@ TEST(TrajectoryFile, RefusesWithThePlaceWhatIsWrong) {
   EXPECT_NE(message().find("version 2; this program reads version 1"), std::string::npos);
   write_text(path, "{\"format\": \"another\"}\n");
   EXPECT_NE(message().find("neither a CSV file"), std::string::npos);
+  write_text(path, "{\"format\": 7}\n");
+  EXPECT_NE(message().find("neither a CSV file"), std::string::npos);
   points[7].tool.x() = std::nan("");
   write_binary_trajectory(path, points);
   EXPECT_NE(message().find("point 7 is not finite"), std::string::npos);

@@ -23,6 +23,8 @@ struct Device {
   std::string fault, stopped;
   long at = -1, tick = 0;
   double kept = 0;  // [N]
+  int asked = 0;    // for the last error
+  std::string words;
 };
 
 #ifdef BROKEN_ON_LOAD
@@ -77,7 +79,20 @@ int write_device(void* device, const palpate_device_command_v1* command) {
   return std::isfinite(command->force[0]) ? 0 : 1;
 }
 void close_device(void* device) { delete static_cast<Device*>(device); }
-const char* last_error_of_device(void*) { return "broken as told"; }
+const char* last_error_of_device(void* device) {
+  auto* d = static_cast<Device*>(device);
+  if (d == nullptr || d->fault != "keep") return "broken as told";
+  d->words = "keeps its force, asked " + std::to_string(++d->asked) + " times";
+  return d->words.c_str();
+}
+
+// The second device says that its forces have no limit.
+uint32_t count_devices() { return 2; }
+int open_numbered(uint32_t, void** device, palpate_device_info_v1* info) {
+  const int failed = open_device(device, info);
+  info->highest_force = std::numeric_limits<double>::infinity();
+  return failed;
+}
 
 }  // namespace
 
@@ -93,7 +108,7 @@ extern "C" const palpate_device_v1* palpate_device(void) {
                                           close_device,
                                           last_error_of_device,
                                           nullptr,
-                                          nullptr,
-                                          nullptr};
+                                          count_devices,
+                                          open_numbered};
   return &table;
 }

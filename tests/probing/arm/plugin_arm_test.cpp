@@ -139,6 +139,10 @@ TEST(PluginArm, PassesOnThatItsDriverSaysNanOrRefuses) {
   EXPECT_EQ(refusing.last_error(), "broken as told");
 }
 
+TEST(PluginArm, RefusesADeviceWhoseForcesHaveNoLimit) {
+  EXPECT_THROW(PluginArm(PALPATE_BROKEN_DEVICE, {}, 1), DeviceError);
+}
+
 TEST(PluginArm, SaysWhatItsDriverSays) {
   try {
     const PluginArm arm(kDriver, {{"mass", "-1"}});

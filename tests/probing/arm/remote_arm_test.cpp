@@ -151,6 +151,26 @@ TEST(RemoteArm, KeepsItsHostOutOfTheProcessGroupOfTheProgram) {
   EXPECT_NE(state.tip.y(), static_cast<double>(getpgrp()));
 }
 
+TEST(RemoteArm, ReadsAgainAfterAStopInAStall) {
+  RemoteArm arm(PALPATE_BROKEN_DEVICE, hosted({{"fault", "stall"}, {"at", "0"}}));
+  arm.activate();
+  ArmState state;
+  EXPECT_FALSE(arm.read(state));
+  arm.stop();
+  EXPECT_TRUE(arm.read(state));
+}
+
+// The words of a driver are not asked for again in each tick: that allocates.
+TEST(RemoteArm, AsksOnceForTheWordsOfARefusedCommand) {
+  RemoteArm arm(PALPATE_BROKEN_DEVICE, hosted({{"fault", "keep"}}));
+  arm.activate();
+  ArmState state;
+  ASSERT_TRUE(arm.write({.force = {1, 0, 0}, .lease = 1}));
+  ASSERT_TRUE(arm.write({.force = {2, 0, 0}, .lease = 1}));
+  for (int i = 0; i < 5; ++i) ASSERT_TRUE(arm.read(state));
+  EXPECT_EQ(arm.last_error(), "keeps its force, asked 1 times");
+}
+
 TEST(RemoteArm, StopsAndEndsADriverThatHangs) {
   const ScratchFolder folder;
   const auto begin = std::chrono::steady_clock::now();

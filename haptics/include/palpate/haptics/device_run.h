@@ -20,9 +20,11 @@ struct ModelExchange {
 };
 
 struct RunOptions {
-  double duration = 0;    ///< [s] on the device's clock; 0: until `stop`; >= 0
-  bool real_time = true;  ///< the thread asks for SCHED_FIFO; never waits for the record
-  int priority = 80;      ///< of SCHED_FIFO, 1 to 99
+  double duration = 0;  ///< [s] on the device's clock; 0: until `stop`; >= 0
+  /// The thread asks for SCHED_FIFO. With it, or with a device on the host's clock, the loop never
+  /// waits for the record.
+  bool real_time = true;
+  int priority = 80;                          ///< of SCHED_FIFO, 1 to 99
   std::filesystem::path record = {};          ///< file of `LoopRecorder`; empty: none
   std::string session = {};                   ///< for the record
   std::vector<ModelExchange> exchanges = {};  ///< in the order of time
@@ -63,7 +65,8 @@ class DeviceRun {
   /// Asks the loop to end. Any thread.
   void stop() noexcept;
   [[nodiscard]] bool done() const noexcept;
-  /// Waits for the end. \throws OutputError if the record is not complete.
+  /// Waits for the end. \throws OutputError if the record is not complete; the report can then be
+  /// had by another call.
   [[nodiscard]] RunReport finish();
 
  private:

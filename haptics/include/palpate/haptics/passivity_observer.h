@@ -24,6 +24,8 @@ class PassivityObserver {
   /// Call once a tick. Real-time safe. \param device [mm] position by the encoders; \param force
   /// [N] on the user that acts from now on, until the next tick.
   void observe(const Eigen::Vector3d& device, const Eigen::Vector3d& force) noexcept;
+  /// The force ends here, wherever the device is. Real-time safe.
+  void release() noexcept { observe(device_, Eigen::Vector3d::Zero()); }
   [[nodiscard]] const GivenEnergy& given() const noexcept { return given_; }
 
  private:
