@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "palpate/haptics/trajectory_file.h"
 #include "run_palpate.h"
 
 namespace palpate::apps {
@@ -78,6 +79,7 @@ TEST_F(PlayDevice, ClosesTheLoopWithAHandAndReplaysIt) {
   EXPECT_EQ(run["exchanges"], 1);
   EXPECT_GT(run["coupling_stiffness"], 1);
   EXPECT_FALSE(run["real_time"]);
+  EXPECT_FALSE(run["memory_locked"]);  // only with --realtime
   EXPECT_EQ(run["safety"]["late"], 0);
   EXPECT_FALSE(read_text(*scratch / "trace.csv").empty());
   const json again = figures({"--replay", session, "--exchange", *scratch / "other"});
@@ -94,6 +96,13 @@ TEST_F(PlayDevice, ClosesTheLoopWithAHandAndReplaysIt) {
   write_text(*scratch / "other/surface.ply", read_text(*scratch / "other/surface.ply") + " ");
   expect_words({"--replay", session, "--exchange", *scratch / "other"}, kWrongCall,
                "is not the model of the session");
+}
+
+TEST_F(PlayDevice, ReadsBinaryTrajectoriesWithAndWithoutADevice) {
+  const std::string path = *scratch / "press.bin";
+  haptics::write_binary_trajectory(path, haptics::read_trajectory_file(press()));
+  EXPECT_EQ(figures({"--trajectory", path})["steps"], 4);
+  EXPECT_GT(figures({"--device", "recorded", "--trajectory", path})["steps"], 800);
 }
 
 TEST_F(PlayDevice, FollowsTrajectoriesAndHoldsTheArm) {
@@ -152,6 +161,12 @@ TEST_F(PlayDevice, RefusesCallsWithoutSense) {
       {{"--device", "hand", "--trajectory", press(), "--coupling", "-1"}, "--coupling: is -1"},
       {{"--device", "hand", "--trajectory", press(), "--record", *scratch / "t.csv"},
        "give --session"},
+      {{"--device", "hand", "--trajectory", press(), "--set", "delay=nan"}, "a finite number"},
+      {{"--trajectory", press(), "--scale", "2"}, "--scale: needs --device"},
+      {{"--trajectory", press(), "--set", "mass=1"}, "--set: needs --device"},
+      {{"--trajectory", press(), "--exchange", *scratch / "other"}, "--exchange: needs --device"},
+      {{"--stability", "--pose", *scratch / "pose.txt"}, "--pose: has no effect with --stability"},
+      {{"--replay", "s.bin", "--record", *scratch / "t.csv"}, "--record: has no effect with --rep"},
   };
   for (const auto& [call, words] : calls) expect_words(call, kWrongCall, words);
 }

@@ -4,9 +4,11 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <initializer_list>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "commands/play_device.h"
@@ -14,6 +16,7 @@
 #include "palpate/haptics/model_io.h"
 #include "palpate/haptics/playback.h"
 #include "palpate/haptics/trajectory_csv.h"
+#include "palpate/haptics/trajectory_file.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
 #include "shared/inputs.h"
@@ -35,7 +38,7 @@ void play(const Settings& settings, const PlayCall& call) {
   check_outputs({call.trajectory, call.model}, {call.record, call.picture});
   check_pictures({call.picture});
   const std::vector<haptics::TrajectoryPoint> trajectory =
-      haptics::read_trajectory(call.trajectory);
+      haptics::read_trajectory_file(call.trajectory);
   const haptics::Playback playback(haptics::read_model(call.model));
   const std::vector<haptics::TracePoint> trace = haptics::play(playback, trajectory);
   if (!call.record.empty()) haptics::write_trace(call.record, trace);
@@ -74,6 +77,18 @@ void play(const Settings& settings, const PlayCall& call) {
   }
 }
 
+struct GivenOption {
+  const char* name;
+  bool given;
+};
+
+/// \throws InvalidInput naming the first of these options that is given, which would do nothing.
+void refuse_unused(std::initializer_list<GivenOption> options, const std::string& why) {
+  for (const GivenOption& option : options) {
+    if (option.given) throw InvalidInput(option.name + (": " + why));
+  }
+}
+
 /// What is asked for: a trajectory, a device, a session again, or the stability of a device.
 void play_anything(const Settings& settings, PlayCall& call) {
   DeviceCall& device = call.device;
@@ -87,7 +102,12 @@ void play_anything(const Settings& settings, PlayCall& call) {
   if ((has_device || call.stability || !call.replay.empty()) && !call.picture.empty()) {
     throw InvalidInput("--picture: shows the forces along a trajectory; it goes without --device");
   }
+  const GivenOption pose{"--pose", !device.pose.empty()},
+      scale{"--scale", device.scale.has_value()}, coupling{"--coupling", device.coupling != "auto"},
+      set{"--set", !device.settings.empty()}, exchange{"--exchange", !device.exchange.empty()},
+      record{"--record", !call.record.empty()};
   if (!call.replay.empty()) {
+    refuse_unused({record, pose, scale, coupling, set}, "has no effect with --replay");
     if (has_device || call.stability || !call.trajectory.empty()) {
       throw InvalidInput(
           "--replay: the session says what was read; leave out --device, --trajectory and "
@@ -95,6 +115,7 @@ void play_anything(const Settings& settings, PlayCall& call) {
     }
     play_replay(settings, call.model, device.exchange, call.replay);
   } else if (call.stability) {
+    refuse_unused({record, pose, exchange}, "has no effect with --stability");
     if (!has_device) device.device = "hand";
     play_stability(settings, device);
   } else if (has_device) {
@@ -102,6 +123,7 @@ void play_anything(const Settings& settings, PlayCall& call) {
   } else if (call.trajectory.empty()) {
     throw InvalidInput("palpate play: needs --trajectory, --device, --replay or --stability");
   } else {
+    refuse_unused({pose, scale, coupling, set, exchange}, "needs --device");
     play(settings, call);
   }
 }

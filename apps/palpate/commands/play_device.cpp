@@ -64,8 +64,8 @@ DeviceSettings settings_of(const DeviceCall& call) {
 double number_of(const std::string& key, const std::string& text) {
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) {
-    throw InvalidInput("--set " + key + "=" + text + ": must be a number");
+  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) {
+    throw InvalidInput("--set " + key + "=" + text + ": must be a finite number");
   }
   return value;
 }
@@ -201,7 +201,8 @@ std::string session_text(const DeviceCall& call) {
       models.push_back({{"path", model.string()}, {"fingerprint", print_of_model(model)}});
     }
   }
-  return PlayJson{{"models", models}}.dump();
+  // A path need not be Unicode.
+  return PlayJson{{"models", models}}.dump(-1, ' ', false, PlayJson::error_handler_t::replace);
 }
 
 /// \throws InvalidInput naming the folder if the model cannot be felt with a device.
@@ -238,6 +239,7 @@ PlayJson figures_of(const DeviceCall& call, const haptics::RunReport& report) {
           {"us_per_step",
            {{"p50", report.time.p50}, {"p999", report.time.p999}, {"max", report.time.largest}}},
           {"real_time", call.real_time && report.not_real_time.empty()},
+          {"memory_locked", report.memory_locked},
           {"coupling_stiffness",
            number_or_null(coupled ? std::optional(report.coupling_stiffness) : std::nullopt)},
           {"given_energy", report.given.in_touches},
