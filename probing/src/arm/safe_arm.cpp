@@ -227,9 +227,11 @@ ArmFault SafeArm::check_motion(const ArmState& state) noexcept {
                         (force_ - still_force_).norm() > limits_.standstill_force;
     if (stopped_dead || stands) return ArmFault::frozen;
   } else {
-    // The smoothed speed lags behind by 1 / kSmoothing periods.
-    const double reach =
-        2 * limits_.quantum + period * period * limits_.highest_acceleration / kSmoothing;
+    // The smoothed speed lags behind by 1 / kSmoothing - 1 states, and the speed changes further on
+    // the way, which is longer than a state's if one without motion came before.
+    const double tick = description().period;
+    const double changing = (1 / kSmoothing - 1) * tick + (period + tick) / 2;
+    const double reach = 2 * limits_.quantum + limits_.highest_acceleration * period * changing;
     if ((step - period * velocity_).norm() > reach) return ArmFault::jump;
     still_ = 0;
     still_since_ = state.time;

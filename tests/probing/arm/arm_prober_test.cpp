@@ -53,8 +53,7 @@ class BreakingArm final : public Arm {
       case Break::silent:
         return false;
       case Break::jump:
-        // After a state without motion, 1.06 mm could be the arm's highest acceleration.
-        state.tip.x() += 1.4;
+        state.tip.x() += 1;
         return true;
       case Break::late:
         if (age_ == 1) state.time += 0.03, skipped_ += 0.03;
