@@ -384,7 +384,8 @@ void play_stability(const Settings& settings, const DeviceCall& call) {
     const probing::ArmDescription& description = device.arm->description();
     hand.period = description.period;
     hand.damping = description.damping;
-    hand.delay = static_cast<int>(std::ceil(description.delay / description.period - 1e-9));
+    constexpr double kRounding = 1e-9;  // [ticks] of a delay of whole ticks
+    hand.delay = static_cast<int>(std::ceil(description.delay / description.period - kRounding));
     scale = call.scale.value_or(description.workspace_scale);
   } else {
     hand = hand_options(call);

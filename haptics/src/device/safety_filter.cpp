@@ -119,7 +119,8 @@ SafeCommand SafetyFilter::filter(const SafetyInput& input) noexcept {
   const Eigen::Vector3d begin = released(force_, allowed);
   // The segment from `begin` to `allowed` lies within the clamp: both ends do.
   command.force = begin + shortened(allowed - begin, options_.slew * std::max(period, 0.0));
-  if ((command.force - allowed).norm() > 1e-12 * options_.force) {
+  constexpr double kRounding = 1e-12;  // of the greatest force
+  if ((command.force - allowed).norm() > kRounding * options_.force) {
     command.actions |= bit(SafetyAction::slewed);
   }
   command.torque = shortened(command.torque, options_.torque);

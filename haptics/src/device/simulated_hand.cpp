@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <unsupported/Eigen/MatrixFunctions>
 #include <utility>
 
 #include "device/tick_clock.h"
@@ -17,21 +18,6 @@ namespace {
 
 constexpr double kKilogramOfHand = 1e-3;  // [N s^2/mm]
 constexpr int kLongestDelay = 16;         // [ticks]
-
-/// exp(A) by scaling and squaring of its Taylor series.
-Eigen::Matrix3d matrix_exponential(const Eigen::Matrix3d& matrix) {
-  constexpr int kTerms = 12;  // at a norm of at most 1/2: 1e-13 relative
-  const int halvings =
-      std::max(0, static_cast<int>(std::ceil(std::log2(2 * matrix.cwiseAbs().sum() + 1e-300))));
-  const Eigen::Matrix3d small = std::ldexp(1.0, -halvings) * matrix;
-  Eigen::Matrix3d sum = Eigen::Matrix3d::Identity(), term = sum;
-  for (int i = 1; i <= kTerms; ++i) {
-    term = term * small / i;
-    sum += term;
-  }
-  for (int i = 0; i < halvings; ++i) sum = (sum * sum).eval();
-  return sum;
-}
 
 }  // namespace
 
@@ -48,7 +34,7 @@ struct SimulatedHand::Simulation {
     rates << 0, 1, 0,                                                  //
         -options.stiffness / mass, -options.damping / mass, 1 / mass,  //
         0, 0, 0;
-    step = matrix_exponential(options.period * rates);
+    step = (options.period * rates).exp();
   }
 
   void move() noexcept {
