@@ -89,6 +89,31 @@ inline Eigen::Vector3d across(std::mt19937& random, double largest) {
   return {size * std::cos(angle), size * std::sin(angle), 0};
 }
 
+/// Whether the tip, a ball of 5 mm, touches a face that a support holds at one of its nodes. The
+/// support then takes a part of the tip's force that its node forces do not show.
+inline bool touches_support(const probing::ContactEquilibrium& solid,
+                            const probing::ContactState& state) {
+  constexpr double kReach = 5.1;  // [mm] the radius, and what the grid below passes over
+  constexpr int kGrid = 12;       // parts of an edge
+  const std::vector<int>& held = solid.body().supported;
+  for (const probing::BoundaryFace& face : solid.faces()) {
+    const bool supported = std::ranges::any_of(
+        face.nodes, [&](int node) { return std::ranges::find(held, node) != held.end(); });
+    if (!supported) continue;
+    for (int i = 0; i <= kGrid; ++i) {
+      for (int j = 0; i + j <= kGrid; ++j) {
+        const double b = static_cast<double>(i) / kGrid, c = static_cast<double>(j) / kGrid;
+        const double a = 1 - b - c;
+        Eigen::Vector<double, 6> shape;
+        shape << a * (2 * a - 1), b * (2 * b - 1), c * (2 * c - 1), 4 * a * b, 4 * b * c, 4 * c * a;
+        if ((state.positions(Eigen::all, face.nodes) * shape - state.tip).norm() < kReach)
+          return true;
+      }
+    }
+  }
+  return false;
+}
+
 /// What is wrong with a result; empty if nothing is.
 inline std::string flaw(const probing::ContactEquilibrium& solid,
                         const probing::ContactResult& result, bool by_force,
@@ -101,6 +126,7 @@ inline std::string flaw(const probing::ContactEquilibrium& solid,
   const double scale = std::max(1e-3, state.force.norm());
   if (by_force && (state.force - target).norm() > kBalance * scale) return "not the force";
   if (!by_force && state.tip != target) return "not the place";
+  if (touches_support(solid, state)) return "";
   const Eigen::Matrix3Xd forces = node_forces(solid.body(), state.positions);
   const Eigen::Matrix3Xd at_rest = node_forces(solid.body(), solid.rest());
   Eigen::Vector3d held = Eigen::Vector3d::Zero();
