@@ -200,6 +200,7 @@ struct ArmProber::Impl {
     const Vector3d start = surface - options.start_distance * along;
     const double deadline = begun + action.time_limit;
     safe.limit_depth(surface, along);
+    approached = {along, surface};
     ProbeReport last = report(ProbeOutcome::timed_out, motion.state().tip);
     for (int attempt = 0; attempt < options.attempts; ++attempt) {
       if (!motion.move_to(start - kSlowPart * along, options.travel_speed, deadline) ||
@@ -293,9 +294,12 @@ struct ArmProber::Impl {
       work.add(time(), force - staying, without_bending(tip));
       if (tick == rising) constant_from = tip, speed_then = motion.speed();
       if (is_warm()) return report(ProbeOutcome::timed_out, tip, force);
-      if (tick < rising) continue;
-      if ((tip - constant_from).norm() > options.longest_slide)
-        return report(ProbeOutcome::fell_off, tip, force);
+      const bool too_deep = approached.signedDistance(tip) > options.limits.depth;
+      if (tick < rising && !too_deep) continue;
+      if (too_deep || (tip - constant_from).norm() > options.longest_slide) {
+        const Vector3d bending = std::exchange(force, Vector3d::Zero());  // the lift brakes at once
+        return report(ProbeOutcome::fell_off, tip, bending);
+      }
       window.add(time(), tip);
       reference.add(time(), motion.state().reference_force);
       if (resting == 0 && window.full() && tick % look == 0 &&
@@ -364,8 +368,10 @@ struct ArmProber::Impl {
   std::optional<ArmApproach> latest_approach;
   std::vector<AppliedForce> applied;
   Eigen::Isometry3d T_base_world;
-  long long trial = -1;                // that was begun
-  double begun = 0;                    // [s] time of the action
+  long long trial = -1;  // that was begun
+  double begun = 0;      // [s] time of the action
+  // Where the arm began to approach, inwards.
+  Eigen::Hyperplane<double, 3> approached{Vector3d::UnitZ(), Vector3d::Zero()};
   Vector3d force = Vector3d::Zero();   // [N] of the tip on the object, as commanded last
   Vector3d rested = Vector3d::Zero();  // [mm] where the tip came to rest last, without bending
   std::thread keeper;

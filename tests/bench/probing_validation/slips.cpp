@@ -61,19 +61,20 @@ class SlidWay final : public probing::Prober {
   double before_ = 0;
 };
 
-/// Trials of the virtual arm; the truth is the way that its contact slid.
+/// Trials of the virtual arm, another one at each contact; the truth is the way that its contact
+/// slid.
 SlipCounts counts_of(const probing::Specimen& specimen, int contacts, int trials_a_contact) {
   constexpr double kSlid = 0.1;  // [mm] five times the noise of a position
-  SimulatedRig rig(specimen, 1);
   probing::PlanOptions options;
   options.contacts = contacts;
   const probing::ContactPlan plan = probing::plan_contacts(specimen.surface(), options);
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> uniform(0, 1);
-  SlidWay slid(rig);
   SlipCounts counts;
   long long trial = 0;
   for (const probing::Contact& contact : plan.contacts) {
+    SimulatedRig rig(specimen, static_cast<unsigned>(contact.id) + 1);
+    SlidWay slid(rig);
     const Eigen::Matrix3d frame = probing::tangent_frame(contact);
     const probing::FrictionCone cone = specimen.friction_cone(contact.position);
     for (int i = 0; i < trials_a_contact; ++i) {
@@ -124,7 +125,7 @@ void validate_slips(int trials) {
        {"virtual arm on the beam", probing::make_specimen(probing::Beam{})},
        {"virtual arm on the elastic body",
         probing::make_specimen(probing::ElasticBody{.young_modulus = 0.2})}}};
-  for (const auto& [name, specimen] : specimens) counts_of(*specimen, 5, 40).print(name);
+  for (const auto& [name, specimen] : specimens) counts_of(*specimen, 10, 60).print(name);
   std::printf("\n");
 }
 

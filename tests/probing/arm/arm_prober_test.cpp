@@ -297,6 +297,19 @@ TEST(ArmProber, TellsSlippingFromHolding) {
             TrialOutcome::fell_off);
 }
 
+TEST(ArmProber, BrakesATipThatFallsOffTheBorderSoThatTheArmGoesOn) {
+  const auto sheet = make_specimen(Sheet{});
+  ProbingRig rig(*sheet);
+  // Beside a support and near the border: the tip slides off it while the force still rises.
+  const TrialOrder off{.trial = 0,
+                       .contact = {.position = {-42, -64, 699.1}, .normal = {0.067, 0, -0.998}},
+                       .direction = 0,
+                       .normal_force = {-0.10, 0, 1.47},
+                       .tangential_force = {0.28, -2.51, 0.02}};
+  EXPECT_EQ(run_trial(rig.prober, off, {}).outcome, TrialOutcome::fell_off);
+  EXPECT_EQ(rig.prober.arm().fault(), ArmFault::none);
+}
+
 TEST(ArmProber, FindsNoContactWhereThereIsNone) {
   ProbingRig rig;
   const TrialResult result = run_trial(rig.prober, pull_at(0, {0, 0, 688}, kTowardsArm, 1, 0), {});
