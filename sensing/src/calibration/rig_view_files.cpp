@@ -10,6 +10,7 @@
 #include <string>
 #include <utility>
 
+#include "files/image_codecs.h"
 #include "files/storage_file.h"
 #include "palpate/error.h"
 #include "palpate/file_names.h"
@@ -31,23 +32,10 @@ bool is_view_image(const fs::path& path) {
   return is_jpeg(path) || extension == ".png" || extension == ".tif" || extension == ".tiff";
 }
 
-cv::Mat read_jpeg(const fs::path& path) {
-  const std::string bytes = read_bytes(path);
-  const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8U, const_cast<char*>(bytes.data()));
-  const QuietOpenCv quiet;
-  cv::Mat image;
-  try {
-    image = cv::imdecode(buffer, cv::IMREAD_GRAYSCALE);
-  } catch (const cv::Exception& error) {
-    throw FileError(path.string() + ": cannot be decoded (" + error.err + ")");
-  }
-  if (image.empty()) throw FileError(path.string() + ": is truncated or damaged");
-  return image;
-}
-
 /// Reads a grey image, 8 or 16 bit, of the same size as all images so far.
 cv::Mat read_view_image(const fs::path& path, ImageSize& size) {
-  cv::Mat image = is_jpeg(path) ? read_jpeg(path) : read_frame(path);
+  cv::Mat image =
+      is_jpeg(path) ? decode_image(path, read_bytes(path), cv::IMREAD_GRAYSCALE) : read_frame(path);
   if (image.channels() == 3) cv::cvtColor(image, image, cv::COLOR_BGR2GRAY);
   if (size.width == 0) size = {image.cols, image.rows};
   if (image.cols != size.width || image.rows != size.height) {

@@ -3,14 +3,12 @@
 #include "palpate/sensing/frame.h"
 
 #include <opencv2/imgcodecs.hpp>
-#include <ostream>
 #include <string>
-#include <vector>
 
+#include "files/image_codecs.h"
 #include "files/png_image.h"
 #include "files/storage_file.h"
 #include "palpate/error.h"
-#include "palpate/output_file.h"
 
 namespace palpate::sensing {
 namespace {
@@ -42,15 +40,7 @@ cv::Mat read_frame(const std::filesystem::path& path) {
   } else if (!is_tiff(bytes)) {
     throw FileError(path.string() + ": neither PNG nor TIFF; a frame of 8 or 16 bit is expected");
   }
-  const QuietOpenCv quiet;
-  cv::Mat frame;
-  try {
-    const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8U, const_cast<char*>(bytes.data()));
-    frame = cv::imdecode(buffer, cv::IMREAD_ANYDEPTH | cv::IMREAD_ANYCOLOR);
-  } catch (const cv::Exception& error) {
-    throw FileError(path.string() + ": cannot be decoded (" + error.err + ")");
-  }
-  if (frame.empty()) throw FileError(path.string() + ": is truncated or damaged");
+  cv::Mat frame = decode_image(path, bytes, cv::IMREAD_ANYDEPTH | cv::IMREAD_ANYCOLOR);
   if (frame.depth() != CV_8U && frame.depth() != CV_16U) {
     throw FileError(path.string() + ": the values are neither 8 nor 16 bit whole numbers");
   }
@@ -64,13 +54,7 @@ void write_png(const std::filesystem::path& path, const cv::Mat& image) {
     throw InvalidInput("write_png(" + path.string() +
                        "): an image of 8 or 16 bit with 1 or 3 channels is expected");
   }
-  std::vector<unsigned char> bytes;
-  if (!cv::imencode(".png", image, bytes))
-    throw OutputError(path.string() + ": cannot be encoded as PNG");
-  write_file(path, [&](std::ostream& out) {
-    out.write(reinterpret_cast<const char*>(bytes.data()),
-              static_cast<std::streamsize>(bytes.size()));
-  });
+  write_image(path, ".png", image);
 }
 
 }  // namespace palpate::sensing

@@ -3,13 +3,10 @@
 #include "palpate/sensing/reason_image.h"
 
 #include <algorithm>
-#include <opencv2/imgcodecs.hpp>
-#include <ostream>
 #include <string>
-#include <vector>
 
+#include "files/image_codecs.h"
 #include "palpate/error.h"
-#include "palpate/output_file.h"
 #include "palpate/sensing/frame.h"
 
 namespace palpate::sensing {
@@ -18,12 +15,7 @@ void write_reasons(const std::filesystem::path& path, const ReasonImage& reasons
   if (reasons.size() == 0) throw InvalidInput(path.string() + ": reasons without pixels to write");
   const cv::Mat image(static_cast<int>(reasons.rows()), static_cast<int>(reasons.cols()), CV_8U,
                       const_cast<std::uint8_t*>(reasons.data()));
-  std::vector<unsigned char> bytes;
-  cv::imencode(path.extension().string(), image, bytes);
-  write_file(path, [&](std::ostream& out) {
-    out.write(reinterpret_cast<const char*>(bytes.data()),
-              static_cast<std::streamsize>(bytes.size()));
-  });
+  write_image(path, path.extension().string(), image);
 }
 
 ReasonImage read_reasons(const std::filesystem::path& path) {

@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 
+#include "files/module.h"
 #include "files/storage_file.h"
 #include "palpate/error.h"
 #include "palpate/file_names.h"
@@ -41,48 +42,45 @@ bool is_among(const std::array<std::string_view, N>& known, const std::string& w
   return std::find(known.begin(), known.end(), word) != known.end();
 }
 
-}  // namespace
+VideoCapture open_video(const std::string& path) {
+  static const void* const captures = module_symbol("video_capture");
+  return static_cast<const VideoCaptures*>(captures)->open(path);
+}
 
-struct VideoFile::Impl {
-  cv::VideoCapture capture;
-};
+}  // namespace
 
 bool is_video(const std::filesystem::path& path) {
   return is_among(kEndings, lower_extension(path));
 }
 
-VideoFile::VideoFile(const std::filesystem::path& path) : impl_(std::make_unique<Impl>()) {
+VideoFile::VideoFile(const std::filesystem::path& path) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error))
     throw FileError(path.string() + ": no such file");
   const QuietOpenCv quiet;
-  // Open by name, because OpenCV's other backends take some names for patterns of image files.
-  if (!impl_->capture.open(path.string(), cv::CAP_FFMPEG)) {
+  capture_ = open_video(path.string());
+  if (!capture_.read) {
     throw FileError(path.string() +
                     ": cannot be opened as a video; the file is damaged or cut off, or of a kind "
                     "that OpenCV's FFmpeg does not read");
   }
 }
 
-VideoFile::~VideoFile() = default;
-VideoFile::VideoFile(VideoFile&&) noexcept = default;
-VideoFile& VideoFile::operator=(VideoFile&&) noexcept = default;
-
 cv::Mat VideoFile::next() {
   const QuietOpenCv quiet;
   cv::Mat frame;
-  if (!impl_->capture.read(frame)) return {};
+  if (!capture_.read(frame)) return {};
   return frame.clone();  // the capture may reuse its memory
 }
 
 std::size_t VideoFile::announced_frames() const {
-  const double frames = impl_->capture.get(cv::CAP_PROP_FRAME_COUNT);
+  const double frames = capture_.property(cv::CAP_PROP_FRAME_COUNT);
   return frames > 0 ? static_cast<std::size_t>(frames) : 0;
 }
 
 bool VideoFile::is_lossless() const {
-  const std::string codec = letters(impl_->capture.get(cv::CAP_PROP_FOURCC));
-  const std::string pixels = letters(impl_->capture.get(cv::CAP_PROP_CODEC_PIXEL_FORMAT));
+  const std::string codec = letters(capture_.property(cv::CAP_PROP_FOURCC));
+  const std::string pixels = letters(capture_.property(cv::CAP_PROP_CODEC_PIXEL_FORMAT));
   const bool is_raw = codec.empty() || codec == pixels;
   return (is_raw || is_among(kLosslessCodecs, codec)) && is_among(kFullPixels, pixels);
 }

@@ -4,8 +4,9 @@
 
 #include <cstddef>
 #include <filesystem>
-#include <memory>
 #include <opencv2/core.hpp>
+
+#include "files/video_capture.h"
 
 namespace palpate::sensing {
 
@@ -17,9 +18,6 @@ class VideoFile {
  public:
   /// \throws FileError if it is missing or cannot be opened as a video.
   explicit VideoFile(const std::filesystem::path& path);
-  ~VideoFile();
-  VideoFile(VideoFile&&) noexcept;
-  VideoFile& operator=(VideoFile&&) noexcept;
 
   /// Returns the next frame, 8 bit BGR; empty at the end, or where the file is truncated.
   [[nodiscard]] cv::Mat next();
@@ -31,8 +29,7 @@ class VideoFile {
   [[nodiscard]] bool is_lossless() const;
 
  private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+  VideoCapture capture_;
 };
 
 }  // namespace palpate::sensing

@@ -7,10 +7,10 @@
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <opencv2/imgcodecs.hpp>
 #include <random>
 
 #include "palpate/error.h"
+#include "palpate/sensing/frame.h"
 #include "test_files.h"
 
 namespace palpate::sensing {
@@ -92,11 +92,11 @@ TEST(TrainedColors, SurviveWritingAndReadingExactly) {
 TEST(TrainedColors, FoldersCountTogetherAndOtherFilesAreLeftOut) {
   const ScratchFolder first;
   const ScratchFolder second;
-  cv::imwrite((first / "R_flat.png").string(), reddish({0.1}));
-  cv::imwrite((first / "white_flat.png").string(), reddish({0.9}));
-  cv::imwrite((first / "projector_off.png").string(), reddish({0.9}));
+  write_png(first / "R_flat.png", reddish({0.1}));
+  write_png(first / "white_flat.png", reddish({0.9}));
+  write_png(first / "projector_off.png", reddish({0.9}));
   write_text(first / "R_notes.txt", "not an image");
-  cv::imwrite((second / "R_sin.png").string(), reddish({0.3}));
+  write_png(second / "R_sin.png", reddish({0.3}));
   const TrainedColors colors = train_colors_from_folders({first.path(), second.path()});
   ASSERT_EQ(colors.colors.size(), 1U);
   EXPECT_EQ(colors.colors[0].name, "R");

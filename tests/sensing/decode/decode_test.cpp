@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <future>
-#include <opencv2/imgcodecs.hpp>
 #include <vector>
 
 #include "image/image_plane.h"

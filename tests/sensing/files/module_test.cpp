@@ -1,0 +1,42 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "files/module.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <thread>
+#include <vector>
+
+#include "palpate/error.h"
+#include "palpate/sensing/frame.h"
+#include "test_files.h"
+
+namespace palpate::sensing {
+namespace {
+
+TEST(Module, OneThatIsMissingIsNamedWithTheFolderWhereItHasToBe) {
+  const std::string message = message_of<Error>([] { (void)module_symbol("nowhere"); });
+  EXPECT_NE(message.find("/libpalpate_nowhere-"), std::string::npos) << message;
+  EXPECT_NE(message.find("cannot open shared object file"), std::string::npos) << message;
+  EXPECT_NE(message.find("installed beside libpalpate_sensing.so"), std::string::npos) << message;
+}
+
+TEST(Module, ThreadsMayNeedItForTheFirstTimeAtOnce) {
+  const ScratchFolder folder;
+  cv::Mat image(20, 30, CV_16UC3);
+  cv::randu(image, 0, 65535);
+  std::atomic<int> same = 0;
+  std::vector<std::thread> threads;
+  for (int i = 0; i < 8; ++i) {
+    threads.emplace_back([&, file = folder / (std::to_string(i) + ".png")] {
+      write_png(file, image);
+      same += cv::norm(read_frame(file), image, cv::NORM_INF) == 0 ? 1 : 0;
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(same, 8);
+}
+
+}  // namespace
+}  // namespace palpate::sensing
