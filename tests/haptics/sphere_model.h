@@ -51,12 +51,14 @@ inline Eigen::Vector3d ball_force(const Eigen::Vector3d& place,
 inline double uneven_twist(int i) { return 2.4 * i * i; }
 
 /// A model of the part of the ball whose triangles `covers` wants, with those of the contacts that
-/// lie on it. Contact i has id i, and a frame that is turned about its axis by `twist(i)`.
+/// lie on it. Contact i has id i, and a frame that is turned about its axis by `twist(i)`. The ball
+/// has 20 * 4^levels triangles.
 inline Model ball_model(
     const std::function<bool(const Eigen::Vector3d& centroid)>& covers,
-    const std::function<double(int)>& twist = [](int) { return 0.0; }, int contacts = 120) {
+    const std::function<double(int)>& twist = [](int) { return 0.0; }, int contacts = 120,
+    int levels = 4) {
   Model model;
-  const geometry::TriangleMesh ball = geometry::test::icosphere(4, kSphereRadius);
+  const geometry::TriangleMesh ball = geometry::test::icosphere(levels, kSphereRadius);
   model.surface.vertices = ball.vertices;
   model.surface.triangles.resize(3, ball.triangles.cols());
   Eigen::Index kept = 0;

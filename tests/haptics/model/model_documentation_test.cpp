@@ -189,7 +189,7 @@ TEST(ModelDocumentation, TheExampleOfTheReaderRuns) {
 
 Model twisted_ball(bool whole) {
   Model model = ball_model([&](const Eigen::Vector3d& place) { return whole || place.z() > -9; },
-                           [](int i) { return 2.3 * i; }, 40);
+                           [](int i) { return 2.3 * i; }, 40, 3);
   for (ContactModel& contact : model.contacts) {
     contact.frame =
         contact.frame * rotation_exp({0.1, 0.05 * static_cast<double>(contact.id % 3), 0});
