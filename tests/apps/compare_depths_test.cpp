@@ -5,11 +5,11 @@
 
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <string>
 #include <vector>
 
 #include "palpate/geometry/range_map.h"
+#include "palpate/sensing/frame.h"
 #include "run_palpate.h"
 
 namespace palpate::apps {
@@ -31,7 +31,7 @@ class CompareDepths : public testing::Test {
     // Columns 2 to 5 are lit.
     cv::Mat1b lit(10, 8, static_cast<unsigned char>(0));
     lit.colRange(2, 6) = 1;
-    cv::imwrite(scratch / "lit.png", lit);
+    sensing::write_png(scratch / "lit.png", lit);
   }
 
   nlohmann::json compare(const std::vector<std::string>& more) {
@@ -74,9 +74,9 @@ TEST_F(CompareDepths, CoverageRefersToTheMask) {
 
 TEST_F(CompareDepths, MasksThatDoNotFitAreRefused) {
   const std::string a = scratch / "measured.tiff", b = scratch / "truth.tiff";
-  cv::imwrite(scratch / "small.png", cv::Mat1b(5, 8, static_cast<unsigned char>(255)));
+  sensing::write_png(scratch / "small.png", cv::Mat1b(5, 8, static_cast<unsigned char>(255)));
   expect_refused({a, b, "--mask", scratch / "small.png"}, "small.png: has 8 x 5 px");
-  cv::imwrite(scratch / "dark.png", cv::Mat1b(10, 8, static_cast<unsigned char>(0)));
+  sensing::write_png(scratch / "dark.png", cv::Mat1b(10, 8, static_cast<unsigned char>(0)));
   expect_refused({a, b, "--mask", scratch / "dark.png"}, "dark.png: none of its non-zero pixels");
   expect_refused({a, b, "--mask", scratch / "nothing.png"}, "nothing.png");
   expect_refused({a, b, "--mask", scratch / "lit.png", "--align"}, "--mask is for two range maps");

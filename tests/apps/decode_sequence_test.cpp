@@ -6,16 +6,17 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cstdlib>
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/videoio.hpp>
+#include <opencv2/core.hpp>
 #include <string>
 #include <system_error>
 #include <thread>
 #include <vector>
 
+#include "palpate/sensing/frame.h"
 #include "run_palpate.h"
 #include "shared/result_folder.h"
 
@@ -27,9 +28,7 @@ namespace fs = std::filesystem;
 class DecodeSequence : public ::testing::Test {
  protected:
   void SetUp() override {
-    const CommandResult trained =
-        run_palpate({"calibrate", "colors", demo("training"), "-o", scratch / "colors.yaml"});
-    ASSERT_EQ(trained.status, kDone) << trained.err;
+    write_text(scratch / "colors.yaml", trained_colors());
     fs::create_directory(scratch / "frames");
     // One colour to another: the flag is small in the image, and so quick to decode.
     for (const char* name : {"0.png", "1.png", "2.png"}) add_frame(name);
@@ -220,7 +219,7 @@ TEST_F(DecodeSequence, RangeMapsThatNoRunMadeAreNotTouched) {
 
 TEST_F(DecodeSequence, BrokenFramesLeaveTheNumbersOfTheOthers) {
   write_text(scratch / "frames/1.png", "this is no image");
-  cv::imwrite(scratch / "frames/2.png", cv::Mat(48, 64, CV_8UC3, cv::Scalar()));
+  sensing::write_png(scratch / "frames/2.png", cv::Mat(48, 64, CV_8UC3, cv::Scalar()));
   add_frame("3.png");
   const CommandResult result = decode(scratch / "frames", {"--json"});
   EXPECT_EQ(result.status, kWorkFailed);
@@ -353,14 +352,9 @@ TEST_F(DecodeSequence, InterruptingWhileItDrawsIsNoErrorOfTheXServer) {
 }
 
 TEST_F(DecodeSequence, AVideoWithoutLossesGivesWhatItsImagesGive) {
-  const cv::Mat a = cv::imread(demo("frames/flag_a.png"));
-  const cv::Mat b = cv::imread(demo("frames/flag_b.png"));
-  {
-    cv::VideoWriter writer(scratch / "wave.mkv", cv::CAP_FFMPEG,
-                           cv::VideoWriter::fourcc('F', 'F', 'V', '1'), 25, a.size());
-    writer.write(a);
-    writer.write(b);
-  }
+  const std::string write = std::string(PALPATE_WRITE_VIDEO) + " " + scratch / "wave.mkv" + " " +
+                            demo("frames/flag_a.png") + " " + demo("frames/flag_b.png");
+  ASSERT_EQ(std::system(write.c_str()), 0);
   const nlohmann::json from_video = figures(scratch / "wave.mkv");
   EXPECT_EQ(from_video["per_frame"][1]["frame"], "wave.mkv#1");
   const std::string first = read_text(map(0)), second = read_text(map(1));
@@ -371,7 +365,7 @@ TEST_F(DecodeSequence, AVideoWithoutLossesGivesWhatItsImagesGive) {
 }
 
 TEST_F(DecodeSequence, ARawMosaicGivesNearlyTheDepthsOfTheWholeImage) {
-  const cv::Mat image = cv::imread(demo("frames/flag_a.png"));
+  const cv::Mat image = sensing::read_frame(demo("frames/flag_a.png"));
   cv::Mat mosaic(image.size(), CV_8U);
   for (int v = 0; v < image.rows; ++v) {
     for (int u = 0; u < image.cols; ++u) {
@@ -379,7 +373,7 @@ TEST_F(DecodeSequence, ARawMosaicGivesNearlyTheDepthsOfTheWholeImage) {
       mosaic.at<unsigned char>(v, u) = image.at<cv::Vec3b>(v, u)[channel];
     }
   }
-  cv::imwrite(scratch / "raw.png", mosaic);
+  sensing::write_png(scratch / "raw.png", mosaic);
   const auto error = [&](const std::string& pattern) {
     EXPECT_EQ(decode(scratch / "raw.png", {"--bayer", pattern}).status, kDone);
     const CommandResult result =
@@ -394,14 +388,14 @@ TEST_F(DecodeSequence, ARawMosaicGivesNearlyTheDepthsOfTheWholeImage) {
 
 TEST_F(DecodeSequence, ReasonsAreAnImageWithALegendAndCodesThatInfoCounts) {
   figures(scratch / "frames/0.png", {"--reasons"});
-  const cv::Mat codes = cv::imread(scratch / "range/000000_reasons.tiff", cv::IMREAD_UNCHANGED);
+  const cv::Mat codes = sensing::read_frame(scratch / "range/000000_reasons.tiff");
   ASSERT_EQ(codes.type(), CV_8UC1);
   const CommandResult result =
       run_palpate({"info", scratch / "range/000000_reasons.tiff", "--json"});
   const auto info = nlohmann::json::parse(result.out);
   EXPECT_EQ(info["kind"], "reasons");
   EXPECT_EQ(info["pixels"]["reconstructed"], codes.total() - cv::countNonZero(codes));
-  EXPECT_EQ(cv::imread(scratch / "range/000000_reasons.png").size(), cv::Size(1200, 900));
+  EXPECT_EQ(sensing::read_frame(scratch / "range/000000_reasons.png").size(), cv::Size(1200, 900));
   // Codes are no range maps.
   EXPECT_EQ(
       nlohmann::json::parse(run_palpate({"info", scratch / "range", "--json"}).out)["range_maps"],

@@ -6,11 +6,11 @@
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <string>
 #include <vector>
 
+#include "palpate/sensing/frame.h"
 #include "run_palpate.h"
 
 namespace palpate::apps {
@@ -95,7 +95,7 @@ TEST_F(Demo, ProbesWhatACampaignProbesThatIsNotStopped) {
 TEST_F(Demo, MakesTheOverviewOfTheReadme) {
   ASSERT_EQ(run().result.status, 0) << run().result.err;
   const auto small = [](const fs::path& png) {
-    cv::Mat image = cv::imread(png.string(), cv::IMREAD_COLOR);
+    cv::Mat image = sensing::read_frame(png);
     EXPECT_EQ(image.size(), cv::Size(1280, 960)) << png;
     cv::resize(image, image, {320, 240}, 0, 0, cv::INTER_AREA);
     return image;

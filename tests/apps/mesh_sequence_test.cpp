@@ -3,6 +3,7 @@
 // Range maps become meshes and sequences of meshes, and are compared with a reference.
 #include <gtest/gtest.h>
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -12,12 +13,13 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "palpate/geometry/range_map.h"
+#include "palpate/sensing/frame.h"
 #include "run_palpate.h"
 
 namespace palpate::apps {
@@ -44,13 +46,18 @@ cv::Mat bumps(double noise = 0) {
   return z;
 }
 
+void write_depths(const std::string& path, const cv::Mat& z) {
+  geometry::write_depth_tiff(path,
+                             Eigen::Map<const geometry::ImageF>(z.ptr<float>(), z.rows, z.cols));
+}
+
 class MeshSequence : public ::testing::Test {
  protected:
   void SetUp() override {
     fs::create_directory(scratch / "range");
     fs::copy(demo("rig.yaml"), scratch / "range/rig.yaml");
-    cv::imwrite(scratch / "range/000003.tiff", bumps());
-    cv::imwrite(scratch / "range/000007.tiff", bumps() + 40);
+    write_depths(scratch / "range/000003.tiff", bumps());
+    write_depths(scratch / "range/000007.tiff", bumps() + 40);
   }
 
   nlohmann::json figures(std::vector<std::string> call) const {
@@ -117,7 +124,7 @@ TEST_F(MeshSequence, MeshesOfAnEarlierRunAreReplacedAsAWhole) {
   cv::Mat part(480, 640, CV_32F, cv::Scalar(std::numeric_limits<float>::quiet_NaN()));
   const cv::Rect inner(300, 220, 10, 10);
   bumps()(inner).copyTo(part(inner));
-  cv::imwrite(scratch / "range/000003.tiff", part);
+  write_depths(scratch / "range/000003.tiff", part);
   // Only the first mesh finds room.
   constexpr unsigned long kRoom = 100000;
   const CommandResult full =
@@ -137,14 +144,14 @@ TEST_F(MeshSequence, MeshesOfAnEarlierRunAreReplacedAsAWhole) {
 TEST_F(MeshSequence, DepthsAreSmoothedWithinTheirDeviations) {
   fs::copy(scratch / "range/000003.tiff", scratch / "truth.tiff");
   fs::copy(demo("rig.yaml"), scratch / "rig.yaml");
-  cv::imwrite(scratch / "range/000003.tiff", bumps(0.5));
+  write_depths(scratch / "range/000003.tiff", bumps(0.5));
   const cv::Mat sigma(480, 640, CV_32F, cv::Scalar(0.5));
   const auto map = scratch / "range/000003.tiff";
   const CommandResult missing =
       run_palpate({"mesh", map, "--smooth-depths", "-o", scratch / "a.ply"});
   EXPECT_EQ(missing.status, kWrongCall);
   EXPECT_NE(missing.err.find("000003_sigma.tiff: missing"), std::string::npos);
-  cv::imwrite(scratch / "range/000003_sigma.tiff", sigma);
+  write_depths(scratch / "range/000003_sigma.tiff", sigma);
   figures({"mesh", map, "-o", scratch / "rough.ply"});
   figures({"mesh", map, "--smooth-depths", "-o", scratch / "smooth.ply"});
   const auto median = [&](const std::string& mesh) {
@@ -159,9 +166,9 @@ TEST_F(MeshSequence, ARangeMapIsComparedWithAReferenceThatLiesElsewhereInOneComm
   cv::Mat part(480, 640, CV_32F, cv::Scalar(std::numeric_limits<float>::quiet_NaN()));
   const cv::Rect inner(285, 205, 70, 70);
   bumps()(inner).copyTo(part(inner));
-  cv::imwrite(scratch / "range/000003.tiff", part);
+  write_depths(scratch / "range/000003.tiff", part);
   figures({"mesh", scratch / "range/000003.tiff", "-o", scratch / "true.obj"});
-  cv::imwrite(scratch / "range/000003.tiff", bumps(0.2));
+  write_depths(scratch / "range/000003.tiff", bumps(0.2));
   const double c = std::cos(0.14), s = std::sin(0.14);
   std::string moved;
   std::istringstream lines(read_text(scratch / "true.obj"));
@@ -185,7 +192,7 @@ TEST_F(MeshSequence, ARangeMapIsComparedWithAReferenceThatLiesElsewhereInOneComm
   EXPECT_NEAR(both["distance"], 829, 2);
   EXPECT_NEAR(both["rms_percent"].get<double>(),
               100 * both["rms"].get<double>() / both["distance"].get<double>(), 1e-9);
-  EXPECT_EQ(cv::imread(scratch / "section.png").size(), cv::Size(1200, 700));
+  EXPECT_EQ(sensing::read_frame(scratch / "section.png").size(), cv::Size(1200, 700));
 }
 
 /// A folder of depth images of the bumps in units of an eighth of a millimetre, without a depth at
@@ -194,7 +201,7 @@ class DepthImages : public MeshSequence {
  protected:
   void SetUp() override {
     MeshSequence::SetUp();
-    cv::imwrite(scratch / "range/000007.tiff", bumps() + 4);
+    write_depths(scratch / "range/000007.tiff", bumps() + 4);
     fs::create_directory(scratch / "depth");
     for (const int number : {9, 10}) {
       cv::Mat_<float> z = bumps();
@@ -206,7 +213,7 @@ class DepthImages : public MeshSequence {
             units(v, u) = static_cast<std::uint16_t>(std::lround(8 * z(v, u)));
         }
       }
-      cv::imwrite(scratch / "depth/" + std::to_string(number) + ".png", units);
+      sensing::write_png(scratch / "depth/" + std::to_string(number) + ".png", units);
     }
   }
 
@@ -296,16 +303,16 @@ TEST_F(DepthImages, OneThatIsBrokenDoesNotStopTheOthers) {
 }
 
 TEST_F(DepthImages, ImagesThatAreNoneAreRefusedByNameBeforeAnythingIsWritten) {
-  cv::imwrite(scratch / "depth/grey.png", cv::Mat(480, 640, CV_8UC1, cv::Scalar(7)));
+  sensing::write_png(scratch / "depth/grey.png", cv::Mat(480, 640, CV_8UC1, cv::Scalar(7)));
   expect_refused(mesh(by_numbers), {"grey.png: is a grey image of 8 bit", "16 bit"});
-  cv::imwrite(scratch / "depth/grey.png", cv::Mat(480, 640, CV_16UC3, cv::Scalar(7, 8, 9)));
+  sensing::write_png(scratch / "depth/grey.png", cv::Mat(480, 640, CV_16UC3, cv::Scalar(7, 8, 9)));
   expect_refused(mesh(by_numbers), {"grey.png: is a colour image of 16 bit", "one channel"});
 }
 
 TEST_F(DepthImages, RangeMapsAndDepthImagesAreNotMixedButPicturesMayLieBesideRangeMaps) {
   fs::copy(scratch / "range/000003.tiff", scratch / "depth/000003.tiff");
   expect_refused(mesh(by_numbers), {"9.png: is a depth image", "000003.tiff is a range map"});
-  cv::imwrite(scratch / "range/000003.png", cv::Mat(480, 640, CV_8UC3, cv::Scalar(7, 8, 9)));
+  sensing::write_png(scratch / "range/000003.png", cv::Mat(480, 640, CV_8UC3, cv::Scalar(7, 8, 9)));
   EXPECT_EQ(figures({"mesh", scratch / "range", "-o", scratch / "of_maps"})["meshes"], 2);
 }
 
@@ -352,8 +359,8 @@ TEST_F(DepthImages, ASurfaceIsTrackedThroughThem) {
 TEST_F(MeshSequence, AMeshOfADepthCameraShrinksSteadilyAsTheToleranceGrows) {
   // The middle of the hand: the whole image takes several times as long.
   const cv::Rect part(220, 160, 200, 160);
-  const cv::Mat image = cv::imread(demo("depth_camera/hand.png"), cv::IMREAD_UNCHANGED);
-  ASSERT_TRUE(cv::imwrite(scratch / "part.png", image(part)));
+  const cv::Mat image = sensing::read_frame(demo("depth_camera/hand.png"));
+  sensing::write_png(scratch / "part.png", image(part));
   const std::string intrinsics = "476.007,476.007," + std::to_string(313.683 - part.x) + "," +
                                  std::to_string(242.755 - part.y);
   std::vector<double> triangles;

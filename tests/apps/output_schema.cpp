@@ -3,6 +3,7 @@
 #include "output_schema.h"
 
 #include <algorithm>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <valijson/adapters/nlohmann_json_adapter.hpp>
 #include <valijson/schema.hpp>
@@ -19,6 +20,27 @@ namespace {
 using nlohmann::json;
 using valijson::adapters::NlohmannJsonAdapter;
 
+/// What docs/output.schema.json says of a command, read once; null if it says nothing.
+const valijson::Schema* schema_of(const std::string& command) {
+  struct Described {
+    json text;
+    valijson::Schema schema;
+  };
+  static const json document = json::parse(read_text(repository("docs/output.schema.json")));
+  static std::map<std::string, Described> read;
+  const json& commands = document["definitions"]["commands"];
+  if (!commands.contains(command)) return nullptr;
+  const auto [place, is_new] = read.try_emplace(command);
+  Described& described = place->second;
+  if (is_new) {
+    described.text = commands[command];
+    described.text["definitions"] = document["definitions"];
+    valijson::SchemaParser(valijson::SchemaParser::kDraft7)
+        .populateSchema(NlohmannJsonAdapter(described.text), described.schema);
+  }
+  return &described.schema;
+}
+
 }  // namespace
 
 std::optional<std::string> command_with_figures(const std::vector<std::string>& call) {
@@ -32,18 +54,12 @@ std::optional<std::string> command_with_figures(const std::vector<std::string>& 
 }
 
 std::string differences_from_schema(const std::string& command, const std::string& output) {
-  static const json document = json::parse(read_text(repository("docs/output.schema.json")));
   const json figures = json::parse(output, nullptr, false);
   if (figures.is_discarded()) return command + ": not JSON: " + output;
-  const json& commands = document["definitions"]["commands"];
-  if (!commands.contains(command)) return command + ": has no schema";
-  json of_command = commands[command];
-  of_command["definitions"] = document["definitions"];
-  valijson::Schema schema;
-  valijson::SchemaParser(valijson::SchemaParser::kDraft7)
-      .populateSchema(NlohmannJsonAdapter(of_command), schema);
+  const valijson::Schema* const schema = schema_of(command);
+  if (schema == nullptr) return command + ": has no schema";
   valijson::ValidationResults results;
-  valijson::Validator().validate(schema, NlohmannJsonAdapter(figures), &results);
+  valijson::Validator().validate(*schema, NlohmannJsonAdapter(figures), &results);
   std::string differences;
   for (valijson::ValidationResults::Error error; results.popError(error);) {
     differences += command + ": ";

@@ -84,6 +84,18 @@ fs::path demo_data() { return repository("demo"); }
 
 std::string demo(const std::string& name) { return (demo_data() / name).string(); }
 
+const std::string& trained_colors() {
+  static const std::string colors = [] {
+    const ScratchFolder folder;
+    const CommandResult trained =
+        run_palpate({"calibrate", "colors", demo("training"), "-o", folder / "colors.yaml"});
+    EXPECT_EQ(trained.status, kDone) << trained.err;
+    EXPECT_EQ(trained.err.find("warning: "), std::string::npos) << trained.err;
+    return read_text(folder / "colors.yaml");
+  }();
+  return colors;
+}
+
 ScratchFolder::ScratchFolder() {
   std::string name = (fs::temp_directory_path() / "palpate-test-XXXXXX").string();
   if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("cannot make a temporary folder");

@@ -39,6 +39,9 @@ std::filesystem::path demo_data();
 /// The path of a file of it.
 std::string demo(const std::string& name);
 
+/// The file that `palpate calibrate colors` makes of the bundled training images; made once.
+const std::string& trained_colors();
+
 /// A folder for one test, removed at the end.
 class ScratchFolder {
  public:

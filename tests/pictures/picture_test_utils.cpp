@@ -7,9 +7,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/imgcodecs.hpp>
+#include <opencv2/core.hpp>
 
 #include "palpate/error.h"
+#include "palpate/sensing/frame.h"
 
 #ifdef __SANITIZE_ADDRESS__
 #include <sanitizer/lsan_interface.h>
@@ -45,7 +46,7 @@ cv::Mat3b draw_picture(const std::function<void(const std::filesystem::path&)>& 
     ADD_FAILURE() << error.what();
   }
   EXPECT_EQ(::testing::internal::GetCapturedStderr(), "") << "a library does not print";
-  const cv::Mat3b bgr = cv::imread(png.string(), cv::IMREAD_COLOR);
+  const cv::Mat3b bgr = sensing::read_frame(png);
   EXPECT_FALSE(bgr.empty());
   cv::Mat3b rgb(bgr.size());
   std::transform(bgr.begin(), bgr.end(), rgb.begin(),
