@@ -35,6 +35,7 @@ struct Playback::Impl {
   SurfaceWalk surface;
   Eigen::Matrix3Xd normals;  // of the surface's triangles
   double offset;             // [mm]
+  Ball reach;
 
   Impl(const Model& model, const PlaybackOptions& given);
 
@@ -65,6 +66,10 @@ Playback::Impl::Impl(const Model& model, const PlaybackOptions& given)
   require("PlaybackOptions::start_depth", options.start_depth, at_least(0), "mm");
   require("PlaybackOptions::longest_step", options.longest_step, above(0), "mm");
   require("PlaybackOptions::hold_ticks", options.hold_ticks, at_least(0));
+  const Eigen::Matrix3Xd& vertices = model.surface.vertices;
+  reach.center = (vertices.rowwise().minCoeff() + vertices.rowwise().maxCoeff()) / 2;
+  reach.radius =
+      (vertices.colwise() - reach.center).colwise().norm().maxCoeff() + options.start_depth;
 }
 
 Eigen::Vector3d Playback::Impl::centroid(int triangle) const {
@@ -266,6 +271,8 @@ Command Playback::step(const Eigen::Vector3d& tool, LoopState& state) const noex
   state.work -= (force_before + state.force).dot(way) / 2;
   return command;
 }
+
+const Playback::Ball& Playback::reach() const noexcept { return impl_->reach; }
 
 const char* to_string(ContactState state) {
   switch (state) {

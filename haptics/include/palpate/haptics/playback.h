@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "palpate/eigen_alignment.h"
 #include "palpate/haptics/contact_motion.h"
 #include "palpate/haptics/packed_field.h"
 
@@ -114,6 +115,13 @@ class Playback {
   /// thread-safe with one state per thread. The force is always finite. A position that is not
   /// finite or farther away than `longest_step` is not used: see `PlaybackOptions::hold_ticks`.
   [[nodiscard]] Command step(const Eigen::Vector3d& tool, LoopState& state) const noexcept;
+
+  struct Ball {
+    Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< [mm]
+    double radius = 0;                                 ///< [mm]
+  };
+  /// About the surface and `start_depth` around it: outside, a tool is free wherever it comes from.
+  [[nodiscard]] const Ball& reach() const noexcept;
 
  private:
   struct Impl;

@@ -23,6 +23,8 @@ class TimedPath {
 
   /// [mm] At `time` [s] after the first point. Real-time safe.
   [[nodiscard]] Eigen::Vector3d position(double time) const noexcept;
+  /// [s] The time of the first point.
+  [[nodiscard]] double begin() const noexcept { return points_.front().time; }
   /// [s] From the first point to the last.
   [[nodiscard]] double duration() const noexcept;
 

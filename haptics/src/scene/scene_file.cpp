@@ -1,0 +1,144 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/haptics/scene_file.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <fstream>
+#include <initializer_list>
+#include <iterator>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <span>
+#include <string_view>
+#include <utility>
+
+#include "model/document_node.h"
+#include "palpate/error.h"
+#include "palpate/haptics/model_io.h"
+#include "palpate/haptics/rotation.h"
+#include "palpate/haptics/trajectory_file.h"
+
+namespace palpate::haptics {
+namespace {
+
+using nlohmann::json;
+
+constexpr std::array<const char*, 3> kRules = {"independent", "fade", "refuse"};
+constexpr int kMostFadeTicks = 1'000'000;
+constexpr double kPoseOfFile = 1e-6;  // of the entries of R^T R
+
+void refuse_others(const json& object, const std::string& pointer,
+                   std::initializer_list<std::string_view> known) {
+  if (!object.is_object()) return;  // refused where its members are read
+  for (const auto& [name, value] : object.items()) {
+    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+    std::string list;
+    for (const std::string_view each : known) list.append(list.empty() ? "" : ", ").append(each);
+    refuse(pointer, "the member '" + name + "'", "only " + list);
+  }
+}
+
+// Names become names of files and cells of CSV files.
+std::string name_of(const DocumentNode& node, std::set<std::string>& names) {
+  const std::string& name = node.at("name").text();
+  const bool fits = !name.empty() && std::all_of(name.begin(), name.end(), [](unsigned char c) {
+    return std::isalnum(c) != 0 || c == '_' || c == '-';
+  });
+  if (!fits) node.at("name").refuse("letters, digits, _ and -");
+  if (!names.insert(name).second) node.at("name").refuse("a name that no other has");
+  return name;
+}
+
+PosePath path_of(const DocumentNode& node, SceneFile& scene, const std::filesystem::path& folder) {
+  const auto pose = node.find("pose"), path = node.find("path");
+  if (pose && path) pose->refuse("either 'pose' or 'path'");
+  if (path) {
+    scene.sources.push_back(folder / path->text());
+    return read_pose_path(scene.sources.back());
+  }
+  PosePoint point;
+  if (pose) {
+    Eigen::Matrix<double, 3, 4, Eigen::RowMajor> rows;
+    pose->read(std::span(rows.data(), static_cast<std::size_t>(rows.size())),
+               "the 12 numbers of a 3 x 4 matrix, row by row");
+    point.T_world_object.matrix().topRows<3>() = rows;
+    if (!is_rotation(point.T_world_object.linear(), kPoseOfFile)) {
+      pose->refuse("a rigid motion: its first three columns orthogonal to 1e-6 and right-handed");
+    }
+  }
+  return PosePath({point});
+}
+
+SceneFile scene_of(const json& document, const std::filesystem::path& folder) {
+  const DocumentPart part{document, ""};
+  const DocumentNode root(part);
+  SceneFile scene;
+  refuse_others(part.value, "",
+                {"objects", "tools", "near_tools", "closest_tools", "fade_ticks", "rate"});
+  if (const auto rule = root.find("near_tools"))
+    scene.options.near_tools = static_cast<NearTools>(rule->choice(kRules));
+  if (const auto closest = root.find("closest_tools"))
+    scene.options.closest_tools = closest->number_at_least_zero();
+  if (const auto ticks = root.find("fade_ticks"))
+    scene.options.fade_ticks = ticks->integer_between(1, kMostFadeTicks);
+  if (const auto rate = root.find("rate")) scene.motion.rate = rate->number_above_zero();
+
+  std::set<std::string> object_names, tool_names;
+  const std::vector<DocumentNode> objects = root.at("objects").items(),
+                                  tools = root.at("tools").items();
+  if (objects.empty()) root.at("objects").refuse("at least one object");
+  if (tools.empty()) root.at("tools").refuse("at least one tool");
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    refuse_others(part.value["objects"][i], "/objects/" + std::to_string(i),
+                  {"name", "model", "pose", "path"});
+    scene.objects.push_back(name_of(objects[i], object_names));
+    scene.models.push_back(folder / objects[i].at("model").text());
+    scene.motion.objects.push_back(path_of(objects[i], scene, folder));
+  }
+  for (std::size_t i = 0; i < tools.size(); ++i) {
+    refuse_others(part.value["tools"][i], "/tools/" + std::to_string(i), {"name", "trajectory"});
+    scene.tools.push_back(name_of(tools[i], tool_names));
+    scene.sources.push_back(folder / tools[i].at("trajectory").text());
+    scene.motion.tools.emplace_back(read_trajectory_file(scene.sources.back()));
+  }
+  return scene;
+}
+
+}  // namespace
+
+SceneFile read_scene(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  if (!file.good() && !file.eof()) {
+    throw FileError(path.string() + ": cannot be read; pass a scene file (JSON)");
+  }
+  const json document = json::parse(text, nullptr, false);
+  if (document.is_discarded()) throw FileError(path.string() + ": is not JSON");
+  try {
+    SceneFile scene = scene_of(document, path.parent_path());
+    scene.sources.push_back(path);
+    static_cast<void>(tick_count(scene.motion));
+    return scene;
+  } catch (const FileError&) {
+    throw;
+  } catch (const InvalidInput& wrong) {
+    throw FileError(path.string() + ": " + wrong.what());
+  }
+}
+
+Scene make_scene(const SceneFile& file) {
+  std::map<std::filesystem::path, std::shared_ptr<const Playback>> read;
+  std::vector<SceneObject> objects;
+  for (std::size_t i = 0; i < file.objects.size(); ++i) {
+    std::shared_ptr<const Playback>& playback = read[file.models[i].lexically_normal()];
+    if (!playback) playback = std::make_shared<const Playback>(read_model(file.models[i]));
+    objects.push_back({file.objects[i], playback});
+  }
+  return Scene(std::move(objects), file.options);
+}
+
+}  // namespace palpate::haptics
