@@ -13,6 +13,7 @@
 #include "commands/probe.h"
 #include "commands/probe_campaign.h"
 #include "palpate/probing/campaign.h"
+#include "palpate/probing/campaign_options_text.h"
 #include "palpate/probing/campaign_store.h"
 
 namespace palpate::apps {
