@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "commands/play_device.h"
+#include "commands/play_scene.h"
 #include "palpate/error.h"
 #include "palpate/haptics/model_io.h"
 #include "palpate/haptics/playback.h"
@@ -89,7 +90,8 @@ void refuse_unused(std::initializer_list<GivenOption> options, const std::string
   }
 }
 
-/// What is asked for: a trajectory, a device, a session again, or the stability of a device.
+/// What is asked for: a scene, a trajectory, a device, a session again, or the stability of a
+/// device.
 void play_anything(const Settings& settings, PlayCall& call) {
   DeviceCall& device = call.device;
   device.model = call.model;
@@ -106,7 +108,20 @@ void play_anything(const Settings& settings, PlayCall& call) {
       scale{"--scale", device.scale.has_value()}, coupling{"--coupling", device.coupling != "auto"},
       set{"--set", !device.settings.empty()}, exchange{"--exchange", !device.exchange.empty()},
       record{"--record", !call.record.empty()};
-  if (!call.replay.empty()) {
+  if (fs::is_regular_file(call.model)) {
+    refuse_unused({pose,
+                   scale,
+                   coupling,
+                   set,
+                   exchange,
+                   {"--trajectory", !call.trajectory.empty()},
+                   {"--picture", !call.picture.empty()},
+                   {"--device", has_device},
+                   {"--replay", !call.replay.empty()},
+                   {"--stability", call.stability}},
+                  "has no effect with a scene file, which says where its tools go");
+    play_scene(settings, call.model, call.record);
+  } else if (!call.replay.empty()) {
     refuse_unused({record, pose, scale, coupling, set}, "has no effect with --replay");
     if (has_device || call.stability || !call.trajectory.empty()) {
       throw InvalidInput(
@@ -183,18 +198,24 @@ void add_play(CLI::App& app, const Settings& settings) {
   auto call = std::make_shared<PlayCall>();
   CLI::App* command = app.add_subcommand(
       "play", "Compute the forces along a tool's path over a model, as in the haptic loop");
-  command->add_option("MODEL", call->model, "Model folder")->required();
+  command
+      ->add_option("MODEL", call->model,
+                   "Model folder; or a scene file (JSON) of several objects and tools "
+                   "(docs/devices.md)")
+      ->required();
   command->add_option(
       "--trajectory", call->trajectory,
       "Tool positions, one per step: t,x,y,z [s, mm], CSV or binary; with --device, "
       "where a simulated device or its hand goes");
   command->add_option("--record", call->record,
-                      "Trace to write: t,x,y,z,cx,cy,cz,fx,fy,fz,state (f: force on the user)");
+                      "Trace to write: t,x,y,z,cx,cy,cz,fx,fy,fz,state (f: force on the user); of "
+                      "a scene, a folder with the traces of its tools and objects");
   command->add_option("--picture", call->picture, "Also draw the forces over time (PNG)");
   add_device_options(*command, *call);
   command->footer(
       "Examples:\n"
       "  palpate play model/ --trajectory t.csv --record trace.csv\n"
+      "  palpate play scene.json --record traces/\n"
       "  palpate play model/ --device hand --trajectory t.csv --session s.bin\n"
       "  palpate play model/ --replay s.bin\n"
       "  palpate play model/ --device ./libdevice.so --realtime\n"
