@@ -11,6 +11,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <memory>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -19,6 +20,8 @@
 #include "height_field_model.h"
 #include "paired.h"
 #include "palpate/haptics/contact_compliance.h"
+#include "palpate/haptics/rotation.h"
+#include "palpate/haptics/scene.h"
 #include "surface_query_peers.h"
 
 namespace {
@@ -151,12 +154,18 @@ double microseconds(auto&& work) {
   return 1e6 * std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
+/// [us] that reading the clock takes.
+double clock_time() {
+  double clock = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < 1000; ++i) clock = std::min(clock, microseconds([] {}));
+  return clock;
+}
+
 /// \param flushed overwritten before each tick; larger than the caches for a cold start.
 TimedPath time_path(const haptics::Playback& playback, const std::vector<Vector3d>& path,
                     std::vector<char>& flushed) {
   constexpr std::size_t kCacheLine = 64;
-  double clock = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < 1000; ++i) clock = std::min(clock, microseconds([] {}));
+  const double clock = clock_time();
   TimedPath result{
       .times = std::vector<double>(path.size(), std::numeric_limits<double>::infinity()),
       .states = std::vector<haptics::ContactState>(path.size())};
@@ -251,5 +260,49 @@ BENCHMARK(step_times)
     ->ArgsProduct({{1000}, {31, 100}, {6}, {50}, {0}})
     ->Iterations(1)
     ->Unit(benchmark::kSecond);
+
+/// A tick of a scene: tools slide over the first object, and the other objects stand in a row
+/// beyond it, 0.3 m apart, or turn there. For each tick, the shortest time of all repeats.
+/// Arguments: objects, tools, whether the others turn.
+void scene_ticks(benchmark::State& state) {
+  const auto count = static_cast<std::size_t>(state.range(0)),
+             tool_count = static_cast<std::size_t>(state.range(1));
+  const bool moves = state.range(2) != 0;
+  const auto playback = std::make_shared<const haptics::Playback>(hill_model(100, 0.5));
+  std::vector<haptics::SceneObject> objects;
+  for (std::size_t i = 0; i < count; ++i) objects.push_back({std::to_string(i), playback});
+  const haptics::Scene scene(std::move(objects));
+  const std::vector<Vector3d> path = wander(-3.5);
+  std::vector<Eigen::Isometry3d> poses(count, Eigen::Isometry3d::Identity());
+  std::vector<Vector3d> tools(tool_count);
+  const double clock = clock_time();
+  std::vector<double> times(path.size(), std::numeric_limits<double>::infinity());
+  for (auto _ : state) {
+    haptics::SceneState scene_state = scene.start(static_cast<int>(tool_count));
+    for (std::size_t tick = 0; tick < path.size(); ++tick) {
+      for (std::size_t o = 1; o < count; ++o) {
+        poses[o].translation().x() = 300.0 * static_cast<double>(o);
+        if (moves) {
+          poses[o].linear() = haptics::rotation_exp({0, 0, 1e-3 * static_cast<double>(tick)});
+        }
+      }
+      for (std::size_t t = 0; t < tool_count; ++t) {
+        // The same way, later by half a second; from above at first.
+        tools[t] = path[(tick + 500 * t) % path.size()];
+        if (tick == 0) tools[t].z() += 12;
+      }
+      const double time =
+          microseconds([&] { benchmark::DoNotOptimize(&scene.step(poses, tools, scene_state)); });
+      times[tick] = std::min(times[tick], time - clock);
+    }
+  }
+  report(state, "us", std::move(times));
+}
+BENCHMARK(scene_ticks)
+    ->ArgNames({"objects", "tools", "move"})
+    ->ArgsProduct({{1, 10, 100, 1000}, {1}, {0, 1}})
+    ->ArgsProduct({{1, 100}, {2, 4}, {1}})
+    ->Iterations(kRepeats)
+    ->Unit(benchmark::kMillisecond);
 
 }  // namespace
