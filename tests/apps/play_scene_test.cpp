@@ -115,5 +115,21 @@ TEST_F(PlayScene, RefusesWhatDoesNotFit) {
   expect_words({"play", *scratch / "wrong.json"}, "wrong.json: at /objects/1/pose");
 }
 
+TEST_F(PlayScene, OneModelWarnsOfAToolOfAnotherRadius) {
+  std::vector<std::string> call{"play", *scratch / "model", "--trajectory", *scratch / "first.csv"};
+  call.insert(call.end(), {"--tool-radius", "20", "--probe-radius", "5"});
+  const CommandResult other = run_palpate(call);
+  EXPECT_EQ(other.status, kDone);
+  EXPECT_NE(other.err.find("100 % more force (Hertz), here up to 2.499 N of 2.499 N"),
+            std::string::npos)
+      << other.err;
+  call.back() = "20";
+  EXPECT_EQ(run_palpate(call).err, "");
+  call.resize(6);
+  const CommandResult alone = run_palpate(call);
+  EXPECT_EQ(alone.status, kWrongCall);
+  EXPECT_NE(alone.err.find("need each other"), std::string::npos) << alone.err;
+}
+
 }  // namespace
 }  // namespace palpate::apps

@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <cmath>
 #include <initializer_list>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -16,6 +17,7 @@
 #include "palpate/error.h"
 #include "palpate/haptics/model_io.h"
 #include "palpate/haptics/playback.h"
+#include "palpate/haptics/tool_radius.h"
 #include "palpate/haptics/trajectory_csv.h"
 #include "palpate/haptics/trajectory_file.h"
 #include "shared/call_checks.h"
@@ -32,8 +34,21 @@ namespace fs = std::filesystem;
 struct PlayCall {
   fs::path model, trajectory, record, picture, replay;
   bool stability = false;
+  std::optional<double> tool_radius, probe_radius;  ///< [mm]
   DeviceCall device;
 };
+
+/// Warns that the tool is not the ball that probed. \param largest_force [N] that was played.
+void warn_of_radius(const PlayCall& call, double largest_force) {
+  if (!call.tool_radius || *call.tool_radius == *call.probe_radius) return;
+  const double missing = haptics::missing_force(*call.probe_radius, *call.tool_radius);
+  spdlog::warn(
+      "the model was measured with a ball of {:g} mm; on a solid, one of {:g} mm feels {:.0f} % "
+      "{} force (Hertz), here up to {:.3f} N of {:.3f} N; on a thin membrane about the same "
+      "(docs/trade-playback.md).",
+      *call.probe_radius, *call.tool_radius, 100 * std::abs(missing), missing > 0 ? "more" : "less",
+      std::abs(missing) * largest_force, largest_force);
+}
 
 void play(const Settings& settings, const PlayCall& call) {
   check_outputs({call.trajectory, call.model}, {call.record, call.picture});
@@ -76,6 +91,7 @@ void play(const Settings& settings, const PlayCall& call) {
         "the tool never touches the model: the trajectory must cross its surface from outside, in "
         "the same frame and in mm.");
   }
+  warn_of_radius(call, largest);
 }
 
 struct GivenOption {
@@ -103,6 +119,13 @@ void play_anything(const Settings& settings, PlayCall& call) {
   }
   if ((has_device || call.stability || !call.replay.empty()) && !call.picture.empty()) {
     throw InvalidInput("--picture: shows the forces along a trajectory; it goes without --device");
+  }
+  if (call.tool_radius.has_value() != call.probe_radius.has_value()) {
+    throw InvalidInput("--tool-radius and --probe-radius: need each other");
+  }
+  const bool plays_path = call.replay.empty() && !call.stability && !has_device;
+  if (call.tool_radius && (!plays_path || fs::is_regular_file(call.model))) {
+    throw InvalidInput("--tool-radius: says how wrong forces along a --trajectory are");
   }
   const GivenOption pose{"--pose", !device.pose.empty()},
       scale{"--scale", device.scale.has_value()}, coupling{"--coupling", device.coupling != "auto"},
@@ -211,6 +234,14 @@ void add_play(CLI::App& app, const Settings& settings) {
                       "Trace to write: t,x,y,z,cx,cy,cz,fx,fy,fz,state (f: force on the user); of "
                       "a scene, a folder with the traces of its tools and objects");
   command->add_option("--picture", call->picture, "Also draw the forces over time (PNG)");
+  command
+      ->add_option("--tool-radius", call->tool_radius,
+                   "[mm] of a ball; if it is not --probe-radius, say how wrong the forces are")
+      ->check(within(above(0).finite()));
+  command
+      ->add_option("--probe-radius", call->probe_radius,
+                   "[mm] of the ball with which the object was measured")
+      ->check(within(above(0).finite()));
   add_device_options(*command, *call);
   command->footer(
       "Examples:\n"
