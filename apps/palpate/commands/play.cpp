@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "commands/play_device.h"
@@ -124,14 +125,16 @@ void play_anything(const Settings& settings, PlayCall& call) {
     throw InvalidInput("--tool-radius and --probe-radius: need each other");
   }
   const bool plays_path = call.replay.empty() && !call.stability && !has_device;
-  if (call.tool_radius && (!plays_path || fs::is_regular_file(call.model))) {
+  std::error_code not_there;  // is refused where the model is read
+  const bool is_scene = fs::is_regular_file(call.model, not_there);
+  if (call.tool_radius && (!plays_path || is_scene)) {
     throw InvalidInput("--tool-radius: says how wrong forces along a --trajectory are");
   }
   const GivenOption pose{"--pose", !device.pose.empty()},
       scale{"--scale", device.scale.has_value()}, coupling{"--coupling", device.coupling != "auto"},
       set{"--set", !device.settings.empty()}, exchange{"--exchange", !device.exchange.empty()},
       record{"--record", !call.record.empty()};
-  if (fs::is_regular_file(call.model)) {
+  if (is_scene) {
     refuse_unused({pose,
                    scale,
                    coupling,
