@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "palpate/error.h"
+#include "palpate/probing/arm_description_json.h"
 
 namespace palpate::probing {
 namespace {
@@ -113,22 +114,11 @@ struct RecordingArm::File {
 
 RecordingArm::RecordingArm(Arm& arm, const std::filesystem::path& path, const std::string& session)
     : arm_(arm), file_(std::make_unique<File>(path)) {
-  const ArmDescription& d = arm.description();
-  const std::string head = nlohmann::ordered_json{{"format", kRecordFormat},
-                                                  {"version", kRecordVersion},
-                                                  {"byte_order", "little"},
-                                                  {"name", d.name},
-                                                  {"period", d.period},
-                                                  {"highest_force", d.highest_force},
-                                                  {"continuous_force", d.continuous_force},
-                                                  {"measures_joints", d.measures_joints},
-                                                  {"measures_force", d.measures_force},
-                                                  {"measures_heat", d.measures_heat},
-                                                  {"measures_reference", d.measures_reference},
-                                                  {"real_time", d.real_time},
-                                                  {"session", session}}
-                               .dump() +
-                           "\n";
+  nlohmann::ordered_json members{
+      {"format", kRecordFormat}, {"version", kRecordVersion}, {"byte_order", "little"}};
+  members.update(nlohmann::ordered_json::parse(to_json(arm.description())));
+  members["session"] = session;
+  const std::string head = members.dump() + "\n";
   file_->put(head.data(), head.size());
 }
 
@@ -210,15 +200,10 @@ struct ReplayArm::Tape {
     }
     if (version == 1) state_numbers = kStateNumbersOfVersion1;
     try {
-      members.at("name").get_to(description.name);
-      members.at("period").get_to(description.period);
-      members.at("highest_force").get_to(description.highest_force);
-      members.at("continuous_force").get_to(description.continuous_force);
-      members.at("measures_joints").get_to(description.measures_joints);
-      members.at("measures_force").get_to(description.measures_force);
-      members.at("measures_heat").get_to(description.measures_heat);
-      if (version != 1) members.at("measures_reference").get_to(description.measures_reference);
+      description = arm_description_of(head);
       members.at("session").get_to(session);
+    } catch (const InvalidInput& wrong) {
+      throw FileError(path + ": its first line is damaged: " + wrong.what());
     } catch (const json::exception& wrong) {
       throw FileError(path + ": its first line is damaged: " + wrong.what());
     }

@@ -3,8 +3,6 @@
 #include "palpate/probing/device_host.h"
 
 #include <poll.h>
-#include <pthread.h>
-#include <sched.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -22,6 +20,7 @@
 #include "arm/host_messages.h"
 #include "palpate/error.h"
 #include "palpate/probing/plugin_arm.h"
+#include "palpate/probing/real_time.h"
 
 namespace palpate::probing {
 namespace {
@@ -72,14 +71,6 @@ class ShownArm {
   }
   OpenArm& open_;
 };
-
-/// As the thread of the loop does. It is no failure if that is not allowed: the loop says so.
-void ask_for_real_time() {
-  constexpr int kPriority = 80;  // that of `RunOptions`
-  sched_param parameters{};
-  parameters.sched_priority = kPriority;
-  static_cast<void>(pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters));
-}
 
 class Host {
  public:
@@ -147,7 +138,8 @@ class Host {
         answer.done = 0;
       }
     } else if (request.kind == HostRequest::activate) {
-      if (request.real_time != 0) ask_for_real_time();
+      // As the thread of the loop does. It is no failure if that is not allowed: the loop says so.
+      if (request.real_time != 0) static_cast<void>(ask_for_real_time());
       try {
         arm_.activate();
       } catch (const Error&) {

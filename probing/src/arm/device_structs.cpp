@@ -90,8 +90,7 @@ ArmState state_of(const palpate_device_state_v1& measured,
   state.orientation = Eigen::Vector4d(measured.orientation);
   state.buttons = measured.buttons;
   state.armed = !description.reports_armed || (measured.flags & PALPATE_DEVICE_ARMED) != 0;
-  state.clutched = (measured.flags & PALPATE_DEVICE_CLUTCHED) != 0 ||
-                   (measured.buttons & description.clutch_buttons) != 0;
+  state.clutched = (measured.flags & PALPATE_DEVICE_CLUTCHED) != 0;
   return state;
 }
 

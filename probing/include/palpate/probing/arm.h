@@ -50,7 +50,9 @@ struct ArmState {
   Eigen::Vector4d orientation = Eigen::Vector4d::Constant(kNotMeasured);
   std::uint32_t buttons = 0;  ///< bits of those that are pressed
   bool armed = true;          ///< false: no force is felt until the user takes the device again
-  bool clutched = false;      ///< the user moves the hand back; the tool shall stand still
+  /// The user moves the hand back; the tool shall stand still. Also while one of
+  /// `ArmDescription::clutch_buttons` is pressed.
+  bool clutched = false;
 
   static constexpr double kNotMeasured = std::numeric_limits<double>::quiet_NaN();
 };
