@@ -23,6 +23,12 @@ constexpr double kOnEdge = 100;
 // normals.
 constexpr double kLeastOpening = 1e-6;
 
+// [N mm] What the user has put in until the middle of a tick. Work is that of the commanded forces,
+// by the trapezoidal rule.
+double budget_of(const LoopState& state, const Eigen::Vector3d& way) {
+  return state.work - state.force.dot(way) / 2;
+}
+
 bool pushes(const SlidingContact& contact) {
   return contact.parts.normal >= 0 && contact.force.force.allFinite();
 }
@@ -45,10 +51,18 @@ struct Playback::Impl {
   [[nodiscard]] bool enters(const Eigen::Vector3d& from, const Eigen::Vector3d& tool,
                             TouchPoint& contact) const;
   [[nodiscard]] bool stays(const TouchPoint& contact, const Eigen::Vector3d& tool) const;
+  [[nodiscard]] bool is_still_inside(const Eigen::Vector3d& way, LoopState& state) const;
   [[nodiscard]] Eigen::Vector3d lifted(const TouchPoint& contact) const;
   [[nodiscard]] bool is_inside(const Eigen::Vector3d& tool, TouchPoint& contact) const;
   [[nodiscard]] SlidingContact slip(const SlidingContact& start, const Eigen::Vector3d& tool,
                                     const Eigen::Vector3d& way, LoopState& state) const;
+  [[nodiscard]] SlidingContact contact_at(const TouchPoint& point, const Eigen::Vector3d& tool,
+                                          PlaceField& place) const;
+  [[nodiscard]] bool stays_inside(const SlidingContact& start, const Eigen::Vector3d& tool,
+                                  const Eigen::Vector3d& way, LoopState& state,
+                                  SlidingContact& contact) const;
+  [[nodiscard]] bool pushes_elsewhere(const Eigen::Vector3d& tool, const Eigen::Vector3d& way,
+                                      LoopState& state, SlidingContact& contact) const;
   [[nodiscard]] Command respond(const Eigen::Vector3d& force, double moved, LoopState& state) const;
   [[nodiscard]] Command let_go(const Eigen::Vector3d& proxy, double moved, LoopState& state) const;
   [[nodiscard]] Command hold(LoopState& state) const;
@@ -141,24 +155,66 @@ bool Playback::Impl::is_inside(const Eigen::Vector3d& tool, TouchPoint& contact)
   return true;
 }
 
+// The contact of a tool that cannot be seen from its contact any more, because the surface is not
+// closed between them, but has not left the surface: the nearest point.
+bool Playback::Impl::is_still_inside(const Eigen::Vector3d& way, LoopState& state) const {
+  if (field.blended().surface().first_hit(state.tool - way, state.tool)) return false;
+  if (!is_inside(state.tool, state.proxy)) return false;
+  state.has_place = false;
+  return true;
+}
+
+SlidingContact Playback::Impl::contact_at(const TouchPoint& point, const Eigen::Vector3d& tool,
+                                          PlaceField& place) const {
+  field.move_to(point.at, point.position, place);
+  SlidingContact contact{.at = {point.at.triangle, point.position},
+                         .force = field.force(place, tool - point.position),
+                         .parts = {}};
+  contact.parts = friction_parts(place, contact.force.force);
+  return contact;
+}
+
 // \param way of the tool in this tick.
 SlidingContact Playback::Impl::slip(const SlidingContact& start, const Eigen::Vector3d& tool,
                                     const Eigen::Vector3d& way, LoopState& state) const {
   if (options.motion == ContactMotion::bracketed) {
-    // The user's work is that of the commanded forces, by the trapezoidal rule.
-    return search_slip(field, surface, start, tool,
-                       {.tolerance = options.tolerance,
-                        .budget = state.work - state.force.dot(way) / 2,
-                        .moved = way},
-                       state.place, state.slip_slope);
+    return search_slip(
+        field, surface, start, tool,
+        {.tolerance = options.tolerance, .budget = budget_of(state, way), .moved = way},
+        state.place, state.slip_slope);
   }
   const auto move = options.motion == ContactMotion::brent ? slip_contact : slip_by_boundary;
-  const TouchPoint to = move(field.blended(), normals, state.proxy, tool);
-  SlidingContact end{.at = {to.at.triangle, to.position}, .force = {}, .parts = {}};
-  field.move_to(to.at, to.position, state.place);
-  end.force = field.force(state.place, tool - to.position);
-  end.parts = friction_parts(state.place, end.force.force);
-  return end;
+  return contact_at(move(field.blended(), normals, state.proxy, tool), tool, state.place);
+}
+
+// Keeps a contact that slips off the border, or pulls, while the tool is still behind the surface,
+// as where the friction cone leans away from the surface's normal. It goes to the nearest point, or
+// stays where it was if more energy would be stored there than there and than the user has put in.
+bool Playback::Impl::stays_inside(const SlidingContact& start, const Eigen::Vector3d& tool,
+                                  const Eigen::Vector3d& way, LoopState& state,
+                                  SlidingContact& contact) const {
+  TouchPoint nearest;
+  if (!is_inside(tool, nearest)) return false;
+  contact = contact_at(nearest, tool, state.place);
+  if (cost_of(contact, way) > std::max(budget_of(state, way), cost_of(start, way))) {
+    contact = start;
+    field.move_to(surface.point(start.at), start.at.position, state.place);
+  }
+  // The tool is pushed back to its contact, unless the object has bases that pull.
+  return contact.force.force.dot(tool - contact.at.position) >= 0;
+}
+
+// Where else a tool touches whose contact pulls: at another side of a crease, as seen from the
+// contact, or at the nearest point.
+bool Playback::Impl::pushes_elsewhere(const Eigen::Vector3d& tool, const Eigen::Vector3d& way,
+                                      LoopState& state, SlidingContact& contact) const {
+  const SlidingContact pulling = contact;
+  TouchPoint other;
+  if (enters(lifted(state.proxy), tool, other) && other.at.triangle != state.proxy.at.triangle) {
+    contact = contact_at(other, tool, state.place);
+    if (pushes(contact)) return true;
+  }
+  return stays_inside(pulling, tool, way, state, contact);
 }
 
 // The command with this force on the user, or with as much of its change as a tick may have.
@@ -226,7 +282,7 @@ Command Playback::step(const Eigen::Vector3d& tool, LoopState& state) const noex
 
   bool started_inside = false, touches = false;
   if (state.contact_state != ContactState::free) {
-    touches = self.stays(state.proxy, tool);
+    touches = self.stays(state.proxy, tool) || self.is_still_inside(way, state);
   } else if (state.has_proxy) {
     touches = self.enters(state.proxy.position, tool, state.proxy);
   } else {
@@ -244,27 +300,22 @@ Command Playback::step(const Eigen::Vector3d& tool, LoopState& state) const noex
                          .parts = {}};
   contact.parts = friction_parts(state.place, contact.force.force);
   if (contact.parts.excess > self.options.tolerance) {
-    const SlidingContact end = self.slip(contact, tool, way, state);
-    if (end.at.position != contact.at.position) {
+    const SlidingContact start = contact;
+    contact = self.slip(start, tool, way, state);
+    if (contact.off_border && !self.stays_inside(start, tool, way, state, contact))
+      return self.let_go(tool, moved, state);
+    if (contact.at.position != start.at.position) {
       state.contact_state = ContactState::slip;
-      state.proxy = self.touch_point(end.at, state.proxy.normal);
+      state.proxy = self.touch_point(contact.at, state.proxy.normal);
     }
-    contact = end;
-    if (contact.off_border) return self.let_go(tool, moved, state);
   }
   if (!pushes(contact)) {
-    // Start outside the surface, so that a tool that is still behind it touches again: at once if
-    // that is another side of a crease.
+    // Start outside the surface, so that a tool that is still behind it may touch again.
     const Eigen::Vector3d outside = self.lifted(state.proxy);
-    TouchPoint other;
-    if (!self.enters(outside, tool, other) || other.at.triangle == state.proxy.at.triangle)
+    if (!self.pushes_elsewhere(tool, way, state, contact))
       return self.let_go(outside, moved, state);
-    state.proxy = other;
     state.contact_state = ContactState::slip;
-    self.field.move_to(other.at, other.position, state.place);
-    contact.force = self.field.force(state.place, tool - other.position);
-    contact.parts = friction_parts(state.place, contact.force.force);
-    if (!pushes(contact)) return self.let_go(self.lifted(other), moved, state);
+    state.proxy = self.touch_point(contact.at, state.proxy.normal);
   }
   Command command = self.respond(-contact.force.force, moved, state);
   command.started_inside = started_inside;

@@ -229,17 +229,14 @@ class SlipSearcher {
     }
   }
 
-  // Energy [N mm] that the user must have put in before this tick if the contact goes there.
-  [[nodiscard]] double cost(const SlidingContact& at) const {
-    return at.force.energy - at.force.force.dot(options_.moved) / 2;
-  }
-
   // If the result costs more than there is: the farthest place on the way there that does not, by a
   // parabola through three places and the chord after it.
   void keep_energy() {
-    const double limit = std::max(options_.budget, cost(start_)) + kEnergyRounding;
+    const double limit =
+        std::max(options_.budget, cost_of(start_, options_.moved)) + kEnergyRounding;
     const SlidingContact end = best_;
-    const double at_start = cost(start_) - limit, at_end = cost(end) - limit;
+    const double at_start = cost_of(start_, options_.moved) - limit,
+                 at_end = cost_of(end, options_.moved) - limit;
     if (!(at_end > 0)) return;
     const Eigen::Vector3d way = end.at.position - start_.at.position;
     const Eigen::Vector3d plane = way.cross(axis_);
@@ -248,7 +245,7 @@ class SlipSearcher {
     best_ = start_;
     const auto try_at = [&](double part) {
       evaluate(surface_.walk(start_.at, plane, way, part * length).at);
-      const double here = cost(last_) - limit;
+      const double here = cost_of(last_, options_.moved) - limit;
       if (here <= 0) {
         low = part;
         low_cost = here;
@@ -274,6 +271,10 @@ class SlipSearcher {
 };
 
 }  // namespace
+
+double cost_of(const SlidingContact& contact, const Eigen::Vector3d& moved) noexcept {
+  return contact.force.energy - contact.force.force.dot(moved) / 2;
+}
 
 Eigen::Vector3d slip_line(const Eigen::Vector3d& friction_axis, const Eigen::Vector3d& normal,
                           const Eigen::Vector3d& displacement) noexcept {

@@ -26,6 +26,10 @@ struct SlidingContact {
   bool off_border = false;  ///< the contact still slips, off the border of the surface
 };
 
+/// [N mm] Energy that the user must have put in before the middle of a tick if the contact goes
+/// there. \param moved [mm] by the tool in this tick.
+[[nodiscard]] double cost_of(const SlidingContact& contact, const Eigen::Vector3d& moved) noexcept;
+
 /// Vector from a contact to where the friction axis through the tool meets the tangent plane: the
 /// line of Eq 5.19 for t = 0 .. 1. An axis more than 75 degrees from the inward normal is replaced
 /// by the normal.
