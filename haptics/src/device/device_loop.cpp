@@ -33,6 +33,10 @@ DeviceLoop::DeviceLoop(const probing::ArmDescription& device, const DeviceLoopOp
         "translation in mm");
   }
   options_.safety.force = std::min(options.safety.force, device.highest_force);
+  if (device.continuous_force > 0) {
+    options_.safety.continuous_force =
+        std::min(options.safety.continuous_force, device.continuous_force);
+  }
   if (device.highest_torque > 0) {
     options_.safety.torque = std::min(options.safety.torque, device.highest_torque);
   }

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/haptics/device_run.h"
 
-#include <pthread.h>
-#include <sched.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
 
@@ -11,7 +9,6 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
-#include <cstring>
 #include <optional>
 #include <thread>
 #include <utility>
@@ -24,14 +21,6 @@ namespace palpate::haptics {
 namespace {
 
 using HostClock = std::chrono::steady_clock;
-
-/// Why the thread gets no real-time scheduling; empty if it does.
-std::string ask_for_real_time(int priority) {
-  sched_param parameters{};
-  parameters.sched_priority = priority;
-  const int refused = pthread_setschedparam(pthread_self(), SCHED_FIFO, &parameters);
-  return refused == 0 ? std::string() : std::strerror(refused);
-}
 
 /// Locks the memory of the process, but only where later allocations cannot fail by it.
 bool lock_memory() {
@@ -83,7 +72,7 @@ struct DeviceRun::Runner {
 
   void run() {
     if (options.real_time) {
-      report.not_real_time = ask_for_real_time(options.priority);
+      report.not_real_time = probing::ask_for_real_time(options.priority);
       report.memory_locked = lock_memory();
       touch_stack();
     }

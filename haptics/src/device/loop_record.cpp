@@ -7,14 +7,17 @@
 #include <bit>
 #include <cerrno>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <fstream>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <thread>
 #include <type_traits>
 
 #include "palpate/error.h"
+#include "palpate/probing/arm_description_json.h"
 
 namespace palpate::haptics {
 namespace {
@@ -22,37 +25,15 @@ namespace {
 using LoopJson = nlohmann::ordered_json;
 
 constexpr const char* kLoopFormat = "palpate loop record";
-constexpr int kLoopVersion = 1;
+constexpr int kLoopVersion = 2;  // 1: without what limits the heat of motors
 static_assert(std::endian::native == std::endian::little, "the file is in the order of the host");
 static_assert(std::is_trivially_copyable_v<TickRecord> && sizeof(TickRecord) == 224,
               "ticks are written as they are, without padding");
 
+constexpr double kWithoutLimit = std::numeric_limits<double>::infinity();
+
 std::array<double, 3> numbers(const Eigen::Vector3d& v) noexcept { return {v.x(), v.y(), v.z()}; }
 Eigen::Vector3d vector(const std::array<double, 3>& v) noexcept { return {v[0], v[1], v[2]}; }
-
-LoopJson json_of(const probing::ArmDescription& device) {
-  return {{"name", device.name},
-          {"period", device.period},
-          {"highest_force", device.highest_force},
-          {"highest_torque", device.highest_torque},
-          {"damping", device.damping},
-          {"delay", device.delay},
-          {"workspace_scale", device.workspace_scale},
-          {"clutch_buttons", device.clutch_buttons}};
-}
-
-probing::ArmDescription device_of(const LoopJson& json) {
-  probing::ArmDescription device;
-  json.at("name").get_to(device.name);
-  json.at("period").get_to(device.period);
-  json.at("highest_force").get_to(device.highest_force);
-  json.at("highest_torque").get_to(device.highest_torque);
-  json.at("damping").get_to(device.damping);
-  json.at("delay").get_to(device.delay);
-  json.at("workspace_scale").get_to(device.workspace_scale);
-  json.at("clutch_buttons").get_to(device.clutch_buttons);
-  return device;
-}
 
 LoopJson json_of(const std::optional<double>& value) {
   return value ? LoopJson(*value) : LoopJson(nullptr);
@@ -60,6 +41,11 @@ LoopJson json_of(const std::optional<double>& value) {
 
 std::optional<double> optional_of(const LoopJson& json) {
   return json.is_null() ? std::nullopt : std::optional(json.get<double>());
+}
+
+/// JSON has no infinity.
+std::optional<double> finite_or_none(double value) {
+  return std::isfinite(value) ? std::optional(value) : std::nullopt;
 }
 
 LoopJson json_of(const DeviceLoopOptions& options) {
@@ -74,6 +60,8 @@ LoopJson json_of(const DeviceLoopOptions& options) {
           {"clutch_buttons", options.clutch_buttons},
           {"safety",
            {{"force", safety.force},
+            {"continuous_force", json_of(finite_or_none(safety.continuous_force))},
+            {"heating_time", safety.heating_time},
             {"torque", safety.torque},
             {"slew", safety.slew},
             {"ramp", safety.ramp},
@@ -89,7 +77,7 @@ LoopJson json_of(const DeviceLoopOptions& options) {
             {"most_steps", coupling.most_steps}}}};
 }
 
-DeviceLoopOptions options_of(const LoopJson& json) {
+DeviceLoopOptions options_of(const LoopJson& json, int version) {
   DeviceLoopOptions options;
   for (Eigen::Index i = 0; i < 12; ++i) {
     options.T_world_device.matrix()(i / 4, i % 4) =
@@ -99,6 +87,11 @@ DeviceLoopOptions options_of(const LoopJson& json) {
   json.at("clutch_buttons").get_to(options.clutch_buttons);
   const LoopJson& safety = json.at("safety");
   safety.at("force").get_to(options.safety.force);
+  if (version > 1) {
+    options.safety.continuous_force =
+        optional_of(safety.at("continuous_force")).value_or(kWithoutLimit);
+    safety.at("heating_time").get_to(options.safety.heating_time);
+  }
   safety.at("torque").get_to(options.safety.torque);
   safety.at("slew").get_to(options.safety.slew);
   safety.at("ramp").get_to(options.safety.ramp);
@@ -210,9 +203,12 @@ struct LoopRecorder::Writer {
 LoopRecorder::LoopRecorder(const std::filesystem::path& path, const probing::ArmDescription& device,
                            const DeviceLoopOptions& options, const std::string& session)
     : writer_(std::make_unique<Writer>(path)) {
-  const std::string head = LoopJson{{"format", kLoopFormat},     {"version", kLoopVersion},
-                                    {"byte_order", "little"},    {"tick_bytes", sizeof(TickRecord)},
-                                    {"device", json_of(device)}, {"options", json_of(options)},
+  const std::string head = LoopJson{{"format", kLoopFormat},
+                                    {"version", kLoopVersion},
+                                    {"byte_order", "little"},
+                                    {"tick_bytes", sizeof(TickRecord)},
+                                    {"device", LoopJson::parse(probing::to_json(device))},
+                                    {"options", json_of(options)},
                                     {"session", session}}
                                .dump(-1, ' ', false, LoopJson::error_handler_t::replace) +
                            "\n";
@@ -274,15 +270,19 @@ LoopRecord read_loop_record(const std::filesystem::path& path) {
     throw FileError(path.string() +
                     ": is no loop record; expected the file of 'palpate play --session'");
   }
+  const LoopJson version = head.value("version", LoopJson());
+  if ((version != 1 && version != kLoopVersion) ||
+      head.value("tick_bytes", LoopJson()) != sizeof(TickRecord)) {
+    throw FileError(path.string() + ": is a loop record of version " + version.dump() +
+                    "; this program reads 1 to " + std::to_string(kLoopVersion));
+  }
   LoopRecord record;
   try {
-    if (head.at("version") != kLoopVersion || head.at("tick_bytes") != sizeof(TickRecord)) {
-      throw FileError(path.string() + ": is a loop record of version " + head.at("version").dump() +
-                      "; this program reads version " + std::to_string(kLoopVersion));
-    }
-    record.device = device_of(head.at("device"));
-    record.options = options_of(head.at("options"));
+    record.device = probing::arm_description_of(head.at("device").dump());
+    record.options = options_of(head.at("options"), version.get<int>());
     head.at("session").get_to(record.session);
+  } catch (const InvalidInput& wrong) {
+    throw FileError(path.string() + ": the head of the loop record is damaged: " + wrong.what());
   } catch (const nlohmann::json::exception& wrong) {
     throw FileError(path.string() + ": the head of the loop record is damaged: " + wrong.what());
   }

@@ -6,24 +6,19 @@
 #include <array>
 #include <cmath>
 #include <string_view>
-#include <utility>
 
 #include "palpate/require.h"
 
 namespace palpate::haptics {
 namespace {
 
-constexpr std::array<std::pair<SafetyAction, std::string_view>, 9> kSafetyWords = {{
-    {SafetyAction::ramped, "ramped"},
-    {SafetyAction::clamped, "clamped"},
-    {SafetyAction::slewed, "slewed"},
-    {SafetyAction::force_not_finite, "force not finite"},
-    {SafetyAction::state_not_finite, "state not finite"},
-    {SafetyAction::stale, "state too old"},
-    {SafetyAction::late, "loop late"},
-    {SafetyAction::no_answer, "no answer"},
-    {SafetyAction::disarmed, "disarmed"},
-}};
+constexpr std::array<std::string_view, kSafetyActions> kSafetyWords = {
+    "ramped", "clamped", "slewed",    "force not finite", "state not finite",
+    "stale",  "late",    "no answer", "disarmed",         "heated"};
+static_assert(1U << (kSafetyActions - 1) == static_cast<std::uint32_t>(SafetyAction::heated));
+
+/// Heat above which the force is brought down, relative to that of the continuous force.
+constexpr double kHot = 0.9;
 
 constexpr std::uint32_t bit(SafetyAction action) { return static_cast<std::uint32_t>(action); }
 
@@ -42,18 +37,22 @@ Eigen::Vector3d shortened(const Eigen::Vector3d& vector, double longest) noexcep
 
 }  // namespace
 
+std::span<const std::string_view, kSafetyActions> safety_words() noexcept { return kSafetyWords; }
+
 std::string to_words(std::uint32_t actions) {
   std::string words;
-  for (const auto& [action, word] : kSafetyWords) {
-    if ((actions & bit(action)) == 0) continue;
+  for (std::size_t i = 0; i < kSafetyActions; ++i) {
+    if ((actions >> i & 1U) == 0) continue;
     if (!words.empty()) words += ", ";
-    words += word;
+    words += kSafetyWords[i];
   }
   return words;
 }
 
 void check_safety(const SafetyOptions& options) {
   require("SafetyOptions::force", options.force, above(0).finite(), "N");
+  require("SafetyOptions::continuous_force", options.continuous_force, above(0), "N");
+  require("SafetyOptions::heating_time", options.heating_time, at_least(0.1).finite(), "s");
   require("SafetyOptions::torque", options.torque, above(0).finite(), "N mm");
   require("SafetyOptions::slew", options.slew, above(0).finite(), "N/s");
   require("SafetyOptions::ramp", options.ramp, above(0).finite(), "s");
@@ -90,11 +89,26 @@ void SafetyFilter::begin_ramp(double now, double length, const Eigen::Vector3d& 
   ramp_from_ = from;
 }
 
+// By the force that was sent last, which acted until now at the longest.
+void SafetyFilter::heat_up(double period) noexcept {
+  const double heating = force_.squaredNorm() / std::pow(options_.continuous_force, 2);
+  const double kept = period > 0 ? std::exp(-period / options_.heating_time) : 1;
+  heat_ = heating + kept * (heat_ - heating);
+}
+
+// [N] As much above the continuous force as the heat is below that of it.
+double SafetyFilter::longest_force() const noexcept {
+  if (options_.continuous_force >= options_.force) return options_.force;
+  const double cool = std::clamp((1 - heat_) / (1 - kHot), 0.0, 1.0);
+  return options_.continuous_force + cool * (options_.force - options_.continuous_force);
+}
+
 SafeCommand SafetyFilter::filter(const SafetyInput& input) noexcept {
   const std::uint32_t wrong = fault(input);
   const double period = any_ ? input.now - last_now_ : 0;
   any_ = true;
   last_now_ = input.now;
+  heat_up(period);
   if (wrong != 0) {
     was_faulty_ = true;
     force_.setZero();
@@ -114,8 +128,13 @@ SafeCommand SafetyFilter::filter(const SafetyInput& input) noexcept {
     command.torque *= share;
     command.actions |= bit(SafetyAction::ramped);
   }
-  const Eigen::Vector3d allowed = shortened(command.force, options_.force);
+  Eigen::Vector3d allowed = shortened(command.force, options_.force);
   if (allowed != command.force) command.actions |= bit(SafetyAction::clamped);
+  const double longest = longest_force();
+  if (longest < options_.force && allowed.norm() > longest) {
+    allowed = shortened(allowed, longest);
+    command.actions |= bit(SafetyAction::heated);
+  }
   const Eigen::Vector3d begin = released(force_, allowed);
   // The segment from `begin` to `allowed` lies within the clamp: both ends do.
   command.force = begin + shortened(allowed - begin, options_.slew * std::max(period, 0.0));

@@ -111,6 +111,20 @@ TEST(DeviceLoop, ScalesTheWorkspace) {
   EXPECT_LT((output.command.force - reaction_of_sheet({0, 0, 5})).norm(), 1e-9);
 }
 
+TEST(DeviceLoop, HoldsNoMoreThanTheContinuousForceThatTheDeviceDeclares) {
+  probing::ArmDescription device = some_device();
+  device.continuous_force = 1;
+  DeviceLoopOptions options = kPlain;
+  options.safety.heating_time = 2;
+  Driver driver(options, device);
+  const Eigen::Vector3d inside(3, 4, 705);
+  EXPECT_GT(driver.move(kAboveSheet, inside, 10).command.force.norm(), 1.7);
+  TickOutput output;
+  for (int i = 0; i < 3000; ++i) output = driver.tick(inside);
+  EXPECT_NEAR(output.command.force.norm(), 1, 1e-3);
+  EXPECT_NE(output.command.actions & static_cast<std::uint32_t>(SafetyAction::heated), 0U);
+}
+
 TEST(DeviceLoop, KeepsTheToolWhileTheClutchIsPressed) {
   probing::ArmDescription device = some_device();
   device.clutch_buttons = 4;

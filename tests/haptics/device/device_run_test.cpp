@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "device/hooked_device.h"
+#include "device/slow_file.h"
 #include "palpate/error.h"
 #include "palpate/haptics/held_arm.h"
 #include "palpate/haptics/loop_record.h"
@@ -213,6 +214,24 @@ TEST(DeviceRun, LeavesADeviceThatItCannotStartDisarmedAndItsOldRecordAsItWas) {
   device.unplugged = true;
   EXPECT_THROW(DeviceRun(device, sheet(), {}, {.record = folder / "run.bin"}), DeviceError);
   EXPECT_EQ(read_text(folder / "run.bin"), "an old record");
+}
+
+// 18,000 ticks are more than the recorder has room for while the disk takes none.
+TEST(DeviceRun, WaitsForTheDiskOnlyOffTheHostsClock) {
+  const ScratchFolder folder;
+  for (const bool real_time : {false, true}) {
+    SlowFile file(folder / (real_time ? "loses" : "waits"));
+    TrajectoryDevice device(touches());
+    DeviceRun run(device, sheet(), {},
+                  {.duration = 18, .real_time = real_time, .record = file.path()});
+    std::this_thread::sleep_for(milliseconds(200));
+    file.take_everything_once([&] { return real_time ? run.done() : true; });
+    if (real_time) {
+      EXPECT_THROW(static_cast<void>(run.finish()), OutputError);
+    } else {
+      EXPECT_NEAR(static_cast<double>(run.finish().time.ticks), 18'000, 1);
+    }
+  }
 }
 
 // The figures of a run are not lost with its record.

@@ -4,6 +4,15 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <chrono>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "device/slow_file.h"
+#include "palpate/error.h"
 #include "palpate/haptics/rotation.h"
 #include "refusal.h"
 #include "scratch_folder.h"
@@ -115,7 +124,7 @@ TEST_F(LoopRecordTest, RefusesWhatIsNoRecord) {
   };
   EXPECT_NE(message("t,x,y,z\n").find("is no loop record"), std::string::npos);
   EXPECT_NE(message("{\"format\": 7}\n").find("is no loop record"), std::string::npos);
-  EXPECT_NE(message(replaced(whole, "\"version\":1", "\"version\":7")).find("of version 7"),
+  EXPECT_NE(message(replaced(whole, "\"version\":2", "\"version\":7")).find("of version 7"),
             std::string::npos);
   EXPECT_NE(message(replaced(whole, "\"slew\":1000.0", "\"slew\":\"x\"")).find("head of the loop"),
             std::string::npos);
@@ -128,10 +137,63 @@ TEST_F(LoopRecordTest, ReplacesLettersOfANameThatAreNotUnicode) {
   EXPECT_EQ(read_loop_record(folder / "loop.bin").device.name, "caf\xef\xbf\xbd");
 }
 
-TEST_F(LoopRecordTest, SaysThatTicksWereLost) {
+TEST_F(LoopRecordTest, SaysThatTheDiskIsFull) {
   LoopRecorder recorder("/dev/full", kDevice, some_options());
   for (const TickRecord& tick : ticks) recorder.put(tick);
   EXPECT_THROW(recorder.finish(), OutputError);
+}
+
+// A disk that does not take any more for a while: a pipe that is not read yet.
+TEST_F(LoopRecordTest, SaysHowManyTicksWereLostByASlowDisk) {
+  SlowFile file(folder / "pipe");
+  LoopRecorder recorder(file.path(), kDevice, some_options());
+  long long lost = 0;
+  for (int i = 0; i < 20'000; ++i) lost += recorder.put(ticks[0]) ? 0 : 1;
+  EXPECT_GT(lost, 1000);
+  file.take_everything();
+  try {
+    recorder.finish();
+    FAIL() << "the record is not complete";
+  } catch (const OutputError& wrong) {
+    EXPECT_NE(std::string(wrong.what())
+                  .find("the disk was too slow for " + std::to_string(lost) + " ticks"),
+              std::string::npos)
+        << wrong.what();
+  }
+}
+
+TEST_F(LoopRecordTest, WaitsForTheDiskWithoutLosingTicks) {
+  SlowFile file(folder / "pipe");
+  LoopRecorder recorder(file.path(), kDevice, some_options());
+  std::atomic<int> taken = 0;
+  std::thread loop([&] {
+    for (int i = 0; i < 20'000; ++i) {
+      recorder.wait_for_room();
+      if (recorder.put(ticks[0])) ++taken;
+    }
+  });
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  EXPECT_LT(taken, 20'000) << "the file does not take so many";
+  file.take_everything();
+  loop.join();
+  recorder.finish();
+  EXPECT_EQ(taken, 20'000);
+}
+
+TEST_F(LoopRecordTest, ReadsRecordsOfTheFirstVersion) {
+  write(folder / "loop.bin");
+  std::string old_record = read_text(folder / "loop.bin");
+  for (const auto& [words, old] : std::vector<std::pair<std::string, std::string>>{
+           {"\"version\":2", "\"version\":1"},
+           {"\"continuous_force\":4.0,", ""},
+           {"\"continuous_force\":null,\"heating_time\":10.0,", ""}}) {
+    ASSERT_NE(old_record.find(words), std::string::npos) << words;
+    old_record = replaced(old_record, words, old);
+  }
+  write_text(folder / "first.bin", old_record);
+  const LoopReplay again = replay(read_loop_record(folder / "first.bin"), models);
+  EXPECT_EQ(again.ticks, 300);
+  EXPECT_EQ(again.different, 0);
 }
 
 }  // namespace

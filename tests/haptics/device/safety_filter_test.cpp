@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -161,6 +162,42 @@ TEST(SafetyFilter, DoesNotEndARampEarlierByAnotherModel) {
   EXPECT_NEAR(loop.after(299, {0, 0, 3}).force.z(), 3, 1e-9);
 }
 
+// Heated by F^2 from cold, the motors reach 0.9 of the heat of 2 N after
+// -10 s ln(1 - 0.9 (2 N / 3.3 N)^2) = 4.02 s.
+TEST(SafetyFilter, BringsAForceAboveTheContinuousOneDownBeforeTheMotorsAreTooHot) {
+  Loop loop({.force = 3.3, .continuous_force = 2, .heating_time = 10, .ramp = 1e-3});
+  double heat = 0, last = 0, begun = 0, largest_heat = 0;
+  for (int i = 0; i < 60'000; ++i) {
+    const SafeCommand command = loop.tick({0, 0, 5});
+    const double force = command.force.norm();
+    heat += (1 - std::exp(-kTick / 10)) * (force * force / 4 - heat);
+    largest_heat = std::max(largest_heat, heat);
+    if (begun == 0 && has(command, SafetyAction::heated)) begun = kTick * i;
+    if (i > 10) {
+      EXPECT_LT(last - force, 3e-3) << "no jump, at tick " << i;
+    }
+    last = force;
+  }
+  EXPECT_NEAR(begun, -10 * std::log(1 - 0.9 * 4 / (3.3 * 3.3)), 0.02);
+  EXPECT_NEAR(last, 2, 1e-3);
+  EXPECT_LT(largest_heat, 1 + 1e-9);
+  EXPECT_GT(largest_heat, 0.99);
+  // After a rest of two time constants there is room again.
+  for (int i = 0; i < 20'000; ++i) static_cast<void>(loop.tick(Eigen::Vector3d::Zero()));
+  EXPECT_NEAR(loop.after(100, {0, 0, 5}).force.z(), 3.3, 1e-9);
+}
+
+TEST(SafetyFilter, HoldsTheContinuousForceForAsLongAsOneLikes) {
+  Loop loop({.force = 3.3, .continuous_force = 2, .heating_time = 0.1});
+  const SafeCommand command = loop.after(20'000, {0, 0, 2});
+  EXPECT_NEAR(command.force.z(), 2, 1e-9);
+}
+
+TEST(SafetyFilter, HasNoLimitOfHeatForDevicesThatDeclareNone) {
+  Loop loop({.heating_time = 0.1});
+  EXPECT_EQ(loop.after(20'000, {0, 0, 3.3}).actions, 0U);
+}
+
 TEST(SafetyFilter, ShortensTorques) {
   SafetyFilter filter({.torque = 10, .ramp = 1e-6});
   SafetyInput input{.torque = {0, 30, 0}};
@@ -174,6 +211,9 @@ TEST(SafetyFilter, RefusesLimitsWithoutSense) {
             std::string::npos);
   EXPECT_NE(refusal([] { return SafetyFilter({.slew = kNan}); }).find("SafetyOptions::slew"),
             std::string::npos);
+  EXPECT_NE(
+      refusal([] { return SafetyFilter({.heating_time = 0}); }).find("SafetyOptions::heating_time"),
+      std::string::npos);
   EXPECT_NE(refusal([] { return SafetyFilter({.lease = 1}); }).find("SafetyOptions::lease"),
             std::string::npos);
 }
@@ -181,6 +221,7 @@ TEST(SafetyFilter, RefusesLimitsWithoutSense) {
 TEST(SafetyFilter, SaysInWordsWhatItDid) {
   EXPECT_EQ(to_words(0), "");
   EXPECT_EQ(to_words(1 | 4), "ramped, slewed");
+  EXPECT_EQ(to_words(8 | 512), "force not finite, heated");
 }
 
 }  // namespace

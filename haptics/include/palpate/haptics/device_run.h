@@ -10,6 +10,7 @@
 
 #include "palpate/haptics/device_loop.h"
 #include "palpate/haptics/tick_statistics.h"
+#include "palpate/probing/real_time.h"
 
 namespace palpate::haptics {
 
@@ -24,7 +25,7 @@ struct RunOptions {
   /// The thread asks for SCHED_FIFO. With it, or with a device on the host's clock, the loop never
   /// waits for the record.
   bool real_time = true;
-  int priority = 80;                          ///< of SCHED_FIFO, 1 to 99
+  int priority = probing::kRealTimePriority;  ///< of SCHED_FIFO, 1 to 99
   std::filesystem::path record = {};          ///< file of `LoopRecorder`; empty: none
   std::string session = {};                   ///< for the record
   std::vector<ModelExchange> exchanges = {};  ///< in the order of time
@@ -35,7 +36,7 @@ struct RunReport {
   TickStatistics time;
   GivenEnergy given;
   /// Ticks with each bit of `SafetyAction`, from the lowest.
-  std::array<long long, 9> actions{};
+  std::array<long long, kSafetyActions> actions{};
   std::array<long long, 3> states{};  ///< ticks of each `ContactState`
   double largest_force = 0;           ///< [N] that was commanded
   double coupling_stiffness = 0;      ///< [N/mm] at the device; infinite without coupling

@@ -3,8 +3,12 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <cstdint>
+#include <limits>
+#include <span>
 #include <string>
+#include <string_view>
 
 #include "palpate/eigen_alignment.h"
 
@@ -21,17 +25,26 @@ enum class SafetyAction : std::uint32_t {
   late = 64,              ///< zero: the loop stalled
   no_answer = 128,        ///< zero: the device gave no state
   disarmed = 256,         ///< zero: the user does not hold the device
+  heated = 512,           ///< reduced: the motors are near the heat of the continuous force
 };
+constexpr std::size_t kSafetyActions = 10;
 
+/// A word for each bit, from the lowest: "ramped", "force not finite" and so on.
+[[nodiscard]] std::span<const std::string_view, kSafetyActions> safety_words() noexcept;
 /// "ramped, slewed" and so on; empty for none.
 [[nodiscard]] std::string to_words(std::uint32_t actions);
 
 struct SafetyOptions {
-  double force = 3.3;       ///< [N] a longer force is shortened; > 0
-  double torque = 100;      ///< [N mm] > 0
-  double slew = 1000;       ///< [N/s] by which a force may grow or turn; > 0. It may shrink freely
-  double ramp = 0.5;        ///< [s] of growth from zero after a start, a fault or a clutch; > 0
-  double crossfade = 0.05;  ///< [s] from the last force to that of another model; > 0
+  double force = 3.3;  ///< [N] a longer force is shortened; > 0
+  /// [N] > 0 that the device can hold for as long as one likes. A longer force heats it, as a
+  /// first-order system: `heating_time` h' = (|f| / continuous_force)^2 - h, cold (h = 0) at the
+  /// start. As h goes from 0.9 to 1, the force is brought down to the continuous one.
+  double continuous_force = std::numeric_limits<double>::infinity();
+  double heating_time = 10;  ///< [s] time constant of the motors' windings; >= 0.1
+  double torque = 100;       ///< [N mm] > 0
+  double slew = 1000;        ///< [N/s] by which a force may grow or turn; > 0. It may shrink freely
+  double ramp = 0.5;         ///< [s] of growth from zero after a start, a fault or a clutch; > 0
+  double crossfade = 0.05;   ///< [s] from the last force to that of another model; > 0
   double oldest_state = 0.02;  ///< [s] > 0; nor may its time be further in the future
   double lease = 0.01;         ///< [s] of a command; a loop that comes back later has stalled; > 0
 };
@@ -72,6 +85,8 @@ class SafetyFilter {
 
  private:
   [[nodiscard]] std::uint32_t fault(const SafetyInput& input) const noexcept;
+  [[nodiscard]] double longest_force() const noexcept;
+  void heat_up(double period) noexcept;
   void begin_ramp(double now, double length, const Eigen::Vector3d& from) noexcept;
 
   SafetyOptions options_;
@@ -81,6 +96,7 @@ class SafetyFilter {
   double ramp_begin_ = 0, ramp_length_ = 0;              // [s]
   Eigen::Vector3d ramp_from_ = Eigen::Vector3d::Zero();  // [N]
   Eigen::Vector3d force_ = Eigen::Vector3d::Zero();      // [N] that was sent last
+  double heat_ = 0;  // of the motors, relative to that of the continuous force
 };
 
 }  // namespace palpate::haptics
