@@ -15,7 +15,7 @@ namespace {
 // degrees); nearer to the tangent plane the line along it would run far away.
 constexpr double kMinAxisCosine = 0.26;
 constexpr int kMaxOnSection = 8;   // evaluations along the section
-constexpr int kMaxInPlane = 12;    // and by Broyden's method
+constexpr int kMaxInPlane = 16;    // and by Broyden's method
 constexpr double kFarthest = 1.3;  // end of the section, in lengths of the line of Eq 5.19
 // The slope of the last slip is used if it agrees with the line's own estimate to this factor.
 constexpr double kSlopeAgrees = 2;
@@ -26,9 +26,9 @@ constexpr double kFurther = 0.25;
 constexpr double kAtBorder = 1e-7;
 // The bracket is exhausted when it is this short [mm].
 constexpr double kShortestBracket = 1e-9;
-// A Jacobian is used while its determinant is at least this much of its squared norm: 0.5 is the
-// most.
-constexpr double kLeastDeterminant = 0.05;
+// A Jacobian is used while its determinant is at least this much of its squared norm, which is as
+// for stiffnesses in two directions that differ by a factor of 100. 0.5 is the most.
+constexpr double kLeastDeterminant = 0.01;
 // The first stiffness in the plane is at most so many times that of the whole displacement.
 constexpr double kStiffest = 2;
 // Stored energy counts as increased by more than this [N mm]: some rounding errors of energies up
@@ -218,13 +218,17 @@ class SlipSearcher {
       evaluate(walk.at);
       note_border(walk);
       const Eigen::Vector2d now = beyond_cone(axes);
+      // What the step showed along itself, for a Jacobian that cannot be used: where an object is
+      // far softer in this direction than in others, any larger stiffness would make tiny steps.
+      const double seen = (rest - now).dot(moved) / moved.squaredNorm();
+      if (seen > 0) stiffness = seen;
       jacobian += (now - rest - jacobian * moved) * moved.transpose() / moved.squaredNorm();
       if (now.norm() < rest.norm() || is_root(last_)) {
         best_ = last_;
         rest = now;
+        longest = std::max(longest, 2 * moved.norm());
       } else {
         longest = moved.norm() / 2;
-        stiffness *= 2;
       }
     }
   }

@@ -42,7 +42,7 @@ struct SlidingContact {
 /// It walks along the section of the surface with the plane of tool and friction axis (Eq 5.19),
 /// with a bracketed secant that begins with the slope of the last slip. On the far side of the cone
 /// |f_T| counts as negative, so that the bracket holds the near side. Where the section has no
-/// root, the contact follows f_T itself, by Broyden's method in two dimensions. At most 24
+/// root, the contact follows f_T itself, by Broyden's method in two dimensions. At most 28
 /// evaluations. Real-time safe.
 /// \param start where |f_T| exceeds mu f_N.
 /// \param place of `start`; afterwards of the result.
