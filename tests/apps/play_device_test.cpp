@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "palpate/haptics/loop_record.h"
 #include "palpate/haptics/trajectory_file.h"
 #include "run_palpate.h"
 
@@ -125,6 +126,23 @@ TEST_F(PlayDevice, RunsADriverInAProcessOfItsOwnInRealTime) {
   EXPECT_GT(inside["steps"], 2);
 }
 
+TEST_F(PlayDevice, ExchangesTheModelInTheFirstTickAfterItsTimeAlsoInRealTime) {
+  const std::string session = *scratch / "exchange.bin";
+  fs::copy(*scratch / "model", *scratch / "third", fs::copy_options::recursive);
+  const json run = figures({"--device", "hand", "--trajectory", press(), "--realtime", "--session",
+                            session, "--exchange", *scratch / "third", "--exchange-at", "0.2"});
+  EXPECT_EQ(run["exchanges"], 1);
+  double first = -1, before = -1;
+  for (const haptics::TickRecord& tick : haptics::read_loop_record(session).ticks) {
+    if (first < 0) first = tick.now;
+    if ((tick.flags & haptics::TickRecord::kExchanged) != 0) {
+      EXPECT_GE(tick.now - first, 0.2);
+      EXPECT_LT(before - first, 0.2);
+    }
+    before = tick.now;
+  }
+}
+
 TEST_F(PlayDevice, ContainsDriversThatGoWrong) {
   const auto broken = [](const std::string& fault) {
     return std::vector<std::string>{
@@ -158,17 +176,73 @@ TEST_F(PlayDevice, RefusesCallsWithoutSense) {
       {{}, "needs --trajectory, --device, --replay or --stability"},
       {{"--device", "hnad", "--duration", "1"}, "there is no such file"},
       {{"--device", "hand", "--trajectory", press(), "--set", "mas=1"}, "--set mas"},
+      {{"--device", "recorded", "--trajectory", press(), "--set", "mass=1"},
+       "--device recorded has rate [Hz]"},
+      {{"--device", "arm", "--trajectory", press(), "--set", "delay=1"},
+       "--device arm has mass [kg], damping [N s/mm], stiffness [N/mm]"},
       {{"--device", "hand", "--trajectory", press(), "--coupling", "-1"}, "--coupling: is -1"},
       {{"--device", "hand", "--trajectory", press(), "--record", *scratch / "t.csv"},
        "give --session"},
       {{"--device", "hand", "--trajectory", press(), "--set", "delay=nan"}, "a finite number"},
-      {{"--trajectory", press(), "--scale", "2"}, "--scale: needs --device"},
-      {{"--trajectory", press(), "--set", "mass=1"}, "--set: needs --device"},
-      {{"--trajectory", press(), "--exchange", *scratch / "other"}, "--exchange: needs --device"},
-      {{"--stability", "--pose", *scratch / "pose.txt"}, "--pose: has no effect with --stability"},
-      {{"--replay", "s.bin", "--record", *scratch / "t.csv"}, "--record: has no effect with --rep"},
+      {{"--device", "hand", "--trajectory", press(), "--exchange-at", "0.3"},
+       "--exchange-at requires --exchange"},
+      {{"--stability", "--device", "arm"}, "--device is arm"},
   };
   for (const auto& [call, words] : calls) expect_words(call, kWrongCall, words);
+}
+
+// Each option with a value, and the beginnings of calls in which it does nothing.
+TEST_F(PlayDevice, RefusesEachOptionWhereItDoesNothing) {
+  using Words = std::vector<std::string>;
+  const Words along = {"--trajectory", press()};
+  const Words hand = {"--device", "hand", "--trajectory", press()};
+  const Words driver = {"--device", PALPATE_DOCUMENTED_DEVICE};
+  const Words replay = {"--replay", "s.bin"};
+  const Words stability = {"--stability"};
+  struct Idle {
+    Words option;
+    std::vector<std::pair<Words, std::string>> calls;  // and what it needs
+  };
+  const std::string device = "it needs --device", a_driver = "it needs the driver of a device";
+  const std::vector<Idle> all = {
+      {{"--trajectory", press()}, {{driver, ""}, {replay, ""}, {stability, ""}}},
+      {{"--record", *scratch / "t.csv"}, {{replay, ""}, {stability, ""}}},
+      {{"--picture", *scratch / "t.png"},
+       {{hand, ""}, {driver, ""}, {replay, ""}, {stability, ""}}},
+      {{"--device", "hand"}, {{replay, ""}}},
+      {{"--stability"}, {{replay, ""}}},
+      {{"--set", "mass=1"}, {{along, device}, {replay, ""}}},
+      {{"--device-number", "0"},
+       {{along, a_driver}, {hand, a_driver}, {replay, ""}, {stability, a_driver}}},
+      {{"--in-process"},
+       {{along, a_driver}, {hand, a_driver}, {replay, ""}, {stability, a_driver}}},
+      {{"--clutch-button", "1"},
+       {{along, a_driver}, {hand, a_driver}, {replay, ""}, {stability, a_driver}}},
+      {{"--realtime"}, {{along, device}, {replay, device}, {stability, device}}},
+      {{"--duration", "1"}, {{along, device}, {replay, device}, {stability, device}}},
+      {{"--session", *scratch / "s.bin"}, {{along, device}, {replay, device}, {stability, device}}},
+      {{"--pose", *scratch / "pose.txt"}, {{along, device}, {replay, device}, {stability, device}}},
+      {{"--scale", "2"}, {{along, device}, {replay, device}}},
+      {{"--coupling", "auto"}, {{along, device}, {replay, device}}},
+      {{"--max-force", "3.3"}, {{along, device}, {replay, device}}},
+      {{"--slew", "1000"}, {{along, device}, {replay, device}, {stability, device}}},
+      {{"--ramp", "0.5"}, {{along, device}, {replay, device}, {stability, device}}},
+      {{"--exchange", *scratch / "other"}, {{along, device}, {stability, device}}},
+      {{"--exchange", *scratch / "other", "--exchange-at", "1"}, {{replay, device}}},
+  };
+  for (const Idle& idle : all) {
+    for (const auto& [begin, needs] : idle.calls) {
+      Words call = begin;
+      call.insert(call.end(), idle.option.begin(), idle.option.end());
+      // The last option that was given here is the one that does nothing.
+      const std::string name = idle.option.size() > 2 ? idle.option[2] : idle.option[0];
+      call.insert(call.begin(), {"play", *scratch / "model"});
+      const CommandResult result = run_palpate(call);
+      EXPECT_EQ(result.status, kWrongCall) << result.out;
+      EXPECT_NE(result.err.find(name + ": does nothing "), std::string::npos) << result.err;
+      EXPECT_NE(result.err.find(needs), std::string::npos) << result.err;
+    }
+  }
 }
 
 }  // namespace

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <initializer_list>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -14,6 +13,7 @@
 #include <vector>
 
 #include "commands/play_device.h"
+#include "commands/play_options.h"
 #include "commands/play_scene.h"
 #include "palpate/error.h"
 #include "palpate/haptics/model_io.h"
@@ -95,77 +95,48 @@ void play(const Settings& settings, const PlayCall& call) {
   warn_of_radius(call, largest);
 }
 
-struct GivenOption {
-  const char* name;
-  bool given;
-};
+/// A scene is a file, a model a folder.
+bool is_scene(const fs::path& path) {
+  std::error_code not_there;  // is refused where it is read
+  return path.extension() == ".json" || fs::is_regular_file(path, not_there);
+}
 
-/// \throws InvalidInput naming the first of these options that is given, which would do nothing.
-void refuse_unused(std::initializer_list<GivenOption> options, const std::string& why) {
-  for (const GivenOption& option : options) {
-    if (option.given) throw InvalidInput(option.name + (": " + why));
-  }
+PlayWay way_of(const PlayCall& call) {
+  if (is_scene(call.model)) return PlayWay::scene;
+  if (!call.replay.empty()) return PlayWay::replay;
+  if (call.device.device.empty()) return PlayWay::trajectory;
+  const bool driver = is_driver(call.device.device);
+  if (call.stability) return driver ? PlayWay::stability_of_driver : PlayWay::stability_of_hand;
+  return driver ? PlayWay::driver : PlayWay::simulated;
 }
 
 /// What is asked for: a scene, a trajectory, a device, a session again, or the stability of a
 /// device.
-void play_anything(const Settings& settings, PlayCall& call) {
+void play_anything(const Settings& settings, const CLI::App& command, PlayCall& call) {
   DeviceCall& device = call.device;
   device.model = call.model;
   device.trajectory = call.trajectory;
   device.trace = call.record;
-  const bool has_device = !device.device.empty();
-  if (!has_device && (device.real_time || !device.session.empty())) {
-    throw InvalidInput("--realtime and --session: need --device");
-  }
-  if ((has_device || call.stability || !call.replay.empty()) && !call.picture.empty()) {
-    throw InvalidInput("--picture: shows the forces along a trajectory; it goes without --device");
-  }
-  if (call.tool_radius.has_value() != call.probe_radius.has_value()) {
-    throw InvalidInput("--tool-radius and --probe-radius: need each other");
-  }
-  const bool plays_path = call.replay.empty() && !call.stability && !has_device;
-  std::error_code not_there;  // is refused where the model is read
-  const bool is_scene = fs::is_regular_file(call.model, not_there);
-  if (call.tool_radius && (!plays_path || is_scene)) {
-    throw InvalidInput("--tool-radius: says how wrong forces along a --trajectory are");
-  }
-  const GivenOption pose{"--pose", !device.pose.empty()},
-      scale{"--scale", device.scale.has_value()}, coupling{"--coupling", device.coupling != "auto"},
-      set{"--set", !device.settings.empty()}, exchange{"--exchange", !device.exchange.empty()},
-      record{"--record", !call.record.empty()};
-  if (is_scene) {
-    refuse_unused({pose,
-                   scale,
-                   coupling,
-                   set,
-                   exchange,
-                   {"--trajectory", !call.trajectory.empty()},
-                   {"--picture", !call.picture.empty()},
-                   {"--device", has_device},
-                   {"--replay", !call.replay.empty()},
-                   {"--stability", call.stability}},
-                  "has no effect with a scene file, which says where its tools go");
-    play_scene(settings, call.model, call.record);
-  } else if (!call.replay.empty()) {
-    refuse_unused({record, pose, scale, coupling, set}, "has no effect with --replay");
-    if (has_device || call.stability || !call.trajectory.empty()) {
-      throw InvalidInput(
-          "--replay: the session says what was read; leave out --device, --trajectory and "
-          "--stability");
-    }
-    play_replay(settings, call.model, device.exchange, call.replay);
-  } else if (call.stability) {
-    refuse_unused({record, pose, exchange}, "has no effect with --stability");
-    if (!has_device) device.device = "hand";
-    play_stability(settings, device);
-  } else if (has_device) {
-    play_device(settings, device);
-  } else if (call.trajectory.empty()) {
-    throw InvalidInput("palpate play: needs --trajectory, --device, --replay or --stability");
-  } else {
-    refuse_unused({pose, scale, coupling, set, exchange}, "needs --device");
-    play(settings, call);
+  if (device.device.empty() && call.stability) device.device = kHand;
+  if (!device.device.empty() && is_driver(device.device)) check_driver(device.device);
+  const PlayWay way = way_of(call);
+  refuse_idle_options(command, way);
+  switch (way) {
+    case PlayWay::trajectory:
+      if (call.trajectory.empty()) {
+        throw InvalidInput("palpate play: needs --trajectory, --device, --replay or --stability");
+      }
+      return play(settings, call);
+    case PlayWay::scene:
+      return play_scene(settings, call.model, call.record);
+    case PlayWay::simulated:
+    case PlayWay::driver:
+      return play_device(settings, device);
+    case PlayWay::replay:
+      return play_replay(settings, call.model, device.exchange, call.replay);
+    case PlayWay::stability_of_hand:
+    case PlayWay::stability_of_driver:
+      return play_stability(settings, device);
   }
 }
 
@@ -209,10 +180,16 @@ void add_device_options(CLI::App& command, PlayCall& call) {
   command
       .add_option("--ramp", device.ramp, "[s] in which the force grows after a start or a fault")
       ->check(within(above(0).finite()));
+  command
+      .add_option("--heating-time", device.heating_time,
+                  "[s] time constant of the motors' heat, which limits how long a force is above "
+                  "the continuous one that the device declares (default: 10)")
+      ->check(within(at_least(0.1).finite()));
   command.add_option("--exchange", device.exchange, "Another model, which replaces the first ...");
   command
       .add_option("--exchange-at", device.exchange_at, "... after this time [s], without a pause")
-      ->check(within(at_least(0).finite()));
+      ->check(within(at_least(0).finite()))
+      ->needs("--exchange");
   command.add_flag("--stability", call.stability,
                    "Say which stiffness is calm with the device, and which rate and damping the "
                    "model needs");
@@ -237,14 +214,17 @@ void add_play(CLI::App& app, const Settings& settings) {
                       "Trace to write: t,x,y,z,cx,cy,cz,fx,fy,fz,state (f: force on the user); of "
                       "a scene, a folder with the traces of its tools and objects");
   command->add_option("--picture", call->picture, "Also draw the forces over time (PNG)");
-  command
-      ->add_option("--tool-radius", call->tool_radius,
-                   "[mm] of a ball; if it is not --probe-radius, say how wrong the forces are")
-      ->check(within(above(0).finite()));
+  CLI::Option* tool_radius =
+      command
+          ->add_option("--tool-radius", call->tool_radius,
+                       "[mm] of a ball; if it is not --probe-radius, say how wrong the forces are")
+          ->check(within(above(0).finite()));
   command
       ->add_option("--probe-radius", call->probe_radius,
                    "[mm] of the ball with which the object was measured")
-      ->check(within(above(0).finite()));
+      ->check(within(above(0).finite()))
+      ->needs(tool_radius);
+  tool_radius->needs("--probe-radius");
   add_device_options(*command, *call);
   command->footer(
       "Examples:\n"
@@ -254,7 +234,7 @@ void add_play(CLI::App& app, const Settings& settings) {
       "  palpate play model/ --replay s.bin\n"
       "  palpate play model/ --device ./libdevice.so --realtime\n"
       "  palpate play model/ --stability --set damping=0.002");
-  command->callback([call, &settings] { play_anything(settings, *call); });
+  command->callback([call, command, &settings] { play_anything(settings, *command, *call); });
 }
 
 }  // namespace palpate::apps

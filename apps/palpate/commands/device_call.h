@@ -1,0 +1,54 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "palpate/haptics/simulated_hand.h"
+#include "palpate/haptics/virtual_coupling.h"
+
+namespace palpate::apps {
+
+/// What `palpate play` with a device is asked to do.
+struct DeviceCall {
+  std::string device;  ///< recorded, scripted, hand, arm, or the driver of a device
+  std::filesystem::path model, trajectory, trace, session, pose, exchange;
+  std::vector<std::string> settings;  ///< of the device, key=value
+  unsigned number = 0;                ///< of the device, for drivers of several
+  bool in_process = false;            ///< the driver runs in this process
+  bool real_time = false;
+  double duration = 0;     ///< [s]; 0: that of the trajectory, otherwise until Ctrl-C
+  double exchange_at = 0;  ///< [s]
+  std::optional<double> scale;
+  std::vector<unsigned> clutch_buttons;  ///< numbers from 0
+  std::string coupling = "auto";         ///< auto, off, or a stiffness [N/mm]
+  // As in `haptics::SafetyOptions`.
+  double force = 3.3, slew = 1000, ramp = 0.5, heating_time = 10;
+};
+
+// The simulated devices.
+constexpr const char* kRecorded = "recorded";
+constexpr const char* kScripted = "scripted";
+constexpr const char* kHand = "hand";
+constexpr const char* kHeldArm = "arm";
+
+/// Whether the device is not one of the simulated ones.
+[[nodiscard]] bool is_driver(const std::string& device);
+
+/// \throws FileError unless the driver's file is there.
+void check_driver(const std::string& device);
+
+/// The settings of a device by their keys. \throws InvalidInput if one is not KEY=VALUE.
+[[nodiscard]] std::map<std::string, std::string> device_settings(const DeviceCall& call);
+
+/// The settings of a simulated device. \throws InvalidInput for one that it does not have.
+[[nodiscard]] haptics::HandOptions hand_options(const DeviceCall& call);
+
+/// \throws InvalidInput if the word is neither auto, off, nor a stiffness.
+[[nodiscard]] haptics::CouplingOptions coupling_of(const std::string& word);
+
+}  // namespace palpate::apps
