@@ -28,12 +28,12 @@ struct PlayOption {
 
 // Every option of the command but those that all commands have.
 constexpr PlayOption kPlayOptions[] = {
-    {"--trajectory", kAlong | kWithSimulated, "to stand alone, or a simulated --device"},
+    {"--trajectory", kAlong | kWithSimulated, "a model folder, alone or with a simulated --device"},
     {"--record", kAlong | kAnyDevice | kScene, "--trajectory, --device or a scene file"},
     {"--picture", kAlong, "--trajectory without --device"},
     {"--tool-radius", kAlong, "--trajectory without --device"},
     {"--probe-radius", kAlong, "--trajectory without --device"},
-    {"--device", kAnyDevice | kAnyStability, "to go without --replay"},
+    {"--device", kAnyDevice | kAnyStability, "a model folder, and no --replay"},
     {"--set", kAnyDevice | kAnyStability, "--device or --stability"},
     {"--device-number", kWithDriver | kStabilityOfDriver, "the driver of a device as --device"},
     {"--in-process", kWithDriver | kStabilityOfDriver, "the driver of a device as --device"},
@@ -51,7 +51,7 @@ constexpr PlayOption kPlayOptions[] = {
     {"--heating-time", kAnyDevice, "--device"},
     {"--exchange", kAnyDevice | kReplaying, "--device or --replay"},
     {"--exchange-at", kAnyDevice, "--device"},
-    {"--stability", kAnyStability, "to go without --replay"},
+    {"--stability", kAnyStability, "a model folder, and no --replay"},
 };
 
 const char* words_of_way(PlayWay way) {

@@ -49,8 +49,8 @@ struct PlaybackOptions {
   double tolerance = 2e-4;
   /// [N mm] >= 0, only with `bracketed`: from touch to release the object does at most this much
   /// work on the user. A slip that would take more ends early, beyond the friction cone. Eq 5.17
-  /// alone returns up to 0.6 N mm on a fitted sheet where mu < 0.2, and nothing above; infinity
-  /// keeps to it. See docs/trade-playback.md.
+  /// alone returns up to 12 N mm on a fitted sheet where mu <= 0.2, and nothing from 0.5 on;
+  /// infinity keeps to it. See docs/trade-playback.md.
   double energy_credit = 0.04;
   /// [N] > 0. In one tick the force changes by at most this, and by the largest stiffness of a
   /// contact times the tool's movement. Only jumps are longer: at the border, at a start inside.

@@ -1,0 +1,41 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+// How exactly slips end, what limits of energy and other rules of motion change, and whether tools
+// fall through a surface: prints tables of docs/trade-playback.md. playback_bench has the times.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <exception>
+#include <iostream>
+#include <string>
+#include <vector>
+
+#include "tables.h"
+
+int main(int count, char** arguments) try {
+  CLI::App app("Measures what playback's options trade; prints Markdown");
+  const std::vector<std::string> names = {"residual", "tolerance", "rules", "energy", "falls"};
+  std::vector<std::string> wanted = names;
+  app.add_option("TABLES", wanted, "Only these")->check(CLI::IsMember(names));
+  int jumps = 400;
+  app.add_option("--jumps", jumps, "For each figure of residual and energy")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  double seconds = 100;
+  app.add_option("--seconds", seconds, "[s] of each path of falls")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  CLI11_PARSE(app, count, arguments);
+  const auto has = [&](const char* name) {
+    return std::find(wanted.begin(), wanted.end(), name) != wanted.end();
+  };
+  constexpr int kTicks = 4000, kLoops = 150;
+  if (has("residual")) palpate::bench::print_residuals(jumps);
+  if (has("tolerance")) palpate::bench::print_tolerances();
+  if (has("rules")) palpate::bench::print_rules(kTicks);
+  if (has("energy")) palpate::bench::print_energy(kLoops, jumps);
+  if (has("falls")) palpate::bench::print_falls(seconds);
+  return 0;
+} catch (const std::exception& error) {
+  std::cerr << error.what() << '\n';
+  return 1;
+}

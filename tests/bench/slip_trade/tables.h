@@ -1,0 +1,20 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+namespace palpate::bench {
+
+// Each prints one table of docs/trade-playback.md in Markdown.
+
+/// Residuals after jumps, by friction, length of the jump and object.
+void print_residuals(int jumps);
+/// What the tolerance of a slip costs and gives.
+void print_tolerances();
+/// The rules of the contact's motion, on each object (thesis 5.4.2, Figure 5.6).
+void print_rules(int ticks);
+/// Energy that loops return, and what limiting it costs.
+void print_energy(int loops, int jumps);
+/// Contacts that are lost while the tool is inside: random touching of the hand for a time [s].
+void print_falls(double seconds);
+
+}  // namespace palpate::bench
