@@ -13,7 +13,8 @@
 
 #include "palpate/error.h"
 #include "palpate/probing/closed_form.h"
-#include "trade.h"
+#include "solids.h"
+#include "tables.h"
 
 namespace palpate::bench {
 namespace {
@@ -132,7 +133,7 @@ void compare_on_half_space(double depth) {
 
 }  // namespace
 
-void measure_near_tools() {
+void print_near_tools() {
   std::printf(
       "\nTwo balls of %.0f mm radius at the same depth: how much too large the force of a tool "
       "alone is [%%]\n\n| object | depth [mm] |",

@@ -1,31 +1,45 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-// Measures on specimens how wrong a model is that was measured with one tool, where several tools
-// touch the object or one of another size. Prints the tables of docs/trade-playback.md.
-#include <cstdio>
+// How exactly slips end, what limits of energy and other rules of motion change, whether tools fall
+// through a surface, and how wrong forces are for several tools and for tools of another size:
+// prints the tables of docs/trade-playback.md. playback_bench has the times.
+#include <CLI/CLI.hpp>
+#include <algorithm>
 #include <exception>
-#include <map>
+#include <iostream>
 #include <string>
+#include <vector>
 
-#include "trade.h"
+#include "tables.h"
 
-int main(int count, char** arguments) {
-  using namespace palpate::bench;
-  const std::map<std::string, void (*)()> parts{{"near-tools", measure_near_tools},
-                                                {"tool-radius", measure_tool_radius}};
-  for (int i = 1; i < count; ++i) {
-    if (parts.contains(arguments[i])) continue;
-    std::fprintf(stderr, "usage: playback_trade [near-tools] [tool-radius]\n'%s' is neither\n",
-                 arguments[i]);
-    return 2;
-  }
-  try {
-    if (count == 1)
-      for (const auto& [name, part] : parts) part();
-    for (int i = 1; i < count; ++i) parts.at(arguments[i])();
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "%s\n", e.what());
-    return 1;
-  }
+int main(int count, char** arguments) try {
+  CLI::App app("Measures what playback's options trade; prints Markdown");
+  const std::vector<std::string> names = {"residual", "tolerance",  "rules",      "energy",
+                                          "falls",    "near-tools", "tool-radius"};
+  std::vector<std::string> wanted = names;
+  app.add_option("TABLES", wanted, "Only these")->check(CLI::IsMember(names));
+  int jumps = 400;
+  app.add_option("--jumps", jumps, "For each figure of residual and energy")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  double seconds = 100;
+  app.add_option("--seconds", seconds, "[s] of each path of falls")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  CLI11_PARSE(app, count, arguments);
+  const auto has = [&](const char* name) {
+    return std::find(wanted.begin(), wanted.end(), name) != wanted.end();
+  };
+  constexpr int kTicks = 4000, kLoops = 150;
+  if (has("residual")) palpate::bench::print_residuals(jumps);
+  if (has("tolerance")) palpate::bench::print_tolerances();
+  if (has("rules")) palpate::bench::print_rules(kTicks);
+  if (has("energy")) palpate::bench::print_energy(kLoops, jumps);
+  if (has("falls")) palpate::bench::print_falls(seconds);
+  if (has("near-tools")) palpate::bench::print_near_tools();
+  if (has("tool-radius")) palpate::bench::print_tool_radii();
   return 0;
+} catch (const std::exception& error) {
+  std::cerr << error.what() << '\n';
+  return 1;
 }

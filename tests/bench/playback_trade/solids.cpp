@@ -8,7 +8,7 @@
 
 #include "palpate/error.h"
 #include "solid_meshes.h"
-#include "trade.h"
+#include "solids.h"
 
 namespace palpate::bench {
 namespace {

@@ -4,7 +4,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "trade.h"
+#include "solids.h"
+#include "tables.h"
 
 namespace palpate::bench {
 namespace {
@@ -31,7 +32,7 @@ void compare_radii(const TradeSolid& solid, double depth) {
 
 }  // namespace
 
-void measure_tool_radius() {
+void print_tool_radii() {
   std::printf(
       "\nForce on a ball over that on the probe's ball of %.0f mm at the same depth, and the power "
       "of the radius that it follows\n\n| object | depth [mm] | force on the probe [N] |",

@@ -8,14 +8,7 @@
 
 #include "palpate/probing/contact_equilibrium.h"
 
-// What playback of one tool's measurements by other tools costs: its parts print the tables of
-// docs/trade-playback.md.
 namespace palpate::bench {
-
-// How the force on one of two tools differs from that of a tool alone, by their distance.
-void measure_near_tools();
-// How the force on a ball differs from that on the probe's ball, by their radii.
-void measure_tool_radius();
 
 // A solid whose upper side is z = 0 and faces -z.
 struct TradeSolid {
