@@ -48,6 +48,7 @@ haptics::BuildOptions exact_samples() {
   constexpr double kDisplacement = 0.005, kForce = 0.002;  // [mm], [N]
   haptics::BuildOptions options;
   options.fit.noise = {.displacement = kDisplacement, .force = kForce};
+  options.fit.compare_always = true;
   options.friction.force_noise = kForce;
   return options;
 }

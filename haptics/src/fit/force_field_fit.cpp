@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <string>
 #include <utility>
@@ -13,6 +14,7 @@
 
 #include "fit/convex_fit.h"
 #include "fit/field_objective.h"
+#include "fit/left_out_pairs.h"
 #include "fit/local_fit.h"
 #include "fit/whitened_problem.h"
 #include "palpate/error.h"
@@ -27,6 +29,9 @@ constexpr double kEpsilonRatio = 1;
 // Penalty of weights relative to the squared error, in units of the data. It is far below the noise
 // of any arm and decides only what the samples leave undetermined.
 constexpr double kWeightPenalty = 1e-7;
+// Multiples of the noise that fits assume where noise does not explain the errors. What the
+// samples have beyond any field, such as what depends on the path of the tool, acts like noise.
+constexpr std::array<double, 3> kNoiseMultiples = {1, 3, 9};
 // The spring of a rigid contact reaches this multiple of the measured force.
 constexpr double kRigidReserve = 10;
 
@@ -79,9 +84,10 @@ std::vector<Eigen::Index> canonical_order(const Eigen::Ref<const Eigen::Matrix3X
 // Samples in canonical order, in units of their extents. An extent of zero counts as one unit.
 struct ScaledSamples {
   WhitenedProblem problem;  // whitened by the samples' own secant stiffness
-  ReachableVolume reach;    // [mm]
-  double length = 1;        // [mm]
-  double force_scale = 1;   // [N]
+  SampleNoise noise;
+  ReachableVolume reach;   // [mm]
+  double length = 1;       // [mm]
+  double force_scale = 1;  // [N]
 };
 
 ScaledSamples scaled(const Eigen::Ref<const Eigen::Matrix3Xd>& displacements,
@@ -94,8 +100,8 @@ ScaledSamples scaled(const Eigen::Ref<const Eigen::Matrix3Xd>& displacements,
   f /= force_scale;
   const SampleNoise noise{options.noise.displacement.value_or(kDisplacementNoise) / length,
                           std::max(options.noise.force / force_scale, kExact)};
-  return {WhitenedProblem(std::move(d), std::move(f), noise), reachable_volume(displacements),
-          length, force_scale};
+  return {WhitenedProblem(std::move(d), std::move(f), noise), noise,
+          reachable_volume(displacements), length, force_scale};
 }
 
 ForceField in_units(ForceField field, double length, double force_scale) {
@@ -156,11 +162,22 @@ ForceField rigid_field(double displacement_noise) {
   return {{{kRigidReserve, kRigidReserve / stiffness}}};
 }
 
-FitResult fit_as_convex(const ScaledSamples& samples, const FitOptions& options) {
+LeftOutOptions convex_options(const ScaledSamples& samples, const FitOptions& options,
+                              double noise_multiple) {
+  return {.noise = {.displacement = noise_multiple * samples.noise.displacement,
+                    .force = noise_multiple * samples.noise.force},
+          .accuracy = options.accuracy / samples.force_scale,
+          .max_bases = options.max_bases.value_or(kMaxConvexBases)};
+}
+
+FitResult fit_as_convex(const ScaledSamples& samples, const FitOptions& options,
+                        double noise_multiple = 1) {
+  const LeftOutOptions with = convex_options(samples, options, noise_multiple);
   FitResult result;
   result.mode = FitMode::convex;
-  ConvexFit fit = fit_convex(samples.problem, options.accuracy / samples.force_scale,
-                             options.max_bases.value_or(kMaxConvexBases));
+  ConvexFit fit = fit_convex(
+      WhitenedProblem(samples.problem.displacements(), samples.problem.forces(), with.noise),
+      with.accuracy, with.max_bases);
   finish(samples, options, std::move(fit.field), result);
   result.iterations = fit.iterations;
   result.condition = fit.condition;
@@ -190,17 +207,45 @@ FitResult fit_as_local(const ScaledSamples& samples, const FitOptions& options, 
   return result;
 }
 
-// The chosen one of two fits of the same samples, with the iterations of both.
-FitResult chosen(FitResult taken, const FitResult& left) {
-  taken.iterations += left.iterations;
-  return taken;
+// The squared errors of a field at the samples, whitened by the samples' own secant stiffness, the
+// same for all fields, so that no field gains by being stiff.
+Eigen::VectorXd squared_errors(const ScaledSamples& samples, const FitResult& fit) {
+  const Eigen::VectorXd errors =
+      samples.problem.residuals(in_units(fit.field, 1 / samples.length, 1 / samples.force_scale));
+  return errors.reshaped(3, samples.problem.size()).colwise().squaredNorm().transpose();
 }
 
-// Uses the same whitening for all fields, by the samples' own secant stiffness, so that no field
-// gains by being stiff. Outliers hardly count.
-double robust_loss(const ScaledSamples& samples, const FitResult& fit) {
-  return samples.problem.loss(
-      samples.problem.residuals(in_units(fit.field, 1 / samples.length, 1 / samples.force_scale)));
+// Of convex fields for several multiples of the noise and a certified one, that which predicts
+// pairs best. The errors of convex fields are those at pairs that were left out: they may have
+// nearly as many parameters as there are numbers. Certified ones have far fewer, and take too long
+// to be fitted again and again.
+FitResult best_predicting(const ScaledSamples& samples, const FitOptions& options,
+                          FitResult convex) {
+  if (samples.problem.size() < kLeftOutParts) return convex;
+  FitResult best;
+  double least = std::numeric_limits<double>::infinity(), most = least;
+  int iterations = 0;
+  for (const double multiple : kNoiseMultiples) {
+    const Eigen::VectorXd squares =
+        left_out_squares(samples.problem, convex_options(samples, options, multiple));
+    // Outliers must not decide.
+    if (multiple == 1) most = kOutlier * typical_variance(squares);
+    FitResult fit = multiple == 1 ? std::move(convex) : fit_as_convex(samples, options, multiple);
+    iterations += fit.iterations;
+    const double error = capped_mean(squares, most);
+    if (!(error < least) && !best.field.bases.empty()) continue;
+    least = error;
+    best = std::move(fit);
+  }
+  FitResult other = fit_as_local(samples, options, FitMode::certified);
+  iterations += other.iterations;
+  const double parameters = kBaseSize * static_cast<double>(other.field.bases.size());
+  const double error =
+      expected_growth(parameters, 3 * static_cast<double>(samples.problem.size())) *
+      capped_mean(squared_errors(samples, other), most);
+  if (is_passive(other.certificate) && error < least) best = std::move(other);
+  best.iterations = iterations;
+  return best;
 }
 
 FitResult fit_in_mode(const ScaledSamples& samples, const FitOptions& options) {
@@ -208,14 +253,15 @@ FitResult fit_in_mode(const ScaledSamples& samples, const FitOptions& options) {
   if (options.mode == FitMode::certified) {
     FitResult result = fit_as_local(samples, options, FitMode::certified);
     if (is_passive(result.certificate)) return result;
-    return chosen(fit_as_convex(samples, options), result);
+    FitResult convex = fit_as_convex(samples, options);
+    convex.iterations += result.iterations;
+    return convex;
   }
   FitResult result = fit_as_convex(samples, options);
-  if (result.stop != FitStop::unexplained || !options.try_certified) return result;
-  FitResult other = fit_as_local(samples, options, FitMode::certified);
-  const bool better =
-      is_passive(other.certificate) && robust_loss(samples, other) < robust_loss(samples, result);
-  return better ? chosen(std::move(other), result) : chosen(std::move(result), other);
+  const bool compare = result.stop == FitStop::unexplained
+                           ? options.try_certified
+                           : options.compare_always && result.stop != FitStop::accurate;
+  return compare ? best_predicting(samples, options, std::move(result)) : result;
 }
 
 }  // namespace

@@ -5,11 +5,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <random>
+#include <vector>
 
 #include "haptics_testing.h"
 #include "not_finite.h"
+#include "sticking_ball.h"
 
 namespace palpate::haptics {
 namespace {
@@ -245,6 +249,86 @@ TEST(FitForceField, RefusesWhatItCannotUse) {
       HasSubstr("noise.displacement"));
   places(1, 3) = kNaN;
   EXPECT_THAT(refusal([&] { return fit_force_field(places, forces); }), HasSubstr("sample 3"));
+}
+
+struct StickingPairs {
+  Eigen::Matrix3Xd displacements, forces;
+};
+
+StickingPairs sticking_pairs(const std::vector<Eigen::Vector3d>& forces) {
+  const auto count = static_cast<Eigen::Index>(forces.size());
+  StickingPairs pairs{Eigen::Matrix3Xd(3, count), Eigen::Matrix3Xd(3, count)};
+  for (Eigen::Index i = 0; i < count; ++i) {
+    pairs.forces.col(i) = forces[static_cast<std::size_t>(i)];
+    pairs.displacements.col(i) = testing::sticking_ball(pairs.forces.col(i));
+  }
+  return pairs;
+}
+
+// Random forces up to 3 N in a cone of friction 0.72.
+StickingPairs random_sticking_pairs(int count, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  std::vector<Eigen::Vector3d> forces;
+  for (int i = 0; i < count; ++i) {
+    const double angle = 2 * std::numbers::pi * uniform(random);
+    const double ratio = 0.72 * std::sqrt(uniform(random)), size = 0.1 + 2.9 * uniform(random);
+    forces.push_back(
+        size * Eigen::Vector3d(ratio * std::cos(angle), ratio * std::sin(angle), 1).normalized());
+  }
+  return sticking_pairs(forces);
+}
+
+// Five normal forces, each alone and with four drags, as `palpate bake` computes them.
+StickingPairs planned_sticking_pairs() {
+  std::vector<Eigen::Vector3d> forces;
+  for (int level = 0; level < 5; ++level) {
+    const double normal = 0.15 + 0.66 * level;
+    forces.emplace_back(0, 0, normal);
+    for (int k = 0; k < 4; ++k) {
+      const double angle = std::numbers::pi / 2 * k + 2.4 * level;
+      const double most = std::min(0.78 * normal, std::sqrt(9 - normal * normal));
+      const double size = ((level + k) % 2 == 0 ? 1 : 0.55) * most;
+      forces.emplace_back(size * std::cos(angle), size * std::sin(angle), normal);
+    }
+  }
+  return sticking_pairs(forces);
+}
+
+double query_error(const ForceField& field, const StickingPairs& pairs) {
+  return std::sqrt(
+      (forces_at(field, pairs.displacements) - pairs.forces).colwise().squaredNorm().mean());
+}
+
+// Exact pairs of a ball that sticks are no gradient. A field with many bases follows a few of them,
+// and is wrong between.
+TEST(FitForceField, PredictsForcesThatDependOnThePathAlmostAsWellAsAnyFieldCan) {
+  const StickingPairs queries = random_sticking_pairs(200, 2);
+  const FitNoise noise{.displacement = 0.005, .force = 0.002};
+  const StickingPairs many = random_sticking_pairs(400, 3), few = planned_sticking_pairs();
+  const double least = query_error(
+      fit_force_field(many.displacements, many.forces, {.mode = FitMode::certified}).field,
+      queries);
+  const FitResult followed =
+      fit_force_field(few.displacements, few.forces, {.try_certified = false, .noise = noise});
+  EXPECT_GT(query_error(followed.field, queries), 2 * least);
+  const FitResult compared =
+      fit_force_field(few.displacements, few.forces, {.compare_always = true, .noise = noise});
+  EXPECT_LT(query_error(compared.field, queries), 1.35 * least);
+  EXPECT_TRUE(is_passive(compared.certificate));
+}
+
+// StickingPairs without noise, of a field that many bases describe: nothing is taken for noise.
+TEST(FitForceField, StillFollowsExactPairsOfAnEnergyIfItComparesFields) {
+  const ForceField truth{{{2, 1, {0, 0, 3}}, {1.5, 0.6}, {1, 0.8, {1, 0, 1}}, {1, 2, {0, -2, 1}}}};
+  const Eigen::Matrix3Xd places = random_points(40, 2.5), others = random_points(100, 2.3, 4);
+  const FitNoise noise{.displacement = 0.005, .force = 0.002};
+  const auto error = [&](bool compare) {
+    const FitResult fit = fit_force_field(places, forces_at(truth, places),
+                                          {.compare_always = compare, .noise = noise});
+    return query_error(fit.field, {others, forces_at(truth, others)});
+  };
+  EXPECT_LT(error(true), std::max(1.2 * error(false), 0.01));
 }
 
 TEST(AssessForceField, GivesTheFiguresOfTheFitThatFoundTheField) {

@@ -30,9 +30,13 @@ inline constexpr double kDisplacementNoise = 0.03;
 
 struct FitOptions {
   FitMode mode = FitMode::convex;
-  /// With `convex`: also try `certified` if noise does not explain the errors, and return the
-  /// better field. Not needed for computed pairs, and slow in trials.
+  /// With `convex`: if noise does not explain the errors, also try convex fields with fewer bases
+  /// and a certified one, and return the field that predicts best. Slow in trials.
   bool try_certified = true;
+  /// Do so even if noise explains the errors. For computed pairs: what they have beyond any field,
+  /// because their force depends on the path of the tool, exceeds their noise, and a few pairs do
+  /// not show it.
+  bool compare_always = false;
   /// [N] >= 0: stop when the rms is at most this. 0: as accurate as the noise allows.
   double accuracy = 0;
   /// >= 1. Default: kMaxConvexBases for `convex`, kMaxLocalBases for the other modes.
@@ -79,7 +83,7 @@ struct FitResult {
   FitStop stop = FitStop::not_converged;  ///< check this before you use the field
   /// [N/mm] smallest eigenvalue of the stiffness at zero displacement; >= 0
   double smallest_stiffness = 0;
-  /// The mode of the field. It is `certified` instead of `convex` where that explains the samples
+  /// The mode of the field. It is `certified` instead of `convex` where that is expected to predict
   /// better, and `convex` instead of `certified` where passivity cannot be proven.
   FitMode mode = FitMode::convex;
   PassivityCertificate certificate;  ///< of the field, over the reach of the displacements
@@ -110,6 +114,11 @@ struct FitResult {
 /// errors (chi^2 is below its mean by at least half a deviation) or Akaike's information criterion
 /// improves. The error of sample i has the covariance force^2 I + displacement^2 K K^T of the
 /// noise, with the stiffness K there, and a robust loss (Cauchy).
+///
+/// If noise does not explain the errors, the samples have what no field has, and a field with many
+/// bases follows them, but errs between them. Therefore convex fits that assume 1, 3 and 9 times
+/// the noise predict pairs that are left out, a fifth at a time. The best one is returned, or a
+/// certified field if its error there, by generalised cross-validation, is less.
 ///
 /// If the samples do not determine epsilon, it is about half the extent of the displacements;
 /// otherwise a staircase through the levels of force would fit as well. A ridge beyond all samples
