@@ -93,6 +93,8 @@ void assess(AdaptiveSite& site, const AdaptiveSetting& setting) {
   if (!site.surrogate || site.given_up) return;
   if (site.queries.empty()) place_queries(site, setting);
   site.variance = site.surrogate->error_variance(site.queries);
+  const LeftOutPairs pairs = site.surrogate->left_out();
+  site.unexplained = pairs.found - std::max(pairs.expected, pairs.found_without_energy);
   if (site.trials >= kMostOfBase * setting.base_size()) return;
   std::vector<TrialOrder> orders;
   std::vector<Vector3d> forces;

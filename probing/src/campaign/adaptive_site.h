@@ -47,8 +47,10 @@ struct AdaptiveSite {
   std::optional<ForceSurrogate> surrogate = {};
   std::vector<Eigen::Vector3d> queries = {};  ///< [N] forces at which the model should be right
   double variance = 0;                        ///< [N^2] expected squared error at the queries
-  double left_out = -1;  ///< [N^2] squared error of its prediction by neighbours; < 0: none
-  double gain = 0;       ///< [N^2] of the best further trial
+  double unexplained = 0;  ///< [N^2] by which asking for an energy makes pairs err that are left
+                           ///< out, beyond what is expected; may be < 0
+  double left_out = -1;    ///< [N^2] squared error of its prediction by neighbours; < 0: none
+  double gain = 0;         ///< [N^2] of the best further trial
   std::optional<TrialOrder> best = {};  ///< without its number
 
   /// Unit vectors: into the object, and along the surface at an angle [rad].

@@ -36,6 +36,7 @@ class PredictionRecord {
 /// The parts of the expected squared error [N^2], and what they were learnt from.
 struct ErrorParts {
   double at_contacts = 0, between = 0;
+  double unexplained = 0;  ///< of `at_contacts`: more trials do not reduce it
   std::size_t contacts = 0, left_out = 0;
   double trials = 0;
 };

@@ -3,6 +3,7 @@
 #include "palpate/probing/force_surrogate.h"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -28,7 +29,8 @@ constexpr std::array<SmoothPart, 2> kSmoothParts{{{1, 0.1}, {3, 3}}};
 constexpr double kBentForce = 0.6;  // [N] beyond which lengths grow with the root of the force
 /// Least eigenvalue of a compliance, relative to the mean compliance; smaller ones are implausible.
 constexpr double kLeastCompliance = 0.03;
-constexpr double kDifference = 1e-3;  // [N] step of the derivatives of the mean
+constexpr double kDifference = 1e-3;    // [N] step of the derivatives of the mean
+constexpr double kLargestLeftOut = 25;  // of squared errors; limits the effect of outliers
 /// Variance that keeps the factor positive definite, relative to that of a displacement at 1 N.
 constexpr double kJitter = 1e-10;
 
@@ -45,22 +47,31 @@ Bent bend(const Vector3d& force) {
   return {rho * force, jacobian};
 }
 
-// Covariance of the displacements under two forces, relative to the squared mean compliance:
-// d/df d/df'^T of the covariance of W.
-Matrix3d covariance(const Vector3d& f, const Bent& bent_f, const Vector3d& g, const Bent& bent_g) {
-  Matrix3d result = kLinearDeviation * kLinearDeviation / 2 *
-                    (f.dot(g) * Matrix3d::Identity() + g * f.transpose());
+// What is assumed of the displacements: that they are the gradient of an energy, or nothing but
+// that they are as smooth, each component by itself.
+enum class Law { energy, any };
+
+// Covariance of the displacements under two forces, relative to the squared mean compliance; with
+// an energy, d/df d/df'^T of the covariance of W.
+Matrix3d covariance(const Vector3d& f, const Bent& bent_f, const Vector3d& g, const Bent& bent_g,
+                    Law law = Law::energy) {
   const Vector3d off = bent_f.at - bent_g.at;
+  Matrix3d linear = f.dot(g) * Matrix3d::Identity(), turns = off * off.transpose();
+  if (law == Law::energy)
+    linear = (linear + g * f.transpose()) / 2;
+  else
+    turns.setZero();
   Matrix3d smooth = Matrix3d::Zero();
   for (const SmoothPart& part : kSmoothParts) {
     const double l2 = part.length * part.length;
     smooth += part.deviation * part.deviation * std::exp(-off.squaredNorm() / (2 * l2)) *
-              (Matrix3d::Identity() - off * off.transpose() / l2);
+              (Matrix3d::Identity() - turns / l2);
   }
-  return result + bent_f.jacobian * smooth * bent_g.jacobian;
+  return kLinearDeviation * kLinearDeviation * linear + bent_f.jacobian * smooth * bent_g.jacobian;
 }
 
-Eigen::MatrixXd covariances(std::span<const Vector3d> rows, std::span<const Vector3d> columns) {
+Eigen::MatrixXd covariances(std::span<const Vector3d> rows, std::span<const Vector3d> columns,
+                            Law law = Law::energy) {
   std::vector<Bent> bent_rows, bent_columns;
   for (const Vector3d& f : rows) bent_rows.push_back(bend(f));
   for (const Vector3d& f : columns) bent_columns.push_back(bend(f));
@@ -69,7 +80,7 @@ Eigen::MatrixXd covariances(std::span<const Vector3d> rows, std::span<const Vect
   for (std::size_t i = 0; i < rows.size(); ++i) {
     for (std::size_t j = 0; j < columns.size(); ++j) {
       result.block<3, 3>(3 * static_cast<Eigen::Index>(i), 3 * static_cast<Eigen::Index>(j)) =
-          covariance(rows[i], bent_rows[i], columns[j], bent_columns[j]);
+          covariance(rows[i], bent_rows[i], columns[j], bent_columns[j], law);
     }
   }
   return result;
@@ -97,10 +108,10 @@ ForceSurrogate::ForceSurrogate(std::span<const ForcePair> pairs, const Surrogate
   Eigen::MatrixXd gram = covariances(forces_, forces_);
   gram.diagonal().array() += noise() * noise() / (scale_ * scale_) + kJitter;
   factor_.compute(gram);
-  Eigen::VectorXd measured(gram.rows());
+  measured_.resize(gram.rows());
   for (std::size_t i = 0; i < pairs.size(); ++i)
-    measured.segment<3>(3 * static_cast<Eigen::Index>(i)) = pairs[i].displacement / scale_;
-  weights_ = factor_.solve(measured);
+    measured_.segment<3>(3 * static_cast<Eigen::Index>(i)) = pairs[i].displacement / scale_;
+  weights_ = factor_.solve(measured_);
 }
 
 double ForceSurrogate::noise() const {
@@ -140,6 +151,35 @@ double ForceSurrogate::error_variance(std::span<const Vector3d> queries) const {
     sum += (stiffness * predict(query).covariance * stiffness).trace();
   }
   return queries.empty() ? 0 : sum / static_cast<double>(queries.size());
+}
+
+LeftOutPairs ForceSurrogate::left_out() const {
+  Eigen::MatrixXd free = covariances(forces_, forces_, Law::any);
+  free.diagonal().array() += noise() * noise() / (scale_ * scale_) + kJitter;
+  const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(free.rows(), free.cols());
+  const Eigen::MatrixXd inverse = factor_.solve(identity);
+  const Eigen::MatrixXd free_inverse = free.llt().solve(identity);
+  const Eigen::VectorXd free_weights = free_inverse * measured_;
+  LeftOutPairs result;
+  for (std::size_t i = 0; i < forces_.size(); ++i) {
+    const auto row = 3 * static_cast<Eigen::Index>(i);
+    const Matrix3d stiffness = scale_ * compliance(forces_[i]).inverse();
+    // Without pair i, its covariance is the inverse of its block of the inverse, and its error that
+    // times its weight.
+    const auto force_error = [&](const Matrix3d& left, const Eigen::VectorXd& weights) {
+      return (stiffness * (left * weights.segment<3>(row))).squaredNorm();
+    };
+    const Matrix3d left = inverse.block<3, 3>(row, row).inverse();
+    const double expected = (stiffness * left * stiffness).trace();
+    const double most = kLargestLeftOut * expected;
+    result.expected += expected;
+    result.found += std::min(force_error(left, weights_), most);
+    result.found_without_energy +=
+        std::min(force_error(free_inverse.block<3, 3>(row, row).inverse(), free_weights), most);
+  }
+  for (double* sum : {&result.found, &result.expected, &result.found_without_energy})
+    *sum /= static_cast<double>(forces_.size());
+  return result;
 }
 
 std::vector<double> ForceSurrogate::reductions(std::span<const Vector3d> queries,

@@ -4,12 +4,19 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <ctime>
+#include <map>
+#include <memory>
+#include <vector>
 
 #include "campaign/campaign_testing.h"
 #include "palpate/error.h"
+#include "palpate/probing/force_surrogate.h"
+#include "palpate/probing/known_forces.h"
+#include "sticking_ball.h"
 
 namespace palpate::probing {
 namespace {
@@ -79,6 +86,52 @@ TEST(AdaptiveTrials, PredictsItsSamplesAsWellAsItSays) {
   EXPECT_GT(ended.progress.stated.predictions, 50);
   EXPECT_GT(ended.progress.stated.predicted_over_actual, 0.7);
   EXPECT_LT(ended.progress.stated.predicted_over_actual, 1.4);
+}
+
+// A flat body on which the ball sticks: its displacements come from no energy.
+class StickingBody : public Specimen {
+ public:
+  const geometry::TriangleMesh& surface() const override { return body_->surface(); }
+  Eigen::Vector3d displacement(const Eigen::Vector3d&,
+                               const Eigen::Vector3d& force) const override {
+    if (!(force.z() > 0)) throw SolverError("the ball is pulled off");
+    return palpate::testing::sticking_ball(force);
+  }
+  FrictionCone friction_cone(const Eigen::Vector3d&) const override {
+    return {Eigen::Vector3d::UnitZ(), 0.8};
+  }
+
+ private:
+  std::unique_ptr<Specimen> body_ = make_specimen(ElasticBody{});
+};
+
+// Before any sample was predicted before it was taken, and after many were.
+TEST(AdaptiveTrials, StatesTheErrorWhereForcesDependOnThePath) {
+  const auto body = std::make_shared<StickingBody>();
+  const KnownForces known = known_forces(*body, {.count = 200});
+  for (const int samples : {75, 180}) {
+    const Ended ended = run(body, 3, adaptive(samples));
+    double squares = 0, queries = 0;
+    for (const Contact& contact : plan_of(*body, 3).contacts) {
+      std::map<int, ForcePair> pressed;  // by level
+      std::vector<ForcePair> pairs;
+      for (const auto& [order, result] : ended.records) {
+        if (order.contact.id != contact.id || result.outcome != TrialOutcome::held) continue;
+        pairs.push_back({order.normal_force + order.tangential_force, result.b - contact.position});
+        pressed[order.level] = {order.normal_force, result.a - contact.position};
+      }
+      for (const auto& [level, pair] : pressed) pairs.push_back(pair);
+      const ForceSurrogate surrogate(pairs);
+      for (const KnownForce& one : known.forces) {
+        const Eigen::Vector3d off = surrogate.predict(one.force).mean - one.displacement;
+        squares += (surrogate.compliance(one.force).inverse() * off).squaredNorm();
+        ++queries;
+      }
+    }
+    const double ratio = ended.progress.stated.error / std::sqrt(squares / queries);
+    EXPECT_GT(ratio, 0.7) << samples;
+    EXPECT_LT(ratio, 1.4) << samples;
+  }
 }
 
 TEST(AdaptiveTrials, SaysWhenTheTargetIsOutOfReach) {

@@ -6,12 +6,15 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <numbers>
 #include <numeric>
+#include <vector>
 
 #include "palpate/error.h"
 #include "palpate/probing/closed_form.h"
+#include "sticking_ball.h"
 
 namespace palpate::probing {
 namespace {
@@ -106,6 +109,38 @@ TEST(ForceSurrogate, VarianceFallsWithSamplesAsReductionsSay) {
     EXPECT_NEAR(before - after, reduction, 0.05 * reduction);
     before = after;
   }
+}
+
+// Against surrogates that were made without one pair each. Their scale differs by some per cent.
+TEST(ForceSurrogate, PredictsEachPairFromTheOthersAsIfMadeWithoutIt) {
+  const std::vector<ForcePair> pairs = pairs_of(forces_in_cone(15, 3), testing::sticking_ball);
+  const ForceSurrogate surrogate(pairs);
+  double found = 0, expected = 0;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    std::vector<ForcePair> others = pairs;
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
+    const ForceSurrogate without(others);
+    const PredictedDisplacement predicted = without.predict(pairs[i].force);
+    const Matrix3d stiffness = surrogate.compliance(pairs[i].force).inverse();
+    const Matrix3d covariance =
+        predicted.covariance + without.noise() * without.noise() * Matrix3d::Identity();
+    expected += (stiffness * covariance * stiffness).trace();
+    found += (stiffness * (pairs[i].displacement - predicted.mean)).squaredNorm();
+  }
+  const auto count = static_cast<double>(pairs.size());
+  EXPECT_NEAR(surrogate.left_out().expected, expected / count, 0.1 * expected / count);
+  EXPECT_NEAR(surrogate.left_out().found, found / count, 0.1 * found / count);
+}
+
+TEST(ForceSurrogate, SeesThatDisplacementsComeFromNoEnergy) {
+  const auto left_out = [](const auto& law) {
+    return ForceSurrogate(pairs_of(forces_in_cone(25, 3), law)).left_out();
+  };
+  const LeftOutPairs elastic = left_out(foam), sticking = left_out(testing::sticking_ball);
+  EXPECT_LT(elastic.found, elastic.expected);
+  EXPECT_LT(elastic.found, elastic.found_without_energy);
+  EXPECT_GT(sticking.found, 3 * sticking.expected);
+  EXPECT_GT(sticking.found, 3 * sticking.found_without_energy);
 }
 
 TEST(ForceSurrogate, ARigidContactIsNotBelievedToBeInfinitelyStiff) {

@@ -28,6 +28,15 @@ struct PredictedDisplacement {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< [mm^2] without noise
 };
 
+/// How the pairs come out if each is predicted from the others: the mean squared error of the force
+/// [N^2], as found and as expected, noise included.
+struct LeftOutPairs {
+  double found = 0, expected = 0;
+  /// As found if displacements need not be the gradient of an energy, but only be as smooth. It is
+  /// smaller than `found` where they depend on the path of the tool.
+  double found_without_energy = 0;
+};
+
 /// What a few measurements tell of a contact: a Gaussian process on the complementary energy W(f),
 /// whose gradient is the displacement. Its covariance is that of a random symmetric compliance plus
 /// smooth parts that vary over fractions of the root of a force, since objects stiffen. It is the
@@ -51,6 +60,8 @@ class ForceSurrogate {
   /// [N^2] Mean over queries of the expected squared error of the force there, |K(f) e|^2 with the
   /// stiffness K and the error e of the displacement.
   [[nodiscard]] double error_variance(std::span<const Eigen::Vector3d> queries) const;
+  /// An error counts with at most 25 times its expected square.
+  [[nodiscard]] LeftOutPairs left_out() const;
   /// [N^2] By how much one more measurement of each candidate would reduce it.
   [[nodiscard]] std::vector<double> reductions(std::span<const Eigen::Vector3d> queries,
                                                std::span<const Eigen::Vector3d> candidates) const;
@@ -62,7 +73,7 @@ class ForceSurrogate {
   SurrogateOptions options_;
   double scale_ = 0;
   Eigen::LLT<Eigen::MatrixXd> factor_;
-  Eigen::VectorXd weights_;
+  Eigen::VectorXd measured_, weights_;
 };
 
 }  // namespace palpate::probing
