@@ -260,7 +260,7 @@ StickingPairs sticking_pairs(const std::vector<Eigen::Vector3d>& forces) {
   StickingPairs pairs{Eigen::Matrix3Xd(3, count), Eigen::Matrix3Xd(3, count)};
   for (Eigen::Index i = 0; i < count; ++i) {
     pairs.forces.col(i) = forces[static_cast<std::size_t>(i)];
-    pairs.displacements.col(i) = testing::sticking_ball(pairs.forces.col(i));
+    pairs.displacements.col(i) = palpate::testing::sticking_ball(pairs.forces.col(i));
   }
   return pairs;
 }
