@@ -14,6 +14,8 @@
 
 #include "build/made.h"
 #include "build/place_contacts.h"
+#include "build/pressing_records.h"
+#include "fit/pressing_field.h"
 #include "palpate/error.h"
 #include "palpate/geometry/contact_triangulation.h"
 #include "palpate/geometry/surface_query.h"
@@ -239,15 +241,72 @@ std::vector<FrictionFit> fit_cones(const probing::CheckedAcquisition& acquisitio
   return cones;
 }
 
+// Fields of contacts that were only pressed, from the estimate of all of them together.
+void take_pressing(const std::vector<ForceSamples>& samples, const FitOptions& options,
+                   BuildResult& result) {
+  const PressingEstimate& estimate = *result.pressing;
+  parallel_for(samples.size(), [&](std::size_t i) {
+    const PressingCurve& curve = estimate.curves[i];
+    FitOptions with = options;
+    with.mode = FitMode::convex;
+    with.noise = {.displacement = curve.touch_error, .force = estimate.force_noise};
+    result.contacts[i].fit = assess_force_field(
+        rounded(pressing_field(curve, estimate.lateral_ratio)), samples[i].displacements,
+        samples[i].forces, static_cast<int>(curve.coefficients.size()), with);
+  });
+  for (std::size_t i = 0; i < samples.size(); ++i)
+    take_fit(result.model.contacts[i], samples[i], result.contacts[i].fit);
+}
+
+void check_predictions(const std::vector<ForceSamples>& samples, const BuildResult& result) {
+  constexpr double kMostOfLargest = 10;
+  double largest = 0;
+  for (const ForceSamples& contact : samples)
+    largest = std::max(largest, contact.forces.colwise().norm().maxCoeff());
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const ContactModel& contact = result.model.contacts[i];
+    for (const auto& displacement : samples[i].displacements.colwise()) {
+      const double predicted = force(contact.field, displacement).norm();
+      if (predicted <= kMostOfLargest * largest) continue;
+      throw SolverError(fmt::format(
+          "the field of contact {} gives {:.4g} N at one of its own samples, where the largest "
+          "force of all contacts is {:.4g} N, so there is no model. Check the positions and forces "
+          "of this contact, or remove it.",
+          contact.id, predicted, largest));
+    }
+  }
+}
+
+// Takes the pairs of contacts that were only pressed without the offsets that are found.
+void estimate_pressed(const probing::CheckedAcquisition& acquisition,
+                      const std::vector<std::size_t>& source, const std::vector<double>& heights,
+                      const BuildOptions& options, std::vector<ForceSamples>& samples,
+                      BuildResult& result) {
+  std::vector<PressedContact> contacts;
+  for (std::size_t i = 0; i < source.size(); ++i) {
+    contacts.push_back(pressed_contact(acquisition.contacts()[source[i]],
+                                       acquisition.samples_of(source[i]), heights[i]));
+  }
+  PressingOptions with{.estimate_offsets = options.estimate_offsets};
+  if (!options.estimate_force_noise && options.fit.noise.force > 0)
+    with.force_noise = options.fit.noise.force;
+  result.pressing = estimate_pressing(contacts, with);
+  for (std::size_t i = 0; i < contacts.size(); ++i)
+    samples[i] = corrected(contacts[i], result.pressing->offsets, result.pressing->curves[i].touch);
+  store_offsets(result.pressing->offsets, result.model);
+}
+
 // Fits friction and field of every contact and returns their reference force. `source` maps
 // contacts of the model to those of the acquisition.
 double fit_contacts(const probing::CheckedAcquisition& acquisition,
-                    const std::vector<std::size_t>& source, const BuildOptions& options,
-                    BuildResult& result) {
+                    const std::vector<std::size_t>& source, const std::vector<double>& heights,
+                    const BuildOptions& options, BuildResult& result) {
   std::vector<ForceSamples> samples(source.size());
   parallel_for(source.size(), [&](std::size_t i) {
     samples[i] = realign(acquisition.contacts()[source[i]], acquisition.samples_of(source[i]));
   });
+  if (is_pressing_only(acquisition, source))
+    estimate_pressed(acquisition, source, heights, options, samples, result);
   // Estimate the noise from all contacts, as one tool and one tracker measured them.
   FitOptions fit = options.fit;
   if (!fit.noise.displacement) fit.noise.displacement = pooled_displacement_noise(samples);
@@ -279,7 +338,12 @@ double fit_contacts(const probing::CheckedAcquisition& acquisition,
   choose_frames(result.model);
   const double pressed = reference_force(samples, result.model);
   turn_into_local_frames(samples, result.model);
-  fit_fields(samples, fit, options, result);
+  if (result.pressing)
+    take_pressing(samples, fit, result);
+  else
+    fit_fields(samples, fit, options, result);
+  check_usable(result.contacts);
+  check_predictions(samples, result);
   return pressed;
 }
 
@@ -379,8 +443,13 @@ BuildResult build_model(const probing::CheckedAcquisition& acquisition,
   for (const int i : triangulation.isolated) {
     result.isolated.push_back(contacts[static_cast<std::size_t>(i)].id);
   }
-  const double pressed = fit_contacts(acquisition, source, options, result);
-  check_usable(result.contacts);
+  std::vector<double> heights;
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    const Eigen::Isometry3d& there = result.model.T_surface_acquisition;
+    heights.push_back((places[i].position - there * contacts[i].position)
+                          .dot(there.linear() * contacts[i].normal.normalized()));
+  }
+  const double pressed = fit_contacts(acquisition, source, heights, options, result);
   fill_in_friction(result.model);
   if (options.blend_rule == BlendRule::compliances && pressed > 0) {
     result.model = with_compliances(std::move(result.model), pressed);

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "build/made.h"
+#include "build/pressing_records.h"
 #include "model/compliance_kriging.h"
 #include "palpate/error.h"
 #include "palpate/geometry/range_map_score.h"
@@ -72,7 +73,15 @@ ForceSamples samples_of(const ContactModel& contact, const Model& model,
                        " mm along the surface from that of the model; pass the acquisition "
                        "that the model was made of");
   }
-  ForceSamples samples = realign(measured, acquisition.samples_of(*source));
+  ForceSamples samples;
+  if (const std::optional<PressingOffsets> offsets = stored_offsets(model)) {
+    const double height =
+        (contact.position - there).dot(model.T_surface_acquisition.linear() * measured.normal);
+    samples = corrected(pressed_contact(measured, acquisition.samples_of(*source), height),
+                        *offsets, expected_touch(*offsets, height));
+  } else {
+    samples = realign(measured, acquisition.samples_of(*source));
+  }
   const Eigen::Matrix3d rotation = model.T_surface_acquisition.linear();
   samples.displacements = rotation * samples.displacements;
   samples.forces = rotation * samples.forces;

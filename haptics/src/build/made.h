@@ -14,6 +14,9 @@ inline constexpr const char* kSamplesFingerprint = "samples_fingerprint";
 /// The method by which the contacts were triangulated, as `to_string` names it.
 inline constexpr const char* kTriangulation = "triangulation";
 
+/// The offsets that were found in an acquisition that was only pressed.
+inline constexpr const char* kPressingOffsets = "pressing_offsets";
+
 /// The method that `made` names; `delaunay` if it names none.
 [[nodiscard]] inline geometry::ContactTriangulationMethod triangulation_method(const Model& model) {
   using geometry::ContactTriangulationMethod;

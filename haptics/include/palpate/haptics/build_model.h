@@ -12,6 +12,7 @@
 #include "palpate/haptics/friction_axis.h"
 #include "palpate/haptics/friction_cone.h"
 #include "palpate/haptics/model.h"
+#include "palpate/haptics/pressing_estimate.h"
 #include "palpate/haptics/shared_local_part.h"
 #include "palpate/probing/acquisition.h"
 
@@ -45,6 +46,11 @@ struct BuildOptions {
   /// If given, contacts with fewer pairs of displacement and force than this share the local part
   /// of the others, provided that they gain by it (`LocalGlobalOptions::dense_samples`); >= 12.
   std::optional<int> dense_samples = std::nullopt;
+  /// Of an acquisition in which all contacts were only pressed: look for a constant error of the
+  /// force and touches below the surface (`PressingOptions`).
+  bool estimate_offsets = true;
+  /// Of the same: estimate the noise of the forces instead of taking `fit.noise.force`.
+  bool estimate_force_noise = true;
   /// Called after each contact with the number of contacts done in this stage and in all, from one
   /// thread at a time. Contacts with a known fit are reported together. An exception that it throws
   /// ends the work.
@@ -102,6 +108,9 @@ struct BuildResult {
   std::vector<long long> isolated;         ///< ids of contacts in no triangle of contacts
   /// In the contacts' frames; only with `dense_samples`.
   std::optional<LocalPart> local_part;
+  /// If all contacts were only pressed: what their fields were made of, in the order of the model's
+  /// contacts and the frame of the acquisition.
+  std::optional<PressingEstimate> pressing;
   RegistrationOutcome registration = RegistrationOutcome::not_needed;
   /// [mm] of the contacts to the surface as given, without those that cannot fit it (further away
   /// than max_distance + max_motion) if at least three can
@@ -115,13 +124,19 @@ struct BuildResult {
 /// parallel; the result does not depend on the number of threads. Displacements are relative to the
 /// contact as measured. All numbers of the contacts are `rounded`.
 ///
+/// Where all contacts were only pressed (no sample has a tangential stage), displacements lie along
+/// one direction, which is too little for a fit of its own. The fields then follow
+/// `estimate_pressing`, whose offsets are taken off and recorded in `Model::made`; errors refer to
+/// samples without the offsets.
+///
 /// A normal points into the surface if both the triangle there and the vertices around it,
 /// together, face the other way.
 ///
 /// \throws InvalidInput if the acquisition, the surface or an option is not valid, if more than
 /// max_left_out contacts are further than max_distance from the surface or have a normal that
 /// points into it, or if fewer than three contacts have samples and fit the surface.
-/// \throws SolverError if the fit of a contact cannot be used (`is_usable`), naming these contacts.
+/// \throws SolverError if the fit of a contact cannot be used (`is_usable`), naming these contacts,
+/// or if a field gives more than ten times the largest measured force at one of its own samples.
 [[nodiscard]] BuildResult build_model(const probing::CheckedAcquisition& acquisition,
                                       const geometry::TriangleMesh& surface,
                                       const BuildOptions& options = {});

@@ -1,0 +1,95 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "build/pressing_records.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "build/synthetic_acquisition.h"
+#include "palpate/haptics/build_model.h"
+#include "palpate/haptics/evaluate.h"
+
+namespace palpate::haptics {
+namespace {
+
+using Eigen::Vector3d;
+
+// [N] of an object that hardens, at its contacts; stiffer at contacts with larger ids.
+double true_force(long long id, double depth) {
+  return 0.02 * static_cast<double>(id) * (depth + depth * depth / 8);
+}
+
+// Exactly collinear, as recorded without noise and printed with four digits.
+probing::Acquisition pressed_flat() {
+  probing::Acquisition acquisition;
+  acquisition.contacts = flat_acquisition().contacts;
+  for (const probing::Contact& contact : acquisition.contacts) {
+    for (int s = 1; s <= 6; ++s) {
+      const double depth = 0.5 * s;
+      probing::Sample sample;
+      sample.id = sample.group = static_cast<long long>(acquisition.samples.size());
+      sample.contact = contact.id;
+      sample.force.z() = std::round(1e4 * true_force(contact.id, depth)) / 1e4;
+      sample.a = sample.b = contact.position + Vector3d(0, 0, depth);
+      acquisition.samples.push_back(sample);
+    }
+  }
+  return acquisition;
+}
+
+TEST(BuildModel, FollowsCollinearPressesAndIsSoftAcross) {
+  const BuildResult built = build_model(pressed_flat(), flat_surface());
+  ASSERT_TRUE(built.pressing);
+  for (std::size_t i = 0; i < built.contacts.size(); ++i) {
+    const ContactModel& contact = built.model.contacts[i];
+    const double largest = true_force(contact.id, 3);
+    for (const double depth : {0.5, 1.25, 3.0})
+      EXPECT_NEAR(force(contact.field, {0, 0, depth}).z(), true_force(contact.id, depth),
+                  0.01 * largest);
+    EXPECT_EQ(contact.samples, 6);  // a sample with a = b counts once
+    // Half-space: 0.71 of the normal stiffness, here of the secant at 0.7 times the reach.
+    const double across = kHalfSpaceRatio * true_force(contact.id, 2.1) / 2.1;
+    EXPECT_NEAR(stiffness(contact.field, {0, 0, 1})(0, 0), across, 0.05 * across);
+  }
+}
+
+TEST(BuildModel, LeavesRichAcquisitionsToTheFitOfEachContact) {
+  EXPECT_FALSE(build_model(flat_acquisition(), flat_surface()).pressing);
+}
+
+TEST(LeaveOneOut, IsNotMisledByAConstantErrorOfTheForces) {
+  probing::Acquisition biased = pressed_flat();
+  const LeaveOneOut plain =
+      leave_one_out(build_model(biased, flat_surface()).model, probing::CheckedAcquisition(biased));
+  for (probing::Sample& sample : biased.samples) sample.force += Vector3d(0, 0, 0.3);
+  const Model model = build_model(biased, flat_surface()).model;
+  const std::optional<PressingOffsets> offsets = stored_offsets(model);
+  ASSERT_TRUE(offsets);
+  EXPECT_TRUE(offsets->along_direction);
+  EXPECT_LT(leave_one_out(model, probing::CheckedAcquisition(biased)).rms, plain.rms + 0.05);
+}
+
+TEST(StoredOffsets, AreReadAsTheyWereWritten) {
+  PressingOffsets offsets;
+  offsets.force = {0.0255, -0.0425, 0.068};
+  offsets.touch = 0.19;
+  offsets.height_slope = 0.97;
+  offsets.hysteresis = 0.21;
+  for (const bool along : {false, true}) {
+    offsets.along_direction = along;
+    Model model;
+    EXPECT_FALSE(stored_offsets(model));
+    store_offsets(offsets, model);
+    const std::optional<PressingOffsets> read = stored_offsets(model);
+    ASSERT_TRUE(read);
+    EXPECT_EQ(read->force, offsets.force);
+    EXPECT_EQ(read->along_direction, along);
+    EXPECT_EQ(read->touch, offsets.touch);
+    EXPECT_EQ(read->height_slope, offsets.height_slope);
+    EXPECT_EQ(read->hysteresis, offsets.hysteresis);
+  }
+}
+
+}  // namespace
+}  // namespace palpate::haptics
