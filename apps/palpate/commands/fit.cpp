@@ -43,6 +43,8 @@ struct FitCall {
   std::optional<haptics::ModelEncoding> encoding;
   std::optional<double> budget_us;
   geometry::ReadOptions meshes;
+  std::optional<double> force_noise;
+  bool estimate_offsets = true;
   bool shared_local = false;
   int dense_samples = haptics::LocalGlobalOptions{}.dense_samples;
   bool resume = false;
@@ -74,7 +76,8 @@ Json settings_of(const FitCall& call) {
           {"--unit", call.meshes.unit ? Json(*call.meshes.unit) : Json()},
           {"--accuracy", call.fit.accuracy},
           {"--passive", haptics::to_string(call.fit.mode)},
-          {"--force-noise", call.fit.noise.force},
+          {"--force-noise", call.force_noise ? Json(*call.force_noise) : Json()},
+          {"--touch-offset", call.estimate_offsets},
           {"--max-distance", call.max_distance},
           {"--leave-out", call.max_left_out},
           {"--max-bases", call.fit.max_bases ? Json(*call.fit.max_bases) : Json()},
@@ -126,6 +129,8 @@ haptics::BuildResult build(const probing::CheckedAcquisition& acquisition,
          .blend_rule = call.blend_rule,
          .triangulation = call.triangulation,
          .dense_samples = call.shared_local ? std::optional(call.dense_samples) : std::nullopt,
+         .estimate_offsets = call.estimate_offsets,
+         .estimate_force_noise = !call.force_noise,
          .progress = show,
          .known_fit = [&](long long contact) { return record.find(contact); },
          .keep_fit = [&](long long contact,
@@ -152,6 +157,7 @@ haptics::BuildResult build_or_forget(const probing::CheckedAcquisition& acquisit
 
 void fit(const Settings& settings, FitCall call) {
   limit_to_budget(call);
+  if (call.force_noise) call.fit.noise.force = *call.force_noise;
   const fs::path record_path = record_file(call.output);
   check_outputs({call.acquisition, call.surface}, {call.output, call.pictures, record_path});
   check_output_folder({call.acquisition, call.surface}, call.output);
@@ -239,10 +245,17 @@ void add_fit(CLI::App& app, const Settings& settings) {
           haptics::kEvaluationCost));
   command
       ->add_option(
-          "--force-noise", call->fit.noise.force,
-          "Standard deviation of each component of the measured forces [N], for fields and "
-          "friction")
-      ->capture_default_str();
+          "--force-noise", call->force_noise,
+          fmt::format("Standard deviation of each component of the measured forces [N], for fields "
+                      "and friction. Default: {}; where all contacts were only pressed, estimated "
+                      "from the measurements",
+                      call->fit.noise.force))
+      ->check(within(at_least(0)));
+  add_choice<bool>(
+      *command, "--touch-offset", call->estimate_offsets, {{"estimate", true}, {"none", false}},
+      "Where all contacts were only pressed: estimate a constant error of the forces and how deep "
+      "below the surface the touches were found, and use them if the measurements support them "
+      "(default); none, take forces and touches as recorded");
   CLI::Option* shared = command->add_flag(
       "--shared-local", call->shared_local,
       "Learn the local deformation around the tool from contacts with many samples, and fit "

@@ -82,6 +82,56 @@ Json sharing_in_figures(const haptics::BuildResult& built) {
           {"gain_error", number_or_null(part.gain_error)}};
 }
 
+void tell_pressing(const haptics::BuildResult& built) {
+  if (!built.pressing) return;
+  const haptics::PressingEstimate& found = *built.pressing;
+  const haptics::PressingOffsets& offsets = found.offsets;
+  spdlog::info("all contacts were only pressed; the force noise is {:.3g} N ({}).",
+               found.force_noise, found.noise_was_estimated ? "estimated" : "as told");
+  if (offsets.force_found) {
+    const std::string where = offsets.along_direction ? "along the pressing" : "in the world frame";
+    spdlog::info("the forces have a constant error of ({:.4g}, {:.4g}, {:.4g}) N {}, +- {:.2g} N.",
+                 offsets.force.x(), offsets.force.y(), offsets.force.z(), where,
+                 offsets.force_error.maxCoeff());
+  }
+  if (offsets.touch_found) {
+    spdlog::info(
+        "the touches lie {:.3f} +- {:.3f} mm below the true surface on average, with a standard "
+        "deviation of {:.3f} mm.",
+        offsets.touch, offsets.touch_error, offsets.touch_spread);
+  }
+  if (offsets.height_slope != 0) {
+    spdlog::info("of a touch's depth below the surface as given, {:.2f} +- {:.2f} is true.",
+                 offsets.height_slope, offsets.height_slope_error);
+  }
+  if (offsets.hysteresis > 0) {
+    spdlog::warn(
+        "on the way back the forces are {:.1f} +- {:.1f} % less than on the way in, which the "
+        "model follows.",
+        100 * offsets.hysteresis, 100 * offsets.hysteresis_error);
+  }
+}
+
+Json triple(const Eigen::Vector3d& value) { return {value.x(), value.y(), value.z()}; }
+
+Json pressing_in_figures(const haptics::PressingEstimate& found) {
+  const haptics::PressingOffsets& offsets = found.offsets;
+  return {{"force_noise", found.force_noise},
+          {"noise_estimated", found.noise_was_estimated},
+          {"force_offset", triple(offsets.force)},
+          {"force_offset_error", triple(offsets.force_error)},
+          {"along_pressing", offsets.along_direction},
+          {"touch_offset", offsets.touch},
+          {"touch_offset_error", offsets.touch_error},
+          {"touch_offset_spread", offsets.touch_spread},
+          {"surface_slope", offsets.height_slope},
+          {"surface_slope_error", offsets.height_slope_error},
+          {"hysteresis", offsets.hysteresis},
+          {"hysteresis_error", offsets.hysteresis_error},
+          {"lateral_ratio", found.lateral_ratio},
+          {"lateral_ratio_error", found.lateral_ratio_error}};
+}
+
 geometry::ErrorStatistics rms_of(const haptics::BuildResult& built) {
   std::vector<double> rms;
   for (const haptics::ContactModel& contact : built.model.contacts) rms.push_back(contact.rms);
@@ -162,6 +212,7 @@ void tell_build(const haptics::BuildResult& built) {
   }
   tell_friction(built);
   tell_sharing(built);
+  tell_pressing(built);
   if (built.surface_flipped)
     spdlog::warn("the surface's triangles were reversed to agree with the contact normals.");
 }
@@ -205,6 +256,7 @@ Json fit_figures(const haptics::BuildResult& built, bool with_contacts) {
       {"rms", {{"median", statistics.median}, {"p90", statistics.p90}, {"max", statistics.max}}},
       {"per_contact", per_contact}};
   if (built.local_part) figures["shared_local"] = sharing_in_figures(built);
+  if (built.pressing) figures["pressing"] = pressing_in_figures(*built.pressing);
   return figures;
 }
 
