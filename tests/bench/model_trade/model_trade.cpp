@@ -16,6 +16,7 @@
 #include "palpate/haptics/realignment.h"
 #include "palpate/output_file.h"
 #include "peers.h"
+#include "pressing.h"
 #include "sharing.h"
 #include "strip_acquisition.h"
 
@@ -150,8 +151,15 @@ int main(int count, char** arguments) try {
   app.add_option("--sharing", sharing,
                  "In place of all that: what a local part that contacts share is worth, on so many "
                  "objects of each kind");
+  bool pressing = false;
+  std::string kind;
+  app.add_flag("--pressing", pressing,
+               "In place of all that: models of objects that were only pressed");
+  app.add_option("--kind", kind, "With --pressing: only the sets whose name contains this");
   CLI11_PARSE(app, count, arguments);
-  if (sharing > 0) {
+  if (pressing) {
+    palpate::bench::measure_pressing(kind);
+  } else if (sharing > 0) {
     palpate::bench::measure_sharing(sharing);
   } else {
     palpate::bench::run(csv);
