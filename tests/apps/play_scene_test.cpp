@@ -101,9 +101,10 @@ TEST_F(PlayScene, RefusesWhatDoesNotFit) {
   };
   const std::string file = *scratch / "scene.json";
   expect_words({"play", file, "--trajectory", *scratch / "first.csv"},
-               "--trajectory: has no effect with a scene file");
-  expect_words({"play", file, "--device", "hand"}, "--device: has no effect with a scene file");
+               "--trajectory: does nothing with a scene file");
+  expect_words({"play", file, "--device", "hand"}, "--device: does nothing with a scene file");
   expect_words({"play", file, "--record", *scratch / "model"}, "model");
+  expect_words({"play", *scratch / "missing.json"}, "missing.json");
   json wrong = scene();
   wrong["objects"][0]["model"] = "none";
   write_text(*scratch / "wrong.json", wrong.dump());
@@ -128,7 +129,7 @@ TEST_F(PlayScene, OneModelWarnsOfAToolOfAnotherRadius) {
   call.resize(6);
   const CommandResult alone = run_palpate(call);
   EXPECT_EQ(alone.status, kWrongCall);
-  EXPECT_NE(alone.err.find("need each other"), std::string::npos) << alone.err;
+  EXPECT_NE(alone.err.find("--tool-radius requires --probe-radius"), std::string::npos) << alone.err;
 }
 
 }  // namespace
