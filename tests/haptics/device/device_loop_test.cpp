@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/haptics/device_loop.h"
+#include "not_finite.h"
 
 #include <gtest/gtest.h>
 
@@ -14,7 +15,6 @@
 namespace palpate::haptics {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 /// [N/mm] At any depth that the tests press: at rest 0.4, and less below.
 constexpr double kEpsilon = 10;
 const Eigen::Vector3d kAboveSheet(3, 4, 695);
@@ -155,7 +155,7 @@ TEST(DeviceLoop, KeepsTheContactThroughStatesThatAreNotFinite) {
   driver.move(kAboveSheet, inside, 10);
   TickOutput output;
   for (int i = 0; i < 5; ++i) {
-    output = driver.tick({kNan, 4, 705});
+    output = driver.tick({kNaN, 4, 705});
     EXPECT_EQ(output.command.force, Eigen::Vector3d::Zero());
   }
   output = driver.tick(inside);

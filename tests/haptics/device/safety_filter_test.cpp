@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/haptics/safety_filter.h"
+#include "not_finite.h"
 
 #include <gtest/gtest.h>
 
@@ -14,7 +15,6 @@ namespace palpate::haptics {
 namespace {
 
 constexpr double kTick = 1e-3;
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 bool has(const SafeCommand& command, SafetyAction action) {
   return (command.actions & static_cast<std::uint32_t>(action)) != 0;
@@ -88,7 +88,7 @@ TEST(SafetyFilter, LimitsHowFastAForceGrowsButNotHowFastItFalls) {
 }
 
 TEST(SafetyFilter, MakesNanAndInfinityZero) {
-  for (const double wrong : {kNan, std::numeric_limits<double>::infinity()}) {
+  for (const double wrong : {kNaN, std::numeric_limits<double>::infinity()}) {
     Loop loop;
     EXPECT_GT(loop.after(600, {0, 0, 1}).force.z(), 0.99);
     SafeCommand command = loop.tick({0, wrong, 1});
@@ -110,7 +110,7 @@ TEST(SafetyFilter, IsZeroForEachFaultInTheSameTickAndRampsAfterIt) {
       {{.finite = false}, SafetyAction::state_not_finite},
       {{.state_time = -0.021}, SafetyAction::stale},
       {{.state_time = 0.021}, SafetyAction::stale},
-      {{.state_time = kNan}, SafetyAction::stale},
+      {{.state_time = kNaN}, SafetyAction::stale},
       {{.armed = false}, SafetyAction::disarmed},
   };
   for (const Fault& fault : faults) {
@@ -209,7 +209,7 @@ TEST(SafetyFilter, ShortensTorques) {
 TEST(SafetyFilter, RefusesLimitsWithoutSense) {
   EXPECT_NE(refusal([] { return SafetyFilter({.force = 0}); }).find("SafetyOptions::force is 0"),
             std::string::npos);
-  EXPECT_NE(refusal([] { return SafetyFilter({.slew = kNan}); }).find("SafetyOptions::slew"),
+  EXPECT_NE(refusal([] { return SafetyFilter({.slew = kNaN}); }).find("SafetyOptions::slew"),
             std::string::npos);
   EXPECT_NE(
       refusal([] { return SafetyFilter({.heating_time = 0}); }).find("SafetyOptions::heating_time"),
