@@ -129,7 +129,8 @@ TEST_F(PlayScene, OneModelWarnsOfAToolOfAnotherRadius) {
   call.resize(6);
   const CommandResult alone = run_palpate(call);
   EXPECT_EQ(alone.status, kWrongCall);
-  EXPECT_NE(alone.err.find("--tool-radius requires --probe-radius"), std::string::npos) << alone.err;
+  EXPECT_NE(alone.err.find("--tool-radius requires --probe-radius"), std::string::npos)
+      << alone.err;
 }
 
 }  // namespace

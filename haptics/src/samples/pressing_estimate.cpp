@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "palpate/error.h"
+#include "palpate/geometry/median.h"
 #include "palpate/require.h"
 #include "samples/pressing_statistics.h"
 
@@ -35,10 +36,11 @@ constexpr double kHysteresisErrors = 4, kLeastHysteresis = 0.01;
 // Pressing within this tangent of the direction tells nothing about the stiffness across: rounding
 // and noise of positions look the same.
 constexpr double kLeastSlope = 0.05;
+// Added to the diagonal of normal equations relative to their trace: far below the information of
+// any measurement, it sets to zero what nothing determines.
+constexpr double kRidge = 1e-9;
 // Rounds in which hysteresis, curves and offsets are fitted to each other.
 constexpr int kHysteresisRounds = 4;
-// Median of |x| of a standard normal variable.
-constexpr double kNormalMedian = 0.6745;
 
 void check_contact(const PressedContact& contact, std::size_t index) {
   const std::string name = "estimate_pressing(): contact " + std::to_string(index);
@@ -102,12 +104,6 @@ int different_depths(const Eigen::VectorXd& depth) {
   return count;
 }
 
-double median_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 Scales scales_of(std::span<const PressedContact> contacts, const std::vector<Press>& presses) {
   Scales scales;
   double largest = 0, along = 0, across = 0, samples = 0;
@@ -121,7 +117,7 @@ Scales scales_of(std::span<const PressedContact> contacts, const std::vector<Pre
   }
   if (largest > 0) scales.length = largest;
   if (along > 0) scales.force = std::sqrt(along / samples);
-  scales.depths = static_cast<int>(median_of(std::move(depths)));
+  scales.depths = static_cast<int>(geometry::median(std::move(depths)));
   scales.along = across <= kAlongOnly * kAlongOnly * along;
   return scales;
 }
@@ -200,7 +196,8 @@ Across across_forces(std::span<const PressedContact> contacts, const std::vector
     vector += design.transpose() * presses[i].across_force;
   }
   // Without the prior first, to know the scatter of the forces.
-  const Eigen::Matrix4d tiny = (1e-9 * matrix.trace() + 1e-300) * Eigen::Matrix4d::Identity();
+  const Eigen::Matrix4d tiny =
+      (kRidge * matrix.trace() + std::numeric_limits<double>::min()) * Eigen::Matrix4d::Identity();
   const Eigen::Vector4d first = (matrix + tiny).ldlt().solve(vector);
   double squares = 0;
   for (std::size_t i = 0; i < presses.size(); ++i)
@@ -213,7 +210,7 @@ Across across_forces(std::span<const PressedContact> contacts, const std::vector
   matrix(3, 3) += kPrecision;
   vector(3) += kPrecision * kHalfSpaceRatio;
   const Eigen::Matrix4d covariance =
-      (matrix + 1e-9 * matrix.trace() * Eigen::Matrix4d::Identity()).inverse();
+      (matrix + kRidge * matrix.trace() * Eigen::Matrix4d::Identity()).inverse();
   result.ratio = std::max((covariance * vector)(3), 0.0);
   result.ratio_error = std::sqrt(covariance(3, 3));
   // What is left for the error of the force once the ratio is integrated out.
@@ -288,11 +285,6 @@ std::vector<Press> presses_of(std::span<const PressedContact> contacts) {
   for (const PressedContact& contact : contacts) presses.push_back(press_of(contact));
   return presses;
 }
-
-struct Choice {
-  PressingState state;
-  Across across;
-};
 
 // Degree and offsets by the Bayesian information criterion, over contacts that represent the
 // acquisition.
