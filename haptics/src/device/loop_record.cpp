@@ -3,11 +3,13 @@
 #include "palpate/haptics/loop_record.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <bit>
 #include <cerrno>
 #include <chrono>
 #include <cmath>
+#include <cstddef>
 #include <cstdio>
 #include <cstring>
 #include <fstream>
@@ -111,7 +113,8 @@ DeviceLoopOptions options_of(const LoopJson& json, int version) {
 bool same_bits(const TickRecord& a, const TickRecord& b) {
   TickRecord first = a, second = b;
   first.nanoseconds = second.nanoseconds = 0;
-  return std::memcmp(&first, &second, sizeof(TickRecord)) == 0;
+  using Bytes = std::array<std::byte, sizeof(TickRecord)>;
+  return std::bit_cast<Bytes>(first) == std::bit_cast<Bytes>(second);
 }
 
 }  // namespace

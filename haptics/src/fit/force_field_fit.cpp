@@ -220,7 +220,7 @@ Eigen::VectorXd squared_errors(const ScaledSamples& samples, const FitResult& fi
 // nearly as many parameters as there are numbers. Certified ones have far fewer, and take too long
 // to be fitted again and again.
 FitResult best_predicting(const ScaledSamples& samples, const FitOptions& options,
-                          FitResult convex) {
+                          const FitResult& convex) {
   if (samples.problem.size() < kLeftOutParts) return convex;
   FitResult best;
   double least = std::numeric_limits<double>::infinity(), most = least;
@@ -230,7 +230,7 @@ FitResult best_predicting(const ScaledSamples& samples, const FitOptions& option
         left_out_squares(samples.problem, convex_options(samples, options, multiple));
     // Outliers must not decide.
     if (multiple == 1) most = kOutlier * typical_variance(squares);
-    FitResult fit = multiple == 1 ? std::move(convex) : fit_as_convex(samples, options, multiple);
+    FitResult fit = multiple == 1 ? convex : fit_as_convex(samples, options, multiple);
     iterations += fit.iterations;
     const double error = capped_mean(squares, most);
     if (!(error < least) && !best.field.bases.empty()) continue;
@@ -261,7 +261,7 @@ FitResult fit_in_mode(const ScaledSamples& samples, const FitOptions& options) {
   const bool compare = result.stop == FitStop::unexplained
                            ? options.try_certified
                            : options.compare_always && result.stop != FitStop::accurate;
-  return compare ? best_predicting(samples, options, std::move(result)) : result;
+  return compare ? best_predicting(samples, options, result) : result;
 }
 
 }  // namespace
