@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 #include <string>
 #include <utility>
@@ -181,6 +182,14 @@ struct Campaign::Impl {
 
   /// Chooses the next trial from the current state of the campaign.
   void decide() {
+    choose();
+    if (!order || order->direction == kPressing) return;
+    order->slip_threshold = allowed_threshold(held_statistics);
+    order->microslip = allowed_microslip(
+        held_drags[order->contact.id], order->tangential_force.norm() / order->normal_force.norm());
+  }
+
+  void choose() {
     order.reset();
     if (adaptive) {
       order = adaptive->next();
@@ -222,6 +231,14 @@ struct Campaign::Impl {
   TrialVerdict take(const TrialResult& result) {
     TrialVerdict verdict;
     count(result);
+    if (order->direction != kPressing && result.outcome == TrialOutcome::held) {
+      const ProgramOptions& program = options.program;
+      const auto drag = held_drag(
+          slip_trial(*order, result),
+          {.position_deviation = program.position_noise, .force_deviation = program.force_noise});
+      if (drag) held_drags[order->contact.id].push_back(*drag);
+      held_statistics.push_back(result.slip_statistic);
+    }
     if (adaptive) {
       TrialResult charged = result;  // with the time of the reference probe before it
       charged.seconds += std::exchange(reference_seconds, 0);
@@ -286,6 +303,8 @@ struct Campaign::Impl {
   bool failed = false;  // the contact
   std::optional<ConePosterior> posterior;
   std::vector<ConeEstimate> cones;
+  std::map<long long, std::vector<HeldDrag>> held_drags;  // by the id of their contact
+  std::vector<double> held_statistics;                    // T^2 of the drags that held
   CampaignProgress tallies;
   double reference_seconds = 0;  // since the latest trial
   std::optional<TrialOrder> order;

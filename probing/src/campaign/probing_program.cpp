@@ -5,8 +5,6 @@
 #include <limits>
 #include <utility>
 
-#include "palpate/probing/slip_detection.h"
-
 namespace palpate::probing {
 namespace {
 
@@ -83,14 +81,10 @@ TrialOutcome failure(ProbeOutcome outcome) {
 // Nullopt if the arm reported values that are not finite.
 std::optional<SlipJudgement> judge(const TrialOrder& order, const TrialResult& result,
                                    const ProgramOptions& options) {
-  return judge_slip(
-      {.contact = result.touch,
-       .normal_force = order.normal_force,
-       .tangential_force = order.tangential_force,
-       .a = result.a,
-       .b = result.b,
-       .a_again = result.a_again},
-      {.position_deviation = options.position_noise, .force_deviation = options.force_noise});
+  return judge_slip(slip_trial(order, result), {.position_deviation = options.position_noise,
+                                                .force_deviation = options.force_noise,
+                                                .threshold = order.slip_threshold,
+                                                .microslip = order.microslip});
 }
 
 // The stage after an action that succeeded.
@@ -196,6 +190,15 @@ TrialResult run_trial(Prober& arm, const TrialOrder& order, const ProgramOptions
   ProgramStep step = begin_trial(order, options);
   while (step.action) step = advance(step.state, arm.perform(*step.action), options);
   return step.state.result;
+}
+
+SlipTrial slip_trial(const TrialOrder& order, const TrialResult& result) {
+  return {.contact = result.touch,
+          .normal_force = order.normal_force,
+          .tangential_force = order.tangential_force,
+          .a = result.a,
+          .b = result.b,
+          .a_again = result.a_again};
 }
 
 std::optional<Sample> sample_of(const TrialOrder& order, const TrialResult& result, double time) {

@@ -8,6 +8,7 @@
 #include <memory>
 #include <random>
 #include <utility>
+#include <vector>
 
 #include "detect/simulated_slip.h"
 #include "palpate/probing/closed_form.h"
@@ -71,12 +72,14 @@ SlipCounts counts_of(const probing::Specimen& specimen, int contacts, int trials
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> uniform(0, 1);
   SlipCounts counts;
+  std::vector<double> statistics;
   long long trial = 0;
   for (const probing::Contact& contact : plan.contacts) {
     SimulatedRig rig(specimen, static_cast<unsigned>(contact.id) + 1);
     SlidWay slid(rig);
     const Eigen::Matrix3d frame = probing::tangent_frame(contact);
     const probing::FrictionCone cone = specimen.friction_cone(contact.position);
+    std::vector<probing::HeldDrag> drags;
     for (int i = 0; i < trials_a_contact; ++i) {
       const double normal = 0.15 * std::pow(10, uniform(random)), angle = 6.28 * uniform(random);
       const double load = 0.3 + 1.4 * uniform(random);
@@ -91,14 +94,19 @@ SlipCounts counts_of(const probing::Specimen& specimen, int contacts, int trials
             !(along > 0) || (force - along * cone.axis).norm() > load * cone.coefficient * along;
         (beyond ? high : low) = middle;
       }
-      const probing::TrialResult result = probing::run_trial(slid,
-                                                             {.trial = trial++,
-                                                              .contact = contact,
-                                                              .direction = 0,
-                                                              .normal_force = normal * frame.col(2),
-                                                              .tangential_force = low * across},
-                                                             {});
+      const probing::TrialOrder order{.trial = trial++,
+                                      .contact = contact,
+                                      .direction = 0,
+                                      .normal_force = normal * frame.col(2),
+                                      .tangential_force = low * across,
+                                      .microslip = probing::allowed_microslip(drags, low / normal),
+                                      .slip_threshold = probing::allowed_threshold(statistics)};
+      const probing::TrialResult result = probing::run_trial(slid, order, {});
       const bool held = result.outcome == probing::TrialOutcome::held;
+      if (const auto drag = probing::held_drag(probing::slip_trial(order, result)); held && drag) {
+        drags.push_back(*drag);
+        statistics.push_back(result.slip_statistic);
+      }
       const bool slipped = result.outcome == probing::TrialOutcome::slipped ||
                            result.outcome == probing::TrialOutcome::fell_off;
       if (held || slipped) counts.add(load, slipped != (slid.way > kSlid));

@@ -26,25 +26,41 @@ inline double microslip_left(double load) {
   return 2 * std::pow(1 - load / 2, 2.0 / 3) - std::pow(1 - load, 2.0 / 3) - 1;
 }
 
-inline SimulatedTrial simulate_trial(unsigned seed) {
-  std::mt19937_64 random(seed);
-  const auto uniform = [&](double low, double high) {
-    return std::uniform_real_distribution<double>(low, high)(random);
-  };
-  const auto log_uniform = [&](double low, double high) {
-    return std::exp(uniform(std::log(low), std::log(high)));
-  };
+/// What is pressed on, at one contact.
+struct SimulatedSpring {
+  double compliance = 1;  // [mm/N]
+  double share = 0;       // of it in the contact itself
+  double friction = 1;
+  double radius = 30;  // [mm] of the surface's curvature
+};
+
+inline double uniform(std::mt19937_64& random, double low, double high) {
+  return std::uniform_real_distribution<double>(low, high)(random);
+}
+inline double log_uniform(std::mt19937_64& random, double low, double high) {
+  return std::exp(uniform(random, std::log(low), std::log(high)));
+}
+
+inline SimulatedSpring any_spring(std::mt19937_64& random) {
+  SimulatedSpring spring;
+  spring.compliance = 1 / log_uniform(random, 0.1, 5);
+  spring.share = uniform(random, 0, 1);
+  spring.friction = uniform(random, 0.3, 1.5);
+  spring.radius = log_uniform(random, 10, 100);
+  return spring;
+}
+
+/// A trial with up to twice the tangential force that friction can hold.
+inline SimulatedTrial simulate_trial(const SimulatedSpring& spring, std::mt19937_64& random) {
   std::normal_distribution<double> normal(0, 1);
   const auto noise = [&](double deviation) {
     return Eigen::Vector3d(deviation * normal(random), deviation * normal(random),
                            deviation * normal(random));
   };
-  const double compliance = 1 / log_uniform(0.1, 5);  // [mm/N]
-  const double share = uniform(0, 1);                 // of it in the contact itself
-  const double friction = uniform(0.3, 1.5), radius = log_uniform(10, 100);  // [mm]
-  const double pressing = log_uniform(0.1, 3), limit = friction * pressing;  // [N]
+  const double compliance = spring.compliance, share = spring.share;
+  const double pressing = log_uniform(random, 0.1, 3), limit = spring.friction * pressing;  // [N]
   SimulatedTrial result;
-  result.load = uniform(0.1, 2);
+  result.load = uniform(random, 0.1, 2);
   result.slipped = result.load > 1;
   const double force = result.load * limit;
   const double held = std::min(result.load, 1.0);
@@ -53,11 +69,11 @@ inline SimulatedTrial simulate_trial(unsigned seed) {
   const double elastic =
       (1 - share) * compliance * force + contact_at_limit * (1 - std::pow(1 - held, 2.0 / 3));
   // The surface turns by distance / radius, which raises the limit by about that times the force.
-  const double slid = result.slipped ? (result.load - 1) * friction * radius : 0.0;
+  const double slid = result.slipped ? (result.load - 1) * spring.friction * spring.radius : 0.0;
 
-  const Eigen::AngleAxisd turn(uniform(0, 3), Eigen::Vector3d(0.3, -0.5, 0.8).normalized());
+  const Eigen::AngleAxisd turn(uniform(random, 0, 3), Eigen::Vector3d(0.3, -0.5, 0.8).normalized());
   const Eigen::Vector3d n = turn * Eigen::Vector3d::UnitZ(), t = turn * Eigen::Vector3d::UnitX();
-  const Eigen::Vector3d creep = uniform(0, 0.1) * n;
+  const Eigen::Vector3d creep = uniform(random, 0, 0.1) * n;
   SlipTrial& trial = result.trial;
   trial.contact = {12, -7, 702};
   trial.normal_force = pressing * n;
@@ -72,6 +88,12 @@ inline SimulatedTrial simulate_trial(unsigned seed) {
   trial.a_again = measured(pressed + (stays + slid) * t + creep);
   trial.creep = 0.9 * creep;
   return result;
+}
+
+inline SimulatedTrial simulate_trial(unsigned seed) {
+  std::mt19937_64 random(seed);
+  const SimulatedSpring spring = any_spring(random);
+  return simulate_trial(spring, random);
 }
 
 }  // namespace palpate::probing::testing

@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <random>
+#include <vector>
 
 #include "not_finite.h"
 #include "simulated_slip.h"
@@ -38,6 +40,90 @@ TEST(SlipDetection, MistakesMicroslipForSlipIfItIsNotAllowedFor) {
   SlipOptions options;
   options.microslip = 0;
   EXPECT_GT(wrong_share(0.5, 0.9, 2000, options), 0.1);
+}
+
+/// Wrong decisions of trials below and above the friction limit at contacts with one share of
+/// compliance in the contact itself, where each trial is judged with what those before it showed.
+struct WrongDecisions {
+  int below = 0, above = 0;
+};
+WrongDecisions decisions_with_learnt_microslip(double share, bool learnt) {
+  WrongDecisions wrong;
+  std::mt19937_64 random(1);
+  for (int contact = 0; contact < 100; ++contact) {
+    testing::SimulatedSpring spring = testing::any_spring(random);
+    spring.share = share;
+    std::vector<HeldDrag> drags;
+    for (int i = 0; i < 40; ++i) {
+      const SimulatedTrial simulated = simulate_trial(spring, random);
+      const double ratio =
+          simulated.trial.tangential_force.norm() / simulated.trial.normal_force.norm();
+      SlipOptions options;
+      if (learnt) options.microslip = allowed_microslip(drags, ratio, options.microslip);
+      const bool slipped = judge_slip(simulated.trial, options)->slipped;
+      if (!slipped) drags.push_back(*held_drag(simulated.trial));
+      if (slipped != simulated.slipped) ++(simulated.slipped ? wrong.above : wrong.below);
+    }
+  }
+  return wrong;
+}
+
+TEST(SlipDetection, LearnsFromDragsThatHeldThatASheetHasNoMicroslip) {
+  const WrongDecisions fixed = decisions_with_learnt_microslip(0, false);
+  const WrongDecisions learnt = decisions_with_learnt_microslip(0, true);
+  EXPECT_LE(learnt.above, 0.75 * fixed.above);
+  EXPECT_LE(learnt.below, 10);  // of about 1900: noise alone, 1 in 1000
+}
+
+TEST(SlipDetection, StillAllowsForTheMicroslipThatDragsShow) {
+  for (const double share : {0.3, 0.6, 1.0}) {
+    EXPECT_LE(decisions_with_learnt_microslip(share, true).below,
+              decisions_with_learnt_microslip(share, false).below + 4)
+        << share;  // of about 1900
+  }
+}
+
+TEST(SlipDetection, AllowsMostMicroslipBeforeAnyDragHeld) {
+  EXPECT_EQ(allowed_microslip({}, 0.5, 0.2), 0.2);
+  // A drag far from the limit tells nothing.
+  const HeldDrag weak{.ratio = 0.01, .share = 0, .share_deviation = 0.05};
+  EXPECT_EQ(allowed_microslip({&weak, 1}, 1, 0.2), 0.2);
+}
+
+/// Wrong decisions at one contact, of an arm whose noise is told `overstated` times as large as it
+/// is. Each trial is judged with what those before it showed.
+WrongDecisions decisions_with_learnt_noise(double overstated, bool learnt) {
+  WrongDecisions wrong;
+  std::mt19937_64 random(1);
+  const testing::SimulatedSpring spring{.compliance = 4, .share = 0};
+  std::vector<double> held;
+  SlipOptions options{.position_deviation = 0.02 * overstated,
+                      .force_deviation = 0.005 * overstated,
+                      .microslip = 0};
+  for (int i = 0; i < 5000; ++i) {
+    const SimulatedTrial simulated = simulate_trial(spring, random);
+    if (learnt) options.threshold = allowed_threshold(held);
+    const SlipJudgement judgement = *judge_slip(simulated.trial, options);
+    if (!judgement.slipped) held.push_back(judgement.t_squared);
+    if (judgement.slipped != simulated.slipped) ++(simulated.slipped ? wrong.above : wrong.below);
+  }
+  return wrong;
+}
+
+TEST(SlipDetection, FindsMoreSlidesOnceTrialsShowThatNoiseWasOverstated) {
+  const WrongDecisions fixed = decisions_with_learnt_noise(3, false);
+  const WrongDecisions learnt = decisions_with_learnt_noise(3, true);
+  EXPECT_LE(learnt.above, 0.6 * fixed.above);
+  EXPECT_LE(learnt.below, 3);  // of about 2400
+}
+
+TEST(SlipDetection, KeepsItsThresholdWhereTheToldNoiseIsTrue) {
+  const WrongDecisions fixed = decisions_with_learnt_noise(1, false);
+  const WrongDecisions learnt = decisions_with_learnt_noise(1, true);
+  EXPECT_EQ(learnt.above, fixed.above);
+  EXPECT_EQ(learnt.below, fixed.below);
+  EXPECT_EQ(allowed_threshold(std::vector<double>(11, 0.1)), SlipOptions{}.threshold);
+  EXPECT_EQ(allowed_threshold(std::vector<double>(12, 0)), SlipOptions{}.threshold / 16);
 }
 
 TEST(SlipDetection, ThresholdGrowsWithTheMeasuredCompliance) {

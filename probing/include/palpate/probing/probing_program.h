@@ -9,6 +9,7 @@
 
 #include "palpate/probing/acquisition.h"
 #include "palpate/probing/prober.h"
+#include "palpate/probing/slip_detection.h"
 
 namespace palpate::probing {
 
@@ -20,6 +21,8 @@ struct TrialOrder {
   int direction = -1;  ///< of the tangential force; -1 if there is none
   Eigen::Vector3d normal_force = Eigen::Vector3d::Zero();      ///< [N] into the object
   Eigen::Vector3d tangential_force = Eigen::Vector3d::Zero();  ///< [N]
+  /// How slipping is judged.
+  double microslip = SlipOptions{}.microslip, slip_threshold = SlipOptions{}.threshold;
 };
 
 enum class TrialOutcome { held, slipped, fell_off, no_contact, unsettled, timed_out };
@@ -82,6 +85,9 @@ struct ProgramStep {
 /// Performs one trial. \throws whatever the arm throws.
 [[nodiscard]] TrialResult run_trial(Prober& arm, const TrialOrder& order,
                                     const ProgramOptions& options);
+
+/// The trial as `judge_slip` takes it.
+[[nodiscard]] SlipTrial slip_trial(const TrialOrder& order, const TrialResult& result);
 
 /// The sample that a trial is; none if it did not come to its drag. Its group is the contact's
 /// `id * 1000 + level`, its id the trial's number.

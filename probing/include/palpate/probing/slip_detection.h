@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <span>
 
 #include "palpate/eigen_alignment.h"
 
@@ -28,12 +29,12 @@ struct SlipOptions {
   double position_deviation = 0.02;  ///< [mm] standard deviation of a position at rest; > 0
   double force_deviation = 0.005;    ///< [N] standard deviation of an applied force; >= 0
   /// A trial slipped iff T^2 > threshold; > 0. 16.27 is exceeded by chance once in 1000 (chi^2 with
-  /// 3 degrees of freedom).
+  /// 3 degrees of freedom). `allowed_threshold` learns a smaller one from other trials.
   double threshold = 16.27;
   /// Share of the tangential displacement that may stay without slipping, because the edge of a
   /// round contact slips before its centre does; in [0, 0.3]. By Mindlin's theory it is 0.16 at 0.9
   /// of the limit and 0.26 at the limit if all compliance is that of the contact, and 0 if it is
-  /// that of a thin sheet.
+  /// that of a thin sheet. `allowed_microslip` learns it from the contact's other trials.
   double microslip = 0.17;
 };
 
@@ -50,6 +51,33 @@ struct SlipJudgement {
 /// A trial with numbers that are not finite, or without forces, is neither held nor slipped.
 [[nodiscard]] std::optional<SlipJudgement> judge_slip(const SlipTrial& trial,
                                                       const SlipOptions& options = {}) noexcept;
+
+/// What a drag that held tells of microslip at its contact.
+struct HeldDrag {
+  double ratio = 0;            ///< tangential force per normal force; > 0
+  double share = 0;            ///< of the tangential displacement, by which the tip did not return
+  double share_deviation = 0;  ///< standard deviation of that by noise; > 0
+};
+
+/// Of a complete trial; nothing if it has no tangential displacement or is not finite.
+[[nodiscard]] std::optional<HeldDrag> held_drag(const SlipTrial& trial,
+                                                const SlipOptions& options = {}) noexcept;
+
+/// `SlipOptions::microslip` for a trial with the given ratio of tangential to normal force at a
+/// contact where `drags` held: the share that microslip may leave if that ratio is the friction
+/// limit, extrapolated from the drags by Mindlin's theory, plus one standard deviation. At most
+/// `most`, which is also the answer without drags. The extrapolation holds for any division of the
+/// compliance between object and contact: it never rises less than theory does.
+[[nodiscard]] double allowed_microslip(std::span<const HeldDrag> drags, double ratio,
+                                       double most = SlipOptions{}.microslip) noexcept;
+
+/// `SlipOptions::threshold` after trials that held, with these T^2 (those of a whole campaign:
+/// their scale is that of the noise of the arm). Where the noise was told larger than it is, they
+/// are small, and slides hide below the usual threshold. The result is exceeded by chance at most
+/// once in 10,000, even if noise in one direction dominates. At most `most`, which is also the
+/// answer before 12 trials held; at least a sixteenth of it, noise told four times too large.
+[[nodiscard]] double allowed_threshold(std::span<const double> held,
+                                       double most = SlipOptions{}.threshold);
 
 /// [mm/N] The symmetric compliance that a trial measured: a - contact per normal force, b - a per
 /// tangential force, and across both the larger of the two. Real-time safe.
