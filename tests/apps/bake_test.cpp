@@ -65,6 +65,7 @@ TEST_F(Bake, MakesAModelOfAClosedFormWhoseErrorIsThatOfEvaluate) {
   const json field = json::parse(read_text(model + "/field.json"));
   for (const json& contact : field["contacts"])
     EXPECT_NEAR(contact["friction"]["coefficient"], 0.7, 0.002);
+  EXPECT_FALSE(field.contains("probe_radius"));  // a closed form knows no ball
 
   const json exported = figures({"probe", "export", store, "-o", scratch / "csv"});
   EXPECT_EQ(exported["contacts"], baked["contacts"]);
@@ -80,6 +81,7 @@ TEST_F(Bake, MakesAModelOfASolidOfFiniteElements) {
   EXPECT_EQ(baked["failed"], json::array());
   EXPECT_EQ(baked["queries"]["count"], 20);
   EXPECT_LT(baked["rms"]["median"], 0.02);
+  EXPECT_EQ(json::parse(read_text(model + "/field.json")).at("probe_radius"), 5);  // of the tip
   // Cells of 10 mm are coarse for a tip of 5 mm: what the model cannot follow is that depths vary
   // within a cell.
   EXPECT_LT(baked["queries"]["rms"], 0.15);

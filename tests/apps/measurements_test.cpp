@@ -355,7 +355,9 @@ TEST_F(Measurements, AreFittedWithFindingsInPlainWords) {
 
 TEST_F(Measurements, ArePlayedWithoutNan) {
   write_store(sheet());
-  ASSERT_EQ(fit().status, kDone);
+  ASSERT_EQ(fit({"--probe-radius", "4"}).status, kDone);
+  EXPECT_EQ(json::parse(run_palpate({"info", scratch / "model", "--json"}).out).at("probe_radius"),
+            4);
   write_text(scratch / "t.csv", "t,x,y,z\n0,0,0,100\n0.001,0,0,101\n");
   const CommandResult prose =
       run_palpate({"play", scratch / "model", "--trajectory", scratch / "t.csv"});
@@ -384,7 +386,7 @@ TEST_F(Measurements, OfThePageAreImportedAndFitted) {
   ASSERT_EQ(blocks.size(), 2u);
   write_text(scratch / "c.csv", blocks[0]);
   write_text(scratch / "s.csv", blocks[1]);
-  const CommandResult result = import_csv();
+  const CommandResult result = import_csv({"--probe-radius", "2.5"});
   EXPECT_EQ(result.status, kDone);
   EXPECT_THAT(result.err, IsEmpty());
   const probing::CheckedAcquisition read = probing::read_acquisition(scratch.path() / "a.db");
@@ -406,9 +408,14 @@ TEST_F(Measurements, OfThePageAreImportedAndFitted) {
   plate.triangles.col(0) << 0, 2, 1;
   plate.triangles.col(1) << 0, 3, 2;
   geometry::write_mesh(scratch.path() / "plate.ply", plate);
-  EXPECT_EQ(
-      run_palpate({"fit", scratch / "a.db", scratch / "plate.ply", "-o", scratch / "model"}).status,
-      kDone);
+  std::vector<std::string> call{"fit", scratch / "a.db", scratch / "plate.ply", "-o",
+                                scratch / "model"};
+  EXPECT_EQ(run_palpate(call).status, kDone);
+  EXPECT_THAT(run_palpate({"info", scratch / "model"}).out,
+              HasSubstr("measured with a ball of 2.5 mm radius"));
+  call.insert(call.end(), {"--probe-radius", "3"});
+  EXPECT_THAT(run_palpate(call).err,
+              HasSubstr("--probe-radius: is 3 mm; the measurements say 2.5 mm"));
 }
 
 TEST_F(Measurements, OfPressingAloneAreImportedAsThePageSays) {

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
 // `palpate play` with a scene file.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -17,6 +18,7 @@ namespace palpate::apps {
 namespace {
 
 using nlohmann::json;
+using ::testing::HasSubstr;
 
 // Cells of the last line of a CSV file.
 std::vector<std::string> last_cells(const std::string& text) {
@@ -117,20 +119,29 @@ TEST_F(PlayScene, RefusesWhatDoesNotFit) {
 }
 
 TEST_F(PlayScene, OneModelWarnsOfAToolOfAnotherRadius) {
-  std::vector<std::string> call{"play", *scratch / "model", "--trajectory", *scratch / "first.csv"};
-  call.insert(call.end(), {"--tool-radius", "20", "--probe-radius", "5"});
-  const CommandResult other = run_palpate(call);
-  EXPECT_EQ(other.status, kDone);
-  EXPECT_NE(other.err.find("100 % more force (Hertz), here up to 2.499 N of 2.499 N"),
-            std::string::npos)
-      << other.err;
-  call.back() = "20";
-  EXPECT_EQ(run_palpate(call).err, "");
-  call.resize(6);
-  const CommandResult alone = run_palpate(call);
-  EXPECT_EQ(alone.status, kWrongCall);
-  EXPECT_NE(alone.err.find("--tool-radius requires --probe-radius"), std::string::npos)
-      << alone.err;
+  const std::string hertz = "100 % more force (Hertz), here up to 2.499 N of 2.499 N";
+  const auto play = [](const std::string& model, const std::vector<std::string>& radii) {
+    std::vector<std::string> call{"play", *scratch / model, "--trajectory", *scratch / "first.csv"};
+    call.insert(call.end(), radii.begin(), radii.end());
+    return run_palpate(call);
+  };
+  const auto words = [&](const std::string& model, const std::vector<std::string>& radii) {
+    const CommandResult result = play(model, radii);
+    EXPECT_EQ(result.status, kDone);
+    return result.err;
+  };
+  EXPECT_THAT(words("model", {"--tool-radius", "20", "--probe-radius", "5"}), HasSubstr(hertz));
+  EXPECT_EQ(words("model", {"--tool-radius", "20", "--probe-radius", "20"}), "");
+  EXPECT_THAT(words("model", {"--tool-radius", "20"}),
+              HasSubstr("does not say with which ball it was measured; give --probe-radius"));
+  haptics::Model model = haptics::sheet_model();
+  model.probe_radius = 5;
+  haptics::write_model(*scratch / "known", model);
+  EXPECT_THAT(words("known", {"--tool-radius", "20"}), HasSubstr(hertz));
+  EXPECT_EQ(words("known", {"--tool-radius", "5"}), "");
+  const CommandResult contrary = play("known", {"--tool-radius", "20", "--probe-radius", "3"});
+  EXPECT_EQ(contrary.status, kWrongCall);
+  EXPECT_THAT(contrary.err, HasSubstr("--probe-radius: is 3 mm; "));
 }
 
 }  // namespace

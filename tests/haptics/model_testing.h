@@ -18,6 +18,7 @@ inline void expect_same_document(const Model& left, const Model& right) {
   EXPECT_EQ(left.triangles, right.triangles);
   EXPECT_EQ(left.made, right.made);
   EXPECT_EQ(left.interpolation, right.interpolation);
+  EXPECT_EQ(left.probe_radius, right.probe_radius);
   EXPECT_EQ(left.T_surface_acquisition.matrix(), right.T_surface_acquisition.matrix());
   ASSERT_EQ(left.contacts.size(), right.contacts.size());
   for (std::size_t i = 0; i < left.contacts.size(); ++i) {
@@ -57,6 +58,7 @@ inline void expect_same(const Model& left, const Model& right) {
 inline Model some_model() {
   Model model = moved(uneven_model(), some_motion());
   model.T_surface_acquisition = some_motion();
+  model.probe_radius = 2.5;
   model.contacts[1].friction_source = FrictionSource::other_contacts;
   model.contacts[1].friction_error = 0.0123;
   model.contacts[2].friction_source = FrictionSource::lower_bound;

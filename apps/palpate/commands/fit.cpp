@@ -44,6 +44,7 @@ struct FitCall {
   std::optional<double> budget_us;
   geometry::ReadOptions meshes;
   std::optional<double> force_noise;
+  std::optional<double> probe_radius;  ///< [mm]
   bool estimate_offsets = true;
   bool shared_local = false;
   int dense_samples = haptics::LocalGlobalOptions{}.dense_samples;
@@ -167,11 +168,17 @@ void fit(const Settings& settings, FitCall call) {
       read_plausible_acquisition(call.acquisition, warnings);
   tell_rates(call.acquisition, warnings);
   const geometry::TriangleMesh surface = geometry::read_mesh(call.surface, call.meshes);
+  const std::optional<double> known_radius = acquisition.records().probe_radius;
+  if (call.probe_radius && known_radius && *call.probe_radius != *known_radius) {
+    throw InvalidInput(fmt::format("--probe-radius: is {:g} mm; the measurements say {:g} mm",
+                                   *call.probe_radius, *known_radius));
+  }
   FitRecord record(record_path, settings_of(call));
   if (call.resume) record.resume();
   record.begin();
   const std::size_t kept = record.size();
   haptics::BuildResult built = build_or_forget(acquisition, surface, call, record);
+  if (call.probe_radius) built.model.probe_radius = call.probe_radius;
   built.model.made["program"] = "palpate " PALPATE_VERSION;
   built.model.made["acquisition"] = call.acquisition.filename().string();
   built.model.made["surface"] = call.surface.filename().string();
@@ -251,6 +258,11 @@ void add_fit(CLI::App& app, const Settings& settings) {
                       "from the measurements",
                       call->fit.noise.force))
       ->check(within(at_least(0)));
+  command
+      ->add_option("--probe-radius", call->probe_radius,
+                   "Radius of the ball that touched the object [mm], if the measurements do not "
+                   "say it; the model keeps it for palpate play --tool-radius")
+      ->check(within(above(0).finite()));
   add_choice<bool>(
       *command, "--touch-offset", call->estimate_offsets, {{"estimate", true}, {"none", false}},
       "Where all contacts were only pressed: estimate a constant error of the forces and how deep "

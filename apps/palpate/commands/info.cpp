@@ -163,10 +163,14 @@ Description describe_model(const fs::path& path) {
       "  RMS of a contact's fit: {:.4f} N in the median, {:.4f} N at most\n"
       "  friction coefficient: {:.3f} in the median; {} contacts do not determine theirs, {} of "
       "these use a lower bound\n"
+      "  measured with a ball of {}\n"
       "  {}: {} bytes, {:.0f} a contact",
       model.contacts.size(), model.triangles.cols(), model.surface.vertices.cols(),
       base_counts.median, base_counts.max, errors.median, errors.max, coefficients.median,
-      without_friction, bounds, is_text ? "field.json" : "field.cbor", bytes,
+      without_friction, bounds,
+      model.probe_radius ? fmt::format("{:g} mm radius", *model.probe_radius)
+                         : std::string("unknown radius"),
+      is_text ? "field.json" : "field.cbor", bytes,
       static_cast<double>(bytes) / static_cast<double>(model.contacts.size()));
   for (const auto& [key, value] : model.made) prose += fmt::format("\n  {}: {}", key, value);
   return {{{"kind", "model"},
@@ -178,6 +182,7 @@ Description describe_model(const fs::path& path) {
            {"friction", coefficients.median},
            {"without_own_friction", without_friction},
            {"friction_lower_bounds", bounds},
+           {"probe_radius", number_or_null(model.probe_radius)},
            {"encoding", is_text ? "json" : "cbor"},
            {"bytes", bytes},
            {"made", made}},

@@ -39,15 +39,34 @@ struct PlayCall {
   DeviceCall device;
 };
 
+/// [mm] of the ball that probed, as the model or the call says; none: not known.
+std::optional<double> probe_radius_of(const PlayCall& call, const haptics::Model& model) {
+  if (!call.probe_radius) return model.probe_radius;
+  if (model.probe_radius && *model.probe_radius != *call.probe_radius) {
+    throw InvalidInput(fmt::format("--probe-radius: is {:g} mm; {} says {:g} mm",
+                                   *call.probe_radius, call.model.string(), *model.probe_radius));
+  }
+  return call.probe_radius;
+}
+
 /// Warns that the tool is not the ball that probed. \param largest_force [N] that was played.
-void warn_of_radius(const PlayCall& call, double largest_force) {
-  if (!call.tool_radius || *call.tool_radius == *call.probe_radius) return;
-  const double missing = haptics::missing_force(*call.probe_radius, *call.tool_radius);
+void warn_of_radius(const PlayCall& call, const std::optional<double>& probe_radius,
+                    double largest_force) {
+  if (!call.tool_radius) return;
+  if (!probe_radius) {
+    spdlog::warn(
+        "how wrong the forces on a ball of {:g} mm are is not known: {} does not say with which "
+        "ball it was measured; give --probe-radius.",
+        *call.tool_radius, call.model.string());
+    return;
+  }
+  if (*call.tool_radius == *probe_radius) return;
+  const double missing = haptics::missing_force(*probe_radius, *call.tool_radius);
   spdlog::warn(
       "the model was measured with a ball of {:g} mm; on a solid, one of {:g} mm feels {:.0f} % "
       "{} force (Hertz), here up to {:.3f} N of {:.3f} N; on a thin membrane about the same "
       "(docs/trade-playback.md).",
-      *call.probe_radius, *call.tool_radius, 100 * std::abs(missing), missing > 0 ? "more" : "less",
+      *probe_radius, *call.tool_radius, 100 * std::abs(missing), missing > 0 ? "more" : "less",
       std::abs(missing) * largest_force, largest_force);
 }
 
@@ -56,7 +75,9 @@ void play(const Settings& settings, const PlayCall& call) {
   check_pictures({call.picture});
   const std::vector<haptics::TrajectoryPoint> trajectory =
       haptics::read_trajectory_file(call.trajectory);
-  const haptics::Playback playback(haptics::read_model(call.model));
+  const haptics::Model model = haptics::read_model(call.model);
+  const std::optional<double> probe_radius = probe_radius_of(call, model);
+  const haptics::Playback playback(model);
   const std::vector<haptics::TracePoint> trace = haptics::play(playback, trajectory);
   if (!call.record.empty()) haptics::write_trace(call.record, trace);
   if (!call.picture.empty()) {
@@ -92,7 +113,7 @@ void play(const Settings& settings, const PlayCall& call) {
         "the tool never touches the model: the trajectory must cross its surface from outside, in "
         "the same frame and in mm.");
   }
-  warn_of_radius(call, largest);
+  warn_of_radius(call, probe_radius, largest);
 }
 
 /// A scene is a file, a model a folder.
@@ -217,14 +238,14 @@ void add_play(CLI::App& app, const Settings& settings) {
   CLI::Option* tool_radius =
       command
           ->add_option("--tool-radius", call->tool_radius,
-                       "[mm] of a ball; if it is not --probe-radius, say how wrong the forces are")
+                       "[mm] of a ball; if the probe was another one, say how wrong the forces are")
           ->check(within(above(0).finite()));
   command
       ->add_option("--probe-radius", call->probe_radius,
-                   "[mm] of the ball with which the object was measured")
+                   "[mm] of the ball with which the object was measured, if the model does not say "
+                   "it")
       ->check(within(above(0).finite()))
       ->needs(tool_radius);
-  tool_radius->needs("--probe-radius");
   add_device_options(*command, *call);
   command->footer(
       "Examples:\n"

@@ -254,6 +254,13 @@ void add_probe(CLI::App& app, const Settings& settings) {
         },
         "Sign before the decimals of all numbers: point or comma (default: point)")
       ->check(one_of({"point", "comma"}));
+  in->add_option_function<double>(
+        "--probe-radius",
+        [call](double radius) {
+          change(*call, &probing::AcquisitionMapping::probe_radius, radius);
+        },
+        "Radius of the ball that touched the object [mm], for palpate play --tool-radius")
+      ->check(within(above(0).finite()));
   in->add_flag_callback(
       "--no-header", [call] { change(*call, &probing::AcquisitionMapping::header, false); },
       "The first line of the files does not name their columns; they are column_1, column_2, ...");

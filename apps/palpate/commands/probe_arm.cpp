@@ -87,15 +87,19 @@ class QuasiStaticCampaignArm final : public CampaignArm {
  public:
   QuasiStaticCampaignArm(std::shared_ptr<const probing::Specimen> specimen,
                          const probing::QuasiStaticArmOptions& options)
-      : arm_(probing::make_quasi_static_arm(std::move(specimen), options)), tip_(options.start) {}
+      : specimen_(specimen),
+        arm_(probing::make_quasi_static_arm(std::move(specimen), options)),
+        tip_(options.start) {}
   probing::ProbeReport perform(const probing::ProbeAction& action) override {
     if (action.kind == probing::ProbeActionKind::lift) tip_ = action.target;
     return arm_->perform(action);
   }
   // How long the next travel takes.
   std::string memory() const override { return Json{{"tip", vector_json(tip_)}}.dump(); }
+  const probing::Specimen* specimen() const override { return specimen_.get(); }
 
  private:
+  std::shared_ptr<const probing::Specimen> specimen_;
   std::unique_ptr<probing::Prober> arm_;
   Eigen::Vector3d tip_;
 };
@@ -149,6 +153,7 @@ class MovingCampaignArm final : public CampaignArm {
   }
   bool moves() const override { return true; }
   bool is_device() const override { return simulated_ == nullptr && !is_replay_; }
+  const probing::Specimen* specimen() const override { return specimen_.get(); }
   const probing::ArmProber* prober() const override { return &*prober_; }
   probing::ProbeReport perform(const probing::ProbeAction& action) override {
     return prober_->perform(action);

@@ -12,6 +12,7 @@
 #include "palpate/probing/arm_reach.h"
 #include "palpate/probing/contact_plan.h"
 #include "palpate/probing/prober.h"
+#include "palpate/probing/specimen.h"
 
 namespace palpate::apps {
 
@@ -45,6 +46,8 @@ class CampaignArm : public probing::Prober {
   [[nodiscard]] virtual bool moves() const { return false; }
   /// Whether it stands before a real object, which may be moved while the arm rests.
   [[nodiscard]] virtual bool is_device() const { return false; }
+  /// The simulated object that it probes; null before a real one.
+  [[nodiscard]] virtual const probing::Specimen* specimen() const { return nullptr; }
   /// What moves it; null if it does not move.
   [[nodiscard]] virtual const probing::ArmProber* prober() const { return nullptr; }
   /// Which contacts the arm can probe.

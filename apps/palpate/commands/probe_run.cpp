@@ -163,11 +163,15 @@ void run_campaign(const Settings& settings, const RunCall& call) {
   RunningCampaign running{probing::Campaign(plan, call.options),
                           make_campaign_arm(arm, source, plan, {}, call.watch)};
   check_reach(*running.arm, plan, call.plan, call.surface);
-  probing::CampaignStore store =
-      probing::CampaignStore::create(call.store, {.plan = probing::to_text(plan),
-                                                  .strategy = probing::to_text(call.options),
-                                                  .arm = arm,
-                                                  .software = "palpate " PALPATE_VERSION});
+  // A plan is for the tip of an arm; a simulated object has its own.
+  const probing::Specimen* const specimen = running.arm->specimen();
+  probing::CampaignStore store = probing::CampaignStore::create(
+      call.store,
+      {.plan = probing::to_text(plan),
+       .strategy = probing::to_text(call.options),
+       .arm = arm,
+       .software = "palpate " PALPATE_VERSION,
+       .probe_radius = specimen != nullptr ? specimen->tip_radius() : plan.options.tip_radius});
   perform(settings, store, std::move(running), call, false);
 }
 

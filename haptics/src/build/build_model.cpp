@@ -407,6 +407,7 @@ BuildResult build_model(const probing::CheckedAcquisition& acquisition,
   check_options(options);
   BuildResult result;
   result.model.made[kSamplesFingerprint] = probing::fingerprint(acquisition.records());
+  result.model.probe_radius = acquisition.records().probe_radius;
   result.model.made[kTriangulation] = geometry::to_string(options.triangulation);
   const std::vector<std::size_t> probed = probed_contacts(acquisition, result);
   std::vector<probing::Contact> contacts;

@@ -269,6 +269,14 @@ std::optional<double> reference_force(std::span<const SideModel> sides) {
   return least;
 }
 
+// Of all sides, if they were measured with equal balls.
+std::optional<double> probe_radius(std::span<const SideModel> sides) {
+  const std::optional<double> first = sides[0].model.probe_radius;
+  const bool same = std::ranges::all_of(
+      sides, [&](const SideModel& side) { return side.model.probe_radius == first; });
+  return same ? first : std::nullopt;
+}
+
 std::string to_text(const Eigen::Isometry3d& pose) {
   const Eigen::IOFormat rows(Eigen::FullPrecision, Eigen::DontAlignCols, " ", "; ");
   std::ostringstream out;
@@ -326,6 +334,7 @@ MergedModel merge_models(std::span<const SideModel> sides, const MergeModelsOpti
     merged.isolated.push_back(merged.model.contacts[static_cast<std::size_t>(i)].id);
   align_frames(merged.model);
   for (ContactModel& contact : merged.model.contacts) contact = rounded(std::move(contact));
+  merged.model.probe_radius = probe_radius(sides);
   if (const std::optional<double> force = reference_force(sides))
     merged.model = with_compliances(std::move(merged.model), *force);
   tell_origin(sides, poses, options, merged);

@@ -129,6 +129,11 @@ ScaledModel scale_model(const Model& model, const ScaleModelOptions& options) {
     result.refit_rms = std::max(result.refit_rms, field.rms);
     result.refit_largest = std::max(result.refit_largest, field.largest);
   }
+  if (options.axis) {
+    scaled.probe_radius.reset();  // a stretched ball is none
+  } else if (scaled.probe_radius && options.forces != ForceScaling::feel) {
+    *scaled.probe_radius *= options.factor;
+  }
   std::string& before = scaled.made["scaled"];
   before += (before.empty() ? "" : "; ") + description(options);
   if (compliances) {

@@ -87,6 +87,8 @@ TransferredModel transfer_model(const Model& model, const geometry::TriangleMesh
   result.model.surface_weights = std::move(triangulation.weights);
   for (const int i : triangulation.isolated)
     result.isolated.push_back(result.model.contacts[static_cast<std::size_t>(i)].id);
+  if (result.model.probe_radius && options.forces != ForceScaling::feel)
+    *result.model.probe_radius *= map.scale;
   std::string& before = result.model.made["transferred"];
   before += (before.empty() ? "" : "; ") + std::string("forces: ") + to_string(options.forces) +
             ", " + map.reason;

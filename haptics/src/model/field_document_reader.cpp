@@ -358,6 +358,8 @@ Model read_field_document(const std::string& bytes, ModelEncoding encoding) {
   if (!is_rotation(model.T_surface_acquisition.linear(), kFrameTolerance))
     registration.at("rotation").refuse("a rotation");
   model.T_surface_acquisition.translation() = registration.at("translation").vector();
+  if (const auto radius = document.find("probe_radius"))
+    model.probe_radius = radius->number_above_zero();
   model.made = document.at("made").texts();
   return model;
 }

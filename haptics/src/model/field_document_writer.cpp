@@ -223,7 +223,7 @@ Json valid_texts(const std::map<std::string, std::string>& texts) {
 template <typename Writer>
 void write(Writer writer, const Model& model) {
   constexpr int kMembers = 9;
-  writer.begin(kMembers);
+  writer.begin(kMembers + (model.probe_radius ? 1 : 0));
   writer.member("format", kFieldFormat);
   writer.member("version", kFieldVersion);
   writer.member("units", {{"length", "mm"}, {"force", "N"}});
@@ -233,6 +233,7 @@ void write(Writer writer, const Model& model) {
       "registration",
       {{"rotation", to_json(Eigen::Matrix3d(model.T_surface_acquisition.linear()))},
        {"translation", to_json(Eigen::Vector3d(model.T_surface_acquisition.translation()))}});
+  if (model.probe_radius) writer.member("probe_radius", to_json(*model.probe_radius));
   writer.member("interpolation", to_json(model.interpolation));
   writer.begin_list("contacts", model.contacts.size());
   for (const ContactModel& contact : model.contacts) writer.item(to_json(contact));

@@ -117,6 +117,7 @@ void check_model(const Model& model) {
       throw InvalidInput(name + ": another contact has the same id; ids must be unique");
   }
   check_interpolation(model.interpolation);
+  require("Model::probe_radius", model.probe_radius, above(0).finite(), "mm");
   if (model.surface_weights.contacts.cols() > 0) check_weights(model);
   if (model.triangles.cols() > 0 || model.surface_weights.contacts.cols() == 0) {
     geometry::check_mesh(contact_mesh(model), "the model's triangles of contacts");

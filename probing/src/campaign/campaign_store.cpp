@@ -9,6 +9,7 @@
 #include "campaign/writer_lock.h"
 #include "palpate/error.h"
 #include "palpate/output_file.h"
+#include "palpate/probing/csv.h"
 #include "records/database.h"
 
 namespace palpate::probing {
@@ -157,6 +158,8 @@ CampaignStore CampaignStore::create(const std::filesystem::path& path,
           {"software", &description.software}};
       for (const auto& [key, value] : values) (run << std::string(key) << *value).run();
       (meta << std::string("source") << description.software).run();
+      if (description.probe_radius)
+        (meta << std::string(kProbeRadius) << to_text(*description.probe_radius)).run();
       execute(db, "COMMIT");
     } catch (const DatabaseError& wrong) {
       throw OutputError(path.string() + ": " + wrong.what() + "; choose another folder");

@@ -204,6 +204,7 @@ SpecimenTrials try_specimen(const Specimen& specimen, const ContactPlan& plan,
     result.acquisition.samples.insert(result.acquisition.samples.end(), one.samples.begin(),
                                       one.samples.end());
   }
+  result.acquisition.probe_radius = specimen.tip_radius();
   if (result.acquisition.contacts.empty()) {
     throw SolverError("no contact has an equilibrium; at the first, " +
                       result.failed.front().trial.reason);

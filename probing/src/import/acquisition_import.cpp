@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "import/column_units.h"
@@ -93,7 +94,9 @@ ImportedAcquisition import_acquisition(std::span<const std::filesystem::path> fi
     return rows.take();
   };
   try {
-    return {CheckedAcquisition(read()), counts};
+    Acquisition acquisition = read();
+    acquisition.probe_radius = mapping.probe_radius;
+    return {CheckedAcquisition(std::move(acquisition)), counts};
   } catch (const FileError&) {
     throw;
   } catch (const InvalidInput& error) {

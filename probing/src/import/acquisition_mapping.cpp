@@ -291,6 +291,14 @@ void read_page(const MappingPage& page, const YAML::Node& root, AcquisitionMappi
             return 0;
           });
         }},
+       {"probe_radius",
+        [&](const auto& node) {
+          mapping.probe_radius = page.number(node, "probe_radius");
+          page.at(node, "a mapping", [&] {
+            require("'probe_radius'", *mapping.probe_radius, above(0).finite(), "mm");
+            return 0;
+          });
+        }},
        {"time_series", [&](const auto& node) { read_series(page, node, mapping.series); }}});
 }
 
@@ -335,6 +343,7 @@ void check_mapping(const AcquisitionMapping& mapping) {
   require("AcquisitionMapping::force", mapping.force, above(0).finite(), "N");
   require("AcquisitionMapping::time", mapping.time, above(0).finite(), "s");
   require("AcquisitionMapping::same_place", mapping.same_place, above(0).finite(), "mm");
+  require("AcquisitionMapping::probe_radius", mapping.probe_radius, above(0).finite(), "mm");
   for (const double component : mapping.weight)
     require("AcquisitionMapping::weight", component, finite(), "N");
   check_names(mapping.columns);

@@ -115,6 +115,7 @@ CheckedAcquisition::CheckedAcquisition(Acquisition acquisition)
     : records_(std::move(acquisition)),
       index_(check_contacts(records_.contacts)),
       begin_(records_.contacts.size() + 1, 0) {
+  require("Acquisition::probe_radius", records_.probe_radius, above(0).finite(), "mm");
   std::vector<Sample>& samples = records_.samples;
   check_samples(samples, index_);
   const auto contact_of = [this](const Sample& sample) { return index_.at(sample.contact); };

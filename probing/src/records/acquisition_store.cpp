@@ -3,13 +3,16 @@
 #include "palpate/probing/acquisition_store.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <utility>
 
 #include "palpate/error.h"
 #include "palpate/output_file.h"
+#include "palpate/probing/csv.h"
 #include "records/database.h"
 
 namespace palpate::probing {
@@ -33,6 +36,16 @@ void check_integrity(sqlite3* database, std::uintmax_t file_size, bool has_log) 
   if (!step(check.get())) throw DatabaseError("the database is damaged");
   const std::string answer = Row(check.get(), "quick_check").text();
   if (answer != "ok") throw DatabaseError("the database is damaged: " + answer);
+}
+
+double length_of(const std::string& text) {
+  double value = 0;
+  const char* const end = text.data() + text.size();
+  const auto [rest, error] = std::from_chars(text.data(), end, value);
+  if (error != std::errc{} || rest != end)
+    throw DatabaseError("table meta: '" + std::string(kProbeRadius) + "' is '" + text +
+                        "'; it must be a number, in mm");
+  return value;
 }
 
 Acquisition read_tables(sqlite3* database, std::uintmax_t file_size) {
@@ -63,8 +76,11 @@ Acquisition read_tables(sqlite3* database, std::uintmax_t file_size) {
   const Statement meta = prepare(database, "SELECT key, value FROM meta ORDER BY key");
   while (step(meta.get())) {
     Row row(meta.get(), "meta");
-    const std::string key = row.text();
-    acquisition.meta[key] = row.text();
+    const std::string key = row.text(), value = row.text();
+    if (key == kProbeRadius)
+      acquisition.probe_radius = length_of(value);
+    else
+      acquisition.meta[key] = value;
   }
   return acquisition;
 }
@@ -79,6 +95,8 @@ void write_tables(sqlite3* database, const Acquisition& acquisition) {
   for (const Sample& s : acquisition.samples) insert_sample(sample, s);
   Insert meta(database, "INSERT INTO meta VALUES(?,?)");
   for (const auto& [key, value] : acquisition.meta) (meta << key << value).run();
+  if (acquisition.probe_radius)
+    (meta << std::string(kProbeRadius) << to_text(*acquisition.probe_radius)).run();
   execute(database, "COMMIT");
 }
 

@@ -31,6 +31,8 @@ inline constexpr const char* kAcquisitionSchema =
     " slipped INTEGER NOT NULL CHECK(slipped IN (0, 1)),"
     " range_map TEXT NOT NULL, time REAL NOT NULL);"
     "CREATE TABLE meta(key TEXT PRIMARY KEY, value TEXT NOT NULL);";
+/// The key of `Acquisition::probe_radius` in the table meta.
+inline constexpr const char* kProbeRadius = "probe_radius";
 inline constexpr const char* kInsertContact = "INSERT INTO contact VALUES(?,?,?,?,?,?,?)";
 inline constexpr const char* kInsertSample =
     "INSERT INTO sample VALUES(?,?,?,?,?,?,?,?,?,?,?,?,?,?,?,?)";

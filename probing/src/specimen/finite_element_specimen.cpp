@@ -111,6 +111,7 @@ class FiniteElementSpecimen : public Specimen {
  public:
   FiniteElementSpecimen(DeformableBody body, const FiniteElementSpecimenOptions& options)
       : friction_(options.friction),
+        tip_radius_(options.contact.tip_radius),
         solid_(std::move(body), contact_of(options)),
         surface_(probed_surface(solid_)),
         normals_(geometry::vertex_normals(surface_)),
@@ -133,6 +134,8 @@ class FiniteElementSpecimen : public Specimen {
     return {place(contact).inward, friction_};
   }
 
+  std::optional<double> tip_radius() const override { return tip_radius_; }
+
  private:
   struct Place {
     Vector3d position, inward;
@@ -149,6 +152,7 @@ class FiniteElementSpecimen : public Specimen {
   }
 
   double friction_;
+  double tip_radius_;  // [mm]
   ContactEquilibrium solid_;
   geometry::TriangleMesh surface_;
   Eigen::Matrix3Xd normals_;

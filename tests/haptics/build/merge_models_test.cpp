@@ -89,6 +89,14 @@ TEST(MergeModels, GivesTheModelThatWasCutInHalves) {
   }
 }
 
+TEST(MergeModels, KnowsTheProbeIfAllSidesWereMeasuredWithIt) {
+  std::vector<SideModel> sides = halves();
+  for (SideModel& side : sides) side.model.probe_radius = 4;
+  EXPECT_EQ(merge_models(sides).model.probe_radius, 4);
+  sides[1].model.probe_radius = 5;
+  EXPECT_FALSE(merge_models(sides).model.probe_radius);
+}
+
 TEST(MergeModels, InterpolatesAsWellAsOneModel) {
   const BlendedField whole(ball_model([](const Vector3d&) { return true; }));
   const BlendedField merged(merge_models(halves()).model);

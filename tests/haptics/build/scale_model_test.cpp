@@ -64,6 +64,20 @@ TEST(ScaleModel, MultipliesStiffnessByTheLengthForTheSameMaterial) {
   EXPECT_EQ(large.model.made.at("scaled"), "by 2.5, material");
 }
 
+// A ball that scales with the object presses alike; a stretched one is no ball.
+TEST(ScaleModel, ScalesTheBallThatProbedWithTheObject) {
+  Model model = uneven_model();
+  EXPECT_FALSE(scale_model(model, {.factor = 3}).model.probe_radius);
+  model.probe_radius = 2;
+  const auto radius = [&](const ScaleModelOptions& options) {
+    return scale_model(model, options).model.probe_radius;
+  };
+  EXPECT_EQ(radius({.factor = 3}), 6);
+  EXPECT_EQ(radius({.factor = 3, .forces = ForceScaling::forces}), 6);
+  EXPECT_EQ(radius({.factor = 3, .forces = ForceScaling::feel}), 2);
+  EXPECT_FALSE(radius({.factor = 3, .axis = Vector3d::UnitX()}));
+}
+
 TEST(ScaleModel, RefitsNothingUniformlyInRoundedFrames) {
   Model model = moved(uneven_model(), some_motion());
   for (ContactModel& contact : model.contacts) contact = rounded(std::move(contact));

@@ -50,7 +50,8 @@ TEST(TransferModel, MovesWithTheSurface) {
 }
 
 TEST(TransferModel, ScalesForcesAsScalingDoes) {
-  const Model model = with_compliances(uneven_model(), 2);
+  Model model = with_compliances(uneven_model(), 2);
+  model.probe_radius = 3;
   for (const ForceScaling forces :
        {ForceScaling::material, ForceScaling::forces, ForceScaling::feel}) {
     const Model truth = scale_model(model, {.factor = 1.6, .forces = forces}).model;
@@ -67,6 +68,7 @@ TEST(TransferModel, ScalesForcesAsScalingDoes) {
       if (!is.compliance) continue;
       EXPECT_LT((is.compliance->values - should.compliance->values).norm(), 1e-5);
     }
+    EXPECT_NEAR(result.model.probe_radius.value(), truth.probe_radius.value(), 1e-6);
     EXPECT_NEAR(result.model.interpolation.reference_force, truth.interpolation.reference_force,
                 1e-6);
   }

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "model_testing.h"
+#include "not_finite.h"
 #include "palpate/geometry/mesh_io.h"
 
 namespace palpate::haptics {
@@ -45,6 +46,21 @@ TEST(ModelIo, ReadsTheCompliancesThatWereWritten) {
   const ScratchFolder scratch;
   write_model(scratch / "model", model);
   expect_same(read_model(scratch / "model"), model);
+}
+
+// As in files that were written before it was a member.
+TEST(ModelIo, LeavesOutTheRadiusOfTheProbeIfItIsNotKnown) {
+  const ScratchFolder scratch;
+  Model model = some_model();
+  model.probe_radius.reset();
+  write_model(scratch / "model", model);
+  EXPECT_EQ(read_text(scratch / "model" / "field.json").find("probe_radius"), std::string::npos);
+  expect_same(read_model(scratch / "model"), model);
+  for (const double wrong : {0.0, -1.0, kNaN, kInf}) {
+    model.probe_radius = wrong;
+    EXPECT_THAT(refusal([&] { write_model(scratch / "model", model); }),
+                HasSubstr("Model::probe_radius"));
+  }
 }
 
 TEST(ModelIo, WritesTheWeightsThatTrianglesGiveWhereAModelHasNone) {

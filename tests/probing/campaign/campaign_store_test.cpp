@@ -188,9 +188,12 @@ TEST_F(CampaignStoreTest, TellsWhyATrialFailed) {
 }
 
 TEST_F(CampaignStoreTest, IsAnAcquisitionAtAnyTime) {
-  CampaignStore store = CampaignStore::create(path(), description());
+  CampaignDescription with_ball = description();
+  with_ball.probe_radius = 2.5;
+  CampaignStore store = CampaignStore::create(path(), with_ball);
   go_on(std::move(store), 9);
   EXPECT_EQ(read_acquisition(path()).samples().size(), 9U);
+  EXPECT_EQ(read_acquisition(path()).records().probe_radius, 2.5);
   go_on(CampaignStore::open(path()));
   const CheckedAcquisition acquisition = read_acquisition(path());
   EXPECT_EQ(acquisition.contacts().size(), 3U);

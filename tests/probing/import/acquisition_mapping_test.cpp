@@ -34,6 +34,7 @@ TEST(AcquisitionMapping, HoldsWhatTheFileSays) {
       "forces_on: tool\n"
       "frame:\n  rotation: [[0, -1, 0], [1, 0, 0], [0, 0, 1]]\n  translation: [1, 2.5, -3]\n"
       "content: time_series\ncontacts: place\nnormals: forces\nsame_place: 0.7\n"
+      "probe_radius: 2.5\n"
       "time_series: {touch_force: 0.05, tare: false, saturation: 10}\n");
   EXPECT_EQ(mapping.columns, (ColumnNames{{"contacts.id", "Point"},
                                           {"px", "F x"},
@@ -55,6 +56,7 @@ TEST(AcquisitionMapping, HoldsWhatTheFileSays) {
   EXPECT_EQ(mapping.contacts, ContactSource::place);
   EXPECT_TRUE(mapping.normals_from_forces);
   EXPECT_EQ(mapping.same_place, 0.7);
+  EXPECT_EQ(mapping.probe_radius, 2.5);
   EXPECT_EQ(mapping.series.touch_force, 0.05);
   EXPECT_FALSE(mapping.series.tare);
   EXPECT_EQ(mapping.series.saturation, 10);
@@ -90,6 +92,7 @@ TEST(AcquisitionMapping, NamesTheLineAndWhatWouldBeRight) {
       {"contacts: rows\n", {"table, column or place"}},
       {"same_place: near\n", {"'same_place' is 'near'", "a finite number"}},
       {"same_place: -1\n", {"line 1", "'same_place' is -1", "> 0"}},
+      {"probe_radius: 0\n", {"line 1", "'probe_radius' is 0", "> 0"}},
       {"same_place: .nan\n", {"'.nan'", "a finite number"}},
       {"separator: '::'\n", {"one character, or tab"}},
       {"frame: {rotation: [[1, 0, 0], [0, 1, 0]]}\n", {"three rows"}},

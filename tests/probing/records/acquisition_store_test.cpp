@@ -40,11 +40,13 @@ TEST(AcquisitionStore, ReadsBackExactlyWhatWasWritten) {
   const std::filesystem::path path = scratch / "new" / "a.db";
   Acquisition acquisition = small_acquisition();
   acquisition.meta = {{"arm", "it's \"new\""}, {"unit", "mm"}};
+  acquisition.probe_radius = 0.1 + 0.2;
   write_acquisition(path, acquisition);
   write_acquisition(path, acquisition);
   const CheckedAcquisition read = read_acquisition(path);
   expect_same(read, acquisition);
   EXPECT_EQ(read.records().meta, acquisition.meta);
+  EXPECT_EQ(read.records().probe_radius, 0.1 + 0.2);
 }
 
 TEST(AcquisitionStore, ReadsDatabasesThatOtherToolsMade) {
@@ -87,6 +89,10 @@ TEST(AcquisitionStore, RefusesATruncatedDatabaseWhereverItIsCut) {
 }
 
 TEST(AcquisitionStore, NamesTheMissingTableOrColumn) {
+  EXPECT_THAT(refused_after("INSERT INTO meta VALUES('probe_radius', '3 mm')"),
+              AllOf(HasSubstr("'probe_radius' is '3 mm'"), HasSubstr("a number, in mm")));
+  EXPECT_THAT(refused_after("INSERT INTO meta VALUES('probe_radius', '0')"),
+              HasSubstr("Acquisition::probe_radius is 0 mm; it must be > 0 and finite"));
   EXPECT_THAT(refused_after("DROP TABLE meta"),
               AllOf(HasSubstr("a.db"), HasSubstr("no such table: meta")));
   EXPECT_THAT(refused_after("ALTER TABLE sample RENAME COLUMN slipped TO slid"),

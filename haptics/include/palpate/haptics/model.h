@@ -103,6 +103,8 @@ struct Model {
   /// there must be some then.
   geometry::SurfaceWeights surface_weights;
   Interpolation interpolation;
+  /// [mm] > 0 of the ball with which the object was measured; none: not known.
+  std::optional<double> probe_radius = {};
   /// Moves the acquisition onto the surface; the contacts here are moved already.
   Eigen::Isometry3d T_surface_acquisition = Eigen::Isometry3d::Identity();
   std::map<std::string, std::string> made;  ///< how: sources, options, program; UTF-8

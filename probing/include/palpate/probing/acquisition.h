@@ -43,6 +43,8 @@ struct Acquisition {
   std::vector<Contact> contacts;
   std::vector<Sample> samples;
   std::map<std::string, std::string> meta;
+  /// [mm] > 0 of the ball that touched the object; none: not known.
+  std::optional<double> probe_radius = {};
 };
 
 /// Two contacts are at one place iff their distance <= kSamePlaceTolerance * diagonal of the box
@@ -55,9 +57,9 @@ inline constexpr double kUnitLengthTolerance = 2e-3;
 
 /// An acquisition that was checked once, when it was made or read. Functions that take one need not
 /// check it again. It has at least one contact, finite numbers, unit normals, unique ids, no two
-/// contacts at one place, only samples of its contacts, no negative time and no sample that both
-/// slipped and held. The samples of each contact stand together, contact by contact, otherwise in
-/// the order in which they were given.
+/// contacts at one place, only samples of its contacts, no negative time, no sample that both
+/// slipped and held, and no probe's radius that is not above 0. The samples of each contact stand
+/// together, contact by contact, otherwise in the order in which they were given.
 class CheckedAcquisition {
  public:
   /// Implicit, so that an `Acquisition` is checked wherever a checked one is expected.

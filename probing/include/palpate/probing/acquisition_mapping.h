@@ -52,6 +52,7 @@ struct AcquisitionMapping {
   bool normals_from_forces = false;  ///< normals are opposite to the mean force, not in columns
   double same_place = 1;             ///< [mm] contacts are one if no further apart; > 0 and finite
   SeriesOptions series = {};         ///< of `time_series`
+  std::optional<double> probe_radius = {};  ///< [mm] of the ball that touched; > 0 and finite
 };
 
 /// [N] Force of a unit given by name: N, mN, kN, g (the weight of a gram), kg or lbf.

@@ -10,8 +10,8 @@ namespace palpate::probing {
 
 /// Reads an SQLite database with the tables `contact(id, x, y, z, nx, ny, nz)`,
 /// `sample(id, contact, group_id, px, ..., bz, on_friction_boundary, slipped, range_map, time)` and
-/// `meta(key, value)`. Contacts come in the order of their ids, and so do the samples of a contact.
-/// Further tables and columns are ignored.
+/// `meta(key, value)`, where `probe_radius` is that of `Acquisition`. Contacts come in the order of
+/// their ids, and so do the samples of a contact. Further tables and columns are ignored.
 ///
 /// \throws FileError if the file is missing, empty, truncated or not such a database, or if it
 /// holds what `CheckedAcquisition` refuses.

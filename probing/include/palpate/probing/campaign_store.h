@@ -19,6 +19,7 @@ struct CampaignDescription {
   std::string strategy;  ///< of CampaignOptions and the seed (JSON)
   std::string arm;       ///< what the arm needs to go on; not read by the campaign
   std::string software;  ///< name and version of the program
+  std::optional<double> probe_radius = {};  ///< [mm] as in `Acquisition`
 };
 
 /// A message about a campaign.

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <optional>
 
 #include "palpate/eigen_alignment.h"
 #include "palpate/geometry/triangle_mesh.h"
@@ -54,6 +55,9 @@ class Specimen {
   [[nodiscard]] virtual std::unique_ptr<SpecimenContact> at(const Eigen::Vector3d& contact) const;
 
   [[nodiscard]] virtual FrictionCone friction_cone(const Eigen::Vector3d& contact) const = 0;
+
+  /// [mm] of the ball that touches it; none if the tip is not a ball, or a point.
+  [[nodiscard]] virtual std::optional<double> tip_radius() const { return std::nullopt; }
 
   /// How it approaches its equilibria: at once, unless it says otherwise.
   [[nodiscard]] virtual Retardation retardation() const { return {}; }
