@@ -53,6 +53,7 @@ struct Playback::Impl {
   [[nodiscard]] bool stays(const TouchPoint& contact, const Eigen::Vector3d& tool) const;
   [[nodiscard]] bool is_still_inside(const Eigen::Vector3d& way, LoopState& state) const;
   [[nodiscard]] Eigen::Vector3d lifted(const TouchPoint& contact) const;
+  [[nodiscard]] bool is_outside(const Eigen::Vector3d& tool) const;
   [[nodiscard]] bool is_inside(const Eigen::Vector3d& tool, TouchPoint& contact) const;
   [[nodiscard]] SlidingContact slip(const SlidingContact& start, const Eigen::Vector3d& tool,
                                     const Eigen::Vector3d& way, LoopState& state) const;
@@ -152,6 +153,20 @@ bool Playback::Impl::is_inside(const Eigen::Vector3d& tool, TouchPoint& contact)
     if (!((tool - nearest.position).dot(surface.normal(t)) < 0)) return false;
   }
   contact = {nearest.position, surface.normal(nearest.at.triangle), nearest.at};
+  return true;
+}
+
+// Whether the tool is in front of the nearest part of the surface, not beyond its border.
+bool Playback::Impl::is_outside(const Eigen::Vector3d& tool) const {
+  const geometry::ClosestPoint nearest = field.blended().surface().closest_point(tool);
+  if (nearest.at.triangle < 0) return false;
+  const TouchedTriangles touched =
+      surface.touched({nearest.at.triangle, nearest.position}, kOnEdge * offset);
+  if (touched.on_border) return false;
+  for (int i = 0; i < touched.count; ++i) {
+    const int t = touched.triangles[static_cast<std::size_t>(i)];
+    if (!((tool - nearest.position).dot(surface.normal(t)) > 0)) return false;
+  }
   return true;
 }
 
@@ -302,6 +317,7 @@ Command Playback::step(const Eigen::Vector3d& tool, LoopState& state) const noex
   if (contact.parts.excess > self.options.tolerance) {
     const SlidingContact start = contact;
     contact = self.slip(start, tool, way, state);
+    if (!contact.found && self.is_outside(tool)) return self.let_go(tool, moved, state);
     if (contact.off_border && !self.stays_inside(start, tool, way, state, contact))
       return self.let_go(tool, moved, state);
     if (contact.at.position != start.at.position) {

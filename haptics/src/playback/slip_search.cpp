@@ -14,9 +14,12 @@ namespace {
 // The friction axis is used where the cosine between it and the inward normal is at least this (75
 // degrees); nearer to the tangent plane the line along it would run far away.
 constexpr double kMinAxisCosine = 0.26;
-constexpr int kMaxOnSection = 8;   // evaluations along the section
-constexpr int kMaxInPlane = 16;    // and by Broyden's method
-constexpr double kFarthest = 1.3;  // end of the section, in lengths of the line of Eq 5.19
+constexpr int kMaxOnSection = 8;     // evaluations along the section
+constexpr int kMaxInPlane = 16;      // and by Broyden's method
+constexpr int kMaxFromNearest = 12;  // and from the nearest point back to the start
+constexpr int kMaxDownhill = 8;      // and steps down the excess, of three evaluations each
+constexpr double kProbe = 1e-3;      // [mm] along which the slope of the excess is measured
+constexpr double kFarthest = 1.3;    // end of the section, in lengths of the line of Eq 5.19
 // The slope of the last slip is used if it agrees with the line's own estimate to this factor.
 constexpr double kSlopeAgrees = 2;
 // The first step in the plane is at most the line, and this much of the displacement.
@@ -58,10 +61,14 @@ class SlipSearcher {
   SlidingContact search(double& slope) {
     if (!(std::isfinite(length_) && length_ > 0)) return start_;
     if (!along_section(slope)) in_plane(slope);
+    if (!is_root(best_)) from_nearest(slope);
+    if (!is_root(best_)) downhill();
     // What slips off the border loses its energy.
     best_.off_border =
         border_ && !is_root(best_) && (best_.at.position - *border_).norm() <= kAtBorder;
+    const bool found = is_root(best_);
     if (!best_.off_border) keep_energy();
+    best_.found = found;
     if (last_.at.position != best_.at.position) static_cast<void>(evaluate(best_.at));
     return best_;
   }
@@ -229,6 +236,86 @@ class SlipSearcher {
         longest = std::max(longest, 2 * moved.norm());
       } else {
         longest = moved.norm() / 2;
+      }
+    }
+  }
+
+  // The force at the nearest point is along the normal, more or less: there a contact is likely to
+  // hold, so that a root lies on the way from there to the start, or near.
+  void from_nearest(double slope) {
+    const geometry::ClosestPoint nearest = field_.blended().surface().closest_point(tool_);
+    if (nearest.at.triangle < 0) return;
+    const SlidingContact before = best_;
+    const std::optional<Eigen::Vector3d> border = border_;
+    best_ = evaluate({nearest.at.triangle, nearest.position});
+    if (best_.parts.normal >= 0 && best_.parts.excess < 0 && !is_root(best_)) {
+      back_to_start();
+    } else if (best_.parts.normal >= 0 && !is_root(best_)) {
+      in_plane(slope);
+    }
+    if (is_root(best_)) return;
+    best_ = before;
+    border_ = border;
+  }
+
+  // A bracketed secant along the section from the best place, which holds, towards the start.
+  void back_to_start() {
+    const SurfacePlace from = best_.at;
+    const Eigen::Vector3d way = start_.at.position - from.position;
+    const Eigen::Vector3d plane = way.cross(axis_);
+    double low = 0, low_excess = best_.parts.excess, high = -1, high_excess = 0;
+    double at = way.norm() / 2;
+    bool last_low = false, last_high = false;
+    for (int i = 0; i < kMaxFromNearest && !is_root(best_); ++i) {
+      const Walk walk = surface_.walk(from, plane, way, at);
+      const bool ended = walk.border_edge >= 0;
+      evaluate(walk.at);
+      keep_best();
+      const double excess = last_.parts.excess;
+      if (!std::isfinite(excess)) return;
+      (excess > 0 ? high : low) = ended ? walk.length : at;
+      (excess > 0 ? high_excess : low_excess) = excess;
+      if (high < 0) {
+        if (ended) return;
+        at *= 2;
+        continue;
+      }
+      if (high - low < kShortestBracket) return;
+      if (excess > 0 && last_high) low_excess /= 2;
+      if (!(excess > 0) && last_low) high_excess /= 2;
+      last_high = excess > 0;
+      last_low = !last_high;
+      at = low + low_excess / (low_excess - high_excess) * (high - low);
+    }
+  }
+
+  // Newton's steps down |f_T| - mu f_N itself, from the best place so far: the plane of f_T may be
+  // far from that of the surface, where the friction cone leans to the side.
+  void downhill() {
+    double longest = length_;
+    SlidingContact here = best_;
+    for (int i = 0; i < kMaxDownhill; ++i) {
+      const Eigen::Vector3d& normal = surface_.normal(here.at.triangle);
+      const Eigen::Vector3d first = forward_.cross(normal).normalized(),
+                            second = normal.cross(first);
+      Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
+      for (const Eigen::Vector3d& along : {first, second}) {
+        const Walk walk = surface_.walk(here.at, along.cross(normal), along, kProbe);
+        if (walk.length > 0)
+          gradient += (evaluate(walk.at).parts.excess - here.parts.excess) / walk.length * along;
+      }
+      Eigen::Vector3d step = -here.parts.excess / gradient.squaredNorm() * gradient;
+      if (!step.allFinite()) return;
+      if (step.norm() > longest) step *= longest / step.norm();
+      evaluate(surface_.walk(here.at, step.cross(normal), step, step.norm()).at);
+      if (is_root(last_)) {
+        best_ = last_;
+        return;
+      }
+      if (std::abs(last_.parts.excess) < std::abs(here.parts.excess)) {
+        here = last_;
+      } else {
+        longest = step.norm() / 4;
       }
     }
   }

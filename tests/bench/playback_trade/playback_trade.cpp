@@ -14,12 +14,12 @@
 
 int main(int count, char** arguments) try {
   CLI::App app("Measures what playback's options trade; prints Markdown");
-  const std::vector<std::string> names = {"residual", "tolerance",  "rules",      "energy",
-                                          "falls",    "near-tools", "tool-radius"};
+  const std::vector<std::string> names = {"residual", "missed", "tolerance",  "rules",
+                                          "energy",   "falls",  "near-tools", "tool-radius"};
   std::vector<std::string> wanted = names;
   app.add_option("TABLES", wanted, "Only these")->check(CLI::IsMember(names));
   int jumps = 400;
-  app.add_option("--jumps", jumps, "For each figure of residual and energy")
+  app.add_option("--jumps", jumps, "For each figure of residual, missed and energy")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
   double seconds = 100;
@@ -32,6 +32,7 @@ int main(int count, char** arguments) try {
   };
   constexpr int kTicks = 4000, kLoops = 150;
   if (has("residual")) palpate::bench::print_residuals(jumps);
+  if (has("missed")) palpate::bench::print_missed_slips(jumps);
   if (has("tolerance")) palpate::bench::print_tolerances();
   if (has("rules")) palpate::bench::print_rules(kTicks);
   if (has("energy")) palpate::bench::print_energy(kLoops, jumps);

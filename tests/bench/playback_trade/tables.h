@@ -8,6 +8,9 @@ namespace palpate::bench {
 
 /// Residuals after jumps, by friction, length of the jump and object.
 void print_residuals(int jumps);
+/// Slips after jumps that end off the cone, by cause: what a search of all places around them
+/// finds.
+void print_missed_slips(int jumps);
 /// What the tolerance of a slip costs and gives.
 void print_tolerances();
 /// The rules of the contact's motion, on each object (thesis 5.4.2, Figure 5.6).

@@ -17,6 +17,7 @@
 #include "allocation_counter.h"
 #include "hand_model.h"
 #include "height_field_model.h"
+#include "not_finite.h"
 #include "palpate/geometry/mesh_topology.h"
 #include "palpate/geometry/surface_query.h"
 #include "palpate/haptics/contact_compliance.h"
@@ -409,6 +410,53 @@ TEST(PlaybackSlip, EndsOnTheConeAfterJumpsAtAnyFriction) {
     EXPECT_LE(beyond, slips / 200) << friction;
     EXPECT_LE(restless, slips / 200) << friction;
   }
+}
+
+// Over steep hills a tool may leave through the other side. At high friction the way to the cone
+// may begin anywhere.
+TEST(PlaybackSlip, EndsOnTheConeOrOutsideAfterJumpsOverHills) {
+  const auto hills = [](double x, double y) {
+    return 6 * std::sin(x / 12.7) * std::cos(y / 9.5) + std::sin((x + 0.6 * y) / 4);
+  };
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  int slips = 0, left = 0;
+  for (const double friction : {1.0, 2.0, 3.0}) {
+    const Model model = height_field_model({.height = hills,
+                                            .friction = friction,
+                                            .uneven = true,
+                                            .half_size = 50,
+                                            .cells = 50,
+                                            .grid = 6});
+    const Playback playback(model, {.energy_credit = kInf, .largest_jump = kInf});
+    const geometry::SurfaceQuery query(model.surface);
+    const Eigen::Matrix3Xd normals = geometry::triangle_normals(model.surface);
+    for (int i = 0; i < 1000; ++i) {
+      const double x = 35 * uniform(random), y = 35 * uniform(random),
+                   angle = std::numbers::pi * uniform(random);
+      const geometry::ClosestPoint at = query.closest_point({x, y, hills(x, y)});
+      const Eigen::Vector3d normal = normals.col(at.at.triangle);
+      LoopState state;
+      static_cast<void>(playback.step(at.position + normal, state));
+      const Eigen::Vector3d pressed = at.position - 3 * normal;
+      static_cast<void>(playback.step(pressed, state));
+      const Eigen::Vector3d along = normal.unitOrthogonal() * std::cos(angle) +
+                                    normal.cross(normal.unitOrthogonal()) * std::sin(angle);
+      const Eigen::Vector3d tool = pressed + 10 * along;
+      const Command command = playback.step(tool, state);
+      if (command.state == ContactState::free) {
+        ++left;
+        const geometry::ClosestPoint nearest = query.closest_point(tool);
+        EXPECT_GT((tool - nearest.position).dot(normals.col(nearest.at.triangle)), 0) << i;
+      } else if (command.state == ContactState::slip) {
+        ++slips;
+        EXPECT_LE(std::abs(friction_parts(state.place, -command.force).excess), 1e-3)
+            << friction << ' ' << i;
+      }
+    }
+  }
+  EXPECT_GT(slips, 1000);
+  EXPECT_GT(left, 50);
 }
 
 // Presses, slides and lifts: the object must not do work on the user.

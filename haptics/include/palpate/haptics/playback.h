@@ -99,10 +99,11 @@ struct Command {
 /// contact stays (stick) while the force lies in the friction cone and moves otherwise (slip). It
 /// ends when the tool is neither behind the contact's own triangle nor, where the contact lies in a
 /// crease, behind the other ones there, nor behind any other part of the surface as seen from the
-/// contact; or when it slips off the border. If the force pulls at the place to which the contact
-/// slips (f_N < 0), it is lost, and the tool may touch again in the next tick. In all three cases a
-/// tool that has not crossed the surface, and is behind the nearest part of it, up to
-/// `start_depth`, keeps a contact: at the nearest point.
+/// contact; or when it slips off the border. So it does if it would slip, finds no
+/// place on the friction cone, and the tool is in front of the nearest part. If the force pulls at
+/// the place to which the contact slips (f_N < 0), it is lost, and the tool may touch again in the
+/// next tick. In all three cases a tool that has not crossed the surface, and is behind the nearest
+/// part of it, up to `start_depth`, keeps a contact: at the nearest point.
 class Playback {
  public:
   /// Allocates everything that `step` needs.
