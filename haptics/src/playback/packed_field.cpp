@@ -99,11 +99,10 @@ void PackedField::pack(const ContactModel& contact) {
 void PackedField::select(const geometry::ContactWeights& weights,
                          PlaceField& place) const noexcept {
   const auto count = static_cast<std::size_t>(weights.count);
-  if (place.owner == id_ && place.count == weights.count &&
-      std::equal(weights.contacts.begin(), weights.contacts.begin() + weights.count,
-                 place.contacts.begin())) {
-    return;
-  }
+  // A loop of its own: std::equal calls memcmp, which takes longer for so few contacts.
+  bool same = place.owner == id_ && place.count == weights.count;
+  for (std::size_t k = 0; same && k < count; ++k) same = place.contacts[k] == weights.contacts[k];
+  if (same) return;
   place.owner = id_;
   place.count = weights.count;
   for (std::size_t k = 0; k < 4 * ((count + 3) / 4); ++k) {

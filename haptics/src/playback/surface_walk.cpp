@@ -93,27 +93,45 @@ Walk SurfaceWalk::walk(const SurfacePlace& from, const Eigen::Vector3d& plane_no
       (corner(from.triangle, 0) + corner(from.triangle, 1) + corner(from.triangle, 2)) / 3;
   const double offset = plane_normal.dot(here + kTowardsCentroid * (centroid - here));
   int triangle = from.triangle;
-  std::size_t entry = 3;  // the edge through which the walk came; 3: none
+  const auto side_of = [&](int vertex) {
+    return plane_normal.dot(vertices_[static_cast<std::size_t>(vertex)]) - offset;
+  };
+  // Of the edge through which the walk came: the corner at which it begins in this triangle (3:
+  // none yet), and the sides of its ends.
+  std::size_t entry = 3;
+  double entry_begin = 0, entry_end = 0;
   double left = length;
   for (int i = 0; i < kMaxTriangles; ++i) {
     const Triangle& t = triangles_[static_cast<std::size_t>(triangle)];
     std::array<double, 3> side;
-    for (std::size_t k = 0; k < 3; ++k)
-      side[k] = plane_normal.dot(vertices_[static_cast<std::size_t>(t.corners[k])]) - offset;
     std::size_t exit = 3;
     Eigen::Vector3d end = here;
-    double farthest = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
+    const auto cross = [&](std::size_t k) {
       const std::size_t next = next_corner(k);
-      if (k == entry || (side[k] >= 0) == (side[next] >= 0)) continue;
       const Eigen::Vector3d& a = vertices_[static_cast<std::size_t>(t.corners[k])];
       const Eigen::Vector3d& b = vertices_[static_cast<std::size_t>(t.corners[next])];
-      const Eigen::Vector3d crossing = a + side[k] / (side[k] - side[next]) * (b - a);
-      const double forward = (crossing - here).dot(direction);
-      if (exit < 3 && !(forward > farthest)) continue;
-      exit = k;
-      end = crossing;
-      farthest = forward;
+      return Eigen::Vector3d(a + side[k] / (side[k] - side[next]) * (b - a));
+    };
+    if (entry < 3) {
+      // The plane cuts one of the other two edges.
+      const std::size_t second = next_corner(entry), third = next_corner(second);
+      side[entry] = entry_begin;
+      side[second] = entry_end;
+      side[third] = side_of(t.corners[third]);
+      exit = (side[third] >= 0) == (entry_begin >= 0) ? second : third;
+      end = cross(exit);
+    } else {
+      for (std::size_t k = 0; k < 3; ++k) side[k] = side_of(t.corners[k]);
+      double farthest = 0;
+      for (std::size_t k = 0; k < 3; ++k) {
+        if ((side[k] >= 0) == (side[next_corner(k)] >= 0)) continue;
+        const Eigen::Vector3d crossing = cross(k);
+        const double forward = (crossing - here).dot(direction);
+        if (exit < 3 && !(forward > farthest)) continue;
+        exit = k;
+        end = crossing;
+        farthest = forward;
+      }
     }
     if (exit == 3) break;  // only if the plane is not finite
     const double distance = (end - here).norm();
@@ -129,9 +147,12 @@ Walk SurfaceWalk::walk(const SurfacePlace& from, const Eigen::Vector3d& plane_no
       result.border_edge = static_cast<int>(exit);
       break;
     }
+    entry_begin = side[next_corner(exit)];
+    entry_end = side[exit];
     const Triangle& u = triangles_[static_cast<std::size_t>(beyond)];
+    const int begin = t.corners[next_corner(exit)];
     entry = 0;
-    while (entry < 2 && u.neighbours[entry] != triangle) ++entry;
+    while (entry < 2 && u.corners[entry] != begin) ++entry;
     triangle = beyond;
   }
   result.at = {triangle, here};

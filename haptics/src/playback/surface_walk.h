@@ -67,7 +67,7 @@ class SurfaceWalk {
                                          double tolerance) const noexcept;
 
  private:
-  struct Triangle {
+  struct alignas(64) Triangle {
     std::array<int, 3> corners;
     std::array<int, 3> neighbours;
     Eigen::Vector3d normal;
