@@ -257,7 +257,7 @@ BENCHMARK(step_times)
     ->ArgsProduct({{100, 1000}, {10}, {6}, {50}, {0, 64}})
     ->ArgsProduct({{100}, {10}, {1, 2, 4, 8, 12}, {50}, {0}})
     ->ArgsProduct({{100}, {10}, {6}, {0, 5, 10, 20}, {0}})
-    ->ArgsProduct({{1000}, {31, 100, 316}, {6}, {50}, {0}})
+    ->ArgsProduct({{1000}, {31, 100, 316, 1000}, {6}, {50}, {0}})
     ->Iterations(1)
     ->Unit(benchmark::kSecond);
 

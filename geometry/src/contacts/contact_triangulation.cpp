@@ -4,12 +4,16 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <functional>
 #include <map>
+#include <numbers>
 #include <numeric>
 #include <set>
+#include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "contacts/coarse_triangulation.h"
 #include "palpate/error.h"
@@ -24,14 +28,19 @@ constexpr double kSamePlace = 1e-9;
 
 void check_apart(const Eigen::Matrix3Xd& places, double diagonal) {
   const double tolerance = kSamePlace * diagonal;
+  // In the order along a line, on which the places of a grid have no two equal coordinates, unlike
+  // along an axis.
+  const Eigen::RowVectorXd along =
+      Eigen::RowVector3d(1, 1 / std::sqrt(2.0), std::sqrt(3.0) / std::numbers::pi).normalized() *
+      places;
   std::vector<int> order(static_cast<size_t>(places.cols()));
   std::iota(order.begin(), order.end(), 0);
-  std::ranges::stable_sort(order, {}, [&places](int i) { return places(0, i); });
+  std::ranges::stable_sort(order, {}, [&along](int i) { return along[i]; });
   for (size_t k = 0; k < order.size(); ++k) {
     for (size_t l = k + 1; l < order.size(); ++l) {
       const int i = std::min(order[k], order[l]);
       const int j = std::max(order[k], order[l]);
-      if (places(0, order[l]) - places(0, order[k]) > tolerance) break;
+      if (along[order[l]] - along[order[k]] > tolerance) break;
       if ((places.col(i) - places.col(j)).norm() > tolerance) continue;
       throw InvalidInput("triangulate_contacts: contacts " + std::to_string(i) + " and " +
                          std::to_string(j) + " are at the same place; remove one of them");
@@ -41,15 +50,40 @@ void check_apart(const Eigen::Matrix3Xd& places, double diagonal) {
 
 using Triangles = std::vector<std::array<int, 3>>;
 
+/// The triangles at each vertex, in ascending order.
+class Stars {
+ public:
+  Stars(const Triangles& triangles, int vertex_count)
+      : first_(static_cast<size_t>(vertex_count) + 1, 0), stars_(3 * triangles.size()) {
+    for (const auto& corners : triangles) {
+      for (const int corner : corners) ++first_[static_cast<size_t>(corner) + 1];
+    }
+    std::partial_sum(first_.begin(), first_.end(), first_.begin());
+    std::vector<size_t> end(first_.begin(), first_.end() - 1);
+    for (size_t t = 0; t < triangles.size(); ++t) {
+      for (const int corner : triangles[t]) stars_[end[static_cast<size_t>(corner)]++] = t;
+    }
+  }
+  [[nodiscard]] std::span<const size_t> of(int vertex) const {
+    const auto v = static_cast<size_t>(vertex);
+    return std::span(stars_).subspan(first_[v], first_[v + 1] - first_[v]);
+  }
+
+ private:
+  std::vector<size_t> first_, stars_;
+};
+
 /// Groups a vertex's triangles (indices into `triangles`) into fans of triangles connected across
 /// edges at the vertex. In a manifold there is one fan.
-std::vector<std::vector<size_t>> fans_around(int vertex, const Triangles& triangles) {
+std::vector<std::vector<size_t>> fans_around(int vertex, std::span<const size_t> star,
+                                             const std::vector<char>& dropped,
+                                             const Triangles& triangles) {
   std::map<int, size_t> by_next;  // by the corner after the vertex
   std::set<int> lasts;            // the corners before it
-  for (size_t t = 0; t < triangles.size(); ++t) {
-    const auto at = std::ranges::find(triangles[t], vertex);
-    if (at == triangles[t].end()) continue;
-    const auto k = static_cast<size_t>(at - triangles[t].begin());
+  for (const size_t t : star) {
+    if (dropped[t] != 0) continue;
+    const auto k =
+        static_cast<size_t>(std::ranges::find(triangles[t], vertex) - triangles[t].begin());
     by_next.emplace(triangles[t][(k + 1) % 3], t);
     lasts.insert(triangles[t][(k + 2) % 3]);
   }
@@ -75,24 +109,27 @@ std::vector<std::vector<size_t>> fans_around(int vertex, const Triangles& triang
 }
 
 /// Keeps only the largest of several fans that touch in one vertex, the first one of equals.
-Triangles keep_vertices_manifold(Triangles triangles, int vertex_count) {
+Triangles keep_vertices_manifold(const Triangles& triangles, int vertex_count) {
+  const Stars stars(triangles, vertex_count);
+  std::vector<char> dropped(triangles.size(), 0);
   for (bool changed = true; changed;) {
     changed = false;
     for (int vertex = 0; vertex < vertex_count; ++vertex) {
-      std::vector<std::vector<size_t>> fans = fans_around(vertex, triangles);
+      std::vector<std::vector<size_t>> fans =
+          fans_around(vertex, stars.of(vertex), dropped, triangles);
       if (fans.size() < 2) continue;
       changed = true;
       std::ranges::stable_sort(fans, std::greater{}, &std::vector<size_t>::size);
-      std::set<size_t> dropped;
-      for (size_t i = 1; i < fans.size(); ++i) dropped.insert(fans[i].begin(), fans[i].end());
-      Triangles kept;
-      for (size_t t = 0; t < triangles.size(); ++t) {
-        if (!dropped.contains(t)) kept.push_back(triangles[t]);
+      for (size_t i = 1; i < fans.size(); ++i) {
+        for (const size_t t : fans[i]) dropped[t] = 1;
       }
-      triangles = std::move(kept);
     }
   }
-  return triangles;
+  Triangles kept;
+  for (size_t t = 0; t < triangles.size(); ++t) {
+    if (dropped[t] == 0) kept.push_back(triangles[t]);
+  }
+  return kept;
 }
 
 }  // namespace
@@ -129,7 +166,7 @@ ContactTriangulation triangulate_contacts(const TriangleMesh& surface,
                                   ? voronoi_dual(surface, contacts, result.mesh.vertices)
                                   : coarsen_to_contacts(surface, contacts, result.mesh.vertices);
   const Triangles triangles =
-      keep_vertices_manifold(std::move(found.triangles), static_cast<int>(contacts.size()));
+      keep_vertices_manifold(found.triangles, static_cast<int>(contacts.size()));
   if (by_dual && triangles.empty()) {
     throw InvalidInput(
         "triangulate_contacts: nowhere on the surface do the cells of three of the " +

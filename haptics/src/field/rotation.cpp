@@ -53,7 +53,9 @@ Eigen::Vector3d rotation_log(const Eigen::Matrix3d& rotation) noexcept {
 }
 
 Eigen::Matrix3d rotation_between(const Eigen::Vector3d& from, const Eigen::Vector3d& to) noexcept {
-  return Eigen::Quaterniond::FromTwoVectors(from, to).toRotationMatrix();
+  const Eigen::Quaterniond turn = Eigen::Quaterniond::FromTwoVectors(from, to);
+  // Towards half a turn its length suffers from cancellation.
+  return (from.dot(to) < 0 ? turn.normalized() : turn).toRotationMatrix();
 }
 
 Eigen::Matrix3d blend_rotations(std::span<const Eigen::Matrix3d> rotations,

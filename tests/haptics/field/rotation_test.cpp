@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "haptics_testing.h"
 
 namespace palpate::haptics {
@@ -40,6 +42,17 @@ TEST(Rotation, BetweenTurnsOneDirectionIntoTheOther) {
             kTurnTolerance);
   EXPECT_LT((rotation_between(from, -from) * from + from).norm(), kTurnTolerance * from.norm());
   EXPECT_TRUE(rotation_between(from, from).isIdentity(kTurnTolerance));
+}
+
+TEST(RotationBetween, IsARotationAlsoNearHalfATurn) {
+  const Eigen::Vector3d from = Eigen::Vector3d::UnitZ();
+  for (double angle = 1e-8; angle < 0.1; angle *= 1.1) {
+    const Eigen::Vector3d to(0.6 * std::sin(angle), 0.8 * std::sin(angle), -std::cos(angle));
+    const Eigen::Matrix3d rotation = rotation_between(from, to);
+    EXPECT_LT((rotation.transpose() * rotation - Eigen::Matrix3d::Identity()).norm(), 1e-14)
+        << angle;
+    EXPECT_LT((rotation * from - to).norm(), 1e-7) << angle;
+  }
 }
 
 std::array<Eigen::Matrix3d, 3> some_frames() {
