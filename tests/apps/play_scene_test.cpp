@@ -95,6 +95,48 @@ TEST_F(PlayScene, WritesATraceOfEachToolAndOfEachObject) {
   EXPECT_EQ(json::parse(again.out)["tools"][0], figures["tools"][0]);
 }
 
+// The hand follows the trajectory of its tool; the sheet beside moves up by 8 mm without it.
+TEST_F(PlayScene, ADeviceMovesAToolAndItsSessionIsReplayed) {
+  json of_device = scene();
+  of_device["tools"][0].erase("trajectory");
+  write_text(*scratch / "device.json", of_device.dump());
+  const std::string file = *scratch / "device.json", session = *scratch / "s.bin",
+                    folder = *scratch / "device_traces";
+  const CommandResult result =
+      run_palpate({"play", file, "--device", "hand", "--tool", "near", "--ramp", "0.01",
+                   "--session", session, "--record", folder, "--json"});
+  ASSERT_EQ(result.status, kWrongCall);
+  EXPECT_THAT(result.err, HasSubstr("tool 'first' has no 'trajectory'"));
+  const CommandResult played =
+      run_palpate({"play", *scratch / "scene.json", "--device", "hand", "--tool", "near", "--ramp",
+                   "0.01", "--session", session, "--record", folder, "--json"});
+  ASSERT_EQ(played.status, kDone) << played.err;
+  const json figures = json::parse(played.out);
+  EXPECT_NEAR(figures.at("steps").get<double>(), 301, 1);
+  EXPECT_GT(figures.at("stick"), 20);
+  // (0, 0, -8 mm) at the end: the resting tool is 5 mm inside.
+  const std::vector<std::string> resting = last_cells(read_text(folder + "/tool_resting.csv"));
+  EXPECT_NEAR(std::stod(resting.at(9)), -20 / std::sqrt(125.0), 1e-6);
+  EXPECT_EQ(resting.at(11), "beside");
+  EXPECT_EQ(last_cells(read_text(folder + "/tool_near.csv")).at(11), "here");
+  EXPECT_FALSE(read_text(folder + "/object_beside.csv").empty());
+
+  const CommandResult again =
+      run_palpate({"play", *scratch / "scene.json", "--replay", session, "--json"});
+  ASSERT_EQ(again.status, kDone) << again.err;
+  EXPECT_EQ(json::parse(again.out).at("different"), 0);
+  const CommandResult other = run_palpate({"play", file, "--replay", session});
+  EXPECT_EQ(other.status, kWrongCall);
+  const CommandResult model = run_palpate({"play", *scratch / "model", "--replay", session});
+  EXPECT_EQ(model.status, kWrongCall);
+  EXPECT_THAT(model.err, HasSubstr("is the session of a scene"));
+  EXPECT_THAT(run_palpate({"play", file, "--device", "hand", "--tool", "none"}).err,
+              HasSubstr("has no tool 'none'; it has first, near, resting"));
+  EXPECT_THAT(run_palpate({"play", file, "--device", "hand"}).err,
+              HasSubstr("tool 'first' has no trajectory"));
+  EXPECT_THAT(run_palpate({"play", file}).err, HasSubstr("tool 'first' has no 'trajectory'"));
+}
+
 TEST_F(PlayScene, RefusesWhatDoesNotFit) {
   const auto expect_words = [](const std::vector<std::string>& call, const std::string& words) {
     const CommandResult result = run_palpate(call);
@@ -104,7 +146,8 @@ TEST_F(PlayScene, RefusesWhatDoesNotFit) {
   const std::string file = *scratch / "scene.json";
   expect_words({"play", file, "--trajectory", *scratch / "first.csv"},
                "--trajectory: does nothing with a scene file");
-  expect_words({"play", file, "--device", "hand"}, "--device: does nothing with a scene file");
+  expect_words({"play", file, "--device", "hand", "--exchange", *scratch / "model"},
+               "--exchange: does nothing with a device in a scene");
   expect_words({"play", file, "--record", *scratch / "model"}, "model");
   expect_words({"play", *scratch / "missing.json"}, "missing.json");
   json wrong = scene();

@@ -17,6 +17,8 @@ namespace palpate::apps {
 struct DeviceCall {
   std::string device;  ///< recorded, scripted, hand, arm, or the driver of a device
   std::filesystem::path model, trajectory, trace, session, pose, exchange;
+  std::string tool;  ///< name of the tool of a scene that the device moves; empty: the first one
+  std::optional<double> begin;        ///< [s] where a simulated device waits for its trajectory
   std::vector<std::string> settings;  ///< of the device, key=value
   unsigned number = 0;                ///< of the device, for drivers of several
   bool in_process = false;            ///< the driver runs in this process

@@ -24,6 +24,8 @@ haptics::TimedPath path_of(const DeviceCall& call, const haptics::DeviceLoopOpti
                        ": needs --trajectory, where the device or its hand shall go");
   }
   std::vector<haptics::TrajectoryPoint> points = haptics::read_trajectory_file(call.trajectory);
+  if (call.begin && *call.begin < points.front().time)
+    points.insert(points.begin(), {*call.begin, points.front().tool});
   const Eigen::Isometry3d T_device_world = options.T_world_device.inverse();
   const double scale = options.scale.value_or(1);
   for (haptics::TrajectoryPoint& point : points) point.tool = T_device_world * point.tool / scale;

@@ -123,10 +123,11 @@ bool is_scene(const fs::path& path) {
 }
 
 PlayWay way_of(const PlayCall& call) {
-  if (is_scene(call.model)) return PlayWay::scene;
-  if (!call.replay.empty()) return PlayWay::replay;
-  if (call.device.device.empty()) return PlayWay::trajectory;
+  const bool scene = is_scene(call.model);
+  if (!call.replay.empty()) return scene ? PlayWay::scene_replay : PlayWay::replay;
+  if (call.device.device.empty()) return scene ? PlayWay::scene : PlayWay::trajectory;
   const bool driver = is_driver(call.device.device);
+  if (scene) return driver ? PlayWay::scene_driver : PlayWay::scene_simulated;
   if (call.stability) return driver ? PlayWay::stability_of_driver : PlayWay::stability_of_hand;
   return driver ? PlayWay::driver : PlayWay::simulated;
 }
@@ -153,6 +154,11 @@ void play_anything(const Settings& settings, const CLI::App& command, PlayCall& 
     case PlayWay::simulated:
     case PlayWay::driver:
       return play_device(settings, device);
+    case PlayWay::scene_simulated:
+    case PlayWay::scene_driver:
+      return play_scene_device(settings, device);
+    case PlayWay::scene_replay:
+      return play_scene_replay(settings, call.model, call.replay);
     case PlayWay::replay:
       return play_replay(settings, call.model, device.exchange, call.replay);
     case PlayWay::stability_of_hand:
@@ -167,6 +173,8 @@ void add_device_options(CLI::App& command, PlayCall& call) {
                      "Close the loop with a device: recorded or scripted (follow --trajectory, "
                      "exactly or smoothly from point to point), hand (simulated), arm (simulated, "
                      "held by the hand), or a driver, a shared library (docs/devices.md)");
+  command.add_option("--tool", device.tool,
+                     "Name of the tool of a scene that the device moves (default: the first)");
   command.add_option("--set", device.settings,
                      "Options of the device, KEY=VALUE; of simulated ones mass [kg], damping [N "
                      "s/mm], stiffness [N/mm], encoder_step [mm], delay [ticks], rate [Hz]");
@@ -254,6 +262,7 @@ void add_play(CLI::App& app, const Settings& settings) {
       "  palpate play model/ --device hand --trajectory t.csv --session s.bin\n"
       "  palpate play model/ --replay s.bin\n"
       "  palpate play model/ --device ./libdevice.so --realtime\n"
+      "  palpate play scene.json --device ./libdevice.so --tool left\n"
       "  palpate play model/ --stability --set damping=0.002");
   command->callback([call, command, &settings] { play_anything(settings, *command, *call); });
 }

@@ -7,17 +7,22 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "commands/opened_device.h"
+#include "commands/play_scene.h"
 #include "commands/play_session.h"
 #include "commands/pose_file.h"
 #include "palpate/error.h"
 #include "palpate/haptics/device_run.h"
 #include "palpate/haptics/loop_record.h"
+#include "palpate/haptics/scene_world.h"
 #include "palpate/haptics/trajectory_csv.h"
 #include "palpate/probing/arm_setup.h"
 #include "shared/inputs.h"
@@ -28,13 +33,9 @@ namespace {
 
 using PlayJson = nlohmann::ordered_json;
 
-haptics::DeviceLoopOptions loop_options(const DeviceCall& call, const haptics::Model& model) {
+haptics::DeviceLoopOptions loop_options(const DeviceCall& call) {
   haptics::DeviceLoopOptions options;
-  if (!call.pose.empty()) {
-    options.T_world_device = read_pose(call.pose);
-  } else if (call.device == kHeldArm) {
-    options.T_world_device = probing::mount_over(model.surface, probing::ArmGeometry{});
-  }
+  if (!call.pose.empty()) options.T_world_device = read_pose(call.pose);
   options.scale = call.scale;
   for (const unsigned button : call.clutch_buttons) options.clutch_buttons |= 1U << button;
   options.safety.force = call.force;
@@ -115,40 +116,106 @@ void warn(const DeviceCall& call, const haptics::RunReport& report,
   if (report.refused > 0) spdlog::warn("{} commands were not taken.", report.refused);
 }
 
-}  // namespace
+/// What the loop plays, and what is written after it.
+struct PlayedLoop {
+  std::string session;  ///< what a replay must know
+  std::function<std::unique_ptr<haptics::DeviceRun>(probing::Arm&, const haptics::RunOptions&)>
+      begin;
+  std::function<void(const haptics::LoopRecord&, const PlayJson& figures)> write_trace;
+};
 
-void play_device(const Settings& settings, const DeviceCall& call) {
-  check_outputs({call.trajectory, call.model, call.pose, call.exchange},
-                {call.trace, call.session});
+void check_call(const DeviceCall& call) {
   if (call.session.empty() && !call.trace.empty()) {
     throw InvalidInput("--record: the trace of a device is made from its session; give --session");
   }
   if (call.device == kHeldArm && call.real_time) {
     throw InvalidInput("--realtime: the simulated arm is on its own clock; use --device hand");
   }
-  const haptics::Model model = playable_model(call.model);
-  const haptics::DeviceLoopOptions options = loop_options(call, model);
+}
+
+void run_loop(const Settings& settings, const DeviceCall& call,
+              const haptics::DeviceLoopOptions& options, const PlayedLoop& played) {
   const OpenedDevice device = open_device(call, options);
   haptics::RunOptions run_options{.duration = call.duration > 0 ? call.duration : device.duration,
                                   .real_time = call.real_time,
                                   .record = call.session,
-                                  .session = session_text(call)};
+                                  .session = played.session};
   if (!call.exchange.empty()) {
     run_options.exchanges.push_back({call.exchange_at, playback_of(call.exchange)});
   }
-  haptics::DeviceRun run(*device.arm, std::make_shared<const haptics::Playback>(model), options,
-                         run_options);
-  const AtInterrupt at_interrupt([&run] { run.stop(); });
-  const haptics::RunReport report = run.finish();
-  if (!call.trace.empty()) {
-    haptics::write_trace(call.trace, haptics::trace_of(haptics::read_loop_record(call.session)));
-  }
+  const std::unique_ptr<haptics::DeviceRun> run = played.begin(*device.arm, run_options);
+  const AtInterrupt at_interrupt([&run] { run->stop(); });
+  const haptics::RunReport report = run->finish();
+  const PlayJson figures = figures_of(call, report);
+  if (!call.trace.empty()) played.write_trace(haptics::read_loop_record(call.session), figures);
   warn(call, report, device.arm->description());
   if (!report.device_lost.empty()) {
     throw DeviceError(fmt::format("{}: the device does not answer any more after {} ticks: {}",
                                   call.device, report.time.ticks, report.device_lost));
   }
-  print(settings, figures_of(call, report), prose_of(call, report));
+  print(settings, figures, prose_of(call, report));
+}
+
+}  // namespace
+
+void play_device(const Settings& settings, const DeviceCall& call) {
+  check_outputs({call.trajectory, call.model, call.pose, call.exchange},
+                {call.trace, call.session});
+  check_call(call);
+  const haptics::Model model = playable_model(call.model);
+  haptics::DeviceLoopOptions options = loop_options(call);
+  if (call.pose.empty() && call.device == kHeldArm)
+    options.T_world_device = probing::mount_over(model.surface, probing::ArmGeometry{});
+  run_loop(settings, call, options,
+           {.session = session_text(call),
+            .begin =
+                [&](probing::Arm& arm, const haptics::RunOptions& run) {
+                  return std::make_unique<haptics::DeviceRun>(
+                      arm, std::make_shared<const haptics::Playback>(model), options, run);
+                },
+            .write_trace =
+                [&](const haptics::LoopRecord& record, const PlayJson& /*figures*/) {
+                  haptics::write_trace(call.trace, haptics::trace_of(record));
+                }});
+}
+
+void play_scene_device(const Settings& settings, DeviceCall call) {
+  const SceneOfDevice scene = read_scene_of_device(call.model, call.tool);
+  std::vector<std::filesystem::path> inputs = scene.inputs;
+  inputs.push_back(call.pose);
+  check_outputs(inputs, {call.session});
+  if (!call.trace.empty()) check_output_folder(inputs, call.trace);
+  check_call(call);
+  if (call.device == kHeldArm && call.pose.empty()) {
+    throw InvalidInput("--device arm: in a scene it needs --pose, where its base stands");
+  }
+  if (!is_driver(call.device)) {
+    call.trajectory = scene.file.trajectories[scene.tool];
+    call.begin = haptics::input_at(scene.file.motion, 0).time;
+    if (call.duration == 0) {
+      call.duration =
+          static_cast<double>(haptics::tick_count(scene.file.motion)) / scene.file.motion.rate;
+    }
+    if (call.trajectory.empty()) {
+      throw InvalidInput(
+          fmt::format("--device {}: tool '{}' has no trajectory in {}; a simulated "
+                      "device follows the one of its tool",
+                      call.device, scene.file.tools[scene.tool], call.model.string()));
+    }
+  }
+  const haptics::DeviceLoopOptions options = loop_options(call);
+  run_loop(settings, call, options,
+           {.session = session_text(scene),
+            .begin =
+                [&](probing::Arm& arm, const haptics::RunOptions& run) {
+                  return std::make_unique<haptics::DeviceRun>(arm, world_of(scene), options, run);
+                },
+            .write_trace =
+                [&](const haptics::LoopRecord& record, const PlayJson& figures) {
+                  const std::shared_ptr<haptics::SceneWorld> world = world_of(scene);
+                  write_scene_traces(call.trace, scene.file, world->scene(),
+                                     haptics::trace_of(record, *world), figures);
+                }});
 }
 
 }  // namespace palpate::apps

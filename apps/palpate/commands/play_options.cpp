@@ -17,7 +17,12 @@ constexpr unsigned kReplaying = static_cast<unsigned>(PlayWay::replay);
 constexpr unsigned kStabilityOfHand = static_cast<unsigned>(PlayWay::stability_of_hand);
 constexpr unsigned kStabilityOfDriver = static_cast<unsigned>(PlayWay::stability_of_driver);
 constexpr unsigned kScene = static_cast<unsigned>(PlayWay::scene);
-constexpr unsigned kAnyDevice = kWithSimulated | kWithDriver;
+constexpr unsigned kSceneDriver = static_cast<unsigned>(PlayWay::scene_driver);
+constexpr unsigned kSceneDevice = static_cast<unsigned>(PlayWay::scene_simulated) | kSceneDriver;
+constexpr unsigned kSceneReplay = static_cast<unsigned>(PlayWay::scene_replay);
+constexpr unsigned kModelDevice = kWithSimulated | kWithDriver;
+constexpr unsigned kAnyDevice = kModelDevice | kSceneDevice;
+constexpr unsigned kAnyDriver = kWithDriver | kSceneDriver;
 constexpr unsigned kAnyStability = kStabilityOfHand | kStabilityOfDriver;
 
 struct PlayOption {
@@ -33,24 +38,25 @@ constexpr PlayOption kPlayOptions[] = {
     {"--picture", kAlong, "--trajectory without --device"},
     {"--tool-radius", kAlong, "--trajectory without --device"},
     {"--probe-radius", kAlong, "--trajectory without --device"},
-    {"--device", kAnyDevice | kAnyStability, "a model folder, and no --replay"},
+    {"--device", kAnyDevice | kAnyStability, "no --replay"},
+    {"--tool", kSceneDevice, "a scene file and --device"},
     {"--set", kAnyDevice | kAnyStability, "--device or --stability"},
-    {"--device-number", kWithDriver | kStabilityOfDriver, "the driver of a device as --device"},
-    {"--in-process", kWithDriver | kStabilityOfDriver, "the driver of a device as --device"},
+    {"--device-number", kAnyDriver | kStabilityOfDriver, "the driver of a device as --device"},
+    {"--in-process", kAnyDriver | kStabilityOfDriver, "the driver of a device as --device"},
     {"--realtime", kAnyDevice, "--device"},
     {"--duration", kAnyDevice, "--device"},
     {"--session", kAnyDevice, "--device"},
-    {"--replay", kReplaying, "a model folder"},
+    {"--replay", kReplaying | kSceneReplay, "no --device"},
     {"--pose", kAnyDevice, "--device"},
     {"--scale", kAnyDevice | kAnyStability, "--device or --stability"},
-    {"--clutch-button", kWithDriver, "the driver of a device as --device"},
+    {"--clutch-button", kAnyDriver, "the driver of a device as --device"},
     {"--coupling", kAnyDevice | kAnyStability, "--device or --stability"},
     {"--max-force", kAnyDevice | kAnyStability, "--device or --stability"},
     {"--slew", kAnyDevice, "--device"},
     {"--ramp", kAnyDevice, "--device"},
     {"--heating-time", kAnyDevice, "--device"},
-    {"--exchange", kAnyDevice | kReplaying, "--device or --replay"},
-    {"--exchange-at", kAnyDevice, "--device"},
+    {"--exchange", kModelDevice | kReplaying, "--device or --replay, with a model folder"},
+    {"--exchange-at", kModelDevice, "--device, with a model folder"},
     {"--stability", kAnyStability, "a model folder, and no --replay"},
 };
 
@@ -70,6 +76,11 @@ const char* words_of_way(PlayWay way) {
       return "with --stability";
     case PlayWay::scene:
       return "with a scene file, which says where its tools go";
+    case PlayWay::scene_simulated:
+    case PlayWay::scene_driver:
+      return "with a device in a scene";
+    case PlayWay::scene_replay:
+      return "with --replay of a scene";
   }
   return "";
 }

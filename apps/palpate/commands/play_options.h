@@ -14,7 +14,10 @@ enum class PlayWay : unsigned {
   replay = 8,
   stability_of_hand = 16,
   stability_of_driver = 32,
-  scene = 64  ///< a scene file along the ways that it names
+  scene = 64,  ///< a scene file along the ways that it names
+  scene_simulated = 128,
+  scene_driver = 256,
+  scene_replay = 512
 };
 
 /// \throws InvalidInput naming the first option that is given and does nothing in this way, and

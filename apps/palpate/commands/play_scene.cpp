@@ -15,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "palpate/error.h"
 #include "palpate/geometry/error_statistics.h"
 #include "palpate/haptics/scene_file.h"
 #include "palpate/output_file.h"
@@ -60,9 +61,22 @@ geometry::ErrorStatistics time_ticks(const haptics::Scene& scene,
   return geometry::error_statistics(std::move(times));
 }
 
-void write_record(const fs::path& folder, const haptics::SceneFile& file,
-                  const haptics::Scene& scene, const haptics::SceneTrace& trace,
-                  const ordered_json& figures) {
+}  // namespace
+
+void check_ways(const haptics::SceneFile& file, std::optional<std::size_t> device,
+                const fs::path& path) {
+  for (std::size_t t = 0; t < file.tools.size(); ++t) {
+    if (t == device || !file.trajectories[t].empty()) continue;
+    throw InvalidInput(fmt::format(
+        "{}: tool '{}' has no 'trajectory'; it needs one, unless a device moves it (--device, "
+        "--tool)",
+        path.string(), file.tools[t]));
+  }
+}
+
+void write_scene_traces(const fs::path& folder, const haptics::SceneFile& file,
+                        const haptics::Scene& scene, const haptics::SceneTrace& trace,
+                        const ordered_json& figures) {
   const std::regex own(R"(figures\.json|(tool|object)_[\w-]+\.csv)");
   write_folder(folder, own_entries(folder, kFiguresFile, own), [&](const fs::path& place) {
     write_file(place / kFiguresFile, [&](std::ostream& out) { out << figures.dump(2) << '\n'; });
@@ -73,10 +87,9 @@ void write_record(const fs::path& folder, const haptics::SceneFile& file,
   });
 }
 
-}  // namespace
-
 void play_scene(const Settings& settings, const fs::path& path, const fs::path& record) {
   const haptics::SceneFile file = haptics::read_scene(path);
+  check_ways(file, std::nullopt, path);
   if (!record.empty()) {
     std::vector<fs::path> inputs = file.sources;
     inputs.insert(inputs.end(), file.models.begin(), file.models.end());
@@ -126,7 +139,7 @@ void play_scene(const Settings& settings, const fs::path& path, const fs::path& 
       {"objects", objects},
       {"us_per_step", {{"median", times.median}, {"p90", times.p90}, {"max", times.max}}}};
   if (!record.empty()) {
-    write_record(record, file, scene, trace, figures);
+    write_scene_traces(record, file, scene, trace, figures);
   }
   print(settings, figures,
         fmt::format(

@@ -2,8 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
 
+#include "palpate/haptics/scene_file.h"
 #include "shared/command_line.h"
 
 namespace palpate::apps {
@@ -11,5 +15,15 @@ namespace palpate::apps {
 /// Plays a scene file along its paths. \param record folder for the traces; empty for none.
 void play_scene(const Settings& settings, const std::filesystem::path& scene,
                 const std::filesystem::path& record);
+
+/// \param device the tool that a device moves. \param path of the file, for messages.
+/// \throws InvalidInput if another tool has no trajectory.
+void check_ways(const haptics::SceneFile& file, std::optional<std::size_t> device,
+                const std::filesystem::path& path);
+
+/// Writes the traces of all tools and objects, and the figures, into a folder.
+void write_scene_traces(const std::filesystem::path& folder, const haptics::SceneFile& file,
+                        const haptics::Scene& scene, const haptics::SceneTrace& trace,
+                        const nlohmann::ordered_json& figures);
 
 }  // namespace palpate::apps

@@ -3,11 +3,14 @@
 #include "commands/play_session.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <vector>
 
 #include "commands/play_device.h"
+#include "commands/play_scene.h"
 #include "palpate/error.h"
 #include "palpate/haptics/loop_record.h"
 #include "palpate/haptics/model_io.h"
@@ -28,6 +31,35 @@ std::string print_of_model(const fs::path& folder) {
          fingerprint(folder / "surface.ply");
 }
 
+std::string text_of(const SessionJson& json) {
+  // A path need not be Unicode.
+  return json.dump(-1, ' ', false, SessionJson::error_handler_t::replace);
+}
+
+/// What a scene's session was of: the path of each file and model, with its fingerprint.
+SessionJson prints_of(const SceneOfDevice& scene) {
+  SessionJson prints = SessionJson::array();
+  for (const fs::path& path : scene.file.sources)
+    prints.push_back({{"path", path.string()}, {"fingerprint", fingerprint(path)}});
+  for (const fs::path& path : scene.file.models)
+    prints.push_back({{"path", path.string()}, {"fingerprint", print_of_model(path)}});
+  return prints;
+}
+
+void report_replay(const Settings& settings, const fs::path& session,
+                   const haptics::LoopReplay& again) {
+  if (again.different > 0) {
+    throw Error(
+        fmt::format("{}: the replay differs in {} of {} ticks, first in tick {}: another version "
+                    "of the program "
+                    "computed the session",
+                    session.string(), again.different, again.ticks, again.first_different));
+  }
+  print(settings, {{"replayed", again.ticks}, {"different", again.different}},
+        fmt::format("{} ticks replayed; every command and contact is the same to the bit",
+                    again.ticks));
+}
+
 }  // namespace
 
 std::string session_text(const DeviceCall& call) {
@@ -37,9 +69,34 @@ std::string session_text(const DeviceCall& call) {
       models.push_back({{"path", model.string()}, {"fingerprint", print_of_model(model)}});
     }
   }
-  // A path need not be Unicode.
-  return SessionJson{{"models", models}}.dump(-1, ' ', false,
-                                              SessionJson::error_handler_t::replace);
+  return text_of({{"models", models}});
+}
+
+SceneOfDevice read_scene_of_device(const fs::path& path, const std::string& tool) {
+  SceneOfDevice scene{.file = haptics::read_scene(path), .inputs = {}};
+  const std::vector<std::string>& tools = scene.file.tools;
+  if (!tool.empty()) {
+    const auto found = std::ranges::find(tools, tool);
+    if (found == tools.end()) {
+      throw InvalidInput(fmt::format("--tool: {} has no tool '{}'; it has {}", path.string(), tool,
+                                     fmt::join(tools, ", ")));
+    }
+    scene.tool = static_cast<std::size_t>(found - tools.begin());
+  }
+  check_ways(scene.file, scene.tool, path);
+  scene.inputs = scene.file.sources;
+  scene.inputs.insert(scene.inputs.end(), scene.file.models.begin(), scene.file.models.end());
+  return scene;
+}
+
+std::string session_text(const SceneOfDevice& scene) {
+  return text_of({{"scene", prints_of(scene)}, {"tool", scene.file.tools[scene.tool]}});
+}
+
+std::shared_ptr<haptics::SceneWorld> world_of(const SceneOfDevice& scene) {
+  return std::make_shared<haptics::SceneWorld>(
+      std::make_shared<const haptics::Scene>(haptics::make_scene(scene.file, playable_model)),
+      scene.file.motion, scene.tool);
 }
 
 haptics::Model playable_model(const fs::path& folder) {
@@ -60,6 +117,10 @@ void play_replay(const Settings& settings, const fs::path& model, const fs::path
                  const fs::path& session) {
   const haptics::LoopRecord record = haptics::read_loop_record(session);
   const SessionJson text = SessionJson::parse(record.session, nullptr, false);
+  if (text.is_object() && text.contains("scene")) {
+    throw InvalidInput(fmt::format("{}: is the session of a scene; give its file in place of {}",
+                                   session.string(), model.string()));
+  }
   std::vector<fs::path> folders = {model};
   if (!exchange.empty()) folders.push_back(exchange);
   const SessionJson models = text.is_object() ? text.value("models", SessionJson()) : SessionJson();
@@ -76,17 +137,27 @@ void play_replay(const Settings& settings, const fs::path& model, const fs::path
     playbacks.push_back(playback_of(folder));
     pointers.push_back(playbacks.back().get());
   }
-  const haptics::LoopReplay again = haptics::replay(record, pointers);
-  if (again.different > 0) {
-    throw Error(
-        fmt::format("{}: the replay differs in {} of {} ticks, first in tick {}: another version "
-                    "of the program "
-                    "computed the session",
-                    session.string(), again.different, again.ticks, again.first_different));
+  report_replay(settings, session, haptics::replay(record, pointers));
+}
+
+void play_scene_replay(const Settings& settings, const fs::path& path, const fs::path& session) {
+  const haptics::LoopRecord record = haptics::read_loop_record(session);
+  const SessionJson text = SessionJson::parse(record.session, nullptr, false);
+  const bool of_scene = text.is_object() && text.contains("scene") && text["scene"].is_array();
+  if (!of_scene) {
+    throw InvalidInput(fmt::format("{}: is not a session of a scene; give its model in place of {}",
+                                   session.string(), path.string()));
   }
-  print(settings, {{"replayed", again.ticks}, {"different", again.different}},
-        fmt::format("{} ticks replayed; every command and contact is the same to the bit",
-                    again.ticks));
+  const SceneOfDevice scene = read_scene_of_device(path, text.value("tool", ""));
+  const SessionJson then = text["scene"], now = prints_of(scene);
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    const bool known = i < then.size() && then[i].is_object();
+    if (known && then[i].value("fingerprint", "") == now[i].at("fingerprint")) continue;
+    throw InvalidInput(fmt::format(
+        "{}: is not what it was in the session{}", now[i].at("path").get<std::string>(),
+        known ? ", where it was " + then[i].value("path", "another file") : std::string()));
+  }
+  report_replay(settings, session, haptics::replay(record, *world_of(scene)));
 }
 
 }  // namespace palpate::apps

@@ -53,20 +53,20 @@ double DeviceLoop::coupling_stiffness() const noexcept {
 
 // Brings a tool that touches the old model to the same place of another one, from outside.
 void DeviceLoop::enter(const Playback& playback) noexcept {
-  state_ = {};
+  model_.exchange(playback);
   coupling_ = {};
   if (last_.state == ContactState::free) return;
   const Eigen::Vector3d outwards = last_.contact - last_.tool;
   if (!(outwards.norm() > kLeastDepth)) return;
-  static_cast<void>(playback.step(last_.contact + outwards, state_));
+  static_cast<void>(model_.try_tool(last_.contact + outwards));
+  model_.end();
 }
 
 // The force on the user [N], in the world.
-Eigen::Vector3d DeviceLoop::touch(const Playback& playback, const Eigen::Vector3d& device,
+Eigen::Vector3d DeviceLoop::touch(ToolWorld& world, const Eigen::Vector3d& device,
                                   TickOutput& output) noexcept {
   const auto model = [&](const Eigen::Vector3d& tool) -> Eigen::Vector3d {
-    trial_state_ = state_;
-    trial_ = playback.step(tool, trial_state_);
+    trial_ = world.try_tool(tool);
     return trial_.force;
   };
   CoupledTool coupled{.tool = device};
@@ -75,7 +75,6 @@ Eigen::Vector3d DeviceLoop::touch(const Playback& playback, const Eigen::Vector3
   } else {
     coupled.force = model(device);
   }
-  state_ = trial_state_;
   output.tool = coupled.tool;
   output.contact = trial_.contact;
   output.state = trial_.state;
@@ -83,16 +82,19 @@ Eigen::Vector3d DeviceLoop::touch(const Playback& playback, const Eigen::Vector3
 }
 
 TickOutput DeviceLoop::tick(const Playback& playback, const TickInput& input) noexcept {
+  if (input.exchanged || model_.playback() != &playback) enter(playback);
+  return tick(model_, input);
+}
+
+TickOutput DeviceLoop::tick(ToolWorld& world, const TickInput& input) noexcept {
   const probing::ArmState& state = input.state;
   SafetyInput safety{.now = input.now,
                      .state_time = state.time,
                      .answered = input.answered,
                      .finite = state.tip.allFinite() && std::isfinite(state.time),
-                     .armed = state.armed};
-  if (input.exchanged) {
-    enter(playback);
-    safety.crossfade = true;
-  }
+                     .armed = state.armed,
+                     .crossfade = input.exchanged};
+  world.begin(input.now);
   TickOutput output = last_;
   Eigen::Vector3d wanted = Eigen::Vector3d::Zero();
   if (input.answered && safety.finite) {
@@ -101,7 +103,7 @@ TickOutput DeviceLoop::tick(const Playback& playback, const TickInput& input) no
     if (clutched) {
       if (has_place_) clutch_offset_ += place_ - place;  // the tool stands still
     } else {
-      wanted = touch(playback, place + clutch_offset_, output);
+      wanted = touch(world, place + clutch_offset_, output);
       safety.force = rotation_.transpose() * wanted;
       // Playback meets a position that cannot be, or has found the contact without a touch.
       safety.restart = trial_.held || trial_.started_inside;
@@ -111,6 +113,7 @@ TickOutput DeviceLoop::tick(const Playback& playback, const TickInput& input) no
     has_place_ = true;
     place_ = place;
   }
+  world.end();
   output.command = safety_.filter(safety);
   if (safety.answered && safety.finite) {
     observer_.observe(state.tip, output.command.force);

@@ -39,17 +39,21 @@ void touch_stack() {
 }  // namespace
 
 struct DeviceRun::Runner {
-  Runner(probing::Arm& a, std::shared_ptr<const Playback> m, const DeviceLoopOptions& l,
-         const RunOptions& o)
+  Runner(probing::Arm& a, std::shared_ptr<const Playback> m, std::shared_ptr<ToolWorld> w,
+         const DeviceLoopOptions& l, const RunOptions& o)
       : device(a),
         options(o),
         loop(a.description(), l),
         current(std::move(m)),
+        world(std::move(w)),
         lease(l.safety.lease) {
     require("RunOptions::duration", options.duration, at_least(0).finite(), "s");
     require("RunOptions::priority", options.priority, at_least(1).at_most(99));
     require("RunOptions::most_unanswered", options.most_unanswered, at_least(1).finite());
-    if (current == nullptr) throw InvalidInput("DeviceRun: there is no model");
+    if (current == nullptr && world == nullptr) throw InvalidInput("DeviceRun: there is no model");
+    if (world != nullptr && !options.exchanges.empty()) {
+      throw InvalidInput("RunOptions::exchanges: the models of a world cannot be exchanged");
+    }
     double last = 0;
     for (const ModelExchange& exchange : options.exchanges) {
       if (exchange.model == nullptr || !(exchange.time >= last)) {
@@ -124,7 +128,7 @@ struct DeviceRun::Runner {
       }
       report.exchanges += input.exchanged ? 1 : 0;
 
-      TickOutput output = loop.tick(*model, input);
+      TickOutput output = world ? loop.tick(*world, input) : loop.tick(*model, input);
       const double written = device.now();
       loop.check_age(written - input.now, output);
       const auto computing = std::chrono::nanoseconds(HostClock::now() - start).count();
@@ -158,6 +162,7 @@ struct DeviceRun::Runner {
   RunOptions options;
   DeviceLoop loop;
   std::shared_ptr<const Playback> current;  // of the owner: that of the loop, or the one before
+  std::shared_ptr<ToolWorld> world;         // in place of a model
   double lease;                             // [s]
   std::optional<LoopRecorder> recorder;
   DurationHistogram computing_times;
@@ -171,7 +176,11 @@ struct DeviceRun::Runner {
 
 DeviceRun::DeviceRun(probing::Arm& device, std::shared_ptr<const Playback> model,
                      const DeviceLoopOptions& loop, const RunOptions& options)
-    : runner_(std::make_unique<Runner>(device, std::move(model), loop, options)) {}
+    : runner_(std::make_unique<Runner>(device, std::move(model), nullptr, loop, options)) {}
+
+DeviceRun::DeviceRun(probing::Arm& device, std::shared_ptr<ToolWorld> world,
+                     const DeviceLoopOptions& loop, const RunOptions& options)
+    : runner_(std::make_unique<Runner>(device, nullptr, std::move(world), loop, options)) {}
 
 DeviceRun::~DeviceRun() {
   stop();
@@ -181,6 +190,7 @@ DeviceRun::~DeviceRun() {
 void DeviceRun::exchange(std::shared_ptr<const Playback> model) {
   if (model == nullptr) throw InvalidInput("DeviceRun::exchange: there is no model");
   Runner& r = *runner_;
+  if (r.world) throw InvalidInput("DeviceRun::exchange: the models of a world cannot be exchanged");
   const int before = r.adopted.load(std::memory_order_acquire);
   r.offered.store(model.get(), std::memory_order_release);
   constexpr std::chrono::microseconds kPause(100);

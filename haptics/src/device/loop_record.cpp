@@ -117,6 +117,23 @@ bool same_bits(const TickRecord& a, const TickRecord& b) {
   return std::bit_cast<Bytes>(first) == std::bit_cast<Bytes>(second);
 }
 
+/// Computes a record again. \param tick of a loop, from what the loop read.
+template <typename Tick>
+LoopReplay compare_ticks(const LoopRecord& record, Tick&& tick) {
+  DeviceLoop loop(record.device, record.options);
+  LoopReplay result;
+  for (const TickRecord& recorded : record.ticks) {
+    const TickInput input = input_of(recorded);
+    TickOutput output = tick(loop, input);
+    loop.check_age(recorded.written - recorded.now, output);
+    if (!same_bits(record_of(input, recorded.written, output), recorded)) {
+      if (result.different++ == 0) result.first_different = result.ticks;
+    }
+    ++result.ticks;
+  }
+  return result;
+}
+
 }  // namespace
 
 TickRecord record_of(const TickInput& input, double written, const TickOutput& output) noexcept {
@@ -304,20 +321,20 @@ LoopReplay replay(const LoopRecord& record, std::span<const Playback* const> mod
                        " models; the record has " + std::to_string(exchanges) +
                        " exchanges and needs one more model than that");
   }
-  DeviceLoop loop(record.device, record.options);
-  LoopReplay result;
   std::size_t model = 0;
-  for (const TickRecord& tick : record.ticks) {
-    const TickInput input = input_of(tick);
+  return compare_ticks(record, [&](DeviceLoop& loop, const TickInput& input) {
     if (input.exchanged) ++model;
-    TickOutput output = loop.tick(*models[model], input);
-    loop.check_age(tick.written - tick.now, output);
-    if (!same_bits(record_of(input, tick.written, output), tick)) {
-      if (result.different++ == 0) result.first_different = result.ticks;
-    }
-    ++result.ticks;
-  }
-  return result;
+    return loop.tick(*models[model], input);
+  });
+}
+
+LoopReplay replay(const LoopRecord& record, ToolWorld& world,
+                  const std::function<void()>& after_tick) {
+  return compare_ticks(record, [&](DeviceLoop& loop, const TickInput& input) {
+    const TickOutput output = loop.tick(world, input);
+    if (after_tick) after_tick();
+    return output;
+  });
 }
 
 std::vector<TracePoint> trace_of(const LoopRecord& record) {

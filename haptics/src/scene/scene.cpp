@@ -60,6 +60,26 @@ const char* to_string(NearTools rule) {
   return "unknown";
 }
 
+SceneState& SceneState::operator=(const SceneState& other) {
+  if (this == &other) return *this;
+  scene_ = other.scene_;
+  tick_ = other.tick_;
+  pairs_ = other.pairs_;
+  if (loops_.size() == other.loops_.size()) {
+    // Those of tools that are away are many, large, and not used.
+    for (std::size_t i = 0; i < loops_.size(); ++i) {
+      if (!pairs_[i].away) loops_[i] = other.loops_[i];
+    }
+  } else {
+    loops_ = other.loops_;
+  }
+  poses_ = other.poses_;
+  tools_ = other.tools_;
+  strongest_ = other.strongest_;
+  command_ = other.command_;
+  return *this;
+}
+
 Scene::Scene(std::vector<SceneObject> objects, const SceneOptions& options)
     : objects_(std::move(objects)), options_(options), id_(next_scene_id()) {
   require("SceneOptions::closest_tools", options.closest_tools, at_least(0).finite(), "mm");

@@ -18,7 +18,6 @@
 
 #include "model/document_node.h"
 #include "palpate/error.h"
-#include "palpate/haptics/model_io.h"
 #include "palpate/haptics/rotation.h"
 #include "palpate/haptics/trajectory_file.h"
 
@@ -102,8 +101,15 @@ SceneFile scene_of(const json& document, const std::filesystem::path& folder) {
   for (std::size_t i = 0; i < tools.size(); ++i) {
     refuse_others(part.value["tools"][i], "/tools/" + std::to_string(i), {"name", "trajectory"});
     scene.tools.push_back(name_of(tools[i], tool_names));
-    scene.sources.push_back(folder / tools[i].at("trajectory").text());
-    scene.motion.tools.emplace_back(read_trajectory_file(scene.sources.back()));
+    const auto trajectory = tools[i].find("trajectory");
+    scene.trajectories.push_back(trajectory ? folder / trajectory->text()
+                                            : std::filesystem::path());
+    if (trajectory) {
+      scene.sources.push_back(scene.trajectories.back());
+      scene.motion.tools.emplace_back(read_trajectory_file(scene.sources.back()));
+    } else {
+      scene.motion.tools.emplace_back(std::vector<TrajectoryPoint>(1));
+    }
   }
   return scene;
 }
@@ -130,12 +136,13 @@ SceneFile read_scene(const std::filesystem::path& path) {
   }
 }
 
-Scene make_scene(const SceneFile& file) {
+Scene make_scene(const SceneFile& file,
+                 const std::function<Model(const std::filesystem::path& folder)>& read_folder) {
   std::map<std::filesystem::path, std::shared_ptr<const Playback>> read;
   std::vector<SceneObject> objects;
   for (std::size_t i = 0; i < file.objects.size(); ++i) {
     std::shared_ptr<const Playback>& playback = read[file.models[i].lexically_normal()];
-    if (!playback) playback = std::make_shared<const Playback>(read_model(file.models[i]));
+    if (!playback) playback = std::make_shared<const Playback>(read_folder(file.models[i]));
     objects.push_back({file.objects[i], playback});
   }
   return Scene(std::move(objects), file.options);

@@ -66,11 +66,18 @@ std::size_t tick_count(const SceneMotion& motion) {
 
 SceneInput input_at(const SceneMotion& motion, std::size_t tick) {
   SceneInput input;
-  input.time = time_span(motion).begin + static_cast<double>(tick) / motion.rate;
-  for (const PosePath& path : motion.objects) input.poses.push_back(path.pose(input.time));
-  for (const TimedPath& path : motion.tools)
-    input.tools.push_back(path.position(input.time - path.begin()));
+  set_input(motion, time_span(motion).begin + static_cast<double>(tick) / motion.rate, input);
   return input;
+}
+
+void set_input(const SceneMotion& motion, double time, SceneInput& input) {
+  input.time = time;
+  input.poses.resize(motion.objects.size());
+  input.tools.resize(motion.tools.size());
+  for (std::size_t i = 0; i < motion.objects.size(); ++i)
+    input.poses[i] = motion.objects[i].pose(time);
+  for (std::size_t i = 0; i < motion.tools.size(); ++i)
+    input.tools[i] = motion.tools[i].position(time - motion.tools[i].begin());
 }
 
 SceneTrace play(const Scene& scene, const SceneMotion& motion) {

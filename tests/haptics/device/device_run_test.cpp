@@ -250,7 +250,9 @@ TEST(DeviceRun, RefusesWhatCannotBe) {
   EXPECT_NE(message({.duration = -1}).find("RunOptions::duration"), std::string::npos);
   EXPECT_NE(message({.priority = 100}).find("RunOptions::priority"), std::string::npos);
   EXPECT_NE(message({.exchanges = {{1, nullptr}}}).find("each needs a model"), std::string::npos);
-  EXPECT_NE(refusal([&] { return DeviceRun(hand, nullptr).done(); }).find("there is no model"),
+  EXPECT_NE(refusal([&] {
+              return DeviceRun(hand, std::shared_ptr<const Playback>()).done();
+            }).find("there is no model"),
             std::string::npos);
 }
 

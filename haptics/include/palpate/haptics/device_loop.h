@@ -11,6 +11,7 @@
 #include "palpate/haptics/passivity_observer.h"
 #include "palpate/haptics/playback.h"
 #include "palpate/haptics/safety_filter.h"
+#include "palpate/haptics/tool_world.h"
 #include "palpate/haptics/virtual_coupling.h"
 #include "palpate/probing/arm.h"
 
@@ -44,15 +45,17 @@ struct TickOutput {
   ContactState state = ContactState::free;
 };
 
-/// The loop between a device and a model, one tick after the other: the device's frame, scale and
-/// clutch, the virtual coupling, `Playback`, and the safety filter. Equal inputs give equal
-/// outputs, bit by bit. Real-time safe. One thread; several loops may share a `Playback`.
+/// The loop between a device and a model or a scene, one tick after the other: the device's frame,
+/// scale and clutch, the virtual coupling, `Playback`, and the safety filter. Equal inputs give
+/// equal outputs, bit by bit. Real-time safe. One thread; several loops may share a `Playback`.
 class DeviceLoop {
  public:
   /// \throws InvalidInput on an option outside its range.
   explicit DeviceLoop(const probing::ArmDescription& device, const DeviceLoopOptions& options = {});
 
   [[nodiscard]] TickOutput tick(const Playback& playback, const TickInput& input) noexcept;
+  /// The same with a world, which must be the same in all ticks.
+  [[nodiscard]] TickOutput tick(ToolWorld& world, const TickInput& input) noexcept;
   /// Before the command is written: zero if it took too long. \param age [s] since `TickInput::now`
   void check_age(double age, TickOutput& output) noexcept;
 
@@ -63,7 +66,7 @@ class DeviceLoop {
   [[nodiscard]] double scale() const noexcept { return scale_; }
 
  private:
-  [[nodiscard]] Eigen::Vector3d touch(const Playback& playback, const Eigen::Vector3d& device,
+  [[nodiscard]] Eigen::Vector3d touch(ToolWorld& world, const Eigen::Vector3d& device,
                                       TickOutput& output) noexcept;
   void enter(const Playback& playback) noexcept;
 
@@ -75,9 +78,8 @@ class DeviceLoop {
   SafetyFilter safety_;
   PassivityObserver observer_;
   CouplingState coupling_;
-  LoopState state_;
-  LoopState trial_state_;  // of the tool that is tried
-  Command trial_;
+  ModelWorld model_;
+  Command trial_;  // of the tool that was tried last
   bool clutched_ = false, has_place_ = false;
   Eigen::Vector3d clutch_offset_ = Eigen::Vector3d::Zero();  // [mm] world
   Eigen::Vector3d place_ = Eigen::Vector3d::Zero();  // [mm] world, of the device in the last tick

@@ -55,13 +55,16 @@ class DeviceRun {
   /// OutputError if the record cannot be written.
   DeviceRun(probing::Arm& device, std::shared_ptr<const Playback> model,
             const DeviceLoopOptions& loop = {}, const RunOptions& options = {});
+  /// The same with a world, such as a scene, whose models stay the same.
+  DeviceRun(probing::Arm& device, std::shared_ptr<ToolWorld> world,
+            const DeviceLoopOptions& loop = {}, const RunOptions& options = {});
   /// Stops the loop and disarms the device.
   ~DeviceRun();
   DeviceRun(const DeviceRun&) = delete;
   DeviceRun& operator=(const DeviceRun&) = delete;
 
   /// Exchanges the model while the loop runs, from any one thread. Returns when the loop uses it,
-  /// or has ended. The loop does not wait.
+  /// or has ended. The loop does not wait. \throws InvalidInput if there is a world.
   void exchange(std::shared_ptr<const Playback> model);
   /// Asks the loop to end. Any thread.
   void stop() noexcept;

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -82,6 +83,10 @@ struct LoopReplay {
 /// \param models as they were exchanged: one more than the record has exchanges.
 /// \throws InvalidInput if there are fewer.
 [[nodiscard]] LoopReplay replay(const LoopRecord& record, std::span<const Playback* const> models);
+/// The same with a world as it was at the start of the session. \param after_tick is called after
+/// each tick, if there is such a function.
+[[nodiscard]] LoopReplay replay(const LoopRecord& record, ToolWorld& world,
+                                const std::function<void()>& after_tick = {});
 
 /// The ticks as a trace: times of the measurements, and forces on the user in the world.
 [[nodiscard]] std::vector<TracePoint> trace_of(const LoopRecord& record);

@@ -69,6 +69,14 @@ struct SceneCommand {
 /// The state of a scene with its tools between two ticks. A value: a copy goes on alike.
 class SceneState {
  public:
+  SceneState() = default;
+  SceneState(const SceneState&) = default;
+  SceneState(SceneState&&) = default;
+  SceneState& operator=(SceneState&&) = default;
+  /// Between states of one scene and as many tools: real-time safe.
+  SceneState& operator=(const SceneState& other);
+  ~SceneState() = default;
+
   /// Of the last tick.
   [[nodiscard]] const SceneCommand& command() const noexcept { return command_; }
 

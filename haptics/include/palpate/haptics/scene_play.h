@@ -36,6 +36,8 @@ struct SceneInput {
 /// \throws InvalidInput if there is no way of a tool, the rate is not above 0, or they are 1e7.
 [[nodiscard]] std::size_t tick_count(const SceneMotion& motion);
 [[nodiscard]] SceneInput input_at(const SceneMotion& motion, std::size_t tick);
+/// The same at any time [s]. Real-time safe if `input` is of this motion.
+void set_input(const SceneMotion& motion, double time, SceneInput& input);
 
 /// What a tool felt in a tick.
 struct SceneTracePoint {
