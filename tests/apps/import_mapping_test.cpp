@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
 // Data of other laboratories, through mapping files.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -164,6 +165,49 @@ TEST_F(ImportMapping, OfThePageReadsAMatFileAndItsPressesMakeAModelWithoutASurfa
   ASSERT_EQ(figures.at("warnings").size(), 1u);
   EXPECT_EQ(figures.at("warnings")[0].at("kind"), "one_direction");
   EXPECT_GT(figures.at("explained"), 0.99);
+}
+
+// A table of places, positions and forces alone: no ids, normals, surface or slips.
+TEST_F(ImportMapping, OfPlacesPositionsAndForcesAloneMakesAModelOfUnknownFriction) {
+  std::string table = "X,Y,Z,tx,ty,tz,Fx,Fy,Fz\n";
+  for (int i = 0; i < 16; ++i) {
+    for (const double depth : {1.0, 2.0, 3.0}) {
+      const int x = 10 * (i % 4), y = 10 * (i / 4);
+      table += fmt::format("{0},{1},0,{0},{1},{2},0,0,{3}\n", x, y, -depth,
+                           -0.2 * depth * (1 + 0.01 * x));
+    }
+  }
+  write_text(scratch / "t.csv", table);
+  const CommandResult result = import(
+      "content: presses\ncontacts: place\ncolumns: {x: X, y: Y, z: Z, ax: tx, ay: ty, az: tz, px: "
+      "Fx, py: Fy, pz: Fz}\n",
+      {scratch / "t.csv", "--json"});
+  ASSERT_EQ(result.status, kDone) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("has no normals"));
+  EXPECT_EQ(imported().contacts()[3].normal, Eigen::Vector3d(0, 0, 1));
+
+  const CommandResult fitted =
+      run_palpate({"fit", scratch / "a.db", "-o", scratch / "model", "--json"});
+  ASSERT_EQ(fitted.status, kDone) << fitted.err;
+  EXPECT_THAT(fitted.err, AllOf(HasSubstr("the surface is made of the 16 contacts alone"),
+                                HasSubstr("the friction of the model is unknown")));
+  EXPECT_TRUE(json::parse(fitted.out).at("per_contact")[0].at("friction").is_null());
+  const json info = json::parse(run_palpate({"info", scratch / "model", "--json"}).out);
+  EXPECT_EQ(info.at("unknown_friction"), 16);
+  EXPECT_TRUE(info.at("friction").is_null());
+
+  write_text(scratch / "way.csv", "t,x,y,z\n0,12,12,0.5\n0.001,12,12,-1\n0.002,12.5,12,-1\n");
+  const std::vector<std::string> play = {"play", scratch / "model", "--trajectory",
+                                         scratch / "way.csv"};
+  const CommandResult alone = run_palpate(play);
+  EXPECT_THAT(alone.err, AllOf(HasSubstr("the friction of 16 contacts is unknown"),
+                               HasSubstr("slides without friction")));
+  EXPECT_THAT(alone.out, HasSubstr("1 stick, 1 slip"));
+  std::vector<std::string> rough = play;
+  rough.insert(rough.end(), {"--friction", "2"});
+  const CommandResult with = run_palpate(rough);
+  EXPECT_THAT(with.err, HasSubstr("coefficient of 2"));
+  EXPECT_THAT(with.out, HasSubstr("2 stick, 0 slip"));
 }
 
 TEST_F(ImportMapping, SuspectsWrongSignsAndUnitsAThousandTimesOff) {

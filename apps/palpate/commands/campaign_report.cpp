@@ -206,7 +206,8 @@ void add_contact_table(ReportPage& page, const CampaignReport& input) {
         std::count_if(samples.begin(), samples.end(), [](const auto& s) { return s.slipped; });
     rows.push_back({std::to_string(contact.id), std::to_string(samples.size()),
                     std::to_string(slipped),
-                    contact.friction_error
+                    haptics::has_unknown_friction(contact) ? std::string("unknown")
+                    : contact.friction_error
                         ? fmt::format("{:.3f} ± {:.3f}", contact.friction, *contact.friction_error)
                         : fmt::format("{:.3f}", contact.friction),
                     force_in_words(contact.rms),

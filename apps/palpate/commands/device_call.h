@@ -26,6 +26,7 @@ struct DeviceCall {
   double duration = 0;     ///< [s]; 0: that of the trajectory, otherwise until Ctrl-C
   double exchange_at = 0;  ///< [s]
   std::optional<double> scale;
+  std::optional<double> friction;        ///< where it is unknown
   std::vector<unsigned> clutch_buttons;  ///< numbers from 0
   std::string coupling = "auto";         ///< auto, off, or a stiffness [N/mm]
   // As in `haptics::SafetyOptions`.

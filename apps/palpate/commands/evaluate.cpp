@@ -111,6 +111,13 @@ void evaluate(const Settings& settings, const EvaluateCall& call) {
     prose += to_prose(errors);
     if (!call.picture.empty()) draw_leave_one_out(call.picture, model, errors);
   }
+  if (const int unknown = haptics::unknown_friction_count(model); unknown > 0) {
+    prose += fmt::format(
+        "The friction of {} contacts is unknown; their forces hold while the tool "
+        "does not slip\n",
+        unknown);
+  }
+  figures["unknown_friction"] = haptics::unknown_friction_count(model);
   prose.pop_back();
   print(settings, figures, prose);
 }

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <memory>
@@ -18,6 +19,7 @@
 #include "palpate/haptics/model_io.h"
 #include "palpate/output_file.h"
 #include "palpate/probing/acquisition.h"
+#include "palpate/probing/contact_surface.h"
 #include "palpate/require.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
@@ -73,7 +75,7 @@ fs::path record_file(const fs::path& output) {
 /// All data and options that the fits depend on.
 Json settings_of(const FitCall& call) {
   return {{"ACQUISITION", fingerprint(call.acquisition)},
-          {"SURFACE", fingerprint(call.surface)},
+          {"SURFACE", call.surface.empty() ? std::string() : fingerprint(call.surface)},
           {"--unit", call.meshes.unit ? Json(*call.meshes.unit) : Json()},
           {"--accuracy", call.fit.accuracy},
           {"--passive", haptics::to_string(call.fit.mode)},
@@ -156,6 +158,24 @@ haptics::BuildResult build_or_forget(const probing::CheckedAcquisition& acquisit
   }
 }
 
+/// The mesh of the call; without one, it is made of the contacts.
+geometry::TriangleMesh surface_of(const FitCall& call,
+                                  const probing::CheckedAcquisition& acquisition) {
+  if (!call.surface.empty()) return geometry::read_mesh(call.surface, call.meshes);
+  try {
+    geometry::TriangleMesh made = probing::contact_surface(acquisition.contacts());
+    spdlog::warn(
+        "the surface is made of the {} contacts alone: it is taken as flat between them, and as "
+        "ending at the outermost.",
+        made.vertices.cols());
+    return made;
+  } catch (const InvalidInput& wrong) {
+    throw InvalidInput(with_option_names(
+        wrong.what(),
+        {{"contact_surface(): ", call.acquisition.string() + ": without a SURFACE: "}}));
+  }
+}
+
 void fit(const Settings& settings, FitCall call) {
   limit_to_budget(call);
   if (call.force_noise) call.fit.noise.force = *call.force_noise;
@@ -167,7 +187,7 @@ void fit(const Settings& settings, FitCall call) {
   const probing::CheckedAcquisition acquisition =
       read_plausible_acquisition(call.acquisition, warnings);
   tell_rates(call.acquisition, warnings);
-  const geometry::TriangleMesh surface = geometry::read_mesh(call.surface, call.meshes);
+  const geometry::TriangleMesh surface = surface_of(call, acquisition);
   const std::optional<double> known_radius = acquisition.records().probe_radius;
   if (call.probe_radius && known_radius && *call.probe_radius != *known_radius) {
     throw InvalidInput(fmt::format("--probe-radius: is {:g} mm; the measurements say {:g} mm",
@@ -181,7 +201,8 @@ void fit(const Settings& settings, FitCall call) {
   if (call.probe_radius) built.model.probe_radius = call.probe_radius;
   built.model.made["program"] = "palpate " PALPATE_VERSION;
   built.model.made["acquisition"] = call.acquisition.filename().string();
-  built.model.made["surface"] = call.surface.filename().string();
+  built.model.made["surface"] =
+      call.surface.empty() ? "made of the contacts" : call.surface.filename().string();
   if (built.local_part) built.model.made["local part"] = sharing_in_words(built);
   haptics::write_model(call.output, built.model, call.encoding);
   record.remove();
@@ -206,7 +227,9 @@ void add_fit(CLI::App& app, const Settings& settings) {
   CLI::App* command = app.add_subcommand("fit", "Fit a model to measurements and a surface");
   command->add_option("ACQUISITION", call->acquisition, "Measurements (acquisition.db)")
       ->required();
-  command->add_option("SURFACE", call->surface, "Undeformed surface (mesh)")->required();
+  command->add_option("SURFACE", call->surface,
+                      "Undeformed surface (mesh); without it, one is made of the contacts, flat "
+                      "between them");
   add_unit_option(*command, call->meshes);
   command->add_option("-o,--output", call->output, "Model folder to write")->required();
   command

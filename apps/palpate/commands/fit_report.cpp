@@ -45,10 +45,16 @@ void tell_friction(const haptics::BuildResult& built) {
     }
   }
   if (from_others) spdlog::warn("some of these use the mean friction of the other contacts.");
+  if (haptics::unknown_friction_count(built.model) > 0) {
+    spdlog::warn(
+        "the friction of the model is unknown: palpate play lets the tool slide without friction, "
+        "or with the coefficient of --friction.");
+  }
   if (bounded) spdlog::warn("some of these use a lower bound; their true friction may be larger.");
 }
 
 std::string friction_of(const haptics::ContactModel& contact) {
+  if (haptics::has_unknown_friction(contact)) return "unknown";
   if (contact.friction_source == haptics::FrictionSource::lower_bound)
     return fmt::format(">= {:.3f}", contact.friction);
   const std::string error =
@@ -144,7 +150,7 @@ Json contact_figures(const haptics::ContactModel& contact, const haptics::Contac
   return {{"contact", contact.id},
           {"rms", contact.rms},
           {"bases", contact.field.bases.size()},
-          {"friction", contact.friction},
+          {"friction", haptics::has_unknown_friction(contact) ? Json() : Json(contact.friction)},
           {"friction_error", number_or_null(contact.friction_error)},
           {"friction_lower_bound", contact.friction_lower_bound},
           {"friction_source", haptics::to_string(contact.friction_source)},

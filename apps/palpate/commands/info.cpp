@@ -9,6 +9,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <vector>
 
 #include "commands/decode_record.h"
@@ -140,6 +141,13 @@ Description describe_acquisition(const fs::path& path) {
               acquisition.contacts().size(), acquisition.samples().size(), slipped, boundary)};
 }
 
+std::string friction_in_words(const std::vector<double>& known, int without_own, int bounds) {
+  if (known.empty()) return "unknown; palpate play takes 0, or --friction";
+  return fmt::format(
+      "{:.3f} in the median; {} contacts do not determine theirs, {} of these use a lower bound",
+      geometry::error_statistics(known).median, without_own, bounds);
+}
+
 Description describe_model(const fs::path& path) {
   const haptics::Model model = haptics::read_model(path);
   std::vector<double> bases, rms, friction;
@@ -147,13 +155,14 @@ Description describe_model(const fs::path& path) {
   for (const haptics::ContactModel& contact : model.contacts) {
     bases.push_back(static_cast<double>(contact.field.bases.size()));
     rms.push_back(contact.rms);
-    friction.push_back(contact.friction);
+    if (!haptics::has_unknown_friction(contact)) friction.push_back(contact.friction);
     without_friction += contact.friction_source == haptics::FrictionSource::samples ? 0 : 1;
     bounds += contact.friction_source == haptics::FrictionSource::lower_bound ? 1 : 0;
   }
   const geometry::ErrorStatistics base_counts = geometry::error_statistics(bases),
-                                  errors = geometry::error_statistics(rms),
-                                  coefficients = geometry::error_statistics(friction);
+                                  errors = geometry::error_statistics(rms);
+  const std::optional<double> coefficient =
+      friction.empty() ? std::nullopt : std::optional(geometry::error_statistics(friction).median);
   const bool is_text = is_there(path / "field.json");
   const std::uintmax_t bytes = fs::file_size(path / (is_text ? "field.json" : "field.cbor"));
   const nlohmann::ordered_json made(model.made);
@@ -161,13 +170,12 @@ Description describe_model(const fs::path& path) {
       "model, {} contacts in {} triangles, on a surface of {} vertices\n"
       "  bases of a contact: {:.0f} in the median, at most {:.0f}\n"
       "  RMS of a contact's fit: {:.4f} N in the median, {:.4f} N at most\n"
-      "  friction coefficient: {:.3f} in the median; {} contacts do not determine theirs, {} of "
-      "these use a lower bound\n"
+      "  friction coefficient: {}\n"
       "  measured with a ball of {}\n"
       "  {}: {} bytes, {:.0f} a contact",
       model.contacts.size(), model.triangles.cols(), model.surface.vertices.cols(),
-      base_counts.median, base_counts.max, errors.median, errors.max, coefficients.median,
-      without_friction, bounds,
+      base_counts.median, base_counts.max, errors.median, errors.max,
+      friction_in_words(friction, without_friction, bounds),
       model.probe_radius ? fmt::format("{:g} mm radius", *model.probe_radius)
                          : std::string("unknown radius"),
       is_text ? "field.json" : "field.cbor", bytes,
@@ -179,7 +187,8 @@ Description describe_model(const fs::path& path) {
            {"surface_vertices", model.surface.vertices.cols()},
            {"bases", {{"median", base_counts.median}, {"max", base_counts.max}}},
            {"rms", {{"median", errors.median}, {"max", errors.max}}},
-           {"friction", coefficients.median},
+           {"friction", number_or_null(coefficient)},
+           {"unknown_friction", haptics::unknown_friction_count(model)},
            {"without_own_friction", without_friction},
            {"friction_lower_bounds", bounds},
            {"probe_radius", number_or_null(model.probe_radius)},

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "commands/play_device.h"
+#include "commands/play_friction.h"
 #include "commands/play_options.h"
 #include "commands/play_scene.h"
 #include "palpate/error.h"
@@ -77,7 +78,9 @@ void play(const Settings& settings, const PlayCall& call) {
       haptics::read_trajectory_file(call.trajectory);
   const haptics::Model model = haptics::read_model(call.model);
   const std::optional<double> probe_radius = probe_radius_of(call, model);
-  const haptics::Playback playback(model);
+  const std::shared_ptr<const haptics::Playback> playback_there =
+      made_playback(call.model, model, call.device.friction);
+  const haptics::Playback& playback = *playback_there;
   const std::vector<haptics::TracePoint> trace = haptics::play(playback, trajectory);
   if (!call.record.empty()) haptics::write_trace(call.record, trace);
   if (!call.picture.empty()) {
@@ -95,6 +98,7 @@ void play(const Settings& settings, const PlayCall& call) {
          {"stick", times.stick.count},
          {"slip", times.slip.count},
          {"largest_force", largest},
+         {"unknown_friction", playback.unknown_friction_count()},
          {"us_per_step",
           {{"median", times.all.median},
            {"p90", times.all.p90},
@@ -243,6 +247,11 @@ void add_play(CLI::App& app, const Settings& settings) {
                       "Trace to write: t,x,y,z,cx,cy,cz,fx,fy,fz,state (f: force on the user); of "
                       "a scene, a folder with the traces of its tools and objects");
   command->add_option("--picture", call->picture, "Also draw the forces over time (PNG)");
+  command
+      ->add_option("--friction", call->device.friction,
+                   "Coefficient of friction of contacts where the measurements do not tell it "
+                   "(default: 0)")
+      ->check(within(at_least(0).finite()));
   CLI::Option* tool_radius =
       command
           ->add_option("--tool-radius", call->tool_radius,

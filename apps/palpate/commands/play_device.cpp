@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "commands/opened_device.h"
+#include "commands/play_friction.h"
 #include "commands/play_scene.h"
 #include "commands/play_session.h"
 #include "commands/pose_file.h"
@@ -141,7 +142,7 @@ void run_loop(const Settings& settings, const DeviceCall& call,
                                   .record = call.session,
                                   .session = played.session};
   if (!call.exchange.empty()) {
-    run_options.exchanges.push_back({call.exchange_at, playback_of(call.exchange)});
+    run_options.exchanges.push_back({call.exchange_at, playback_of(call.exchange, call.friction)});
   }
   const std::unique_ptr<haptics::DeviceRun> run = played.begin(*device.arm, run_options);
   const AtInterrupt at_interrupt([&run] { run->stop(); });
@@ -171,7 +172,7 @@ void play_device(const Settings& settings, const DeviceCall& call) {
             .begin =
                 [&](probing::Arm& arm, const haptics::RunOptions& run) {
                   return std::make_unique<haptics::DeviceRun>(
-                      arm, std::make_shared<const haptics::Playback>(model), options, run);
+                      arm, made_playback(call.model, model, call.friction), options, run);
                 },
             .write_trace =
                 [&](const haptics::LoopRecord& record, const PlayJson& /*figures*/) {
@@ -208,7 +209,9 @@ void play_scene_device(const Settings& settings, DeviceCall call) {
            {.session = session_text(scene),
             .begin =
                 [&](probing::Arm& arm, const haptics::RunOptions& run) {
-                  return std::make_unique<haptics::DeviceRun>(arm, world_of(scene), options, run);
+                  const std::shared_ptr<haptics::SceneWorld> world = world_of(scene);
+                  tell_unknown_friction(scene.file, world->scene());
+                  return std::make_unique<haptics::DeviceRun>(arm, world, options, run);
                 },
             .write_trace =
                 [&](const haptics::LoopRecord& record, const PlayJson& figures) {

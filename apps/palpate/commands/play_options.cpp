@@ -36,6 +36,7 @@ constexpr PlayOption kPlayOptions[] = {
     {"--trajectory", kAlong | kWithSimulated, "a model folder, alone or with a simulated --device"},
     {"--record", kAlong | kAnyDevice | kScene, "--trajectory, --device or a scene file"},
     {"--picture", kAlong, "--trajectory without --device"},
+    {"--friction", kAlong | kAnyDevice, "a model folder with --trajectory or --device"},
     {"--tool-radius", kAlong, "--trajectory without --device"},
     {"--probe-radius", kAlong, "--trajectory without --device"},
     {"--device", kAnyDevice | kAnyStability, "no --replay"},

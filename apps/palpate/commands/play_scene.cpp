@@ -15,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "commands/play_friction.h"
 #include "palpate/error.h"
 #include "palpate/geometry/error_statistics.h"
 #include "palpate/haptics/scene_file.h"
@@ -96,6 +97,7 @@ void play_scene(const Settings& settings, const fs::path& path, const fs::path& 
     check_output_folder(inputs, record);
   }
   const haptics::Scene scene = haptics::make_scene(file);
+  tell_unknown_friction(file, scene);
   const haptics::SceneTrace trace = haptics::play(scene, file.motion);
   const geometry::ErrorStatistics times = time_ticks(scene, file.motion);
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "commands/play_device.h"
+#include "commands/play_friction.h"
 #include "commands/play_scene.h"
 #include "palpate/error.h"
 #include "palpate/haptics/loop_record.h"
@@ -69,7 +70,9 @@ std::string session_text(const DeviceCall& call) {
       models.push_back({{"path", model.string()}, {"fingerprint", print_of_model(model)}});
     }
   }
-  return text_of({{"models", models}});
+  SessionJson text{{"models", models}};
+  if (call.friction) text["friction"] = *call.friction;
+  return text_of(text);
 }
 
 SceneOfDevice read_scene_of_device(const fs::path& path, const std::string& tool) {
@@ -109,8 +112,9 @@ haptics::Model playable_model(const fs::path& folder) {
   return model;
 }
 
-std::shared_ptr<const haptics::Playback> playback_of(const fs::path& folder) {
-  return std::make_shared<const haptics::Playback>(playable_model(folder));
+std::shared_ptr<const haptics::Playback> playback_of(const fs::path& folder,
+                                                     std::optional<double> friction) {
+  return made_playback(folder, playable_model(folder), friction);
 }
 
 void play_replay(const Settings& settings, const fs::path& model, const fs::path& exchange,
@@ -131,10 +135,13 @@ void play_replay(const Settings& settings, const fs::path& model, const fs::path
                                      folders[i].string(), models[i].value("path", "another one")));
     }
   }
+  std::optional<double> friction;
+  if (text.is_object() && text.contains("friction") && text["friction"].is_number())
+    friction = text["friction"].get<double>();
   std::vector<std::shared_ptr<const haptics::Playback>> playbacks;
   std::vector<const haptics::Playback*> pointers;
   for (const fs::path& folder : folders) {
-    playbacks.push_back(playback_of(folder));
+    playbacks.push_back(playback_of(folder, friction));
     pointers.push_back(playbacks.back().get());
   }
   report_replay(settings, session, haptics::replay(record, pointers));

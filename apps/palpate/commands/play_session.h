@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -35,8 +36,8 @@ struct SceneOfDevice {
 /// \throws InvalidInput naming the folder if the model cannot be felt with a device.
 [[nodiscard]] haptics::Model playable_model(const std::filesystem::path& folder);
 
-/// The same, ready for the loop.
+/// The same, ready for the loop. \param friction as `made_playback`.
 [[nodiscard]] std::shared_ptr<const haptics::Playback> playback_of(
-    const std::filesystem::path& folder);
+    const std::filesystem::path& folder, std::optional<double> friction);
 
 }  // namespace palpate::apps

@@ -42,14 +42,14 @@ struct ProbeCall {
 
 /// `more`: further figures, if there are any.
 void report(const Settings& settings, const probing::CheckedAcquisition& acquisition,
-            const std::string& written, const Json& more = {}) {
+            const std::string& written, const Json& more = {}, const std::string& also = {}) {
   Json figures = {{"contacts", acquisition.contacts().size()},
                   {"samples", acquisition.samples().size()}};
   if (!more.is_null()) figures.update(more);
   figures["output"] = written;
   print(settings, figures,
-        fmt::format("{} contacts and {} samples, written to {}", acquisition.contacts().size(),
-                    acquisition.samples().size(), written));
+        fmt::format("{} contacts and {} samples, written to {}{}", acquisition.contacts().size(),
+                    acquisition.samples().size(), written, also));
 }
 
 /// "px=Fx" gives the column px the name Fx.
@@ -75,10 +75,35 @@ probing::AcquisitionMapping mapping_of(const ProbeCall& call) {
   return mapping;
 }
 
+std::string files_in_words(const std::vector<fs::path>& files) {
+  std::string names;
+  for (const fs::path& file : files) names += (names.empty() ? "" : " and ") + file.string();
+  return names;
+}
+
+/// Whether forces may take the place of columns of normals, which are not there.
+bool can_turn_forces_into_normals(const probing::MissingColumn& missing,
+                                  const probing::AcquisitionMapping& mapping) {
+  return missing.name == "nx" && !mapping.normals_from_forces && !mapping.columns.contains("nx") &&
+         !mapping.columns.contains("depth") && !mapping.columns.contains("normal_force") &&
+         mapping.contacts != probing::ContactSource::table;
+}
+
 probing::ImportedAcquisition read_data(const ProbeCall& call) {
-  const probing::AcquisitionMapping mapping = mapping_of(call);
+  probing::AcquisitionMapping mapping = mapping_of(call);
   try {
-    return probing::import_acquisition(call.data, mapping);
+    try {
+      return probing::import_acquisition(call.data, mapping);
+    } catch (const probing::MissingColumn& missing) {
+      if (!can_turn_forces_into_normals(missing, mapping)) throw;
+      mapping.normals_from_forces = true;
+    }
+    probing::ImportedAcquisition imported = probing::import_acquisition(call.data, mapping);
+    spdlog::warn(
+        "{}: has no normals (nx,ny,nz): that of each contact is taken opposite to its mean force, "
+        "as with 'normals: forces'.",
+        files_in_words(call.data));
+    return imported;
   } catch (const probing::MissingColumn& missing) {
     const std::string column =
         missing.name == "id" ? "contacts.id=NAME or samples.id" : missing.name;
@@ -91,12 +116,6 @@ probing::ImportedAcquisition read_data(const ProbeCall& call) {
         error.what(), {{"AcquisitionMapping::columns", call.mapping.empty() ? "--map" : "columns"},
                        {"AcquisitionMapping::", "--mapping: "}}));
   }
-}
-
-std::string files_in_words(const std::vector<fs::path>& files) {
-  std::string names;
-  for (const fs::path& file : files) names += (names.empty() ? "" : " and ") + file.string();
-  return names;
 }
 
 /// Says what is left out of a recording.
@@ -160,11 +179,14 @@ void import_data(const Settings& settings, const ProbeCall& call) {
   if (!call.surface.empty()) surface = surface_of(call, imported.acquisition);
   probing::write_acquisition(call.output, imported.acquisition);
   Json figures = {{"warnings", warnings}};
+  std::string of_surface;
   if (surface) {
     geometry::write_mesh_file(call.surface, *surface);
     figures["surface"] = call.surface.string();
+    of_surface = fmt::format("\nA surface of the contacts, flat between them, written to {}",
+                             call.surface.string());
   }
-  report(settings, imported.acquisition, call.output.string(), figures);
+  report(settings, imported.acquisition, call.output.string(), figures, of_surface);
 }
 
 void export_csv(const Settings& settings, const ProbeCall& call) {

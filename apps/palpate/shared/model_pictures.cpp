@@ -59,9 +59,10 @@ void draw_contact_field(const fs::path& png, const haptics::Model& model,
            },
        .friction_axis = Eigen::Vector3d::UnitZ(),
        .friction_coefficient = fitted.friction},
-      fmt::format(
-          "Contact {}: measured and fitted forces, RMS {:.3f} N, friction coefficient {:.2f}",
-          fitted.id, fitted.rms, fitted.friction));
+      fmt::format("Contact {}: measured and fitted forces, RMS {:.3f} N, friction coefficient {}",
+                  fitted.id, fitted.rms,
+                  haptics::has_unknown_friction(fitted) ? "unknown"
+                                                        : fmt::format("{:.2f}", fitted.friction)));
 }
 
 void draw_leave_one_out(const fs::path& png, const haptics::Model& model,

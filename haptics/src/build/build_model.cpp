@@ -347,7 +347,9 @@ double fit_contacts(const probing::CheckedAcquisition& acquisition,
   return pressed;
 }
 
-void fill_in_friction(Model& model) {
+// \param pressed no sample has a tangential stage: lower bounds then come from what is beside the
+// normal in forces along it, and friction is unknown.
+void fill_in_friction(bool pressed, Model& model) {
   std::vector<double> measured;
   for (const ContactModel& contact : model.contacts) {
     if (contact.friction_source == FrictionSource::samples) measured.push_back(contact.friction);
@@ -362,7 +364,7 @@ void fill_in_friction(Model& model) {
   for (ContactModel& contact : model.contacts) {
     if (contact.friction_source == FrictionSource::samples) continue;
     // A contact's own lower bound is a cautious coefficient (thesis 5.4.1).
-    const bool bounded = contact.friction_lower_bound > mean;
+    const bool bounded = !pressed && contact.friction_lower_bound > mean;
     contact.friction = bounded ? contact.friction_lower_bound : mean;
     contact.friction_error = bounded ? std::nullopt : scatter;
     contact.friction_source = bounded            ? FrictionSource::lower_bound
@@ -451,7 +453,7 @@ BuildResult build_model(const probing::CheckedAcquisition& acquisition,
                           .dot(there.linear() * contacts[i].normal.normalized()));
   }
   const double pressed = fit_contacts(acquisition, source, heights, options, result);
-  fill_in_friction(result.model);
+  fill_in_friction(result.pressing.has_value(), result.model);
   if (options.blend_rule == BlendRule::compliances && pressed > 0) {
     result.model = with_compliances(std::move(result.model), pressed);
   }

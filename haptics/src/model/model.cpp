@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/haptics/model.h"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <unordered_set>
@@ -126,6 +127,14 @@ void check_model(const Model& model) {
       !model.T_surface_acquisition.translation().allFinite()) {
     throw InvalidInput("the model's registration must be a rotation and a finite translation");
   }
+}
+
+bool has_unknown_friction(const ContactModel& contact) {
+  return contact.friction_source == FrictionSource::none && contact.friction == 0;
+}
+
+int unknown_friction_count(const Model& model) {
+  return static_cast<int>(std::ranges::count_if(model.contacts, has_unknown_friction));
 }
 
 Eigen::Matrix3d pressing_frame(const ContactModel& contact) {

@@ -29,6 +29,15 @@ double budget_of(const LoopState& state, const Eigen::Vector3d& way) {
   return state.work - state.force.dot(way) / 2;
 }
 
+PackedField field_of(const Model& model, double unknown_friction) {
+  if (unknown_friction == 0 || unknown_friction_count(model) == 0) return PackedField(model);
+  Model assumed = model;
+  for (ContactModel& contact : assumed.contacts) {
+    if (has_unknown_friction(contact)) contact.friction = unknown_friction;
+  }
+  return PackedField(assumed);
+}
+
 bool pushes(const SlidingContact& contact) {
   return contact.parts.normal >= 0 && contact.force.force.allFinite();
 }
@@ -41,6 +50,7 @@ struct Playback::Impl {
   SurfaceWalk surface;
   Eigen::Matrix3Xd normals;  // of the surface's triangles
   double offset;             // [mm]
+  int unknown_friction_count;
   Ball reach;
 
   Impl(const Model& model, const PlaybackOptions& given);
@@ -71,12 +81,14 @@ struct Playback::Impl {
 
 Playback::Impl::Impl(const Model& model, const PlaybackOptions& given)
     : options(given),
-      field(model),
+      field(field_of(model, given.unknown_friction)),
       surface(model.surface),
       normals(geometry::triangle_normals(model.surface)),
-      offset(kOffsetRatio * geometry::bounding_diagonal(model.surface)) {
+      offset(kOffsetRatio * geometry::bounding_diagonal(model.surface)),
+      unknown_friction_count(haptics::unknown_friction_count(model)) {
   require("PlaybackOptions::tolerance", options.tolerance, above(0).finite(), "N");
   require("PlaybackOptions::energy_credit", options.energy_credit, at_least(0), "N mm");
+  require("PlaybackOptions::unknown_friction", options.unknown_friction, at_least(0).finite());
   require("PlaybackOptions::largest_jump", options.largest_jump, above(0), "N");
   require("PlaybackOptions::start_depth", options.start_depth, at_least(0), "mm");
   require("PlaybackOptions::longest_step", options.longest_step, above(0), "mm");
@@ -340,6 +352,8 @@ Command Playback::step(const Eigen::Vector3d& tool, LoopState& state) const noex
 }
 
 const Playback::Ball& Playback::reach() const noexcept { return impl_->reach; }
+
+int Playback::unknown_friction_count() const noexcept { return impl_->unknown_friction_count; }
 
 const char* to_string(ContactState state) {
   switch (state) {

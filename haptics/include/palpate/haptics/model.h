@@ -21,7 +21,7 @@ namespace palpate::haptics {
 enum class FrictionSource {
   samples,         ///< a cone fitted to this contact's own samples
   other_contacts,  ///< the contact's samples determine none: the mean of the contacts that have one
-  none,            ///< no contact has one: 0, no friction
+  none,            ///< unknown: no contact has one. The coefficient is 0; playback may take another
   /// The contact's samples determine no estimate, for example because nothing slipped, but they
   /// give a lower bound above the mean of the other contacts. The coefficient is that lower bound.
   lower_bound
@@ -121,6 +121,11 @@ inline constexpr double kFrameTolerance = 1e-9;
 
 /// \throws InvalidInput naming the contact or triangle, what is wrong and what would be right.
 void check_model(const Model& model);
+
+/// Whether nothing is known of a contact's friction: its source is `none`, the coefficient 0.
+[[nodiscard]] bool has_unknown_friction(const ContactModel& contact);
+/// Number of contacts whose friction is unknown.
+[[nodiscard]] int unknown_friction_count(const Model& model);
 
 /// Columns: axes of a contact's pressing frame in the world; its frame if it has no compliance.
 [[nodiscard]] Eigen::Matrix3d pressing_frame(const ContactModel& contact);

@@ -52,6 +52,10 @@ struct PlaybackOptions {
   /// alone returns up to 12 N mm on a fitted sheet where mu <= 0.2, and nothing from 0.5 on;
   /// infinity keeps to it. See docs/trade-playback.md.
   double energy_credit = 0.04;
+  /// >= 0. Coefficient of contacts whose friction is unknown (`has_unknown_friction`). Such objects
+  /// were mostly only pressed; their stiffness across the pressing is an assumption as well.
+  /// Frictionless, nothing of it is felt: the force is the one that was measured.
+  double unknown_friction = 0;
   /// [N] > 0. In one tick the force changes by at most this, and by the largest stiffness of a
   /// contact times the tool's movement. Only jumps are longer: at the border, at a start inside.
   double largest_jump = 0.1;
@@ -125,6 +129,9 @@ class Playback {
   };
   /// About the surface and `start_depth` around it: outside, a tool is free wherever it comes from.
   [[nodiscard]] const Ball& reach() const noexcept;
+
+  /// Number of contacts that have `PlaybackOptions::unknown_friction`.
+  [[nodiscard]] int unknown_friction_count() const noexcept;
 
  private:
   struct Impl;
