@@ -19,6 +19,7 @@ inline void expect_same_document(const Model& left, const Model& right) {
   EXPECT_EQ(left.made, right.made);
   EXPECT_EQ(left.interpolation, right.interpolation);
   EXPECT_EQ(left.probe_radius, right.probe_radius);
+  EXPECT_EQ(left.friction_force, right.friction_force);
   EXPECT_EQ(left.T_surface_acquisition.matrix(), right.T_surface_acquisition.matrix());
   ASSERT_EQ(left.contacts.size(), right.contacts.size());
   for (std::size_t i = 0; i < left.contacts.size(); ++i) {
@@ -28,6 +29,7 @@ inline void expect_same_document(const Model& left, const Model& right) {
     EXPECT_EQ(l.frame, r.frame);
     EXPECT_EQ(l.field, r.field);
     EXPECT_EQ(l.friction, r.friction);
+    EXPECT_EQ(l.load_exponent, r.load_exponent);
     EXPECT_EQ(l.friction_source, r.friction_source);
     EXPECT_EQ(l.friction_axis, r.friction_axis);
     EXPECT_EQ(l.friction_error, r.friction_error);
@@ -63,6 +65,8 @@ inline Model some_model() {
   model.contacts[1].friction_error = 0.0123;
   model.contacts[2].friction_source = FrictionSource::lower_bound;
   model.contacts[0].friction_lower_bound = 0.39;
+  model.contacts[1].load_exponent = -0.0912;
+  model.friction_force = 1.37;
   model.contacts[1].fit_mode = FitMode::certified;
   model.contacts[1].shared_local = true;
   model.contacts[2].passivity = Passivity::undecided;

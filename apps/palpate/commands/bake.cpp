@@ -50,6 +50,7 @@ haptics::BuildOptions exact_samples() {
   options.fit.noise = {.displacement = kDisplacement, .force = kForce};
   options.fit.compare_always = true;
   options.friction.force_noise = kForce;
+  options.friction.steady_error = 0;
   return options;
 }
 

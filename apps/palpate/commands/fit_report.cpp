@@ -44,6 +44,13 @@ void tell_friction(const haptics::BuildResult& built) {
                    built.contacts.size(), in_words(stop), contacts_in_words(contacts));
     }
   }
+  if (built.friction_load) {
+    const haptics::FrictionLoadEstimate& found = *built.friction_load;
+    spdlog::info(
+        "friction depends on the load: coefficients hold at a normal force of {:.3g} N and change "
+        "with its power {:.3f} +- {:.3f}.",
+        found.load.force, found.load.exponent, found.exponent_error);
+  }
   if (from_others) spdlog::warn("some of these use the mean friction of the other contacts.");
   if (haptics::unknown_friction_count(built.model) > 0) {
     spdlog::warn(
@@ -262,6 +269,11 @@ Json fit_figures(const haptics::BuildResult& built, bool with_contacts) {
       {"rms", {{"median", statistics.median}, {"p90", statistics.p90}, {"max", statistics.max}}},
       {"per_contact", per_contact}};
   if (built.local_part) figures["shared_local"] = sharing_in_figures(built);
+  if (built.friction_load) {
+    figures["friction_load"] = {{"exponent", built.friction_load->load.exponent},
+                                {"exponent_error", built.friction_load->exponent_error},
+                                {"force", built.friction_load->load.force}};
+  }
   if (built.pressing) figures["pressing"] = pressing_in_figures(*built.pressing);
   return figures;
 }

@@ -148,6 +148,16 @@ std::string friction_in_words(const std::vector<double>& known, int without_own,
       geometry::error_statistics(known).median, without_own, bounds);
 }
 
+// How friction depends on the load, in a line.
+std::string laws_in_words(const haptics::Model& model) {
+  std::string prose;
+  if (model.friction_force > 0) {
+    prose += fmt::format("  friction depends on the load: coefficients are those at {:.3g} N\n",
+                         model.friction_force);
+  }
+  return prose;
+}
+
 Description describe_model(const fs::path& path) {
   const haptics::Model model = haptics::read_model(path);
   std::vector<double> bases, rms, friction;
@@ -170,12 +180,12 @@ Description describe_model(const fs::path& path) {
       "model, {} contacts in {} triangles, on a surface of {} vertices\n"
       "  bases of a contact: {:.0f} in the median, at most {:.0f}\n"
       "  RMS of a contact's fit: {:.4f} N in the median, {:.4f} N at most\n"
-      "  friction coefficient: {}\n"
+      "  friction coefficient: {}\n{}"
       "  measured with a ball of {}\n"
       "  {}: {} bytes, {:.0f} a contact",
       model.contacts.size(), model.triangles.cols(), model.surface.vertices.cols(),
       base_counts.median, base_counts.max, errors.median, errors.max,
-      friction_in_words(friction, without_friction, bounds),
+      friction_in_words(friction, without_friction, bounds), laws_in_words(model),
       model.probe_radius ? fmt::format("{:g} mm radius", *model.probe_radius)
                          : std::string("unknown radius"),
       is_text ? "field.json" : "field.cbor", bytes,

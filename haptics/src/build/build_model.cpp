@@ -12,6 +12,7 @@
 #include <string>
 #include <utility>
 
+#include "build/contact_cones.h"
 #include "build/made.h"
 #include "build/place_contacts.h"
 #include "build/pressing_records.h"
@@ -54,16 +55,6 @@ std::vector<std::size_t> probed_contacts(const probing::CheckedAcquisition& acqu
                        " contacts have samples; at least three are needed");
   }
   return source;
-}
-
-probing::ConeEstimate cone_estimate(const FrictionFit& cone, const Eigen::Vector3d& pressing) {
-  return {.angle = std::atan(cone.coefficient),
-          .angle_deviation = cone.coefficient_error / (1 + cone.coefficient * cone.coefficient),
-          .coefficient = cone.coefficient,
-          .coefficient_error = cone.coefficient_error,
-          .axis = cone.axis,
-          .axis_error = cone.axis_error,
-          .tilt = std::atan2(cone.axis.cross(pressing).norm(), cone.axis.dot(pressing))};
 }
 
 // Whether the samples of a contact determine its friction cone.
@@ -213,34 +204,6 @@ void turn_into_local_frames(std::vector<ForceSamples>& samples, const Model& mod
   }
 }
 
-// Fits the friction cones of all contacts. Where no directions were searched, the cones of the
-// other contacts are the prior.
-std::vector<FrictionFit> fit_cones(const probing::CheckedAcquisition& acquisition,
-                                   const std::vector<std::size_t>& source,
-                                   const FrictionOptions& options) {
-  std::vector<FrictionFit> alone(source.size());
-  const auto fit = [&](std::size_t i, const FrictionOptions& with) {
-    const probing::Contact& contact = acquisition.contacts()[source[i]];
-    return fit_friction(friction_trials(contact, acquisition.samples_of(source[i])), contact.normal,
-                        with);
-  };
-  parallel_for(source.size(), [&](std::size_t i) { alone[i] = fit(i, options); });
-  std::vector<FrictionFit> cones = alone;
-  parallel_for(source.size(), [&](std::size_t i) {
-    if (!alone[i].uses_prior) return;
-    std::vector<probing::ConeEstimate> others;
-    for (std::size_t k = 0; k < alone.size(); ++k) {
-      if (k == i || alone[k].stop != FrictionStop::converged) continue;
-      const Eigen::Vector3d pressing = -acquisition.contacts()[source[k]].normal.normalized();
-      others.push_back(cone_estimate(alone[k], pressing));
-    }
-    FrictionOptions with = options;
-    with.prior = probing::pooled_prior(others, options.force_noise);
-    cones[i] = fit(i, with);
-  });
-  return cones;
-}
-
 // Fields of contacts that were only pressed, from the estimate of all of them together.
 void take_pressing(const std::vector<ForceSamples>& samples, const FitOptions& options,
                    BuildResult& result) {
@@ -313,7 +276,10 @@ double fit_contacts(const probing::CheckedAcquisition& acquisition,
   const FrictionAxisOptions axis{
       .displacement_noise = fit.noise.displacement.value_or(kDisplacementNoise),
       .force_noise = options.friction.force_noise};
-  const std::vector<FrictionFit> cones = fit_cones(acquisition, source, options.friction);
+  const ContactCones cones = fit_contact_cones(acquisition, source, options.friction);
+  result.friction_load = cones.load;
+  const FrictionLoad load = cones.load ? cones.load->load : FrictionLoad{};
+  if (cones.load) result.model.friction_force = load.force;
   std::mutex reporting;
   int done = 0;
   parallel_for(source.size(), [&](std::size_t i) {
@@ -321,8 +287,8 @@ double fit_contacts(const probing::CheckedAcquisition& acquisition,
     ContactReport& report = result.contacts[i];
     const std::vector<FrictionTrial> trials =
         friction_trials(contact, acquisition.samples_of(source[i]));
-    report.friction = cones[i];
-    report.friction_contradictions = contradicting_trials(report.friction, trials);
+    report.friction = cones.cones[i];
+    report.friction_contradictions = contradicting_trials(report.friction, trials, load);
     report.friction_trials = static_cast<int>(trials.size());
     const Eigen::VectorXd forces = samples[i].forces.colwise().norm();
     report.pairs = static_cast<int>(forces.size());
@@ -331,6 +297,7 @@ double fit_contacts(const probing::CheckedAcquisition& acquisition,
     report.friction_axis =
         fit_friction_axis(samples[i], pressing_direction(report.friction, contact), axis);
     take_friction(report, contact, result.model.contacts[i]);
+    result.model.contacts[i].load_exponent = load.exponent;
     const std::lock_guard lock(reporting);
     if (options.progress)
       options.progress(BuildStage::friction, ++done, static_cast<int>(source.size()));

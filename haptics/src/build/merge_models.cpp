@@ -3,6 +3,7 @@
 #include "palpate/haptics/merge_models.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <numeric>
 #include <optional>
@@ -258,6 +259,24 @@ void keep_contacts(std::span<const SideModel> sides, std::vector<MergeCandidate>
   }
 }
 
+// Expresses all coefficients at one normal force: that of the first side whose friction depends on
+// the load. `merged` has the contacts, and their sources.
+void refer_friction(std::span<const SideModel> sides, MergedModel& merged) {
+  for (const SideModel& side : sides) {
+    if (merged.model.friction_force == 0) merged.model.friction_force = side.model.friction_force;
+  }
+  for (std::size_t i = 0; i < merged.model.contacts.size(); ++i) {
+    ContactModel& contact = merged.model.contacts[i];
+    if (contact.load_exponent == 0) continue;
+    const auto side = static_cast<std::size_t>(merged.source[i].side);
+    const double factor = std::pow(merged.model.friction_force / sides[side].model.friction_force,
+                                   contact.load_exponent);
+    contact.friction *= factor;
+    contact.friction_lower_bound *= factor;
+    if (contact.friction_error) *contact.friction_error *= factor;
+  }
+}
+
 // The least reference force of the sides that blend compliances; nullopt if none does.
 std::optional<double> reference_force(std::span<const SideModel> sides) {
   std::optional<double> least;
@@ -333,6 +352,7 @@ MergedModel merge_models(std::span<const SideModel> sides, const MergeModelsOpti
   for (const int i : triangulation.isolated)
     merged.isolated.push_back(merged.model.contacts[static_cast<std::size_t>(i)].id);
   align_frames(merged.model);
+  refer_friction(sides, merged);
   for (ContactModel& contact : merged.model.contacts) contact = rounded(std::move(contact));
   merged.model.probe_radius = probe_radius(sides);
   if (const std::optional<double> force = reference_force(sides))

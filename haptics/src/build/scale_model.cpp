@@ -136,10 +136,11 @@ ScaledModel scale_model(const Model& model, const ScaleModelOptions& options) {
   }
   std::string& before = scaled.made["scaled"];
   before += (before.empty() ? "" : "; ") + description(options);
+  // With `material`, the forces of pressing scale with the object; otherwise they stay the same.
+  const double factor =
+      options.forces == ForceScaling::material ? std::pow(S.determinant(), 2.0 / 3) : 1;
+  scaled.friction_force *= factor;
   if (compliances) {
-    // With `material`, the forces of pressing scale with the object; otherwise they stay the same.
-    const double factor =
-        options.forces == ForceScaling::material ? std::pow(S.determinant(), 2.0 / 3) : 1;
     const double pressed = factor * scaled.interpolation.reference_force;
     scaled = with_compliances(std::move(scaled), pressed);
   }

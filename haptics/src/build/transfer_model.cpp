@@ -92,9 +92,10 @@ TransferredModel transfer_model(const Model& model, const geometry::TriangleMesh
   std::string& before = result.model.made["transferred"];
   before += (before.empty() ? "" : "; ") + std::string("forces: ") + to_string(options.forces) +
             ", " + map.reason;
+  // With `material`, the forces of pressing scale with the object.
+  const double factor = options.forces == ForceScaling::material ? map.scale * map.scale : 1;
+  result.model.friction_force *= factor;
   if (result.model.interpolation.rule == BlendRule::compliances) {
-    // With `material`, the forces of pressing scale with the object.
-    const double factor = options.forces == ForceScaling::material ? map.scale * map.scale : 1;
     const double force = factor * result.model.interpolation.reference_force;
     result.model = with_compliances(std::move(result.model), force);
   }

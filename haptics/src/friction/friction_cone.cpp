@@ -10,6 +10,7 @@
 #include <limits>
 #include <string>
 
+#include "friction/bent_trials.h"
 #include "friction/slip_intervals.h"
 #include "friction/slip_likelihood.h"
 #include "palpate/error.h"
@@ -41,7 +42,10 @@ constexpr double kBoundQuantile = 1.645;
 // The same if nothing slipped, so that there is no most likely cone: there, all trials hold with a
 // probability of 5 %, sqrt(-2 ln 0.05).
 constexpr double kHeldQuantile = 2.448;
-constexpr double kFirstAngleStep = 0.1;   // [rad] of the search if nothing slipped
+constexpr double kFirstAngleStep = 0.1;  // [rad] of the search if nothing slipped
+// The axis about which forces are bent is that of the last fit; after two rounds it moves by less
+// than 0.1 degrees (an exponent of -0.2, an axis 7 degrees from the normal).
+constexpr int kBendingRounds = 2;
 constexpr double kBoundTolerance = 1e-5;  // [rad] of the angle of the lower bound
 
 double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
@@ -167,6 +171,10 @@ double least_angle_of_any(std::span<const FrictionTrial> trials, const Eigen::Ve
 void check(std::span<const FrictionTrial> trials, const Eigen::Vector3d& normal,
            const FrictionOptions& options) {
   require("FrictionOptions::force_noise", options.force_noise, above(0).finite(), "N");
+  require("FrictionOptions::steady_error", options.steady_error, at_least(0).finite(), "N");
+  require("FrictionOptions::load.force", options.load.force, above(0).finite(), "N");
+  require("FrictionOptions::load.exponent", options.load.exponent,
+          at_least(-kLargestLoadExponent).at_most(kLargestLoadExponent));
   if (!(normal.norm() > 0) || !normal.allFinite()) {
     throw InvalidInput("fit_friction(): the normal must be finite and not zero");
   }
@@ -247,10 +255,10 @@ std::vector<FrictionTrial> friction_trials(const probing::Contact& contact,
   return trials;
 }
 
-FrictionFit fit_friction(std::span<const FrictionTrial> trials, const Eigen::Vector3d& normal,
+namespace {
+
+FrictionFit fit_straight(std::span<const FrictionTrial> trials, const Eigen::Vector3d& pressing,
                          const FrictionOptions& options) {
-  check(trials, normal, options);
-  const Eigen::Vector3d pressing = -normal.normalized();
   FrictionFit fit;
   fit.axis = pressing;
   fit.noise = options.force_noise;
@@ -304,15 +312,63 @@ FrictionFit fit_friction(std::span<const FrictionTrial> trials, const Eigen::Vec
   return fit;
 }
 
+// Trials whose tangential forces are smaller by `error`, or 0.
+std::vector<FrictionTrial> with_less_drag(std::vector<FrictionTrial> trials,
+                                          const Eigen::Vector3d& pressing, double error) {
+  for (FrictionTrial& trial : trials) {
+    const Eigen::Vector3d drag = trial.force - trial.force.dot(pressing) * pressing;
+    const double size = drag.norm();
+    if (size > 0) trial.force -= std::min(error / size, 1.0) * drag;
+  }
+  return trials;
+}
+
+// \param less the same fit to tangential forces that are smaller by the steady error.
+void add_steady_error(const FrictionFit& less, FrictionFit& fit) {
+  if (fit.coefficient == 0 || less.coefficient == 0) {
+    // Only the bounds are known, each with 95 % confidence.
+    fit.lower_bound -= kBoundQuantile * std::max(fit.lower_bound - less.lower_bound, 0.0);
+  } else {
+    const double steady = fit.coefficient - less.coefficient;
+    const double below = std::hypot(fit.coefficient - fit.lower_bound, kBoundQuantile * steady);
+    fit.coefficient_error = std::hypot(fit.coefficient_error, steady);
+    fit.lower_bound = fit.coefficient - below;
+  }
+  fit.lower_bound = std::max(fit.lower_bound, 0.0);
+}
+
+}  // namespace
+
+FrictionFit fit_friction(std::span<const FrictionTrial> trials, const Eigen::Vector3d& normal,
+                         const FrictionOptions& options) {
+  check(trials, normal, options);
+  const Eigen::Vector3d pressing = -normal.normalized();
+  FrictionFit fit = fit_straight(trials, pressing, options);
+  std::vector<FrictionTrial> straight(trials.begin(), trials.end());
+  if (options.load.exponent != 0) {
+    for (int round = 0; round < kBendingRounds; ++round) {
+      straight = bent(trials, fit.axis, options.load);
+      fit = fit_straight(straight, pressing, options);
+    }
+  }
+  if (options.steady_error > 0) {
+    const FrictionFit less =
+        fit_straight(with_less_drag(straight, pressing, options.steady_error), pressing, options);
+    add_steady_error(less, fit);
+  }
+  return fit;
+}
+
 std::optional<int> contradicting_trials(const FrictionFit& cone,
-                                        std::span<const FrictionTrial> trials) {
+                                        std::span<const FrictionTrial> trials,
+                                        const FrictionLoad& load) {
   if (cone.stop == FrictionStop::never_slipped || cone.stop == FrictionStop::not_converged ||
       cone.stop == FrictionStop::too_few_directions) {
     return std::nullopt;
   }
   const double cosine = 1 / std::hypot(1, cone.coefficient), sine = cone.coefficient * cosine;
   int count = 0;
-  for (const FrictionTrial& trial : trials) {
+  for (const FrictionTrial& trial : bent(trials, cone.axis, load)) {
     const double along = trial.force.dot(cone.axis);
     const double across = (trial.force - along * cone.axis).norm();
     const double distance = cosine * across - sine * along;  // Eq 5.14

@@ -49,6 +49,7 @@ BlendedField::BlendedField(const Model& model)
     : contacts_(checked(model).contacts),
       mesh_(model.surface),
       interpolation_(model.interpolation),
+      friction_force_(model.friction_force),
       pressing_frames_(pressing_frames(model)),
       surface_(model.surface),
       locator_(make_locator(model, surface_)) {}
@@ -59,6 +60,7 @@ Blend BlendedField::blend(const Eigen::Vector3d& contact) const noexcept {
 
 Blend BlendedField::blend(const geometry::SurfacePoint& contact) const noexcept {
   Blend result;
+  result.friction_force = friction_force_;
   result.contacts = locator_.locate(contact);
   const auto count = static_cast<std::size_t>(result.contacts.count);
   if (count == 0) return result;
@@ -70,6 +72,7 @@ Blend BlendedField::blend(const geometry::SurfacePoint& contact) const noexcept 
     frames[k] = contacts_[i].frame;
     axis += weight * contacts_[i].friction_axis;
     result.friction += weight * contacts_[i].friction;
+    result.load_exponent += weight * contacts_[i].load_exponent;
   }
   const std::span span(frames.data(), count);
   const std::span weights(result.contacts.weights.data(), count);
@@ -139,7 +142,8 @@ FrictionParts friction_parts(const Blend& at, const Eigen::Vector3d& force) noex
   FrictionParts parts;
   parts.normal = force.dot(axis);
   parts.tangential = (force - parts.normal * axis).norm();
-  parts.excess = parts.tangential - at.friction * parts.normal;
+  parts.excess = parts.tangential -
+                 friction_limit(at.friction, at.load_exponent, at.friction_force, parts.normal);
   return parts;
 }
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -100,6 +101,12 @@ ContactCompliance to_compliance(const Node& node) {
   return compliance;
 }
 
+double load_exponent_of(const Node& node) {
+  const double exponent = node.number();
+  if (!(std::abs(exponent) <= kLargestLoadExponent)) node.refuse("a number from -0.5 to 0.5");
+  return exponent;
+}
+
 ContactModel to_contact(const Node& node) {
   ContactModel contact;
   contact.id = node.at("id").integer();
@@ -111,6 +118,8 @@ ContactModel to_contact(const Node& node) {
   const Node friction = node.at("friction"), fit = node.at("fit");
   contact.friction = friction.at("coefficient").number_at_least_zero();
   contact.friction_error = figure(friction.find("error"));
+  if (const auto exponent = friction.find("load_exponent"))
+    contact.load_exponent = load_exponent_of(*exponent);
   contact.friction_lower_bound = friction.at("lower_bound").number_at_least_zero();
   contact.friction_source = choice(friction.at("source"), kFrictionSources);
   contact.friction_axis = to_unit_vector(friction.at("axis"));
@@ -353,6 +362,15 @@ Model read_field_document(const std::string& bytes, ModelEncoding encoding) {
   Model model;
   lists.take(document, model);
   model.interpolation = to_interpolation(document.at("interpolation"));
+  if (const auto force = document.find("friction_force")) {
+    model.friction_force = force->number_above_zero();
+  } else {
+    for (std::size_t i = 0; i < model.contacts.size(); ++i) {
+      if (model.contacts[i].load_exponent == 0) continue;
+      refuse(pointer_to(Lists::kContacts, i) + "/friction/load_exponent",
+             "an exponent without its reference", "the document to have 'friction_force'");
+    }
+  }
   const Node registration = document.at("registration");
   model.T_surface_acquisition.linear() = registration.at("rotation").rows();
   if (!is_rotation(model.T_surface_acquisition.linear(), kFrameTolerance))

@@ -100,6 +100,7 @@ Json friction_to_json(const ContactModel& contact) {
                    {"source", to_string(contact.friction_source)},
                    {"axis", axis_to_json(contact.friction_axis)}};
   put(friction, "error", contact.friction_error);
+  if (contact.load_exponent != 0) friction["load_exponent"] = to_json(contact.load_exponent);
   return friction;
 }
 
@@ -223,7 +224,7 @@ Json valid_texts(const std::map<std::string, std::string>& texts) {
 template <typename Writer>
 void write(Writer writer, const Model& model) {
   constexpr int kMembers = 9;
-  writer.begin(kMembers + (model.probe_radius ? 1 : 0));
+  writer.begin(kMembers + (model.probe_radius ? 1 : 0) + (model.friction_force != 0 ? 1 : 0));
   writer.member("format", kFieldFormat);
   writer.member("version", kFieldVersion);
   writer.member("units", {{"length", "mm"}, {"force", "N"}});
@@ -235,6 +236,7 @@ void write(Writer writer, const Model& model) {
        {"translation", to_json(Eigen::Vector3d(model.T_surface_acquisition.translation()))}});
   if (model.probe_radius) writer.member("probe_radius", to_json(*model.probe_radius));
   writer.member("interpolation", to_json(model.interpolation));
+  if (model.friction_force != 0) writer.member("friction_force", to_json(model.friction_force));
   writer.begin_list("contacts", model.contacts.size());
   for (const ContactModel& contact : model.contacts) writer.item(to_json(contact));
   writer.end_list();

@@ -26,6 +26,8 @@ void check_contact(const ContactModel& contact, const std::string& name) {
     if (value) require([&] { return name + ": " + field; }, *value, at_least(0).finite(), unit);
   };
   check("friction", contact.friction);
+  require([&] { return name + ": load_exponent"; }, contact.load_exponent,
+          at_least(-kLargestLoadExponent).at_most(kLargestLoadExponent));
   check("friction_error", contact.friction_error);
   check("friction_lower_bound", contact.friction_lower_bound);
   check("rms", contact.rms, "N");
@@ -119,6 +121,10 @@ void check_model(const Model& model) {
   }
   check_interpolation(model.interpolation);
   require("Model::probe_radius", model.probe_radius, above(0).finite(), "mm");
+  const bool has_exponent = std::ranges::any_of(
+      model.contacts, [](const ContactModel& contact) { return contact.load_exponent != 0; });
+  require("the model's friction_force", model.friction_force,
+          (has_exponent ? above(0) : at_least(0)).finite(), "N");
   if (model.surface_weights.contacts.cols() > 0) check_weights(model);
   if (model.triangles.cols() > 0 || model.surface_weights.contacts.cols() == 0) {
     geometry::check_mesh(contact_mesh(model), "the model's triangles of contacts");

@@ -63,6 +63,7 @@ ContactModel rounded(ContactModel contact) {
   contact.friction_axis = rounded(to_direction(contact.friction_axis)).normalized();
   contact.field = rounded(std::move(contact.field));
   contact.friction = round_to_digits(contact.friction, kFrictionDigits);
+  contact.load_exponent = round_to_digits(contact.load_exponent, kFrictionDigits);
   for (double* figure : {&contact.friction_lower_bound, &contact.rms})
     *figure = round_to_digits(*figure, kReportDigits);
   for (std::optional<double>* figure :

@@ -22,6 +22,7 @@ std::uint64_t next_id_of_field() {
 PackedField::PackedField(const Model& model)
     : blended_(model),
       reach_(model.interpolation.reach),
+      friction_force_(model.friction_force),
       id_(next_id_of_field()),
       by_compliance_(model.interpolation.rule == BlendRule::compliances) {
   for (const ContactModel& contact : model.contacts) pack(contact);
@@ -77,6 +78,7 @@ void PackedField::pack(const ContactModel& contact) {
   Eigen::Vector3d::Map(c.data() + packed::kPosition) = contact.position;
   Eigen::Vector3d::Map(c.data() + packed::kAxis) = contact.friction_axis;
   c[packed::kFriction] = contact.friction;
+  c[packed::kLoadExponent] = contact.load_exponent;
   if (contact.compliance) {
     const ContactCompliance& given = *contact.compliance;
     Compliance::Map(c.data() + packed::kValues) = given.values;
@@ -104,6 +106,7 @@ void PackedField::select(const geometry::ContactWeights& weights,
   for (std::size_t k = 0; same && k < count; ++k) same = place.contacts[k] == weights.contacts[k];
   if (same) return;
   place.owner = id_;
+  place.friction_force = friction_force_;
   place.count = weights.count;
   for (std::size_t k = 0; k < 4 * ((count + 3) / 4); ++k) {
     const int contact = weights.contacts[k < count ? k : 0];
@@ -118,6 +121,7 @@ void PackedField::copy_blend(const geometry::SurfacePoint& point,
                              PlaceField& place) const noexcept {
   const Blend at = blended_.blend(point);
   place.friction = at.friction;
+  place.load_exponent = at.load_exponent;
   place.cone_axis = at.frame.col(2);
   place.friction_axis = at.friction_axis;
   for (std::size_t k = 0; k < 4 * ((static_cast<std::size_t>(place.count) + 3) / 4); ++k) {
@@ -163,7 +167,8 @@ FrictionParts friction_parts(const PlaceField& at, const Eigen::Vector3d& force)
   FrictionParts parts;
   parts.normal = force.dot(at.cone_axis);
   parts.tangential = (force - parts.normal * at.cone_axis).norm();
-  parts.excess = parts.tangential - at.friction * parts.normal;
+  parts.excess = parts.tangential -
+                 friction_limit(at.friction, at.load_exponent, at.friction_force, parts.normal);
   return parts;
 }
 

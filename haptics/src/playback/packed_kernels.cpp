@@ -175,12 +175,14 @@ PALPATE_INLINE bool blend(const double* position, double reach, const Lanes* wei
     const Vector4 w = load(weights[p]);
     normals += sums(w * load(c[kPressing + 6]), w * load(c[kPressing + 7]),
                     w * load(c[kPressing + 8]), w * load(c[kFriction]));
-    cones += sums(w * load(c[kCone]), w * load(c[kCone + 1]), w * load(c[kCone + 2]), w);
+    cones += sums(w * load(c[kCone]), w * load(c[kCone + 1]), w * load(c[kCone + 2]),
+                  w * load(c[kLoadExponent]));
     places +=
         sums(w * load(c[kPosition]), w * load(c[kPosition + 1]), w * load(c[kPosition + 2]), w);
     axes += sums(w * load(c[kAxis]), w * load(c[kAxis + 1]), w * load(c[kAxis + 2]), w);
   }
   place.friction = normals[3];
+  place.load_exponent = cones[3];
   const double normal_length =
       std::sqrt(normals[0] * normals[0] + normals[1] * normals[1] + normals[2] * normals[2]);
   const double cone_length =

@@ -19,7 +19,8 @@ constexpr int kInverseDepth = 27;    // 1 / u_z
 constexpr int kTrend = 28;           // row by row
 constexpr int kGradientAtZero = 58;  // of the sum of bases alone, without its linear part
 constexpr int kEnergyAtZero = 61;    // the same
-static_assert(kEnergyAtZero + 1 == PlaceField::kConstants);
+constexpr int kLoadExponent = 62;    // of the friction
+static_assert(kLoadExponent + 1 == PlaceField::kConstants);
 
 /// The bases of all contacts.
 struct Bases {

@@ -84,6 +84,23 @@ TEST(ScaleModel, RefitsNothingUniformlyInRoundedFrames) {
   EXPECT_EQ(scale_model(model, {.factor = 1.5}).refitted, 0);
 }
 
+// The limit of the tangential force grows with the forces of the object, and its ratio to the
+// normal force stays.
+TEST(ScaleModel, ScalesTheForceThatFrictionDependsOn) {
+  Model model = uneven_model();
+  model.friction_force = 1.5;
+  for (ContactModel& contact : model.contacts) contact.load_exponent = -0.1;
+  const Model large = scale_model(model, {.factor = 2}).model;
+  EXPECT_NEAR(large.friction_force, 4 * 1.5, 1e-12);
+  for (std::size_t i = 0; i < 4; ++i) {
+    const ContactModel &a = model.contacts[i], &b = large.contacts[i];
+    EXPECT_NEAR(friction_limit(b.friction, b.load_exponent, large.friction_force, 4 * 2.2),
+                4 * friction_limit(a.friction, a.load_exponent, model.friction_force, 2.2), 1e-6);
+  }
+  EXPECT_EQ(scale_model(model, {.factor = 2, .forces = ForceScaling::feel}).model.friction_force,
+            1.5);
+}
+
 TEST(ScaleModel, KeepsForcesOrTheFeelOnRequest) {
   const Model model = uneven_model();
   const Model same_forces = scale_model(model, {.factor = 3, .forces = ForceScaling::forces}).model;

@@ -103,6 +103,11 @@ TEST(FieldDocumentReader, RefusesWhatCannotBe) {
               HasSubstr("/triangles/0/1:"));
   EXPECT_THAT(refused_document([](json& d) { d["triangles"][0][1] = 0xFFFFFFFFFFFFFFFFu; }),
               HasSubstr("/triangles/0/1:"));
+  EXPECT_THAT(
+      refused_document([](json& d) { d["contacts"][3]["friction"]["load_exponent"] = 0.6; }),
+      AllOf(HasSubstr("/contacts/3/friction/load_exponent:"), HasSubstr("0.5")));
+  EXPECT_THAT(refused_document([](json& d) { d.erase("friction_force"); }),
+              AllOf(HasSubstr("/contacts/1/friction/load_exponent:"), HasSubstr("friction_force")));
   EXPECT_THAT(refused_document([](json& d) { d["contacts"][3]["friction"]["coefficient"] = -1; }),
               AllOf(HasSubstr("/contacts/3/friction/coefficient:"), HasSubstr(">= 0")));
   EXPECT_THAT(refused_document([](json& d) {

@@ -32,6 +32,17 @@ TEST(CheckModel, NamesWhatIsWrong) {
               AllOf(HasSubstr("contact 11"), HasSubstr(">= 0")));
   EXPECT_THAT(refused_model([](Model& m) { m.contacts[1].friction_lower_bound = -1; }),
               HasSubstr("contact 11 (entry 1): friction_lower_bound is -1; it must be >= 0"));
+  EXPECT_THAT(refused_model([](Model& m) {
+                m.contacts[1].load_exponent = -0.6;
+                m.friction_force = 1;
+              }),
+              HasSubstr("contact 11 (entry 1): load_exponent is -0.6"));
+  EXPECT_THAT(refused_model([](Model& m) { m.contacts[1].load_exponent = -0.1; }),
+              AllOf(HasSubstr("friction_force is 0"), HasSubstr("> 0")));
+  EXPECT_THAT(refused_model([](Model& m) {
+                m.rate = {{0.3, 0}};
+              }),
+              AllOf(HasSubstr("rate: time is 0"), HasSubstr("> 0")));
   EXPECT_THAT(refused_model([](Model& m) { m.contacts[1].chi2 = -1; }),
               HasSubstr("contact 11 (entry 1): chi2 is -1; it must be >= 0"));
   EXPECT_THAT(refused_model([](Model& m) { m.contacts[1].friction_axis *= 2; }),

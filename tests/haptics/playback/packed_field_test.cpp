@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "height_field_model.h"
@@ -41,6 +42,23 @@ void expect_equal_to_blended(const Model& model, int count) {
 
 TEST(PackedField, EqualsTheBlendedFieldWithCompliances) {
   expect_equal_to_blended(height_field_model({.height = waves, .uneven = true}), 2000);
+}
+
+TEST(PackedField, BlendsHowFrictionDependsOnTheLoad) {
+  Model model = height_field_model({.height = waves, .uneven = true});
+  model.friction_force = 1.3;
+  for (std::size_t i = 0; i < model.contacts.size(); ++i)
+    model.contacts[i].load_exponent = i % 2 == 0 ? -0.2 : 0.05;
+  expect_equal_to_blended(model, 500);
+
+  const PackedField field(model);
+  PlaceField at;
+  const auto place = field.blended().surface().closest_point(model.contacts[24].position);
+  field.move_to(place.at, place.position, at);
+  const ContactModel& contact = model.contacts[24];
+  const double normal = 2.6, limit = contact.friction * normal * std::pow(2.0, -0.2);
+  const Eigen::Vector3d force = normal * at.cone_axis + limit * at.cone_axis.unitOrthogonal();
+  EXPECT_NEAR(friction_parts(at, force).excess, 0, 1e-9);
 }
 
 TEST(PackedField, EqualsTheBlendedFieldAllRoundABall) {

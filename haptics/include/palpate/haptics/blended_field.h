@@ -25,6 +25,8 @@ struct Blend {
   Eigen::Matrix3d field_frame = Eigen::Matrix3d::Identity();  ///< R_c of `BlendedField`
   Eigen::Vector3d friction_axis = Eigen::Vector3d::UnitZ();   ///< unit, world
   double friction = 0;
+  double load_exponent = 0;   ///< of the friction, as in `ContactModel`
+  double friction_force = 0;  ///< [N] as in `Model`
   geometry::ContactWeights
       contacts;  ///< empty if there is no such place, or nothing is known there
   /// A_k and beta_k of `BlendedField`, of the first `contacts.count`.
@@ -85,6 +87,7 @@ class BlendedField {
   std::vector<ContactModel> contacts_;
   geometry::TriangleMesh mesh_;
   Interpolation interpolation_;
+  double friction_force_;
   std::vector<Eigen::Matrix3d> pressing_frames_;
   geometry::SurfaceQuery surface_;
   geometry::ContactLocator locator_;

@@ -26,7 +26,7 @@ enum class BuildStage {
 
 struct BuildOptions {
   FitOptions fit;
-  FrictionOptions friction = {};
+  FrictionOptions friction = {.steady_error = 0.015};
   /// [mm] the contacts count as lying on the surface, and are not registered to it, iff the root
   /// mean square of their distances is at most this; >= 0
   double on_surface = 0.2;
@@ -111,6 +111,8 @@ struct BuildResult {
   /// If all contacts were only pressed: what their fields were made of, in the order of the model's
   /// contacts and the frame of the acquisition.
   std::optional<PressingEstimate> pressing;
+  /// If the friction of the object depends on the load: how.
+  std::optional<FrictionLoadEstimate> friction_load;
   RegistrationOutcome registration = RegistrationOutcome::not_needed;
   /// [mm] of the contacts to the surface as given, without those that cannot fit it (further away
   /// than max_distance + max_motion) if at least three can

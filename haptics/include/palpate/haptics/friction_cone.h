@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "palpate/haptics/friction_limit.h"
 #include "palpate/probing/acquisition.h"
 #include "palpate/probing/cone_posterior.h"
 
@@ -21,9 +22,16 @@ struct FrictionTrial {
 struct FrictionOptions {
   /// [N] standard deviation of each component of an applied force about the commanded one; > 0
   double force_noise = 0.01;
+  /// [N] standard deviation of an error of the tangential force along the drag that is the same in
+  /// all trials of a contact: friction of joints, an offset of the sensor, slips that are noticed
+  /// late because the tip is round. It widens the standard error and lowers the bound; >= 0
+  double steady_error = 0;
   /// What is known of the cone beforehand, where directions were not searched; its force noise is
   /// not used.
   probing::ConePrior prior = {};
+  /// The coefficient and its bound are those at `load.force`. The fit bends the forces of the
+  /// trials so that the boundary becomes a cone: f_N becomes f_N (f_N / force)^exponent.
+  FrictionLoad load = {};
 };
 
 /// How well the trials determine the friction cone.
@@ -90,6 +98,7 @@ inline constexpr double kContradictingDistance = 0.1;
 
 /// Number of trials that contradict a cone; empty if the cone is not determined.
 [[nodiscard]] std::optional<int> contradicting_trials(const FrictionFit& cone,
-                                                      std::span<const FrictionTrial> trials);
+                                                      std::span<const FrictionTrial> trials,
+                                                      const FrictionLoad& load = {});
 
 }  // namespace palpate::haptics

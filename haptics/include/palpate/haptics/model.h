@@ -13,6 +13,7 @@
 #include "palpate/geometry/triangle_mesh.h"
 #include "palpate/haptics/force_field.h"
 #include "palpate/haptics/force_field_fit.h"
+#include "palpate/haptics/friction_limit.h"
 #include "palpate/haptics/passivity_certificate.h"
 
 namespace palpate::haptics {
@@ -67,8 +68,13 @@ struct ContactModel {
   /// Columns: axes of the local frame in the world, right-handed. z is the axis of the friction
   /// cone, the direction of pressing: into the object (thesis 5.4.1).
   Eigen::Matrix3d frame = Eigen::Matrix3d::Identity();
-  ForceField field;     ///< in the local frame
-  double friction = 0;  ///< coefficient; >= 0
+  ForceField field;  ///< in the local frame
+  /// Coefficient; >= 0. With a load exponent it is that under the normal force
+  /// `Model::friction_force`.
+  double friction = 0;
+  /// How the coefficient depends on the normal force f_N: friction (f_N / friction_force)^exponent.
+  /// 0: not at all. In [-0.5, 0.5].
+  double load_exponent = 0;
   /// Standard error of the coefficient, or its standard deviation among the contacts that it is the
   /// mean of; >= 0. A lower bound has none.
   std::optional<double> friction_error = {};
@@ -105,6 +111,8 @@ struct Model {
   Interpolation interpolation;
   /// [mm] > 0 of the ball with which the object was measured; none: not known.
   std::optional<double> probe_radius = {};
+  /// [N] Normal force for which the friction coefficients hold; > 0 if any has a load exponent.
+  double friction_force = 0;
   /// Moves the acquisition onto the surface; the contacts here are moved already.
   Eigen::Isometry3d T_surface_acquisition = Eigen::Isometry3d::Identity();
   std::map<std::string, std::string> made;  ///< how: sources, options, program; UTF-8

@@ -20,13 +20,15 @@ struct alignas(32) Lanes {
 /// made it, and may be passed to it again for the next place, which is then faster if the same
 /// contacts have weight there.
 struct PlaceField {
-  /// What a contact contributes to any place: 62 numbers (`packed_field.cpp` lists them).
-  static constexpr int kConstants = 62;
+  /// What a contact contributes to any place: 63 numbers (`packed_field.cpp` lists them).
+  static constexpr int kConstants = 63;
   static constexpr int kPacks = 3;  ///< of four contacts: `ContactWeights::kMaxCount` fits
 
-  std::uint64_t owner = 0;  ///< which `PackedField`; 0 for none
-  int count = 0;            ///< contacts with weight; 0: nothing is known at the place
-  double friction = 0;      ///< coefficient
+  std::uint64_t owner = 0;    ///< which `PackedField`; 0 for none
+  int count = 0;              ///< contacts with weight; 0: nothing is known at the place
+  double friction = 0;        ///< coefficient
+  double load_exponent = 0;   ///< of the friction, as in `ContactModel`
+  double friction_force = 0;  ///< [N] as in `Model`
   Eigen::Vector3d cone_axis = Eigen::Vector3d::UnitZ();  ///< unit, of the friction cone; inwards
   Eigen::Vector3d friction_axis = Eigen::Vector3d::UnitZ();  ///< as in `Blend`, of any length
 
@@ -92,7 +94,7 @@ class PackedField {
   std::vector<BaseRange> ranges_;                                      // by contact
   std::vector<std::array<double, PlaceField::kConstants>> constants_;  // by contact
   std::vector<Eigen::Matrix3d> local_to_pressing_;                     // by contact
-  double reach_ = 0;
+  double reach_ = 0, friction_force_ = 0;
   double stiffness_bound_ = 0;
   std::uint64_t id_;
   bool by_compliance_ = false;
