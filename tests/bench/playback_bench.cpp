@@ -113,6 +113,29 @@ void slip_against_brent(benchmark::State& state) {
 }
 BENCHMARK(slip_against_brent)->Arg(100)->Unit(benchmark::kMillisecond);
 
+/// What a model that depends on rate and load costs, against the same without. Arguments: terms of
+/// the rate, whether friction depends on the load, and the height above the surface [mm].
+void laws_against_none(benchmark::State& state) {
+  const haptics::Model plain = hill_model(100, 0.5);
+  haptics::Model model = plain;
+  for (int i = 0; i < state.range(0); ++i) model.rate.push_back({0.3, i == 0 ? 0.05 : 0.5});
+  if (state.range(1) != 0) {
+    model.friction_force = 1;
+    for (haptics::ContactModel& contact : model.contacts) contact.load_exponent = -0.1;
+  }
+  const haptics::Playback with(model), without(plain);
+  std::vector<Vector3d> path = wander(static_cast<double>(state.range(2)));
+  path.insert(path.begin(), path.front() + 20 * Vector3d::UnitZ());
+  palpate::bench::run_paired(
+      state, [&] { play(with, path); }, [&] { play(without, path); });
+  report_us(state);
+}
+BENCHMARK(laws_against_none)
+    ->ArgNames({"terms", "load", "height"})
+    ->ArgsProduct({{1, 2}, {0}, {-4, 8}})
+    ->ArgsProduct({{0}, {1}, {-4}})
+    ->Unit(benchmark::kMillisecond);
+
 /// Weights, blend and force at a new place, against the same by `BlendedField`.
 void place_against_blended_field(benchmark::State& state) {
   const haptics::PackedField field(hill_model(100, 0.5));

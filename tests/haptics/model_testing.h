@@ -5,6 +5,7 @@
 #include <sstream>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "model/field_document.h"
 #include "palpate/haptics/contact_compliance.h"
@@ -20,6 +21,7 @@ inline void expect_same_document(const Model& left, const Model& right) {
   EXPECT_EQ(left.interpolation, right.interpolation);
   EXPECT_EQ(left.probe_radius, right.probe_radius);
   EXPECT_EQ(left.friction_force, right.friction_force);
+  EXPECT_EQ(left.rate, right.rate);
   EXPECT_EQ(left.T_surface_acquisition.matrix(), right.T_surface_acquisition.matrix());
   ASSERT_EQ(left.contacts.size(), right.contacts.size());
   for (std::size_t i = 0; i < left.contacts.size(); ++i) {
@@ -67,6 +69,7 @@ inline Model some_model() {
   model.contacts[0].friction_lower_bound = 0.39;
   model.contacts[1].load_exponent = -0.0912;
   model.friction_force = 1.37;
+  model.rate = rounded(std::vector<RateTerm>{{0.31, 0.0721}, {0.22, 1.0 / 3}});
   model.contacts[1].fit_mode = FitMode::certified;
   model.contacts[1].shared_local = true;
   model.contacts[2].passivity = Passivity::undecided;

@@ -48,6 +48,7 @@ struct FitCall {
   std::optional<double> force_noise;
   std::optional<double> probe_radius;  ///< [mm]
   bool estimate_offsets = true;
+  bool rate = false;
   bool shared_local = false;
   int dense_samples = haptics::LocalGlobalOptions{}.dense_samples;
   bool resume = false;
@@ -81,6 +82,7 @@ Json settings_of(const FitCall& call) {
           {"--passive", haptics::to_string(call.fit.mode)},
           {"--force-noise", call.force_noise ? Json(*call.force_noise) : Json()},
           {"--touch-offset", call.estimate_offsets},
+          {"--rate", call.rate},
           {"--max-distance", call.max_distance},
           {"--leave-out", call.max_left_out},
           {"--max-bases", call.fit.max_bases ? Json(*call.fit.max_bases) : Json()},
@@ -139,6 +141,7 @@ haptics::BuildResult build(const probing::CheckedAcquisition& acquisition,
          .dense_samples = call.shared_local ? std::optional(call.dense_samples) : std::nullopt,
          .estimate_offsets = call.estimate_offsets,
          .estimate_force_noise = !call.force_noise,
+         .rate = call.rate,
          .progress = show,
          .known_fit = [&](long long contact) { return record.find(contact); },
          .keep_fit = [&](long long contact,
@@ -146,6 +149,7 @@ haptics::BuildResult build(const probing::CheckedAcquisition& acquisition,
   } catch (const InvalidInput& error) {
     throw InvalidInput(
         with_option_names(error.what(), {{"build_model(): ", call.acquisition.string() + ": "},
+                                         {"BuildOptions::rate: ", "--rate: "},
                                          {"BuildOptions::max_distance", "--max-distance"},
                                          {"BuildOptions::max_left_out = ", "--leave-out "}}));
   }
@@ -296,6 +300,9 @@ void add_fit(CLI::App& app, const Settings& settings) {
       "Where all contacts were only pressed: estimate a constant error of the forces and how deep "
       "below the surface the touches were found, and use them if the measurements support them "
       "(default); none, take forces and touches as recorded");
+  command->add_flag("--rate", call->rate,
+                    "Where all contacts were only pressed, and samples have times: fit how forces "
+                    "depend on the rate, as in tissue, whose loading and unloading differ");
   CLI::Option* shared = command->add_flag(
       "--shared-local", call->shared_local,
       "Learn the local deformation around the tool from contacts with many samples, and fit "

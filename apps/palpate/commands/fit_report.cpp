@@ -125,6 +125,35 @@ void tell_pressing(const haptics::BuildResult& built) {
   }
 }
 
+void tell_rate(const haptics::BuildResult& built) {
+  if (!built.rate) return;
+  const haptics::RateFit& found = *built.rate;
+  if (found.terms.empty()) {
+    spdlog::warn("the {} samples show no dependence of the forces on the rate.", found.samples);
+    return;
+  }
+  for (std::size_t i = 0; i < found.terms.size(); ++i) {
+    spdlog::info(
+        "right after a motion, {:.1f} +- {:.1f} % of the force comes on top, which fades in "
+        "{:.3g} +- {:.2g} s.",
+        100 * found.terms[i].share, 100 * found.errors[i].share, found.terms[i].time,
+        found.errors[i].time);
+  }
+  spdlog::info("with the rate the error is {:.4f} N, without it {:.4f} N (RMS).", found.rms,
+               found.rms_without);
+}
+
+Json rate_in_figures(const haptics::RateFit& found) {
+  Json terms = Json::array();
+  for (std::size_t i = 0; i < found.terms.size(); ++i) {
+    terms.push_back({{"share", found.terms[i].share},
+                     {"share_error", found.errors[i].share},
+                     {"time", found.terms[i].time},
+                     {"time_error", found.errors[i].time}});
+  }
+  return {{"terms", terms}, {"rms", found.rms}, {"rms_without", found.rms_without}};
+}
+
 Json triple(const Eigen::Vector3d& value) { return {value.x(), value.y(), value.z()}; }
 
 Json pressing_in_figures(const haptics::PressingEstimate& found) {
@@ -226,6 +255,7 @@ void tell_build(const haptics::BuildResult& built) {
   tell_friction(built);
   tell_sharing(built);
   tell_pressing(built);
+  tell_rate(built);
   if (built.surface_flipped)
     spdlog::warn("the surface's triangles were reversed to agree with the contact normals.");
 }
@@ -274,6 +304,7 @@ Json fit_figures(const haptics::BuildResult& built, bool with_contacts) {
                                 {"exponent_error", built.friction_load->exponent_error},
                                 {"force", built.friction_load->load.force}};
   }
+  if (built.rate) figures["rate"] = rate_in_figures(*built.rate);
   if (built.pressing) figures["pressing"] = pressing_in_figures(*built.pressing);
   return figures;
 }

@@ -148,12 +148,18 @@ std::string friction_in_words(const std::vector<double>& known, int without_own,
       geometry::error_statistics(known).median, without_own, bounds);
 }
 
-// How friction depends on the load, in a line.
+// How forces depend on the load and the rate, a line for each.
 std::string laws_in_words(const haptics::Model& model) {
   std::string prose;
   if (model.friction_force > 0) {
     prose += fmt::format("  friction depends on the load: coefficients are those at {:.3g} N\n",
                          model.friction_force);
+  }
+  for (const haptics::RateTerm& term : model.rate) {
+    prose += fmt::format(
+        "  rate: {:.1f} % of the force comes on top after a motion, and fades in "
+        "{:.3g} s\n",
+        100 * term.share, term.time);
   }
   return prose;
 }
@@ -202,6 +208,7 @@ Description describe_model(const fs::path& path) {
            {"without_own_friction", without_friction},
            {"friction_lower_bounds", bounds},
            {"probe_radius", number_or_null(model.probe_radius)},
+           {"rate_terms", model.rate.size()},
            {"encoding", is_text ? "json" : "cbor"},
            {"bytes", bytes},
            {"made", made}},

@@ -209,13 +209,15 @@ void play_scene_device(const Settings& settings, DeviceCall call) {
            {.session = session_text(scene),
             .begin =
                 [&](probing::Arm& arm, const haptics::RunOptions& run) {
-                  const std::shared_ptr<haptics::SceneWorld> world = world_of(scene);
+                  const std::shared_ptr<haptics::SceneWorld> world =
+                      world_of(scene, arm.description().period);
                   tell_unknown_friction(scene.file, world->scene());
                   return std::make_unique<haptics::DeviceRun>(arm, world, options, run);
                 },
             .write_trace =
                 [&](const haptics::LoopRecord& record, const PlayJson& figures) {
-                  const std::shared_ptr<haptics::SceneWorld> world = world_of(scene);
+                  const std::shared_ptr<haptics::SceneWorld> world =
+                      world_of(scene, record.device.period);
                   write_scene_traces(call.trace, scene.file, world->scene(),
                                      haptics::trace_of(record, *world), figures);
                 }});

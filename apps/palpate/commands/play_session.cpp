@@ -96,9 +96,11 @@ std::string session_text(const SceneOfDevice& scene) {
   return text_of({{"scene", prints_of(scene)}, {"tool", scene.file.tools[scene.tool]}});
 }
 
-std::shared_ptr<haptics::SceneWorld> world_of(const SceneOfDevice& scene) {
+std::shared_ptr<haptics::SceneWorld> world_of(const SceneOfDevice& scene, double tick) {
+  haptics::SceneFile file = scene.file;
+  file.options.tick = tick;
   return std::make_shared<haptics::SceneWorld>(
-      std::make_shared<const haptics::Scene>(haptics::make_scene(scene.file, playable_model)),
+      std::make_shared<const haptics::Scene>(haptics::make_scene(file, playable_model)),
       scene.file.motion, scene.tool);
 }
 
@@ -164,7 +166,7 @@ void play_scene_replay(const Settings& settings, const fs::path& path, const fs:
         "{}: is not what it was in the session{}", now[i].at("path").get<std::string>(),
         known ? ", where it was " + then[i].value("path", "another file") : std::string()));
   }
-  report_replay(settings, session, haptics::replay(record, *world_of(scene)));
+  report_replay(settings, session, haptics::replay(record, *world_of(scene, record.device.period)));
 }
 
 }  // namespace palpate::apps

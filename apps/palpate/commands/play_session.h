@@ -30,8 +30,10 @@ struct SceneOfDevice {
 [[nodiscard]] SceneOfDevice read_scene_of_device(const std::filesystem::path& path,
                                                  const std::string& tool);
 [[nodiscard]] std::string session_text(const SceneOfDevice& scene);
-/// The scene before its first tick. \throws InvalidInput naming a model that cannot be felt.
-[[nodiscard]] std::shared_ptr<haptics::SceneWorld> world_of(const SceneOfDevice& scene);
+/// The scene before its first tick, with ticks of the device [s].
+/// \throws InvalidInput naming a model that cannot be felt.
+[[nodiscard]] std::shared_ptr<haptics::SceneWorld> world_of(const SceneOfDevice& scene,
+                                                            double tick);
 
 /// \throws InvalidInput naming the folder if the model cannot be felt with a device.
 [[nodiscard]] haptics::Model playable_model(const std::filesystem::path& folder);

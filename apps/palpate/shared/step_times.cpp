@@ -15,9 +15,11 @@ StepTimes time_steps(const haptics::Playback& playback,
   all.reserve(trajectory.size());
   for (std::vector<double>& times : by_state) times.reserve(trajectory.size());
   haptics::LoopState state;
+  double before = trajectory.empty() ? 0 : trajectory.front().time;
   for (const haptics::TrajectoryPoint& point : trajectory) {
     const Clock::time_point start = Clock::now();
-    const haptics::Command command = playback.step(point.tool, state);
+    const haptics::Command command = playback.step(point.tool, state, point.time - before);
+    before = point.time;
     const double elapsed = std::chrono::duration<double, std::micro>(Clock::now() - start).count();
     by_state[static_cast<std::size_t>(command.state)].push_back(elapsed);
     all.push_back(elapsed);

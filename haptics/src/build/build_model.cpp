@@ -15,6 +15,7 @@
 #include "build/contact_cones.h"
 #include "build/made.h"
 #include "build/place_contacts.h"
+#include "build/pressing_rate.h"
 #include "build/pressing_records.h"
 #include "fit/pressing_field.h"
 #include "palpate/error.h"
@@ -253,7 +254,17 @@ void estimate_pressed(const probing::CheckedAcquisition& acquisition,
   PressingOptions with{.estimate_offsets = options.estimate_offsets};
   if (!options.estimate_force_noise && options.fit.noise.force > 0)
     with.force_noise = options.fit.noise.force;
-  result.pressing = estimate_pressing(contacts, with);
+  if (options.rate) {
+    std::vector<std::span<const probing::Sample>> records;
+    for (const std::size_t i : source) records.push_back(acquisition.samples_of(i));
+    PressedRate found = estimate_pressed_rate(contacts, records, with);
+    result.pressing = std::move(found.estimate);
+    result.rate = std::move(found.rate);
+    result.model.rate = rounded(result.rate->terms);
+    contacts = std::move(found.contacts);
+  } else {
+    result.pressing = estimate_pressing(contacts, with);
+  }
   for (std::size_t i = 0; i < contacts.size(); ++i)
     samples[i] = corrected(contacts[i], result.pressing->offsets, result.pressing->curves[i].touch);
   store_offsets(result.pressing->offsets, result.model);
@@ -268,8 +279,14 @@ double fit_contacts(const probing::CheckedAcquisition& acquisition,
   parallel_for(source.size(), [&](std::size_t i) {
     samples[i] = realign(acquisition.contacts()[source[i]], acquisition.samples_of(source[i]));
   });
-  if (is_pressing_only(acquisition, source))
+  if (is_pressing_only(acquisition, source)) {
     estimate_pressed(acquisition, source, heights, options, samples, result);
+  } else if (options.rate) {
+    throw InvalidInput(
+        "BuildOptions::rate: how forces depend on the rate is fitted to contacts that were only "
+        "pressed, with the time of each sample; some of these samples have drags, or displacements "
+        "in several directions, and their motion between is not known");
+  }
   // Estimate the noise from all contacts, as one tool and one tracker measured them.
   FitOptions fit = options.fit;
   if (!fit.noise.displacement) fit.noise.displacement = pooled_displacement_noise(samples);

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "build/made.h"
+#include "build/pressing_rate.h"
 #include "build/pressing_records.h"
 #include "model/compliance_kriging.h"
 #include "palpate/error.h"
@@ -53,6 +54,19 @@ void check_same_samples(const Model& model, const probing::CheckedAcquisition& a
                      "the acquisition that the model was made of, or fit it to this one");
 }
 
+// Takes off what the rate adds to the forces, by the contact's own field: those that stay are
+// predicted. `samples` are in the frame of the acquisition.
+void take_off_rate(const ContactModel& contact, const Model& model,
+                   const probing::Contact& measured, std::span<const probing::Sample> records,
+                   ForceSamples& samples) {
+  if (model.rate.empty()) return;
+  const Eigen::Matrix3d to_local = contact.frame.transpose() * model.T_surface_acquisition.linear();
+  samples.forces -=
+      to_local.transpose() * pressed_rate_forces(model.rate, contact.field, contact.id, records,
+                                                 to_local * samples.displacements,
+                                                 -(to_local * measured.normal).normalized());
+}
+
 // The realigned samples of a contact of the model, in the frame of the surface. Displacements are
 // relative to the measured contact.
 ForceSamples samples_of(const ContactModel& contact, const Model& model,
@@ -83,6 +97,7 @@ ForceSamples samples_of(const ContactModel& contact, const Model& model,
     samples = realign(measured, acquisition.samples_of(*source));
   }
   const Eigen::Matrix3d rotation = model.T_surface_acquisition.linear();
+  take_off_rate(contact, model, measured, acquisition.samples_of(*source), samples);
   samples.displacements = rotation * samples.displacements;
   samples.forces = rotation * samples.forces;
   return samples;

@@ -277,6 +277,15 @@ void refer_friction(std::span<const SideModel> sides, MergedModel& merged) {
   }
 }
 
+// The sides are of one object: how its force depends on the rate is kept if all agree.
+void take_rate(std::span<const SideModel> sides, Model& merged) {
+  const std::vector<RateTerm>& rate = sides[0].model.rate;
+  if (std::ranges::all_of(sides, [&](const SideModel& side) { return side.model.rate == rate; }))
+    merged.rate = rate;
+  else
+    merged.made["rate"] = "left out, because it differs between the models";
+}
+
 // The least reference force of the sides that blend compliances; nullopt if none does.
 std::optional<double> reference_force(std::span<const SideModel> sides) {
   std::optional<double> least;
@@ -352,6 +361,7 @@ MergedModel merge_models(std::span<const SideModel> sides, const MergeModelsOpti
   for (const int i : triangulation.isolated)
     merged.isolated.push_back(merged.model.contacts[static_cast<std::size_t>(i)].id);
   align_frames(merged.model);
+  take_rate(sides, merged.model);
   refer_friction(sides, merged);
   for (ContactModel& contact : merged.model.contacts) contact = rounded(std::move(contact));
   merged.model.probe_radius = probe_radius(sides);

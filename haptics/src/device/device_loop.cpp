@@ -22,7 +22,8 @@ DeviceLoop::DeviceLoop(const probing::ArmDescription& device, const DeviceLoopOp
       rotation_(options.T_world_device.linear()),
       scale_(options.scale.value_or(device.workspace_scale)),
       clutch_buttons_(options.clutch_buttons | device.clutch_buttons),
-      safety_(options.safety) {
+      safety_(options.safety),
+      model_(device.period) {
   require("DeviceLoopOptions::scale", scale_, above(0).finite(), "mm/mm");
   check_coupling(options.coupling);
   constexpr double kRotation = 1e-9;  // of the entries of R^T R

@@ -143,6 +143,16 @@ Interpolation to_interpolation(const Node& node) {
   return result;
 }
 
+std::vector<RateTerm> to_rate(const Node& node) {
+  std::vector<RateTerm> rate;
+  for (const Node& term : node.items()) {
+    rate.push_back({.share = term.at("share").number_above_zero(),
+                    .time = term.at("time").number_above_zero()});
+  }
+  if (rate.size() > DelayedDisplacements::kMost) node.refuse("at most two terms");
+  return rate;
+}
+
 std::string pointer_to(const char* list, std::size_t index) {
   return std::string("/") + list + "/" + std::to_string(index);
 }
@@ -371,6 +381,7 @@ Model read_field_document(const std::string& bytes, ModelEncoding encoding) {
              "an exponent without its reference", "the document to have 'friction_force'");
     }
   }
+  if (const auto rate = document.find("rate")) model.rate = to_rate(*rate);
   const Node registration = document.at("registration");
   model.T_surface_acquisition.linear() = registration.at("rotation").rows();
   if (!is_rotation(model.T_surface_acquisition.linear(), kFrameTolerance))

@@ -144,6 +144,13 @@ Json to_json(const Interpolation& interpolation) {
   return result;
 }
 
+Json to_json(const std::vector<RateTerm>& rate) {
+  Json result = Json::array();
+  for (const RateTerm& term : rate)
+    result.push_back({{"share", to_json(term.share)}, {"time", to_json(term.time)}});
+  return result;
+}
+
 // Writes an object as text, member by member: a line for a short member, a line for each list item.
 class TextWriter {
  public:
@@ -224,7 +231,8 @@ Json valid_texts(const std::map<std::string, std::string>& texts) {
 template <typename Writer>
 void write(Writer writer, const Model& model) {
   constexpr int kMembers = 9;
-  writer.begin(kMembers + (model.probe_radius ? 1 : 0) + (model.friction_force != 0 ? 1 : 0));
+  writer.begin(kMembers + (model.probe_radius ? 1 : 0) + (model.friction_force != 0 ? 1 : 0) +
+               (model.rate.empty() ? 0 : 1));
   writer.member("format", kFieldFormat);
   writer.member("version", kFieldVersion);
   writer.member("units", {{"length", "mm"}, {"force", "N"}});
@@ -237,6 +245,7 @@ void write(Writer writer, const Model& model) {
   if (model.probe_radius) writer.member("probe_radius", to_json(*model.probe_radius));
   writer.member("interpolation", to_json(model.interpolation));
   if (model.friction_force != 0) writer.member("friction_force", to_json(model.friction_force));
+  if (!model.rate.empty()) writer.member("rate", to_json(model.rate));
   writer.begin_list("contacts", model.contacts.size());
   for (const ContactModel& contact : model.contacts) writer.item(to_json(contact));
   writer.end_list();

@@ -123,6 +123,14 @@ void check_model(const Model& model) {
   require("Model::probe_radius", model.probe_radius, above(0).finite(), "mm");
   const bool has_exponent = std::ranges::any_of(
       model.contacts, [](const ContactModel& contact) { return contact.load_exponent != 0; });
+  if (model.rate.size() > DelayedDisplacements::kMost) {
+    throw InvalidInput("the model's rate has " + std::to_string(model.rate.size()) +
+                       " terms; there are at most " + std::to_string(DelayedDisplacements::kMost));
+  }
+  for (const RateTerm& term : model.rate) {
+    require("the model's rate: share", term.share, above(0).finite());
+    require("the model's rate: time", term.time, above(0).finite(), "s");
+  }
   require("the model's friction_force", model.friction_force,
           (has_exponent ? above(0) : at_least(0)).finite(), "N");
   if (model.surface_weights.contacts.cols() > 0) check_weights(model);

@@ -15,6 +15,7 @@ namespace {
 
 constexpr int kPositionDigits = 9;
 constexpr int kFrictionDigits = 6;
+constexpr int kRateDigits = 6;
 constexpr int kReportDigits = 4;  // of errors and other figures that nothing is computed from
 
 // `std::to_chars` writes the nearest decimal, and reading it gives the same double as reading the
@@ -71,6 +72,14 @@ ContactModel rounded(ContactModel contact) {
     if (*figure) *figure = round_to_digits(**figure, kReportDigits);
   }
   return contact;
+}
+
+std::vector<RateTerm> rounded(std::vector<RateTerm> rate) {
+  for (RateTerm& term : rate) {
+    term.share = round_to_digits(term.share, kRateDigits);
+    term.time = round_to_digits(term.time, kRateDigits);
+  }
+  return rate;
 }
 
 }  // namespace palpate::haptics

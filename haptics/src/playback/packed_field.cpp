@@ -23,9 +23,13 @@ PackedField::PackedField(const Model& model)
     : blended_(model),
       reach_(model.interpolation.reach),
       friction_force_(model.friction_force),
+      rate_(model.rate),
       id_(next_id_of_field()),
       by_compliance_(model.interpolation.rule == BlendRule::compliances) {
   for (const ContactModel& contact : model.contacts) pack(contact);
+  double at_once = 1;
+  for (const RateTerm& term : rate_) at_once += term.share;
+  stiffness_bound_ *= at_once;
 }
 
 void PackedField::pack(const ContactModel& contact) {
@@ -161,6 +165,17 @@ FieldForce PackedField::force(const PlaceField& place,
   packed::evaluate(place, {isotropic_.data(), ridges_.data(), ranges_.data()}, displacement.data(),
                    result);
   return {{result.of[0], result.of[1], result.of[2]}, result.of[3]};
+}
+
+FieldForce PackedField::force(const PlaceField& place, const Eigen::Vector3d& displacement,
+                              const DelayedDisplacements& delayed) const noexcept {
+  FieldForce sum = force(place, displacement);
+  for (std::size_t i = 0; i < rate_.size(); ++i) {
+    const FieldForce part = force(place, displacement - delayed.of[i]);
+    sum.force += rate_[i].share * part.force;
+    sum.energy += rate_[i].share * part.energy;
+  }
+  return sum;
 }
 
 FrictionParts friction_parts(const PlaceField& at, const Eigen::Vector3d& force) noexcept {

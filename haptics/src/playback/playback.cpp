@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 
+#include "palpate/error.h"
 #include "palpate/require.h"
 #include "playback/slip_search.h"
 #include "playback/surface_walk.h"
@@ -22,6 +23,9 @@ constexpr double kOnEdge = 100;
 // The start is in front of all sides of a crease if its direction has at least this cosine to their
 // normals.
 constexpr double kLeastOpening = 1e-6;
+
+// Within 1e-3 of what is delayed; what is left pushes.
+constexpr int kFollowingHalvings = 10;
 
 // [N mm] What the user has put in until the middle of a tick. Work is that of the commanded forces,
 // by the trapezoidal rule.
@@ -68,7 +72,11 @@ struct Playback::Impl {
   [[nodiscard]] SlidingContact slip(const SlidingContact& start, const Eigen::Vector3d& tool,
                                     const Eigen::Vector3d& way, LoopState& state) const;
   [[nodiscard]] SlidingContact contact_at(const TouchPoint& point, const Eigen::Vector3d& tool,
+                                          const DelayedDisplacements& delayed,
                                           PlaceField& place) const;
+  [[nodiscard]] SlidingContact moved_contact(const TouchPoint& point, const Eigen::Vector3d& tool,
+                                             LoopState& state) const;
+  void let_follow(const Eigen::Vector3d& tool, LoopState& state, SlidingContact& contact) const;
   [[nodiscard]] bool stays_inside(const SlidingContact& start, const Eigen::Vector3d& tool,
                                   const Eigen::Vector3d& way, LoopState& state,
                                   SlidingContact& contact) const;
@@ -93,6 +101,11 @@ Playback::Impl::Impl(const Model& model, const PlaybackOptions& given)
   require("PlaybackOptions::start_depth", options.start_depth, at_least(0), "mm");
   require("PlaybackOptions::longest_step", options.longest_step, above(0), "mm");
   require("PlaybackOptions::hold_ticks", options.hold_ticks, at_least(0));
+  if (!model.rate.empty() && options.motion != ContactMotion::bracketed) {
+    throw InvalidInput(
+        "PlaybackOptions::motion: the model's forces depend on the rate, which only 'bracketed' "
+        "takes into account");
+  }
   const Eigen::Matrix3Xd& vertices = model.surface.vertices;
   reach.center = (vertices.rowwise().minCoeff() + vertices.rowwise().maxCoeff()) / 2;
   reach.radius =
@@ -188,30 +201,65 @@ bool Playback::Impl::is_still_inside(const Eigen::Vector3d& way, LoopState& stat
   if (field.blended().surface().first_hit(state.tool - way, state.tool)) return false;
   if (!is_inside(state.tool, state.proxy)) return false;
   state.has_place = false;
+  state.delayed.of.fill(state.tool - state.proxy.position);
   return true;
 }
 
 SlidingContact Playback::Impl::contact_at(const TouchPoint& point, const Eigen::Vector3d& tool,
+                                          const DelayedDisplacements& delayed,
                                           PlaceField& place) const {
   field.move_to(point.at, point.position, place);
   SlidingContact contact{.at = {point.at.triangle, point.position},
-                         .force = field.force(place, tool - point.position),
+                         .force = field.force(place, tool - point.position, delayed),
                          .parts = {}};
   contact.parts = friction_parts(place, contact.force.force);
   return contact;
+}
+
+// A contact that jumps to another place, where the object is as if at rest: that stores the least.
+SlidingContact Playback::Impl::moved_contact(const TouchPoint& point, const Eigen::Vector3d& tool,
+                                             LoopState& state) const {
+  state.delayed.of.fill(tool - point.position);
+  return contact_at(point, tool, state.delayed, state.place);
 }
 
 // \param way of the tool in this tick.
 SlidingContact Playback::Impl::slip(const SlidingContact& start, const Eigen::Vector3d& tool,
                                     const Eigen::Vector3d& way, LoopState& state) const {
   if (options.motion == ContactMotion::bracketed) {
-    return search_slip(
-        field, surface, start, tool,
-        {.tolerance = options.tolerance, .budget = budget_of(state, way), .moved = way},
-        state.place, state.slip_slope);
+    return search_slip(field, surface, start, tool,
+                       {.tolerance = options.tolerance,
+                        .budget = budget_of(state, way),
+                        .moved = way,
+                        .delayed = state.delayed},
+                       state.place, state.slip_slope);
   }
   const auto move = options.motion == ContactMotion::brent ? slip_contact : slip_by_boundary;
-  return contact_at(move(field.blended(), normals, state.proxy, tool), tool, state.place);
+  return contact_at(move(field.blended(), normals, state.proxy, tool), tool, state.delayed,
+                    state.place);
+}
+
+// Where the object would pull the tool because it returns more slowly: lets the delayed
+// displacements follow until it does not. u - z shrinks to the largest part of itself at which the
+// normal force is not negative, in halvings; at 0 the force is that of the field.
+void Playback::Impl::let_follow(const Eigen::Vector3d& tool, LoopState& state,
+                                SlidingContact& contact) const {
+  if (field.rate().empty() || !(contact.parts.normal < 0)) return;
+  const Eigen::Vector3d displacement = tool - contact.at.position;
+  const DelayedDisplacements before = state.delayed;
+  double low = 0, high = 1;
+  const auto follow = [&](double part) {
+    for (std::size_t i = 0; i < before.of.size(); ++i)
+      state.delayed.of[i] = displacement - part * (displacement - before.of[i]);
+    contact.force = field.force(state.place, displacement, state.delayed);
+    contact.parts = friction_parts(state.place, contact.force.force);
+    return contact.parts.normal >= 0;
+  };
+  for (int i = 0; i < kFollowingHalvings; ++i) {
+    const double middle = (low + high) / 2;
+    (follow(middle) ? low : high) = middle;
+  }
+  follow(low);
 }
 
 // Keeps a contact that slips off the border, or pulls, while the tool is still behind the surface,
@@ -222,9 +270,11 @@ bool Playback::Impl::stays_inside(const SlidingContact& start, const Eigen::Vect
                                   SlidingContact& contact) const {
   TouchPoint nearest;
   if (!is_inside(tool, nearest)) return false;
-  contact = contact_at(nearest, tool, state.place);
+  const DelayedDisplacements delayed = state.delayed;
+  contact = moved_contact(nearest, tool, state);
   if (cost_of(contact, way) > std::max(budget_of(state, way), cost_of(start, way))) {
     contact = start;
+    state.delayed = delayed;
     field.move_to(surface.point(start.at), start.at.position, state.place);
   }
   // The tool is pushed back to its contact, unless the object has bases that pull.
@@ -238,7 +288,7 @@ bool Playback::Impl::pushes_elsewhere(const Eigen::Vector3d& tool, const Eigen::
   const SlidingContact pulling = contact;
   TouchPoint other;
   if (enters(lifted(state.proxy), tool, other) && other.at.triangle != state.proxy.at.triangle) {
-    contact = contact_at(other, tool, state.place);
+    contact = moved_contact(other, tool, state);
     if (pushes(contact)) return true;
   }
   return stays_inside(pulling, tool, way, state, contact);
@@ -263,6 +313,7 @@ Command Playback::Impl::let_go(const Eigen::Vector3d& proxy, double moved, LoopS
   state.contact_state = ContactState::free;
   state.has_place = false;
   state.slip_slope = 0;
+  state.delayed = {};
   state.proxy.position = proxy;
   Command command = respond(Eigen::Vector3d::Zero(), moved, state);
   command.contact = state.tool;
@@ -285,7 +336,8 @@ Playback::~Playback() = default;
 Playback::Playback(Playback&&) noexcept = default;
 Playback& Playback::operator=(Playback&&) noexcept = default;
 
-Command Playback::step(const Eigen::Vector3d& tool, LoopState& state) const noexcept {
+Command Playback::step(const Eigen::Vector3d& tool, LoopState& state,
+                       double seconds) const noexcept {
   const Impl& self = *impl_;
   if (state.playback != self.field.id()) {
     state = {};
@@ -298,6 +350,7 @@ Command Playback::step(const Eigen::Vector3d& tool, LoopState& state) const noex
     state.has_proxy = state.has_place = false;
     state.force.setZero();
     state.slip_slope = 0;
+    state.delayed = {};
     if (!tool.allFinite()) return {.held = true};
     moved = 0;
   }
@@ -315,6 +368,7 @@ Command Playback::step(const Eigen::Vector3d& tool, LoopState& state) const noex
   } else {
     started_inside = touches = self.is_inside(tool, state.proxy);
     state.has_proxy = true;
+    if (touches) state.delayed.of.fill(tool - state.proxy.position);
   }
   if (!touches) return self.let_go(tool, moved, state);
 
@@ -322,10 +376,12 @@ Command Playback::step(const Eigen::Vector3d& tool, LoopState& state) const noex
   state.contact_state = ContactState::stick;
   if (!state.has_place) self.field.move_to(state.proxy.at, state.proxy.position, state.place);
   state.has_place = true;
-  SlidingContact contact{.at = {state.proxy.at.triangle, state.proxy.position},
-                         .force = self.field.force(state.place, tool - state.proxy.position),
-                         .parts = {}};
+  SlidingContact contact{
+      .at = {state.proxy.at.triangle, state.proxy.position},
+      .force = self.field.force(state.place, tool - state.proxy.position, state.delayed),
+      .parts = {}};
   contact.parts = friction_parts(state.place, contact.force.force);
+  self.let_follow(tool, state, contact);
   if (contact.parts.excess > self.options.tolerance) {
     const SlidingContact start = contact;
     contact = self.slip(start, tool, way, state);
@@ -336,6 +392,7 @@ Command Playback::step(const Eigen::Vector3d& tool, LoopState& state) const noex
       state.contact_state = ContactState::slip;
       state.proxy = self.touch_point(contact.at, state.proxy.normal);
     }
+    self.let_follow(tool, state, contact);
   }
   if (!pushes(contact)) {
     // Start outside the surface, so that a tool that is still behind it may touch again.
@@ -348,6 +405,7 @@ Command Playback::step(const Eigen::Vector3d& tool, LoopState& state) const noex
   Command command = self.respond(-contact.force.force, moved, state);
   command.started_inside = started_inside;
   state.work -= (force_before + state.force).dot(way) / 2;
+  relax(self.field.rate(), tool - state.proxy.position, seconds, state.delayed);
   return command;
 }
 
@@ -372,8 +430,10 @@ std::vector<TracePoint> play(const Playback& playback,
   std::vector<TracePoint> trace;
   trace.reserve(trajectory.size());
   LoopState state;
+  double before = trajectory.empty() ? 0 : trajectory.front().time;
   for (const TrajectoryPoint& point : trajectory) {
-    const Command command = playback.step(point.tool, state);
+    const Command command = playback.step(point.tool, state, point.time - before);
+    before = point.time;
     trace.push_back({point.time, point.tool, command.contact, command.force, command.state});
   }
   return trace;

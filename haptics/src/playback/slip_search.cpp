@@ -89,7 +89,7 @@ class SlipSearcher {
   const SlidingContact& evaluate(const SurfacePlace& at) {
     field_.move_to(surface_.point(at), at.position, place_);
     last_.at = at;
-    last_.force = field_.force(place_, tool_ - at.position);
+    last_.force = field_.force(place_, tool_ - at.position, options_.delayed);
     last_.parts = friction_parts(place_, last_.force.force);
     tangential_ = last_.force.force - last_.parts.normal * place_.cone_axis;
     return last_;

@@ -16,6 +16,7 @@ struct SlipSearchOptions {
   /// most this, or what it is at the start if that is more.
   double budget = std::numeric_limits<double>::infinity();
   Eigen::Vector3d moved = Eigen::Vector3d::Zero();  ///< [mm] by the tool in this tick
+  DelayedDisplacements delayed = {};                ///< stay as they are in the search
 };
 
 /// A contact with the force at it.

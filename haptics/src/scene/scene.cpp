@@ -83,6 +83,7 @@ SceneState& SceneState::operator=(const SceneState& other) {
 Scene::Scene(std::vector<SceneObject> objects, const SceneOptions& options)
     : objects_(std::move(objects)), options_(options), id_(next_scene_id()) {
   require("SceneOptions::closest_tools", options.closest_tools, at_least(0).finite(), "mm");
+  require("SceneOptions::tick", options.tick, above(0).finite(), "s");
   require("SceneOptions::fade_ticks", options.fade_ticks, at_least(1));
   if (objects_.empty()) throw InvalidInput("Scene: there is no object; at least one is needed");
   std::set<std::string> names;
@@ -130,7 +131,7 @@ void Scene::touch(std::size_t object, const Eigen::Vector3d& tool, SceneState::P
     if (pair.has_last) static_cast<void>(playback.step(pair.last, loop));
     pair.away = false;
   }
-  pair.command = playback.step(tool, loop);
+  pair.command = playback.step(tool, loop, options_.tick);
   if (has_force(pair.command) || pair.command.held || !passes(reach, tool, 0)) return;
   pair.away = true;
   pair.last = tool;

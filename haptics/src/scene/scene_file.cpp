@@ -85,6 +85,7 @@ SceneFile scene_of(const json& document, const std::filesystem::path& folder) {
   if (const auto ticks = root.find("fade_ticks"))
     scene.options.fade_ticks = ticks->integer_between(1, kMostFadeTicks);
   if (const auto rate = root.find("rate")) scene.motion.rate = rate->number_above_zero();
+  scene.options.tick = 1 / scene.motion.rate;
 
   std::set<std::string> object_names, tool_names;
   const std::vector<DocumentNode> objects = root.at("objects").items(),

@@ -132,6 +132,28 @@ TEST(MergeModels, BlendsCompliancesLikeOneModelIfItsSidesDo) {
   for (const ContactModel& contact : forces.contacts) EXPECT_FALSE(contact.compliance);
 }
 
+TEST(MergeModels, KeepsHowForcesDependOnLoadAndRate) {
+  std::vector<SideModel> sides = halves_of_a_dome();
+  const double forces[] = {1.5, 0.6};
+  for (std::size_t k = 0; k < 2; ++k) {
+    sides[k].model.friction_force = forces[k];
+    sides[k].model.rate = {{0.3, 0.1}};
+    for (ContactModel& contact : sides[k].model.contacts) contact.load_exponent = -0.15;
+  }
+  const MergedModel merged = merge_models(sides);
+  EXPECT_EQ(merged.model.rate, sides[0].model.rate);
+  for (std::size_t i = 0; i < merged.model.contacts.size(); ++i) {
+    const Model& side = sides[static_cast<std::size_t>(merged.source[i].side)].model;
+    const auto from = std::ranges::find(side.contacts, merged.source[i].id, &ContactModel::id);
+    const ContactModel& contact = merged.model.contacts[i];
+    EXPECT_NEAR(
+        friction_limit(contact.friction, contact.load_exponent, merged.model.friction_force, 2.0),
+        friction_limit(from->friction, from->load_exponent, side.friction_force, 2.0), 1e-5);
+  }
+  sides[1].model.rate[0].share = 0.4;
+  EXPECT_TRUE(merge_models(sides).model.rate.empty());
+}
+
 TEST(MergeModels, IsContinuousAcrossTheSeam) {
   const BlendedField field(merge_models(halves_of_a_dome()).model);
   for (int i = 0; i < 8; ++i) {

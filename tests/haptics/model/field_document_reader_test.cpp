@@ -108,6 +108,10 @@ TEST(FieldDocumentReader, RefusesWhatCannotBe) {
       AllOf(HasSubstr("/contacts/3/friction/load_exponent:"), HasSubstr("0.5")));
   EXPECT_THAT(refused_document([](json& d) { d.erase("friction_force"); }),
               AllOf(HasSubstr("/contacts/1/friction/load_exponent:"), HasSubstr("friction_force")));
+  EXPECT_THAT(refused_document([](json& d) { d["rate"][1]["time"] = 0; }),
+              AllOf(HasSubstr("/rate/1/time:"), HasSubstr("> 0")));
+  EXPECT_THAT(refused_document([](json& d) { d["rate"].push_back(d["rate"][0]); }),
+              AllOf(HasSubstr("/rate:"), HasSubstr("two terms")));
   EXPECT_THAT(refused_document([](json& d) { d["contacts"][3]["friction"]["coefficient"] = -1; }),
               AllOf(HasSubstr("/contacts/3/friction/coefficient:"), HasSubstr(">= 0")));
   EXPECT_THAT(refused_document([](json& d) {

@@ -43,6 +43,7 @@ TEST(CheckModel, NamesWhatIsWrong) {
                 m.rate = {{0.3, 0}};
               }),
               AllOf(HasSubstr("rate: time is 0"), HasSubstr("> 0")));
+  EXPECT_THAT(refused_model([](Model& m) { m.rate.resize(3, {0.3, 1}); }), HasSubstr("3 terms"));
   EXPECT_THAT(refused_model([](Model& m) { m.contacts[1].chi2 = -1; }),
               HasSubstr("contact 11 (entry 1): chi2 is -1; it must be >= 0"));
   EXPECT_THAT(refused_model([](Model& m) { m.contacts[1].friction_axis *= 2; }),

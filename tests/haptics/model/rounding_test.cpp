@@ -118,7 +118,7 @@ TEST(Rounding, KeepsFramesAndAxesExactlyWhatTheyAre) {
 }
 
 TEST(Rounding, KeepsSigns) {
-  const ForceField field = rounded({{{1e-300, 1e-200}, {0, 1}, {-1e-9, 2}}});
+  const ForceField field = rounded(ForceField{{{1e-300, 1e-200}, {0, 1}, {-1e-9, 2}}});
   EXPECT_GT(field.bases[0].weight, 0);
   EXPECT_GT(field.bases[0].epsilon, 0);
   EXPECT_EQ(field.bases[1].weight, 0);

@@ -13,6 +13,7 @@
 #include "palpate/haptics/friction_cone.h"
 #include "palpate/haptics/model.h"
 #include "palpate/haptics/pressing_estimate.h"
+#include "palpate/haptics/rate_fit.h"
 #include "palpate/haptics/shared_local_part.h"
 #include "palpate/probing/acquisition.h"
 
@@ -51,6 +52,9 @@ struct BuildOptions {
   bool estimate_offsets = true;
   /// Of the same: estimate the noise of the forces instead of taking `fit.noise.force`.
   bool estimate_force_noise = true;
+  /// Of the same: fit how forces depend on the rate, if the times of samples show it (rate_fit.h).
+  /// The tool is taken to have moved straight from sample to sample of a contact.
+  bool rate = false;
   /// Called after each contact with the number of contacts done in this stage and in all, from one
   /// thread at a time. Contacts with a known fit are reported together. An exception that it throws
   /// ends the work.
@@ -111,6 +115,8 @@ struct BuildResult {
   /// If all contacts were only pressed: what their fields were made of, in the order of the model's
   /// contacts and the frame of the acquisition.
   std::optional<PressingEstimate> pressing;
+  /// With `BuildOptions::rate`: what was found; without terms if the samples show no dependence.
+  std::optional<RateFit> rate;
   /// If the friction of the object depends on the load: how.
   std::optional<FrictionLoadEstimate> friction_load;
   RegistrationOutcome registration = RegistrationOutcome::not_needed;
@@ -134,7 +140,8 @@ struct BuildResult {
 /// A normal points into the surface if both the triangle there and the vertices around it,
 /// together, face the other way.
 ///
-/// \throws InvalidInput if the acquisition, the surface or an option is not valid, if more than
+/// \throws InvalidInput if the acquisition, the surface or an option is not valid, if a rate is asked
+/// for and not all contacts were only pressed or samples of one have the same time, if more than
 /// max_left_out contacts are further than max_distance from the surface or have a normal that
 /// points into it, or if fewer than three contacts have samples and fit the surface.
 /// \throws SolverError if the fit of a contact cannot be used (`is_usable`), naming these contacts,

@@ -86,8 +86,10 @@ struct LeaveOneOutOptions {
 };
 
 /// Predicts the samples of each contact from the other contacts (thesis 5.3.3) and compares the
-/// prediction with the measurement. For each contact, the model without it is triangulated again,
-/// by the method that the model was made with, and its compliances are learnt again.
+/// prediction with the measurement. Where the model depends on the rate, its part of the measured
+/// forces, by the contact's own field, is taken off first. For each contact, the model without it
+/// is triangulated again, by the method that the model was made with, and its compliances are
+/// learnt again.
 ///
 /// \throws InvalidInput if a contact of the model is missing, at another place or without samples
 /// in the acquisition, if the model was fitted to other samples, if the model has fewer than four

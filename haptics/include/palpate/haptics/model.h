@@ -15,6 +15,7 @@
 #include "palpate/haptics/force_field_fit.h"
 #include "palpate/haptics/friction_limit.h"
 #include "palpate/haptics/passivity_certificate.h"
+#include "palpate/haptics/rate_law.h"
 
 namespace palpate::haptics {
 
@@ -113,6 +114,9 @@ struct Model {
   std::optional<double> probe_radius = {};
   /// [N] Normal force for which the friction coefficients hold; > 0 if any has a load exponent.
   double friction_force = 0;
+  /// How forces depend on the rate, at all contacts alike (rate_law.h): at most two terms. Empty:
+  /// not at all. The fields give the force that stays.
+  std::vector<RateTerm> rate;
   /// Moves the acquisition onto the surface; the contacts here are moved already.
   Eigen::Isometry3d T_surface_acquisition = Eigen::Isometry3d::Identity();
   std::map<std::string, std::string> made;  ///< how: sources, options, program; UTF-8

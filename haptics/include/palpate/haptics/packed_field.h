@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "palpate/haptics/blended_field.h"
@@ -66,8 +67,16 @@ class PackedField {
   [[nodiscard]] FieldForce force(const PlaceField& place,
                                  const Eigen::Vector3d& displacement) const noexcept;
 
+  /// With the part that depends on the rate (rate_law.h). \param delayed displacements, in the
+  /// world.
+  [[nodiscard]] FieldForce force(const PlaceField& place, const Eigen::Vector3d& displacement,
+                                 const DelayedDisplacements& delayed) const noexcept;
+
+  /// How forces depend on the rate; empty if they do not.
+  [[nodiscard]] std::span<const RateTerm> rate() const noexcept { return rate_; }
+
   /// [N/mm] No contact's own force changes faster with the displacement: the largest sum of
-  /// |weight| / epsilon over its bases.
+  /// |weight| / epsilon over its bases, with what depends on the rate.
   [[nodiscard]] double stiffness_bound() const noexcept { return stiffness_bound_; }
   [[nodiscard]] std::uint64_t id() const noexcept { return id_; }
   [[nodiscard]] const BlendedField& blended() const noexcept { return blended_; }
@@ -96,6 +105,7 @@ class PackedField {
   std::vector<Eigen::Matrix3d> local_to_pressing_;                     // by contact
   double reach_ = 0, friction_force_ = 0;
   double stiffness_bound_ = 0;
+  std::vector<RateTerm> rate_;
   std::uint64_t id_;
   bool by_compliance_ = false;
   std::vector<char> has_compliance_;  // by contact

@@ -78,10 +78,11 @@ struct LoopState {
   Eigen::Vector3d tool = Eigen::Vector3d::Zero();   ///< [mm] the last usable position
   Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< [N] the last command
   int faulty_ticks = 0;                             ///< in a row until now
-  double work = 0;             ///< [N mm] by the user since the touch, with the credit
-  double slip_slope = 0;       ///< [N/mm] of the last slip, 0 for none
-  std::uint64_t playback = 0;  ///< whose state this is
-  bool has_place = false;      ///< whether `place` is that of the contact
+  double work = 0;               ///< [N mm] by the user since the touch, with the credit
+  double slip_slope = 0;         ///< [N/mm] of the last slip, 0 for none
+  std::uint64_t playback = 0;    ///< whose state this is
+  DelayedDisplacements delayed;  ///< of the contact; with a rate only
+  bool has_place = false;        ///< whether `place` is that of the contact
   PlaceField place;
 };
 
@@ -121,7 +122,14 @@ class Playback {
   /// Computes one tick. It does not allocate, lock, throw or log, its time is bounded, and it is
   /// thread-safe with one state per thread. The force is always finite. A position that is not
   /// finite or farther away than `longest_step` is not used: see `PlaybackOptions::hold_ticks`.
-  [[nodiscard]] Command step(const Eigen::Vector3d& tool, LoopState& state) const noexcept;
+  ///
+  /// Where the model depends on the rate (rate_law.h), a tick is a motion with the delayed
+  /// displacements held, and then a rest of `seconds` in which they follow: both are passive. They
+  /// move along with the contact. Where the object would pull the tool, because the tool returns
+  /// faster than it, they follow at once as far as needed, which only loses energy.
+  /// \param seconds since the last tick; counts only where the model depends on the rate
+  [[nodiscard]] Command step(const Eigen::Vector3d& tool, LoopState& state,
+                             double seconds = 1e-3) const noexcept;
 
   struct Ball {
     Eigen::Vector3d center = Eigen::Vector3d::Zero();  ///< [mm]
@@ -138,7 +146,7 @@ class Playback {
   std::unique_ptr<const Impl> impl_;
 };
 
-/// Plays a whole trajectory, beginning with a new state.
+/// Plays a whole trajectory, beginning with a new state. Ticks last as its times tell.
 [[nodiscard]] std::vector<TracePoint> play(const Playback& playback,
                                            std::span<const TrajectoryPoint> trajectory);
 

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <vector>
+
 #include "palpate/haptics/force_field.h"
 #include "palpate/haptics/model.h"
 
@@ -31,5 +33,8 @@ inline constexpr int kFieldDigits = 7;
 /// length; its position to 9 digits, its friction coefficient to 6 and other figures to 4. A file
 /// stores such a contact exactly.
 [[nodiscard]] ContactModel rounded(ContactModel contact);
+
+/// Rounds terms of a rate to 6 digits, as they are stored.
+[[nodiscard]] std::vector<RateTerm> rounded(std::vector<RateTerm> rate);
 
 }  // namespace palpate::haptics

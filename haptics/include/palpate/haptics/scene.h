@@ -42,6 +42,8 @@ struct SceneOptions {
   double closest_tools = 25;
   /// >= 1. A share falls from 1 to 0 in at least so many ticks.
   int fade_ticks = 20;
+  /// [s] > 0. Time between two ticks; counts only for objects whose force depends on the rate.
+  double tick = 1e-3;
 };
 
 /// What a tool feels in a tick.

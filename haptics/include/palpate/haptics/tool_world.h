@@ -26,6 +26,9 @@ class ToolWorld {
 /// One model, which stands still. A tick without a try does not count.
 class ModelWorld final : public ToolWorld {
  public:
+  /// \param tick [s] > 0, as `Playback::step` takes it.
+  explicit ModelWorld(double tick) : tick_(tick) {}
+
   /// From now on, with a new state. \param playback must outlive its ticks.
   void exchange(const Playback& playback) noexcept {
     playback_ = &playback;
@@ -37,13 +40,14 @@ class ModelWorld final : public ToolWorld {
   [[nodiscard]] Command try_tool(const Eigen::Vector3d& tool) noexcept override {
     trial_ = state_;
     tried_ = true;
-    return playback_->step(tool, trial_);
+    return playback_->step(tool, trial_, tick_);
   }
   void end() noexcept override {
     if (tried_) state_ = trial_;
   }
 
  private:
+  double tick_;
   const Playback* playback_ = nullptr;
   LoopState state_, trial_;
   bool tried_ = false;
