@@ -67,14 +67,14 @@ class RateProblem {
 };
 
 /// Times with their best weights: the first of the fields, then of each term.
-struct Weighted {
+struct WeightedTimes {
   std::vector<double> times;
   Eigen::VectorXd weights;
   double squares = std::numeric_limits<double>::infinity();  // [N^2] sum; infinite: not >= 0
 };
 
-Weighted weigh(const RateProblem& problem, const std::vector<double>& times,
-               const std::vector<Eigen::VectorXd>& columns) {
+WeightedTimes weigh(const RateProblem& problem, const std::vector<double>& times,
+                    const std::vector<Eigen::VectorXd>& columns) {
   const auto count = static_cast<Eigen::Index>(1 + columns.size());
   Eigen::MatrixXd gram(count, count);
   Eigen::VectorXd right(count);
@@ -85,7 +85,7 @@ Weighted weigh(const RateProblem& problem, const std::vector<double>& times,
     right[i] = of(i).dot(problem.measured());
     for (Eigen::Index j = 0; j <= i; ++j) gram(i, j) = gram(j, i) = of(i).dot(of(j));
   }
-  Weighted result{.times = times, .weights = gram.ldlt().solve(right)};
+  WeightedTimes result{.times = times, .weights = gram.ldlt().solve(right)};
   if (!result.weights.allFinite() || !(result.weights.minCoeff() > 0)) return result;
   Eigen::VectorXd rest = problem.measured();
   for (Eigen::Index i = 0; i < count; ++i) rest -= result.weights[i] * of(i);
@@ -94,16 +94,16 @@ Weighted weigh(const RateProblem& problem, const std::vector<double>& times,
 }
 
 // The best of all choices of `terms` times from the grid.
-Weighted best_on_grid(const RateProblem& problem, const std::vector<double>& grid,
-                      const std::vector<Eigen::VectorXd>& columns, int terms) {
-  Weighted best;
+WeightedTimes best_on_grid(const RateProblem& problem, const std::vector<double>& grid,
+                           const std::vector<Eigen::VectorXd>& columns, int terms) {
+  WeightedTimes best;
   for (std::size_t i = 0; i < grid.size(); ++i) {
     if (terms == 1) {
-      const Weighted found = weigh(problem, {grid[i]}, {columns[i]});
+      const WeightedTimes found = weigh(problem, {grid[i]}, {columns[i]});
       if (found.squares < best.squares) best = found;
     } else {
       for (std::size_t j = i + 1; j < grid.size(); ++j) {
-        const Weighted found = weigh(problem, {grid[i], grid[j]}, {columns[i], columns[j]});
+        const WeightedTimes found = weigh(problem, {grid[i], grid[j]}, {columns[i], columns[j]});
         if (found.squares < best.squares) best = found;
       }
     }
@@ -112,7 +112,7 @@ Weighted best_on_grid(const RateProblem& problem, const std::vector<double>& gri
 }
 
 // Refines each time in turn, within a step of the grid.
-Weighted refined(const RateProblem& problem, Weighted best, double ratio) {
+WeightedTimes refined(const RateProblem& problem, WeightedTimes best, double ratio) {
   if (!std::isfinite(best.squares)) return best;
   for (int round = 0; round < kRefinements; ++round, ratio = std::sqrt(ratio)) {
     const std::size_t turns = best.times.size();
@@ -124,7 +124,7 @@ Weighted refined(const RateProblem& problem, Weighted best, double ratio) {
         std::vector<double> times = best.times;
         times[i] = std::exp(logarithm);
         columns[i] = problem.column(times[i]);
-        const Weighted found = weigh(problem, times, columns);
+        const WeightedTimes found = weigh(problem, times, columns);
         if (found.squares < best.squares) best = found;
         return std::isfinite(found.squares) ? found.squares : 1e300;
       };
@@ -215,7 +215,7 @@ RateFit fit_rate(std::span<const RateRecord> records, const RateFitOptions& opti
   const RateProblem problem(records);
   RateFit fit;
   fit.samples = static_cast<int>(problem.measured().size() / 3);
-  const Weighted still = weigh(problem, {}, {});
+  const WeightedTimes still = weigh(problem, {}, {});
   if (!std::isfinite(still.squares))
     throw InvalidInput("fit_rate(): the forces do not follow the fields at all");
   const double samples = fit.samples;
@@ -231,7 +231,8 @@ RateFit fit_rate(std::span<const RateRecord> records, const RateFitOptions& opti
   }
   double squares = still.squares;
   for (int terms = 1; terms <= options.most_terms; ++terms) {
-    const Weighted found = refined(problem, best_on_grid(problem, grid, columns, terms), ratio);
+    const WeightedTimes found =
+        refined(problem, best_on_grid(problem, grid, columns, terms), ratio);
     const double gain = samples / 2 * std::log(squares / found.squares);
     const bool better = gain > std::log(samples) &&
                         std::sqrt(found.squares) < (1 - kLeastTermGain) * std::sqrt(squares);

@@ -30,13 +30,13 @@ BuildOptions with_rate() {
 // The force that a model plays for a motion at its middle contact.
 std::vector<TissueMoment> played(const Playback& playback,
                                  const std::function<double(double)>& depth, double duration) {
-  constexpr double kTick = 1e-3;
+  constexpr double kPlayedTick = 1e-3;
   std::vector<TissueMoment> moments;
   LoopState state;
-  static_cast<void>(playback.step({0, 0, 699.9}, state, kTick));
-  for (long k = 0; static_cast<double>(k) * kTick <= duration; ++k) {
-    const double time = static_cast<double>(k) * kTick;
-    const Command command = playback.step({0, 0, 700 + depth(time)}, state, kTick);
+  static_cast<void>(playback.step({0, 0, 699.9}, state, kPlayedTick));
+  for (long k = 0; static_cast<double>(k) * kPlayedTick <= duration; ++k) {
+    const double time = static_cast<double>(k) * kPlayedTick;
+    const Command command = playback.step({0, 0, 700 + depth(time)}, state, kPlayedTick);
     moments.push_back({time, depth(time), -command.force.z()});
   }
   return moments;

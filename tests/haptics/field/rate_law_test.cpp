@@ -14,7 +14,7 @@ namespace palpate::haptics {
 namespace {
 
 // Of values near 1 after some tens of operations.
-constexpr double kRounding = 1e-12;
+constexpr double kRateRounding = 1e-12;
 
 TEST(DisplacementAhead, FollowsARampAndARestAsAMaxwellElementDoes) {
   constexpr double kSpeed = 2.7, kTime = 0.13;  // [mm/s], [s]
@@ -28,9 +28,9 @@ TEST(DisplacementAhead, FollowsARampAndARestAsAMaxwellElementDoes) {
   const Eigen::Matrix3Xd ahead = displacement_ahead(path, kTime);
   for (Eigen::Index k = 0; k < 4; ++k) {
     const double since = path.time[static_cast<std::size_t>(k)] - touched;
-    EXPECT_NEAR(ahead(2, k), kSpeed * kTime * -std::expm1(-since / kTime), kRounding) << k;
+    EXPECT_NEAR(ahead(2, k), kSpeed * kTime * -std::expm1(-since / kTime), kRateRounding) << k;
   }
-  EXPECT_NEAR(ahead(2, 4), ahead(2, 3) * std::exp(-(1.6 - 0.9) / kTime), kRounding);
+  EXPECT_NEAR(ahead(2, 4), ahead(2, 3) * std::exp(-(1.6 - 0.9) / kTime), kRateRounding);
   EXPECT_TRUE(ahead.topRows<2>().isZero(0));
 }
 
@@ -44,7 +44,7 @@ TEST(DisplacementAhead, OfAPathThatBeginsAtItsDeepestIsAllOfIt) {
   const Eigen::Matrix3Xd ahead = displacement_ahead(path, 0.7);
   EXPECT_EQ(ahead.col(0), path.displacements.col(0));
   EXPECT_NEAR((ahead.col(1) - std::exp(-0.5 / 0.7) * path.displacements.col(0)).norm(), 0,
-              kRounding);
+              kRateRounding);
   EXPECT_EQ(ahead.col(2), path.displacements.col(2));
 }
 
@@ -56,8 +56,8 @@ TEST(Relax, LetsTheDelayedDisplacementsFollowExactly) {
   for (int i = 0; i < 400; ++i) relax(terms, displacement, 1e-3, often);
   for (std::size_t i = 0; i < 2; ++i) {
     const Eigen::Vector3d truth = -std::expm1(-0.4 / terms[i].time) * displacement;
-    EXPECT_NEAR((once.of[i] - truth).norm(), 0, kRounding);
-    EXPECT_NEAR((often.of[i] - truth).norm(), 0, 1e3 * kRounding);
+    EXPECT_NEAR((once.of[i] - truth).norm(), 0, kRateRounding);
+    EXPECT_NEAR((often.of[i] - truth).norm(), 0, 1e3 * kRateRounding);
   }
   const DelayedDisplacements before = once;
   relax(terms, displacement, 0, once);

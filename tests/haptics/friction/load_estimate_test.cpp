@@ -13,7 +13,7 @@
 namespace palpate::haptics {
 namespace {
 
-const Eigen::Vector3d kNormal(0, 0, -1);
+const Eigen::Vector3d kLoadedNormal(0, 0, -1);
 
 // A contact whose limit of the tangential force is mu f_N (f_N / 1 N)^p, and what errs there.
 struct LoadedProbing {
@@ -37,7 +37,7 @@ std::vector<FrictionTrial> probe_loaded(const LoadedProbing& with, unsigned seed
       const double angle = first + 2 * std::numbers::pi * i / with.directions;
       const Eigen::Vector3d across(std::cos(angle), std::sin(angle), 0);
       const auto slips = [&](double size) {
-        const Eigen::Vector3d commanded = size * across - level * kNormal;
+        const Eigen::Vector3d commanded = size * across - level * kLoadedNormal;
         const Eigen::Vector3d f = commanded - std::min(with.steady, size) * across +
                                   Eigen::Vector3d(noise(random), noise(random), noise(random));
         const double along = f.dot(with.axis);
@@ -60,7 +60,7 @@ std::vector<LoadedContact> probe_object(const LoadedProbing& with, const Frictio
     here.friction *= 1 + 0.05 * (i - contacts / 2);
     const std::vector<FrictionTrial> trials =
         probe_loaded(here, 100 * seed + static_cast<unsigned>(i));
-    result.push_back({trials, fit_friction(trials, kNormal, options)});
+    result.push_back({trials, fit_friction(trials, kLoadedNormal, options)});
   }
   return result;
 }
@@ -115,7 +115,7 @@ TEST(FrictionLoadEstimate, NeedsSeveralLoads) {
 TEST(FitFriction, FollowsALoadThatIsGiven) {
   for (unsigned seed = 0; seed < 6; ++seed) {
     const LoadedProbing with{.exponent = -0.15, .axis = Eigen::Vector3d(0.1, 0.05, 1).normalized()};
-    const FrictionFit fit = fit_friction(probe_loaded(with, seed), kNormal,
+    const FrictionFit fit = fit_friction(probe_loaded(with, seed), kLoadedNormal,
                                          {.load = {.exponent = -0.15, .force = 1.5}});
     ASSERT_EQ(fit.stop, FrictionStop::converged);
     EXPECT_NEAR(fit.coefficient, 0.7 * std::pow(1.5, -0.15), 4 * fit.coefficient_error);
@@ -135,8 +135,8 @@ TEST(FitFriction, LowerBoundsHoldInSpiteOfASteadyError) {
   for (unsigned seed = 0; seed < kCount; ++seed) {
     const LoadedProbing with{.friction = 0.9, .steady = 0.02 * normal(random), .directions = 6};
     const std::vector<FrictionTrial> trials = probe_loaded(with, seed);
-    const FrictionFit fit = fit_friction(trials, kNormal, {.steady_error = 0.02});
-    noise_alone += fit_friction(trials, kNormal).lower_bound <= 0.9;
+    const FrictionFit fit = fit_friction(trials, kLoadedNormal, {.steady_error = 0.02});
+    noise_alone += fit_friction(trials, kLoadedNormal).lower_bound <= 0.9;
     with_steady += fit.lower_bound <= 0.9;
     squares += std::pow((fit.coefficient - 0.9) / fit.coefficient_error, 2) / kCount;
     EXPECT_GT(fit.lower_bound, 0.8);
@@ -157,8 +157,8 @@ TEST(FitFriction, LowerBoundOfWhatNeverSlippedAllowsForASteadyError) {
   }
   const FrictionOptions noise{.force_noise = 1e-4};
   const FrictionOptions steady{.force_noise = 1e-4, .steady_error = 0.02};
-  const double before = fit_friction(trials, kNormal, noise).lower_bound;
-  const double bound = fit_friction(trials, kNormal, steady).lower_bound;
+  const double before = fit_friction(trials, kLoadedNormal, noise).lower_bound;
+  const double bound = fit_friction(trials, kLoadedNormal, steady).lower_bound;
   // 1.645 times 0.02 N at the load that tells most, 2 N.
   EXPECT_NEAR(before - bound, 1.645 * 0.02 / 2, 0.003);
 }
