@@ -63,7 +63,7 @@ ModelStiffness model_stiffness(const Model& model, double highest_force) {
   std::vector<double> all;
   ModelStiffness result;
   for (const ContactModel& contact : model.contacts) {
-    all.push_back(stiffness_of_contact(contact, highest_force));
+    all.push_back(force_at_once(model.rate) * stiffness_of_contact(contact, highest_force));
     if (all.back() > result.largest) {
       result.largest = all.back();
       result.stiffest = contact.id;

@@ -17,6 +17,12 @@ Eigen::Vector3d after(const Eigen::Vector3d& ahead, const Eigen::Vector3d& chang
 
 }  // namespace
 
+double force_at_once(std::span<const RateTerm> terms) noexcept {
+  double sum = 1;
+  for (const RateTerm& term : terms) sum += term.share;
+  return sum;
+}
+
 void relax(std::span<const RateTerm> terms, const Eigen::Vector3d& displacement, double seconds,
            DelayedDisplacements& delayed) noexcept {
   if (!(seconds > 0)) return;

@@ -27,9 +27,7 @@ PackedField::PackedField(const Model& model)
       id_(next_id_of_field()),
       by_compliance_(model.interpolation.rule == BlendRule::compliances) {
   for (const ContactModel& contact : model.contacts) pack(contact);
-  double at_once = 1;
-  for (const RateTerm& term : rate_) at_once += term.share;
-  stiffness_bound_ *= at_once;
+  stiffness_bound_ *= force_at_once(rate_);
 }
 
 void PackedField::pack(const ContactModel& contact) {

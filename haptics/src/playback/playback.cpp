@@ -24,9 +24,6 @@ constexpr double kOnEdge = 100;
 // normals.
 constexpr double kLeastOpening = 1e-6;
 
-// Within 1e-3 of what is delayed; what is left pushes.
-constexpr int kFollowingHalvings = 10;
-
 // [N mm] What the user has put in until the middle of a tick. Work is that of the commanded forces,
 // by the trapezoidal rule.
 double budget_of(const LoopState& state, const Eigen::Vector3d& way) {
@@ -76,7 +73,6 @@ struct Playback::Impl {
                                           PlaceField& place) const;
   [[nodiscard]] SlidingContact moved_contact(const TouchPoint& point, const Eigen::Vector3d& tool,
                                              LoopState& state) const;
-  void let_follow(const Eigen::Vector3d& tool, LoopState& state, SlidingContact& contact) const;
   [[nodiscard]] bool stays_inside(const SlidingContact& start, const Eigen::Vector3d& tool,
                                   const Eigen::Vector3d& way, LoopState& state,
                                   SlidingContact& contact) const;
@@ -239,29 +235,6 @@ SlidingContact Playback::Impl::slip(const SlidingContact& start, const Eigen::Ve
                     state.place);
 }
 
-// Where the object would pull the tool because it returns more slowly: lets the delayed
-// displacements follow until it does not. u - z shrinks to the largest part of itself at which the
-// normal force is not negative, in halvings; at 0 the force is that of the field.
-void Playback::Impl::let_follow(const Eigen::Vector3d& tool, LoopState& state,
-                                SlidingContact& contact) const {
-  if (field.rate().empty() || !(contact.parts.normal < 0)) return;
-  const Eigen::Vector3d displacement = tool - contact.at.position;
-  const DelayedDisplacements before = state.delayed;
-  double low = 0, high = 1;
-  const auto follow = [&](double part) {
-    for (std::size_t i = 0; i < before.of.size(); ++i)
-      state.delayed.of[i] = displacement - part * (displacement - before.of[i]);
-    contact.force = field.force(state.place, displacement, state.delayed);
-    contact.parts = friction_parts(state.place, contact.force.force);
-    return contact.parts.normal >= 0;
-  };
-  for (int i = 0; i < kFollowingHalvings; ++i) {
-    const double middle = (low + high) / 2;
-    (follow(middle) ? low : high) = middle;
-  }
-  follow(low);
-}
-
 // Keeps a contact that slips off the border, or pulls, while the tool is still behind the surface,
 // as where the friction cone leans away from the surface's normal. It goes to the nearest point, or
 // stays where it was if more energy would be stored there than there and than the user has put in.
@@ -381,7 +354,7 @@ Command Playback::step(const Eigen::Vector3d& tool, LoopState& state,
       .force = self.field.force(state.place, tool - state.proxy.position, state.delayed),
       .parts = {}};
   contact.parts = friction_parts(state.place, contact.force.force);
-  self.let_follow(tool, state, contact);
+  let_follow(self.field, state.place, tool, state.delayed, contact);
   if (contact.parts.excess > self.options.tolerance) {
     const SlidingContact start = contact;
     contact = self.slip(start, tool, way, state);
@@ -392,7 +365,7 @@ Command Playback::step(const Eigen::Vector3d& tool, LoopState& state,
       state.contact_state = ContactState::slip;
       state.proxy = self.touch_point(contact.at, state.proxy.normal);
     }
-    self.let_follow(tool, state, contact);
+    let_follow(self.field, state.place, tool, state.delayed, contact);
   }
   if (!pushes(contact)) {
     // Start outside the surface, so that a tool that is still behind it may touch again.

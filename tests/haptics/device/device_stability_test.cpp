@@ -94,6 +94,8 @@ TEST(ModelStiffness, IsThatOfTheSpringsOfAModel) {
   EXPECT_NEAR(found.median, 0.4, 1e-12);
   EXPECT_NEAR(found.largest, 1.2, 1e-12);
   EXPECT_EQ(found.stiffest, model.contacts[2].id);
+  model.rate = {{0.5, 0.1}, {0.25, 1}};
+  EXPECT_NEAR(model_stiffness(model).largest, 1.75 * 1.2, 1e-12);
 }
 
 TEST(ModelStiffness, SeesABaseThatLiesDeeper) {

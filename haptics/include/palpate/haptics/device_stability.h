@@ -11,7 +11,8 @@
 namespace palpate::haptics {
 
 /// [N/mm] How stiff a model is: of each contact the largest eigenvalue of its stiffness, over
-/// displacements into the object, straight and by 45 degrees to eight sides, up to a force.
+/// displacements into the object, straight and by 45 degrees to eight sides, up to a force. Of one
+/// that depends on the rate it is that of sudden motions, which an unstable loop makes.
 struct ModelStiffness {
   double median = 0;
   double largest = 0;

@@ -46,6 +46,9 @@ struct DelayedDisplacements {
 // holds for steps: with z held, the work of a motion is the change of S; `relax`, with u held, only
 // shrinks w = u - z to part of itself, and E(part w) <= part E(w).
 
+/// Force right after a sudden displacement over the force that stays: 1 + sum g_i.
+[[nodiscard]] double force_at_once(std::span<const RateTerm> terms) noexcept;
+
 /// Moves the delayed displacements on by a time in which the displacement stays: exactly.
 /// Real-time safe. \param seconds a time that is not > 0 changes nothing.
 void relax(std::span<const RateTerm> terms, const Eigen::Vector3d& displacement, double seconds,
