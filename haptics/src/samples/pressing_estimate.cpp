@@ -4,18 +4,16 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
-#include <Eigen/QR>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
-#include <string>
 #include <tuple>
 #include <utility>
 
 #include "palpate/error.h"
-#include "palpate/geometry/median.h"
 #include "palpate/require.h"
+#include "samples/pressing_data.h"
 #include "samples/pressing_statistics.h"
 
 namespace palpate::haptics {
@@ -25,11 +23,6 @@ namespace {
 constexpr std::size_t kMostInChoice = 400;
 // Fewer contacts do not tell offsets from the shape of their curves.
 constexpr std::size_t kFewestContacts = 12;
-// Depths of one contact are different if they differ by more than this share of the largest.
-constexpr double kSameDepth = 0.02;
-// Forces count as recorded along one direction only if what is across is, in root mean square,
-// below this share of what is along.
-constexpr double kAlongOnly = 1e-3;
 // The forces on the way back differ if the difference exceeds its standard error by this factor,
 // and this share of the force.
 constexpr double kHysteresisErrors = 4, kLeastHysteresis = 0.01;
@@ -41,120 +34,6 @@ constexpr double kLeastSlope = 0.05;
 constexpr double kRidge = 1e-9;
 // Rounds in which hysteresis, curves and offsets are fitted to each other.
 constexpr int kHysteresisRounds = 4;
-
-void check_contact(const PressedContact& contact, std::size_t index) {
-  const std::string name = "estimate_pressing(): contact " + std::to_string(index);
-  const Eigen::Index count = contact.forces.cols();
-  if (count == 0 || contact.displacements.cols() != count ||
-      (!contact.unloading.empty() &&
-       static_cast<Eigen::Index>(contact.unloading.size()) != count)) {
-    throw InvalidInput(name + " has " + std::to_string(contact.displacements.cols()) +
-                       " displacements, " + std::to_string(count) + " forces and " +
-                       std::to_string(contact.unloading.size()) +
-                       " directions of motion; there must be as many of each, at least one");
-  }
-  if (!contact.displacements.allFinite() || !contact.forces.allFinite() ||
-      !contact.position.allFinite() || !contact.direction.allFinite() ||
-      !std::isfinite(contact.height) || !(contact.direction.norm() > 0))
-    throw InvalidInput(name + " has a number that is not finite, or no direction; leave it out");
-}
-
-// What is measured of a contact, along and across its direction.
-struct Press {
-  Eigen::VectorXd depth, force;  // [mm], [N]
-  Eigen::Vector3d across_slope;  // mm across per mm of depth
-  Eigen::Vector3d across_force;  // [N] mean force across
-  Eigen::VectorXd weight;        // of the object's force: 1, or 1 - hysteresis
-};
-
-Press press_of(const PressedContact& contact) {
-  const Eigen::Vector3d along = contact.direction.normalized();
-  Press press;
-  press.depth = (along.transpose() * contact.displacements).transpose();
-  press.force = (along.transpose() * contact.forces).transpose();
-  const Eigen::Matrix3Xd across = contact.displacements - along * press.depth.transpose();
-  const double square = press.depth.squaredNorm();
-  press.across_slope =
-      square > 0 ? Eigen::Vector3d(across * press.depth / square) : Eigen::Vector3d::Zero();
-  press.across_force = (contact.forces - along * press.force.transpose()).rowwise().mean();
-  press.weight = Eigen::VectorXd::Ones(press.depth.size());
-  return press;
-}
-
-// What all contacts share while an acquisition is estimated.
-struct Scales {
-  double length = 1;   // [mm] the largest depth
-  double force = 1;    // [N] root mean square
-  int depths = 1;      // how many different depths most contacts have
-  bool along = false;  // forces were recorded along the pressing only
-};
-
-int different_depths(const Eigen::VectorXd& depth) {
-  std::vector<double> sorted(depth.begin(), depth.end());
-  std::ranges::sort(sorted);
-  const double least = kSameDepth * std::max(std::abs(sorted.front()), std::abs(sorted.back()));
-  int count = 1;
-  double last = sorted.front();
-  for (const double d : sorted) {
-    if (d - last > least) {
-      ++count;
-      last = d;
-    }
-  }
-  return count;
-}
-
-Scales scales_of(std::span<const PressedContact> contacts, const std::vector<Press>& presses) {
-  Scales scales;
-  double largest = 0, along = 0, across = 0, samples = 0;
-  std::vector<double> depths;
-  for (std::size_t i = 0; i < presses.size(); ++i) {
-    largest = std::max(largest, presses[i].depth.cwiseAbs().maxCoeff());
-    along += presses[i].force.squaredNorm();
-    across += contacts[i].forces.squaredNorm() - presses[i].force.squaredNorm();
-    samples += static_cast<double>(presses[i].force.size());
-    depths.push_back(different_depths(presses[i].depth));
-  }
-  if (largest > 0) scales.length = largest;
-  if (along > 0) scales.force = std::sqrt(along / samples);
-  scales.depths = static_cast<int>(geometry::median(std::move(depths)));
-  scales.along = across <= kAlongOnly * kAlongOnly * along;
-  return scales;
-}
-
-CompressedPress compressed(const PressedContact& contact, const Press& press, const Scales& scales,
-                           int degree) {
-  const Eigen::Index samples = press.depth.size();
-  Eigen::MatrixXd table(samples, degree + 3);
-  table.col(0) = press.weight;
-  for (int k = 1; k <= degree; ++k)
-    table.col(k) = table.col(k - 1).cwiseProduct(press.depth / scales.length);
-  table.col(degree + 1).setOnes();
-  table.col(degree + 2) = press.force;
-  const Eigen::Index rows = std::min<Eigen::Index>(samples, degree + 2);
-  const Eigen::HouseholderQR<Eigen::MatrixXd> factor(table.leftCols(degree + 2));
-  const Eigen::MatrixXd turned = factor.householderQ().adjoint() * table;
-  CompressedPress result;
-  result.powers = turned.topLeftCorner(rows, degree + 1);
-  result.constant = turned.col(degree + 1).head(rows);
-  result.force = turned.col(degree + 2).head(rows);
-  result.rest = turned.col(degree + 2).tail(samples - rows).squaredNorm();
-  result.samples = static_cast<int>(samples);
-  result.height = contact.height / scales.length;
-  result.bias = scales.along ? Eigen::RowVectorXd(Eigen::RowVectorXd::Ones(1))
-                             : Eigen::RowVectorXd(contact.direction.normalized().transpose());
-  return result;
-}
-
-std::vector<CompressedPress> compressed(std::span<const PressedContact> contacts,
-                                        const std::vector<Press>& presses, const Scales& scales,
-                                        int degree) {
-  std::vector<CompressedPress> result;
-  result.reserve(presses.size());
-  for (std::size_t i = 0; i < presses.size(); ++i)
-    result.push_back(compressed(contacts[i], presses[i], scales, degree));
-  return result;
-}
 
 double curve_force(const Rows& coefficients, double zeta) {
   double sum = 0;
@@ -279,13 +158,6 @@ std::vector<PressedContact> only_loading(std::span<const PressedContact> contact
   return result;
 }
 
-std::vector<Press> presses_of(std::span<const PressedContact> contacts) {
-  std::vector<Press> presses;
-  presses.reserve(contacts.size());
-  for (const PressedContact& contact : contacts) presses.push_back(press_of(contact));
-  return presses;
-}
-
 // Degree and offsets by the Bayesian information criterion, over contacts that represent the
 // acquisition.
 PressingVariant choose_variant(std::span<const PressedContact> contacts,
@@ -362,12 +234,12 @@ PressingOffsets offsets_of(const PressingState& state, const Scales& scales) {
   }
   if (variant.touch) {
     offsets.touch = scales.length * state.touch;
-    offsets.touch_error = scales.length * state.touch_error;
+    offsets.touch_error = scales.length * std::sqrt(state.touch_covariance(0, 0));
     offsets.touch_spread = scales.length * std::sqrt(state.touch_variance);
   }
   if (variant.height) {
     offsets.height_slope = state.height_slope;
-    offsets.height_slope_error = state.height_slope_error;
+    offsets.height_slope_error = std::sqrt(state.touch_covariance(1, 1));
   }
   return offsets;
 }
@@ -390,7 +262,7 @@ PressingEstimate estimate_pressing(std::span<const PressedContact> contacts,
   require("PressingOptions::force_noise", options.force_noise, above(0).finite(), "N");
   if (contacts.empty())
     throw InvalidInput("estimate_pressing(): there is no contact; pass at least one");
-  for (std::size_t i = 0; i < contacts.size(); ++i) check_contact(contacts[i], i);
+  for (std::size_t i = 0; i < contacts.size(); ++i) check_pressed(contacts[i], i);
   const double noise = options.force_noise.value_or(0);
   const bool returns = std::ranges::any_of(
       contacts, [](const PressedContact& contact) { return !contact.unloading.empty(); });

@@ -246,8 +246,11 @@ PressingState fit_population(std::span<const CompressedPress> presses,
       value = next;
       return error;
     };
-    state.touch_error = step(state.touch, kTouchStep);
-    if (variant.height) state.height_slope_error = step(state.height_slope, kSlopeStep);
+    const double error = step(state.touch, kTouchStep);
+    state.touch_covariance(0, 0) = error * error;
+    if (!variant.height) continue;
+    const double slope_error = step(state.height_slope, kSlopeStep);
+    state.touch_covariance(1, 1) = slope_error * slope_error;
   }
   return state;
 }

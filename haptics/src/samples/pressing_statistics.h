@@ -54,7 +54,7 @@ struct PressingState {
   double noise_variance = 0;             ///< [N^2]
   double touch = 0, touch_variance = 0;  ///< of tau: mean, and variance beside that
   double height_slope = 0;               ///< of tau
-  double touch_error = 0, height_slope_error = 0;
+  Eigen::Matrix2d touch_covariance = Eigen::Matrix2d::Zero();  ///< of the mean and the slope
   Eigen::VectorXd parameters;
   Eigen::MatrixXd parameter_covariance;
   double log_likelihood = 0;

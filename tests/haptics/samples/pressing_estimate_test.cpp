@@ -30,12 +30,13 @@ struct Recording {
   double late = 0;        // [mm] touches are found up to this much too deep
   double hysteresis = 0;  // > 0: the way back is recorded
   int side = 9, depths = 8;
+  unsigned seed = 3;
 };
 
 // A bed that is up to four times as stiff in the middle of a square: k (d + d^2 / kHardening) along
 // directions that vary by some degrees.
 Pressed pressed(const Recording& recording) {
-  std::mt19937 random(3);
+  std::mt19937 random(recording.seed);
   std::normal_distribution<double> normal(0, recording.noise);
   std::uniform_real_distribution<double> late(0, recording.late), place(-1, 1);
   Pressed result;
@@ -93,14 +94,44 @@ TEST(EstimatePressing, FindsOffsetsWithinTheirErrors) {
   EXPECT_LT(found.offsets.touch_error, 0.05);
   EXPECT_NEAR(found.offsets.touch_spread, 0.4 / std::sqrt(12), 0.03);
   EXPECT_NEAR(found.force_noise, 0.02, 0.002);
-  double square = 0;
-  for (std::size_t i = 0; i < truth.touches.size(); ++i)
-    square += std::pow((found.curves[i].touch - truth.touches[i]) / found.curves[i].touch_error, 2);
-  // The errors of touches come from a conditional likelihood and are somewhat too small.
-  EXPECT_GT(square / static_cast<double>(truth.touches.size()), 0.4);
-  EXPECT_LT(square / static_cast<double>(truth.touches.size()), 2.5);
   // A fit of each contact alone would be off by its touch, k F' 0.23 mm, and by the bias.
   EXPECT_LT(rms_of_curves(truth, found), 0.025);
+}
+
+TEST(EstimatePressing, StatesTheErrorsOfTouches) {
+  // Squared errors in units of the stated ones: of the mean touch, of its slope over heights, and
+  // of the touch of each contact. All contacts share the error of the mean. Where heights tell the
+  // touches, the stated error of the mean is 0.005 mm, up to two times too small.
+  constexpr int kSeeds = 3;
+  for (const bool heights : {false, true}) {
+    double mean = 0, slope = 0, each = 0;
+    for (unsigned seed = 1; seed <= kSeeds; ++seed) {
+      Pressed truth = pressed({.late = 0.4, .side = 8, .seed = seed});
+      const auto count = static_cast<double>(truth.touches.size());
+      double true_mean = 0;
+      for (std::size_t i = 0; i < truth.touches.size(); ++i) {
+        if (heights) truth.contacts[i].height = truth.touches[i] - 0.2;
+        true_mean += heights ? 0.2 / count : truth.touches[i] / count;
+      }
+      const PressingEstimate found = estimate_pressing(truth.contacts);
+      ASSERT_TRUE(found.offsets.touch_found);
+      mean += std::pow((found.offsets.touch - true_mean) / found.offsets.touch_error, 2) / kSeeds;
+      if (heights) {
+        slope += std::pow((found.offsets.height_slope - 1) / found.offsets.height_slope_error, 2) /
+                 kSeeds;
+      }
+      for (std::size_t i = 0; i < truth.touches.size(); ++i) {
+        each +=
+            std::pow((found.curves[i].touch - truth.touches[i]) / found.curves[i].touch_error, 2) /
+            (count * kSeeds);
+      }
+    }
+    EXPECT_LT(mean, heights ? 6 : 2.5);
+    EXPECT_GT(mean, 0.1) << heights;
+    EXPECT_LT(slope, 2.5);
+    EXPECT_GT(each, 0.5) << heights;
+    EXPECT_LT(each, heights ? 5 : 2);
+  }
 }
 
 TEST(EstimatePressing, TakesNoOffsetsWhereThereAreNone) {

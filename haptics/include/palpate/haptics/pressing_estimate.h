@@ -42,8 +42,8 @@ struct PressingOffsets {
   /// The forces were recorded along the direction of pressing only.
   bool along_direction = false;
   double touch = 0;  ///< [mm] mean of t over contacts on the surface
-  /// [mm] its standard error, from the likelihood of each contact given those around it, which
-  /// counts data more than once: up to five times too small where heights tell the touches
+  /// [mm] its standard error as if the covariance of curves were known: where heights tell the
+  /// touches, up to two times too small
   double touch_error = 0;
   double touch_spread = 0;  ///< [mm] standard deviation of t among contacts, beside its error
   /// How much t grows with `PressedContact::height`: 1 if the surface shows where it truly was.
