@@ -45,7 +45,7 @@ std::vector<Pair> realigned_pairs(const probing::CheckedAcquisition& acquisition
     std::map<long long, Eigen::Index> held;
     for (const probing::Sample& sample : samples) {
       settled_positions[sample.group].push_back(sample.a);
-      held[sample.group] += sample.slipped ? 0 : 1;
+      held[sample.group] += sample.slipped || !has_tangential_stage(sample) ? 0 : 1;
     }
     const ForceSamples realigned = realign(contact, samples);
     Eigen::Index column = 0;

@@ -23,11 +23,16 @@ std::map<long long, Group> group_samples(long long contact,
   return groups;
 }
 
+// Whether a sample makes a pair beside that of its group.
+bool has_own_pair(const probing::Sample& sample) {
+  return !sample.slipped && has_tangential_stage(sample);
+}
+
 Eigen::Index count_pairs(const std::map<long long, Group>& groups) {
   Eigen::Index pairs = 0;
   for (const auto& [id, group] : groups) {
     ++pairs;
-    for (const probing::Sample* sample : group) pairs += sample->slipped ? 0 : 1;
+    for (const probing::Sample* sample : group) pairs += has_own_pair(*sample) ? 1 : 0;
   }
   return pairs;
 }
@@ -74,12 +79,16 @@ Eigen::Vector3d mean_position(const Group& group) {
   return sum;
 }
 
-double mean_force_along(const Group& group, const Eigen::Vector3d& direction) {
-  double sum = 0;
+// Of the normal force of a group: the forces along the normal, or all of them where there was no
+// tangential stage.
+Eigen::Vector3d settled_force(const Group& group, const Eigen::Vector3d& normal) {
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  bool tangential = false;
   for (const probing::Sample* sample : group) {
-    sum += sample->force.dot(direction) / static_cast<double>(group.size());
+    sum += sample->force / static_cast<double>(group.size());
+    tangential = tangential || has_tangential_stage(*sample);
   }
-  return sum;
+  return tangential ? Eigen::Vector3d(sum.dot(normal) * normal) : sum;
 }
 
 // Sum of squares, n - 1 times the variance, of the positions in the direction of least scatter. The
@@ -106,6 +115,8 @@ double least_sum_of_squares(const Group& group, const Eigen::Vector3d& mean) {
 }
 
 }  // namespace
+
+bool has_tangential_stage(const probing::Sample& sample) { return sample.a != sample.b; }
 
 std::optional<double> pooled_displacement_noise(std::span<const ForceSamples> contacts) {
   double variance = 0, degrees = 0;
@@ -136,9 +147,9 @@ ForceSamples realign(const probing::Contact& contact, std::span<const probing::S
     }
     result.kinds.push_back(PairKind::settled);
     result.displacements.col(pair) = mean_a - contact.position;
-    result.forces.col(pair++) = mean_force_along(kept, normal) * normal;
+    result.forces.col(pair++) = settled_force(kept, normal);
     for (const probing::Sample* sample : group) {
-      if (sample->slipped) continue;
+      if (!has_own_pair(*sample)) continue;
       result.kinds.push_back(sample->on_friction_boundary ? PairKind::friction_boundary
                                                           : PairKind::held);
       result.displacements.col(pair) = sample->b - sample->a + mean_a - contact.position;

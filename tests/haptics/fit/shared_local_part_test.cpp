@@ -108,7 +108,7 @@ TEST(LocalGlobal, FindsHowTheBeamGivesWayFromOneContactToTheNext) {
   ProbedContacts probed = probed_contacts(beam, places, {dense, sparse});
   std::vector<ForceSamples> contacts(probed.dense.begin(), probed.dense.begin() + 3);
   contacts.insert(contacts.end(), probed.sparse.begin() + 3, probed.sparse.end());
-  LocalPart part = learn_local_part(contacts);
+  LocalPart part = learn_local_part(contacts, {.dense_samples = 30});
   part.outcome = SharingOutcome::shared;  // three trials may not be certain
   const Eigen::Matrix3d found = fit_with_local_part(contacts[4], part).global_compliance -
                                 fit_with_local_part(contacts[3], part).global_compliance;

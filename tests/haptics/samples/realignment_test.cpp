@@ -41,9 +41,25 @@ TEST(Realign, TakesOnlyTheFirstPositionOfASampleThatSlipped) {
       sample(1, {1, 0, 2}, {10, 20, 704}, {1e6, 1e6, 1e6}, true),
       sample(1, {0, 0, 2}, {10, 20, 702}, {10, 20, 702})};
   const ForceSamples pairs = realign(kContact, samples);
-  ASSERT_EQ(pairs.forces.cols(), 2);
+  ASSERT_EQ(pairs.forces.cols(), 1);
   EXPECT_EQ(pairs.displacements.col(0), Vector3d(0, 0, 3));
-  EXPECT_EQ(pairs.displacements.col(1), Vector3d(0, 0, 3));
+}
+
+TEST(Realign, CountsASampleWithoutATangentialStageOnce) {
+  // Of a group without any, the whole force is that of the settled position.
+  std::vector<probing::Sample> samples = {sample(1, {0.5, 0, 2}, {10, 20, 704}, {10, 20, 704}),
+                                          sample(1, {0.7, 0, 2}, {10, 20, 702}, {10, 20, 702})};
+  ForceSamples pairs = realign(kContact, samples);
+  ASSERT_EQ(pairs.forces.cols(), 1);
+  EXPECT_EQ(pairs.displacements.col(0), Vector3d(0, 0, 3));
+  EXPECT_TRUE(pairs.forces.col(0).isApprox(Vector3d(0.6, 0, 2), 1e-12));
+  EXPECT_EQ(pairs.kinds, std::vector{PairKind::settled});
+  // Beside one that has, only that one makes a pair of its own.
+  samples.push_back(sample(1, {1, 0, 2}, {10, 20, 703}, {11, 20, 703}));
+  pairs = realign(kContact, samples);
+  ASSERT_EQ(pairs.forces.cols(), 2);
+  EXPECT_TRUE(pairs.forces.col(0).isApprox(Vector3d(0, 0, 2), 1e-12));
+  EXPECT_TRUE(pairs.displacements.col(1).isApprox(Vector3d(1, 0, 3), 1e-12));
 }
 
 TEST(Realign, KeepsGroupsAndContactsApart) {
@@ -52,9 +68,9 @@ TEST(Realign, KeepsGroupsAndContactsApart) {
                                           sample(1, {0, 0, 3}, {0, 0, 0}, {0, 0, 0})};
   samples.back().contact = 5;
   const ForceSamples pairs = realign(kContact, samples);
-  ASSERT_EQ(pairs.forces.cols(), 4);
-  EXPECT_EQ(pairs.displacements.row(2), Eigen::RowVector4d(5, 5, 1, 1));
-  EXPECT_EQ(pairs.forces.row(2), Eigen::RowVector4d(3, 3, 1, 1));
+  ASSERT_EQ(pairs.forces.cols(), 2);
+  EXPECT_EQ(pairs.displacements.row(2), Eigen::RowVector2d(5, 1));
+  EXPECT_EQ(pairs.forces.row(2), Eigen::RowVector2d(3, 1));
 }
 
 // Positions that scatter by `noise` in all directions, and by ten times that along z.
@@ -148,7 +164,7 @@ TEST(Realign, FindsAnOutlierInASmallGroup) {
       EXPECT_NEAR(*pairs.displacement_noise, 0.02, 0.2 * 0.02) << size;
     }
     Eigen::Index pair = 0;
-    for (int group = 0; group < 100; ++group, pair += size) {
+    for (int group = 0; group < 100; ++group, ++pair) {  // without tangential stages: one each
       EXPECT_LT((pairs.displacements.col(pair) - Vector3d(0, 0, 3)).norm(), 0.1) << size;
       EXPECT_TRUE(pairs.forces.col(pair).isApprox(Vector3d(0, 0, 2), 1e-12)) << size;
     }

@@ -48,14 +48,19 @@ struct ForceSamples {
 /// outlier.
 inline constexpr double kOutlierRatio = 6;
 
+/// Whether the tool moved on from where the normal force alone held it.
+[[nodiscard]] bool has_tangential_stage(const probing::Sample& sample);
+
 /// Realigns the samples of one contact (thesis 5.2), in the world frame. Samples of other contacts
 /// are ignored.
 ///
 /// All tool positions `a` of a group belong to the same normal force. Their mean m is the best
 /// estimate of that position and makes one pair (m - c, mean component of the forces along the
 /// normal). A sample whose `a` is an outlier enters neither mean. Every sample that held makes a
-/// further pair (b - a + m - c, p); of a sample that slipped only `a` is used. Pairs are ordered by
-/// group, then as the samples are.
+/// further pair (b - a + m - c, p); of a sample that slipped only `a` is used. A sample without a
+/// tangential stage makes none: it would count twice. Where no sample of a group has one, the
+/// group's pair has the mean of their whole forces. Pairs are ordered by group, then as the samples
+/// are.
 [[nodiscard]] ForceSamples realign(const probing::Contact& contact,
                                    std::span<const probing::Sample> samples);
 
