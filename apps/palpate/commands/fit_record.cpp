@@ -96,6 +96,7 @@ Json to_json(const haptics::FitResult& fit) {
           {"noise_floor", number(fit.noise_floor)},
           {"displacement_noise", number(fit.displacement_noise)},
           {"condition", fit.condition ? number(*fit.condition) : Json()},
+          {"unmeasured", fit.unmeasured},
           {"shared_local", fit.shared_local}};
 }
 
@@ -126,6 +127,7 @@ haptics::FitResult to_fit(const Json& json) {
   fit.noise_floor = to_number(json.at("noise_floor"));
   fit.displacement_noise = to_number(json.at("displacement_noise"));
   if (!json.at("condition").is_null()) fit.condition = to_number(json.at("condition"));
+  fit.unmeasured = json.at("unmeasured");
   fit.shared_local = json.at("shared_local");
   return fit;
 }

@@ -16,6 +16,7 @@
 #include "fit/field_objective.h"
 #include "fit/left_out_pairs.h"
 #include "fit/local_fit.h"
+#include "fit/unmeasured_directions.h"
 #include "fit/whitened_problem.h"
 #include "palpate/error.h"
 #include "palpate/require.h"
@@ -57,6 +58,8 @@ void check(const Eigen::Ref<const Eigen::Matrix3Xd>& displacements,
         "fit_force_field(): epsilon is given, but a convex fit chooses one for each base; leave it "
         "out, or choose the mode certified or local");
   }
+  if (options.expected_stiffness && !options.expected_stiffness->allFinite())
+    throw InvalidInput("fit_force_field(): the expected stiffness is not finite; leave it out");
   require("FitOptions::epsilon", options.epsilon, above(0).finite(), "mm");
 }
 
@@ -264,6 +267,28 @@ FitResult fit_in_mode(const ScaledSamples& samples, const FitOptions& options) {
   return compare ? best_predicting(samples, options, result) : result;
 }
 
+// The expected stiffness takes the place of what was not measured; the figures are those of all
+// that was.
+FitResult fit_measured(const Eigen::Matrix3Xd& displacements, const Eigen::Matrix3Xd& forces,
+                       const UnmeasuredDirections& directions, const FitOptions& options) {
+  const MeasuredPairs pairs = measured_pairs(displacements, forces, directions);
+  const FitResult fit = fit_in_mode(scaled(pairs.displacements, pairs.forces, options), options);
+  const double parameters = kBaseSize * static_cast<double>(fit.field.bases.size());
+  const ScaledSamples samples = scaled(displacements, forces, options);
+  FitResult result;
+  result.mode = fit.mode;
+  result.unmeasured = directions.count;
+  result.iterations = fit.iterations;
+  result.condition = fit.condition;
+  finish(samples, options,
+         in_units(with_expected_stiffness(fit.field, displacements, directions,
+                                          options.expected_stiffness),
+                  1 / samples.length, 1 / samples.force_scale),
+         parameters, result);
+  result.stop = verdict(result, options);
+  return result;
+}
+
 }  // namespace
 
 FitResult fit_force_field(const Eigen::Ref<const Eigen::Matrix3Xd>& displacements,
@@ -276,7 +301,14 @@ FitResult fit_force_field(const Eigen::Ref<const Eigen::Matrix3Xd>& displacement
   const double noise = options.noise.displacement.value_or(kDisplacementNoise);
   const bool rigid = options.mode == FitMode::convex && noise > 0 &&
                      (moves ? samples.length : 0) <= kRigidRatio * std::sqrt(3.0) * noise;
-  if (has_forces && moves && !rigid) return fit_in_mode(samples, options);
+  if (has_forces && moves && !rigid) {
+    if (options.mode != FitMode::convex) return fit_in_mode(samples, options);
+    const std::vector<Eigen::Index> order = canonical_order(displacements, forces);
+    const Eigen::Matrix3Xd d = displacements(Eigen::all, order), f = forces(Eigen::all, order);
+    const UnmeasuredDirections directions = unmeasured_directions(d, f, noise, options.noise.force);
+    return directions.count > 0 ? fit_measured(d, f, directions, options)
+                                : fit_in_mode(samples, options);
+  }
 
   FitResult result;
   result.mode = options.mode;

@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <optional>
 
+#include "palpate/eigen_alignment.h"
 #include "palpate/haptics/force_field.h"
 #include "palpate/haptics/passivity_certificate.h"
 
@@ -45,6 +46,10 @@ struct FitOptions {
   /// [mm] > 0, epsilon of all bases. Default: fitted for each base, starting from the root mean
   /// square of the displacements. Not allowed with `convex`, which chooses its own.
   std::optional<double> epsilon = std::nullopt;
+  /// With `convex`: what is expected of the stiffness [N/mm] where the displacements show none;
+  /// symmetric, positive semi-definite. Only its ratios between directions count. Default: that of
+  /// a half-space pressed along the largest displacements.
+  std::optional<Eigen::Matrix3d> expected_stiffness = std::nullopt;
 };
 
 inline constexpr int kMaxConvexBases = 14;
@@ -98,6 +103,9 @@ struct FitResult {
   /// Condition number of the least squares of `convex` in all parameters, with columns of unit
   /// length. A large one (1e3) means that bases are exchangeable, not that the field is uncertain.
   std::optional<double> condition = std::nullopt;
+  /// Directions, of three, in which the displacements show no stiffness: the field has an expected
+  /// one there.
+  int unmeasured = 0;
   /// Whether it was fitted to a local part that contacts share as well as to its own samples
   /// (`shared_local_part.h`).
   bool shared_local = false;
@@ -119,6 +127,11 @@ struct FitResult {
 /// bases follows them, but errs between them. Therefore convex fits that assume 1, 3 and 9 times
 /// the noise predict pairs that are left out, a fifth at a time. The best one is returned, or a
 /// certified field if its error there, by generalised cross-validation, is less.
+///
+/// Where displacements lie in a plane or along a line, up to their noise, and the forces across are
+/// no more than those along explain, `convex` takes their deviations for noise and the stiffness
+/// across from `expected_stiffness`, scaled to what the other directions show: noise divided by
+/// noise is no stiffness.
 ///
 /// If the samples do not determine epsilon, it is about half the extent of the displacements;
 /// otherwise a staircase through the levels of force would fit as well. A ridge beyond all samples
