@@ -156,8 +156,8 @@ TEST_F(ImportMapping, OfThePageReadsAMatFileAndItsPressesMakeAModelWithoutASurfa
   EXPECT_LT((sample.force - Eigen::Vector3d(0, 0, -0.37 * 3)).norm(), 1e-12);
   EXPECT_EQ(geometry::read_mesh(scratch / "surface.ply").triangles.cols(), 2 * 4 * 3);
 
-  const CommandResult fitted = run_palpate({"fit", scratch / "a.db", scratch / "surface.ply", "-o",
-                                            scratch / "model", "--max-bases", "2", "--json"});
+  const CommandResult fitted = run_palpate(
+      {"fit", scratch / "a.db", scratch / "surface.ply", "-o", scratch / "model", "--json"});
   ASSERT_EQ(fitted.status, kDone) << fitted.err;
   EXPECT_THAT(fitted.err, AllOf(HasSubstr("at all contacts, all forces have one direction"),
                                 HasSubstr("no contact determines its friction")));

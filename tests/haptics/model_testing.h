@@ -22,6 +22,7 @@ inline void expect_same_document(const Model& left, const Model& right) {
   EXPECT_EQ(left.probe_radius, right.probe_radius);
   EXPECT_EQ(left.friction_force, right.friction_force);
   EXPECT_EQ(left.rate, right.rate);
+  EXPECT_EQ(left.noise, right.noise);
   EXPECT_EQ(left.T_surface_acquisition.matrix(), right.T_surface_acquisition.matrix());
   ASSERT_EQ(left.contacts.size(), right.contacts.size());
   for (std::size_t i = 0; i < left.contacts.size(); ++i) {
@@ -46,6 +47,7 @@ inline void expect_same_document(const Model& left, const Model& right) {
     EXPECT_EQ(l.noise_floor, r.noise_floor);
     EXPECT_EQ(l.condition, r.condition);
     EXPECT_EQ(l.compliance, r.compliance);
+    EXPECT_EQ(l.uncertainty, r.uncertainty);
   }
 }
 
@@ -76,6 +78,8 @@ inline Model some_model() {
   model.contacts[3].chi2 = 1.3;
   model.contacts[0].noise_floor = 0.017;
   model.contacts[1].condition = 1e5 / 3;
+  model.contacts[1].uncertainty = ContactUncertainty{0.01 / 3, 0.02 / 3, 0.4, 1e-4 / 3};
+  model.noise = MeasurementNoise{0.0123, 0.02};
   model.contacts[2].field = {};
   model.contacts[3].field.bases[0].weight = -0.0;
   for (ContactModel& contact : model.contacts) contact = rounded(std::move(contact));

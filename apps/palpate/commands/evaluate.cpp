@@ -35,6 +35,17 @@ haptics::LeaveOneOut predict(const haptics::Model& model, const EvaluateCall& ca
   return haptics::leave_one_out(model, acquisition, options);
 }
 
+Json to_json(const std::optional<haptics::StatedErrors>& stated) {
+  if (!stated) return {};
+  return {{"rms", stated->rms}, {"ratio", stated->ratio}};
+}
+
+std::string stated_in_words(const std::optional<haptics::StatedErrors>& stated) {
+  if (!stated) return "the model states no errors";
+  return fmt::format("stated {:.4f} N, the errors are {:.2f} times as large", stated->rms,
+                     stated->ratio);
+}
+
 Json to_json(const haptics::LeaveOneOut& errors) {
   Json per_contact = Json::array(), suggested = Json::array();
   for (const haptics::ContactError& e : errors.per_contact) {
@@ -43,7 +54,8 @@ Json to_json(const haptics::LeaveOneOut& errors) {
                            {"samples", e.samples},
                            {"at_border", e.at_border},
                            {"spread", e.spread},
-                           {"expected", number_or_null(e.expected)}});
+                           {"expected", number_or_null(e.expected)},
+                           {"stated", to_json(e.stated)}});
   }
   for (const haptics::SuggestedContact& s : errors.suggested) {
     suggested.push_back(
@@ -52,6 +64,7 @@ Json to_json(const haptics::LeaveOneOut& errors) {
   return {{"rms", errors.rms},
           {"interior_rms", number_or_null(errors.interior_rms)},
           {"border_rms", number_or_null(errors.border_rms)},
+          {"stated", to_json(errors.stated)},
           {"per_contact", per_contact},
           {"suggested", suggested}};
 }
@@ -73,6 +86,7 @@ std::string to_prose(const haptics::LeaveOneOut& errors) {
       "border {}\n",
       errors.rms, errors.per_contact.size(), newtons(errors.interior_rms),
       newtons(errors.border_rms));
+  prose += fmt::format("  with the noise of the samples: {}\n", stated_in_words(errors.stated));
   if (!errors.suggested.empty()) prose += "Suggested positions for further contacts:\n";
   for (const haptics::SuggestedContact& s : errors.suggested) {
     prose += fmt::format("  ({:.1f}, {:.1f}, {:.1f}): expected error {:.4f} N\n", s.position.x(),
@@ -100,10 +114,11 @@ void evaluate(const Settings& settings, const EvaluateCall& call) {
     figures["queries"] = {{"count", errors.count},
                           {"rms", errors.rms},
                           {"median", errors.median},
-                          {"p90", errors.p90}};
-    prose +=
-        fmt::format("Against {} queries: RMS {:.4f} N, median {:.4f} N, 90 % within {:.4f} N\n",
-                    errors.count, errors.rms, errors.median, errors.p90);
+                          {"p90", errors.p90},
+                          {"stated", to_json(errors.stated)}};
+    prose += fmt::format(
+        "Against {} queries: RMS {:.4f} N, median {:.4f} N, 90 % within {:.4f} N; {}\n",
+        errors.count, errors.rms, errors.median, errors.p90, stated_in_words(errors.stated));
   }
   if (!call.acquisition.empty()) {
     const haptics::LeaveOneOut errors = predict(model, call);
@@ -150,7 +165,10 @@ void add_evaluate(CLI::App& app, const Settings& settings) {
       "RMS is the root of the mean squared length of the error vector, in N. With --leave-one-out, "
       "it is compared with the error that kriging of the neighbours' compliances expects, and with "
       "the disagreement of the neighbours' forces. A contact at the border has neighbours on one "
-      "side only.\n"
+      "side only. Offsets of contacts that were only pressed were estimated with all of them. "
+      "Stated errors are what the model itself expects (docs/model-file.md): errors should be "
+      "about "
+      "as large.\n"
       "Example:\n  palpate evaluate model/ --queries queries.csv --leave-one-out acquisition.db");
   command->callback([call, &settings] { evaluate(settings, *call); });
 }

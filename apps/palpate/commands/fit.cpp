@@ -150,6 +150,7 @@ haptics::BuildResult build(const probing::CheckedAcquisition& acquisition,
     throw InvalidInput(
         with_option_names(error.what(), {{"build_model(): ", call.acquisition.string() + ": "},
                                          {"BuildOptions::rate: ", "--rate: "},
+                                         {"BuildOptions::fit.max_bases,", "--max-bases,"},
                                          {"BuildOptions::max_distance", "--max-distance"},
                                          {"BuildOptions::max_left_out = ", "--leave-out "}}));
   }

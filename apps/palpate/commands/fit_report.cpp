@@ -180,6 +180,15 @@ geometry::ErrorStatistics rms_of(const haptics::BuildResult& built) {
   return geometry::error_statistics(rms);
 }
 
+Json uncertainty_of(const haptics::ContactModel& contact) {
+  if (!contact.uncertainty) return {};
+  const haptics::ContactUncertainty& own = *contact.uncertainty;
+  return {{"force", own.force},
+          {"displacement", own.displacement},
+          {"across", own.across},
+          {"between", own.between}};
+}
+
 /// The figures of one contact.
 Json contact_figures(const haptics::ContactModel& contact, const haptics::ContactReport& report) {
   const haptics::FitResult& found = report.fit;
@@ -199,7 +208,9 @@ Json contact_figures(const haptics::ContactModel& contact, const haptics::Contac
           {"noise_floor", found.noise_floor},
           {"outliers", found.outliers},
           {"condition", number_or_null(found.condition)},
-          {"shared_local", contact.shared_local}};
+          {"shared_local", contact.shared_local},
+          {"unmeasured", found.unmeasured},
+          {"uncertainty", uncertainty_of(contact)}};
 }
 
 }  // namespace
@@ -305,6 +316,10 @@ Json fit_figures(const haptics::BuildResult& built, bool with_contacts) {
                                 {"force", built.friction_load->load.force}};
   }
   if (built.rate) figures["rate"] = rate_in_figures(*built.rate);
+  if (built.model.noise) {
+    figures["noise"] = {{"force", built.model.noise->force},
+                        {"displacement", built.model.noise->displacement}};
+  }
   if (built.pressing) figures["pressing"] = pressing_in_figures(*built.pressing);
   return figures;
 }

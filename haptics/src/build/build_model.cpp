@@ -13,10 +13,12 @@
 #include <utility>
 
 #include "build/contact_cones.h"
+#include "build/contact_fields.h"
 #include "build/made.h"
 #include "build/place_contacts.h"
 #include "build/pressing_rate.h"
 #include "build/pressing_records.h"
+#include "build/uncertainty.h"
 #include "fit/pressing_field.h"
 #include "palpate/error.h"
 #include "palpate/geometry/contact_triangulation.h"
@@ -99,89 +101,6 @@ void choose_frames(Model& model) {
   }
 }
 
-// Limits a figure to the largest number that a file may hold. NaN: not known.
-std::optional<double> storable(double figure) {
-  constexpr double kGreatest = 1e12;
-  if (std::isnan(figure)) return std::nullopt;
-  return std::min(figure, kGreatest);
-}
-
-FitResult fit_field(const ForceSamples& pairs, const std::optional<LocalPart>& local_part,
-                    const FitOptions& options) {
-  FitResult fit = local_part ? fit_with_local_part(pairs, *local_part, options).fit
-                             : fit_force_field(pairs.displacements, pairs.forces, options);
-  fit.field = rounded(std::move(fit.field));
-  double sum = 0;
-  for (Eigen::Index i = 0; i < pairs.forces.cols(); ++i)
-    sum += (force(fit.field, pairs.displacements.col(i)) - pairs.forces.col(i)).squaredNorm();
-  fit.rms = std::sqrt(sum / static_cast<double>(pairs.forces.cols()));
-  return fit;
-}
-
-void take_fit(ContactModel& model, const ForceSamples& samples, const FitResult& fit) {
-  model.samples = static_cast<int>(samples.forces.cols());
-  model.rms = fit.rms;
-  model.fit_stop = fit.stop;
-  model.fit_mode = fit.mode;
-  model.passivity = fit.certificate.passivity;
-  model.chi2 = storable(fit.chi2);
-  model.noise_floor = storable(fit.noise_floor);
-  if (fit.condition) model.condition = storable(*fit.condition);
-  model.shared_local = fit.shared_local;
-  model.field = fit.field;
-  model = rounded(std::move(model));
-}
-
-// `samples` are in the local frames of the contacts.
-void fit_fields(const std::vector<ForceSamples>& samples, const FitOptions& fit_options,
-                const BuildOptions& options, BuildResult& result) {
-  std::vector<std::size_t> unknown;
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    const FitResult* known = options.known_fit ? options.known_fit(result.contacts[i].id) : nullptr;
-    if (known)
-      result.contacts[i].fit = *known;
-    else
-      unknown.push_back(i);
-  }
-  const auto count = static_cast<int>(samples.size());
-  int done = count - static_cast<int>(unknown.size());
-  if (done > 0 && options.progress) options.progress(BuildStage::fields, done, count);
-  if (options.dense_samples) {
-    result.local_part =
-        learn_local_part(samples, {.fit = fit_options, .dense_samples = *options.dense_samples});
-  }
-  std::mutex reporting;
-  parallel_for(unknown.size(), [&](std::size_t u) {
-    const std::size_t i = unknown[u];
-    ContactReport& report = result.contacts[i];
-    report.fit = fit_field(samples[i], result.local_part, fit_options);
-    const std::lock_guard lock(reporting);
-    if (options.keep_fit) options.keep_fit(report.id, report.fit);
-    if (options.progress) options.progress(BuildStage::fields, ++done, count);
-  });
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    take_fit(result.model.contacts[i], samples[i], result.contacts[i].fit);
-  }
-}
-
-void check_usable(const std::vector<ContactReport>& contacts) {
-  constexpr std::size_t kNamed = 50;
-  std::string named;
-  std::size_t failed = 0;
-  double worst = 0;
-  for (const ContactReport& contact : contacts) {
-    if (is_usable(contact)) continue;
-    if (failed++ < kNamed) named += (named.empty() ? "" : ", ") + std::to_string(contact.id);
-    if (!(contact.fit.rms <= worst)) worst = contact.fit.rms;
-  }
-  if (failed == 0) return;
-  throw SolverError(fmt::format(
-      "the fit failed at {} of {} contacts: its errors (RMS up to {:.4g} N) exceed the largest "
-      "force that was measured there, so there is no model. Contacts: {}{}. Check their samples, "
-      "or remove them.",
-      failed, contacts.size(), worst, named, failed > kNamed ? ", ..." : ""));
-}
-
 // The lower quartile, over the contacts, of the largest force along the z axis.
 double reference_force(const std::vector<ForceSamples>& samples, const Model& model) {
   std::vector<double> largest;
@@ -205,47 +124,13 @@ void turn_into_local_frames(std::vector<ForceSamples>& samples, const Model& mod
   }
 }
 
-// Fields of contacts that were only pressed, from the estimate of all of them together.
-void take_pressing(const std::vector<ForceSamples>& samples, const FitOptions& options,
-                   BuildResult& result) {
-  const PressingEstimate& estimate = *result.pressing;
-  parallel_for(samples.size(), [&](std::size_t i) {
-    const PressingCurve& curve = estimate.curves[i];
-    FitOptions with = options;
-    with.mode = FitMode::convex;
-    with.noise = {.displacement = curve.touch_error, .force = estimate.force_noise};
-    result.contacts[i].fit = assess_force_field(
-        rounded(pressing_field(curve, estimate.lateral_ratio)), samples[i].displacements,
-        samples[i].forces, static_cast<int>(curve.coefficients.size()), with);
-  });
-  for (std::size_t i = 0; i < samples.size(); ++i)
-    take_fit(result.model.contacts[i], samples[i], result.contacts[i].fit);
-}
-
-void check_predictions(const std::vector<ForceSamples>& samples, const BuildResult& result) {
-  constexpr double kMostOfLargest = 10;
-  double largest = 0;
-  for (const ForceSamples& contact : samples)
-    largest = std::max(largest, contact.forces.colwise().norm().maxCoeff());
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    const ContactModel& contact = result.model.contacts[i];
-    for (const auto& displacement : samples[i].displacements.colwise()) {
-      const double predicted = force(contact.field, displacement).norm();
-      if (predicted <= kMostOfLargest * largest) continue;
-      throw SolverError(fmt::format(
-          "the field of contact {} gives {:.4g} N at one of its own samples, where the largest "
-          "force of all contacts is {:.4g} N, so there is no model. Check the positions and forces "
-          "of this contact, or remove it.",
-          contact.id, predicted, largest));
-    }
-  }
-}
-
 // Takes the pairs of contacts that were only pressed without the offsets that are found.
 void estimate_pressed(const probing::CheckedAcquisition& acquisition,
                       const std::vector<std::size_t>& source, const std::vector<double>& heights,
                       const BuildOptions& options, std::vector<ForceSamples>& samples,
                       BuildResult& result) {
+  require("BuildOptions::fit.max_bases, where all contacts were only pressed,",
+          options.fit.max_bases, at_least(kFewestPressingBases));
   std::vector<PressedContact> contacts;
   for (std::size_t i = 0; i < source.size(); ++i) {
     contacts.push_back(pressed_contact(acquisition.contacts()[source[i]],
@@ -257,7 +142,8 @@ void estimate_pressed(const probing::CheckedAcquisition& acquisition,
   if (options.rate) {
     std::vector<std::span<const probing::Sample>> records;
     for (const std::size_t i : source) records.push_back(acquisition.samples_of(i));
-    PressedRate found = estimate_pressed_rate(contacts, records, with);
+    PressedRate found = estimate_pressed_rate(contacts, records, with,
+                                              options.fit.max_bases.value_or(kMaxConvexBases));
     result.pressing = std::move(found.estimate);
     result.rate = std::move(found.rate);
     result.model.rate = rounded(result.rate->terms);
@@ -274,8 +160,9 @@ void estimate_pressed(const probing::CheckedAcquisition& acquisition,
 // contacts of the model to those of the acquisition.
 double fit_contacts(const probing::CheckedAcquisition& acquisition,
                     const std::vector<std::size_t>& source, const std::vector<double>& heights,
-                    const BuildOptions& options, BuildResult& result) {
-  std::vector<ForceSamples> samples(source.size());
+                    const BuildOptions& options, std::vector<ForceSamples>& samples,
+                    BuildResult& result) {
+  samples.resize(source.size());
   parallel_for(source.size(), [&](std::size_t i) {
     samples[i] = realign(acquisition.contacts()[source[i]], acquisition.samples_of(source[i]));
   });
@@ -290,6 +177,14 @@ double fit_contacts(const probing::CheckedAcquisition& acquisition,
   // Estimate the noise from all contacts, as one tool and one tracker measured them.
   FitOptions fit = options.fit;
   if (!fit.noise.displacement) fit.noise.displacement = pooled_displacement_noise(samples);
+  result.model.noise =
+      MeasurementNoise{.force = fit.noise.force,
+                       .displacement = fit.noise.displacement.value_or(kDisplacementNoise)};
+  if (result.pressing) {
+    result.model.noise = MeasurementNoise{
+        .force = result.pressing->force_noise,
+        .displacement = along_pressing(*result.pressing) * result.pressing->offsets.touch_spread};
+  }
   const FrictionAxisOptions axis{
       .displacement_noise = fit.noise.displacement.value_or(kDisplacementNoise),
       .force_noise = options.friction.force_noise};
@@ -436,11 +331,14 @@ BuildResult build_model(const probing::CheckedAcquisition& acquisition,
     heights.push_back((places[i].position - there * contacts[i].position)
                           .dot(there.linear() * contacts[i].normal.normalized()));
   }
-  const double pressed = fit_contacts(acquisition, source, heights, options, result);
+  std::vector<ForceSamples> samples;  // in the local frames of the contacts
+  const double pressed = fit_contacts(acquisition, source, heights, options, samples, result);
   fill_in_friction(result.pressing.has_value(), result.model);
   if (options.blend_rule == BlendRule::compliances && pressed > 0) {
     result.model = with_compliances(std::move(result.model), pressed);
   }
+  const MeasurementNoise noise = *result.model.noise;
+  result.model = with_uncertainty(std::move(result.model), samples, noise);
   return result;
 }
 

@@ -16,6 +16,7 @@
 #include "build/made.h"
 #include "build/pressing_rate.h"
 #include "build/pressing_records.h"
+#include "build/uncertainty.h"
 #include "model/compliance_kriging.h"
 #include "palpate/error.h"
 #include "palpate/geometry/range_map_score.h"
@@ -117,14 +118,39 @@ std::optional<double> expected_error(const BlendedField& field, const Blend& at,
   return covariance.amplitude(2) * std::sqrt(predicted.variance) * std::abs(stiffness);
 }
 
+// Sums of squared errors, as stated and relative to that.
+struct StatedSums {
+  double stated = 0, relative = 0, count = 0;
+
+  void add(double error, double deviation) {
+    stated += deviation * deviation;
+    // Where no error is stated, none must be.
+    relative += error > 0 ? error * error / (deviation * deviation) : 0;
+    ++count;
+  }
+  [[nodiscard]] std::optional<StatedErrors> errors() const {
+    if (!(count > 0)) return std::nullopt;
+    return StatedErrors{std::sqrt(stated / count), std::sqrt(relative / count)};
+  }
+};
+
 ContactError predict_contact(const BlendedField& field, const Blend& at,
+                             const Eigen::Vector3d& place,
+                             const std::optional<MeasurementNoise>& noise,
                              const ForceSamples& samples) {
   std::vector<double> errors;
+  StatedSums stated;
   double spread = 0;
   for (Eigen::Index s = 0; s < samples.forces.cols(); ++s) {
     const Eigen::Vector3d displacement = samples.displacements.col(s);
     const Eigen::Vector3d force = field.force(at, displacement);
     errors.push_back((force - samples.forces.col(s)).norm());
+    const std::optional<double> deviation = field.deviation(place, displacement);
+    if (deviation && noise) {
+      stated.add(errors.back(),
+                 std::sqrt(*deviation * *deviation +
+                           noise_variance(*noise, field.stiffness(at, displacement))));
+    }
     for (std::size_t k = 0; k < static_cast<std::size_t>(at.contacts.count); ++k) {
       Blend alone = at;
       alone.contacts.count = 1;
@@ -139,6 +165,7 @@ ContactError predict_contact(const BlendedField& field, const Blend& at,
   error.rms = statistics.rms;
   error.samples = static_cast<int>(statistics.count);
   error.spread = std::sqrt(spread / static_cast<double>(samples.forces.cols()));
+  error.stated = stated.errors();
   return error;
 }
 
@@ -152,6 +179,18 @@ std::optional<double> pooled_rms(const std::vector<ContactError>& errors,
     count += errors[i].samples;
   }
   return count > 0 ? std::optional(std::sqrt(sum / count)) : std::nullopt;
+}
+
+std::optional<StatedErrors> pooled_stated(const std::vector<ContactError>& errors) {
+  double squares = 0, relative = 0, count = 0;
+  for (const ContactError& error : errors) {
+    if (!error.stated) continue;
+    squares += error.samples * error.stated->rms * error.stated->rms;
+    relative += error.samples * error.stated->ratio * error.stated->ratio;
+    count += error.samples;
+  }
+  if (!(count > 0)) return std::nullopt;
+  return StatedErrors{std::sqrt(squares / count), std::sqrt(relative / count)};
 }
 
 // Ratio of measured to expected errors.
@@ -224,6 +263,7 @@ QueryErrors evaluate_queries(const Model& model, std::span<const Query> queries,
     throw InvalidInput("evaluate_queries(): there is no query; pass at least one");
   const BlendedField field(model);
   std::vector<double> errors;
+  StatedSums stated;
   for (std::size_t i = 0; i < queries.size(); ++i) {
     const Query& query = queries[i];
     if (!query.contact.allFinite() || !query.displacement.allFinite() || !query.force.allFinite())
@@ -237,12 +277,15 @@ QueryErrors evaluate_queries(const Model& model, std::span<const Query> queries,
                          " mm are allowed. Check that queries and model are in one frame");
     }
     errors.push_back((field.force(query.contact, query.displacement) - query.force).norm());
+    if (const auto deviation = field.deviation(query.contact, query.displacement))
+      stated.add(errors.back(), *deviation);
     if (!std::isfinite(errors.back()))
       throw SolverError("evaluate_queries(): the model's force at query " + std::to_string(i) +
                         " is not finite; the model is broken");
   }
   const geometry::ErrorStatistics statistics = geometry::error_statistics(std::move(errors));
-  return {static_cast<int>(statistics.count), statistics.rms, statistics.median, statistics.p90};
+  return {static_cast<int>(statistics.count), statistics.rms, statistics.median, statistics.p90,
+          stated.errors()};
 }
 
 LeaveOneOut leave_one_out(const Model& model, const probing::CheckedAcquisition& acquisition,
@@ -274,7 +317,7 @@ LeaveOneOut leave_one_out(const Model& model, const probing::CheckedAcquisition&
     const BlendedField field(without_contact(model, points, i));
     const Blend at = field.blend(contact.position);
     ContactError& error = result.per_contact[i];
-    error = predict_contact(field, at, samples[i]);
+    error = predict_contact(field, at, contact.position, model.noise, samples[i]);
     error.contact = contact.id;
     error.at_border = at_border[i];
     if (by_compliance) {
@@ -290,6 +333,7 @@ LeaveOneOut leave_one_out(const Model& model, const probing::CheckedAcquisition&
   });
   result.rms = *pooled_rms(result.per_contact, std::vector<bool>(at_border.size(), true));
   result.border_rms = pooled_rms(result.per_contact, at_border);
+  result.stated = pooled_stated(result.per_contact);
   at_border.flip();
   result.interior_rms = pooled_rms(result.per_contact, at_border);
   if (by_compliance && options.suggestions > 0) {

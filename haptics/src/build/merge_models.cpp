@@ -80,6 +80,7 @@ void add_candidates(const SideModel& side, int index, const Eigen::Isometry3d& p
   for (const ContactModel& contact : side.model.contacts) {
     MergeCandidate candidate{
         .source = {index, contact.id}, .contact = contact, .outward = {}, .at = {}};
+    candidate.contact.uncertainty.reset();
     candidate.contact.compliance.reset();  // it was learnt from the contacts of this side
     candidate.contact.position = pose * contact.position;
     candidate.contact.frame = pose.linear() * contact.frame;

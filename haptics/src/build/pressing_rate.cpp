@@ -79,7 +79,7 @@ Eigen::Matrix3Xd pressed_rate_forces(std::span<const RateTerm> terms, const Forc
 
 PressedRate estimate_pressed_rate(const std::vector<PressedContact>& contacts,
                                   const std::vector<std::span<const probing::Sample>>& samples,
-                                  const PressingOptions& options) {
+                                  const PressingOptions& options, int max_bases) {
   PressedRate result{
       .estimate = estimate_pressing(contacts, options), .contacts = contacts, .rate = {}};
   RateFit before;
@@ -97,7 +97,7 @@ PressedRate estimate_pressed_rate(const std::vector<PressedContact>& contacts,
           pressed_path(samples[i].front().contact, samples[i],
                        frames[i].transpose() * given.displacements, Eigen::Vector3d::UnitZ());
       RateRecord& record = records[i];
-      record.field = pressing_field(curve, result.estimate.lateral_ratio);
+      record.field = pressing_field(curve, result.estimate.lateral_ratio, max_bases);
       record.path = paths[i].path;
       record.forces.resize(3, given.forces.cols());
       for (std::size_t k = 0; k < paths[i].order.size(); ++k) {

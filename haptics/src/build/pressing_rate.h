@@ -46,10 +46,11 @@ struct PressedRate {
 /// Estimates curves of force over depth and the dependence on the rate in turn, each with what the
 /// other left, until they agree: `estimate_pressing` and `fit_rate`. Where the records show no
 /// dependence, the estimate is that of `estimate_pressing` alone.
-/// \param samples of each contact, in the order of its records.
+/// \param samples of each contact, in the order of its records. \param max_bases of a field.
 /// \throws InvalidInput as `pressed_path`.
 [[nodiscard]] PressedRate estimate_pressed_rate(
     const std::vector<PressedContact>& contacts,
-    const std::vector<std::span<const probing::Sample>>& samples, const PressingOptions& options);
+    const std::vector<std::span<const probing::Sample>>& samples, const PressingOptions& options,
+    int max_bases);
 
 }  // namespace palpate::haptics

@@ -57,6 +57,7 @@ TransformedField scale_contact(const Eigen::Matrix3d& S, ForceScaling forces,
   contact.frame = rotation_between(before.col(2), z) * before;
   contact.friction_axis = (S * contact.friction_axis).normalized();
   contact.compliance.reset();  // it belonged to the old field
+  contact.uncertainty.reset();
   if (forces == ForceScaling::feel) {
     contact = rounded(std::move(contact));
     return {.field = contact.field};
@@ -115,6 +116,7 @@ ScaledModel scale_model(const Model& model, const ScaleModelOptions& options) {
   };
   scaled.surface.vertices = moved(model.surface.vertices);
   scaled.T_surface_acquisition.setIdentity();
+  scaled.noise.reset();
   const bool compliances = model.interpolation.rule == BlendRule::compliances;
   std::optional<double> largest_force;
   if (compliances) largest_force = model.interpolation.reference_force;

@@ -67,6 +67,7 @@ TransferredModel transfer_model(const Model& model, const geometry::TriangleMesh
   TransferredModel result{.model = model, .distorted = {}, .isolated = {}};
   result.model.surface = target;
   result.model.T_surface_acquisition.setIdentity();
+  result.model.noise.reset();
   std::vector<SurfacePoint> places;
   for (ContactModel& contact : result.model.contacts) {
     const SurfacePoint at = from.closest_point(contact.position).at;
@@ -78,6 +79,7 @@ TransferredModel transfer_model(const Model& model, const geometry::TriangleMesh
     turn(contact, at, corners, rotations);
     scale_forces(contact, map.scale, options.forces);
     contact.compliance.reset();  // it belonged to the old surface
+    contact.uncertainty.reset();
     contact = rounded(std::move(contact));
     if (map.distorted[at.triangle]) result.distorted.push_back(contact.id);
   }

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <limits>
 #include <vector>
 
 namespace palpate::haptics {
@@ -81,9 +83,40 @@ Eigen::VectorXd nonnegative_weights(const Eigen::MatrixXd& table, const Eigen::V
   return x;
 }
 
+// The same with at most `most` weights that are not zero: those that the others replace best go,
+// one after the other.
+Eigen::VectorXd few_weights(const Eigen::MatrixXd& table, const Eigen::VectorXd& target,
+                            std::size_t most) {
+  Eigen::VectorXd weights = nonnegative_weights(table, target);
+  const auto used = [&] {
+    std::vector<Eigen::Index> result;
+    for (Eigen::Index i = 0; i < weights.size(); ++i)
+      if (weights(i) > 0) result.push_back(i);
+    return result;
+  };
+  for (std::vector<Eigen::Index> kept = used(); kept.size() > most; kept = used()) {
+    double least = std::numeric_limits<double>::infinity();
+    Eigen::VectorXd best = Eigen::VectorXd::Zero(weights.size());
+    for (std::size_t left = 0; left < kept.size(); ++left) {
+      std::vector<Eigen::Index> others = kept;
+      others.erase(others.begin() + static_cast<std::ptrdiff_t>(left));
+      const Eigen::MatrixXd columns = table(Eigen::all, others);
+      const Eigen::VectorXd found = nonnegative_weights(columns, target);
+      const double error = (columns * found - target).squaredNorm();
+      if (!(error < least)) continue;
+      least = error;
+      best.setZero();
+      for (std::size_t k = 0; k < others.size(); ++k)
+        best(others[k]) = found(static_cast<Eigen::Index>(k));
+    }
+    weights = best;
+  }
+  return weights;
+}
+
 }  // namespace
 
-ForceField pressing_field(const PressingCurve& curve, double lateral_ratio) {
+ForceField pressing_field(const PressingCurve& curve, double lateral_ratio, int max_bases) {
   static const Eigen::MatrixXd table = ridge_table();
   ForceField field;
   if (!(curve.reach > 0)) return field;
@@ -97,7 +130,8 @@ ForceField pressing_field(const PressingCurve& curve, double lateral_ratio) {
     target(p) = weight_of(p) * force;
   }
   if (!(force > 0)) return field;
-  const Eigen::VectorXd weights = nonnegative_weights(table, target);
+  const Eigen::VectorXd weights =
+      few_weights(table, target, static_cast<std::size_t>(max_bases - kFewestPressingBases + 1));
   Eigen::Index column = 0;
   for (const double centre : kRidgeCentres) {
     for (const double rounding : kRidgeRoundings) {

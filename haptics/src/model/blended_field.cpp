@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <span>
 #include <vector>
 
 #include "model/field_warp.h"
+#include "model/force_variance.h"
 #include "palpate/haptics/rotation.h"
 
 namespace palpate::haptics {
@@ -130,6 +132,40 @@ Eigen::Vector3d BlendedField::force(const Blend& at,
               haptics::force(contacts_[i].field, warp.displacement * local_displacement));
   }
   return at.field_frame * local;
+}
+
+Eigen::Matrix3d BlendedField::stiffness(const Blend& at,
+                                        const Eigen::Vector3d& displacement) const noexcept {
+  Eigen::Matrix3d local = Eigen::Matrix3d::Zero();
+  if (!displacement.allFinite()) return local;
+  const Eigen::Vector3d local_displacement = at.field_frame.transpose() * displacement;
+  for (std::size_t k = 0; k < static_cast<std::size_t>(at.contacts.count); ++k) {
+    const auto i = static_cast<std::size_t>(at.contacts.contacts[k]);
+    const FieldWarp& warp = at.warps[k];
+    local += at.contacts.weights[k] * warp.energy *
+             (warp.displacement.transpose() *
+              haptics::stiffness(contacts_[i].field, warp.displacement * local_displacement) *
+              warp.displacement);
+  }
+  return at.field_frame * local * at.field_frame.transpose();
+}
+
+std::optional<double> BlendedField::deviation(const geometry::SurfacePoint& contact,
+                                              const Eigen::Vector3d& displacement) const noexcept {
+  const Blend at = blend(contact);
+  if (at.contacts.count == 0 || !displacement.allFinite()) return std::nullopt;
+  for (std::size_t k = 0; k < static_cast<std::size_t>(at.contacts.count); ++k) {
+    const auto i = static_cast<std::size_t>(at.contacts.contacts[k]);
+    if (at.contacts.weights[k] > 0 && !contacts_[i].uncertainty) return std::nullopt;
+  }
+  const ForceVariance parts =
+      force_variance(contacts_, at, geometry::position(mesh_, contact), displacement);
+  return std::sqrt(parts.contacts + parts.between * parts.distance);
+}
+
+std::optional<double> BlendedField::deviation(const Eigen::Vector3d& contact,
+                                              const Eigen::Vector3d& displacement) const noexcept {
+  return deviation(surface_.closest_point(contact).at, displacement);
 }
 
 Eigen::Vector3d BlendedField::force(const Eigen::Vector3d& contact,

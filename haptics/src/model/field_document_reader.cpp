@@ -107,6 +107,13 @@ double load_exponent_of(const Node& node) {
   return exponent;
 }
 
+ContactUncertainty to_uncertainty(const Node& node) {
+  return {.force = node.at("force").number_at_least_zero(),
+          .displacement = node.at("displacement").number_at_least_zero(),
+          .across = node.at("across").number_at_least_zero(),
+          .between = node.at("between").number_at_least_zero()};
+}
+
 ContactModel to_contact(const Node& node) {
   ContactModel contact;
   contact.id = node.at("id").integer();
@@ -115,6 +122,8 @@ ContactModel to_contact(const Node& node) {
   contact.field = read_field(node);
   if (const auto compliance = node.find("compliance"))
     contact.compliance = to_compliance(*compliance);
+  if (const auto uncertainty = node.find("uncertainty"))
+    contact.uncertainty = to_uncertainty(*uncertainty);
   const Node friction = node.at("friction"), fit = node.at("fit");
   contact.friction = friction.at("coefficient").number_at_least_zero();
   contact.friction_error = figure(friction.find("error"));
@@ -382,6 +391,10 @@ Model read_field_document(const std::string& bytes, ModelEncoding encoding) {
     }
   }
   if (const auto rate = document.find("rate")) model.rate = to_rate(*rate);
+  if (const auto noise = document.find("noise")) {
+    model.noise = MeasurementNoise{noise->at("force").number_at_least_zero(),
+                                   noise->at("displacement").number_at_least_zero()};
+  }
   const Node registration = document.at("registration");
   model.T_surface_acquisition.linear() = registration.at("rotation").rows();
   if (!is_rotation(model.T_surface_acquisition.linear(), kFrameTolerance))

@@ -94,6 +94,13 @@ Json to_json(const ContactCompliance& compliance) {
           {"trend", trend}};
 }
 
+Json to_json(const ContactUncertainty& uncertainty) {
+  return {{"force", to_json(uncertainty.force)},
+          {"displacement", to_json(uncertainty.displacement)},
+          {"across", to_json(uncertainty.across)},
+          {"between", to_json(uncertainty.between)}};
+}
+
 Json friction_to_json(const ContactModel& contact) {
   Json friction = {{"coefficient", to_json(contact.friction)},
                    {"lower_bound", to_json(contact.friction_lower_bound)},
@@ -130,6 +137,7 @@ Json to_json(const ContactModel& contact) {
                  {"bases", bases},
                  {"ridges", ridges}};
   if (contact.compliance) result["compliance"] = to_json(*contact.compliance);
+  if (contact.uncertainty) result["uncertainty"] = to_json(*contact.uncertainty);
   result["friction"] = friction_to_json(contact);
   result["fit"] = fit_to_json(contact);
   return result;
@@ -232,7 +240,7 @@ template <typename Writer>
 void write(Writer writer, const Model& model) {
   constexpr int kMembers = 9;
   writer.begin(kMembers + (model.probe_radius ? 1 : 0) + (model.friction_force != 0 ? 1 : 0) +
-               (model.rate.empty() ? 0 : 1));
+               (model.rate.empty() ? 0 : 1) + (model.noise ? 1 : 0));
   writer.member("format", kFieldFormat);
   writer.member("version", kFieldVersion);
   writer.member("units", {{"length", "mm"}, {"force", "N"}});
@@ -246,6 +254,10 @@ void write(Writer writer, const Model& model) {
   writer.member("interpolation", to_json(model.interpolation));
   if (model.friction_force != 0) writer.member("friction_force", to_json(model.friction_force));
   if (!model.rate.empty()) writer.member("rate", to_json(model.rate));
+  if (model.noise) {
+    writer.member("noise", {{"force", to_json(model.noise->force)},
+                            {"displacement", to_json(model.noise->displacement)}});
+  }
   writer.begin_list("contacts", model.contacts.size());
   for (const ContactModel& contact : model.contacts) writer.item(to_json(contact));
   writer.end_list();

@@ -86,9 +86,12 @@ Compliance compliance_between(const std::vector<ContactModel>& contacts,
         curvature(*contact.compliance, u, v) + curvature(*contact.compliance, v, v) / 2;
     change += weights[k] / sum * turned(step_change, turn);
   }
+  return limited(mean, change);
+}
+
+Compliance limited(const Compliance& mean, const Compliance& change) noexcept {
   const double size = relative_change(change, mean);
-  if (size > kMaxChange) change *= kMaxChange / size;
-  return mean + change;
+  return mean + (size > kMaxChange ? kMaxChange / size : 1) * change;
 }
 
 FieldWarp warp_between(const Compliance& from, const Compliance& to) noexcept {

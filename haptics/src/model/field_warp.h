@@ -48,6 +48,9 @@ using Compliance = Eigen::Vector<double, 6>;
 /// stiff as the mean, and its compliance stays positive.
 inline constexpr double kMaxChange = 0.75;
 
+/// `mean` + `change`, with the change limited to kMaxChange of the mean. Real-time safe.
+[[nodiscard]] Compliance limited(const Compliance& mean, const Compliance& change) noexcept;
+
 /// The warp that maps a convex field with the compliance `from` to a convex one with the compliance
 /// `to`: it has the same force along z at the displacement of `to`, and there the transverse
 /// stiffness of `to`. The identity if both are equal. Real-time safe.

@@ -34,6 +34,12 @@ void check_contact(const ContactModel& contact, const std::string& name) {
   check("chi2", contact.chi2);
   check("noise_floor", contact.noise_floor, "N");
   check("condition", contact.condition);
+  if (contact.uncertainty) {
+    check("uncertainty: force", contact.uncertainty->force, "N");
+    check("uncertainty: displacement", contact.uncertainty->displacement, "mm");
+    check("uncertainty: across", contact.uncertainty->across);
+    check("uncertainty: between", contact.uncertainty->between, "mm^-1.25");
+  }
   check_force_field(contact.field, name.c_str());
   if (!contact.compliance) return;
   const Eigen::Vector<double, 6>& values = contact.compliance->values;
@@ -133,6 +139,11 @@ void check_model(const Model& model) {
   }
   require("the model's friction_force", model.friction_force,
           (has_exponent ? above(0) : at_least(0)).finite(), "N");
+  if (model.noise) {
+    require("the model's noise: force", model.noise->force, at_least(0).finite(), "N");
+    require("the model's noise: displacement", model.noise->displacement, at_least(0).finite(),
+            "mm");
+  }
   if (model.surface_weights.contacts.cols() > 0) check_weights(model);
   if (model.triangles.cols() > 0 || model.surface_weights.contacts.cols() == 0) {
     geometry::check_mesh(contact_mesh(model), "the model's triangles of contacts");

@@ -71,6 +71,11 @@ ContactModel rounded(ContactModel contact) {
        {&contact.friction_error, &contact.chi2, &contact.noise_floor, &contact.condition}) {
     if (*figure) *figure = round_to_digits(**figure, kReportDigits);
   }
+  if (contact.uncertainty) {
+    ContactUncertainty& own = *contact.uncertainty;
+    for (double* figure : {&own.force, &own.displacement, &own.across, &own.between})
+      *figure = round_to_digits(*figure, kReportDigits);
+  }
   return contact;
 }
 

@@ -18,6 +18,7 @@
 #include "peers.h"
 #include "pressing.h"
 #include "sharing.h"
+#include "stated_errors.h"
 #include "strip_acquisition.h"
 
 namespace palpate::bench {
@@ -152,13 +153,19 @@ int main(int count, char** arguments) try {
                  "In place of all that: what a local part that contacts share is worth, on so many "
                  "objects of each kind");
   bool pressing = false;
+  bool stated = false;
+  app.add_flag("--stated-errors", stated,
+               "In place of all that: whether models state their errors rightly");
   std::string kind;
   app.add_flag("--pressing", pressing,
                "In place of all that: models of objects that were only pressed");
-  app.add_option("--kind", kind, "With --pressing: only the sets whose name contains this");
+  app.add_option("--kind", kind,
+                 "With --pressing or --stated-errors: only the sets whose name contains this");
   CLI11_PARSE(app, count, arguments);
   if (pressing) {
     palpate::bench::measure_pressing(kind);
+  } else if (stated) {
+    palpate::bench::measure_stated_errors(kind);
   } else if (sharing > 0) {
     palpate::bench::measure_sharing(sharing);
   } else {

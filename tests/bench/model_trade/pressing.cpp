@@ -41,6 +41,7 @@ struct PredictionErrors {
 struct Row {
   PredictionErrors model, linear, process;
   double largest_force = 0;
+  double relative = 0, records = 0;  // squared errors relative to those that the model states
 };
 
 // The records of one place.
@@ -84,9 +85,21 @@ void predict(const haptics::BuildResult& built, const haptics::BlendedField& fie
     const Eigen::Vector3d displacement =
         there.linear() * (sample.b - place.contact.position + late * into);
     Eigen::Vector3d force = there.linear().transpose() * field.force(at, displacement);
-    if (way_back > 0 && i >= count / 2) force *= 1 - offsets.hysteresis;
+    const bool back = way_back > 0 && i >= count / 2;
+    if (back) force *= 1 - offsets.hysteresis;
     const double bias = offsets.along_direction ? offsets.force.z() : offsets.force.dot(into);
     row.model.add(force.dot(into) + bias, place.normal.forces[i]);
+    const auto stated = field.deviation(on_surface, displacement);
+    if (stated && !back) {
+      const haptics::MeasurementNoise& noise = *built.model.noise;
+      const double variance =
+          *stated * *stated + 3 * noise.force * noise.force +
+          noise.displacement * noise.displacement * field.stiffness(at, displacement).squaredNorm();
+      const Eigen::Vector3d whole =
+          force + (offsets.along_direction ? Eigen::Vector3d(bias * into) : offsets.force);
+      row.relative += (whole - sample.force).squaredNorm() / variance;
+      ++row.records;
+    }
     row.largest_force = std::max(row.largest_force, std::abs(place.normal.forces[i]));
   }
 }
@@ -145,7 +158,8 @@ std::string in_words(const haptics::PressingOffsets& offsets) {
 void measure_pressing(const std::string& only) {
   fmt::print(
       "| set | model [N] | / linear | / process | largest / measured | queries [N] | offsets found "
-      "| noise [N] | fit [ms a contact] |\n|---|---|---|---|---|---|---|---|---|\n");
+      "| noise [N] | fit [ms a contact] | left out / stated | queries / stated "
+      "|\n|---|---|---|---|---|---|---|---|---|---|---|\n");
   for (const PressingKind& kind : pressing_kinds()) {
     if (kind.name.find(only) == std::string::npos) continue;
     const PressingSet set = make_pressing_set(kind, kSeed);
@@ -155,11 +169,14 @@ void measure_pressing(const std::string& only) {
     const double took = 1e3 * static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
     const haptics::QueryErrors queries = haptics::evaluate_queries(built.model, set.truth);
     const Row row = cross_validate(set, kind);
-    fmt::print("| {} | {:.3f} | {:.2f} | {:.2f} | {:.2f} | {:.3f} | {} | {:.3f} | {:.1f} |\n",
-               kind.name, row.model.rms(), row.model.rms() / row.linear.rms(),
-               row.model.rms() / row.process.rms(), row.model.largest / row.largest_force,
-               queries.rms, in_words(built.pressing->offsets), built.pressing->force_noise,
-               took / static_cast<double>(set.acquisition.contacts.size()));
+    fmt::print(
+        "| {} | {:.3f} | {:.2f} | {:.2f} | {:.2f} | {:.3f} | {} | {:.3f} | {:.1f} | {:.2f} | "
+        "{:.2f} |\n",
+        kind.name, row.model.rms(), row.model.rms() / row.linear.rms(),
+        row.model.rms() / row.process.rms(), row.model.largest / row.largest_force, queries.rms,
+        in_words(built.pressing->offsets), built.pressing->force_noise,
+        took / static_cast<double>(set.acquisition.contacts.size()),
+        std::sqrt(row.relative / row.records), queries.stated->ratio);
     std::fflush(stdout);
   }
 }

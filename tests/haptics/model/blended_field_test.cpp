@@ -149,6 +149,50 @@ TEST(BlendedField, ByComplianceDoesNotJumpAnywhereOnAClosedSurface) {
   }
 }
 
+TEST(BlendedField, HasTheDerivativeOfTheForceAsItsStiffness) {
+  for (const Model& model : {uneven_model(), with_compliances(uneven_model(), 1)}) {
+    const BlendedField field(model);
+    const Blend at = field.blend(Eigen::Vector3d(7, -4, 700));
+    Eigen::Matrix3d differences;
+    for (int axis = 0; axis < 3; ++axis) {
+      const Eigen::Vector3d step = kDifferenceStep * Eigen::Vector3d::Unit(axis);
+      differences.col(axis) =
+          (field.force(at, kPush + step) - field.force(at, kPush - step)) / (2 * kDifferenceStep);
+    }
+    EXPECT_LT((field.stiffness(at, kPush) - differences).norm(), kDifferenceTolerance);
+  }
+}
+
+TEST(BlendedField, StatesTheErrorsOfAContactAtIt) {
+  Model model = with_compliances(uneven_model(), 1);
+  EXPECT_EQ(BlendedField(model).deviation(model.contacts[1].position, kPush), std::nullopt);
+  const auto stated = [&](const ContactUncertainty& uncertainty) {
+    for (ContactModel& contact : model.contacts) contact.uncertainty = uncertainty;
+    return BlendedField(model).deviation(model.contacts[1].position, kPush).value();
+  };
+  const ContactModel& contact = model.contacts[1];
+  const Eigen::Vector3d local = contact.frame.transpose() * kPush;
+  constexpr double kTolerance = 1e-9;  // of warps that are the identity up to rounding
+  EXPECT_NEAR(stated({.force = 0.3}), 0.3, kTolerance);
+  EXPECT_NEAR(stated({.displacement = 0.02}), 0.02 * stiffness(contact.field, local).norm(),
+              kTolerance);
+  EXPECT_NEAR(stated({.across = 0.4}), 0.4 * force(contact.field, local).head<2>().norm(),
+              kTolerance);
+  EXPECT_NEAR(stated({.between = 10}), 0, 1e-6);  // the position is stored with 9 digits
+  EXPECT_NEAR(stated({.force = 0.3, .across = 0.4}),
+              std::hypot(0.3, 0.4 * force(contact.field, local).head<2>().norm()), kTolerance);
+}
+
+TEST(BlendedField, StatesErrorsThatGrowWithTheDistance) {
+  Model model = sheet_model();
+  for (ContactModel& contact : model.contacts)
+    contact.uncertainty = ContactUncertainty{.between = 1e-4};
+  const BlendedField field(model);
+  const Eigen::Vector3d middle(0, -30, 700), push(0, 0, 2);  // of two contacts 60 mm apart
+  EXPECT_NEAR(field.deviation(middle, push).value(),
+              1e-4 * std::pow(30, 1.25) * field.force(middle, push).norm(), 1e-9);
+}
+
 TEST(BlendedField, GivesNoForceForWhatIsNotFinite) {
   const BlendedField field(uneven_model());
   const Eigen::Vector3d nan = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());

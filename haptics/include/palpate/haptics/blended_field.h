@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "palpate/geometry/contact_locator.h"
@@ -32,6 +33,11 @@ struct Blend {
   /// A_k and beta_k of `BlendedField`, of the first `contacts.count`.
   std::array<FieldWarp, geometry::ContactWeights::kMaxCount> warps{};
 };
+
+/// Exponent of the mean squared distance to the contacts in the variance of the force. The error of
+/// the nearest contact's force grows as if it were 1, that of linear interpolation as if it were 2.
+/// Stated errors agree best with true ones of several objects in between (docs/trade-model.md).
+inline constexpr double kErrorGrowth = 1.25;
 
 /// The force field at any place of the surface, in blended frames (thesis 5.3.2.2).
 ///
@@ -74,6 +80,24 @@ class BlendedField {
                                       const Eigen::Vector3d& displacement) const noexcept;
   [[nodiscard]] Eigen::Vector3d force(const Eigen::Vector3d& contact,
                                       const Eigen::Vector3d& displacement) const noexcept;
+
+  /// [N/mm] Derivative of the force by the displacement.
+  [[nodiscard]] Eigen::Matrix3d stiffness(const Blend& at,
+                                          const Eigen::Vector3d& displacement) const noexcept;
+
+  /// [N] How far the force at a place may be off: the root of the expected squared length of its
+  /// error. With the stiffness K_k and force f_k that contact k gives here, f = sum_k w_k f_k, and
+  /// the contact's `ContactUncertainty` (force F, displacement D, across a, between b)
+  ///
+  ///     sum_k w_k (F_k^2 |A_k|^2 beta_k^2 / 3 + D_k^2 |K_k|^2 + a_k^2 |f_k across|^2)
+  ///       + (sum_k w_k b_k^2) (sum_k w_k |x - x_k|^2)^kErrorGrowth |f|^2
+  ///
+  /// with Frobenius norms. Nothing if a contact there has no uncertainty, or there is no contact.
+  /// Beyond the displacements that were measured the error may be larger.
+  [[nodiscard]] std::optional<double> deviation(const geometry::SurfacePoint& contact,
+                                                const Eigen::Vector3d& displacement) const noexcept;
+  [[nodiscard]] std::optional<double> deviation(const Eigen::Vector3d& contact,
+                                                const Eigen::Vector3d& displacement) const noexcept;
 
   /// Weights of the contacts at a place, as `blend` uses them.
   [[nodiscard]] geometry::ContactWeights weights(

@@ -27,12 +27,20 @@ struct Query {
 /// \throws FileError naming the line and column, or if there is no row.
 [[nodiscard]] std::vector<Query> read_queries(const std::filesystem::path& path);
 
+/// How the errors compare with those that a model states (`BlendedField::deviation`).
+struct StatedErrors {
+  double rms = 0;  ///< [N] root mean square of the stated errors
+  /// Root mean square of the errors, each relative to the stated one: 1 if they are stated rightly
+  double ratio = 0;
+};
+
 /// Statistics of the lengths |model - query| of the force errors [N].
 struct QueryErrors {
   int count = 0;
   double rms = 0;     ///< sqrt(mean |error|^2)
   double median = 0;  ///< quantiles are interpolated linearly
   double p90 = 0;
+  std::optional<StatedErrors> stated = std::nullopt;  ///< if the model states errors
 };
 
 struct QueryOptions {
@@ -57,6 +65,8 @@ struct ContactError {
   /// [N] standard deviation of the normal force at the reference displacement that kriging of the
   /// neighbours' compliances expects; only where compliances are blended and neighbours have one
   std::optional<double> expected = std::nullopt;
+  /// With the noise of the samples; if the model states errors.
+  std::optional<StatedErrors> stated = std::nullopt;
 };
 
 /// A place where one more contact would reduce the error most.
@@ -71,6 +81,8 @@ struct LeaveOneOut {
   std::optional<double>
       interior_rms;                  ///< [N] over the contacts not at the border, if there are any
   std::optional<double> border_rms;  ///< [N] over those at the border, if there are any
+  /// With the noise of the samples; if the model states errors.
+  std::optional<StatedErrors> stated = std::nullopt;
   std::vector<ContactError> per_contact;  ///< in the order of the model's contacts
   /// The places with the largest expected errors, at least half the spacing of contacts apart from
   /// each other and from contacts, and at most that far from the triangles of contacts. Empty
@@ -89,7 +101,10 @@ struct LeaveOneOutOptions {
 /// prediction with the measurement. Where the model depends on the rate, its part of the measured
 /// forces, by the contact's own field, is taken off first. For each contact, the model without it
 /// is triangulated again, by the method that the model was made with, and its compliances are
-/// learnt again.
+/// learnt again. What all contacts were estimated with together stays: the offsets and the noise of
+/// contacts that were only pressed and how far their curves were smoothed, and the stated errors
+/// between contacts. Errors are therefore somewhat smaller than those of a model that was fitted
+/// without the contact.
 ///
 /// \throws InvalidInput if a contact of the model is missing, at another place or without samples
 /// in the acquisition, if the model was fitted to other samples, if the model has fewer than four

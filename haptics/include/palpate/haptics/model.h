@@ -62,6 +62,26 @@ struct Interpolation {
   friend bool operator==(const Interpolation&, const Interpolation&) = default;
 };
 
+/// How far the forces of a contact, and those between it and its neighbours, may be off: what
+/// `BlendedField::deviation` is computed from. All are >= 0.
+struct ContactUncertainty {
+  double force = 0;         ///< [N] of the force vector, whatever the displacement
+  double displacement = 0;  ///< [mm] of each component; it acts through the stiffness
+  double across = 0;   ///< of the force across the contact's z axis, relative to that force: the
+                       ///< stiffness across was not measured
+  double between = 0;  ///< [mm^-1.25] what the neighbours cannot tell, relative to the force
+
+  friend bool operator==(const ContactUncertainty&, const ContactUncertainty&) = default;
+};
+
+/// Noise of the measurements that a model was made of: standard deviations of each component.
+struct MeasurementNoise {
+  double force = 0;         ///< [N]
+  double displacement = 0;  ///< [mm]
+
+  friend bool operator==(const MeasurementNoise&, const MeasurementNoise&) = default;
+};
+
 /// What was learnt at one contact.
 struct ContactModel {
   long long id = 0;                                    ///< as in the acquisition
@@ -98,6 +118,7 @@ struct ContactModel {
   std::optional<double> noise_floor = {};   ///< [N] the rms that noise alone makes; >= 0
   std::optional<double> condition = {};     ///< of the fit's least squares; >= 0
   bool shared_local = false;                ///< fitted to a local part that contacts share
+  std::optional<ContactUncertainty> uncertainty = {};  ///< none: not known
 };
 
 /// A deformable object as it was measured: the folder of design and playback.
@@ -117,6 +138,7 @@ struct Model {
   /// How forces depend on the rate, at all contacts alike (rate_law.h): at most two terms. Empty:
   /// not at all. The fields give the force that stays.
   std::vector<RateTerm> rate;
+  std::optional<MeasurementNoise> noise = {};  ///< none: not known
   /// Moves the acquisition onto the surface; the contacts here are moved already.
   Eigen::Isometry3d T_surface_acquisition = Eigen::Isometry3d::Identity();
   std::map<std::string, std::string> made;  ///< how: sources, options, program; UTF-8

@@ -1,0 +1,38 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "model/compliance_kriging.h"
+#include "palpate/haptics/blended_field.h"
+
+namespace palpate::haptics {
+
+/// What predicts the contacts of a model from those around them, in a time that does not depend on
+/// the number of contacts: without another triangulation, and with the covariance of compliances
+/// that all contacts together show.
+class LeftOutBlends {
+ public:
+  /// \param model must outlive this; with `compliances`, its contacts have theirs.
+  LeftOutBlends(const Model& model, BlendRule rule);
+
+  /// The blend at a contact as the others give it: of the corners of their Delaunay triangle around
+  /// it, in its tangent plane; at the border, of the nearest edge or contact. Nothing if there are
+  /// no others around it, or nothing is known of its compliance.
+  [[nodiscard]] std::optional<Blend> at(std::size_t contact) const;
+
+  /// For each contact, those around it.
+  [[nodiscard]] const std::vector<std::vector<int>>& neighbours() const { return neighbours_; }
+
+ private:
+  const Model& model_;
+  BlendRule rule_;
+  ComplianceKriging kriging_;  // with `compliances`
+  std::vector<std::vector<int>> neighbours_;
+  std::vector<int> known_;  // index in `kriging_` of each contact, or -1
+};
+
+}  // namespace palpate::haptics

@@ -1,0 +1,155 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "build/uncertainty.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "palpate/geometry/contact_triangulation.h"
+#include "palpate/geometry/surface_query.h"
+#include "palpate/haptics/blended_field.h"
+#include "palpate/haptics/contact_compliance.h"
+#include "sheet_model.h"
+
+namespace palpate::haptics {
+namespace {
+
+using Eigen::Vector3d;
+
+// The stiffness along the pressing at a place [N/mm]: waves with random phases.
+class Waves {
+ public:
+  Waves(unsigned seed, double amplitude, double length) : amplitude_(amplitude), length_(length) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> angle(0, 6.28);
+    for (Vector3d& wave : waves_) wave = {angle(random), angle(random), angle(random)};
+  }
+  [[nodiscard]] double at(double x, double y) const {
+    double sum = 0;
+    for (const Vector3d& wave : waves_) {
+      const double along = std::cos(wave.x()) * x + std::sin(wave.x()) * y;
+      sum += std::cos(along / length_ + wave.y());
+    }
+    return std::exp(amplitude_ * sum);
+  }
+
+ private:
+  double amplitude_, length_;
+  std::array<Vector3d, 6> waves_;
+};
+
+// Linear springs, half as stiff across.
+ForceField spring_of(double stiffness) {
+  constexpr double kRounding = 1e3;
+  ForceField field;
+  for (int axis = 0; axis < 3; ++axis) {
+    field.bases.push_back({.weight = stiffness * (axis == 2 ? 1 : 0.5) * kRounding,
+                           .epsilon = kRounding,
+                           .ridge = Vector3d::Unit(axis)});
+  }
+  return field;
+}
+
+Vector3d true_force(double stiffness, const Vector3d& displacement) {
+  return stiffness * Vector3d(0.5, 0.5, 1).cwiseProduct(displacement);
+}
+
+struct Made {
+  Model model;
+  std::vector<ForceSamples> samples;
+};
+
+// 36 contacts 14 mm apart, whose own stiffness is known to 2 % and whose samples have some noise.
+Made object(const Waves& waves, unsigned seed, const MeasurementNoise& noise) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> shift(-2, 2);
+  Made made;
+  made.model.surface = flat_surface(50, 20);
+  std::vector<geometry::SurfacePoint> points;
+  const geometry::SurfaceQuery query(made.model.surface);
+  for (int i = 0; i < 36; ++i) {
+    ContactModel contact;
+    contact.id = i;
+    contact.position << 14 * (i % 6) - 35 + shift(random), 14 * (i / 6) - 35 + shift(random), 700;
+    const double stiffness = waves.at(contact.position.x(), contact.position.y());
+    contact.field = spring_of(stiffness * (1 + 0.02 * normal(random)));
+    contact.uncertainty = ContactUncertainty{.force = 0.02 * stiffness * 2};
+    points.push_back(query.closest_point(contact.position).at);
+    ForceSamples samples;
+    samples.displacements.resize(3, 6);
+    samples.forces.resize(3, 6);
+    for (int j = 0; j < 6; ++j) {
+      samples.displacements.col(j) = Vector3d(0.3 * (j % 3 - 1), 0.2, 0.5 * (j + 1));
+      samples.forces.col(j) =
+          true_force(stiffness, samples.displacements.col(j)) +
+          noise.force * Vector3d(normal(random), normal(random), normal(random));
+    }
+    made.samples.push_back(samples);
+    made.model.contacts.push_back(contact);
+  }
+  geometry::ContactTriangulation triangulation =
+      geometry::triangulate_contacts(made.model.surface, points);
+  made.model.triangles = triangulation.mesh.triangles;
+  made.model.surface_weights = triangulation.weights;
+  return made;
+}
+
+// Root mean square of the errors at places between the contacts, relative to the stated ones.
+double ratio_between(const Model& model, const Waves& waves, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> place(-33, 33);
+  const BlendedField field(model);
+  double sum = 0;
+  for (int i = 0; i < 400; ++i) {
+    const double x = place(random), y = place(random);
+    const Vector3d displacement(0.2, -0.1, 2);
+    const Vector3d error =
+        field.force(Vector3d(x, y, 700), displacement) - true_force(waves.at(x, y), displacement);
+    const double stated = field.deviation(Vector3d(x, y, 700), displacement).value();
+    sum += error.squaredNorm() / (stated * stated);
+  }
+  return std::sqrt(sum / 400);
+}
+
+constexpr MeasurementNoise kNoise{.force = 0.02};
+
+TEST(WithUncertainty, StatesTheErrorsBetweenContacts) {
+  // From gentle changes of stiffness to ones that the contacts hardly resolve.
+  for (const double length : {30.0, 10.0}) {
+    double sum = 0;
+    for (const unsigned seed : {1U, 2U}) {
+      const Waves waves(seed, 0.2, length);
+      const Made made = object(waves, seed, kNoise);
+      sum += ratio_between(with_uncertainty(with_compliances(made.model, 1), made.samples, kNoise),
+                           waves, seed);
+    }
+    EXPECT_GT(sum / 2, 0.5) << length;  // errors of contacts count as if all were the same
+    EXPECT_LT(sum / 2, 1.3) << length;
+  }
+}
+
+TEST(WithUncertainty, StatesMoreWhereTheObjectChangesFaster) {
+  const Waves waves(1, 0, 12);
+  Made made = object(waves, 1, kNoise);
+  std::mt19937 random(4);
+  std::normal_distribution<double> normal;
+  // On one half the stiffness of neighbours has nothing to do with each other.
+  for (std::size_t i = 0; i < made.samples.size(); ++i) {
+    if (made.model.contacts[i].position.x() < 0) continue;
+    const double stiffness = std::exp(0.4 * normal(random));
+    made.model.contacts[i].field = spring_of(stiffness);
+    for (Eigen::Index j = 0; j < 6; ++j)
+      made.samples[i].forces.col(j) = true_force(stiffness, made.samples[i].displacements.col(j));
+  }
+  const BlendedField field(with_uncertainty(with_compliances(made.model, 1), made.samples, kNoise));
+  const Vector3d displacement(0, 0, 2);
+  EXPECT_GT(field.deviation(Vector3d(28, 0, 700), displacement).value(),
+            3 * field.deviation(Vector3d(-28, 0, 700), displacement).value());
+}
+
+}  // namespace
+}  // namespace palpate::haptics
