@@ -39,7 +39,7 @@ using Json = nlohmann::ordered_json;
 struct FitCall {
   fs::path acquisition, surface, output, pictures;
   haptics::FitOptions fit;
-  haptics::BlendRule blend_rule = haptics::BlendRule::compliances;
+  std::optional<haptics::BlendRule> blend_rule = haptics::BlendRule::compliances;
   geometry::ContactTriangulationMethod triangulation =
       geometry::ContactTriangulationMethod::delaunay;
   std::optional<haptics::ModelEncoding> encoding;
@@ -320,12 +320,14 @@ void add_fit(CLI::App& app, const Settings& settings) {
       "--cbor", [call] { call->encoding = haptics::ModelEncoding::cbor; },
       fmt::format("Write the document in CBOR, field.cbor; this is the default above {} contacts",
                   haptics::kMaxJsonContacts));
-  command->add_flag_callback(
-      "--blend-forces", [call] { call->blend_rule = haptics::BlendRule::forces; },
-      "Compute the force between contacts by blending their forces at the same displacement "
-      "(thesis "
-      "5.3.2) instead of at "
-      "displacements that match the compliance of the place");
+  add_choice<std::optional<haptics::BlendRule>>(
+      *command, "--blend", call->blend_rule,
+      {{"compliances", haptics::BlendRule::compliances},
+       {"forces", haptics::BlendRule::forces},
+       {"auto", std::nullopt}},
+      "What contacts give to places between them: compliances, their forces at displacements that "
+      "match the compliance of the place (default); forces, their forces at the same displacement "
+      "(thesis 5.3.2); auto, what predicts contacts better from those around them");
   command->add_option("--pictures", call->pictures,
                       "Folder for pictures: the contacts, and the contact with the worst fit");
   command->add_flag("--resume", call->resume,

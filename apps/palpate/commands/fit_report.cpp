@@ -267,6 +267,13 @@ void tell_build(const haptics::BuildResult& built) {
   tell_sharing(built);
   tell_pressing(built);
   tell_rate(built);
+  if (built.rule_errors) {
+    spdlog::info(
+        "contacts predicted from those around them: RMS {:.4f} N by compliances, {:.4f} N by "
+        "forces; the model blends {}.",
+        built.rule_errors->compliances, built.rule_errors->forces,
+        haptics::to_string(built.model.interpolation.rule));
+  }
   if (built.surface_flipped)
     spdlog::warn("the surface's triangles were reversed to agree with the contact normals.");
 }
@@ -319,6 +326,11 @@ Json fit_figures(const haptics::BuildResult& built, bool with_contacts) {
   if (built.model.noise) {
     figures["noise"] = {{"force", built.model.noise->force},
                         {"displacement", built.model.noise->displacement}};
+  }
+  if (built.rule_errors) {
+    figures["blend"] = {{"rule", haptics::to_string(built.model.interpolation.rule)},
+                        {"compliances", built.rule_errors->compliances},
+                        {"forces", built.rule_errors->forces}};
   }
   if (built.pressing) figures["pressing"] = pressing_in_figures(*built.pressing);
   return figures;

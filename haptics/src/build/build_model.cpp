@@ -18,6 +18,7 @@
 #include "build/place_contacts.h"
 #include "build/pressing_rate.h"
 #include "build/pressing_records.h"
+#include "build/rule_errors.h"
 #include "build/uncertainty.h"
 #include "fit/pressing_field.h"
 #include "palpate/error.h"
@@ -226,6 +227,14 @@ double fit_contacts(const probing::CheckedAcquisition& acquisition,
   return pressed;
 }
 
+// The rule whose predictions are better; `forces` needs no compliances.
+void choose_rule(const std::vector<ForceSamples>& samples, BuildResult& result) {
+  result.rule_errors = left_out_errors_of_rules(result.model, samples);
+  if (!result.rule_errors || result.rule_errors->compliances <= result.rule_errors->forces) return;
+  result.model.interpolation = {};
+  for (ContactModel& contact : result.model.contacts) contact.compliance.reset();
+}
+
 // \param pressed no sample has a tangential stage: lower bounds then come from what is beside the
 // normal in forces along it, and friction is unknown.
 void fill_in_friction(bool pressed, Model& model) {
@@ -334,8 +343,9 @@ BuildResult build_model(const probing::CheckedAcquisition& acquisition,
   std::vector<ForceSamples> samples;  // in the local frames of the contacts
   const double pressed = fit_contacts(acquisition, source, heights, options, samples, result);
   fill_in_friction(result.pressing.has_value(), result.model);
-  if (options.blend_rule == BlendRule::compliances && pressed > 0) {
+  if (options.blend_rule != BlendRule::forces && pressed > 0) {
     result.model = with_compliances(std::move(result.model), pressed);
+    if (!options.blend_rule) choose_rule(samples, result);
   }
   const MeasurementNoise noise = *result.model.noise;
   result.model = with_uncertainty(std::move(result.model), samples, noise);

@@ -8,6 +8,7 @@
 #include <random>
 #include <vector>
 
+#include "build/rule_errors.h"
 #include "palpate/geometry/contact_triangulation.h"
 #include "palpate/geometry/surface_query.h"
 #include "palpate/haptics/blended_field.h"
@@ -149,6 +150,21 @@ TEST(WithUncertainty, StatesMoreWhereTheObjectChangesFaster) {
   const Vector3d displacement(0, 0, 2);
   EXPECT_GT(field.deviation(Vector3d(28, 0, 700), displacement).value(),
             3 * field.deviation(Vector3d(-28, 0, 700), displacement).value());
+}
+
+TEST(LeftOutErrorsOfRules, PreferTheRuleThatTheObjectFollows) {
+  // Compliances that change linearly are interpolated exactly, and stiffness then is not.
+  Made made = object(Waves(1, 0, 12), 1, kNoise);
+  for (std::size_t i = 0; i < made.samples.size(); ++i) {
+    ContactModel& contact = made.model.contacts[i];
+    const double stiffness = 1 / (1 + 0.018 * contact.position.x());
+    contact.field = spring_of(stiffness);
+    for (Eigen::Index j = 0; j < 6; ++j)
+      made.samples[i].forces.col(j) = true_force(stiffness, made.samples[i].displacements.col(j));
+  }
+  const auto errors = left_out_errors_of_rules(with_compliances(made.model, 1), made.samples);
+  ASSERT_TRUE(errors);
+  EXPECT_LT(errors->compliances, 0.5 * errors->forces);
 }
 
 }  // namespace

@@ -37,10 +37,11 @@ struct BuildOptions {
   /// max_distance or their normal points into it, are left out. With more, or if fewer than three
   /// remain, the acquisition is refused.
   int max_left_out = 0;
-  /// How forces between contacts are computed. The reference force of compliances is the lower
+  /// How forces between contacts are computed; none: by the rule that predicts contacts better from
+  /// those around them (`RuleErrors`). The reference force of compliances is the lower
   /// quartile over contacts of the largest force along the z axis; if it is not positive, forces
   /// are blended.
-  BlendRule blend_rule = BlendRule::compliances;
+  std::optional<BlendRule> blend_rule = BlendRule::compliances;
   /// How contacts are triangulated. `Model::made` records it under "triangulation".
   geometry::ContactTriangulationMethod triangulation =
       geometry::ContactTriangulationMethod::delaunay;
@@ -97,6 +98,12 @@ struct ContactReport {
 /// [0, 1] Share of the squared forces of all contacts that their fits explain.
 [[nodiscard]] double explained_share(const std::vector<ContactReport>& contacts);
 
+/// [N] Root mean square of the errors at all samples, each contact predicted from those around it,
+/// by each rule.
+struct RuleErrors {
+  double compliances = 0, forces = 0;
+};
+
 /// A contact that does not fit the surface.
 struct ContactMisfit {
   long long id = 0;
@@ -119,6 +126,7 @@ struct BuildResult {
   std::optional<RateFit> rate;
   /// If the friction of the object depends on the load: how.
   std::optional<FrictionLoadEstimate> friction_load;
+  std::optional<RuleErrors> rule_errors;  ///< if they chose the rule between contacts
   RegistrationOutcome registration = RegistrationOutcome::not_needed;
   /// [mm] of the contacts to the surface as given, without those that cannot fit it (further away
   /// than max_distance + max_motion) if at least three can

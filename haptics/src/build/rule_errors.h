@@ -1,0 +1,18 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include "palpate/haptics/build_model.h"
+
+namespace palpate::haptics {
+
+/// How well each rule predicts the samples of contacts from those around them; in a time that grows
+/// with the number of contacts only. Nothing if no contact has others around it.
+/// \param model with compliances. \param samples of each contact, in its local frame.
+[[nodiscard]] std::optional<RuleErrors> left_out_errors_of_rules(
+    const Model& model, std::span<const ForceSamples> samples);
+
+}  // namespace palpate::haptics
