@@ -267,6 +267,8 @@ void tell_build(const haptics::BuildResult& built) {
   tell_sharing(built);
   tell_pressing(built);
   tell_rate(built);
+  if (!built.pressing && built.model.noise)
+    spdlog::info("the noise of the forces is taken as {:.3g} N.", built.model.noise->force);
   if (built.rule_errors) {
     spdlog::info(
         "contacts predicted from those around them: RMS {:.4f} N by compliances, {:.4f} N by "

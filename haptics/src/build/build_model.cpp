@@ -20,6 +20,7 @@
 #include "build/pressing_records.h"
 #include "build/rule_errors.h"
 #include "build/uncertainty.h"
+#include "fit/force_noise.h"
 #include "fit/pressing_field.h"
 #include "palpate/error.h"
 #include "palpate/geometry/contact_triangulation.h"
@@ -178,6 +179,8 @@ double fit_contacts(const probing::CheckedAcquisition& acquisition,
   // Estimate the noise from all contacts, as one tool and one tracker measured them.
   FitOptions fit = options.fit;
   if (!fit.noise.displacement) fit.noise.displacement = pooled_displacement_noise(samples);
+  if (options.estimate_force_noise && !result.pressing)
+    fit.noise.force = estimated_force_noise(samples, fit);
   result.model.noise =
       MeasurementNoise{.force = fit.noise.force,
                        .displacement = fit.noise.displacement.value_or(kDisplacementNoise)};

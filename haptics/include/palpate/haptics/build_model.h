@@ -51,7 +51,8 @@ struct BuildOptions {
   /// Of an acquisition in which all contacts were only pressed: look for a constant error of the
   /// force and touches below the surface (`PressingOptions`).
   bool estimate_offsets = true;
-  /// Of the same: estimate the noise of the forces instead of taking `fit.noise.force`.
+  /// Estimate the noise of the forces: of pressing, in place of `fit.noise.force`; otherwise it is
+  /// raised if it explains the errors of few contacts.
   bool estimate_force_noise = true;
   /// Of the same: fit how forces depend on the rate, if the times of samples show it (rate_fit.h).
   /// The tool is taken to have moved straight from sample to sample of a contact.
