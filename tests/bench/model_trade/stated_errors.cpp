@@ -21,9 +21,9 @@
 namespace palpate::bench {
 namespace {
 
-constexpr std::size_t kFolds = 5;
-constexpr int kQueries = 400;
-constexpr unsigned kSeed = 1;
+constexpr std::size_t kStatedFolds = 5;
+constexpr int kStatedQueries = 400;
+constexpr unsigned kStatedSeed = 1;
 
 struct Measured {
   std::string name;
@@ -34,15 +34,15 @@ struct Measured {
 
 template <typename Object>
 std::vector<haptics::Query> queries(const Object& object, double x, double y) {
-  std::mt19937 random(kSeed);
+  std::mt19937 random(kStatedSeed);
   std::uniform_real_distribution<double> along(-x, x), across(-y, y);
   std::vector<Eigen::Vector2d> places;
-  for (int i = 0; i < kQueries; ++i) {
+  for (int i = 0; i < kStatedQueries; ++i) {
     const double at = along(random);
     places.emplace_back(at, across(random));
   }
   std::vector<haptics::Query> result;
-  for (const auto& truth : testing::strip_truths(object, places, 1, kSeed))
+  for (const auto& truth : testing::strip_truths(object, places, 1, kStatedSeed))
     result.push_back({truth.contact, truth.displacement, truth.force});
   return result;
 }
@@ -97,14 +97,14 @@ std::vector<std::pair<std::string, std::function<Measured(const std::string&)>>>
          testing::ObjectProbe<probing::Beam> probe(beam, few);
          for (const Eigen::Vector2d& at : along)
            probe.probe_sparsely(made.acquisition, at.x(), at.y(), 0.5);
-         std::mt19937 random(kSeed);
+         std::mt19937 random(kStatedSeed);
          std::uniform_real_distribution<double> x(20, 180), y(-14, 14);
          std::vector<Eigen::Vector2d> places;
-         for (int i = 0; i < kQueries; ++i) {
+         for (int i = 0; i < kStatedQueries; ++i) {
            const double there = x(random);
            places.emplace_back(there, y(random));
          }
-         for (const auto& truth : testing::strip_truths(beam, places, 1, kSeed))
+         for (const auto& truth : testing::strip_truths(beam, places, 1, kStatedSeed))
            made.truth.push_back({truth.contact, truth.displacement, truth.force});
          return made;
        }}};
@@ -124,15 +124,15 @@ struct Ratio {
 Ratio left_out(const Measured& set) {
   std::vector<std::size_t> order(set.acquisition.contacts.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-  std::mt19937 random(kSeed);
+  std::mt19937 random(kStatedSeed);
   std::shuffle(order.begin(), order.end(), random);
   Ratio ratio;
-  for (std::size_t fold = 0; fold < kFolds; ++fold) {
+  for (std::size_t fold = 0; fold < kStatedFolds; ++fold) {
     probing::Acquisition rest;
     std::vector<probing::Contact> left;
     for (std::size_t k = 0; k < order.size(); ++k) {
       const probing::Contact& contact = set.acquisition.contacts[order[k]];
-      if (k % kFolds == fold) {
+      if (k % kStatedFolds == fold) {
         left.push_back(contact);
         continue;
       }
