@@ -68,8 +68,8 @@ std::vector<std::pair<std::string, std::function<Measured(const std::string&)>>>
   testing::Strip block;
   block.block = 1.5;
   testing::Strip deep = block;
-  deep.block = 6;
-  deep.depth = 8;
+  deep.block = 3;
+  deep.depth = 10;
   const testing::StripProbing rich, few{.normal_forces = {0.5, 1.5, 3}, .directions = 3};
   testing::StripProbing wide;
   wide.spacing_x = 28;
