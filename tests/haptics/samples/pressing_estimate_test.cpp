@@ -94,6 +94,11 @@ TEST(EstimatePressing, FindsOffsetsWithinTheirErrors) {
   EXPECT_LT(found.offsets.touch_error, 0.05);
   EXPECT_NEAR(found.offsets.touch_spread, 0.4 / std::sqrt(12), 0.03);
   EXPECT_NEAR(found.force_noise, 0.02, 0.002);
+  double square = 0;
+  for (std::size_t i = 0; i < truth.touches.size(); ++i)
+    square += std::pow((found.curves[i].touch - truth.touches[i]) / found.curves[i].touch_error, 2);
+  EXPECT_GT(square / static_cast<double>(truth.touches.size()), 0.4);
+  EXPECT_LT(square / static_cast<double>(truth.touches.size()), 2.5);
   // A fit of each contact alone would be off by its touch, k F' 0.23 mm, and by the bias.
   EXPECT_LT(rms_of_curves(truth, found), 0.025);
 }
