@@ -32,6 +32,7 @@ constexpr HandSetting kHandSettings[] = {
     {"mass", "[kg]", kOfHand | kOfArm, [](haptics::HandOptions& h, double x) { h.mass = x; }},
     {"damping", "[N s/mm]", kOfHand | kOfArm,
      [](haptics::HandOptions& h, double x) { h.damping = x; }},
+    {"friction", "[N]", kOfHand, [](haptics::HandOptions& h, double x) { h.friction = x; }},
     {"stiffness", "[N/mm]", kOfHand | kOfArm,
      [](haptics::HandOptions& h, double x) { h.stiffness = x; }},
     {"encoder_step", "[mm]", kOfHand,

@@ -181,7 +181,8 @@ void add_device_options(CLI::App& command, PlayCall& call) {
                      "Name of the tool of a scene that the device moves (default: the first)");
   command.add_option("--set", device.settings,
                      "Options of the device, KEY=VALUE; of simulated ones mass [kg], damping [N "
-                     "s/mm], stiffness [N/mm], encoder_step [mm], delay [ticks], rate [Hz]");
+                     "s/mm], friction [N], stiffness [N/mm], encoder_step [mm], delay [ticks], "
+                     "rate [Hz]");
   command.add_option("--device-number", device.number, "Which of a driver's devices, from 0");
   command.add_flag("--in-process", device.in_process,
                    "Run the driver in this process: faster, but its crash is that of the loop");

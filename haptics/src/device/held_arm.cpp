@@ -49,6 +49,9 @@ HeldArm::HeldArm(TimedPath wish, const HandOptions& hand, probing::VirtualArmOpt
   require("HandOptions::mass", hand.mass, at_least(0).finite(), "kg");
   require("HandOptions::damping", hand.damping, at_least(0).finite(), "N s/mm");
   require("HandOptions::stiffness", hand.stiffness, at_least(0).finite(), "N/mm");
+  if (hand.friction != 0) {
+    throw InvalidInput("HeldArm: HandOptions::friction must be 0: the arm has friction of its own");
+  }
   if (hand.real_time) {
     throw InvalidInput(
         "HeldArm: HandOptions::real_time is set; the simulated arm is on its own "

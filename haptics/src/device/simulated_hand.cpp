@@ -42,14 +42,25 @@ struct SimulatedHand::Simulation {
     const Pending& due = queue[static_cast<std::size_t>(options.delay)];
     applied =
         active && time <= due.end + options.period / 2 ? due.force : Eigen::Vector3d::Zero().eval();
-    const Eigen::Vector3d rest = wish.position(time);
-    for (int i = 0; i < 3; ++i) {
-      const Eigen::Vector3d now(place[i] - rest[i], speed[i], applied[i] + options.push[i]);
-      const Eigen::Vector3d next = step * now;
-      place[i] = rest[i] + next[0];
-      speed[i] = next[1];
-    }
+    swing(applied + options.push, wish.position(time));
     std::move_backward(queue.begin(), queue.end() - 1, queue.end());
+  }
+
+  /// \param force [N] besides the spring's, \param rest of the spring.
+  void swing(const Eigen::Vector3d& force, const Eigen::Vector3d& rest) noexcept {
+    // Of the axes, as columns, without friction.
+    Eigen::Matrix3d next;
+    next << (place - rest).transpose(), speed.transpose(), force.transpose();
+    next = (step * next).eval();
+    const double to_place = step(0, 2), to_speed = step(1, 2);
+    Eigen::Vector3d friction = -next.row(1).transpose() / to_speed;  // [N] that stops the hand
+    const double needed = friction.norm();
+    const bool stops = needed <= options.friction;
+    if (stops && speed.isZero(0)) return;  // it balances all other forces, but for rounding
+    if (!stops) friction *= options.friction / needed;
+    place = rest + next.row(0).transpose() + to_place * friction;
+    speed.setZero();
+    if (!stops) speed = next.row(1).transpose() + to_speed * friction;
   }
 
   TimedPath wish;
@@ -67,6 +78,7 @@ struct SimulatedHand::Simulation {
 SimulatedHand::SimulatedHand(TimedPath wish, const HandOptions& options) {
   require("HandOptions::mass", options.mass, above(0).finite(), "kg");
   require("HandOptions::damping", options.damping, at_least(0).finite(), "N s/mm");
+  require("HandOptions::friction", options.friction, at_least(0).finite(), "N");
   require("HandOptions::stiffness", options.stiffness, at_least(0).finite(), "N/mm");
   require("HandOptions::encoder_step", options.encoder_step, at_least(0).finite(), "mm");
   require("HandOptions::delay", options.delay, at_least(0).at_most(kLongestDelay), "ticks");
@@ -85,6 +97,8 @@ SimulatedHand::SimulatedHand(TimedPath wish, const HandOptions& options) {
                                  .continuous_force = options.highest_force,
                                  .real_time = options.real_time,
                                  .damping = options.damping,
+                                 .friction = options.friction,
+                                 .resolution = options.encoder_step,
                                  .delay = options.delay * options.period}});
   simulation_->place = simulation_->wish.position(0);
   simulation_->make_step();

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/haptics/virtual_coupling.h"
 
+#include <limits>
+
 #include "palpate/require.h"
 
 namespace palpate::haptics {
@@ -12,6 +14,14 @@ double passive_stiffness(double damping, double period, double delay) noexcept {
 
 double passive_damping(double stiffness, double period, double delay) noexcept {
   return stiffness * (period / 2 + delay);
+}
+
+double quiet_stiffness(double friction, double resolution) noexcept {
+  return resolution > 0 ? 2 * friction / resolution : std::numeric_limits<double>::infinity();
+}
+
+double quiet_friction(double stiffness, double resolution) noexcept {
+  return stiffness * resolution / 2;
 }
 
 void check_coupling(const CouplingOptions& options) {

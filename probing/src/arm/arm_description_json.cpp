@@ -26,6 +26,8 @@ void for_each_member(Description& d, Visit&& visit) {
   visit("real_time", d.real_time, false);
   visit("highest_torque", d.highest_torque, false);
   visit("damping", d.damping, false);
+  visit("friction", d.friction, false);
+  visit("resolution", d.resolution, false);
   visit("delay", d.delay, false);
   visit("workspace_scale", d.workspace_scale, false);
   visit("clutch_buttons", d.clutch_buttons, false);

@@ -40,6 +40,8 @@ ArmDescription description_of(const palpate_device_info_v1& info, bool real_time
       .real_time = real_time,
       .highest_torque = can(PALPATE_DEVICE_APPLIES_TORQUE) ? info.highest_torque : 0,
       .damping = info.damping,
+      .friction = info.friction,
+      .resolution = info.resolution,
       .delay = info.delay,
       .workspace_scale = info.workspace_scale > 0 ? info.workspace_scale : 1,
       .clutch_buttons = info.clutch_buttons};
@@ -64,6 +66,8 @@ palpate_device_info_v1 struct_of(const ArmDescription& description) noexcept {
   info.continuous_force = description.continuous_force;
   info.highest_torque = description.highest_torque;
   info.damping = description.damping;
+  info.friction = description.friction;
+  info.resolution = description.resolution;
   info.delay = description.delay;
   info.workspace_scale = description.workspace_scale;
   info.clutch_buttons = description.clutch_buttons;

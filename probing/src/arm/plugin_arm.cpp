@@ -70,14 +70,17 @@ void check_info(const palpate_device_info_v1& info, const std::string& file) {
       !std::isfinite(info.period) || !std::isfinite(info.highest_force) ||
       !std::isfinite(info.continuous_force) || info.joints > PALPATE_DEVICE_JOINTS ||
       !at_least_zero(info.highest_torque) || !at_least_zero(info.damping) ||
-      !at_least_zero(info.delay) || !at_least_zero(info.workspace_scale)) {
+      !at_least_zero(info.delay) || !at_least_zero(info.workspace_scale) ||
+      !at_least_zero(info.friction) || !at_least_zero(info.resolution)) {
     throw DeviceError(
         file + ": the driver describes a device that cannot be: period " +
         std::to_string(info.period) + " s, forces " + std::to_string(info.highest_force) + " and " +
         std::to_string(info.continuous_force) + " N, " + std::to_string(info.joints) +
         " joints, torque " + std::to_string(info.highest_torque) + " N mm, damping " +
         std::to_string(info.damping) + " N s/mm, delay " + std::to_string(info.delay) +
-        " s, workspace scale " + std::to_string(info.workspace_scale));
+        " s, workspace scale " + std::to_string(info.workspace_scale) + ", friction " +
+        std::to_string(info.friction) + " N, resolution " + std::to_string(info.resolution) +
+        " mm");
   }
 }
 

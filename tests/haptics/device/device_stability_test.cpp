@@ -86,6 +86,69 @@ TEST(LargestCalmStiffness, FallsWithTheDelay) {
   }
 }
 
+/// Whether a hand that pushes against a wall, on both sides of it a spring, stands still for the
+/// last tenth of 4 s.
+bool stands_still(const HandOptions& options, const CouplingOptions& coupling, double stiffness) {
+  SimulatedHand hand(TimedPath({{0, Eigen::Vector3d::Zero()}}), options);
+  hand.activate();
+  const auto wall = [&](const Eigen::Vector3d& tool) -> Eigen::Vector3d {
+    return -stiffness * tool;
+  };
+  const double spring =
+      coupling_stiffness(coupling, options.damping, options.period, options.delay * options.period);
+  CouplingState state;
+  probing::ArmState measured;
+  Eigen::Vector3d place;
+  constexpr int kTicks = 4000;
+  for (int tick = 0; tick < kTicks; ++tick) {
+    EXPECT_TRUE(hand.read(measured));
+    const Eigen::Vector3d force = coupling.on
+                                      ? couple(coupling, spring, measured.tip, state, wall).force
+                                      : wall(measured.tip);
+    EXPECT_TRUE(hand.write({.force = force}));
+    if (tick == kTicks * 9 / 10) place = hand.position();
+    if (tick > kTicks * 9 / 10 && hand.position() != place) return false;
+  }
+  return true;
+}
+
+// Between two steps of the encoder nothing but dry friction balances a hand.
+TEST(QuietStiffness, IsTheLargestOnWhichEveryHandAtRestStandsStill) {
+  constexpr double kStep = 0.02, kFriction = 0.01;  // [mm], [N]
+  const double quiet = quiet_stiffness(kFriction, kStep);
+  HandOptions hand = hand_of(0.2, 5e-3);
+  hand.encoder_step = kStep;
+  hand.friction = kFriction;
+  int still = 0;
+  for (const double ratio : {0.3, 0.6, 0.9, 1.1, 1.5, 2.0}) {
+    const double stiffness = ratio * quiet;
+    for (const double between : {0.0, 0.25, 0.5, 0.75}) {  // steps of force
+      hand.push.z() = -(10 + between) * kStep * stiffness;
+      const bool stands = stands_still(hand, {.on = false}, stiffness);
+      if (ratio < 1) {
+        EXPECT_TRUE(stands) << ratio << ' ' << between;
+      } else if (between == 0.5) {
+        EXPECT_FALSE(stands) << ratio;
+      }
+      still += stands;
+    }
+  }
+  EXPECT_GT(still, 12) << "on steps of force a hand stands still at any stiffness";
+  hand.friction = 0;
+  hand.push.z() = -10.5 * kStep * 0.1 * quiet;
+  EXPECT_FALSE(stands_still(hand, {.on = false}, 0.1 * quiet)) << "without friction never";
+}
+
+TEST(QuietStiffness, IsThatOfWhatIsFeltThroughTheCoupling) {
+  HandOptions hand = hand_of(0.2, 5e-3);
+  hand.push.z() = -1;
+  constexpr double kWall = 100;  // [N/mm]
+  const double spring = coupling_stiffness({}, hand.damping, hand.period, hand.delay * hand.period);
+  const double needed = quiet_friction(spring * kWall / (spring + kWall), hand.encoder_step);
+  hand.friction = 1.3 * needed;
+  EXPECT_TRUE(stands_still(hand, {}, kWall));
+}
+
 TEST(ModelStiffness, IsThatOfTheSpringsOfAModel) {
   // w d / sqrt(d^2 + epsilon^2) is stiffest at rest: w / epsilon.
   Model model = sheet_model();

@@ -43,6 +43,43 @@ TEST(SimulatedHand, SwingsAsADampedOscillator) {
   }
 }
 
+TEST(SimulatedHand, IsHeldByFrictionUpToItsForce) {
+  for (const double push : {0.09, 0.11}) {
+    SimulatedHand hand(rest(),
+                       {.friction = 0.1, .stiffness = 0, .push = {0, 0.6 * push, 0.8 * push}});
+    probing::ArmState state;
+    for (int tick = 0; tick < 100; ++tick) ASSERT_TRUE(hand.read(state));
+    EXPECT_EQ(hand.position().norm() > 0, push > 0.1) << push;
+  }
+}
+
+TEST(SimulatedHand, StopsByFrictionAfterTheWayThatItsEnergyLasts) {
+  // Thrown by 1 N for 0.1 s, without damping: 25 mm, and 250 mm/s; then m v^2 / (2 c) on.
+  constexpr double kMass = 0.4, kFriction = 0.05;
+  const HandOptions options{.mass = kMass,
+                            .damping = 0,
+                            .friction = kFriction,
+                            .stiffness = 0,
+                            .encoder_step = 0,
+                            .delay = 0};
+  SimulatedHand hand(rest(), options);
+  hand.activate();
+  probing::ArmState state;
+  for (int tick = 0; tick < 2500; ++tick) {
+    if (tick < 100) {
+      ASSERT_TRUE(
+          hand.write({.force = {0.6 * (1 + kFriction), 0, 0.8 * (1 + kFriction)}, .lease = 1e-3}));
+    }
+    ASSERT_TRUE(hand.read(state));
+  }
+  const double thrown = 1e3 / kMass * 0.1 * 0.1 / 2, speed = 1e3 / kMass * 0.1;
+  const double way = thrown + 1e-3 * kMass * speed * speed / (2 * kFriction);
+  EXPECT_NEAR(hand.position().norm(), way, 1e-3 * way);
+  const Eigen::Vector3d there = hand.position();
+  ASSERT_TRUE(hand.read(state));
+  EXPECT_EQ(hand.position(), there) << "it is at rest";
+}
+
 TEST(SimulatedHand, FollowsItsWish) {
   SimulatedHand hand(TimedPath({{0, {0, 0, 0}}, {1, {20, 0, 0}}}, PathShape::smooth));
   probing::ArmState state;
@@ -110,6 +147,7 @@ TEST(SimulatedHand, RefusesWhatCannotBe) {
   };
   EXPECT_NE(message({.mass = 0}).find("HandOptions::mass"), std::string::npos);
   EXPECT_NE(message({.damping = -1}).find("HandOptions::damping"), std::string::npos);
+  EXPECT_NE(message({.friction = -1}).find("HandOptions::friction"), std::string::npos);
   EXPECT_NE(message({.stiffness = std::nan("")}).find("HandOptions::stiffness"), std::string::npos);
   EXPECT_NE(message({.push = {std::nan(""), 0, 0}}).find("HandOptions::push"), std::string::npos);
   EXPECT_NE(message({.delay = 17}).find("HandOptions::delay"), std::string::npos);

@@ -21,6 +21,13 @@ TEST(PassiveStiffness, IsTheBoundOfColgateAndSchenkel) {
   EXPECT_NEAR(passive_damping(passive_stiffness(3e-3, 2e-3, 1e-3), 2e-3, 1e-3), 3e-3, 1e-15);
 }
 
+TEST(QuietStiffness, IsWhereFrictionHoldsHalfAStepOfTheEncoder) {
+  EXPECT_NEAR(quiet_stiffness(0.05, 0.02), 5, 1e-12);
+  EXPECT_NEAR(quiet_friction(5, 0.02), 0.05, 1e-12);
+  EXPECT_EQ(quiet_stiffness(0, 0.02), 0);
+  EXPECT_EQ(quiet_stiffness(0, 0), kInf);
+}
+
 TEST(CouplingStiffness, FollowsFromDampingAndDelay) {
   CouplingOptions options;
   EXPECT_NEAR(coupling_stiffness(options, 5e-3, 1e-3, 1e-3), 0.5 * 5.0 / 1.5, 1e-12);

@@ -18,6 +18,8 @@ TEST(ArmDescriptionJson, KeepsWhatRecordsNeed) {
                               .real_time = false,
                               .highest_torque = 7,
                               .damping = 1e-3 / 3,
+                              .friction = 0.1 / 3,
+                              .resolution = 0.01 / 3,
                               .delay = 2e-3,
                               .workspace_scale = 0.5,
                               .clutch_buttons = 5};
@@ -31,6 +33,8 @@ TEST(ArmDescriptionJson, KeepsWhatRecordsNeed) {
   EXPECT_FALSE(again.real_time);
   EXPECT_EQ(again.highest_torque, device.highest_torque);
   EXPECT_EQ(again.damping, device.damping);
+  EXPECT_EQ(again.friction, device.friction);
+  EXPECT_EQ(again.resolution, device.resolution);
   EXPECT_EQ(again.delay, device.delay);
   EXPECT_EQ(again.workspace_scale, device.workspace_scale);
   EXPECT_EQ(again.clutch_buttons, device.clutch_buttons);

@@ -76,6 +76,8 @@ TEST(PluginArm, CarriesWhatPlaybackNeeds) {
   const ArmDescription& description = arm.description();
   EXPECT_EQ(description.highest_torque, 80);
   EXPECT_NEAR(description.damping, 5e-4, 1e-18);
+  EXPECT_EQ(description.friction, 0.04);
+  EXPECT_EQ(description.resolution, 0.01);
   EXPECT_EQ(description.delay, 1e-3);
   EXPECT_EQ(description.workspace_scale, 3);
   EXPECT_EQ(description.clutch_buttons, 2U);

@@ -59,6 +59,8 @@ int open_device(void** device, palpate_device_info_v1* info) {
                           PALPATE_DEVICE_APPLIES_TORQUE | PALPATE_DEVICE_REPORTS_ARMED;
     info->highest_torque = 80;
     info->damping = 0.001 * made->friction;
+    info->friction = 0.04;
+    info->resolution = 0.01;
     info->delay = made->period;
     info->workspace_scale = 3;
     info->buttons = 2;

@@ -127,7 +127,7 @@ class Playback {
   /// displacements held, and then a rest of `seconds` in which they follow: both are passive. They
   /// move along with the contact. Where the object would pull the tool, because the tool returns
   /// faster than it, they follow at once as far as needed, which only loses energy.
-  /// \param seconds since the last tick; counts only where the model depends on the rate
+  /// \param seconds since the last tick, or 1 kHz's; counts only where the model depends on the rate
   [[nodiscard]] Command step(const Eigen::Vector3d& tool, LoopState& state,
                              double seconds = 1e-3) const noexcept;
 

@@ -15,6 +15,7 @@ namespace palpate::haptics {
 struct HandOptions {
   double mass = 0.2;                               ///< [kg] of hand and device; > 0
   double damping = 0.005;                          ///< [N s/mm] of hand and device; >= 0
+  double friction = 0;                             ///< [N] dry, of hand and device; >= 0
   double stiffness = 0.1;                          ///< [N/mm] of the spring; >= 0
   Eigen::Vector3d push = Eigen::Vector3d::Zero();  ///< [N] of the hand besides
   double encoder_step = 0.02;  ///< [mm] between two positions that are told apart; 0: exact
@@ -25,7 +26,8 @@ struct HandOptions {
 };
 
 /// A simulated hand, which closes the loop. Between two ticks its motion is exact for a constant
-/// force. Equal commands give equal states, bit by bit.
+/// force. Dry friction is such a force: against the speed at the end of the tick, which is zero if
+/// less than `friction` stops the hand. Equal commands give equal states, bit by bit.
 class SimulatedHand final : public probing::Arm {
  public:
   /// \param wish where the hand wants to be; it begins there, at rest.

@@ -20,6 +20,17 @@ namespace palpate::haptics {
 /// [N s/mm] The damping with which a spring of this stiffness is passive.
 [[nodiscard]] double passive_damping(double stiffness, double period, double delay) noexcept;
 
+/// [N/mm] The stiffest spring that can balance a hand at rest, whatever its force: 2 c / q. The
+/// encoder turns the spring's force into steps of K q, and dry friction c holds half a step. On a
+/// stiffer one a hand between two steps never rests. With a damping for `passive_stiffness`, the
+/// loop up to this one gives no energy at all, as friction takes what an error of q/2 gives (Abbott
+/// and Okamura 2005; Diolaiti et al. 2006).
+/// \param friction c [N] of the device, \param resolution q [mm] of its encoders; infinite for 0.
+[[nodiscard]] double quiet_stiffness(double friction, double resolution) noexcept;
+
+/// [N] The dry friction with which a spring of this stiffness is quiet: K q / 2.
+[[nodiscard]] double quiet_friction(double stiffness, double resolution) noexcept;
+
 /// A spring between the device and a massless tool, which alone touches the model (Colgate, Stanley
 /// and Brown 1995). The device never feels more than this spring, however stiff the model is.
 struct CouplingOptions {

@@ -25,6 +25,8 @@ struct ArmDescription {
   // What playback also uses. 0: not known, or none.
   double highest_torque = 0;   ///< [N mm] at the tip
   double damping = 0;          ///< [N s/mm] that the device alone has at least
+  double friction = 0;         ///< [N] of dry (Coulomb) friction that it has at least
+  double resolution = 0;       ///< [mm] between two positions that are told apart
   double delay = 0;            ///< [s] from a measurement until the force that answers it begins
   double workspace_scale = 1;  ///< [mm/mm] of the object for one of the device
   std::uint32_t clutch_buttons = 0;   ///< bits of `ArmState::buttons` that clutch

@@ -60,6 +60,8 @@ typedef struct palpate_device_info_v1 {
   double workspace_scale;  /* [mm/mm] of the object for one of the device */
   uint32_t buttons;        /* number of buttons, at most 32 */
   uint32_t clutch_buttons; /* bits of those that clutch */
+  double friction;         /* [N] of dry friction that the device alone has at least */
+  double resolution;       /* [mm] between two positions that the encoders tell apart, at most */
 } palpate_device_info_v1;
 
 typedef struct palpate_device_state_v1 {
