@@ -228,7 +228,7 @@ SlidingContact Playback::Impl::slip(const SlidingContact& start, const Eigen::Ve
                         .budget = budget_of(state, way),
                         .moved = way,
                         .delayed = state.delayed},
-                       state.place, state.slip_slope);
+                       state.place, state.slip);
   }
   const auto move = options.motion == ContactMotion::brent ? slip_contact : slip_by_boundary;
   return contact_at(move(field.blended(), normals, state.proxy, tool), tool, state.delayed,
@@ -285,7 +285,7 @@ Command Playback::Impl::respond(const Eigen::Vector3d& force, double moved,
 Command Playback::Impl::let_go(const Eigen::Vector3d& proxy, double moved, LoopState& state) const {
   state.contact_state = ContactState::free;
   state.has_place = false;
-  state.slip_slope = 0;
+  state.slip = {};
   state.delayed = {};
   state.proxy.position = proxy;
   Command command = respond(Eigen::Vector3d::Zero(), moved, state);
@@ -322,7 +322,7 @@ Command Playback::step(const Eigen::Vector3d& tool, LoopState& state,
     state.contact_state = ContactState::free;
     state.has_proxy = state.has_place = false;
     state.force.setZero();
-    state.slip_slope = 0;
+    state.slip = {};
     state.delayed = {};
     if (!tool.allFinite()) return {.held = true};
     moved = 0;

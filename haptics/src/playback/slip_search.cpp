@@ -16,6 +16,7 @@ namespace {
 constexpr double kMinAxisCosine = 0.26;
 constexpr int kMaxOnSection = 8;     // evaluations along the section
 constexpr int kMaxInPlane = 16;      // and by Broyden's method
+constexpr int kMaxWarm = 6;          // of it before all others, with the last slip's Jacobian
 constexpr int kMaxFromNearest = 12;  // and from the nearest point back to the start
 constexpr int kMaxDownhill = 8;      // and steps down the excess, of three evaluations each
 constexpr double kProbe = 1e-3;      // [mm] along which the slope of the excess is measured
@@ -59,12 +60,18 @@ class SlipSearcher {
     length_ = line_.norm();
     forward_ = line_ / length_;
     if (!(-axis_.dot(normal) >= kMinAxisCosine * axis_.norm())) axis_ = -normal;
+    tangential_ = start.force.force - start.parts.normal * place.cone_axis;
   }
 
-  SlidingContact search(double& slope) {
+  SlidingContact search(SlipMemory& memory) {
     if (!(std::isfinite(length_) && length_ > 0)) return start_;
-    if (!along_section(slope)) in_plane(slope);
-    if (!is_root(best_)) from_nearest(slope);
+    if (!memory.in_plane.isZero(0)) in_plane(memory, kMaxWarm);
+    if (!is_root(best_)) {
+      best_ = start_;
+      memory.in_plane.setZero();
+      if (!along_section(memory.slope)) in_plane(memory, kMaxInPlane);
+    }
+    if (!is_root(best_)) from_nearest(memory);
     if (!is_root(best_)) downhill();
     // What slips off the border loses its energy.
     best_.off_border =
@@ -201,7 +208,7 @@ class SlipSearcher {
   }
 
   // Follows f_T from the best place so far.
-  void in_plane(double slope) {
+  void in_plane(SlipMemory& memory, int most) {
     if (last_.at.position != best_.at.position) evaluate(best_.at);
     Eigen::Matrix<double, 2, 3> axes;
     axes.row(0) = (forward_ - forward_.dot(axis_) / axis_.squaredNorm() * axis_).normalized();
@@ -209,11 +216,11 @@ class SlipSearcher {
     // The line may be far shorter than the displacement that the force comes from.
     const double whole = start_.force.force.norm() / (tool_ - start_.at.position).norm();
     double stiffness =
-        std::max(-slope, std::min(start_.parts.tangential / length_, kStiffest * whole));
-    Eigen::Matrix2d jacobian = -stiffness * Eigen::Matrix2d::Identity();
+        std::max(-memory.slope, std::min(start_.parts.tangential / length_, kStiffest * whole));
+    Eigen::Matrix2d jacobian = axes * memory.in_plane * axes.transpose();
     Eigen::Vector2d rest = beyond_cone(axes);
     double longest = length_ + kFurther * (tool_ - start_.at.position).norm();
-    for (int i = 0; i < kMaxInPlane && !is_root(best_); ++i) {
+    for (int i = 0; i < most && !is_root(best_); ++i) {
       if (!(jacobian.determinant() > kLeastDeterminant * jacobian.squaredNorm()))
         jacobian = -stiffness * Eigen::Matrix2d::Identity();
       Eigen::Vector2d step = -jacobian.inverse() * rest;
@@ -241,11 +248,12 @@ class SlipSearcher {
         longest = moved.norm() / 2;
       }
     }
+    memory.in_plane = axes.transpose() * jacobian * axes;
   }
 
   // The force at the nearest point is along the normal, more or less: there a contact is likely to
   // hold, so that a root lies on the way from there to the start, or near.
-  void from_nearest(double slope) {
+  void from_nearest(SlipMemory& memory) {
     const geometry::ClosestPoint nearest = field_.blended().surface().closest_point(tool_);
     if (nearest.at.triangle < 0) return;
     const SlidingContact before = best_;
@@ -254,7 +262,7 @@ class SlipSearcher {
     if (best_.parts.normal >= 0 && best_.parts.excess < 0 && !is_root(best_)) {
       back_to_start();
     } else if (best_.parts.normal >= 0 && !is_root(best_)) {
-      in_plane(slope);
+      in_plane(memory, kMaxInPlane);
     }
     if (is_root(best_)) return;
     best_ = before;
@@ -400,8 +408,8 @@ Eigen::Vector3d slip_line(const Eigen::Vector3d& friction_axis, const Eigen::Vec
 SlidingContact search_slip(const PackedField& field, const SurfaceWalk& surface,
                            const SlidingContact& start, const Eigen::Vector3d& tool,
                            const SlipSearchOptions& options, PlaceField& place,
-                           double& slope) noexcept {
-  return SlipSearcher(field, surface, start, tool, options, place).search(slope);
+                           SlipMemory& memory) noexcept {
+  return SlipSearcher(field, surface, start, tool, options, place).search(memory);
 }
 
 }  // namespace palpate::haptics

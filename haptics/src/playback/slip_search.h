@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <limits>
 
+#include "palpate/haptics/contact_motion.h"
 #include "palpate/haptics/packed_field.h"
 #include "playback/surface_walk.h"
 
@@ -51,16 +52,17 @@ void let_follow(const PackedField& field, const PlaceField& place, const Eigen::
 /// It walks along the section of the surface with the plane of tool and friction axis (Eq 5.19),
 /// with a bracketed secant that begins with the slope of the last slip. On the far side of the cone
 /// |f_T| counts as negative, so that the bracket holds the near side. Where the section has no
-/// root, the contact follows f_T itself, by Broyden's method in two dimensions. If that does not
-/// find one either, as after jumps, the search begins again at the point nearest to the tool, and
-/// then goes down |f_T| - mu f_N itself from the best place so far. At most 24 evaluations until
-/// then, 65 in all, and 3 for the energy. Real-time safe.
+/// root, the contact follows f_T itself, by Broyden's method in two dimensions; so it does at once
+/// after a slip that ended so, with the Jacobian of that one. If that does not find one either, as
+/// after jumps, the search begins again at the point nearest to the tool, and then goes down |f_T|
+/// - mu f_N itself from the best place so far. At most 30 evaluations until then, 71 in all, and 3
+/// for the energy. Real-time safe.
 /// \param start where |f_T| exceeds mu f_N.
 /// \param place of `start`; afterwards of the result.
-/// \param slope [N/mm] of the last slip, or 0; afterwards of this one.
+/// \param memory of the last slip; afterwards of this one.
 [[nodiscard]] SlidingContact search_slip(const PackedField& field, const SurfaceWalk& surface,
                                          const SlidingContact& start, const Eigen::Vector3d& tool,
                                          const SlipSearchOptions& options, PlaceField& place,
-                                         double& slope) noexcept;
+                                         SlipMemory& memory) noexcept;
 
 }  // namespace palpate::haptics

@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
 #include "playback/slip_search.h"
+#include "not_finite.h"
 
 #include <gtest/gtest.h>
 
@@ -9,6 +10,7 @@
 #include <random>
 
 #include "height_field_model.h"
+#include "not_finite.h"
 #include "palpate/haptics/contact_motion.h"
 
 namespace palpate::haptics {
@@ -19,24 +21,30 @@ namespace {
 constexpr double kSectionAgrees = 0.1;
 constexpr double kBrentTolerance = 5e-3;  // [N] of 1e-3 mm, at a stiffness below 5 N/mm
 
-// A contact below the tool's place `from`, and where it is when the tool has moved to `to`.
 class SlipSearch : public ::testing::Test {
  protected:
   const Model model = height_field_model({.height = waves, .friction = 0.4, .uneven = true});
   const PackedField field{model};
   const SurfaceWalk surface{model.surface};
 
-  [[nodiscard]] SlidingContact contact(const Eigen::Vector3d& above, const Eigen::Vector3d& tool,
-                                       PlaceField& place) const {
-    const auto at = field.blended().surface().closest_point(above);
-    field.move_to(at.at, at.position, place);
-    SlidingContact result{.at = {at.at.triangle, at.position},
-                          .force = field.force(place, tool - at.position),
-                          .parts = {}};
-    result.parts = friction_parts(place, result.force.force);
-    return result;
+  [[nodiscard]] PackedField slippery() const {
+    Model copy = model;
+    for (ContactModel& c : copy.contacts) c.friction *= 0.1;
+    return PackedField(copy);
   }
 };
+
+// The contact nearest to `near`.
+SlidingContact contact_of(const PackedField& field, const Eigen::Vector3d& near,
+                          const Eigen::Vector3d& tool, PlaceField& place) {
+  const auto at = field.blended().surface().closest_point(near);
+  field.move_to(at.at, at.position, place);
+  SlidingContact result{.at = {at.at.triangle, at.position},
+                        .force = field.force(place, tool - at.position),
+                        .parts = {}};
+  result.parts = friction_parts(place, result.force.force);
+  return result;
+}
 
 TEST_F(SlipSearch, FindsTheRootThatBrentsMethodFindsAfterSmallSteps) {
   std::mt19937 random(1);
@@ -49,13 +57,13 @@ TEST_F(SlipSearch, FindsTheRootThatBrentsMethodFindsAfterSmallSteps) {
     const Eigen::Vector3d tool =
         above + Eigen::Vector3d(2 * uniform(random), 2 * uniform(random), -3);
     PlaceField place;
-    const SlidingContact start = contact(above, tool, place);
+    const SlidingContact start = contact_of(field, above, tool, place);
     if (start.parts.excess < 0.01) continue;
     ++slips;
-    double slope = 0;
-    const SlidingContact end = search_slip(field, surface, start, tool, {}, place, slope);
+    SlipMemory memory;
+    const SlidingContact end = search_slip(field, surface, start, tool, {}, place, memory);
     EXPECT_LE(std::abs(end.parts.excess), 2e-4) << i;
-    EXPECT_LT(slope, 0) << i;
+    EXPECT_LT(memory.slope, 0) << i;
     // What is returned is the force at the place that is returned.
     EXPECT_LT((field.force(place, tool - end.at.position).force - end.force.force).norm(), 1e-12);
     EXPECT_LT((position(model.surface, surface.point(end.at)) - end.at.position).norm(), 1e-6);
@@ -77,12 +85,41 @@ TEST_F(SlipSearch, FindsTheRootThatBrentsMethodFindsAfterSmallSteps) {
   EXPECT_GT(agree, 9 * roots / 10);
 }
 
+// Where friction is low, the section seldom has a root, and the last slip's Jacobian counts.
+TEST_F(SlipSearch, FindsARootWhateverItRemembers) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  const PackedField slippery_field = slippery();
+  int slips = 0;
+  for (int i = 0; i < 200; ++i) {
+    const double x = 20 * uniform(random), y = 20 * uniform(random);
+    const Eigen::Vector3d above(x, y, waves(x, y));
+    const Eigen::Vector3d tool =
+        above + Eigen::Vector3d(0.5 * uniform(random), 0.5 * uniform(random), -3);
+    PlaceField place;
+    const SlidingContact start = contact_of(slippery_field, above, tool, place);
+    if (!(start.parts.excess > 2e-4)) continue;
+    ++slips;
+    SlipMemory fresh;
+    PlaceField from = place;
+    static_cast<void>(search_slip(slippery_field, surface, start, tool, {}, from, fresh));
+    SlipMemory wrong{.slope = -uniform(random), .in_plane = {}};
+    wrong.in_plane = Eigen::Matrix3d::NullaryExpr([&] { return uniform(random); });
+    const SlipMemory nothing{.slope = kNaN, .in_plane = Eigen::Matrix3d::Constant(kNaN)};
+    for (SlipMemory memory : {SlipMemory{}, fresh, wrong, nothing}) {
+      from = place;
+      const SlidingContact end =
+          search_slip(slippery_field, surface, start, tool, {}, from, memory);
+      EXPECT_LE(std::abs(end.parts.excess), 2e-4) << i;
+    }
+  }
+  EXPECT_GT(slips, 100);
+}
+
 TEST_F(SlipSearch, NeverStoresMoreEnergyThanItMay) {
   std::mt19937 random(2);
   std::uniform_real_distribution<double> uniform(-1, 1);
-  Model slippery = model;
-  for (ContactModel& c : slippery.contacts) c.friction *= 0.1;
-  const PackedField slippery_field(slippery);
+  const PackedField slippery_field = slippery();
   int stopped = 0;
   for (int i = 0; i < 300; ++i) {
     const double x = 20 * uniform(random), y = 20 * uniform(random);
@@ -91,17 +128,12 @@ TEST_F(SlipSearch, NeverStoresMoreEnergyThanItMay) {
         above + Eigen::Vector3d(0.5 * uniform(random), 0.5 * uniform(random), -3);
     for (const bool passive : {false, true}) {
       PlaceField place;
-      const auto at = field.blended().surface().closest_point(above);
-      slippery_field.move_to(at.at, at.position, place);
-      SlidingContact start{.at = {at.at.triangle, at.position},
-                           .force = slippery_field.force(place, tool - at.position),
-                           .parts = {}};
-      start.parts = friction_parts(place, start.force.force);
+      const SlidingContact start = contact_of(slippery_field, above, tool, place);
       if (!(start.parts.excess > 2e-4)) continue;
-      double slope = 0;
+      SlipMemory memory;
       const SlidingContact end = search_slip(
           slippery_field, surface, start, tool,
-          {.budget = passive ? 0 : std::numeric_limits<double>::infinity()}, place, slope);
+          {.budget = passive ? 0 : std::numeric_limits<double>::infinity()}, place, memory);
       if (passive) {
         EXPECT_LE(end.force.energy, start.force.energy + 1e-9) << i;
       } else {

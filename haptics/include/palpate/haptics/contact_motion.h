@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 
+#include "palpate/eigen_alignment.h"
 #include "palpate/geometry/surface_query.h"
 #include "palpate/haptics/blended_field.h"
 
@@ -14,6 +15,14 @@ struct TouchPoint {
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< [mm]
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();    ///< outward unit normal of the surface there
   geometry::SurfacePoint at;                           ///< the same place as a surface point
+};
+
+/// What the search for the end of a slip begins with: how the last slip ended.
+struct SlipMemory {
+  double slope = 0;  ///< [N/mm] of |f_T| - mu f_N along the section; 0: none
+  /// [N/mm] How f_T beyond the friction cone changed with the contact, perpendicular to the
+  /// friction axis. Zero: the slip ended along the section.
+  Eigen::Matrix3d in_plane = Eigen::Matrix3d::Zero();
 };
 
 /// Finds where a slipping contact moves to (thesis 5.4.2).

@@ -79,7 +79,7 @@ struct LoopState {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();  ///< [N] the last command
   int faulty_ticks = 0;                             ///< in a row until now
   double work = 0;               ///< [N mm] by the user since the touch, with the credit
-  double slip_slope = 0;         ///< [N/mm] of the last slip, 0 for none
+  SlipMemory slip;               ///< of the last slip of this touch
   std::uint64_t playback = 0;    ///< whose state this is
   DelayedDisplacements delayed;  ///< of the contact; with a rate only
   bool has_place = false;        ///< whether `place` is that of the contact
