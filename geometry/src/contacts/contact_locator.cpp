@@ -49,20 +49,23 @@ std::vector<Visit> list_visits(const TriangleMesh& surface,
     on_edges.emplace_back(ends, static_cast<int>(i));
     at_edge[static_cast<size_t>(ends.first)] = at_edge[static_cast<size_t>(ends.second)] = 1;
   }
-  std::ranges::sort(on_edges);
+  std::sort(on_edges.begin(), on_edges.end());
   for (Eigen::Index t = 0; t < surface.triangles.cols() && !on_edges.empty(); ++t) {
     const Eigen::Vector3i corners = surface.triangles.col(t);
     for (int k = 0; k < 3; ++k) {
       const auto ends = std::minmax({corners[k], corners[(k + 1) % 3]});
       if (at_edge[static_cast<size_t>(ends.first)] == 0) continue;
-      auto found = std::ranges::lower_bound(on_edges, std::pair<int, int>(ends), {},
-                                            [](const auto& entry) { return std::get<0>(entry); });
+      auto found = std::lower_bound(
+          on_edges.begin(), on_edges.end(), std::pair<int, int>(ends),
+          [](const auto& entry, const auto& edge) { return std::get<0>(entry) < edge; });
       for (; found != on_edges.end() && std::get<0>(*found) == std::pair<int, int>(ends); ++found) {
         visits.push_back({.triangle = static_cast<int>(t), .contact = std::get<1>(*found)});
       }
     }
   }
-  std::ranges::sort(visits, {}, [](const Visit& v) { return std::pair(v.triangle, v.contact); });
+  std::sort(visits.begin(), visits.end(), [](const Visit& a, const Visit& b) {
+    return std::pair(a.triangle, a.contact) < std::pair(b.triangle, b.contact);
+  });
   return visits;
 }
 
@@ -113,7 +116,7 @@ ContactLocator::ContactLocator(const TriangleMesh& surface, std::span<const Surf
       entries[static_cast<size_t>(k)] =
           counts ? std::pair(contact, weights.weights(k, v)) : std::pair(-1, 0.0);
     }
-    std::ranges::sort(entries, std::greater{});
+    std::sort(entries.begin(), entries.end(), std::greater{});
     Row& row = rows_.emplace_back();
     for (size_t k = 0; k < 3; ++k) std::tie(row.contacts[k], row.weights[k]) = entries[k];
   }

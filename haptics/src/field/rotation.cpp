@@ -60,7 +60,7 @@ Eigen::Matrix3d rotation_between(const Eigen::Vector3d& from, const Eigen::Vecto
 
 Eigen::Matrix3d blend_rotations(std::span<const Eigen::Matrix3d> rotations,
                                 std::span<const double> weights) noexcept {
-  const auto heaviest = std::ranges::max_element(weights) - weights.begin();
+  const auto heaviest = std::max_element(weights.begin(), weights.end()) - weights.begin();
   Eigen::Matrix3d mean = rotations[static_cast<std::size_t>(heaviest)];
   for (int i = 0; i < kMaxMeanIterations; ++i) {
     Eigen::Vector3d step = Eigen::Vector3d::Zero();

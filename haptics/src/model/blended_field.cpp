@@ -32,7 +32,7 @@ Eigen::Matrix3d carried_frame(std::span<const Eigen::Matrix3d> frames,
                               std::span<const double> weights) noexcept {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (std::size_t k = 0; k < frames.size(); ++k) mean += weights[k] * frames[k].col(2);
-  const auto heaviest = std::ranges::max_element(weights) - weights.begin();
+  const auto heaviest = std::max_element(weights.begin(), weights.end()) - weights.begin();
   const Eigen::Matrix3d& frame = frames[static_cast<std::size_t>(heaviest)];
   // The z axes cancel only where the object has no inside to press into.
   return mean.norm() > 0 ? Eigen::Matrix3d(rotation_between(frame.col(2), mean) * frame) : frame;

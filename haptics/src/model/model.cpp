@@ -127,8 +127,9 @@ void check_model(const Model& model) {
   }
   check_interpolation(model.interpolation);
   require("Model::probe_radius", model.probe_radius, above(0).finite(), "mm");
-  const bool has_exponent = std::ranges::any_of(
-      model.contacts, [](const ContactModel& contact) { return contact.load_exponent != 0; });
+  const bool has_exponent =
+      std::any_of(model.contacts.begin(), model.contacts.end(),
+                  [](const ContactModel& contact) { return contact.load_exponent != 0; });
   if (model.rate.size() > DelayedDisplacements::kMost) {
     throw InvalidInput("the model's rate has " + std::to_string(model.rate.size()) +
                        " terms; there are at most " + std::to_string(DelayedDisplacements::kMost));
@@ -159,7 +160,8 @@ bool has_unknown_friction(const ContactModel& contact) {
 }
 
 int unknown_friction_count(const Model& model) {
-  return static_cast<int>(std::ranges::count_if(model.contacts, has_unknown_friction));
+  return static_cast<int>(
+      std::count_if(model.contacts.begin(), model.contacts.end(), has_unknown_friction));
 }
 
 Eigen::Matrix3d pressing_frame(const ContactModel& contact) {

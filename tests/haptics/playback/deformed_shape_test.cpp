@@ -1,0 +1,74 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/haptics/deformed_shape.h"
+
+#include <gtest/gtest.h>
+
+#include "not_finite.h"
+#include "palpate/haptics/rotation.h"
+#include "refusal.h"
+#include "sheet_model.h"
+
+namespace palpate::haptics {
+namespace {
+
+constexpr int kMiddle = 60;  // vertex in the middle of `flat_surface`, at the corner of triangles
+
+/// A place at the middle vertex, and beside it.
+geometry::SurfacePoint place(const geometry::TriangleMesh& mesh, double beside = 0) {
+  const geometry::SurfaceQuery query(mesh);
+  return query.closest_point(mesh.vertices.col(kMiddle) + Eigen::Vector3d(beside, 0, 0)).at;
+}
+
+TEST(DrawnShape, MovesTheContactByTheDisplacementAndNothingFarAway) {
+  const geometry::TriangleMesh mesh = flat_surface(50, 10);
+  const Eigen::Vector3d displacement(1, 2, 6);
+  const DrawnShapeOptions options{.tip = 3, .reach = 3};
+  const Eigen::Matrix3Xd shape = drawn_shape(mesh, place(mesh), displacement, options);
+  const double radius = 3 + 3 * displacement.norm();
+  for (Eigen::Index v = 0; v < shape.cols(); ++v) {
+    const double s = (mesh.vertices.col(v) - mesh.vertices.col(kMiddle)).norm() / radius;
+    const double part = s < 1 ? (1 - s * s) * (1 - s * s) : 0;
+    // Distances on a flat surface are straight, to the accuracy of fast marching.
+    EXPECT_LT((shape.col(v) - mesh.vertices.col(v) - part * displacement).norm(), 0.05) << v;
+  }
+  EXPECT_LT((shape.col(kMiddle) - mesh.vertices.col(kMiddle) - displacement).norm(), 1e-9);
+}
+
+TEST(DrawnShape, MovesWithTheWorld) {
+  geometry::TriangleMesh mesh = flat_surface(20, 10);
+  const Eigen::Vector3d displacement(0.5, 0, 3);
+  const Eigen::Matrix3Xd shape = drawn_shape(mesh, place(mesh, 0.7), displacement);
+  const geometry::SurfacePoint at = place(mesh, 0.7);
+  const Eigen::Matrix3d rotation = rotation_exp({0.3, -0.4, 0.5});
+  mesh.vertices = (rotation * mesh.vertices).eval();
+  const Eigen::Matrix3Xd turned = drawn_shape(mesh, at, rotation * displacement);
+  EXPECT_LT((turned - rotation * shape).cwiseAbs().maxCoeff(), 1e-9);
+}
+
+TEST(DrawnShape, IsContinuousInContactAndDisplacement) {
+  const geometry::TriangleMesh mesh = flat_surface(20, 10);
+  Eigen::Matrix3Xd last;
+  for (int i = 0; i <= 400; ++i) {
+    const double at = 0.01 * i;  // over an edge
+    const Eigen::Matrix3Xd shape =
+        drawn_shape(mesh, place(mesh, at - 2), Eigen::Vector3d(0, 0, 0.01 * i));
+    if (i > 0) {
+      EXPECT_LT((shape - last).cwiseAbs().maxCoeff(), 0.05) << i;
+    }
+    last = shape;
+  }
+}
+
+TEST(DrawnShape, IsTheSurfaceWithoutADisplacement) {
+  const geometry::TriangleMesh mesh = flat_surface();
+  EXPECT_EQ(drawn_shape(mesh, place(mesh), {0, 0, 0}), mesh.vertices);
+  EXPECT_EQ(drawn_shape(mesh, place(mesh), {0, kNaN, 0}), mesh.vertices);
+  EXPECT_NE(refusal([&] {
+              return drawn_shape(mesh, place(mesh), {0, 0, 1}, {.reach = 0});
+            }).find("DrawnShapeOptions::reach"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace palpate::haptics
