@@ -11,6 +11,7 @@
 #include "commands/demo.h"
 #include "palpate/error.h"
 #include "palpate/file_names.h"
+#include "shared/bundled_files.h"
 #include "shared/command_line.h"
 
 namespace palpate::apps {
@@ -22,12 +23,7 @@ using Json = nlohmann::ordered_json;
 /// Folder of the bundled data: beside the installed program, or in the source tree.
 fs::path find_data(const fs::path& given) {
   if (!given.empty()) return given;
-  const fs::path installed =
-      fs::read_symlink("/proc/self/exe").parent_path() / PALPATE_INSTALLED_DEMO;
-  if (fs::exists(installed)) return fs::canonical(installed);
-  if (fs::exists(PALPATE_SOURCE_DEMO)) return PALPATE_SOURCE_DEMO;
-  throw FileError(installed.string() +
-                  ": the bundled data are not there. Pass their folder with --data.");
+  return bundled(PALPATE_INSTALLED_DEMO, PALPATE_SOURCE_DEMO);
 }
 
 std::string seeing_table(const Json& frames) {

@@ -248,11 +248,7 @@ void add_play(CLI::App& app, const Settings& settings) {
                       "Trace to write: t,x,y,z,cx,cy,cz,fx,fy,fz,state (f: force on the user); of "
                       "a scene, a folder with the traces of its tools and objects");
   command->add_option("--picture", call->picture, "Also draw the forces over time (PNG)");
-  command
-      ->add_option("--friction", call->device.friction,
-                   "Coefficient of friction of contacts where the measurements do not tell it "
-                   "(default: 0)")
-      ->check(within(at_least(0).finite()));
+  add_friction_option(*command, call->device.friction);
   CLI::Option* tool_radius =
       command
           ->add_option("--tool-radius", call->tool_radius,

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -18,10 +19,15 @@ namespace palpate::apps {
     const std::filesystem::path& folder, const haptics::Model& model,
     std::optional<double> friction);
 
-/// Warns that the friction of `unknown` contacts of a model is unknown, and what it is played with.
-void tell_unknown_friction(const std::filesystem::path& folder, int unknown, double played);
+/// The coefficient with which `unknown` contacts of a model are played, with a warning if there are
+/// any. Parameters and exceptions as `made_playback`.
+[[nodiscard]] double checked_friction(const std::filesystem::path& folder, int unknown,
+                                      std::optional<double> friction);
 
-/// The same of all objects of a scene.
+/// The option --friction.
+void add_friction_option(CLI::App& command, std::optional<double>& friction);
+
+/// Warns of all objects of a scene.
 void tell_unknown_friction(const haptics::SceneFile& file, const haptics::Scene& scene);
 
 }  // namespace palpate::apps

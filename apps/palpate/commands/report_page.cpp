@@ -3,9 +3,8 @@
 #include "commands/report_page.h"
 
 namespace palpate::apps {
-namespace {
 
-std::string escaped(const std::string& text) {
+std::string html_escaped(const std::string& text) {
   std::string html;
   for (const char c : text) {
     switch (c) {
@@ -28,9 +27,11 @@ std::string escaped(const std::string& text) {
   return html;
 }
 
+namespace {
+
 std::string element(const std::string& tag, const std::string& text) {
   std::string html = "<" + tag + ">";
-  html += escaped(text);
+  html += html_escaped(text);
   html += "</" + tag + ">";
   return html;
 }
@@ -67,7 +68,7 @@ void ReportPage::add_table(const std::vector<std::string>& head,
 }
 
 void ReportPage::add_picture(const std::string& file, const std::string& caption) {
-  const std::string source = escaped(file), words = escaped(caption);
+  const std::string source = html_escaped(file), words = html_escaped(caption);
   body_ += "<figure><img src=\"" + source + "\" alt=\"" + words + "\"><figcaption>" + words +
            "</figcaption></figure>\n";
 }

@@ -1,0 +1,16 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+
+namespace palpate::apps {
+
+/// A file or folder that comes with the command.
+/// \param installed its path relative to the folder of the command, \param in_build where it is
+/// when the command runs in the folder in which it was built.
+/// \throws FileError if there is none.
+[[nodiscard]] std::filesystem::path bundled(const std::filesystem::path& installed,
+                                            const std::filesystem::path& in_build);
+
+}  // namespace palpate::apps

@@ -1,0 +1,229 @@
+#!/usr/bin/env python3
+# SPDX-FileCopyrightText: Palpate contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Opens a page of `palpate export --html` in a headless Chromium and checks it.
+
+The forces of the page must be those that `palpate play` wrote for the same trajectory; the object must be drawn, and must be
+pressed by mouse, finger and key; nothing may be asked of the network; without WebGL2, and with a damaged model, a sentence must
+say so. Ends with status 0 if all is well, with 1 and words if not, and in any case before kSeconds.
+"""
+import argparse
+import csv
+import json
+import math
+import re
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+from chromium import Chromium, Failed
+from png import rows_of
+
+kSeconds = 120         # for everything, on a machine that is busy
+kForceTolerance = 1e-9  # [N] the same program on another processor: its sums are rounded in another order
+kSoftwareGl = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+kNoGl = ["--disable-gpu", "--disable-webgl", "--disable-webgl2"]
+kDesktop = (1000, 640)
+kPhone = (360, 640)
+kStates = ["free", "stick", "slip"]
+kFeels = "Number(document.getElementById('newtons').textContent) > 0"
+kFree = "document.getElementById('state').dataset.state === 'free' && " \
+        "Number(document.getElementById('newtons').textContent) === 0"
+
+
+class Checks:
+    """Counts what was found wrong, and says what was found, and when."""
+
+    def __init__(self):
+        self.failed = 0
+        self.begun = time.monotonic()
+
+    def that(self, fine, words):
+        self.failed += not fine
+        print(f"{time.monotonic() - self.begun:5.1f} s  {'ok   ' if fine else 'WRONG'}  {words}", flush=True)
+
+
+def is_surface(pixel):
+    """The object is drawn in warm tones; the backdrop and everything else on the page is grey or blue."""
+    return pixel[0] > pixel[2] + 15
+
+
+def canvas_box(page):
+    """Where in the window [px] the object is shown: x, y, width, height."""
+    return page.evaluate("(({x, y, width, height}) => [x, y, width, height])(document.getElementById('view').getBoundingClientRect())")
+
+
+def canvas_of(page):
+    """Pixels of the picture of the object, at half its size."""
+    return [pixel for row in rows_of(page.screenshot(canvas_box(page), 0.5)) for pixel in row]
+
+
+def middle_of_object(page):
+    """The middle of the picture, which shows the object."""
+    x, y, width, height = canvas_box(page)
+    return x + width / 2, y + height / 2
+
+
+def settle(page):
+    """Waits until two frames were drawn."""
+    page.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(1))))")
+
+
+def check_forces(checks, page, folder):
+    """The trace is what the same trajectory gives in C++."""
+    with open(folder / "trace.csv", newline="") as file:
+        trace = list(csv.DictReader(file))
+    tools = [float(row[axis]) for row in trace for axis in "xyz"]
+    played = page.evaluate(
+        f"(({{states, forces, contacts}}) => [[...states], [...forces], [...contacts]])(palpate.play(new Float64Array({json.dumps(tools)})))")
+    states, forces, contacts = played
+    touched = sum(row["state"] != "free" for row in trace)
+    checks.that(len(trace) == len(states) and touched > len(trace) // 10,
+                f"{len(states)} ticks are played, {len(trace)} are in the trace, {touched} of them touch")
+    wrong = sum(kStates[state] != row["state"] for state, row in zip(states, trace))
+    checks.that(wrong == 0, f"{wrong} of the states differ from the trace")
+
+    def largest(values, names):
+        """The largest difference; a value that is not a number (null in JSON) is as wrong as can be."""
+        recorded = [float(row[name]) for row in trace for name in names]
+        return max((math.inf if a is None else abs(a - b) for a, b in zip(values, recorded)), default=math.inf)
+
+    error = largest(forces, ("fx", "fy", "fz"))
+    checks.that(error <= kForceTolerance, f"forces are within {error:.2g} N of the trace")
+    error = largest(contacts, ("cx", "cy", "cz"))
+    checks.that(error <= 1e-6, f"contacts are within {error:.2g} mm of the trace")
+
+
+def check_desktop(checks, page, save):
+    page.set_size(*kDesktop)
+    settle(page)
+    save("desktop", page)
+    canvas = canvas_of(page)
+    seen = [pixel for pixel in canvas if is_surface(pixel)]
+    share = len(seen) / len(canvas)
+    checks.that(0.05 < share < 0.9 and len(set(seen)) > 100,
+                f"the object fills {share:.0%} of its picture, with {len(set(seen))} shades")
+
+    x, y = middle_of_object(page)
+    page.mouse("mouseMoved", (x, y))
+    page.mouse("mousePressed", (x, y), button="left", buttons=1, clickCount=1)
+    checks.that(page.wait_until(kFeels), "a press with the mouse is felt")
+    for i in range(1, 4):
+        page.mouse("mouseMoved", (x + 20 * i, y - 10 * i), button="left", buttons=1)
+    settle(page)
+    checks.that(page.evaluate("['stick', 'slip'].includes(document.getElementById('state').dataset.state)"),
+                "a drag sticks or slips: " + page.evaluate("document.getElementById('state').innerText").replace("\n", " "))
+    save("desktop-pressed", page)
+    changed = sum(sum(abs(a - b) for a, b in zip(*pair)) > 24 for pair in zip(canvas, canvas_of(page)))
+    checks.that(changed > len(canvas) // 500, f"the press changes {changed} pixels of the picture")
+    page.mouse("mouseReleased", (x + 60, y - 30), button="left")
+    checks.that(page.wait_until(kFree), "after the release nothing is felt")
+
+    page.key("keyDown", "Space", " ", 32)
+    checks.that(page.wait_until(kFeels), "the space key presses")
+    page.key("keyUp", "Space", " ", 32)
+    checks.that(page.wait_until(kFree), "and lets go")
+    page.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": "dark"}])
+    settle(page)
+    save("desktop-dark", page)
+    corner = rows_of(page.screenshot((kDesktop[0] - 8, kDesktop[1] - 8, 4, 4)))[0][0]
+    checks.that(max(corner) < 80, f"the dark scheme is dark: {corner}")
+    page.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": "light"}])
+
+
+def check_phone(checks, page, save):
+    page.set_size(*kPhone, phone=True)
+    settle(page)
+    save("phone", page)
+    width, height, canvas_width, canvas_height = page.evaluate(
+        "(({width, height}) => [document.documentElement.scrollWidth, document.documentElement.scrollHeight, width, height])"
+        "(document.getElementById('view').getBoundingClientRect())")
+    checks.that(width == kPhone[0] and height == kPhone[1], f"a phone shows the page without scrolling: {width} x {height}")
+    checks.that(canvas_width == kPhone[0] and canvas_height >= 300,
+                f"on a phone the object has {canvas_width:.0f} x {canvas_height:.0f} px")
+    x, y = middle_of_object(page)
+    page.touch("touchStart", [(x, y)])
+    checks.that(page.wait_until(kFeels), "a finger is felt")
+    for i in range(1, 3):
+        page.touch("touchMove", [(x + 16 * i, y + 8 * i)])
+    settle(page)
+    save("phone-pressed", page)
+    page.touch("touchEnd", [])
+    checks.that(page.wait_until(kFree), "after the finger is lifted nothing is felt")
+
+
+def check_silence(checks, page, url):
+    """Nothing was asked of the network, nothing was complained about, and nothing could be asked."""
+    asked = [event["params"]["request"]["url"] for event in page.events if event["method"] == "Network.requestWillBeSent"]
+    others = [one for one in asked if one != url and not one.startswith("data:")]
+    checks.that(url in asked and not others, f"the page asks for nothing but itself {others or ''}")
+    complaints = [event["params"] for event in page.events
+                  if event["method"] == "Runtime.exceptionThrown"
+                  or event["method"] == "Runtime.consoleAPICalled" and event["params"]["type"] in ("error", "warning", "assert")
+                  or event["method"] == "Log.entryAdded" and event["params"]["entry"]["level"] in ("error", "warning")]
+    checks.that(not complaints, f"the console is silent {json.dumps(complaints)[:600] if complaints else ''}")
+    refused = page.evaluate("new Promise((done) => { document.addEventListener('securitypolicyviolation', (e) => done(e.violatedDirective));"
+                            " fetch('https://example.invalid/').then(() => done('nobody'), () => setTimeout(done, 500, 'nobody')); })")
+    checks.that(refused == "connect-src", f"what would ask the network is refused by {refused}")
+
+
+def with_half_the_model(text):
+    """The text of a page whose model was cut off."""
+    return re.sub(r'(id="model">)([^<]*)', lambda found: found[1] + found[2][:len(found[2]) // 8 * 4], text)
+
+
+def check_sentence(checks, page, url, words, save):
+    """A page that cannot show the object says why."""
+    page.set_size(*kDesktop)
+    page.open(url)
+    page.wait_until("!document.getElementById('message').hidden")
+    said = page.evaluate("document.getElementById('message').innerText")
+    visible = page.evaluate("document.getElementById('message').getClientRects().length > 0")
+    save(words.lower(), page)
+    checks.that(visible and words in said, f"it is said: {said!r}")
+
+
+def run(arguments, checks):
+    deadline = time.monotonic() + kSeconds
+    url = arguments.page.resolve().as_uri()
+
+    def save(name, page):
+        if arguments.pictures:
+            arguments.pictures.mkdir(parents=True, exist_ok=True)
+            (arguments.pictures / f"{name}.png").write_bytes(page.screenshot())
+
+    with Chromium(arguments.chromium, kSoftwareGl, deadline) as page:
+        page.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": "light"}])
+        page.set_size(*kDesktop)
+        page.open(url)
+        page.evaluate("palpate.ready")
+        check_forces(checks, page, arguments.folder)
+        check_desktop(checks, page, save)
+        check_phone(checks, page, save)
+        check_silence(checks, page, url)
+        with tempfile.TemporaryDirectory() as folder:
+            damaged = Path(folder) / "damaged.html"
+            damaged.write_text(with_half_the_model(arguments.page.read_text(encoding="utf-8")), encoding="utf-8")
+            check_sentence(checks, page, damaged.as_uri(), "damaged", save)
+    with Chromium(arguments.chromium, kNoGl, deadline) as page:
+        check_sentence(checks, page, url, "WebGL2", save)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("page", type=Path, help="the page")
+    parser.add_argument("folder", type=Path, help="has trace.csv, which `palpate play` recorded with the same model")
+    parser.add_argument("--pictures", type=Path, help="folder for screenshots")
+    parser.add_argument("--chromium", default="/usr/bin/chromium")
+    checks = Checks()
+    try:
+        run(parser.parse_args(), checks)
+    except Failed as error:
+        checks.that(False, str(error))
+    print(f"{checks.failed} checks failed" if checks.failed else "all checks passed")
+    return 1 if checks.failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,148 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+// The page: opens the model, connects tool, picture, chart and words, and runs the frames.
+(() => {
+  'use strict';
+  const kNoWebGL = 'This browser does not offer WebGL2, with which the object is drawn. A current browser with hardware acceleration switched on shows it.';
+  const kNear = 0.05;        // of the diagonal: the vertex nearest to a contact is not farther
+  const kLongestFrame = 200; // [ms] of a frame that count
+  const element = (id) => document.getElementById(id);
+
+  /** Colours of the scheme in use: arrays of three for WebGL, text for the chart. */
+  function readColors() {
+    const style = getComputedStyle(document.documentElement);
+    const text = (name) => style.getPropertyValue(name).trim();
+    const parts = (name) => [1, 3, 5].map((i) => parseInt(text(name).slice(i, i + 2), 16) / 255);
+    const colors = { chart: { total: text('--gl-force'), normal: text('--chart-normal'), tangential: text('--chart-tangential') } };
+    for (const name of ['sky', 'floor', 'surface', 'back', 'dent', 'tool', 'force', 'dot']) colors[name] = parts(`--gl-${name}`);
+    for (const name of ['stick', 'slip']) {
+      colors[name] = parts(`--${name}`);
+      colors.chart[name] = text(`--${name}`);
+    }
+    colors.chart.quiet = text('--quiet');
+    return colors;
+  }
+
+  /** Computes what follows from the model alone. */
+  function study(player) {
+    const extent = Surface.extentOf(player.vertices);
+    const normals = new Float32Array(player.vertices.length);
+    Surface.sumNormals(player.vertices, player.triangles, normals);
+    const nearest = Surface.nearestVertices(player.contacts, player.vertices, kNear * extent.diagonal);
+    const facing = Surface.meanDirection(normals, [...nearest]);
+    return { extent, normals, nearest, facing };
+  }
+
+  function run(player) {
+    const { extent, normals, nearest, facing } = study(player);
+    const canvas = element('view');
+    const rest = new Float32Array(player.vertices);
+    const dotPlaces = new Float32Array(3 * nearest.length);
+    const model = { rest, triangles: player.triangles, dotCount: nearest.length };
+    let renderer = Renderer.make(canvas, model);
+    if (!renderer) {
+      canvas.hidden = true;
+      Readout.message(kNoWebGL);
+      return () => {};
+    }
+    const camera = Camera.make(extent, facing);
+    let last = null, requested = false, stale = true, colors = readColors(), chart = null;
+    const tool = Tool.make(player, extent.diagonal, ({ outcome, state }) => {
+      chart.push({ total: Math.hypot(...outcome.force), normal: outcome.normalForce, tangential: outcome.tangentialForce }, state);
+    });
+    const reference = Scene.referenceForce(player, normals, nearest, tool.depth);
+    chart = Chart.make(element('chart'), reference);
+    const scene = Scene.make({ reference, diagonal: extent.diagonal, toolRadius: player.toolRadius });
+    const readout = Readout.make({
+      reference, extent, contactCount: nearest.length, toolRadius: player.toolRadius, lengthOfNewton: scene.lengthOfNewton,
+    });
+
+    /** Asks for a frame; the page rests while nothing moves. */
+    function wake() {
+      if (!requested) requestAnimationFrame(frame);
+      requested = true;
+    }
+
+    const showDepth = Readout.depthControl(tool, wake);
+    const interaction = Interaction.attach({
+      canvas, camera, tool, wake, home: camera.home, depthChanged: showDepth,
+      pick(x, y) {
+        const { origin, direction } = camera.ray(x, y);
+        return player.pick(origin, direction);
+      },
+    });
+
+    function updateSurface() {
+      const positions = player.deformed();
+      Surface.sumNormals(positions, player.triangles, normals);
+      nearest.forEach((vertex, i) => {
+        for (let k = 0; k < 3; ++k) dotPlaces[3 * i + k] = player.contacts[3 * i + k] + positions[3 * vertex + k] - rest[3 * vertex + k];
+      });
+      renderer.update(positions, normals, dotPlaces);
+    }
+
+    function frame(now) {
+      const milliseconds = last === null ? 0 : Math.min(kLongestFrame, now - last);
+      requested = false;
+      last = now;
+      const busy = interaction.advance(milliseconds);
+      if (tool.mode === 'idle') chart.rest(milliseconds);
+      stale = tool.advance(milliseconds) || stale;
+      if (stale) updateSurface();
+      stale = false;
+      const ratio = Math.min(2, window.devicePixelRatio || 1);
+      renderer.draw(camera.shot(), colors, {
+        solids: scene.solids(tool, interaction.hovered, colors), showDots: element('dots').checked,
+        dent: tool.depthRange[1] / 2, lift: 0.004 * extent.diagonal, ratio,
+      });
+      chart.draw(colors.chart, ratio);
+      readout.show(tool, now);
+      element('hint').classList.toggle('done', interaction.engaged);
+      if (busy || tool.mode !== 'idle' || !chart.resting()) wake();
+      else last = null;
+    }
+
+    function resize() {
+      const ratio = Math.min(2, window.devicePixelRatio || 1);
+      const width = Math.max(1, canvas.clientWidth), height = Math.max(1, canvas.clientHeight);
+      canvas.width = Math.round(width * ratio);
+      canvas.height = Math.round(height * ratio);
+      camera.resize(width, height);
+      wake();
+    }
+
+    new ResizeObserver(resize).observe(canvas);
+    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => { colors = readColors(); wake(); });
+    element('dots').addEventListener('change', wake);
+    canvas.addEventListener('webglcontextlost', (event) => event.preventDefault());
+    canvas.addEventListener('webglcontextrestored', () => {
+      renderer = Renderer.make(canvas, model);
+      stale = true;
+      wake();
+    });
+    resize();
+    return () => {
+      tool.stop();
+      stale = true;
+      wake();
+    };
+  }
+
+  let player = null, stop = null;
+  window.palpate = {
+    /** Resolves when the page can be used. */
+    ready: Player.open().then((opened) => {
+      player = opened;
+      stop = run(player);
+    }).catch((error) => {
+      Readout.message(error.message);
+      throw error;
+    }),
+    /** Plays 3 N coordinates of a tool with the player of this page; for tests. */
+    play(tools) {
+      stop();
+      return player.play(tools);
+    },
+  };
+  window.palpate.ready.catch(() => {});
+})();

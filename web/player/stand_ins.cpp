@@ -1,0 +1,51 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+
+// What the library does with threads, words and other libraries, in a page that has none of them.
+#include "geodesic/geodesic_methods.h"
+#include "palpate/error.h"
+#include "palpate/geometry/contact_triangulation.h"
+#include "palpate/parallel_for.h"
+#include "palpate/require.h"
+
+namespace palpate {
+
+void parallel_ranges(std::ptrdiff_t count, std::ptrdiff_t /*grain*/,
+                     const std::function<void(std::ptrdiff_t begin, std::ptrdiff_t end)>& body) {
+  if (count > 0) body(0, count);
+}
+
+// Without words: nobody could read them.
+void require(std::string_view /*name*/, double value, const Interval& range,
+             std::string_view /*unit*/) {
+  if (!range.contains(value)) throw InvalidInput("");
+}
+
+void require(std::string_view name, const std::optional<double>& value, const Interval& range,
+             std::string_view unit) {
+  if (value) require(name, *value, range, unit);
+}
+
+namespace geometry {
+
+// Models come with their weights (`to_bytes`), and pages draw by fast marching.
+SurfaceWeights project_weights(const TriangleMesh& /*surface*/, const TriangleMesh& /*contacts*/) {
+  throw Unavailable("");
+}
+
+GeodesicDistance exact_geodesic_distance(const TriangleMesh& /*mesh*/,
+                                         std::span<const SurfacePoint> /*sources*/,
+                                         double /*stop_radius*/) {
+  throw Unavailable("");
+}
+
+}  // namespace geometry
+}  // namespace palpate
+
+// A page has no exceptions: what would throw stops the program, and the page says so.
+extern "C" {
+void* __cxa_allocate_exception(std::size_t /*size*/) { __builtin_trap(); }
+void __cxa_throw(void* /*thrown*/, void* /*type*/, void (* /*destroy*/)(void*)) {
+  __builtin_trap();
+}
+}
