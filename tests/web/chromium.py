@@ -3,7 +3,6 @@
 """A headless Chromium with one page, driven by the DevTools protocol over pipes: messages are JSON that ends with a NUL."""
 import base64
 import json
-import math
 import os
 import select
 import signal
@@ -103,10 +102,9 @@ class Chromium:
             raise Failed(f"{expression[:80]}: {details.get('exception', {}).get('description', details['text'])}")
         return answer["result"].get("value")
 
-    def wait_until(self, expression, seconds=4):
-        """Whether the expression becomes true in time."""
-        end = time.monotonic() + seconds
-        while time.monotonic() < end:
+    def wait_until(self, expression):
+        """Whether the expression becomes true before the deadline."""
+        while time.monotonic() < self.deadline:
             if self.evaluate(expression):
                 return True
             time.sleep(0.03)
@@ -115,8 +113,8 @@ class Chromium:
     def open(self, url):
         """Opens a page and waits until it is loaded."""
         self.call("Page.navigate", url=url)
-        if not self.wait_until(f"document.readyState === 'complete' && location.href === {json.dumps(url)}", math.inf):
-            raise Failed(f"{url} was not loaded")
+        if not self.wait_until(f"document.readyState === 'complete' && location.href === {json.dumps(url)}"):
+            raise Failed(f"{url} was not loaded in time")
 
     def screenshot(self, box=None, scale=1):
         """A PNG image of the window, or of a box (x, y, width, height) [px] of it."""

@@ -48,7 +48,6 @@ const Interaction = (() => {
 
     function show() {
       stage.classList.toggle('turning', act === 'turn' || act === 'pan');
-      stage.classList.toggle('off', act === null && aim !== null && self.hovered === null);
       scene.wake();
     }
 
@@ -69,7 +68,6 @@ const Interaction = (() => {
         act = pressAt(place) ? 'tool' : 'turn';
       }
       event.preventDefault();
-      canvas.focus({ preventScroll: true });
       show();
     });
 
@@ -133,15 +131,15 @@ const Interaction = (() => {
     const onKey = {
       Space: () => { if (tool.mode !== 'press') pressAt(startAim()); },
       KeyR: scene.home,
-      Equal: () => changeDepth(kKeyDepth), NumpadAdd: () => changeDepth(kKeyDepth),
-      Minus: () => changeDepth(1 / kKeyDepth), NumpadSubtract: () => changeDepth(1 / kKeyDepth),
+      '+': () => changeDepth(kKeyDepth), '=': () => changeDepth(kKeyDepth), '-': () => changeDepth(1 / kKeyDepth),
       PageUp: () => camera.zoom(0.8), PageDown: () => camera.zoom(1.25),
     };
     canvas.addEventListener('keydown', (event) => {
       if (event.ctrlKey || event.metaKey || event.altKey) return;
-      if (arrows[event.code]) { startAim(); held.add(event.code); }
+      const action = onKey[event.code] ?? onKey[event.key];
+      if (arrows[event.code]) held.add(event.code);
       else if (turns[event.code]) camera.turn(...turns[event.code]);
-      else if (onKey[event.code]) { if (event.code !== 'Space' || !event.repeat) onKey[event.code](); }
+      else if (action) { if (event.code !== 'Space' || !event.repeat) action(); }
       else return;
       event.preventDefault();
       show();
@@ -192,6 +190,7 @@ const Interaction = (() => {
       const pad = readGamepad(way);
       if (tool.mode === 'press' && aim) tool.drag(camera.ray(aim.x, aim.y));
       self.hovered = aim && tool.mode === 'idle' && (act === null || act === 'tool') ? scene.pick(aim.x, aim.y) : null;
+      stage.classList.toggle('off', act === null && aim !== null && tool.mode === 'idle' && self.hovered === null);
       return held.size > 0 || pad;
     };
 

@@ -4,7 +4,7 @@
 (() => {
   'use strict';
   const kNoWebGL = 'This browser does not offer WebGL2, with which the object is drawn. A current browser with hardware acceleration switched on shows it.';
-  const kNear = 0.05;        // of the diagonal: the vertex nearest to a contact is not farther
+  const kNear = 0.05;        // of the diagonal: the vertex nearest to a contact is seldom farther
   const kLongestFrame = 200; // [ms] of a frame that count
   const element = (id) => document.getElementById(id);
 
@@ -41,8 +41,7 @@
     const model = { rest, triangles: player.triangles, dotCount: nearest.length };
     let renderer = Renderer.make(canvas, model);
     if (!renderer) {
-      canvas.hidden = true;
-      Readout.message(kNoWebGL);
+      Readout.failure(kNoWebGL);
       return () => {};
     }
     const camera = Camera.make(extent, facing);
@@ -66,9 +65,11 @@
     const showDepth = Readout.depthControl(tool, wake);
     const interaction = Interaction.attach({
       canvas, camera, tool, wake, home: camera.home, depthChanged: showDepth,
+      /** What a tool would touch there: not the inside of an open surface. */
       pick(x, y) {
         const { origin, direction } = camera.ray(x, y);
-        return player.pick(origin, direction);
+        const hit = player.pick(origin, direction);
+        return hit && Algebra.dot(hit.normal, direction) < 0 ? hit : null;
       },
     });
 
@@ -135,7 +136,7 @@
       player = opened;
       stop = run(player);
     }).catch((error) => {
-      Readout.message(error.message);
+      Readout.failure(error.message);
       throw error;
     }),
     /** Plays 3 N coordinates of a tool with the player of this page; for tests. */

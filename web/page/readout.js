@@ -5,8 +5,6 @@ const Readout = (() => {
   'use strict';
   const { norm } = Algebra;
   const kSpeakEvery = 1200;  // [ms] at least between two messages for a screen reader
-  const kHowMouse = 'Press and hold to push in, move to drag; meanwhile the wheel changes the depth. Drag beside the object to turn it.';
-  const kHowTouch = 'Touch and hold to push in, move to drag. Two fingers turn and zoom.';
   const kStates = {
     free: ['Free', 'The tool touches nothing.'],
     stick: ['Sticks', 'The tool holds at the contact.'],
@@ -23,7 +21,6 @@ const Readout = (() => {
     let spokenState = 'free', spokenAt = 0;
 
     write('facts', `${size.join(' \u00d7 ')} mm, ${contactCount} contacts`);
-    write('how', matchMedia('(pointer: coarse)').matches ? kHowTouch : kHowMouse);
     write('scale', `1 N is ${Number(lengthOfNewton.toPrecision(2))} mm long`);
     write('ball', toolRadius > 0 ? `The ball has the radius with which the object was measured, ${Number(toolRadius.toPrecision(3))} mm.`
       : 'The radius of the ball is not known; it is drawn only.');
@@ -71,12 +68,12 @@ const Readout = (() => {
     return show;
   }
 
-  function message(text) {
+  /** Instead of an object that cannot be shown. */
+  function failure(text) {
     element('message').hidden = false;
-    element('message').textContent = text;
-    element('hint').hidden = true;
-    element('views').hidden = true;
+    write('message', text);
+    element('page').classList.add('failed');
   }
 
-  return { make, depthControl, message };
+  return { make, depthControl, failure };
 })();

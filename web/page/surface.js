@@ -39,7 +39,17 @@ const Surface = (() => {
     return scale(sum, 1 / Math.max(1, chosen.length));
   }
 
-  /** For each of the points the nearest vertex among those within `reach` mm, or the first vertex if there are none. */
+  /** The nearest vertex, found by trying all. */
+  function nearestOf([x, y, z], vertices) {
+    let nearest = 0, least = Infinity;
+    for (let i = 0; i < vertices.length; i += 3) {
+      const distance = Math.hypot(vertices[i] - x, vertices[i + 1] - y, vertices[i + 2] - z);
+      if (distance < least) [nearest, least] = [i / 3, distance];
+    }
+    return nearest;
+  }
+
+  /** For each of the points the nearest vertex; quick if it lies within `reach` mm. */
   function nearestVertices(points, vertices, reach) {
     // Each point stands in the 27 cells around it, so that a vertex looks into one cell only. Cells that share a key do no harm.
     const cells = new Map();
@@ -63,6 +73,9 @@ const Surface = (() => {
         }
       }
     }
+    distances.forEach((distance, p) => {
+      if (distance === Infinity) nearest[p] = nearestOf(points.subarray(3 * p, 3 * p + 3), vertices);
+    });
     return nearest;
   }
 
