@@ -5,6 +5,7 @@
   'use strict';
   const kNoWebGL = 'This browser does not offer WebGL2, with which the object is drawn. A current browser with hardware acceleration switched on shows it.';
   const kNear = 0.05;        // of the diagonal: the vertex nearest to a contact is seldom farther
+  const kDot = 6.5;          // [px] size of a contact
   const kLongestFrame = 200; // [ms] of a frame that count
   const element = (id) => document.getElementById(id);
 
@@ -49,11 +50,12 @@
     const tool = Tool.make(player, extent.diagonal, ({ outcome, state }) => {
       chart.push({ total: Math.hypot(...outcome.force), normal: outcome.normalForce, tangential: outcome.tangentialForce }, state);
     });
-    const reference = Scene.referenceForce(player, normals, nearest, tool.depth);
+    const { depth, force: reference } = Scene.tryObject(player, normals, nearest, tool.depth);
+    tool.setDepth(depth);
     chart = Chart.make(element('chart'), reference);
     const scene = Scene.make({ reference, diagonal: extent.diagonal, toolRadius: player.toolRadius });
     const readout = Readout.make({
-      reference, extent, contactCount: nearest.length, toolRadius: player.toolRadius, lengthOfNewton: scene.lengthOfNewton,
+      reference, extent, contactCount: nearest.length, toolRadius: player.toolRadius,
     });
 
     /** Asks for a frame; the page rests while nothing moves. */
@@ -94,10 +96,10 @@
       const ratio = Math.min(2, window.devicePixelRatio || 1);
       renderer.draw(camera.shot(), colors, {
         solids: scene.solids(tool, interaction.hovered, colors), showDots: element('dots').checked,
-        dent: tool.depthRange[1] / 2, lift: 0.004 * extent.diagonal, ratio,
+        dent: tool.depthRange[1] / 2, dotSize: kDot * ratio, lift: 1.5 * kDot * camera.sizeOfPixel(),
       });
       chart.draw(colors.chart, ratio);
-      readout.show(tool, now);
+      readout.show(tool, scene.fit(Math.hypot(...tool.outcome.force)), now);
       element('hint').classList.toggle('done', interaction.engaged);
       if (busy || tool.mode !== 'idle' || !chart.resting()) wake();
       else last = null;

@@ -14,14 +14,13 @@ const Readout = (() => {
   const write = (id, text) => { if (element(id).textContent !== text) element(id).textContent = text; };
 
   /** `reference` [N] decides how many digits are shown, `extent` and `contactCount` are facts of the model. */
-  function make({ reference, extent, contactCount, toolRadius, lengthOfNewton }) {
-    const digits = Math.min(5, Math.max(0, 2 - Math.floor(Math.log10(reference))));
+  function make({ reference, extent, contactCount, toolRadius }) {
+    const digits = Math.min(5, Math.max(0, 2 - Math.round(Math.log10(reference))));
     const newtons = (value) => value.toFixed(digits);
-    const size = [0, 1, 2].map((k) => Number((extent.high[k] - extent.low[k]).toPrecision(3)));
+    const size = [0, 1, 2].map((k) => Number((extent.high[k] - extent.low[k]).toPrecision(3))).filter((length) => length > 0);
     let spokenState = 'free', spokenAt = 0;
 
     write('facts', `${size.join(' \u00d7 ')} mm, ${contactCount} contacts`);
-    write('scale', `1 N is ${Number(lengthOfNewton.toPrecision(2))} mm long`);
     write('ball', toolRadius > 0 ? `The ball has the radius with which the object was measured, ${Number(toolRadius.toPrecision(3))} mm.`
       : 'The radius of the ball is not known; it is drawn only.');
 
@@ -32,7 +31,8 @@ const Readout = (() => {
       write('spoken', state === 'free' ? kStates.free[0] : `${kStates[state][0]}, ${newtons(force)} newtons`);
     }
 
-    function show(tool, now) {
+    /** `lengthOfNewton`: [mm] at which 1 N is drawn. */
+    function show(tool, lengthOfNewton, now) {
       const { force, normalForce, tangentialForce, deviation, friction } = tool.outcome;
       const state = Player.STATES[tool.state], total = norm(force);
       element('state').dataset.state = state;
@@ -44,6 +44,7 @@ const Readout = (() => {
       write('normal', newtons(normalForce));
       write('tangential', newtons(tangentialForce));
       if (tool.state !== 0 && Number.isFinite(friction)) write('friction', friction.toFixed(2));
+      write('scale', `1 N is ${Number(lengthOfNewton.toPrecision(2))} mm long`);
       speak(state, total, now);
     }
 

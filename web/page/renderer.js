@@ -43,7 +43,7 @@ const Renderer = (() => {
       float wrap = 0.5 + 0.5 * dot(normal, u_light);
       float facing = max(dot(normal, to_eye), 0.0);
       float shine = pow(max(dot(normal, normalize(u_light + to_eye)), 0.0), 38.0);
-      vec3 color = base * (0.26 + 0.26 * wrap + 0.68 * key + 0.06 * facing) + 0.12 * shine + 0.10 * pow(1.0 - facing, 4.0) * wrap;
+      vec3 color = base * (0.25 + 0.25 * wrap + 0.60 * key + 0.06 * facing) + 0.12 * shine + 0.10 * pow(1.0 - facing, 4.0) * wrap;
       o_color = vec4(color, 1.0);
     }`];
 
@@ -185,8 +185,8 @@ const Renderer = (() => {
       }
     }
 
-    /** Solids: opaque ones first. `dent` is the displacement [mm] that gets the whole tint. */
-    function draw(shot, colors, { solids, showDots, dent, lift, ratio }) {
+    /** Solids: opaque ones first. `dent` is the displacement [mm] that gets the whole tint; dots are lifted by `lift` mm, so that a slanted surface does not cut them. */
+    function draw(shot, colors, { solids, showDots, dotSize, dent, lift }) {
       gl.viewport(0, 0, canvas.width, canvas.height);
       gl.disable(gl.BLEND);
       gl.disable(gl.DEPTH_TEST);
@@ -207,7 +207,7 @@ const Renderer = (() => {
       gl.blendFunc(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA);
       gl.depthMask(false);
       if (showDots) {
-        use(gl, programs.dots, { u_matrix: shot.matrix, u_eye: shot.eye, u_size: 7 * ratio, u_lift: lift, u_color: colors.dot });
+        use(gl, programs.dots, { u_matrix: shot.matrix, u_eye: shot.eye, u_size: dotSize, u_lift: lift, u_color: colors.dot });
         gl.bindVertexArray(dots);
         gl.drawArrays(gl.POINTS, 0, dotCount);
       }

@@ -4,33 +4,47 @@
 const Scene = (() => {
   'use strict';
   const { along, scale, norm, unit } = Algebra;
-  const kArrow = 0.42;        // of the diagonal: length of the arrow at the reference force
+  const kArrow = 0.36;        // of the diagonal: length of the arrow at the reference force
   const kShaft = 0.0075;      // of the diagonal: its radius
   const kTip = [0.021, 0.06]; // of the diagonal: radius and length of its tip
   const kBall = 0.014;        // of the diagonal: radius of a tool whose size is unknown
-  const kTrials = 7;          // presses that tell the reference force
+  const kShrink = 0.15;       // of the way a frame, when the scale changes
+  const kTrials = 24;         // presses that tell how the object is
   const kTrialTicks = 100;
 
-  /** A force [N] that presses of `depth` mm reach on this object, rounded up: the scale of arrow and chart. */
-  function referenceForce(player, normals, nearest, depth) {
-    let largest = 0;
-    for (let i = 0; i < Math.min(kTrials, nearest.length); ++i) {
-      const contact = Math.floor((i + 0.5) * nearest.length / Math.min(kTrials, nearest.length));
-      const place = [...player.contacts.subarray(3 * contact, 3 * contact + 3)];
-      const normal = unit([...normals.subarray(3 * nearest[contact], 3 * nearest[contact] + 3)]);
-      player.reset();
-      for (let tick = 0; tick <= kTrialTicks; ++tick) {
-        player.step(...along(place, normal, depth * (0.1 - 1.1 * tick / kTrialTicks)));
-      }
-      largest = Math.max(largest, norm(player.output().force));
+  /** Forces [N] of a press at a contact, at kTrialTicks depths up to `depth` mm. */
+  function tryPress(player, place, normal, depth) {
+    const gap = 0.1 * depth, forces = [];
+    player.reset();
+    player.step(...along(place, normal, gap));
+    for (let tick = 1; tick <= kTrialTicks; ++tick) {
+      player.step(...along(place, normal, -depth * tick / kTrialTicks));
+      forces.push(norm(player.output().force));
     }
     player.reset();
-    return Chart.roundUp(largest > 0 ? largest : 1);
+    return forces;
+  }
+
+  /**
+   * What presses of this object are like: `depth` [mm], at most `deepest`, up to which the force grows at three of four contacts
+   * that are tried (where it falls, the model is far from what was measured); and `force` [N], the largest up to there, rounded up.
+   */
+  function tryObject(player, normals, nearest, deepest) {
+    const count = Math.min(kTrials, nearest.length);
+    const trials = Array.from({ length: count }, (_, i) => {
+      const contact = Math.floor((i + 0.5) * nearest.length / count);
+      const vertex = 3 * nearest[contact];
+      return tryPress(player, [...player.contacts.subarray(3 * contact, 3 * contact + 3)], unit([...normals.subarray(vertex, vertex + 3)]), deepest);
+    });
+    const peaks = trials.map((forces) => 1 + forces.indexOf(Math.max(...forces))).sort((a, b) => a - b);
+    const ticks = peaks[Math.floor(count / 4)];
+    const force = Math.max(0, ...trials.flatMap((forces) => forces.slice(0, ticks)));
+    return { depth: deepest * ticks / kTrialTicks, force: Chart.roundUp(force > 0 ? force : 1) };
   }
 
   /** `reference` [N], `diagonal` [mm]; `toolRadius` is 0 if unknown. */
   function make({ reference, diagonal, toolRadius }) {
-    const lengthOfNewton = kArrow * diagonal / reference;
+    let lengthOfNewton = kArrow * diagonal / reference;
     const radius = toolRadius > 0 ? toolRadius : kBall * diagonal;
 
     function arrow(origin, force, color) {
@@ -52,8 +66,15 @@ const Scene = (() => {
       const axis = scale(outcome.intoObject, -1);
       return [
         { shape: 'ring', origin: along(origin, axis, height), axis, size: [wide, wide, wide], color },
-        { shape: 'cone', origin, axis, size: [wide, wide, height], color: [...color, 0.26] },
+        { shape: 'cone', origin, axis, size: [wide, wide, height], color: [...color, 0.2] },
       ];
+    }
+
+    /** A force larger than the reference shrinks arrow and cone for good, in a few frames. Returns the length [mm] of 1 N. */
+    function fit(force) {
+      const wanted = kArrow * diagonal / Chart.roundUp(Math.max(reference, force));
+      lengthOfNewton += kShrink * Math.min(0, wanted - lengthOfNewton);
+      return lengthOfNewton;
     }
 
     /** `hovered`: where the tool would touch, or null. */
@@ -74,8 +95,8 @@ const Scene = (() => {
       return [...shown, ...arrow(tool.position, tool.outcome.force, colors.force), ...frictionCone(tool.position, tool.outcome, stateColor)];
     }
 
-    return { solids, lengthOfNewton };
+    return { solids, fit };
   }
 
-  return { make, referenceForce };
+  return { make, tryObject };
 })();

@@ -37,6 +37,6 @@ const Shapes = (() => {
     /** Apex at the origin, open at z = 1 with radius 1. */
     cone: revolve([[0, 0, slope, -slope], [1, 1, slope, -slope]]),
     /** Ring of radius 1 about the origin. */
-    ring: revolve(circle(1, 0.022, 10, 0, 2 * Math.PI)),
+    ring: revolve(circle(1, 0.015, 8, 0, 2 * Math.PI)),
   };
 })();
