@@ -141,7 +141,10 @@ def check_phone(checks, page, save):
     width, height, canvas_width, canvas_height = page.evaluate(
         "(({width, height}) => [document.documentElement.scrollWidth, document.documentElement.scrollHeight, width, height])"
         "(document.getElementById('view').getBoundingClientRect())")
-    checks.that(width == kPhone[0] and height == kPhone[1], f"a phone shows the page without scrolling: {width} x {height}")
+    cut = page.evaluate("[...document.querySelectorAll('*')].filter((e) => ['auto', 'scroll', 'visible'].includes(getComputedStyle(e).overflowX)"
+                        " && e.clientWidth > 0 && e.scrollWidth > e.clientWidth + 1).map((e) => e.id || e.tagName)")
+    checks.that(width == kPhone[0] and height == kPhone[1] and not cut,
+                f"a phone shows the page without scrolling it: {width} x {height}, too wide: {cut}")
     checks.that(canvas_width == kPhone[0] and canvas_height >= 300,
                 f"on a phone the object has {canvas_width:.0f} x {canvas_height:.0f} px")
     x, y = middle_of_object(page)

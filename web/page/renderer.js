@@ -43,7 +43,7 @@ const Renderer = (() => {
       float wrap = 0.5 + 0.5 * dot(normal, u_light);
       float facing = max(dot(normal, to_eye), 0.0);
       float shine = pow(max(dot(normal, normalize(u_light + to_eye)), 0.0), 38.0);
-      vec3 color = base * (0.25 + 0.25 * wrap + 0.60 * key + 0.06 * facing) + 0.12 * shine + 0.10 * pow(1.0 - facing, 4.0) * wrap;
+      vec3 color = base * (0.27 + 0.33 * wrap + 0.48 * key + 0.08 * facing) + 0.12 * shine + 0.10 * pow(1.0 - facing, 4.0) * wrap;
       o_color = vec4(color, 1.0);
     }`];
 

@@ -26,8 +26,8 @@ const Scene = (() => {
   }
 
   /**
-   * What presses of this object are like: `depth` [mm], at most `deepest`, up to which the force grows at three of four contacts
-   * that are tried (where it falls, the model is far from what was measured); and `force` [N], the largest up to there, rounded up.
+   * What presses of this object are like, at three of four contacts that are tried: up to `depth` [mm], at most `deepest`, their
+   * force grows (where it falls, the model is far from what was measured), and it is at most `force` [N], rounded up.
    */
   function tryObject(player, normals, nearest, deepest) {
     const count = Math.min(kTrials, nearest.length);
@@ -36,9 +36,9 @@ const Scene = (() => {
       const vertex = 3 * nearest[contact];
       return tryPress(player, [...player.contacts.subarray(3 * contact, 3 * contact + 3)], unit([...normals.subarray(vertex, vertex + 3)]), deepest);
     });
-    const peaks = trials.map((forces) => 1 + forces.indexOf(Math.max(...forces))).sort((a, b) => a - b);
-    const ticks = peaks[Math.floor(count / 4)];
-    const force = Math.max(0, ...trials.flatMap((forces) => forces.slice(0, ticks)));
+    const ascending = (values) => values.sort((a, b) => a - b);
+    const ticks = ascending(trials.map((forces) => 1 + forces.indexOf(Math.max(...forces))))[Math.floor(count / 4)];
+    const force = ascending(trials.map((forces) => forces[ticks - 1]))[Math.ceil(3 * count / 4) - 1];
     return { depth: deepest * ticks / kTrialTicks, force: Chart.roundUp(force > 0 ? force : 1) };
   }
 
