@@ -34,6 +34,7 @@ const Chart = (() => {
       for (let i = Math.min(kCount, Math.round(milliseconds)); i-- > 0;) push({ total: 0, normal: 0, tangential: 0 }, 0);
     }
 
+    /** Returns the force [N] at the top. */
     function draw(colors, ratio) {
       const width = canvas.clientWidth, height = canvas.clientHeight;
       canvas.width = Math.round(width * ratio);
@@ -61,6 +62,7 @@ const Chart = (() => {
         }
         context.stroke();
       }
+      return top;
     }
 
     function drawGrid(colors, width, floor, room, top) {

@@ -98,8 +98,7 @@
         solids: scene.solids(tool, interaction.hovered, colors), showDots: element('dots').checked,
         dent: tool.depthRange[1] / 2, dotSize: kDot * ratio, lift: 1.5 * kDot * camera.sizeOfPixel(),
       });
-      chart.draw(colors.chart, ratio);
-      readout.show(tool, scene.fit(Math.hypot(...tool.outcome.force)), now);
+      readout.show(tool, scene.fit(chart.draw(colors.chart, ratio)), now);
       element('hint').classList.toggle('done', interaction.engaged);
       if (busy || tool.mode !== 'idle' || !chart.resting()) wake();
       else last = null;

@@ -4,11 +4,11 @@
 const Scene = (() => {
   'use strict';
   const { along, scale, norm, unit } = Algebra;
-  const kArrow = 0.36;        // of the diagonal: length of the arrow at the reference force
+  const kArrow = 0.36;        // of the diagonal: length of an arrow of the force at the top of the chart
   const kShaft = 0.0075;      // of the diagonal: its radius
   const kTip = [0.021, 0.06]; // of the diagonal: radius and length of its tip
   const kBall = 0.014;        // of the diagonal: radius of a tool whose size is unknown
-  const kShrink = 0.15;       // of the way a frame, when the scale changes
+  const kFollow = 0.3;        // of the way a frame, when the scale changes
   const kTrials = 24;         // presses that tell how the object is
   const kTrialTicks = 100;
 
@@ -26,8 +26,8 @@ const Scene = (() => {
   }
 
   /**
-   * What presses of this object are like, at three of four contacts that are tried: up to `depth` [mm], at most `deepest`, their
-   * force grows (where it falls, the model is far from what was measured), and it is at most `force` [N], rounded up.
+   * What presses of this object are like. Up to `depth` [mm], at most `deepest`, the force grows at three of four contacts that
+   * are tried: where it falls, the model is far from what was measured. There, one of four exceeds not even `force` [N].
    */
   function tryObject(player, normals, nearest, deepest) {
     const count = Math.min(kTrials, nearest.length);
@@ -38,7 +38,7 @@ const Scene = (() => {
     });
     const ascending = (values) => values.sort((a, b) => a - b);
     const ticks = ascending(trials.map((forces) => 1 + forces.indexOf(Math.max(...forces))))[Math.floor(count / 4)];
-    const force = ascending(trials.map((forces) => forces[ticks - 1]))[Math.ceil(3 * count / 4) - 1];
+    const force = ascending(trials.map((forces) => forces[ticks - 1]))[Math.floor(count / 4)];
     return { depth: deepest * ticks / kTrialTicks, force: Chart.roundUp(force > 0 ? force : 1) };
   }
 
@@ -70,10 +70,9 @@ const Scene = (() => {
       ];
     }
 
-    /** A force larger than the reference shrinks arrow and cone for good, in a few frames. Returns the length [mm] of 1 N. */
-    function fit(force) {
-      const wanted = kArrow * diagonal / Chart.roundUp(Math.max(reference, force));
-      lengthOfNewton += kShrink * Math.min(0, wanted - lengthOfNewton);
+    /** Lets arrow and cone follow the scale of the chart, whose top is at `top` N. Returns the length [mm] of 1 N. */
+    function fit(top) {
+      lengthOfNewton += kFollow * (kArrow * diagonal / top - lengthOfNewton);
       return lengthOfNewton;
     }
 
