@@ -84,7 +84,7 @@ const Scene = (() => {
         const { position, normal } = hovered;
         const wide = [1.7 * radius, 1.7 * radius, 1.7 * radius];
         return [
-          { shape: 'ring', origin: position, axis: normal, size: wide, color: colors.force },
+          { shape: 'halo', origin: position, axis: normal, size: wide, color: colors.force },
           { shape: 'ball', origin: along(position, normal, 1.6 * radius), axis: normal, size: round, color: [...colors.tool, 0.4] },
         ];
       }

@@ -36,7 +36,8 @@ const Shapes = (() => {
     tip: revolve([[0, 0, 0, -1], [1, 0, 0, -1], [1, 0, slope, slope], [0, 1, slope, slope]]),
     /** Apex at the origin, open at z = 1 with radius 1. */
     cone: revolve([[0, 0, slope, -slope], [1, 1, slope, -slope]]),
-    /** Ring of radius 1 about the origin. */
+    /** Rings of radius 1 about the origin: a fine one for large radii, and another for small ones. */
     ring: revolve(circle(1, 0.015, 8, 0, 2 * Math.PI)),
+    halo: revolve(circle(1, 0.1, 8, 0, 2 * Math.PI)),
   };
 })();
