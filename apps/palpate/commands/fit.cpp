@@ -53,7 +53,7 @@ struct FitCall {
   int dense_samples = haptics::LocalGlobalOptions{}.dense_samples;
   bool resume = false;
   double max_distance = haptics::BuildOptions{}.max_distance;
-  int max_left_out = haptics::BuildOptions{}.max_left_out;
+  std::optional<int> max_left_out;
 };
 
 void draw(const FitCall& call, const haptics::Model& model,
@@ -84,7 +84,7 @@ Json settings_of(const FitCall& call) {
           {"--touch-offset", call.estimate_offsets},
           {"--rate", call.rate},
           {"--max-distance", call.max_distance},
-          {"--leave-out", call.max_left_out},
+          {"--leave-out", call.max_left_out ? Json(*call.max_left_out) : Json()},
           {"--max-bases", call.fit.max_bases ? Json(*call.fit.max_bases) : Json()},
           {"--shared-local", call.shared_local},
           {"--dense-samples", call.shared_local ? Json(call.dense_samples) : Json()},
@@ -170,15 +170,19 @@ haptics::BuildResult build_or_forget(const probing::CheckedAcquisition& acquisit
 
 /// The mesh of the call; without one, it is made of the contacts.
 geometry::TriangleMesh surface_of(const FitCall& call,
-                                  const probing::CheckedAcquisition& acquisition) {
+                                  const probing::CheckedAcquisition& acquisition, Json& warnings) {
   if (!call.surface.empty()) return geometry::read_mesh(call.surface, call.meshes);
   try {
-    geometry::TriangleMesh made = probing::contact_surface(acquisition.contacts());
+    const double radius = acquisition.records().probe_radius.value_or(
+        call.probe_radius.value_or(probing::kUsualTipRadius));
+    probing::ContactSurface made =
+        probing::contact_surface(acquisition.contacts(), {.tip_radius = radius});
     spdlog::warn(
         "the surface is made of the {} contacts alone: it is taken as flat between them, and as "
         "ending at the outermost.",
-        made.vertices.cols());
-    return made;
+        made.kept.size());
+    tell_left_out(made, warnings);
+    return std::move(made.mesh);
   } catch (const InvalidInput& wrong) {
     throw InvalidInput(with_option_names(
         wrong.what(),
@@ -197,7 +201,7 @@ void fit(const Settings& settings, FitCall call) {
   const probing::CheckedAcquisition acquisition =
       read_plausible_acquisition(call.acquisition, warnings);
   tell_rates(call.acquisition, warnings);
-  const geometry::TriangleMesh surface = surface_of(call, acquisition);
+  const geometry::TriangleMesh surface = surface_of(call, acquisition, warnings);
   const std::optional<double> known_radius = acquisition.records().probe_radius;
   if (call.probe_radius && known_radius && *call.probe_radius != *known_radius) {
     throw InvalidInput(fmt::format("--probe-radius: is {:g} mm; the measurements say {:g} mm",
@@ -269,10 +273,11 @@ void add_fit(CLI::App& app, const Settings& settings) {
       ->capture_default_str();
   command
       ->add_option("--leave-out", call->max_left_out,
-                   "Leave out up to this many contacts that are too far from the surface, or whose "
-                   "normal points into it, instead of rejecting the measurements")
-      ->check(within(at_least(0)))
-      ->capture_default_str();
+                   fmt::format("Leave out up to this many contacts that are too far from the "
+                               "surface, or whose normal points into it, instead of rejecting the "
+                               "measurements. Default: one in {}",
+                               probing::kContactsPerMisfit))
+      ->check(within(at_least(0)));
   command->add_option("--max-bases", call->fit.max_bases, "Largest number of bases of a field");
   command->add_option(
       "--budget", call->budget_us,

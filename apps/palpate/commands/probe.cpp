@@ -154,12 +154,16 @@ void tell_series(const probing::SeriesCounts& series) {
     spdlog::info("{} slow pieces are left out: they are shorter than sample_time.", series.brief);
 }
 
-geometry::MeshFile surface_of(const ProbeCall& call,
-                              const probing::CheckedAcquisition& acquisition) {
+geometry::MeshFile surface_of(const ProbeCall& call, const probing::CheckedAcquisition& acquisition,
+                              Json& warnings) {
   geometry::MeshFile surface;
   surface.comments = {"made of the contacts alone, flat between them"};
   try {
-    surface.mesh = probing::contact_surface(acquisition.contacts());
+    probing::ContactSurface made = probing::contact_surface(
+        acquisition.contacts(),
+        {.tip_radius = acquisition.records().probe_radius.value_or(probing::kUsualTipRadius)});
+    tell_left_out(made, warnings);
+    surface.mesh = std::move(made.mesh);
     return surface;
   } catch (const InvalidInput& wrong) {
     throw InvalidInput(with_option_names(
@@ -176,7 +180,7 @@ void import_data(const Settings& settings, const ProbeCall& call) {
   Json warnings = Json::array();
   check_plausible(files_in_words(call.data), imported.acquisition, warnings);
   std::optional<geometry::MeshFile> surface;
-  if (!call.surface.empty()) surface = surface_of(call, imported.acquisition);
+  if (!call.surface.empty()) surface = surface_of(call, imported.acquisition, warnings);
   probing::write_acquisition(call.output, imported.acquisition);
   Json figures = {{"warnings", warnings}};
   std::string of_surface;

@@ -5,6 +5,7 @@
 #include <spdlog/spdlog.h>
 
 #include <nlohmann/json.hpp>
+#include <string>
 #include <vector>
 
 #include "palpate/error.h"
@@ -31,6 +32,14 @@ void check_plausible(const std::string& source, const probing::CheckedAcquisitio
   if (!impossible.empty())
     throw InvalidInput(source + ": these cannot be measurements of an object: " + impossible +
                        ". docs/measurements.md describes the columns.");
+}
+
+void tell_left_out(const probing::ContactSurface& surface, nlohmann::ordered_json& warnings) {
+  for (const probing::ContactMisfit& contact : surface.left_out) {
+    warn(warnings, "left_out_of_surface",
+         "the surface is made without contact " + std::to_string(contact.id) + ": it " +
+             contact.reason);
+  }
 }
 
 probing::CheckedAcquisition read_plausible_acquisition(const std::filesystem::path& store,

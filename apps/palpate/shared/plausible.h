@@ -7,6 +7,7 @@
 #include <string>
 
 #include "palpate/probing/acquisition.h"
+#include "palpate/probing/contact_surface.h"
 
 namespace palpate::apps {
 
@@ -18,6 +19,9 @@ void warn(nlohmann::ordered_json& warnings, const std::string& kind, const std::
 /// \throws InvalidInput if they cannot be measurements of an object, naming `source`.
 void check_plausible(const std::string& source, const probing::CheckedAcquisition& acquisition,
                      nlohmann::ordered_json& warnings);
+
+/// Warns of contacts that a surface of contacts is made without.
+void tell_left_out(const probing::ContactSurface& surface, nlohmann::ordered_json& warnings);
 
 /// Reads and checks a store.
 /// \throws FileError, or InvalidInput if it cannot hold measurements of an object.

@@ -20,21 +20,6 @@ constexpr double kLeastSquaredSine = 1e-32;
 /// many radians, so that noise on a straight border does not count as a corner.
 constexpr double kCornerAngle = 0.1;
 
-/// The half-edges 3 t + k that leave each vertex: those of vertex v are number first[v] to
-/// first[v + 1] - 1.
-std::vector<int> half_edges_by_vertex(const TriangleMesh& mesh, std::vector<int>& first) {
-  first.assign(static_cast<size_t>(mesh.vertices.cols()) + 1, 0);
-  for (const int v : mesh.triangles.reshaped()) ++first[static_cast<size_t>(v) + 1];
-  for (size_t v = 1; v < first.size(); ++v) first[v] += first[v - 1];
-  std::vector<int> free(first.begin(), first.end() - 1);
-  std::vector<int> half_edges(static_cast<size_t>(mesh.triangles.size()));
-  int h = 0;
-  for (const int v : mesh.triangles.reshaped()) {
-    half_edges[static_cast<size_t>(free[static_cast<size_t>(v)]++)] = h++;
-  }
-  return half_edges;
-}
-
 void find_turns(TriangleFans& fans) {
   const size_t vertex_count = fans.longest.size();
   fans.turns.assign(vertex_count, 0);
@@ -52,6 +37,19 @@ void find_turns(TriangleFans& fans) {
 }
 
 }  // namespace
+
+std::vector<int> half_edges_by_vertex(const TriangleMesh& mesh, std::vector<int>& first) {
+  first.assign(static_cast<size_t>(mesh.vertices.cols()) + 1, 0);
+  for (const int v : mesh.triangles.reshaped()) ++first[static_cast<size_t>(v) + 1];
+  for (size_t v = 1; v < first.size(); ++v) first[v] += first[v - 1];
+  std::vector<int> free(first.begin(), first.end() - 1);
+  std::vector<int> half_edges(static_cast<size_t>(mesh.triangles.size()));
+  int h = 0;
+  for (const int v : mesh.triangles.reshaped()) {
+    half_edges[static_cast<size_t>(free[static_cast<size_t>(v)]++)] = h++;
+  }
+  return half_edges;
+}
 
 TriangleFans triangle_fans(const TriangleMesh& mesh) {
   const auto vertex_count = static_cast<size_t>(mesh.vertices.cols());

@@ -33,6 +33,11 @@ struct TriangleFans {
   std::vector<char> turns;      ///< V, whether paths bend there, around a corner of the border
 };
 
+/// The half-edges 3 t + k that leave each vertex: those of vertex v are number first[v] to
+/// first[v + 1] - 1. `first` is set, V + 1.
+[[nodiscard]] std::vector<int> half_edges_by_vertex(const TriangleMesh& mesh,
+                                                    std::vector<int>& first);
+
 /// Computes the fans of a mesh that `check_mesh` accepts.
 [[nodiscard]] TriangleFans triangle_fans(const TriangleMesh& mesh);
 

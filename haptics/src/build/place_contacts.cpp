@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "palpate/error.h"
+#include "palpate/geometry/facing_share.h"
 #include "palpate/geometry/registration.h"
 
 namespace palpate::haptics {
@@ -65,23 +66,26 @@ void register_contacts(const Eigen::Matrix3Xd& points, const geometry::TriangleM
 
 enum class Facing { outwards, inwards, unclear };
 
-// How each contact's normal agrees with the surface. The normals of the vertices count as well as
-// that of the triangle, which may face anywhere, for example where a scan is folded.
+// How each contact's normal agrees with the surface. What the probe covers counts as well as the
+// triangle, which may face anywhere, for example where a scan is folded.
 std::vector<Facing> facings(const std::vector<ClosestPoint>& places,
                             const std::vector<probing::Contact>& contacts,
                             const BuildResult& result) {
   const geometry::TriangleMesh& surface = result.model.surface;
   const Eigen::Matrix3Xd of_triangles = geometry::triangle_normals(surface);
-  const Eigen::Matrix3Xd of_vertices = geometry::vertex_normals(surface);
-  std::vector<Facing> facing;
+  Eigen::Matrix3Xd outwards(3, static_cast<Eigen::Index>(contacts.size()));
+  std::vector<geometry::SurfacePoint> points;
   for (std::size_t i = 0; i < contacts.size(); ++i) {
-    const geometry::SurfacePoint& at = places[i].at;
-    const Eigen::Vector3d outwards =
+    outwards.col(static_cast<Eigen::Index>(i)) =
         result.model.T_surface_acquisition.linear() * contacts[i].normal;
-    Eigen::Vector3d around = Eigen::Vector3d::Zero();
-    for (Eigen::Index corner = 0; corner < 3; ++corner)
-      around += at.barycentric[corner] * of_vertices.col(surface.triangles(corner, at.triangle));
-    const double here = of_triangles.col(at.triangle).dot(outwards), there = around.dot(outwards);
+    points.push_back(places[i].at);
+  }
+  const Eigen::VectorXd shares = geometry::facing_shares(
+      surface, points, outwards, result.model.probe_radius.value_or(probing::kUsualTipRadius));
+  std::vector<Facing> facing;
+  for (Eigen::Index i = 0; i < shares.size(); ++i) {
+    const int triangle = points[static_cast<std::size_t>(i)].triangle;
+    const double here = of_triangles.col(triangle).dot(outwards.col(i)), there = shares[i] - 0.5;
     // A triangle without area has a NaN normal, for which all comparisons are false.
     facing.push_back(here > 0 || there > 0
                          ? (here < 0 || there < 0 ? Facing::unclear : Facing::outwards)
@@ -153,8 +157,9 @@ PlacedContacts place_contacts(const std::vector<probing::Contact>& contacts,
     placed.kept.push_back(i);
     placed.places.push_back(places[i]);
   }
-  if (result.left_out.size() > static_cast<std::size_t>(options.max_left_out))
-    refuse_misfits(options, result);
+  const std::size_t most = options.max_left_out ? static_cast<std::size_t>(*options.max_left_out)
+                                                : contacts.size() / probing::kContactsPerMisfit;
+  if (result.left_out.size() > most) refuse_misfits(options, result);
   if (placed.kept.size() < 3) {
     throw InvalidInput("build_model(): only " + std::to_string(placed.kept.size()) +
                        " contacts fit the surface; at least three are needed");

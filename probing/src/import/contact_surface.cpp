@@ -9,11 +9,13 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
+#include <numeric>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "palpate/error.h"
+#include "palpate/geometry/facing_share.h"
 #include "palpate/require.h"
 
 namespace palpate::probing {
@@ -24,18 +26,9 @@ using Edge = std::pair<int, int>;  // as the triangle on its left has it
 
 /// The direction from which the surface is seen.
 Eigen::Vector3d mean_normal(std::span<const Contact> contacts) {
-  constexpr double kSteepest = 0.258819;  // cosine of 75 degrees
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (const Contact& contact : contacts) sum += contact.normal.normalized();
-  Eigen::Vector3d mean = sum.normalized();
-  for (const Contact& contact : contacts) {
-    if (contact.normal.normalized().dot(mean) > kSteepest) continue;
-    throw InvalidInput("contact_surface(): the normal of contact " + std::to_string(contact.id) +
-                       " is more than 75 degrees from the mean of all; a surface can only be made "
-                       "of contacts on one side of an object. Scan the object, or import each side "
-                       "on its own");
-  }
-  return mean;
+  return sum.normalized();
 }
 
 /// Positions in the plane across `normal`, in the whole numbers from which Voronoi cells are made.
@@ -115,21 +108,34 @@ class Trimming {
     });
   }
 
-  /// Flat triangles at the border, such as between nearly collinear contacts of its lines.
-  void remove_needles() {
+  /// Flat triangles at the border, such as between nearly collinear contacts of its lines. They
+  /// are flat in the plane across the normal: errors of heights make them steep, not wide. The only
+  /// triangle of a contact stays.
+  void remove_needles(const Eigen::Vector3d& normal) {
     constexpr double kLeastHeight = 0.1;  // of the edge at the border
     for (bool removed = true; removed;) {
       std::map<Edge, int> edges;
-      for (const Triangle& triangle : triangles_)
-        for (std::size_t k = 0; k < 3; ++k) ++edges[{triangle[k], triangle[(k + 1) % 3]}];
-      removed = std::erase_if(triangles_, [&](const Triangle& triangle) {
-                  for (std::size_t k = 0; k < 3; ++k) {
-                    const bool at_border = !edges.contains({triangle[(k + 1) % 3], triangle[k]});
-                    const double base = length(triangle, k);
-                    if (at_border && twice_area(triangle) < kLeastHeight * base * base) return true;
-                  }
-                  return false;
-                }) > 0;
+      std::vector<int> uses(contacts_.size(), 0);
+      for (const Triangle& triangle : triangles_) {
+        for (std::size_t k = 0; k < 3; ++k) {
+          ++edges[{triangle[k], triangle[(k + 1) % 3]}];
+          ++uses[static_cast<std::size_t>(triangle[k])];
+        }
+      }
+      removed =
+          std::erase_if(triangles_, [&](const Triangle& triangle) {
+            const auto is_last = [&](int c) { return uses[static_cast<std::size_t>(c)] == 1; };
+            if (std::ranges::any_of(triangle, is_last)) return false;
+            for (std::size_t k = 0; k < 3; ++k) {
+              const bool at_border = !edges.contains({triangle[(k + 1) % 3], triangle[k]});
+              const Eigen::Vector3d edge = at(triangle[(k + 1) % 3]) - at(triangle[k]);
+              const double base = edge.cross(normal).squaredNorm();
+              if (!at_border || twice_area(triangle, normal) >= kLeastHeight * base) continue;
+              for (const int c : triangle) --uses[static_cast<std::size_t>(c)];
+              return true;
+            }
+            return false;
+          }) > 0;
     }
   }
 
@@ -142,52 +148,30 @@ class Trimming {
   [[nodiscard]] double length(const Triangle& triangle, std::size_t k) const {
     return (at(triangle[(k + 1) % 3]) - at(triangle[k])).norm();
   }
-  [[nodiscard]] double twice_area(const Triangle& t) const {
-    return (at(t[1]) - at(t[0])).cross(at(t[2]) - at(t[0])).norm();
+  /// Seen along the normal.
+  [[nodiscard]] double twice_area(const Triangle& t, const Eigen::Vector3d& normal) const {
+    return (at(t[1]) - at(t[0])).cross(at(t[2]) - at(t[0])).dot(normal);
   }
 
   std::span<const Contact> contacts_;
   std::vector<Triangle> triangles_;
 };
 
-void check_triangles(std::span<const Contact> contacts, const std::vector<Triangle>& triangles) {
-  std::vector<bool> used(contacts.size(), false);
-  for (const Triangle& t : triangles) {
-    std::array<const Contact*, 3> corners{};
-    for (std::size_t k = 0; k < 3; ++k) {
-      used[static_cast<std::size_t>(t[k])] = true;
-      corners[k] = &contacts[static_cast<std::size_t>(t[k])];
-    }
-    const Eigen::Vector3d across = (corners[1]->position - corners[0]->position)
-                                       .cross(corners[2]->position - corners[0]->position);
-    for (const Contact* const corner : corners) {
-      if (across.dot(corner->normal) > 0) continue;
-      throw InvalidInput("contact_surface(): the triangle of contacts " +
-                         std::to_string(corners[0]->id) + ", " + std::to_string(corners[1]->id) +
-                         " and " + std::to_string(corners[2]->id) +
-                         " faces away from the normal of contact " + std::to_string(corner->id) +
-                         ": the surface is folded there, or the normal is wrong; probe more "
-                         "densely, scan the object, or check the normals");
-    }
+geometry::TriangleMesh mesh_of(std::span<const Contact> contacts,
+                               const std::vector<Triangle>& triangles) {
+  geometry::TriangleMesh mesh{Eigen::Matrix3Xd(3, static_cast<Eigen::Index>(contacts.size())),
+                              Eigen::Matrix3Xi(3, static_cast<Eigen::Index>(triangles.size()))};
+  for (std::size_t i = 0; i < contacts.size(); ++i)
+    mesh.vertices.col(static_cast<Eigen::Index>(i)) = contacts[i].position;
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    const Triangle& t = triangles[i];
+    mesh.triangles.col(static_cast<Eigen::Index>(i)) = Eigen::Vector3i(t[0], t[1], t[2]);
   }
-  const auto alone = std::ranges::find(used, false);
-  if (alone == used.end()) return;
-  throw InvalidInput(
-      "contact_surface(): contact " +
-      std::to_string(contacts[static_cast<std::size_t>(alone - used.begin())].id) +
-      " is in no triangle: it is too far from the others, or in a line with them; remove it, or "
-      "probe around it");
+  return mesh;
 }
 
-}  // namespace
-
-geometry::TriangleMesh contact_surface(std::span<const Contact> contacts,
-                                       const ContactSurfaceOptions& options) {
-  require("ContactSurfaceOptions::longest_edge", options.longest_edge, above(1).finite());
-  if (contacts.size() < 3) {
-    throw InvalidInput("contact_surface(): there are " + std::to_string(contacts.size()) +
-                       " contacts; a surface needs at least three");
-  }
+geometry::TriangleMesh triangulated(std::span<const Contact> contacts,
+                                    const ContactSurfaceOptions& options) {
   const Eigen::Vector3d normal = mean_normal(contacts);
   Trimming trimming(contacts, delaunay(in_plane(contacts, normal)));
   if (trimming.triangles().empty())
@@ -195,18 +179,120 @@ geometry::TriangleMesh contact_surface(std::span<const Contact> contacts,
         "contact_surface(): all contacts are in a line; a surface needs contacts on "
         "both sides of it");
   trimming.remove_long(options.longest_edge);
-  trimming.remove_needles();
-  check_triangles(contacts, trimming.triangles());
-  geometry::TriangleMesh mesh{
-      Eigen::Matrix3Xd(3, static_cast<Eigen::Index>(contacts.size())),
-      Eigen::Matrix3Xi(3, static_cast<Eigen::Index>(trimming.triangles().size()))};
-  for (std::size_t i = 0; i < contacts.size(); ++i)
-    mesh.vertices.col(static_cast<Eigen::Index>(i)) = contacts[i].position;
-  for (std::size_t i = 0; i < trimming.triangles().size(); ++i) {
-    const Triangle& t = trimming.triangles()[i];
-    mesh.triangles.col(static_cast<Eigen::Index>(i)) = Eigen::Vector3i(t[0], t[1], t[2]);
+  trimming.remove_needles(normal);
+  return mesh_of(contacts, trimming.triangles());
+}
+
+/// Which contact does not fit, by its place among those kept, and why.
+struct Misfit {
+  std::size_t contact;
+  std::string reason, advice;
+};
+
+std::vector<Misfit> turned_away(std::span<const Contact> contacts) {
+  constexpr double kSteepest = 0.258819;  // cosine of 75 degrees
+  const Eigen::Vector3d mean = mean_normal(contacts);
+  std::vector<Misfit> misfits;
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    if (contacts[i].normal.normalized().dot(mean) > kSteepest) continue;
+    misfits.push_back({i, "has a normal that is more than 75 degrees from the mean of all",
+                       "a surface can only be made of contacts on one side of an object. Scan the "
+                       "object, or import each side on its own"});
   }
-  return mesh;
+  return misfits;
+}
+
+std::vector<Misfit> off_the_surface(std::span<const Contact> contacts,
+                                    const geometry::TriangleMesh& mesh, double tip_radius) {
+  constexpr double kMost = 0.5;
+  Eigen::Matrix3Xd normals(3, mesh.vertices.cols());
+  std::vector<geometry::SurfacePoint> places = geometry::vertex_points(mesh);
+  std::vector<Misfit> misfits;
+  std::vector<std::size_t> used;
+  std::vector<geometry::SurfacePoint> seen;
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    if (places[i].triangle < 0) {
+      misfits.push_back({i, "is in no triangle",
+                         "it is too far from the others, or in a line with them; remove it, or "
+                         "probe around it"});
+      continue;
+    }
+    normals.col(static_cast<Eigen::Index>(used.size())) = contacts[i].normal;
+    used.push_back(i);
+    seen.push_back(places[i]);
+  }
+  if (used.empty()) return misfits;
+  const Eigen::VectorXd shares = geometry::facing_shares(
+      mesh, seen, normals.leftCols(static_cast<Eigen::Index>(used.size())), tip_radius);
+  for (std::size_t k = 0; k < used.size(); ++k) {
+    if (shares[static_cast<Eigen::Index>(k)] >= kMost) continue;
+    misfits.push_back({used[k], "has a normal from which the surface around it faces away",
+                       "the surface is folded there, or the normal is wrong; probe more densely, "
+                       "scan the object, or check the normals"});
+  }
+  return misfits;
+}
+
+/// Takes contacts out of those kept.
+class Selection {
+ public:
+  explicit Selection(std::span<const Contact> contacts)
+      : contacts_(contacts), kept_(contacts.size()) {
+    std::iota(kept_.begin(), kept_.end(), std::size_t{0});
+  }
+
+  [[nodiscard]] std::vector<Contact> contacts() const {
+    std::vector<Contact> result;
+    result.reserve(kept_.size());
+    for (const std::size_t i : kept_) result.push_back(contacts_[i]);
+    return result;
+  }
+
+  /// \throws InvalidInput if that is more than may be left out.
+  void leave_out(const std::vector<Misfit>& misfits) {
+    for (const Misfit& misfit : misfits) left_out_.emplace(kept_[misfit.contact], misfit.reason);
+    if (left_out_.size() > contacts_.size() / kContactsPerMisfit) {
+      const Misfit& first = misfits.front();
+      std::string message = "contact_surface(): contact " +
+                            std::to_string(contacts_[kept_[first.contact]].id) + " " + first.reason;
+      if (left_out_.size() > 1)
+        message += " (and " + std::to_string(left_out_.size()) + " contacts in all do not fit)";
+      throw InvalidInput(message + ": " + first.advice);
+    }
+    std::erase_if(kept_, [&](std::size_t i) { return left_out_.contains(i); });
+  }
+
+  [[nodiscard]] ContactSurface surface(geometry::TriangleMesh mesh) && {
+    ContactSurface result{std::move(mesh), std::move(kept_), {}};
+    for (auto& [i, reason] : left_out_) result.left_out.push_back({contacts_[i].id, reason});
+    return result;
+  }
+
+ private:
+  std::span<const Contact> contacts_;
+  std::vector<std::size_t> kept_;
+  std::map<std::size_t, std::string> left_out_;  // by index, why
+};
+
+}  // namespace
+
+ContactSurface contact_surface(std::span<const Contact> contacts,
+                               const ContactSurfaceOptions& options) {
+  require("ContactSurfaceOptions::longest_edge", options.longest_edge, above(1).finite());
+  require("ContactSurfaceOptions::tip_radius", options.tip_radius, above(0).finite(), "mm");
+  if (contacts.size() < 3) {
+    throw InvalidInput("contact_surface(): there are " + std::to_string(contacts.size()) +
+                       " contacts; a surface needs at least three");
+  }
+  Selection selection(contacts);
+  selection.leave_out(turned_away(contacts));
+  for (;;) {
+    const std::vector<Contact> kept = selection.contacts();
+    geometry::TriangleMesh mesh = triangulated(kept, options);
+    const std::vector<Misfit> misfits = off_the_surface(kept, mesh, options.tip_radius);
+    if (misfits.empty()) return std::move(selection).surface(std::move(mesh));
+    selection.leave_out(misfits);
+  }
 }
 
 }  // namespace palpate::probing

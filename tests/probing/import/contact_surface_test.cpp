@@ -58,7 +58,7 @@ TEST(ContactSurface, OfAGridCoversItInAnyFrame) {
       contact.position = turn * contact.position;
       contact.normal = turn * contact.normal;
     }
-    const geometry::TriangleMesh mesh = contact_surface(turned);
+    const geometry::TriangleMesh mesh = contact_surface(turned).mesh;
     EXPECT_EQ(mesh.triangles.cols(), 2 * 5 * 3);
     EXPECT_NEAR(area_of(mesh), 50 * 30, 1e-9);
     EXPECT_TRUE(geometry::find_defects(mesh).empty());
@@ -75,7 +75,7 @@ TEST(ContactSurface, ApproachesACurvedSurfaceWithTheSquareOfTheSpacing) {
   const auto dome = [&](double x, double y) {
     return std::sqrt(radius * radius - std::pow(x - 25, 2) - std::pow(y - 25, 2));
   };
-  const geometry::TriangleMesh mesh = contact_surface(contacts_on(6, 6, dome));
+  const geometry::TriangleMesh mesh = contact_surface(contacts_on(6, 6, dome)).mesh;
   for (const auto& t : mesh.triangles.colwise()) {
     const Eigen::Vector3d middle =
         (mesh.vertices.col(t[0]) + mesh.vertices.col(t[1]) + mesh.vertices.col(t[2])) / 3;
@@ -92,7 +92,7 @@ TEST(ContactSurface, HasNoNeedlesAtANoisyBorderAndNoBridges) {
   std::uniform_real_distribution<double> noise(-0.3, 0.3);
   for (Contact& contact : contacts)
     contact.position += Eigen::Vector3d(noise(random), noise(random), noise(random));
-  geometry::TriangleMesh mesh = contact_surface(contacts);
+  geometry::TriangleMesh mesh = contact_surface(contacts).mesh;
   EXPECT_TRUE(geometry::find_defects(mesh).empty());
   EXPECT_EQ(mesh.triangles.cols(), 2 * 7 * 7);
   // Without the quarter in the corner, the surface has an L's area, up to the corner that an edge
@@ -101,8 +101,63 @@ TEST(ContactSurface, HasNoNeedlesAtANoisyBorderAndNoBridges) {
   std::erase_if(contacts, [](const Contact& contact) {
     return contact.position.x() > 60 && contact.position.y() > 60;
   });
-  mesh = contact_surface(contacts);
+  mesh = contact_surface(contacts).mesh;
   EXPECT_NEAR(area_of(mesh), 120 * 120 - 60 * 60, 30 * 30 / 4.0);
+}
+
+TEST(ContactSurface, IsNotRefusedForASliverOfItsHull) {
+  // A saddle with a dent at its border, where normals lean outwards. The three contacts there are
+  // nearly in a line, seen from above, and the sliver between them is steep and faces inwards.
+  const auto saddle = [](double x, double y) {
+    return 0.02 * std::pow(x - 35, 2) - 0.02 * std::pow(y - 35, 2);
+  };
+  std::vector<Contact> contacts = contacts_on(8, 8, saddle);
+  contacts[3].position += Eigen::Vector3d(0, 0.3, -2.6);
+  const ContactSurface surface = contact_surface(contacts);
+  EXPECT_TRUE(surface.left_out.empty());
+  EXPECT_EQ(surface.kept.size(), 64u);
+  EXPECT_EQ(surface.mesh.triangles.cols(), 2 * 7 * 7);
+  const Eigen::Matrix3Xd normals = geometry::triangle_normals(surface.mesh);
+  EXPECT_GT(normals.row(2).minCoeff(), 0.25);
+}
+
+TEST(ContactSurface, IsMadeWithoutOneInFiftyContactsThatDoNotFit) {
+  const std::vector<Contact> good = contacts_on(10, 10, flat);
+  std::vector<Contact> contacts = good;
+  contacts[7].normal *= -1;
+  contacts[99].position.x() += 200;
+  ContactSurface surface = contact_surface(contacts);
+  ASSERT_EQ(surface.left_out.size(), 2u);
+  EXPECT_EQ(surface.left_out[0].id, 107);
+  EXPECT_THAT(surface.left_out[0].reason, HasSubstr("75 degrees"));
+  EXPECT_EQ(surface.left_out[1].id, 199);
+  EXPECT_THAT(surface.left_out[1].reason, HasSubstr("in no triangle"));
+  ASSERT_EQ(surface.kept.size(), 98u);
+  for (std::size_t k = 0; k < surface.kept.size(); ++k) {
+    EXPECT_EQ(surface.mesh.vertices.col(static_cast<Eigen::Index>(k)),
+              contacts[surface.kept[k]].position);
+  }
+  EXPECT_THAT(surface.kept, ::testing::Not(::testing::Contains(7u)));
+
+  // A normal that faces away from the surface around it, but not from the mean normal: on a fold.
+  contacts = contacts_on(10, 10, [](double x, double /*y*/) { return 30 - std::abs(x - 30); });
+  ASSERT_TRUE(contact_surface(contacts).left_out.empty());
+  contacts[51].normal = Eigen::Vector3d(0.8, 0, 0.6);
+  surface = contact_surface(contacts);
+  ASSERT_EQ(surface.left_out.size(), 1u);
+  EXPECT_EQ(surface.left_out[0].id, 151);
+  EXPECT_THAT(surface.left_out[0].reason, HasSubstr("faces away"));
+}
+
+TEST(ContactSurface, IsRefusedIfMoreThanOneInFiftyContactsDoNotFit) {
+  std::vector<Contact> contacts = contacts_on(10, 10, flat);
+  for (const std::size_t i : {7u, 31u, 68u}) contacts[i].normal *= -1;
+  EXPECT_THAT(refusal([&] { return contact_surface(contacts); }),
+              AllOf(HasSubstr("contact 107"), HasSubstr("3 contacts in all"),
+                    HasSubstr("one side of an object")));
+  // All normals point into an object that has other sides.
+  for (std::size_t i = 0; i < contacts.size(); i += 2) contacts[i].normal *= -1;
+  EXPECT_THAT(refusal([&] { return contact_surface(contacts); }), HasSubstr("contacts in all"));
 }
 
 TEST(ContactSurface, IsRefusedWhereContactsDoNotMakeOne) {

@@ -16,6 +16,7 @@
 #include "palpate/haptics/rate_fit.h"
 #include "palpate/haptics/shared_local_part.h"
 #include "palpate/probing/acquisition.h"
+#include "palpate/probing/contact_misfit.h"
 
 namespace palpate::haptics {
 
@@ -35,8 +36,8 @@ struct BuildOptions {
   double max_motion = 5;    ///< [mm] of any contact by the registration; >= 0
   /// >= 0: up to this many contacts that do not fit the surface, because they are further away than
   /// max_distance or their normal points into it, are left out. With more, or if fewer than three
-  /// remain, the acquisition is refused.
-  int max_left_out = 0;
+  /// remain, the acquisition is refused. Default: one in `probing::kContactsPerMisfit`.
+  std::optional<int> max_left_out = std::nullopt;
   /// How forces between contacts are computed; none: by the rule that predicts contacts better from
   /// those around them (`RuleErrors`). The reference force of compliances is the lower
   /// quartile over contacts of the largest force along the z axis; if it is not positive, forces
@@ -105,12 +106,7 @@ struct RuleErrors {
   double compliances = 0, forces = 0;
 };
 
-/// A contact that does not fit the surface.
-struct ContactMisfit {
-  long long id = 0;
-  std::string
-      reason;  ///< "is 3.2 mm from the surface", "has a normal that points into the surface"
-};
+using probing::ContactMisfit;
 
 struct BuildResult {
   Model model;
@@ -146,8 +142,9 @@ struct BuildResult {
 /// `estimate_pressing`, whose offsets are taken off and recorded in `Model::made`; errors refer to
 /// samples without the offsets.
 ///
-/// A normal points into the surface if both the triangle there and the vertices around it,
-/// together, face the other way.
+/// A normal points into the surface if the triangle there faces the other way, and so does most of
+/// the surface over the radius of the probe (`geometry::facing_shares`; `probing::kUsualTipRadius`
+/// if it is not known).
 ///
 /// \throws InvalidInput if the acquisition, the surface or an option is not valid, if a rate is asked
 /// for and not all contacts were only pressed or samples of one have the same time, if more than
