@@ -8,6 +8,7 @@
 
 #include "palpate/geometry/median.h"
 #include "palpate/parallel_for.h"
+#include "samples/nearest_contacts.h"
 #include "samples/pressing_stack.h"
 
 namespace palpate::haptics {
@@ -33,24 +34,6 @@ constexpr int kSearches = 1;
 constexpr double kMostTouchThere = 0.3;  // |tau|
 // A variance counts as zero below this share of the force scale's square.
 constexpr double kNoVariance = 1e-12;
-
-// Indices of the contacts nearest to each, itself first, on the same side of the object.
-std::vector<std::vector<std::size_t>> nearest_contacts(std::span<const PressedContact> contacts) {
-  std::vector<std::vector<std::size_t>> result(contacts.size());
-  parallel_for(contacts.size(), [&](std::size_t i) {
-    std::vector<std::pair<double, std::size_t>> others;
-    for (std::size_t j = 0; j < contacts.size(); ++j) {
-      if (j == i || !(contacts[i].direction.dot(contacts[j].direction) > 0)) continue;
-      others.emplace_back((contacts[j].position - contacts[i].position).squaredNorm(), j);
-    }
-    const std::size_t count = std::min(kAroundInResult, others.size());
-    std::partial_sort(others.begin(), others.begin() + static_cast<std::ptrdiff_t>(count),
-                      others.end());
-    result[i].push_back(i);
-    for (std::size_t k = 0; k < count; ++k) result[i].push_back(others[k].second);
-  });
-  return result;
-}
 
 double spacing_of(std::span<const PressedContact> contacts,
                   const std::vector<std::vector<std::size_t>>& nearest) {
@@ -197,7 +180,7 @@ void update_contact(const Neighbourhood& all, std::span<const std::size_t> membe
 double fit_neighbourhood(std::span<const CompressedPress> presses,
                          std::span<const PressedContact> contacts, double force_scale,
                          const BiasInformation& bias, PressingState& state) {
-  const std::vector<std::vector<std::size_t>> nearest = nearest_contacts(contacts);
+  const std::vector<std::vector<std::size_t>> nearest = nearest_contacts(contacts, kAroundInResult);
   const double spacing = spacing_of(contacts, nearest);
   if (!(spacing > 0) || state.covariance.norm() < kNoVariance * force_scale * force_scale) return 0;
   const PressingData data{presses, contacts, force_scale, bias};
