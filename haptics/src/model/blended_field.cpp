@@ -160,7 +160,7 @@ std::optional<double> BlendedField::deviation(const geometry::SurfacePoint& cont
   }
   const ForceVariance parts =
       force_variance(contacts_, at, geometry::position(mesh_, contact), displacement);
-  return std::sqrt(parts.contacts + parts.between * parts.distance);
+  return std::sqrt(parts.contacts + parts.contrast + parts.between * parts.distance);
 }
 
 std::optional<double> BlendedField::deviation(const Eigen::Vector3d& contact,

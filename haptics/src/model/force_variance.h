@@ -13,8 +13,10 @@ namespace palpate::haptics {
 /// `BlendedField::deviation`.
 struct ForceVariance {
   double contacts = 0;  ///< from the contacts themselves
+  double contrast = 0;  ///< from how much their compliances differ from that of the place
   double distance = 0;  ///< from the distance to them, for `between` = 1
   double between = 0;   ///< square of the contacts' `between`, blended
+  double reach = 0;     ///< [mm^2] squared distance from which `distance` follows
 };
 
 /// \param place [mm] on the surface, \param at its blend. Contacts without uncertainty count as

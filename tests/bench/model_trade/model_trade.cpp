@@ -161,11 +161,13 @@ int main(int count, char** arguments) try {
                "In place of all that: models of objects that were only pressed");
   app.add_option("--kind", kind,
                  "With --pressing or --stated-errors: only the sets whose name contains this");
+  unsigned seed = 201;
+  app.add_option("--seed", seed, "With --stated-errors: of the objects that are drawn");
   CLI11_PARSE(app, count, arguments);
   if (pressing) {
     palpate::bench::measure_pressing(kind);
   } else if (stated) {
-    palpate::bench::measure_stated_errors(kind);
+    palpate::bench::measure_stated_errors(kind, seed);
   } else if (sharing > 0) {
     palpate::bench::measure_sharing(sharing);
   } else {

@@ -63,7 +63,68 @@ Measured sparse(const std::string& name, const Object& object, const testing::St
   return result;
 }
 
-std::vector<std::pair<std::string, std::function<Measured(const std::string&)>>> kinds() {
+class Draw {
+ public:
+  explicit Draw(unsigned seed) : random_(seed) {}
+  double operator()(double from, double to) {
+    return std::uniform_real_distribution<double>(from, to)(random_);
+  }
+
+ private:
+  std::mt19937 random_;
+};
+
+testing::Strip drawn_sheet(unsigned seed, bool with_block) {
+  Draw draw(seed);
+  testing::Strip sheet;
+  sheet.tension = draw(0.6, 1.1);
+  sheet.axial = draw(30, 60);
+  sheet.compliance = draw(0.15, 0.4);
+  sheet.lateral = draw(0.03, 0.06);
+  sheet.taper = draw(0.1, 0.5);
+  if (!with_block) return sheet;
+  sheet.block = draw(0.8, 3);
+  sheet.depth = draw(10, 17);
+  sheet.softness = draw(0.3, 0.8);
+  sheet.edge = draw(1.5, 4);
+  const double x = draw(-30, 5), y = draw(-40, 0), length = draw(20, 35);
+  sheet.block_low = {x, y};
+  sheet.block_high = {x + length, y + draw(25, 45)};
+  return sheet;
+}
+
+probing::Beam drawn_beam(unsigned seed) {
+  Draw draw(seed);
+  probing::Beam beam;
+  beam.shear = draw(0.25, 0.5);
+  beam.pressed = draw(1, 2.2);
+  beam.bending = draw(2, 5);
+  beam.local_variation = draw(0, 0.35);
+  beam.twisting = draw(0.001, 0.004);
+  beam.pressed_force = draw(0.5, 1.2);
+  return beam;
+}
+
+Measured measured_beam(const std::string& name, const probing::Beam& beam,
+                       const testing::StripProbing& probing) {
+  Measured made{name, {}, probing::make_specimen(beam)->surface(), {}};
+  testing::ObjectProbe<probing::Beam> probe(beam, probing);
+  for (double x = 20; x <= 180; x += 20)
+    for (const double y : {-14.0, 0.0, 14.0}) probe.probe_sparsely(made.acquisition, x, y, 0.5);
+  std::mt19937 random(kStatedSeed);
+  std::uniform_real_distribution<double> x(20, 180), y(-14, 14);
+  std::vector<Eigen::Vector2d> places;
+  for (int i = 0; i < kStatedQueries; ++i) {
+    const double there = x(random);
+    places.emplace_back(there, y(random));
+  }
+  for (const auto& truth : testing::strip_truths(beam, places, 1, kStatedSeed))
+    made.truth.push_back({truth.contact, truth.displacement, truth.force});
+  return made;
+}
+
+std::vector<std::pair<std::string, std::function<Measured(const std::string&)>>> kinds(
+    unsigned seed) {
   const testing::Strip plain;
   testing::Strip block;
   block.block = 1.5;
@@ -75,39 +136,40 @@ std::vector<std::pair<std::string, std::function<Measured(const std::string&)>>>
   wide.spacing_x = 28;
   wide.spacing_y = 28;
   const probing::Beam beam{.local_variation = 0.3};
-  std::vector<Eigen::Vector2d> along;
-  for (double x = 20; x <= 180; x += 20)
-    for (const double y : {-14.0, 0.0, 14.0}) along.emplace_back(x, y);
+  testing::StripProbing noisy = few;
+  noisy.force_noise = 0.04;
+  noisy.position_noise = noisy.location_noise = 0.08;
+  const auto few_at = [](const std::string& name, const testing::Strip& strip,
+                         const testing::StripProbing& probing) {
+    return sparse(name, strip, probing, testing::strip_places(probing), 0.5, 40, 58);
+  };
   return {
       {"sheet", [=](const auto& name) { return sheet(name, plain, rich); }},
       {"sheet with block", [=](const auto& name) { return sheet(name, block, rich); }},
       {"sheet with stiff block", [=](const auto& name) { return sheet(name, deep, rich); }},
       {"sheet, pitch 28 mm", [=](const auto& name) { return sheet(name, plain, wide); }},
       {"sheet with block, pitch 28 mm", [=](const auto& name) { return sheet(name, block, wide); }},
-      {"sheet, 12 samples",
-       [=](const auto& name) {
-         return sparse(name, plain, few, testing::strip_places(few), 0.5, 40, 58);
-       }},
-      {"sheet with block, 12 samples",
-       [=](const auto& name) {
-         return sparse(name, block, few, testing::strip_places(few), 0.5, 40, 58);
-       }},
-      {"beam, 12 samples", [=](const auto& name) {
-         Measured made{name, {}, probing::make_specimen(beam)->surface(), {}};
-         testing::ObjectProbe<probing::Beam> probe(beam, few);
-         for (const Eigen::Vector2d& at : along)
-           probe.probe_sparsely(made.acquisition, at.x(), at.y(), 0.5);
-         std::mt19937 random(kStatedSeed);
-         std::uniform_real_distribution<double> x(20, 180), y(-14, 14);
-         std::vector<Eigen::Vector2d> places;
-         for (int i = 0; i < kStatedQueries; ++i) {
-           const double there = x(random);
-           places.emplace_back(there, y(random));
-         }
-         for (const auto& truth : testing::strip_truths(beam, places, 1, kStatedSeed))
-           made.truth.push_back({truth.contact, truth.displacement, truth.force});
-         return made;
-       }}};
+      {"sheet, 12 samples", [=](const auto& name) { return few_at(name, plain, few); }},
+      {"sheet with block, 12 samples", [=](const auto& name) { return few_at(name, block, few); }},
+      {"beam, 12 samples", [=](const auto& name) { return measured_beam(name, beam, few); }},
+      {"drawn sheet",
+       [=](const auto& name) { return sheet(name, drawn_sheet(seed, false), rich); }},
+      {"drawn sheet with block",
+       [=](const auto& name) { return sheet(name, drawn_sheet(seed, true), rich); }},
+      {"drawn sheet with block 2",
+       [=](const auto& name) { return sheet(name, drawn_sheet(seed + 1, true), rich); }},
+      {"drawn sheet with block, pitch 28 mm",
+       [=](const auto& name) { return sheet(name, drawn_sheet(seed, true), wide); }},
+      {"drawn sheet with block, 12 samples",
+       [=](const auto& name) { return few_at(name, drawn_sheet(seed, true), few); }},
+      {"drawn sheet, 12 samples, noise 4 times as large",
+       [=](const auto& name) { return few_at(name, drawn_sheet(seed, false), noisy); }},
+      {"drawn sheet with block, 12 samples, noise 4 times as large",
+       [=](const auto& name) { return few_at(name, drawn_sheet(seed, true), noisy); }},
+      {"drawn beam, 12 samples",
+       [=](const auto& name) { return measured_beam(name, drawn_beam(seed), few); }},
+      {"drawn beam, 12 samples, noise 4 times as large",
+       [=](const auto& name) { return measured_beam(name, drawn_beam(seed), noisy); }}};
 }
 
 struct Ratio {
@@ -165,12 +227,12 @@ Ratio left_out(const Measured& set) {
 
 }  // namespace
 
-void measure_stated_errors(const std::string& only) {
+void measure_stated_errors(const std::string& only, unsigned seed) {
   fmt::print(
       "| object | left out: RMS [N] | stated [N] | ratio | queries: RMS [N] | stated [N] | ratio "
       "|\n"
       "|---|---|---|---|---|---|---|\n");
-  for (const auto& [name, make] : kinds()) {
+  for (const auto& [name, make] : kinds(seed)) {
     if (name.find(only) == std::string::npos) continue;
     const Measured set = make(name);
     const haptics::QueryErrors queries = haptics::evaluate_queries(

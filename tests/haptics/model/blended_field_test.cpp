@@ -193,6 +193,43 @@ TEST(BlendedField, StatesErrorsThatGrowWithTheDistance) {
               1e-4 * std::pow(30, 1.25) * field.force(middle, push).norm(), 1e-9);
 }
 
+TEST(BlendedField, StatesMoreBeyondTheContactsThanBetweenThem) {
+  Model model = sheet_model();
+  for (ContactModel& contact : model.contacts)
+    contact.uncertainty = ContactUncertainty{.between = 1e-4};
+  const BlendedField field(model);
+  // Below the middle of an edge of the contacts, which are 30 mm from it, and 15 mm beyond.
+  const Eigen::Vector3d beyond(0, -45, 700), push(0, 0, 2);
+  const double square = 30 * 30 + geometry::kBeyondGrowth * 15 * 15;
+  EXPECT_NEAR(
+      field.deviation(beyond, push).value(),
+      1e-4 * std::pow(square, geometry::kErrorGrowth / 2) * field.force(beyond, push).norm(), 1e-9);
+}
+
+TEST(BlendedField, StatesErrorsWhereCompliancesOfContactsDiffer) {
+  Model model = sheet_model();
+  // Springs along z that differ by a factor of four: in between, the compliance is the mean.
+  for (std::size_t i = 0; i < 4; ++i) {
+    ContactModel& contact = model.contacts[i];
+    contact.field = {};
+    for (int axis = 0; axis < 3; ++axis)
+      contact.field.bases.push_back({.weight = (i % 2 == 0 ? 4000.0 : 1000.0),
+                                     .epsilon = 1e3,
+                                     .ridge = Eigen::Vector3d::Unit(axis)});
+    contact.uncertainty = ContactUncertainty{};
+  }
+  model = with_compliances(std::move(model), 1);
+  for (ContactModel& contact : model.contacts) contact.compliance->trend.setZero();
+  const BlendedField field(model);
+  const Eigen::Vector3d middle(0, -30, 700), push(0, 0, 0.5);
+  const double soft = 1.0, stiff = 0.25, mean = (soft + stiff) / 2;
+  const double square =
+      (std::pow(std::log(mean / soft), 2) + std::pow(std::log(mean / stiff), 2)) / 2;
+  EXPECT_NEAR(field.deviation(middle, push).value(),
+              kContrastError * std::sqrt(square) * field.force(middle, push).norm(), 1e-4);
+  EXPECT_NEAR(field.deviation(model.contacts[0].position, push).value(), 0, 1e-9);
+}
+
 TEST(BlendedField, GivesNoForceForWhatIsNotFinite) {
   const BlendedField field(uneven_model());
   const Eigen::Vector3d nan = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "palpate/geometry/contact_locator.h"
+#include "palpate/geometry/error_growth.h"
 #include "palpate/geometry/surface_query.h"
 #include "palpate/haptics/model.h"
 
@@ -34,10 +35,9 @@ struct Blend {
   std::array<FieldWarp, geometry::ContactWeights::kMaxCount> warps{};
 };
 
-/// Exponent of the mean squared distance to the contacts in the variance of the force. The error of
-/// the nearest contact's force grows as if it were 1, that of linear interpolation as if it were 2.
-/// Stated errors agree best with true ones of several objects in between (docs/trade-model.md).
-inline constexpr double kErrorGrowth = 1.25;
+/// Error of the force, relative to it, for each unit by which the logarithm of the compliance of a
+/// place differs from that of a contact.
+inline constexpr double kContrastError = 0.17;
 
 /// The force field at any place of the surface, in blended frames (thesis 5.3.2.2).
 ///
@@ -90,10 +90,12 @@ class BlendedField {
   /// the contact's `ContactUncertainty` (force F, displacement D, across a, between b)
   ///
   ///     sum_k w_k (F_k^2 |A_k|^2 beta_k^2 / 3 + D_k^2 |K_k|^2 + a_k^2 |f_k across|^2)
-  ///       + (sum_k w_k b_k^2) (sum_k w_k |x - x_k|^2)^kErrorGrowth |f|^2
+  ///       + kContrastError^2 |f|^2 sum_k w_k log^2 beta_k
+  ///       + (sum_k w_k b_k^2) s^geometry::kErrorGrowth |f|^2
   ///
-  /// with Frobenius norms. Nothing if a contact there has no uncertainty, or there is no contact.
-  /// Beyond the displacements that were measured the error may be larger.
+  /// with Frobenius norms and s = `geometry::error_reach` along the surface. Nothing if a contact
+  /// there has no uncertainty, or there is no contact. Beyond the displacements that were measured
+  /// the error may be larger.
   [[nodiscard]] std::optional<double> deviation(const geometry::SurfacePoint& contact,
                                                 const Eigen::Vector3d& displacement) const noexcept;
   [[nodiscard]] std::optional<double> deviation(const Eigen::Vector3d& contact,
