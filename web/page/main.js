@@ -4,7 +4,7 @@
 (() => {
   'use strict';
   const kNoWebGL = 'This browser does not offer WebGL2, with which the object is drawn. A current browser with hardware acceleration switched on shows it.';
-  const kNear = 0.05;        // of the diagonal: the vertex nearest to a contact is seldom farther
+  const kNear = 4;           // spacings of vertices, within which the one nearest to a contact mostly lies
   const kDot = 6.5;          // [px] size of a contact
   const kLongestFrame = 200; // [ms] of a frame that count
   const element = (id) => document.getElementById(id);
@@ -29,7 +29,8 @@
     const extent = Surface.extentOf(player.vertices);
     const normals = new Float32Array(player.vertices.length);
     Surface.sumNormals(player.vertices, player.triangles, normals);
-    const nearest = Surface.nearestVertices(player.contacts, player.vertices, kNear * extent.diagonal);
+    const spacing = extent.diagonal / Math.sqrt(player.vertices.length / 3);
+    const nearest = Surface.nearestVertices(player.contacts, player.vertices, kNear * spacing);
     const facing = Surface.meanDirection(normals, [...nearest]);
     return { extent, normals, nearest, facing };
   }

@@ -74,7 +74,7 @@ const Surface = (() => {
       }
     }
     distances.forEach((distance, p) => {
-      if (distance === Infinity) nearest[p] = nearestOf(points.subarray(3 * p, 3 * p + 3), vertices);
+      if (distance > reach) nearest[p] = nearestOf(points.subarray(3 * p, 3 * p + 3), vertices);
     });
     return nearest;
   }
