@@ -228,7 +228,7 @@ def main():
     checks = Checks()
     try:
         run(parser.parse_args(), checks)
-    except Failed as error:
+    except (Failed, OSError) as error:
         checks.that(False, str(error))
     print(f"{checks.failed} checks failed" if checks.failed else "all checks passed")
     return 1 if checks.failed else 0
