@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "not_finite.h"
 #include "refusal.h"
 
 namespace palpate::haptics {
