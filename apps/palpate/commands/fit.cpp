@@ -292,9 +292,9 @@ void add_fit(CLI::App& app, const Settings& settings) {
       ->add_option(
           "--force-noise", call->force_noise,
           fmt::format("Standard deviation of each component of the measured forces [N], for fields "
-                      "and friction. Default: {} for friction; for fields estimated from the "
-                      "measurements, at least {} unless all contacts were only pressed",
-                      call->fit.noise.force, call->fit.noise.force))
+                      "and friction. Default: estimated from the measurements, at least {} unless "
+                      "all contacts were only pressed",
+                      call->fit.noise.force))
       ->check(within(at_least(0)));
   command
       ->add_option("--probe-radius", call->probe_radius,

@@ -189,10 +189,15 @@ double fit_contacts(const probing::CheckedAcquisition& acquisition,
         .force = result.pressing->force_noise,
         .displacement = along_pressing(*result.pressing) * result.pressing->offsets.touch_spread};
   }
+  FrictionOptions friction = options.friction;
+  if (fit.noise.force > options.fit.noise.force && fit.noise.force > friction.force_noise) {
+    friction.steady_error *= fit.noise.force / friction.force_noise;
+    friction.force_noise = fit.noise.force;
+  }
   const FrictionAxisOptions axis{
       .displacement_noise = fit.noise.displacement.value_or(kDisplacementNoise),
-      .force_noise = options.friction.force_noise};
-  const ContactCones cones = fit_contact_cones(acquisition, source, options.friction);
+      .force_noise = friction.force_noise};
+  const ContactCones cones = fit_contact_cones(acquisition, source, friction);
   result.friction_load = cones.load;
   const FrictionLoad load = cones.load ? cones.load->load : FrictionLoad{};
   if (cones.load) result.model.friction_force = load.force;

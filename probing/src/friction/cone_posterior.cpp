@@ -22,6 +22,8 @@ constexpr double kReach = 3.5;
 constexpr double kBlur = 48;
 constexpr double kLapse = 0.02;  // probability that a slip was judged wrongly, either way
 constexpr double kCertain = 8;   // standard deviations beyond which a trial's outcome is certain
+/// Probabilities, each at least `kLapse`, that are multiplied before their logarithm is taken.
+constexpr std::size_t kFactors = 100;
 /// The grid is centred again until each standard deviation changes by less than this fraction of
 /// itself, and each mean by less than this fraction of its standard deviation.
 constexpr double kSteady = 0.1;
@@ -117,17 +119,28 @@ void ConePosterior::fill(const Eigen::Vector3d& low, const Eigen::Vector3d& high
     }
   }
   const double blur = (step[0] * step[0] + std::max(step[1] * step[1], step[2] * step[2])) / kBlur;
-  for (const ConeTrial& trial : trials_) {
-    const double noise =
-        std::sqrt(prior_.force_noise * prior_.force_noise + blur * trial.force.squaredNorm());
-    for (cell = 0; cell < cells_.cols(); ++cell) {
-      const Eigen::Vector4d c = cells_.col(cell);
-      const double along = (trial.force.x() * c[2] + trial.force.y() * c[3] + trial.force.z()) /
-                           std::sqrt(1 + c[2] * c[2] + c[3] * c[3]);
-      const double across = std::sqrt(std::max(trial.force.squaredNorm() - along * along, 0.0));
-      const double slips = normal_probability((c[1] * across - c[0] * along) / noise);
-      cost[cell] -= std::log(kLapse + (1 - 2 * kLapse) * (trial.slipped ? slips : 1 - slips));
+  // The axes are the same for all angles.
+  constexpr int kAxes = kTilts * kTilts;
+  const Eigen::ArrayXd x = cells_.row(2).head(kAxes), y = cells_.row(3).head(kAxes);
+  const Eigen::ArrayXd length = (1 + x.square() + y.square()).sqrt();
+  Eigen::ArrayXd product = Eigen::ArrayXd::Ones(cells_.cols());
+  for (std::size_t t = 0; t < trials_.size(); ++t) {
+    const Eigen::Vector3d& force = trials_[t].force;
+    const double square = force.squaredNorm();
+    const double noise = std::sqrt(prior_.force_noise * prior_.force_noise + blur * square);
+    const Eigen::ArrayXd along = (force.x() * x + force.y() * y + force.z()) / length;
+    const Eigen::ArrayXd across = (square - along.square()).max(0).sqrt();
+    for (int i = 0; i < kAngles; ++i) {
+      const double sine = cells_(0, i * kAxes), cosine = cells_(1, i * kAxes);
+      for (int k = 0; k < kAxes; ++k) {
+        const double slips = normal_probability((cosine * across[k] - sine * along[k]) / noise);
+        product[i * kAxes + k] *=
+            kLapse + (1 - 2 * kLapse) * (trials_[t].slipped ? slips : 1 - slips);
+      }
     }
+    if ((t + 1) % kFactors != 0 && t + 1 != trials_.size()) continue;
+    cost -= product.log().matrix();
+    product.setOnes();
   }
   weights_ = (cost.minCoeff() - cost.array()).exp().matrix();
   weights_ /= weights_.sum();

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <limits>
 #include <map>
+#include <random>
 
 #include "beam_acquisition.h"
 #include "build/synthetic_acquisition.h"
@@ -69,6 +70,31 @@ TEST(BuildModel, IsTheSameForAnyNumberOfThreads) {
   for (std::size_t i = 0; i < 9; ++i) {
     EXPECT_EQ(results[0].model.contacts[i].field, results[1].model.contacts[i].field);
     EXPECT_EQ(results[0].model.contacts[i].frame, results[1].model.contacts[i].frame);
+  }
+}
+
+TEST(BuildModel, TakesTheNoiseThatItFindsForFrictionToo) {
+  probing::Acquisition acquisition = flat_acquisition();
+  std::erase_if(acquisition.contacts, [](const auto& contact) { return contact.id > 23; });
+  std::erase_if(acquisition.samples, [](const auto& sample) { return sample.contact > 23; });
+  std::mt19937 random(1);
+  std::normal_distribution<double> noise(0, 0.08);
+  for (probing::Sample& sample : acquisition.samples)
+    sample.force += Eigen::Vector3d(noise(random), noise(random), noise(random));
+  const BuildResult found = build_model(acquisition, flat_surface());
+  ASSERT_TRUE(found.model.noise);
+  const double force_noise = found.model.noise->force;
+  EXPECT_NEAR(force_noise, 0.08, 0.03);
+  BuildOptions told;
+  told.fit.noise.force = told.friction.force_noise = force_noise;
+  told.friction.steady_error *= force_noise / FrictionOptions{}.force_noise;
+  told.estimate_force_noise = false;
+  const BuildResult expected = build_model(acquisition, flat_surface(), told);
+  for (std::size_t i = 0; i < found.contacts.size(); ++i) {
+    EXPECT_NEAR(found.contacts[i].friction.coefficient, expected.contacts[i].friction.coefficient,
+                1e-9);
+    EXPECT_NEAR(found.contacts[i].friction.lower_bound, expected.contacts[i].friction.lower_bound,
+                1e-9);
   }
 }
 

@@ -53,7 +53,7 @@ struct BuildOptions {
   /// force and touches below the surface (`PressingOptions`).
   bool estimate_offsets = true;
   /// Estimate the noise of the forces: of pressing, in place of `fit.noise.force`; otherwise it is
-  /// raised if it explains the errors of few contacts.
+  /// raised if it explains the errors of few contacts, and that of friction with it.
   bool estimate_force_noise = true;
   /// Of the same: fit how forces depend on the rate, if the times of samples show it (rate_fit.h).
   /// The tool is taken to have moved straight from sample to sample of a contact.
