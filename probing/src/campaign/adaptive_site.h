@@ -50,7 +50,9 @@ struct AdaptiveSite {
   double unexplained = 0;  ///< [N^2] by which asking for an energy makes pairs err that are left
                            ///< out, beyond what is expected; may be < 0
   double left_out = -1;    ///< [N^2] squared error of its prediction by neighbours; < 0: none
-  double gain = 0;         ///< [N^2] of the best further trial
+  double around = -1;  ///< [N^2] where it is not enclosed: of places between it and its neighbours,
+                       ///< as expected from its prediction by them; < 0: none
+  double gain = 0;     ///< [N^2] of the best further trial
   std::optional<TrialOrder> best = {};  ///< without its number
 
   /// Unit vectors: into the object, and along the surface at an angle [rad].

@@ -47,6 +47,7 @@ double PredictionRecord::correction() const {
 
 ErrorParts error_parts(const std::vector<AdaptiveSite>& sites, const PredictionRecord& record) {
   ErrorParts result;
+  double around = 0;
   for (const AdaptiveSite& site : sites) {
     if (!site.is_known()) continue;
     result.at_contacts += site.variance;
@@ -56,6 +57,9 @@ ErrorParts error_parts(const std::vector<AdaptiveSite>& sites, const PredictionR
     if (site.left_out >= 0) {
       result.between += kBetweenShare * kBetweenShare * site.left_out;
       ++result.left_out;
+    } else if (site.around >= 0) {
+      around += site.around;
+      ++result.around;
     }
   }
   if (result.contacts > 0) {
@@ -67,7 +71,10 @@ ErrorParts error_parts(const std::vector<AdaptiveSite>& sites, const PredictionR
     result.unexplained = kInsideShare * std::max(result.unexplained / contacts, 0.0);
     result.at_contacts = std::max(corrected, expected + result.unexplained);
   }
-  if (result.left_out > 0) result.between /= static_cast<double>(result.left_out);
+  const bool few = result.left_out < kFewestContacts;
+  if (few) result.between += around;
+  const std::size_t judged = result.left_out + (few ? result.around : 0);
+  if (judged > 0) result.between /= static_cast<double>(judged);
   return result;
 }
 
@@ -79,11 +86,12 @@ StatedError state_error(const std::vector<AdaptiveSite>& sites, const AdaptiveSe
   const ErrorParts at = error_parts(sites, record);
   if (at.contacts == 0) return result;
   result.at_contacts = std::sqrt(at.at_contacts);
-  if (at.left_out >= kFewestContacts) {
+  const bool all_begun = sites.size() == setting.plan.contacts.size();
+  if (at.left_out >= kFewestContacts || (all_begun && at.left_out + at.around > 1)) {
     result.between = std::sqrt(at.between);
     result.error = std::hypot(result.at_contacts, result.between);
-  } else if (sites.size() == setting.plan.contacts.size()) {
-    result.error = result.at_contacts;  // too few contacts to estimate the error between them
+  } else if (all_begun) {
+    result.error = result.at_contacts;  // no other contact tells anything about the gaps
   } else {
     return result;
   }

@@ -10,7 +10,8 @@
 
 namespace palpate::probing {
 
-/// Number of contacts before the error between contacts is stated.
+/// Number of enclosed contacts from which on they alone tell the error between contacts. Before, it
+/// is stated only once all contacts were begun.
 inline constexpr std::size_t kFewestContacts = 6;
 /// The squared error between contacts falls with this power of their number, because the error
 /// falls with the square of their distance.
@@ -33,11 +34,13 @@ class PredictionRecord {
   double squared_ratios_ = 0;
 };
 
-/// The parts of the expected squared error [N^2], and what they were learnt from.
+/// The parts of the expected squared error [N^2], and what they were learnt from. Contacts that are
+/// not enclosed count for `between` until enough are.
 struct ErrorParts {
   double at_contacts = 0, between = 0;
   double unexplained = 0;  ///< of `at_contacts`: more trials do not reduce it
   std::size_t contacts = 0, left_out = 0;
+  std::size_t around = 0;  ///< contacts that are not enclosed
   double trials = 0;
 };
 [[nodiscard]] ErrorParts error_parts(const std::vector<AdaptiveSite>& sites,

@@ -15,8 +15,9 @@ namespace palpate::probing {
     const std::vector<AdaptiveSite>& sites, std::size_t index);
 
 /// Predicts a contact from its neighbours by a local plane: least squares weighted by inverse
-/// squared distances. Sets its `left_out`. Contacts at a border, which are predicted from one side,
-/// do not count.
+/// squared distances. Sets its `left_out`. Contacts at a border, or with few neighbours, are
+/// predicted by their mean, with the same weights, and set `around`: the error of that, less the
+/// smaller distances between contacts (`geometry::error_growth`).
 void leave_out(std::vector<AdaptiveSite>& sites, std::size_t index);
 
 }  // namespace palpate::probing

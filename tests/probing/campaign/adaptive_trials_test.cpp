@@ -134,6 +134,16 @@ TEST(AdaptiveTrials, StatesTheErrorWhereForcesDependOnThePath) {
   }
 }
 
+// None of five contacts is enclosed by six others.
+TEST(AdaptiveTrials, StatesTheErrorBetweenAFewContactsByHowMuchTheyDiffer) {
+  const StatedError alike = run(make_specimen(ElasticBody{}), 5, adaptive(130)).progress.stated;
+  const StatedError uneven = run(make_specimen(Sheet{}), 5, adaptive(130)).progress.stated;
+  EXPECT_LT(alike.between, 0.5 * alike.at_contacts);
+  EXPECT_GT(uneven.between, 2 * uneven.at_contacts);
+  for (const StatedError& stated : {alike, uneven})
+    EXPECT_NEAR(stated.error, std::hypot(stated.at_contacts, stated.between), 1e-12);
+}
+
 TEST(AdaptiveTrials, SaysWhenTheTargetIsOutOfReach) {
   const std::shared_ptr<const Specimen> body = make_specimen(ElasticBody{});
   const CampaignOptions options{.strategy = TrialStrategy::adaptive, .until = 1e-4};

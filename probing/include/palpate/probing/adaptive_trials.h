@@ -45,8 +45,9 @@ enum class AdaptiveStop {
 struct StatedError {
   double error = std::numeric_limits<double>::quiet_NaN();        ///< [N] of the model, RMS
   double at_contacts = std::numeric_limits<double>::quiet_NaN();  ///< [N] the part of noise
-  double between = std::numeric_limits<double>::quiet_NaN();  ///< [N] the part of the gaps; NaN if
-                                                              ///< contacts are too few
+  /// [N] the part of the gaps; NaN until six contacts are enclosed by others, or all are begun, and
+  /// if there is no more than one
+  double between = std::numeric_limits<double>::quiet_NaN();
   /// [N] that this plan can be expected to reach at best
   double reachable = std::numeric_limits<double>::quiet_NaN();
   /// Ratio of the predicted to the actual errors of the samples before they were taken, by which
