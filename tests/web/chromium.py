@@ -37,7 +37,7 @@ class Chromium:
             os.dup2(answers_copy, 4)
 
         self._process = subprocess.Popen(
-            [program, "--headless", "--no-sandbox", "--no-first-run", "--disable-extensions", "--disable-background-networking",
+            [program, "--headless", "--no-sandbox", "--no-first-run", "--disable-dev-shm-usage", "--disable-extensions", "--disable-background-networking",
              "--hide-scrollbars", "--remote-debugging-pipe", f"--user-data-dir={self._profile.name}", *flags, "about:blank"],
             preexec_fn=give_pipes, pass_fds=(3, 4), start_new_session=True, stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)

@@ -11,9 +11,6 @@
 namespace palpate::haptics {
 namespace {
 
-// The friction axis is used where the cosine between it and the inward normal is at least this (75
-// degrees); nearer to the tangent plane the line along it would run far away.
-constexpr double kMinAxisCosine = 0.26;
 constexpr int kMaxOnSection = 8;     // evaluations along the section
 constexpr int kMaxInPlane = 16;      // and by Broyden's method
 constexpr int kMaxWarm = 6;          // of it before all others, with the last slip's Jacobian
@@ -38,9 +35,6 @@ constexpr double kStiffest = 2;
 // Stored energy counts as increased by more than this [N mm]: some rounding errors of energies up
 // to 1e3 N mm.
 constexpr double kEnergyRounding = 1e-11;
-
-// Within 1e-3 of what is delayed; what is left pushes.
-constexpr int kFollowingHalvings = 10;
 
 class SlipSearcher {
  public:
@@ -373,37 +367,6 @@ class SlipSearcher {
 };
 
 }  // namespace
-
-void let_follow(const PackedField& field, const PlaceField& place, const Eigen::Vector3d& tool,
-                DelayedDisplacements& delayed, SlidingContact& contact) noexcept {
-  if (field.rate().empty() || !(contact.parts.normal < 0)) return;
-  const Eigen::Vector3d displacement = tool - contact.at.position;
-  const DelayedDisplacements before = delayed;
-  double low = 0, high = 1;
-  const auto follow = [&](double part) {
-    for (std::size_t i = 0; i < before.of.size(); ++i)
-      delayed.of[i] = displacement - part * (displacement - before.of[i]);
-    contact.force = field.force(place, displacement, delayed);
-    contact.parts = friction_parts(place, contact.force.force);
-    return contact.parts.normal >= 0;
-  };
-  for (int i = 0; i < kFollowingHalvings; ++i) {
-    const double middle = (low + high) / 2;
-    (follow(middle) ? low : high) = middle;
-  }
-  follow(low);
-}
-
-double cost_of(const SlidingContact& contact, const Eigen::Vector3d& moved) noexcept {
-  return contact.force.energy - contact.force.force.dot(moved) / 2;
-}
-
-Eigen::Vector3d slip_line(const Eigen::Vector3d& friction_axis, const Eigen::Vector3d& normal,
-                          const Eigen::Vector3d& displacement) noexcept {
-  Eigen::Vector3d axis = friction_axis;
-  if (!(-axis.dot(normal) >= kMinAxisCosine * axis.norm())) axis = -normal;
-  return displacement - axis * (displacement.dot(normal) / axis.dot(normal));
-}
 
 SlidingContact search_slip(const PackedField& field, const SurfaceWalk& surface,
                            const SlidingContact& start, const Eigen::Vector3d& tool,
