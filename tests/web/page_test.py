@@ -22,7 +22,7 @@ from pathlib import Path
 from chromium import Chromium, Failed
 from png import rows_of
 
-kSeconds = 120         # for everything, on a machine that is busy
+kSeconds = 240         # for everything, on a machine that is busy with other work
 kForceTolerance = 1e-9  # [N] the same program on another processor: its sums are rounded in another order
 kSoftwareGl = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-gpu-compositing"]
 kNoGl = ["--disable-gpu", "--disable-webgl", "--disable-webgl2"]

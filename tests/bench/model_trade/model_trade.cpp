@@ -157,17 +157,18 @@ int main(int count, char** arguments) try {
   app.add_flag("--stated-errors", stated,
                "In place of all that: whether models state their errors rightly");
   std::string kind;
+  std::optional<unsigned> seed;
   app.add_flag("--pressing", pressing,
                "In place of all that: models of objects that were only pressed");
   app.add_option("--kind", kind,
                  "With --pressing or --stated-errors: only the sets whose name contains this");
-  unsigned seed = 201;
-  app.add_option("--seed", seed, "With --stated-errors: of the objects that are drawn");
+  app.add_option("--seed", seed,
+                 "With --pressing (default: 1) or --stated-errors (201): others of the same kinds");
   CLI11_PARSE(app, count, arguments);
   if (pressing) {
-    palpate::bench::measure_pressing(kind);
+    palpate::bench::measure_pressing(kind, seed.value_or(1));
   } else if (stated) {
-    palpate::bench::measure_stated_errors(kind, seed);
+    palpate::bench::measure_stated_errors(kind, seed.value_or(201));
   } else if (sharing > 0) {
     palpate::bench::measure_sharing(sharing);
   } else {
