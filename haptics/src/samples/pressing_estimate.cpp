@@ -294,7 +294,8 @@ PressingEstimate estimate_pressing(std::span<const PressedContact> contacts,
     }
   }
   PressingEstimate estimate;
-  estimate.length_scale = fit_neighbourhood(data, contacts, scales.force, across.bias, state);
+  estimate.length_scale =
+      fit_neighbourhood(data, contacts, scales.force, across.bias, !options.force_noise, state);
   across = across_forces(contacts, presses, scales, state);
   estimate.offsets = offsets_of(state, scales);
   estimate.offsets.hysteresis = hysteresis;

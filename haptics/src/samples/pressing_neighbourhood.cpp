@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <functional>
 #include <numeric>
 #include <utility>
 
@@ -20,11 +22,18 @@ constexpr std::size_t kAroundInSearch = 12, kAroundInResult = 24;
 constexpr std::size_t kMostInSearch = 96;
 // The search, in binary logarithms: length scale relative to the spacing of contacts, share of the
 // variance that neighbours do not have in common, variance relative to that of the population,
-// spread of tau relative to that of the population.
-using Search = Eigen::Vector4d;
-const Search kSearchFirst{2, -6, 1, 0};
-const Search kSearchLow{-1, -20, -2, -6};
-const Search kSearchHigh{6, 0, 8, 2};
+// spread of tau and noise relative to those of the population.
+using Search = Eigen::Vector<double, 5>;
+const Search kSearchFirst{{2, -6, 1, 0, 0}};
+// The same if the samples of a contact do not tell noise from its curve: then all that neighbours
+// do not have in common counts as noise.
+const Search kSearchFirstOfNoise{{2, -20, 1, -6, 0}};
+constexpr std::array kFirstNoises = {1.0, 3.0, 5.0};
+const Search kSearchLow{{-1, -20, -2, -6, -8}};
+const Search kSearchHigh{{6, 0, 8, 2, 8}};
+// Along a long valley: curves that are smooth over a larger length with a larger variance look
+// alike at neighbours.
+const Search kSmoother{{0.5, 0, 1.5, 0, 0}};
 constexpr double kFirstSearchStep = 2, kLastSearchStep = 0.5;
 constexpr int kMaxSearchRounds = 12;
 // Rounds of linearisation after the search.
@@ -81,6 +90,7 @@ Spatial spatial_of(const Search& at, double spacing, double touch_variance) {
 // What the search for the covariance needs.
 struct Conditionals {
   const PressingData& all;
+  bool finds_noise;
   const std::vector<std::vector<std::size_t>>& nearest;
   std::vector<std::size_t> chosen;
 };
@@ -98,33 +108,68 @@ double conditional_loss(const Conditionals& data, const Neighbourhood& all,
   return profiled_loss(data.all, state, std::move(parts[0]));
 }
 
-Spatial learn_spatial(const Conditionals& data, const PressingState& state, double spacing) {
-  const Neighbourhood all = neighbourhood_of(data.all.presses, data.all.contacts, state);
-  const auto loss = [&](const Search& at) {
-    return conditional_loss(data, all, state, spatial_of(at, spacing, state.touch_variance));
-  };
-  Search best = kSearchFirst;
-  double least = loss(best);
+// The directions in which the search goes.
+std::vector<Search> search_directions(bool finds_touches, bool finds_noise) {
+  std::vector<Search> directions = {Search::Unit(0)};
+  if (!finds_noise) directions.push_back(Search::Unit(1));
+  directions.push_back(Search::Unit(2));
+  if (finds_touches) directions.push_back(Search::Unit(3));
+  if (finds_noise) directions.insert(directions.end(), {Search::Unit(4), kSmoother});
+  return directions;
+}
+
+struct Found {
+  Search at;
+  double loss = 0;
+};
+
+Found descend(const std::function<double(const Search&)>& loss,
+              const std::vector<Search>& directions, const Search& first) {
+  Found best{first, loss(first)};
   double step = kFirstSearchStep;
-  const Eigen::Index axes = state.touch_variance > 0 ? 4 : 3;
   for (int round = 0; round < kMaxSearchRounds && step >= kLastSearchStep; ++round) {
     bool better = false;
-    for (Eigen::Index axis = 0; axis < axes; ++axis) {
+    for (const Search& direction : directions) {
       for (const double sign : {1.0, -1.0}) {
-        Search next = best;
-        next(axis) = std::clamp(best(axis) + sign * step, kSearchLow(axis), kSearchHigh(axis));
-        if (next(axis) == best(axis)) continue;
+        const Search next =
+            (best.at + sign * step * direction).cwiseMax(kSearchLow).cwiseMin(kSearchHigh);
+        if (next == best.at) continue;
         const double value = loss(next);
-        if (!(value < least)) continue;
-        least = value;
-        best = next;
+        if (!(value < best.loss)) continue;
+        best = {next, value};
         better = true;
         break;
       }
     }
     if (!better) step /= 2;
   }
-  return spatial_of(best, spacing, state.touch_variance);
+  return best;
+}
+
+// Sets the noise as well if that is searched for.
+Spatial learn_spatial(const Conditionals& data, double spacing, PressingState& state) {
+  Neighbourhood all = neighbourhood_of(data.all.presses, data.all.contacts, state);
+  const auto noise_variance = [&](const Search& at) {
+    return state.noise_variance * std::exp2(2 * at(4));
+  };
+  const auto loss = [&](const Search& at) {
+    all.noise_variance = noise_variance(at);
+    return conditional_loss(data, all, state, spatial_of(at, spacing, state.touch_variance));
+  };
+  const std::vector<Search> directions =
+      search_directions(state.touch_variance > 0, data.finds_noise);
+  Found best;
+  if (!data.finds_noise) best = descend(loss, directions, kSearchFirst);
+  // Little noise on curves that change over short lengths is a minimum as well as much noise on
+  // smooth ones.
+  for (std::size_t i = 0; data.finds_noise && i < kFirstNoises.size(); ++i) {
+    Search first = kSearchFirstOfNoise;
+    first(4) = kFirstNoises[i];
+    Found found = descend(loss, directions, first);
+    if (i == 0 || found.loss < best.loss) best = found;
+  }
+  state.noise_variance = noise_variance(best.at);
+  return spatial_of(best.at, spacing, state.touch_variance);
 }
 
 // Coefficients and touch of a contact, from its data and those around it. Its own data are linear
@@ -179,16 +224,21 @@ void update_contact(const Neighbourhood& all, std::span<const std::size_t> membe
 
 double fit_neighbourhood(std::span<const CompressedPress> presses,
                          std::span<const PressedContact> contacts, double force_scale,
-                         const BiasInformation& bias, PressingState& state) {
+                         const BiasInformation& bias, bool estimate_noise, PressingState& state) {
   const std::vector<std::vector<std::size_t>> nearest = nearest_contacts(contacts, kAroundInResult);
   const double spacing = spacing_of(contacts, nearest);
   if (!(spacing > 0) || state.covariance.norm() < kNoVariance * force_scale * force_scale) return 0;
   const PressingData data{presses, contacts, force_scale, bias};
-  const Conditionals chosen{data, nearest, evenly_selected(contacts.size(), kMostInSearch)};
+  const bool one_sample_a_coefficient = std::ranges::all_of(
+      presses, [&](const auto& press) { return press.samples <= state.variant.degree; });
+  const bool finds_noise =
+      estimate_noise && one_sample_a_coefficient && contacts.size() > kAroundInResult;
+  const Conditionals chosen{data, finds_noise, nearest,
+                            evenly_selected(contacts.size(), kMostInSearch)};
   Spatial spatial;
   for (int round = 0; round < kLinearRounds; ++round) {
     if (round < kSearches) {
-      spatial = learn_spatial(chosen, state, spacing);
+      spatial = learn_spatial(chosen, spacing, state);
       state.touch_variance = spatial.touch_variance;
       fit_offsets(data, spatial, state);
     }

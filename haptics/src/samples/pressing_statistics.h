@@ -99,10 +99,11 @@ double newton_step(const std::function<double(double)>& loss, double step, doubl
 [[nodiscard]] double information_criterion(const PressingState& state, std::size_t contacts);
 
 /// Learns how coefficients are correlated along the surface, then updates the state: parameters by
-/// generalised least squares, coefficients and touches from the contacts around. Returns the length
-/// scale [mm], or 0 if nothing varies.
+/// generalised least squares, coefficients and touches from the contacts around. `estimate_noise`:
+/// also the noise, if no contact has more samples than coefficients and there are tens of contacts.
+/// Returns the length scale [mm], or 0 if nothing varies.
 double fit_neighbourhood(std::span<const CompressedPress> presses,
                          std::span<const PressedContact> contacts, double force_scale,
-                         const BiasInformation& bias, PressingState& state);
+                         const BiasInformation& bias, bool estimate_noise, PressingState& state);
 
 }  // namespace palpate::haptics

@@ -103,6 +103,24 @@ TEST(EstimatePressing, FindsOffsetsWithinTheirErrors) {
   EXPECT_LT(rms_of_curves(truth, found), 0.025);
 }
 
+TEST(EstimatePressing, FindsTheNoiseOfOneSampleAContact) {
+  // 0.1 to 0.5 N at 0.4 mm. What contacts do not have in common with those around is all noise.
+  for (const double noise : {0.02, 0.06}) {
+    const Pressed truth = pressed({.noise = noise, .depths = 1});
+    const PressingEstimate found = estimate_pressing(truth.contacts);
+    EXPECT_TRUE(found.noise_was_estimated);
+    EXPECT_NEAR(found.force_noise, noise, 0.4 * noise);
+    // The curves do not follow the noise of their own sample.
+    double square = 0;
+    for (std::size_t i = 0; i < truth.contacts.size(); ++i) {
+      const double force = truth.stiffness[i] * (0.4 + 0.4 * 0.4 / kHardening);
+      square += std::pow(force_at(found.curves[i], 0.4) - force, 2);
+    }
+    EXPECT_LT(std::sqrt(square / static_cast<double>(truth.contacts.size())), 0.7 * noise);
+    EXPECT_EQ(estimate_pressing(truth.contacts, {.force_noise = 0.01}).force_noise, 0.01);
+  }
+}
+
 TEST(EstimatePressing, StatesTheErrorsOfTouches) {
   // Squared errors in units of the stated ones: of the mean touch, of its slope over heights, and
   // of the touch of each contact. All contacts share the error of the mean. Where heights tell the
