@@ -225,9 +225,13 @@ def main():
     parser.add_argument("folder", type=Path, help="has trace.csv, which `palpate play` recorded with the same model")
     parser.add_argument("--pictures", type=Path, help="folder for screenshots")
     parser.add_argument("--chromium", default="/usr/bin/chromium")
+    arguments = parser.parse_args()
+    for needed in (arguments.page, arguments.folder / "trace.csv"):
+        if not needed.is_file():
+            parser.error(f"{needed}: there is no such file")
     checks = Checks()
     try:
-        run(parser.parse_args(), checks)
+        run(arguments, checks)
     except (Failed, OSError) as error:
         checks.that(False, str(error))
     print(f"{checks.failed} checks failed" if checks.failed else "all checks passed")
