@@ -14,6 +14,7 @@
 
 #include "fit/convex_fit.h"
 #include "fit/field_objective.h"
+#include "fit/force_bulge.h"
 #include "fit/left_out_pairs.h"
 #include "fit/local_fit.h"
 #include "fit/unmeasured_directions.h"
@@ -243,8 +244,12 @@ FitResult best_predicting(const ScaledSamples& samples, const FitOptions& option
   FitResult other = fit_as_local(samples, options, FitMode::certified);
   iterations += other.iterations;
   const double parameters = kBaseSize * static_cast<double>(other.field.bases.size());
+  // Where it was not measured, the field may err as many times as much as it bulges there.
+  const double bulge =
+      force_bulge(in_units(other.field, 1 / samples.length, 1 / samples.force_scale),
+                  samples.problem.displacements(), samples.problem.forces());
   const double error =
-      expected_growth(parameters, 3 * static_cast<double>(samples.problem.size())) *
+      expected_growth(parameters, 3 * static_cast<double>(samples.problem.size())) * bulge * bulge *
       capped_mean(squared_errors(samples, other), most);
   if (is_passive(other.certificate) && error < least) best = std::move(other);
   best.iterations = iterations;

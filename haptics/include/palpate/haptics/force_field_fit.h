@@ -126,7 +126,8 @@ struct FitResult {
 /// If noise does not explain the errors, the samples have what no field has, and a field with many
 /// bases follows them, but errs between them. Therefore convex fits that assume 1, 3 and 9 times
 /// the noise predict pairs that are left out, a fifth at a time. The best one is returned, or a
-/// certified field if its error there, by generalised cross-validation, is less.
+/// certified field if its error there, by generalised cross-validation, is less. That error counts
+/// as many times more as the field's force between rest and the pairs exceeds all measured ones.
 ///
 /// Where displacements lie in a plane or along a line, up to their noise, and the forces across are
 /// no more than those along explain, `convex` takes their deviations for noise and the stiffness
