@@ -67,6 +67,8 @@ typedef struct palpate_model_facts {
   uint32_t reserved;         /* 0 */
   double lower[3], upper[3]; /* [mm] corners of the box about the surface */
   double probe_radius;       /* [mm] of the ball that measured it; 0: not known */
+  double shape_error;        /* [mm] of deformed surfaces, root mean square over recorded ones;
+                                -1: none were recorded */
 } palpate_model_facts;
 
 PALPATE_API palpate_status palpate_model_describe(const palpate_model* model,
@@ -121,8 +123,9 @@ PALPATE_API palpate_status palpate_player_step(palpate_player* player, const dou
 /* As if the tool had never touched. Real-time safe. */
 PALPATE_API palpate_status palpate_player_reset(palpate_player* player);
 
-/* The surface as the tool deforms it in the latest tick, DRAWN, NOT MEASURED: a smooth dent around
- * the contact. `count` as for palpate_model_vertices. */
+/* The surface as the tool deforms it in the latest tick. If surfaces were recorded for the model
+ * (shape_error of palpate_model_facts), it follows these; otherwise it is DRAWN, NOT MEASURED: a
+ * smooth dent around the contact. `count` as for palpate_model_vertices. */
 PALPATE_API palpate_status palpate_player_shape(const palpate_player* player, float* xyz,
                                                 uint64_t count);
 

@@ -77,6 +77,7 @@ palpate_status palpate_model_describe(const palpate_model* model, palpate_model_
   Eigen::Vector3d::Map(all.lower) = vertices.rowwise().minCoeff();
   Eigen::Vector3d::Map(all.upper) = vertices.rowwise().maxCoeff();
   all.probe_radius = from.probe_radius.value_or(0);
+  all.shape_error = from.response ? from.response->rms : -1;
   palpate::c::give(all, *facts);
   return PALPATE_OK;
 }

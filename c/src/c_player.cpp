@@ -11,6 +11,7 @@ namespace palpate::c {
 /// What a `palpate_player` points to.
 struct Player {
   std::shared_ptr<const haptics::Model> model;
+  std::shared_ptr<const haptics::BlendedField> field;
   haptics::Playback playback;
   haptics::LoopState state;
 };
@@ -39,8 +40,8 @@ palpate_status palpate_player_create(const palpate_model* model,
     if (options != nullptr)
       playback.unknown_friction = palpate::c::taken(*options).unknown_friction;
     const std::shared_ptr<const palpate::haptics::Model>& shared = behind(model)->model;
-    *player = reinterpret_cast<palpate_player*>(
-        new palpate::c::Player{shared, palpate::haptics::Playback(*shared, playback), {}});
+    *player = reinterpret_cast<palpate_player*>(new palpate::c::Player{
+        shared, behind(model)->field, palpate::haptics::Playback(*shared, playback), {}});
   });
 }
 
@@ -76,15 +77,8 @@ palpate_status palpate_player_shape(const palpate_player* player, float* xyz, ui
   }
   return guarded([&] {
     const auto& played = *reinterpret_cast<const palpate::c::Player*>(player);
-    const palpate::haptics::Model& model = *played.model;
-    const palpate::haptics::LoopState& state = played.state;
-    palpate::haptics::DrawnShapeOptions options;
-    options.tip = model.probe_radius.value_or(options.tip);
-    const bool free = state.contact_state == ContactState::free;
     palpate::c::copy_floats(
-        free ? model.surface.vertices
-             : palpate::haptics::drawn_shape(model.surface, state.proxy.at,
-                                             state.tool - state.proxy.position, options),
-        xyz, count, "palpate_player_shape");
+        palpate::haptics::displayed_shape(*played.model, *played.field, played.state), xyz, count,
+        "palpate_player_shape");
   });
 }

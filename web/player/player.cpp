@@ -97,16 +97,13 @@ const double* palpate_output() {
 /// The surface as it is drawn in the state of the last tick.
 const float* palpate_deform() {
   Player& p = *player;
-  const bool free = p.state.contact_state == haptics::ContactState::free;
-  haptics::DrawnShapeOptions options;
-  options.tip = p.model.probe_radius.value_or(options.tip);
-  p.shape = free ? p.model.surface.vertices.cast<float>().eval()
-                 : haptics::drawn_shape(p.model.surface, p.state.proxy.at,
-                                        p.state.tool - p.state.proxy.position, options)
-                       .cast<float>()
-                       .eval();
+  p.shape = haptics::displayed_shape(p.model, p.field, p.state).cast<float>();
   return p.shape.data();
 }
+
+/// Root mean square distance of the recorded surfaces from the drawn ones [mm]; -1 if none were
+/// recorded.
+double palpate_shape_error() { return player->model.response ? player->model.response->rms : -1; }
 
 /// Whether a ray meets the undeformed surface.
 int palpate_pick(double ox, double oy, double oz, double dx, double dy, double dz) {

@@ -12,6 +12,7 @@
 
 #include "commands/fit_record.h"
 #include "commands/fit_report.h"
+#include "commands/fit_shapes.h"
 #include "commands/fit_warnings.h"
 #include "palpate/error.h"
 #include "palpate/geometry/mesh_io.h"
@@ -37,7 +38,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 struct FitCall {
-  fs::path acquisition, surface, output, pictures;
+  fs::path acquisition, surface, output, pictures, shapes;
   haptics::FitOptions fit;
   std::optional<haptics::BlendRule> blend_rule = haptics::BlendRule::compliances;
   geometry::ContactTriangulationMethod triangulation =
@@ -195,7 +196,7 @@ void fit(const Settings& settings, FitCall call) {
   if (call.force_noise) call.fit.noise.force = *call.force_noise;
   const fs::path record_path = record_file(call.output);
   check_outputs({call.acquisition, call.surface}, {call.output, call.pictures, record_path});
-  check_output_folder({call.acquisition, call.surface}, call.output);
+  check_output_folder({call.acquisition, call.surface, call.shapes}, call.output);
   check_replaceable(call.output, haptics::model_entries());
   Json warnings = Json::array();
   const probing::CheckedAcquisition acquisition =
@@ -218,6 +219,8 @@ void fit(const Settings& settings, FitCall call) {
   built.model.made["surface"] =
       call.surface.empty() ? "made of the contacts" : call.surface.filename().string();
   if (built.local_part) built.model.made["local part"] = sharing_in_words(built);
+  if (!call.shapes.empty())
+    built.model.response = fit_shapes(built.model, acquisition, call.shapes);
   haptics::write_model(call.output, built.model, call.encoding);
   record.remove();
   tell_build(built);
@@ -227,11 +230,16 @@ void fit(const Settings& settings, FitCall call) {
 
   Json figures = {{"contacts", built.contacts.size()}, {"kept", kept}};
   figures.update(fit_figures(built, settings.json));
+  if (const auto& response = built.model.response) {
+    figures["shapes"] = {
+        {"count", response->shapes}, {"rms", response->rms}, {"largest", response->largest}};
+  }
   figures["warnings"] = warnings;
   figures["file"] = call.output.string();
   print(settings, figures,
         (settings.json ? std::string() : per_contact_in_words(built)) +
-            fmt::format("{}. Written to {}", fit_in_words(built), call.output.string()));
+            fmt::format("{}. {}Written to {}", fit_in_words(built),
+                        shapes_in_words(built.model.response), call.output.string()));
 }
 
 }  // namespace
@@ -333,6 +341,12 @@ void add_fit(CLI::App& app, const Settings& settings) {
       "What contacts give to places between them: compliances, their forces at displacements that "
       "match the compliance of the place (default); forces, their forces at the same displacement "
       "(thesis 5.3.2); auto, what predicts contacts better from those around them");
+  command
+      ->add_option("--shapes", call->shapes,
+                   "Folder of meshes that 'palpate track --reference SURFACE' made of the range "
+                   "maps that the samples name: the model then shows how the whole surface follows "
+                   "the tool")
+      ->needs("SURFACE");
   command->add_option("--pictures", call->pictures,
                       "Folder for pictures: the contacts, and the contact with the worst fit");
   command->add_flag("--resume", call->resume,

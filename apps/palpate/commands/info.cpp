@@ -196,6 +196,11 @@ Description describe_model(const fs::path& path) {
                          : std::string("unknown radius"),
       is_text ? "field.json" : "field.cbor", bytes,
       static_cast<double>(bytes) / static_cast<double>(model.contacts.size()));
+  if (model.response) {
+    prose += fmt::format(
+        "\n  the surface follows the tool as in {} recorded shapes, {:.2f} mm RMS from them",
+        model.response->shapes, model.response->rms);
+  }
   for (const auto& [key, value] : model.made) prose += fmt::format("\n  {}: {}", key, value);
   return {{{"kind", "model"},
            {"contacts", model.contacts.size()},
@@ -209,6 +214,7 @@ Description describe_model(const fs::path& path) {
            {"friction_lower_bounds", bounds},
            {"probe_radius", number_or_null(model.probe_radius)},
            {"rate_terms", model.rate.size()},
+           {"shapes", model.response ? model.response->shapes : 0},
            {"encoding", is_text ? "json" : "cbor"},
            {"bytes", bytes},
            {"made", made}},

@@ -68,6 +68,7 @@ TransferredModel transfer_model(const Model& model, const geometry::TriangleMesh
   result.model.surface = target;
   result.model.T_surface_acquisition.setIdentity();
   result.model.noise.reset();
+  result.model.response.reset();  // it moves the vertices of the other surface
   std::vector<SurfacePoint> places;
   for (ContactModel& contact : result.model.contacts) {
     const SurfacePoint at = from.closest_point(contact.position).at;

@@ -140,6 +140,11 @@ void check_model(const Model& model) {
   }
   require("the model's friction_force", model.friction_force,
           (has_exponent ? above(0) : at_least(0)).finite(), "N");
+  if (model.response) {
+    check_surface_response(*model.response, model.surface.vertices.cols(),
+                           static_cast<Eigen::Index>(model.contacts.size()),
+                           "the response of the model's surface");
+  }
   if (model.noise) {
     require("the model's noise: force", model.noise->force, at_least(0).finite(), "N");
     require("the model's noise: displacement", model.noise->displacement, at_least(0).finite(),

@@ -20,7 +20,7 @@ static_assert(std::endian::native == std::endian::little,
               "bytes are written as they are in memory");
 
 // Changes with every change of what `visit` lists.
-constexpr std::uint64_t kVersion = 0x0001'4d'50'4c'41'50ULL;  // "PALPM" and a number
+constexpr std::uint64_t kVersion = 0x0002'4d'50'4c'41'50ULL;  // "PALPM" and a number
 
 template <typename T>
 concept Plain = std::is_arithmetic_v<T> || std::is_enum_v<T>;
@@ -58,7 +58,7 @@ class ByteReader {
   template <typename T>
   void raw(T* values, std::size_t count) {
     need(count, sizeof(T));
-    std::memcpy(values, rest_.data(), count * sizeof(T));
+    std::memcpy(static_cast<void*>(values), rest_.data(), count * sizeof(T));
     rest_ = rest_.subspan(count * sizeof(T));
   }
   // How many follow, of at least so many bytes each.
@@ -188,6 +188,26 @@ void visit(Archive& archive, ContactModel& contact) {
 }
 
 template <typename Archive>
+void visit(Archive& archive, SurfaceResponse& response) {
+  visit(archive, response.nodes);
+  visit(archive, response.weights);
+  auto numbers = static_cast<std::uint64_t>(response.responses.rows());
+  archive.value(numbers);
+  const std::size_t contacts =
+      archive.count(static_cast<std::size_t>(response.responses.cols()), 2 * numbers);
+  if constexpr (Archive::kReads) {
+    response.responses.resize(static_cast<Eigen::Index>(numbers),
+                              static_cast<Eigen::Index>(contacts));
+  }
+  archive.raw(response.responses.data(), numbers * contacts);
+  visit(archive, response.dents);
+  archive.value(response.reach);
+  archive.value(response.shapes);
+  archive.value(response.rms);
+  archive.value(response.largest);
+}
+
+template <typename Archive>
 void visit(Archive& archive, Model& model) {
   visit(archive, model.surface.vertices);
   visit(archive, model.surface.triangles);
@@ -202,6 +222,7 @@ void visit(Archive& archive, Model& model) {
   visit(archive, model.probe_radius);
   archive.value(model.friction_force);
   visit(archive, model.rate);
+  visit(archive, model.response);
 }
 
 }  // namespace

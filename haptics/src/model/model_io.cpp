@@ -12,6 +12,7 @@
 
 #include "model/field_document.h"
 #include "model/field_document_format.h"
+#include "model/surface_response_file.h"
 #include "palpate/error.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/output_file.h"
@@ -24,6 +25,8 @@ namespace fs = std::filesystem;
 constexpr const char* kContacts = "contacts.ply";
 constexpr const char* kDocument = "field.json";
 constexpr const char* kBinaryDocument = "field.cbor";
+constexpr const char* kDeformed = "deformed";
+constexpr const char* kResponse = "response.bin";  // in kDeformed
 // Vertex properties in surface.ply: the contacts that have influence there, and their weights.
 constexpr std::array<const char*, 3> kContactNames = {"contact_0", "contact_1", "contact_2"};
 constexpr std::array<const char*, 3> kWeightNames = {"weight_0", "weight_1", "weight_2"};
@@ -116,6 +119,8 @@ Model read_model(const fs::path& folder) {
   geometry::MeshFile file = geometry::read_mesh_file(surface);
   model.surface_weights = read_weights(surface, file, model);
   model.surface = std::move(file.mesh);
+  if (const fs::path response = folder / kDeformed / kResponse; fs::exists(response, error))
+    model.response = read_surface_response(response);
   try {
     check_model(model);
   } catch (const InvalidInput& wrong) {
@@ -125,7 +130,7 @@ Model read_model(const fs::path& folder) {
 }
 
 std::vector<fs::path> model_entries() {
-  return {kSurfaceFile, kContacts, kDocument, kBinaryDocument};
+  return {kSurfaceFile, kContacts, kDocument, kBinaryDocument, kDeformed};
 }
 
 void write_model(const fs::path& folder, const Model& model,
@@ -138,6 +143,10 @@ void write_model(const fs::path& folder, const Model& model,
     // Redundant copy of the triangles in the document, for mesh viewers.
     if (model.triangles.cols() > 0) {
       geometry::write_mesh(temporary / kContacts, contact_mesh(model));
+    }
+    if (model.response) {
+      fs::create_directory(temporary / kDeformed);
+      write_surface_response(temporary / kDeformed / kResponse, *model.response);
     }
     const bool is_text = chosen == ModelEncoding::json;
     write_file(temporary / (is_text ? kDocument : kBinaryDocument),

@@ -17,6 +17,7 @@
 #include "palpate/output_file.h"
 #include "peers.h"
 #include "pressing.h"
+#include "shapes.h"
 #include "sharing.h"
 #include "stated_errors.h"
 #include "strip_acquisition.h"
@@ -156,6 +157,9 @@ int main(int count, char** arguments) try {
   bool stated = false;
   app.add_flag("--stated-errors", stated,
                "In place of all that: whether models state their errors rightly");
+  bool shapes = false;
+  app.add_flag("--shapes", shapes,
+               "In place of all that: how far displayed surfaces are from the true ones");
   std::string kind;
   std::optional<unsigned> seed;
   app.add_flag("--pressing", pressing,
@@ -169,6 +173,8 @@ int main(int count, char** arguments) try {
     palpate::bench::measure_pressing(kind, seed.value_or(1));
   } else if (stated) {
     palpate::bench::measure_stated_errors(kind, seed.value_or(201));
+  } else if (shapes) {
+    palpate::bench::measure_shapes();
   } else if (sharing > 0) {
     palpate::bench::measure_sharing(sharing);
   } else {

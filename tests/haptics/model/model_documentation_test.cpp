@@ -8,8 +8,11 @@
 #include <cstdlib>
 #include <iomanip>
 
+#include "following_surface.h"
 #include "model_testing.h"
+#include "palpate/geometry/geodesic_distance.h"
 #include "palpate/haptics/blended_field.h"
+#include "palpate/haptics/deformed_shape.h"
 #include "repository.h"
 #include "sphere_model.h"
 
@@ -35,9 +38,9 @@ TEST(ModelDocumentation, ShowsNoCodeInOtherLanguagesThanThoseThatTestsRun) {
   const std::string page = read_text(repository("docs/model-file.md"));
   std::size_t fences = 0;
   for (std::size_t at = 0; (at = page.find("```", at)) != std::string::npos; at += 3) ++fences;
-  EXPECT_EQ(blocks_of("python").size(), 3u);
+  EXPECT_EQ(blocks_of("python").size(), 4u);
   EXPECT_EQ(blocks_of("javascript").size(), 2u);
-  EXPECT_EQ(fences, 2 * (3u + 2u));
+  EXPECT_EQ(fences, 2 * (4u + 2u));
 }
 
 // What a script prints; it stands in a folder that is its working directory.
@@ -82,6 +85,35 @@ TEST(ModelDocumentation, PythonAloneComputesTheForcesOfContacts) {
                  "[40, 9, -30]]:\n"
                  "        print(*force(contact, d))\n");
   expect_forces(some_model(), output_of(kPython + " -I", scratch / "script.py"));
+}
+
+TEST(ModelDocumentation, PythonAloneComputesTheDeformedSurface) {
+  const ScratchFolder scratch;
+  FollowingSheet sheet;
+  sheet.model.response = sheet.fit({.nodes = 60});
+  write_model(scratch / "model", sheet.model);
+  const Eigen::Vector3d place = sheet.model.contacts[2].position, displacement(1, -2, 6);
+  const BlendedField field(sheet.model);
+  const geometry::SurfacePoint at = field.surface().closest_point(place).at;
+  const Eigen::VectorXd distances =
+      geometry::geodesic_distance(sheet.model.surface, {&at, 1}).distance;
+  std::ostringstream script;
+  script << blocks_of("python").at(3) << "distances = [" << std::setprecision(17);
+  for (const double distance : distances) script << distance << ", ";
+  script << "]\nfor move in moves(2, distances, [1, -2, 6]):\n    print(*move)\n";
+  write_text(scratch / "script.py", script.str());
+  std::istringstream printed(output_of(kPython + " -I", scratch / "script.py"));
+  const Eigen::Matrix3Xd shape = measured_shape(sheet.model.surface, *sheet.model.response,
+                                                field.weights(at), at, displacement);
+  int compared = 0;
+  for (Eigen::Index v = 0; v < shape.cols(); ++v) {
+    Eigen::Vector3d move;
+    ASSERT_TRUE(printed >> move.x() >> move.y() >> move.z());
+    if (distances[v] < 8) continue;  // within the dent that closes the gap
+    EXPECT_LT((shape.col(v) - sheet.model.surface.vertices.col(v) - move).norm(), 1e-9) << v;
+    ++compared;
+  }
+  EXPECT_GT(compared, 1000);
 }
 
 TEST(ModelDocumentation, JavaScriptComputesTheForcesOfContacts) {

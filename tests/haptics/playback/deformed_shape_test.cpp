@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "following_surface.h"
 #include "not_finite.h"
 #include "palpate/haptics/rotation.h"
 #include "refusal.h"
@@ -68,6 +69,60 @@ TEST(DrawnShape, IsTheSurfaceWithoutADisplacement) {
               return drawn_shape(mesh, place(mesh), {0, 0, 1}, {.reach = 0});
             }).find("DrawnShapeOptions::reach"),
             std::string::npos);
+}
+
+TEST(MeasuredShape, HasTheContactAtTheToolAndIsContinuous) {
+  const FollowingSheet sheet;
+  const SurfaceResponse response = sheet.fit();
+  const geometry::TriangleMesh& mesh = sheet.model.surface;
+  const BlendedField field(sheet.model);
+  Eigen::Matrix3Xd before;
+  for (int i = 0; i < 400; ++i) {
+    // Across triangles of the mesh and of contacts.
+    const Eigen::Vector3d at(-28 + 0.14 * i, -20 + 0.1 * i, 700),
+        displacement(0.002 * i, 1, 4 + 0.005 * i);
+    const geometry::SurfacePoint contact = field.surface().closest_point(at).at;
+    const Eigen::Matrix3Xd shape =
+        measured_shape(mesh, response, field.weights(contact), contact, displacement);
+    const Eigen::Vector3i corners = mesh.triangles.col(contact.triangle);
+    const Eigen::Vector3d moved = shape(Eigen::all, corners) * contact.barycentric;
+    EXPECT_LT((moved - at - displacement).norm(), 0.2) << i;  // the dent fades within a triangle
+    if (i > 0) {
+      EXPECT_LT((shape - before).colwise().norm().maxCoeff(), 0.2) << i;
+    }
+    before = shape;
+  }
+}
+
+TEST(MeasuredShape, IsADrawnDentWhereNothingWasRecorded) {
+  const FollowingSheet sheet;
+  SurfaceResponse response = sheet.fit();
+  response.responses.setZero();
+  response.dents.setZero();
+  const BlendedField field(sheet.model);
+  const geometry::TriangleMesh& mesh = sheet.model.surface;
+  const geometry::SurfacePoint at = field.surface().closest_point({3, 4, 700}).at;
+  EXPECT_EQ(measured_shape(mesh, response, field.weights(at), at, {1, 0, 5}),
+            drawn_shape(mesh, at, {1, 0, 5}));
+  EXPECT_EQ(measured_shape(mesh, response, field.weights(at), at, {kNaN, 0, 5}), mesh.vertices);
+}
+
+TEST(DisplayedShape, FollowsTheRecordedShapesIfTheModelHasAny) {
+  FollowingSheet sheet;
+  const BlendedField field(sheet.model);
+  const Playback playback(sheet.model);
+  LoopState state;
+  EXPECT_EQ(displayed_shape(sheet.model, field, state), sheet.model.surface.vertices);
+  const Eigen::Vector3d place = sheet.model.contacts[1].position, displacement(0, 0, 6);
+  for (int i = 0; i <= 10; ++i)
+    static_cast<void>(playback.step(place + 0.1 * i * displacement, state));
+  const Eigen::Matrix3Xd truth = true_shape(sheet.model.surface, place, displacement);
+  const auto error = [&] {
+    return (displayed_shape(sheet.model, field, state) - truth).colwise().norm().mean();
+  };
+  const double drawn = error();
+  sheet.model.response = sheet.fit();
+  EXPECT_LT(error(), 0.2 * drawn);
 }
 
 }  // namespace

@@ -4,8 +4,12 @@
 
 #include <Eigen/Core>
 
+#include "palpate/geometry/contact_locator.h"
 #include "palpate/geometry/surface_query.h"
 #include "palpate/geometry/triangle_mesh.h"
+#include "palpate/haptics/blended_field.h"
+#include "palpate/haptics/model.h"
+#include "palpate/haptics/playback.h"
 
 namespace palpate::haptics {
 
@@ -30,5 +34,28 @@ struct DrawnShapeOptions {
                                            const geometry::SurfacePoint& contact,
                                            const Eigen::Vector3d& displacement,
                                            const DrawnShapeOptions& options = {});
+
+/// The tip of the model's probe, if it is known.
+[[nodiscard]] DrawnShapeOptions shape_options(const Model& model);
+
+/// The surface with one contact displaced, as it was learnt from recorded surfaces
+/// (`SurfaceResponse`). A dent like that of `drawn_shape` closes what is left between the surface
+/// and the tool, so that the contact is at the tool. As far as weight belongs to contacts for which
+/// nothing was recorded, that dent is all. Continuous in place and displacement.
+/// \param weights of the contacts at the place (`BlendedField::weights`). \return 3 x V [mm]
+/// \param response which `check_surface_response` accepts.
+/// \throws InvalidInput as `drawn_shape`, or if the response is of another number of vertices.
+[[nodiscard]] Eigen::Matrix3Xd measured_shape(const geometry::TriangleMesh& surface,
+                                              const SurfaceResponse& response,
+                                              const geometry::ContactWeights& weights,
+                                              const geometry::SurfacePoint& contact,
+                                              const Eigen::Vector3d& displacement,
+                                              const DrawnShapeOptions& options = {});
+
+/// The surface to display in a state of playback: undeformed while the tool is free, otherwise
+/// `measured_shape` if the model has a response, and `drawn_shape` if not. 3 x V [mm]
+/// \param field of the model.
+[[nodiscard]] Eigen::Matrix3Xd displayed_shape(const Model& model, const BlendedField& field,
+                                               const LoopState& state);
 
 }  // namespace palpate::haptics

@@ -16,6 +16,7 @@
 #include "palpate/haptics/friction_limit.h"
 #include "palpate/haptics/passivity_certificate.h"
 #include "palpate/haptics/rate_law.h"
+#include "palpate/haptics/surface_response.h"
 
 namespace palpate::haptics {
 
@@ -139,6 +140,8 @@ struct Model {
   /// not at all. The fields give the force that stays.
   std::vector<RateTerm> rate;
   std::optional<MeasurementNoise> noise = {};  ///< none: not known
+  /// How the whole surface follows the tool, for display; none: no surfaces were recorded.
+  std::optional<SurfaceResponse> response = {};
   /// Moves the acquisition onto the surface; the contacts here are moved already.
   Eigen::Isometry3d T_surface_acquisition = Eigen::Isometry3d::Identity();
   std::map<std::string, std::string> made;  ///< how: sources, options, program; UTF-8

@@ -18,9 +18,9 @@ enum class ModelEncoding { json, cbor };
 /// about 14 MB then, which an editor still opens.
 inline constexpr std::size_t kMaxJsonContacts = 10'000;
 
-/// Reads a model folder: `surface.ply`, and `field.json` or, if there is none, `field.cbor` (the
-/// same document in CBOR). docs/model-file.md describes these files, docs/field.schema.json the
-/// document.
+/// Reads a model folder: `surface.ply`, `field.json` or, if there is none, `field.cbor` (the same
+/// document in CBOR), and `deformed/response.bin` if there is one. docs/model-file.md describes
+/// these files, docs/field.schema.json the document.
 /// \throws FileError if a file is missing, truncated, of a newer version, or holds something that
 /// `check_model` refuses or a number beyond 1e12. The message names the file and the JSON pointer,
 /// and says what would be right.

@@ -1,0 +1,51 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+
+#include "palpate/eigen_alignment.h"
+
+namespace palpate::haptics {
+
+/// How the whole surface follows the tool, learnt from recorded surfaces; for display (thesis 5.6).
+/// V vertices of the surface, N nodes among them, C contacts.
+///
+/// While the tool has moved the surface at place p by delta [mm], vertex v moves by
+///
+///     sum_c w_c (k_c(d) delta + sum_n W_vn B_cn delta)
+///
+/// with the weights w_c of the contacts at p, the distance d of the vertex from p along the
+/// surface, and the weights W_vn of its three nodes. The dent k_c moves with the tool; what else a
+/// contact moves stays where it is.
+struct SurfaceResponse {
+  /// Number of places of a dent.
+  static constexpr int kDentPlaces = 16;
+
+  Eigen::Matrix<std::uint16_t, 3, Eigen::Dynamic> nodes;  ///< 3 x V: nodes that move each vertex
+  Eigen::Matrix<Eigen::half, 3, Eigen::Dynamic> weights;  ///< 3 x V, >= 0; columns sum to 1
+  /// 9 N x C: the B_cn of a contact one after another, each column by column. All zero at a contact
+  /// for which no surface was recorded.
+  Eigen::Matrix<Eigen::half, Eigen::Dynamic, Eigen::Dynamic> responses;
+  /// Dents of the contacts, kDentPlaces x C: k_c at d = 0, reach / 16, 2 reach / 16, ..., linear
+  /// in between; 0 from d = reach on.
+  Eigen::Matrix<Eigen::half, kDentPlaces, Eigen::Dynamic> dents;
+  double reach = 0;    ///< [mm] > 0 of dents along the surface
+  int shapes = 0;      ///< number of recorded surfaces that it was learnt from
+  double rms = 0;      ///< [mm] distance of their vertices from the displayed ones, all of them
+  double largest = 0;  ///< [mm] the largest one
+
+  friend bool operator==(const SurfaceResponse&, const SurfaceResponse&) = default;
+};
+
+/// k_c at a distance d >= 0 [mm].
+[[nodiscard]] double dent_at(const SurfaceResponse& response, Eigen::Index contact, double d);
+
+/// \throws InvalidInput naming the member, beginning with `subject`, unless all is finite and fits
+/// so many vertices and contacts.
+void check_surface_response(const SurfaceResponse& response, Eigen::Index vertices,
+                            Eigen::Index contacts, const std::string& subject);
+
+}  // namespace palpate::haptics
