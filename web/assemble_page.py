@@ -1,27 +1,34 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: Palpate contributors
 # SPDX-License-Identifier: Apache-2.0
-"""Puts style, scripts and player.wasm into page.html. Model and title are left for `palpate export --html`."""
+"""Makes one file of a kind of page: puts styles, scripts and, where the page has it, player.wasm into its page.html.
+Data and title are left for `palpate export --html`.
+
+usage: assemble_page.py FOLDER OUTPUT [PLAYER.WASM]; FOLDER has page.html, and parts.txt, which names styles and scripts
+"""
 import base64
 import gzip
 import pathlib
 import sys
 
-page_folder, wasm, output = map(pathlib.Path, sys.argv[1:])
+folder, output, *wasm = map(pathlib.Path, sys.argv[1:])
 # Scripts in the order of their dependence: each uses only those before it.
-scripts = (page_folder / "scripts.txt").read_text().split()
-missing = {path.name for path in page_folder.glob("*.js")} ^ set(scripts)
+parts = [folder / name for name in (folder / "parts.txt").read_text().split()]
+own = {path.name for path in folder.iterdir() if path.suffix in (".css", ".js")}
+missing = own ^ {path.name for path in parts if ".." not in path.parts}
 if missing:
-    sys.exit(f"{page_folder / 'scripts.txt'}: must name each .js file once; it differs in {', '.join(sorted(missing))}")
+    sys.exit(f"{folder / 'parts.txt'}: must name each style and script once; it differs in {', '.join(sorted(missing))}")
 
-page = (page_folder / "page.html").read_text()
-parts = {
-    "/*{{style}}*/": (page_folder / "page.css").read_text(),
-    "/*{{script}}*/": "".join((page_folder / name).read_text() for name in scripts),
-    "{{wasm}}": base64.b64encode(gzip.compress(wasm.read_bytes(), 9, mtime=0)).decode(),
+page = (folder / "page.html").read_text()
+texts = {
+    "/*{{style}}*/": "".join(path.read_text() for path in parts if path.suffix == ".css"),
+    "/*{{script}}*/": "".join(path.read_text() for path in parts if path.suffix == ".js"),
 }
-for mark, text in parts.items():
+if wasm:
+    texts["{{wasm}}"] = base64.b64encode(gzip.compress(wasm[0].read_bytes(), 9, mtime=0)).decode()
+for mark, text in texts.items():
     if page.count(mark) != 1:
-        sys.exit(f"{page_folder / 'page.html'}: has {mark} {page.count(mark)} times, not once")
+        sys.exit(f"{folder / 'page.html'}: has {mark} {page.count(mark)} times, not once")
     page = page.replace(mark, text)
+output.parent.mkdir(exist_ok=True)
 output.write_text(page)

@@ -20,30 +20,15 @@ import time
 from pathlib import Path
 
 from chromium import Chromium, Failed
-from png import rows_of
+from page_checks import (Checks, canvas_box, canvas_of, check_sentence, check_silence, kDesktop, kNoGl, kPhone, kSoftwareGl,
+                         picture_saver, settle)
 
 kSeconds = 240         # for everything, on a machine that is busy with other work
 kForceTolerance = 1e-9  # [N] the same program on another processor: its sums are rounded in another order
-kSoftwareGl = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-gpu-compositing"]
-kNoGl = ["--disable-gpu", "--disable-webgl", "--disable-webgl2"]
-kDesktop = (1000, 640)
-kPhone = (360, 640)
 kStates = ["free", "stick", "slip"]
 kFeels = "Number(document.getElementById('newtons').textContent) > 0"
 kFree = "document.getElementById('state').dataset.state === 'free' && " \
         "Number(document.getElementById('newtons').textContent) === 0"
-
-
-class Checks:
-    """Counts what was found wrong, and says what was found, and when."""
-
-    def __init__(self):
-        self.failed = 0
-        self.begun = time.monotonic()
-
-    def that(self, fine, words):
-        self.failed += not fine
-        print(f"{time.monotonic() - self.begun:5.1f} s  {'ok   ' if fine else 'WRONG'}  {words}", flush=True)
 
 
 def is_surface(pixel):
@@ -51,25 +36,10 @@ def is_surface(pixel):
     return pixel[0] > pixel[2] + 15
 
 
-def canvas_box(page):
-    """Where in the window [px] the object is shown: x, y, width, height."""
-    return page.evaluate("(({x, y, width, height}) => [x, y, width, height])(document.getElementById('view').getBoundingClientRect())")
-
-
-def canvas_of(page):
-    """Pixels of the picture of the object, at half its size."""
-    return [pixel for row in rows_of(page.screenshot(canvas_box(page), 0.5)) for pixel in row]
-
-
 def middle_of_object(page):
     """The middle of the picture, which shows the object."""
     x, y, width, height = canvas_box(page)
     return x + width / 2, y + height / 2
-
-
-def settle(page):
-    """Waits until two frames were drawn."""
-    page.evaluate("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(1))))")
 
 
 def check_forces(checks, page, folder):
@@ -158,21 +128,6 @@ def check_phone(checks, page, save):
     checks.that(page.wait_until(kFree), "after the finger is lifted nothing is felt")
 
 
-def check_silence(checks, page, url):
-    """Nothing was asked of the network, nothing was complained about, and nothing could be asked."""
-    asked = [event["params"]["request"]["url"] for event in page.events if event["method"] == "Network.requestWillBeSent"]
-    others = [one for one in asked if one != url and not one.startswith("data:")]
-    checks.that(url in asked and not others, f"the page asks for nothing but itself {others or ''}")
-    complaints = [event["params"] for event in page.events
-                  if event["method"] == "Runtime.exceptionThrown"
-                  or event["method"] == "Runtime.consoleAPICalled" and event["params"]["type"] in ("error", "warning", "assert")
-                  or event["method"] == "Log.entryAdded" and event["params"]["entry"]["level"] == "error"]
-    checks.that(not complaints, f"the console is silent {json.dumps(complaints)[:600] if complaints else ''}")
-    refused = page.evaluate("new Promise((done) => { document.addEventListener('securitypolicyviolation', (e) => done(e.violatedDirective));"
-                            " fetch('https://example.invalid/').then(() => done('nobody'), () => setTimeout(done, 500, 'nobody')); })")
-    checks.that(refused == "connect-src", f"what would ask the network is refused by {refused}")
-
-
 def damaged_pages(text):
     """Names and texts of pages whose model was cut off, or is something else."""
     model = re.search(r'(?<=id="model">)[^<]*', text)
@@ -181,26 +136,11 @@ def damaged_pages(text):
         yield name, text[:model.start()] + damaged + text[model.end():]
 
 
-def check_sentence(checks, page, url, words, save):
-    """A page that cannot show the object says why."""
-    page.set_size(*kDesktop)
-    page.open(url)
-    page.wait_until("!document.getElementById('message').hidden")
-    said = page.evaluate("document.getElementById('message').innerText")
-    visible = page.evaluate("document.getElementById('message').getClientRects().length > 0")
-    save(words.lower(), page)
-    checks.that(visible and words in said, f"it is said: {said!r}")
-
-
 def run(arguments, checks):
     deadline = time.monotonic() + kSeconds
     url = arguments.page.resolve().as_uri()
 
-    def save(name, page):
-        if arguments.pictures:
-            arguments.pictures.mkdir(parents=True, exist_ok=True)
-            (arguments.pictures / f"{name}.png").write_bytes(page.screenshot())
-
+    save = picture_saver(arguments.pictures)
     with Chromium(arguments.chromium, kSoftwareGl, deadline) as page:
         page.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": "light"}])
         page.set_size(*kDesktop)

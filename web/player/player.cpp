@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
 
-// The C++ of playback as a page calls it (web/page/player.js). One model a page. All lengths are in
+// The C++ of playback as a page calls it (web/page/model/player.js). One model a page. All lengths are in
 // mm, forces in N, in the frame of the model.
 #include <array>
 #include <cstddef>

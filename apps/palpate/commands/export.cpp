@@ -2,15 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <optional>
+#include <string>
 
-#include "commands/model_page.h"
+#include "commands/export_page.h"
 #include "commands/play_friction.h"
 #include "palpate/error.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/haptics/model_io.h"
-#include "palpate/haptics/playable.h"
-#include "palpate/output_file.h"
+#include "shared/call_checks.h"
 #include "shared/command_line.h"
 #include "shared/inputs.h"
 
@@ -19,10 +18,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// More frames than any folder holds.
+constexpr int kMostEvery = 1'000'000;
+
 struct ExportCall {
-  fs::path model, output;
-  std::string title;
-  std::optional<double> friction;
+  PageCall page;  ///< its input and output are those of all formats
   bool ply = false, obj = false, json = false, cbor = false, html = false;
 };
 
@@ -33,55 +33,58 @@ std::string ending_of(const ExportCall& call) {
   return call.cbor ? ".cbor" : ".html";
 }
 
-std::string name_of(const fs::path& model) {
-  const fs::path whole = fs::weakly_canonical(model);
-  return whole.filename().empty() ? whole.parent_path().filename().string()
-                                  : whole.filename().string();
+void check_output(const fs::path& input, const fs::path& output, const std::string& ending) {
+  check_outputs({input}, {output});
+  if (output.extension() == ending) return;
+  throw InvalidInput(output.string() + ": the output file of this format must end in " + ending +
+                     ".");
 }
 
-void write_page(const fs::path& output, haptics::Model model, const ExportCall& call) {
-  haptics::check_playable(model);
-  const double played =
-      checked_friction(call.model, haptics::unknown_friction_count(model), call.friction);
-  for (haptics::ContactModel& contact : model.contacts) {
-    if (has_unknown_friction(contact)) contact.friction = played;
-  }
-  const std::string page = model_page(model, call.title.empty() ? name_of(call.model) : call.title);
-  write_file(output, [&](std::ostream& file) { file << page; });
-}
-
-void export_model(const Settings& settings, const ExportCall& call) {
-  const std::string ending = ending_of(call);
-  const fs::path output = call.output.empty() ? fs::path("model" + ending) : call.output;
-  check_outputs({call.model}, {output});
-  if (output.extension() != ending) {
-    throw InvalidInput(output.string() + ": the output file of this format must end in " + ending +
-                       ".");
-  }
-  if (!call.html) {
-    if (!call.title.empty()) throw InvalidInput("--title: is that of a page (--html)");
-    if (call.friction) throw InvalidInput("--friction: is that of a page (--html)");
-  }
-  const haptics::Model model = haptics::read_model(call.model);
+void write_model_as(const ExportCall& call) {
+  if (const std::string option = option_of_pages(call.page); !option.empty())
+    throw InvalidInput(option + ": is that of a page (--html)");
+  const fs::path& output = call.page.output;
+  const haptics::Model model = haptics::read_model(call.page.input);
   if (call.json) {
     haptics::write_field_document(output, model, haptics::ModelEncoding::json);
   } else if (call.cbor) {
     haptics::write_field_document(output, model, haptics::ModelEncoding::cbor);
-  } else if (call.html) {
-    write_page(output, model, call);
   } else {
     geometry::write_mesh(output, model.surface);
   }
-  print(settings, {{"file", output.string()}}, "Written to " + output.string());
+}
+
+void export_as(const Settings& settings, ExportCall call) {
+  const std::string ending = ending_of(call);
+  fs::path& output = call.page.output;
+  std::string written;
+  if (call.html) {
+    const PageContent content = content_of(call.page.input);
+    if (output.empty()) output = usual_name(content);
+    check_output(call.page.input, output, ending);
+    written = export_page(call.page, content);
+  } else {
+    if (output.empty()) output = "model" + ending;
+    check_output(call.page.input, output, ending);
+    write_model_as(call);
+  }
+  print(settings, {{"file", output.string()}},
+        "Written to " + output.string() + (written.empty() ? "" : ": " + written));
 }
 
 }  // namespace
 
 void add_export(CLI::App& app, const Settings& settings) {
   auto call = std::make_shared<ExportCall>();
+  PageCall& page = call->page;
   CLI::App* command = app.add_subcommand(
-      "export", "Export the surface or the fields of a model, or a page to press on it");
-  command->add_option("MODEL", call->model, "Model folder")->required();
+      "export",
+      "Export the surface or the fields of a model, or a page of a model, range maps or meshes");
+  command
+      ->add_option("INPUT", page.input,
+                   "Model folder; with --html also a range map, a depth image, a mesh, or a folder "
+                   "of them")
+      ->required();
   CLI::Option_group* format = command->add_option_group("format", "What to write");
   format->add_flag("--ply", call->ply, "The undeformed surface as PLY");
   format->add_flag("--obj", call->obj, "The undeformed surface as OBJ");
@@ -89,17 +92,35 @@ void add_export(CLI::App& app, const Settings& settings) {
   format->add_flag("--cbor", call->cbor, "The same document in CBOR");
   format->add_flag(
       "--html", call->html,
-      "A page in which one presses and drags on the object: one file, for any browser");
+      "A page, one file for any browser: a model to press and to drag on, range maps in "
+      "false colour and in space, or meshes");
   format->require_option(1);
-  add_friction_option(*command, call->friction);
-  command->add_option("--title", call->title, "Title of the page (default: name of the folder)");
-  command->add_option("-o,--output", call->output,
-                      "File to write (default: model.ply, model.obj, ...)");
+  add_friction_option(*command, page.friction);
+  add_camera_options(*command, page.camera);
+  add_unit_option(*command, page.meshes);
+  command
+      ->add_option("--every", page.every,
+                   "Page of a folder of range maps or meshes: take only each so-manieth, for "
+                   "sequences that are too long for a page")
+      ->check(within(at_least(1).at_most(kMostEvery)));
+  command->add_option("--title", page.title, "Title of the page (default: name of the input)");
+  command->add_option("-o,--output", page.output,
+                      "File to write (default: model.ply, model.obj, ...; range.html for range "
+                      "maps, mesh.html for meshes)");
   command->footer(
       "Here --json selects the format of the file; this command prints no JSON.\n"
-      "Example:\n  palpate export model/ --obj -o model.obj\n"
-      "  palpate export model/ --html -o model.html");
-  command->callback([call, &settings] { export_model(settings, *call); });
+      "A page of range maps also shows the predicted deviations and the reasons of lost pixels "
+      "that "
+      "palpate decode wrote\nbeside them (--sigma, --reasons). Depths and coordinates in pages are "
+      "rounded; the command and the page say to what.\n"
+      "Examples:\n  palpate export model/ --obj -o model.obj\n"
+      "  palpate export model/ --html -o model.html\n"
+      "  palpate export range/ --html -o range.html\n"
+      "  palpate export depth/ --html --scale 1 --intrinsics 600,600,320,240 --every 5 -o "
+      "range.html\n"
+      "  palpate export surface.ply --html -o surface.html\n"
+      "  palpate export meshes/ --html -o track.html");
+  command->callback([call, &settings] { export_as(settings, *call); });
 }
 
 }  // namespace palpate::apps

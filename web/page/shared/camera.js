@@ -48,6 +48,9 @@ const Camera = (() => {
       camera.moved = false;
     };
 
+    /** The object has another size or place; the view stays until it is asked for. */
+    camera.setExtent = (other) => { extent = other; };
+
     /** Sets the size of the picture [px]; the first view is fitted again until the visitor has moved it. */
     camera.resize = (width, height) => {
       camera.width = width;

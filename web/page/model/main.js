@@ -3,24 +3,20 @@
 // The page: opens the model, connects tool, picture, chart and words, and runs the frames.
 (() => {
   'use strict';
-  const kNoWebGL = 'This browser does not offer WebGL2, with which the object is drawn. A current browser with hardware acceleration switched on shows it.';
   const kNear = 4;           // spacings of vertices, within which the one nearest to a contact mostly lies
   const kDot = 6.5;          // [px] size of a contact
   const kLongestFrame = 200; // [ms] of a frame that count
-  const element = (id) => document.getElementById(id);
+  const { element, parts } = Page;
 
   /** Colours of the scheme in use: arrays of three for WebGL, text for the chart. */
   function readColors() {
-    const style = getComputedStyle(document.documentElement);
-    const text = (name) => style.getPropertyValue(name).trim();
-    const parts = (name) => [1, 3, 5].map((i) => parseInt(text(name).slice(i, i + 2), 16) / 255);
-    const colors = { chart: { total: text('--gl-force'), normal: text('--chart-normal'), tangential: text('--chart-tangential') } };
+    const colors = { chart: { total: Page.color('--gl-force'), normal: Page.color('--chart-normal'), tangential: Page.color('--chart-tangential') } };
     for (const name of ['sky', 'floor', 'surface', 'back', 'dent', 'tool', 'force', 'dot']) colors[name] = parts(`--gl-${name}`);
     for (const name of ['stick', 'slip']) {
       colors[name] = parts(`--${name}`);
-      colors.chart[name] = text(`--${name}`);
+      colors.chart[name] = Page.color(`--${name}`);
     }
-    colors.chart.quiet = text('--quiet');
+    colors.chart.quiet = Page.color('--quiet');
     return colors;
   }
 
@@ -43,7 +39,7 @@
     const model = { rest, triangles: player.triangles, dotCount: nearest.length };
     let renderer = Renderer.make(canvas, model);
     if (!renderer) {
-      Readout.failure(kNoWebGL);
+      Page.failure(WebGl.kMissing);
       return () => {};
     }
     const camera = Camera.make(extent, facing);
@@ -94,7 +90,7 @@
       stale = tool.advance(milliseconds) || stale;
       if (stale) updateSurface();
       stale = false;
-      const ratio = Math.min(2, window.devicePixelRatio || 1);
+      const ratio = Page.pixelRatio();
       renderer.draw(camera.shot(), colors, {
         solids: scene.solids(tool, interaction.hovered, colors), showDots: element('dots').checked,
         dent: tool.depthRange[1] / 2, dotSize: kDot * ratio, lift: 1.5 * kDot * camera.sizeOfPixel(),
@@ -105,17 +101,7 @@
       else last = null;
     }
 
-    function resize() {
-      const ratio = Math.min(2, window.devicePixelRatio || 1);
-      const width = Math.max(1, canvas.clientWidth), height = Math.max(1, canvas.clientHeight);
-      canvas.width = Math.round(width * ratio);
-      canvas.height = Math.round(height * ratio);
-      camera.resize(width, height);
-      wake();
-    }
-
-    new ResizeObserver(resize).observe(canvas);
-    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => { colors = readColors(); wake(); });
+    Page.onScheme(() => { colors = readColors(); wake(); });
     element('dots').addEventListener('change', wake);
     canvas.addEventListener('webglcontextlost', (event) => event.preventDefault());
     canvas.addEventListener('webglcontextrestored', () => {
@@ -123,7 +109,10 @@
       stale = true;
       wake();
     });
-    resize();
+    Page.followSize(canvas, (width, height) => {
+      camera.resize(width, height);
+      wake();
+    });
     return () => {
       tool.stop();
       stale = true;
@@ -138,7 +127,7 @@
       player = opened;
       stop = run(player);
     }).catch((error) => {
-      Readout.failure(error.message);
+      Page.failure(error.message);
       throw error;
     }),
     /** Plays 3 N coordinates of a tool with the player of this page; for tests. */

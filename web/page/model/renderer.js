@@ -4,17 +4,8 @@
 const Renderer = (() => {
   'use strict';
   const { frameAbout } = Algebra;
+  const { compile, use, bufferOf, attribute, vertexArray } = WebGl;
   const kHidden = 0.22;  // opacity of what lies behind the surface
-
-  const kBackdrop = [`
-    out vec2 v_place;
-    void main() { v_place = vec2((gl_VertexID << 1) & 2, gl_VertexID & 2); gl_Position = vec4(2.0 * v_place - 1.0, 0.0, 1.0); }`, `
-    in vec2 v_place;
-    uniform vec3 u_sky, u_floor;
-    void main() {
-      float grain = fract(sin(dot(gl_FragCoord.xy, vec2(12.9898, 78.233))) * 43758.5453) / 255.0;  // against bands
-      o_color = vec4(mix(u_floor, u_sky, smoothstep(0.0, 1.0, 1.15 - length((v_place - vec2(0.45, 0.65)) * 1.25))) + grain, 1.0);
-    }`];
 
   const kSurface = [`
     layout(location = 0) in vec3 a_position;
@@ -33,18 +24,14 @@ const Renderer = (() => {
     in float v_moved;
     uniform vec3 u_eye, u_light, u_front, u_back, u_dent;
     uniform float u_depth;
+    ${WebGl.kLit}
     void main() {
       vec3 to_eye = normalize(u_eye - v_position);
       vec3 normal = normalize(v_normal);
       bool front = gl_FrontFacing;
       if (!front) normal = -normal;
       vec3 base = front ? mix(u_front, u_dent, 0.55 * smoothstep(0.0, 1.0, v_moved / u_depth)) : u_back;
-      float key = max(dot(normal, u_light), 0.0);
-      float wrap = 0.5 + 0.5 * dot(normal, u_light);
-      float facing = max(dot(normal, to_eye), 0.0);
-      float shine = pow(max(dot(normal, normalize(u_light + to_eye)), 0.0), 38.0);
-      vec3 color = base * (0.27 + 0.33 * wrap + 0.48 * key + 0.08 * facing) + 0.12 * shine + 0.10 * pow(1.0 - facing, 4.0) * wrap;
-      o_color = vec4(color, 1.0);
+      o_color = vec4(lit(base, normal, to_eye, u_light), 1.0);
     }`];
 
   const kSolid = [`
@@ -86,65 +73,11 @@ const Renderer = (() => {
       o_color = vec4(u_color, 0.75 * smoothstep(1.0, 0.6, away));
     }`];
 
-  function compile(gl, [vertex, fragment]) {
-    const program = gl.createProgram();
-    const head = '#version 300 es\nprecision highp float;\n';
-    for (const [type, text] of [[gl.VERTEX_SHADER, head + vertex], [gl.FRAGMENT_SHADER, `${head}out vec4 o_color;\n${fragment}`]]) {
-      const shader = gl.createShader(type);
-      gl.shaderSource(shader, text);
-      gl.compileShader(shader);
-      gl.attachShader(program, shader);
-    }
-    gl.linkProgram(program);
-    if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost()) throw new Error(gl.getProgramInfoLog(program));
-    const places = {};
-    for (let i = gl.getProgramParameter(program, gl.ACTIVE_UNIFORMS); i-- > 0;) {
-      const { name } = gl.getActiveUniform(program, i);
-      places[name] = gl.getUniformLocation(program, name);
-    }
-    return { program, places };
-  }
-
-  const setters = { 1: 'uniform1fv', 3: 'uniform3fv', 4: 'uniform4fv', 9: 'uniformMatrix3fv', 16: 'uniformMatrix4fv' };
-
-  /** Uses a program and sets its uniforms; a number, or an array whose length tells the type. */
-  function use(gl, { program, places }, values) {
-    gl.useProgram(program);
-    for (const [name, value] of Object.entries(values)) {
-      const array = typeof value === 'number' ? [value] : value;
-      const matrix = array.length > 4 ? [false] : [];
-      gl[setters[array.length]](places[name] ?? null, ...matrix, array);
-    }
-  }
-
-  function bufferOf(gl, data, usage = gl.STATIC_DRAW, target = gl.ARRAY_BUFFER) {
-    const buffer = gl.createBuffer();
-    gl.bindBuffer(target, buffer);
-    gl.bufferData(target, data, usage);
-    return buffer;
-  }
-
-  /** Binds attribute `index` to three floats at `offset` in each `stride` bytes of the bound buffer. */
-  function attribute(gl, index, stride, offset) {
-    gl.enableVertexAttribArray(index);
-    gl.vertexAttribPointer(index, 3, gl.FLOAT, false, stride, offset);
-  }
-
-  function vertexArray(gl, fill) {
-    const array = gl.createVertexArray();
-    gl.bindVertexArray(array);
-    fill();
-    gl.bindVertexArray(null);
-    return array;
-  }
-
   /** A renderer for the canvas, or null if the browser has no WebGL2. */
   function make(canvas, { rest, triangles, dotCount }) {
-    // Without a graphics processor, smooth edges would take half of the time of a frame.
-    const gl = canvas.getContext('webgl2', { antialias: true, alpha: false, failIfMajorPerformanceCaveat: true })
-      ?? canvas.getContext('webgl2', { antialias: false, alpha: false });
+    const gl = WebGl.contextOf(canvas);
     if (!gl) return null;
-    const programs = { backdrop: compile(gl, kBackdrop), surface: compile(gl, kSurface), solid: compile(gl, kSolid), dots: compile(gl, kDots) };
+    const programs = { backdrop: compile(gl, WebGl.kBackdrop), surface: compile(gl, kSurface), solid: compile(gl, kSolid), dots: compile(gl, kDots) };
     const buffers = {};
     const surface = vertexArray(gl, () => {
       buffers.position = bufferOf(gl, rest, gl.DYNAMIC_DRAW);
@@ -187,14 +120,7 @@ const Renderer = (() => {
 
     /** Solids: opaque ones first. `dent` is the displacement [mm] that gets the whole tint; dots are lifted by `lift` mm, so that a slanted surface does not cut them. */
     function draw(shot, colors, { solids, showDots, dotSize, dent, lift }) {
-      gl.viewport(0, 0, canvas.width, canvas.height);
-      gl.disable(gl.BLEND);
-      gl.disable(gl.DEPTH_TEST);
-      gl.clear(gl.DEPTH_BUFFER_BIT);
-      use(gl, programs.backdrop, { u_sky: colors.sky, u_floor: colors.floor });
-      gl.bindVertexArray(null);
-      gl.drawArrays(gl.TRIANGLES, 0, 3);
-
+      WebGl.drawBackdrop(gl, programs.backdrop, colors);
       gl.enable(gl.DEPTH_TEST);
       use(gl, programs.surface, {
         u_matrix: shot.matrix, u_eye: shot.eye, u_light: shot.light, u_front: colors.surface, u_back: colors.back,

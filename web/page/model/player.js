@@ -7,22 +7,18 @@ const Player = (() => {
   const kDamaged = 'The model in this page is damaged. Export the page again, or copy it again from where it came.';
   const STATES = ['free', 'stick', 'slip'];
 
-  /** Bytes of a script element that holds them in base64, as gzip. The element is emptied: nobody needs the text again. */
+  /** Bytes of a script element; it is emptied: nobody needs the text again. */
   async function bytesOf(id) {
-    const element = document.getElementById(id);
-    const text = atob(element.textContent.trim());
-    element.textContent = '';
-    const bytes = new Uint8Array(text.length);
-    for (let i = 0; i < text.length; ++i) bytes[i] = text.charCodeAt(i);
-    const unpacked = new Blob([bytes]).stream().pipeThrough(new DecompressionStream('gzip'));
-    return new Uint8Array(await new Response(unpacked).arrayBuffer());
+    const bytes = await Bytes.of(document.getElementById(id));
+    document.getElementById(id).textContent = '';
+    return bytes;
   }
 
   const systemCalls = new Proxy({}, { get: () => () => kNotSupported });
 
   /** Opens the model of the page. Rejects with an Error whose message is for the visitor. */
   async function open() {
-    if (typeof WebAssembly !== 'object' || typeof DecompressionStream !== 'function') {
+    if (typeof WebAssembly !== 'object' || !Bytes.supported) {
       throw new Error('This browser is too old to compute the forces: it lacks WebAssembly. A browser of 2023 or later shows this page.');
     }
     const made = await WebAssembly.instantiate(await bytesOf('player'), { wasi_snapshot_preview1: systemCalls });

@@ -5,12 +5,12 @@ const Surface = (() => {
   'use strict';
   const { subtract, norm, scale, add } = Algebra;
 
-  /** Corners of the bounding box, its centre, and the length of its diagonal [mm]. */
+  /** Corners of the bounding box, its centre, and the length of its diagonal [mm]; vertices that are NaN do not count. */
   function extentOf(vertices) {
     const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
     for (let i = 0; i < vertices.length; ++i) {
-      low[i % 3] = Math.min(low[i % 3], vertices[i]);
-      high[i % 3] = Math.max(high[i % 3], vertices[i]);
+      if (vertices[i] < low[i % 3]) low[i % 3] = vertices[i];
+      if (vertices[i] > high[i % 3]) high[i % 3] = vertices[i];
     }
     return { low, high, center: scale(add(low, high), 0.5), diagonal: norm(subtract(high, low)) };
   }
@@ -79,5 +79,35 @@ const Surface = (() => {
     return nearest;
   }
 
-  return { extentOf, sumNormals, meanDirection, nearestVertices };
+  /**
+   * The vertex of the first triangle that a ray hits, which is nearest to the place where it does; -1 if it hits none.
+   * All triangles are tried (Moeller and Trumbore 1997).
+   */
+  function hit([ox, oy, oz], [dx, dy, dz], positions, triangles) {
+    let nearest = Infinity, vertex = -1;
+    for (let t = 0; t < triangles.length; t += 3) {
+      const a = 3 * triangles[t], b = 3 * triangles[t + 1], c = 3 * triangles[t + 2];
+      const ax = positions[a], ay = positions[a + 1], az = positions[a + 2];
+      const ux = positions[b] - ax, uy = positions[b + 1] - ay, uz = positions[b + 2] - az;
+      const vx = positions[c] - ax, vy = positions[c + 1] - ay, vz = positions[c + 2] - az;
+      const px = dy * vz - dz * vy, py = dz * vx - dx * vz, pz = dx * vy - dy * vx;
+      const determinant = ux * px + uy * py + uz * pz;
+      if (determinant === 0) continue;
+      const sx = ox - ax, sy = oy - ay, sz = oz - az;
+      const u = (sx * px + sy * py + sz * pz) / determinant;
+      if (!(u >= 0 && u <= 1)) continue;
+      const qx = sy * uz - sz * uy, qy = sz * ux - sx * uz, qz = sx * uy - sy * ux;
+      const v = (dx * qx + dy * qy + dz * qz) / determinant;
+      if (!(v >= 0 && u + v <= 1)) continue;
+      const distance = (vx * qx + vy * qy + vz * qz) / determinant;
+      if (!(distance > 0 && distance < nearest)) continue;
+      nearest = distance;
+      const w = 1 - u - v;
+      const corner = u > v && u > w ? 1 : v > w ? 2 : 0;
+      vertex = triangles[t + corner];
+    }
+    return vertex;
+  }
+
+  return { extentOf, sumNormals, meanDirection, nearestVertices, hit };
 })();

@@ -10,8 +10,7 @@ const Readout = (() => {
     stick: ['Sticks', 'The tool holds at the contact.'],
     slip: ['Slips', 'The tool slides over the object.'],
   };
-  const element = (id) => document.getElementById(id);
-  const write = (id, text) => { if (element(id).textContent !== text) element(id).textContent = text; };
+  const { element, write } = Page;
 
   /** `reference` [N] decides how many digits are shown, `extent` and `contactCount` are facts of the model. */
   function make({ reference, extent, contactCount, toolRadius }) {
@@ -69,12 +68,5 @@ const Readout = (() => {
     return show;
   }
 
-  /** Instead of an object that cannot be shown. */
-  function failure(text) {
-    element('message').hidden = false;
-    write('message', text);
-    element('page').classList.add('failed');
-  }
-
-  return { make, depthControl, failure };
+  return { make, depthControl };
 })();

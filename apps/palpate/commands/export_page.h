@@ -1,0 +1,43 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "palpate/geometry/mesh_io.h"
+#include "shared/inputs.h"
+
+namespace palpate::apps {
+
+/// The options of `palpate export --html`.
+struct PageCall {
+  std::filesystem::path input, output;
+  std::string title;
+  std::optional<double> friction;  ///< of models
+  MapCamera camera;                ///< of range maps and depth images
+  std::optional<int> every;        ///< of sequences: takes each so-manieth frame
+  geometry::ReadOptions meshes;
+};
+
+/// The first of the options that are for pages alone, in a call that asks for none; empty if there
+/// is none.
+[[nodiscard]] std::string option_of_pages(const PageCall& call);
+
+/// What a file or folder holds that a page can show.
+enum class PageContent { model, range_maps, meshes };
+
+/// \throws FileError if there is no such file, or nothing of these in the folder.
+/// \throws InvalidInput for a file of another type.
+[[nodiscard]] PageContent content_of(const std::filesystem::path& path);
+
+/// model.html, range.html or mesh.html.
+[[nodiscard]] std::filesystem::path usual_name(PageContent content);
+
+/// Writes the page of a model, of range maps or of meshes.
+/// \returns what was written, in words; empty for a model.
+/// \throws InvalidInput also if an option is not for this content.
+std::string export_page(const PageCall& call, PageContent content);
+
+}  // namespace palpate::apps

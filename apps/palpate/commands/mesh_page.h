@@ -1,0 +1,29 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "palpate/geometry/mesh_io.h"
+
+namespace palpate::apps {
+
+/// Whether `read_mesh_file` may know a file, by its extension; point files (.pcd) and images are
+/// none.
+[[nodiscard]] bool may_be_mesh(const std::filesystem::path& path);
+
+/// The meshes of a folder by name, without those in folders of it.
+[[nodiscard]] std::vector<std::filesystem::path> list_meshes(const std::filesystem::path& folder);
+
+/// Writes a page that shows a mesh, or meshes of the same triangles one after the other, as `track`
+/// writes them; with the numbers and colours of their vertices.
+/// \returns what was written, in words: frames, size, and what rounding has lost.
+/// \throws FileError if a file is damaged; InvalidInput if there is no triangle, the meshes have
+/// different triangles, or the page would be too long. Nothing is written then.
+std::string write_mesh_page(const std::filesystem::path& output,
+                            const std::vector<std::filesystem::path>& meshes,
+                            const geometry::ReadOptions& options, const std::string& title);
+
+}  // namespace palpate::apps
