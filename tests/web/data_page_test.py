@@ -23,7 +23,7 @@ from page_checks import (Checks, canvas_box, canvas_of, check_sentence, check_si
                          picture_saver, settle)
 from png import rows_of
 
-kSeconds = 120  # for everything, on a machine that is busy with other work
+kSeconds = 240  # for everything, on a machine that is busy with other work
 kRounding = 1e-9  # [mm] of numbers near 1000
 kSigmaBound = 0.0101  # of the deviation: exp(0.01) - 1
 kRayBound = 2e-5  # of the depth: rays between grid points are interpolated

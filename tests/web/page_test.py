@@ -4,7 +4,7 @@
 """Opens a page of `palpate export --html` in a headless Chromium and checks it.
 
 The forces of the page must be those that `palpate play` wrote for the same trajectory; the object must be drawn, and must be
-pressed by mouse, finger and key; nothing may be asked of the network; without WebGL2, and with a damaged model, a sentence must
+pressed by mouse, pen, finger, key and gamepad; nothing may be asked of the network; without WebGL2, and with a damaged model, a sentence must
 say so. Ends with status 0 if all is well, with 1 and words if not, and in any case before kSeconds.
 """
 import argparse
@@ -104,6 +104,50 @@ def check_desktop(checks, page, save):
     page.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": "light"}])
 
 
+def newtons(page):
+    return float(page.evaluate("document.getElementById('newtons').textContent"))
+
+
+def check_pen(checks, page):
+    """A pen presses as deep as its pressure says."""
+    x, y = middle_of_object(page)
+    felt = []
+    page.mouse("mousePressed", (x, y), button="left", buttons=1, clickCount=1, pointerType="pen", force=0.1)
+    for force in (0.1, 0.5):
+        page.mouse("mouseMoved", (x + 1, y), button="left", buttons=1, pointerType="pen", force=force)
+        page.evaluate("new Promise((done) => setTimeout(done, 450))")
+        felt.append(newtons(page))
+    page.mouse("mouseReleased", (x + 1, y), button="left", pointerType="pen")
+    checks.that(felt[1] > 1.5 * felt[0] > 0, f"a pen at a tenth and at half of its pressure feels {felt} N")
+    checks.that(page.wait_until(kFree), "after it nothing is felt")
+
+
+# A gamepad that the test holds: the page asks for it in each frame.
+kGamepad = ("navigator.getGamepads = () => [{ connected: true, axes: window.axes, buttons: window.buttons }];"
+            " window.axes = [0, 0, 0, 0]; window.buttons = Array.from({ length: 8 }, () => ({ value: 0 }));"
+            " window.dispatchEvent(new Event('gamepadconnected'))")
+
+
+def check_gamepad(checks, page):
+    page.evaluate(f"document.getElementById('home').click(), {kGamepad}")
+    felt = []
+    for pull in (0.4, 1):
+        page.evaluate(f"window.buttons[7].value = {pull}, new Promise((done) => setTimeout(done, 450))")
+        felt.append(newtons(page))
+    checks.that(felt[1] > 1.3 * felt[0] > 0, f"a trigger pulled by 40 % and entirely gives {felt} N")
+    page.evaluate("window.axes[0] = 0.8, new Promise((done) => setTimeout(done, 200))")
+    state = page.evaluate("document.getElementById('state').dataset.state")
+    tangential = float(page.evaluate("document.getElementById('tangential').textContent"))
+    checks.that(state in ("stick", "slip") and tangential > 0, f"the left stick drags: {state}, {tangential} N across")
+    page.evaluate("window.axes[0] = 0, window.buttons[7].value = 0")
+    checks.that(page.wait_until(kFree), "the trigger lets go")
+    before = canvas_of(page)
+    page.evaluate("window.axes[2] = 1, new Promise((done) => setTimeout(done, 200))")
+    page.evaluate("window.axes[2] = 0, navigator.getGamepads = () => []")
+    changed = sum(sum(abs(a - b) for a, b in zip(*pair)) > 24 for pair in zip(before, canvas_of(page)))
+    checks.that(changed > len(before) // 50, f"the right stick turns the view: {changed} pixels change")
+
+
 def check_phone(checks, page, save):
     page.set_size(*kPhone, phone=True)
     settle(page)
@@ -148,6 +192,8 @@ def run(arguments, checks):
         page.evaluate("palpate.ready")
         check_forces(checks, page, arguments.folder)
         check_desktop(checks, page, save)
+        check_pen(checks, page)
+        check_gamepad(checks, page)
         check_phone(checks, page, save)
         check_silence(checks, page, url)
         with tempfile.TemporaryDirectory() as folder:

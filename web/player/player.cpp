@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
 
-// The C++ of playback as a page calls it (web/page/model/player.js). One model a page. All lengths are in
-// mm, forces in N, in the frame of the model.
+// The C++ of playback as a page calls it (web/page/model/player.js). One model a page. All lengths
+// are in mm, forces in N, in the frame of the model.
 #include <array>
 #include <cstddef>
 #include <cstdlib>

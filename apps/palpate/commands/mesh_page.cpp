@@ -17,6 +17,7 @@
 #include "palpate/geometry/mesh_measures.h"
 #include "palpate/geometry/mesh_topology.h"
 #include "palpate/geometry/packed_image.h"
+#include "shared/progress.h"
 
 namespace palpate::apps {
 namespace {
@@ -82,6 +83,7 @@ void check_triangles(const fs::path& path, const geometry::TriangleMesh& mesh,
 
 MeshSurvey survey_of(const std::vector<fs::path>& meshes, const geometry::ReadOptions& options) {
   MeshSurvey survey;
+  Progress progress("reading");
   for (std::size_t i = 0; i < meshes.size(); ++i) {
     const geometry::MeshFile file = geometry::read_mesh_file(meshes[i], options);
     if (i == 0) {
@@ -97,6 +99,7 @@ MeshSurvey survey_of(const std::vector<fs::path>& meshes, const geometry::ReadOp
       if (values) quantity.range.add({values->data(), static_cast<std::size_t>(values->size())});
       return !values;
     });
+    progress.show(static_cast<int>(i + 1), static_cast<int>(meshes.size()));
   }
   std::erase_if(survey.quantities, [](const VertexQuantity& one) { return one.range.is_empty(); });
   for (VertexQuantity& one : survey.quantities) {

@@ -15,6 +15,7 @@
 #include "palpate/geometry/packed_image.h"
 #include "palpate/geometry/range_map.h"
 #include "palpate/sensing/reason_image.h"
+#include "shared/progress.h"
 
 namespace palpate::apps {
 namespace {
@@ -106,6 +107,7 @@ void check_camera_of(const fs::path& map, const geometry::Camera& camera,
 
 RangeSurvey survey_of(const std::vector<fs::path>& maps, const MapCamera& camera) {
   RangeSurvey survey;
+  Progress progress("reading");
   for (const fs::path& path : maps) {
     const RangeFrame frame = read_range_frame(path, camera);
     if (survey.frames.empty()) survey.camera = frame.map.camera;
@@ -117,6 +119,7 @@ RangeSurvey survey_of(const std::vector<fs::path>& maps, const MapCamera& camera
                              {"known", frame.map.z.isFinite().count()},
                              {"sigma", frame.sigma.has_value()},
                              {"reasons", frame.reasons.has_value()}});
+    progress.show(static_cast<int>(survey.frames.size()), static_cast<int>(maps.size()));
   }
   if (survey.depth.is_empty() && !survey.reasons) {
     throw InvalidInput(

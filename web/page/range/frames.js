@@ -61,14 +61,20 @@ const Frames = (() => {
         reason: frame.reasons ? frame.reasons[pixel] : null,
       }),
 
-      /** Packed colours of all pixels, 0 where there is nothing to show. */
-      colorsOf(frame, { id, low, high }) {
-        if (id === 'reason') return frame.reasons ? Uint32Array.from(frame.reasons, (code) => ColorMap.labels[code]) : new Uint32Array(width * height);
-        const codes = id === 'depth' ? frame.depths : frame.sigmas;
-        const colors = new Uint32Array(width * height);
+      /** Packed colours of every `stride`-th pixel, 0 where there is nothing to show. */
+      colorsOf(frame, { id, low, high }, stride = 1) {
+        const colors = new Uint32Array(Math.ceil(width / stride) * Math.ceil(height / stride));
+        const codes = { depth: frame.depths, sigma: frame.sigmas, reason: frame.reasons }[id];
         if (!codes) return colors;
-        const shade = ColorMap.shadeOf(low, high), valueOf = id === 'depth' ? depthOf : sigmaOf;
-        for (let i = 0; i < codes.length; ++i) if (codes[i] !== kUnknown) colors[i] = shade(valueOf(codes[i]));
+        const shade = ColorMap.shadeOf(low, high);
+        const colorOf = {
+          depth: (code) => shade(depthOf(code)), sigma: (code) => shade(sigmaOf(code)), reason: (code) => ColorMap.labels[code],
+        }[id];
+        for (let row = 0, i = 0; row < height; row += stride) {
+          for (let pixel = row * width; pixel < (row + 1) * width; pixel += stride, ++i) {
+            if (codes[pixel] !== kUnknown) colors[i] = colorOf(codes[pixel]);
+          }
+        }
         return colors;
       },
 

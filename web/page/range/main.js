@@ -72,14 +72,8 @@
     if (!frame) return;
     const one = legend.present;
     if (one.words) legend.count(frames.countsOf(frame));
-    const colors = frames.colorsOf(frame, one);
-    if (inSpace() && stage) {
-      const across = Math.ceil(width / stride), down = Math.ceil(height / stride);
-      stage.setColors(Uint32Array.from({ length: across * down }, (_, i) =>
-        colors[stride * Math.floor(i / across) * width + stride * (i % across)] || ColorMap.unknown));
-    } else {
-      image.setColors(colors);
-    }
+    if (inSpace() && stage) stage.setColors(frames.colorsOf(frame, one, stride).map((color) => color || ColorMap.unknown));
+    else image.setColors(frames.colorsOf(frame, one));
     wake();
   }
 
@@ -99,15 +93,19 @@
     return used;
   };
 
-  async function display(next, i) {
-    frame = next;
-    shown = i;
-    reliefFits = false;
-    const known = facts.frames[i].known;
+  function tellFrame() {
+    const { known } = facts.frames[shown];
     write('known', known === 0 ? 'No pixel of this frame has a depth.'
       : `${known} of ${width * height} pixels have a depth (${(100 * known / (width * height)).toFixed(1)}\u00a0%).`);
     const lacks = { sigma: !frame.sigmas && 'Deviations', reason: !frame.reasons && 'Reasons' }[legend.present.id];
     write('notice', lacks ? `${lacks} of this frame were not stored.` : '');
+  }
+
+  async function display(next, i) {
+    frame = next;
+    shown = i;
+    reliefFits = false;
+    tellFrame();
     await raise();
     paint();
     showValues();
@@ -115,13 +113,19 @@
 
   const legend = Legend.make({
     quantities: quantities(),
-    changed: () => { if (frame) display(frame, shown); },
+    changed() {
+      if (!frame) return;
+      tellFrame();
+      paint();
+    },
     fit: () => frame && frames.rangeOf(frame, legend.present.id),
   });
 
+  const tellDamage = (what) => Page.failure(`The ${what} in this page are damaged. Export the page again, or copy it again from where it came.`);
+
   const timeline = Timeline.make({
     names, load: frames.load, display,
-    failed: (error, i) => Page.failure(`The data of ${names[i]} in this page are damaged. Export the page again, or copy it again from where it came.`),
+    failed: (error, i) => tellDamage(`data of ${names[i]}`),
   });
 
   function chooseView() {
@@ -131,7 +135,7 @@
     element('message').hidden = !inSpace() || stage !== null;
     if (inSpace() && !stage) write('message', `${WebGl.kMissing} The image needs none: choose it above.`);
     element('plain-row').hidden = !inSpace() || !stage;
-    raise().then(paint);
+    raise().then(paint, () => tellDamage('data of the camera'));
   }
 
   function tellFacts() {

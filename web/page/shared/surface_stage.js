@@ -24,9 +24,10 @@ const SurfaceStage = (() => {
 
     function frame() {
       requested = false;
-      if (!camera || canvas.hidden) return;
-      view.draw(camera.shot(), scheme, options());
-      if (pointed && (orbit.act === null || orbit.act === 'turn')) inspect(view.hit(camera.ray(pointed.x, pointed.y)));
+      if (canvas.hidden) return;
+      if (camera) view.draw(camera.shot(), scheme, options());
+      else view.clear(scheme);
+      if (camera && pointed && (orbit.act === null || orbit.act === 'turn')) inspect(view.hit(camera.ray(pointed.x, pointed.y)));
       pointed = null;
     }
 

@@ -119,6 +119,7 @@ const SurfaceView = (() => {
         colors = newColors;
         write('colors', colors);
       },
+      clear: (scheme) => WebGl.drawBackdrop(gl, programs.backdrop, scheme),
       /** `scheme`: colours sky, floor, surface, back and edge. */
       draw(shot, scheme, { colored, flat, edges }) {
         WebGl.drawBackdrop(gl, programs.backdrop, scheme);
