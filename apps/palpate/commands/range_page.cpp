@@ -122,12 +122,11 @@ RangeSurvey survey_of(const std::vector<fs::path>& maps, const MapCamera& camera
     progress.show(static_cast<int>(survey.frames.size()), static_cast<int>(maps.size()));
   }
   if (survey.depth.is_empty() && !survey.reasons) {
-    throw InvalidInput(
-        fmt::format("{}: no pixel {} has a depth; there is nothing to show. palpate decode "
-                    "--reasons tells why, and a page shows it.",
-                    maps.front().string(),
-                    maps.size() == 1 ? std::string("of it")
-                                     : fmt::format("of it and {} more", maps.size() - 1)));
+    throw InvalidInput(fmt::format(
+        "{}: no pixel {} has a depth; there is nothing to show.{}", maps.front().string(),
+        maps.size() == 1 ? std::string("of it") : fmt::format("of it and {} more", maps.size() - 1),
+        is_range_map(maps.front()) ? " palpate decode --reasons tells why, and a page shows it."
+                                   : ""));
   }
   survey.step = step_of(survey, camera);
   return survey;

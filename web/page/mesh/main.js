@@ -51,6 +51,7 @@
   }
 
   const legend = Legend.make({
+    single: names.length === 1,
     quantities,
     changed() {
       paint();

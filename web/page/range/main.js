@@ -22,7 +22,7 @@
   }
 
   const image = ImageView.make(element('image'), width, height);
-  const stride = Relief.strideOf(width, height);
+  const stride = Relief.strideOf(width, height, Math.max(...facts.frames.map(({ known }) => known)));
   const inspect = (pixel) => {
     if (!pixel) return;
     mark = pixel;
@@ -112,6 +112,7 @@
   }
 
   const legend = Legend.make({
+    single: names.length === 1,
     quantities: quantities(),
     changed() {
       if (!frame) return;
@@ -139,13 +140,14 @@
   }
 
   function tellFacts() {
-    write('facts', `${names.length === 1 ? 'Range map' : `${names.length} range maps`} of ${width} \u00d7 ${height} pixels`);
+    const [one, many] = facts.exact ? ['Depth image', 'depth images'] : ['Range map', 'range maps'];
+    write('facts', `${names.length === 1 ? one : `${names.length} ${many}`} of ${width} \u00d7 ${height} pixels`);
     const micro = (length) => `${Number((1000 * length).toPrecision(2))} \u00b5m`;
     const least = facts.sigma ? `; the smallest deviation here is ${micro(facts.sigma.min)}` : '';
     const lost = facts.exact ? 'In this page depths are exact, as in the depth images. '
       : `In this page depths are rounded to whole multiples of ${micro(facts.step)}: they are off by at most ${micro(facts.step / 2)}${least}. `;
     write('rounding', `${lost}${facts.sigma ? 'Deviations are off by at most 1 %. ' : ''}Unknown pixels and reasons are as they were decoded. Measure in the files, not in the page.`);
-    write('drawn', `The surface is drawn from ${stride === 1 ? 'all pixels' : `each ${stride}th pixel in each direction`}, and cut where the depth of neighbours differs by more than 2 %.`);
+    write('drawn', `The surface is drawn from ${stride === 1 ? 'all pixels' : `one pixel of ${stride} \u00d7 ${stride}`}, and cut where the depth of neighbours differs by more than 2 %.`);
     for (const [row, present] of [['sigma', facts.sigma], ['reason', facts.reasons]]) {
       for (const part of document.querySelectorAll(`.of-${row}`)) part.hidden = !present;
     }

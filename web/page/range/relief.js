@@ -3,11 +3,12 @@
 // The surface of a range map in space: a grid of its pixels, cut where depths jump. It is drawn, not measured: use `palpate mesh` for measurements.
 const Relief = (() => {
   'use strict';
-  const kMostVertices = 250000;  // a larger map is drawn by every second pixel, every third, ...
+  const kMostVertices = 300000;  // of more, each second pixel is drawn in both directions, each third, ...
+  const kMostPixels = 2000000;   // the same, known or not
   const kLargestStep = 0.02;     // of the depth, between neighbours on one surface, as in `palpate mesh`
 
-  /** The distance of the pixels that are drawn. */
-  const strideOf = (width, height) => Math.ceil(Math.sqrt(width * height / kMostVertices));
+  /** The distance of the pixels that are drawn; `known` have a depth. */
+  const strideOf = (width, height, known) => Math.max(1, Math.ceil(Math.sqrt(Math.max(known / kMostVertices, width * height / kMostPixels))));
 
   /** `depths`: codes of the map's pixels; `rays`: x / z and y / z of those that are drawn. Faces the camera, whose frame it has. */
   function make({ depths, width, height, stride, step, rays: [rayX, rayY] }) {

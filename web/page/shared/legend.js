@@ -17,11 +17,12 @@ const Legend = (() => {
   const threeDigits = (number) => (number > 0 ? Math.min(kMostDecimals, Math.max(0, 2 - Math.floor(Math.log10(number)))) : 0);
 
   /**
-   * `quantities`: [{ id, name, unit, step or digits, range: { low, high, min, max } } or { id, name, words }] with `words` for labels, or
-   * neither for a colour of its own. changed() is called when another is chosen or a scale is set; fit() returns the range of
-   * the frame that is shown. Returns an object with `present` (the quantity, with its `low` and `high`) and count(labels).
+   * `quantities`: [{ id, name, unit, step or digits, range: { low, high, min, max } }, or { id, name, words } with `words` for
+   * labels, or { id, name } for a colour of its own]. `single`: there is one frame. changed() is called when another is chosen or a
+   * scale is set; fit() returns the range of the frame that is shown. Returns an object with `present` (the quantity, with its
+   * `low` and `high`) and count(labels).
    */
-  function make({ quantities, changed, fit }) {
+  function make({ quantities, single, changed, fit }) {
     const self = { present: quantities[0] };
     const low = element('low'), high = element('high');
     for (const one of quantities) {
@@ -34,6 +35,9 @@ const Legend = (() => {
       element('shown').append(label);
     }
     element('shown').hidden = quantities.length < 2;
+
+    element('fit').hidden = single;
+    if (single) write('whole', 'First scale');
 
     function drawBar() {
       const canvas = element('bar'), context = canvas.getContext('2d');
