@@ -27,6 +27,7 @@
     options: () => ({ colored: legend.present.id !== 'plain', flat: element('flat').checked, edges: element('edges').checked }),
     inspect(found) {
       if (found < 0) return;
+      element('hint').classList.add('done');
       vertex = found;
       showValues();
     },

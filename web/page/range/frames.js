@@ -66,9 +66,9 @@ const Frames = (() => {
         const colors = new Uint32Array(Math.ceil(width / stride) * Math.ceil(height / stride));
         const codes = { depth: frame.depths, sigma: frame.sigmas, reason: frame.reasons }[id];
         if (!codes) return colors;
-        const shade = ColorMap.shadeOf(low, high);
+        const shade = id === 'sigma' ? ColorMap.shadeOf(Math.log(low), Math.log(high)) : ColorMap.shadeOf(low, high);
         const colorOf = {
-          depth: (code) => shade(depthOf(code)), sigma: (code) => shade(sigmaOf(code)), reason: (code) => ColorMap.labels[code],
+          depth: (code) => shade(depthOf(code)), sigma: (code) => shade(code * facts.sigma_step), reason: (code) => ColorMap.labels[code],
         }[id];
         for (let row = 0, i = 0; row < height; row += stride) {
           for (let pixel = row * width; pixel < (row + 1) * width; pixel += stride, ++i) {

@@ -16,7 +16,7 @@
   function quantities() {
     const list = [];
     if (facts.depth) list.push({ id: 'depth', name: 'Depth', unit: 'mm', step: facts.step, range: facts.depth });
-    if (facts.sigma) list.push({ id: 'sigma', name: 'Deviation', unit: 'mm', digits: Legend.threeDigits(facts.sigma.low), range: facts.sigma });
+    if (facts.sigma) list.push({ id: 'sigma', name: 'Deviation', unit: 'mm', digits: Legend.threeDigits(facts.sigma.low), range: facts.sigma, log: true });
     if (facts.reasons) list.push({ id: 'reason', name: 'Reason', words: facts.reasons });
     return list;
   }

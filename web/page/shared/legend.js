@@ -17,10 +17,10 @@ const Legend = (() => {
   const threeDigits = (number) => (number > 0 ? Math.min(kMostDecimals, Math.max(0, 2 - Math.floor(Math.log10(number)))) : 0);
 
   /**
-   * `quantities`: [{ id, name, unit, step or digits, range: { low, high, min, max } }, or { id, name, words } with `words` for
-   * labels, or { id, name } for a colour of its own]. `single`: there is one frame. changed() is called when another is chosen or a
-   * scale is set; fit() returns the range of the frame that is shown. Returns an object with `present` (the quantity, with its
-   * `low` and `high`) and count(labels).
+   * `quantities`: [{ id, name, unit, step or digits, range: { low, high, min, max }, log }, or { id, name, words } with `words` for
+   * labels, or { id, name } for a colour of its own]. `log`: the scale is logarithmic. `single`: there is one frame. changed() is
+   * called when another is chosen or a scale is set; fit() returns the range of the frame that is shown. Returns an object with
+   * `present` (the quantity, with its `low` and `high`) and count(labels).
    */
   function make({ quantities, single, changed, fit }) {
     const self = { present: quantities[0] };
@@ -60,8 +60,8 @@ const Legend = (() => {
         input.step = step;
         input.value = value.toFixed(one.digits);
       }
-      write('scale-name', one.unit ? `${one.name} [${one.unit}]` : one.name);
-      write('middle', ((one.low + one.high) / 2).toFixed(one.digits));
+      write('scale-name', `${one.name}${one.unit ? ` [${one.unit}]` : ''}${one.log ? ', logarithmic' : ''}`);
+      write('middle', (one.log ? Math.sqrt(one.low * one.high) : (one.low + one.high) / 2).toFixed(one.digits));
     }
 
     function setScale(range) {
@@ -71,7 +71,7 @@ const Legend = (() => {
     }
     const typed = () => {
       const [from, to] = [Number(low.value), Number(high.value)];
-      if (low.value !== '' && high.value !== '' && to > from) setScale({ low: from, high: to });
+      if (low.value !== '' && high.value !== '' && to > from && !(self.present.log && from <= 0)) setScale({ low: from, high: to });
       else show();
     };
     low.addEventListener('change', typed);
