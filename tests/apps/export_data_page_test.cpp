@@ -153,7 +153,7 @@ TEST_F(ExportDataPage, SaysWhatItCannotShow) {
   expect_refused(scratch.path() / "empty", "is empty; expected a model");
   write_text(scratch / "empty/notes.txt", "x");
   expect_refused(scratch.path() / "empty", "holds nothing that a page can show");
-  expect_refused(scratch.path() / "empty/notes.txt", "is no model (a folder)");
+  expect_refused(scratch.path() / "empty/notes.txt", "is not that of a mesh");
   write_map("0.tiff", 500);
   write_text(folder() / "1.tiff", read_text(folder() / "0.tiff").substr(0, 100));
   expect_refused(folder(), "1.tiff");

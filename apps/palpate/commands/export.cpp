@@ -99,9 +99,10 @@ void add_export(CLI::App& app, const Settings& settings) {
   add_camera_options(*command, page.camera);
   add_unit_option(*command, page.meshes);
   command
-      ->add_option("--every", page.every,
-                   "Page of a folder of range maps or meshes: take only each so-manieth, for "
-                   "sequences that are too long for a page")
+      ->add_option(
+          "--every", page.every,
+          "Page of a folder of range maps or meshes: take only every Nth frame, for sequences "
+          "that are too long for a page")
       ->check(within(at_least(1).at_most(kMostEvery)));
   command->add_option("--title", page.title, "Title of the page (default: name of the input)");
   command->add_option("-o,--output", page.output,

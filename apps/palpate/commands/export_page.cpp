@@ -61,7 +61,7 @@ void check_options(const PageCall& call, PageContent content) {
     for (const PageContent kind : option.contents)
       kinds += (kinds.empty() ? "" : " and ") + std::string(plural_of(kind));
     throw InvalidInput(std::string(option.name) + ": is for pages of " + kinds + "; " +
-                       call.input.string() + " is a page of " + plural_of(content) + ".");
+                       call.input.string() + " gives one of " + plural_of(content) + ".");
   }
 }
 
@@ -130,13 +130,7 @@ std::string option_of_pages(const PageCall& call) {
 }
 
 PageContent content_of(const fs::path& path) {
-  if (!is_folder(path)) {
-    if (is_image(path)) return PageContent::range_maps;
-    if (may_be_mesh(path)) return PageContent::meshes;
-    throw InvalidInput(path.string() +
-                       ": is no model (a folder), no range map (tiff) or depth image (png), and no "
-                       "mesh (ply, obj, off, stl, glb, ...); a page shows these.");
-  }
+  if (!is_folder(path)) return is_image(path) ? PageContent::range_maps : PageContent::meshes;
   if (is_there(path / "field.json") || is_there(path / "field.cbor")) return PageContent::model;
   if (holds_range_maps(path)) return PageContent::range_maps;
   if (!list_meshes(path).empty()) return PageContent::meshes;

@@ -17,7 +17,7 @@ struct PageCall {
   std::string title;
   std::optional<double> friction;  ///< of models
   MapCamera camera;                ///< of range maps and depth images
-  std::optional<int> every;        ///< of sequences: takes each so-manieth frame
+  std::optional<int> every;        ///< of sequences: only every Nth frame
   geometry::ReadOptions meshes;
 };
 
@@ -28,8 +28,8 @@ struct PageCall {
 /// What a file or folder holds that a page can show.
 enum class PageContent { model, range_maps, meshes };
 
+/// A file that is no image counts as a mesh: its reader says what it is not.
 /// \throws FileError if there is no such file, or nothing of these in the folder.
-/// \throws InvalidInput for a file of another type.
 [[nodiscard]] PageContent content_of(const std::filesystem::path& path);
 
 /// model.html, range.html or mesh.html.

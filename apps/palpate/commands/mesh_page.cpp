@@ -179,13 +179,13 @@ Json facts_of(const MeshSurvey& survey, const std::vector<fs::path>& meshes) {
   return facts;
 }
 
-}  // namespace
-
 bool may_be_mesh(const fs::path& path) {
   constexpr std::array kEndings{".ply", ".obj", ".off", ".stl", ".gltf", ".glb",
                                 ".3ds", ".dae", ".fbx", ".x3d", ".3mf"};
   return std::ranges::find(kEndings, lower_extension(path)) != kEndings.end();
 }
+
+}  // namespace
 
 std::vector<fs::path> list_meshes(const fs::path& folder) {
   std::vector<fs::path> meshes;

@@ -10,11 +10,7 @@
 
 namespace palpate::apps {
 
-/// Whether `read_mesh_file` may know a file, by its extension; point files (.pcd) and images are
-/// none.
-[[nodiscard]] bool may_be_mesh(const std::filesystem::path& path);
-
-/// The meshes of a folder by name, without those in folders of it.
+/// The meshes of a folder by name, without those in folders of it: files with the usual endings.
 [[nodiscard]] std::vector<std::filesystem::path> list_meshes(const std::filesystem::path& folder);
 
 /// Writes a page that shows a mesh, or meshes of the same triangles one after the other, as `track`
