@@ -4,11 +4,9 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
-#include <map>
-#include <optional>
-#include <span>
 #include <utility>
 
 #include "commands/page_file.h"

@@ -114,8 +114,12 @@ std::string block(const std::string& packed) {
          "</script>\n";
 }
 
-/// The page up to its blocks, and what follows them.
-std::pair<std::string, std::string> ends_of(const SequencePage& page) {
+struct PageEnds {
+  std::string head;  ///< the page up to its blocks
+  std::string tail;  ///< what follows them
+};
+
+PageEnds ends_of(const SequencePage& page) {
   std::string head = page_template(page.kind);
   const std::size_t split = head.find(kBlocks);
   if (split == std::string::npos) throw incomplete(std::string(kBlocks));
@@ -133,12 +137,12 @@ std::size_t write_page(const std::filesystem::path& output, const SequencePage& 
     std::filesystem::path file;
     std::string block;
   };
-  const auto [head, tail] = ends_of(page);
+  const PageEnds ends = ends_of(page);
   const std::string common = block(packed_text(page.common));
-  std::size_t bytes = head.size() + common.size() + tail.size(), taken = 0, done = 0;
+  std::size_t bytes = ends.head.size() + common.size() + ends.tail.size(), taken = 0, done = 0;
   Progress progress("packing");
   write_file(output, [&](std::ostream& file) {
-    file << head << common;
+    file << ends.head << common;
     work_in_order<Frame>(
         [&]() -> std::optional<Frame> {
           if (taken == page.files.size()) return std::nullopt;
@@ -152,7 +156,7 @@ std::size_t write_page(const std::filesystem::path& output, const SequencePage& 
           progress.show(static_cast<int>(++done), static_cast<int>(page.files.size()));
         },
         usual_live_items());
-    file << tail;
+    file << ends.tail;
   });
   return bytes;
 }
