@@ -1,0 +1,65 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <initializer_list>
+#include <string>
+#include <utility>
+
+#include "palpate/error.h"
+
+// What the parts of the module share. Each part adds its classes and functions.
+namespace palpate::python {
+
+namespace py = pybind11;
+
+void add_errors(py::module_& module);
+void add_meshes(py::module_& module);
+void add_surface_functions(py::module_& module);
+void add_sensing(py::module_& module);
+void add_probing(py::module_& module);
+void add_fitting(py::module_& module);
+void add_playback(py::module_& module);
+
+/// Options follow `*` and are given by name.
+using py::arg;
+using py::kw_only;
+
+/// For loops in which the interpreter is not locked.
+using Unlocked = py::gil_scoped_release;
+
+/// Calls `progress(done, total)` of Python unless it is None, and hears Ctrl-C. What either raises
+/// ends the work. Python hears signals in its main thread only, so other threads of the work go on
+/// until that thread reports. `progress` must outlive the result.
+[[nodiscard]] inline auto reporting(py::handle progress) {
+  return [progress](int done, int total) {
+    const py::gil_scoped_acquire locked;
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    if (!progress.is_none()) progress(done, total);
+  };
+}
+
+/// The value that a word stands for. \throws InvalidInput with the words that are known.
+template <typename Value>
+[[nodiscard]] Value choose(const char* name, const std::string& word,
+                           std::initializer_list<std::pair<const char*, Value>> choices) {
+  std::string known;
+  for (const auto& [choice, value] : choices) {
+    if (word == choice) return value;
+    known += (known.empty() ? "'" : ", '") + std::string(choice) + "'";
+  }
+  throw InvalidInput(std::string(name) + ": is '" + word + "'; it must be one of " + known);
+}
+
+/// `_repr_html_` of a class: palpate/_pictures.py draws it.
+[[nodiscard]] inline auto drawn_by(const char* function) {
+  return [function](const py::object& self) -> py::str {
+    return py::module_::import("palpate._pictures").attr(function)(self);
+  };
+}
+
+}  // namespace palpate::python

@@ -1,0 +1,221 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "arrays.h"
+#include "bindings.h"
+#include "palpate/geometry/triangle_mesh.h"
+#include "palpate/haptics/build_model.h"
+#include "palpate/haptics/model.h"
+#include "palpate/haptics/model_io.h"
+#include "palpate/probing/acquisition.h"
+#include "palpate/probing/contact_surface.h"
+
+namespace palpate::python {
+namespace {
+
+namespace fs = std::filesystem;
+using haptics::BuildResult;
+using haptics::ContactModel;
+using haptics::Model;
+using probing::CheckedAcquisition;
+
+/// A property with one number of each contact.
+template <typename Scalar, typename Member>
+auto of_contacts(Member member) {
+  return [member](const Model& model) {
+    return gather<Scalar>(model.contacts,
+                          [&](const ContactModel& contact) { return contact.*member; });
+  };
+}
+
+void add_model(py::module_& module) {
+  py::class_<Model>(
+      module, "Model",
+      R"(A deformable object as it was measured: fit() and bake() make one, read_model() reads one.
+
+Arrays of contacts are copies, in the order of the contacts.)")
+      .def_property_readonly(
+          "surface", [](const Model& model) { return model.surface; },
+          "The undeformed surface [mm], a copy.")
+      .def_property_readonly(
+          "contacts",
+          [](const Model& model) {
+            return gather_rows(model.contacts,
+                               [](const ContactModel& contact) { return contact.position; });
+          },
+          "[mm] (C, 3) places of the contacts on the undeformed surface.")
+      .def_property_readonly("ids", of_contacts<long long>(&ContactModel::id),
+                             "(C,) int64 ids of the contacts, as in the acquisition.")
+      .def_property_readonly("friction", of_contacts<double>(&ContactModel::friction),
+                             "(C,) coefficients of friction; 0 where nothing is known of it.")
+      .def_property_readonly("rms", of_contacts<double>(&ContactModel::rms),
+                             "[N] (C,) root mean square error of each fit at its samples.")
+      .def_property_readonly("samples", of_contacts<int>(&ContactModel::samples),
+                             "(C,) int32 number of samples of each fit.")
+      .def_property_readonly(
+          "triangles",
+          [](const Model& model) { return own_rows(Eigen::Matrix3Xi(model.triangles)); },
+          "(T, 3) int32 triangles of contacts, between which forces are interpolated.")
+      .def_readonly("probe_radius", &Model::probe_radius,
+                    "[mm] of the ball with which the object was measured; None: not known.")
+      .def_readonly("made", &Model::made, "How it was made: sources, options, program (a copy).")
+      .def_property_readonly("unknown_friction", &haptics::unknown_friction_count,
+                             "Number of contacts whose friction is unknown.")
+      .def(
+          "write",
+          [](const Model& model, const fs::path& folder) {
+            const Unlocked unlocked;
+            haptics::write_model(folder, model);
+          },
+          arg("folder"),
+          R"(Writes the model as a folder, as a whole or not at all; read_model() reads it back exactly.
+
+A folder that holds anything but a model is not replaced. Raises InvalidInput or OutputError.)")
+      .def("__repr__",
+           [](const Model& model) {
+             return "<palpate.Model: " + std::to_string(model.contacts.size()) +
+                    " contacts, surface of " + std::to_string(model.surface.triangles.cols()) +
+                    " triangles>";
+           })
+      .def("_repr_html_", drawn_by("model_html"));
+  module.def(
+      "read_model",
+      [](const fs::path& folder) {
+        const Unlocked unlocked;
+        return haptics::read_model(folder);
+      },
+      arg("folder"),
+      R"(Reads a model folder, as fit() and `palpate fit` write it.
+
+Raises FileError if it is no model, damaged, or of a newer version.)");
+}
+
+std::vector<std::pair<long long, std::string>> left_out(const BuildResult& built) {
+  std::vector<std::pair<long long, std::string>> misfits;
+  for (const auto& misfit : built.left_out) misfits.emplace_back(misfit.id, misfit.reason);
+  return misfits;
+}
+
+haptics::FitMode fit_mode(const std::string& word) {
+  using haptics::FitMode;
+  return choose<FitMode>(
+      "passive", word,
+      {{"convex", FitMode::convex}, {"certified", FitMode::certified}, {"local", FitMode::local}});
+}
+
+std::optional<haptics::BlendRule> blend_rule(const std::string& word) {
+  using Rule = std::optional<haptics::BlendRule>;
+  return choose<Rule>("blend", word,
+                      {{"compliances", haptics::BlendRule::compliances},
+                       {"forces", haptics::BlendRule::forces},
+                       {"auto", std::nullopt}});
+}
+
+geometry::ContactTriangulationMethod triangulation(const std::string& word) {
+  using Method = geometry::ContactTriangulationMethod;
+  return choose<Method>("triangulation", word,
+                        {{"delaunay", Method::delaunay}, {"voronoi_dual", Method::voronoi_dual}});
+}
+
+/// The surface that is given, or one of the contacts.
+geometry::TriangleMesh surface_of(const CheckedAcquisition& acquisition,
+                                  const geometry::TriangleMesh* given) {
+  if (given != nullptr) return *given;
+  const double radius = acquisition.records().probe_radius.value_or(probing::kUsualTipRadius);
+  return probing::contact_surface(acquisition.contacts(), {.tip_radius = radius}).mesh;
+}
+
+BuildResult fit(const CheckedAcquisition& acquisition, const geometry::TriangleMesh* surface,
+                const haptics::BuildOptions& options) {
+  const Unlocked unlocked;
+  BuildResult built = haptics::build_model(acquisition, surface_of(acquisition, surface), options);
+  built.model.made["program"] = "palpate " PALPATE_VERSION " (Python)";
+  return built;
+}
+
+void add_fit(py::module_& module) {
+  py::class_<BuildResult>(module, "Fit", "The result of fit().")
+      .def_property_readonly(
+          "model", [](const BuildResult& built) { return built.model; }, "The model (a copy).")
+      .def_property_readonly("left_out", &left_out,
+                             "Contacts that do not fit the surface: (id, why).")
+      .def_readonly("without_samples", &BuildResult::without_samples,
+                    "Ids of contacts left out because they have no samples.")
+      .def_readonly("isolated", &BuildResult::isolated,
+                    "Ids of contacts in no triangle of contacts.")
+      .def_property_readonly(
+          "registration",
+          [](const BuildResult& built) { return haptics::to_string(built.registration); },
+          "Whether the contacts were moved onto the surface: 'not_needed', 'accepted', 'too_far' "
+          "or 'not_converged'.")
+      .def_readonly("distance_rms", &BuildResult::distance_rms,
+                    "[mm] of the contacts to the surface as given.")
+      .def_readonly("surface_flipped", &BuildResult::surface_flipped,
+                    "Whether the triangles were reversed to agree with the contacts' normals.")
+      .def_property_readonly(
+          "explained",
+          [](const BuildResult& built) { return haptics::explained_share(built.contacts); },
+          "Share of the squared forces of all contacts that their fits explain, in [0, 1].");
+  module.def(
+      "fit",
+      [](const CheckedAcquisition& acquisition, const geometry::TriangleMesh* surface,
+         const std::string& passive, const std::string& blend, const std::string& triangulated,
+         double accuracy, const std::optional<int>& max_bases, double max_distance,
+         const std::optional<int>& max_left_out, bool estimate_offsets, bool rate,
+         const py::object& progress) {
+        haptics::BuildOptions options;
+        options.max_distance = max_distance;
+        options.max_left_out = max_left_out;
+        options.blend_rule = blend_rule(blend);
+        options.triangulation = triangulation(triangulated);
+        options.estimate_offsets = estimate_offsets;
+        options.rate = rate;
+        options.fit.mode = fit_mode(passive);
+        options.fit.accuracy = accuracy;
+        options.fit.max_bases = max_bases;
+        options.progress = [hear = reporting(py::none()), report = reporting(progress)](
+                               haptics::BuildStage stage, int done, int total) {
+          if (stage == haptics::BuildStage::fields)
+            report(done, total);
+          else  // in no time
+            hear(done, total);
+        };
+        return fit(acquisition, surface, options);
+      },
+      arg("acquisition"), arg("surface") = py::none(), kw_only(), arg("passive") = "convex",
+      arg("blend") = "compliances", arg("triangulation") = "delaunay", arg("accuracy") = 0.0,
+      arg("max_bases") = py::none(), arg("max_distance") = haptics::BuildOptions{}.max_distance,
+      arg("max_left_out") = py::none(), arg("estimate_offsets") = true, arg("rate") = false,
+      arg("progress") = py::none(),
+      R"(Fits a model to measurements and the undeformed surface, as `palpate fit` does.
+
+surface: None: one is made of the contacts, flat between them.
+passive: how a field is made passive: 'convex', everywhere; 'certified', proven within the reach of
+    the measurements; 'local', near zero only.
+blend: what contacts give to places between them: 'compliances', 'forces' or 'auto'.
+triangulation: of contacts: 'delaunay' or 'voronoi_dual'.
+accuracy: [N] stop fitting a contact at this rms; 0: as accurate as the noise allows.
+max_bases: largest number of bases of a field; None: no other limit than the method's.
+max_distance: [mm] of each contact from the surface.
+max_left_out: number of contacts that may not fit the surface; None: one in 50.
+estimate_offsets: where all contacts were only pressed, estimate a constant error of forces and
+    touches.
+rate: where all contacts were only pressed, fit how forces depend on the rate.
+progress: called as progress(done, total) after each contact, from any thread, one at a time.
+
+All processors are used, and other threads of Python run meanwhile. Ctrl-C is heard when the main
+thread has fitted its contact. Raises InvalidInput or SolverError.)");
+}
+
+}  // namespace
+
+void add_fitting(py::module_& module) {
+  add_model(module);
+  add_fit(module);
+}
+
+}  // namespace palpate::python

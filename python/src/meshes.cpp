@@ -1,0 +1,254 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "arrays.h"
+#include "bindings.h"
+#include "palpate/geometry/camera.h"
+#include "palpate/geometry/decimation.h"
+#include "palpate/geometry/mesh_io.h"
+#include "palpate/geometry/mesh_repair.h"
+#include "palpate/geometry/range_map.h"
+#include "palpate/geometry/range_map_mesh.h"
+#include "palpate/geometry/triangle_mesh.h"
+
+namespace palpate::python {
+namespace {
+
+namespace fs = std::filesystem;
+using geometry::Camera;
+using geometry::Decimation;
+using geometry::RangeMap;
+using geometry::RepairedMesh;
+using geometry::TriangleMesh;
+
+TriangleMesh new_mesh(const py::object& vertices, const py::object& triangles) {
+  TriangleMesh mesh{.vertices = Points(vertices, "vertices").columns(), .triangles = {}};
+  const py::array_t<int> corners = indices(triangles, "triangles", 2);
+  mesh.triangles = Eigen::Map<const Eigen::Matrix3Xi>(corners.data(), 3, corners.shape(0));
+  return mesh;
+}
+
+void add_mesh(py::module_& module) {
+  py::class_<TriangleMesh>(module, "TriangleMesh", R"(A triangle mesh.
+
+Each function checks the mesh that it gets, so a vertex may be moved to anywhere: what is wrong
+then raises InvalidInput.)")
+      .def(
+          py::init(&new_mesh), arg("vertices"), arg("triangles"),
+          R"(Copies (V, 3) coordinates [mm] and (T, 3) indices of vertices, counter-clockwise seen from outside.
+
+Numbers may have any real type and order. An index that is negative, no whole number or beyond
+2^31 - 1 raises InvalidInput, which names its place.)")
+      .def_property_readonly(
+          "vertices",
+          [](py::object self) { return rows_view(self.cast<TriangleMesh&>().vertices, self); },
+          R"([mm] (V, 3) float64: a view without a copy, which keeps the mesh alive.
+
+Writing moves the vertices of the mesh. Do not write while a function works on the mesh in another
+thread.)")
+      .def_property_readonly(
+          "triangles",
+          [](py::object self) {
+            return rows_view(self.cast<TriangleMesh&>().triangles, self, View::read_only);
+          },
+          "(T, 3) int32 indices of vertices: a view without a copy, which cannot be written to.")
+      .def("__repr__",
+           [](const TriangleMesh& mesh) {
+             return "<palpate.TriangleMesh: " + std::to_string(mesh.vertices.cols()) +
+                    " vertices, " + std::to_string(mesh.triangles.cols()) + " triangles>";
+           })
+      .def("_repr_html_", drawn_by("mesh_html"));
+
+  module.def(
+      "read_mesh",
+      [](const fs::path& path, const std::optional<double>& unit, bool keep_defects) {
+        const Unlocked unlocked;
+        return geometry::read_mesh(path, {.unit = unit, .keep_defects = keep_defects});
+      },
+      arg("path"), kw_only(), arg("unit") = py::none(), arg("keep_defects") = false,
+      R"(Reads a mesh: PLY, OBJ, OFF, STL, glTF and others; the extension tells which.
+
+unit: [mm] length of one unit of the file; None: what the file declares, or mm.
+keep_defects: also read a mesh with defects, for repair().
+Raises FileError. Ctrl-C is not heard.)");
+  module.def(
+      "write_mesh",
+      [](const fs::path& path, const TriangleMesh& mesh) {
+        const Unlocked unlocked;
+        geometry::write_mesh(path, mesh);
+      },
+      arg("path"), arg("mesh"),
+      R"(Writes a mesh in mm as .ply (exactly), .obj (exactly) or .stl (rounded to float32).
+
+A file is replaced as a whole, or not at all. Raises InvalidInput or OutputError.)");
+}
+
+void add_decimation(py::module_& module) {
+  py::class_<Decimation>(module, "Decimation", "The result of decimate().")
+      .def_readonly("mesh", &Decimation::mesh, "The mesh with fewer triangles.")
+      .def_property_readonly(
+          "source",
+          [](py::object self) { return vector_view(self.cast<Decimation&>().source, self); },
+          "(V,) int32: the input vertex of each vertex, ascending.")
+      .def_readonly("distance", &Decimation::distance,
+                    "[mm] Verified upper bound of the Hausdorff distance to the input.")
+      .def_readonly("tries", &Decimation::tries, "Number of meshes that were made and checked.");
+  module.def(
+      "decimate",
+      [](const TriangleMesh& mesh, const std::optional<double>& tolerance,
+         const std::optional<int>& max_triangles, const py::object& progress) {
+        const geometry::DecimationOptions options{.tolerance = tolerance,
+                                                  .max_triangles = max_triangles,
+                                                  .progress = reporting(progress)};
+        const Unlocked unlocked;
+        return geometry::decimate(mesh, options);
+      },
+      arg("mesh"), kw_only(), arg("tolerance") = py::none(), arg("max_triangles") = py::none(),
+      arg("progress") = py::none(),
+      R"(Reduces the number of triangles; the vertices are a subset of the input's.
+
+tolerance: [mm] largest Hausdorff distance to the input; or
+max_triangles: largest number of triangles. Give exactly one of them.
+progress: called as progress(done, total) after each mesh that was tried; Ctrl-C is heard then.
+Raises InvalidInput.)");
+
+  py::class_<RepairedMesh>(module, "RepairedMesh", "The result of repair(), with what was done.")
+      .def_readonly("mesh", &RepairedMesh::mesh, "The mesh without defects.")
+      .def_property_readonly(
+          "source",
+          [](py::object self) { return vector_view(self.cast<RepairedMesh&>().source, self); },
+          "(V,) int32: the input vertex of each vertex.")
+      .def_readonly("removed_triangles", &RepairedMesh::removed_triangles,
+                    "Triangles with invalid corners, repeated, or without area.")
+      .def_readonly("flipped_edges", &RepairedMesh::flipped_edges,
+                    "Edges flipped to remove triangles with collinear vertices.")
+      .def_readonly("turned_triangles", &RepairedMesh::turned_triangles,
+                    "Triangles turned to match the larger part of their surface.")
+      .def_readonly("welded_vertices", &RepairedMesh::welded_vertices,
+                    "Vertices joined with an earlier one at exactly the same place.")
+      .def_readonly("split_vertices", &RepairedMesh::split_vertices,
+                    "Vertices added where parts that met at one vertex were separated.")
+      .def_readonly("removed_vertices", &RepairedMesh::removed_vertices,
+                    "Vertices that are not finite or have no triangle.")
+      .def_readonly("cut_edges", &RepairedMesh::cut_edges,
+                    "Edges at which triangles that cannot form one surface were separated.");
+  module.def(
+      "repair",
+      [](const TriangleMesh& mesh) {
+        const Unlocked unlocked;
+        return geometry::repair_mesh(mesh);
+      },
+      arg("mesh"),
+      R"(Repairs a copy of a mesh: the result is oriented and manifold. Holes stay open.
+
+Raises InvalidInput if no triangle can be kept. Ctrl-C is not heard.)");
+}
+
+Camera new_camera(int width, int height, double fx, double fy, double cx, double cy,
+                  const std::vector<double>& distortion) {
+  Camera camera{.width = width, .height = height, .fx = fx, .fy = fy, .cx = cx, .cy = cy};
+  if (distortion.size() > camera.distortion.size()) {
+    throw InvalidInput("distortion: has " + std::to_string(distortion.size()) +
+                       " numbers; it must have at most 8");
+  }
+  std::copy(distortion.begin(), distortion.end(), camera.distortion.begin());
+  geometry::check_camera(camera, "Camera()");
+  return camera;
+}
+
+void add_range_map(py::module_& module) {
+  py::class_<Camera>(module, "Camera", R"(A pinhole camera with the lens distortion of OpenCV.
+
+Frame: X right, Y down, Z out of the lens; pixel centres are at whole numbers, (0, 0) top left.)")
+      .def(py::init(&new_camera), kw_only(), arg("width"), arg("height"), arg("fx"), arg("fy"),
+           arg("cx"), arg("cy"), arg("distortion") = std::vector<double>{},
+           "All in px; distortion: k1 k2 p1 p2 k3 k4 k5 k6, the last ones may be left out.")
+      .def_readonly("width", &Camera::width, "[px]")
+      .def_readonly("height", &Camera::height, "[px]")
+      .def_readonly("fx", &Camera::fx, "[px]")
+      .def_readonly("fy", &Camera::fy, "[px]")
+      .def_readonly("cx", &Camera::cx, "[px]")
+      .def_readonly("cy", &Camera::cy, "[px]")
+      .def_property_readonly(
+          "distortion",
+          [](const Camera& camera) {
+            return py::array_t<double>(static_cast<py::ssize_t>(camera.distortion.size()),
+                                       camera.distortion.data());
+          },
+          "(8,) k1 k2 p1 p2 k3 k4 k5 k6");
+
+  py::class_<RangeMap>(module, "RangeMap", "Depths on the raw pixel grid of a camera.")
+      .def(py::init([](const py::object& z, const Camera& camera) {
+             RangeMap map{.z = image(z, "z"), .camera = camera};
+             if (map.z.rows() != camera.height || map.z.cols() != camera.width) {
+               throw InvalidInput("z: is " + std::to_string(map.z.cols()) + " x " +
+                                  std::to_string(map.z.rows()) + " pixels, but the camera has " +
+                                  std::to_string(camera.width) + " x " +
+                                  std::to_string(camera.height));
+             }
+             return map;
+           }),
+           arg("z"), arg("camera"),
+           R"(Copies (height, width) depths [mm] along the optical axis; NaN where unknown.
+
+Raises InvalidInput unless the camera has this size.)")
+      .def_property_readonly(
+          "z", [](py::object self) { return image_view(self.cast<RangeMap&>().z, self); },
+          R"([mm] (height, width) float32 depths along the optical axis, NaN where unknown.
+
+A view without a copy, which keeps the map alive. Writing changes the map.)")
+      .def_readonly("camera", &RangeMap::camera, "The camera of the pixels.")
+      .def(
+          "points",
+          [](const RangeMap& map) {
+            Eigen::Matrix3Xd points;
+            {
+              const Unlocked unlocked;
+              points = geometry::back_project(map);
+            }
+            return own_rows(std::move(points));
+          },
+          "[mm] (height * width, 3): the point of each pixel, row by row; NaN where unknown.")
+      .def("__repr__",
+           [](const RangeMap& map) {
+             return "<palpate.RangeMap: " + std::to_string(map.z.cols()) + " x " +
+                    std::to_string(map.z.rows()) + " pixels, " +
+                    std::to_string((map.z == map.z).count()) + " with a depth>";
+           })
+      .def("_repr_html_", drawn_by("range_map_html"));
+  module.def(
+      "write_range_map",
+      [](const fs::path& path, const RangeMap& map) {
+        const Unlocked unlocked;
+        geometry::write_depth_tiff(path, map.z);
+      },
+      arg("path"), arg("map"),
+      R"(Writes the depths as float32 TIFF, exactly; the camera is not written.
+
+A file is replaced as a whole, or not at all. Raises OutputError.)");
+  module.def(
+      "mesh_from",
+      [](const RangeMap& map, double max_depth_step, double max_incidence) {
+        const Unlocked unlocked;
+        return geometry::mesh_range_map(
+                   map, {.max_depth_step = max_depth_step, .max_incidence = max_incidence})
+            .mesh;
+      },
+      arg("map"), kw_only(), arg("max_depth_step") = geometry::RangeMapMeshOptions{}.max_depth_step,
+      arg("max_incidence") = geometry::RangeMapMeshOptions{}.max_incidence,
+      R"(Triangulates a range map, in the frame of its camera [mm]; normals point to the camera.
+
+max_depth_step: neighbouring pixels are on one surface if their depths differ by at most this
+fraction, or agree with the slopes on both sides.
+max_incidence: [rad] greatest angle between a triangle's normal and its viewing ray.
+Raises InvalidInput. Ctrl-C is not heard.)");
+}
+
+}  // namespace
+
+void add_meshes(py::module_& module) {
+  add_mesh(module);
+  add_decimation(module);
+  add_range_map(module);
+}
+
+}  // namespace palpate::python

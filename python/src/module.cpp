@@ -1,0 +1,75 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include <pybind11/pybind11.h>
+
+#include "bindings.h"
+#include "palpate/error.h"
+
+namespace palpate::python {
+namespace {
+
+PyObject* new_error(py::module_& module, const char* name, const char* doc,
+                    const py::tuple& bases) {
+  const std::string full = std::string("palpate.") + name;
+  PyObject* error = PyErr_NewExceptionWithDoc(full.c_str(), doc, bases.ptr(), nullptr);
+  if (error == nullptr) throw py::error_already_set();
+  module.add_object(name, error);
+  return error;
+}
+
+// They live as long as the interpreter.
+PyObject *base_error, *invalid_input, *file_error, *output_error, *solver_error;
+
+}  // namespace
+
+void add_errors(py::module_& module) {
+  const py::handle value(PyExc_ValueError), os(PyExc_OSError), any(PyExc_Exception);
+  base_error = new_error(module, "Error", "Root of all errors of Palpate.", py::make_tuple(any));
+  const py::handle base(base_error);
+  invalid_input = new_error(module, "InvalidInput", "An argument or a value that can be corrected.",
+                            py::make_tuple(base, value));
+  file_error = new_error(module, "FileError",
+                         "A file that cannot be read: missing, truncated, of another format.",
+                         py::make_tuple(base, os));
+  output_error = new_error(module, "OutputError",
+                           "A result that cannot be written; what was there before is kept.",
+                           py::make_tuple(base, os));
+  solver_error =
+      new_error(module, "SolverError", "A numerical method that found no solution for valid input.",
+                py::make_tuple(base));
+  py::register_exception_translator([](std::exception_ptr thrown) {
+    try {
+      if (thrown) std::rethrow_exception(thrown);
+    } catch (const FileError& error) {
+      PyErr_SetString(file_error, error.what());
+    } catch (const InvalidInput& error) {
+      PyErr_SetString(invalid_input, error.what());
+    } catch (const OutputError& error) {
+      PyErr_SetString(output_error, error.what());
+    } catch (const SolverError& error) {
+      PyErr_SetString(solver_error, error.what());
+    } catch (const Error& error) {
+      PyErr_SetString(base_error, error.what());
+    }
+  });
+}
+
+}  // namespace palpate::python
+
+PYBIND11_MODULE(_palpate, module) {
+  namespace python = palpate::python;
+  module.attr("__version__") = PALPATE_VERSION;
+  // The signatures in docstrings are those of _palpate.pyi, which names what arrays must be.
+  python::add_errors(module);
+  python::add_meshes(module);
+  python::add_surface_functions(module);
+  python::add_sensing(module);
+  python::add_probing(module);
+  python::add_fitting(module);
+  python::add_playback(module);
+  // Users see the classes in the package.
+  for (const auto& item : module.attr("__dict__").cast<pybind11::dict>()) {
+    if (pybind11::isinstance<pybind11::type>(item.second))
+      item.second.attr("__module__") = "palpate";
+  }
+}

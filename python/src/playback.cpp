@@ -1,0 +1,210 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/haptics/playback.h"
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "arrays.h"
+#include "bindings.h"
+#include "palpate/haptics/model.h"
+#include "palpate/haptics/trajectory_csv.h"
+#include "palpate/haptics/trajectory_file.h"
+
+namespace palpate::python {
+namespace {
+
+namespace fs = std::filesystem;
+using haptics::Command;
+using haptics::ContactMotion;
+using haptics::LoopState;
+using haptics::Model;
+using haptics::Playback;
+using haptics::PlaybackOptions;
+using haptics::TracePoint;
+using haptics::TrajectoryPoint;
+
+/// What a tool felt on its way.
+struct Trace {
+  std::vector<TracePoint> points;
+};
+
+constexpr double kPeriod = 1e-3;  // [s] of 1 kHz
+
+void add_tick(py::module_& module) {
+  py::class_<LoopState>(module, "LoopState", R"(What the loop remembers from tick to tick.
+
+One for each tool and Playback; a new one starts afresh.)")
+      .def(py::init<>())
+      .def_property_readonly(
+          "state", [](const LoopState& state) { return to_string(state.contact_state); },
+          "'free', 'stick' or 'slip', after the last tick.");
+  py::class_<Command>(module, "Command", "The result of one tick.")
+      .def_property_readonly(
+          "force", [](const Command& command) { return copy_of(command.force); },
+          "[N] (3,) on the user, world frame: minus that on the object.")
+      .def_property_readonly(
+          "contact", [](const Command& command) { return copy_of(command.contact); },
+          "[mm] (3,) the contact on the undeformed surface; the tool while it is free.")
+      .def_property_readonly(
+          "state", [](const Command& command) { return to_string(command.state); },
+          "'free', 'stick' or 'slip'.")
+      .def_readonly("started_inside", &Command::started_inside,
+                    "The tool was inside the object when the loop started.")
+      .def_readonly("held", &Command::held, "The tool's position was not usable.")
+      .def_readonly("limited", &Command::limited, "By largest_jump.");
+}
+
+/// A property of a trace: the numbers of each point from a member on, as a view.
+template <typename Member>
+auto of_points(Member member, py::ssize_t numbers) {
+  return [member, numbers](py::object self) -> py::array {
+    const auto& points = self.cast<const Trace&>().points;
+    constexpr auto kPoint = static_cast<py::ssize_t>(sizeof(TracePoint));
+    constexpr auto kNumber = static_cast<py::ssize_t>(sizeof(double));
+    const auto count = static_cast<py::ssize_t>(points.size());
+    const auto* first =
+        points.empty() ? nullptr : reinterpret_cast<const double*>(&(points.front().*member));
+    if (numbers == 1) return view(first, {count}, {kPoint}, self);
+    return view(first, {count, numbers}, {kPoint, kNumber}, self);
+  };
+}
+
+py::array states_of(const Trace& trace) {
+  const py::array_t<int> codes = gather<int>(
+      trace.points, [](const TracePoint& point) { return static_cast<int>(point.state); });
+  py::list names;
+  for (int code = 0; code < 3; ++code)
+    names.append(to_string(static_cast<haptics::ContactState>(code)));
+  return py::module_::import("numpy").attr("take")(names, codes);
+}
+
+void add_trace(py::module_& module) {
+  py::class_<Trace>(module, "Trace",
+                    "What a tool felt on its way; arrays are views that keep it alive.")
+      .def_property_readonly("time", of_points(&TracePoint::time, 1), "[s] (N,)")
+      .def_property_readonly("tool", of_points(&TracePoint::tool, 3), "[mm] (N, 3) of the tool.")
+      .def_property_readonly(
+          "contact", of_points(&TracePoint::contact, 3),
+          "[mm] (N, 3) the contact on the undeformed surface; the tool while it is free.")
+      .def_property_readonly("force", of_points(&TracePoint::force, 3),
+                             "[N] (N, 3) on the user: minus that on the object.")
+      .def_property_readonly("state", &states_of, "(N,) 'free', 'stick' or 'slip' (a copy).")
+      .def("__len__", [](const Trace& trace) { return trace.points.size(); })
+      .def(
+          "write",
+          [](const Trace& trace, const fs::path& path) {
+            const Unlocked unlocked;
+            haptics::write_trace(path, trace.points);
+          },
+          arg("path"), "Writes the CSV file of `palpate play --record`. Raises OutputError.");
+  module.def(
+      "read_trajectory",
+      [](const fs::path& path) {
+        const std::vector<TrajectoryPoint> read = haptics::read_trajectory_file(path);
+        return py::make_tuple(
+            gather_rows(read, [](const TrajectoryPoint& point) { return point.tool; }),
+            gather<double>(read, [](const TrajectoryPoint& point) { return point.time; }));
+      },
+      arg("path"),
+      R"(Reads the way of a tool (CSV with the columns t,x,y,z, or binary): tools (N, 3) [mm], times (N,) [s].
+
+Raises FileError.)");
+}
+
+std::vector<TrajectoryPoint> trajectory(const py::object& tools, const py::object& times) {
+  const Points given(tools, "tools");
+  const auto positions = given.columns();
+  std::vector<TrajectoryPoint> points(static_cast<std::size_t>(positions.cols()));
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    points[i] = {kPeriod * static_cast<double>(i), positions.col(static_cast<Eigen::Index>(i))};
+  }
+  if (times.is_none()) return points;
+  const py::array_t<double> at = real_numbers(times, "times");
+  if (at.ndim() != 1 || at.size() != positions.cols()) {
+    throw InvalidInput("times: must have the shape (" + std::to_string(positions.cols()) +
+                       ",), one time for each of the tools");
+  }
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    points[i].time = at.data()[i];
+    if (!std::isfinite(points[i].time) || (i > 0 && points[i].time < points[i - 1].time)) {
+      throw InvalidInput("times[" + std::to_string(i) + "] is " + std::to_string(points[i].time) +
+                         "; times must be finite and not decrease");
+    }
+  }
+  return points;
+}
+
+Playback new_playback(const Model& model, const std::string& motion, double tolerance,
+                      double energy_credit, double unknown_friction, double largest_jump,
+                      double start_depth, double longest_step, int hold_ticks) {
+  const PlaybackOptions options{
+      .motion = choose<ContactMotion>("motion", motion,
+                                      {{"bracketed", ContactMotion::bracketed},
+                                       {"brent", ContactMotion::brent},
+                                       {"friction_boundary", ContactMotion::friction_boundary}}),
+      .tolerance = tolerance,
+      .energy_credit = energy_credit,
+      .unknown_friction = unknown_friction,
+      .largest_jump = largest_jump,
+      .start_depth = start_depth,
+      .longest_step = longest_step,
+      .hold_ticks = hold_ticks};
+  const Unlocked unlocked;
+  return Playback(model, options);
+}
+
+void add_loop(py::module_& module) {
+  const PlaybackOptions usual;
+  py::class_<Playback>(module, "Playback", "The haptic loop of a model, at 1 kHz.")
+      .def(py::init(&new_playback), arg("model"), kw_only(), arg("motion") = "bracketed",
+           arg("tolerance") = usual.tolerance, arg("energy_credit") = usual.energy_credit,
+           arg("unknown_friction") = usual.unknown_friction,
+           arg("largest_jump") = usual.largest_jump, arg("start_depth") = usual.start_depth,
+           arg("longest_step") = usual.longest_step, arg("hold_ticks") = usual.hold_ticks,
+           R"(Prepares all that a tick needs; the model may be changed or forgotten afterwards.
+
+motion: how a slipping contact moves: 'bracketed', 'brent' or 'friction_boundary'.
+tolerance: [N] a contact holds while |f_T| - mu f_N is at most this.
+energy_credit: [N mm] work that the object does at most on the user from touch to release.
+unknown_friction: coefficient of contacts whose friction is unknown.
+largest_jump: [N] by which the force changes in a tick, besides what the stiffness gives.
+start_depth: [mm] a tool that is this far inside at the start touches the nearest point.
+longest_step: [mm] a longer movement in one tick is taken for a fault.
+hold_ticks: so many faulty ticks keep the contact while the force decays.
+Raises InvalidInput.)")
+      .def(
+          "step",
+          [](const Playback& playback, const py::object& tool, LoopState& state, double seconds) {
+            return playback.step(vector3(tool, "tool"), state, seconds);
+          },
+          arg("tool"), arg("state"), arg("seconds") = kPeriod,
+          R"(One tick: the force at a position of the tool [mm] (3,), world frame; `state` changes.
+
+A position that is not finite or too far from the last is not used: `Command.held`.
+seconds: since the last tick; counts only where the model depends on the rate.
+Use one state in one thread at a time. The interpreter stays locked: a tick takes microseconds.)")
+      .def(
+          "play",
+          [](const Playback& playback, const py::object& tools, const py::object& times) {
+            const std::vector<TrajectoryPoint> points = trajectory(tools, times);
+            const Unlocked unlocked;
+            return Trace{haptics::play(playback, points)};
+          },
+          arg("tools"), arg("times") = py::none(),
+          R"(Plays the positions (N, 3) [mm] of a tool, from a new state.
+
+times: (N,) [s]; None: 1 kHz. Raises InvalidInput. Other threads of Python run meanwhile; Ctrl-C is
+not heard.)");
+}
+
+}  // namespace
+
+void add_playback(py::module_& module) {
+  add_tick(module);
+  add_trace(module);
+  add_loop(module);
+}
+
+}  // namespace palpate::python

@@ -1,0 +1,215 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include <array>
+#include <memory>
+#include <opencv2/core.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "arrays.h"
+#include "bindings.h"
+#include "palpate/geometry/range_map.h"
+#include "palpate/sensing/decode.h"
+#include "palpate/sensing/frame.h"
+#include "palpate/sensing/pattern.h"
+#include "palpate/sensing/reason.h"
+#include "palpate/sensing/rig.h"
+#include "palpate/sensing/trained_colors.h"
+
+namespace palpate::python {
+namespace {
+
+namespace fs = std::filesystem;
+using sensing::Decoder;
+using sensing::DecodeResult;
+using sensing::Pattern;
+using sensing::Rig;
+using sensing::TrainedColors;
+
+/// The pixels of a camera, in OpenCV's form and without a copy if they lie one after the other.
+class Frame {
+ public:
+  explicit Frame(const py::object& object) {
+    pixels_ = py::array::ensure(object, py::array::c_style);
+    if (!pixels_) PyErr_Clear();
+    const bool wide = pixels_ && py::isinstance<py::array_t<std::uint16_t>>(pixels_);
+    const bool narrow = pixels_ && py::isinstance<py::array_t<std::uint8_t>>(pixels_);
+    const bool color = pixels_ && pixels_.ndim() == 3 && pixels_.shape(2) == 3;
+    if (!(wide || narrow) || !(color || pixels_.ndim() == 2)) {
+      throw InvalidInput(
+          "frame: must be uint8 or uint16, of shape (rows, columns) or (rows, "
+          "columns, 3) with blue first, as read_frame() and OpenCV give it");
+    }
+    // Only read.
+    mat_ = cv::Mat(static_cast<int>(pixels_.shape(0)), static_cast<int>(pixels_.shape(1)),
+                   CV_MAKETYPE(wide ? CV_16U : CV_8U, color ? 3 : 1),
+                   const_cast<void*>(pixels_.data()));
+  }
+  [[nodiscard]] const cv::Mat& mat() const { return mat_; }
+
+ private:
+  py::array pixels_;
+  cv::Mat mat_;
+};
+
+py::array pixels_of(cv::Mat&& read) {
+  auto kept = std::make_unique<cv::Mat>(read.isContinuous() ? std::move(read) : read.clone());
+  const cv::Mat& image = *kept;
+  const py::capsule owner(kept.release(), [](void* held) { delete static_cast<cv::Mat*>(held); });
+  const auto item = static_cast<py::ssize_t>(image.elemSize1());
+  std::vector<py::ssize_t> shape{image.rows, image.cols};
+  if (image.channels() > 1) shape.push_back(image.channels());
+  const py::dtype type = item == 2 ? py::dtype::of<std::uint16_t>() : py::dtype::of<std::uint8_t>();
+  return py::array(type, std::move(shape), image.data, owner);
+}
+
+void add_files(py::module_& module) {
+  py::class_<Rig>(module, "Rig", "A calibrated camera and projector, and the pose between them.")
+      .def_readonly("camera", &Rig::camera, "The camera.")
+      .def_readonly("projector", &Rig::projector, "The projector, as a camera.")
+      .def_property_readonly(
+          "T_projector_camera",
+          [](const Rig& rig) { return copy_of(rig.T_projector_camera.matrix()); },
+          "(4, 4) maps camera coordinates to projector coordinates [mm].");
+  py::class_<Pattern>(module, "Pattern", "A projected pattern: colour stripes and a sinusoid.")
+      .def_readonly("period", &Pattern::period, "[px] of the sinusoid.")
+      .def_property_readonly(
+          "stripes", [](const Pattern& pattern) { return pattern.stripes.size(); },
+          "Number of colour stripes; 0 for a sinusoid alone.");
+  py::class_<TrainedColors>(module, "TrainedColors", "What the camera sees of each stripe colour.")
+      .def_property_readonly(
+          "names",
+          [](const TrainedColors& trained) {
+            std::vector<std::string> names;
+            for (const auto& color : trained.colors) names.push_back(color.name);
+            return names;
+          },
+          "Names of the colours.");
+
+  module.def("read_rig", &sensing::read_rig, arg("path"),
+             "Reads a rig (OpenCV's YAML). Raises FileError.");
+  module.def("read_pattern", &sensing::read_pattern, arg("path"),
+             "Reads a pattern (OpenCV's YAML). Raises FileError.");
+  module.def("read_trained_colors", &sensing::read_trained_colors, arg("path"),
+             "Reads what train_colors() or `palpate calibrate colors` found. Raises FileError.");
+  module.def(
+      "train_colors",
+      [](const fs::path& folder) {
+        const Unlocked unlocked;
+        return sensing::train_colors_from_folder(folder);
+      },
+      arg("folder"),
+      R"(Trains the colours with images <colour>_<anything>.png, each of a scene under one colour.
+
+Raises FileError or InvalidInput. Ctrl-C is not heard.)");
+  module.def(
+      "read_frame",
+      [](const fs::path& path) {
+        cv::Mat image;
+        {
+          const Unlocked unlocked;
+          image = sensing::read_frame(path);
+        }
+        return pixels_of(std::move(image));
+      },
+      arg("path"),
+      R"(Reads a camera frame (PNG or TIFF): uint8 or uint16, (rows, columns) or (rows, columns, 3).
+
+Colours are blue, green, red, as in OpenCV. Raises FileError.)");
+  module.def(
+      "read_range_map",
+      [](const fs::path& path, const std::optional<fs::path>& rig) {
+        const Unlocked unlocked;
+        geometry::RangeMap map{
+            .z = geometry::read_depth_tiff(path),
+            .camera = sensing::read_camera(rig.value_or(path.parent_path() / "rig.yaml"))};
+        if (map.z.cols() != map.camera.width || map.z.rows() != map.camera.height) {
+          throw InvalidInput(path.string() + ": " + std::to_string(map.z.cols()) + " x " +
+                             std::to_string(map.z.rows()) + " pixels, but its camera has " +
+                             std::to_string(map.camera.width) + " x " +
+                             std::to_string(map.camera.height) +
+                             ". Pass the rig that this range map was made with.");
+        }
+        return map;
+      },
+      arg("path"), arg("rig") = py::none(),
+      R"(Reads a range map (float32 TIFF, mm), as `palpate decode` writes it.
+
+rig: file with its camera; None: rig.yaml beside it. Raises FileError or InvalidInput.)");
+}
+
+py::dict counts_of(const DecodeResult& result) {
+  py::dict counts;
+  for (int code = 0; code < sensing::kReasonCount; ++code) {
+    const auto reason = static_cast<sensing::Reason>(code);
+    counts[py::str(std::string(sensing::name(reason)))] = sensing::count(result.reasons, reason);
+  }
+  return counts;
+}
+
+void add_decoder(py::module_& module) {
+  py::class_<DecodeResult>(module, "DecodeResult", "The result of Decoder.decode().")
+      .def_readonly("range", &DecodeResult::range, "The range map.")
+      .def_property_readonly(
+          "reasons",
+          [](py::object self) { return image_view(self.cast<DecodeResult&>().reasons, self); },
+          "(height, width) uint8: 0 where there is a depth, otherwise why there is none.")
+      .def_property_readonly("counts", &counts_of,
+                             "Number of pixels by reason, in the order of the codes.")
+      .def_property_readonly(
+          "sigma",
+          [](py::object self) { return image_view(self.cast<DecodeResult&>().sigma, self); },
+          "[mm] (height, width) float32 standard deviation of each depth; NaN without a depth.")
+      .def_readonly("transitions", &DecodeResult::transitions, "Stripe edges that were identified.")
+      .def_readonly("regions", &DecodeResult::regions, "Smooth regions of the phase.")
+      .def_readonly("unresolved_regions", &DecodeResult::unresolved_regions,
+                    "Regions with too few stripe edges, or contradicting ones.");
+  py::class_<Decoder>(module, "Decoder", R"(Decodes single frames into range maps.
+
+Threads may decode with the same decoder at the same time.)")
+      .def(py::init([](const Rig& rig, const Pattern& pattern, const TrainedColors& colors,
+                       double window_periods, bool half_resolution,
+                       const std::optional<std::array<double, 3>>& anchor) {
+             sensing::DecodeOptions options{.window_periods = window_periods,
+                                            .half_resolution = half_resolution};
+             if (anchor) {
+               options.anchor = {.u_px = (*anchor)[0], .v_px = (*anchor)[1], .z = (*anchor)[2]};
+             }
+             const Unlocked unlocked;
+             return Decoder(rig, pattern, colors, options);
+           }),
+           arg("rig"), arg("pattern"), arg("colors"), kw_only(),
+           arg("window_periods") = sensing::DecodeOptions{}.window_periods,
+           arg("half_resolution") = false, arg("anchor") = py::none(),
+           R"(Prepares everything that does not depend on the frame.
+
+window_periods: length of the demodulation window in periods of the sinusoid, in [1.25, 8].
+half_resolution: decode at half the size, several times faster.
+anchor: (column, row, depth [mm]) of a known pixel, for a pattern without stripes only.
+Raises InvalidInput.)")
+      .def_property_readonly(
+          "rig", [](const Decoder& decoder) { return decoder.rig(); },
+          "The rig of the range maps (a copy): its camera has their size.")
+      .def(
+          "decode",
+          [](const Decoder& decoder, const py::object& frame) {
+            const Frame given(frame);
+            const Unlocked unlocked;
+            return decoder.decode(given.mat());
+          },
+          arg("frame"),
+          R"(Decodes a frame of uint8 or uint16, (rows, columns, 3) with blue first, linear in the light.
+
+A frame without the projector's light gives a range map of NaN. Raises InvalidInput if size or
+type are wrong. Ctrl-C is not heard: a frame takes milliseconds.)");
+}
+
+}  // namespace
+
+void add_sensing(py::module_& module) {
+  add_files(module);
+  add_decoder(module);
+}
+
+}  // namespace palpate::python

@@ -1,0 +1,285 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "arrays.h"
+#include "bindings.h"
+#include "palpate/geometry/geodesic_distance.h"
+#include "palpate/geometry/mesh_distance.h"
+#include "palpate/geometry/registration.h"
+#include "palpate/geometry/surface_query.h"
+
+namespace palpate::python {
+namespace {
+
+using geometry::ClosestPoints;
+using geometry::GeodesicDistance;
+using geometry::GeodesicMethod;
+using geometry::Registration;
+using geometry::RegistrationMethod;
+using geometry::SurfacePoint;
+using geometry::SurfaceQuery;
+using geometry::TriangleMesh;
+
+void add_queries(py::module_& module) {
+  py::class_<ClosestPoints>(module, "ClosestPoints",
+                            "Closest points of N points; arrays are views that keep it alive.")
+      .def_property_readonly(
+          "triangles",
+          [](py::object self) { return vector_view(self.cast<ClosestPoints&>().triangles, self); },
+          "(N,) int32; -1 for a point that is not finite.")
+      .def_property_readonly(
+          "barycentric",
+          [](py::object self) { return rows_view(self.cast<ClosestPoints&>().barycentric, self); },
+          "(N, 3) in the order of the triangle's vertices; 0 without a closest point.")
+      .def_property_readonly(
+          "positions",
+          [](py::object self) { return rows_view(self.cast<ClosestPoints&>().positions, self); },
+          "[mm] (N, 3); NaN without a closest point.")
+      .def_property_readonly(
+          "distances",
+          [](py::object self) { return vector_view(self.cast<ClosestPoints&>().distances, self); },
+          "[mm] (N,); NaN without a closest point.");
+  py::class_<SurfaceQuery>(module, "SurfaceQuery",
+                           "Closest points on a mesh, exact in double precision.")
+      .def(py::init([](const TriangleMesh& mesh) {
+             const Unlocked unlocked;
+             return SurfaceQuery(mesh);
+           }),
+           arg("mesh"),
+           R"(Prepares a copy of the mesh: moving its vertices later does not matter here.
+
+Raises InvalidInput if the mesh has no triangle, a vertex that is not finite, or a wrong index.)")
+      .def(
+          "closest_points",
+          [](const SurfaceQuery& query, const py::object& points) {
+            const Points given(points, "points");
+            const Unlocked unlocked;
+            return geometry::closest_points(query, given.columns());
+          },
+          arg("points"),
+          R"(The closest point of the surface to each of (N, 3) points [mm], on all processors.
+
+A C-contiguous float64 array is read in place. Ctrl-C is not heard.)");
+}
+
+std::vector<SurfacePoint> surface_points(const TriangleMesh& mesh, const py::object& sources) {
+  std::vector<SurfacePoint> points;
+  if (py::isinstance<ClosestPoints>(sources)) {
+    const auto& given = sources.cast<const ClosestPoints&>();
+    for (Eigen::Index i = 0; i < given.triangles.size(); ++i)
+      points.push_back({given.triangles[i], given.barycentric.col(i)});
+    return points;
+  }
+  const py::array_t<int> vertices = indices(sources, "sources", 1);
+  check_mesh(mesh, "geodesic_distance()");
+  const std::vector<SurfacePoint> all = vertex_points(mesh);
+  for (py::ssize_t i = 0; i < vertices.size(); ++i) {
+    const auto vertex = static_cast<std::size_t>(vertices.at(i));
+    const std::string place = "sources[" + std::to_string(i) + "]";
+    if (vertex >= all.size()) {
+      throw InvalidInput(place + " is " + std::to_string(vertex) + "; the mesh has " +
+                         std::to_string(all.size()) + " vertices");
+    }
+    if (all[vertex].triangle < 0)
+      throw InvalidInput(place + " is vertex " + std::to_string(vertex) +
+                         ", which is in no triangle");
+    points.push_back(all[vertex]);
+  }
+  return points;
+}
+
+void add_geodesics(py::module_& module) {
+  py::class_<GeodesicDistance>(module, "GeodesicDistance", "The result of geodesic_distance().")
+      .def_property_readonly(
+          "distance",
+          [](py::object self) {
+            return vector_view(self.cast<GeodesicDistance&>().distance, self);
+          },
+          "[mm] (V,) to the nearest source; infinity if not reached.")
+      .def_property_readonly(
+          "label",
+          [](py::object self) { return vector_view(self.cast<GeodesicDistance&>().label, self); },
+          "(V,) int32 index of the nearest source (its Voronoi cell); -1 if not reached.");
+  module.def(
+      "geodesic_distance",
+      [](const TriangleMesh& mesh, const py::object& sources, const std::string& method,
+         double stop_radius) {
+        const geometry::GeodesicOptions options{
+            .method = choose<GeodesicMethod>("method", method,
+                                             {{"fast_marching", GeodesicMethod::fast_marching},
+                                              {"exact", GeodesicMethod::exact}}),
+            .stop_radius = stop_radius};
+        const std::vector<SurfacePoint> points = surface_points(mesh, sources);
+        const Unlocked unlocked;
+        return geometry::geodesic_distance(mesh, points, options);
+      },
+      arg("mesh"), arg("sources"), kw_only(), arg("method") = "fast_marching",
+      arg("stop_radius") = std::numeric_limits<double>::infinity(),
+      R"(Distance along the surface of each vertex to the nearest of several sources.
+
+sources: (N,) indices of vertices, or ClosestPoints of this mesh.
+method: 'fast_marching' (errors of some tenths of a percent) or 'exact'.
+stop_radius: [mm] largest distance.
+Raises InvalidInput. Ctrl-C is not heard.)");
+}
+
+/// What `compare` tells: `palpate compare` prints the same figures.
+struct Comparison {
+  geometry::SurfaceDistances spread;
+  geometry::HausdorffDistance largest;
+};
+
+void add_comparison(py::module_& module) {
+  const auto spread = [](auto member) {
+    return [member](const Comparison& comparison) { return comparison.spread.*member; };
+  };
+  using geometry::SurfaceDistances;
+  py::class_<Comparison>(module, "Comparison",
+                         "Signed distances from one surface to another, over its area.")
+      .def_property_readonly("mean", spread(&SurfaceDistances::mean),
+                             "[mm] of the signed distances; positive on the side of the normals.")
+      .def_property_readonly("rms", spread(&SurfaceDistances::rms),
+                             "[mm] square root of the mean square.")
+      .def_property_readonly("median", spread(&SurfaceDistances::median),
+                             "[mm] absolute distance not exceeded on half of the area.")
+      .def_property_readonly("p90", spread(&SurfaceDistances::p90),
+                             "[mm] absolute distance not exceeded on nine tenths of the area.")
+      .def_property_readonly("area", spread(&SurfaceDistances::area), "[mm^2] of the surface.")
+      .def_property_readonly("cells", spread(&SurfaceDistances::cells),
+                             "The surface in small triangles (a copy), one for each distance.")
+      .def_property_readonly(
+          "distance",
+          [](py::object self) {
+            return vector_view(self.cast<Comparison&>().spread.distance, self);
+          },
+          "[mm] (T,) signed mean distance of each cell.")
+      .def_property_readonly(
+          "hausdorff",
+          [](const Comparison& comparison) {
+            return std::pair(comparison.largest.lower, comparison.largest.upper);
+          },
+          "[mm] lower and upper bound of the Hausdorff distance, of both directions.");
+  module.def(
+      "compare",
+      [](const TriangleMesh& mesh, const TriangleMesh& reference) {
+        const Unlocked unlocked;
+        return Comparison{geometry::surface_distances(mesh, reference),
+                          geometry::hausdorff_distance(mesh, reference)};
+      },
+      arg("mesh"), arg("reference"),
+      R"(Distances from a surface to a reference, over the area of the surface.
+
+Raises InvalidInput. Ctrl-C is not heard.)");
+}
+
+Eigen::Isometry3d isometry(const py::object& pose, const char* name) {
+  if (pose.is_none()) return Eigen::Isometry3d::Identity();
+  const py::array_t<double> numbers = real_numbers(pose, name);
+  const bool fits = numbers.ndim() == 2 && numbers.shape(0) == 4 && numbers.shape(1) == 4;
+  if (!fits) throw InvalidInput(std::string(name) + ": must be a matrix of shape (4, 4)");
+  const Eigen::Matrix4d matrix =
+      Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(numbers.data());
+  const Eigen::Matrix3d rotation = matrix.topLeftCorner<3, 3>();
+  // As in files: rounding of six printed digits.
+  constexpr double kRotationTolerance = 1e-6;
+  const double off =
+      (rotation.transpose() * rotation - Eigen::Matrix3d::Identity()).lpNorm<Eigen::Infinity>();
+  if (!matrix.allFinite() || off > kRotationTolerance || rotation.determinant() < 0 ||
+      matrix.row(3) != Eigen::RowVector4d(0, 0, 0, 1)) {
+    throw InvalidInput(std::string(name) +
+                       ": must be finite, a rotation and a translation, with 0 0 0 1 below");
+  }
+  return Eigen::Isometry3d(matrix);
+}
+
+void add_registration(py::module_& module) {
+  py::class_<Registration>(module, "Registration", "The result of register_points().")
+      .def_property_readonly(
+          "T_target_source",
+          [](const Registration& found) { return copy_of(found.T_target_source.matrix()); },
+          "(4, 4) moves source points [mm] to the frame of the target.")
+      .def_property_readonly(
+          "accepted",
+          [](const Registration& found) {
+            return found.verdict == geometry::RegistrationVerdict::accepted;
+          },
+          "Whether the pose can be relied on. Read this before you use it.")
+      .def_property_readonly(
+          "verdict", [](const Registration& found) { return geometry::to_string(found.verdict); },
+          "'accepted', 'not_converged', 'too_few_points', 'little_overlap', 'slides', "
+          "'ambiguous' or 'poor_fit'.")
+      .def_readonly("reason", &Registration::reason, "The verdict in a sentence, with figures.")
+      .def_readonly("rms", &Registration::rms,
+                    "[mm] of the distances of the inliers from the surface; NaN without any.")
+      .def_readonly("median", &Registration::median,
+                    "[mm] median distance of all finite points from the surface.")
+      .def_readonly("inliers", &Registration::inliers,
+                    "Number of points whose distance is consistent with the others'.")
+      .def_readonly("overlap", &Registration::overlap, "The inliers' share of the finite points.")
+      .def_property_readonly(
+          "runner_up", [](const Registration& found) { return found.runner_up; },
+          "[mm] median distance at the best different pose; None if there is none.")
+      .def_property_readonly(
+          "centre", [](const Registration& found) { return copy_of(found.centre); },
+          "[mm] (3,) centroid of the moved points.")
+      .def_property_readonly(
+          "covariance", [](const Registration& found) { return copy_of(found.covariance); },
+          "(6, 6) of the rotation about the centre [rad] and the translation [mm].")
+      .def("__repr__", [](const Registration& found) {
+        return "<palpate.Registration: " + std::string(to_string(found.verdict)) + ": " +
+               found.reason + ">";
+      });
+  module.def(
+      "register_points",
+      [](const py::object& points, const TriangleMesh& target, const std::string& method,
+         const py::object& start, double search_rotation, double search_translation,
+         double min_overlap, double max_rms, int max_iterations) {
+        const Points given(points, "points");
+        const geometry::RegistrationOptions options{
+            .method = choose<RegistrationMethod>(
+                "method", method,
+                {{"point_to_triangle", RegistrationMethod::point_to_triangle},
+                 {"point_to_plane", RegistrationMethod::point_to_plane},
+                 {"point_to_point", RegistrationMethod::point_to_point}}),
+            .T_target_source_start = isometry(start, "start"),
+            .search_rotation = search_rotation,
+            .search_translation = search_translation,
+            .min_overlap = min_overlap,
+            .max_rms = max_rms,
+            .max_iterations = max_iterations};
+        const Unlocked unlocked;
+        return geometry::register_points(given.columns(), target, options);
+      },
+      arg("points"), arg("target"), kw_only(), arg("method") = "point_to_triangle",
+      arg("start") = py::none(),
+      arg("search_rotation") = geometry::RegistrationOptions{}.search_rotation,
+      arg("search_translation") = geometry::RegistrationOptions{}.search_translation,
+      arg("min_overlap") = geometry::RegistrationOptions{}.min_overlap,
+      arg("max_rms") = geometry::RegistrationOptions{}.max_rms,
+      arg("max_iterations") = geometry::RegistrationOptions{}.max_iterations,
+      R"(Registers (N, 3) points [mm] rigidly to a mesh, and judges the result.
+
+points: those that are not finite are ignored. A C-contiguous float64 array is read in place.
+method: 'point_to_triangle', 'point_to_plane' or 'point_to_point'.
+start: (4, 4) start pose of the search; None: none of the points is moved.
+search_rotation: [rad] largest rotation error of the start, in [0, pi].
+search_translation: [mm] largest position error of the points' centroid in the start.
+min_overlap: share of the points that belong to the target.
+max_rms: [mm] a pose with a larger rms is not accepted.
+Raises InvalidInput. A pose that cannot be relied on is a result, not an error: see `accepted`.
+Ctrl-C is not heard.)");
+}
+
+}  // namespace
+
+void add_surface_functions(py::module_& module) {
+  add_queries(module);
+  add_geodesics(module);
+  add_comparison(module);
+  add_registration(module);
+}
+
+}  // namespace palpate::python
