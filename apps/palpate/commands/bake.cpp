@@ -13,7 +13,7 @@
 
 #include "palpate/error.h"
 #include "palpate/geometry/error_statistics.h"
-#include "palpate/haptics/build_model.h"
+#include "palpate/haptics/bake_model.h"
 #include "palpate/haptics/evaluate.h"
 #include "palpate/haptics/model_io.h"
 #include "palpate/output_file.h"
@@ -43,34 +43,12 @@ struct BakeCall {
   probing::KnownForceOptions queries;
 };
 
-/// What the samples of a computed specimen leave open: far less than the noise of an arm.
-haptics::BuildOptions exact_samples() {
-  constexpr double kDisplacement = 0.005, kForce = 0.002;  // [mm], [N]
-  haptics::BuildOptions options;
-  options.fit.noise = {.displacement = kDisplacement, .force = kForce};
-  options.fit.compare_always = true;
-  options.friction.force_noise = kForce;
-  options.friction.steady_error = 0;
-  return options;
-}
-
 std::unique_ptr<probing::Specimen> read_specimen(const fs::path& path) {
   try {
     return probing::parse_specimen(probing::read_specimen_text(path), path.string());
   } catch (const SolverError& error) {  // of the object at rest, before the tip comes
     throw SolverError(path.string() + ": " + error.what());
   }
-}
-
-/// Where and how hard to press.
-probing::ContactPlan plan_bake(const probing::Specimen& specimen, const BakeCall& call) {
-  // Of the largest force. Below the highest level there is room for a tangential force; a model
-  // whose levels end lower has to guess more of what is above them.
-  constexpr double kLowest = 0.05, kHighest = 0.93;
-  probing::PlanOptions options = call.plan;
-  options.lowest_force = kLowest * options.max_force;
-  options.highest_force = kHighest * options.max_force;
-  return probing::plan_contacts(specimen.surface(), options);
 }
 
 std::string in_newton(const Vector3d& force) {
@@ -139,7 +117,7 @@ probing::SpecimenTrials compute_samples(const probing::Specimen& specimen,
 haptics::BuildResult build(const probing::CheckedAcquisition& acquisition,
                            const geometry::TriangleMesh& surface, const BakeCall& call) {
   Progress progress("fitting");
-  haptics::BuildOptions options = exact_samples();
+  haptics::BuildOptions options = haptics::exact_samples();
   // Friction is found in no time.
   options.progress = [&](haptics::BuildStage stage, int done, int total) {
     if (stage == haptics::BuildStage::fields) progress.show(done, total);
@@ -198,7 +176,7 @@ void bake(const Settings& settings, const BakeCall& call) {
   check_output_folder({call.specimen}, call.output);
   check_replaceable(call.output, haptics::model_entries());
   const auto specimen = read_specimen(call.specimen);
-  const probing::ContactPlan plan = plan_bake(*specimen, call);
+  const probing::ContactPlan plan = haptics::plan_bake(*specimen, call.plan);
   const probing::KnownForces known = compute_queries(*specimen, call);
   probing::SpecimenTrials trials = compute_samples(*specimen, plan, call);
   tell_failures(trials, known);

@@ -8,13 +8,13 @@
 #include <vector>
 
 #include "commands/mesh_page.h"
-#include "commands/model_page.h"
+#include "commands/page_file.h"
 #include "commands/play_friction.h"
 #include "commands/range_page.h"
+#include "maker/model_page.h"
 #include "palpate/error.h"
 #include "palpate/file_names.h"
 #include "palpate/haptics/model_io.h"
-#include "palpate/haptics/playable.h"
 #include "palpate/output_file.h"
 #include "palpate/sensing/depth_image.h"
 
@@ -88,13 +88,11 @@ std::string page_title(const PageCall& call) {
 
 void write_model_page(const PageCall& call) {
   haptics::Model model = haptics::read_model(call.input);
-  haptics::check_playable(model);
-  const double played =
+  const double friction =
       checked_friction(call.input, haptics::unknown_friction_count(model), call.friction);
-  for (haptics::ContactModel& contact : model.contacts) {
-    if (has_unknown_friction(contact)) contact.friction = played;
-  }
-  const std::string page = model_page(model, page_title(call));
+  const std::string page =
+      web::model_page(std::move(model), {.title = page_title(call), .unknown_friction = friction},
+                      page_template_path("model"));
   write_file(call.output, [&](std::ostream& file) { file << page; });
 }
 

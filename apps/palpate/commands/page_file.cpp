@@ -3,21 +3,15 @@
 #include "commands/page_file.h"
 
 #include <fmt/format.h>
-#include <libdeflate.h>
 
 #include <algorithm>
-#include <boost/archive/iterators/base64_from_binary.hpp>
-#include <boost/archive/iterators/transform_width.hpp>
 #include <cmath>
-#include <fstream>
-#include <memory>
-#include <new>
 #include <optional>
-#include <sstream>
 #include <string_view>
 #include <utility>
 
-#include "commands/report_page.h"
+#include "maker/html_text.h"
+#include "maker/page_text.h"
 #include "palpate/error.h"
 #include "palpate/output_file.h"
 #include "palpate/work_in_order.h"
@@ -28,34 +22,6 @@ namespace palpate::apps {
 namespace {
 
 constexpr std::string_view kBlocks = "{{blocks}}";
-
-std::vector<char> gzip(std::span<const std::byte> bytes) {
-  constexpr int kLevel = 9;  // of 12: those above take seconds for a large model
-  struct Free {
-    void operator()(libdeflate_compressor* compressor) const {
-      libdeflate_free_compressor(compressor);
-    }
-  };
-  const std::unique_ptr<libdeflate_compressor, Free> compressor(
-      libdeflate_alloc_compressor(kLevel));
-  if (!compressor) throw std::bad_alloc();
-  std::vector<char> packed(libdeflate_gzip_compress_bound(compressor.get(), bytes.size()));
-  packed.resize(libdeflate_gzip_compress(compressor.get(), bytes.data(), bytes.size(),
-                                         packed.data(), packed.size()));
-  return packed;
-}
-
-std::string base64(const std::vector<char>& bytes) {
-  using namespace boost::archive::iterators;
-  using Digits = base64_from_binary<transform_width<std::vector<char>::const_iterator, 6, 8>>;
-  std::string text(Digits(bytes.begin()), Digits(bytes.end()));
-  text.append((4 - text.size() % 4) % 4, '=');
-  return text;
-}
-
-FileError incomplete(const std::string& mark) {
-  return FileError("the template of pages has no " + mark + "; install it again");
-}
 
 /// JSON that ends no element of a page and holds no mark of a template: names of files may be any
 /// text.
@@ -75,23 +41,9 @@ std::string json_text(const nlohmann::ordered_json& facts) {
 
 }  // namespace
 
-std::string page_template(const std::string& kind) {
-  const std::filesystem::path path =
-      bundled(PALPATE_INSTALLED_PAGES, PALPATE_BUILT_PAGES) / (kind + ".html");
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  if (!file || !(text << file.rdbuf())) throw FileError(path.string() + ": cannot be read");
-  return text.str();
+std::filesystem::path page_template_path(const std::string& kind) {
+  return bundled(PALPATE_INSTALLED_PAGES, PALPATE_BUILT_PAGES) / (kind + ".html");
 }
-
-void fill(std::string& page, const std::string& mark, const std::string& text) {
-  std::size_t at = page.find(mark);
-  if (at == std::string::npos) throw incomplete(mark);
-  for (; at != std::string::npos; at = page.find(mark, at + text.size()))
-    page.replace(at, mark.size(), text);
-}
-
-std::string packed_text(std::span<const std::byte> bytes) { return base64(gzip(bytes)); }
 
 namespace {
 
@@ -120,13 +72,14 @@ struct PageEnds {
 };
 
 PageEnds ends_of(const SequencePage& page) {
-  std::string head = page_template(page.kind);
+  std::string head = web::page_template(page_template_path(page.kind));
   const std::size_t split = head.find(kBlocks);
-  if (split == std::string::npos) throw incomplete(std::string(kBlocks));
+  if (split == std::string::npos)
+    throw FileError("the template of pages has no " + std::string(kBlocks) + "; install it again");
   std::string tail = head.substr(split + kBlocks.size());
   head.resize(split);
-  fill(head, "{{facts}}", json_text(page.facts));
-  fill(head, "{{title}}", html_escaped(page.title));  // last, because it may be any text
+  web::fill(head, "{{facts}}", json_text(page.facts));
+  web::fill(head, "{{title}}", web::html_escaped(page.title));  // last, because it may be any text
   return {std::move(head), std::move(tail)};
 }
 
@@ -138,7 +91,7 @@ std::size_t write_page(const std::filesystem::path& output, const SequencePage& 
     std::string block;
   };
   const PageEnds ends = ends_of(page);
-  const std::string common = block(packed_text(page.common));
+  const std::string common = block(web::packed_text(page.common));
   std::size_t bytes = ends.head.size() + common.size() + ends.tail.size(), taken = 0, done = 0;
   Progress progress("packing");
   write_file(output, [&](std::ostream& file) {
@@ -148,7 +101,7 @@ std::size_t write_page(const std::filesystem::path& output, const SequencePage& 
           if (taken == page.files.size()) return std::nullopt;
           return Frame{.file = page.files[taken++], .block = {}};
         },
-        [&](Frame& frame) { frame.block = block(packed_text(page.pack(frame.file))); },
+        [&](Frame& frame) { frame.block = block(web::packed_text(page.pack(frame.file))); },
         [&](Frame& frame) {
           bytes += frame.block.size();
           if (bytes > page.most_bytes) throw too_long(page, done);

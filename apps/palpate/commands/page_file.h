@@ -18,15 +18,7 @@ namespace palpate::apps {
 inline constexpr std::size_t kMostPageBytes = 150'000'000;
 
 /// The template of a page, which is installed with the command: "model", "range" or "mesh".
-/// \throws FileError if it is not there.
-[[nodiscard]] std::string page_template(const std::string& kind);
-
-/// Replaces a mark of a template, wherever it is.
-/// \throws FileError if it is nowhere.
-void fill(std::string& page, const std::string& mark, const std::string& text);
-
-/// Bytes as a page holds them: gzip, in base64.
-[[nodiscard]] std::string packed_text(std::span<const std::byte> bytes);
+[[nodiscard]] std::filesystem::path page_template_path(const std::string& kind);
 
 /// A page of kind "range" or "mesh", whose data are one block for all frames and one for each.
 struct SequencePage {

@@ -13,7 +13,7 @@
 
 #include "palpate/error.h"
 #include "palpate/probing/campaign_options_text.h"
-#include "palpate/probing/probing_program.h"
+#include "palpate/probing/campaign_trial.h"
 #include "shared/command_line.h"
 #include "shared/inputs.h"
 #include "shared/progress.h"
@@ -207,27 +207,14 @@ void perform_trials(probing::CampaignStore& store, RunningCampaign& running,
   probing::Campaign& campaign = running.campaign;
   Progress progress("probing");
   if (campaign.next()) running.arm->start();
-  for (int i = 0; i < most; ++i) {
-    const std::optional<probing::TrialOrder> order = campaign.next();
-    if (!order) break;
-    if (const std::optional<probing::TrialOrder> reference = campaign.reference()) {
-      const probing::CampaignProgress before = campaign.progress();
-      const probing::ReferenceProbe probe{
-          .number = before.references,
-          .trials = before.trials,
-          .time = before.seconds,
-          .result = probing::run_trial(*running.arm, *reference, options.program)};
-      running.arm->keep_record();
-      campaign.take_reference(probe);
-      store.append(probe, *reference, running.arm->memory());
-    }
+  const auto show = [&] {
     const probing::CampaignProgress at = campaign.progress();
     progress.show(at.trials, at.trials + std::max(1, static_cast<int>(at.trials_left)));
-    const probing::TrialRecord record{*order,
-                                      probing::run_trial(*running.arm, *order, options.program)};
-    running.arm->keep_record();
-    const probing::TrialVerdict verdict = campaign.take(record);
-    store.append(record, verdict, at.seconds, running.arm->memory());
+  };
+  for (int i = 0; i < most && campaign.next(); ++i) {
+    show();
+    probing::perform_trial(campaign, *running.arm, store, options.program,
+                           [&] { running.arm->keep_record(); });
   }
   running.arm->keep_record();
 }

@@ -2,32 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "commands/report_page.h"
 
+#include "maker/html_text.h"
+
 namespace palpate::apps {
 
-std::string html_escaped(const std::string& text) {
-  std::string html;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        html += "&amp;";
-        break;
-      case '<':
-        html += "&lt;";
-        break;
-      case '>':
-        html += "&gt;";
-        break;
-      case '"':
-        html += "&quot;";
-        break;
-      default:
-        html += c;
-    }
-  }
-  return html;
-}
-
 namespace {
+
+using web::html_escaped;
 
 std::string element(const std::string& tag, const std::string& text) {
   std::string html = "<" + tag + ">";

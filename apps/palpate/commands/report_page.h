@@ -7,9 +7,6 @@
 
 namespace palpate::apps {
 
-/// Text as HTML shows it.
-[[nodiscard]] std::string html_escaped(const std::string& text);
-
 /// A report as one HTML file that needs no network; its pictures lie beside it. All texts are plain
 /// text, which is escaped.
 class ReportPage {
