@@ -98,8 +98,7 @@ Eigen::Vector3d vector3(py::handle object, const char* name) {
   if (Py_TYPE(object.ptr()) == py::detail::npy_api::get().PyArray_Type_ &&
       py::isinstance<py::array_t<double>>(object)) {
     const auto array = py::reinterpret_borrow<py::array_t<double>>(object);
-    if (array.ndim() == 1 && array.shape(0) == 3)
-      return {array.at(0), array.at(1), array.at(2)};
+    if (array.ndim() == 1 && array.shape(0) == 3) return {array.at(0), array.at(1), array.at(2)};
   }
   const py::array_t<double> numbers = real_numbers(object, name);
   if (numbers.ndim() != 1 || numbers.size() != 3)

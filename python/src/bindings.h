@@ -22,6 +22,7 @@ void add_meshes(py::module_& module);
 void add_surface_functions(py::module_& module);
 void add_sensing(py::module_& module);
 void add_probing(py::module_& module);
+void add_simulation(py::module_& module);
 void add_fitting(py::module_& module);
 void add_playback(py::module_& module);
 
@@ -55,10 +56,10 @@ template <typename Value>
   throw InvalidInput(std::string(name) + ": is '" + word + "'; it must be one of " + known);
 }
 
-/// `_repr_html_` of a class: palpate/_pictures.py draws it.
+/// `_repr_html_` of a class: a function of palpate/_notebook.py.
 [[nodiscard]] inline auto drawn_by(const char* function) {
   return [function](const py::object& self) -> py::str {
-    return py::module_::import("palpate._pictures").attr(function)(self);
+    return py::module_::import("palpate._notebook").attr(function)(self);
   };
 }
 

@@ -1,16 +1,19 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
 #include <optional>
+#include <ostream>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "arrays.h"
 #include "bindings.h"
+#include "maker/model_page.h"
 #include "palpate/geometry/triangle_mesh.h"
 #include "palpate/haptics/build_model.h"
 #include "palpate/haptics/model.h"
 #include "palpate/haptics/model_io.h"
+#include "palpate/output_file.h"
 #include "palpate/probing/acquisition.h"
 #include "palpate/probing/contact_surface.h"
 
@@ -30,6 +33,12 @@ auto of_contacts(Member member) {
     return gather<Scalar>(model.contacts,
                           [&](const ContactModel& contact) { return contact.*member; });
   };
+}
+
+/// Where page.html lies beside the Python files of this module.
+fs::path page_folder() {
+  const auto file = py::module_::import("palpate").attr("__file__").cast<std::string>();
+  return fs::path(file).parent_path();
 }
 
 void add_model(py::module_& module) {
@@ -75,6 +84,43 @@ Arrays of contacts are copies, in the order of the contacts.)")
           R"(Writes the model as a folder, as a whole or not at all; read_model() reads it back exactly.
 
 A folder that holds anything but a model is not replaced. Raises InvalidInput or OutputError.)")
+      .def(
+          "page",
+          [](const Model& model, const std::string& title, double unknown_friction) {
+            const fs::path package = page_folder();
+            const Unlocked unlocked;
+            return web::model_page(model, {title, unknown_friction}, package / "page.html");
+          },
+          kw_only(), arg("title") = "", arg("unknown_friction") = 0.0,
+          R"(The page of `palpate export --html`: HTML in which one presses and drags on the object.
+
+unknown_friction: coefficient of contacts whose friction is unknown.
+Raises InvalidInput if the model cannot be played.)")
+      .def(
+          "write_page",
+          [](const Model& model, const fs::path& path, const std::string& title,
+             double unknown_friction) {
+            const fs::path package = page_folder();
+            const Unlocked unlocked;
+            const std::string page =
+                web::model_page(model, {title, unknown_friction}, package / "page.html");
+            write_file(path, [&](std::ostream& file) { file << page; });
+          },
+          arg("path"), kw_only(), arg("title") = "", arg("unknown_friction") = 0.0,
+          "Writes page() to a file, as a whole or not at all. Raises OutputError.")
+      .def(
+          "show",
+          [](const py::object& self, const std::string& title, double unknown_friction,
+             int height) {
+            py::module_::import("palpate._notebook")
+                .attr("show")(self.attr("page")(arg("title") = title,
+                                                arg("unknown_friction") = unknown_friction),
+                              height);
+          },
+          kw_only(), arg("title") = "", arg("unknown_friction") = 0.0, arg("height") = 600,
+          R"(Shows page() in a notebook, `height` px high.
+
+Raises Error outside of one.)")
       .def("__repr__",
            [](const Model& model) {
              return "<palpate.Model: " + std::to_string(model.contacts.size()) +

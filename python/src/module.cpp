@@ -59,13 +59,13 @@ void add_errors(py::module_& module) {
 PYBIND11_MODULE(_palpate, module) {
   namespace python = palpate::python;
   module.attr("__version__") = PALPATE_VERSION;
-  // The signatures in docstrings are those of _palpate.pyi, which names what arrays must be.
   python::add_errors(module);
   python::add_meshes(module);
   python::add_surface_functions(module);
   python::add_sensing(module);
   python::add_probing(module);
   python::add_fitting(module);
+  python::add_simulation(module);
   python::add_playback(module);
   // Users see the classes in the package.
   for (const auto& item : module.attr("__dict__").cast<pybind11::dict>()) {

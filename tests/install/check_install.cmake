@@ -108,3 +108,17 @@ decode_video()
 if(NOT status EQUAL 1 OR NOT output MATCHES "libpalpate_video_capture.*cannot be loaded.*beside libpalpate_sensing")
   message(FATAL_ERROR "a module that is missing is not named (${status}):\n${output}")
 endif()
+
+# 5. Python finds the module, its version, its type hints and the page.
+if(PYTHON)
+  set(check "import importlib.metadata, pathlib, palpate
+folder = pathlib.Path(palpate.__file__).parent
+assert str(folder).startswith('${prefix}'), folder
+assert all((folder / name).exists() for name in ('py.typed', '_palpate.pyi', 'page.html'))
+mesh = palpate.TriangleMesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+print(importlib.metadata.version('palpate'), palpate.__version__, palpate.SurfaceQuery(mesh).closest_points([[0, 0, 2]]).distances)")
+  run(${CMAKE_COMMAND} -E env PYTHONPATH=${prefix}/${PYTHON_DIR} ${PYTHON} -B -c "${check}")
+  if(NOT output MATCHES "^${VERSION} ${VERSION} \\[2[.]\\]")
+    message(FATAL_ERROR "the installed Python module printed: ${output}")
+  endif()
+endif()

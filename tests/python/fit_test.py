@@ -1,0 +1,149 @@
+# SPDX-FileCopyrightText: Palpate contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Models are fitted, with other threads, progress and Ctrl-C; files that are no models are refused."""
+import os
+import pathlib
+import shutil
+import signal
+import tempfile
+import threading
+import time
+import unittest
+
+import numpy as np
+
+import palpate
+from shared import DEMO, PAGE, grid, recorded, sheet_acquisition
+
+
+class Fitting(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.acquisition = sheet_acquisition()
+        cls.surface = palpate.read_mesh(DEMO / "sheet/surface.ply")
+
+    def test_the_command_and_python_fit_the_same_model_while_another_thread_ticks(self):
+        ticks, done = 0, threading.Event()
+
+        def tick():
+            nonlocal ticks
+            while not done.is_set():
+                ticks += 1
+                time.sleep(1e-3)
+
+        other = threading.Thread(target=tick)
+        other.start()
+        reported = []
+        fitted = palpate.fit(self.acquisition, self.surface, progress=lambda *counts: reported.append(counts))
+        done.set()
+        other.join()
+        self.assertGreater(ticks, 50)  # it takes a second; with the interpreter locked there would be some two
+        self.assertEqual([count for count, _ in reported], list(range(1, 47)))
+        self.assertEqual({total for _, total in reported}, {46})
+        self.assertEqual((fitted.left_out, fitted.isolated, fitted.without_samples), ([], [], []))
+        self.assertEqual(fitted.registration, "not_needed")
+        self.assertGreater(fitted.explained, 0.99)
+        tools, outputs, states = recorded("trace.csv")
+        trace = palpate.Playback(fitted.model).play(tools)
+        np.testing.assert_array_equal(np.hstack([trace.contact, trace.force]), outputs)
+        np.testing.assert_array_equal(trace.state, states)
+
+    def test_ctrl_c_ends_a_fit(self):
+        reported = []
+
+        def interrupt(count, total):
+            reported.append(count)
+            if count == 3:
+                os.kill(os.getpid(), signal.SIGINT)
+
+        with self.assertRaises(KeyboardInterrupt):
+            palpate.fit(self.acquisition, self.surface, progress=interrupt)
+        self.assertLess(reported[-1], 46)
+
+    def test_what_progress_raises_ends_a_fit(self):
+        def stop(count, total):
+            raise RuntimeError("enough")
+
+        with self.assertRaisesRegex(RuntimeError, "enough"):
+            palpate.fit(self.acquisition, self.surface, progress=stop)
+
+    def test_wrong_calls_are_refused(self):
+        with self.assertRaisesRegex(palpate.InvalidInput, "passive: is 'rigid'; it must be one of 'convex', 'certified', 'local'"):
+            palpate.fit(self.acquisition, self.surface, passive="rigid")
+        with self.assertRaises(palpate.InvalidInput):
+            palpate.fit(self.acquisition, grid(5, 5))  # elsewhere
+        with self.assertRaises(palpate.InvalidInput):
+            palpate.fit(self.acquisition, self.surface, max_distance=np.nan)
+
+
+class Models(unittest.TestCase):
+    def test_a_model_is_written_and_read(self):
+        model = palpate.read_model(PAGE / "model")
+        with tempfile.TemporaryDirectory() as folder:
+            copy = pathlib.Path(folder) / "copy"
+            model.write(copy)
+            read = palpate.read_model(copy)
+            (copy / "mine.txt").write_text("kept")
+            with self.assertRaisesRegex(palpate.InvalidInput, "mine.txt"):
+                model.write(copy)
+        for name in ("contacts", "ids", "friction", "rms", "samples", "triangles"):
+            np.testing.assert_array_equal(getattr(read, name), getattr(model, name), name)
+        np.testing.assert_array_equal(read.surface.vertices, model.surface.vertices)
+        self.assertEqual((read.made, read.unknown_friction), (model.made, 0))
+        self.assertEqual(model.contacts.shape, (46, 3))
+        np.testing.assert_array_equal(model.ids, sheet_acquisition().contact_ids)
+
+    def test_the_surface_of_a_model_is_a_copy(self):
+        model = palpate.read_model(PAGE / "model")
+        model.surface.vertices[:] = np.nan
+        self.assertTrue(np.isfinite(model.surface.vertices).all())
+
+    def test_what_is_no_model_is_refused(self):
+        with self.assertRaisesRegex(palpate.FileError, "there is no such folder"):
+            palpate.read_model("/nowhere")
+        with self.assertRaisesRegex(palpate.FileError, "expected a model folder|surface.ply"):
+            palpate.read_model(DEMO)
+        with tempfile.TemporaryDirectory() as folder:
+            for what, right, wrong in (("version", '"version":1', '"version":2'), ("field.json", '"contacts"', '"kontacts"')):
+                broken = pathlib.Path(folder) / what
+                shutil.copytree(PAGE / "model", broken)
+                field = broken / "field.json"
+                self.assertIn(right, field.read_text())
+                field.write_text(field.read_text().replace(right, wrong))
+                with self.assertRaisesRegex(palpate.FileError, what):
+                    palpate.read_model(broken)
+            field.write_text(field.read_text()[:1000])
+            with self.assertRaisesRegex(palpate.FileError, "field.json"):
+                palpate.read_model(broken)
+
+
+class Acquisitions(unittest.TestCase):
+    def test_samples_are_those_of_the_files(self):
+        acquisition = sheet_acquisition()
+        rows = np.genfromtxt(DEMO / "sheet/samples.csv", delimiter=",", names=True, dtype=None, encoding="utf-8")
+        np.testing.assert_array_equal(acquisition.contact, rows["contact"])
+        np.testing.assert_array_equal(acquisition.force, np.stack([rows["px"], rows["py"], rows["pz"]], axis=1))
+        np.testing.assert_array_equal(acquisition.b, np.stack([rows["bx"], rows["by"], rows["bz"]], axis=1))
+        np.testing.assert_array_equal(acquisition.slipped, rows["slipped"] == 1)
+        np.testing.assert_allclose(np.linalg.norm(acquisition.normals, axis=1), 1, atol=2e-3)
+
+    def test_a_database_is_read_back(self):
+        acquisition = sheet_acquisition()
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "acquisition.db"
+            palpate.write_acquisition(path, acquisition)
+            read = palpate.read_acquisition(path)
+        for name in ("contact_ids", "contacts", "normals", "contact", "force", "a", "b", "slipped", "time"):
+            np.testing.assert_array_equal(getattr(read, name), getattr(acquisition, name), name)
+
+    def test_files_that_are_missing_or_wrong_are_named(self):
+        with self.assertRaisesRegex(palpate.FileError, "/nowhere.db"):
+            palpate.read_acquisition("/nowhere.db")
+        with self.assertRaisesRegex(palpate.FileError, "samples.csv"):
+            palpate.read_acquisition(DEMO / "sheet/samples.csv")
+        with self.assertRaises(palpate.InvalidInput):
+            palpate.import_acquisition([])
+
+
+if __name__ == "__main__":
+    unittest.main()

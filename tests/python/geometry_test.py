@@ -1,0 +1,178 @@
+# SPDX-FileCopyrightText: Palpate contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Functions on meshes give what geometry says."""
+import pathlib
+import tempfile
+import unittest
+
+import numpy as np
+
+import palpate
+from shared import DEMO, REPOSITORY, grid
+
+
+def rotation(axis, angle):
+    axis = np.asarray(axis) / np.linalg.norm(axis)
+    cross = np.cross(np.eye(3), axis)
+    return np.eye(3) - np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross
+
+
+class Files(unittest.TestCase):
+    def test_a_mesh_is_read_back_exactly(self):
+        mesh = grid(4, 3, 1 / 3)
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "grid.ply"
+            palpate.write_mesh(path, mesh)
+            read = palpate.read_mesh(str(path))
+        np.testing.assert_array_equal(read.vertices, mesh.vertices)
+        np.testing.assert_array_equal(read.triangles, mesh.triangles)
+
+    def test_the_unit_of_a_file_may_be_stated(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "one.obj"
+            path.write_text("v 0 0 0\nv 1 0 0\nv 0 2 0\nf 1 2 3\n")
+            np.testing.assert_array_equal(palpate.read_mesh(path, unit=10).vertices[2], [0, 20, 0])
+
+    def test_files_that_are_missing_or_wrong_are_named(self):
+        with self.assertRaisesRegex(palpate.FileError, "/nowhere/a.ply") as caught:
+            palpate.read_mesh("/nowhere/a.ply")
+        self.assertIsInstance(caught.exception, OSError)
+        with self.assertRaisesRegex(palpate.FileError, "rig.yaml"):
+            palpate.read_mesh(DEMO / "rig.yaml")
+        with self.assertRaises(palpate.OutputError):
+            palpate.write_mesh("/proc/grid.ply", grid(2, 2))
+        with self.assertRaises(palpate.InvalidInput):
+            palpate.write_mesh("grid.unknown", grid(2, 2))
+
+
+class Surfaces(unittest.TestCase):
+    def test_closest_points_of_a_plane_are_below_them(self):
+        points = np.random.default_rng(1).uniform([0, 0, -3], [8, 6, 3], (1000, 3))
+        closest = palpate.SurfaceQuery(grid(9, 7)).closest_points(points)
+        np.testing.assert_allclose(closest.distances, np.abs(points[:, 2]), atol=1e-12)
+        np.testing.assert_allclose(closest.positions, points * [1, 1, 0], atol=1e-12)
+        corners = grid(9, 7).vertices[grid(9, 7).triangles[closest.triangles]]
+        np.testing.assert_allclose(np.einsum("nc,ncd->nd", closest.barycentric, corners), closest.positions, atol=1e-12)
+
+    def test_a_point_that_is_not_finite_has_no_closest_point(self):
+        closest = palpate.SurfaceQuery(grid(2, 2)).closest_points([[0, 0, 1], [np.nan, 0, 0]])
+        self.assertEqual(closest.triangles.tolist()[1], -1)
+        self.assertTrue(np.isnan(closest.distances[1]) and closest.distances[0] == 1)
+
+    def test_distances_along_a_plane_are_euclidean(self):
+        mesh = grid(31, 21, 0.5)
+        source = 31 * 10 + 7
+        straight = np.linalg.norm(mesh.vertices - mesh.vertices[source], axis=1)
+        exact = palpate.geodesic_distance(mesh, [source], method="exact")
+        np.testing.assert_allclose(exact.distance, straight, atol=1e-9)
+        near = palpate.geodesic_distance(mesh, [source], stop_radius=3)
+        np.testing.assert_array_equal(np.isfinite(near.distance), near.label == 0)
+        self.assertLess(near.distance[np.isfinite(near.distance)].max(), 3.5)
+
+    def test_sources_may_lie_anywhere_on_the_surface(self):
+        mesh = grid(11, 11)
+        places = palpate.SurfaceQuery(mesh).closest_points([[2.3, 4.1, 0], [8.6, 5.2, 0]])
+        found = palpate.geodesic_distance(mesh, places, method="exact")
+        straight = np.linalg.norm(mesh.vertices[:, None] - places.positions, axis=2)
+        np.testing.assert_allclose(found.distance, straight.min(axis=1), atol=1e-9)
+        np.testing.assert_array_equal(found.label, straight.argmin(axis=1))
+
+    def test_a_plane_needs_two_triangles(self):
+        seen = []
+        result = palpate.decimate(grid(21, 21), tolerance=0.01, progress=lambda done, total: seen.append((done, total)))
+        self.assertLess(len(result.mesh.triangles), 10)
+        self.assertLessEqual(result.distance, 0.01)
+        np.testing.assert_array_equal(result.mesh.vertices, grid(21, 21).vertices[result.source])
+        self.assertEqual(seen[-1][0], seen[-1][1])
+
+    def test_what_progress_raises_ends_the_work(self):
+        def stop(done, total):
+            raise KeyError("enough")
+
+        with self.assertRaisesRegex(KeyError, "enough"):
+            palpate.decimate(grid(21, 21), tolerance=0.01, progress=stop)
+
+    def test_a_repeated_triangle_is_removed(self):
+        mesh = grid(3, 3)
+        broken = palpate.TriangleMesh(mesh.vertices, np.concatenate([mesh.triangles, mesh.triangles[:1]]))
+        repaired = palpate.repair(broken)
+        self.assertEqual((repaired.removed_triangles, len(repaired.mesh.triangles)), (1, len(mesh.triangles)))
+        np.testing.assert_array_equal(repaired.mesh.vertices, mesh.vertices[repaired.source])
+
+    def test_planes_are_compared_with_their_distance(self):
+        mesh, shifted = grid(5, 5), grid(5, 5)
+        shifted.vertices[:, 2] += 0.75
+        result = palpate.compare(shifted, mesh)
+        for figure in (result.mean, result.rms, result.median, result.p90, *result.distance):
+            self.assertAlmostEqual(figure, 0.75, 12)
+        self.assertAlmostEqual(palpate.compare(mesh, shifted).mean, -0.75, 12)
+        self.assertAlmostEqual(result.area, 16, 12)
+        self.assertEqual(len(result.cells.triangles), len(result.distance))
+        lower, upper = result.hausdorff
+        self.assertTrue(lower <= 0.75 + 1e-12 and 0.75 - 1e-12 <= upper <= 0.75 * 1.02)
+
+    def test_a_moved_surface_is_registered(self):
+        mesh = palpate.read_mesh(REPOSITORY / "demo/sheet_block/surface.ply")
+        centre = mesh.vertices.mean(axis=0)
+        bumpy = palpate.TriangleMesh(mesh.vertices, mesh.triangles)
+        x, y = (mesh.vertices - centre)[:, :2].T
+        bumpy.vertices[:, 2] += 3 * np.sin(x / 9) * np.cos(y / 14) + 2 * np.exp(-((x - 20) ** 2 + (y + 11) ** 2) / 60)
+        turn, shift = rotation([1, 2, 3], 0.2), np.array([4, -3, 5])
+        points = ((bumpy.vertices - centre) @ turn.T + centre + shift)[::7]
+        found = palpate.register_points(points, bumpy)
+        self.assertTrue(found.accepted, found.reason)
+        moved = points @ found.T_target_source[:3, :3].T + found.T_target_source[:3, 3]
+        np.testing.assert_allclose(moved, bumpy.vertices[::7], atol=1e-6)
+        # What is known beforehand is taken, and nothing is searched.
+        start = np.eye(4)
+        start[:3, :3], start[:3, 3] = turn.T, centre - turn.T @ (centre + shift)
+        known = palpate.register_points(points, bumpy, start=start, search_rotation=0, search_translation=0)
+        np.testing.assert_allclose(known.T_target_source, start, atol=1e-6)
+
+    def test_a_plane_is_refused_because_points_slide(self):
+        found = palpate.register_points(grid(9, 9).vertices + [0.5, 0.5, 0.1], grid(12, 12))
+        self.assertEqual((found.accepted, found.verdict), (False, "slides"))
+
+    def test_a_start_that_is_no_pose_is_refused(self):
+        for start in (np.eye(3), 2 * np.eye(4), np.full((4, 4), np.nan), np.diag([1, 1, -1, 1])):
+            with self.assertRaisesRegex(palpate.InvalidInput, "start: must be"):
+                palpate.register_points(grid(3, 3).vertices, grid(3, 3), start=start)
+
+
+class RangeMaps(unittest.TestCase):
+    def test_the_mesh_of_a_plane_lies_in_it(self):
+        camera = palpate.Camera(width=40, height=30, fx=50, fy=50, cx=20, cy=15)
+        z = np.full((30, 40), 100.0)
+        z[5, 5] = np.nan
+        map = palpate.RangeMap(z, camera)
+        self.assertEqual(repr(map), "<palpate.RangeMap: 40 x 30 pixels, 1199 with a depth>")
+        mesh = palpate.mesh_from(map)
+        self.assertEqual(len(mesh.vertices), 1199)
+        np.testing.assert_array_equal(mesh.vertices[:, 2], 100)
+        v, u = np.mgrid[:30, :40]
+        expected = np.stack([(u - 20) / 50 * z, (v - 15) / 50 * z, z], axis=-1).reshape(-1, 3)
+        np.testing.assert_allclose(map.points(), expected, atol=1e-12)
+
+    def test_depths_and_cameras_that_do_not_fit_are_refused(self):
+        camera = palpate.Camera(width=4, height=3, fx=1, fy=1, cx=0, cy=0)
+        for z, words in ((np.zeros((4, 3)), "3 x 4 pixels, but the camera has 4 x 3"), (np.zeros(12), r"\(rows, columns\)"),
+                         (np.zeros((3, 4), complex), "real numbers")):
+            with self.assertRaisesRegex(palpate.InvalidInput, words):
+                palpate.RangeMap(z, camera)
+        with self.assertRaisesRegex(palpate.InvalidInput, "fx"):
+            palpate.Camera(width=4, height=3, fx=np.nan, fy=1, cx=0, cy=0)
+        with self.assertRaisesRegex(palpate.InvalidInput, "at most 8"):
+            palpate.Camera(width=4, height=3, fx=1, fy=1, cx=0, cy=0, distortion=range(9))
+
+    def test_files_are_read_back_with_their_camera(self):
+        map = palpate.read_range_map(DEMO / "truth/duck.tiff", DEMO / "rig.yaml")
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "map.tiff"
+            palpate.write_range_map(path, map)
+            np.testing.assert_array_equal(palpate.read_range_map(path, DEMO / "rig.yaml").z, map.z)
+            with self.assertRaisesRegex(palpate.FileError, "rig.yaml"):
+                palpate.read_range_map(path)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,82 @@
+# SPDX-FileCopyrightText: Palpate contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Playback gives the bits that `palpate play` recorded, step by step and as a whole."""
+import pathlib
+import tempfile
+import unittest
+
+import numpy as np
+
+import palpate
+from shared import DEMO, PAGE, recorded
+
+
+class Playing(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.playback = palpate.Playback(palpate.read_model(PAGE / "model"))
+
+    def test_steps_give_the_recorded_bits(self):
+        for name in ("trace.csv", "wild_trace.csv"):
+            tools, outputs, states = recorded(name)
+            self.assertGreater((states != "free").sum(), 500)
+            state = palpate.LoopState()
+            for tool, output, word in zip(tools, outputs, states):
+                command = self.playback.step(tool, state)
+                self.assertEqual([*command.contact, *command.force, command.state], [*output, word])
+                self.assertEqual(state.state, word)
+
+    def test_a_whole_way_gives_the_recorded_bits(self):
+        tools, outputs, states = recorded("wild_trace.csv")
+        trace = self.playback.play(tools)
+        self.assertEqual(len(trace), len(tools))
+        np.testing.assert_array_equal(np.hstack([trace.tool, trace.contact, trace.force]), np.hstack([tools, outputs]))
+        np.testing.assert_array_equal(trace.state, states)
+        np.testing.assert_allclose(np.diff(trace.time), 1e-3, atol=1e-12)
+
+    def test_files_of_ways_and_traces_are_those_of_the_command(self):
+        tools, times = palpate.read_trajectory(DEMO / "trajectory.csv")
+        np.testing.assert_array_equal(tools, recorded("trace.csv")[0])
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "trace.csv"
+            self.playback.play(tools, times).write(path)
+            self.assertEqual(path.read_bytes(), (PAGE / "trace.csv").read_bytes())
+
+    def test_positions_of_any_form_are_taken(self):
+        tools, _, states = recorded("trace.csv")
+        tool = tools[np.flatnonzero(states == "stick")[100]]
+        forces = []
+        for given in (tool, tool.tolist(), tuple(tool), np.stack([tool, tool], axis=1)[:, 0], np.array(tool, object).astype(float)):
+            forces.append(self.playback.step(given, palpate.LoopState()).force)
+        self.assertGreater(np.linalg.norm(forces[0]), 0.05)
+        for force in forces:
+            np.testing.assert_array_equal(force, forces[0])
+        self.assertIs(type(forces[0]), np.ndarray)
+
+    def test_a_position_that_is_not_finite_is_held(self):
+        state = palpate.LoopState()
+        self.playback.step([0, 0, 600], state)
+        command = self.playback.step([np.nan, 0, 600], state)
+        self.assertTrue(command.held and np.isfinite(command.force).all())
+
+    def test_wrong_arguments_are_refused(self):
+        for tool, words in (([1, 2], r"tool: its shape is \(2,\)"), ("abc", "tool: its type"), (None, "tool: "),
+                            (np.zeros((1, 3)), r"tool: its shape is \(1, 3\)")):
+            with self.assertRaisesRegex(palpate.InvalidInput, words):
+                self.playback.step(tool, palpate.LoopState())
+        tools = np.zeros((3, 3))
+        for times, words in (([0, 1], "times: must have the shape"), ([0, 2, 1], r"times\[2\] is 1"), ([0, np.nan, 1], r"times\[1\]")):
+            with self.assertRaisesRegex(palpate.InvalidInput, words):
+                self.playback.play(tools, times)
+        with self.assertRaisesRegex(palpate.InvalidInput, "start_depth"):
+            palpate.Playback(palpate.read_model(PAGE / "model"), start_depth=-1)
+        with self.assertRaisesRegex(palpate.InvalidInput, "motion: is 'fast'"):
+            palpate.Playback(palpate.read_model(PAGE / "model"), motion="fast")
+
+    def test_a_trace_outlives_what_made_it(self):
+        forces = palpate.Playback(palpate.read_model(PAGE / "model")).play(recorded("trace.csv")[0]).force
+        np.testing.assert_array_equal(forces, recorded("trace.csv")[1][:, 3:])
+
+
+if __name__ == "__main__":
+    unittest.main()

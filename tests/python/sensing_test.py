@@ -1,0 +1,61 @@
+# SPDX-FileCopyrightText: Palpate contributors
+# SPDX-License-Identifier: Apache-2.0
+"""Frames are decoded into range maps."""
+import unittest
+
+import numpy as np
+
+import palpate
+from shared import DEMO
+
+
+class Decoding(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.rig = palpate.read_rig(DEMO / "rig.yaml")
+        cls.pattern = palpate.read_pattern(DEMO / "pattern.yaml")
+        cls.colors = palpate.train_colors(DEMO / "training")
+        cls.decoder = palpate.Decoder(cls.rig, cls.pattern, cls.colors)
+        cls.frame = palpate.read_frame(DEMO / "frames/duck.png")
+
+    def test_depths_are_those_of_the_scene(self):
+        truth = palpate.read_range_map(DEMO / "truth/duck.tiff", DEMO / "rig.yaml").z
+        decoded = self.decoder.decode(self.frame)
+        both = np.isfinite(decoded.range.z) & np.isfinite(truth)
+        self.assertGreater(both.sum(), 50_000)
+        self.assertLess(np.median(np.abs(decoded.range.z - truth)[both]), 0.1)  # mm; docs/sensing-accuracy.md
+        np.testing.assert_array_equal(decoded.reasons == 0, np.isfinite(decoded.range.z))
+        np.testing.assert_array_equal(np.isfinite(decoded.sigma), np.isfinite(decoded.range.z))
+        self.assertEqual(sum(decoded.counts.values()), decoded.range.z.size)
+        self.assertEqual(decoded.counts["reconstructed"], np.isfinite(decoded.range.z).sum())
+
+    def test_frames_of_any_layout_give_the_same_depths(self):
+        depths = self.decoder.decode(self.frame).range.z
+        np.testing.assert_array_equal(self.decoder.decode(np.asfortranarray(self.frame)).range.z, depths)
+        self.assertTrue(np.isnan(self.decoder.decode(np.zeros_like(self.frame)).range.z).all())
+
+    def test_half_the_resolution_has_half_the_size(self):
+        half = palpate.Decoder(self.rig, self.pattern, self.colors, half_resolution=True)
+        z = half.decode(self.frame).range.z
+        self.assertEqual(z.shape, (self.frame.shape[0] // 2, self.frame.shape[1] // 2))
+        self.assertEqual((half.rig.camera.width, half.rig.camera.height), z.shape[::-1])
+
+    def test_wrong_frames_are_refused(self):
+        for frame in (self.frame.astype(float), self.frame[..., :2], self.frame.astype(np.int16), "frame", None, self.frame[0, 0]):
+            with self.assertRaisesRegex(palpate.InvalidInput, "frame: must be uint8 or uint16"):
+                self.decoder.decode(frame)
+        for frame in (self.frame[:-1], self.frame[..., 0], np.zeros((0, 0, 3), np.uint8)):
+            with self.assertRaises(palpate.InvalidInput):
+                self.decoder.decode(frame)
+
+    def test_wrong_settings_are_refused(self):
+        with self.assertRaisesRegex(palpate.InvalidInput, "window_periods"):
+            palpate.Decoder(self.rig, self.pattern, self.colors, window_periods=np.nan)
+        with self.assertRaisesRegex(palpate.InvalidInput, "anchor"):
+            palpate.Decoder(self.rig, self.pattern, self.colors, anchor=(1, 2, 3))
+        with self.assertRaisesRegex(palpate.FileError, "pattern.yaml"):
+            palpate.read_rig(DEMO / "pattern.yaml")
+
+
+if __name__ == "__main__":
+    unittest.main()
