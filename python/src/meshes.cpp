@@ -56,6 +56,12 @@ thread.)")
              return "<palpate.TriangleMesh: " + std::to_string(mesh.vertices.cols()) +
                     " vertices, " + std::to_string(mesh.triangles.cols()) + " triangles>";
            })
+      .def(py::pickle(
+          [](const TriangleMesh& mesh) {
+            return py::make_tuple(own_rows(Eigen::Matrix3Xd(mesh.vertices)),
+                                  own_rows(Eigen::Matrix3Xi(mesh.triangles)));
+          },
+          [](const py::tuple& state) { return new_mesh(state[0], state[1]); }))
       .def("_repr_html_", drawn_by("mesh_html"));
 
   module.def(

@@ -3,11 +3,17 @@
 #include "palpate/haptics/playback.h"
 
 #include <cmath>
+#include <limits>
+#include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "arrays.h"
 #include "bindings.h"
+#include "palpate/geometry/surface_query.h"
+#include "palpate/haptics/blended_field.h"
+#include "palpate/haptics/deformed_shape.h"
 #include "palpate/haptics/model.h"
 #include "palpate/haptics/trajectory_csv.h"
 #include "palpate/haptics/trajectory_file.h"
@@ -16,6 +22,7 @@ namespace palpate::python {
 namespace {
 
 namespace fs = std::filesystem;
+using haptics::BlendedField;
 using haptics::Command;
 using haptics::ContactMotion;
 using haptics::LoopState;
@@ -155,6 +162,83 @@ Playback new_playback(const Model& model, const std::string& motion, double tole
   return Playback(model, options);
 }
 
+void check_pairs(const Points& places, const Points& displacements) {
+  if (places.columns().cols() == displacements.columns().cols()) return;
+  throw InvalidInput("displacements: has " + std::to_string(displacements.columns().cols()) +
+                     " rows; it must have " + std::to_string(places.columns().cols()) +
+                     ", one for each of the places");
+}
+
+void add_field(py::module_& module) {
+  py::class_<BlendedField>(module, "BlendedField",
+                           "The force field of a model at any place of its surface.")
+      .def(py::init([](const Model& model) {
+             const Unlocked unlocked;
+             return std::make_unique<BlendedField>(model);
+           }),
+           arg("model"), "Prepares what forces need; the model may be changed or forgotten.")
+      .def(
+          "force",
+          [](const BlendedField& field, const py::object& places, const py::object& displacements) {
+            const Points at(places, "places"), moved(displacements, "displacements");
+            check_pairs(at, moved);
+            Eigen::Matrix3Xd forces(3, at.columns().cols());
+            {
+              const Unlocked unlocked;
+              for (Eigen::Index i = 0; i < forces.cols(); ++i)
+                forces.col(i) = field.force(at.columns().col(i), moved.columns().col(i));
+            }
+            return own_rows(std::move(forces));
+          },
+          arg("places"), arg("displacements"),
+          R"([N] (N, 3) force of the tool on the object, where contacts at `places` (N, 3) [mm] are displaced by
+`displacements` (N, 3) [mm], all in the world frame. A user feels the opposite.
+
+Of a place off the surface the nearest one counts; a place that is not finite has no force.
+Raises InvalidInput. Ctrl-C is not heard.)")
+      .def(
+          "deviation",
+          [](const BlendedField& field, const py::object& places, const py::object& displacements) {
+            const Points at(places, "places"), moved(displacements, "displacements");
+            check_pairs(at, moved);
+            py::array_t<double> deviations(at.columns().cols());
+            for (Eigen::Index i = 0; i < at.columns().cols(); ++i) {
+              deviations.mutable_at(i) =
+                  field.deviation(at.columns().col(i), moved.columns().col(i))
+                      .value_or(std::numeric_limits<double>::quiet_NaN());
+            }
+            return deviations;
+          },
+          arg("places"), arg("displacements"),
+          "[N] (N,) how far these forces may be off, as the model states it; NaN where it does "
+          "not.");
+  module.def(
+      "drawn_shape",
+      [](const geometry::TriangleMesh& surface, const py::object& contact,
+         const py::object& displacement, double tip, double reach) {
+        const Eigen::Vector3d place = vector3(contact, "contact");
+        const Eigen::Vector3d moved = vector3(displacement, "displacement");
+        if (!place.allFinite()) throw InvalidInput("contact: is not finite");
+        Eigen::Matrix3Xd shape;
+        {
+          const Unlocked unlocked;
+          shape =
+              haptics::drawn_shape(surface, geometry::SurfaceQuery(surface).closest_point(place).at,
+                                   moved, {.tip = tip, .reach = reach});
+        }
+        return own_rows(std::move(shape));
+      },
+      arg("surface"), arg("contact"), arg("displacement"), kw_only(),
+      arg("tip") = haptics::DrawnShapeOptions{}.tip,
+      arg("reach") = haptics::DrawnShapeOptions{}.reach,
+      R"([mm] (V, 3) the vertices with a dent, for pictures: DRAWN, NOT MEASURED.
+
+contact: [mm] (3,) the surface's nearest place moves by `displacement` [mm] (3,).
+tip: [mm] along the surface that follows the contact.
+reach: of the dent beyond the tip, in lengths of the displacement.
+Raises InvalidInput.)");
+}
+
 void add_loop(py::module_& module) {
   const PlaybackOptions usual;
   py::class_<Playback>(module, "Playback", "The haptic loop of a model, at 1 kHz.")
@@ -204,6 +288,7 @@ not heard.)");
 void add_playback(py::module_& module) {
   add_tick(module);
   add_trace(module);
+  add_field(module);
   add_loop(module);
 }
 

@@ -1,5 +1,7 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <numeric>
 #include <optional>
 #include <string>
 #include <vector>
@@ -40,11 +42,88 @@ auto numbers_of_samples(Member member) {
   };
 }
 
+void check_rows(const char* name, py::ssize_t rows, py::ssize_t right, const char* of) {
+  if (rows == right) return;
+  throw InvalidInput(std::string(name) + ": has " + std::to_string(rows) + " rows; it must have " +
+                     std::to_string(right) + ", one for each of the " + of);
+}
+
+/// Whole numbers, one for each of `count` elements; without any, 0, 1, 2 ...
+std::vector<long long> numbers_or_range(const py::object& given, const char* name,
+                                        py::ssize_t count, const char* of) {
+  std::vector<long long> numbers(static_cast<std::size_t>(count));
+  std::iota(numbers.begin(), numbers.end(), 0);
+  if (given.is_none()) return numbers;
+  const py::array_t<int> read = indices(given, name, 1);
+  check_rows(name, read.size(), count, of);
+  std::copy(read.data(), read.data() + count, numbers.begin());
+  return numbers;
+}
+
+/// Real numbers, one for each of `count` samples; without any, zeros.
+std::vector<double> reals_or_zeros(const py::object& given, const char* name, py::ssize_t count) {
+  std::vector<double> numbers(static_cast<std::size_t>(count));
+  if (given.is_none()) return numbers;
+  const py::array_t<double> read = real_numbers(given, name);
+  if (read.ndim() != 1) throw InvalidInput(std::string(name) + ": must have the shape (S,)");
+  check_rows(name, read.size(), count, "samples");
+  std::copy(read.data(), read.data() + count, numbers.begin());
+  return numbers;
+}
+
+CheckedAcquisition new_acquisition(const py::object& contacts, const py::object& normals,
+                                   const py::object& contact, const py::object& force,
+                                   const py::object& a, const py::object& b, const py::object& ids,
+                                   const py::object& group, const py::object& slipped,
+                                   const py::object& time,
+                                   const std::optional<double>& probe_radius) {
+  const Points places(contacts, "contacts"), outward(normals, "normals");
+  const Points forces(force, "force"), under_normal(a, "a"), under_whole(b, "b");
+  const Eigen::Index contact_count = places.columns().cols(), count = forces.columns().cols();
+  check_rows("normals", outward.columns().cols(), contact_count, "contacts");
+  check_rows("a", under_normal.columns().cols(), count, "samples");
+  check_rows("b", under_whole.columns().cols(), count, "samples");
+  const auto contact_ids = numbers_or_range(ids, "contact_ids", contact_count, "contacts");
+  const auto touched = numbers_or_range(contact, "contact", count, "samples");
+  const auto groups = numbers_or_range(group, "group", count, "samples");
+  const auto slips = reals_or_zeros(slipped, "slipped", count);
+  const auto times = reals_or_zeros(time, "time", count);
+  probing::Acquisition made;
+  made.probe_radius = probe_radius;
+  for (Eigen::Index i = 0; i < contact_count; ++i) {
+    made.contacts.push_back({contact_ids[static_cast<std::size_t>(i)], places.columns().col(i),
+                             outward.columns().col(i)});
+  }
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    made.samples.push_back({.id = i,
+                            .contact = touched[k],
+                            .group = groups[k],
+                            .force = forces.columns().col(i),
+                            .a = under_normal.columns().col(i),
+                            .b = under_whole.columns().col(i),
+                            .slipped = slips[k] != 0,
+                            .time = times[k]});
+  }
+  return made;
+}
+
 void add_acquisition(py::module_& module) {
   py::class_<CheckedAcquisition>(module, "Acquisition",
                                  R"(What an arm measured of one object: C contacts and S samples.
 
 Arrays are copies; samples stand contact by contact. docs/measurements.md describes them.)")
+      .def(
+          py::init(&new_acquisition), arg("contacts"), arg("normals"), arg("contact"), arg("force"),
+          arg("a"), arg("b"), kw_only(), arg("contact_ids") = py::none(), arg("group") = py::none(),
+          arg("slipped") = py::none(), arg("time") = py::none(), arg("probe_radius") = py::none(),
+          R"(Of arrays (copied); what they mean, and their shapes, are those of the properties below.
+
+contact: (S,) the id of each sample's contact. For a press without a drag, `b` is `a`.
+contact_ids: None: 0, 1, ...
+group: (S,) samples of one contact and one group share their normal force; None: each its own.
+slipped, time: None: none slipped; no times.
+Raises InvalidInput naming the contact or the sample that is wrong.)")
       .def_property_readonly(
           "contact_ids",
           [](const CheckedAcquisition& acquisition) {

@@ -15,6 +15,7 @@ namespace palpate::python {
 namespace {
 
 using geometry::ClosestPoints;
+using geometry::FirstHits;
 using geometry::GeodesicDistance;
 using geometry::GeodesicMethod;
 using geometry::Registration;
@@ -42,8 +43,25 @@ void add_queries(py::module_& module) {
           "distances",
           [](py::object self) { return vector_view(self.cast<ClosestPoints&>().distances, self); },
           "[mm] (N,); NaN without a closest point.");
+  py::class_<FirstHits>(module, "FirstHits",
+                        "First crossings of N segments; arrays are views that keep it alive.")
+      .def_property_readonly(
+          "triangles",
+          [](py::object self) { return vector_view(self.cast<FirstHits&>().triangles, self); },
+          "(N,) int32; -1 without a crossing.")
+      .def_property_readonly(
+          "barycentric",
+          [](py::object self) { return rows_view(self.cast<FirstHits&>().barycentric, self); },
+          "(N, 3) in the order of the triangle's vertices; 0 without a crossing.")
+      .def_property_readonly(
+          "positions",
+          [](py::object self) { return rows_view(self.cast<FirstHits&>().positions, self); },
+          "[mm] (N, 3); NaN without a crossing.")
+      .def_property_readonly(
+          "along", [](py::object self) { return vector_view(self.cast<FirstHits&>().along, self); },
+          "(N,) share of the way; NaN without a crossing.");
   py::class_<SurfaceQuery>(module, "SurfaceQuery",
-                           "Closest points on a mesh, exact in double precision.")
+                           "Closest points on a mesh, and first crossings of it, exact in float64.")
       .def(py::init([](const TriangleMesh& mesh) {
              const Unlocked unlocked;
              return SurfaceQuery(mesh);
@@ -62,7 +80,18 @@ Raises InvalidInput if the mesh has no triangle, a vertex that is not finite, or
           arg("points"),
           R"(The closest point of the surface to each of (N, 3) points [mm], on all processors.
 
-A C-contiguous float64 array is read in place. Ctrl-C is not heard.)");
+A C-contiguous float64 array is read in place. Ctrl-C is not heard.)")
+      .def(
+          "first_hits",
+          [](const SurfaceQuery& query, const py::object& starts, const py::object& ends) {
+            const Points from(starts, "starts"), to(ends, "ends");
+            const Unlocked unlocked;
+            return geometry::first_hits(query, from.columns(), to.columns());
+          },
+          arg("starts"), arg("ends"),
+          R"(The first crossing of the surface on the way from each start to its end, (N, 3) each [mm].
+
+Raises InvalidInput unless there are as many ends as starts. Ctrl-C is not heard.)");
 }
 
 std::vector<SurfacePoint> surface_points(const TriangleMesh& mesh, const py::object& sources) {

@@ -2,6 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Arrays go into the library and come out without a copy where they can, and wrong ones are refused in words."""
 import gc
+import itertools
+import os
+import tempfile
 import unittest
 
 import array_address
@@ -74,7 +77,7 @@ class In(unittest.TestCase):
         bytes_before[1:] = np.frombuffer(points.tobytes(), np.uint8)
         unaligned = bytes_before[1:].view(np.float64).reshape(4, 3)
         for given in (np.asfortranarray(points), points.astype(np.float32), points.astype(np.int16), swapped, unaligned,
-                      np.repeat(points, 2, axis=0)[::2], points[::-1].copy()[::-1], points.tolist(), np.matrix(points)):
+                      np.repeat(points, 2, axis=0)[::2], points[::-1].copy()[::-1], points.tolist()):
             np.testing.assert_array_equal(palpate.TriangleMesh(given, [[0, 1, 2]]).vertices, points)
         self.assertEqual(array_address.seen_at(unaligned) % 8, 0)
 
@@ -143,6 +146,25 @@ class Wrong(unittest.TestCase):
             palpate.decimate(SQUARE, tolerance=1)
         with self.assertRaises(TypeError):
             palpate.decimate(None, tolerance=1)
+
+
+class Junk(unittest.TestCase):
+    def test_arguments_of_any_kind_are_refused_in_words(self):
+        junk = [None, -1, 2**70, float("nan"), "x", b"x", [], {}, object(), np.zeros((2, 3)), np.array("a"), grid(2, 2)]
+        calls = [getattr(palpate, name) for name in palpate.__all__ if callable(getattr(palpate, name))]
+        calls = [call for call in calls if not (isinstance(call, type) and issubclass(call, Exception))]
+        before = os.getcwd()
+        with tempfile.TemporaryDirectory() as folder:
+            os.chdir(folder)  # some name files to write
+            try:
+                for call in calls:
+                    for arguments in itertools.chain([()], itertools.product(junk), itertools.product(junk, junk)):
+                        try:
+                            call(*arguments)
+                        except (TypeError, palpate.Error) as error:
+                            self.assertGreater(len(str(error)), 10, (call, arguments))
+            finally:
+                os.chdir(before)
 
 
 if __name__ == "__main__":

@@ -136,6 +136,37 @@ class Acquisitions(unittest.TestCase):
         for name in ("contact_ids", "contacts", "normals", "contact", "force", "a", "b", "slipped", "time"):
             np.testing.assert_array_equal(getattr(read, name), getattr(acquisition, name), name)
 
+    def test_arrays_make_an_acquisition(self):
+        read = sheet_acquisition()
+        rows = np.genfromtxt(DEMO / "sheet/samples.csv", delimiter=",", names=True, dtype=None, encoding="utf-8")
+        shuffled = np.random.default_rng(1).permutation(len(rows))
+        made = palpate.Acquisition(
+            read.contacts, read.normals, read.contact[shuffled], read.force[shuffled], read.a[shuffled], read.b[shuffled],
+            contact_ids=read.contact_ids, group=rows["group_id"][shuffled], slipped=read.slipped[shuffled], probe_radius=2.5)
+        self.assertEqual((made.probe_radius, made.slipped.sum()), (2.5, read.slipped.sum()))
+        for contact in read.contact_ids:
+            for name in ("force", "a", "b"):
+                ours, theirs = (getattr(x, name)[x.contact == contact] for x in (made, read))
+                np.testing.assert_array_equal(np.sort(ours, axis=0), np.sort(theirs, axis=0))
+
+    def test_arrays_that_do_not_fit_are_refused(self):
+        contacts, normals = np.eye(3), np.tile([0, 0, -1.0], (3, 1))
+        force = np.tile([0, 0, 1.0], (2, 1))
+
+        def refuses(words, **changed):
+            given = {"contacts": contacts, "normals": normals, "contact": [0, 2], "force": force, "a": force, "b": force} | changed
+            with self.assertRaisesRegex(palpate.InvalidInput, words):
+                palpate.Acquisition(**given)
+
+        refuses("normals: has 2 rows; it must have 3, one for each of the contacts", normals=normals[:2])
+        refuses("a: has 1 rows; it must have 2, one for each of the samples", a=force[:1])
+        refuses("slipped: has 3 rows", slipped=[True, False, True])
+        refuses("contact", contact=[0, 3])
+        refuses("normal", normals=2 * normals)
+        refuses("time", time=[0, -1])
+        refuses("force", force=[[0, 0, 1], [0, np.nan, 1]])
+        refuses("radius", probe_radius=0)
+
     def test_files_that_are_missing_or_wrong_are_named(self):
         with self.assertRaisesRegex(palpate.FileError, "/nowhere.db"):
             palpate.read_acquisition("/nowhere.db")

@@ -1,7 +1,9 @@
 # SPDX-FileCopyrightText: Palpate contributors
 # SPDX-License-Identifier: Apache-2.0
 """Functions on meshes give what geometry says."""
+import copy
 import pathlib
+import pickle
 import tempfile
 import unittest
 
@@ -26,6 +28,13 @@ class Files(unittest.TestCase):
             read = palpate.read_mesh(str(path))
         np.testing.assert_array_equal(read.vertices, mesh.vertices)
         np.testing.assert_array_equal(read.triangles, mesh.triangles)
+
+    def test_a_mesh_can_be_copied_and_sent_to_another_process(self):
+        mesh = grid(4, 3, 1 / 3)
+        for other in (copy.copy(mesh), copy.deepcopy(mesh), pickle.loads(pickle.dumps(mesh))):
+            np.testing.assert_array_equal(other.triangles, mesh.triangles)
+            other.vertices[0] = 7
+            self.assertEqual(mesh.vertices[0].tolist(), [0, 0, 0])
 
     def test_the_unit_of_a_file_may_be_stated(self):
         with tempfile.TemporaryDirectory() as folder:
@@ -58,6 +67,18 @@ class Surfaces(unittest.TestCase):
         closest = palpate.SurfaceQuery(grid(2, 2)).closest_points([[0, 0, 1], [np.nan, 0, 0]])
         self.assertEqual(closest.triangles.tolist()[1], -1)
         self.assertTrue(np.isnan(closest.distances[1]) and closest.distances[0] == 1)
+
+    def test_segments_cross_a_plane_where_they_pass_through_it(self):
+        starts = np.random.default_rng(2).uniform([1, 1, 1], [7, 5, 3], (200, 3))
+        ends = np.random.default_rng(3).uniform([1, 1, -3], [7, 5, -1], (200, 3))
+        ends[0] = starts[0] + [0, 0, 1]  # stays above
+        hits = palpate.SurfaceQuery(grid(9, 7)).first_hits(starts, ends)
+        along = starts[:, 2] / (starts[:, 2] - ends[:, 2])
+        np.testing.assert_allclose(hits.along[1:], along[1:], atol=1e-12)
+        np.testing.assert_allclose(hits.positions[1:], (starts + along[:, None] * (ends - starts))[1:], atol=1e-12)
+        self.assertTrue(hits.triangles[0] == -1 and np.isnan(hits.along[0]))
+        with self.assertRaisesRegex(palpate.InvalidInput, "ends"):
+            palpate.SurfaceQuery(grid(9, 7)).first_hits(starts, ends[1:])
 
     def test_distances_along_a_plane_are_euclidean(self):
         mesh = grid(31, 21, 0.5)

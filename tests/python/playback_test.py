@@ -8,7 +8,7 @@ import unittest
 import numpy as np
 
 import palpate
-from shared import DEMO, PAGE, recorded
+from shared import DEMO, PAGE, grid, recorded
 
 
 class Playing(unittest.TestCase):
@@ -58,6 +58,28 @@ class Playing(unittest.TestCase):
         self.playback.step([0, 0, 600], state)
         command = self.playback.step([np.nan, 0, 600], state)
         self.assertTrue(command.held and np.isfinite(command.force).all())
+
+    def test_the_field_gives_the_force_of_a_contact_that_holds(self):
+        model = palpate.read_model(PAGE / "model")
+        trace = self.playback.play(recorded("trace.csv")[0])
+        holds = trace.state == "stick"
+        field = palpate.BlendedField(model)
+        forces = field.force(trace.contact[holds], (trace.tool - trace.contact)[holds])
+        np.testing.assert_allclose(forces, -trace.force[holds], atol=1e-9)
+        deviations = field.deviation(trace.contact[holds], (trace.tool - trace.contact)[holds])
+        self.assertTrue((deviations > 0).all())
+        self.assertEqual(field.force([[np.nan, 0, 0]], [[0, 0, 1]]).tolist(), [[0, 0, 0]])
+        with self.assertRaisesRegex(palpate.InvalidInput, "displacements: has 1 rows; it must have 2"):
+            field.force(np.zeros((2, 3)), np.zeros((1, 3)))
+
+    def test_a_drawn_dent_has_the_shape_of_its_formula(self):
+        plane = grid(41, 41)
+        shape = palpate.drawn_shape(plane, [20, 20, 5], [0, 0.6, -0.8], tip=2, reach=6)
+        share = np.minimum(np.linalg.norm(plane.vertices - [20, 20, 0], axis=1) / (2 + 6), 1)
+        # Distances along the surface err by some tenths of a percent.
+        np.testing.assert_allclose(shape - plane.vertices, np.outer((1 - share**2) ** 2, [0, 0.6, -0.8]), atol=0.01)
+        with self.assertRaisesRegex(palpate.InvalidInput, "contact: is not finite"):
+            palpate.drawn_shape(plane, [np.nan, 0, 0], [0, 0, 1])
 
     def test_wrong_arguments_are_refused(self):
         for tool, words in (([1, 2], r"tool: its shape is \(2,\)"), ("abc", "tool: its type"), (None, "tool: "),

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: Palpate contributors
 # SPDX-License-Identifier: Apache-2.0
-"""The stubs say what the module has, and the code of docs/python.md has the types that they say."""
+"""The stubs say what the module has, and the code of docs/python.md and README.md has the types that they say."""
 import ast
 import os
 import pathlib
@@ -13,13 +13,13 @@ import unittest
 import palpate
 import palpate._palpate as compiled
 from recipes_test import sections
+from shared import REPOSITORY
 
 PACKAGE = pathlib.Path(palpate.__file__).parent
-CACHE = PACKAGE.parent / "mypy_cache"
 
 
 def run(*words, **options):
-    environment = dict(os.environ, MYPY_CACHE_DIR=str(CACHE), MYPYPATH=str(PACKAGE.parent))
+    environment = dict(os.environ, MYPYPATH=str(PACKAGE.parent))
     return subprocess.run([sys.executable, "-B", "-m", *words], capture_output=True, text=True, env=environment, **options)
 
 
@@ -50,6 +50,8 @@ class Stubs(unittest.TestCase):
         compared = 0
         for name, (arguments, defaults) in stub.items():
             owner, _, method = name.rpartition(".")
+            if method.startswith("__") and method != "__init__":
+                continue
             function = getattr(getattr(compiled, owner), method) if owner else getattr(compiled, method)
             signature = re.match(r"\w+\((.*)\) -> ", function.__doc__ or "")
             if signature is None:
@@ -71,10 +73,11 @@ class Stubs(unittest.TestCase):
 
     def test_the_code_of_the_document_has_the_right_types(self):
         tutorial = "\n".join(code for heading, code in sections() if not heading.startswith("Recipe"))
+        (readme,) = re.findall(r"^```python\n(.*?)^```", (REPOSITORY / "README.md").read_text(), re.M | re.S)
         with tempfile.TemporaryDirectory() as folder:
             path = pathlib.Path(folder) / "tutorial.py"
-            path.write_text(tutorial)
-            done = run("mypy", "--strict", "--ignore-missing-imports", str(path), str(PACKAGE / "_notebook.py"), str(PACKAGE / "_pictures.py"))
+            path.write_text(tutorial + readme)
+            done = run("mypy", "--strict", str(path), str(PACKAGE / "_notebook.py"), str(PACKAGE / "_pictures.py"))
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
 
 
