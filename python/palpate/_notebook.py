@@ -16,7 +16,8 @@ from ._palpate import Error, Model, RangeMap, TriangleMesh
 
 def with_picture(pixels: _pictures.Pixels, words: str) -> str:
     data = base64.b64encode(_pictures.png(pixels)).decode()
-    return f'<figure><img src="data:image/png;base64,{data}"><figcaption>{html.escape(words)}</figcaption></figure>'
+    caption = html.escape(words).encode("ascii", "xmlcharrefreplace").decode()
+    return f'<figure><img src="data:image/png;base64,{data}"><figcaption>{caption}</figcaption></figure>'
 
 
 def size_of(mesh: TriangleMesh) -> str:

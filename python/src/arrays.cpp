@@ -43,12 +43,12 @@ void check_type(const py::array& array, const char* name, std::string_view kinds
 }
 
 std::string place_in(const py::array& array, py::ssize_t index) {
-  std::string place;
+  std::string place = "]";
   for (py::ssize_t d = array.ndim() - 1; d >= 0; --d) {
-    place = std::to_string(index % array.shape(d)) + (place.empty() ? "" : ", ") + place;
+    place.insert(0, (d > 0 ? ", " : "[") + std::to_string(index % array.shape(d)));
     index /= array.shape(d);
   }
-  return "[" + place + "]";
+  return place;
 }
 
 bool is_index(std::int64_t number) {

@@ -205,7 +205,11 @@ void add_fit(py::module_& module) {
       .def_property_readonly(
           "explained",
           [](const BuildResult& built) { return haptics::explained_share(built.contacts); },
-          "Share of the squared forces of all contacts that their fits explain, in [0, 1].");
+          "Share of the squared forces of all contacts that their fits explain, in [0, 1].")
+      .def("__repr__", [](const BuildResult& built) {
+        return "<palpate.Fit: " + std::to_string(built.model.contacts.size()) + " contacts, " +
+               std::to_string(built.left_out.size()) + " left out>";
+      });
   module.def(
       "fit",
       [](const CheckedAcquisition& acquisition, const geometry::TriangleMesh* surface,

@@ -40,14 +40,16 @@ Numbers may have any real type and order. An index that is negative, no whole nu
 2^31 - 1 raises InvalidInput, which names its place.)")
       .def_property_readonly(
           "vertices",
-          [](py::object self) { return rows_view(self.cast<TriangleMesh&>().vertices, self); },
+          [](const py::object& self) {
+            return rows_view(self.cast<TriangleMesh&>().vertices, self);
+          },
           R"([mm] (V, 3) float64: a view without a copy, which keeps the mesh alive.
 
 Writing moves the vertices of the mesh. Do not write while a function works on the mesh in another
 thread.)")
       .def_property_readonly(
           "triangles",
-          [](py::object self) {
+          [](const py::object& self) {
             return rows_view(self.cast<TriangleMesh&>().triangles, self, View::read_only);
           },
           "(T, 3) int32 indices of vertices: a view without a copy, which cannot be written to.")
@@ -93,11 +95,15 @@ void add_decimation(py::module_& module) {
       .def_readonly("mesh", &Decimation::mesh, "The mesh with fewer triangles.")
       .def_property_readonly(
           "source",
-          [](py::object self) { return vector_view(self.cast<Decimation&>().source, self); },
+          [](const py::object& self) { return vector_view(self.cast<Decimation&>().source, self); },
           "(V,) int32: the input vertex of each vertex, ascending.")
       .def_readonly("distance", &Decimation::distance,
                     "[mm] Verified upper bound of the Hausdorff distance to the input.")
-      .def_readonly("tries", &Decimation::tries, "Number of meshes that were made and checked.");
+      .def_readonly("tries", &Decimation::tries, "Number of meshes that were made and checked.")
+      .def("__repr__", [](const Decimation& decimated) {
+        return "<palpate.Decimation: " + std::to_string(decimated.mesh.triangles.cols()) +
+               " triangles, at most " + std::to_string(decimated.distance) + " mm off>";
+      });
   module.def(
       "decimate",
       [](const TriangleMesh& mesh, const std::optional<double>& tolerance,
@@ -121,7 +127,9 @@ Raises InvalidInput.)");
       .def_readonly("mesh", &RepairedMesh::mesh, "The mesh without defects.")
       .def_property_readonly(
           "source",
-          [](py::object self) { return vector_view(self.cast<RepairedMesh&>().source, self); },
+          [](const py::object& self) {
+            return vector_view(self.cast<RepairedMesh&>().source, self);
+          },
           "(V,) int32: the input vertex of each vertex.")
       .def_readonly("removed_triangles", &RepairedMesh::removed_triangles,
                     "Triangles with invalid corners, repeated, or without area.")
@@ -198,7 +206,7 @@ Frame: X right, Y down, Z out of the lens; pixel centres are at whole numbers, (
 
 Raises InvalidInput unless the camera has this size.)")
       .def_property_readonly(
-          "z", [](py::object self) { return image_view(self.cast<RangeMap&>().z, self); },
+          "z", [](const py::object& self) { return image_view(self.cast<RangeMap&>().z, self); },
           R"([mm] (height, width) float32 depths along the optical axis, NaN where unknown.
 
 A view without a copy, which keeps the map alive. Writing changes the map.)")

@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <pybind11/pybind11.h>
 
+#include <regex>
+#include <string>
+
 #include "bindings.h"
 #include "palpate/error.h"
 
@@ -15,6 +18,12 @@ PyObject* new_error(py::module_& module, const char* name, const char* doc,
   if (error == nullptr) throw py::error_already_set();
   module.add_object(name, error);
   return error;
+}
+
+/// Options of the library have the names of arguments here: "BuildOptions::rate" is "rate".
+std::string with_names_of_arguments(const char* message) {
+  static const std::regex prefix("\\b[A-Za-z]+Options::");
+  return std::regex_replace(message, prefix, "");
 }
 
 // They live as long as the interpreter.
@@ -37,13 +46,14 @@ void add_errors(py::module_& module) {
   solver_error =
       new_error(module, "SolverError", "A numerical method that found no solution for valid input.",
                 py::make_tuple(base));
+  // NOLINTNEXTLINE(performance-unnecessary-value-param): it is the type that pybind11 asks for
   py::register_exception_translator([](std::exception_ptr thrown) {
     try {
       if (thrown) std::rethrow_exception(thrown);
     } catch (const FileError& error) {
       PyErr_SetString(file_error, error.what());
     } catch (const InvalidInput& error) {
-      PyErr_SetString(invalid_input, error.what());
+      PyErr_SetString(invalid_input, with_names_of_arguments(error.what()).c_str());
     } catch (const OutputError& error) {
       PyErr_SetString(output_error, error.what());
     } catch (const SolverError& error) {
@@ -59,6 +69,7 @@ void add_errors(py::module_& module) {
 PYBIND11_MODULE(_palpate, module) {
   namespace python = palpate::python;
   module.attr("__version__") = PALPATE_VERSION;
+  module.attr("__module__") = "palpate";  // where users find classes and functions
   python::add_errors(module);
   python::add_meshes(module);
   python::add_surface_functions(module);
@@ -67,9 +78,5 @@ PYBIND11_MODULE(_palpate, module) {
   python::add_fitting(module);
   python::add_simulation(module);
   python::add_playback(module);
-  // Users see the classes in the package.
-  for (const auto& item : module.attr("__dict__").cast<pybind11::dict>()) {
-    if (pybind11::isinstance<pybind11::type>(item.second))
-      item.second.attr("__module__") = "palpate";
-  }
+  pybind11::delattr(module, "__module__");
 }

@@ -66,7 +66,7 @@ One for each tool and Playback; a new one starts afresh.)")
 /// A property of a trace: the numbers of each point from a member on, as a view.
 template <typename Member>
 auto of_points(Member member, py::ssize_t numbers) {
-  return [member, numbers](py::object self) -> py::array {
+  return [member, numbers](const py::object& self) -> py::array {
     const auto& points = self.cast<const Trace&>().points;
     constexpr auto kPoint = static_cast<py::ssize_t>(sizeof(TracePoint));
     constexpr auto kNumber = static_cast<py::ssize_t>(sizeof(double));

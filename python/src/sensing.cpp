@@ -153,13 +153,15 @@ void add_decoder(py::module_& module) {
       .def_readonly("range", &DecodeResult::range, "The range map.")
       .def_property_readonly(
           "reasons",
-          [](py::object self) { return image_view(self.cast<DecodeResult&>().reasons, self); },
+          [](const py::object& self) {
+            return image_view(self.cast<DecodeResult&>().reasons, self);
+          },
           "(height, width) uint8: 0 where there is a depth, otherwise why there is none.")
       .def_property_readonly("counts", &counts_of,
                              "Number of pixels by reason, in the order of the codes.")
       .def_property_readonly(
           "sigma",
-          [](py::object self) { return image_view(self.cast<DecodeResult&>().sigma, self); },
+          [](const py::object& self) { return image_view(self.cast<DecodeResult&>().sigma, self); },
           "[mm] (height, width) float32 standard deviation of each depth; NaN without a depth.")
       .def_readonly("transitions", &DecodeResult::transitions, "Stripe edges that were identified.")
       .def_readonly("regions", &DecodeResult::regions, "Smooth regions of the phase.")

@@ -45,12 +45,16 @@ Threads may ask the same specimen at the same time.)")
       .def(
           py::init([](const py::dict& members) {
             const std::string text = py::str(py::module_::import("json").attr("dumps")(members));
-            return new_specimen(text, "Specimen()");
+            try {
+              return new_specimen(text, "Specimen()");
+            } catch (const FileError& error) {  // there is no file
+              throw InvalidInput(error.what());
+            }
           }),
           arg("members"),
           R"(Of what its file would say, such as {"type": "sheet", "block": 1.5}; docs/probing.md lists all.
 
-Raises FileError naming the member that is wrong.)")
+Raises InvalidInput naming the member that is wrong.)")
       .def_property_readonly(
           "surface", [](const Specimen& specimen) { return specimen.object->surface(); },
           "The undeformed surface [mm], a copy.")

@@ -29,36 +29,49 @@ void add_queries(py::module_& module) {
                             "Closest points of N points; arrays are views that keep it alive.")
       .def_property_readonly(
           "triangles",
-          [](py::object self) { return vector_view(self.cast<ClosestPoints&>().triangles, self); },
+          [](const py::object& self) {
+            return vector_view(self.cast<ClosestPoints&>().triangles, self);
+          },
           "(N,) int32; -1 for a point that is not finite.")
       .def_property_readonly(
           "barycentric",
-          [](py::object self) { return rows_view(self.cast<ClosestPoints&>().barycentric, self); },
+          [](const py::object& self) {
+            return rows_view(self.cast<ClosestPoints&>().barycentric, self);
+          },
           "(N, 3) in the order of the triangle's vertices; 0 without a closest point.")
       .def_property_readonly(
           "positions",
-          [](py::object self) { return rows_view(self.cast<ClosestPoints&>().positions, self); },
+          [](const py::object& self) {
+            return rows_view(self.cast<ClosestPoints&>().positions, self);
+          },
           "[mm] (N, 3); NaN without a closest point.")
       .def_property_readonly(
           "distances",
-          [](py::object self) { return vector_view(self.cast<ClosestPoints&>().distances, self); },
+          [](const py::object& self) {
+            return vector_view(self.cast<ClosestPoints&>().distances, self);
+          },
           "[mm] (N,); NaN without a closest point.");
   py::class_<FirstHits>(module, "FirstHits",
                         "First crossings of N segments; arrays are views that keep it alive.")
       .def_property_readonly(
           "triangles",
-          [](py::object self) { return vector_view(self.cast<FirstHits&>().triangles, self); },
+          [](const py::object& self) {
+            return vector_view(self.cast<FirstHits&>().triangles, self);
+          },
           "(N,) int32; -1 without a crossing.")
       .def_property_readonly(
           "barycentric",
-          [](py::object self) { return rows_view(self.cast<FirstHits&>().barycentric, self); },
+          [](const py::object& self) {
+            return rows_view(self.cast<FirstHits&>().barycentric, self);
+          },
           "(N, 3) in the order of the triangle's vertices; 0 without a crossing.")
       .def_property_readonly(
           "positions",
-          [](py::object self) { return rows_view(self.cast<FirstHits&>().positions, self); },
+          [](const py::object& self) { return rows_view(self.cast<FirstHits&>().positions, self); },
           "[mm] (N, 3); NaN without a crossing.")
       .def_property_readonly(
-          "along", [](py::object self) { return vector_view(self.cast<FirstHits&>().along, self); },
+          "along",
+          [](const py::object& self) { return vector_view(self.cast<FirstHits&>().along, self); },
           "(N,) share of the way; NaN without a crossing.");
   py::class_<SurfaceQuery>(module, "SurfaceQuery",
                            "Closest points on a mesh, and first crossings of it, exact in float64.")
@@ -124,13 +137,15 @@ void add_geodesics(py::module_& module) {
   py::class_<GeodesicDistance>(module, "GeodesicDistance", "The result of geodesic_distance().")
       .def_property_readonly(
           "distance",
-          [](py::object self) {
+          [](const py::object& self) {
             return vector_view(self.cast<GeodesicDistance&>().distance, self);
           },
           "[mm] (V,) to the nearest source; infinity if not reached.")
       .def_property_readonly(
           "label",
-          [](py::object self) { return vector_view(self.cast<GeodesicDistance&>().label, self); },
+          [](const py::object& self) {
+            return vector_view(self.cast<GeodesicDistance&>().label, self);
+          },
           "(V,) int32 index of the nearest source (its Voronoi cell); -1 if not reached.");
   module.def(
       "geodesic_distance",
@@ -181,7 +196,7 @@ void add_comparison(py::module_& module) {
                              "The surface in small triangles (a copy), one for each distance.")
       .def_property_readonly(
           "distance",
-          [](py::object self) {
+          [](const py::object& self) {
             return vector_view(self.cast<Comparison&>().spread.distance, self);
           },
           "[mm] (T,) signed mean distance of each cell.")
@@ -190,7 +205,12 @@ void add_comparison(py::module_& module) {
           [](const Comparison& comparison) {
             return std::pair(comparison.largest.lower, comparison.largest.upper);
           },
-          "[mm] lower and upper bound of the Hausdorff distance, of both directions.");
+          "[mm] lower and upper bound of the Hausdorff distance, of both directions.")
+      .def("__repr__", [](const Comparison& comparison) {
+        return "<palpate.Comparison: median " + std::to_string(comparison.spread.median) +
+               " mm, rms " + std::to_string(comparison.spread.rms) + " mm, at most " +
+               std::to_string(comparison.largest.upper) + " mm>";
+      });
   module.def(
       "compare",
       [](const TriangleMesh& mesh, const TriangleMesh& reference) {

@@ -71,7 +71,7 @@ class Pictures(unittest.TestCase):
         map = palpate.RangeMap(z, camera)
         pixels = pixels_of(map._repr_html_())
         np.testing.assert_array_equal((pixels == 255).all(axis=2), np.isnan(z))
-        self.assertIn("40 × 20 pixels, 600 with a depth, 500 to 600 mm", map._repr_html_())
+        self.assertIn("40 × 20 pixels, 600 with a depth, 500 to 600 mm", html.unescape(map._repr_html_()))
         map.z[:] = np.nan
         self.assertIn("none with a depth", map._repr_html_())
 

@@ -90,7 +90,7 @@ class Playing(unittest.TestCase):
         for times, words in (([0, 1], "times: must have the shape"), ([0, 2, 1], r"times\[2\] is 1"), ([0, np.nan, 1], r"times\[1\]")):
             with self.assertRaisesRegex(palpate.InvalidInput, words):
                 self.playback.play(tools, times)
-        with self.assertRaisesRegex(palpate.InvalidInput, "start_depth"):
+        with self.assertRaisesRegex(palpate.InvalidInput, "^start_depth is -1"):
             palpate.Playback(palpate.read_model(PAGE / "model"), start_depth=-1)
         with self.assertRaisesRegex(palpate.InvalidInput, "motion: is 'fast'"):
             palpate.Playback(palpate.read_model(PAGE / "model"), motion="fast")

@@ -32,7 +32,7 @@ class Specimens(unittest.TestCase):
         np.testing.assert_allclose(body.displacement([0, 0, 700], [0.3, 0, 0]), [0.3 * TANGENTIAL, 0, 0], atol=1e-9)
 
     def test_descriptions_that_are_wrong_are_refused(self):
-        with self.assertRaisesRegex(palpate.FileError, "stiffness"):
+        with self.assertRaisesRegex(palpate.InvalidInput, "stiffness"):
             palpate.Specimen({"type": "sheet", "stiffness": 1})
         with self.assertRaisesRegex(palpate.FileError, "/nowhere.json"):
             palpate.read_specimen("/nowhere.json")
