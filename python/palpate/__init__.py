@@ -70,6 +70,8 @@ try:
         write_range_map,
     )
 except ModuleNotFoundError as _error:
+    if _error.name != "palpate._palpate":
+        raise
     raise ImportError(
         f"palpate is built for another version of Python than {_sys.version_info.major}.{_sys.version_info.minor}: "
         "use /usr/bin/python3, or build it for this one"

@@ -71,6 +71,14 @@ class Stubs(unittest.TestCase):
                 if isinstance(value, property):
                     self.assertTrue(value.__doc__, f"{name}.{member}")
 
+    def test_the_document_names_all_that_one_calls(self):
+        text = (REPOSITORY / "docs/python.md").read_text()
+        stub = functions_of(ast.parse((PACKAGE / "_palpate.pyi").read_text()))
+        called = {name.removesuffix(".__init__") for name in stub if "." not in name or name.endswith(".__init__")}
+        self.assertGreater(len(called), 35)
+        for name in called:
+            self.assertRegex(text, rf"`(palpate\.)?{name}\b", name)
+
     def test_the_code_of_the_document_has_the_right_types(self):
         tutorial = "\n".join(code for heading, code in sections() if not heading.startswith("Recipe"))
         (readme,) = re.findall(r"^```python\n(.*?)^```", (REPOSITORY / "README.md").read_text(), re.M | re.S)
