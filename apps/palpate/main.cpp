@@ -1,46 +1,22 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-#include <spdlog/pattern_formatter.h>
-#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 #include <tbb/global_control.h>
 
 #include <cstdlib>
 #include <iostream>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <string_view>
-#include <utility>
 
 #include "palpate/error.h"
 #include "palpate/require.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
-#include "shared/interrupts.h"
+#include "shared/program.h"
 #include "shared/wrong_call.h"
 
 namespace palpate::apps {
 namespace {
-
-constexpr int kDone = 0;
-constexpr int kWorkFailed = 1;
-constexpr int kWrongCall = 2;
-
-/// What tells errors and warnings from other messages.
-class Severity : public spdlog::custom_flag_formatter {
- public:
-  void format(const spdlog::details::log_msg& message, const std::tm& /*time*/,
-              spdlog::memory_buf_t& line) override {
-    const std::string_view word = message.level == spdlog::level::err    ? "error: "
-                                  : message.level == spdlog::level::warn ? "warning: "
-                                                                         : "";
-    line.append(word.data(), word.data() + word.size());
-  }
-  [[nodiscard]] std::unique_ptr<custom_flag_formatter> clone() const override {
-    return std::make_unique<Severity>();
-  }
-};
 
 void add_calibrate(CLI::App& app, const Settings& settings) {
   CLI::App* calibrate =
@@ -112,19 +88,18 @@ int run(int argc, char** argv) {
   } catch (const CLI::ParseError& e) {
     if (e.get_exit_code() == 0) return app.exit(e);  // help or version
     spdlog::error("{}", describe_wrong_call(app, e));
-    return kWrongCall;
+    return kProgramWrongCall;
   }
   std::cout.flush();
   if (!std::cout)
     throw OutputError("standard output cannot be written: the results are incomplete.");
-  return kDone;
+  return kProgramDone;
 }
 
 }  // namespace
 }  // namespace palpate::apps
 
 int main(int argc, char** argv) {
-  using namespace palpate;
   using namespace palpate::apps;
   // FFmpeg, inside OpenCV, prints its own messages about damaged videos; this program reports such
   // damage itself. OpenCV needs both variables; a user who has set either wants FFmpeg's messages.
@@ -133,21 +108,5 @@ int main(int argc, char** argv) {
     setenv("OPENCV_FFMPEG_DEBUG", "1", 0);
     setenv("OPENCV_FFMPEG_LOGLEVEL", "-8", 0);
   }
-  spdlog::set_default_logger(spdlog::stderr_color_mt("palpate"));
-  auto form = std::make_unique<spdlog::pattern_formatter>();
-  form->add_flag<Severity>('*').set_pattern("%n: %*%v");
-  spdlog::set_formatter(std::move(form));
-  try {
-    watch_for_interrupts();
-    return run(argc, argv);
-  } catch (const InvalidInput& e) {
-    spdlog::error("{}", e.what());
-    return kWrongCall;
-  } catch (const Interrupted& interrupted) {
-    spdlog::critical("{}", interrupted.message);
-    return kInterruptedStatus;
-  } catch (const std::exception& e) {
-    spdlog::error("{}", e.what());
-    return kWorkFailed;
-  }
+  return run_program("palpate", [&] { return run(argc, argv); });
 }

@@ -23,6 +23,12 @@ inline constexpr Rgb kOrange{230, 159, 0};
 inline constexpr Rgb kSky{86, 180, 233};
 inline constexpr Rgb kGrey{110, 110, 110};
 
+/// Colours of labels, such as the reasons of pixels; the first one is that of what has none.
+inline constexpr std::array<Rgb, 12> kLabelColors{
+    kUnknownColor,     kBlack,           kVermilion,      kBlue,
+    kOrange,           kGreen,           kPurple,         kSky,
+    Rgb{240, 228, 66}, Rgb{120, 60, 20}, Rgb{150, 0, 60}, Rgb{70, 70, 160}};
+
 enum class ColorMap {
   sequential,  ///< viridis: dark blue, green, yellow; uniform steps of lightness
   diverging    ///< blue, white, red; white is the middle

@@ -3,7 +3,6 @@
 #include "palpate/pictures/draw_labels.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <vector>
 
@@ -19,11 +18,6 @@ constexpr double kLegendSpace = 300;  ///< px right of the image
 constexpr double kPatch = 26;         ///< px, side of a colour in the legend
 constexpr double kLineHeight = 44;    ///< px from one line of the legend to the next
 constexpr double kGap = 11;           ///< px from a patch to its meaning
-
-constexpr std::array<Rgb, 12> kLabelColors{
-    kUnknownColor,     kBlack,           kVermilion,      kBlue,
-    kOrange,           kGreen,           kPurple,         kSky,
-    Rgb{240, 228, 66}, Rgb{120, 60, 20}, Rgb{150, 0, 60}, Rgb{70, 70, 160}};
 
 void check(const LabelImage& labels, std::span<const std::string> names) {
   if (labels.size() == 0) throw InvalidInput("labels: the image is empty");

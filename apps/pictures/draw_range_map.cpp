@@ -9,39 +9,12 @@
 #include <vector>
 
 #include "background.h"
+#include "depth_span.h"
 #include "false_color_image.h"
 #include "input_checks.h"
 #include "ticks.h"
 
 namespace palpate::pictures {
-namespace {
-
-/// Of the depths at each end that the colours need not tell apart.
-constexpr double kDepthTail = 0.005;
-
-/// A map is at one depth throughout iff its depths span less than this fraction of it: ticks could
-/// not be told apart by their numbers.
-constexpr double kFlat = 1e-6;
-
-/// [mm] half of the scale of such a map.
-constexpr double kFlatHalfScale = 0.5;
-
-std::pair<double, double> color_span(std::vector<double> depths) {
-  const auto tail = static_cast<std::ptrdiff_t>(kDepthTail * static_cast<double>(depths.size()));
-  const auto near = depths.begin() + tail;
-  const auto far = depths.end() - 1 - tail;
-  std::nth_element(depths.begin(), near, depths.end());
-  const double low = *near;
-  std::nth_element(depths.begin(), far, depths.end());
-  const double high = *far;
-  const double middle = (low + high) / 2;
-  return high - low < kFlat * std::abs(middle)
-             ? std::pair(middle - kFlatHalfScale, middle + kFlatHalfScale)
-             : std::pair(low, high);
-}
-
-}  // namespace
-
 void draw_range_map(const std::filesystem::path& png, const geometry::RangeMap& map,
                     const std::string& title) {
   check_image(map.z, "range map");
@@ -63,8 +36,8 @@ void draw_range_map(const std::filesystem::path& png, const geometry::RangeMap& 
     picture.object = map.z.cast<double>() < *background;
     std::erase_if(known, [&](double z) { return z >= *background; });
   }
-  const auto [low, high] = color_span(std::move(known));
-  picture.colors = {low, high, ColorMap::sequential, "depth (mm)"};
+  const DepthSpan span = depth_span(std::move(known));
+  picture.colors = {span.low, span.high, ColorMap::sequential, "depth (mm)"};
   draw_false_color(png, map.z, picture);
 }
 

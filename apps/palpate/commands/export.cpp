@@ -5,13 +5,13 @@
 #include <string>
 
 #include "commands/export_page.h"
-#include "commands/play_friction.h"
 #include "palpate/error.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/haptics/model_io.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
 #include "shared/inputs.h"
+#include "shared/play_friction.h"
 
 namespace palpate::apps {
 namespace {

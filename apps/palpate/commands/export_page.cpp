@@ -9,7 +9,6 @@
 
 #include "commands/mesh_page.h"
 #include "commands/page_file.h"
-#include "commands/play_friction.h"
 #include "commands/range_page.h"
 #include "maker/model_page.h"
 #include "palpate/error.h"
@@ -17,6 +16,7 @@
 #include "palpate/haptics/model_io.h"
 #include "palpate/output_file.h"
 #include "palpate/sensing/depth_image.h"
+#include "shared/play_friction.h"
 
 namespace palpate::apps {
 namespace {

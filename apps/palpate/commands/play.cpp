@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "commands/play_device.h"
-#include "commands/play_friction.h"
 #include "commands/play_options.h"
 #include "commands/play_scene.h"
 #include "palpate/error.h"
@@ -26,6 +25,7 @@
 #include "shared/command_line.h"
 #include "shared/inputs.h"
 #include "shared/model_pictures.h"
+#include "shared/play_friction.h"
 #include "shared/step_times.h"
 
 namespace palpate::apps {

@@ -16,7 +16,6 @@
 #include <vector>
 
 #include "commands/opened_device.h"
-#include "commands/play_friction.h"
 #include "commands/play_scene.h"
 #include "commands/play_session.h"
 #include "commands/pose_file.h"
@@ -28,6 +27,8 @@
 #include "palpate/probing/arm_setup.h"
 #include "shared/inputs.h"
 #include "shared/interrupts.h"
+#include "shared/play_friction.h"
+#include "shared/played_model.h"
 
 namespace palpate::apps {
 namespace {

@@ -15,12 +15,12 @@
 #include <string>
 #include <vector>
 
-#include "commands/play_friction.h"
 #include "palpate/error.h"
 #include "palpate/geometry/error_statistics.h"
 #include "palpate/haptics/scene_file.h"
 #include "palpate/output_file.h"
 #include "shared/inputs.h"
+#include "shared/play_friction.h"
 
 namespace palpate::apps {
 namespace {

@@ -10,27 +10,17 @@
 #include <vector>
 
 #include "commands/play_device.h"
-#include "commands/play_friction.h"
 #include "commands/play_scene.h"
 #include "palpate/error.h"
 #include "palpate/haptics/loop_record.h"
-#include "palpate/haptics/model_io.h"
-#include "palpate/haptics/playable.h"
 #include "shared/fingerprint.h"
-#include "shared/inputs.h"
+#include "shared/played_model.h"
 
 namespace palpate::apps {
 namespace {
 
 namespace fs = std::filesystem;
 using SessionJson = nlohmann::ordered_json;
-
-/// What tells a model from another one, for sessions.
-std::string print_of_model(const fs::path& folder) {
-  const fs::path json = folder / "field.json";
-  return fingerprint(is_there(json) ? json : folder / "field.cbor") +
-         fingerprint(folder / "surface.ply");
-}
 
 std::string text_of(const SessionJson& json) {
   // A path need not be Unicode.
@@ -64,15 +54,9 @@ void report_replay(const Settings& settings, const fs::path& session,
 }  // namespace
 
 std::string session_text(const DeviceCall& call) {
-  SessionJson models = SessionJson::array();
-  for (const fs::path& model : {call.model, call.exchange}) {
-    if (!model.empty()) {
-      models.push_back({{"path", model.string()}, {"fingerprint", print_of_model(model)}});
-    }
-  }
-  SessionJson text{{"models", models}};
-  if (call.friction) text["friction"] = *call.friction;
-  return text_of(text);
+  std::vector<fs::path> models = {call.model};
+  if (!call.exchange.empty()) models.push_back(call.exchange);
+  return session_text(models, call.friction);
 }
 
 SceneOfDevice read_scene_of_device(const fs::path& path, const std::string& tool) {
@@ -102,21 +86,6 @@ std::shared_ptr<haptics::SceneWorld> world_of(const SceneOfDevice& scene, double
   return std::make_shared<haptics::SceneWorld>(
       std::make_shared<const haptics::Scene>(haptics::make_scene(file, playable_model)),
       scene.file.motion, scene.tool);
-}
-
-haptics::Model playable_model(const fs::path& folder) {
-  haptics::Model model = haptics::read_model(folder);
-  try {
-    haptics::check_playable(model);
-  } catch (const InvalidInput& wrong) {
-    throw InvalidInput(folder.string() + ": " + wrong.what());
-  }
-  return model;
-}
-
-std::shared_ptr<const haptics::Playback> playback_of(const fs::path& folder,
-                                                     std::optional<double> friction) {
-  return made_playback(folder, playable_model(folder), friction);
 }
 
 void play_replay(const Settings& settings, const fs::path& model, const fs::path& exchange,

@@ -9,8 +9,6 @@
 #include <vector>
 
 #include "commands/device_call.h"
-#include "palpate/haptics/model.h"
-#include "palpate/haptics/playback.h"
 #include "palpate/haptics/scene_file.h"
 #include "palpate/haptics/scene_world.h"
 
@@ -34,12 +32,5 @@ struct SceneOfDevice {
 /// \throws InvalidInput naming a model that cannot be felt.
 [[nodiscard]] std::shared_ptr<haptics::SceneWorld> world_of(const SceneOfDevice& scene,
                                                             double tick);
-
-/// \throws InvalidInput naming the folder if the model cannot be felt with a device.
-[[nodiscard]] haptics::Model playable_model(const std::filesystem::path& folder);
-
-/// The same, ready for the loop. \param friction as `made_playback`.
-[[nodiscard]] std::shared_ptr<const haptics::Playback> playback_of(
-    const std::filesystem::path& folder, std::optional<double> friction);
 
 }  // namespace palpate::apps

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "commands/play_friction.h"
+#include "shared/play_friction.h"
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>

@@ -1,0 +1,68 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "shared/played_model.h"
+
+#include <nlohmann/json.hpp>
+
+#include "palpate/error.h"
+#include "palpate/haptics/model_io.h"
+#include "palpate/haptics/playable.h"
+#include "shared/fingerprint.h"
+#include "shared/inputs.h"
+#include "shared/play_friction.h"
+
+namespace palpate::apps {
+
+namespace fs = std::filesystem;
+
+haptics::Model playable_model(const fs::path& folder) {
+  haptics::Model model = haptics::read_model(folder);
+  try {
+    haptics::check_playable(model);
+  } catch (const InvalidInput& wrong) {
+    throw InvalidInput(folder.string() + ": " + wrong.what());
+  }
+  return model;
+}
+
+std::shared_ptr<const haptics::Playback> playback_of(const fs::path& folder,
+                                                     std::optional<double> friction) {
+  return made_playback(folder, playable_model(folder), friction);
+}
+
+std::string print_of_model(const fs::path& folder) {
+  const fs::path json = folder / "field.json";
+  return fingerprint(is_there(json) ? json : folder / "field.cbor") +
+         fingerprint(folder / "surface.ply");
+}
+
+std::string session_text(const std::vector<fs::path>& models, std::optional<double> friction) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const fs::path& model : models)
+    list.push_back({{"path", model.string()}, {"fingerprint", print_of_model(model)}});
+  nlohmann::ordered_json text{{"models", list}};
+  if (friction) text["friction"] = *friction;
+  // A path need not be Unicode.
+  return text.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
+SessionModels models_of(const std::string& session) {
+  const auto text = nlohmann::ordered_json::parse(session, nullptr, false);
+  SessionModels models;
+  models.words = "another program";
+  if (!text.is_object()) return models;
+  if (text.contains("scene")) models.words = "a scene";
+  if (text.contains("friction") && text["friction"].is_number())
+    models.friction = text["friction"].get<double>();
+  const auto list = text.value("models", nlohmann::ordered_json());
+  if (!list.is_array()) return models;
+  models.words.clear();
+  for (const auto& model : list) {
+    if (!model.is_object()) continue;
+    models.fingerprints.push_back(model.value("fingerprint", ""));
+    models.words += (models.words.empty() ? "" : " and ") + model.value("path", "another model");
+  }
+  return models;
+}
+
+}  // namespace palpate::apps

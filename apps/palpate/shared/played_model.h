@@ -1,0 +1,39 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "palpate/haptics/model.h"
+#include "palpate/haptics/playback.h"
+
+namespace palpate::apps {
+
+/// \throws InvalidInput naming the folder if the model cannot be felt with a device.
+[[nodiscard]] haptics::Model playable_model(const std::filesystem::path& folder);
+
+/// The same, ready for the loop. \param friction as `made_playback`.
+[[nodiscard]] std::shared_ptr<const haptics::Playback> playback_of(
+    const std::filesystem::path& folder, std::optional<double> friction);
+
+/// What tells a model from another one, for sessions.
+[[nodiscard]] std::string print_of_model(const std::filesystem::path& folder);
+
+/// What a session of the loop must know to be computed again: its models, in the order of their
+/// use, and the coefficient of contacts whose friction is unknown.
+[[nodiscard]] std::string session_text(const std::vector<std::filesystem::path>& models,
+                                       std::optional<double> friction);
+
+/// What `session_text` wrote.
+struct SessionModels {
+  std::vector<std::string> fingerprints;  ///< of its models; none: the session of something else
+  std::optional<double> friction;
+  std::string words;  ///< for messages: "model/", or "a scene"
+};
+[[nodiscard]] SessionModels models_of(const std::string& session);
+
+}  // namespace palpate::apps

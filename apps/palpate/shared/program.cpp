@@ -1,0 +1,56 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "shared/program.h"
+
+#include <spdlog/pattern_formatter.h>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <memory>
+#include <string_view>
+#include <utility>
+
+#include "palpate/error.h"
+#include "shared/interrupts.h"
+
+namespace palpate::apps {
+namespace {
+
+/// What tells errors and warnings from other messages.
+class Severity : public spdlog::custom_flag_formatter {
+ public:
+  void format(const spdlog::details::log_msg& message, const std::tm& /*time*/,
+              spdlog::memory_buf_t& line) override {
+    const std::string_view word = message.level == spdlog::level::err    ? "error: "
+                                  : message.level == spdlog::level::warn ? "warning: "
+                                                                         : "";
+    line.append(word.data(), word.data() + word.size());
+  }
+  [[nodiscard]] std::unique_ptr<custom_flag_formatter> clone() const override {
+    return std::make_unique<Severity>();
+  }
+};
+
+}  // namespace
+
+int run_program(const char* name, const std::function<int()>& run) {
+  spdlog::set_default_logger(spdlog::stderr_color_mt(name));
+  auto form = std::make_unique<spdlog::pattern_formatter>();
+  form->add_flag<Severity>('*').set_pattern("%n: %*%v");
+  spdlog::set_formatter(std::move(form));
+  try {
+    watch_for_interrupts();
+    return run();
+  } catch (const InvalidInput& e) {
+    spdlog::error("{}", e.what());
+    return kProgramWrongCall;
+  } catch (const Interrupted& interrupted) {
+    spdlog::critical("{}", interrupted.message);
+    return kInterruptedStatus;
+  } catch (const std::exception& e) {
+    spdlog::error("{}", e.what());
+    return kProgramFailed;
+  }
+}
+
+}  // namespace palpate::apps
