@@ -1,0 +1,81 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "dented_surface.h"
+
+#include <algorithm>
+
+#include "theme.h"
+
+namespace palpate::view {
+namespace {
+
+constexpr float kDotSize = 6.5F;    // [px] of a contact
+constexpr int kDotOpacity = 190;    // of 255
+constexpr float kDentTint = 0.55F;  // of the dent's colour where it is deepest
+
+float smooth_step(double x) {
+  const double t = std::clamp(x, 0.0, 1.0);
+  return static_cast<float>(t * t * (3 - 2 * t));
+}
+
+}  // namespace
+
+DentedSurface::DentedSurface(const haptics::Model& model, const geometry::SurfaceQuery& query,
+                             double deep)
+    : shape_(model.surface), deep_(deep) {
+  options_.tip = model.probe_radius.value_or(options_.tip);
+  contacts_.resize(3, static_cast<Eigen::Index>(model.contacts.size()));
+  for (const haptics::ContactModel& contact : model.contacts) {
+    contacts_.col(static_cast<Eigen::Index>(nearest_.size())) = contact.position.cast<float>();
+    nearest_.push_back(query.closest_point(contact.position).at);
+  }
+  renderer_.put(shape_);
+  colors_.resize(4, shape_.positions().cols());
+  color_vertices({0, colors_.cols()});
+  renderer_.put_colors(colors_);
+  put_contacts();
+}
+
+void DentedSurface::show(const ForceReading& reading, bool touches) {
+  if (!touches && !is_dented_) return;
+  const VertexRange range =
+      touches ? shape_.deform(reading.at, reading.displacement, options_) : shape_.rest();
+  is_dented_ = touches;
+  renderer_.update(shape_, range);
+  color_vertices(range);
+  renderer_.update_colors(colors_, range);
+  put_contacts();
+}
+
+void DentedSurface::draw_contacts(const SceneRenderer& scene, const Shot& shot,
+                                  double size_of_pixel) const {
+  scene.draw_points(dots_, shot, kDotSize, 1.5 * static_cast<double>(kDotSize) * size_of_pixel);
+}
+
+void DentedSurface::color_vertices(const VertexRange& range) {
+  const Eigen::Vector3f base = color(kSurface), dent = color(kDent);
+  for (Eigen::Index v = range.begin; v < range.end; ++v) {
+    const float part = kDentTint * smooth_step(static_cast<double>(shape_.moved()[v]) / deep_);
+    const Eigen::Vector3f mixed = 255 * (base + part * (dent - base));
+    colors_.col(v) << mixed.cast<unsigned char>(), 255;
+  }
+}
+
+void DentedSurface::put_contacts() {
+  ColoredPoints dots{.positions = contacts_, .colors = {}};
+  dots.colors.resize(4, contacts_.cols());
+  const geometry::TriangleMesh& surface = shape_.surface();
+  const Eigen::Vector3f rgb = 255 * color(kDot);
+  for (Eigen::Index i = 0; i < contacts_.cols(); ++i) {
+    const geometry::SurfacePoint& at = nearest_[static_cast<std::size_t>(i)];
+    for (int k = 0; k < 3; ++k) {
+      const int v = surface.triangles(k, at.triangle);
+      dots.positions.col(i) += static_cast<float>(at.barycentric[k]) *
+                               (shape_.positions().col(v) - surface.vertices.col(v).cast<float>());
+    }
+    dots.colors.col(i) << rgb.cast<unsigned char>(), kDotOpacity;
+  }
+  dots_.put(dots);
+}
+
+}  // namespace palpate::view

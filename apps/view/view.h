@@ -1,0 +1,49 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+
+#include "palpate/eigen_alignment.h"
+
+namespace palpate::view {
+
+enum class MouseButton { left, middle, right };
+
+/// What the window shows of one thing: a picture, and a panel beside it. Made and used while there
+/// is a window. Places of the pointer are in pixels of the picture, y down.
+class View {
+ public:
+  View() = default;
+  virtual ~View() = default;
+  View(const View&) = delete;
+  View& operator=(const View&) = delete;
+
+  /// Size of the picture [px]; comes before the first `draw`.
+  virtual void resize(int width, int height) = 0;
+  virtual void button(MouseButton button, bool down, const Eigen::Vector2d& at, bool shift) = 0;
+  virtual void move(const Eigen::Vector2d& at, bool shift) = 0;
+  /// \param lines of the wheel, positive away from the user
+  virtual void wheel(double lines) = 0;
+  /// \param key as GLFW numbers them. False if the key means nothing here.
+  virtual bool key(int key, bool down) = 0;
+  /// Lets time go by [s] before a picture.
+  virtual void advance(double seconds) = 0;
+  /// Draws the picture with OpenGL into the viewport. \param hurry the next picture follows at
+  /// once, and this processor is too slow for all details.
+  virtual void draw(bool hurry) = 0;
+  /// Writes the panel with ImGui, and what lies over the picture.
+  virtual void panel() = 0;
+  /// Ends what runs beside the window; the last call.
+  /// \throws OutputError if a record is not complete.
+  virtual void close() {}
+  /// Whether the picture changes although nobody does anything.
+  [[nodiscard]] virtual bool is_moving() const = 0;
+  /// Lets the object turn, for a movie of what does not move.
+  virtual void turn() = 0;
+  /// [s] of what is played; 0 if nothing is.
+  [[nodiscard]] virtual double duration() const = 0;
+};
+
+}  // namespace palpate::view
