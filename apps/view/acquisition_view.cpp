@@ -112,9 +112,10 @@ class AcquisitionView final : public View {
   void advance(double seconds) override { control_.advance(seconds); }
   void draw(bool hurry) override {
     const Shot shot = control_.camera.shot();
-    scene_renderer_.draw_backdrop();
+    SceneRenderer::begin();
     if (scene_.surface && show_surface_)
       renderer_.draw(shot, {.wireframe = false, .coarse = hurry});
+    scene_renderer_.draw_backdrop();
     scene_renderer_.draw_lines(lines_, shot);
     scene_renderer_.draw_points(
         dots_, shot, kContactSize,
@@ -128,12 +129,14 @@ class AcquisitionView final : public View {
  private:
   Extent extent_of_all() const {
     const std::vector<probing::Contact>& contacts = scene_.acquisition.contacts();
-    Eigen::Matrix3Xd points(3, static_cast<Eigen::Index>(contacts.size()));
+    Eigen::Matrix3Xd points(3, static_cast<Eigen::Index>(contacts.size() + arrows_.size()));
     Eigen::Vector3d facing = Eigen::Vector3d::Zero();
     for (std::size_t i = 0; i < contacts.size(); ++i) {
       points.col(static_cast<Eigen::Index>(i)) = contacts[i].position;
       facing += contacts[i].normal / static_cast<double>(contacts.size());
     }
+    for (std::size_t i = 0; i < arrows_.size(); ++i)
+      points.col(static_cast<Eigen::Index>(contacts.size() + i)) = arrows_[i].tool;
     Extent extent = scene_.surface ? extent_of(*scene_.surface) : extent_of(points);
     extent.facing = facing;
     return extent;

@@ -9,9 +9,11 @@
 namespace palpate::view {
 namespace {
 
-constexpr float kDotSize = 6.5F;    // [px] of a contact
-constexpr int kDotOpacity = 190;    // of 255
-constexpr float kDentTint = 0.55F;  // of the dent's colour where it is deepest
+constexpr float kDotSize = 6.5F;     // [px] of a contact
+constexpr int kDotOpacity = 190;     // of 255
+constexpr double kLeastMove = 1e-4;  // diagonals: less than a pixel
+constexpr int kRest = 2;             // times as long as a dent takes, until the next one
+constexpr float kDentTint = 0.55F;   // of the dent's colour where it is deepest
 
 float smooth_step(double x) {
   const double t = std::clamp(x, 0.0, 1.0);
@@ -22,7 +24,9 @@ float smooth_step(double x) {
 
 DentedSurface::DentedSurface(const haptics::Model& model, const geometry::SurfaceQuery& query,
                              double deep)
-    : shape_(model.surface), deep_(deep) {
+    : shape_(model.surface),
+      deep_(deep),
+      least_move_(kLeastMove * geometry::bounding_diagonal(model.surface)) {
   options_.tip = model.probe_radius.value_or(options_.tip);
   contacts_.resize(3, static_cast<Eigen::Index>(model.contacts.size()));
   for (const haptics::ContactModel& contact : model.contacts) {
@@ -36,8 +40,20 @@ DentedSurface::DentedSurface(const haptics::Model& model, const geometry::Surfac
   put_contacts();
 }
 
-void DentedSurface::show(const ForceReading& reading, bool touches) {
+void DentedSurface::show(const ForceReading& reading, bool touches, bool hurry) {
   if (!touches && !is_dented_) return;
+  const DentClock::time_point begin = DentClock::now();
+  if (hurry && touches && begin < next_) return;
+  if (touches && is_dented_) {
+    const Eigen::Vector3d contact = geometry::position(shape_.surface(), reading.at);
+    const double moved =
+        (contact - contact_).norm() + (reading.displacement - displacement_).norm();
+    if (moved < least_move_) return;
+  }
+  if (touches) {
+    contact_ = geometry::position(shape_.surface(), reading.at);
+    displacement_ = reading.displacement;
+  }
   const VertexRange range =
       touches ? shape_.deform(reading.at, reading.displacement, options_) : shape_.rest();
   is_dented_ = touches;
@@ -45,6 +61,8 @@ void DentedSurface::show(const ForceReading& reading, bool touches) {
   color_vertices(range);
   renderer_.update_colors(colors_, range);
   put_contacts();
+  const DentClock::time_point end = DentClock::now();
+  next_ = end + kRest * (end - begin);
 }
 
 void DentedSurface::draw_contacts(const SceneRenderer& scene, const Shot& shot,

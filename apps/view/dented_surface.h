@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <vector>
 
 #include "force_reading.h"
@@ -16,25 +17,31 @@ class DentedSurface {
   /// \param deep [mm] displacement that gets the whole tint of a dent
   DentedSurface(const haptics::Model& model, const geometry::SurfaceQuery& query, double deep);
 
-  /// Puts the dent where a reading says; `touches` false: none.
-  void show(const ForceReading& reading, bool touches);
+  /// Puts the dent where a reading says; `touches` false: none. \param hurry a dent that takes long
+  /// may stay as it is for some pictures
+  void show(const ForceReading& reading, bool touches, bool hurry);
   void draw(const Shot& shot, const SurfaceLook& look) const { renderer_.draw(shot, look); }
   /// The contacts, which move with the surface.
   void draw_contacts(const SceneRenderer& scene, const Shot& shot, double size_of_pixel) const;
 
  private:
+  using DentClock = std::chrono::steady_clock;
+
   void color_vertices(const VertexRange& range);
   void put_contacts();
 
   SurfaceShape shape_;
   haptics::DrawnShapeOptions options_;
-  double deep_;
-  Eigen::Matrix3Xf contacts_;                    // [mm] on the undeformed surface
-  std::vector<geometry::SurfacePoint> nearest_;  // of each contact
+  double deep_, least_move_;                                // [mm]
+  Eigen::Vector3d contact_ = Eigen::Vector3d::Zero();       // [mm] of the dent that is shown
+  Eigen::Vector3d displacement_ = Eigen::Vector3d::Zero();  // [mm]
+  Eigen::Matrix3Xf contacts_;                               // [mm] on the undeformed surface
+  std::vector<geometry::SurfacePoint> nearest_;             // of each contact
   SurfaceRenderer renderer_;
   VertexColors colors_;
   PointSet dots_;
   bool is_dented_ = false;
+  DentClock::time_point next_;  // of a dent in a hurry
 };
 
 }  // namespace palpate::view

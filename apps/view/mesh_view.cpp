@@ -78,10 +78,11 @@ class MeshView final : public View {
   }
   void advance(double seconds) override { control_.advance(seconds); }
   void draw(bool hurry) override {
-    scene_renderer_.draw_backdrop();
+    SceneRenderer::begin();
     SurfaceLook look = look_;
     look.coarse = hurry;
     renderer_.draw(control_.camera.shot(), look);
+    scene_renderer_.draw_backdrop();
   }
   void panel() override;
   [[nodiscard]] bool is_moving() const override { return control_.is_turning(); }

@@ -174,15 +174,17 @@ class ModelView final : public View {
       loop_->set_wish(aim_.wish());
       while (const std::optional<FeltTick> tick = loop_->take()) take(*tick);
     }
-    surface_.show(reading_, tick_.state != ContactState::free && reading_.at.triangle >= 0);
+    surface_.show(reading_, tick_.state != ContactState::free && reading_.at.triangle >= 0,
+                  !scene_.still);
     const double wanted = kArrowLength * extent_.diagonal / chart_.top();
     scale_.length_of_newton += kScaleFollow * (wanted - scale_.length_of_newton);
   }
 
   void draw(bool hurry) override {
     const Shot shot = control_.camera.shot();
-    scene_renderer_.draw_backdrop();
+    SceneRenderer::begin();
     surface_.draw(shot, {.wireframe = wireframe_, .coarse = hurry});
+    scene_renderer_.draw_backdrop();
     if (show_dots_) surface_.draw_contacts(scene_renderer_, shot, control_.camera.size_of_pixel());
     scene_renderer_.draw(solids(), shot);
   }
@@ -319,9 +321,11 @@ void ModelView::panel_of_force() {
   ImGui::Text("%.2f N", reading_.total);
   ImGui::PopFont();
   if (reading_.deviation) {
-    ImGui::SameLine();
-    ImGui::SetCursorPosY(ImGui::GetCursorPosY() + 22);
-    ImGui::TextColored(panel_color(kQuiet), "\u00b1 %.2g N", *reading_.deviation);
+    // Beside the number, at its foot, without moving what is below.
+    const ImVec2 end = ImGui::GetItemRectMax();
+    ImGui::GetWindowDrawList()->AddText(
+        {end.x + 8, end.y - ImGui::GetFontSize() - 6}, ink(kQuiet),
+        fmt::format("\u00b1 {:.2g} N", *reading_.deviation).c_str());
   }
   const StateWords words = words_of(tick_.state);
   badge(words.word, color_of(tick_.state));

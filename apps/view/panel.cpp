@@ -44,7 +44,6 @@ void set_panel_style() {
   style.GrabRounding = 4;
   style.WindowPadding = {18, 16};
   style.ItemSpacing = {8, 6};
-  style.Colors[ImGuiCol_WindowBg] = panel_color(kPanel);
   style.Colors[ImGuiCol_Text] = panel_color(kText);
   style.Colors[ImGuiCol_FrameBg] = panel_color(kLine, 0.6F);
   style.Colors[ImGuiCol_CheckMark] = panel_color(kForce);
@@ -70,8 +69,11 @@ void begin_panel(const std::string& title, const std::string& subtitle) {
   ImGui::SetNextWindowPos({size.x - Window::kPanelWidth, 0});
   ImGui::SetNextWindowSize({Window::kPanelWidth, size.y});
   ImGui::Begin("panel", nullptr,
-               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_NoMove |
-                   ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoNav);
+               ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoResize |
+                   ImGuiWindowFlags_NoCollapse | ImGuiWindowFlags_NoMove |
+                   ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoNav |
+                   // `Window` fills it, much faster.
+                   ImGuiWindowFlags_NoBackground);
   ImGui::PushFont(bold_font());
   ImGui::TextWrapped("%s", title.c_str());
   ImGui::PopFont();

@@ -120,10 +120,11 @@ class RangeView final : public View {
   }
 
   void draw(bool hurry) override {
-    scene_renderer_.draw_backdrop();
+    SceneRenderer::begin();
     if (as_surface_ && control_ && has_surface_)
       renderer_.draw(control_->camera.shot(),
                      {.wireframe = false, .lit = layer_ != MapLayer::reason, .coarse = hurry});
+    scene_renderer_.draw_backdrop();
   }
 
   void panel() override;

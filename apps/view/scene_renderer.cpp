@@ -31,7 +31,7 @@ void main() {
   vec2 place = (vec2(cell % kGrid, cell / kGrid) + kCorners[gl_VertexID % 6]) / float(kGrid);
   float near = 1.15 - length((place - vec2(0.45, 0.65)) * 1.25);
   v_color = mix(u_floor, u_sky, smoothstep(0.0, 1.0, near));
-  gl_Position = vec4(2.0 * place - 1.0, 0.0, 1.0);
+  gl_Position = vec4(2.0 * place - 1.0, 1.0, 1.0);  // at the far end
 })";
 constexpr const char* kBackdropFragment = R"(
 in vec3 v_color;
@@ -132,16 +132,22 @@ SceneRenderer::SceneRenderer()
   }
 }
 
-void SceneRenderer::draw_backdrop() const {
-  glDisable(GL_BLEND);
-  glDisable(GL_DEPTH_TEST);
+void SceneRenderer::begin() {
   glDepthMask(GL_TRUE);
   glClear(GL_DEPTH_BUFFER_BIT);
+}
+
+void SceneRenderer::draw_backdrop() const {
+  glDisable(GL_BLEND);
+  glEnable(GL_DEPTH_TEST);
+  glDepthFunc(GL_LEQUAL);
+  glDepthMask(GL_FALSE);
   backdrop_.use();
   backdrop_.set("u_sky", color(kSky));
   backdrop_.set("u_floor", color(kFloor));
   nothing_.bind();
   glDrawArrays(GL_TRIANGLES, 0, 6 * kGrid * kGrid);
+  glDepthMask(GL_TRUE);
 }
 
 void SceneRenderer::draw_all(const std::vector<Solid>& solids, bool opaque, bool transparent,

@@ -51,7 +51,10 @@ class SceneRenderer {
  public:
   SceneRenderer();
 
-  /// Fills the viewport and forgets all depths.
+  /// Forgets all depths of the last picture.
+  static void begin();
+  /// Fills the viewport where no surface was drawn; after the surfaces, because without graphics
+  /// hardware a pixel that is drawn twice costs twice. Before what is transparent.
   void draw_backdrop() const;
   /// What surfaces hide shows through faintly: a force is never out of sight in a dent.
   void draw(const std::vector<Solid>& solids, const Shot& shot) const;

@@ -5,8 +5,10 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <ctime>
 #include <iostream>
 #include <regex>
 
@@ -51,23 +53,29 @@ void write_wished_picture(Window& window) {
 void run_window(const ViewCall& call, Window& window, View& view) {
   const ViewClock::time_point start = ViewClock::now();
   long long frames = 0;
-  double busy = 0;  // [s] in which something moved
+  double busy = 0;            // [s] in which something moved
+  double busy_processor = 0;  // [s] of all processors meanwhile
   long long busy_frames = 0;
   const apps::InterruptedByThrowing interrupts;
   for (bool open = true; open; ++frames) {
     const bool moving = view.is_moving();
     const ViewClock::time_point frame = ViewClock::now();
+    const std::clock_t spent = std::clock();
     open = window.run_frame();
     if (moving && view.is_moving()) {
       busy += seconds_since(frame);
+      busy_processor += static_cast<double>(std::clock() - spent) / CLOCKS_PER_SEC;
       ++busy_frames;
     }
     if (window.take_picture_wish()) write_wished_picture(window);
     apps::InterruptedByThrowing::check();
     if (call.seconds && seconds_since(start) >= *call.seconds) break;
   }
-  spdlog::info("{} pictures in {:.1f} s; {:.1f} a second while something moved", frames,
-               seconds_since(start), busy > 0 ? static_cast<double>(busy_frames) / busy : 0.0);
+  const auto all = static_cast<double>(std::max(1LL, busy_frames));
+  spdlog::info(
+      "{} pictures in {:.1f} s; while something moved {:.1f} a second, each with {:.1f} ms of "
+      "processor time",
+      frames, seconds_since(start), busy > 0 ? all / busy : 0.0, 1e3 * busy_processor / all);
 }
 
 /// Lets time go by as in a movie.

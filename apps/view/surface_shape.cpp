@@ -96,7 +96,6 @@ VertexRange SurfaceShape::deform(const geometry::SurfacePoint& contact,
         triangles.push_back(t);
     }
   }
-  std::ranges::sort(triangles);
   part.triangles.resize(3, static_cast<Eigen::Index>(triangles.size()));
   geometry::SurfacePoint at = contact;
   for (std::size_t i = 0; i < triangles.size(); ++i) {

@@ -11,11 +11,13 @@
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
 #include "shared/play_friction.h"
+#include "window.h"
 
 namespace palpate::view {
 namespace {
 
-constexpr int kLeastSide = 200, kMostSide = 8192;  // [px] of a window
+constexpr int kLeastWidth = 2 * Window::kPanelWidth, kLeastHeight = Window::kPanelWidth;  // [px]
+constexpr int kMostSide = 8192;                                                           // [px]
 
 /// Options that only one kind knows, and its name.
 const std::map<std::string, std::pair<PathKind, const char*>>& options_of_kinds() {
@@ -101,10 +103,10 @@ void add_options(CLI::App& app, ViewCall& call) {
       ->check(apps::within(at_least(0).finite()))
       ->group(pictures);
   app.add_option("--width", call.width, "Width of picture or window [px] (default: 1280)")
-      ->check(apps::within(at_least(kLeastSide).at_most(kMostSide)))
+      ->check(apps::within(at_least(kLeastWidth).at_most(kMostSide)))
       ->group(pictures);
   app.add_option("--height", call.height, "Height of picture or window [px] (default: 800)")
-      ->check(apps::within(at_least(kLeastSide).at_most(kMostSide)))
+      ->check(apps::within(at_least(kLeastHeight).at_most(kMostSide)))
       ->group(pictures);
 }
 

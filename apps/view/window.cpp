@@ -18,6 +18,7 @@
 #include "palpate/error.h"
 #include "palpate/sensing/frame.h"
 #include "panel.h"
+#include "theme.h"
 
 namespace palpate::view {
 namespace {
@@ -93,6 +94,7 @@ void Window::Impl::make_window(const WindowOptions& options) {
                 ". Install its driver; libgl1-mesa-dri has one without graphics hardware.");
   }
   glfwMakeContextCurrent(handle);
+  glfwSetWindowSizeLimits(handle, 2 * kPanelWidth, kPanelWidth, GLFW_DONT_CARE, GLFW_DONT_CARE);
   glfwSwapInterval(0);  // `run_frame` keeps the pace, on displays without one too
   glewExperimental = GL_TRUE;
   glewInit();
@@ -170,6 +172,12 @@ void Window::Impl::draw(bool hurry) {
   view->draw(hurry);
   glViewport(0, 0, width, height);
   glDisable(GL_DEPTH_TEST);
+  const Eigen::Vector3f paper = color(kPanel);
+  glEnable(GL_SCISSOR_TEST);
+  glScissor(picture.x(), 0, kPanelWidth, picture.y());
+  glClearColor(paper.x(), paper.y(), paper.z(), 1);
+  glClear(GL_COLOR_BUFFER_BIT);
+  glDisable(GL_SCISSOR_TEST);
   ImGui_ImplOpenGL3_NewFrame();
   ImGui_ImplGlfw_NewFrame();
   ImGui::NewFrame();
