@@ -6,6 +6,7 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "panel.h"
 #include "theme.h"
@@ -68,17 +69,21 @@ void StripChart::draw(float height) const {
   }
   const int count = std::max(2, static_cast<int>(width));
   for (const Line line : {Line::tangential, Line::normal, Line::total}) {
-    std::vector<ImVec2> way;
+    const ImU32 rgb = ink(kLineColors[static_cast<std::size_t>(line)]);
+    const float thick = line == Line::total ? 2.0F : 1.4F;
+    const auto height_of = [&](float force) {
+      return std::clamp(floor - force / top_force * room, at.y, floor);
+    };
+    ImVec2 end{at.x, floor};
     float x = at.x;
     for (const Column& column : columns(line, count)) {
-      // A force may be negative along the axis: the contact pulls.
-      way.push_back({x, std::min(floor, floor - column.low / top_force * room)});
-      if (column.high > column.low) way.push_back({x, floor - column.high / top_force * room});
+      const ImVec2 low{x, height_of(column.low)}, high{x, height_of(column.high)};
+      const bool rises = std::abs(end.y - low.y) < std::abs(end.y - high.y);
+      if (x > at.x) draw.AddLine(end, rises ? low : high, rgb, thick);
+      if (low.y - high.y > 1) draw.AddLine(low, high, rgb, thick);
+      end = rises ? high : low;
       x += width / static_cast<float>(count);
     }
-    draw.AddPolyline(way.data(), static_cast<int>(way.size()),
-                     ink(kLineColors[static_cast<std::size_t>(line)]), 0,
-                     line == Line::total ? 2.0F : 1.4F);
   }
   for (int column = 0; column < count; ++column) {
     const std::size_t i =

@@ -57,13 +57,10 @@ struct Window::Impl {
   bool picture_wish = false;
   bool in_picture = false;  // the pointer moves what was pressed in the picture
   GLuint target = 0, target_color = 0, target_depth = 0;  // for pictures that no window shows
-  Eigen::Vector2i picture = Eigen::Vector2i::Zero();      // [px]
+  // As the events tell, which may be behind where the pointer is now.
+  Eigen::Vector2d pointer = Eigen::Vector2d::Zero();
+  Eigen::Vector2i picture = Eigen::Vector2i::Zero();  // [px]
 
-  [[nodiscard]] Eigen::Vector2d pointer() const {
-    Eigen::Vector2d at;
-    glfwGetCursorPos(handle, &at.x(), &at.y());
-    return at;
-  }
   [[nodiscard]] bool shift() const {
     return glfwGetKey(handle, GLFW_KEY_LEFT_SHIFT) == GLFW_PRESS ||
            glfwGetKey(handle, GLFW_KEY_RIGHT_SHIFT) == GLFW_PRESS;
@@ -117,12 +114,13 @@ void Window::Impl::make_target(int width, int height) {
 
 void Window::Impl::listen() {
   glfwSetWindowUserPointer(handle, this);
+  glfwGetCursorPos(handle, &pointer.x(), &pointer.y());
   glfwSetMouseButtonCallback(handle, [](GLFWwindow* window, int button, int action, int mods) {
     Impl& self = of(window);
     self.wake();
     const bool down = action == GLFW_PRESS;
     if (self.view == nullptr || button > GLFW_MOUSE_BUTTON_MIDDLE) return;
-    const Eigen::Vector2d at = self.pointer();
+    const Eigen::Vector2d at = self.pointer;
     if (down && at.x() >= self.picture.x()) return;  // the panel's
     if (!down && !self.in_picture) return;
     self.in_picture = down;
@@ -134,6 +132,7 @@ void Window::Impl::listen() {
   glfwSetCursorPosCallback(handle, [](GLFWwindow* window, double x, double y) {
     Impl& self = of(window);
     self.wake();
+    self.pointer = {x, y};
     if (self.view != nullptr && (self.in_picture || x < self.picture.x())) {
       self.view->move({x, y}, self.shift());
     }
@@ -141,7 +140,7 @@ void Window::Impl::listen() {
   glfwSetScrollCallback(handle, [](GLFWwindow* window, double /*x*/, double lines) {
     Impl& self = of(window);
     self.wake();
-    if (self.view != nullptr && self.pointer().x() < self.picture.x()) self.view->wheel(lines);
+    if (self.view != nullptr && self.pointer.x() < self.picture.x()) self.view->wheel(lines);
   });
   glfwSetKeyCallback(handle, [](GLFWwindow* window, int key, int /*code*/, int action, int mods) {
     Impl& self = of(window);

@@ -170,6 +170,11 @@ class WindowTest(unittest.TestCase):
             self.server.do("mouseup", 1, "mousemove", "--window", number, 5, 5)
             time.sleep(0.3)
             lifted = shot()
+            # At once, as it comes when pictures are slow: beside the object, a drag turns it.
+            self.server.do("mousemove", "--window", number, 8, 8, "mousedown", 1, "mousemove", "--window", number, 120, 60,
+                           "mouseup", 1)
+            time.sleep(0.2)
+            turned = shot()
             self.server.do("key", "--window", number, "q")
             _, words = window.communicate(timeout=LONGEST)
         finally:
@@ -182,6 +187,8 @@ class WindowTest(unittest.TestCase):
         self.assertGreater(different(pressed, slid), 200, "the dent moved")
         self.assertEqual(arrow(lifted), 0)
         self.assertLess(different(free, lifted), 100, "the surface is as it was")
+        self.assertGreater(different(lifted, turned), 2000)
+        self.assertEqual(arrow(turned), 0)
 
         replayed = json.loads(palpate("play", MODEL, "--replay", session, "--json"))
         self.assertEqual(replayed["different"], 0)
