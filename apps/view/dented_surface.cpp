@@ -25,9 +25,10 @@ float smooth_step(double x) {
 DentedSurface::DentedSurface(const haptics::Model& model, const geometry::SurfaceQuery& query,
                              double deep)
     : shape_(model.surface),
+      options_(haptics::shape_options(model)),
+      response_(model.response),
       deep_(deep),
       least_move_(kLeastMove * geometry::bounding_diagonal(model.surface)) {
-  options_.tip = model.probe_radius.value_or(options_.tip);
   contacts_.resize(3, static_cast<Eigen::Index>(model.contacts.size()));
   for (const haptics::ContactModel& contact : model.contacts) {
     contacts_.col(static_cast<Eigen::Index>(nearest_.size())) = contact.position.cast<float>();
@@ -54,8 +55,7 @@ void DentedSurface::show(const ForceReading& reading, bool touches, bool hurry) 
     contact_ = geometry::position(shape_.surface(), reading.at);
     displacement_ = reading.displacement;
   }
-  const VertexRange range =
-      touches ? shape_.deform(reading.at, reading.displacement, options_) : shape_.rest();
+  const VertexRange range = touches ? deform(reading) : shape_.rest();
   is_dented_ = touches;
   renderer_.update(shape_, range);
   color_vertices(range);
@@ -63,6 +63,12 @@ void DentedSurface::show(const ForceReading& reading, bool touches, bool hurry) 
   put_contacts();
   const DentClock::time_point end = DentClock::now();
   next_ = end + kRest * (end - begin);
+}
+
+VertexRange DentedSurface::deform(const ForceReading& reading) {
+  if (!response_) return shape_.deform(reading.at, reading.displacement, options_);
+  return shape_.show(haptics::measured_shape(shape_.surface(), *response_, reading.weights,
+                                             reading.at, reading.displacement, options_));
 }
 
 void DentedSurface::draw_contacts(const SceneRenderer& scene, const Shot& shot,

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <chrono>
+#include <optional>
 #include <vector>
 
 #include "force_reading.h"
@@ -11,7 +12,8 @@
 
 namespace palpate::view {
 
-/// The surface of a model with its contacts, and a dent where the tool touches.
+/// The surface of a model with its contacts, deformed where the tool touches: as recorded surfaces
+/// show it if the model has any, otherwise by a drawn dent.
 class DentedSurface {
  public:
   /// \param deep [mm] displacement that gets the whole tint of a dent
@@ -27,11 +29,13 @@ class DentedSurface {
  private:
   using DentClock = std::chrono::steady_clock;
 
+  VertexRange deform(const ForceReading& reading);
   void color_vertices(const VertexRange& range);
   void put_contacts();
 
   SurfaceShape shape_;
   haptics::DrawnShapeOptions options_;
+  std::optional<haptics::SurfaceResponse> response_;
   double deep_, least_move_;                                // [mm]
   Eigen::Vector3d contact_ = Eigen::Vector3d::Zero();       // [mm] of the dent that is shown
   Eigen::Vector3d displacement_ = Eigen::Vector3d::Zero();  // [mm]

@@ -118,6 +118,15 @@ VertexRange SurfaceShape::deform(const geometry::SurfacePoint& contact,
   return both(before, range_of(changed_));
 }
 
+VertexRange SurfaceShape::show(const Eigen::Matrix3Xd& vertices) {
+  positions_ = vertices.cast<float>();
+  moved_ = (vertices - surface_.vertices).colwise().norm().transpose().cast<float>();
+  changed_.resize(static_cast<std::size_t>(vertices.cols()));
+  std::iota(changed_.begin(), changed_.end(), 0);
+  update_normals(changed_);
+  return {0, vertices.cols()};
+}
+
 VertexRange SurfaceShape::rest() {
   const VertexRange before = range_of(changed_);
   const std::vector<int> old = changed_;

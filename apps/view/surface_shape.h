@@ -26,6 +26,8 @@ class SurfaceShape {
   /// others among them.
   VertexRange deform(const geometry::SurfacePoint& contact, const Eigen::Vector3d& displacement,
                      const haptics::DrawnShapeOptions& options);
+  /// Draws the surface with vertices at other places, 3 x V [mm].
+  VertexRange show(const Eigen::Matrix3Xd& vertices);
   /// Back to rest.
   VertexRange rest();
 

@@ -237,6 +237,23 @@ contact: [mm] (3,) the surface's nearest place moves by `displacement` [mm] (3,)
 tip: [mm] along the surface that follows the contact.
 reach: of the dent beyond the tip, in lengths of the displacement.
 Raises InvalidInput.)");
+  module.def(
+      "displayed_shape",
+      [](const Model& model, const LoopState& state) {
+        if (state.proxy.at.triangle >= model.surface.triangles.cols())
+          throw InvalidInput("state: is that of another model");
+        Eigen::Matrix3Xd shape;
+        {
+          const Unlocked unlocked;
+          shape = haptics::displayed_shape(model, BlendedField(model), state);
+        }
+        return own_rows(std::move(shape));
+      },
+      arg("model"), arg("state"),
+      R"([mm] (V, 3) the vertices of the surface as they are displayed in a state of playback.
+
+Undeformed while the tool is free. Otherwise they follow the surfaces that were recorded
+(`palpate fit --shapes`); without any, they are those of `drawn_shape`. Raises InvalidInput.)");
 }
 
 void add_loop(py::module_& module) {

@@ -81,6 +81,17 @@ class Playing(unittest.TestCase):
         with self.assertRaisesRegex(palpate.InvalidInput, "contact: is not finite"):
             palpate.drawn_shape(plane, [np.nan, 0, 0], [0, 0, 1])
 
+    def test_a_model_without_recorded_surfaces_is_displayed_with_a_drawn_dent(self):
+        model, state = palpate.read_model(PAGE / "model"), palpate.LoopState()
+        self.assertTrue(np.array_equal(palpate.displayed_shape(model, state), model.surface.vertices))
+        tools = recorded("trace.csv")[0]
+        for tool in tools:
+            command = self.playback.step(tool, state)
+            if command.state != "free":
+                break
+        drawn = palpate.drawn_shape(model.surface, command.contact, tool - command.contact, tip=model.probe_radius or 3)
+        np.testing.assert_allclose(palpate.displayed_shape(model, state), drawn, atol=1e-9)
+
     def test_wrong_arguments_are_refused(self):
         for tool, words in (([1, 2], r"tool: its shape is \(2,\)"), ("abc", "tool: its type"), (None, "tool: "),
                             (np.zeros((1, 3)), r"tool: its shape is \(1, 3\)")):

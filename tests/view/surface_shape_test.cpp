@@ -89,5 +89,23 @@ TEST(SurfaceShape, MovesATriangleThatIsLargerThanTheDent) {
   expect_same(shape, haptics::drawn_shape(mesh, corner, {0, 0, -2}));
 }
 
+TEST(SurfaceShape, IsAnyShapeOfTheWholeSurface) {
+  const TriangleMesh mesh = wavy();
+  SurfaceShape shape(mesh);
+  const Eigen::Matrix3Xd turned =
+      Eigen::AngleAxisd(0.3, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix() *
+      mesh.vertices;
+  const VertexRange range = shape.show(turned);
+  EXPECT_EQ(range.end - range.begin, mesh.vertices.cols());
+  expect_same(shape, turned);
+  // A dent begins from rest again.
+  const SurfacePoint at{1200, {0.2, 0.5, 0.3}};
+  shape.deform(at, {0, 0, -3}, {});
+  expect_same(shape, haptics::drawn_shape(mesh, at, {0, 0, -3}, {}));
+  shape.show(turned);
+  shape.rest();
+  expect_same(shape, mesh.vertices);
+}
+
 }  // namespace
 }  // namespace palpate::view

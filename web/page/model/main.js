@@ -52,7 +52,7 @@
     chart = Chart.make(element('chart'), reference);
     const scene = Scene.make({ reference, diagonal: extent.diagonal, toolRadius: player.toolRadius });
     const readout = Readout.make({
-      reference, extent, contactCount: nearest.length, toolRadius: player.toolRadius,
+      reference, extent, contactCount: nearest.length, toolRadius: player.toolRadius, shapeError: player.shapeError,
     });
 
     /** Asks for a frame; the page rests while nothing moves. */

@@ -88,6 +88,8 @@ const Player = (() => {
       triangles: integers(wasm.palpate_triangles(), 3 * wasm.palpate_triangle_count()).slice(),
       contacts: doubles(wasm.palpate_contacts(), 3 * wasm.palpate_contact_count()).slice(),
       toolRadius: wasm.palpate_tool_radius(),
+      /** [mm] of the deformed surface, root mean square over recorded ones; below 0 if it is only drawn. */
+      shapeError: wasm.palpate_shape_error(),
       /** Surface as drawn in the present state; valid until the next call. */
       deformed: () => floats(wasm.palpate_deform(), 3 * vertexCount),
       step, reset, output, pick, play,

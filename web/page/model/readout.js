@@ -13,7 +13,7 @@ const Readout = (() => {
   const { element, write } = Page;
 
   /** `reference` [N] decides how many digits are shown, `extent` and `contactCount` are facts of the model. */
-  function make({ reference, extent, contactCount, toolRadius }) {
+  function make({ reference, extent, contactCount, toolRadius, shapeError }) {
     const digits = Math.min(5, Math.max(0, 2 - Math.round(Math.log10(reference))));
     const newtons = (value) => value.toFixed(digits);
     const size = [0, 1, 2].map((k) => Number((extent.high[k] - extent.low[k]).toPrecision(3))).filter((length) => length > 0);
@@ -22,6 +22,9 @@ const Readout = (() => {
     write('facts', `${size.join(' \u00d7 ')} mm, ${contactCount} contacts`);
     write('ball', toolRadius > 0 ? `The ball has the radius with which the object was measured, ${Number(toolRadius.toPrecision(3))} mm.`
       : 'The radius of the ball is not known; it is drawn only.');
+    write('dent', shapeError >= 0
+      ? `learnt from surfaces that a camera recorded, which it shows with an error of ${Number(shapeError.toPrecision(2))} mm (root mean square).`
+      : 'drawn, not measured. It is a smooth shape around the tool.');
 
     function speak(state, force, now) {
       if (state === spokenState || now - spokenAt < kSpeakEvery) return;
