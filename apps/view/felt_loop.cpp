@@ -52,7 +52,7 @@ void FeltWorld::begin(double now) noexcept {
 }
 
 haptics::Command FeltWorld::try_tool(const Eigen::Vector3d& tool) noexcept {
-  const haptics::Command command = world_.try_tool(tool);
+  haptics::Command command = world_.try_tool(tool);
   felt_.tool = tool;
   felt_.contact = command.contact;
   felt_.force = command.force;

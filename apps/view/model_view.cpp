@@ -13,11 +13,11 @@
 
 #include "camera_control.h"
 #include "dented_surface.h"
+#include "draw_chart.h"
 #include "force_reading.h"
 #include "live_loop.h"
 #include "panel.h"
 #include "scene_renderer.h"
-#include "strip_chart.h"
 #include "theme.h"
 #include "tick_player.h"
 #include "tool_solids.h"
@@ -51,8 +51,8 @@ StateWords words_of(ContactState state) {
   return {"Slips", "The tool slides over the object."};
 }
 
-Extent extent_of(const haptics::Model& model) {
-  Extent extent = view::extent_of(model.surface);
+Extent extent_of_model(const haptics::Model& model) {
+  Extent extent = extent_of(model.surface);
   extent.facing.setZero();
   for (const haptics::ContactModel& contact : model.contacts) {
     extent.facing -= haptics::pressing_frame(contact).col(2);
@@ -65,7 +65,7 @@ class ModelView final : public View {
  public:
   explicit ModelView(ModelScene scene)
       : scene_(std::move(scene)),
-        extent_(extent_of(scene_.model)),
+        extent_(extent_of_model(scene_.model)),
         field_(scene_.model),
         control_(extent_),
         aim_(extent_.diagonal),
@@ -96,7 +96,7 @@ class ModelView final : public View {
   }
 
   void button(MouseButton button, bool down, const Eigen::Vector2d& at, bool shift) override {
-    pointer_ = at;
+    pointer_ = last_ = at;
     if (!down) {
       if (button == MouseButton::left) lift();
       control_.release();
@@ -107,12 +107,11 @@ class ModelView final : public View {
   }
 
   void move(const Eigen::Vector2d& at, bool shift) override {
-    const double down = at.y() - pointer_.value_or(at).y();
-    if (control_.drag(at)) {
-      pointer_ = at;
-    } else if (aim_.wish().pressed && shift) {
+    const double down = at.y() - last_.y();
+    last_ = at;
+    const bool is_deeper = !control_.drag(at) && aim_.wish().pressed && shift;
+    if (is_deeper) {
       change_depth(std::exp(down * kShiftDepth));
-      pointer_->y() = at.y();
     } else {
       pointer_ = at;
     }
@@ -272,7 +271,8 @@ class ModelView final : public View {
   ForceReading reading_;
   ToolScale scale_;
   Eigen::Vector2i size_ = Eigen::Vector2i::Ones();
-  std::optional<Eigen::Vector2d> pointer_;
+  std::optional<Eigen::Vector2d> pointer_;          // where the tool is wanted
+  Eigen::Vector2d last_ = Eigen::Vector2d::Zero();  // of the events
   Eigen::Vector2d held_ = Eigen::Vector2d::Zero();  // by the arrow keys
   bool show_dots_ = true, wireframe_ = false;
 };
@@ -284,7 +284,7 @@ void ModelView::panel() {
                           size.x(), size.y(), size.z(), scene_.model.contacts.size(),
                           scene_.model.surface.vertices.cols()));
   panel_of_force();
-  chart_.draw(120);
+  draw_chart(chart_, 120);
   ImGui::TextColored(panel_color(kForce), "force %.3f", reading_.total);
   ImGui::SameLine();
   ImGui::TextColored(panel_color(kNormal), "normal %.3f", reading_.normal);

@@ -2,23 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "strip_chart.h"
 
-#include <fmt/format.h>
-#include <imgui.h>
-
 #include <algorithm>
-#include <cmath>
-
-#include "panel.h"
-#include "theme.h"
 
 namespace palpate::view {
-namespace {
-
-constexpr float kBand = 6;  // [px] height of the band of states
-constexpr unsigned kLineColors[] = {kForce, kNormal, kTangential};
-
-}  // namespace
-
 StripChart::StripChart(double least) : least_(least) {}
 
 void StripChart::add(const ForceReading& reading, haptics::ContactState state) {
@@ -54,51 +40,12 @@ std::vector<StripChart::Column> StripChart::columns(Line line, int count) const 
   return columns;
 }
 
-void StripChart::draw(float height) const {
-  const ImVec2 at = ImGui::GetCursorScreenPos();
-  const float width = ImGui::GetContentRegionAvail().x;
-  ImDrawList& draw = *ImGui::GetWindowDrawList();
-  const float floor = at.y + height - kBand - 2, room = floor - at.y - 4;
-  const auto top_force = static_cast<float>(top());
-  for (int second = 1; second < kSeconds; ++second) {
-    const float x = at.x + width * static_cast<float>(second) / kSeconds;
-    draw.AddLine({x, at.y}, {x, floor}, ink(kLine));
-  }
-  for (const float part : {0.0F, 0.5F, 1.0F}) {
-    draw.AddLine({at.x, floor - part * room}, {at.x + width, floor - part * room}, ink(kLine));
-  }
-  const int count = std::max(2, static_cast<int>(width));
-  for (const Line line : {Line::tangential, Line::normal, Line::total}) {
-    const ImU32 rgb = ink(kLineColors[static_cast<std::size_t>(line)]);
-    const float thick = line == Line::total ? 2.0F : 1.4F;
-    const auto height_of = [&](float force) {
-      return std::clamp(floor - force / top_force * room, at.y, floor);
-    };
-    ImVec2 end{at.x, floor};
-    float x = at.x;
-    for (const Column& column : columns(line, count)) {
-      const ImVec2 low{x, height_of(column.low)}, high{x, height_of(column.high)};
-      const bool rises = std::abs(end.y - low.y) < std::abs(end.y - high.y);
-      if (x > at.x) draw.AddLine(end, rises ? low : high, rgb, thick);
-      if (low.y - high.y > 1) draw.AddLine(low, high, rgb, thick);
-      end = rises ? high : low;
-      x += width / static_cast<float>(count);
-    }
-  }
-  for (int column = 0; column < count; ++column) {
-    const std::size_t i =
-        (static_cast<std::size_t>(column) * kCount + kCount / 2) / static_cast<std::size_t>(count);
-    const haptics::ContactState state = entries_[(next_ + i) % kCount].state;
-    if (state == haptics::ContactState::free) continue;
-    const float x = at.x + width * static_cast<float>(column) / static_cast<float>(count);
-    draw.AddRectFilled({x, floor + 2}, {x + width / static_cast<float>(count), floor + 2 + kBand},
-                       ink(state == haptics::ContactState::stick ? kStick : kSlip));
-  }
-  draw.AddText({at.x + 4, at.y + 5}, ink(kQuiet), fmt::format("{:g} N", top_force).c_str());
-  const std::string span = fmt::format("last {} s", kSeconds);
-  draw.AddText({at.x + width - ImGui::CalcTextSize(span.c_str()).x - 4, at.y + 5}, ink(kQuiet),
-               span.c_str());
-  ImGui::Dummy({width, height});
+std::vector<haptics::ContactState> StripChart::states(int count) const {
+  std::vector<haptics::ContactState> states;
+  const auto columns = static_cast<std::size_t>(std::max(1, count));
+  for (std::size_t c = 0; c < columns; ++c)
+    states.push_back(entries_[(next_ + (c * kCount + kCount / 2) / columns) % kCount].state);
+  return states;
 }
 
 }  // namespace palpate::view

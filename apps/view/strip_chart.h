@@ -33,9 +33,8 @@ class StripChart {
   };
   enum class Line { total, normal, tangential };
   [[nodiscard]] std::vector<Column> columns(Line line, int count) const;
-
-  /// In the panel of ImGui, in the whole width.
-  void draw(float height) const;
+  /// The state in the middle of each column.
+  [[nodiscard]] std::vector<haptics::ContactState> states(int count) const;
 
  private:
   struct Entry {
