@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "dented_surface.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "theme.h"
@@ -39,6 +41,12 @@ DentedSurface::DentedSurface(const haptics::Model& model, const geometry::Surfac
   color_vertices({0, colors_.cols()});
   renderer_.put_colors(colors_);
   put_contacts();
+}
+
+std::string DentedSurface::origin_in_words() const {
+  if (!response_) return "The dent is drawn, not measured.";
+  return fmt::format("The surface follows {} recorded ones, {:.2g} mm RMS from them.",
+                     response_->shapes, response_->rms);
 }
 
 void DentedSurface::show(const ForceReading& reading, bool touches, bool hurry) {

@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "force_reading.h"
@@ -19,6 +20,8 @@ class DentedSurface {
   /// \param deep [mm] displacement that gets the whole tint of a dent
   DentedSurface(const haptics::Model& model, const geometry::SurfaceQuery& query, double deep);
 
+  /// Whether the deformed surface is measured or drawn.
+  [[nodiscard]] std::string origin_in_words() const;
   /// Puts the dent where a reading says; `touches` false: none. \param hurry a dent that takes long
   /// may stay as it is for some pictures
   void show(const ForceReading& reading, bool touches, bool hurry);

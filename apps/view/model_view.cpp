@@ -310,8 +310,8 @@ void ModelView::panel() {
   ImGui::SameLine();
   ImGui::Checkbox("edges", &wireframe_);
   remark(kCameraKeys);
-  remark(fmt::format("1 N is drawn {:.2g} mm long. The dent is drawn, not measured.",
-                     scale_.length_of_newton));
+  remark(fmt::format("1 N is drawn {:.2g} mm long. {}", scale_.length_of_newton,
+                     surface_.origin_in_words()));
   if (!scene_.record.empty()) remark("Recording to " + scene_.record.filename().string());
   end_panel();
 }
