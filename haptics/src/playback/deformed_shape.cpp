@@ -12,6 +12,9 @@
 namespace palpate::haptics {
 namespace {
 
+// Least share of a gap that the corners of a triangle close; on coarser meshes a gap stays.
+constexpr double kLeastShare = 0.25;
+
 void check(const DrawnShapeOptions& options) {
   require("DrawnShapeOptions::tip", options.tip, at_least(0).finite(), "mm");
   require("DrawnShapeOptions::reach", options.reach, above(0).finite());
@@ -100,16 +103,23 @@ Eigen::Matrix3Xd measured_shape(const geometry::TriangleMesh& surface,
     }
     return sum;
   };
-  Eigen::Vector3d gap = (1 - dent(0)) * displacement;
-  for (int k = 0; k < 3; ++k)
-    gap -= contact.barycentric[k] * moved_by_nodes(surface.triangles(k, contact.triangle));
+  Eigen::VectorXd distances = distances_from(surface, contact, response.reach);
+  for (Eigen::Index v = 0; v < shape.cols(); ++v)
+    shape.col(v) += moved_by_nodes(v) + dent(distances[v]) * displacement;
+
+  // The displayed place lies between the corners of its triangle, which follow the dent less than
+  // the place itself.
+  const Eigen::Vector3i corners = surface.triangles.col(contact.triangle);
+  const Eigen::Vector3d place = surface.vertices(Eigen::all, corners) * contact.barycentric;
+  const Eigen::Vector3d gap =
+      place + displacement - shape(Eigen::all, corners) * contact.barycentric;
   const double radius = dent_radius(options, gap);
-  const Eigen::VectorXd distances =
-      distances_from(surface, contact, std::max(radius, response.reach));
-  for (Eigen::Index v = 0; v < shape.cols(); ++v) {
-    shape.col(v) += moved_by_nodes(v) + dent(distances[v]) * displacement +
-                    drawn_dent(distances[v], radius) * gap;
-  }
+  if (radius > response.reach) distances = distances_from(surface, contact, radius);
+  const auto closing = [&](Eigen::Index v) { return drawn_dent(distances[v], radius); };
+  double share = 0;
+  for (int k = 0; k < 3; ++k) share += contact.barycentric[k] * closing(corners[k]);
+  const Eigen::Vector3d move = gap / std::max(share, kLeastShare);
+  for (Eigen::Index v = 0; v < shape.cols(); ++v) shape.col(v) += closing(v) * move;
   return shape;
 }
 

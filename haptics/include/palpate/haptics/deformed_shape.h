@@ -40,8 +40,9 @@ struct DrawnShapeOptions {
 
 /// The surface with one contact displaced, as it was learnt from recorded surfaces
 /// (`SurfaceResponse`). A dent like that of `drawn_shape` closes what is left between the surface
-/// and the tool, so that the contact is at the tool. As far as weight belongs to contacts for which
-/// nothing was recorded, that dent is all. Continuous in place and displacement.
+/// and the tool, so that the contact, between the corners of its triangle, is at the tool. As far
+/// as weight belongs to contacts for which nothing was recorded, that dent is all. Continuous in
+/// place and displacement.
 /// \param weights of the contacts at the place (`BlendedField::weights`). \return 3 x V [mm]
 /// \param response which `check_surface_response` accepts.
 /// \throws InvalidInput as `drawn_shape`, or if the response is of another number of vertices.
