@@ -28,6 +28,7 @@ constexpr double kImageZoom = 1.15;    // a line of the wheel
 constexpr double kMostZoom = 64, kLeastZoom = 0.2;
 constexpr double kFirstRate = 10;  // [1/s] maps of a sequence
 constexpr float kFastestRate = 60;
+constexpr double kCursorRounding = 1e-9;  // maps: of the sum of many times
 constexpr std::array<const char*, 4> kLayerWords{"depth", "deviation", "reason", "difference"};
 
 class RangeView final : public View {
@@ -157,7 +158,7 @@ class RangeView final : public View {
   }
 
   [[nodiscard]] std::size_t frame_number() const {
-    return static_cast<std::size_t>(std::floor(cursor_ + 1e-9));
+    return static_cast<std::size_t>(std::floor(cursor_ + kCursorRounding));
   }
 
   void set_layer(MapLayer layer) {
