@@ -304,6 +304,32 @@ TEST(FitConvex, FallsBackToACertifiedFieldWhereNoConvexOneExplainsTheSamples) {
   EXPECT_NEAR(force(fit.field, {0, 1, 0}).y(), 0.5, 0.15);
 }
 
+TEST(FitConvex, HasNoBumpOfForceBetweenRestAndFewNoisyPairs) {
+  // A certified field explains these pairs best, and resists with 9 N where nothing was measured.
+  const Strip sheet{.tension = 0.86476878406409,
+                    .axial = 55.20421990482985,
+                    .compliance = 0.3272175127181143,
+                    .lateral = 0.03694263668597926,
+                    .taper = 0.43917559121855143};
+  const testing::StripProbing few{.normal_forces = {0.5, 1.5, 3},
+                                  .directions = 3,
+                                  .position_noise = 0.08,
+                                  .location_noise = 0.08,
+                                  .force_noise = 0.04,
+                                  .seed = 128};
+  testing::ObjectProbe<Strip> probe(sheet, few);
+  probing::Acquisition acquisition;
+  probe.probe_sparsely(acquisition, -35, -40, 0.5);
+  const ForceSamples samples = realign(acquisition.contacts.front(), acquisition.samples);
+  const FitResult fit =
+      fit_force_field(samples.displacements, samples.forces, {.noise = {.displacement = 0.1}});
+  const double most = samples.forces.colwise().norm().maxCoeff();
+  for (const auto& pair : samples.displacements.colwise()) {
+    for (int step = 1; step <= 50; ++step)
+      EXPECT_LT(force(fit.field, 0.02 * step * pair).norm(), 1.2 * most) << step;
+  }
+}
+
 TEST(FitConvex, SurvivesPoorData) {
   const Eigen::Matrix3Xd one = Eigen::Vector3d(0.3, 0.1, 2.2), two = random_points(2, 3);
   Eigen::Matrix3Xd line(3, 9);
