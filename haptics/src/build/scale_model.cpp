@@ -5,6 +5,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <sstream>
 #include <utility>
 #include <vector>
@@ -78,20 +79,14 @@ TransformedField scale_contact(const Eigen::Matrix3d& S, ForceScaling forces,
   return transformed;
 }
 
-void scale_response(const Eigen::Matrix3d& S, double factor, SurfaceResponse& response) {
-  const Eigen::Matrix3d inverse = S.inverse();
-  for (Eigen::Index c = 0; c < response.responses.cols(); ++c) {
-    for (Eigen::Index n = 0; n < response.responses.rows(); n += 9) {
-      auto numbers = response.responses.col(c).segment<9>(n);
-      const Eigen::Matrix3d scaled =
-          S * numbers.cast<double>().reshaped(Eigen::fix<3>, Eigen::fix<3>) * inverse;
-      numbers = scaled.reshaped().cast<Eigen::half>();
-    }
-  }
-  const double most = std::max(1.0, factor);  // along an axis, errors across it stay
-  response.reach *= most;
-  response.rms *= most;
-  response.largest *= most;
+// A dent is round, so that a response that is stretched along an axis alone is not one any more.
+std::optional<SurfaceResponse> scaled_response(std::optional<SurfaceResponse> response,
+                                               const ScaleModelOptions& options) {
+  if (!response || options.axis) return std::nullopt;
+  response->reach *= options.factor;
+  response->rms *= options.factor;
+  response->largest *= options.factor;
+  return response;
 }
 
 std::string description(const ScaleModelOptions& options) {
@@ -133,7 +128,7 @@ ScaledModel scale_model(const Model& model, const ScaleModelOptions& options) {
   scaled.surface.vertices = moved(model.surface.vertices);
   scaled.T_surface_acquisition.setIdentity();
   scaled.noise.reset();
-  if (scaled.response) scale_response(S, options.factor, *scaled.response);
+  scaled.response = scaled_response(std::move(scaled.response), options);
   const bool compliances = model.interpolation.rule == BlendRule::compliances;
   std::optional<double> largest_force;
   if (compliances) largest_force = model.interpolation.reference_force;

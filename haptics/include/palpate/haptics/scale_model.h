@@ -59,6 +59,8 @@ struct ScaledModel {
 ///   `condition` are unknown; `samples` and `fit_stop` still refer to the fit to the measurements.
 /// - Compliances are recomputed. The registration of the acquisition is dropped, because samples
 ///   belong to the object as measured.
+/// - The response of the surface grows with the object. It is dropped with an axis: its dents are
+///   round.
 ///
 /// \throws InvalidInput if `check_model` rejects the model or an option is outside its range.
 /// \throws SolverError if numbers overflow.
