@@ -5,6 +5,7 @@
 
 usage: window_test.py VIEW PALPATE REPOSITORY PAGE; PAGE has the demo's model and acquisition (tests/web/make_page.py)."""
 import csv
+import itertools
 import json
 import os
 import pathlib
@@ -151,7 +152,7 @@ class WindowTest(unittest.TestCase):
             number = self.server.do("search", "--sync", "--onlyvisible", "--name", "Palpate").split()[0]
             self.server.do("windowactivate", "--sync", number)
             x, y = (WIDTH - PANEL) // 2, HEIGHT // 2
-            picture = iter(range(1, 10))
+            picture = itertools.count(1)
 
             def shot():
                 path = self.folder / f"palpate-view-{next(picture)}.png"
@@ -159,22 +160,26 @@ class WindowTest(unittest.TestCase):
                 wait_for(path.name, lambda: path.exists())
                 return pixels_of(path)
 
+            def shot_when(wanted):
+                """The first picture that is as wanted, or the last one in time: a busy machine draws late."""
+                end = time.monotonic() + LONGEST
+                while not wanted(seen := shot()) and time.monotonic() < end:
+                    time.sleep(0.1)
+                return seen
+
             free = shot()
             self.server.do("mousemove", "--window", number, x, y, "mousedown", 1)
             time.sleep(0.7)
-            pressed = shot()
+            pressed = shot_when(lambda seen: arrow(seen) > 40 and different(free, seen) > 400)
             for step in range(1, 9):
                 self.server.do("mousemove", "--window", number, x + 8 * step, y)
-            time.sleep(0.2)
-            slid = shot()
+            slid = shot_when(lambda seen: different(pressed, seen) > 200)
             self.server.do("mouseup", 1, "mousemove", "--window", number, 5, 5)
-            time.sleep(0.3)
-            lifted = shot()
+            lifted = shot_when(lambda seen: arrow(seen) == 0 and different(free, seen) < 100)
             # At once, as it comes when pictures are slow: beside the object, a drag turns it.
             self.server.do("mousemove", "--window", number, 8, 8, "mousedown", 1, "mousemove", "--window", number, 120, 60,
                            "mouseup", 1)
-            time.sleep(0.2)
-            turned = shot()
+            turned = shot_when(lambda seen: different(lifted, seen) > 2000 and arrow(seen) == 0)
             self.server.do("key", "--window", number, "q")
             _, words = window.communicate(timeout=LONGEST)
         finally:
