@@ -236,6 +236,7 @@ class Fit {
           associate(surface_, placed.position, placed.normal, limit, pixels[s]);
       pixels[s] = found.pixel;
       pairs[s] = found.pair;
+      if (found.plane.at_border) pairs[s].weight = 0;
     });
     return std::ranges::count_if(pairs, [](const PlanePair& pair) { return pair.weight > 0; });
   }
