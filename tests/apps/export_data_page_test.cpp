@@ -152,7 +152,7 @@ TEST_F(ExportDataPage, SaysWhatItCannotShow) {
   fs::create_directory(scratch.path() / "empty");
   expect_refused(scratch.path() / "empty", "is empty; expected a model");
   write_text(scratch / "empty/notes.txt", "x");
-  expect_refused(scratch.path() / "empty", "holds nothing that a page can show");
+  expect_refused(scratch.path() / "empty", "holds nothing that can be exported");
   expect_refused(scratch.path() / "empty/notes.txt", "is not that of a mesh");
   write_map("0.tiff", 500);
   write_text(folder() / "1.tiff", read_text(folder() / "0.tiff").substr(0, 100));
@@ -184,11 +184,11 @@ TEST_F(ExportDataPage, RefusesOptionsOfOtherPages) {
   const std::string mesh = scratch / "m.ply";
   geometry::write_mesh(
       mesh, {.vertices = Eigen::Matrix3d::Identity(), .triangles = Eigen::Vector3i(0, 1, 2)});
-  expect_refused(folder(), "--friction: is for pages of models", {"--friction", "0.4"});
-  expect_refused(folder(), "--unit: is for pages of meshes", {"--unit", "m"});
+  expect_refused(folder(), "--friction: is for models", {"--friction", "0.4"});
+  expect_refused(folder(), "--unit: is for meshes", {"--unit", "m"});
   expect_refused(folder(), "--scale works for depth images", {"--scale", "1"});
-  expect_refused(mesh, "--friction: is for pages of models", {"--friction", "0.4"});
-  expect_refused(mesh, "--rig: is for pages of range maps", {"--rig", folder() / "rig.yaml"});
+  expect_refused(mesh, "--friction: is for models", {"--friction", "0.4"});
+  expect_refused(mesh, "--rig: is for range maps", {"--rig", folder() / "rig.yaml"});
   const CommandResult ply = run_palpate({"export", mesh, "--ply", "--every", "2"});
   EXPECT_EQ(ply.status, kWrongCall);
   EXPECT_NE(ply.err.find("--every: is that of a page (--html)"), std::string::npos) << ply.err;

@@ -29,6 +29,21 @@ class Files(unittest.TestCase):
         np.testing.assert_array_equal(read.vertices, mesh.vertices)
         np.testing.assert_array_equal(read.triangles, mesh.triangles)
 
+    def test_vtk_reads_what_is_written_for_it(self):
+        from vtkmodules.util.numpy_support import vtk_to_numpy
+        from vtkmodules.vtkIOLegacy import vtkPolyDataReader
+
+        mesh = grid(4, 3, 1 / 3)
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / "grid.vtk"
+            palpate.write_mesh(path, mesh)
+            reader = vtkPolyDataReader()
+            reader.SetFileName(str(path))
+            reader.Update()
+        data = reader.GetOutput()
+        np.testing.assert_array_equal(vtk_to_numpy(data.GetPoints().GetData()), mesh.vertices)
+        np.testing.assert_array_equal(vtk_to_numpy(data.GetPolys().GetConnectivityArray()).reshape(-1, 3), mesh.triangles)
+
     def test_a_mesh_can_be_copied_and_sent_to_another_process(self):
         mesh = grid(4, 3, 1 / 3)
         for other in (copy.copy(mesh), copy.deepcopy(mesh), pickle.loads(pickle.dumps(mesh))):

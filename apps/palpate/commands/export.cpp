@@ -7,6 +7,7 @@
 #include "commands/export_page.h"
 #include "palpate/error.h"
 #include "palpate/geometry/mesh_io.h"
+#include "palpate/geometry/range_map_mesh.h"
 #include "palpate/haptics/model_io.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
@@ -23,12 +24,14 @@ constexpr int kMostEvery = 1'000'000;
 
 struct ExportCall {
   PageCall page;  ///< its input and output are those of all formats
-  bool ply = false, obj = false, json = false, cbor = false, html = false;
+  bool ply = false, obj = false, vtk = false, glb = false, json = false, cbor = false, html = false;
 };
 
 std::string ending_of(const ExportCall& call) {
   if (call.ply) return ".ply";
   if (call.obj) return ".obj";
+  if (call.vtk) return ".vtk";
+  if (call.glb) return ".glb";
   if (call.json) return ".json";
   return call.cbor ? ".cbor" : ".html";
 }
@@ -40,33 +43,49 @@ void check_output(const fs::path& input, const fs::path& output, const std::stri
                      ".");
 }
 
-void write_model_as(const ExportCall& call) {
-  if (const std::string option = option_of_pages(call.page); !option.empty())
-    throw InvalidInput(option + ": is that of a page (--html)");
-  const fs::path& output = call.page.output;
-  const haptics::Model model = haptics::read_model(call.page.input);
-  if (call.json) {
-    haptics::write_field_document(output, model, haptics::ModelEncoding::json);
-  } else if (call.cbor) {
-    haptics::write_field_document(output, model, haptics::ModelEncoding::cbor);
-  } else {
-    geometry::write_mesh(output, model.surface);
+void write_document(const ExportCall& call, PageContent content) {
+  if (content != PageContent::model) {
+    throw InvalidInput(call.page.input.string() +
+                       ": is not a model; --json and --cbor write the fields of one.");
   }
+  haptics::write_field_document(
+      call.page.output, haptics::read_model(call.page.input),
+      call.json ? haptics::ModelEncoding::json : haptics::ModelEncoding::cbor);
+}
+
+geometry::MeshFile surface_of(const PageCall& call, PageContent content) {
+  geometry::MeshFile file;
+  if (content == PageContent::model) {
+    file.mesh = haptics::read_model(call.input).surface;
+  } else if (is_folder(call.input)) {
+    throw InvalidInput(call.input.string() +
+                       ": is a folder of several; give one of its files. palpate decode --meshes "
+                       "and palpate track write a mesh a frame.");
+  } else if (content == PageContent::meshes) {
+    file = geometry::read_mesh_file(call.input, call.meshes);
+  } else {
+    file.mesh = geometry::mesh_range_map(load_range_map(call.input, call.camera)).mesh;
+  }
+  return file;
+}
+
+void write_without_page(const ExportCall& call, PageContent content) {
+  check_surface_options(call.page, content);
+  if (call.json || call.cbor) return write_document(call, content);
+  geometry::write_mesh_file(call.page.output, surface_of(call.page, content));
 }
 
 void export_as(const Settings& settings, ExportCall call) {
   const std::string ending = ending_of(call);
   fs::path& output = call.page.output;
+  const PageContent content = content_of(call.page.input);
+  if (output.empty()) output = usual_name(content).replace_extension(ending);
+  check_output(call.page.input, output, ending);
   std::string written;
   if (call.html) {
-    const PageContent content = content_of(call.page.input);
-    if (output.empty()) output = usual_name(content);
-    check_output(call.page.input, output, ending);
     written = export_page(call.page, content);
   } else {
-    if (output.empty()) output = "model" + ending;
-    check_output(call.page.input, output, ending);
-    write_model_as(call);
+    write_without_page(call, content);
   }
   print(settings, {{"file", output.string()}},
         "Written to " + output.string() + (written.empty() ? "" : ": " + written));
@@ -79,16 +98,20 @@ void add_export(CLI::App& app, const Settings& settings) {
   PageCall& page = call->page;
   CLI::App* command = app.add_subcommand(
       "export",
-      "Export the surface or the fields of a model, or a page of a model, range maps or meshes");
+      "Export the surface or the fields of a model, a mesh or a range map as a mesh for other "
+      "programs, or a page of any of them");
   command
       ->add_option("INPUT", page.input,
-                   "Model folder; with --html also a range map, a depth image, a mesh, or a folder "
-                   "of them")
+                   "Model folder, range map, depth image or mesh; with --html also a folder of "
+                   "range maps, depth images or meshes")
       ->required();
   CLI::Option_group* format = command->add_option_group("format", "What to write");
-  format->add_flag("--ply", call->ply, "The undeformed surface as PLY");
-  format->add_flag("--obj", call->obj, "The undeformed surface as OBJ");
-  format->add_flag("--json", call->json, "Contacts, fields and friction as one JSON document");
+  format->add_flag("--ply", call->ply, "The surface (of a model: undeformed) as PLY");
+  format->add_flag("--obj", call->obj, "The surface as OBJ");
+  format->add_flag("--vtk", call->vtk, "The surface as VTK, for ParaView");
+  format->add_flag("--glb", call->glb, "The surface as binary glTF, in metres, for engines");
+  format->add_flag("--json", call->json,
+                   "Contacts, fields and friction of a model as one JSON document");
   format->add_flag("--cbor", call->cbor, "The same document in CBOR");
   format->add_flag(
       "--html", call->html,
@@ -105,9 +128,9 @@ void add_export(CLI::App& app, const Settings& settings) {
           "that are too long for a page")
       ->check(within(at_least(1).at_most(kMostEvery)));
   command->add_option("--title", page.title, "Title of the page (default: name of the input)");
-  command->add_option("-o,--output", page.output,
-                      "File to write (default: model.ply, model.obj, ...; range.html for range "
-                      "maps, mesh.html for meshes)");
+  command->add_option(
+      "-o,--output", page.output,
+      "File to write (default: model, range or mesh with the ending of the format)");
   command->footer(
       "Here --json selects the format of the file; this command prints no JSON.\n"
       "A page of range maps also shows the predicted deviations and the reasons of lost pixels "
@@ -115,6 +138,8 @@ void add_export(CLI::App& app, const Settings& settings) {
       "palpate decode wrote\nbeside them (--sigma, --reasons). Depths and coordinates in pages are "
       "rounded; the command and the page say to what.\n"
       "Examples:\n  palpate export model/ --obj -o model.obj\n"
+      "  palpate export surface.ply --glb -o surface.glb\n"
+      "  palpate export range/000000.tiff --vtk -o frame.vtk\n"
       "  palpate export model/ --html -o model.html\n"
       "  palpate export range/ --html -o range.html\n"
       "  palpate export depth/ --html --scale 1 --intrinsics 600,600,320,240 --every 5 -o "

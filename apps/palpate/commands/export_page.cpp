@@ -28,17 +28,18 @@ struct PageOption {
   const char* name;
   bool given;
   std::vector<PageContent> contents;
+  bool of_surfaces = false;  ///< also of an export without a page
 };
 
 std::vector<PageOption> options_of(const PageCall& call) {
   using enum PageContent;
   return {{"--title", !call.title.empty(), {model, range_maps, meshes}},
           {"--friction", call.friction.has_value(), {model}},
-          {"--rig", !call.camera.rig.empty(), {range_maps}},
-          {"--scale", call.camera.scale.has_value(), {range_maps}},
-          {"--intrinsics", !call.camera.intrinsics.empty(), {range_maps}},
+          {"--rig", !call.camera.rig.empty(), {range_maps}, true},
+          {"--scale", call.camera.scale.has_value(), {range_maps}, true},
+          {"--intrinsics", !call.camera.intrinsics.empty(), {range_maps}, true},
           {"--every", call.every.has_value(), {range_maps, meshes}},
-          {"--unit", call.meshes.unit.has_value(), {meshes}}};
+          {"--unit", call.meshes.unit.has_value(), {meshes}, true}};
 }
 
 const char* plural_of(PageContent content) {
@@ -60,8 +61,8 @@ void check_options(const PageCall& call, PageContent content) {
     std::string kinds;
     for (const PageContent kind : option.contents)
       kinds += (kinds.empty() ? "" : " and ") + std::string(plural_of(kind));
-    throw InvalidInput(std::string(option.name) + ": is for pages of " + kinds + "; " +
-                       call.input.string() + " gives one of " + plural_of(content) + ".");
+    throw InvalidInput(std::string(option.name) + ": is for " + kinds + "; " + call.input.string() +
+                       " is one of " + plural_of(content) + ".");
   }
 }
 
@@ -120,11 +121,13 @@ std::vector<fs::path> page_frames(const PageCall& call, PageContent content) {
 
 }  // namespace
 
-std::string option_of_pages(const PageCall& call) {
+void check_surface_options(const PageCall& call, PageContent content) {
   for (const PageOption& option : options_of(call)) {
-    if (option.given) return option.name;
+    if (!option.given) continue;
+    if (!option.of_surfaces)
+      throw InvalidInput(std::string(option.name) + ": is that of a page (--html)");
+    check_options(call, content);
   }
-  return {};
 }
 
 PageContent content_of(const fs::path& path) {
@@ -133,7 +136,7 @@ PageContent content_of(const fs::path& path) {
   if (holds_range_maps(path)) return PageContent::range_maps;
   if (!list_meshes(path).empty()) return PageContent::meshes;
   throw FileError(
-      path.string() + (fs::is_empty(path) ? ": is empty" : ": holds nothing that a page can show") +
+      path.string() + (fs::is_empty(path) ? ": is empty" : ": holds nothing that can be exported") +
       "; expected a model (field.json or field.cbor, and surface.ply), range maps (tiff), as "
       "palpate decode writes them, or depth images (16-bit PNG), or meshes, as palpate track "
       "writes "

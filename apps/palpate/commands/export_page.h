@@ -21,16 +21,16 @@ struct PageCall {
   geometry::ReadOptions meshes;
 };
 
-/// The first of the options that are for pages alone, in a call that asks for none; empty if there
-/// is none.
-[[nodiscard]] std::string option_of_pages(const PageCall& call);
-
 /// What a file or folder holds that a page can show.
 enum class PageContent { model, range_maps, meshes };
 
 /// A file that is no image counts as a mesh: its reader says what it is not.
 /// \throws FileError if there is no such file, or nothing of these in the folder.
 [[nodiscard]] PageContent content_of(const std::filesystem::path& path);
+
+/// Checks the options of a call that asks for no page.
+/// \throws InvalidInput naming one that is for pages alone, or not for this content.
+void check_surface_options(const PageCall& call, PageContent content);
 
 /// model.html, range.html or mesh.html.
 [[nodiscard]] std::filesystem::path usual_name(PageContent content);

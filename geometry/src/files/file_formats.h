@@ -45,6 +45,15 @@ void write_obj(std::ostream& stream, const MeshFile& file);
 /// the triangles (zero for zero area). Precondition: binary coordinates are in the range of float.
 void write_stl(std::ostream& stream, const TriangleMesh& mesh, Encoding encoding);
 
+/// Writes binary glTF: one part, in metres and float, with normals and colours if there are any.
+/// \throws OutputError naming `what` if assimp cannot.
+void write_glb(std::ostream& stream, const MeshFile& file, const char* what);
+
+/// Writes a binary VTK file (legacy, version 3): POLYDATA in double, with attributes as fields;
+/// lists and comments are left out. VTK's own writer is not used because geometry does not depend
+/// on VTK.
+void write_vtk(std::ostream& stream, const MeshFile& file);
+
 /// Reads text OFF with its comments. Colours and normals are read if the first word announces them
 /// (COFF, NOFF, CNOFF, with or without ST) and every vertex has them; data after a face is skipped.
 /// Assimp is not used because it silently replaces an invalid index by a valid one.

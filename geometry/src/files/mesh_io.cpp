@@ -3,6 +3,7 @@
 #include "palpate/geometry/mesh_io.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <ostream>
@@ -51,6 +52,8 @@ void check_encoding(const fs::path& path, const WriteOptions& options) {
   const std::string extension = lower_extension(path);
   if (options.encoding == Encoding::binary_big_endian && extension != ".ply" && extension != ".obj")
     throw InvalidInput(path.string() + ": only PLY supports big-endian binary");
+  if (options.encoding == Encoding::text && (extension == ".glb" || extension == ".vtk"))
+    throw InvalidInput(path.string() + ": is always binary");
 }
 
 /// NaN and infinity are in the range of float too.
@@ -84,6 +87,10 @@ void write_checked(const fs::path& path, const MeshFile& file, const WriteOption
       write_ply(stream, file, options, name.c_str());
     else if (extension == ".obj")
       write_obj(stream, file);
+    else if (extension == ".glb")
+      write_glb(stream, file, name.c_str());
+    else if (extension == ".vtk")
+      write_vtk(stream, file);
     else
       write_stl(stream, file.mesh, options.encoding);
   });
@@ -135,8 +142,9 @@ Eigen::Matrix3Xd read_points(const fs::path& path, const ReadOptions& options) {
 
 void write_mesh_file(const fs::path& path, const MeshFile& file, const WriteOptions& options) {
   const std::string extension = lower_extension(path);
-  if (extension != ".ply" && extension != ".obj" && extension != ".stl")
-    refuse_ending(path, "a mesh", ".ply, .obj or .stl");
+  constexpr std::array kEndings{".ply", ".obj", ".stl", ".glb", ".vtk"};
+  if (std::ranges::find(kEndings, extension) == kEndings.end())
+    refuse_ending(path, "a mesh", ".ply, .obj, .stl, .glb or .vtk");
   check_encoding(path, options);
   const std::string name = path.string();
   check_mesh(file.mesh, name.c_str());
@@ -144,7 +152,8 @@ void write_mesh_file(const fs::path& path, const MeshFile& file, const WriteOpti
   check_attributes(file.triangle_attributes, file.mesh.triangles.cols(), name.c_str());
   check_comments(file.comments, name.c_str());
   const bool as_float = extension == ".ply" && options.single_precision;
-  if (as_float || (extension == ".stl" && options.encoding == Encoding::binary))
+  if (as_float || extension == ".glb" ||
+      (extension == ".stl" && options.encoding == Encoding::binary))
     check_float_range(file.mesh.vertices, name);
   if (!as_float) return write_checked(path, file, options);
   MeshFile rounded = file;

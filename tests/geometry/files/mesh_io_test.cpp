@@ -139,7 +139,7 @@ TEST(MeshIo, RefusesWhatAssimpFindsDamaged) {
 TEST(MeshIo, RefusesToWriteAnotherFormatOrABadMesh) {
   const ScratchFolder folder;
   EXPECT_THROWS_MESSAGE(write_mesh(folder / "mesh.off", awkward_mesh()), InvalidInput,
-                        "as .ply, .obj or .stl, not as \".off\"");
+                        "as .ply, .obj, .stl, .glb or .vtk, not as \".off\"");
   TriangleMesh mesh = awkward_mesh();
   mesh.vertices(1, 3) = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROWS_MESSAGE(write_mesh(folder / "mesh.ply", mesh), InvalidInput,

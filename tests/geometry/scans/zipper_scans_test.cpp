@@ -187,9 +187,9 @@ TEST(ZipperScans, OfFlatSheetsCoverTheirUnionOnce) {
   int inside = 0;
   const Eigen::Isometry2d T_second_first =
       (Eigen::Translation2d(22.3, -4.1) * Eigen::Rotation2Dd(std::numbers::pi / 8)).inverse();
-  constexpr double kStep = 0.05;
-  for (double x = -20; x < 80; x += kStep) {
-    for (double y = -20; y < 60; y += kStep) {
+  constexpr double kSide = 0.05;
+  for (double x = -20; x < 80; x += kSide) {
+    for (double y = -20; y < 60; y += kSide) {
       const Eigen::Vector2d p(x, y);
       const auto in_sheet = [](const Eigen::Vector2d& q) {
         return q.x() > 0 && q.x() < 40 && q.y() > 0 && q.y() < 30;
@@ -197,7 +197,7 @@ TEST(ZipperScans, OfFlatSheetsCoverTheirUnionOnce) {
       inside += in_sheet(p) || in_sheet(T_second_first * p);
     }
   }
-  EXPECT_NEAR(surface_area(zippered.mesh), inside * kStep * kStep, 0.005 * inside * kStep * kStep);
+  EXPECT_NEAR(surface_area(zippered.mesh), inside * kSide * kSide, 0.005 * inside * kSide * kSide);
 }
 
 TEST(ZipperScans, KeepTheMeasuredVertices) {

@@ -105,7 +105,8 @@ struct WriteOptions {
 /// the file gives the same bits, except for what the format cannot store: - .ply: everything,
 /// coordinates as float64; `text` and both byte orders. - .obj: text; vertices, triangles, normals,
 /// colours from 0 to 1, comments. - .stl: only triangles; `binary` (coordinates rounded to float)
-/// or `text` (not rounded).
+/// or `text` (not rounded). - .glb: in metres and rounded to float; triangles, normals, colours.
+/// - .vtk: binary; everything but comments and lists.
 /// \throws InvalidInput for another extension or encoding, if the mesh, an attribute or a comment
 /// is not valid, or if a number that must be written as float is out of its range.
 /// \throws OutputError if the file cannot be written.

@@ -1,0 +1,77 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "file_testing.h"
+#include "palpate/error.h"
+#include "palpate/geometry/mesh_io.h"
+#include "test_surfaces.h"
+
+namespace palpate::geometry {
+namespace {
+
+/// A sphere of 30 mm, with normals and one colour a vertex.
+MeshFile colored_sphere() {
+  MeshFile file;
+  file.mesh = test::icosphere(2, 30);
+  set_normals(file.vertex_attributes, file.mesh.vertices.colwise().normalized());
+  Eigen::Matrix3Xd colors = (file.mesh.vertices.array() / 60 + 0.5).matrix();
+  set_colors(file.vertex_attributes, colors.cwiseMax(0).cwiseMin(1));
+  return file;
+}
+
+// The header of the file as its specification says: magic, version, length, length of the JSON.
+TEST(Glb, IsInMetresAsTheFormatDemands) {
+  const ScratchFolder folder;
+  write_mesh_file(folder / "sphere.glb", colored_sphere());
+  const std::string bytes = read_text(folder / "sphere.glb");
+  std::uint32_t words[5];
+  ASSERT_GT(bytes.size(), sizeof(words));
+  std::memcpy(words, bytes.data(), sizeof(words));
+  EXPECT_EQ(bytes.substr(0, 4), "glTF");
+  EXPECT_EQ(words[1], 2U);
+  EXPECT_EQ(words[2], bytes.size());
+  const auto document = nlohmann::json::parse(bytes.substr(sizeof(words), words[3]));
+  const auto& attributes = document.at("meshes").at(0).at("primitives").at(0).at("attributes");
+  const auto& places = document.at("accessors").at(attributes.at("POSITION").get<std::size_t>());
+  EXPECT_NEAR(places.at("max").at(0).get<double>(), 0.03, 1e-3);
+  EXPECT_NEAR(places.at("min").at(2).get<double>(), -0.03, 1e-3);
+  EXPECT_TRUE(attributes.contains("NORMAL"));
+  EXPECT_TRUE(attributes.contains("COLOR_0"));
+}
+
+TEST(Glb, ComesBackWithinTheRoundingOfFloats) {
+  const ScratchFolder folder;
+  const MeshFile written = colored_sphere();
+  write_mesh_file(folder / "sphere.glb", written);
+  const MeshFile read = read_mesh_file(folder / "sphere.glb");
+  EXPECT_EQ(read.unit.length, 1000);
+  EXPECT_EQ(read.mesh.triangles, written.mesh.triangles);
+  EXPECT_LT((read.mesh.vertices - written.mesh.vertices).cwiseAbs().maxCoeff(), 1e-5);
+  EXPECT_LT(
+      (*colors(read.vertex_attributes) - *colors(written.vertex_attributes)).cwiseAbs().maxCoeff(),
+      1e-6);
+  EXPECT_LT((*normals(read.vertex_attributes) - *normals(written.vertex_attributes))
+                .cwiseAbs()
+                .maxCoeff(),
+            1e-6);
+}
+
+TEST(Glb, RefusesWhatItCannotHold) {
+  const ScratchFolder folder;
+  MeshFile file = colored_sphere();
+  EXPECT_THROWS_MESSAGE(write_mesh_file(folder / "sphere.glb", file, {.encoding = Encoding::text}),
+                        InvalidInput, "sphere.glb: is always binary");
+  file.mesh.vertices(0, 3) = 1e300;
+  EXPECT_THROWS_MESSAGE(write_mesh_file(folder / "sphere.glb", file), InvalidInput,
+                        "vertex 3 is beyond the range of float");
+}
+
+}  // namespace
+}  // namespace palpate::geometry
