@@ -28,7 +28,8 @@ DentedSurface::DentedSurface(const haptics::Model& model, const geometry::Surfac
                              double deep)
     : shape_(model.surface),
       options_(haptics::shape_options(model)),
-      response_(model.response),
+      model_(model),
+      query_(query),
       deep_(deep),
       least_move_(kLeastMove * geometry::bounding_diagonal(model.surface)) {
   contacts_.resize(3, static_cast<Eigen::Index>(model.contacts.size()));
@@ -44,16 +45,26 @@ DentedSurface::DentedSurface(const haptics::Model& model, const geometry::Surfac
 }
 
 std::string DentedSurface::origin_in_words() const {
-  if (!response_) return "The dent is drawn, not measured.";
+  if (!is_recorded()) return "The dent is drawn, not measured.";
+  const haptics::SurfaceResponse& response = *model_.response;
+  if (rule_ == haptics::ShapeRule::nearest) {
+    return fmt::format("The surface is the nearest of {} recorded ones, kept to {:.2g} mm RMS.",
+                       response.shape_contacts.size(), response.kept_rms);
+  }
   return fmt::format("The surface follows {} recorded ones, {:.2g} mm RMS from them.",
-                     response_->shapes, response_->rms);
+                     response.shape_contacts.size(), response.rms);
+}
+
+void DentedSurface::set_rule(haptics::ShapeRule rule) {
+  is_stale_ = is_stale_ || rule != rule_;
+  rule_ = rule;
 }
 
 void DentedSurface::show(const ForceReading& reading, bool touches, bool hurry) {
   if (!touches && !is_dented_) return;
   const DentClock::time_point begin = DentClock::now();
   if (hurry && touches && begin < next_) return;
-  if (touches && is_dented_) {
+  if (touches && is_dented_ && !is_stale_) {
     const Eigen::Vector3d contact = geometry::position(shape_.surface(), reading.at);
     const double moved =
         (contact - contact_).norm() + (reading.displacement - displacement_).norm();
@@ -65,6 +76,7 @@ void DentedSurface::show(const ForceReading& reading, bool touches, bool hurry) 
   }
   const VertexRange range = touches ? deform(reading) : shape_.rest();
   is_dented_ = touches;
+  is_stale_ = false;
   renderer_.update(shape_, range);
   color_vertices(range);
   renderer_.update_colors(colors_, range);
@@ -74,8 +86,12 @@ void DentedSurface::show(const ForceReading& reading, bool touches, bool hurry) 
 }
 
 VertexRange DentedSurface::deform(const ForceReading& reading) {
-  if (!response_) return shape_.deform(reading.at, reading.displacement, options_);
-  return shape_.show(haptics::measured_shape(shape_.surface(), *response_, reading.weights,
+  if (!is_recorded()) return shape_.deform(reading.at, reading.displacement, options_);
+  if (rule_ == haptics::ShapeRule::nearest) {
+    return shape_.show(
+        haptics::nearest_shape(model_, query_, reading.weights, reading.at, reading.displacement));
+  }
+  return shape_.show(haptics::measured_shape(shape_.surface(), *model_.response, reading.weights,
                                              reading.at, reading.displacement, options_));
 }
 

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <chrono>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,11 +16,14 @@ namespace palpate::view {
 /// show it if the model has any, otherwise by a drawn dent.
 class DentedSurface {
  public:
-  /// \param deep [mm] displacement that gets the whole tint of a dent
+  /// \param model, query are kept. \param deep [mm] displacement that gets the whole tint of a dent
   DentedSurface(const haptics::Model& model, const geometry::SurfaceQuery& query, double deep);
 
   /// Whether the deformed surface is measured or drawn.
   [[nodiscard]] std::string origin_in_words() const;
+  [[nodiscard]] bool is_recorded() const { return model_.response.has_value(); }
+  /// How it is made of recorded surfaces.
+  void set_rule(haptics::ShapeRule rule);
   /// Puts the dent where a reading says; `touches` false: none. \param hurry a dent that takes long
   /// may stay as it is for some pictures
   void show(const ForceReading& reading, bool touches, bool hurry);
@@ -38,7 +40,10 @@ class DentedSurface {
 
   SurfaceShape shape_;
   haptics::DrawnShapeOptions options_;
-  std::optional<haptics::SurfaceResponse> response_;
+  const haptics::Model& model_;
+  const geometry::SurfaceQuery& query_;
+  haptics::ShapeRule rule_ = haptics::ShapeRule::blended;
+  bool is_stale_ = false;                                   // the rule has changed
   double deep_, least_move_;                                // [mm]
   Eigen::Vector3d contact_ = Eigen::Vector3d::Zero();       // [mm] of the dent that is shown
   Eigen::Vector3d displacement_ = Eigen::Vector3d::Zero();  // [mm]

@@ -274,7 +274,7 @@ class ModelView final : public View {
   std::optional<Eigen::Vector2d> pointer_;          // where the tool is wanted
   Eigen::Vector2d last_ = Eigen::Vector2d::Zero();  // of the events
   Eigen::Vector2d held_ = Eigen::Vector2d::Zero();  // by the arrow keys
-  bool show_dots_ = true, wireframe_ = false;
+  bool show_dots_ = true, wireframe_ = false, show_nearest_ = false;
 };
 
 void ModelView::panel() {
@@ -309,6 +309,9 @@ void ModelView::panel() {
   ImGui::Checkbox("contacts", &show_dots_);
   ImGui::SameLine();
   ImGui::Checkbox("edges", &wireframe_);
+  if (surface_.is_recorded() && ImGui::Checkbox("nearest recorded surface", &show_nearest_)) {
+    surface_.set_rule(show_nearest_ ? haptics::ShapeRule::nearest : haptics::ShapeRule::blended);
+  }
   remark(kCameraKeys);
   remark(fmt::format("1 N is drawn {:.2g} mm long. {}", scale_.length_of_newton,
                      surface_.origin_in_words()));

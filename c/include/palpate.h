@@ -123,11 +123,15 @@ PALPATE_API palpate_status palpate_player_step(palpate_player* player, const dou
 /* As if the tool had never touched. Real-time safe. */
 PALPATE_API palpate_status palpate_player_reset(palpate_player* player);
 
+#define PALPATE_SHAPE_BLENDED 0 /* follows the recorded surfaces, and the contact is at the tool \
+                                 */
+#define PALPATE_SHAPE_NEAREST 1 /* is the recorded surface that is nearest; it jumps */
+
 /* The surface as the tool deforms it in the latest tick. If surfaces were recorded for the model
- * (shape_error of palpate_model_facts), it follows these; otherwise it is DRAWN, NOT MEASURED: a
- * smooth dent around the contact. `count` as for palpate_model_vertices. */
-PALPATE_API palpate_status palpate_player_shape(const palpate_player* player, float* xyz,
-                                                uint64_t count);
+ * (shape_error of palpate_model_facts), `rule` says how it is made of them; otherwise it is DRAWN,
+ * NOT MEASURED: a smooth dent around the contact. `count` as for palpate_model_vertices. */
+PALPATE_API palpate_status palpate_player_shape(const palpate_player* player, int32_t rule,
+                                                float* xyz, uint64_t count);
 
 /* A device that is called back: `read` waits for the next position of the tool [mm] in the frame of
  * the model, `write` gets the force [N] for the user. Both return 0, or anything else if the device

@@ -26,6 +26,8 @@ using palpate::c::guarded;
 using palpate::haptics::ContactState;
 
 static_assert(static_cast<int>(ContactState::free) == PALPATE_FREE);
+static_assert(static_cast<int>(palpate::haptics::ShapeRule::blended) == PALPATE_SHAPE_BLENDED);
+static_assert(static_cast<int>(palpate::haptics::ShapeRule::nearest) == PALPATE_SHAPE_NEAREST);
 static_assert(static_cast<int>(ContactState::stick) == PALPATE_STICK);
 static_assert(static_cast<int>(ContactState::slip) == PALPATE_SLIP);
 
@@ -71,14 +73,21 @@ palpate_status palpate_player_reset(palpate_player* player) {
   return PALPATE_OK;
 }
 
-palpate_status palpate_player_shape(const palpate_player* player, float* xyz, uint64_t count) {
+palpate_status palpate_player_shape(const palpate_player* player, int32_t rule, float* xyz,
+                                    uint64_t count) {
   if (player == nullptr || xyz == nullptr) {
     return fail(PALPATE_INVALID, "palpate_player_shape: player or xyz is null");
+  }
+  if (rule != PALPATE_SHAPE_BLENDED && rule != PALPATE_SHAPE_NEAREST) {
+    return fail(
+        PALPATE_INVALID,
+        "palpate_player_shape: rule must be PALPATE_SHAPE_BLENDED or PALPATE_SHAPE_NEAREST");
   }
   return guarded([&] {
     const auto& played = *reinterpret_cast<const palpate::c::Player*>(player);
     palpate::c::copy_floats(
-        palpate::haptics::displayed_shape(*played.model, *played.field, played.state), xyz, count,
-        "palpate_player_shape");
+        palpate::haptics::displayed_shape(*played.model, *played.field, played.state,
+                                          static_cast<palpate::haptics::ShapeRule>(rule)),
+        xyz, count, "palpate_player_shape");
   });
 }

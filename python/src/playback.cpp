@@ -239,21 +239,26 @@ reach: of the dent beyond the tip, in lengths of the displacement.
 Raises InvalidInput.)");
   module.def(
       "displayed_shape",
-      [](const Model& model, const LoopState& state) {
+      [](const Model& model, const LoopState& state, bool nearest) {
         if (state.proxy.at.triangle >= model.surface.triangles.cols())
           throw InvalidInput("state: is that of another model");
         Eigen::Matrix3Xd shape;
         {
           const Unlocked unlocked;
-          shape = haptics::displayed_shape(model, BlendedField(model), state);
+          shape = haptics::displayed_shape(
+              model, BlendedField(model), state,
+              nearest ? haptics::ShapeRule::nearest : haptics::ShapeRule::blended);
         }
         return own_rows(std::move(shape));
       },
-      arg("model"), arg("state"),
+      arg("model"), arg("state"), kw_only(), arg("nearest") = false,
       R"([mm] (V, 3) the vertices of the surface as they are displayed in a state of playback.
 
 Undeformed while the tool is free. Otherwise they follow the surfaces that were recorded
-(`palpate fit --shapes`); without any, they are those of `drawn_shape`. Raises InvalidInput.)");
+(`palpate fit --shapes`); without any, they are those of `drawn_shape`.
+
+nearest: show the recorded surface that is nearest, as it is, instead of a blend of them.
+Raises InvalidInput.)");
 }
 
 void add_loop(py::module_& module) {

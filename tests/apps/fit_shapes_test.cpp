@@ -83,7 +83,7 @@ TEST_F(FitShapes, WritesHowTheSurfaceFollowsTheTool) {
   EXPECT_LT(shapes.at("largest"), 1);
   const haptics::Model model = haptics::read_model(scratch.path() / "model");
   ASSERT_TRUE(model.response);
-  EXPECT_EQ(model.response->shapes, 8);
+  EXPECT_EQ(model.response->shape_contacts.size(), 8);
   EXPECT_EQ(model.response->rms, shapes.at("rms"));
   EXPECT_THAT(run_palpate({"info", scratch / "model"}).out, HasSubstr("8 recorded shapes"));
 }

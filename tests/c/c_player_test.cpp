@@ -113,17 +113,22 @@ TEST(CPlayer, DrawsADentUnderTheTool) {
   const OwnedPlayer player = player_of(opened(model));
   Eigen::Matrix3Xf shape(3, 121);
   const auto count = static_cast<std::uint64_t>(shape.size());
-  ASSERT_EQ(palpate_player_shape(player.get(), shape.data(), count), PALPATE_OK);
+  ASSERT_EQ(palpate_player_shape(player.get(), PALPATE_SHAPE_BLENDED, shape.data(), count),
+            PALPATE_OK);
   EXPECT_EQ(shape, model.surface.vertices.cast<float>());
   palpate_tick tick = sized_tick();
   for (int i = 0; i < 500; ++i) {
     ASSERT_EQ(palpate_player_step(player.get(), tool_at(i).data(), 1e-3, &tick), PALPATE_OK);
   }
-  ASSERT_EQ(palpate_player_shape(player.get(), shape.data(), count), PALPATE_OK);
+  ASSERT_EQ(palpate_player_shape(player.get(), PALPATE_SHAPE_BLENDED, shape.data(), count),
+            PALPATE_OK);
   const float deepest = (shape - model.surface.vertices.cast<float>()).row(2).maxCoeff();
   EXPECT_GT(deepest, 1);
   EXPECT_LT(deepest, 5.001F);  // as deep as the tool
-  EXPECT_EQ(palpate_player_shape(player.get(), shape.data(), count - 1), PALPATE_INVALID);
+  EXPECT_EQ(palpate_player_shape(player.get(), PALPATE_SHAPE_BLENDED, shape.data(), count - 1),
+            PALPATE_INVALID);
+  EXPECT_EQ(palpate_player_shape(player.get(), 7, shape.data(), count), PALPATE_INVALID);
+  EXPECT_NE(std::string(palpate_error_text()).find("rule"), std::string::npos);
 }
 
 }  // namespace

@@ -82,7 +82,7 @@ test('draws the surface with the contact under the tool, and as it was when the 
   open(player, bytesOf('model'));
   const count = 3 * player.palpate_vertex_count();
   const drawn = () => {
-    const place = player.palpate_deform();  // first: it may grow the memory, which makes an older buffer useless
+    const place = player.palpate_deform(0);  // first: it may grow the memory, which makes an older buffer useless
     return new Float32Array(player.memory.buffer, place, count).slice();
   };
   const [x, y, z] = new Float64Array(player.memory.buffer, player.palpate_vertices(), 3);

@@ -94,10 +94,13 @@ const double* palpate_output() {
   return out;
 }
 
-/// The surface as it is drawn in the state of the last tick.
-const float* palpate_deform() {
+/// The surface as it is drawn in the state of the last tick. \param rule 0: blended, 1: nearest
+const float* palpate_deform(int rule) {
   Player& p = *player;
-  p.shape = haptics::displayed_shape(p.model, p.field, p.state).cast<float>();
+  p.shape = haptics::displayed_shape(
+                p.model, p.field, p.state,
+                rule == 1 ? haptics::ShapeRule::nearest : haptics::ShapeRule::blended)
+                .cast<float>();
   return p.shape.data();
 }
 

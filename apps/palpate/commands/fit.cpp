@@ -231,8 +231,9 @@ void fit(const Settings& settings, FitCall call) {
   Json figures = {{"contacts", built.contacts.size()}, {"kept", kept}};
   figures.update(fit_figures(built, settings.json));
   if (const auto& response = built.model.response) {
-    figures["shapes"] = {
-        {"count", response->shapes}, {"rms", response->rms}, {"largest", response->largest}};
+    figures["shapes"] = {{"count", response->shape_contacts.size()},
+                         {"rms", response->rms},
+                         {"largest", response->largest}};
   }
   figures["warnings"] = warnings;
   figures["file"] = call.output.string();

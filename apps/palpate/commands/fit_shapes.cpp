@@ -95,7 +95,7 @@ std::string shapes_in_words(const std::optional<haptics::SurfaceResponse>& respo
   return fmt::format(
       "The surface follows the tool as in {} recorded shapes, {:.2f} mm RMS from them, {:.1f} mm "
       "at most. ",
-      response->shapes, response->rms, response->largest);
+      response->shape_contacts.size(), response->rms, response->largest);
 }
 
 }  // namespace palpate::apps

@@ -199,7 +199,7 @@ Description describe_model(const fs::path& path) {
   if (model.response) {
     prose += fmt::format(
         "\n  the surface follows the tool as in {} recorded shapes, {:.2f} mm RMS from them",
-        model.response->shapes, model.response->rms);
+        model.response->shape_contacts.size(), model.response->rms);
   }
   for (const auto& [key, value] : model.made) prose += fmt::format("\n  {}: {}", key, value);
   return {{{"kind", "model"},
@@ -214,7 +214,7 @@ Description describe_model(const fs::path& path) {
            {"friction_lower_bounds", bounds},
            {"probe_radius", number_or_null(model.probe_radius)},
            {"rate_terms", model.rate.size()},
-           {"shapes", model.response ? model.response->shapes : 0},
+           {"shapes", model.response ? model.response->shape_contacts.size() : 0},
            {"encoding", is_text ? "json" : "cbor"},
            {"bytes", bytes},
            {"made", made}},

@@ -170,6 +170,23 @@ Eigen::Matrix<Eigen::half, Eigen::Dynamic, 1> responses_of(const Sums& sums,
   return responses;
 }
 
+// Distances of vertices.
+class Errors {
+ public:
+  void add(const Eigen::Matrix3Xd& a, const Eigen::Matrix3Xd& b) {
+    const Eigen::VectorXd squares = (a - b).colwise().squaredNorm();
+    sum_ += squares.mean();
+    largest_ = std::max(largest_, squares.maxCoeff());
+    ++count_;
+  }
+  [[nodiscard]] double rms() const { return std::sqrt(sum_ / count_); }
+  [[nodiscard]] double largest() const { return std::sqrt(largest_); }
+
+ private:
+  double sum_ = 0, largest_ = 0;
+  int count_ = 0;
+};
+
 geometry::SurfacePoint place_of(const BlendedField& field, const ContactModel& contact) {
   return field.surface().closest_point(contact.position).at;
 }
@@ -191,10 +208,18 @@ SurfaceResponse fit_surface_response(const Model& model, std::size_t count,
   response.reach = kDentReach * contact_spacing(model);
   Distances distances(model, field, response.reach);
   std::vector<Sums> sums(model.contacts.size());
+  const auto shapes = static_cast<Eigen::Index>(count);
+  response.shape_contacts.resize(shapes);
+  response.displacements.resize(Eigen::NoChange, shapes);
+  Eigen::MatrixXd moves(3 * graph.nodes().cols(), shapes);
   for (std::size_t k = 0; k < count; ++k) {
     const RecordedShape recorded = checked(shape(k), model, k);
     Sums& of_contact = sums[recorded.contact];
     const Eigen::Matrix3Xd moved = (recorded.vertices - rest)(Eigen::all, at_nodes);
+    const auto column = static_cast<Eigen::Index>(k);
+    response.shape_contacts[column] = static_cast<int>(recorded.contact);
+    response.displacements.col(column) = recorded.displacement.cast<float>();
+    moves.col(column) = moved.reshaped();
     if (of_contact.products.size() == 0) of_contact.products.setZero(moved.size(), 3);
     of_contact.squares += recorded.displacement * recorded.displacement.transpose();
     of_contact.products += moved.reshaped() * recorded.displacement.transpose();
@@ -205,35 +230,43 @@ SurfaceResponse fit_surface_response(const Model& model, std::size_t count,
   response.weights = graph.weights().cast<Eigen::half>();
   response.responses.setZero(9 * graph.nodes().cols(), static_cast<Eigen::Index>(sums.size()));
   response.dents.setZero(kPlaces, static_cast<Eigen::Index>(sums.size()));
+  Eigen::MatrixXd dents_at_nodes =
+      Eigen::MatrixXd::Zero(graph.nodes().cols(), static_cast<Eigen::Index>(sums.size()));
   bool displaced = false;
   for (std::size_t c = 0; c < sums.size(); ++c) {
     if (!(sums[c].squares.trace() > 0)) continue;
     const auto column = static_cast<Eigen::Index>(c);
     response.dents.col(column) = dent_of(sums[c]).cast<Eigen::half>();
-    const Eigen::VectorXd at_node = distances.from(c)(at_nodes);
-    response.responses.col(column) = responses_of(
-        sums[c], at_node.unaryExpr([&](double d) { return dent_at(response, column, d); }));
+    dents_at_nodes.col(column) = distances.from(c)(at_nodes).unaryExpr(
+        [&](double d) { return dent_at(response, column, d); });
+    response.responses.col(column) = responses_of(sums[c], dents_at_nodes.col(column));
     displaced = true;
   }
   if (!displaced) {
     throw InvalidInput("fit_surface_response(): none of the " + std::to_string(count) +
                        " recorded shapes is displaced");
   }
+  for (Eigen::Index s = 0; s < shapes; ++s) {
+    const Eigen::VectorXd dents = dents_at_nodes.col(response.shape_contacts[s]);
+    const Eigen::Vector3d displacement = response.displacements.col(s).cast<double>();
+    moves.col(s) -= (displacement * dents.transpose()).reshaped();
+  }
+  response.moves = moves.cast<Eigen::half>();
 
-  double squares = 0, largest = 0;
+  Errors shown, kept;
   for (std::size_t k = 0; k < count; ++k) {
     const RecordedShape recorded = checked(shape(k), model, k);
     const geometry::SurfacePoint place = place_of(field, model.contacts[recorded.contact]);
-    const Eigen::Matrix3Xd shown =
-        measured_shape(model.surface, response, field.weights(place), place, recorded.displacement,
-                       shape_options(model));
-    const Eigen::VectorXd lengths = (shown - recorded.vertices).colwise().squaredNorm();
-    squares += lengths.mean();
-    largest = std::max(largest, lengths.maxCoeff());
+    shown.add(recorded.vertices,
+              measured_shape(model.surface, response, field.weights(place), place,
+                             recorded.displacement, shape_options(model)));
+    kept.add(recorded.vertices,
+             recorded_shape(model.surface, response, place, static_cast<Eigen::Index>(k)));
   }
-  response.shapes = static_cast<int>(std::min<std::size_t>(count, INT32_MAX));
-  response.rms = std::sqrt(squares / static_cast<double>(count));
-  response.largest = std::sqrt(largest);
+  response.rms = shown.rms();
+  response.largest = shown.largest();
+  response.kept_rms = kept.rms();
+  response.kept_largest = kept.largest();
   return response;
 }
 

@@ -84,8 +84,13 @@ std::optional<SurfaceResponse> scaled_response(std::optional<SurfaceResponse> re
                                                const ScaleModelOptions& options) {
   if (!response || options.axis) return std::nullopt;
   response->reach *= options.factor;
-  response->rms *= options.factor;
-  response->largest *= options.factor;
+  response->displacements *= static_cast<float>(options.factor);
+  response->moves =
+      (response->moves.cast<float>() * static_cast<float>(options.factor)).cast<Eigen::half>();
+  for (double* error :
+       {&response->rms, &response->largest, &response->kept_rms, &response->kept_largest}) {
+    *error *= options.factor;
+  }
   return response;
 }
 

@@ -188,23 +188,31 @@ void visit(Archive& archive, ContactModel& contact) {
 }
 
 template <typename Archive>
+void visit_columns(Archive& archive, std::size_t rows,
+                   Eigen::Matrix<Eigen::half, Eigen::Dynamic, Eigen::Dynamic>& table) {
+  const std::size_t columns = archive.count(static_cast<std::size_t>(table.cols()),
+                                            std::max<std::size_t>(1, sizeof(Eigen::half) * rows));
+  if constexpr (Archive::kReads)
+    table.resize(static_cast<Eigen::Index>(rows), static_cast<Eigen::Index>(columns));
+  archive.raw(table.data(), rows * columns);
+}
+
+template <typename Archive>
 void visit(Archive& archive, SurfaceResponse& response) {
   visit(archive, response.nodes);
   visit(archive, response.weights);
-  auto numbers = static_cast<std::uint64_t>(response.responses.rows());
-  archive.value(numbers);
-  const std::size_t contacts =
-      archive.count(static_cast<std::size_t>(response.responses.cols()), 2 * numbers);
-  if constexpr (Archive::kReads) {
-    response.responses.resize(static_cast<Eigen::Index>(numbers),
-                              static_cast<Eigen::Index>(contacts));
-  }
-  archive.raw(response.responses.data(), numbers * contacts);
+  const std::size_t rows =
+      archive.count(static_cast<std::size_t>(response.responses.rows()), sizeof(Eigen::half));
+  visit_columns(archive, rows, response.responses);
   visit(archive, response.dents);
   archive.value(response.reach);
-  archive.value(response.shapes);
+  visit(archive, response.shape_contacts);
+  visit(archive, response.displacements);
+  visit_columns(archive, rows / 3, response.moves);  // 3 numbers a node instead of 9
   archive.value(response.rms);
   archive.value(response.largest);
+  archive.value(response.kept_rms);
+  archive.value(response.kept_largest);
 }
 
 template <typename Archive>

@@ -61,9 +61,25 @@ void check_surface_response(const SurfaceResponse& response, Eigen::Index vertic
                      response.dents.col(c).cast<float>().allFinite(),
                  "a response of contact " + std::to_string(c) + " is not finite");
   }
-  require_that(response.shapes >= 0 && response.rms >= 0 && response.largest >= 0 &&
-                   std::isfinite(response.rms) && std::isfinite(response.largest),
-               "its number of shapes or its errors are negative or not finite");
+  const Eigen::Index shapes = response.shape_contacts.size();
+  require_that(response.displacements.cols() == shapes && response.moves.cols() == shapes &&
+                   response.moves.rows() == 3 * nodes,
+               "its recorded surfaces have " + std::to_string(shapes) + " contacts, " +
+                   std::to_string(response.displacements.cols()) + " displacements and " +
+                   std::to_string(response.moves.cols()) + " columns of three numbers a node");
+  for (Eigen::Index s = 0; s < shapes; ++s) {
+    require_that(response.shape_contacts[s] >= 0 && response.shape_contacts[s] < contacts,
+                 "recorded surface " + std::to_string(s) + " is of contact " +
+                     std::to_string(response.shape_contacts[s]) + "; there are " +
+                     std::to_string(contacts));
+    require_that(response.displacements.col(s).allFinite() &&
+                     response.moves.col(s).cast<float>().allFinite(),
+                 "a number of recorded surface " + std::to_string(s) + " is not finite");
+  }
+  for (const double error :
+       {response.rms, response.largest, response.kept_rms, response.kept_largest}) {
+    require_that(error >= 0 && std::isfinite(error), "one of its errors is negative or not finite");
+  }
 }
 
 }  // namespace palpate::haptics

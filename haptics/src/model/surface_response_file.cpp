@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "model/surface_response_file.h"
 
-#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstring>
@@ -22,19 +21,20 @@ static_assert(std::endian::native == std::endian::little,
 constexpr std::array<char, 8> kMagic = {'P', 'A', 'L', 'P', 'D', 'E', 'F', 'O'};
 constexpr std::uint32_t kFileVersion = 1;
 
-// What the file begins with; nodes, weights, dents and responses follow.
+// What the file begins with; nodes, weights, dents, responses and recorded surfaces follow.
 struct Header {
   std::array<char, 8> magic = kMagic;
   std::uint32_t version = kFileVersion, vertices = 0, nodes = 0, contacts = 0, shapes = 0, zero = 0;
-  double rms = 0, largest = 0, reach = 0;
+  double rms = 0, largest = 0, reach = 0, kept_rms = 0, kept_largest = 0;
 };
-static_assert(sizeof(Header) == 56);
+static_assert(sizeof(Header) == 72);
 
 // Bytes after the header.
 std::uint64_t body_size(const Header& header) {
   constexpr std::uint64_t kDent = 2 * SurfaceResponse::kDentPlaces;
   return std::uint64_t{12} * header.vertices + kDent * header.contacts +
-         std::uint64_t{18} * header.nodes * header.contacts;
+         std::uint64_t{18} * header.nodes * header.contacts +
+         (std::uint64_t{16} + std::uint64_t{6} * header.nodes) * header.shapes;
 }
 
 template <typename Matrix>
@@ -80,15 +80,22 @@ SurfaceResponse read_surface_response(const std::filesystem::path& path) {
   response.weights.resize(3, header.vertices);
   response.dents.resize(Eigen::NoChange, header.contacts);
   response.responses.resize(Eigen::Index{9} * header.nodes, header.contacts);
+  response.shape_contacts.resize(header.shapes);
+  response.displacements.resize(Eigen::NoChange, header.shapes);
+  response.moves.resize(Eigen::Index{3} * header.nodes, header.shapes);
   const char* from = body.data();
   take(from, response.nodes);
   take(from, response.weights);
   take(from, response.dents);
   take(from, response.responses);
-  response.shapes = static_cast<int>(std::min<std::uint32_t>(header.shapes, INT32_MAX));
+  take(from, response.shape_contacts);
+  take(from, response.displacements);
+  take(from, response.moves);
   response.rms = header.rms;
   response.largest = header.largest;
   response.reach = header.reach;
+  response.kept_rms = header.kept_rms;
+  response.kept_largest = header.kept_largest;
   return response;
 }
 
@@ -97,16 +104,21 @@ void write_surface_response(const std::filesystem::path& path, const SurfaceResp
   header.vertices = static_cast<std::uint32_t>(response.nodes.cols());
   header.nodes = static_cast<std::uint32_t>(response.responses.rows() / 9);
   header.contacts = static_cast<std::uint32_t>(response.responses.cols());
-  header.shapes = static_cast<std::uint32_t>(response.shapes);
+  header.shapes = static_cast<std::uint32_t>(response.shape_contacts.size());
   header.rms = response.rms;
   header.largest = response.largest;
   header.reach = response.reach;
+  header.kept_rms = response.kept_rms;
+  header.kept_largest = response.kept_largest;
   write_file(path, [&](std::ostream& out) {
     out.write(reinterpret_cast<const char*>(&header), sizeof(header));
     put(out, response.nodes);
     put(out, response.weights);
     put(out, response.dents);
     put(out, response.responses);
+    put(out, response.shape_contacts);
+    put(out, response.displacements);
+    put(out, response.moves);
   });
 }
 

@@ -3,6 +3,8 @@
 #include "palpate/haptics/deformed_shape.h"
 
 #include <algorithm>
+#include <limits>
+#include <optional>
 #include <string>
 
 #include "palpate/error.h"
@@ -52,6 +54,41 @@ Eigen::Matrix3Xd node_moves(const SurfaceResponse& from, const geometry::Contact
   return moves;
 }
 
+// Moves each vertex with its nodes.
+void add_node_moves(const SurfaceResponse& response, const Eigen::Matrix3Xd& moves,
+                    Eigen::Matrix3Xd& shape) {
+  for (Eigen::Index v = 0; v < shape.cols(); ++v) {
+    Eigen::Vector3d move = Eigen::Vector3d::Zero();
+    for (Eigen::Index k = 0; k < 3; ++k)
+      move += static_cast<double>(response.weights(k, v)) * moves.col(response.nodes(k, v));
+    shape.col(v) += move;
+  }
+}
+
+void check_vertices(const char* function, const SurfaceResponse& response,
+                    const geometry::TriangleMesh& surface) {
+  if (response.nodes.cols() == surface.vertices.cols()) return;
+  throw InvalidInput(std::string(function) + ": the response is of " +
+                     std::to_string(response.nodes.cols()) + " vertices; the surface has " +
+                     std::to_string(surface.vertices.cols()));
+}
+
+// The recorded surface of a contact whose displaced contact was nearest to the tool; nullopt
+// without any.
+std::optional<Eigen::Index> nearest_of(const SurfaceResponse& response, Eigen::Index contact,
+                                       const Eigen::Vector3d& displacement) {
+  std::optional<Eigen::Index> nearest;
+  double least = std::numeric_limits<double>::infinity();
+  for (Eigen::Index s = 0; s < response.shape_contacts.size(); ++s) {
+    if (response.shape_contacts[s] != contact) continue;
+    const double distance = (response.displacements.col(s).cast<double>() - displacement).norm();
+    if (distance >= least) continue;
+    least = distance;
+    nearest = s;
+  }
+  return nearest;
+}
+
 }  // namespace
 
 Eigen::Matrix3Xd drawn_shape(const geometry::TriangleMesh& surface,
@@ -80,21 +117,11 @@ Eigen::Matrix3Xd measured_shape(const geometry::TriangleMesh& surface,
                                 const geometry::SurfacePoint& contact,
                                 const Eigen::Vector3d& displacement,
                                 const DrawnShapeOptions& options) {
-  if (response.nodes.cols() != surface.vertices.cols()) {
-    throw InvalidInput("measured_shape(): the response is of " +
-                       std::to_string(response.nodes.cols()) + " vertices; the surface has " +
-                       std::to_string(surface.vertices.cols()));
-  }
+  check_vertices("measured_shape()", response, surface);
   check(options);
   Eigen::Matrix3Xd shape = surface.vertices;
   if (!displacement.allFinite() || displacement.isZero(0)) return shape;
-  const Eigen::Matrix3Xd moves = node_moves(response, weights, displacement);
-  const auto moved_by_nodes = [&](Eigen::Index v) {
-    Eigen::Vector3d move = Eigen::Vector3d::Zero();
-    for (Eigen::Index k = 0; k < 3; ++k)
-      move += static_cast<double>(response.weights(k, v)) * moves.col(response.nodes(k, v));
-    return move;
-  };
+  add_node_moves(response, node_moves(response, weights, displacement), shape);
   const auto dent = [&](double distance) {
     double sum = 0;
     for (int k = 0; k < weights.count; ++k) {
@@ -104,8 +131,7 @@ Eigen::Matrix3Xd measured_shape(const geometry::TriangleMesh& surface,
     return sum;
   };
   Eigen::VectorXd distances = distances_from(surface, contact, response.reach);
-  for (Eigen::Index v = 0; v < shape.cols(); ++v)
-    shape.col(v) += moved_by_nodes(v) + dent(distances[v]) * displacement;
+  for (Eigen::Index v = 0; v < shape.cols(); ++v) shape.col(v) += dent(distances[v]) * displacement;
 
   // The displayed place lies between the corners of its triangle, which follow the dent less than
   // the place itself.
@@ -123,15 +149,55 @@ Eigen::Matrix3Xd measured_shape(const geometry::TriangleMesh& surface,
   return shape;
 }
 
+Eigen::Matrix3Xd recorded_shape(const geometry::TriangleMesh& surface,
+                                const SurfaceResponse& response,
+                                const geometry::SurfacePoint& contact, Eigen::Index shape) {
+  check_vertices("recorded_shape()", response, surface);
+  Eigen::Matrix3Xd vertices = surface.vertices;
+  add_node_moves(response, response.moves.col(shape).cast<double>().reshaped(3, Eigen::AutoSize),
+                 vertices);
+  const Eigen::VectorXd distances = distances_from(surface, contact, response.reach);
+  const Eigen::Vector3d displacement = response.displacements.col(shape).cast<double>();
+  for (Eigen::Index v = 0; v < vertices.cols(); ++v) {
+    vertices.col(v) +=
+        dent_at(response, response.shape_contacts[shape], distances[v]) * displacement;
+  }
+  return vertices;
+}
+
+Eigen::Matrix3Xd nearest_shape(const Model& model, const geometry::SurfaceQuery& query,
+                               const geometry::ContactWeights& weights,
+                               const geometry::SurfacePoint& contact,
+                               const Eigen::Vector3d& displacement) {
+  const Eigen::Vector3d tool = geometry::position(model.surface, contact) + displacement;
+  auto left = weights.weights;
+  for (int k = 0; k < weights.count; ++k) {
+    const auto heaviest = static_cast<std::size_t>(
+        std::max_element(left.begin(), left.begin() + weights.count) - left.begin());
+    if (!(left[heaviest] > 0)) break;
+    left[heaviest] = 0;
+    const int nearby = weights.contacts[heaviest];
+    const Eigen::Vector3d& position = model.contacts[static_cast<std::size_t>(nearby)].position;
+    const auto shape = nearest_of(*model.response, nearby, tool - position);
+    if (shape) {
+      return recorded_shape(model.surface, *model.response, query.closest_point(position).at,
+                            *shape);
+    }
+  }
+  return drawn_shape(model.surface, contact, displacement, shape_options(model));
+}
+
 Eigen::Matrix3Xd displayed_shape(const Model& model, const BlendedField& field,
-                                 const LoopState& state) {
+                                 const LoopState& state, ShapeRule rule) {
   if (state.contact_state == ContactState::free) return model.surface.vertices;
   const geometry::SurfacePoint& at = state.proxy.at;
   const Eigen::Vector3d displacement = state.tool - state.proxy.position;
   const DrawnShapeOptions options = shape_options(model);
   if (!model.response) return drawn_shape(model.surface, at, displacement, options);
-  return measured_shape(model.surface, *model.response, field.weights(at), at, displacement,
-                        options);
+  const geometry::ContactWeights weights = field.weights(at);
+  if (rule == ShapeRule::nearest)
+    return nearest_shape(model, field.surface(), weights, at, displacement);
+  return measured_shape(model.surface, *model.response, weights, at, displacement, options);
 }
 
 }  // namespace palpate::haptics

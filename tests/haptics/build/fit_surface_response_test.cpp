@@ -68,10 +68,30 @@ TEST(FitSurfaceResponse, StatesTheErrorsOfItsShapes) {
   }
   EXPECT_NEAR(response.rms, std::sqrt(squares / static_cast<double>(sheet.shapes.size())), 1e-12);
   EXPECT_NEAR(response.largest, largest, 1e-12);
-  EXPECT_EQ(response.shapes, 12);
+  EXPECT_EQ(response.shape_contacts.size(), 12);
   EXPECT_LT(response.rms, 0.15);  // of displacements of 5 to 8 mm
   // More nodes follow the shapes more closely.
   EXPECT_LT(response.rms, sheet.fit({.nodes = 20}).rms);
+}
+
+TEST(FitSurfaceResponse, KeepsTheShapesAndStatesHowWell) {
+  const FollowingSheet sheet;
+  const SurfaceResponse response = sheet.fit();
+  const BlendedField field(sheet.model);
+  double squares = 0, largest = 0;
+  for (std::size_t k = 0; k < sheet.shapes.size(); ++k) {
+    const Eigen::Vector3d& place = sheet.model.contacts[sheet.shapes[k].contact].position;
+    const Eigen::Matrix3Xd error =
+        recorded_shape(sheet.model.surface, response, field.surface().closest_point(place).at,
+                       static_cast<Eigen::Index>(k)) -
+        sheet.shapes[k].vertices;
+    squares += error.colwise().squaredNorm().mean();
+    largest = std::max(largest, error.colwise().norm().maxCoeff());
+  }
+  EXPECT_NEAR(response.kept_rms, std::sqrt(squares / static_cast<double>(sheet.shapes.size())),
+              1e-12);
+  EXPECT_NEAR(response.kept_largest, largest, 1e-12);
+  EXPECT_LT(response.kept_rms, 0.15);  // of displacements of 5 to 8 mm
 }
 
 TEST(FitSurfaceResponse, DoesNotDependOnTheOrderOfShapes) {

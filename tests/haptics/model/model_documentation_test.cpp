@@ -38,9 +38,9 @@ TEST(ModelDocumentation, ShowsNoCodeInOtherLanguagesThanThoseThatTestsRun) {
   const std::string page = read_text(repository("docs/model-file.md"));
   std::size_t fences = 0;
   for (std::size_t at = 0; (at = page.find("```", at)) != std::string::npos; at += 3) ++fences;
-  EXPECT_EQ(blocks_of("python").size(), 4u);
+  EXPECT_EQ(blocks_of("python").size(), 5u);
   EXPECT_EQ(blocks_of("javascript").size(), 2u);
-  EXPECT_EQ(fences, 2 * (4u + 2u));
+  EXPECT_EQ(fences, 2 * (5u + 2u));
 }
 
 // What a script prints; it stands in a folder that is its working directory.
@@ -98,9 +98,11 @@ TEST(ModelDocumentation, PythonAloneComputesTheDeformedSurface) {
   const Eigen::VectorXd distances =
       geometry::geodesic_distance(sheet.model.surface, {&at, 1}).distance;
   std::ostringstream script;
-  script << blocks_of("python").at(3) << "distances = [" << std::setprecision(17);
+  script << blocks_of("python").at(3) << blocks_of("python").at(4) << "distances = ["
+         << std::setprecision(17);
   for (const double distance : distances) script << distance << ", ";
-  script << "]\nfor move in moves(2, distances, [1, -2, 6]):\n    print(*move)\n";
+  script << "]\nfor move in [*moves(2, distances, [1, -2, 6]), *recorded(7, distances)]:\n"
+         << "    print(*move)\n";
   write_text(scratch / "script.py", script.str());
   std::istringstream printed(output_of(kPython + " -I", scratch / "script.py"));
   const Eigen::Matrix3Xd shape = measured_shape(sheet.model.surface, *sheet.model.response,
@@ -114,6 +116,13 @@ TEST(ModelDocumentation, PythonAloneComputesTheDeformedSurface) {
     ++compared;
   }
   EXPECT_GT(compared, 1000);
+  ASSERT_EQ(sheet.model.response->shape_contacts[7], 2);
+  const Eigen::Matrix3Xd kept = recorded_shape(sheet.model.surface, *sheet.model.response, at, 7);
+  for (Eigen::Index v = 0; v < kept.cols(); ++v) {
+    Eigen::Vector3d move;
+    ASSERT_TRUE(printed >> move.x() >> move.y() >> move.z());
+    EXPECT_LT((kept.col(v) - sheet.model.surface.vertices.col(v) - move).norm(), 1e-9) << v;
+  }
 }
 
 TEST(ModelDocumentation, JavaScriptComputesTheForcesOfContacts) {

@@ -33,7 +33,7 @@ TEST_F(SurfaceResponseFile, KeepsTheResponseOfAModelExactly) {
   EXPECT_EQ(model_of_bytes(to_bytes(model)).response, model.response);
   // As docs/model-file.md says.
   EXPECT_EQ(std::filesystem::file_size(scratch.path() / "model/deformed/response.bin"),
-            56 + 12 * model.surface.vertices.cols() + 32 * 4 + 18 * 30 * 4);
+            72 + 12 * model.surface.vertices.cols() + 32 * 4 + 18 * 30 * 4 + (16 + 6 * 30) * 12);
   // A model without one takes the place of a model with one.
   model.response.reset();
   write_model(scratch.path() / "model", model);

@@ -47,8 +47,21 @@ TEST(SurfaceResponse, MustFitTheModel) {
   wrong.reach = 0;
   EXPECT_THAT(refused(wrong), HasSubstr("reach"));
   wrong = right;
-  wrong.rms = kNaN;
-  EXPECT_THAT(refused(wrong), HasSubstr("errors"));
+  for (double SurfaceResponse::*error :
+       {&SurfaceResponse::rms, &SurfaceResponse::largest, &SurfaceResponse::kept_rms,
+        &SurfaceResponse::kept_largest}) {
+    wrong.*error = kNaN;
+    EXPECT_THAT(refused(wrong), HasSubstr("errors"));
+    wrong = right;
+  }
+  wrong.shape_contacts[5] = 4;
+  EXPECT_THAT(refused(wrong), HasSubstr("recorded surface 5 is of contact 4; there are 4"));
+  wrong = right;
+  wrong.displacements(1, 3) = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_THAT(refused(wrong), HasSubstr("recorded surface 3 is not finite"));
+  wrong = right;
+  wrong.moves.conservativeResize(87, Eigen::NoChange);
+  EXPECT_THAT(refused(wrong), HasSubstr("12 columns of three numbers a node"));
 }
 
 TEST(SurfaceResponse, HasDentsThatAreLinearBetweenTheirPlaces) {
@@ -78,6 +91,8 @@ TEST(SurfaceResponse, GrowsWithTheObject) {
   EXPECT_DOUBLE_EQ(larger.rms, 2 * model.response->rms);
   EXPECT_DOUBLE_EQ(larger.reach, 2 * model.response->reach);
   EXPECT_DOUBLE_EQ(larger.largest, 2 * model.response->largest);
+  EXPECT_DOUBLE_EQ(larger.kept_rms, 2 * model.response->kept_rms);
+  EXPECT_EQ(larger.displacements, 2 * model.response->displacements);
   // Its dents are round: it says nothing of an object that is stretched along one axis.
   EXPECT_FALSE(scale_model(model, {.factor = 2, .axis = Eigen::Vector3d::UnitX()}).model.response);
 }

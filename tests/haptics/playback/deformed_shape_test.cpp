@@ -110,6 +110,51 @@ TEST(MeasuredShape, IsADrawnDentWhereNothingWasRecorded) {
   EXPECT_EQ(measured_shape(mesh, response, field.weights(at), at, {kNaN, 0, 5}), mesh.vertices);
 }
 
+// By brute force over all recorded shapes of the contact that weighs most.
+TEST(NearestShape, IsTheRecordedShapeOfTheHeaviestContactWhoseTipWasNearest) {
+  FollowingSheet sheet;
+  sheet.model.response = sheet.fit();
+  const BlendedField field(sheet.model);
+  for (const Eigen::Vector3d& place : {Eigen::Vector3d(-12, 5, 700), Eigen::Vector3d(20, -25, 700),
+                                       Eigen::Vector3d(28, 30, 700)}) {
+    for (const Eigen::Vector3d& displacement :
+         {Eigen::Vector3d(0, 0, 5), Eigen::Vector3d(3, 0, 3), Eigen::Vector3d(-3, 3, 9)}) {
+      const geometry::SurfacePoint at = field.surface().closest_point(place).at;
+      const geometry::ContactWeights weights = field.weights(at);
+      int heaviest = 0;
+      for (int k = 1; k < weights.count; ++k)
+        if (weights.weights[static_cast<std::size_t>(k)] >
+            weights.weights[static_cast<std::size_t>(heaviest)])
+          heaviest = k;
+      const auto contact =
+          static_cast<std::size_t>(weights.contacts[static_cast<std::size_t>(heaviest)]);
+      const RecordedShape* nearest = nullptr;
+      const auto distance = [&](const RecordedShape& shape) {
+        return (sheet.model.contacts[contact].position + shape.displacement - place - displacement)
+            .norm();
+      };
+      for (const RecordedShape& shape : sheet.shapes) {
+        if (shape.contact != contact) continue;
+        if (nearest == nullptr || distance(shape) < distance(*nearest)) nearest = &shape;
+      }
+      const Eigen::Matrix3Xd shown =
+          nearest_shape(sheet.model, field.surface(), weights, at, displacement);
+      EXPECT_LT((shown - nearest->vertices).colwise().norm().mean(), 0.1);
+    }
+  }
+}
+
+TEST(NearestShape, IsADrawnDentWhereNothingWasRecorded) {
+  FollowingSheet sheet;
+  sheet.model.response = sheet.fit();
+  const BlendedField field(sheet.model);
+  const geometry::SurfacePoint at =
+      field.surface().closest_point(sheet.model.contacts[1].position).at;
+  sheet.model.response->shape_contacts.resize(0);
+  EXPECT_TRUE(nearest_shape(sheet.model, field.surface(), field.weights(at), at, {0, 0, 4}) ==
+              drawn_shape(sheet.model.surface, at, {0, 0, 4}, shape_options(sheet.model)));
+}
+
 TEST(DisplayedShape, FollowsTheRecordedShapesIfTheModelHasAny) {
   FollowingSheet sheet;
   const BlendedField field(sheet.model);
@@ -126,6 +171,11 @@ TEST(DisplayedShape, FollowsTheRecordedShapesIfTheModelHasAny) {
   const double drawn = error();
   sheet.model.response = sheet.fit();
   EXPECT_LT(error(), 0.2 * drawn);
+  EXPECT_LT((displayed_shape(sheet.model, field, state, ShapeRule::nearest) - truth)
+                .colwise()
+                .norm()
+                .mean(),
+            0.2 * drawn);
 }
 
 }  // namespace

@@ -73,7 +73,7 @@
     });
 
     function updateSurface() {
-      const positions = player.deformed();
+      const positions = player.deformed(element('nearest').checked);
       Surface.sumNormals(positions, player.triangles, normals);
       nearest.forEach((vertex, i) => {
         for (let k = 0; k < 3; ++k) dotPlaces[3 * i + k] = player.contacts[3 * i + k] + positions[3 * vertex + k] - rest[3 * vertex + k];
@@ -103,6 +103,11 @@
 
     Page.onScheme(() => { colors = readColors(); wake(); });
     element('dots').addEventListener('change', wake);
+    element('nearest-row').hidden = player.shapeError < 0;
+    element('nearest').addEventListener('change', () => {
+      stale = true;
+      wake();
+    });
     canvas.addEventListener('webglcontextlost', (event) => event.preventDefault());
     canvas.addEventListener('webglcontextrestored', () => {
       renderer = Renderer.make(canvas, model);

@@ -90,8 +90,8 @@ const Player = (() => {
       toolRadius: wasm.palpate_tool_radius(),
       /** [mm] of the deformed surface, root mean square over recorded ones; below 0 if it is only drawn. */
       shapeError: wasm.palpate_shape_error(),
-      /** Surface as drawn in the present state; valid until the next call. */
-      deformed: () => floats(wasm.palpate_deform(), 3 * vertexCount),
+      /** Surface as drawn in the present state; valid until the next call. `nearest`: the nearest recorded one, not a blend. */
+      deformed: (nearest) => floats(wasm.palpate_deform(nearest ? 1 : 0), 3 * vertexCount),
       step, reset, output, pick, play,
     };
   }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 
 #include "palpate/geometry/contact_locator.h"
 #include "palpate/geometry/surface_query.h"
@@ -53,10 +54,36 @@ struct DrawnShapeOptions {
                                               const Eigen::Vector3d& displacement,
                                               const DrawnShapeOptions& options = {});
 
-/// The surface to display in a state of playback: undeformed while the tool is free, otherwise
-/// `measured_shape` if the model has a response, and `drawn_shape` if not. 3 x V [mm]
+/// A recorded surface as it is kept, 3 x V [mm].
+/// \param contact where the displaced contact is. \param shape in [0, S) of the response
+/// \throws InvalidInput if the mesh is not valid or the contact is not on it.
+[[nodiscard]] Eigen::Matrix3Xd recorded_shape(const geometry::TriangleMesh& surface,
+                                              const SurfaceResponse& response,
+                                              const geometry::SurfacePoint& contact,
+                                              Eigen::Index shape);
+
+/// The recorded surface whose displaced contact was nearest to the tool, among those of the contact
+/// with the largest weight for which any was recorded (thesis 5.6.1); `drawn_shape` if none was for
+/// any contact with a weight. It jumps when another one becomes the nearest, and its dent is where
+/// it was recorded. Arguments as for `measured_shape`.
+/// \param model with a response. \param query of its surface.
+[[nodiscard]] Eigen::Matrix3Xd nearest_shape(const Model& model,
+                                             const geometry::SurfaceQuery& query,
+                                             const geometry::ContactWeights& weights,
+                                             const geometry::SurfacePoint& contact,
+                                             const Eigen::Vector3d& displacement);
+
+/// Which surface is displayed while a tool touches a model with recorded surfaces.
+enum class ShapeRule : std::uint8_t {
+  blended,  ///< `measured_shape`: continuous, and the contact is at the tool
+  nearest,  ///< `nearest_shape`: exactly what was recorded, elsewhere
+};
+
+/// The surface to display in a state of playback, 3 x V [mm]: undeformed while the tool is free,
+/// otherwise as the rule says, or `drawn_shape` if no surface was recorded for the model.
 /// \param field of the model.
 [[nodiscard]] Eigen::Matrix3Xd displayed_shape(const Model& model, const BlendedField& field,
-                                               const LoopState& state);
+                                               const LoopState& state,
+                                               ShapeRule rule = ShapeRule::blended);
 
 }  // namespace palpate::haptics
