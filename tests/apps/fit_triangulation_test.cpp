@@ -35,8 +35,8 @@ class FitTriangulation : public ::testing::Test {
   }
 
   CommandResult fit(const std::vector<std::string>& more) const {
-    std::vector<std::string> call = {"fit", scratch / "a.db", surface, "--max-bases", "2",
-                                     "-o",  scratch / "model"};
+    std::vector<std::string> call = {"fit",       scratch / "a.db", surface, "--max-bases",    "2",
+                                     "--passive", "local",          "-o",    scratch / "model"};
     call.insert(call.end(), more.begin(), more.end());
     return run_palpate(call);
   }
