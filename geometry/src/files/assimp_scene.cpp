@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 #include "base/input_file.h"
 #include "palpate/error.h"
@@ -81,10 +82,36 @@ void take_columns(const std::array<const char*, N>& names,
       mesh.vertex_attributes.push_back({names[i], std::move(columns[i]), {}});
 }
 
+/// Assimp believes the lengths in a binary glTF file, and takes up to 4 GB for each.
+void check_glb_lengths(std::string_view bytes, const std::string& file) {
+  constexpr std::size_t kChunkFrame = 8;                  // length, type
+  constexpr std::size_t kFirstChunk = 12, kLengthAt = 8;  // after magic, version, length
+  if (bytes.size() < kFirstChunk || !bytes.starts_with("glTF")) return;
+  const auto word = [&](std::size_t at) {
+    std::uint32_t value = 0;
+    for (std::size_t i = 4; i-- > 0;)
+      value = value << 8U | static_cast<unsigned char>(bytes[at + i]);
+    return std::size_t{value};
+  };
+  const auto check = [&](const char* what, std::size_t from, std::size_t length) {
+    if (length <= bytes.size() - from) return;
+    throw FileError(file + ": says that " + what + " has " + std::to_string(length) +
+                    " bytes; the file has " + std::to_string(bytes.size() - from) +
+                    " there: it is damaged or truncated");
+  };
+  check("the file", 0, word(kLengthAt));
+  for (std::size_t at = kFirstChunk; bytes.size() - at >= kChunkFrame;) {
+    const std::size_t length = word(at);
+    at += kChunkFrame;
+    check("a part of it", at, length);
+    at += length;
+  }
+}
+
 }  // namespace
 
 PolygonMesh read_assimp_scene(const fs::path& path) {
-  static_cast<void>(read_input_file(path));  // for its clear error messages
+  check_glb_lengths(read_input_file(path), path.string());
   Assimp::Importer importer;
   if (!importer.IsExtensionSupported(path.extension().string()))
     throw FileError(path.string() + ": the ending \"" + path.extension().string() +

@@ -57,21 +57,35 @@ void clip_ears(const PolygonMesh& mesh, std::vector<int> polygon,
   // round, and its triangles are less slender than those of a fan.
   std::size_t corner = 0;
   std::size_t refused = 0;
+  // Corners whose triangles are known to be no ears: in a simple polygon that can only change at
+  // the neighbours of a corner that was clipped. So the time grows with the square of the corners.
+  std::vector<char> is_refused(polygon.size(), 0);
+  bool has_skipped = false;  // in this round
   while (polygon.size() > 3) {
     const std::size_t size = polygon.size();
     corner %= size;
-    const Eigen::Vector3i triangle(polygon[corner], polygon[(corner + 1) % size],
-                                   polygon[(corner + 2) % size]);
+    const std::size_t tip = (corner + 1) % size, after = (corner + 2) % size;
+    const Eigen::Vector3i triangle(polygon[corner], polygon[tip], polygon[after]);
+    if (refused == size && has_skipped) {  // the polygon is not simple: look at all of them again
+      std::ranges::fill(is_refused, 0);
+      refused = 0;
+      has_skipped = false;
+    }
     // A self-intersecting or degenerate polygon may have no ear; then any corner is clipped.
-    if (refused < size && !is_ear(mesh, normal, polygon, triangle)) {
+    if (refused < size && (is_refused[tip] != 0 || !is_ear(mesh, normal, polygon, triangle))) {
+      has_skipped = has_skipped || is_refused[tip] != 0;
+      is_refused[tip] = 1;
       ++corner;
       ++refused;
       continue;
     }
     triangles.push_back(triangle);
-    polygon.erase(polygon.begin() + static_cast<std::ptrdiff_t>((corner + 1) % size));
+    is_refused[corner] = is_refused[after] = 0;
+    polygon.erase(polygon.begin() + static_cast<std::ptrdiff_t>(tip));
+    is_refused.erase(is_refused.begin() + static_cast<std::ptrdiff_t>(tip));
     ++corner;
     refused = 0;
+    has_skipped = false;
   }
   triangles.emplace_back(polygon[0], polygon[1], polygon[2]);
 }

@@ -98,6 +98,21 @@ FileError truncated(const fs::path& path, const ImageF& z, Eigen::Index row,
                    message.str() + ")");
 }
 
+/// Strips and tiles lie in the file, each at a place of its own. In a damaged file, libtiff takes
+/// the same bytes for many of them.
+void check_parts(TIFF* file, const fs::path& path) {
+  const bool is_tiled = TIFFIsTiled(file) != 0;
+  const std::uint32_t parts = is_tiled ? TIFFNumberOfTiles(file) : TIFFNumberOfStrips(file);
+  const std::uintmax_t size = fs::file_size(path);
+  std::uintmax_t total = 0;
+  for (std::uint32_t part = 0; part < parts && total <= size; ++part)
+    total += TIFFGetStrileByteCount(file, part);
+  if (total > size)
+    throw FileError(path.string() + ": its " + std::to_string(parts) +
+                    (is_tiled ? " tiles" : " strips") + " have more bytes than the file, " +
+                    std::to_string(size) + "; it is truncated or damaged");
+}
+
 void read_strips(TIFF* file, const fs::path& path, const TiffMessage& message, ImageF& z) {
   std::uint32_t rows_per_strip = 0;
   TIFFGetFieldDefaulted(file, TIFFTAG_ROWSPERSTRIP, &rows_per_strip);
@@ -199,6 +214,7 @@ ImageF read_depth_tiff(const fs::path& path) {
     throw FileError(path.string() + ": is not a TIFF file, or it is truncated (" + message.str() +
                     "); a range map is a TIFF of 1 channel of 32 bit floating-point");
   ImageF z = checked_image(file.get(), path);
+  check_parts(file.get(), path);
   if (TIFFIsTiled(file.get()) != 0)
     read_tiles(file.get(), path, message, z);
   else

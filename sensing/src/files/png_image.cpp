@@ -92,7 +92,13 @@ Layout read_layout(std::string_view header) {
   return layout;
 }
 
+// Of unpacked bytes to packed ones: deflate codes at most 258 bytes by two bits.
+constexpr std::size_t kMaxExpansion = 1032;
+
 std::vector<Byte> inflate(std::string_view packed, std::size_t size) {
+  if (size / kMaxExpansion > packed.size())  // before memory is taken
+    throw InvalidInput("is damaged: " + std::to_string(packed.size()) +
+                       " packed bytes cannot hold its pixels");
   const std::unique_ptr<libdeflate_decompressor, decltype(&libdeflate_free_decompressor)>
       decompressor(libdeflate_alloc_decompressor(), &libdeflate_free_decompressor);
   if (!decompressor) throw std::bad_alloc();

@@ -24,6 +24,9 @@ cv::FileStorage open_storage(const std::filesystem::path& path) {
   } catch (const cv::Exception& error) {
     throw FileError(path.string() + ": not an OpenCV FileStorage file (" + error.err +
                     "); a YAML file that begins with %YAML:1.0 is expected");
+  } catch (const std::exception&) {  // OpenCV's parser passes on those of std::string
+    throw FileError(path.string() +
+                    ": is damaged; a YAML file that begins with %YAML:1.0 is expected");
   }
   throw FileError(
       path.string() +

@@ -73,7 +73,10 @@ geometry::Camera read_lens(const StorageFile& file, const std::string& name) {
 
 ChromaticShift read_chromatic(const StorageFile& file, const std::string& channel) {
   const cv::FileNode chromatic = file.root()["chromatic"];
-  if (chromatic.empty() || chromatic[channel].empty()) return {};
+  if (chromatic.empty()) return {};
+  if (!chromatic.isMap())
+    file.fail("chromatic", "red and blue, each with alpha, beta and gamma, are expected");
+  if (chromatic[channel].empty()) return {};
   const std::string key = "chromatic." + channel;
   const auto value = [&](const char* name) {
     return file.number(file.child(chromatic[channel], name, key + "."), key + "." + name);

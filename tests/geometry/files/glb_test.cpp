@@ -63,6 +63,20 @@ TEST(Glb, ComesBackWithinTheRoundingOfFloats) {
             1e-6);
 }
 
+TEST(Glb, LengthsBeyondTheFileAreRefusedBeforeMemoryIsTaken) {
+  const ScratchFolder folder;
+  write_mesh_file(folder / "sphere.glb", colored_sphere());
+  const std::string right = read_text(folder / "sphere.glb");
+  std::string wrong = right;
+  wrong[15] = '\xf0';  // the length of the JSON: 4 GB
+  write_text(folder / "json.glb", wrong);
+  EXPECT_THROWS_MESSAGE(static_cast<void>(read_mesh(folder / "json.glb")), FileError,
+                        "says that a part of it has 40265");
+  write_text(folder / "cut.glb", right.substr(0, right.size() / 2));
+  EXPECT_THROWS_MESSAGE(static_cast<void>(read_mesh(folder / "cut.glb")), FileError,
+                        "says that the file has " + std::to_string(right.size()));
+}
+
 TEST(Glb, RefusesWhatItCannotHold) {
   const ScratchFolder folder;
   MeshFile file = colored_sphere();

@@ -80,6 +80,14 @@ TEST(PolygonMesh, ConcavePolygonsKeepTheirOutline) {
   expect_covers(star);
 }
 
+TEST(PolygonMesh, ManyCornersOfWhichFewAreEarsAreCutAsWell) {
+  Outline zigzag;
+  constexpr int kTeeth = 500;
+  for (int i = 0; i < kTeeth; ++i) zigzag.emplace_back(i, i % 2 == 0 ? 1 : 10);
+  for (int i = kTeeth; i-- > 0;) zigzag.emplace_back(i, i % 2 == 0 ? 0 : 9);
+  expect_covers(zigzag);
+}
+
 TEST(PolygonMesh, ClockwisePolygonsStayClockwise) {
   expect_covers({{0, 0}, {0, 4}, {6, 4}, {6, 0}, {3, 2}});
 }

@@ -173,6 +173,19 @@ TEST(RangeMap, RefusesATruncatedFileWhereverItEnds) {
   }
 }
 
+// The length of an image is changed: libtiff takes what it finds for the tiles that are missing.
+TEST(RangeMap, RefusesAFileOfTilesThatAreNotInIt) {
+  const ScratchFolder folder;
+  write_foreign_tiff(folder / "z.tiff", awkward_image(16, 16), {.tile = 16});
+  std::string bytes = read_text(folder / "z.tiff");
+  const std::string length = {'\x01', '\x01', '\x03', 0, 1, 0, 0, 0, 16, 0};  // tag 257, one SHORT
+  const std::size_t at = bytes.find(length);
+  ASSERT_NE(at, std::string::npos);
+  bytes.replace(at + 8, 2, "\x60\xea");  // 60,000
+  write_text(folder / "z.tiff", bytes);
+  EXPECT_THROW(static_cast<void>(read_depth_tiff(folder / "z.tiff")), FileError);
+}
+
 TEST(RangeMap, SaysWhichRowsOfDamagedDataAreLost) {
   const ScratchFolder folder;
   write_foreign_tiff(folder / "z.tiff", awkward_image(41, 37),

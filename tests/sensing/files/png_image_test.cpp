@@ -111,6 +111,8 @@ TEST(PngImage, RefusesDamageThatChecksumsDoNotShow) {
   EXPECT_NE(refusal(grey_file(2, 1, "\x05\0\0"s)).find("filter"), std::string::npos);
   EXPECT_NE(refusal(grey_file(2, 2, "\0\0\0"s)).find("cannot be unpacked"), std::string::npos);
   EXPECT_NE(refusal(grey_file(2, 1, "\0\0\0\0"s)).find("cannot be unpacked"), std::string::npos);
+  EXPECT_NE(refusal(grey_file(1 << 14, 1 << 14, "\0"s)).find("cannot hold its pixels"),
+            std::string::npos);
   EXPECT_NE(refusal(grey_file(0, 1, "\0"s)).find("0 x 1 px"), std::string::npos);
   EXPECT_NE(refusal(grey_file(1 << 20, 1 << 20, "\0"s)).find("2^28"), std::string::npos);
   EXPECT_NE(refusal("\x89PNG\r\n\x1a\n" + chunk("IEND", "")).find("no header"), std::string::npos);

@@ -131,6 +131,33 @@ TEST(Rig, RefusesWrongFilesAndNamesTheKey) {
             std::string::npos);
 }
 
+// OpenCV's parser also throws exceptions of its own and of std::string.
+TEST(Rig, DamageIsAFileErrorUnlessItLeavesARig) {
+  const ScratchFolder folder;
+  const std::string text = read_text(demo_path("rig.yaml"));
+  std::mt19937 random(1);
+  const auto below = [&](std::size_t end) { return random() % end; };
+  int refused = 0;
+  for (int i = 0; i < 400; ++i) {
+    std::string damaged = text;
+    for (int k = 0; k < 4; ++k) {
+      const std::size_t at = below(damaged.size());
+      if (k % 2 == 0) {
+        damaged[at] = static_cast<char>(below(128));
+      } else {
+        damaged.erase(at, below(20));
+      }
+    }
+    try {
+      (void)read_rig(written(folder, "damaged.yaml", damaged));
+    } catch (const FileError& error) {
+      EXPECT_NE(std::string(error.what()).find("damaged.yaml"), std::string::npos);
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, 100);
+}
+
 TEST(Rig, RefusesMissingEmptyAndForeignFiles) {
   const ScratchFolder folder;
   EXPECT_THROW((void)read_rig(folder / "none.yaml"), FileError);
