@@ -98,19 +98,25 @@ FileError truncated(const fs::path& path, const ImageF& z, Eigen::Index row,
                    message.str() + ")");
 }
 
-/// Strips and tiles lie in the file, each at a place of its own. In a damaged file, libtiff takes
-/// the same bytes for many of them.
+/// Strips and tiles lie in the file, each at a place of its own. Libtiff may leave pixels of those
+/// that do not as they are in memory, without an error.
 void check_parts(TIFF* file, const fs::path& path) {
   const bool is_tiled = TIFFIsTiled(file) != 0;
   const std::uint32_t parts = is_tiled ? TIFFNumberOfTiles(file) : TIFFNumberOfStrips(file);
+  const char* const kind = is_tiled ? "tile" : "strip";
   const std::uintmax_t size = fs::file_size(path);
   std::uintmax_t total = 0;
-  for (std::uint32_t part = 0; part < parts && total <= size; ++part)
-    total += TIFFGetStrileByteCount(file, part);
+  for (std::uint32_t part = 0; part < parts && total <= size; ++part) {
+    const std::uint64_t bytes = TIFFGetStrileByteCount(file, part);
+    if (bytes == 0)
+      throw FileError(path.string() + ": " + kind + " " + std::to_string(part) + " of " +
+                      std::to_string(parts) + " is not in the file; it is truncated or damaged");
+    total += bytes;
+  }
   if (total > size)
-    throw FileError(path.string() + ": its " + std::to_string(parts) +
-                    (is_tiled ? " tiles" : " strips") + " have more bytes than the file, " +
-                    std::to_string(size) + "; it is truncated or damaged");
+    throw FileError(path.string() + ": its " + std::to_string(parts) + " " + kind +
+                    "s have more bytes than the file, " + std::to_string(size) +
+                    "; it is truncated or damaged");
 }
 
 void read_strips(TIFF* file, const fs::path& path, const TiffMessage& message, ImageF& z) {

@@ -183,7 +183,8 @@ TEST(RangeMap, RefusesAFileOfTilesThatAreNotInIt) {
   ASSERT_NE(at, std::string::npos);
   bytes.replace(at + 8, 2, "\x60\xea");  // 60,000
   write_text(folder / "z.tiff", bytes);
-  EXPECT_THROW(static_cast<void>(read_depth_tiff(folder / "z.tiff")), FileError);
+  EXPECT_THROWS_MESSAGE(static_cast<void>(read_depth_tiff(folder / "z.tiff")), FileError,
+                        "tile 1 of 3750 is not in the file");
 }
 
 TEST(RangeMap, SaysWhichRowsOfDamagedDataAreLost) {
