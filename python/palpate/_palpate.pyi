@@ -257,7 +257,7 @@ class Decoder(metaclass=_Class):
         *,
         window_periods: float = ...,
         half_resolution: bool = ...,
-        anchor: tuple[float, float, float] | None = ...,
+        anchors: Sequence[tuple[float, float, float]] = ...,
     ) -> None: ...
     @property
     def rig(self) -> Rig: ...

@@ -172,23 +172,22 @@ void add_decoder(py::module_& module) {
 Threads may decode with the same decoder at the same time.)")
       .def(py::init([](const Rig& rig, const Pattern& pattern, const TrainedColors& colors,
                        double window_periods, bool half_resolution,
-                       const std::optional<std::array<double, 3>>& anchor) {
+                       const std::vector<std::array<double, 3>>& anchors) {
              sensing::DecodeOptions options{.window_periods = window_periods,
                                             .half_resolution = half_resolution};
-             if (anchor) {
-               options.anchor = {.u_px = (*anchor)[0], .v_px = (*anchor)[1], .z = (*anchor)[2]};
-             }
+             for (const auto& [u, v, z] : anchors) options.anchors.push_back({u, v, z});
              const Unlocked unlocked;
              return Decoder(rig, pattern, colors, options);
            }),
            arg("rig"), arg("pattern"), arg("colors"), kw_only(),
            arg("window_periods") = sensing::DecodeOptions{}.window_periods,
-           arg("half_resolution") = false, arg("anchor") = py::none(),
+           arg("half_resolution") = false, arg("anchors") = std::vector<std::array<double, 3>>(),
            R"(Prepares everything that does not depend on the frame.
 
 window_periods: length of the demodulation window in periods of the sinusoid, in [1.25, 8].
 half_resolution: decode at half the size, several times faster.
-anchor: (column, row, depth [mm]) of a known pixel, for a pattern without stripes only.
+anchors: (column, row, depth [mm]) of known pixels, for a pattern without stripes only: only their
+regions get depths.
 Raises InvalidInput.)")
       .def_property_readonly(
           "rig", [](const Decoder& decoder) { return decoder.rig(); },

@@ -46,9 +46,7 @@ struct Stages {
   }
   void unwrap() {
     const sensing::FloodLimits limits{options.max_phase_variance, options.max_phase_step};
-    sensing::find_modulated(work.combined, work.demodulated.channels, work.lit,
-                            {.colored = true, .min_amplitude = options.min_modulation},
-                            work.modulated);
+    sensing::find_modulated(work.combined, work.lit, options.min_modulation, work.modulated);
     sensing::find_wrapped_phase(work.combined.re, work.combined.im, work.wrapped);
     sensing::phase_variance(work.wrapped, work.modulated, work.variance);
     sensing::grow_regions(work.wrapped, work.variance, limits, work.unwrapping, work.regions);

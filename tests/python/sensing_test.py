@@ -52,7 +52,7 @@ class Decoding(unittest.TestCase):
         with self.assertRaisesRegex(palpate.InvalidInput, "window_periods"):
             palpate.Decoder(self.rig, self.pattern, self.colors, window_periods=np.nan)
         with self.assertRaisesRegex(palpate.InvalidInput, "anchor"):
-            palpate.Decoder(self.rig, self.pattern, self.colors, anchor=(1, 2, 3))
+            palpate.Decoder(self.rig, self.pattern, self.colors, anchors=[(1, 2, 3)])
         with self.assertRaisesRegex(palpate.FileError, "pattern.yaml"):
             palpate.read_rig(DEMO / "pattern.yaml")
 

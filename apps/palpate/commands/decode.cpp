@@ -5,8 +5,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <iterator>
-#include <limits>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -16,11 +14,12 @@
 #include <utility>
 #include <vector>
 
+#include "commands/decode_input.h"
 #include "commands/decode_outputs.h"
 #include "commands/decode_record.h"
+#include "commands/decode_summary.h"
 #include "palpate/error.h"
 #include "palpate/geometry/error_statistics.h"
-#include "palpate/geometry/median.h"
 #include "palpate/sensing/decode_frame.h"
 #include "palpate/sensing/pattern.h"
 #include "palpate/sensing/response.h"
@@ -45,6 +44,7 @@ struct DecodeCall {
   fs::path rig, pattern, colors, response;
   std::optional<sensing::Linearizer> linearizer;  ///< of `response`
   std::string bayer;
+  int bits = 0;  ///< of 16-bit frames; 0: not stated, all 16
   std::string segmentation = "flood";
   std::vector<double> anchor;
   double window_periods = sensing::DecodeOptions{}.window_periods;
@@ -71,41 +71,6 @@ struct Outcome {
 };
 using Outcomes = std::map<std::size_t, Outcome>;  ///< by the number of the frame
 
-/// "1234 reconstructed, 56 unlit, ..."
-std::string counts(const sensing::ReasonImage& reasons) {
-  std::string text;
-  for (int code = 0; code < sensing::kReasonCount; ++code) {
-    const auto reason = static_cast<sensing::Reason>(code);
-    text += fmt::format("{}{} {}", code > 0 ? ", " : "", sensing::count(reasons, reason),
-                        sensing::name(reason));
-  }
-  return text;
-}
-
-/// Counts the known depths and computes their median.
-void measure_depths(const geometry::ImageF& z, FinishedFrame& frame) {
-  std::vector<float> depths;
-  depths.reserve(static_cast<std::size_t>(z.size()));
-  std::copy_if(z.data(), z.data() + z.size(), std::back_inserter(depths),
-               [](float depth) { return depth > 0; });
-  frame.pixels = static_cast<long>(depths.size());
-  frame.median_depth = std::numeric_limits<double>::quiet_NaN();
-  if (depths.empty()) return;
-  frame.median_depth = static_cast<double>(geometry::median(std::move(depths)));
-}
-
-/// Adds the linearisation of `call` to the function that reads the frame.
-void linearize_when_read(const DecodeCall& call, sensing::SourceFrame& frame) {
-  frame.read = [read = std::move(frame.read), name = frame.name, &linearize = *call.linearizer] {
-    const cv::Mat image = read();
-    try {
-      return linearize(image);
-    } catch (const InvalidInput& misfit) {
-      throw InvalidInput(name + ": " + misfit.what());
-    }
-  };
-}
-
 /// The next frame to be decoded. Frames that an earlier run has finished are added to `kept`.
 std::optional<FrameItem> next_unfinished(const DecodeCall& call, sensing::FrameSource& source,
                                          const DecodeRecord& record, Outcomes& kept) {
@@ -115,7 +80,10 @@ std::optional<FrameItem> next_unfinished(const DecodeCall& call, sensing::FrameS
       kept[frame->number] = {.error = {}, .frame = *finished, .kept = true};
       continue;
     }
-    if (call.linearizer) linearize_when_read(call, *frame);
+    if (call.bits > 0) widen_when_read(call.bits, *frame);
+    if (call.bits == 0 && frame->number == 0) doubt_bits_when_read(*frame);
+    if (call.linearizer) linearize_when_read(*call.linearizer, *frame);
+    if (!call.anchor.empty() && frame->number == 0) examine_when_read(*frame);
     FrameItem item;
     item.decoded.source = std::move(*frame);
     return item;
@@ -135,7 +103,8 @@ void write_frame(const DecodeCall& call, FrameItem& item) {
   }
   item.finished = stamped(source);
   item.finished.milliseconds = item.decoded.decode_milliseconds;
-  measure_depths(result.range.z, item.finished);
+  item.finished.pixels = (result.range.z > 0).count();
+  item.finished.median_depth = median_depth(result.range.z);
   if (item.finished.pixels == 0)
     spdlog::warn("{}: no pixel has a depth; run with -v to see why.", source.name);
   write_outputs(call.outputs, source.number, result);
@@ -296,6 +265,7 @@ nlohmann::ordered_json settings_of(const DecodeCall& call) {
           {"--window", call.window_periods},
           {"--half", call.half},
           {"--bayer", call.bayer},
+          {"--bits", call.bits},
           {"--segmentation", call.segmentation}};
 }
 
@@ -321,8 +291,7 @@ void decode(const Settings& settings, DecodeCall call) {
   sensing::DecodeOptions options;
   options.window_periods = call.window_periods;
   options.half_resolution = call.half;
-  if (!call.anchor.empty())
-    options.anchor = sensing::Anchor{call.anchor[0], call.anchor[1], call.anchor[2]};
+  options.anchors = anchors_of(call.anchor);
   if (call.segmentation == "snakes") options.segmentation = sensing::Segmentation::snakes;
   const sensing::Decoder decoder(rig, pattern, colors, options);
   std::vector<std::string> inputs;
@@ -363,8 +332,10 @@ void add_decode(CLI::App& app, const Settings& settings) {
       "Response of projector and camera (response.yaml): frames are linearised first");
   command
       ->add_option("--anchor", call->anchor,
-                   "u,v,z: for a pattern without stripes, a pixel [px] whose depth [mm] is known")
+                   "u,v,z: for a pattern without stripes, a pixel [px] whose depth [mm] is known; "
+                   "repeat it for each surface")
       ->expected(3)
+      ->take_all()
       ->delimiter(',');
   command
       ->add_option(
@@ -376,6 +347,10 @@ void add_decode(CLI::App& app, const Settings& settings) {
       "--half", call->half,
       "Decode at half the size of the frames, which is several times faster; the range "
       "maps and the rig beside them have that size");
+  command
+      ->add_option("--bits", call->bits,
+                   "Bits that 16-bit frames use, 8 to 16: 12 if the camera's full scale is 4095")
+      ->check(CLI::Range(8, 16));
   command
       ->add_option(
           "--bayer", call->bayer,

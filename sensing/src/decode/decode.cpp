@@ -11,6 +11,7 @@
 
 #include "colors/hue_classifier.h"
 #include "decode/color_evidence.h"
+#include "decode/decode_options.h"
 #include "decode/decoder_geometry.h"
 #include "decode/plausibility.h"
 #include "decode/workspace.h"
@@ -21,7 +22,6 @@
 #include "image/pool.h"
 #include "image/reasons.h"
 #include "palpate/error.h"
-#include "palpate/require.h"
 #include "phase/demodulation.h"
 #include "phase/modulation.h"
 #include "phase/phase_noise.h"
@@ -41,6 +41,9 @@ constexpr int kBlurRadius = 2;
 /// Half-widths of the squares in which colours are checked [px]: one that contains more than one
 /// stripe, and one so small that the surroundings of a narrow part of a surface do not outvote it.
 constexpr std::array<long, 2> kNearby{16, 6};
+/// Smallest part of a region that must hold an anchor of its own [px].
+constexpr int kLeastAnchoredCore = 50;
+
 /// Reach of a phase discontinuity across the sinusoid [px]: two standard deviations of the average
 /// along the rows, whose steps 1, 2, 4, ... have variances of 1, 4, 16, ... px^2.
 int break_columns(const DemodulationFilter& filter) {
@@ -50,29 +53,6 @@ int break_columns(const DemodulationFilter& filter) {
 /// Half the width of a trough of the sinusoid, including its flanks [px].
 int trough_radius(const Carrier& carrier) {
   return (static_cast<int>(2 * std::numbers::pi / std::abs(carrier.along)) + 1) / 2;
-}
-
-void check_options(const DecodeOptions& options) {
-  require("DecodeOptions::window_periods", options.window_periods, at_least(1.25).at_most(8));
-  require("DecodeOptions::min_signal", options.min_signal, above(0).below(1));
-  require("DecodeOptions::min_modulation", options.min_modulation, above(0).below(1));
-  require("DecodeOptions::min_contrast", options.min_contrast, above(0).below(1));
-  require("DecodeOptions::min_hue_step", options.min_hue_step, above(0).below(std::numbers::pi),
-          "rad");
-  require("DecodeOptions::color_window_px", options.color_window_px, at_least(1), "px");
-  require("DecodeOptions::min_color_score", options.min_color_score, above(0).below(1));
-  require("DecodeOptions::max_phase_variance", options.max_phase_variance, above(0).finite(),
-          "rad^2");
-  require("DecodeOptions::max_phase_step", options.max_phase_step, above(0).below(std::numbers::pi),
-          "rad");
-  require("DecodeOptions::min_agreement", options.min_agreement, above(0.5).at_most(1));
-  require("DecodeOptions::max_sensitivity", options.max_sensitivity, above(0).finite());
-}
-
-void check_anchor(const Anchor& anchor, const geometry::Camera& camera) {
-  require("Anchor::u_px", anchor.u_px, above(-0.5).below(camera.width - 0.5), "px");
-  require("Anchor::v_px", anchor.v_px, above(-0.5).below(camera.height - 0.5), "px");
-  require("Anchor::z", anchor.z, above(0).finite(), "mm");
 }
 
 /// Smallest period at half size [px]. For longer periods the alias of the sinusoid at the negative
@@ -151,7 +131,8 @@ struct Decoder::Impl {
   void find_regions(Workspace& work) const;
   void predict_sigma(Workspace& work) const;
   void find_guesses(Workspace& work) const;
-  [[nodiscard]] std::vector<RegionOffset> anchor_offsets(const Regions& regions) const;
+  void find_anchors(Workspace& work) const;
+  void anchor_regions(const FloodLimits& limits, Workspace& work) const;
   void drop_borders(Workspace& work) const;
   void check_colors(Workspace& work) const;
   void fill_result(Workspace& work, DecodeResult& result) const;
@@ -172,22 +153,12 @@ Decoder::Impl::Impl(const Rig& rig, const Pattern& pattern, const TrainedColors&
       model(decoded_rig(rig, pattern, options.half_resolution), pattern),
       filter(make_filter(model.carrier().along, options.window_periods)) {
   check_pattern_fits(pattern, rig.projector, "pattern");
-  if (pattern.stripe_edges.empty() && !options.anchor) {
-    throw InvalidInput(
-        "pattern: has no stripes to find depths from; an anchor (a pixel and its depth) is needed");
+  geometry::Camera seen = rig.camera;
+  if (options.half_resolution) {
+    seen.width = 2 * model.rig().camera.width;
+    seen.height = 2 * model.rig().camera.height;
   }
-  if (!pattern.stripe_edges.empty() && options.anchor) {
-    throw InvalidInput(
-        "DecodeOptions: anchor: is for a pattern without stripes; with them, leave it out");
-  }
-  if (options.anchor) {
-    geometry::Camera seen = rig.camera;
-    if (options.half_resolution) {
-      seen.width = 2 * model.rig().camera.width;
-      seen.height = 2 * model.rig().camera.height;
-    }
-    check_anchor(*options.anchor, seen);
-  }
+  check_anchors(options.anchors, pattern, seen);
   if (!pattern.stripe_edges.empty()) stripes.emplace(pattern, colors);
 }
 
@@ -215,18 +186,33 @@ void Decoder::Impl::find_guesses(Workspace& work) const {
   model.phases_at_edges(work.transitions, work.guesses);
 }
 
-std::vector<RegionOffset> Decoder::Impl::anchor_offsets(const Regions& regions) const {
+/// The phases at the anchors.
+void Decoder::Impl::find_anchors(Workspace& work) const {
   const auto decoded = [&](double pixel) {
     return static_cast<int>(std::lround(options.half_resolution ? half_size(pixel) : pixel));
   };
-  const int u = decoded(options.anchor->u_px);
-  const int v = decoded(options.anchor->v_px);
-  PhaseGuess guess{.row = v, .column = u, .score = 1};
-  if (model.carrier().transposed) std::swap(guess.row, guess.column);
-  const auto phase = model.phase_at_depth(guess.row, guess.column, options.anchor->z);
-  if (!phase) return std::vector<RegionOffset>(static_cast<std::size_t>(regions.count));
-  guess.phase = *phase;
-  return anchored_offsets(regions, guess, filter.radius);
+  work.guesses.clear();
+  for (const Anchor& anchor : options.anchors) {
+    PhaseGuess guess{.row = decoded(anchor.v_px), .column = decoded(anchor.u_px), .score = 1};
+    if (model.carrier().transposed) std::swap(guess.row, guess.column);
+    const auto phase = model.phase_at_depth(guess.row, guess.column, anchor.z);
+    if (!phase) continue;
+    guess.phase = *phase;
+    const auto near = nearest_in_region(work.regions, guess, filter.radius);
+    if (near) work.guesses.push_back(*near);
+  }
+}
+
+/// Gives the regions around the anchors their offsets. Nothing else tells that two surfaces meet
+/// where their phases agree, so regions end where the sinusoid fits badly.
+void Decoder::Impl::anchor_regions(const FloodLimits& limits, Workspace& work) const {
+  find_anchors(work);
+  if (options.segmentation == Segmentation::flood) {
+    anchor_markers(work.regions, work.guesses, work.markers);
+    work.doubt = work.variance + work.sigma.square();
+    split_regions(work.wrapped, work.doubt, limits, work.markers, work.unwrapping, work.regions);
+  }
+  anchored_offsets(work.regions, work.guesses, work.offsets);
 }
 
 /// Finds the sinusoid in the frame.
@@ -246,14 +232,17 @@ void Decoder::Impl::demodulate_frame(const cv::Mat& frame, Workspace& work) cons
   combine_channels(work.demodulated.channels, model.chromatic(), work.combined);
 }
 
-/// Finds where there is enough light and the sinusoid is strong enough.
+/// Finds where there is enough light, and the sinusoid is strong enough for the noise.
 void Decoder::Impl::judge_light(Workspace& work) const {
-  const Pattern& pattern = model.pattern();
-  find_modulated(work.combined, work.demodulated.channels, work.lit,
-                 {.colored = stripes.has_value(),
-                  .min_amplitude = options.min_modulation,
-                  .min_ratio = options.min_contrast * pattern.amplitude / pattern.mean},
-                 work.modulated);
+  find_modulated(work.combined, work.lit, options.min_modulation, work.modulated);
+  find_wrapped_phase(work.combined.re, work.combined.im, work.wrapped);
+  const PhaseSignal signal{.wrapped = work.wrapped,
+                           .combined = work.combined,
+                           .channels = work.demodulated.channels,
+                           .residual = work.demodulated.residual,
+                           .modulated = work.modulated};
+  predict_phase_sigma(signal, estimate_noise(signal, filter), filter, work.sigma);
+  drop_uncertain(work.sigma, options.max_phase_sigma, work.modulated);
   work.reasons.setZero(model.rows(), model.columns());
   find_clipped(work.channels, work.clipped);
   work.clipped *= 1 - work.modulated;
@@ -264,8 +253,8 @@ void Decoder::Impl::judge_light(Workspace& work) const {
 
 /// Unwraps the phase and makes it absolute.
 void Decoder::Impl::find_regions(Workspace& work) const {
-  const FloodLimits limits{options.max_phase_variance, options.max_phase_step};
-  find_wrapped_phase(work.combined.re, work.combined.im, work.wrapped);
+  const FloodLimits limits{.max_variance = options.max_phase_variance,
+                           .max_step = options.max_phase_step};
   phase_variance(work.wrapped, work.modulated, work.variance);
   const bool snakes = options.segmentation == Segmentation::snakes;
   if (snakes) {
@@ -287,7 +276,10 @@ void Decoder::Impl::find_regions(Workspace& work) const {
                            .min_agreement = options.min_agreement},
                           work.offsets);
   } else {
-    work.offsets = anchor_offsets(work.regions);
+    anchor_regions({.max_variance = limits.max_variance,
+                    .max_step = limits.max_step,
+                    .least_core = kLeastAnchoredCore},
+                   work);
   }
   add_offsets(work.regions, work.offsets, work.phase, work.reasons);
 }
@@ -302,20 +294,16 @@ void Decoder::Impl::drop_borders(Workspace& work) const {
   keep_reconstructed(work.reasons, work.phase);
 }
 
-/// Converts the standard deviation of the phase to that of the depth.
+/// Completes the standard deviation of the phase, and converts it to that of the depth.
 void Decoder::Impl::predict_sigma(Workspace& work) const {
   const Pattern& pattern = model.pattern();
-  const PhaseSignal signal{.wrapped = work.wrapped,
-                           .combined = work.combined,
-                           .channels = work.demodulated.channels,
-                           .residual = work.demodulated.residual,
-                           .modulated = work.modulated,
-                           .chromatic = model.chromatic(),
-                           .phase = work.phase,
-                           .pixels = {.along = model.carrier().along,
-                                      .offset = pattern.phase,
-                                      .per_pixel = 2 * std::numbers::pi / pattern.period}};
-  predict_phase_sigma(signal, estimate_noise(signal, filter), filter, work.sigma);
+  const PixelOfPhase pixels{.along = model.carrier().along,
+                            .offset = pattern.phase,
+                            .per_pixel = 2 * std::numbers::pi / pattern.period};
+  add_chromatic_error(
+      work.combined.shares,
+      remaining_error(work.demodulated.channels, model.chromatic(), work.phase, pixels),
+      work.sigma);
   scale_sigma(work.surfaces.z.data(), work.surfaces.z_per_phase.data(), work.sigma.data(),
               work.sigma.size());
 }

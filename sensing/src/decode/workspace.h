@@ -21,11 +21,12 @@ struct Workspace {
   Mask lit;
   Demodulation demodulated;
   Combined combined;
-  Mask modulated;  ///< lit, and the sinusoid is strong enough
+  Mask modulated;  ///< lit, and the phase is precise enough
   Mask clipped;    ///< a channel is at full scale
   ReasonImage reasons;
   Plane wrapped;
   Plane variance;
+  Plane doubt;  ///< [rad^2] variance plus sigma^2, for a pattern without stripes
   UnwrappingBuffers unwrapping;
   Regions regions;
   Plane hue;
@@ -39,7 +40,7 @@ struct Workspace {
   Mask breaks;  ///< close to a discontinuity of the phase
   SurfaceImages surfaces;
   Mask contradicting;  ///< contradicted by the colours around
-  Plane sigma;         ///< [mm] of the depths
+  Plane sigma;         ///< [rad] of the phases, then [mm] of the depths
 };
 
 }  // namespace palpate::sensing

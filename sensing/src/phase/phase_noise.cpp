@@ -114,8 +114,6 @@ struct Coefficients {
   float residual_constant = 0;
   float residual_slope = 0;
   float coherent = 0;
-  float red = 0;
-  float blue = 0;
 };
 
 /// One row of the input for predicting deviations.
@@ -124,8 +122,6 @@ struct SigmaInputRow {
   const float* im;
   const float* residual;
   std::array<const float*, 3> means;  ///< of the channels, whose sum is the light
-  const float* red;                   ///< shares
-  const float* blue;
 };
 
 PALPATE_HOT_LOOP void find_sigma(const SigmaInputRow& row, const Coefficients& coefficients,
@@ -138,8 +134,15 @@ PALPATE_HOT_LOOP void find_sigma(const SigmaInputRow& row, const Coefficients& c
     const float noise = c.noise_constant + c.noise_slope * light;
     const float variance = noise + c.coherent * (excess > 0 ? excess : 0.0F);
     const float power = r.re[i] * r.re[i] + r.im[i] * r.im[i];
+    sigma[i] = std::sqrt(variance / power);
+  }
+}
+
+PALPATE_HOT_LOOP void add_variance(const float* red, const float* blue, float of_red, float of_blue,
+                                   long count, float* __restrict sigma) {
+  for (long i = 0; i < count; ++i) {
     sigma[i] =
-        std::sqrt(variance / power + c.red * r.red[i] * r.red[i] + c.blue * r.blue[i] * r.blue[i]);
+        std::sqrt(sigma[i] * sigma[i] + of_red * red[i] * red[i] + of_blue * blue[i] * blue[i]);
   }
 }
 
@@ -168,8 +171,7 @@ FrameNoise estimate_noise(const PhaseSignal& signal, const DemodulationFilter& f
                              median(first, last, [](const NoiseSample& s) { return s.quadrature; });
     quadrature.value.push_back(deviation * deviation / kDifferenceVariance);
   }
-  return {fit_line(quadrature), fit_line(residual),
-          remaining_error(signal.channels, signal.chromatic, signal.phase, signal.pixels)};
+  return {fit_line(quadrature), fit_line(residual)};
 }
 
 void predict_phase_sigma(const PhaseSignal& signal, const FrameNoise& noise,
@@ -184,24 +186,25 @@ void predict_phase_sigma(const PhaseSignal& signal, const FrameNoise& noise,
       .noise_slope = static_cast<float>(noise.quadrature.slope),
       .residual_constant = kUsualResidual * static_cast<float>(noise.residual.constant),
       .residual_slope = kUsualResidual * static_cast<float>(noise.residual.slope),
-      .coherent = static_cast<float>(squares / 2),
-      .red = static_cast<float>(noise.chromatic.red),
-      .blue = static_cast<float>(noise.chromatic.blue)};
+      .coherent = static_cast<float>(squares / 2)};
   sigma.resize(signal.wrapped.rows(), signal.wrapped.cols());
   const std::vector<float> zeros(static_cast<std::size_t>(sigma.cols()), 0.0F);
-  const bool chromatic = model.red > 0 || model.blue > 0;
   for (long row = 0; row < sigma.rows(); ++row) {
     SigmaInputRow values{.re = &signal.combined.re(row, 0),
                          .im = &signal.combined.im(row, 0),
                          .residual = &signal.residual(row, 0),
-                         .means = {zeros.data(), zeros.data(), zeros.data()},
-                         .red = chromatic ? &signal.combined.shares.red(row, 0) : zeros.data(),
-                         .blue = chromatic ? &signal.combined.shares.blue(row, 0) : zeros.data()};
+                         .means = {zeros.data(), zeros.data(), zeros.data()}};
     for (std::size_t i = 0; i < signal.channels.size(); ++i) {
       values.means.at(i) = &signal.channels[i].mean(row, 0);
     }
     find_sigma(values, model, sigma.cols(), &sigma(row, 0));
   }
+}
+
+void add_chromatic_error(const ChannelShares& shares, const ChromaticError& error, Plane& sigma) {
+  if (!(error.red > 0) && !(error.blue > 0)) return;
+  add_variance(shares.red.data(), shares.blue.data(), static_cast<float>(error.red),
+               static_cast<float>(error.blue), sigma.size(), sigma.data());
 }
 
 }  // namespace palpate::sensing

@@ -19,7 +19,6 @@ struct FrameNoise {
   LinearInLight quadrature;
   /// Median of the residual.
   LinearInLight residual;
-  ChromaticError chromatic;
 };
 
 /// Input of the noise estimate. All images have the same size.
@@ -28,10 +27,7 @@ struct PhaseSignal {
   const Combined& combined;
   const std::vector<Demodulated>& channels;
   const Plane& residual;  ///< see Demodulation
-  const Mask& modulated;
-  const ChromaticModel& chromatic;
-  const Plane& phase;  ///< [rad] absolute; NaN where unknown
-  PixelOfPhase pixels;
+  const Mask& modulated;  ///< pixels with a sinusoid
 };
 
 /// Estimates the sensor noise from fourth differences of the phase across the sinusoid. Smooth
@@ -43,15 +39,17 @@ struct PhaseSignal {
 [[nodiscard]] FrameNoise estimate_noise(const PhaseSignal& signal,
                                         const DemodulationFilter& filter);
 
-/// Predicts the standard deviation of each phase [rad]; infinite where there is no signal. The
-/// variance is
-///   (quadrature(light) + coherent * max(0, residual - 2 residual(light))) / |sum|^2
-///   + (share of red)^2 chromatic.red + (share of blue)^2 chromatic.blue.
+/// Predicts the standard deviation of each phase [rad]; infinite or NaN where there is no signal.
+/// The variance is
+///   (quadrature(light) + coherent * max(0, residual - 2 residual(light))) / |sum|^2.
 /// The first term is the frame's noise. The second is a residual beyond twice the usual one, caused
 /// by texture, folds or steps; it does not average out along the rows, so `coherent`, half the sum
-/// of the window's squared weights, covers only the rows of the window. The last two terms are the
-/// remaining chromatic error where red or blue replaces green.
+/// of the window's squared weights, covers only the rows of the window.
 void predict_phase_sigma(const PhaseSignal& signal, const FrameNoise& noise,
                          const DemodulationFilter& filter, Plane& sigma);
+
+/// Adds the remaining chromatic error where red or blue replaces green to the standard deviation of
+/// each phase; its variance is (share of red)^2 error.red + (share of blue)^2 error.blue.
+void add_chromatic_error(const ChannelShares& shares, const ChromaticError& error, Plane& sigma);
 
 }  // namespace palpate::sensing

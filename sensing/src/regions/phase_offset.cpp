@@ -146,30 +146,49 @@ void region_offsets(const Regions& regions, const std::vector<PhaseGuess>& guess
   }
 }
 
-std::vector<RegionOffset> anchored_offsets(const Regions& regions, const PhaseGuess& anchor,
-                                           long reach) {
-  std::vector<RegionOffset> offsets(static_cast<std::size_t>(regions.count));
-  const long bottom = std::min(regions.label.rows() - 1, anchor.row + reach);
-  const long right = std::min(regions.label.cols() - 1, anchor.column + reach);
+std::optional<PhaseGuess> nearest_in_region(const Regions& regions, PhaseGuess guess, long reach) {
+  const long bottom = std::min(regions.label.rows() - 1, guess.row + reach);
+  const long right = std::min(regions.label.cols() - 1, guess.column + reach);
   std::optional<PhaseGuess> nearest;
   long nearest_square = 0;
-  for (long row = std::max<long>(0, anchor.row - reach); row <= bottom; ++row) {
-    for (long column = std::max<long>(0, anchor.column - reach); column <= right; ++column) {
+  for (long row = std::max<long>(0, guess.row - reach); row <= bottom; ++row) {
+    for (long column = std::max<long>(0, guess.column - reach); column <= right; ++column) {
       if (regions.label(row, column) < 0) continue;
-      const long down = row - anchor.row;
-      const long across = column - anchor.column;
+      const long down = row - guess.row;
+      const long across = column - guess.column;
       const long square = down * down + across * across;
       if (nearest && square >= nearest_square) continue;
       nearest_square = square;
-      nearest = anchor;
+      nearest = guess;
       nearest->row = static_cast<int>(row);
       nearest->column = static_cast<int>(column);
     }
   }
-  if (!nearest) return offsets;
-  const auto label = static_cast<std::size_t>(regions.label(nearest->row, nearest->column));
-  offsets[label] = {kFullTurn * std::round(turns_of(regions, *nearest)), Reason::reconstructed};
-  return offsets;
+  return nearest;
+}
+
+void anchor_markers(const Regions& regions, const std::vector<PhaseGuess>& anchors,
+                    std::vector<Marker>& markers) {
+  markers.clear();
+  for (const PhaseGuess& anchor : anchors) {
+    markers.push_back({anchor.row * static_cast<int>(regions.label.cols()) + anchor.column,
+                       static_cast<int>(std::lround(turns_of(regions, anchor)))});
+  }
+}
+
+void anchored_offsets(const Regions& regions, const std::vector<PhaseGuess>& anchors,
+                      std::vector<RegionOffset>& offsets) {
+  offsets.assign(static_cast<std::size_t>(regions.count), {});
+  for (const PhaseGuess& anchor : anchors) {
+    const auto label = static_cast<std::size_t>(regions.label(anchor.row, anchor.column));
+    RegionOffset& offset = offsets[label];
+    const double phase = kFullTurn * std::round(turns_of(regions, anchor));
+    if (offset.reason == Reason::no_transition) {
+      offset = {phase, Reason::reconstructed};
+    } else if (offset.phase != phase) {
+      offset = {{}, Reason::ambiguous_offset};
+    }
+  }
 }
 
 }  // namespace palpate::sensing

@@ -74,9 +74,21 @@ void region_offsets(const Regions& regions, const std::vector<PhaseGuess>& guess
                     double min_agreement, OffsetBuffers& buffers,
                     std::vector<RegionOffset>& offsets);
 
-/// The same from one known phase, for a pattern without stripes. Only the region of the pixel
-/// nearest to the guess, at most `reach` px away in row and column, gets an offset.
-[[nodiscard]] std::vector<RegionOffset> anchored_offsets(const Regions& regions,
-                                                         const PhaseGuess& anchor, long reach);
+/// A guess at the pixel of a region that is nearest to its own, at most `reach` px away in row and
+/// column; none if there is no such pixel.
+[[nodiscard]] std::optional<PhaseGuess> nearest_in_region(const Regions& regions, PhaseGuess guess,
+                                                          long reach);
+
+/// Markers of guesses that are known to be right.
+/// \param anchors in regions.
+void anchor_markers(const Regions& regions, const std::vector<PhaseGuess>& anchors,
+                    std::vector<Marker>& markers);
+
+/// The offsets of regions from known phases, for a pattern without stripes. A region without an
+/// anchor gets none (no_transition), nor does one whose anchors disagree (ambiguous_offset).
+/// \param anchors in regions.
+/// \param offsets output, one per region.
+void anchored_offsets(const Regions& regions, const std::vector<PhaseGuess>& anchors,
+                      std::vector<RegionOffset>& offsets);
 
 }  // namespace palpate::sensing

@@ -128,7 +128,9 @@ RigTrial try_rig(const Rig& rig, const Pattern& pattern, const cv::Mat& panel,
     return trial;
   }
   DecodeOptions decode = options.decode;
-  if (!decode.anchor && pattern.stripes.empty()) decode.anchor = anchor_of(trial.simulation.truth);
+  if (decode.anchors.empty() && pattern.stripes.empty()) {
+    if (const auto anchor = anchor_of(trial.simulation.truth)) decode.anchors = {*anchor};
+  }
   const Decoder decoder(options.decoder_rig.value_or(rig), pattern, trial.colors, decode);
   trial.decoded = decoder.decode(in_color(trial.simulation.frames[0], sensor));
   return trial;

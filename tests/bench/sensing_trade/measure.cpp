@@ -49,9 +49,11 @@ struct Counts {
   long measurable = 0, covered = 0, measured = 0, wrong = 0;
   long measurable_away = 0, covered_away = 0, measured_away = 0, wrong_away = 0;
   std::vector<double> errors;  ///< relative to the distance
+  std::vector<double> scores;  ///< relative to the predicted deviation
 };
 
-void add_view(const View& view, const geometry::ImageF& measured, Counts& counts) {
+void add_view(const View& view, const sensing::DecodeResult& result, Counts& counts) {
+  const geometry::ImageF& measured = result.range.z;
   const geometry::RangeMapScore score = geometry::score_range_map(measured, view.z, view.counted);
   counts.measurable += score.measurable;
   counts.covered += score.covered;
@@ -64,6 +66,7 @@ void add_view(const View& view, const geometry::ImageF& measured, Counts& counts
       if (std::isfinite(score.difference(v, u))) {
         counts.errors.push_back(static_cast<double>(score.difference(v, u)) /
                                 static_cast<double>(view.z(v, u)));
+        counts.scores.push_back(static_cast<double>(score.difference(v, u) / result.sigma(v, u)));
       }
       if (steps.at<unsigned char>(v, u) != 0) continue;
       const bool measurable = view.counted(v, u) && std::isfinite(view.z(v, u));
@@ -95,7 +98,7 @@ Figures measure(const Scene& scene, const sensing::DecodeOptions& options, int r
   sensing::DecodeResult result;
   for (const View& view : scene.views) {
     decoder.decode(view.frame, result);  // buffers and caches get warm
-    add_view(view, result.range.z, counts);
+    add_view(view, result, counts);
     double least = std::numeric_limits<double>::infinity();
     for (int i = 0; i < repeats; ++i) {
       const double start = thread_ms();
@@ -111,6 +114,7 @@ Figures measure(const Scene& scene, const sensing::DecodeOptions& options, int r
           .coverage_away = percent(counts.covered_away, counts.measurable_away),
           .wrong = percent(counts.wrong, counts.measured),
           .wrong_away = percent(counts.wrong_away, counts.measured_away),
+          .score = geometry::error_statistics(std::move(counts.scores)).rms,
           .ms = median(std::move(times))};
 }
 

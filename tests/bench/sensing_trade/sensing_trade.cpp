@@ -66,6 +66,16 @@ std::vector<Setting> windows(DecodeOptions options) {
   return settings;
 }
 
+std::vector<Setting> precisions() {
+  std::vector<Setting> settings;
+  for (const double sigma : {0.15, 0.25, 0.4}) {
+    DecodeOptions options;
+    options.max_phase_sigma = sigma;
+    settings.push_back({fmt::format("{} rad", sigma), options});
+  }
+  return settings;
+}
+
 /// Each noise is an experiment of its own, with windows of all lengths.
 Experiment vary_noise(const CameraNoise& noise, int repeats) {
   return vary(fmt::format("noise {} %", noise.percent), smooth_scenes(noise), windows({}), repeats);
@@ -101,24 +111,34 @@ void draw(const fs::path& png, const std::vector<Experiment>& noises, const Expe
               {error, coverage, noise, time});
 }
 
-void run(const fs::path& rendered, const fs::path& output, int repeats) {
+/// The scenes with the default options alone.
+void run_defaults(const std::vector<Scene>& scenes, int repeats) {
+  write_scenes(std::cout, vary("smooth scenes", scenes, {{"default", {}}}, repeats));
+  write_scenes(std::cout, vary("hard scenes", hard_scenes(), {{"default", {}}}, repeats));
+}
+
+void run(const fs::path& rendered, const fs::path& output, int repeats, bool defaults) {
   std::vector<Scene> scenes = smooth_scenes();
   if (!rendered.empty()) {
     for (Scene& scene : rendered_scenes(rendered)) scenes.push_back(std::move(scene));
   }
+  if (defaults) return run_defaults(scenes, repeats);
   const DecodeOptions with_snakes{.segmentation = sensing::Segmentation::snakes};
   const std::vector<Setting> segmentations = {{"flood", {}}, {"snakes", with_snakes}};
   std::vector<Experiment> noises;
   for (const CameraNoise& noise : kCameraNoises) noises.push_back(vary_noise(noise, repeats));
   const Experiment snakes = vary("snakes", smooth_scenes(), windows(with_snakes), repeats);
+  const std::vector<Scene> hard = hard_scenes();
+  std::vector<Scene> every = scenes;
+  every.insert(every.end(), hard.begin(), hard.end());
   std::vector<Experiment> all = {vary("window", scenes, windows({}), repeats),
+                                 vary("max_phase_sigma", every, precisions(), repeats),
                                  vary("segmentation", scenes, segmentations, repeats),
                                  vary_resolution(scenes, repeats)};
   for (const Experiment& experiment : all) write_comparison(std::cout, experiment);
   for (const Experiment& experiment : noises) write_comparison(std::cout, experiment);
   all.insert(all.end(), noises.begin(), noises.end());
   all.push_back(snakes);
-  const std::vector<Scene> hard = hard_scenes();
   for (const Setting& setting : segmentations) {
     all.push_back(vary("hard scenes, " + setting.name, hard, {setting}, repeats));
     write_scenes(std::cout, all.back());
@@ -139,11 +159,13 @@ int main(int count, char** arguments) try {
   app.add_option("--repeats", repeats, "Decodings of a frame, the fastest of which counts")
       ->check(CLI::PositiveNumber);
   app.add_option("-o,--output", output, "Folder for trade-sensing.csv and trade-sensing.png");
+  bool defaults = false;
+  app.add_flag("--defaults", defaults, "Only a table of all scenes with the default options");
   CLI11_PARSE(app, count, arguments);
   // One thread, so that its processor time is that of the frame.
   const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
   cv::setNumThreads(1);
-  palpate::bench::run(rendered, output, repeats);
+  palpate::bench::run(rendered, output, repeats, defaults);
   return 0;
 } catch (const std::exception& error) {
   std::cerr << error.what() << '\n';

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "simulated_scenes.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Geometry>
 #include <cmath>
 #include <filesystem>
@@ -156,6 +158,19 @@ std::vector<Body> period_steps() {
   return tiles;
 }
 
+/// [mm] A move along the camera's axis that shifts the sinusoid by some 5 px on the wall.
+constexpr double kApproach = 20;
+
+/// The bodies on their way towards the camera, at their places in the middle of the exposure.
+std::vector<Body> approaching(std::vector<Body> bodies, double way) {
+  for (Body& body : bodies) {
+    body.mesh.vertices.row(2).array() += way / 2;
+    body.end_vertices = body.mesh.vertices;
+    body.end_vertices->row(2).array() -= way;
+  }
+  return bodies;
+}
+
 /// Bars of 2 to 8 px before a wall.
 std::vector<Body> wires() {
   std::vector<Body> bodies = {wall(800)};
@@ -202,7 +217,7 @@ View simulated_view(const std::vector<Body>& bodies, const VirtualSensor& sensor
   return view;
 }
 
-Scene scene_of(const char* name, const std::vector<std::vector<Body>>& groups,
+Scene scene_of(const std::string& name, const std::vector<std::vector<Body>>& groups,
                const VirtualSensor& sensor, const sensing::TrainedColors& colors) {
   Scene scene{name, bench().rig, bench().pattern, colors, {}};
   for (std::size_t i = 0; i < groups.size(); ++i) {
@@ -232,7 +247,7 @@ std::vector<Scene> hard_scenes() {
   const Eigen::Vector3d before_wall(0, 10, 720), white(0.8, 0.8, 0.8);
   const auto before = [&](const Body& body) { return std::vector<Body>{body, wall(850)}; };
   std::vector<Scene> scenes;
-  const auto add = [&](const char* name, const std::vector<Body>& bodies,
+  const auto add = [&](const std::string& name, const std::vector<Body>& bodies,
                        const VirtualSensor& sensor) {
     scenes.push_back(scene_of(name, {bodies}, sensor, colors));
   };
@@ -277,6 +292,12 @@ std::vector<Scene> hard_scenes() {
   sensor.exposure_percentile = 0.6;
   sensor.exposure_level = 1;
   add("overexposed", usual_bodies, sensor);
+  for (const double defocus : {1.5, 2.5}) {
+    sensor = usual;
+    sensor.camera_blur = std::hypot(usual.camera_blur, defocus);
+    add(fmt::format("defocus of {} px", defocus), usual_bodies, sensor);
+  }
+  add("motion", approaching(usual_bodies, kApproach), usual);
   return scenes;
 }
 

@@ -23,7 +23,7 @@ inline constexpr CameraNoise kUsualNoise = kCameraNoises[1];
 [[nodiscard]] std::vector<Scene> smooth_scenes(const CameraNoise& noise = kUsualNoise);
 
 /// Scenes that mislead a decoder: colours that absorb stripes, gloss, steps of whole periods,
-/// wires, too much and too little light.
+/// wires, too much and too little light, defocus and motion during the exposure.
 [[nodiscard]] std::vector<Scene> hard_scenes();
 
 }  // namespace palpate::bench

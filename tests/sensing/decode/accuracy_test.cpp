@@ -50,7 +50,7 @@ TEST(Accuracy, DepthsOfANoisyPlaneReachTheCramerRaoBound) {
   Scene scene = render(rig, pattern, plane({0, 0, 1}, kDistance), kAmbient, kReflectance);
   add_sensor_noise(scene.frame);
   const DecodeResult result =
-      Decoder(rig, pattern, {}, {.anchor = Anchor{160, 120, kDistance}}).decode(scene.frame);
+      Decoder(rig, pattern, {}, {.anchors = {Anchor{160, 120, kDistance}}}).decode(scene.frame);
 
   // The window: Hann over two periods down, binomial over five pixels across.
   const Eigen::Vector3d t = rig.T_projector_camera.translation();

@@ -68,6 +68,18 @@ TEST_F(DecodeReasons, ColouredLightWithoutASinusoidIsOfLowModulation) {
   EXPECT_EQ(share_in_part(reasons_of(frame_), Reason::low_modulation), 1);
 }
 
+TEST_F(DecodeReasons, AFaintSinusoidIsUsedUnlessTheNoiseDrownsIt) {
+  Pattern blurred = pattern_;
+  blurred.amplitude *= 0.2;  // as by a defocus of 0.29 periods
+  cv::Mat frame = wall(rig_, blurred).frame;
+  add_noise(frame, 0.002, 3);
+  EXPECT_GT(share_in_part(reasons_of(frame), Reason::reconstructed), 0.75);
+  frame = wall(rig_, blurred).frame;
+  add_noise(frame, 0.1, 3);
+  EXPECT_GT(share_in_part(reasons_of(frame), Reason::low_modulation), 0.6);
+  EXPECT_LT(share_in_part(reasons_of(frame), Reason::reconstructed), 0.01);
+}
+
 TEST_F(DecodeReasons, APhaseThatVariesTooMuchIsUneven) {
   EXPECT_GT(share(reasons_of(frame_, {.max_phase_variance = 1e-12}), Reason::uneven_phase), 0.8);
 }

@@ -168,7 +168,7 @@ TEST(Decoder, AnAnchorStandsInForStripes) {
     cv::Mat grey;
     cv::extractChannel(scene.frame, grey, 1);
     const Anchor anchor{.u_px = 101.3, .v_px = 88.8, .z = static_cast<double>(scene.z(89, 101))};
-    const Decoder decoder(rig, pattern, {}, {.anchor = anchor});
+    const Decoder decoder(rig, pattern, {}, {.anchors = {anchor}});
     for (const cv::Mat& frame : {grey, scene.frame}) {
       const Quality quality = assess(decoder.decode(frame).range.z, scene.z, everything(rig));
       EXPECT_LE(quality.median_error, kCleanError);
@@ -184,12 +184,36 @@ TEST(Decoder, OnlyTheRegionOfTheAnchorIsReconstructed) {
   const Scene scene =
       render(rig, pattern, nearer(sphere({-100, 0, 600}, 40), sphere({100, 0, 700}, 60)), 0);
   const Anchor anchor{.u_px = 160 + 550 * 100.0 / 640, .v_px = 120, .z = 640};
-  const DecodeResult result = Decoder(rig, pattern, {}, {.anchor = anchor}).decode(scene.frame);
+  const DecodeResult result = Decoder(rig, pattern, {}, {.anchors = {anchor}}).decode(scene.frame);
   EXPECT_GT((result.range.z.rightCols(160) > 0).count(), 1000);
   EXPECT_EQ((result.range.z.leftCols(160) > 0).count(), 0);
   EXPECT_GT(
       (result.reasons.leftCols(160) == static_cast<std::uint8_t>(Reason::no_transition)).count(),
       1000);
+}
+
+TEST(Decoder, AnAnchorsOffsetIsNotCarriedOverDepthSteps) {
+  const Rig rig = make_rig(false);
+  const Pattern pattern{.axis = Axis::y, .period = 20, .phase = 0, .mean = 0.5, .amplitude = 0.4};
+  for (const double distance : {500.0, 545.0, 590.0, 620.0}) {
+    const Scene scene =
+        render(rig, pattern, nearer(sphere({0, 0, distance}, 50), plane({0, 0, 1}, 720)));
+    const Anchor on_wall{.u_px = 20, .v_px = 120, .z = static_cast<double>(scene.z(120, 20))};
+    const Anchor on_ball{.u_px = 160, .v_px = 120, .z = static_cast<double>(scene.z(120, 160))};
+    const auto decoded = [&](const std::vector<Anchor>& anchors) {
+      return assess(Decoder(rig, pattern, {}, {.anchors = anchors}).decode(scene.frame).range.z,
+                    scene.z, everything(rig));
+    };
+    const Quality both = decoded({on_wall, on_ball});
+    EXPECT_GE(both.coverage, 0.75) << distance;
+    EXPECT_LE(both.wrong, 0.005) << distance;
+    const Quality wall = decoded({on_wall});
+    const Quality ball = decoded({on_ball});
+    EXPECT_LE(wall.wrong, 0.005) << distance;
+    EXPECT_LE(ball.wrong, 0.02) << distance;
+    EXPECT_GE(ball.coverage, 0.02) << distance;
+    EXPECT_NEAR(wall.coverage + ball.coverage, both.coverage, 0.02) << distance;
+  }
 }
 
 TEST(Decoder, ReachesItsTargetsOnTheBundledFrames) {
@@ -284,12 +308,13 @@ TEST(Decoder, RefusesPatternsItCannotUse) {
   EXPECT_NE(message_of<InvalidInput>([&] { Decoder(rig, plain, {}); }).find("anchor"),
             std::string::npos);
   EXPECT_NE(message_of<InvalidInput>([&] {
-              Decoder(rig, striped, ideal_colors(), {.anchor = Anchor{100, 100, 700}});
-            }).find("leave it out"),
+              Decoder(rig, striped, ideal_colors(), {.anchors = {Anchor{100, 100, 700}}});
+            }).find("leave them out"),
             std::string::npos);
-  EXPECT_THROW(Decoder(rig, plain, {}, {.anchor = Anchor{400, 100, 700}}), InvalidInput);
-  EXPECT_THROW(Decoder(rig, plain, {}, {.anchor = Anchor{100, 100, -700}}), InvalidInput);
-  EXPECT_THROW(Decoder(rig, plain, {}, {.anchor = Anchor{100, std::nan(""), 700}}), InvalidInput);
+  EXPECT_THROW(Decoder(rig, plain, {}, {.anchors = {Anchor{400, 100, 700}}}), InvalidInput);
+  EXPECT_THROW(Decoder(rig, plain, {}, {.anchors = {Anchor{100, 100, -700}}}), InvalidInput);
+  EXPECT_THROW(Decoder(rig, plain, {}, {.anchors = {Anchor{100, std::nan(""), 700}}}),
+               InvalidInput);
 }
 
 TEST(Decoder, RefusesOptionsOutsideTheirRange) {
@@ -303,7 +328,7 @@ TEST(Decoder, RefusesOptionsOutsideTheirRange) {
     EXPECT_TRUE(refused({.window_periods = bad}));
     EXPECT_TRUE(refused({.min_signal = bad}));
     EXPECT_TRUE(refused({.min_modulation = bad}));
-    EXPECT_TRUE(refused({.min_contrast = bad}));
+    EXPECT_TRUE(refused({.max_phase_sigma = bad}));
     EXPECT_TRUE(refused({.min_hue_step = bad}));
     EXPECT_TRUE(refused({.min_color_score = bad}));
     EXPECT_TRUE(refused({.max_phase_variance = bad}));

@@ -117,7 +117,7 @@ TEST(HalfResolution, MeasuresThePlaneWithinTheDeviationsItPredicts) {
   add_noise(scene.frame, 0.01, 5);
   const Anchor anchor{.u_px = 101.3, .v_px = 88.8, .z = static_cast<double>(scene.z(89, 101))};
   const auto decode = [&](bool half) {
-    return Decoder(rig, stripeless(Axis::y), {}, {.half_resolution = half, .anchor = anchor})
+    return Decoder(rig, stripeless(Axis::y), {}, {.half_resolution = half, .anchors = {anchor}})
         .decode(scene.frame);
   };
   const DecodeResult half = decode(true);
@@ -157,7 +157,7 @@ TEST(HalfResolution, DecodesStripesAndTheOtherAxis) {
   const Scene scene = render(parallel, stripeless(Axis::x), plane(kNormal, kPlaneDistance), 0);
   const Anchor anchor{.u_px = 201, .v_px = 150, .z = static_cast<double>(scene.z(150, 201))};
   const DecodeResult across =
-      Decoder(parallel, stripeless(Axis::x), {}, {.half_resolution = true, .anchor = anchor})
+      Decoder(parallel, stripeless(Axis::x), {}, {.half_resolution = true, .anchors = {anchor}})
           .decode(scene.frame);
   EXPECT_GT((across.range.z > 0).count(), 0.85 * 160 * 120);
   EXPECT_LT(root_mean_square(offsets_from_plane(across.range)), 1e-4 * kPlaneDistance);
@@ -168,16 +168,16 @@ TEST(HalfResolution, RefusesWhatIsTooFineAndAnAnchorThatIsLeftOut) {
   const Anchor anchor{100, 100, kPlaneDistance};
   Pattern fine = stripeless(Axis::y);
   fine.period = 16;  // 2.8 px
-  EXPECT_NO_THROW(Decoder(rig, fine, {}, {.anchor = anchor}));
+  EXPECT_NO_THROW(Decoder(rig, fine, {}, {.anchors = {anchor}}));
   const std::string message = message_of<InvalidInput>(
-      [&] { Decoder(rig, fine, {}, {.half_resolution = true, .anchor = anchor}); });
+      [&] { Decoder(rig, fine, {}, {.half_resolution = true, .anchors = {anchor}}); });
   EXPECT_NE(message.find("half_resolution"), std::string::npos) << message;
   EXPECT_NE(message.find("full size"), std::string::npos) << message;
   fine.period = 20;
   rig.camera.width = 321;
   const Anchor last{320, 100, kPlaneDistance};
-  EXPECT_NO_THROW(Decoder(rig, fine, {}, {.anchor = last}));
-  EXPECT_THROW(Decoder(rig, fine, {}, {.half_resolution = true, .anchor = last}), InvalidInput);
+  EXPECT_NO_THROW(Decoder(rig, fine, {}, {.anchors = {last}}));
+  EXPECT_THROW(Decoder(rig, fine, {}, {.half_resolution = true, .anchors = {last}}), InvalidInput);
 }
 
 }  // namespace

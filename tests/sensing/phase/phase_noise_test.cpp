@@ -32,22 +32,17 @@ Plane noisy_wave(double mean, double amplitude, double read, double shot, unsign
 
 /// A frame of one channel from which everything comes.
 struct Decoded {
-  explicit Decoded(const Plane& image)
-      : modulated(Mask::Ones(kNoisyRows, kNoisyColumns)),
-        phase(Plane::Zero(kNoisyRows, kNoisyColumns)) {
+  explicit Decoded(const Plane& image) : modulated(Mask::Ones(kNoisyRows, kNoisyColumns)) {
     const DemodulationFilter filter = make_filter(kCarrier);
     demodulate({image}, modulated, filter, demodulation);
-    combine_channels(demodulation.channels, model, combined);
+    combine_channels(demodulation.channels, {}, combined);
     wrapped =
         combined.re.binaryExpr(combined.im, [](float re, float im) { return std::atan2(im, re); });
     const PhaseSignal signal{.wrapped = wrapped,
                              .combined = combined,
                              .channels = demodulation.channels,
                              .residual = demodulation.residual,
-                             .modulated = modulated,
-                             .chromatic = model,
-                             .phase = phase,
-                             .pixels = {}};
+                             .modulated = modulated};
     noise = estimate_noise(signal, filter);
     predict_phase_sigma(signal, noise, filter, sigma);
   }
@@ -59,9 +54,7 @@ struct Decoded {
     return std::sqrt(((inner(wrapped) - kPhase) / inner(sigma)).square().mean());
   }
   Mask modulated;
-  Plane phase;
   Demodulation demodulation;
-  ChromaticModel model;
   Combined combined;
   Plane wrapped;
   Plane sigma;
@@ -113,6 +106,17 @@ TEST(PhaseNoise, IsLargeWhereBrightnessSteps) {
   EXPECT_LT(score, 1.5);
 }
 
+TEST(PhaseNoise, GrowsByTheChromaticErrorOfTheChannelsShares) {
+  Plane sigma = Plane::Constant(1, 2, 0.03F);
+  Plane red(1, 2);
+  red << 0.5F, 0;
+  Plane blue(1, 2);
+  blue << 0.25F, 0;
+  add_chromatic_error({red, blue}, {.red = 0.0064, .blue = 0}, sigma);  // 0.08 rad of red
+  EXPECT_NEAR(sigma(0, 0), 0.05, 1e-6);
+  EXPECT_NEAR(sigma(0, 1), 0.03, 1e-6);
+}
+
 TEST(PhaseNoise, OfTooSmallAFrameIsTheWholeResidual) {
   const DemodulationFilter filter = make_filter(kCarrier);
   const Mask modulated = Mask::Ones(40, 12);  // no room for differences
@@ -121,15 +125,11 @@ TEST(PhaseNoise, OfTooSmallAFrameIsTheWholeResidual) {
   const Combined combined{half, zero, {}};
   const Plane residual = Plane::Constant(40, 12, 0.04F);
   const std::vector<Demodulated> channels = {{half, zero, half}};
-  const ChromaticModel model;
   const PhaseSignal signal{.wrapped = zero,
                            .combined = combined,
                            .channels = channels,
                            .residual = residual,
-                           .modulated = modulated,
-                           .chromatic = model,
-                           .phase = zero,
-                           .pixels = {}};
+                           .modulated = modulated};
   const FrameNoise noise = estimate_noise(signal, filter);
   EXPECT_EQ(noise.quadrature.constant, 0);
   EXPECT_EQ(noise.residual.slope, 0);

@@ -101,15 +101,24 @@ TEST(PhaseOffset, MarkersAreRunsOfGuessesThatConfirmEachOther) {
 
 TEST(PhaseOffset, AnAnchorGivesItsRegionAnOffsetAndNoOther) {
   PhaseGuess anchor{.row = 4, .column = 3, .phase = 0.7 + 3 * 2 * std::numbers::pi, .score = 1};
-  auto offsets = anchored_offsets(two_regions(), anchor, 2);
+  std::vector<RegionOffset> offsets;
+  anchored_offsets(two_regions(), {anchor}, offsets);
   EXPECT_DOUBLE_EQ(offsets[0].phase.value(), 3 * 2 * std::numbers::pi);
-  EXPECT_FALSE(offsets[1].phase.has_value());
-  anchor.column = 11;  // in neither; column 12 and column 9 are near, 12 is nearer
-  offsets = anchored_offsets(two_regions(), anchor, 2);
-  EXPECT_FALSE(offsets[0].phase.has_value());
-  EXPECT_DOUBLE_EQ(offsets[1].phase.value(), 3 * 2 * std::numbers::pi);
-  offsets = anchored_offsets(two_regions(), anchor, 0);
-  EXPECT_FALSE(offsets[1].phase.has_value());
+  EXPECT_EQ(offsets[1].reason, Reason::no_transition);
+  PhaseGuess other = anchor;
+  other.column = 12;
+  anchored_offsets(two_regions(), {anchor, other, anchor}, offsets);
+  EXPECT_TRUE(offsets[0].phase && offsets[1].phase);
+  other.column = 4;
+  other.phase += 2 * std::numbers::pi;
+  anchored_offsets(two_regions(), {anchor, other, anchor}, offsets);
+  EXPECT_EQ(offsets[0].reason, Reason::ambiguous_offset);
+}
+
+TEST(PhaseOffset, AnAnchorBesideRegionsMovesToTheNearestPixelOfOne) {
+  const PhaseGuess beside{.row = 4, .column = 11, .phase = 0, .score = 1};
+  EXPECT_EQ(nearest_in_region(two_regions(), beside, 2)->column, 12);  // 9 is farther
+  EXPECT_FALSE(nearest_in_region(two_regions(), beside, 0));
 }
 
 }  // namespace

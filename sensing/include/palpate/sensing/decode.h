@@ -4,7 +4,7 @@
 
 #include <memory>
 #include <opencv2/core/mat.hpp>
-#include <optional>
+#include <vector>
 
 #include "palpate/geometry/range_map.h"
 #include "palpate/sensing/pattern.h"
@@ -40,8 +40,9 @@ struct DecodeOptions {
   double min_signal = 0.02;
   /// Its phase is used iff the sinusoid's amplitude >= min_modulation of full scale, in (0, 1), ...
   double min_modulation = 0.01;
-  /// ... and amplitude / mean >= min_contrast times that of the pattern; in (0, 1).
-  double min_contrast = 0.3;
+  /// ... and its standard deviation, as the noise of the frame and the misfit of the sinusoid
+  /// predict it, <= max_phase_sigma [rad]; > 0.
+  double max_phase_sigma = 0.25;
   /// A stripe edge is a place where the hue changes by >= min_hue_step per pixel [rad]; in (0, pi).
   double min_hue_step = 0.08;
   /// Pixels on each side of an edge that classify its colours; fewer in narrow stripes; >= 1.
@@ -58,9 +59,10 @@ struct DecodeOptions {
   double min_agreement = 0.8;
   /// A depth is kept iff |dz / dphase| <= max_sensitivity * z per rad; > 0.
   double max_sensitivity = 0.1;
-  /// Required for a pattern without stripes, and forbidden otherwise. Only the region around the
-  /// anchor is reconstructed.
-  std::optional<Anchor> anchor = {};
+  /// Required for a pattern without stripes, and forbidden otherwise. Only the regions of the
+  /// anchors are reconstructed; they end where the sinusoid fits badly, as at the borders of
+  /// surfaces. A region whose anchors contradict each other is divided between them.
+  std::vector<Anchor> anchors = {};
 };
 
 /// Depths of a frame, and the outcome of each pixel.
@@ -84,7 +86,7 @@ struct DecodeResult {
 class Decoder {
  public:
   /// \throws InvalidInput if rig or pattern are not valid, an option is outside its range, a colour
-  /// of the pattern was not trained, the pattern has both stripes and an anchor or neither, the
+  /// of the pattern was not trained, the pattern has both stripes and anchors or neither, the
   /// views of camera and projector do not overlap, or the period of the sinusoid in the camera is
   /// below 2 px (for `half_resolution`, 3 px of the half image) or larger than the image.
   Decoder(const Rig& rig, const Pattern& pattern, const TrainedColors& colors,

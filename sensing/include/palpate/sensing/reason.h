@@ -16,7 +16,7 @@ enum class Reason : std::uint8_t {
   reconstructed = 0,
   unlit = 1,             ///< the projector's light is below min_signal, and no channel is clipped
   saturated = 2,         ///< clipped at full scale; the remaining sinusoid is too weak
-  low_modulation = 3,    ///< the sinusoid is weaker than min_modulation or min_contrast
+  low_modulation = 3,    ///< the sinusoid is too weak: min_modulation, max_phase_sigma
   uneven_phase = 4,      ///< the phase variance exceeds max_phase_variance: a step, or noise
   no_transition = 5,     ///< too few stripe edges were read in its region, or it has no anchor
   ambiguous_offset = 6,  ///< the stripe edges of its region disagree on the multiple of 2 pi

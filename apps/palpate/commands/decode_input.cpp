@@ -1,0 +1,107 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "commands/decode_input.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <cmath>
+#include <opencv2/core.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "palpate/error.h"
+#include "palpate/sensing/harmonics.h"
+
+namespace palpate::apps {
+namespace {
+
+/// What is wrong with the sinusoid in a frame; nothing if it is not distorted, or cannot be
+/// examined.
+std::optional<std::string> distortion_of(const cv::Mat& frame) {
+  sensing::HarmonicCheck check;
+  try {
+    check = sensing::check_harmonics(frame);
+  } catch (const InvalidInput&) {  // too few places show a sinusoid
+    return std::nullopt;
+  }
+  if (!check.distorted) return std::nullopt;
+  const auto percent = [](const std::optional<sensing::Harmonic>& harmonic) {
+    return harmonic ? fmt::format("{:.1f} %", 100 * std::abs(harmonic->ratio))
+                    : std::string("unknown");
+  };
+  return fmt::format(
+      "the sinusoid is distorted (second harmonic {}, third {} of the fundamental), so depths have "
+      "waves of about {:.3f} rad of its phase; make projector and camera linear, or measure them "
+      "(palpate calibrate response) and give --response",
+      percent(check.second), percent(check.third), check.phase_wave);
+}
+
+}  // namespace
+
+std::vector<sensing::Anchor> anchors_of(const std::vector<double>& values) {
+  if (values.size() % 3 != 0) {
+    throw InvalidInput(fmt::format(
+        "--anchor: u,v,z are three numbers for each anchor; there are {} in all", values.size()));
+  }
+  std::vector<sensing::Anchor> anchors;
+  for (std::size_t i = 0; i < values.size(); i += 3)
+    anchors.push_back({values[i], values[i + 1], values[i + 2]});
+  return anchors;
+}
+
+void widen_when_read(int bits, sensing::SourceFrame& frame) {
+  frame.read = [read = std::move(frame.read), name = frame.name, bits] {
+    const cv::Mat image = read();
+    if (image.depth() != CV_16U) return image;
+    const int full_scale = (1 << bits) - 1;
+    const double largest = cv::norm(image, cv::NORM_INF);
+    if (largest > full_scale) {
+      throw InvalidInput(
+          fmt::format("{}: holds the value {}; with --bits {} at most {} is expected", name,
+                      largest, bits, full_scale));
+    }
+    cv::Mat wide;
+    image.convertTo(wide, CV_16U, 65535.0 / full_scale);
+    return wide;
+  };
+}
+
+void doubt_bits_when_read(sensing::SourceFrame& frame) {
+  frame.read = [read = std::move(frame.read), name = frame.name] {
+    cv::Mat image = read();
+    if (image.depth() != CV_16U) return image;
+    const double largest = cv::norm(image, cv::NORM_INF);
+    for (const int bits : {10, 12, 14}) {
+      if (largest >= 1 << bits) continue;
+      spdlog::warn(
+          "{}: no value is above {}, as if {} of the 16 bits were used: then everything counts as "
+          "too dark. If so, pass --bits {}; --bits 16 if the frame is meant to be as it is",
+          name, (1 << bits) - 1, bits, bits);
+      break;
+    }
+    return image;
+  };
+}
+
+void linearize_when_read(const sensing::Linearizer& linearize, sensing::SourceFrame& frame) {
+  frame.read = [read = std::move(frame.read), name = frame.name, &linearize] {
+    const cv::Mat image = read();
+    try {
+      return linearize(image);
+    } catch (const InvalidInput& misfit) {
+      throw InvalidInput(name + ": " + misfit.what());
+    }
+  };
+}
+
+void examine_when_read(sensing::SourceFrame& frame) {
+  frame.read = [read = std::move(frame.read), name = frame.name] {
+    cv::Mat image = read();
+    if (const auto waves = distortion_of(image)) spdlog::warn("{}: {}", name, *waves);
+    return image;
+  };
+}
+
+}  // namespace palpate::apps

@@ -1,0 +1,34 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "palpate/sensing/decode.h"
+#include "palpate/sensing/frame_source.h"
+#include "palpate/sensing/response.h"
+
+namespace palpate::apps {
+
+/// Anchors from u, v, z; u, v, z; ...
+/// \throws InvalidInput unless these are whole triples.
+[[nodiscard]] std::vector<sensing::Anchor> anchors_of(const std::vector<double>& values);
+
+/// Makes the function that reads the frame stretch 16-bit values so that 2^bits - 1 is full scale.
+/// Frames of 8 bits stay as they are; a larger value is an InvalidInput when the frame is read.
+/// \param bits in [8, 16].
+void widen_when_read(int bits, sensing::SourceFrame& frame);
+
+/// Makes the function that reads the frame warn if 16-bit values fill only 10, 12 or 14 bits. What
+/// a camera's full scale is cannot be known from a frame, so nothing is done about it.
+void doubt_bits_when_read(sensing::SourceFrame& frame);
+
+/// Adds a linearisation to the function that reads the frame.
+/// \param linearize must outlive the frame.
+void linearize_when_read(const sensing::Linearizer& linearize, sensing::SourceFrame& frame);
+
+/// Makes the function that reads the frame warn if the sinusoid is so distorted that depths get
+/// waves. A pattern without stripes is often not Palpate's own, and its projector not linear.
+void examine_when_read(sensing::SourceFrame& frame);
+
+}  // namespace palpate::apps

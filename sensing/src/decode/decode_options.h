@@ -1,0 +1,19 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "palpate/sensing/decode.h"
+
+namespace palpate::sensing {
+
+/// \throws InvalidInput if an option is outside its range; anchors are checked apart.
+void check_options(const DecodeOptions& options);
+
+/// \throws InvalidInput if an anchor is not in the image or in front of the camera, if the pattern
+/// has stripes and there are anchors, or if it has neither.
+void check_anchors(const std::vector<Anchor>& anchors, const Pattern& pattern,
+                   const geometry::Camera& camera);
+
+}  // namespace palpate::sensing
