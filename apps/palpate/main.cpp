@@ -19,13 +19,14 @@ namespace palpate::apps {
 namespace {
 
 void add_calibrate(CLI::App& app, const Settings& settings) {
-  CLI::App* calibrate =
-      app.add_subcommand("calibrate", "Calibrate rig, response, colours or chromatic aberration");
+  CLI::App* calibrate = app.add_subcommand(
+      "calibrate", "Calibrate rig, response, colours, crosstalk or chromatic aberration");
   calibrate->require_subcommand(1);
   add_calibrate_rig(*calibrate, settings);
   add_calibrate_colors(*calibrate, settings);
   add_calibrate_chromatic(*calibrate, settings);
   add_calibrate_response(*calibrate, settings);
+  add_calibrate_crosstalk(*calibrate, settings);
 }
 
 int run(int argc, char** argv) {

@@ -46,6 +46,21 @@ TEST(Calibrate, ColoursThatCannotBeToldApartAreRefused) {
   EXPECT_EQ(read_text(scratch / "colors.yaml"), "kept");
 }
 
+TEST(Calibrate, CrosstalkIsWrittenToTheRig) {
+  const ScratchFolder scratch;
+  write_text(scratch / "off.ppm", "P6\n640 480\n255\n" + std::string(3 * 640 * 480, '\0'));
+  const std::string training = (demo_data() / "training").string();
+  const CommandResult result = run_palpate(
+      {"calibrate", "crosstalk", "--off", scratch / "off.ppm", "--red", training + "/R_flat.png",
+       "--green", training + "/G_flat.png", "--blue", training + "/B_flat.png", "--rig",
+       (demo_data() / "rig.yaml").string(), "-o", scratch / "rig.yaml", "--json"});
+  ASSERT_EQ(result.status, 0) << result.err;
+  const auto mixing = nlohmann::json::parse(result.out)["mixing"];
+  EXPECT_EQ(mixing[1][1], 1.0);
+  EXPECT_NEAR(mixing[1][0].get<double>(), 0, 0.02);  // the bundled camera separates the colours
+  EXPECT_NE(read_text(scratch / "rig.yaml").find("mixing"), std::string::npos);
+}
+
 TEST(Calibrate, ARigBeginsWithImagesToProject) {
   const ScratchFolder scratch;
   const CommandResult result =

@@ -66,6 +66,7 @@ void add_transfer(CLI::App& app, const Settings& settings);
 // Each function adds one kind of calibration to `palpate calibrate`.
 void add_calibrate_chromatic(CLI::App& calibrate, const Settings& settings);
 void add_calibrate_colors(CLI::App& calibrate, const Settings& settings);
+void add_calibrate_crosstalk(CLI::App& calibrate, const Settings& settings);
 void add_calibrate_response(CLI::App& calibrate, const Settings& settings);
 void add_calibrate_rig(CLI::App& calibrate, const Settings& settings);
 

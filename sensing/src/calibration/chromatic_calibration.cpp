@@ -93,7 +93,8 @@ Problem prepare(const std::vector<WhiteImage>& images, const Rig& rig, const Pat
   Problem problem{rig, pattern, expected_carrier(rig, pattern), {}};
   for (const WhiteImage& white : images) {
     check_image(white, rig.camera);
-    PreparedImage view{measure_white_view(white.image, problem.carrier, pattern, options), {}};
+    PreparedImage view{
+        measure_white_view(white.image, problem.carrier, rig.color_mixing, pattern, options), {}};
     WhiteImageUse use;
     use.name = white.name;
     const PeriodCount count =

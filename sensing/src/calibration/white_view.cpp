@@ -6,6 +6,7 @@
 #include <cmath>
 #include <complex>
 
+#include "phase/unmixing.h"
 #include "phase/wrapped_phase.h"
 #include "regions/unwrapping.h"
 
@@ -110,7 +111,8 @@ Eigen::Vector2d camera_pixel(const PhaseCell& cell, const Carrier& carrier) {
   return carrier.transposed ? cell.center : Eigen::Vector2d(cell.center.y(), cell.center.x());
 }
 
-WhiteView measure_white_view(const cv::Mat& image, const Carrier& carrier, const Pattern& pattern,
+WhiteView measure_white_view(const cv::Mat& image, const Carrier& carrier,
+                             const Eigen::Matrix3d& mixing, const Pattern& pattern,
                              const ChromaticCalibrationOptions& options) {
   std::vector<Plane> channels;
   split_frame(image, carrier.transposed, channels);
@@ -121,6 +123,7 @@ WhiteView measure_white_view(const cv::Mat& image, const Carrier& carrier, const
            lit);
   Demodulation demodulation;
   demodulate(channels, lit, filter, demodulation);
+  unmix(mixing, demodulation.channels);
   std::vector<Demodulated>& signals = demodulation.channels;
   WhiteView view;
   view.cell_size = 2 * filter.radius + 1;

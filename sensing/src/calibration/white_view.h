@@ -41,8 +41,9 @@ struct WhiteView {
   int regions = 0;
 };
 
+/// \param mixing of the colours, see `Rig::color_mixing`.
 [[nodiscard]] WhiteView measure_white_view(const cv::Mat& image, const Carrier& carrier,
-                                           const Pattern& pattern,
+                                           const Eigen::Matrix3d& mixing, const Pattern& pattern,
                                            const ChromaticCalibrationOptions& options);
 
 }  // namespace palpate::sensing

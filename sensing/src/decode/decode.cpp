@@ -25,6 +25,7 @@
 #include "phase/demodulation.h"
 #include "phase/modulation.h"
 #include "phase/phase_noise.h"
+#include "phase/unmixing.h"
 #include "phase/wrapped_phase.h"
 #include "regions/phase_seams.h"
 #include "regions/snakes.h"
@@ -229,6 +230,7 @@ void Decoder::Impl::demodulate_frame(const cv::Mat& frame, Workspace& work) cons
             .min_signal = options.min_signal},
            work.lit);
   demodulate(work.channels, work.lit, filter, work.demodulated);
+  unmix(model.rig().color_mixing, work.demodulated.channels);
   combine_channels(work.demodulated.channels, model.chromatic(), work.combined);
 }
 

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "files/video_file.h"
+#include "image/hot_pixels.h"
 #include "palpate/error.h"
 #include "palpate/file_names.h"
 #include "palpate/sensing/frame.h"
@@ -39,7 +40,7 @@ cv::Mat first_channel(const cv::Mat& image) {
 }
 
 cv::Mat finished(const cv::Mat& image, const FrameSourceOptions& options) {
-  return options.bayer ? demosaic(image, *options.bayer) : image;
+  return options.bayer ? demosaic(without_hot_pixels(image), *options.bayer) : image;
 }
 
 cv::Mat read_image(const fs::path& file, const FrameSourceOptions& options) {

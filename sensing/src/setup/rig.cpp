@@ -8,6 +8,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/core/eigen.hpp>
 #include <ostream>
+#include <vector>
 
 #include "files/storage_file.h"
 #include "palpate/error.h"
@@ -20,6 +21,9 @@ namespace {
 /// R counts as a rotation iff no entry of R^T R - I exceeds this: far above the rounding of numbers
 /// with seven digits, and far below what would move a point at 1 m by a tenth of a millimetre.
 constexpr double kRotationTolerance = 1e-5;
+
+/// Largest entry of the inverse of a colour mixing, by which noise grows.
+constexpr double kMostUnmixing = 10;
 
 /// Numbers of distortion coefficients in OpenCV's files.
 constexpr std::array<int, 4> kDistortionLengths = {0, 4, 5, 8};
@@ -87,6 +91,17 @@ ChromaticShift read_chromatic(const StorageFile& file, const std::string& channe
   return shift;
 }
 
+Eigen::Matrix3d read_mixing(const StorageFile& file) {
+  Eigen::Matrix3d mixing = Eigen::Matrix3d::Identity();
+  const cv::FileNode chromatic = file.root()["chromatic"];
+  if (chromatic.empty() || chromatic["mixing"].empty()) return mixing;
+  const std::string key = "chromatic.mixing";
+  const std::vector<double> values = file.numbers(chromatic["mixing"], key);
+  if (values.size() != 9) file.fail(key, "nine numbers, row by row, are expected");
+  for (int i = 0; i < 9; ++i) mixing(i / 3, i % 3) = values[static_cast<std::size_t>(i)];
+  return mixing;
+}
+
 Eigen::Isometry3d read_pose(const StorageFile& file) {
   const cv::Mat_<double> R = file.matrix("R");
   if (R.rows != 3 || R.cols != 3) file.fail("R", "a 3 x 3 matrix is expected");
@@ -117,6 +132,24 @@ void write_chromatic(cv::FileStorage& storage, const char* name, const Chromatic
           << "alpha" << shift.alpha << "beta" << shift.beta << "gamma" << shift.gamma << "}";
 }
 
+void write_mixing(cv::FileStorage& storage, const Eigen::Matrix3d& mixing) {
+  if (mixing.isIdentity(0)) return;
+  storage << "mixing"
+          << "[";
+  for (int i = 0; i < 9; ++i) storage << mixing(i / 3, i % 3);
+  storage << "]";
+}
+
+void check_mixing(const Eigen::Matrix3d& mixing, const std::string& what) {
+  const bool relative = (mixing.diagonal().array() == 1).all();
+  if (!mixing.allFinite() || !relative ||
+      !(mixing.inverse().cwiseAbs().maxCoeff() <= kMostUnmixing)) {
+    throw InvalidInput(what +
+                       ": must be a matrix of finite numbers with ones on its diagonal that can be "
+                       "inverted; palpate calibrate crosstalk makes it");
+  }
+}
+
 }  // namespace
 
 void check_rig(const Rig& rig, const std::string& what) {
@@ -136,6 +169,7 @@ void check_rig(const Rig& rig, const std::string& what) {
   }
   check_chromatic(rig.red, what + ": chromatic.red");
   check_chromatic(rig.blue, what + ": chromatic.blue");
+  check_mixing(rig.color_mixing, what + ": chromatic.mixing");
 }
 
 Rig read_rig(const std::filesystem::path& path) {
@@ -146,6 +180,7 @@ Rig read_rig(const std::filesystem::path& path) {
   rig.T_projector_camera = read_pose(file);
   rig.red = read_chromatic(file, "red");
   rig.blue = read_chromatic(file, "blue");
+  rig.color_mixing = read_mixing(file);
   try {
     check_rig(rig, path.string());
   } catch (const InvalidInput& error) {
@@ -180,6 +215,7 @@ void write_rig(const std::filesystem::path& path, const Rig& rig) {
           << "{";
   write_chromatic(storage, "red", rig.red);
   write_chromatic(storage, "blue", rig.blue);
+  write_mixing(storage, rig.color_mixing);
   storage << "}";
   const std::string text = storage.releaseAndGetString();
   write_file(path, [&](std::ostream& out) { out << text; });

@@ -22,6 +22,7 @@ Rig awkward_rig() {
       Eigen::AngleAxisd(0.3, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
   rig.T_projector_camera.translation() = Eigen::Vector3d(150.1, -20.0 / 3, 1e-7);
   rig.red = {.alpha = 0.999, .beta = 1.0006, .gamma = 2e-4};
+  rig.color_mixing(1, 0) = 0.125;
   rig.blue = {.alpha = 1.0014, .beta = 0.999, .gamma = -1.5e-4};
   return rig;
 }
@@ -56,6 +57,7 @@ TEST(Rig, SurvivesWritingAndReadingExactly) {
   EXPECT_EQ(rig.T_projector_camera.matrix(), again.T_projector_camera.matrix());
   EXPECT_EQ(rig.red.alpha, again.red.alpha);
   EXPECT_EQ(rig.red.gamma, again.red.gamma);
+  EXPECT_EQ(rig.color_mixing, again.color_mixing);
   EXPECT_EQ(rig.blue.beta, again.blue.beta);
 }
 
@@ -127,6 +129,13 @@ TEST(Rig, RefusesWrongFilesAndNamesTheKey) {
       std::string::npos);
   EXPECT_NE(refusal("150.0, 165.0, -20.0", "0.0, 0.0, 0.0").find("t: "), std::string::npos);
   EXPECT_NE(refusal("alpha: 0.999", "alpha: -0.999").find("chromatic.red"), std::string::npos);
+  for (const char* const mixing : {"[ 1, 0, 0, 0, 1, 0, 0, 0 ]", "[ 1, 0, 0, 0, 2, 0, 0, 0, 1 ]",
+                                   "[ 1, 1, 0, 1, 1, 0, 0, 0, 1 ]"}) {
+    EXPECT_NE(refusal("chromatic:", std::string("chromatic:\n   mixing: ") + mixing)
+                  .find("chromatic.mixing"),
+              std::string::npos)
+        << mixing;
+  }
   EXPECT_NE(refusal("gamma: 0.0002", "gama: 0.0002").find("chromatic.red.gamma"),
             std::string::npos);
 }

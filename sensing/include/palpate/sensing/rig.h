@@ -30,15 +30,21 @@ struct Rig {
   Eigen::Isometry3d T_projector_camera = Eigen::Isometry3d::Identity();
   ChromaticShift red;   ///< relative to green
   ChromaticShift blue;  ///< relative to green
+  /// Light that the camera's red, green and blue channel (rows) receive from the projector's red,
+  /// green and blue (columns), relative to the diagonal, which is 1: the camera's colour filters
+  /// overlap. The identity means that they do not.
+  Eigen::Matrix3d color_mixing = Eigen::Matrix3d::Identity();
 };
 
 /// Checks that both cameras are valid, that the pose is a rotation and a non-zero translation, and
-/// that the chromatic shifts are finite with alpha, beta > 0.
+/// that the chromatic shifts are finite with alpha, beta > 0, and that the colour mixing has ones
+/// on its diagonal and an inverse without entries beyond 10 in size.
 /// \throws InvalidInput otherwise; the message begins with `what`.
 void check_rig(const Rig& rig, const std::string& what);
 
 /// Reads a rig from OpenCV FileStorage: `camera_size`, `camera_matrix`, `camera_distortion`, the
-/// same three keys for `projector`, `R`, `t`, and optionally `chromatic`. A lens distortion has 0,
+/// same three keys for `projector`, `R`, `t`, and optionally `chromatic` with `red`, `blue` and
+/// `mixing`. A lens distortion has 0,
 /// 4, 5 or 8 coefficients.
 /// \throws FileError naming the file and the key if a value is missing, has the wrong shape or is
 /// not finite, or if R is not a rotation.

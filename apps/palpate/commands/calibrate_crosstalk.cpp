@@ -1,0 +1,84 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "palpate/sensing/crosstalk_calibration.h"
+#include "palpate/sensing/frame.h"
+#include "palpate/sensing/response.h"
+#include "palpate/sensing/rig.h"
+#include "shared/call_checks.h"
+#include "shared/command_line.h"
+#include "shared/inputs.h"
+
+namespace palpate::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct CrosstalkCall {
+  fs::path off, red, green, blue, rig, response, output;
+};
+
+nlohmann::ordered_json rows_of(const Eigen::Matrix3d& matrix) {
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  for (const auto& row : matrix.rowwise()) rows.push_back({row[0], row[1], row[2]});
+  return rows;
+}
+
+void calibrate_crosstalk(const Settings& settings, const CrosstalkCall& call) {
+  check_outputs({call.off, call.red, call.green, call.blue, call.rig, call.response},
+                {call.output});
+  sensing::Rig rig = sensing::read_rig(call.rig);
+  sensing::CrosstalkImages images{sensing::read_frame(call.off), sensing::read_frame(call.red),
+                                  sensing::read_frame(call.green), sensing::read_frame(call.blue)};
+  if (!call.response.empty()) {
+    const sensing::Linearizer linearize(sensing::read_response(call.response));
+    for (cv::Mat* image : {&images.off, &images.red, &images.green, &images.blue})
+      *image = linearize(*image);
+  }
+  const sensing::CrosstalkCalibration found = sensing::calibrate_crosstalk(images);
+  rig.color_mixing = found.mixing;
+  sensing::write_rig(call.output, rig);
+
+  constexpr const char* kNames[] = {"red", "green", "blue"};
+  std::string prose = fmt::format("{:<24}{:>10}{:>10}{:>10}\n", "channel sees (%)", kNames[0],
+                                  kNames[1], kNames[2]);
+  for (int row = 0; row < 3; ++row) {
+    prose += fmt::format("{:<24}", kNames[row]);
+    for (int column = 0; column < 3; ++column)
+      prose += fmt::format("{:>10.2f}", 100 * found.mixing(row, column));
+    prose += "\n";
+  }
+  print(settings,
+        {{"mixing", rows_of(found.mixing)},
+         {"mixing_deviation", rows_of(found.deviation)},
+         {"pixels", found.pixels},
+         {"file", call.output.string()}},
+        prose + fmt::format("standard deviation at most {:.2f} %, from {} pixels\nWritten to {}",
+                            100 * found.deviation.maxCoeff(), found.pixels, call.output.string()));
+}
+
+}  // namespace
+
+void add_calibrate_crosstalk(CLI::App& calibrate, const Settings& settings) {
+  auto call = std::make_shared<CrosstalkCall>();
+  CLI::App* crosstalk = calibrate.add_subcommand(
+      "crosstalk", "How the camera's channels mix the projector's colours, from three flat images");
+  crosstalk->add_option("--off", call->off, "Image with the projector off or black")->required();
+  crosstalk->add_option("--red", call->red, "Image under even red (1, 0, 0)")->required();
+  crosstalk->add_option("--green", call->green, "Image under even green (0, 1, 0)")->required();
+  crosstalk->add_option("--blue", call->blue, "Image under even blue (0, 0, 1)")->required();
+  crosstalk->add_option("--rig", call->rig, "Rig to complete (rig.yaml)")->required();
+  crosstalk->add_option("--response", call->response,
+                        "Response (response.yaml): the images are linearised first");
+  crosstalk->add_option("-o,--output", call->output, "Rig with the mixing to write")->required();
+  crosstalk->callback([call, &settings] { calibrate_crosstalk(settings, *call); });
+}
+
+}  // namespace palpate::apps
