@@ -13,6 +13,7 @@
 #include "decode/color_evidence.h"
 #include "decode/decode_options.h"
 #include "decode/decoder_geometry.h"
+#include "decode/evidence.h"
 #include "decode/plausibility.h"
 #include "decode/workspace.h"
 #include "image/half_size.h"
@@ -116,11 +117,15 @@ PALPATE_HOT_LOOP void scale_sigma(const float* z, const float* z_per_phase, floa
 struct Decoder::Impl {
   /// Additional data of a pattern with stripes.
   struct Stripes {
-    Stripes(const Pattern& pattern, const TrainedColors& trained)
-        : classifier(pattern, trained), edges(pattern), colors(pattern) {}
+    Stripes(const DecoderGeometry& model, const TrainedColors& trained)
+        : classifier(model.pattern(), trained),
+          edges(model.pattern()),
+          colors(model.pattern()),
+          evidence(model, trained) {}
     HueClassifier classifier;
     StripeEdges edges;
     StripeColors colors;
+    EvidenceFinder evidence;
   };
 
   Impl(const Rig& rig, const Pattern& pattern, const TrainedColors& colors,
@@ -160,7 +165,7 @@ Decoder::Impl::Impl(const Rig& rig, const Pattern& pattern, const TrainedColors&
     seen.height = 2 * model.rig().camera.height;
   }
   check_anchors(options.anchors, pattern, seen);
-  if (!pattern.stripe_edges.empty()) stripes.emplace(pattern, colors);
+  if (!pattern.stripe_edges.empty()) stripes.emplace(model, colors);
 }
 
 void Decoder::Impl::check_frame(const cv::Mat& frame) const {
@@ -326,6 +331,7 @@ void Decoder::Impl::check_colors(Workspace& work) const {
 
 /// Moves the result's former images to the workspace for reuse.
 void Decoder::Impl::fill_result(Workspace& work, DecodeResult& result) const {
+  result.evidence = stripes ? stripes->evidence.find(work, model) : DecodeEvidence{};
   result.transitions = stripes ? static_cast<int>(work.guesses.size()) : 0;
   result.regions = work.regions.count;
   result.unresolved_regions =

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "palpate/geometry/range_map.h"
+#include "palpate/sensing/decode_verdict.h"
 #include "palpate/sensing/pattern.h"
 #include "palpate/sensing/reason.h"
 #include "palpate/sensing/rig.h"
@@ -73,6 +74,9 @@ struct DecodeResult {
   int transitions = 0;         ///< number of stripe edges identified, over all scanlines
   int regions = 0;             ///< number of smooth regions of the phase
   int unresolved_regions = 0;  ///< regions with too few stripe edges, or contradicting ones
+  /// Whether the frame fits rig, pattern and colours at all: pass it, or the sum of a sequence, to
+  /// `judge` before you use the depths. Empty for a pattern without stripes.
+  DecodeEvidence evidence = {};
 };
 
 /// Decodes single frames into range maps (thesis 3.3), for one rig, pattern and set of trained

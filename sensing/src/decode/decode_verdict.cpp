@@ -1,0 +1,245 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/sensing/decode_verdict.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+namespace palpate::sensing {
+namespace {
+
+/// Fewer stripe edges than these decide nothing: chains of a few misread ones, as on a small
+/// coloured object, would.
+constexpr long kLeastEdges = 60;
+constexpr long kLeastStripeEdges = 4;
+/// Fewer pixels with a sinusoid than this decide nothing about hues and rows.
+constexpr long kLeastHues = 500;
+
+/// Stripes and sinusoid agree iff the mean of cos(2 pi d) is at least this: 1 is perfect, 0 is
+/// chance.
+constexpr double kLeastAgreement = 0.45;
+/// An explanation is likely iff it brings the agreement to at least this, and to more than a shift
+/// that is everywhere alike would.
+constexpr double kLikely = 0.65;
+/// More than this share of the edges in steady parts of the frame must not be displaced.
+constexpr double kMostDisplaced = 0.5;
+
+/// A surface is coloured iff one channel returns this many times the light of another.
+constexpr double kColored = 3.5;
+/// The colours are those that were trained iff at least this share of the pixels has their hues.
+constexpr double kLeastTrainedHues = 0.3;
+
+/// The sinusoid is missing iff less than this share of the lit pixels shows it.
+constexpr double kLeastSinusoid = 0.2;
+
+/// Squared steps of brightness within pairs of rows and between the pairs are alike up to this
+/// factor.
+constexpr double kUnlikeSteps = 2.5;
+
+/// The shift is everywhere alike iff the mean of exp(2 pi i d) is at least this long, and smooth
+/// iff the mean of cos(2 pi difference of d) between neighbouring stripe edges is at least this.
+constexpr double kAlike = 0.8;
+constexpr double kSmooth = 0.7;
+
+/// What a swap in the trained colours, or in the frames, would look like.
+DecodeJudgement swapped(const char* channels, const DecodeEvidence& evidence, double agreement) {
+  return {
+      DecodeVerdict::wrong_channels,
+      fmt::format("{} are swapped in {}: with them exchanged, {:.0f} % of the agreement between "
+                  "stripes and sinusoid would be there",
+                  channels,
+                  evidence.colors_fit_pattern
+                      ? "the frames (try the other order of the channels, RGB or BGR, or "
+                        "another --bayer)"
+                      : "the trained colours (train them again)",
+                  100 * agreement)};
+}
+
+DecodeJudgement turned(const char* how, double agreement) {
+  return {DecodeVerdict::turned_frames,
+          fmt::format("the frames are {0}: if they were not, {1:.0f} % of the agreement between "
+                      "stripes and sinusoid would be there. Try to turn them back, or calibrate "
+                      "the rig with frames that are {0} as well",
+                      how, 100 * agreement)};
+}
+
+DecodeJudgement explanation_of(const DecodeEvidence& evidence, FrameExplanation explanation,
+                               double agreement) {
+  switch (explanation) {
+    case FrameExplanation::red_blue_swapped:
+      return swapped("red and blue", evidence, agreement);
+    case FrameExplanation::red_green_swapped:
+      return swapped("red and green", evidence, agreement);
+    case FrameExplanation::green_blue_swapped:
+      return swapped("green and blue", evidence, agreement);
+    case FrameExplanation::negative:
+      return {DecodeVerdict::wrong_channels,
+              "the frames are negatives: bright where they should be dark"};
+    case FrameExplanation::stripes_reversed:
+      return {DecodeVerdict::reversed_stripes,
+              "the stripes of the pattern follow each other in reverse order: try the pattern file "
+              "that belongs to the projected image, or check whether the projector mirrors it"};
+    case FrameExplanation::mirrored:
+      return turned("mirrored", agreement);
+    case FrameExplanation::flipped:
+      return turned("upside down (flipped)", agreement);
+    case FrameExplanation::rotated:
+      return turned("rotated by 180 degrees", agreement);
+  }
+  return {};
+}
+
+/// Agreement if the sinusoid were shifted everywhere alike.
+double agreement_of_shift(const DecodeEvidence& evidence) {
+  return std::hypot(evidence.agreement, evidence.shift) /
+         static_cast<double>(std::max(evidence.edges, 1L));
+}
+
+/// The explanation that fits best, if it is likely.
+std::optional<DecodeJudgement> explain(const DecodeEvidence& evidence) {
+  const auto best = std::max_element(evidence.explained.begin(), evidence.explained.end());
+  const double with_it = *best / static_cast<double>(std::max(evidence.explained_edges, 1L));
+  if (with_it < kLikely || with_it <= agreement_of_shift(evidence)) return std::nullopt;
+  return explanation_of(evidence, static_cast<FrameExplanation>(best - evidence.explained.begin()),
+                        with_it);
+}
+
+/// What makes the phases differ if no simple exchange does.
+DecodeJudgement judge_shift(const DecodeEvidence& evidence) {
+  const double smooth =
+      evidence.smoothness / static_cast<double>(std::max(evidence.neighbours, 1L));
+  const double turns = std::atan2(evidence.shift, evidence.agreement) / (2 * std::numbers::pi);
+  if (agreement_of_shift(evidence) >= kAlike) {
+    return {DecodeVerdict::shifted_sinusoid,
+            fmt::format("the sinusoid is {:.2f} of a period from where the stripes put it, "
+                        "everywhere alike: the pattern's phase, the order of its stripes or the "
+                        "principal point of projector or camera is another, or the frames are "
+                        "shifted or cropped",
+                        std::abs(turns))};
+  }
+  if (smooth >= kSmooth) {
+    return {DecodeVerdict::wrong_rig,
+            "the sinusoid is away from where the stripes put it, by an amount that varies over the "
+            "frame: the rig seems to be another (has camera or projector moved? is it the rig of "
+            "this projector, and of frames of this size?), or the period of the pattern is"};
+  }
+  return {DecodeVerdict::wrong_pattern,
+          "stripes and sinusoid have nothing to do with each other: pattern or rig belong to "
+          "another projector, or the trained colours to another camera"};
+}
+
+/// Whether rows are exchanged or doubled, as in interlaced video.
+bool has_wrong_rows(const DecodeEvidence& evidence) {
+  const double in = evidence.steps_in_pairs, between = evidence.steps_between_pairs;
+  return in > kUnlikeSteps * between || between > kUnlikeSteps * in;
+}
+
+std::string few_edges(const DecodeEvidence& evidence) {
+  if (static_cast<double>(evidence.hues) < kLeastSinusoid * static_cast<double>(evidence.lit)) {
+    return fmt::format(
+        "too little to judge by: only {:.0f} % of the lit pixels show the sinusoid; is "
+        "it out of focus, or has the pattern another period or axis?",
+        100 * static_cast<double>(evidence.hues) / static_cast<double>(evidence.lit));
+  }
+  return fmt::format(
+      "too little to judge by: {} readings of {} different stripe edges; {} of {} "
+      "are needed",
+      evidence.edges + evidence.off_panel, evidence.stripe_edges, kLeastEdges, kLeastStripeEdges);
+}
+
+}  // namespace
+
+DecodeEvidence& DecodeEvidence::operator+=(const DecodeEvidence& other) {
+  edges += other.edges;
+  off_panel += other.off_panel;
+  stripe_edges += other.stripe_edges;
+  agreement += other.agreement;
+  shift += other.shift;
+  steady_edges += other.steady_edges;
+  displaced_edges += other.displaced_edges;
+  neighbours += other.neighbours;
+  smoothness += other.smoothness;
+  for (std::size_t i = 0; i < explained.size(); ++i) explained[i] += other.explained[i];
+  explained_edges += other.explained_edges;
+  for (std::size_t i = 0; i < light.size(); ++i) light[i] += other.light[i];
+  lit += other.lit;
+  hues += other.hues;
+  trained_hues += other.trained_hues;
+  steps_in_pairs += other.steps_in_pairs;
+  steps_between_pairs += other.steps_between_pairs;
+  colors_fit_pattern = colors_fit_pattern && other.colors_fit_pattern;
+  return *this;
+}
+
+DecodeJudgement judge(const DecodeEvidence& evidence) {
+  if (evidence.hues >= kLeastHues && has_wrong_rows(evidence)) {
+    return {DecodeVerdict::wrong_rows,
+            "rows of the frames are exchanged or doubled, as in interlaced video: try to record "
+            "whole frames, or to decode one field alone with a rig of its size"};
+  }
+  const auto [least, most] = std::minmax_element(evidence.light.begin(), evidence.light.end());
+  const bool colored = *most > kColored * *least;
+  const auto hues = static_cast<double>(evidence.hues);
+  if (evidence.hues >= kLeastHues && !colored &&
+      static_cast<double>(evidence.trained_hues) < kLeastTrainedHues * hues) {
+    return {DecodeVerdict::wrong_colors,
+            fmt::format("only {:.0f} % of the hues are those of a trained colour: the trained "
+                        "colours seem to be those of another camera or projector; train them again",
+                        100 * static_cast<double>(evidence.trained_hues) / hues)};
+  }
+  const long edges = evidence.edges + evidence.off_panel;
+  if (edges < kLeastEdges ||
+      (evidence.edges >= evidence.off_panel && evidence.stripe_edges < kLeastStripeEdges)) {
+    return {DecodeVerdict::too_little, few_edges(evidence)};
+  }
+  if (colored) {
+    return {DecodeVerdict::too_little,
+            fmt::format("too little to judge by: the surface is coloured (one of red, green and "
+                        "blue is {:.1f} times as bright as another)",
+                        *most / std::max(*least, 1e-3 * *most))};
+  }
+  const double agreement = evidence.agreement / static_cast<double>(edges);
+  if (agreement < kLeastAgreement) {
+    const auto explanation = explain(evidence);
+    return explanation ? *explanation : judge_shift(evidence);
+  }
+  if (static_cast<double>(evidence.displaced_edges) >
+      kMostDisplaced * static_cast<double>(evidence.steady_edges)) {
+    return judge_shift(evidence);
+  }
+  return {DecodeVerdict::accepted,
+          fmt::format("stripes and sinusoid agree by {:.0f} % at {} readings of stripe edges",
+                      100 * agreement, edges)};
+}
+
+const char* to_string(DecodeVerdict verdict) {
+  switch (verdict) {
+    case DecodeVerdict::accepted:
+      return "accepted";
+    case DecodeVerdict::too_little:
+      return "too_little";
+    case DecodeVerdict::wrong_channels:
+      return "wrong_channels";
+    case DecodeVerdict::wrong_colors:
+      return "wrong_colors";
+    case DecodeVerdict::turned_frames:
+      return "turned_frames";
+    case DecodeVerdict::wrong_rows:
+      return "wrong_rows";
+    case DecodeVerdict::reversed_stripes:
+      return "reversed_stripes";
+    case DecodeVerdict::shifted_sinusoid:
+      return "shifted_sinusoid";
+    case DecodeVerdict::wrong_rig:
+      return "wrong_rig";
+    case DecodeVerdict::wrong_pattern:
+      return "wrong_pattern";
+  }
+  return "unknown";
+}
+
+}  // namespace palpate::sensing
