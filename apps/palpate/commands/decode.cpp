@@ -17,9 +17,9 @@
 #include "commands/decode_input.h"
 #include "commands/decode_outputs.h"
 #include "commands/decode_record.h"
+#include "commands/decode_report.h"
 #include "commands/decode_summary.h"
 #include "palpate/error.h"
-#include "palpate/geometry/error_statistics.h"
 #include "palpate/sensing/decode_frame.h"
 #include "palpate/sensing/pattern.h"
 #include "palpate/sensing/response.h"
@@ -52,6 +52,7 @@ struct DecodeCall {
   fs::path output;        ///< the folder for the results
   DecodeOutputs outputs;  ///< in the folder where this run writes
   bool resume = false;
+  bool force = false;  ///< accept frames that do not fit
 };
 
 /// A frame in the pipeline. Only one stage at a time uses it.
@@ -60,16 +61,6 @@ struct FrameItem {
   FinishedFrame finished;
   double write_milliseconds = 0;  ///< including counting of pixels and logging
 };
-
-/// The result of one frame, for the report.
-struct Outcome {
-  std::string error;  ///< empty if there is a range map
-  FinishedFrame frame;
-  bool kept = false;  ///< from an earlier run
-  double read_milliseconds = 0;
-  double write_milliseconds = 0;
-};
-using Outcomes = std::map<std::size_t, Outcome>;  ///< by the number of the frame
 
 /// The next frame to be decoded. Frames that an earlier run has finished are added to `kept`.
 std::optional<FrameItem> next_unfinished(const DecodeCall& call, sensing::FrameSource& source,
@@ -103,6 +94,7 @@ void write_frame(const DecodeCall& call, FrameItem& item) {
   }
   item.finished = stamped(source);
   item.finished.milliseconds = item.decoded.decode_milliseconds;
+  item.finished.evidence = result.evidence;
   item.finished.pixels = (result.range.z > 0).count();
   item.finished.median_depth = median_depth(result.range.z);
   if (item.finished.pixels == 0)
@@ -180,62 +172,22 @@ Outcomes decode_all(const sensing::Decoder& decoder, const DecodeCall& call,
   return outcomes;
 }
 
-double median_of(const Outcomes& outcomes, double Outcome::*milliseconds) {
-  std::vector<double> values;
-  for (const auto& [number, outcome] : outcomes) {
-    if (outcome.error.empty() && !outcome.kept) values.push_back(outcome.*milliseconds);
+/// Refuses results of frames that do not fit rig, pattern or colours. What was decoded stays where
+/// it is, but does not replace earlier results.
+void refuse_misfit(const DecodeCall& call, const ResultFolder& folder,
+                   const sensing::DecodeJudgement& judgement) {
+  if (judgement.usable()) return;
+  if (call.force) {
+    spdlog::warn(
+        "the frames do not fit rig, pattern or colours, so depths are likely to be wrong: {}.",
+        judgement.reason);
+    return;
   }
-  return geometry::error_statistics(values).median;
-}
-
-void report(const Settings& settings, const DecodeCall& call, const Outcomes& outcomes,
-            double seconds) {
-  nlohmann::ordered_json per_frame = nlohmann::ordered_json::array();
-  std::vector<double> milliseconds;
-  std::string prose;
-  std::size_t decoded = 0;
-  for (const auto& [number, outcome] : outcomes) {
-    const FinishedFrame& frame = outcome.frame;
-    if (!outcome.error.empty()) {
-      per_frame.push_back({{"frame", frame.name}, {"error", outcome.error}});
-      spdlog::error("{}", outcome.error);
-      continue;
-    }
-    const fs::path map = numbered(call.output, number, ".tiff");
-    ++decoded;
-    milliseconds.push_back(frame.milliseconds);
-    per_frame.push_back({{"frame", frame.name},
-                         {"range_map", map.string()},
-                         {"pixels", frame.pixels},
-                         {"median_depth", frame.median_depth},
-                         {"ms", frame.milliseconds},
-                         {"kept", outcome.kept}});
-    prose += fmt::format("{} -> {}: {} pixels, median depth {}, {}\n", frame.name, map.string(),
-                         frame.pixels,
-                         frame.pixels > 0 ? fmt::format("{:.1f} mm", frame.median_depth) : "none",
-                         outcome.kept ? std::string("kept from an earlier run")
-                                      : fmt::format("{:.0f} ms", frame.milliseconds));
-  }
-  const auto kept = std::count_if(outcomes.begin(), outcomes.end(),
-                                  [](const auto& entry) { return entry.second.kept; });
-  const double median_ms = geometry::error_statistics(milliseconds).median;
-  const double rate =
-      static_cast<double>(outcomes.size() - static_cast<std::size_t>(kept)) / seconds;
-  const nlohmann::ordered_json figures = {
-      {"frames", outcomes.size()},
-      {"decoded", decoded},
-      {"kept", kept},
-      {"broken", outcomes.size() - decoded},
-      {"ms_per_frame", median_ms},
-      {"read_ms_per_frame", median_of(outcomes, &Outcome::read_milliseconds)},
-      {"write_ms_per_frame", median_of(outcomes, &Outcome::write_milliseconds)},
-      {"frames_per_second", rate},
-      {"per_frame", per_frame}};
-  print(settings, figures,
-        prose + fmt::format("{} of {} frames decoded, {:.0f} ms a frame (median), {:.1f} frames/s "
-                            "in all{}.",
-                            decoded, outcomes.size(), median_ms, rate,
-                            kept > 0 ? fmt::format("; {} kept from an earlier run", kept) : ""));
+  throw Error(fmt::format(
+      "the frames do not fit rig, pattern or colours, so depths are likely to be wrong: {}. "
+      "What was decoded is in {}{}; to accept it, run the same call again with --resume --force.",
+      judgement.reason, folder.place().string(),
+      folder.replaces() ? ", and the earlier results are unchanged" : ""));
 }
 
 sensing::FrameSource open_frames(const DecodeCall& call) {
@@ -310,8 +262,10 @@ void decode(const Settings& settings, DecodeCall call) {
   if (outcomes.empty())
     throw FileError(call.frames.front().string() + ": holds no frame; pass images or a video.");
   if (broken == static_cast<long>(outcomes.size())) throw FileError(outcomes.begin()->second.error);
-  folder.finish([](const fs::path&) { return true; });
-  report(settings, call, outcomes, seconds);
+  const sensing::DecodeJudgement judgement = judge_sequence(outcomes);
+  if (judgement.usable() || call.force) folder.finish([](const fs::path&) { return true; });
+  report_decoding(settings, folder.place(), outcomes, judgement, seconds);
+  refuse_misfit(call, folder, judgement);
   if (broken > 0)
     throw Error(fmt::format("{} of {} frames could not be decoded; the others were decoded.",
                             broken, outcomes.size()));
@@ -380,12 +334,17 @@ void add_decode(CLI::App& app, const Settings& settings) {
   command->add_flag("--resume", call->resume,
                     "Keep the frames that an earlier run with the same settings finished in this "
                     "folder");
+  command->add_flag("--force", call->force,
+                    "Accept range maps of frames that do not fit rig, pattern or colours");
   command->footer(
       "Frames are numbered from 0 in the order of their file names, in which numbers count as "
       "numbers: the range map of the first frame is 000000.tiff. frames.csv lists which frame "
       "belongs to which range map.\n"
       "A broken frame is reported and skipped, and the exit status is 1; the other frames keep "
       "their numbers.\n"
+      "Frames whose stripes contradict their sinusoid do not fit rig, pattern or colours. If that "
+      "holds for all together, the exit status is 1 and a sentence states the likely cause. What "
+      "was decoded stays, but does not replace earlier results; --resume --force accepts it.\n"
       "Without --resume, results of an earlier run in the folder are replaced when all frames are "
       "decoded; until then they stay as they are. With --resume, frames are kept for which "
       "decode.jsonl, the record of finished frames, and all requested files exist. Ctrl-C keeps "

@@ -29,11 +29,55 @@ constexpr const char* kDecodeRecord = "frames of palpate decode";
 /// What the user can do without the record, for messages.
 constexpr const char* kDecodeRemedy = "Leave out --resume to decode all frames anew";
 
+Json to_json(const sensing::DecodeEvidence& evidence) {
+  return {{"edges", evidence.edges},
+          {"off_panel", evidence.off_panel},
+          {"stripe_edges", evidence.stripe_edges},
+          {"agreement", evidence.agreement},
+          {"shift", evidence.shift},
+          {"steady_edges", evidence.steady_edges},
+          {"displaced_edges", evidence.displaced_edges},
+          {"neighbours", evidence.neighbours},
+          {"smoothness", evidence.smoothness},
+          {"explained", evidence.explained},
+          {"explained_edges", evidence.explained_edges},
+          {"light", evidence.light},
+          {"lit", evidence.lit},
+          {"hues", evidence.hues},
+          {"trained_hues", evidence.trained_hues},
+          {"steps_in_pairs", evidence.steps_in_pairs},
+          {"steps_between_pairs", evidence.steps_between_pairs},
+          {"colors_fit_pattern", evidence.colors_fit_pattern}};
+}
+
+sensing::DecodeEvidence evidence_of(const Json& json) {
+  sensing::DecodeEvidence evidence;
+  json.at("edges").get_to(evidence.edges);
+  json.at("off_panel").get_to(evidence.off_panel);
+  json.at("stripe_edges").get_to(evidence.stripe_edges);
+  json.at("agreement").get_to(evidence.agreement);
+  json.at("shift").get_to(evidence.shift);
+  json.at("steady_edges").get_to(evidence.steady_edges);
+  json.at("displaced_edges").get_to(evidence.displaced_edges);
+  json.at("neighbours").get_to(evidence.neighbours);
+  json.at("smoothness").get_to(evidence.smoothness);
+  json.at("explained").get_to(evidence.explained);
+  json.at("explained_edges").get_to(evidence.explained_edges);
+  json.at("light").get_to(evidence.light);
+  json.at("lit").get_to(evidence.lit);
+  json.at("hues").get_to(evidence.hues);
+  json.at("trained_hues").get_to(evidence.trained_hues);
+  json.at("steps_in_pairs").get_to(evidence.steps_in_pairs);
+  json.at("steps_between_pairs").get_to(evidence.steps_between_pairs);
+  json.at("colors_fit_pattern").get_to(evidence.colors_fit_pattern);
+  return evidence;
+}
+
 Json to_json(const FinishedFrame& frame) {
-  return {{"number", frame.number},  {"frame", frame.name},
-          {"bytes", frame.bytes},    {"modified", frame.modified},
-          {"pixels", frame.pixels},  {"median_depth", frame.median_depth},
-          {"ms", frame.milliseconds}};
+  return {{"number", frame.number},   {"frame", frame.name},
+          {"bytes", frame.bytes},     {"modified", frame.modified},
+          {"pixels", frame.pixels},   {"median_depth", frame.median_depth},
+          {"ms", frame.milliseconds}, {"evidence", to_json(frame.evidence)}};
 }
 
 FinishedFrame finished_frame(const Json& json) {
@@ -45,7 +89,8 @@ FinishedFrame finished_frame(const Json& json) {
           .pixels = json.at("pixels"),
           .median_depth =
               depth.is_null() ? std::numeric_limits<double>::quiet_NaN() : depth.get<double>(),
-          .milliseconds = json.at("ms")};
+          .milliseconds = json.at("ms"),
+          .evidence = evidence_of(json.at("evidence"))};
 }
 
 using FinishedFrames = std::map<std::size_t, FinishedFrame>;

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "palpate/sensing/decode_verdict.h"
 #include "palpate/sensing/frame_source.h"
 #include "shared/run_record.h"
 
@@ -19,11 +20,12 @@ namespace palpate::apps {
 struct FinishedFrame {
   std::size_t number = 0;
   std::string name;
-  std::uintmax_t bytes = 0;   ///< size of the file that holds the frame
-  std::int64_t modified = 0;  ///< time at which that file was last written
-  long pixels = 0;            ///< number of pixels with a depth
-  double median_depth = 0;    ///< [mm] NaN if no pixel has a depth
-  double milliseconds = 0;    ///< time for decoding
+  std::uintmax_t bytes = 0;               ///< size of the file that holds the frame
+  std::int64_t modified = 0;              ///< time at which that file was last written
+  long pixels = 0;                        ///< number of pixels with a depth
+  double median_depth = 0;                ///< [mm] NaN if no pixel has a depth
+  double milliseconds = 0;                ///< time for decoding
+  sensing::DecodeEvidence evidence = {};  ///< whether it fits rig, pattern and colours
 };
 
 /// The name of a frame with the size and time of its file, by which a later run sees whether the

@@ -36,9 +36,10 @@ Json see(const DemoFrame& frame, const sensing::Pattern& pattern,
   const sensing::Decoder decoder(sensing::read_rig(frame.rig), pattern, colors);
   const cv::Mat image = sensing::read_frame(frame.image);
   const auto start = std::chrono::steady_clock::now();
-  const geometry::RangeMap range = decoder.decode(image).range;
+  const sensing::DecodeResult decoded = decoder.decode(image);
   const std::chrono::duration<double, std::milli> elapsed =
       std::chrono::steady_clock::now() - start;
+  const geometry::RangeMap& range = decoded.range;
 
   const geometry::TriangleMesh mesh = geometry::mesh_range_map(range).mesh;
   geometry::write_depth_tiff(output / "range" / (frame.name + ".tiff"), range.z);
@@ -53,6 +54,7 @@ Json see(const DemoFrame& frame, const sensing::Pattern& pattern,
   Json figures = {{"frame", frame.name}};
   figures.update(score_figures(geometry::score_range_map(range.z, truth, lit)));
   figures["triangles"] = mesh.triangles.cols();
+  figures["verdict"] = sensing::to_string(sensing::judge(decoded.evidence).verdict);
   figures["ms"] = elapsed.count();
   return figures;
 }

@@ -139,6 +139,7 @@ bool has_wrong_rows(const DecodeEvidence& evidence) {
 }
 
 std::string few_edges(const DecodeEvidence& evidence) {
+  if (evidence.lit == 0) return "too little to judge by: no lit stripes";
   if (static_cast<double>(evidence.hues) < kLeastSinusoid * static_cast<double>(evidence.lit)) {
     return fmt::format(
         "too little to judge by: only {:.0f} % of the lit pixels show the sinusoid; is "

@@ -1,0 +1,36 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+
+#include "commands/decode_record.h"
+#include "palpate/sensing/decode_verdict.h"
+#include "shared/command_line.h"
+
+namespace palpate::apps {
+
+/// The result of one frame, for the report.
+struct Outcome {
+  std::string error;  ///< empty if there is a range map
+  FinishedFrame frame;
+  bool kept = false;  ///< from an earlier run
+  double read_milliseconds = 0;
+  double write_milliseconds = 0;
+};
+using Outcomes = std::map<std::size_t, Outcome>;  ///< by the number of the frame
+
+/// Judges all frames that were decoded as one sequence.
+[[nodiscard]] sensing::DecodeJudgement judge_sequence(const Outcomes& outcomes);
+
+/// Prints what became of the frames, and warns of those that do not fit rig, pattern and colours
+/// although the sequence does.
+/// \param output the folder with the range maps.
+/// \param seconds the time that all took.
+void report_decoding(const Settings& settings, const std::filesystem::path& output,
+                     const Outcomes& outcomes, const sensing::DecodeJudgement& judgement,
+                     double seconds);
+
+}  // namespace palpate::apps
