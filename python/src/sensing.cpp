@@ -11,6 +11,7 @@
 #include "bindings.h"
 #include "palpate/geometry/range_map.h"
 #include "palpate/sensing/decode.h"
+#include "palpate/sensing/decode_verdict.h"
 #include "palpate/sensing/frame.h"
 #include "palpate/sensing/pattern.h"
 #include "palpate/sensing/reason.h"
@@ -166,7 +167,19 @@ void add_decoder(py::module_& module) {
       .def_readonly("transitions", &DecodeResult::transitions, "Stripe edges that were identified.")
       .def_readonly("regions", &DecodeResult::regions, "Smooth regions of the phase.")
       .def_readonly("unresolved_regions", &DecodeResult::unresolved_regions,
-                    "Regions with too few stripe edges, or contradicting ones.");
+                    "Regions with too few stripe edges, or contradicting ones.")
+      .def_property_readonly(
+          "verdict",
+          [](const DecodeResult& result) {
+            return sensing::to_string(sensing::judge(result.evidence).verdict);
+          },
+          "Whether the frame fits rig, pattern and colours: \"accepted\", \"too_little\" to judge "
+          "by, "
+          "or the likely cause. Check it before you use the depths.")
+      .def_property_readonly(
+          "reason",
+          [](const DecodeResult& result) { return sensing::judge(result.evidence).reason; },
+          "The verdict in a sentence, with figures and what to try.");
   py::class_<Decoder>(module, "Decoder", R"(Decodes single frames into range maps.
 
 Threads may decode with the same decoder at the same time.)")

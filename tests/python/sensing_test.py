@@ -29,6 +29,12 @@ class Decoding(unittest.TestCase):
         self.assertEqual(sum(decoded.counts.values()), decoded.range.z.size)
         self.assertEqual(decoded.counts["reconstructed"], np.isfinite(decoded.range.z).sum())
 
+    def test_frames_that_do_not_fit_are_told_with_their_likely_cause(self):
+        self.assertEqual(self.decoder.decode(self.frame).verdict, "accepted")
+        swapped = self.decoder.decode(self.frame[..., ::-1])
+        self.assertEqual(swapped.verdict, "wrong_channels")
+        self.assertIn("red and blue are swapped", swapped.reason)
+
     def test_frames_of_any_layout_give_the_same_depths(self):
         depths = self.decoder.decode(self.frame).range.z
         np.testing.assert_array_equal(self.decoder.decode(np.asfortranarray(self.frame)).range.z, depths)
