@@ -164,6 +164,11 @@ void add_decoder(py::module_& module) {
           "sigma",
           [](const py::object& self) { return image_view(self.cast<DecodeResult&>().sigma, self); },
           "[mm] (height, width) float32 standard deviation of each depth; NaN without a depth.")
+      .def_property_readonly(
+          "noise",
+          [](const py::object& self) { return image_view(self.cast<DecodeResult&>().noise, self); },
+          "[mm] (height, width) float32 part of sigma that is noise of the frame; empty if the rig "
+          "has no covariance, since sigma then is noise alone.")
       .def_readonly("transitions", &DecodeResult::transitions, "Stripe edges that were identified.")
       .def_readonly("regions", &DecodeResult::regions, "Smooth regions of the phase.")
       .def_readonly("unresolved_regions", &DecodeResult::unresolved_regions,

@@ -26,8 +26,6 @@ namespace fs = std::filesystem;
 
 /// `--distances` apply to this central part of the image's width and height.
 constexpr int kMiddle = 16;
-/// Above this deviation the number of periods is a guess that is right only if the rig is exact.
-constexpr double kUncertainPeriods = 0.5;
 
 struct ChromaticCall {
   std::vector<fs::path> images;
@@ -108,7 +106,6 @@ void calibrate_chromatic(const Settings& settings, const ChromaticCall& call) {
 
   nlohmann::ordered_json images = nlohmann::ordered_json::array();
   std::string prose;
-  int uncertain = 0;
   for (const sensing::WhiteImageUse& use : found.images) {
     if (!use.median_depth) {
       spdlog::warn("{}: not used: {}", use.name, use.problem);
@@ -121,7 +118,6 @@ void calibrate_chromatic(const Settings& settings, const ChromaticCall& call) {
          {"median_depth", *use.median_depth},
          {"period_deviation", use.period_deviation ? nlohmann::ordered_json(*use.period_deviation)
                                                    : nlohmann::ordered_json()}});
-    if (use.period_deviation > kUncertainPeriods) ++uncertain;
     prose += fmt::format("{}: phases at {} places, median depth {:.1f} mm\n", use.name, use.cells,
                          *use.median_depth);
   }
@@ -131,14 +127,6 @@ void calibrate_chromatic(const Settings& settings, const ChromaticCall& call) {
         "the surfaces hardly separate alpha, beta and gamma (separation {:.3f}; at least {:.2f} is "
         "needed): add images at other distances, or of tilted surfaces",
         separation, sensing::kPoorSeparation);
-  }
-  if (uncertain > 0) {
-    spdlog::warn(
-        "{} of {} images: the distance was determined by assuming a plane surface, which is "
-        "reliable "
-        "only if rig and lenses are calibrated exactly. Compare the median depths; pass "
-        "--distances if they are wrong by about a period or more",
-        uncertain, found.images.size());
   }
   const nlohmann::ordered_json figures = {{"red", figures_of(found.red)},
                                           {"blue", figures_of(found.blue)},

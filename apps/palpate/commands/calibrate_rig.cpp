@@ -109,13 +109,15 @@ void report(const Settings& settings, const RigCall& call,
     views.push_back({{"view", view.name},
                      {"camera_rms", view.camera_rms},
                      {"projector_rms", view.projector_rms}});
-    prose += fmt::format("{}: {} points, camera {:.3f} px, projector {:.3f} px RMS\n", view.name,
-                         view.camera.cols(), view.camera_rms, view.projector_rms);
+    prose += fmt::format(
+        "{}: {} corners, camera {:.3f} px; {} lit points, projector {:.3f} px RMS\n", view.name,
+        view.camera.cols(), view.camera_rms, view.projector.cols(), view.projector_rms);
   }
   for (const sensing::RejectedView& view : calibration.rejected) {
     rejected.push_back({{"view", view.name}, {"reason", view.reason}});
     spdlog::warn("{}: not used: {}", view.name, view.reason);
   }
+  for (const std::string& advice : calibration.advice) spdlog::warn("{}", advice);
   prose +=
       fmt::format("all {} views: camera {:.3f} px, projector {:.3f} px, stereo {:.3f} px RMS\n",
                   calibration.views.size(), calibration.camera_rms, calibration.projector_rms,
@@ -129,18 +131,25 @@ void report(const Settings& settings, const RigCall& call,
       "{:.3f}, {:.3f} degrees\n",
       t.x(), t_deviation.x(), t.y(), t_deviation.y(), t.z(), t_deviation.z(), turn.x(), turn.y(),
       turn.z());
-  print(settings,
-        {{"file", call.output.string()},
-         {"stereo_rms", calibration.stereo_rms},
-         {"camera", lens_figures(rig.camera, calibration.camera_deviation, calibration.camera_rms)},
-         {"projector",
-          lens_figures(rig.projector, calibration.projector_deviation, calibration.projector_rms)},
-         {"t", {t.x(), t.y(), t.z()}},
-         {"t_deviation", {t_deviation.x(), t_deviation.y(), t_deviation.z()}},
-         {"R_deviation_deg", {turn.x(), turn.y(), turn.z()}},
-         {"views", views},
-         {"rejected", rejected}},
-        prose + "Written to " + call.output.string());
+  print(
+      settings,
+      {{"file", call.output.string()},
+       {"stereo_rms", calibration.stereo_rms},
+       {"camera", lens_figures(rig.camera, calibration.camera_deviation, calibration.camera_rms)},
+       {"projector",
+        lens_figures(rig.projector, calibration.projector_deviation, calibration.projector_rms)},
+       {"t", {t.x(), t.y(), t.z()}},
+       {"t_deviation", {t_deviation.x(), t_deviation.y(), t_deviation.z()}},
+       {"R_deviation_deg", {turn.x(), turn.y(), turn.z()}},
+       {"depth_deviation", calibration.depth_deviation},
+       {"advice", calibration.advice},
+       {"views", views},
+       {"rejected", rejected}},
+      prose +
+          fmt::format("depths: {:.4f} % standard deviation by the rig (median at the distances of "
+                      "the boards)\n",
+                      100 * calibration.depth_deviation) +
+          "Written to " + call.output.string());
 }
 
 void draw_picture(const fs::path& png, const sensing::RigCalibration& calibration) {

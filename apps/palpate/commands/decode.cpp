@@ -230,6 +230,7 @@ void decode(const Settings& settings, DecodeCall call) {
   sensing::FrameSource source = open_frames(call);
   if (!call.response.empty()) call.linearizer.emplace(sensing::read_response(call.response));
   const sensing::Rig rig = sensing::read_rig(call.rig);
+  call.outputs.noise = call.outputs.sigma && rig.covariance.has_value();
   const sensing::Pattern pattern = sensing::read_pattern(call.pattern);
   sensing::check_pattern_fits(pattern, rig.projector, call.pattern.string());
   sensing::TrainedColors colors;
@@ -264,7 +265,7 @@ void decode(const Settings& settings, DecodeCall call) {
   if (broken == static_cast<long>(outcomes.size())) throw FileError(outcomes.begin()->second.error);
   const sensing::DecodeJudgement judgement = judge_sequence(outcomes);
   if (judgement.usable() || call.force) folder.finish([](const fs::path&) { return true; });
-  report_decoding(settings, folder.place(), outcomes, judgement, seconds);
+  report_decoding(settings, folder.place(), call.outputs, outcomes, judgement, seconds);
   refuse_misfit(call, folder, judgement);
   if (broken > 0)
     throw Error(fmt::format("{} of {} frames could not be decoded; the others were decoded.",
@@ -326,7 +327,9 @@ void add_decode(CLI::App& app, const Settings& settings) {
                     "Also draw each range map in false colour (PNG)");
   command->add_flag("--sigma", outputs.sigma,
                     "Also write the predicted standard deviation of each depth [mm]: "
-                    "NNNNNN_sigma.tiff and the picture NNNNNN_sigma.png");
+                    "NNNNNN_sigma.tiff and the picture NNNNNN_sigma.png. If the rig has a "
+                    "covariance (calibrate rig writes it), they contain the rig's uncertainty, and "
+                    "NNNNNN_noise.tiff has the noise alone; otherwise the rig counts as exact");
   command->add_flag(
       "--reasons", outputs.reasons,
       "Also write why pixels have no depth: codes in NNNNNN_reasons.tiff, and a picture "

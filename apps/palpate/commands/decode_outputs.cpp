@@ -26,7 +26,7 @@ constexpr std::size_t kDigits = 6;
 
 bool is_ending(std::string_view rest) {
   for (const char* ending : {".tiff", ".png", ".ply", ".obj", ".stl", "_sigma.tiff", "_sigma.png",
-                             "_reasons.tiff", "_reasons.png"}) {
+                             "_noise.tiff", "_reasons.tiff", "_reasons.png"}) {
     if (rest == ending) return true;
   }
   return false;
@@ -52,6 +52,7 @@ void write_outputs(const DecodeOutputs& outputs, std::size_t number,
     return numbered(outputs.folder, number, ending);
   };
   if (outputs.sigma) geometry::write_depth_tiff(file("_sigma.tiff"), result.sigma);
+  if (outputs.noise) geometry::write_depth_tiff(file("_noise.tiff"), result.noise);
   if (outputs.reasons) sensing::write_reasons(file("_reasons.tiff"), result.reasons);
   if (!outputs.meshes.empty()) {
     const geometry::RangeMapMesh surface = geometry::mesh_range_map(result.range);
@@ -79,8 +80,9 @@ bool has_outputs(const DecodeOutputs& outputs, std::size_t number, bool has_surf
     return !wanted || is_there(numbered(outputs.folder, number, ending));
   };
   return has(true, ".tiff") && has(outputs.sigma, "_sigma.tiff") &&
-         has(outputs.sigma && has_surface, "_sigma.png") && has(outputs.reasons, "_reasons.tiff") &&
-         has(outputs.reasons, "_reasons.png") && has(outputs.pictures && has_surface, ".png") &&
+         has(outputs.sigma && has_surface, "_sigma.png") && has(outputs.noise, "_noise.tiff") &&
+         has(outputs.reasons, "_reasons.tiff") && has(outputs.reasons, "_reasons.png") &&
+         has(outputs.pictures && has_surface, ".png") &&
          has(!outputs.meshes.empty() && has_surface, "." + outputs.meshes);
 }
 

@@ -17,6 +17,7 @@ struct DecodeOutputs {
   std::filesystem::path folder;
   std::string meshes;     ///< file extension without the dot; empty for no meshes
   bool sigma = false;     ///< NNNNNN_sigma.tiff, NNNNNN_sigma.png
+  bool noise = false;     ///< NNNNNN_noise.tiff; only if the rig has a covariance
   bool reasons = false;   ///< NNNNNN_reasons.tiff, NNNNNN_reasons.png
   bool pictures = false;  ///< NNNNNN.png
 };

@@ -9,7 +9,6 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "commands/decode_outputs.h"
 #include "palpate/geometry/error_statistics.h"
 
 namespace palpate::apps {
@@ -50,8 +49,9 @@ sensing::DecodeJudgement judge_sequence(const Outcomes& outcomes) {
   return sensing::judge(all);
 }
 
-void report_decoding(const Settings& settings, const fs::path& output, const Outcomes& outcomes,
-                     const sensing::DecodeJudgement& judgement, double seconds) {
+void report_decoding(const Settings& settings, const fs::path& output, const DecodeOutputs& outputs,
+                     const Outcomes& outcomes, const sensing::DecodeJudgement& judgement,
+                     double seconds) {
   nlohmann::ordered_json per_frame = nlohmann::ordered_json::array();
   std::vector<double> milliseconds;
   std::string prose;
@@ -96,13 +96,18 @@ void report_decoding(const Settings& settings, const fs::path& output, const Out
       {"read_ms_per_frame", median_of(outcomes, &Outcome::read_milliseconds)},
       {"write_ms_per_frame", median_of(outcomes, &Outcome::write_milliseconds)},
       {"frames_per_second", rate},
+      {"sigma_includes_rig", outputs.noise},
       {"per_frame", per_frame}};
   print(settings, figures,
         prose + fmt::format("{} of {} frames decoded, {:.0f} ms a frame (median), {:.1f} frames/s "
-                            "in all{}; {}.",
+                            "in all{}; {}.{}",
                             decoded, outcomes.size(), median_ms, rate,
                             kept > 0 ? fmt::format("; {} kept from an earlier run", kept) : "",
-                            judgement.reason));
+                            judgement.reason,
+                            outputs.sigma && !outputs.noise
+                                ? " The deviations hold the noise of the frames alone: the rig has "
+                                  "no covariance and counts as exact."
+                                : ""));
 }
 
 }  // namespace palpate::apps

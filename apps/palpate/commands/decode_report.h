@@ -6,6 +6,7 @@
 #include <map>
 #include <string>
 
+#include "commands/decode_outputs.h"
 #include "commands/decode_record.h"
 #include "palpate/sensing/decode_verdict.h"
 #include "shared/command_line.h"
@@ -28,9 +29,10 @@ using Outcomes = std::map<std::size_t, Outcome>;  ///< by the number of the fram
 /// Prints what became of the frames, and warns of those that do not fit rig, pattern and colours
 /// although the sequence does.
 /// \param output the folder with the range maps.
+/// \param outputs what was written beside them.
 /// \param seconds the time that all took.
 void report_decoding(const Settings& settings, const std::filesystem::path& output,
-                     const Outcomes& outcomes, const sensing::DecodeJudgement& judgement,
-                     double seconds);
+                     const DecodeOutputs& outputs, const Outcomes& outcomes,
+                     const sensing::DecodeJudgement& judgement, double seconds);
 
 }  // namespace palpate::apps

@@ -60,16 +60,16 @@ Description describe_sigma(const fs::path& path) {
   const geometry::ImageF sigma = geometry::read_depth_tiff(path);
   const geometry::ErrorStatistics statistics =
       geometry::error_statistics({sigma.data(), sigma.data() + sigma.size()});
-  return {
-      {{"kind", "predicted deviations"},
-       {"width", sigma.cols()},
-       {"height", sigma.rows()},
-       {"pixels", statistics.count},
-       {"median", statistics.median},
-       {"max", statistics.max}},
-      fmt::format("standard deviations predicted for depths, {} x {} px; known at {}, median "
-                  "{:.4f} mm, largest {:.4f} mm",
-                  sigma.cols(), sigma.rows(), statistics.count, statistics.median, statistics.max)};
+  return {{{"kind", "predicted deviations"},
+           {"width", sigma.cols()},
+           {"height", sigma.rows()},
+           {"pixels", statistics.count},
+           {"median", statistics.median},
+           {"max", statistics.max}},
+          fmt::format("standard deviations predicted for depths{}, {} x {} px; known at {}, median "
+                      "{:.4f} mm, largest {:.4f} mm",
+                      is_noise(path) ? " by noise alone" : "", sigma.cols(), sigma.rows(),
+                      statistics.count, statistics.median, statistics.max)};
 }
 
 Description describe_reasons(const fs::path& path) {
@@ -350,10 +350,11 @@ Description describe_folder(const fs::path& path) {
             fmt::format("folder of {} mesh(es); pass one of them to see what it holds", meshes)};
   }
   const std::vector<fs::path> files = list_frames({path});
-  const auto sigmas = std::count_if(files.begin(), files.end(), is_sigma);
+  const auto all_sigmas = std::count_if(files.begin(), files.end(), is_sigma);
+  const auto sigmas = all_sigmas - std::count_if(files.begin(), files.end(), is_noise);
   const auto reasons = std::count_if(files.begin(), files.end(), is_reasons);
-  const auto maps = std::count_if(files.begin(), files.end(), is_range_map) - sigmas - reasons;
-  const auto images = static_cast<long>(files.size()) - maps - sigmas - reasons;
+  const auto maps = std::count_if(files.begin(), files.end(), is_range_map) - all_sigmas - reasons;
+  const auto images = static_cast<long>(files.size()) - maps - all_sigmas - reasons;
   return {{{"kind", "folder"},
            {"range_maps", maps},
            {"deviations", sigmas},

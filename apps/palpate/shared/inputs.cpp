@@ -301,7 +301,11 @@ bool is_range_map(const fs::path& path) {
   return extension == ".tiff" || extension == ".tif";
 }
 
-bool is_sigma(const fs::path& path) { return path.filename().string().ends_with("_sigma.tiff"); }
+bool is_sigma(const fs::path& path) {
+  return path.filename().string().ends_with("_sigma.tiff") || is_noise(path);
+}
+
+bool is_noise(const fs::path& path) { return path.filename().string().ends_with("_noise.tiff"); }
 
 bool is_reasons(const fs::path& path) {
   return path.filename().string().ends_with("_reasons.tiff");

@@ -85,8 +85,10 @@ void check_output_folder(const std::vector<std::filesystem::path>& inputs,
 /// Type of a file by its extension.
 [[nodiscard]] bool is_range_map(const std::filesystem::path& path);
 [[nodiscard]] bool is_image(const std::filesystem::path& path);
-/// Type of a file by its name: predicted deviations and reasons, as written by `decode`.
+/// Type of a file by its name: predicted deviations (in all, or of the noise alone) and reasons, as
+/// written by `decode`.
 [[nodiscard]] bool is_sigma(const std::filesystem::path& path);
+[[nodiscard]] bool is_noise(const std::filesystem::path& path);
 [[nodiscard]] bool is_reasons(const std::filesystem::path& path);
 
 }  // namespace palpate::apps

@@ -2,12 +2,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/sensing/board_views.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 #include <string>
+#include <utility>
 
+#include "calibration/corner_fit.h"
+#include "calibration/lit_grid.h"
 #include "files/storage_file.h"
 #include "palpate/error.h"
 #include "palpate/require.h"
@@ -65,80 +69,123 @@ void set_order(const cv::Mat& gray, std::vector<cv::Point2f>& corners, const Boa
   if (white < black) std::reverse(corners.begin(), corners.end());
 }
 
-/// Refines corners by the gradients around them. On drawn boards the error falls from 0.3 px of the
-/// detector to 0.06 px.
-void refine(const cv::Mat& gray, std::vector<cv::Point2f>& corners, const Board& board) {
-  // The window must not reach the next corner.
-  const double side = cv::norm(corners[static_cast<std::size_t>(board.columns - 1)] - corners[0]) /
-                      (board.columns - 1);
-  constexpr int kLeast = 2;  // px
-  constexpr int kMost = 11;  // px; in a larger window the curvature of lens distortion matters
-  const int half = std::clamp(static_cast<int>(0.3 * side), kLeast, kMost);
+/// Refines a corner from a third of a pixel, the error of the detector, to some hundredths of one
+/// by the balance of gradients around it, and then by `fit_corner`, if that can be applied.
+Eigen::Vector2d refine(const cv::Mat_<float>& image, CornerGuess guess) {
+  const int half = std::max(2, static_cast<int>(0.6 * guess.radius));
   constexpr int kMostSteps = 50;
   constexpr double kLastStep = 1e-4;  // px, far below a corner's noise
-  cv::cornerSubPix(gray, corners, {half, half}, {-1, -1},
+  std::vector<cv::Point2f> corner{
+      {static_cast<float>(guess.place.x()), static_cast<float>(guess.place.y())}};
+  cv::cornerSubPix(image, corner, {half, half}, {-1, -1},
                    {cv::TermCriteria::COUNT + cv::TermCriteria::EPS, kMostSteps, kLastStep});
+  guess.place << corner[0].x, corner[0].y;
+  return fit_corner(image, guess).value_or(guess.place);
 }
 
-/// Decoded pixels around a corner.
-struct CornerWindow {
-  std::vector<cv::Point2f> pixels;  ///< relative to the corner
-  std::vector<cv::Point2f> places;  ///< on the panel
-  double area = 0;                  ///< px^2, of all pixels
+/// A complete board in an image.
+struct FoundBoard {
+  Eigen::Matrix2Xd corners;  ///< 2 x (columns * rows) [px]
+  int window = 0;            ///< px, half the side of the squares that tell where the corners are
 };
 
-CornerWindow collect(const cv::Mat_<cv::Vec2f>& places, const Eigen::Vector2d& corner,
-                     double half) {
-  const auto low = [&](double middle) {
-    return std::max(0, static_cast<int>(std::ceil(middle - half)));
-  };
-  const auto high = [&](double middle, int size) {
-    return std::min(size - 1, static_cast<int>(std::floor(middle + half)));
-  };
-  CornerWindow window;
-  for (int row = low(corner.y()); row <= high(corner.y(), places.rows); ++row) {
-    for (int column = low(corner.x()); column <= high(corner.x(), places.cols); ++column) {
-      window.area += 1;
-      const cv::Vec2f& place = places(row, column);
-      if (std::isnan(place[0])) continue;
-      window.pixels.emplace_back(static_cast<float>(column - corner.x()),
-                                 static_cast<float>(row - corner.y()));
-      window.places.emplace_back(place[0], place[1]);
+/// Steps from a corner to its neighbours along a row and a column of the board [px].
+std::pair<Eigen::Vector2d, Eigen::Vector2d> edges_at(const Eigen::Matrix2Xd& corners,
+                                                     const Board& board, Eigen::Index i) {
+  const Eigen::Index column = i % board.columns;
+  const Eigen::Index row = i / board.columns;
+  const Eigen::Index left = i - (column > 0 ? 1 : 0);
+  const Eigen::Index right = i + (column + 1 < board.columns ? 1 : 0);
+  const Eigen::Index above = i - (row > 0 ? board.columns : 0);
+  const Eigen::Index below = i + (row + 1 < board.rows ? board.columns : 0);
+  return {(corners.col(right) - corners.col(left)) / static_cast<double>(right - left),
+          (corners.col(below) - corners.col(above)) /
+              static_cast<double>((below - above) / board.columns)};
+}
+
+/// Radius of the circle around a corner that no edge of the next squares reaches [px].
+double free_radius(const Eigen::Vector2d& along, const Eigen::Vector2d& down) {
+  constexpr double kShare = 0.8;  // of the distance: squares shrink with perspective
+  constexpr double kBlur = 2.5;   // px
+  constexpr double kLeast = 3;    // px
+  constexpr double kMost = 16;    // px; farther off, the curvature of lens distortion matters
+  const double area = std::abs(along.x() * down.y() - along.y() * down.x());
+  const double nearest = area / std::max(along.norm(), down.norm());
+  return std::clamp(kShare * nearest - kBlur, kLeast, kMost);
+}
+
+/// Finds the corners in `gray` (8 bit), and refines them in `fine` (CV_32F), which shows the same:
+/// first by the balance of gradients, then by `fit_corner`.
+std::optional<FoundBoard> find_corners(const cv::Mat& gray, const cv::Mat_<float>& fine,
+                                       const Board& board) {
+  std::vector<cv::Point2f> found;
+  const QuietOpenCv quiet;
+  if (!cv::findChessboardCornersSB(
+          gray, cv::Size(board.columns, board.rows), found,
+          cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_EXHAUSTIVE | cv::CALIB_CB_ACCURACY)) {
+    return std::nullopt;
+  }
+  set_order(gray, found, board);
+  FoundBoard result{Eigen::Matrix2Xd(2, static_cast<Eigen::Index>(found.size())), 0};
+  for (std::size_t i = 0; i < found.size(); ++i)
+    result.corners.col(static_cast<Eigen::Index>(i)) << found[i].x, found[i].y;
+  Eigen::Matrix2Xd refined = result.corners;
+  for (Eigen::Index i = 0; i < refined.cols(); ++i) {
+    const auto [along, down] = edges_at(result.corners, board, i);
+    const double radius = free_radius(along, down);
+    result.window = std::max(result.window, static_cast<int>(radius));
+    refined.col(i) = refine(fine, {refined.col(i), {along, down}, radius});
+  }
+  result.corners = refined;
+  return result;
+}
+
+/// Mean of a sequence of images and their inverses: the evenly lit board, with less noise than any
+/// image has. In grey levels of 8 bit.
+cv::Mat_<float> mean_image(const std::vector<cv::Mat>& images) {
+  cv::Mat_<float> sum(images[0].size(), 0.0F);
+  for (const cv::Mat& image : images) cv::accumulate(image, sum);
+  const double full_scale = images[0].depth() == CV_8U ? 1 : 257;
+  sum /= full_scale * static_cast<double>(images.size());
+  return sum;
+}
+
+/// Non-zero where the camera sees the squares of a board.
+cv::Mat_<uchar> squares_of(const FoundBoard& found, const Board& board, const cv::Size& size) {
+  std::vector<cv::Point2d> from, to;
+  const Eigen::Matrix2Xd points = board_corners(board);
+  for (Eigen::Index i = 0; i < points.cols(); ++i) {
+    from.emplace_back(points(0, i), points(1, i));
+    to.emplace_back(found.corners(0, i), found.corners(1, i));
+  }
+  constexpr double kAround = 0.9;  // of the outer squares; the distortion of the lens is not known
+  const double low = -kAround * board.square;
+  const double right = (board.columns - 1 + kAround) * board.square;
+  const double bottom = (board.rows - 1 + kAround) * board.square;
+  std::vector<cv::Point2d> outline{{low, low}, {right, low}, {right, bottom}, {low, bottom}};
+  cv::perspectiveTransform(outline, outline, cv::findHomography(from, to));
+  std::vector<cv::Point> polygon;
+  for (const cv::Point2d& corner : outline) polygon.emplace_back(corner);
+  cv::Mat_<uchar> mask(size, 0);
+  cv::fillConvexPoly(mask, polygon, cv::Scalar(255));
+  return mask;
+}
+
+/// Whether the panel lights all of the window around a corner. At the edge of the light, the corner
+/// would be pulled towards it.
+bool is_lit(const Eigen::Vector2d& corner, int window, const Eigen::Matrix3d& homography,
+            const ImageSize& panel) {
+  constexpr double kMargin = 4;  // px of the panel: blur, and the distortion of both lenses
+  for (const double dx : {-window, window}) {
+    for (const double dy : {-window, window}) {
+      const Eigen::Vector3d place = homography * (corner + Eigen::Vector2d(dx, dy)).homogeneous();
+      const Eigen::Vector2d lamp = place.hnormalized();
+      if (!(lamp.minCoeff() >= kMargin && lamp.x() <= panel.width - 1 - kMargin &&
+            lamp.y() <= panel.height - 1 - kMargin))
+        return false;
     }
   }
-  return window;
-}
-
-/// Position on the panel that lights a corner, from a local homography.
-std::optional<Eigen::Vector2d> place_of_corner(const cv::Mat_<cv::Vec2f>& places,
-                                               const Eigen::Vector2d& corner, double half,
-                                               double min_agreement) {
-  // A code is rounded to a whole pixel, and blur can change it by one.
-  constexpr double kTolerance = 1.5;  // px of the panel
-  constexpr std::size_t kLeastPixels = 25;
-  const CornerWindow window = collect(places, corner, half);
-  if (window.pixels.size() < kLeastPixels) return std::nullopt;
-  cv::Mat_<uchar> agrees;
-  const cv::Mat_<double> homography =
-      cv::findHomography(window.pixels, window.places, cv::RANSAC, kTolerance, agrees);
-  if (homography.empty() || cv::countNonZero(agrees) < min_agreement * window.area)
-    return std::nullopt;
-  return Eigen::Vector2d(homography(0, 2), homography(1, 2)) / homography(2, 2);
-}
-
-/// Mean distance of neighbouring corners [px].
-double spacing(const Eigen::Matrix2Xd& corners, const Board& board) {
-  double sum = 0;
-  for (int row = 0; row < board.rows; ++row) {
-    const auto first = static_cast<Eigen::Index>(row) * board.columns;
-    sum += (corners.col(first + board.columns - 1) - corners.col(first)).norm();
-  }
-  return sum / (static_cast<double>(board.rows) * (board.columns - 1));
-}
-
-void check_options(const BoardViewOptions& options) {
-  require("BoardViewOptions::window", options.window, at_least(0.25).at_most(4), "squares");
-  require("BoardViewOptions::min_agreement", options.min_agreement, above(0).below(1));
+  return true;
 }
 
 /// First corner of the projected board on the panel [px], a whole number.
@@ -200,44 +247,33 @@ cv::Mat draw_projected_board(const ImageSize& panel, const Board& board) {
 std::optional<Eigen::Matrix2Xd> find_board(const cv::Mat& image, const Board& board) {
   check_board(board);
   const cv::Mat gray = as_gray8(image);
-  std::vector<cv::Point2f> found;
-  const QuietOpenCv quiet;
-  if (!cv::findChessboardCornersSB(
-          gray, cv::Size(board.columns, board.rows), found,
-          cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_EXHAUSTIVE | cv::CALIB_CB_ACCURACY)) {
-    return std::nullopt;
-  }
-  refine(gray, found, board);
-  set_order(gray, found, board);
-  Eigen::Matrix2Xd corners(2, static_cast<Eigen::Index>(found.size()));
-  for (std::size_t i = 0; i < found.size(); ++i)
-    corners.col(static_cast<Eigen::Index>(i)) << found[i].x, found[i].y;
-  return corners;
+  const auto found = find_corners(gray, cv::Mat_<float>(gray), board);
+  return found ? std::optional(found->corners) : std::nullopt;
 }
 
 RigView view_from_gray_code(const std::vector<cv::Mat>& images, const Board& printed,
                             const ImageSize& projector, const BoardViewOptions& options) {
-  check_options(options);
+  check_board(printed);
   const cv::Mat_<cv::Vec2f> places =
       decode_gray_code(images, projector, {.min_contrast = options.min_contrast});
   RigView view;
-  const auto corners = find_board(images[images.size() - 2], printed);
-  if (!corners) return view;
-  const Eigen::Matrix2Xd points = board_corners(printed);
-  view.board = points;
-  view.camera = *corners;
-  view.lit_board.resize(2, points.cols());
-  view.projector.resize(2, points.cols());
-  Eigen::Index known = 0;
-  const double half = options.window * spacing(*corners, printed);
-  for (Eigen::Index i = 0; i < points.cols(); ++i) {
-    const auto place = place_of_corner(places, corners->col(i), half, options.min_agreement);
-    if (!place) continue;
-    view.lit_board.col(known) = points.col(i);
-    view.projector.col(known++) = *place;
+  const auto found = find_corners(as_gray8(images[images.size() - 2]), mean_image(images), printed);
+  if (!found) return view;
+  view.board = board_corners(printed);
+  view.camera = found->corners;
+  const auto grid =
+      find_lit_grid(images, places, squares_of(*found, printed, places.size()), projector);
+  if (!grid) return view;
+  view.lit_camera = grid->camera;
+  view.projector = grid->projector;
+  Eigen::Index lit = 0;
+  for (Eigen::Index i = 0; i < view.board.cols(); ++i) {
+    if (!is_lit(view.camera.col(i), found->window, grid->homography, projector)) continue;
+    view.board.col(lit) = view.board.col(i).eval();
+    view.camera.col(lit++) = view.camera.col(i).eval();
   }
-  view.lit_board.conservativeResize(Eigen::NoChange, known);
-  view.projector.conservativeResize(Eigen::NoChange, known);
+  view.board.conservativeResize(Eigen::NoChange, lit);
+  view.camera.conservativeResize(Eigen::NoChange, lit);
   return view;
 }
 

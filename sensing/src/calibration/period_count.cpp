@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "calibration/period_count.h"
 
+#include <fmt/format.h>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
@@ -11,6 +12,7 @@
 
 #include "image/hue.h"
 #include "palpate/geometry/median.h"
+#include "setup/rig_jacobian.h"
 #include "setup/triangulation.h"
 
 namespace palpate::sensing {
@@ -20,9 +22,9 @@ namespace {
 constexpr std::size_t kLeastCells = 12;
 /// A surface counts as plane iff its phase deviates from that of a plane by at most this [rad RMS].
 constexpr double kMaxPlaneResidual = 0.3;
-/// The number of periods counts as known iff its standard deviation is at most this. A number that
-/// is wrong by one does little harm: it changes the lag of a channel by 2 pi (1 - 1 / beta).
-constexpr double kMaxCountDeviation = 0.5;
+/// The number of periods counts as known iff its standard deviation is at most this: the nearest
+/// whole number is the right one if the error is below half a period, two deviations.
+constexpr double kMaxCountDeviation = 0.25;
 /// Keeps the scale of a column of zeros defined.
 constexpr double kTiny = std::numeric_limits<double>::min();
 /// This share of the cells with a known depth must give the same number.
@@ -103,6 +105,27 @@ Unexplained unexplained(const std::vector<PeriodSample>& samples, const PlaneFit
   return {.noise = fit.residual.squaredNorm() / static_cast<double>(count - kTaken), .slow = slow};
 }
 
+/// Variance, along `change`, of the residual by the rig's covariance [rad^2].
+double variance_by_rig(const std::vector<PeriodSample>& samples, const PlaneFit& fit,
+                       const Eigen::VectorXd& change, const std::vector<double>& z, const Rig& rig,
+                       const Pattern& pattern) {
+  if (!rig.covariance) return 0;
+  Eigen::Matrix2Xd pixels(2, samples.size());
+  Eigen::VectorXd inverse_depth(samples.size());
+  for (Eigen::Index i = 0; i < inverse_depth.size(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    pixels.col(i) = geometry::distort(rig.camera, samples[k].ray.head<2>());
+    inverse_depth[i] = 1 / z[k];
+  }
+  const PanelView view =
+      panel_view(rig, pattern.axis, look_back(rig.camera, pixels), inverse_depth);
+  Eigen::MatrixXd by_rig = kFullTurn / pattern.period * view.by_rig;
+  if (!by_rig.allFinite()) return 0;
+  by_rig -= fit.equations * fit.equations.colPivHouseholderQr().solve(by_rig);
+  const Eigen::RowVectorXd along = change.normalized().transpose() * by_rig;
+  return (along * *rig.covariance).dot(along);
+}
+
 /// The number of periods, or the reason why there is none.
 struct Count {
   std::optional<int> periods;
@@ -111,8 +134,9 @@ struct Count {
 };
 
 /// The number of periods for which the samples are closest to a plane.
-Count count_by_plane(const std::vector<PeriodSample>& samples, const Triangulation& triangulation,
+Count count_by_plane(const std::vector<PeriodSample>& samples, const Rig& rig,
                      const Pattern& pattern, int first, int last) {
+  const Triangulation triangulation(rig);
   const auto fit = [&](int periods) {
     return fit_plane(samples, triangulation, pattern, periods * pattern.period);
   };
@@ -136,12 +160,18 @@ Count count_by_plane(const std::vector<PeriodSample>& samples, const Triangulati
   if (!next) return {periods, 0, {}};  // no other number gives depths
   const Eigen::VectorXd change = next->residual - best->residual;
   const Unexplained rest = unexplained(samples, *best, change);
-  if (std::sqrt(rest.noise) > kMaxCountDeviation * change.norm()) {
+  const double by_rig = variance_by_rig(
+      samples, *best, change,
+      depths(samples, triangulation, pattern.axis, periods * pattern.period), rig, pattern);
+  const double deviation = std::sqrt(std::max(rest.noise, rest.slow) + by_rig) / change.norm();
+  if (!(deviation <= kMaxCountDeviation)) {
     return {{},
             0,
-            "with this rig a plane does not tell one period from the next; its depths are needed"};
+            fmt::format("with this rig a plane tells the number of periods only to +- {:.1f}; its "
+                        "depths are needed",
+                        deviation)};
   }
-  return {periods, std::sqrt(std::max(rest.noise, rest.slow)) / change.norm(), {}};
+  return {periods, deviation, {}};
 }
 
 /// The number of periods that follows from known depths.
@@ -198,8 +228,8 @@ PeriodCount count_periods(WhiteView& view, const Carrier& carrier, const Rig& ri
     // The region lies on the panel.
     const int first = static_cast<int>(std::ceil((-0.5 - lowest) / pattern.period));
     const int last = static_cast<int>(std::floor((panel - 0.5 - highest) / pattern.period));
-    const Count count = depth ? count_by_depth(missing)
-                              : count_by_plane(samples, triangulation, pattern, first, last);
+    const Count count =
+        depth ? count_by_depth(missing) : count_by_plane(samples, rig, pattern, first, last);
     if (!count.periods) {
       result.problem = count.problem;
       continue;

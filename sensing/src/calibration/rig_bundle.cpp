@@ -7,52 +7,22 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <opencv2/calib3d.hpp>
 #include <utility>
 
 #include "palpate/error.h"
+#include "setup/lens_jacobian.h"
 
 namespace palpate::sensing {
 namespace {
 
-constexpr int kLens = 9;                    ///< parameters of a lens: fx fy cx cy and distortion
-constexpr int kMove = 6;                    ///< parameters of a pose: rotation, then translation
+constexpr int kLens = kLensParameters;
+constexpr int kMove = kMoveParameters;
 constexpr int kShared = 2 * kLens + kMove;  ///< parameters of all views: camera, projector, pose
 constexpr int kProjector = kLens;           ///< first column of the projector
 constexpr int kPose = 2 * kLens;            ///< first column of R and t
 
 using SharedVector = Eigen::Matrix<double, kShared, 1>;
 using MoveVector = Eigen::Matrix<double, kMove, 1>;
-
-/// Derivatives of the pixels of a lens, two rows per point.
-struct LensView {
-  Eigen::Matrix2Xd predicted;
-  Eigen::MatrixXd by_lens;  ///< 2N x 9
-  Eigen::MatrixXd by_move;  ///< 2N x 6: by a rotation of the points about the lens, then a shift
-};
-
-/// `points`: 3 x N in the lens' frame.
-LensView look(const geometry::Camera& lens, const Eigen::Matrix3Xd& points) {
-  const cv::Matx33d matrix(lens.fx, 0, lens.cx, 0, lens.fy, lens.cy, 0, 0, 1);
-  const auto& d = lens.distortion;
-  const cv::Vec<double, 5> distortion(d[0], d[1], d[2], d[3], d[4]);
-  const auto count = static_cast<int>(points.cols());
-  const cv::Mat objects(count, 1, CV_64FC3, const_cast<double*>(points.data()));
-  cv::Mat_<cv::Vec2d> pixels;
-  cv::Mat_<double> jacobian;
-  // With zero rotation and translation their columns are the derivatives by a motion of the points.
-  cv::projectPoints(objects, cv::Vec3d(), cv::Vec3d(), matrix, distortion, pixels, jacobian);
-  LensView view{Eigen::Matrix2Xd(2, count), Eigen::MatrixXd(2 * count, kLens),
-                Eigen::MatrixXd(2 * count, kMove)};
-  for (int i = 0; i < count; ++i) view.predicted.col(i) << pixels(i)[0], pixels(i)[1];
-  for (int row = 0; row < 2 * count; ++row) {
-    for (int column = 0; column < kMove; ++column)
-      view.by_move(row, column) = jacobian(row, column);
-    for (int column = 0; column < kLens; ++column)
-      view.by_lens(row, column) = jacobian(row, kMove + column);
-  }
-  return view;
-}
 
 Eigen::Matrix3Xd in_space(const Eigen::Isometry3d& T, const Eigen::Matrix2Xd& plane) {
   return (T.linear().leftCols<2>() * plane).colwise() + T.translation();
@@ -64,36 +34,62 @@ Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
   return matrix;
 }
 
+/// Where rays of the camera meet the board: 3 x N in the camera's frame.
+Eigen::Matrix3Xd on_board(const Eigen::Matrix3Xd& rays, const Eigen::Isometry3d& T_camera_board) {
+  const Eigen::Vector3d normal = T_camera_board.linear().col(2);
+  const Eigen::RowVectorXd scale =
+      normal.dot(T_camera_board.translation()) * (normal.transpose() * rays).cwiseInverse();
+  return rays.array().rowwise() * scale.array();
+}
+
+/// Derivatives of the lit points on the board, in the camera's frame, by the board's pose and the
+/// camera's parameters. A point is X = s d with the ray d and s = (n t) / (n d).
+void lit_rows(const LensView& shown, const RayView& seen, const Eigen::Matrix3Xd& points,
+              const Bundle& bundle, std::size_t index, Eigen::Ref<Eigen::MatrixXd> rows) {
+  const Eigen::Vector3d n = bundle.T_camera_board[index].linear().col(2);
+  const Eigen::Matrix3d& R = bundle.T_projector_camera.linear();
+  for (Eigen::Index i = 0; i < points.cols(); ++i) {
+    const Eigen::Matrix<double, 2, 3> by_point = shown.by_move.block<2, 3>(2 * i, 3) * R;
+    const Eigen::Vector3d ray = seen.rays.col(i);
+    const double s = points(2, i);
+    const double facing = n.dot(ray);
+    // When the ray turns, the point also slides along it, so that it stays on the board.
+    const Eigen::Matrix3d slide = Eigen::Matrix3d::Identity() - ray * n.transpose() / facing;
+    const Eigen::Vector2d along = by_point * ray / facing;
+    rows.block<2, 3>(2 * i, 0) = -s * along * n.cross(ray).transpose();
+    rows.block<2, 3>(2 * i, 3) = along * n.transpose();
+    rows.block<2, kLens>(2 * i, kMove) =
+        s * (by_point * slide).leftCols<2>() * seen.by_lens.middleRows<2>(2 * i);
+  }
+}
+
+/// Divides the equations of each point by sigma / root of its weight.
+void weigh(Eigen::Ref<Eigen::MatrixXd> rows, const Eigen::VectorXd& weight, double sigma) {
+  for (Eigen::Index i = 0; i < weight.size(); ++i)
+    rows.middleRows<2>(2 * i) *= std::sqrt(weight[i]) / sigma;
+}
+
 /// Rows of one view, divided by sigma: columns of the view's pose, of the shared parameters,
 /// residuals.
 Eigen::MatrixXd view_rows(const Bundle& bundle, const BundleView& view, std::size_t index,
                           const BundleOptions& options) {
   const Eigen::Isometry3d& T_camera_board = bundle.T_camera_board[index];
-  const Eigen::Index n = options.camera_is_fixed ? 0 : 2 * view.camera.cols();
+  const Eigen::Index n = 2 * view.camera.cols();
   const Eigen::Index m = 2 * view.projector.cols();
   Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(n + m, kMove + kShared + 1);
-  if (n > 0) {
-    const LensView seen = look(bundle.camera, in_space(T_camera_board, view.board));
-    rows.topLeftCorner(n, kMove) = seen.by_move;
-    rows.block(0, kMove, n, kLens) = seen.by_lens;
-    rows.col(kMove + kShared).head(n) = (view.camera - seen.predicted).reshaped();
-    rows.topRows(n) /= options.camera_sigma;
-  }
-  if (m > 0) {
-    const Eigen::Matrix3Xd points = in_space(T_camera_board, view.lit_board);
-    const Eigen::Matrix3Xd lit = bundle.T_projector_camera * points;
-    const LensView shown = look(bundle.projector, lit);
-    rows.block(n, kMove + kProjector, m, kLens) = shown.by_lens;
-    rows.block(n, kMove + kPose, m, kMove) = shown.by_move;
-    const Eigen::Matrix3d& R = bundle.T_projector_camera.linear();
-    for (Eigen::Index i = 0; i < (options.camera_is_fixed ? 0 : points.cols()); ++i) {
-      const Eigen::Matrix<double, 2, 3> by_point = shown.by_move.block<2, 3>(2 * i, 3);
-      rows.block<2, 3>(n + 2 * i, 0) = -by_point * R * cross_matrix(points.col(i));
-      rows.block<2, 3>(n + 2 * i, 3) = by_point * R;
-    }
-    rows.col(kMove + kShared).tail(m) = (view.projector - shown.predicted).reshaped();
-    rows.bottomRows(m) /= options.projector_sigma;
-  }
+  const LensView seen = look(bundle.camera, in_space(T_camera_board, view.board));
+  rows.topLeftCorner(n, kMove) = seen.by_move;
+  rows.block(0, kMove, n, kLens) = seen.by_lens;
+  rows.col(kMove + kShared).head(n) = (view.camera - seen.predicted).reshaped();
+  weigh(rows.topRows(n), view.camera_weight, options.camera_sigma);
+  const RayView back = look_back(bundle.camera, view.lit_camera);
+  const Eigen::Matrix3Xd points = on_board(back.rays, T_camera_board);
+  const LensView shown = look(bundle.projector, bundle.T_projector_camera * points);
+  lit_rows(shown, back, points, bundle, index, rows.bottomRows(m));
+  rows.block(n, kMove + kProjector, m, kLens) = shown.by_lens;
+  rows.block(n, kMove + kPose, m, kMove) = shown.by_move;
+  rows.col(kMove + kShared).tail(m) = (view.projector - shown.predicted).reshaped();
+  weigh(rows.bottomRows(m), view.projector_weight, options.projector_sigma);
   return rows;
 }
 
@@ -102,7 +98,7 @@ std::array<bool, kShared> free_parameters(const BundleOptions& options) {
   std::array<bool, kShared> free{};
   for (int i = 0; i < kShared; ++i) {
     const bool of_lens = i < kPose && i % kLens >= 4 + options.distortion_terms;
-    free.at(static_cast<std::size_t>(i)) = !of_lens && !(options.camera_is_fixed && i < kProjector);
+    free.at(static_cast<std::size_t>(i)) = !of_lens;
   }
   return free;
 }
@@ -143,10 +139,6 @@ Linearization linearize_bundle(const Bundle& bundle, const std::vector<BundleVie
     stacked.bottomRows(rows.rows()) = rows;
   };
   for (Eigen::MatrixXd& rows : blocks) {
-    if (options.camera_is_fixed) {
-      append(rows.rightCols(kShared + 1));
-      continue;
-    }
     Eigen::MatrixXd damped = Eigen::MatrixXd::Zero(rows.rows() + kMove, rows.cols());
     damped.topRows(rows.rows()) = rows;
     for (int i = 0; i < kMove; ++i) damped(rows.rows() + i, i) = damping * rows.col(i).norm();
@@ -200,25 +192,39 @@ Bundle stepped(const Bundle& bundle, const Linearization& problem) {
   return next;
 }
 
+double weighted_squares(const Eigen::Matrix2Xd& residuals, const Eigen::VectorXd& weight) {
+  return residuals.colwise().squaredNorm().dot(weight);
+}
+
 double cost_of(const Bundle& bundle, const std::vector<BundleView>& views,
                const BundleOptions& options) {
   double cost = 0;
   for (std::size_t v = 0; v < views.size(); ++v) {
     const BundleResiduals residuals = bundle_residuals(bundle, views[v], v);
-    if (!options.camera_is_fixed)
-      cost += residuals.camera.squaredNorm() / (options.camera_sigma * options.camera_sigma);
-    cost += residuals.projector.squaredNorm() / (options.projector_sigma * options.projector_sigma);
+    cost += weighted_squares(residuals.camera, views[v].camera_weight) /
+                (options.camera_sigma * options.camera_sigma) +
+            weighted_squares(residuals.projector, views[v].projector_weight) /
+                (options.projector_sigma * options.projector_sigma);
   }
   return cost;
 }
 
 }  // namespace
 
+Eigen::Matrix3Xd lit_points(const geometry::Camera& camera, const Eigen::Isometry3d& T_camera_board,
+                            const Eigen::Matrix2Xd& pixels) {
+  Eigen::Matrix3Xd rays(3, pixels.cols());
+  for (Eigen::Index i = 0; i < pixels.cols(); ++i)
+    rays.col(i) = geometry::undistort(camera, pixels.col(i)).homogeneous();
+  return on_board(rays, T_camera_board);
+}
+
 BundleResiduals bundle_residuals(const Bundle& bundle, const BundleView& view, std::size_t index) {
   const Eigen::Isometry3d& T = bundle.T_camera_board[index];
   BundleResiduals residuals{view.camera, view.projector};
   const Eigen::Matrix3Xd seen = in_space(T, view.board);
-  const Eigen::Matrix3Xd lit = bundle.T_projector_camera * in_space(T, view.lit_board);
+  const Eigen::Matrix3Xd lit =
+      bundle.T_projector_camera * lit_points(bundle.camera, T, view.lit_camera);
   for (Eigen::Index i = 0; i < seen.cols(); ++i)
     residuals.camera.col(i) -= geometry::distort(bundle.camera, seen.col(i).hnormalized());
   for (Eigen::Index i = 0; i < lit.cols(); ++i)

@@ -10,12 +10,15 @@
 
 namespace palpate::sensing {
 
-/// Observations of one view: points in the board's plane [mm] and their pixels [px].
+/// Observations of one view: points in the board's plane [mm] with their pixels, and pixels that
+/// the projector lights on the board. Weights are >= 0, and 0 leaves a point out.
 struct BundleView {
-  Eigen::Matrix2Xd board;      ///< 2 x N
-  Eigen::Matrix2Xd camera;     ///< 2 x N
-  Eigen::Matrix2Xd lit_board;  ///< 2 x M
-  Eigen::Matrix2Xd projector;  ///< 2 x M
+  Eigen::Matrix2Xd board;            ///< 2 x N [mm]
+  Eigen::Matrix2Xd camera;           ///< 2 x N [px]
+  Eigen::VectorXd camera_weight;     ///< N
+  Eigen::Matrix2Xd lit_camera;       ///< 2 x M [px], where the camera sees ...
+  Eigen::Matrix2Xd projector;        ///< 2 x M [px], ... these points of the panel
+  Eigen::VectorXd projector_weight;  ///< M
 };
 
 /// Estimated parameters.
@@ -27,10 +30,9 @@ struct Bundle {
 };
 
 struct BundleOptions {
-  int distortion_terms = 5;      ///< 0, 2, 4 or 5
-  bool camera_is_fixed = false;  ///< also fixes the board poses; only the projector is refined
-  double camera_sigma = 1;       ///< px, > 0: standard deviation of a coordinate
-  double projector_sigma = 1;    ///< px, > 0
+  int distortion_terms = 5;    ///< 0, 2, 4 or 5
+  double camera_sigma = 1;     ///< px, > 0: standard deviation of a coordinate
+  double projector_sigma = 1;  ///< px, > 0
 };
 
 /// Observed minus predicted [px], 2 x N and 2 x M.
@@ -41,9 +43,14 @@ struct BundleResiduals {
 [[nodiscard]] BundleResiduals bundle_residuals(const Bundle& bundle, const BundleView& view,
                                                std::size_t index);
 
-/// Minimises the sum of squared residuals divided by sigma (Levenberg-Marquardt). Each view's pose
-/// is eliminated by an orthogonal factorisation of its own rows, so that the cost is linear in the
-/// number of views.
+/// Where pixels of the camera see the board: 3 x M in the camera's frame; NaN where a ray misses.
+[[nodiscard]] Eigen::Matrix3Xd lit_points(const geometry::Camera& camera,
+                                          const Eigen::Isometry3d& T_camera_board,
+                                          const Eigen::Matrix2Xd& pixels);
+
+/// Minimises the weighted sum of squared residuals divided by sigma (Levenberg-Marquardt). Each
+/// view's pose is eliminated by an orthogonal factorisation of its own rows, so that the cost is
+/// linear in the number of views.
 /// \throws SolverError if the parameters become non-finite.
 [[nodiscard]] Bundle refine_bundle(const Bundle& start, const std::vector<BundleView>& views,
                                    const BundleOptions& options);

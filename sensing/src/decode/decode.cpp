@@ -15,6 +15,7 @@
 #include "decode/decoder_geometry.h"
 #include "decode/evidence.h"
 #include "decode/plausibility.h"
+#include "decode/rig_deviation.h"
 #include "decode/workspace.h"
 #include "image/half_size.h"
 #include "image/hot_loop.h"
@@ -77,6 +78,11 @@ Rig decoded_rig(const Rig& rig, const Pattern& pattern, bool half) {
   }
   Rig decoded = rig;
   decoded.camera = half_size(rig.camera);
+  if (decoded.covariance) {
+    // Of the camera's fx fy cx cy [px].
+    decoded.covariance->topRows<4>() /= 2;
+    decoded.covariance->leftCols<4>() /= 2;
+  }
   return decoded;
 }
 
@@ -147,6 +153,7 @@ struct Decoder::Impl {
   DecodeOptions options;
   geometry::Camera camera;  ///< of the frames
   DecoderGeometry model;    ///< of the decoded image
+  RigDeviation rig_deviation;
   DemodulationFilter filter;
   std::optional<Stripes> stripes;  ///< iff the pattern has any
   mutable Pool<Workspace> workspaces;
@@ -157,6 +164,7 @@ Decoder::Impl::Impl(const Rig& rig, const Pattern& pattern, const TrainedColors&
     : options((check_options(the_options), the_options)),
       camera(rig.camera),
       model(decoded_rig(rig, pattern, options.half_resolution), pattern),
+      rig_deviation(model.rig(), pattern.axis, model.carrier(), model.rows(), model.columns()),
       filter(make_filter(model.carrier().along, options.window_periods)) {
   check_pattern_fits(pattern, rig.projector, "pattern");
   geometry::Camera seen = rig.camera;
@@ -313,6 +321,8 @@ void Decoder::Impl::predict_sigma(Workspace& work) const {
       work.sigma);
   scale_sigma(work.surfaces.z.data(), work.surfaces.z_per_phase.data(), work.sigma.data(),
               work.sigma.size());
+  work.noise.resize(0, 0);
+  if (rig_deviation.is_known()) rig_deviation.add(work.surfaces.z, work.sigma, work.noise);
 }
 
 /// Removes the depths that the colours contradict.
@@ -342,10 +352,12 @@ void Decoder::Impl::fill_result(Workspace& work, DecodeResult& result) const {
     result.range.z = work.surfaces.z.transpose();
     result.reasons = work.reasons.transpose();
     result.sigma = work.sigma.transpose();
+    result.noise = work.noise.transpose();
   } else {
     result.range.z.swap(work.surfaces.z);
     result.reasons.swap(work.reasons);
     result.sigma.swap(work.sigma);
+    result.noise.swap(work.noise);
   }
 }
 

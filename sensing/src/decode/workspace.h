@@ -41,6 +41,7 @@ struct Workspace {
   SurfaceImages surfaces;
   Mask contradicting;  ///< contradicted by the colours around
   Plane sigma;         ///< [rad] of the phases, then [mm] of the depths
+  Plane noise;         ///< [mm] the part of sigma that is not the rig's; empty without
 };
 
 }  // namespace palpate::sensing

@@ -181,6 +181,7 @@ Rig rig_of_drawing(const Rig& rig, const DrawOptions& options) {
     drawn.T_projector_camera.linear().setIdentity();
     drawn.T_projector_camera.translation() =
         rig.T_projector_camera.linear().transpose() * rig.T_projector_camera.translation();
+    drawn.covariance.reset();  // it is of the real projector's parameters
   }
   if (options.compensate) {
     for (ChromaticShift* shift : {&drawn.red, &drawn.blue}) {

@@ -115,6 +115,33 @@ Eigen::Isometry3d read_pose(const StorageFile& file) {
   return pose;
 }
 
+std::optional<RigCovariance> read_covariance(const StorageFile& file) {
+  if (file.root()["covariance"].empty()) return std::nullopt;
+  const cv::Mat_<double> values = file.matrix("covariance");
+  if (values.rows != kRigParameters || values.cols != kRigParameters) {
+    file.fail("covariance", "has " + std::to_string(values.rows) + " x " +
+                                std::to_string(values.cols) +
+                                " values; a matrix of 24 x 24 is expected");
+  }
+  RigCovariance covariance;
+  for (int row = 0; row < kRigParameters; ++row)
+    for (int column = 0; column < kRigParameters; ++column)
+      covariance(row, column) = values(row, column);
+  return covariance;
+}
+
+void check_covariance(const RigCovariance& covariance, const std::string& what) {
+  // Files of other programs may have few digits.
+  constexpr double kAsymmetry = 1e-6;
+  const double largest = covariance.cwiseAbs().maxCoeff();
+  if (!covariance.allFinite() || !(covariance.diagonal().minCoeff() >= 0) ||
+      !((covariance - covariance.transpose()).cwiseAbs().maxCoeff() <= kAsymmetry * largest)) {
+    throw InvalidInput(what +
+                       ": covariance: must be finite and symmetric, with variances >= 0 on its "
+                       "diagonal; without the node, the rig counts as exact");
+  }
+}
+
 void write_camera(cv::FileStorage& storage, const std::string& name,
                   const geometry::Camera& camera) {
   const cv::Mat matrix = (cv::Mat_<double>(3, 3) << camera.fx, 0, camera.cx,  //
@@ -170,6 +197,7 @@ void check_rig(const Rig& rig, const std::string& what) {
   check_chromatic(rig.red, what + ": chromatic.red");
   check_chromatic(rig.blue, what + ": chromatic.blue");
   check_mixing(rig.color_mixing, what + ": chromatic.mixing");
+  if (rig.covariance) check_covariance(*rig.covariance, what);
 }
 
 Rig read_rig(const std::filesystem::path& path) {
@@ -181,6 +209,7 @@ Rig read_rig(const std::filesystem::path& path) {
   rig.red = read_chromatic(file, "red");
   rig.blue = read_chromatic(file, "blue");
   rig.color_mixing = read_mixing(file);
+  rig.covariance = read_covariance(file);
   try {
     check_rig(rig, path.string());
   } catch (const InvalidInput& error) {
@@ -217,6 +246,11 @@ void write_rig(const std::filesystem::path& path, const Rig& rig) {
   write_chromatic(storage, "blue", rig.blue);
   write_mixing(storage, rig.color_mixing);
   storage << "}";
+  if (rig.covariance) {
+    cv::Mat covariance;
+    cv::eigen2cv(*rig.covariance, covariance);
+    storage << "covariance" << covariance;
+  }
   const std::string text = storage.releaseAndGetString();
   write_file(path, [&](std::ostream& out) { out << text; });
 }

@@ -58,7 +58,6 @@ inline Eigen::Vector2d seen_by(const geometry::Camera& lens, const Eigen::Vector
 inline RigView exact_view(const Rig& rig, const Eigen::Isometry3d& T_camera_board,
                           const std::string& name) {
   RigView view{.name = name, .board = board_corners(kPrinted)};
-  view.lit_board = view.board;
   view.camera = view.projector = view.board;
   for (Eigen::Index i = 0; i < view.board.cols(); ++i) {
     const Eigen::Vector3d corner(view.board(0, i), view.board(1, i), 0);
@@ -66,6 +65,7 @@ inline RigView exact_view(const Rig& rig, const Eigen::Isometry3d& T_camera_boar
     view.projector.col(i) =
         seen_by(rig.projector, rig.T_projector_camera * T_camera_board * corner);
   }
+  view.lit_camera = view.camera;
   return view;
 }
 

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 
 #include "palpate/error.h"
@@ -59,6 +60,38 @@ TEST(Rig, SurvivesWritingAndReadingExactly) {
   EXPECT_EQ(rig.red.gamma, again.red.gamma);
   EXPECT_EQ(rig.color_mixing, again.color_mixing);
   EXPECT_EQ(rig.blue.beta, again.blue.beta);
+}
+
+TEST(Rig, CovarianceSurvivesExactlyAndMayBeAbsent) {
+  const ScratchFolder folder;
+  Rig rig = awkward_rig();
+  write_rig(folder / "exact.yaml", rig);
+  EXPECT_FALSE(read_rig(folder / "exact.yaml").covariance);
+  RigCovariance root;
+  for (int i = 0; i < kRigParameters * kRigParameters; ++i)
+    root(i) = std::sin(1.7 * i) / 3 * std::pow(10, -(i % kRigParameters) / 4);
+  rig.covariance = root * root.transpose();
+  rig.covariance = (*rig.covariance + rig.covariance->transpose().eval()) / 2;
+  write_rig(folder / "rig.yaml", rig);
+  const Rig again = read_rig(folder / "rig.yaml");
+  ASSERT_TRUE(again.covariance);
+  EXPECT_TRUE(*again.covariance == *rig.covariance);
+
+  const auto refused = [&](auto change) {
+    Rig wrong = rig;
+    change(*wrong.covariance);
+    return message_of<InvalidInput>([&] { check_rig(wrong, "rig"); }).find("covariance") !=
+           std::string::npos;
+  };
+  EXPECT_TRUE(refused([](RigCovariance& c) { c(3, 3) = -1; }));
+  EXPECT_TRUE(refused([](RigCovariance& c) { c(3, 4) += 1; }));
+  EXPECT_TRUE(refused([](RigCovariance& c) { c(0, 0) = std::nan(""); }));
+  std::string text = read_text(folder / "rig.yaml");
+  text.replace(text.find("rows: 24"), 8, "rows: 12");
+  text.replace(text.find("cols: 24"), 8, "cols: 48");
+  const auto wrong = written(folder, "wrong.yaml", text);
+  EXPECT_NE(message_of<FileError>([&] { (void)read_rig(wrong); }).find("24 x 24 is expected"),
+            std::string::npos);
 }
 
 TEST(Rig, ReadsTheBundledRigs) {

@@ -43,21 +43,16 @@ struct Board {
 struct BoardViewOptions {
   /// Lowest contrast of a decoded Gray code pixel; see `GrayCodeOptions`.
   double min_contrast = 0.03;
-  /// The homography around a corner is fitted to pixels within this many sides of a square; in
-  /// [0.25, 4].
-  double window = 1;
-  /// A corner's position on the panel is accepted iff this share of its window agrees; in (0, 1).
-  double min_agreement = 0.5;
 };
 
 /// Makes a view from the images of a Gray code sequence, in the order of `draw_gray_code`.
 ///
-/// The board is detected in the white image. Each corner's position on the panel comes from a local
-/// homography (Moreno and Taubin 2012), fitted robustly against wrong codes, and so is finer than a
-/// projector pixel. Corners that cannot be decoded are left out; a view without a board has no
-/// points.
-/// \throws InvalidInput as `decode_gray_code` and `find_board`, or if an option is outside its
-/// range.
+/// The board is detected in the white image, and its corners are refined in the mean of all images,
+/// which has less noise; corners beside the edge of the light are left out. The lit points are
+/// means over cells of 12 x 12 camera pixels all over the board, each from the places where an
+/// image and its inverse are equally bright, so they are known to a hundredth of a projector
+/// pixel. A view without a board has no points.
+/// \throws InvalidInput as `decode_gray_code` and `find_board`.
 [[nodiscard]] RigView view_from_gray_code(const std::vector<cv::Mat>& images, const Board& printed,
                                           const ImageSize& projector,
                                           const BoardViewOptions& options = {});

@@ -69,8 +69,12 @@ struct DecodeOptions {
 /// Depths of a frame, and the outcome of each pixel.
 struct DecodeResult {
   geometry::RangeMap range;
-  ReasonImage reasons;         ///< same size as the range map: why a pixel has no depth
-  geometry::ImageF sigma;      ///< [mm] standard deviation of each depth, NaN where there is none
+  ReasonImage reasons;     ///< same size as the range map: why a pixel has no depth
+  geometry::ImageF sigma;  ///< [mm] standard deviation of each depth, NaN where there is none
+  /// [mm] the part of `sigma` that differs from pixel to pixel, the noise of the frame. The rest,
+  /// from `Rig::covariance`, bends and scales the surface as a whole. Empty if the rig has no
+  /// covariance: `sigma` then is the noise alone.
+  geometry::ImageF noise;
   int transitions = 0;         ///< number of stripe edges identified, over all scanlines
   int regions = 0;             ///< number of smooth regions of the phase
   int unresolved_regions = 0;  ///< regions with too few stripe edges, or contradicting ones

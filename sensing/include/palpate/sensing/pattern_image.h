@@ -31,7 +31,8 @@ struct DrawOptions {
 /// `rectify` replaces the projector by a parallel one at the same place, with the same focal
 /// lengths, whose panel holds everything that the real one shows. `compensate` sets beta = 1 and
 /// gamma = 0, since the drawing compensates them; alpha belongs to the camera and stays. With
-/// `rectify` alone the chromatic values are approximate, because they refer to the real panel.
+/// `rectify` alone the chromatic values are approximate, because they refer to the real panel, and
+/// with `rectify` there is no covariance, for the same reason.
 /// \throws InvalidInput if the rig is not valid or, for `rectify`, if the projector's lens model
 /// cannot be inverted on its panel or light leaves it at more than 60 degrees to the camera's axis.
 [[nodiscard]] Rig rig_of_drawing(const Rig& rig, const DrawOptions& options = {});

@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "palpate/geometry/camera.h"
@@ -22,6 +23,11 @@ struct ChromaticShift {
       0;  ///< offset along the pattern's sinusoid, in normalised coordinates (tangent of the angle)
 };
 
+inline constexpr int kRigParameters = 24;
+/// Covariance of fx fy cx cy k1 k2 p1 p2 k3 of the camera [px, 1], of the same of the projector, of
+/// a small rotation applied after R [rad], and of t [mm]; zero where a parameter is exact.
+using RigCovariance = Eigen::Matrix<double, kRigParameters, kRigParameters>;
+
 /// A calibrated camera and projector, and the pose between them.
 struct Rig {
   geometry::Camera camera;
@@ -34,18 +40,20 @@ struct Rig {
   /// green and blue (columns), relative to the diagonal, which is 1: the camera's colour filters
   /// overlap. The identity means that they do not.
   Eigen::Matrix3d color_mixing = Eigen::Matrix3d::Identity();
+  /// How well the rig is known. Empty if that is not known: the rig then counts as exact.
+  std::optional<RigCovariance> covariance{};
 };
 
-/// Checks that both cameras are valid, that the pose is a rotation and a non-zero translation, and
-/// that the chromatic shifts are finite with alpha, beta > 0, and that the colour mixing has ones
-/// on its diagonal and an inverse without entries beyond 10 in size.
+/// Checks that both cameras are valid, that the pose is a rotation and a non-zero translation, that
+/// the chromatic shifts are finite with alpha, beta > 0, that the colour mixing has ones on its
+/// diagonal and an inverse without entries beyond 10 in size, and that the covariance is finite,
+/// symmetric and has no negative variance.
 /// \throws InvalidInput otherwise; the message begins with `what`.
 void check_rig(const Rig& rig, const std::string& what);
 
 /// Reads a rig from OpenCV FileStorage: `camera_size`, `camera_matrix`, `camera_distortion`, the
 /// same three keys for `projector`, `R`, `t`, and optionally `chromatic` with `red`, `blue` and
-/// `mixing`. A lens distortion has 0,
-/// 4, 5 or 8 coefficients.
+/// `mixing`, and `covariance`. A lens distortion has 0, 4, 5 or 8 coefficients.
 /// \throws FileError naming the file and the key if a value is missing, has the wrong shape or is
 /// not finite, or if R is not a rotation.
 [[nodiscard]] Rig read_rig(const std::filesystem::path& path);

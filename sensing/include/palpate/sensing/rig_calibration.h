@@ -52,7 +52,12 @@ struct RejectedView {
 };
 
 struct RigCalibration {
-  Rig rig;
+  Rig rig;  ///< with its covariance
+  /// Median standard deviation of depths by the rig's covariance, as a share of the depth: over the
+  /// camera's image, at the distances of the boards.
+  double depth_deviation = 0;
+  /// What the views determine badly: parameter, standard deviation, and which pose to add.
+  std::vector<std::string> advice;
   CameraDeviation camera_deviation;
   CameraDeviation projector_deviation;
   Eigen::Vector3d rotation_deviation = Eigen::Vector3d::Zero();     ///< rad, about x, y, z
@@ -69,11 +74,11 @@ struct RigCalibration {
 /// board.
 ///
 /// Each lens is first calibrated alone (Zhang 2000, by OpenCV), with the projector as an inverse
-/// camera (Moreno and Taubin 2012). Then all parameters and board poses are refined together, each
-/// instrument weighted by the inverse of its residual variance. If the views have `lit_camera`,
-/// camera and poses come from the printed points alone, and the lit points are the intersections of
-/// the camera's rays with the board. The standard deviations cover noise, not model errors. The
-/// order of the views does not matter.
+/// camera (Moreno and Taubin 2012). Then all parameters and board poses are refined together: a lit
+/// point is where the camera's ray meets the board, and must be where the projector's ray does.
+/// Each instrument is weighted by the inverse of its residual variance, and points with residuals
+/// above three standard deviations lose weight. The standard deviations cover what differs from
+/// point to point, not a board that is not flat. The order of the views does not matter.
 /// \throws InvalidInput if views are malformed or an option is outside its range.
 /// \throws SolverError if fewer than three views remain or the views do not determine the
 /// parameters, for example because all boards are parallel. The message tells what to show.
