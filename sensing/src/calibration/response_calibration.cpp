@@ -248,7 +248,7 @@ std::vector<GreyImage> read_grey_ramp(const std::filesystem::path& folder) {
   std::vector<GreyImage> ramp;
   for (; entry != std::filesystem::directory_iterator(); entry.increment(error)) {
     const std::filesystem::path& path = entry->path();
-    if (is_hidden(path) || (path.extension() != ".png" && path.extension() != ".tiff")) continue;
+    if (is_hidden(path) || !has_frame_name(path)) continue;
     if (const auto level = level_in(path.stem().string()))
       ramp.push_back({*level / 255.0, read_frame(path), path.string()});
   }

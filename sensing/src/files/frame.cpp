@@ -6,18 +6,38 @@
 #include <string>
 
 #include "files/image_codecs.h"
+#include "files/image_format.h"
 #include "files/png_image.h"
 #include "files/storage_file.h"
 #include "palpate/error.h"
+#include "palpate/file_names.h"
 
 namespace palpate::sensing {
 namespace {
 
-bool is_png(const std::string& bytes) { return bytes.starts_with("\x89PNG"); }
-
-bool is_tiff(const std::string& bytes) {
-  using namespace std::string_literals;
-  return bytes.starts_with("II*\0"s) || bytes.starts_with("MM\0*"s);
+/// \throws FileError unless the bytes are those of a whole image in a known format.
+void check_bytes(const std::filesystem::path& path, const std::string& bytes) {
+  std::string damage;
+  switch (image_format(bytes)) {
+    case ImageFormat::unknown:
+      damage = "neither PNG, TIFF, BMP, JPEG nor WebP; a frame of 8 or 16 bit is expected";
+      break;
+    case ImageFormat::png:
+      damage = find_png_damage(bytes);
+      break;
+    case ImageFormat::jpeg:
+      damage = find_jpeg_damage(bytes);
+      break;
+    case ImageFormat::webp:
+      damage = find_webp_damage(bytes);
+      break;
+    case ImageFormat::bmp:
+      damage = find_bmp_damage(bytes);
+      break;
+    case ImageFormat::tiff:
+      break;  // OpenCV notices it
+  }
+  if (!damage.empty()) throw FileError(path.string() + ": " + damage);
 }
 
 cv::Mat read_png(const std::filesystem::path& path, const std::string& bytes) {
@@ -32,19 +52,32 @@ cv::Mat read_png(const std::filesystem::path& path, const std::string& bytes) {
 
 cv::Mat read_frame(const std::filesystem::path& path) {
   const std::string bytes = read_bytes(path);
-  if (is_png(bytes)) {
-    const std::string damage = find_png_damage(bytes);
-    if (!damage.empty()) throw FileError(path.string() + ": " + damage);
+  check_bytes(path, bytes);
+  if (image_format(bytes) == ImageFormat::png) {
     cv::Mat frame = read_png(path, bytes);
     if (!frame.empty()) return frame;
-  } else if (!is_tiff(bytes)) {
-    throw FileError(path.string() + ": neither PNG nor TIFF; a frame of 8 or 16 bit is expected");
   }
-  cv::Mat frame = decode_image(path, bytes, cv::IMREAD_ANYDEPTH | cv::IMREAD_ANYCOLOR);
+  // Whichever way up a phone was held: the camera's pixels stay where the lens puts them.
+  cv::Mat frame = decode_image(
+      path, bytes, cv::IMREAD_ANYDEPTH | cv::IMREAD_ANYCOLOR | cv::IMREAD_IGNORE_ORIENTATION);
   if (frame.depth() != CV_8U && frame.depth() != CV_16U) {
     throw FileError(path.string() + ": the values are neither 8 nor 16 bit whole numbers");
   }
   return frame;
+}
+
+bool has_frame_name(const std::filesystem::path& path) {
+  const std::string ending = lower_extension(path);
+  for (const char* known : {".png", ".tif", ".tiff", ".bmp", ".jpg", ".jpeg", ".webp"}) {
+    if (ending == known) return true;
+  }
+  return false;
+}
+
+bool has_losses(const std::filesystem::path& path) {
+  const std::string bytes = read_bytes(path);
+  const ImageFormat format = image_format(bytes);
+  return format == ImageFormat::jpeg || (format == ImageFormat::webp && is_lossy_webp(bytes));
 }
 
 void write_png(const std::filesystem::path& path, const cv::Mat& image) {

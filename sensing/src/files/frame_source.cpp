@@ -21,9 +21,10 @@ namespace fs = std::filesystem;
 /// A number of frames that a video rounds from its duration may be off by one.
 constexpr std::size_t kRoundedFrames = 1;
 
-bool is_image_name(const fs::path& path) {
+/// Images that may be compressed with losses.
+bool may_have_losses(const fs::path& path) {
   const std::string ending = lower_extension(path);
-  return ending == ".png" || ending == ".tif" || ending == ".tiff";
+  return ending == ".jpg" || ending == ".jpeg" || ending == ".webp";
 }
 
 /// Videos give three channels, whatever the camera had.
@@ -65,6 +66,7 @@ struct FrameSource::Impl {
   std::size_t in_video = 0;             ///< number of its frames delivered so far
 
   void look_at_videos();
+  void look_at_images();
   std::optional<SourceFrame> next();
   std::optional<SourceFrame> next_of_video();
 };
@@ -84,6 +86,19 @@ void FrameSource::Impl::look_at_videos() {
           "colours and phase suffer. Record without losses: FFV1, HuffYUV, PNG or raw RGB");
     }
   }
+}
+
+/// One warning for all; the first image stands for the others.
+void FrameSource::Impl::look_at_images() {
+  const auto first = std::find_if(files.begin(), files.end(), may_have_losses);
+  std::error_code missing;  // reported when the frame is read
+  if (first == files.end() || !fs::is_regular_file(*first, missing) || !has_losses(*first)) return;
+  const auto count = std::count_if(first, files.end(), may_have_losses);
+  warnings.push_back(
+      first->string() +
+      (count > 1 ? " and " + std::to_string(count - 1) + " more: are" : std::string(": is")) +
+      " compressed with losses; stripe colours and phase suffer. Record without "
+      "losses: PNG, TIFF or BMP");
 }
 
 std::optional<SourceFrame> FrameSource::Impl::next_of_video() {
@@ -152,6 +167,7 @@ FrameSource::FrameSource(const std::vector<fs::path>& paths, const FrameSourceOp
     }
   }
   impl_->look_at_videos();
+  impl_->look_at_images();
 }
 
 FrameSource::~FrameSource() = default;
@@ -169,14 +185,15 @@ std::vector<fs::path> list_images(const fs::path& folder) {
   for (fs::directory_iterator entry(folder, error); entry != fs::directory_iterator();
        entry.increment(error)) {
     std::error_code ignored;  // an inaccessible entry is not an image
-    if (entry->is_regular_file(ignored) && is_image_name(entry->path()) &&
+    if (entry->is_regular_file(ignored) && has_frame_name(entry->path()) &&
         !is_hidden(entry->path()))
       images.push_back(entry->path());
   }
   if (error)
     throw FileError(folder.string() + ": this folder cannot be read: " + error.message() + ".");
   if (images.empty())
-    throw FileError(folder.string() + ": there is no image in this folder (png or tiff).");
+    throw FileError(folder.string() +
+                    ": there is no image in this folder (png, tiff, bmp, jpeg or webp).");
   std::sort(images.begin(), images.end(), comes_before);
   return images;
 }

@@ -82,6 +82,20 @@ TEST(FrameSource, KnowsWhichVideosLoseNothing) {
   }
 }
 
+TEST(FrameSource, WarnsOnceOfImagesWithLosses) {
+  const ScratchFolder folder;
+  const auto good = write_image(folder, "good.png", 0);
+  EXPECT_TRUE(FrameSource({good}).warnings().empty());
+  const auto first = write_image(folder, "a.jpg", 1);
+  const auto second = write_image(folder, "b.jpeg", 2);
+  const FrameSource source({good, first, second});
+  ASSERT_EQ(source.warnings().size(), 1U);
+  EXPECT_NE(source.warnings()[0].find("a.jpg and 1 more: are compressed with losses"),
+            std::string::npos)
+      << source.warnings()[0];
+  EXPECT_EQ(all_of(FrameSource({folder / "."})).size(), 3U);
+}
+
 TEST(FrameSource, ABrokenImageDoesNotStopTheOthers) {
   const ScratchFolder folder;
   const auto good = write_image(folder, "good.png", 0);

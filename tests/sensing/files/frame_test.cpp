@@ -31,9 +31,55 @@ TEST(Frame, ReadsWhatWasWritten) {
   }
 }
 
+TEST(Frame, ReadsBmpAndWebpWithoutLossesAndJpegWithItsLosses) {
+  const ScratchFolder folder;
+  cv::Mat smooth(40, 60, CV_8UC3);
+  for (int v = 0; v < smooth.rows; ++v) {
+    for (int u = 0; u < smooth.cols; ++u)
+      smooth.at<cv::Vec3b>(v, u) =
+          cv::Vec3b(static_cast<uchar>(4 * u), static_cast<uchar>(5 * v), 90);
+  }
+  for (const char* name : {"frame.bmp", "frame.webp"}) {  // above 100 OpenCV writes without losses
+    cv::imwrite((folder / name).string(), smooth, {cv::IMWRITE_WEBP_QUALITY, 101});
+    EXPECT_EQ(cv::norm(read_frame(folder / name), smooth, cv::NORM_INF), 0) << name;
+    EXPECT_FALSE(has_losses(folder / name)) << name;
+    EXPECT_TRUE(has_frame_name(folder / name)) << name;
+  }
+  cv::Mat grey;
+  cv::extractChannel(smooth, grey, 0);
+  for (const char* name : {"frame.JPG", "frame.webp"}) {
+    cv::imwrite((folder / name).string(), smooth, {cv::IMWRITE_WEBP_QUALITY, 90});
+    EXPECT_LT(cv::norm(read_frame(folder / name), smooth, cv::NORM_INF), 30) << name;
+    EXPECT_TRUE(has_losses(folder / name)) << name;
+    EXPECT_TRUE(has_frame_name(folder / name)) << name;
+  }
+  cv::imwrite((folder / "grey.jpg").string(), grey);
+  EXPECT_EQ(read_frame(folder / "grey.jpg").type(), CV_8UC1);
+  EXPECT_FALSE(has_frame_name("frame.gif"));
+}
+
+TEST(Frame, IsNotTurnedByTheNoteOfAPhone) {
+  const ScratchFolder folder;
+  cv::imwrite((folder / "flat.jpg").string(), ramp_image(CV_8UC1));
+  std::string bytes = read_text(folder / "flat.jpg");
+  // An EXIF segment with one entry: orientation 6, a quarter turn.
+  using namespace std::string_literals;
+  const std::string exif =
+      "\xFF\xE1\x00\x22"
+      "Exif\0\0"
+      "MM\0*\0\0\0\x08"
+      "\0\x01"
+      "\x01\x12\0\x03\0\0\0\x01\0\x06\0\0"
+      "\0\0\0\0"s;
+  bytes.insert(2, exif);
+  const cv::Mat upright = cv::imread(written(folder, "turned.jpg", bytes).string());
+  ASSERT_EQ(upright.cols, 40);  // OpenCV itself would turn it
+  EXPECT_EQ(read_frame(folder / "turned.jpg").cols, 60);
+}
+
 TEST(Frame, RefusesTruncatedFilesOfEveryLengthInSilence) {
   const ScratchFolder folder;
-  for (const char* name : {"frame.png", "frame.tiff"}) {
+  for (const char* name : {"frame.png", "frame.tiff", "frame.bmp", "frame.jpg", "frame.webp"}) {
     cv::imwrite((folder / name).string(), ramp_image(CV_8UC3));
     const std::string bytes = read_text(folder / name);
     ::testing::internal::CaptureStderr();

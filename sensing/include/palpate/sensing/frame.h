@@ -7,10 +7,18 @@
 
 namespace palpate::sensing {
 
-/// Reads a camera frame from a PNG or TIFF file: 8 or 16 bit, 1 or 3 channels (BGR). Values are not
-/// converted; an alpha channel is dropped.
+/// Reads a camera frame from a PNG, TIFF, BMP, JPEG or WebP file: 8 or 16 bit, 1 or 3 channels
+/// (BGR). Values are not converted; an alpha channel is dropped, and a note that the image should
+/// be shown turned is not followed.
 /// \throws FileError if the file is missing, empty, truncated, damaged or of another type.
 [[nodiscard]] cv::Mat read_frame(const std::filesystem::path& path);
+
+/// Whether the ending of a name is that of such a file.
+[[nodiscard]] bool has_frame_name(const std::filesystem::path& path);
+
+/// Whether an image is compressed with losses: JPEG, and WebP unless it was made without.
+/// \throws FileError if the file cannot be read.
+[[nodiscard]] bool has_losses(const std::filesystem::path& path);
 
 /// Writes an image as PNG: 8 or 16 bit, 1 or 3 channels (BGR). Values are not converted.
 /// \throws InvalidInput if the image is empty or has another type.

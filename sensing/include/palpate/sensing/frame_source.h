@@ -34,7 +34,7 @@ struct FrameSourceOptions {
 /// it is needed, and no frame is kept.
 class FrameSource {
  public:
-  /// \param paths images (PNG, TIFF), folders (all their PNG and TIFF images by name) and videos
+  /// \param paths images that `read_frame` reads, folders (all their images by name) and videos
   /// (what OpenCV's FFmpeg reads: AVI, MP4, MKV and others), in the order of the sequence.
   /// \throws FileError if a path does not exist, a folder has no image, or a video cannot be
   /// opened.
@@ -52,7 +52,7 @@ class FrameSource {
   [[nodiscard]] const std::vector<std::filesystem::path>& files() const;
   /// Number of frames as announced by the videos; may be wrong, so use it only for progress.
   [[nodiscard]] std::size_t expected_frames() const;
-  /// Warnings about the source, such as lossy compression of a video.
+  /// Warnings about the source, such as lossy compression of a video or of images.
   [[nodiscard]] const std::vector<std::string>& warnings() const;
 
  private:
@@ -60,7 +60,8 @@ class FrameSource {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Lists the images (png, tif, tiff) in a folder, sorted by name, with numbers compared as numbers
+/// Lists the images (`has_frame_name`) in a folder, sorted by name, with numbers compared as
+/// numbers
 /// (`comes_before`).
 /// \throws FileError if the folder cannot be read or has no images.
 [[nodiscard]] std::vector<std::filesystem::path> list_images(const std::filesystem::path& folder);
