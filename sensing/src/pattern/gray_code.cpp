@@ -25,15 +25,6 @@ void check_panel(const ImageSize& panel) {
 /// Number of bits of the coordinates 0 ... size - 1.
 int bits_of(int size) { return std::bit_width(static_cast<unsigned>(size - 1)); }
 
-unsigned encode(unsigned number) { return number ^ (number >> 1); }
-
-unsigned decode(unsigned code) {
-  unsigned number = code;
-  for (unsigned shift = 1; shift < std::numeric_limits<unsigned>::digits; shift *= 2)
-    number ^= number >> shift;
-  return number;
-}
-
 void check_images(const std::vector<cv::Mat>& images, const ImageSize& panel) {
   const int expected = gray_code_length(panel);
   if (static_cast<int>(images.size()) != expected) {
@@ -73,6 +64,15 @@ cv::Mat_<int> read_codes(const std::vector<cv::Mat>& images, std::size_t first, 
 
 }  // namespace
 
+unsigned gray_code_of(unsigned number) { return number ^ (number >> 1); }
+
+unsigned number_of_gray_code(unsigned code) {
+  unsigned number = code;
+  for (unsigned shift = 1; shift < std::numeric_limits<unsigned>::digits; shift *= 2)
+    number ^= number >> shift;
+  return number;
+}
+
 int gray_code_length(const ImageSize& panel) {
   check_panel(panel);
   return 2 * (bits_of(panel.width) + bits_of(panel.height)) + 2;
@@ -86,7 +86,7 @@ std::vector<cv::Mat> draw_gray_code(const ImageSize& panel) {
     for (int row = 0; row < image.rows; ++row) {
       for (int column = 0; column < image.cols; ++column) {
         const auto number = static_cast<unsigned>(along_columns ? column : row);
-        image(row, column) = ((encode(number) >> bit) & 1U) != 0 ? 255 : 0;
+        image(row, column) = ((gray_code_of(number) >> bit) & 1U) != 0 ? 255 : 0;
       }
     }
     images.emplace_back(image);
@@ -116,8 +116,8 @@ cv::Mat_<cv::Vec2f> decode_gray_code(const std::vector<cv::Mat>& images, const I
   for (int row = 0; row < places.rows; ++row) {
     for (int column = 0; column < places.cols; ++column) {
       if (!(contrast(row, column) >= least)) continue;
-      const unsigned x = decode(static_cast<unsigned>(x_codes(row, column)));
-      const unsigned y = decode(static_cast<unsigned>(y_codes(row, column)));
+      const unsigned x = number_of_gray_code(static_cast<unsigned>(x_codes(row, column)));
+      const unsigned y = number_of_gray_code(static_cast<unsigned>(y_codes(row, column)));
       if (x < static_cast<unsigned>(panel.width) && y < static_cast<unsigned>(panel.height))
         places(row, column) = cv::Vec2f(static_cast<float>(x), static_cast<float>(y));
     }

@@ -243,4 +243,23 @@ PatternDesign design_pattern(int projector_width, int projector_height,
   return design;
 }
 
+Pattern multishot_pattern(const Pattern& single, int steps, const ImageSize& panel) {
+  check_pattern(single, "multishot_pattern(): single");
+  require("multishot_pattern(): steps", steps, at_least(3).at_most(64));
+  const int length = single.axis == Axis::x ? panel.width : panel.height;
+  require("multishot_pattern(): panel", length, at_least(1), "px");
+  Pattern pattern = single;
+  pattern.colors.clear();
+  pattern.stripes.clear();
+  pattern.stripe_edges.clear();
+  pattern.projector_size = Eigen::Vector2i(panel.width, panel.height);
+  Multishot& shots = pattern.multishot.emplace();
+  for (int k = 0; k < steps; ++k) shots.shifts.push_back(2 * std::numbers::pi * k / steps);
+  shots.code_cell = pattern.period / 2;
+  const double cells = std::ceil((length - 0.5 - shots.code_start) / shots.code_cell);
+  shots.code_bits = std::max(1, static_cast<int>(std::ceil(std::log2(cells))));
+  check_pattern(pattern, "multishot_pattern()");
+  return pattern;
+}
+
 }  // namespace palpate::sensing

@@ -12,6 +12,7 @@
 
 #include "palpate/error.h"
 #include "palpate/require.h"
+#include "palpate/sensing/gray_code.h"
 
 namespace palpate::sensing {
 namespace {
@@ -134,8 +135,10 @@ T level(double value) {
 }
 
 /// Draws one channel (0 red, 1 green, 2 blue) through a map from panel to pattern pixels.
-template <typename T, typename Map>
-void draw_channel(const Pattern& pattern, int channel, const Map& map, cv::Mat& image) {
+/// \param light brightness as a function of the pixel along the axis
+template <typename T, typename Map, typename Light>
+void draw_channel(const Pattern& pattern, const Light& light, int channel, const Map& map,
+                  cv::Mat& image) {
   const StripeChannel stripes(pattern, channel);
   const Eigen::Index along = pattern.axis == Axis::x ? 0 : 1;
   const Eigen::Index across = 1 - along;
@@ -145,30 +148,93 @@ void draw_channel(const Pattern& pattern, int channel, const Map& map, cv::Mat& 
       const double pixel = map(u, v)[along];
       const double color = stripes.mean(map(u - half_pixel.x(), v - half_pixel.y())[across],
                                         map(u + half_pixel.x(), v + half_pixel.y())[across]);
-      const double brightness =
-          pattern.mean +
-          pattern.amplitude *
-              std::cos(2 * std::numbers::pi * pixel / pattern.period + pattern.phase);
-      image.ptr<T>(v)[3 * u + 2 - channel] = level<T>(color * brightness);
+      image.ptr<T>(v)[3 * u + 2 - channel] = level<T>(color * light(pixel));
     }
   }
 }
 
-template <typename Map>
-cv::Mat draw(const Pattern& pattern, int width, int height, int bits,
+template <typename Map, typename Light>
+cv::Mat draw(const Pattern& pattern, const Light& light, int width, int height, int bits,
              const std::array<Map, 3>& maps) {
-  check_pattern(pattern, "pattern");
-  check_size(width, height);
   cv::Mat image(height, width, bits == 8 ? CV_8UC3 : CV_16UC3);
   for (int channel = 0; channel < 3; ++channel) {
     const Map& map = maps[static_cast<std::size_t>(channel)];
     if (bits == 8) {
-      draw_channel<std::uint8_t>(pattern, channel, map, image);
+      draw_channel<std::uint8_t>(pattern, light, channel, map, image);
     } else {
-      draw_channel<std::uint16_t>(pattern, channel, map, image);
+      draw_channel<std::uint16_t>(pattern, light, channel, map, image);
     }
   }
   return image;
+}
+
+/// The pattern's brightness as a function of the pixel along its axis.
+class Sinusoid {
+ public:
+  Sinusoid(const Pattern& pattern, double shift)
+      : pattern_(pattern), phase_(pattern.phase + shift) {}
+  [[nodiscard]] double operator()(double pixel) const {
+    return pattern_.mean +
+           pattern_.amplitude * std::cos(2 * std::numbers::pi * pixel / pattern_.period + phase_);
+  }
+
+ private:
+  const Pattern& pattern_;
+  double phase_;
+};
+
+/// One bit of the code that tells periods apart.
+class CodeBit {
+ public:
+  CodeBit(const Pattern& pattern, int bit)
+      : dark_(pattern.mean - pattern.amplitude),
+        bright_(pattern.mean + pattern.amplitude),
+        cell_(pattern.multishot->code_cell),
+        start_(pattern.multishot->code_start),
+        bit_(bit) {}
+  [[nodiscard]] double operator()(double pixel) const {
+    const double cell = std::floor((pixel - start_) / cell_);
+    // Before the first cell, beyond the panel and where nothing is shown (NaN) it is dark.
+    if (!(cell >= 0 && cell <= std::numeric_limits<int>::max())) return dark_;
+    return ((gray_code_of(static_cast<unsigned>(cell)) >> bit_) & 1U) != 0 ? bright_ : dark_;
+  }
+
+ private:
+  double dark_, bright_, cell_, start_;
+  int bit_;
+};
+
+/// Panels whose pixels are those of the pattern.
+auto straight() {
+  const auto identity = [](double u, double v) { return Eigen::Vector2d(u, v); };
+  return std::array{identity, identity, identity};
+}
+
+template <typename Light>
+cv::Mat draw_on(const Rig& rig, const DrawOptions& options, const Pattern& pattern,
+                const Light& light) {
+  const Rig drawn = rig_of_drawing(rig, options);
+  const auto map = [&](const ChromaticShift& shift) {
+    return PanelMap(rig, drawn, options, shift, pattern.axis);
+  };
+  const std::array<PanelMap, 3> maps = {map(rig.red), map(ChromaticShift{}), map(rig.blue)};
+  return draw(pattern, light, rig.projector.width, rig.projector.height, options.bits, maps);
+}
+
+void require_multishot(const Pattern& pattern) {
+  check_pattern(pattern, "pattern");
+  if (!pattern.multishot) throw InvalidInput("pattern: has no `multishot`: it is for one image");
+}
+
+/// Draws the images one after the other.
+template <typename Draw>
+std::vector<cv::Mat> each_shot(const Pattern& pattern, const Draw& draw_light) {
+  std::vector<cv::Mat> images;
+  for (const double shift : pattern.multishot->shifts)
+    images.push_back(draw_light(Sinusoid(pattern, shift)));
+  for (int bit = pattern.multishot->code_bits - 1; bit >= 0; --bit)
+    images.push_back(draw_light(CodeBit(pattern, bit)));
+  return images;
 }
 
 }  // namespace
@@ -193,19 +259,33 @@ Rig rig_of_drawing(const Rig& rig, const DrawOptions& options) {
 }
 
 cv::Mat draw_pattern(const Pattern& pattern, const Rig& rig, const DrawOptions& options) {
+  check_pattern(pattern, "pattern");
   require_one_of("DrawOptions::bits", options.bits, {8, 16});
-  const Rig drawn = rig_of_drawing(rig, options);
-  const auto map = [&](const ChromaticShift& shift) {
-    return PanelMap(rig, drawn, options, shift, pattern.axis);
-  };
-  const std::array<PanelMap, 3> maps = {map(rig.red), map(ChromaticShift{}), map(rig.blue)};
-  return draw(pattern, rig.projector.width, rig.projector.height, options.bits, maps);
+  return draw_on(rig, options, pattern, Sinusoid(pattern, 0));
 }
 
 cv::Mat draw_pattern(const Pattern& pattern, int width, int height, int bits) {
+  check_pattern(pattern, "pattern");
   require_one_of("bits", bits, {8, 16});
-  const auto identity = [](double u, double v) { return Eigen::Vector2d(u, v); };
-  return draw(pattern, width, height, bits, std::array{identity, identity, identity});
+  check_size(width, height);
+  return draw(pattern, Sinusoid(pattern, 0), width, height, bits, straight());
+}
+
+std::vector<cv::Mat> draw_multishot(const Pattern& pattern, const Rig& rig,
+                                    const DrawOptions& options) {
+  require_multishot(pattern);
+  require_one_of("DrawOptions::bits", options.bits, {8, 16});
+  return each_shot(pattern,
+                   [&](const auto& light) { return draw_on(rig, options, pattern, light); });
+}
+
+std::vector<cv::Mat> draw_multishot(const Pattern& pattern, int width, int height, int bits) {
+  require_multishot(pattern);
+  require_one_of("bits", bits, {8, 16});
+  check_size(width, height);
+  return each_shot(pattern, [&](const auto& light) {
+    return draw(pattern, light, width, height, bits, straight());
+  });
 }
 
 cv::Mat draw_uniform(const Eigen::Vector3d& rgb, int width, int height, int bits) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/sensing/pattern.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cctype>
@@ -74,16 +75,62 @@ void check_stripes(const Pattern& pattern, const std::string& what) {
   }
 }
 
-std::string pixels(const Eigen::Vector2i& size) {
-  return std::to_string(size.x()) + " x " + std::to_string(size.y()) + " px";
-}
-
 /// The shortest decimal number that reads back as this value.
 template <typename T>
 std::string shortest(T value) {
   std::array<char, 32> digits{};
   const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value);
   return {digits.data(), end.ptr};
+}
+
+constexpr int kMostShifts = 64;
+constexpr int kMostCodeBits = 16;
+/// Cells of the code that are wider leave too little of a period to notice a misread bit.
+constexpr double kWidestCell = 0.75;
+/// Shifts determine a sinusoid iff the least eigenvalue of their normal matrix is at least this, as
+/// a share of that of equal steps (1/2 per image). Below, noise grows more than threefold.
+constexpr double kLeastDetermination = 0.1;
+
+double determination(const std::vector<double>& shifts) {
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  for (const double shift : shifts) {
+    const Eigen::Vector3d row(1, std::cos(shift), std::sin(shift));
+    normal += row * row.transpose();
+  }
+  const double least = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(normal).eigenvalues()[0];
+  return 2 * least / static_cast<double>(shifts.size());
+}
+
+void check_multishot(const Pattern& pattern, const std::string& what) {
+  const Multishot& shots = *pattern.multishot;
+  const std::string place = what + ": multishot: ";
+  if (!pattern.stripes.empty()) {
+    throw InvalidInput(place +
+                       "the pattern has coloured stripes, which are for single images; "
+                       "leave out colors, stripes and stripe_edges_px");
+  }
+  require(place + "number of shifts", static_cast<double>(shots.shifts.size()),
+          at_least(3).at_most(kMostShifts));
+  for (std::size_t i = 0; i < shots.shifts.size(); ++i)
+    require([&] { return place + at("shifts", i); }, shots.shifts[i], finite(), "rad");
+  if (!(determination(shots.shifts) >= kLeastDetermination)) {
+    throw InvalidInput(place +
+                       "shifts: do not determine a sinusoid; spread them over a whole "
+                       "turn, as in [ 0, 2.0944, 4.1888 ]");
+  }
+  require(place + "code_bits", shots.code_bits, at_least(1).at_most(kMostCodeBits));
+  require(place + "code_cell_px", shots.code_cell, above(0).finite(), "px");
+  if (!(shots.code_cell <= kWidestCell * pattern.period * (1 + kRangeTolerance))) {
+    throw InvalidInput(place + "code_cell_px is " + shortest(shots.code_cell) +
+                       "; it must be at most 3/4 of the period of " + shortest(pattern.period) +
+                       " px, best half of it. Cells as wide as a period need one finer image of "
+                       "the code");
+  }
+  require(place + "code_start_px", shots.code_start, finite(), "px");
+}
+
+std::string pixels(const Eigen::Vector2i& size) {
+  return std::to_string(size.x()) + " x " + std::to_string(size.y()) + " px";
 }
 
 /// A name as YAML text, without quotes if it consists of letters and digits.
@@ -119,6 +166,7 @@ void check_pattern(const Pattern& pattern, const std::string& what) {
   }
   check_colors(pattern, what);
   check_stripes(pattern, what);
+  if (pattern.multishot) check_multishot(pattern, what);
 }
 
 void check_pattern_fits(const Pattern& pattern, const geometry::Camera& projector,
@@ -139,6 +187,25 @@ void check_pattern_fits(const Pattern& pattern, const geometry::Camera& projecto
                        "; take the rig and the pattern that belong together");
   }
 }
+
+namespace {
+
+Multishot read_multishot(const StorageFile& file, const cv::FileNode& node) {
+  const std::string place = "multishot.";
+  const auto number = [&](const char* key) {
+    return file.number(file.child(node, key, place), place + key);
+  };
+  Multishot shots;
+  shots.shifts = file.numbers(file.child(node, "shifts", place), place + "shifts");
+  shots.code_bits = static_cast<int>(
+      std::min<long>(file.whole_number(file.child(node, "code_bits", place), place + "code_bits"),
+                     kMostCodeBits + 1));
+  shots.code_cell = number("code_cell_px");
+  if (!node["code_start_px"].empty()) shots.code_start = number("code_start_px");
+  return shots;
+}
+
+}  // namespace
 
 Pattern read_pattern(const std::filesystem::path& path) {
   const StorageFile file(path);
@@ -177,6 +244,7 @@ Pattern read_pattern(const std::filesystem::path& path) {
         Eigen::Vector2i(static_cast<int>(file.whole_number(sizes[0], "projector_size[0]")),
                         static_cast<int>(file.whole_number(sizes[1], "projector_size[1]")));
   }
+  if (!root["multishot"].empty()) pattern.multishot = read_multishot(file, root["multishot"]);
   try {
     check_pattern(pattern, path.string());
   } catch (const InvalidInput& error) {
@@ -219,6 +287,13 @@ void write_pattern(const std::filesystem::path& path, const Pattern& pattern) {
       out << "projector_size: ";
       list(*pattern.projector_size);
       out << '\n';
+    }
+    if (pattern.multishot) {
+      out << "multishot:\n   shifts: ";
+      list(pattern.multishot->shifts);
+      out << "\n   code_bits: " << pattern.multishot->code_bits
+          << "\n   code_cell_px: " << shortest(pattern.multishot->code_cell)
+          << "\n   code_start_px: " << shortest(pattern.multishot->code_start) << '\n';
     }
   });
 }

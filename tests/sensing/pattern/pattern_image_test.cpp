@@ -38,6 +38,52 @@ Rig small_distorted_rig() {
   return rig;
 }
 
+TEST(PatternImage, ShowsShiftedSinusoidsAndThenACodeThatNumbersHalfPeriods) {
+  for (const Axis axis : {Axis::y, Axis::x}) {
+    const Pattern single{.axis = axis, .period = 9.5, .phase = 0.7, .mean = 0.5, .amplitude = 0.4};
+    const Pattern pattern = multishot_pattern(single, 5, {160, 120});
+    const std::vector<cv::Mat> images = draw_multishot(pattern, 160, 120, 16);
+    const int length = axis == Axis::x ? 160 : 120;
+    ASSERT_EQ(images.size(), 5U + static_cast<unsigned>(std::ceil(std::log2(length / 4.75))));
+    unsigned last = 0;
+    for (int p = 0; p < length; ++p) {
+      const int u = axis == Axis::x ? p : 3;
+      const int v = axis == Axis::x ? 3 : p;
+      for (std::size_t k = 0; k < 5; ++k) {
+        Pattern shifted = pattern;
+        shifted.phase += 2 * std::numbers::pi * static_cast<double>(k) / 5;
+        for (int channel = 0; channel < 3; ++channel)
+          ASSERT_NEAR(rgb_value(images[k], v, u, channel), sinusoid(shifted, p), kLevel);
+      }
+      unsigned number = 0;  // each bit of a reflected code is the sum of the bits above
+      unsigned above = 0;
+      for (std::size_t k = 5; k < images.size(); ++k) {
+        const double value = rgb_value(images[k], v, u, 1);
+        ASSERT_TRUE(std::abs(value - 0.1) < kLevel || std::abs(value - 0.9) < kLevel);
+        above ^= value > 0.5 ? 1U : 0U;
+        number = 2 * number + above;
+      }
+      ASSERT_EQ(number, static_cast<unsigned>((p + 0.5) / 4.75));
+      ASSERT_LE(number - last, 1U);
+      last = number;
+    }
+  }
+  EXPECT_THROW((void)draw_multishot({.period = 9.5}, 160, 120), InvalidInput);
+}
+
+TEST(PatternImage, RectifiesTheImagesOfAStillSceneAsItDoesOne) {
+  const Rig rig = small_distorted_rig();
+  const DrawOptions options{.rectify = true};
+  const geometry::Camera panel = rig_of_drawing(rig, options).projector;
+  const Pattern pattern =
+      multishot_pattern({.axis = Axis::y, .period = 12}, 4, {panel.width, panel.height});
+  Pattern first = pattern;
+  first.multishot.reset();
+  const std::vector<cv::Mat> images = draw_multishot(pattern, rig, options);
+  EXPECT_EQ(cv::norm(images[0], draw_pattern(first, rig, options), cv::NORM_INF), 0);
+  EXPECT_GT(cv::norm(images[1], images[0], cv::NORM_INF), 0);
+}
+
 TEST(PatternImage, ShowsTheSinusoidAtPixelCentresAndHardStripes) {
   for (const Axis axis : {Axis::y, Axis::x}) {
     const int width = 320;

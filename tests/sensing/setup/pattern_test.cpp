@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "not_finite.h"
 #include "palpate/error.h"
 #include "test_files.h"
 
@@ -34,6 +35,36 @@ TEST(Pattern, MayHaveNoStripes) {
   EXPECT_TRUE(pattern.stripes.empty());
   EXPECT_EQ(pattern.axis, Axis::x);
   EXPECT_EQ(pattern.period, 60);
+}
+
+TEST(Pattern, SaysWhatSeveralImagesOfAStillSceneShow) {
+  const ScratchFolder folder;
+  Pattern pattern{.axis = Axis::x, .period = 31.0 / 3, .phase = -0.1, .amplitude = 0.4};
+  pattern.multishot = Multishot{{0, 2.0 / 3, 2.5, 4.1}, 7, 31.0 / 6, -0.5};
+  write_pattern(folder / "p.yaml", pattern);
+  const Pattern read = read_pattern(folder / "p.yaml");
+  ASSERT_TRUE(read.multishot);
+  EXPECT_EQ(read.multishot->shifts, pattern.multishot->shifts);
+  EXPECT_EQ(read.multishot->code_bits, 7);
+  EXPECT_EQ(read.multishot->code_cell, 31.0 / 6);
+  EXPECT_EQ(read.multishot->code_start, -0.5);
+  EXPECT_FALSE(read_pattern(demo_path("pattern.yaml")).multishot);
+
+  const auto refused = [&](auto change) {
+    Pattern wrong = pattern;
+    change(wrong);
+    EXPECT_THROW(check_pattern(wrong, "p"), InvalidInput);
+  };
+  refused([](Pattern& p) { p.multishot->shifts = {0, 1}; });
+  refused([](Pattern& p) { p.multishot->shifts = {0, 0.1, 0.2}; });  // determine nothing
+  refused([](Pattern& p) { p.multishot->shifts = {0, kNaN, 4}; });
+  refused([](Pattern& p) { p.multishot->code_bits = 0; });
+  refused([](Pattern& p) { p.multishot->code_cell = p.period; });
+  refused([](Pattern& p) { p.multishot->code_cell = kNaN; });
+  refused([](Pattern& p) { p.multishot->code_start = kInf; });
+  Pattern striped = read_pattern(demo_path("pattern.yaml"));
+  striped.multishot = pattern.multishot;
+  EXPECT_THROW(check_pattern(striped, "p"), InvalidInput);
 }
 
 TEST(Pattern, SurvivesAFileExactly) {

@@ -9,6 +9,10 @@
 
 namespace palpate::sensing {
 
+/// The reflected binary code of a number, and the number of a code.
+[[nodiscard]] unsigned gray_code_of(unsigned number);
+[[nodiscard]] unsigned number_of_gray_code(unsigned code);
+
 /// Number of images that `draw_gray_code` makes for a panel.
 /// \throws InvalidInput unless width and height lie between 2 and 2^15 px.
 [[nodiscard]] int gray_code_length(const ImageSize& panel);

@@ -4,6 +4,7 @@
 
 #include <optional>
 
+#include "palpate/sensing/image_size.h"
 #include "palpate/sensing/pattern.h"
 #include "palpate/sensing/rig.h"
 #include "palpate/sensing/trained_colors.h"
@@ -71,5 +72,15 @@ struct PatternDesign {
 /// \throws InvalidInput as above, or if a size is not > 0.
 [[nodiscard]] PatternDesign design_pattern(int projector_width, int projector_height,
                                            const PatternOptions& options = {});
+
+/// Makes the pattern for several images of a still scene (`Multishot`): `steps` equally spaced
+/// shifts, and a code with cells of half a period that covers the panel. Axis, period, phase, mean
+/// and amplitude are those of `single`; its stripes are left out.
+///
+/// Steps of a turn / N keep the harmonics 2 to N - 2 of a response that is not linear out of the
+/// phase; noise falls with sqrt(N).
+/// \throws InvalidInput if `single` is not valid, unless 3 <= steps <= 64, or if the panel has more
+/// than 2^15 periods.
+[[nodiscard]] Pattern multishot_pattern(const Pattern& single, int steps, const ImageSize& panel);
 
 }  // namespace palpate::sensing

@@ -49,6 +49,14 @@ struct DrawOptions {
 /// \throws InvalidInput if the pattern is not valid or a size is not in [1, 65535].
 [[nodiscard]] cv::Mat draw_pattern(const Pattern& pattern, int width, int height, int bits = 8);
 
+/// Draws the images of a still scene (`Multishot`) in their order, as `draw_pattern` does: first
+/// the sinusoids, then the bits of the code.
+/// \throws InvalidInput also if the pattern is for one image.
+[[nodiscard]] std::vector<cv::Mat> draw_multishot(const Pattern& pattern, const Rig& rig,
+                                                  const DrawOptions& options = {});
+[[nodiscard]] std::vector<cv::Mat> draw_multishot(const Pattern& pattern, int width, int height,
+                                                  int bits = 8);
+
 /// Draws a uniform picture.
 /// \param rgb in [0, 1].
 /// \throws InvalidInput as above.

@@ -1,0 +1,120 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "phase/shifted_noise.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <complex>
+
+#include "image/hue.h"
+
+namespace palpate::sensing {
+namespace {
+
+constexpr std::size_t kLightGroups = 8;
+/// Smallest number of samples in a group.
+constexpr std::size_t kGroupSize = 50;
+/// Sum of the squared binomial coefficients 1 4 6 4 1.
+constexpr double kFourthDifference = 70;
+/// Pixels between those of a difference: beyond the reach of demosaicing.
+constexpr long kDifferenceStep = 4;
+/// Approximate number of differences.
+constexpr long kDifferences = 8000;
+
+/// Median of the mean square of `freedom` normal values of variance one (Wilson and Hilferty 1931).
+double median_of_chi2(int freedom) {
+  const double k = freedom;
+  return std::pow(1 - 2 / (9 * k), 3);
+}
+
+struct LightGroup {
+  double light;
+  double variance;
+};
+
+/// Least squares of the relative deviations, without negative terms.
+LinearInLight fit_groups(const std::vector<LightGroup>& groups) {
+  double n = 0, a = 0, aa = 0, ab = 0, b = 0, bb = 0;
+  for (const LightGroup& group : groups) {
+    if (!(group.variance > 0)) continue;
+    const double one = 1 / group.variance;
+    const double light = group.light / group.variance;
+    n += 1, a += one, aa += one * one, ab += one * light, b += light, bb += light * light;
+  }
+  if (n == 0) return {};
+  const double determinant = aa * bb - ab * ab;
+  /// Below this share of the product of the diagonal all groups are equally bright.
+  constexpr double kLeastDeterminant = 1e-6;
+  if (determinant > kLeastDeterminant * aa * bb) {
+    const LinearInLight line{(bb * a - ab * b) / determinant, (aa * b - ab * a) / determinant};
+    if (line.constant >= 0 && line.slope >= 0) return line;
+    if (line.constant < 0) return {0, b / bb};
+  }
+  return {a / aa, 0};
+}
+
+}  // namespace
+
+LinearInLight variance_of_light(std::vector<VarianceSample> samples, int freedom) {
+  std::sort(samples.begin(), samples.end(),
+            [](const VarianceSample& a, const VarianceSample& b) { return a.light < b.light; });
+  const std::size_t count =
+      std::min(kLightGroups, std::max<std::size_t>(samples.size() / kGroupSize, 1));
+  std::vector<LightGroup> groups;
+  for (std::size_t group = 0; group < count && !samples.empty(); ++group) {
+    const auto first = samples.begin() + static_cast<long>(group * samples.size() / count);
+    const auto last = samples.begin() + static_cast<long>((group + 1) * samples.size() / count);
+    const auto middle = first + (last - first) / 2;
+    const double light = static_cast<double>(middle->light);
+    std::nth_element(first, middle, last, [](const VarianceSample& a, const VarianceSample& b) {
+      return a.variance < b.variance;
+    });
+    groups.push_back({light, static_cast<double>(middle->variance) / median_of_chi2(freedom)});
+  }
+  return fit_groups(groups);
+}
+
+std::vector<VarianceSample> samples_between_pixels(const ShiftedChannel& channel,
+                                                   double unit_variance, float least_amplitude) {
+  std::vector<VarianceSample> samples;
+  const long rows = channel.re.rows();
+  const long columns = channel.re.cols();
+  const long step = std::max<long>(1, rows * columns / kDifferences);
+  constexpr long kReach = 4 * kDifferenceStep;
+  for (long place = step / 2; place < rows * columns; place += step) {
+    const long row = place / columns;
+    const long column = place % columns;
+    if (column + kReach >= columns) continue;
+    std::array<float, 5> phase{};
+    bool known = true;
+    for (long i = 0; i < 5; ++i) {
+      const long at = column + i * kDifferenceStep;
+      known = known && channel.count(row, at) > 0 &&
+              std::hypot(channel.re(row, at), channel.im(row, at)) >= least_amplitude;
+      phase[static_cast<std::size_t>(i)] = std::atan2(channel.im(row, at), channel.re(row, at));
+    }
+    if (!known) continue;
+    std::array<float, 4> first{};
+    for (std::size_t i = 0; i < 4; ++i) first[i] = wrap(phase[i + 1] - phase[i]);
+    // Differences of wrapped differences stay small where the phase runs evenly.
+    const float fourth =
+        wrap(wrap(first[3] - first[2]) - 2 * wrap(first[2] - first[1]) + wrap(first[1] - first[0]));
+    const long middle = column + 2 * kDifferenceStep;
+    const float amplitude = std::hypot(channel.re(row, middle), channel.im(row, middle));
+    const float deviation = amplitude * fourth;
+    const float count = channel.count(row, middle);
+    samples.push_back(
+        {channel.mean(row, middle) / count,
+         deviation * deviation / static_cast<float>(kFourthDifference * unit_variance) / count});
+  }
+  return samples;
+}
+
+double beyond_chance(int freedom) {
+  constexpr double kDeviations = 3.719;  // one in ten thousand
+  const double k = freedom;
+  return std::pow(1 - 2 / (9 * k) + kDeviations * std::sqrt(2 / (9 * k)), 3);
+}
+
+}  // namespace palpate::sensing

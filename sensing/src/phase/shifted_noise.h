@@ -1,0 +1,28 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include "phase/phase_noise.h"
+#include "phase/shifted_phase.h"
+
+namespace palpate::sensing {
+
+/// Variance of a value as a linear function of its light, from places in groups of similar light.
+/// \param freedom degrees of freedom of each sample's variance, >= 1: the median of such variances
+/// is smaller than their mean.
+[[nodiscard]] LinearInLight variance_of_light(std::vector<VarianceSample> samples, int freedom);
+
+/// Samples for three steps, whose fit leaves nothing: fourth differences of the phase along the
+/// rows, each with one degree of freedom. `carrier` [rad/px] is the expected difference between
+/// neighbours in a row.
+[[nodiscard]] std::vector<VarianceSample> samples_between_pixels(const ShiftedChannel& channel,
+                                                                 double unit_variance,
+                                                                 float least_amplitude);
+
+/// The mean square of `freedom` normal values of variance one is larger than this in one of ten
+/// thousand cases (Wilson and Hilferty 1931).
+[[nodiscard]] double beyond_chance(int freedom);
+
+}  // namespace palpate::sensing
