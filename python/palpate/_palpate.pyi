@@ -269,6 +269,20 @@ class Decoder(metaclass=_Class):
     def rig(self) -> Rig: ...
     def decode(self, frame: npt.NDArray[np.uint8] | npt.NDArray[np.uint16]) -> DecodeResult: ...
 
+class MultishotResult(_Result):
+    @property
+    def decoded(self) -> DecodeResult: ...
+    @property
+    def disagreement(self) -> float: ...
+
+def decode_multishot(
+    images: Sequence[npt.NDArray[np.uint8] | npt.NDArray[np.uint16]],
+    rig: Rig,
+    pattern: Pattern,
+    *,
+    exposures: int = ...,
+) -> MultishotResult: ...
+
 class Acquisition(metaclass=_Class):
     def __init__(
         self,

@@ -13,6 +13,7 @@
 #include "palpate/sensing/decode.h"
 #include "palpate/sensing/decode_verdict.h"
 #include "palpate/sensing/frame.h"
+#include "palpate/sensing/multishot.h"
 #include "palpate/sensing/pattern.h"
 #include "palpate/sensing/reason.h"
 #include "palpate/sensing/rig.h"
@@ -115,7 +116,7 @@ Raises FileError or InvalidInput. Ctrl-C is not heard.)");
         return pixels_of(std::move(image));
       },
       arg("path"),
-      R"(Reads a camera frame (PNG or TIFF): uint8 or uint16, (rows, columns) or (rows, columns, 3).
+      R"(Reads a camera frame (PNG, TIFF, BMP, JPEG, WebP): uint8 or uint16, (rows, columns) or (rows, columns, 3).
 
 Colours are blue, green, red, as in OpenCV. Raises FileError.)");
   module.def(
@@ -224,11 +225,41 @@ A frame without the projector's light gives a range map of NaN. Raises InvalidIn
 type are wrong. Ctrl-C is not heard: a frame takes milliseconds.)");
 }
 
+void add_multishot(py::module_& module) {
+  using sensing::MultishotResult;
+  py::class_<MultishotResult>(module, "MultishotResult", "The result of decode_multishot().")
+      .def_readonly("decoded", &MultishotResult::decoded, "Depths, reasons and deviations.")
+      .def_readonly("disagreement", &MultishotResult::disagreement,
+                    R"([rad] error of the phases that is not noise; NaN for three steps.
+
+From 0.02 on the images do not show one still scene under one steady light.)");
+  module.def(
+      "decode_multishot",
+      [](const std::vector<py::object>& images, const Rig& rig, const Pattern& pattern,
+         int exposures) {
+        std::vector<Frame> frames;
+        frames.reserve(images.size());
+        for (const py::object& image : images) frames.emplace_back(image);
+        std::vector<cv::Mat> pixels;
+        for (const Frame& frame : frames) pixels.push_back(frame.mat());
+        const Unlocked unlocked;
+        return sensing::MultishotDecoder(rig, pattern, {.exposures = exposures}).decode(pixels);
+      },
+      arg("images"), arg("rig"), arg("pattern"), kw_only(), arg("exposures") = 1,
+      R"(Decodes several images of a scene that holds still into one range map.
+
+images: in the order of the pattern (`palpate pattern --multishot`): shifted sinusoids, then the
+code, one exposure after the other; uint8 or uint16, linear in the light.
+exposures: how often these images follow each other, each time with another exposure.
+Raises InvalidInput. Ctrl-C is not heard: it takes about a second.)");
+}
+
 }  // namespace
 
 void add_sensing(py::module_& module) {
   add_files(module);
   add_decoder(module);
+  add_multishot(module);
 }
 
 }  // namespace palpate::python

@@ -9,21 +9,24 @@
 #include <memory>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <opencv2/imgproc.hpp>
 #include <optional>
 #include <system_error>
 #include <utility>
 #include <vector>
 
 #include "commands/decode_input.h"
+#include "commands/decode_multishot.h"
 #include "commands/decode_outputs.h"
 #include "commands/decode_record.h"
 #include "commands/decode_report.h"
-#include "commands/decode_summary.h"
 #include "palpate/error.h"
 #include "palpate/sensing/decode_frame.h"
+#include "palpate/sensing/multishot.h"
 #include "palpate/sensing/pattern.h"
 #include "palpate/sensing/response.h"
 #include "palpate/sensing/rig.h"
+#include "palpate/sensing/surface_color.h"
 #include "palpate/sensing/trained_colors.h"
 #include "palpate/work_in_order.h"
 #include "shared/call_checks.h"
@@ -52,7 +55,10 @@ struct DecodeCall {
   fs::path output;        ///< the folder for the results
   DecodeOutputs outputs;  ///< in the folder where this run writes
   bool resume = false;
-  bool force = false;  ///< accept frames that do not fit
+  bool force = false;      ///< accept frames that do not fit
+  sensing::Pattern shown;  ///< read from `pattern`
+  bool multishot = false;
+  int exposures = 1;  ///< of `multishot`
 };
 
 /// A frame in the pipeline. Only one stage at a time uses it.
@@ -82,8 +88,20 @@ std::optional<FrameItem> next_unfinished(const DecodeCall& call, sensing::FrameS
   return std::nullopt;
 }
 
+/// The colour of the surface in a frame, for screens.
+cv::Mat color_of(const DecodeCall& call, const sensing::Rig& rig,
+                 const sensing::DecodedFrame& decoded) {
+  cv::Mat image = decoded.image;
+  if (call.half) {
+    const cv::Size size(rig.camera.width, rig.camera.height);
+    cv::resize(image(cv::Rect(0, 0, 2 * size.width, 2 * size.height)), image, size, 0, 0,
+               cv::INTER_AREA);
+  }
+  return sensing::srgb_of(sensing::surface_color(image, decoded.result.range, rig, call.shown));
+}
+
 /// Writes the data of a decoded frame, and measures the time.
-void write_frame(const DecodeCall& call, FrameItem& item) {
+void write_frame(const DecodeCall& call, const sensing::Rig& rig, FrameItem& item) {
   const Clock::time_point start = Clock::now();
   const sensing::DecodeResult& result = item.decoded.result;
   const sensing::SourceFrame& source = item.decoded.source;
@@ -95,11 +113,12 @@ void write_frame(const DecodeCall& call, FrameItem& item) {
   item.finished = stamped(source);
   item.finished.milliseconds = item.decoded.decode_milliseconds;
   item.finished.evidence = result.evidence;
-  item.finished.pixels = (result.range.z > 0).count();
-  item.finished.median_depth = median_depth(result.range.z);
+  measure_depths(result.range.z, item.finished);
   if (item.finished.pixels == 0)
     spdlog::warn("{}: no pixel has a depth; run with -v to see why.", source.name);
-  write_outputs(call.outputs, source.number, result);
+  const cv::Mat color = call.outputs.color ? color_of(call, rig, item.decoded) : cv::Mat();
+  item.decoded.image.release();
+  write_outputs(call.outputs, source.number, result, color);
   item.write_milliseconds = std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
@@ -139,7 +158,7 @@ Outcomes decode_all(const sensing::Decoder& decoder, const DecodeCall& call,
     item.decoded = sensing::decode_frame(std::move(item.decoded.source), decoder);
     if (!item.decoded.error.empty()) return;
     std::call_once(begun, begin);
-    write_frame(call, item);
+    write_frame(call, decoder.rig(), item);
   };
   Outcomes outcomes;
   Progress progress("decoding");
@@ -221,6 +240,22 @@ nlohmann::ordered_json settings_of(const DecodeCall& call) {
           {"--segmentation", call.segmentation}};
 }
 
+/// Several images of a still scene give one range map.
+void decode_scenes(const Settings& settings, const DecodeCall& call, sensing::FrameSource& source,
+                   const sensing::Rig& rig, const sensing::Pattern& pattern) {
+  nlohmann::ordered_json record_settings = settings_of(call);
+  record_settings["--multishot"] = true;
+  record_settings["--exposures"] = call.exposures;
+  const sensing::MultishotDecoder decoder(rig, pattern, {.exposures = call.exposures});
+  decode_multishot(settings, {.decoder = decoder,
+                              .source = source,
+                              .linearizer = call.linearizer ? &*call.linearizer : nullptr,
+                              .output = call.output,
+                              .outputs = call.outputs,
+                              .record_settings = record_settings,
+                              .writes_rig = !lies_in_output(call)});
+}
+
 void decode(const Settings& settings, DecodeCall call) {
   if (call.half && lies_in_output(call)) {
     throw InvalidInput("--half: " + call.rig.string() +
@@ -230,9 +265,14 @@ void decode(const Settings& settings, DecodeCall call) {
   sensing::FrameSource source = open_frames(call);
   if (!call.response.empty()) call.linearizer.emplace(sensing::read_response(call.response));
   const sensing::Rig rig = sensing::read_rig(call.rig);
-  call.outputs.noise = call.outputs.sigma && rig.covariance.has_value();
   const sensing::Pattern pattern = sensing::read_pattern(call.pattern);
   sensing::check_pattern_fits(pattern, rig.projector, call.pattern.string());
+  if (call.multishot) return decode_scenes(settings, call, source, rig, pattern);
+  if (pattern.multishot && call.anchor.empty()) {
+    throw InvalidInput("--multishot: is missing; " + call.pattern.string() +
+                       " is for several images of a still scene");
+  }
+  call.outputs.noise = call.outputs.sigma && rig.covariance.has_value();
   sensing::TrainedColors colors;
   if (!call.colors.empty()) {
     colors = sensing::read_trained_colors(call.colors);
@@ -247,6 +287,7 @@ void decode(const Settings& settings, DecodeCall call) {
   options.anchors = anchors_of(call.anchor);
   if (call.segmentation == "snakes") options.segmentation = sensing::Segmentation::snakes;
   const sensing::Decoder decoder(rig, pattern, colors, options);
+  call.shown = pattern;
   std::vector<std::string> inputs;
   for (const fs::path& file : source.files()) inputs.push_back(file.filename().string());
   using enum ResultFolder::Unfinished;
@@ -280,25 +321,27 @@ void add_decode(CLI::App& app, const Settings& settings) {
   command->add_option("FRAMES", call->frames, "Images, folders of images, videos")->required();
   command->add_option("--rig", call->rig, "Camera and projector (rig.yaml)")->required();
   command->add_option("--pattern", call->pattern, "Projected pattern (pattern.yaml)")->required();
-  command->add_option("--colors", call->colors,
-                      "Trained colours (colors.yaml), for a pattern with stripes");
+  CLI::Option* colors = command->add_option(
+      "--colors", call->colors, "Trained colours (colors.yaml), for a pattern with stripes");
   command->add_option(
       "--response", call->response,
       "Response of projector and camera (response.yaml): frames are linearised first");
-  command
-      ->add_option("--anchor", call->anchor,
-                   "u,v,z: for a pattern without stripes, a pixel [px] whose depth [mm] is known; "
-                   "repeat it for each surface")
-      ->expected(3)
-      ->take_all()
-      ->delimiter(',');
-  command
-      ->add_option(
-          "--window", call->window_periods,
-          "Length of the demodulation window in periods of the sinusoid, 1.25 to 8: a longer "
-          "window has less noise; a shorter one resolves finer relief, closer to edges")
-      ->capture_default_str();
-  command->add_flag(
+  CLI::Option* anchor =
+      command
+          ->add_option("--anchor", call->anchor,
+                       "u,v,z: for a pattern without stripes, a pixel [px] whose depth [mm] is "
+                       "known; repeat it for each surface")
+          ->expected(3)
+          ->take_all()
+          ->delimiter(',');
+  CLI::Option* window =
+      command
+          ->add_option(
+              "--window", call->window_periods,
+              "Length of the demodulation window in periods of the sinusoid, 1.25 to 8: a longer "
+              "window has less noise; a shorter one resolves finer relief, closer to edges")
+          ->capture_default_str();
+  CLI::Option* half = command->add_flag(
       "--half", call->half,
       "Decode at half the size of the frames, which is several times faster; the range "
       "maps and the rig beside them have that size");
@@ -312,17 +355,23 @@ void add_decode(CLI::App& app, const Settings& settings) {
           "The frames are raw mosaics of a single-chip camera: the colours of the first two "
           "pixels, then of the two below")
       ->check(one_of({"rggb", "bggr", "grbg", "gbrg"}));
-  command
-      ->add_option(
-          "--segmentation", call->segmentation,
-          "Method for finding smooth regions: flood, or snakes, which bridge gaps in their "
-          "borders but are slower")
-      ->check(one_of({"flood", "snakes"}))
-      ->capture_default_str();
+  CLI::Option* segmentation =
+      command
+          ->add_option(
+              "--segmentation", call->segmentation,
+              "Method for finding smooth regions: flood, or snakes, which bridge gaps in their "
+              "borders but are slower")
+          ->check(one_of({"flood", "snakes"}))
+          ->capture_default_str();
   DecodeOutputs& outputs = call->outputs;
   command->add_option("-o,--output", call->output, "Folder for the range maps")->required();
-  command->add_option("--meshes", outputs.meshes, "Also write each range map as a mesh")
-      ->check(one_of({"ply", "obj", "stl"}));
+  command
+      ->add_option("--meshes", outputs.meshes,
+                   "Also write each range map as a mesh, or (pcd) as an organised point cloud")
+      ->check(one_of({"ply", "obj", "stl", "pcd"}));
+  command->add_flag("--surface-color", outputs.color,
+                    "Also write the colour of the surface without stripes and fringes, "
+                    "NNNNNN_color.png, and give it to --meshes (ply, obj, pcd)");
   command->add_flag("--pictures", outputs.pictures,
                     "Also draw each range map in false colour (PNG)");
   command->add_flag("--sigma", outputs.sigma,
@@ -334,11 +383,26 @@ void add_decode(CLI::App& app, const Settings& settings) {
       "--reasons", outputs.reasons,
       "Also write why pixels have no depth: codes in NNNNNN_reasons.tiff, and a picture "
       "with a legend, NNNNNN_reasons.png");
-  command->add_flag("--resume", call->resume,
-                    "Keep the frames that an earlier run with the same settings finished in this "
-                    "folder");
-  command->add_flag("--force", call->force,
-                    "Accept range maps of frames that do not fit rig, pattern or colours");
+  CLI::Option* resume = command->add_flag(
+      "--resume", call->resume,
+      "Keep the frames that an earlier run with the same settings finished in this "
+      "folder");
+  CLI::Option* force =
+      command->add_flag("--force", call->force,
+                        "Accept range maps of frames that do not fit rig, pattern or colours");
+  CLI::Option* multishot = command->add_flag(
+      "--multishot", call->multishot,
+      "Several images of a scene that holds still give one range map: shifted sinusoids, then a "
+      "Gray code, as the pattern says (palpate pattern --multishot)");
+  for (CLI::Option* other : {colors, anchor, window, half, segmentation, resume, force})
+    multishot->excludes(other);
+  command
+      ->add_option("--exposures", call->exposures,
+                   "With --multishot: how often the images of a scene follow each other, each time "
+                   "with another exposure of the camera; a pixel uses those in which it is not "
+                   "clipped")
+      ->needs(multishot)
+      ->check(within(at_least(1)));
   command->footer(
       "Frames are numbered from 0 in the order of their file names, in which numbers count as "
       "numbers: the range map of the first frame is 000000.tiff. frames.csv lists which frame "
@@ -354,6 +418,8 @@ void add_decode(CLI::App& app, const Settings& settings) {
       "the frames that are finished, for --resume.\n"
       "Examples:\n  palpate decode frames/ --rig rig.yaml --pattern pattern.yaml --colors "
       "colors.yaml -o range/ --meshes ply\n"
+      "  palpate decode captures/ --multishot --rig rig.yaml --pattern multishot/pattern.yaml -o "
+      "still/ --sigma\n"
       "  palpate decode wave.mkv --bayer rggb --rig rig.yaml --pattern pattern.yaml --colors "
       "colors.yaml -o range/ --sigma --reasons --resume");
   command->callback([call, &settings] { decode(settings, *call); });

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <opencv2/core/mat.hpp>
 #include <string>
 #include <vector>
 
@@ -15,7 +16,8 @@ namespace palpate::apps {
 /// PNG.
 struct DecodeOutputs {
   std::filesystem::path folder;
-  std::string meshes;     ///< file extension without the dot; empty for no meshes
+  std::string meshes;     ///< file extension without the dot, pcd for points; empty for none
+  bool color = false;     ///< NNNNNN_color.png, and colours of the meshes
   bool sigma = false;     ///< NNNNNN_sigma.tiff, NNNNNN_sigma.png
   bool noise = false;     ///< NNNNNN_noise.tiff; only if the rig has a covariance
   bool reasons = false;   ///< NNNNNN_reasons.tiff, NNNNNN_reasons.png
@@ -30,9 +32,11 @@ struct DecodeOutputs {
 [[nodiscard]] bool is_numbered(const std::filesystem::path& name);
 
 /// Writes the data of a frame. A frame without a surface has no mesh.
+/// \param color of the surface, 8 bit, BGR or grey, of the range map's size; empty unless
+/// `outputs.color`.
 /// \throws OutputError if a file cannot be written.
 void write_outputs(const DecodeOutputs& outputs, std::size_t number,
-                   const sensing::DecodeResult& result);
+                   const sensing::DecodeResult& result, const cv::Mat& color = {});
 
 /// Draws the pictures of a frame. A frame without a depth has only that of its reasons.
 /// \throws OutputError if a picture cannot be drawn.

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 #include <ostream>
 #include <system_error>
@@ -12,6 +13,7 @@
 
 #include "commands/decode_outputs.h"
 #include "palpate/error.h"
+#include "palpate/geometry/median.h"
 #include "palpate/output_file.h"
 #include "palpate/probing/csv.h"
 #include "shared/inputs.h"
@@ -148,6 +150,17 @@ FinishedFrame stamped(const sensing::SourceFrame& frame) {
   const fs::file_time_type time = fs::last_write_time(frame.file, error);
   if (!error) stamp.modified = time.time_since_epoch().count();
   return stamp;
+}
+
+void measure_depths(const geometry::ImageF& z, FinishedFrame& frame) {
+  std::vector<float> depths;
+  depths.reserve(static_cast<std::size_t>(z.size()));
+  std::copy_if(z.data(), z.data() + z.size(), std::back_inserter(depths),
+               [](float depth) { return depth > 0; });
+  frame.pixels = static_cast<long>(depths.size());
+  frame.median_depth = std::numeric_limits<double>::quiet_NaN();
+  if (depths.empty()) return;
+  frame.median_depth = static_cast<double>(geometry::median(std::move(depths)));
 }
 
 DecodeRecord::DecodeRecord(fs::path folder, Json settings, std::vector<std::string> inputs)

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "palpate/geometry/range_map.h"
 #include "palpate/sensing/decode_verdict.h"
 #include "palpate/sensing/frame_source.h"
 #include "shared/run_record.h"
@@ -31,6 +32,9 @@ struct FinishedFrame {
 /// The name of a frame with the size and time of its file, by which a later run sees whether the
 /// file has changed. Both are 0 if the file cannot be examined.
 [[nodiscard]] FinishedFrame stamped(const sensing::SourceFrame& frame);
+
+/// Counts the known depths of a range map and computes their median, into the frame's record.
+void measure_depths(const geometry::ImageF& z, FinishedFrame& frame);
 
 /// The number of frames that are finished according to a `decode.jsonl`.
 /// \throws FileError if it is not a record of `palpate decode`.

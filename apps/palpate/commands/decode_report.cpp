@@ -41,6 +41,16 @@ void warn_of_misfits(const Outcomes& outcomes) {
 
 }  // namespace
 
+std::string counts(const sensing::ReasonImage& reasons) {
+  std::string text;
+  for (int code = 0; code < sensing::kReasonCount; ++code) {
+    const auto reason = static_cast<sensing::Reason>(code);
+    text += fmt::format("{}{} {}", code > 0 ? ", " : "", sensing::count(reasons, reason),
+                        sensing::name(reason));
+  }
+  return text;
+}
+
 sensing::DecodeJudgement judge_sequence(const Outcomes& outcomes) {
   sensing::DecodeEvidence all;
   for (const auto& [number, outcome] : outcomes) {

@@ -9,6 +9,7 @@
 #include "commands/decode_outputs.h"
 #include "commands/decode_record.h"
 #include "palpate/sensing/decode_verdict.h"
+#include "palpate/sensing/reason.h"
 #include "shared/command_line.h"
 
 namespace palpate::apps {
@@ -22,6 +23,9 @@ struct Outcome {
   double write_milliseconds = 0;
 };
 using Outcomes = std::map<std::size_t, Outcome>;  ///< by the number of the frame
+
+/// "1234 reconstructed, 56 unlit, ..."
+[[nodiscard]] std::string counts(const sensing::ReasonImage& reasons);
 
 /// Judges all frames that were decoded as one sequence.
 [[nodiscard]] sensing::DecodeJudgement judge_sequence(const Outcomes& outcomes);

@@ -50,12 +50,26 @@ MadeMesh make_with_bar(const MeshCall& call) {
   return make_mesh(call.inputs.front(), steps);
 }
 
+void write_made(const fs::path& output, const MadeMesh& made) {
+  geometry::MeshFile file;
+  file.mesh = made.mesh;
+  file.vertex_attributes = made.colors;
+  geometry::write_mesh_file(output, file);
+}
+
+/// \throws InvalidInput if colours are wanted in a format that has none.
+void check_color(const MeshCall& call, const std::string& extension) {
+  if (call.steps.color && extension == ".stl")
+    throw InvalidInput("--color: STL has no colours; write PLY or OBJ.");
+}
+
 void mesh(const Settings& settings, const MeshCall& call) {
+  check_color(call, lower_extension(call.output));
   const fs::path& input = call.inputs.front();
   check_outputs({input}, {call.output, call.picture});
   check_pictures({call.picture});
   MadeMesh made = make_with_bar(call);
-  geometry::write_mesh(call.output, made.mesh);
+  write_made(call.output, made);
   if (!call.picture.empty())
     pictures::draw_mesh(call.picture, made.mesh, input.filename().string(),
                         is_image(input) ? pictures::MeshPart::object : pictures::MeshPart::whole);
@@ -107,7 +121,7 @@ std::vector<fs::path> earlier_meshes(const MeshCall& call, const std::vector<fs:
 void make_one(const MeshCall& call, SequenceItem& item) {
   try {
     MadeMesh made = make_mesh(item.input, call.steps);
-    geometry::write_mesh(item.output, made.mesh);
+    write_made(item.output, made);
     item.figures = std::move(made.figures);
   } catch (const OutputError&) {
     throw;  // if there is no space for this file, there is none for the others
@@ -124,6 +138,7 @@ fs::path mesh_name(const MeshCall& call, const fs::path& range_map) {
 void mesh_sequence(const Settings& settings, const MeshCall& call) {
   if (!call.picture.empty())
     throw InvalidInput("--picture: works for one mesh, not for a sequence of range maps.");
+  check_color(call, "." + call.format);
   check_outputs(call.inputs, {call.output});
   const std::vector<fs::path> maps = list_range_maps(call.inputs);
   check_camera_options(maps.front(), call.steps.camera);
@@ -206,6 +221,9 @@ void add_mesh(CLI::App& app, const Settings& settings) {
       "--smooth-depths", call->steps.smooth_depths,
       "Reduce the noise of the depths of a range map before meshing; no depth moves by "
       "more than its predicted deviation (from decode --sigma)");
+  command->add_flag("--color", call->steps.color,
+                    "Colour the vertices (ply, obj) as the surface is in the picture that decode "
+                    "--surface-color has written beside the range map");
   command->add_flag(
       "--repair", call->steps.repair,
       "Repair the defects that palpate info lists; the result is manifold and oriented");

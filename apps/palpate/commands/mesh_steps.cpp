@@ -6,6 +6,7 @@
 
 #include <utility>
 
+#include "commands/surface_colors.h"
 #include "palpate/error.h"
 #include "palpate/geometry/decimation.h"
 #include "palpate/geometry/hole_filling.h"
@@ -14,6 +15,8 @@
 #include "palpate/geometry/range_map_mesh.h"
 #include "palpate/geometry/range_map_smoothing.h"
 #include "palpate/geometry/smoothing.h"
+#include "palpate/sensing/frame.h"
+#include "palpate/sensing/rig.h"
 
 namespace palpate::apps {
 namespace {
@@ -45,6 +48,27 @@ void smooth_depths(const fs::path& input, geometry::RangeMap& map) {
   map.z = geometry::smooth_range_map(map.z, geometry::read_depth_tiff(file));
 }
 
+/// Colours of the finished mesh, from the picture that `decode --surface-color` has written beside
+/// the range map.
+geometry::Attributes find_colors(const fs::path& input, const geometry::TriangleMesh& mesh,
+                                 const MeshSteps& steps) {
+  const fs::path file = input.parent_path() / (input.stem().string() + "_color.png");
+  if (!is_range_map(input) || !is_there(file)) {
+    throw FileError(file.string() +
+                    ": missing. --color needs the colour of the surface, which palpate decode "
+                    "--surface-color writes beside the range map.");
+  }
+  const cv::Mat color = sensing::read_frame(file);
+  const geometry::Camera camera = sensing::read_camera(rig_of(input, steps.camera.rig));
+  if (color.depth() != CV_8U || color.cols != camera.width || color.rows != camera.height) {
+    throw FileError(fmt::format(
+        "{}: is {} x {} px of {} bit; 8 bit and the size of the range map, "
+        "{} x {} px, are expected",
+        file.string(), color.cols, color.rows, 8 * color.elemSize1(), camera.width, camera.height));
+  }
+  return colors_of(mesh.vertices, camera, color);
+}
+
 MadeMesh load(const fs::path& input, const MeshSteps& steps) {
   if (!is_range_map(input) && !is_image(input)) {
     if (steps.smooth_depths)
@@ -56,12 +80,15 @@ MadeMesh load(const fs::path& input, const MeshSteps& steps) {
     }
     geometry::ReadOptions options = steps.meshes;
     options.keep_defects = steps.repair;
-    return {geometry::read_mesh(input, options), {}, ""};
+    if (steps.color)
+      throw InvalidInput(input.string() + ": --color works for range maps, not for meshes.");
+    return {geometry::read_mesh(input, options), {}, {}, ""};
   }
   geometry::RangeMap map = load_map(input, steps);
   if (steps.smooth_depths) smooth_depths(input, map);
   const auto known = (map.z == map.z).count();
   MadeMesh made = {geometry::mesh_range_map(map).mesh,
+                   {},
                    {{"pixels", known}},
                    fmt::format("{} pixels with a depth\n", known)};
   if (made.mesh.triangles.cols() == 0)
@@ -130,6 +157,7 @@ MadeMesh make_mesh(const fs::path& input, const MeshSteps& steps) {
   if (steps.fill_holes) fill_holes(made, *steps.fill_holes);
   if (steps.smooth > 0) made.mesh = geometry::smooth(made.mesh, {.iterations = steps.smooth});
   if (steps.tolerance) decimate(input, made, steps);
+  if (steps.color) made.colors = find_colors(input, made.mesh, steps);
   made.figures["vertices"] = made.mesh.vertices.cols();
   made.figures["triangles"] = made.mesh.triangles.cols();
   return made;

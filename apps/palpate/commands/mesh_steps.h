@@ -19,6 +19,7 @@ struct MeshSteps {
   MapCamera camera;              ///< for range maps and depth images
   geometry::ReadOptions meshes;  ///< for mesh files
   bool smooth_depths = false;
+  bool color = false;  ///< of the vertices, from the NNNNNN_color.png beside the range map
   bool repair = false;
   std::optional<double> fill_holes;  ///< [mm] greatest width of a hole to fill
   int smooth = 0;                    ///< iterations
@@ -29,6 +30,7 @@ struct MeshSteps {
 /// A mesh, and a description of the steps in numbers and in words.
 struct MadeMesh {
   geometry::TriangleMesh mesh;
+  geometry::Attributes colors;  ///< of the vertices; empty unless asked for
   nlohmann::ordered_json figures;
   std::string prose;
 };

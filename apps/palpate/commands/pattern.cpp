@@ -35,6 +35,9 @@ constexpr double kLeastEdgeTolerance = 2;
 /// Below this sensitivity most pixels cannot be reconstructed [rad].
 constexpr double kLeastPhasePerDepth = 10;
 
+/// Mean and amplitude of a sinusoid from black to white.
+constexpr double kFullContrast = 0.5;
+
 struct PatternCall {
   fs::path rig, colors, output;
   std::vector<int> size = {1024, 768};
@@ -42,6 +45,8 @@ struct PatternCall {
   std::vector<double> distances;
   int grey_steps = 18;
   bool no_compensation = false;
+  std::optional<double> mean, amplitude;
+  std::optional<int> multishot;  ///< number of steps
   sensing::PatternOptions design;
   sensing::DrawOptions drawing;
 };
@@ -55,9 +60,19 @@ struct Drawer {
   int height = 0;
   sensing::DrawOptions options;
 
+  /// The panel in whose pixels the pattern is.
+  [[nodiscard]] sensing::ImageSize panel() const {
+    if (!rig) return {width, height};
+    const geometry::Camera& projector = sensing::rig_of_drawing(*rig, options).projector;
+    return {projector.width, projector.height};
+  }
   [[nodiscard]] cv::Mat operator()(const sensing::Pattern& pattern) const {
     return rig ? sensing::draw_pattern(pattern, *rig, options)
                : sensing::draw_pattern(pattern, width, height, options.bits);
+  }
+  [[nodiscard]] std::vector<cv::Mat> multishot(const sensing::Pattern& pattern) const {
+    return rig ? sensing::draw_multishot(pattern, *rig, options)
+               : sensing::draw_multishot(pattern, width, height, options.bits);
   }
   [[nodiscard]] cv::Mat uniform(const Eigen::Vector3d& rgb) const {
     return sensing::draw_uniform(rgb, width, height, options.bits);
@@ -67,7 +82,14 @@ struct Drawer {
 /// The images of the pattern and for training.
 std::vector<NamedImage> draw_all(const sensing::Pattern& pattern, const Drawer& draw,
                                  int grey_steps) {
-  std::vector<NamedImage> images = {{"pattern.png", draw(pattern)}};
+  std::vector<NamedImage> images;
+  if (pattern.multishot) {
+    const std::vector<cv::Mat> shots = draw.multishot(pattern);
+    for (std::size_t i = 0; i < shots.size(); ++i)
+      images.emplace_back(fmt::format("shot_{:02}.png", i), shots[i]);
+  } else {
+    images.emplace_back("pattern.png", draw(pattern));
+  }
   const double brightest = pattern.mean + pattern.amplitude;
   for (std::size_t i = 0; i < pattern.colors.size(); ++i) {
     const sensing::PatternColor& color = pattern.colors[i];
@@ -89,8 +111,9 @@ void write_all(const fs::path& output, const sensing::Pattern& pattern, const Dr
                int grey_steps) {
   const std::vector<NamedImage> images = draw_all(pattern, draw, grey_steps);
   // An earlier pattern may have had other colours and grey levels.
-  const std::regex own(R"(pattern\.(yaml|png)|rig\.yaml|\w+_(flat|sin)\.png|projector_off\.png)"
-                       R"(|grey_\d+\.png)");
+  const std::regex own(
+      R"(pattern\.(yaml|png)|shot_\d+\.png|rig\.yaml|\w+_(flat|sin)\.png|projector_off\.png)"
+      R"(|grey_\d+\.png)");
   write_folder(output, own_entries(output, "pattern.yaml", own), [&](const fs::path& folder) {
     sensing::write_pattern(folder / "pattern.yaml", pattern);
     if (draw.rig)
@@ -121,9 +144,21 @@ void report(const Settings& settings, const PatternCall& call, const sensing::Pa
     figures["colors"].push_back(color.name);
     names += " " + color.name;
   }
-  std::string prose = fmt::format(
-      "{} stripes of {} colours ({}), a sinusoid of {:g} projector px along {}\n",
-      pattern.stripes.size(), pattern.colors.size(), names.substr(1), pattern.period, axis);
+  std::string prose;
+  if (pattern.multishot) {
+    const std::size_t shifts = pattern.multishot->shifts.size();
+    const int bits = pattern.multishot->code_bits;
+    figures["shifts"] = shifts;
+    figures["code_bits"] = bits;
+    prose = fmt::format(
+        "{} images of a still scene: {} sinusoids of {:g} projector px along {}, then {} of a "
+        "code\n",
+        shifts + static_cast<std::size_t>(bits), shifts, pattern.period, axis, bits);
+  } else {
+    prose = fmt::format("{} stripes of {} colours ({}), a sinusoid of {:g} projector px along {}\n",
+                        pattern.stripes.size(), pattern.colors.size(), names.substr(1),
+                        pattern.period, axis);
+  }
   if (call.design.trained) {
     const double before = sensing::largest_overlap(call.design.trained->colors);
     figures["largest_overlap"] = design.largest_overlap;
@@ -137,19 +172,25 @@ void report(const Settings& settings, const PatternCall& call, const sensing::Pa
     const bool compensated = draw.options.compensate && shifts_panels(*draw.rig);
     figures["camera_period_px"] = design.camera_period;
     figures["phase_per_relative_depth"] = design.phase_per_relative_depth;
-    figures["edge_tolerance_px"] = design.edge_tolerance;
+    if (!pattern.multishot) figures["edge_tolerance_px"] = design.edge_tolerance;
     figures["rectified"] = draw.options.rectify;
     figures["compensated"] = compensated;
     prose += fmt::format(
         "In the camera a period has at least {:.1f} px; a phase error of 0.01 rad is {:.3f} % of "
-        "the depth; a stripe edge may be misplaced by up to {:.1f} px\n",
-        design.camera_period, 1 / design.phase_per_relative_depth, design.edge_tolerance);
+        "the depth{}\n",
+        design.camera_period, 1 / design.phase_per_relative_depth,
+        pattern.multishot ? std::string()
+                          : fmt::format("; a stripe edge may be misplaced by up to {:.1f} px",
+                                        design.edge_tolerance));
     if (compensated)
       prose += "Red and blue are shifted to match green: in rig.yaml beta is 1 and gamma 0\n";
-    if (design.edge_tolerance < kLeastEdgeTolerance) {
+    if (!pattern.multishot && design.edge_tolerance < kLeastEdgeTolerance) {
       spdlog::warn(
           "the stripes do not reliably identify the period: with this rig the depth moves them "
-          "too little. Use the other --axis, or a longer --period");
+          "too little. Use the other --axis or a longer --period, place the projector so that it "
+          "is "
+          "displaced from the camera along both axes of the image, or hold still and use "
+          "--multishot, which needs no stripes");
     }
     if (design.phase_per_relative_depth < kLeastPhasePerDepth) {
       spdlog::warn(
@@ -168,16 +209,24 @@ void make_pattern(const Settings& settings, PatternCall call) {
   if (call.axis) call.design.axis = *call.axis == "x" ? sensing::Axis::x : sensing::Axis::y;
   if (!call.distances.empty()) call.design.range = {call.distances[0], call.distances[1]};
   call.drawing.compensate = !call.no_compensation;
+  // Without stripes no trough has to show a hue.
+  if (call.multishot) call.design.mean = call.design.amplitude = kFullContrast;
+  call.design.mean = call.mean.value_or(call.design.mean);
+  call.design.amplitude = call.amplitude.value_or(call.design.amplitude);
   Drawer draw{.rig = {}, .width = call.size[0], .height = call.size[1], .options = call.drawing};
   if (!call.rig.empty()) {
     draw.rig = sensing::read_rig(call.rig);
     draw.width = draw.rig->projector.width;
     draw.height = draw.rig->projector.height;
   }
-  const sensing::PatternDesign design =
+  sensing::PatternDesign design =
       draw.rig
           ? sensing::design_pattern(sensing::rig_of_drawing(*draw.rig, draw.options), call.design)
           : sensing::design_pattern(draw.width, draw.height, call.design);
+  if (call.multishot) {
+    const sensing::ImageSize panel = draw.panel();
+    design.pattern = sensing::multishot_pattern(design.pattern, *call.multishot, panel);
+  }
   write_all(call.output, design.pattern, draw, call.grey_steps);
   report(settings, call, design, draw);
 }
@@ -219,10 +268,14 @@ void add_design_options(CLI::App& command, PatternCall& call) {
       .add_option("--min-projector-period", call.design.min_projector_period,
                   "Shortest period in the projector [px]")
       ->capture_default_str();
-  command.add_option("--mean", call.design.mean, "Mean brightness; 1 is white")
-      ->capture_default_str();
-  command.add_option("--amplitude", call.design.amplitude, "Amplitude of the sinusoid; 1 is white")
-      ->capture_default_str();
+  command
+      .add_option("--mean", call.mean,
+                  "Mean brightness; 1 is white (default: 0.575; with --multishot 0.5)")
+      ->check(within(finite()));
+  command
+      .add_option("--amplitude", call.amplitude,
+                  "Amplitude of the sinusoid; 1 is white (default: 0.425; with --multishot 0.5)")
+      ->check(within(finite()));
 }
 
 }  // namespace
@@ -238,6 +291,15 @@ void add_pattern(CLI::App& app, const Settings& settings) {
       ->expected(2)
       ->excludes(rig);
   add_design_options(*command, *call);
+  command
+      ->add_option("--multishot", call->multishot,
+                   "Instead of one image, draw several for a scene that holds still: this number "
+                   "of shifted sinusoids (3 to 64), then a Gray code: shot_00.png, ... in the "
+                   "order in which to project them, for palpate decode --multishot")
+      ->check(within(at_least(3).at_most(64)))
+      ->excludes("--colors")
+      ->excludes("--stripes")
+      ->excludes("--number-of-colors");
   command
       ->add_flag("--rectify", call->drawing.rectify,
                  "Warp the pattern so that it leaves the projector as if from one without lens "
@@ -258,7 +320,8 @@ void add_pattern(CLI::App& app, const Settings& settings) {
       "R_flat.png, R_sin.png, ... (calibrate colors), white_sin.png (calibrate chromatic),\n"
       "white_flat.png, projector_off.png, grey_000.png ... grey_255.png (calibrate response).\n"
       "All images are linear in the light: use a projector without a gamma curve.\n"
-      "Example:\n  palpate pattern --rig rig.yaml --distances 500 900 -o pattern/");
+      "Examples:\n  palpate pattern --rig rig.yaml --distances 500 900 -o pattern/\n"
+      "  palpate pattern --rig rig.yaml --distances 500 900 --multishot 8 -o multishot/");
   command->callback([call, &settings] { make_pattern(settings, *call); });
 }
 

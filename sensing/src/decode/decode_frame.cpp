@@ -22,9 +22,8 @@ DecodedFrame decode_frame(SourceFrame source, const Decoder& decoder) {
   const auto read = std::exchange(source.read, nullptr);
   DecodedFrame frame{.source = std::move(source)};
   Clock::time_point start = Clock::now();
-  cv::Mat image;
   try {
-    image = read();
+    frame.image = read();
   } catch (const Error& broken) {
     frame.error = broken.what();
     return frame;
@@ -32,9 +31,10 @@ DecodedFrame decode_frame(SourceFrame source, const Decoder& decoder) {
   frame.read_milliseconds = milliseconds_since(start);
   start = Clock::now();
   try {
-    frame.result = decoder.decode(image);
+    frame.result = decoder.decode(frame.image);
   } catch (const Error& misfit) {
     frame.error = frame.source.name + ": " + misfit.what();
+    frame.image.release();
   }
   frame.decode_milliseconds = milliseconds_since(start);
   return frame;

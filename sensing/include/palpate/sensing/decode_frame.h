@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <opencv2/core/mat.hpp>
 #include <string>
 
 #include "palpate/sensing/decode.h"
@@ -13,6 +14,7 @@ namespace palpate::sensing {
 struct DecodedFrame {
   SourceFrame source = {};   ///< without `read`, which may hold the image
   std::string error = {};    ///< why there is no result, with the name of the frame; else empty
+  cv::Mat image = {};        ///< as it was read; empty if there is an error
   DecodeResult result = {};  ///< empty if there is an error
   double read_milliseconds = 0;
   double decode_milliseconds = 0;
