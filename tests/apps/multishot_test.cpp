@@ -96,7 +96,8 @@ TEST_F(MultishotCommands, MeasureAStillSceneWithARigSideBySide) {
   double scores = 0;
   long known = 0;
   for (Eigen::Index i = 0; i < z.size(); ++i) {
-    if (!(z.data()[i] > 0)) continue;
+    // The blur of the lens shows the card a little beyond its edge.
+    if (!(z.data()[i] > 0) || !(truth.range.z.data()[i] > 0)) continue;
     ++known;
     const double error = static_cast<double>(z.data()[i] - truth.range.z.data()[i]);
     EXPECT_LT(std::abs(error), 5);

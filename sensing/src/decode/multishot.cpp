@@ -232,7 +232,7 @@ ShiftedImages MultishotDecoder::Impl::fit_images(const std::vector<cv::Mat>& ima
   ShiftedImages sums;
   for (std::size_t first = 0; first < images.size(); first += images_per_exposure) {
     add_exposure(std::span(images).subspan(first, model.pattern().multishot->shifts.size()), fit,
-                 least_amplitude(), sums);
+                 least_amplitude(), model.carrier().transposed, sums);
   }
   return sums;
 }

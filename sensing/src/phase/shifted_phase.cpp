@@ -5,6 +5,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
@@ -90,17 +91,23 @@ void start_sums(const cv::Mat& image, ShiftedImages& sums) {
   sums.samples.resize(sums.channels.size());
 }
 
-/// Sums the products of remainders, and of amplitudes, within a row. The amplitude is 0 where the
-/// remainder does not count.
-void add_products(const ShiftedRowFit& fitted, const Eigen::ArrayXf& amplitude, int freedom,
+/// A row's remainders, and amplitudes that are 0 where the remainder does not count.
+struct JudgedRow {
+  ShotValues remainder;
+  Eigen::ArrayXf amplitude;
+};
+
+/// Sums the products of remainders, and of amplitudes, of a row and the same row, or another one,
+/// from a column on.
+void add_products(const JudgedRow& row, const JudgedRow& other, Eigen::Index from, int freedom,
                   ShiftedImages& sums) {
-  const Eigen::Index pairs = amplitude.size() - kIndependentPixels;
+  const Eigen::Index pairs = row.amplitude.size() - from;
   if (pairs <= 0) return;
-  const Eigen::ArrayXf power = amplitude.head(pairs) * amplitude.tail(pairs);
+  const Eigen::ArrayXf power = row.amplitude.head(pairs) * other.amplitude.tail(pairs);
   Eigen::ArrayXf products = Eigen::ArrayXf::Zero(pairs);
-  for (Eigen::Index k = 0; k < fitted.remainder.rows(); ++k) {
-    const auto remainder = fitted.remainder.row(k).transpose();
-    products += remainder.head(pairs) * remainder.tail(pairs);
+  for (Eigen::Index k = 0; k < row.remainder.rows(); ++k) {
+    products += row.remainder.row(k).head(pairs).transpose() *
+                other.remainder.row(k).tail(pairs).transpose();
   }
   sums.shared += (power > 0).select(products, 0.0F).cast<double>().sum() / freedom;
   sums.power += power.cast<double>().sum();
@@ -148,7 +155,7 @@ std::vector<Mask> clipped_places(std::span<const cv::Mat> images) {
 }
 
 void add_exposure(std::span<const cv::Mat> images, const ShiftFit& fit, float least_amplitude,
-                  ShiftedImages& sums) {
+                  bool varies_along_rows, ShiftedImages& sums) {
   const cv::Mat& first = images[0];
   if (sums.channels.empty()) start_sums(first, sums);
   sums.clipped.push_back(clipped_places(images));
@@ -159,6 +166,7 @@ void add_exposure(std::span<const cv::Mat> images, const ShiftFit& fit, float le
   for (std::size_t c = 0; c < sums.channels.size(); ++c) {
     ShiftedChannel& channel = sums.channels[c];
     long until_sample = spacing / 2;
+    std::array<JudgedRow, kIndependentPixels> above;
     for (int row = 0; row < first.rows; ++row) {
       take_values(images, row, channel_of_plane(c, first.channels()), values);
       apply_fit(fit.estimate, values, fitted.estimate);
@@ -177,7 +185,14 @@ void add_exposure(std::span<const cv::Mat> images, const ShiftFit& fit, float le
       sums.remainder.row(row) += (used * squares).transpose();
       const Eigen::ArrayXf amplitude =
           (all >= least_amplitude).select(used * all, Eigen::ArrayXf::Zero(all.size()));
-      add_products(fitted, amplitude, fit.freedom, sums);
+      const JudgedRow judged{fitted.remainder, amplitude};
+      JudgedRow& earlier = above[static_cast<std::size_t>(row) % above.size()];
+      if (!varies_along_rows) {
+        add_products(judged, judged, kIndependentPixels, fit.freedom, sums);
+      } else if (row >= kIndependentPixels) {
+        add_products(judged, earlier, 0, fit.freedom, sums);
+      }
+      earlier = judged;
       for (; until_sample < first.cols; until_sample += spacing) {
         if (!(amplitude[until_sample] > 0)) continue;
         sums.samples[c].push_back({fitted.estimate(0, until_sample), squares[until_sample]});

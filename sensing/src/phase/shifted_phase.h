@@ -54,9 +54,9 @@ struct ShiftedImages {
   std::vector<std::vector<VarianceSample>> samples;  ///< by channel
   /// Where the values of an exposure and a channel are clipped.
   std::vector<std::vector<Mask>> clipped;
-  /// Sums of the products of the mean remainders, and of the amplitudes, of two pixels of a row
-  /// that are too far apart for common noise. Their ratio is the relative variance of what the fit
-  /// leaves besides noise.
+  /// Sums of the products of the mean remainders, and of the amplitudes, of two pixels,
+  /// one beside the other across the sinusoid, that are too far apart for common noise. Their ratio
+  /// is the relative variance of what the fit leaves besides noise.
   double shared = 0;
   double power = 0;
 };
@@ -64,8 +64,9 @@ struct ShiftedImages {
 /// Adds the images of one exposure.
 /// \param images one per shift, of the same size and type; 8 or 16 bit, 1 or 3 channels.
 /// \param least_amplitude B [fraction of full scale] from which on places count for noise.
+/// \param varies_along_rows whether the sinusoid does
 void add_exposure(std::span<const cv::Mat> images, const ShiftFit& fit, float least_amplitude,
-                  ShiftedImages& sums);
+                  bool varies_along_rows, ShiftedImages& sums);
 
 /// Where any of the images is at full scale in a channel (green; red; blue). In colour images the
 /// neighbours count too, because demosaicing spreads clipped values.

@@ -76,7 +76,7 @@ TEST(PatternImage, RectifiesTheImagesOfAStillSceneAsItDoesOne) {
   const DrawOptions options{.rectify = true};
   const geometry::Camera panel = rig_of_drawing(rig, options).projector;
   const Pattern pattern =
-      multishot_pattern({.axis = Axis::y, .period = 12}, 4, {panel.width, panel.height});
+      multishot_pattern({.axis = Axis::y, .period = 60}, 3, {panel.width, panel.height});
   Pattern first = pattern;
   first.multishot.reset();
   const std::vector<cv::Mat> images = draw_multishot(pattern, rig, options);
