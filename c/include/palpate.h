@@ -123,8 +123,7 @@ PALPATE_API palpate_status palpate_player_step(palpate_player* player, const dou
 /* As if the tool had never touched. Real-time safe. */
 PALPATE_API palpate_status palpate_player_reset(palpate_player* player);
 
-#define PALPATE_SHAPE_BLENDED 0 /* follows the recorded surfaces, and the contact is at the tool \
-                                 */
+#define PALPATE_SHAPE_BLENDED 0 /* follows recorded surfaces; the contact is at the tool */
 #define PALPATE_SHAPE_NEAREST 1 /* is the recorded surface that is nearest; it jumps */
 
 /* The surface as the tool deforms it in the latest tick. If surfaces were recorded for the model

@@ -5,8 +5,10 @@
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
 #include <string>
 
+#include "palpate/sensing/frame.h"
 #include "run_palpate.h"
 
 namespace palpate::apps {
@@ -48,10 +50,10 @@ TEST(Calibrate, ColoursThatCannotBeToldApartAreRefused) {
 
 TEST(Calibrate, CrosstalkIsWrittenToTheRig) {
   const ScratchFolder scratch;
-  write_text(scratch / "off.ppm", "P6\n640 480\n255\n" + std::string(3 * 640 * 480, '\0'));
+  sensing::write_png(scratch.path() / "off.png", cv::Mat(480, 640, CV_8UC3, cv::Scalar::all(0)));
   const std::string training = (demo_data() / "training").string();
   const CommandResult result = run_palpate(
-      {"calibrate", "crosstalk", "--off", scratch / "off.ppm", "--red", training + "/R_flat.png",
+      {"calibrate", "crosstalk", "--off", scratch / "off.png", "--red", training + "/R_flat.png",
        "--green", training + "/G_flat.png", "--blue", training + "/B_flat.png", "--rig",
        (demo_data() / "rig.yaml").string(), "-o", scratch / "rig.yaml", "--json"});
   ASSERT_EQ(result.status, 0) << result.err;

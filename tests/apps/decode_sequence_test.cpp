@@ -223,7 +223,8 @@ TEST_F(DecodeSequence, BrokenFramesLeaveTheNumbersOfTheOthers) {
   add_frame("3.png");
   const CommandResult result = decode(scratch / "frames", {"--json"});
   EXPECT_EQ(result.status, kWorkFailed);
-  EXPECT_NE(result.err.find("1.png: neither PNG nor TIFF"), std::string::npos) << result.err;
+  EXPECT_NE(result.err.find("1.png: neither PNG, TIFF, BMP, JPEG nor WebP"), std::string::npos)
+      << result.err;
   EXPECT_NE(result.err.find("2.png: frame: is 64 x 48 px"), std::string::npos) << result.err;
   const auto report = nlohmann::json::parse(result.out);
   EXPECT_EQ(report["broken"], 2);

@@ -23,8 +23,6 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-std::string demo(const std::string& name) { return (demo_data() / name).string(); }
-
 json schema() { return json::parse(read_text(repository("docs/output.schema.json"))); }
 
 /// The subcommands that a help text lists.

@@ -177,7 +177,12 @@ TEST_F(WrongOptions, WhatPalpateWritesIsRecognised) {
       scratch / "range/decode.jsonl",
       R"({"settings": {}, "inputs": []})"
       "\n"
-      R"({"number":0,"frame":"a","bytes":1,"modified":1,"pixels":0,"median_depth":null,"ms":1})"
+      R"({"number":0,"frame":"a","bytes":1,"modified":1,"pixels":0,"median_depth":null,"ms":1,"evidence":)"
+      R"({"edges":0,"off_panel":0,"stripe_edges":0,"agreement":0,"shift":0,"steady_edges")"
+      R"(:0,"displaced_edges":0,"neighbours":0,"smoothness":0,"explained":[0,0,0,0,0,0,0,)"
+      R"(0],"explained_edges":0,"light":[0,0,0],"lit":0,"hues":0,"trained_hues":0,"steps_)"
+      R"(in_pairs":0,"steps_between_pairs":0,"colors_fit_pattern":false})"
+      "}"
       "\n");
   const auto figures = [](const std::string& path) {
     return nlohmann::json::parse(run_palpate({"info", path, "--json"}).out);

@@ -345,10 +345,12 @@ void add_decode(CLI::App& app, const Settings& settings) {
       "--half", call->half,
       "Decode at half the size of the frames, which is several times faster; the range "
       "maps and the rig beside them have that size");
-  command
-      ->add_option("--bits", call->bits,
-                   "Bits that 16-bit frames use, 8 to 16: 12 if the camera's full scale is 4095")
-      ->check(CLI::Range(8, 16));
+  CLI::Option* bits =
+      command
+          ->add_option(
+              "--bits", call->bits,
+              "Bits that 16-bit frames use, 8 to 16: 12 if the camera's full scale is 4095")
+          ->check(CLI::Range(8, 16));
   command
       ->add_option(
           "--bayer", call->bayer,
@@ -394,7 +396,7 @@ void add_decode(CLI::App& app, const Settings& settings) {
       "--multishot", call->multishot,
       "Several images of a scene that holds still give one range map: shifted sinusoids, then a "
       "Gray code, as the pattern says (palpate pattern --multishot)");
-  for (CLI::Option* other : {colors, anchor, window, half, segmentation, resume, force})
+  for (CLI::Option* other : {colors, anchor, window, half, bits, segmentation, resume, force})
     multishot->excludes(other);
   command
       ->add_option("--exposures", call->exposures,

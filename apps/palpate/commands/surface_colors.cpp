@@ -10,7 +10,7 @@
 namespace palpate::apps {
 namespace {
 
-using Bytes = std::vector<std::uint8_t>;
+using ByteColumn = std::vector<std::uint8_t>;
 
 /// Red, green, blue of a pixel of a BGR or grey image.
 std::uint8_t value_at(const cv::Mat& color, int row, int column, int rgb) {
@@ -18,7 +18,7 @@ std::uint8_t value_at(const cv::Mat& color, int row, int column, int rgb) {
   return color.ptr(row)[column * color.channels() + channel];
 }
 
-geometry::Attributes attributes_of(Bytes red, Bytes green, Bytes blue) {
+geometry::Attributes attributes_of(ByteColumn red, ByteColumn green, ByteColumn blue) {
   return {
       {"red", std::move(red), {}}, {"green", std::move(green), {}}, {"blue", std::move(blue), {}}};
 }
@@ -27,7 +27,7 @@ geometry::Attributes attributes_of(Bytes red, Bytes green, Bytes blue) {
 
 geometry::Attributes colors_of(const Eigen::Matrix3Xd& vertices, const geometry::Camera& camera,
                                const cv::Mat& color) {
-  Bytes rgb[3];
+  ByteColumn rgb[3];
   for (Eigen::Index vertex = 0; vertex < vertices.cols(); ++vertex) {
     const Eigen::Vector2d pixel = geometry::distort(camera, vertices.col(vertex).hnormalized());
     // A vertex that smoothing or filling has moved out of view may have any pixel, or NaN.
@@ -47,7 +47,7 @@ geometry::PointCloud organised_cloud(const geometry::RangeMap& map, const cv::Ma
   cloud.width = map.z.cols();
   cloud.height = map.z.rows();
   if (color.empty()) return cloud;
-  Bytes rgb[3];
+  ByteColumn rgb[3];
   for (int row = 0; row < color.rows; ++row) {
     for (int column = 0; column < color.cols; ++column)
       for (int i = 0; i < 3; ++i) rgb[i].push_back(value_at(color, row, column, i));

@@ -46,6 +46,9 @@ constexpr int kBlurRadius = 2;
 constexpr std::array<long, 2> kNearby{16, 6};
 /// Smallest part of a region that must hold an anchor of its own [px].
 constexpr int kLeastAnchoredCore = 50;
+/// Standard deviation of the phase [rad] beyond which an anchored region ends. Steps of depth have
+/// more; relief under a coarse sinusoid, whose shading does not fit it, has up to about 0.1.
+constexpr double kAnchoredSigma = 0.15;
 
 /// Reach of a phase discontinuity across the sinusoid [px]: two standard deviations of the average
 /// along the rows, whose steps 1, 2, 4, ... have variances of 1, 4, 16, ... px^2.
@@ -291,7 +294,7 @@ void Decoder::Impl::find_regions(Workspace& work) const {
                            .min_agreement = options.min_agreement},
                           work.offsets);
   } else {
-    anchor_regions({.max_variance = limits.max_variance,
+    anchor_regions({.max_variance = limits.max_variance + kAnchoredSigma * kAnchoredSigma,
                     .max_step = limits.max_step,
                     .least_core = kLeastAnchoredCore},
                    work);

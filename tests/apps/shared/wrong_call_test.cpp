@@ -19,8 +19,6 @@ namespace fs = std::filesystem;
 constexpr int kDone = 0;
 constexpr int kWrongCall = 2;
 
-std::string demo(const std::string& name) { return (demo_data() / name).string(); }
-
 /// The call is wrong, changes nothing, and is told so with these words in one line.
 void expect_words(const std::vector<std::string>& call, const std::string& words) {
   const CommandResult result = run_palpate(call);

@@ -203,7 +203,7 @@ TEST(DecodeVerdict, HasNothingToSayOfAPatternWithoutStripes) {
   inputs.pattern.stripe_edges.clear();
   inputs.frame = render(inputs.rig, inputs.pattern, usual_surface()).frame;
   const DecodeJudgement judgement =
-      judgement_of(inputs, {.anchor = Anchor{.u_px = 160, .v_px = 120, .z = 640}});
+      judgement_of(inputs, {.anchors = {Anchor{.u_px = 160, .v_px = 120, .z = 640}}});
   EXPECT_EQ(judgement.verdict, DecodeVerdict::too_little);
 }
 
