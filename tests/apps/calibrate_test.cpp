@@ -59,7 +59,8 @@ TEST(Calibrate, CrosstalkIsWrittenToTheRig) {
   ASSERT_EQ(result.status, 0) << result.err;
   const auto mixing = nlohmann::json::parse(result.out)["mixing"];
   EXPECT_EQ(mixing[1][1], 1.0);
-  EXPECT_NEAR(mixing[1][0].get<double>(), 0, 0.02);  // the bundled camera separates the colours
+  // The bundled camera separates the colours; black stands for the image with the projector off.
+  EXPECT_NEAR(mixing[1][0].get<double>(), 0, 0.03);
   EXPECT_NE(read_text(scratch / "rig.yaml").find("mixing"), std::string::npos);
 }
 

@@ -11,7 +11,6 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/imgproc.hpp>
 #include <optional>
-#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -191,40 +190,6 @@ Outcomes decode_all(const sensing::Decoder& decoder, const DecodeCall& call,
   return outcomes;
 }
 
-/// Refuses results of frames that do not fit rig, pattern or colours. What was decoded stays where
-/// it is, but does not replace earlier results.
-void refuse_misfit(const DecodeCall& call, const ResultFolder& folder,
-                   const sensing::DecodeJudgement& judgement) {
-  if (judgement.usable()) return;
-  if (call.force) {
-    spdlog::warn(
-        "the frames do not fit rig, pattern or colours, so depths are likely to be wrong: {}.",
-        judgement.reason);
-    return;
-  }
-  throw Error(fmt::format(
-      "the frames do not fit rig, pattern or colours, so depths are likely to be wrong: {}. "
-      "What was decoded is in {}{}; to accept it, run the same call again with --resume --force.",
-      judgement.reason, folder.place().string(),
-      folder.replaces() ? ", and the earlier results are unchanged" : ""));
-}
-
-sensing::FrameSource open_frames(const DecodeCall& call) {
-  sensing::FrameSourceOptions options;
-  if (!call.bayer.empty()) options.bayer = sensing::bayer_pattern(call.bayer);
-  sensing::FrameSource source(call.frames, options);
-  check_outputs(call.frames, {call.output});
-  for (const fs::path& file : source.files()) {
-    std::error_code not_there;
-    if (!fs::equivalent(fs::canonical(file).parent_path(), call.output, not_there)) continue;
-    throw InvalidInput(file.string() + ": lies in " + call.output.string() +
-                       ", the output folder, so results could replace frames of the same "
-                       "name. Choose another --output.");
-  }
-  for (const std::string& warning : source.warnings()) spdlog::warn("{}", warning);
-  return source;
-}
-
 /// Everything that a range map depends on besides its frame, by the names of the options.
 nlohmann::ordered_json settings_of(const DecodeCall& call) {
   return {{"version", PALPATE_VERSION},
@@ -262,7 +227,7 @@ void decode(const Settings& settings, DecodeCall call) {
                        " would be replaced by the rig of the smaller range maps; choose another "
                        "folder for them");
   }
-  sensing::FrameSource source = open_frames(call);
+  sensing::FrameSource source = open_frames(call.frames, call.bayer, call.output);
   if (!call.response.empty()) call.linearizer.emplace(sensing::read_response(call.response));
   const sensing::Rig rig = sensing::read_rig(call.rig);
   const sensing::Pattern pattern = sensing::read_pattern(call.pattern);
@@ -307,7 +272,7 @@ void decode(const Settings& settings, DecodeCall call) {
   const sensing::DecodeJudgement judgement = judge_sequence(outcomes);
   if (judgement.usable() || call.force) folder.finish([](const fs::path&) { return true; });
   report_decoding(settings, folder.place(), call.outputs, outcomes, judgement, seconds);
-  refuse_misfit(call, folder, judgement);
+  refuse_misfit(judgement, call.force, folder);
   if (broken > 0)
     throw Error(fmt::format("{} of {} frames could not be decoded; the others were decoded.",
                             broken, outcomes.size()));

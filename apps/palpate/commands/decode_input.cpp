@@ -9,13 +9,17 @@
 #include <opencv2/core.hpp>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <utility>
 
 #include "palpate/error.h"
 #include "palpate/sensing/harmonics.h"
+#include "shared/inputs.h"
 
 namespace palpate::apps {
 namespace {
+
+namespace fs = std::filesystem;
 
 /// What is wrong with the sinusoid in a frame; nothing if it is not distorted, or cannot be
 /// examined.
@@ -102,6 +106,23 @@ void examine_when_read(sensing::SourceFrame& frame) {
     if (const auto waves = distortion_of(image)) spdlog::warn("{}: {}", name, *waves);
     return image;
   };
+}
+
+sensing::FrameSource open_frames(const std::vector<fs::path>& frames, const std::string& bayer,
+                                 const fs::path& output) {
+  sensing::FrameSourceOptions options;
+  if (!bayer.empty()) options.bayer = sensing::bayer_pattern(bayer);
+  sensing::FrameSource source(frames, options);
+  check_outputs(frames, {output});
+  for (const fs::path& file : source.files()) {
+    std::error_code not_there;
+    if (!fs::equivalent(fs::canonical(file).parent_path(), output, not_there)) continue;
+    throw InvalidInput(file.string() + ": lies in " + output.string() +
+                       ", the output folder, so results could replace frames of the same "
+                       "name. Choose another --output.");
+  }
+  for (const std::string& warning : source.warnings()) spdlog::warn("{}", warning);
+  return source;
 }
 
 }  // namespace palpate::apps

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <filesystem>
+#include <string>
 #include <vector>
 
 #include "palpate/sensing/decode.h"
@@ -13,6 +15,14 @@ namespace palpate::apps {
 /// Anchors from u, v, z; u, v, z; ...
 /// \throws InvalidInput unless these are whole triples.
 [[nodiscard]] std::vector<sensing::Anchor> anchors_of(const std::vector<double>& values);
+
+/// Opens the frames of a call, and prints what their source warns of.
+/// \param bayer order of the colours, such as "rggb"; empty for frames in colour.
+/// \param output the folder of the results, in which no frame may lie.
+/// \throws InvalidInput or FileError.
+[[nodiscard]] sensing::FrameSource open_frames(const std::vector<std::filesystem::path>& frames,
+                                               const std::string& bayer,
+                                               const std::filesystem::path& output);
 
 /// Makes the function that reads the frame stretch 16-bit values so that 2^bits - 1 is full scale.
 /// Frames of 8 bits stay as they are; a larger value is an InvalidInput when the frame is read.

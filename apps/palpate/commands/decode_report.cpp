@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "palpate/error.h"
 #include "palpate/geometry/error_statistics.h"
 
 namespace palpate::apps {
@@ -118,6 +119,22 @@ void report_decoding(const Settings& settings, const fs::path& output, const Dec
                                 ? " The deviations hold the noise of the frames alone: the rig has "
                                   "no covariance and counts as exact."
                                 : ""));
+}
+
+void refuse_misfit(const sensing::DecodeJudgement& judgement, bool force,
+                   const ResultFolder& folder) {
+  if (judgement.usable()) return;
+  if (force) {
+    spdlog::warn(
+        "the frames do not fit rig, pattern or colours, so depths are likely to be wrong: {}.",
+        judgement.reason);
+    return;
+  }
+  throw Error(fmt::format(
+      "the frames do not fit rig, pattern or colours, so depths are likely to be wrong: {}. "
+      "What was decoded is in {}{}; to accept it, run the same call again with --resume --force.",
+      judgement.reason, folder.place().string(),
+      folder.replaces() ? ", and the earlier results are unchanged" : ""));
 }
 
 }  // namespace palpate::apps

@@ -11,6 +11,7 @@
 #include "palpate/sensing/decode_verdict.h"
 #include "palpate/sensing/reason.h"
 #include "shared/command_line.h"
+#include "shared/result_folder.h"
 
 namespace palpate::apps {
 
@@ -38,5 +39,12 @@ using Outcomes = std::map<std::size_t, Outcome>;  ///< by the number of the fram
 void report_decoding(const Settings& settings, const std::filesystem::path& output,
                      const DecodeOutputs& outputs, const Outcomes& outcomes,
                      const sensing::DecodeJudgement& judgement, double seconds);
+
+/// Refuses results of frames that do not fit rig, pattern or colours. What was decoded stays where
+/// it is, but does not replace earlier results.
+/// \param force only warn.
+/// \throws Error with the likely cause, and how to accept the results.
+void refuse_misfit(const sensing::DecodeJudgement& judgement, bool force,
+                   const ResultFolder& folder);
 
 }  // namespace palpate::apps

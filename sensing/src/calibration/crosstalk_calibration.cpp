@@ -46,7 +46,9 @@ struct Sums {
 };
 
 Eigen::Matrix3d mixing_of(const Sums& sums) {
-  return sums.light * sums.light.diagonal().cwiseInverse().asDiagonal();
+  Eigen::Matrix3d mixing = sums.light * sums.light.diagonal().cwiseInverse().asDiagonal();
+  mixing.diagonal().setOnes();  // exactly
+  return mixing;
 }
 
 void check_separable(const Eigen::Matrix3d& mixing) {
