@@ -33,8 +33,11 @@ class Repair {
     drop_broken_corners();
     flip_flat();
     drop_repeated();
-    const std::vector<Pair> pairs = pair_sides();
+    std::vector<Pair> pairs = pair_sides_of_two();
     turn(pairs);
+    pair_sides_of_more(pairs);
+    turn(pairs);
+    for (const bool turned : turned_) result_.turned_triangles += turned;
     rebuild(pairs);
     return std::move(result_);
   }
@@ -211,20 +214,33 @@ class Repair {
     return (to_apex - along.dot(to_apex) * along).stableNormalized();
   }
 
-  /// Decides which two sides of each edge are joined.
-  std::vector<Pair> pair_sides() {
+  /// Joins the two sides of the edges that have just two.
+  [[nodiscard]] std::vector<Pair> pair_sides_of_two() const {
     std::vector<Pair> pairs;
     for_each_edge(sort_sides(triangles_, use_), [&](std::span<const EdgeSide> sides) {
+      if (sides.size() == 2) pairs.emplace_back(sides[0], sides[1]);
+    });
+    return pairs;
+  }
+
+  /// Decides which sides are joined where more than two meet: first those whose triangles face the
+  /// same side of a surface, as each of two solids that touch along an edge keeps its own, and
+  /// among them those with the flattest angle.
+  void pair_sides_of_more(std::vector<Pair>& pairs) {
+    for_each_edge(sort_sides(triangles_, use_), [&](std::span<const EdgeSide> sides) {
+      if (sides.size() <= 2) return;
+      ++result_.cut_edges;
       std::vector<EdgeSide> left(sides.begin(), sides.end());
-      if (left.size() > 2) ++result_.cut_edges;
       while (left.size() >= 2) {
         std::pair<size_t, size_t> best = {0, 1};
-        double straightest = std::numeric_limits<double>::infinity();
+        std::pair<bool, double> least = {true, std::numeric_limits<double>::infinity()};
         for (size_t i = 0; i < left.size(); ++i) {
           for (size_t j = i + 1; j < left.size(); ++j) {
-            const double cosine = into_triangle(left[i]).dot(into_triangle(left[j]));
-            if (cosine < straightest) {
-              straightest = cosine;
+            const std::pair<bool, double> cost = {
+                runs_upwards(left[i]) == runs_upwards(left[j]),
+                into_triangle(left[i]).dot(into_triangle(left[j]))};
+            if (cost < least) {
+              least = cost;
               best = {i, j};
             }
           }
@@ -234,7 +250,6 @@ class Repair {
         left.erase(left.begin() + static_cast<std::ptrdiff_t>(best.first));
       }
     });
-    return pairs;
   }
 
   /// Reverses the smaller area of each connected surface, so that joined triangles agree.
@@ -263,11 +278,9 @@ class Repair {
           surface.push_back(next);
         }
       }
-      for (const int t : surface) {
-        const auto i = static_cast<size_t>(t);
-        if (excess < 0) turned_[i] = !turned_[i];
-        if (turned_[i]) ++result_.turned_triangles;
-      }
+      if (excess >= 0) continue;
+      for (const int t : surface)
+        turned_[static_cast<size_t>(t)] = !turned_[static_cast<size_t>(t)];
     }
   }
 

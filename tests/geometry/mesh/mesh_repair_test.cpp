@@ -4,11 +4,14 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+#include <array>
 #include <limits>
 #include <numeric>
 #include <random>
 #include <set>
 #include <string>
+#include <utility>
 
 #include "broken_meshes.h"
 #include "mesh_corpus.h"
@@ -120,6 +123,32 @@ TEST(MeshRepair, TrianglesTurnedAtRandomRunRoundAgainAsMostOfThemDid) {
   expect_sound(repaired.mesh, "glove");
   EXPECT_EQ(repaired.turned_triangles, turned);
   EXPECT_NEAR(enclosed_volume(repaired.mesh), right, 1e-9 * right);
+}
+
+TEST(MeshRepair, SolidsThatTouchAlongAnEdgeAreSeparatedAndKeepTheirOutside) {
+  // Two tetrahedra on opposite sides of a common edge: the flattest angles are between their faces.
+  const Eigen::Matrix3Xd vertices{{0, 0, 1, 1, -1, -1}, {0, 0, 1, -1, 1, -1}, {-1, 1, 0, 0, 0, 0}};
+  const auto outwards = [&](Eigen::Vector3i t, const Eigen::Vector3d& centre) {
+    const Eigen::Vector3d a = vertices.col(t[0]), b = vertices.col(t[1]), c = vertices.col(t[2]);
+    if ((b - a).cross(c - a).dot(a - centre) < 0) std::swap(t[1], t[2]);
+    return t;
+  };
+  TriangleMesh mesh{.vertices = vertices, .triangles = Eigen::Matrix3Xi(3, 8)};
+  int t = 0;
+  for (const int side : {2, 4}) {
+    const std::array<int, 4> corners = {0, 1, side, side + 1};
+    const Eigen::Vector3d centre = vertices(Eigen::all, corners).rowwise().mean();
+    for (std::size_t left_out = 0; left_out < 4; ++left_out) {
+      const Eigen::Vector3i triangle(corners[(left_out + 1) % 4], corners[(left_out + 2) % 4],
+                                     corners[(left_out + 3) % 4]);
+      mesh.triangles.col(t++) = outwards(triangle, centre);
+    }
+  }
+  const RepairedMesh repaired = repair_mesh(mesh);
+  expect_sound(repaired.mesh, "tetrahedra");
+  EXPECT_EQ(repaired.turned_triangles, 0);
+  EXPECT_EQ(connected_components(repaired.mesh).count, 2);
+  EXPECT_NEAR(enclosed_volume(repaired.mesh), 2 * 4.0 / 6, 1e-12);
 }
 
 TEST(MeshRepair, ATriangleSoupIsSewnTogether) {

@@ -26,7 +26,8 @@ struct RepairedMesh {
 /// area is kept; holes left by removed triangles stay open.
 ///
 /// Vertices at exactly the same place are joined. Where more than two triangles meet at an edge,
-/// the pairs with the flattest angle stay connected. Neighbours of opposite orientation are
+/// pairs that face the same side stay connected (two solids that touch there are separated), and
+/// among those the pairs with the flattest angle. Neighbours of opposite orientation are
 /// reoriented like the larger area of their connected surface; a one-sided surface is cut. A
 /// triangle that meets such an edge at both ends without being joined there is cut free of its
 /// neighbours. A mesh without defects is returned unchanged.
