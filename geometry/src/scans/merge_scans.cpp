@@ -2,90 +2,135 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/geometry/merge_scans.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "palpate/error.h"
+#include "palpate/geometry/mesh_measures.h"
 #include "palpate/geometry/mesh_repair.h"
-#include "palpate/geometry/surface_query.h"
 #include "palpate/require.h"
-#include "scans/poisson_surface.h"
+#include "scans/distance_volume.h"
 #include "scans/registered_scans.h"
+#include "scans/scan_distance.h"
+#include "scans/volume_surface.h"
 
 namespace palpate::geometry {
 namespace {
 
-/// Points of all scans, each with its normal.
-struct OrientedPoints {
-  Eigen::Matrix3Xd points;
-  Eigen::Matrix3Xd normals;
-};
+/// How far scans continue beyond their border: the cells there need all their corners. [spacings]
+constexpr double kOverhang = 2;
+/// The surface is cut where it is farther than this beyond all scans. [spacings]
+constexpr double kLargestBeyond = 0.5;
+constexpr double kGigabyte = 1e9;
+/// Bytes for each grid point: the points of a scan and all points before and after they are
+/// combined; or all points, their neighbours and the pieces in their cells.
+constexpr double kBytesAPoint = 3 * sizeof(GridDistance) + 16;
+/// The grid points near a surface, relative to its area times the thickness of the layer: the
+/// ends of the layer at the border and at small features are beyond.
+constexpr double kLayerMargin = 1.3;
 
-OrientedPoints points_with_normals(const std::vector<TriangleMesh>& meshes) {
-  Eigen::Index count = 0;
-  for (const TriangleMesh& mesh : meshes) count += mesh.vertices.cols();
-  OrientedPoints all{.points = Eigen::Matrix3Xd(3, count), .normals = Eigen::Matrix3Xd(3, count)};
-  Eigen::Index next = 0;
-  for (const TriangleMesh& mesh : meshes) {
-    const Eigen::Matrix3Xd normals = vertex_normals(mesh);
-    for (Eigen::Index v = 0; v < normals.cols(); ++v) {
-      if (!normals.col(v).allFinite()) continue;
-      all.points.col(next) = mesh.vertices.col(v);
-      all.normals.col(next++) = normals.col(v);
-    }
+void check_sigma(const Scan& scan, const std::string& name) {
+  if (scan.sigma.size() == 0) return;
+  if (scan.sigma.size() != scan.mesh.vertices.cols()) {
+    throw InvalidInput(name + " has " + std::to_string(scan.mesh.vertices.cols()) +
+                       " vertices and " + std::to_string(scan.sigma.size()) +
+                       " standard deviations; it needs one for each, or none");
   }
-  all.points.conservativeResize(3, next);
-  all.normals.conservativeResize(3, next);
-  return all;
+  for (Eigen::Index v = 0; v < scan.sigma.size(); ++v) {
+    require([&] { return name + ": sigma of vertex " + std::to_string(v); }, scan.sigma[v],
+            above(0).finite(), "mm");
+  }
 }
 
-/// The triangles whose corners are all kept.
-Eigen::Matrix3Xi triangles_between(const TriangleMesh& mesh, const std::vector<bool>& keep) {
-  Eigen::Matrix3Xi triangles(3, mesh.triangles.cols());
+/// A grid around the scans.
+Grid grid_around(const std::vector<TriangleMesh>& meshes, double spacing, double reach) {
+  Eigen::Vector3d low = meshes.front().vertices.col(0), high = low;
+  for (const TriangleMesh& mesh : meshes) {
+    low = low.cwiseMin(mesh.vertices.rowwise().minCoeff());
+    high = high.cwiseMax(mesh.vertices.rowwise().maxCoeff());
+  }
+  const double margin = (reach + 2) * spacing;
+  const double extent = (high - low).maxCoeff() + 2 * margin;
+  // A cube of 2^n points must fit into the grid.
+  const double finest = 2 * extent / static_cast<double>(kGridPoints);
+  if (!(spacing >= finest)) {
+    throw InvalidInput("merge_scans: a grid of " + std::to_string(spacing) + " mm over " +
+                       std::to_string(extent) + " mm has too many points; the spacing must be at " +
+                       "least " + std::to_string(finest) + " mm");
+  }
+  return {.origin = low.array() - margin, .spacing = spacing};
+}
+
+/// Refuses a scan whose grid points, beside those there are, need too much memory.
+void check_memory(const TriangleMesh& mesh, std::size_t present, const Grid& grid,
+                  const MergeScansOptions& options, const std::string& name) {
+  const double layer = 2 * options.reach + 1;
+  const double area = surface_area(mesh) / (grid.spacing * grid.spacing);
+  const double added = kLayerMargin * layer * (area + layer * layer);
+  const double needed = (added + static_cast<double>(present)) * kBytesAPoint / kGigabyte;
+  if (needed <= options.max_memory) return;
+  // The number of grid points in a layer falls with the square of the spacing.
+  const double enough = grid.spacing * std::sqrt(needed / options.max_memory);
+  throw InvalidInput(name + " needs " + std::to_string(needed) + " GB for a grid of " +
+                     std::to_string(grid.spacing) + " mm; MergeScansOptions::max_memory is " +
+                     std::to_string(options.max_memory) + " GB. A spacing of " +
+                     std::to_string(enough) + " mm fits into it");
+}
+
+/// The triangles of which no corner is beyond the border of all scans.
+Eigen::Matrix3Xi measured_triangles(const VolumeSurface& surface, double largest_beyond) {
+  Eigen::Matrix3Xi triangles(3, surface.mesh.triangles.cols());
   Eigen::Index count = 0;
-  for (const auto& t : mesh.triangles.colwise()) {
-    const auto kept = [&](int v) { return keep[static_cast<std::size_t>(v)]; };
-    if (kept(t[0]) && kept(t[1]) && kept(t[2])) triangles.col(count++) = t;
+  for (const auto& t : surface.mesh.triangles.colwise()) {
+    if (surface.beyond(t).maxCoeff() <= largest_beyond) triangles.col(count++) = t;
   }
   triangles.conservativeResize(3, count);
   return triangles;
 }
 
-/// Which vertices are within `distance` of a scan.
-std::vector<bool> near_scans(const TriangleMesh& mesh, const std::vector<TriangleMesh>& scans,
-                             double distance) {
-  std::vector<bool> near(static_cast<std::size_t>(mesh.vertices.cols()), false);
-  for (const TriangleMesh& scan : scans) {
-    const ClosestPoints closest = closest_points(SurfaceQuery(scan), mesh.vertices);
-    for (std::size_t v = 0; v < near.size(); ++v) {
-      if (closest.distances[static_cast<Eigen::Index>(v)] <= distance) near[v] = true;
-    }
-  }
-  return near;
-}
-
 }  // namespace
 
 MergedScans merge_scans(std::span<const Scan> scans, const MergeScansOptions& options) {
-  require("MergeScansOptions::reach", options.reach, above(0));
+  require("MergeScansOptions::spacing", options.spacing, above(0).finite(), "mm");
+  require("MergeScansOptions::reach", options.reach, at_least(2).finite());
+  require("MergeScansOptions::max_memory", options.max_memory, above(0), "GB");
   const std::vector<TriangleMesh> meshes = in_frame_of_object(scans, "merge_scans");
-  MergedScans merged{.mesh = {}, .spacing = median_edge_length(meshes, "merge_scans")};
-  const OrientedPoints all = points_with_normals(meshes);
-  if (all.points.cols() == 0) {
-    throw InvalidInput("merge_scans: no vertex of the scans has a normal");
+  require_manifold(meshes, "merge_scans");
+  bool know_sigma = true;
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    check_sigma(scans[i], "merge_scans: scan " + std::to_string(i));
+    know_sigma = know_sigma && scans[i].sigma.size() > 0;
   }
-  merged.points = static_cast<int>(all.points.cols());
-  const TriangleMesh closed = poisson_surface(all.points, all.normals, merged.spacing);
-  const TriangleMesh trimmed{
-      .vertices = closed.vertices,
-      .triangles =
-          triangles_between(closed, near_scans(closed, meshes, options.reach * merged.spacing))};
-  if (trimmed.triangles.cols() == 0) {
-    throw SolverError("merge_scans: no triangle of the surface is within reach of a scan");
+  MergedScans merged;
+  merged.spacing = options.spacing.value_or(median_edge_length(meshes, "merge_scans"));
+  const Grid grid = grid_around(meshes, merged.spacing, options.reach);
+  std::vector<GridDistance> volume;
+  for (std::size_t i = 0; i < scans.size(); ++i) {
+    check_memory(meshes[i], volume.size(), grid, options, "merge_scans: scan " + std::to_string(i));
+    const ScanDistance scan(meshes[i], know_sigma ? scans[i].sigma : Eigen::VectorXd(),
+                            kOverhang * grid.spacing);
+    volume = combine(volume, distances_around(scan, grid, options.reach * grid.spacing));
   }
-  merged.trimmed = static_cast<int>(closed.triangles.cols() - trimmed.triangles.cols());
-  // Vertices without triangles are left over, and some vertices with two fans.
-  merged.mesh = repair_mesh(trimmed).mesh;
+  VolumeSurface surface = zero_surface(grid, volume);
+  surface.mesh.triangles = measured_triangles(surface, kLargestBeyond * grid.spacing);
+  if (surface.mesh.triangles.cols() == 0) {
+    throw SolverError("merge_scans: a grid of " + std::to_string(grid.spacing) +
+                      " mm finds no surface: it is too coarse for these scans");
+  }
+  // Cells with two pieces can pinch the surface, and vertices without triangles are left over.
+  RepairedMesh repaired = repair_mesh(surface.mesh);
+  merged.mesh = std::move(repaired.mesh);
+  if (know_sigma) {
+    merged.sigma.resize(merged.mesh.vertices.cols());
+    for (Eigen::Index v = 0; v < merged.sigma.size(); ++v) {
+      merged.sigma[v] =
+          1 / std::sqrt(surface.precision[repaired.source[static_cast<std::size_t>(v)]]);
+    }
+  }
   return merged;
 }
 

@@ -7,6 +7,7 @@
 #include "base/numbers.h"
 #include "base/rigid_motion.h"
 #include "palpate/error.h"
+#include "palpate/geometry/mesh_topology.h"
 
 namespace palpate::geometry {
 
@@ -24,6 +25,17 @@ std::vector<TriangleMesh> in_frame_of_object(std::span<const Scan> scans,
                       .triangles = scans[i].mesh.triangles});
   }
   return meshes;
+}
+
+void require_manifold(const std::vector<TriangleMesh>& meshes, const std::string& caller) {
+  for (std::size_t i = 0; i < meshes.size(); ++i) {
+    try {
+      (void)opposite_half_edges(meshes[i]);
+    } catch (const InvalidInput& error) {
+      throw InvalidInput(caller + ": scan " + std::to_string(i) + " is not manifold; " +
+                         error.what() + ". repair_mesh mends it");
+    }
+  }
 }
 
 double median_edge_length(const std::vector<TriangleMesh>& meshes, const std::string& caller) {

@@ -16,6 +16,9 @@ namespace palpate::geometry {
 [[nodiscard]] std::vector<TriangleMesh> in_frame_of_object(std::span<const Scan> scans,
                                                            const std::string& caller);
 
+/// \throws InvalidInput naming `caller` and the scan if one is not manifold or not oriented.
+void require_manifold(const std::vector<TriangleMesh>& meshes, const std::string& caller);
+
 /// [mm] point spacing of scans: their median edge length.
 /// \throws InvalidInput naming `caller` if it is 0.
 [[nodiscard]] double median_edge_length(const std::vector<TriangleMesh>& meshes,

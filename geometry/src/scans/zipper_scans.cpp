@@ -294,14 +294,7 @@ class Zipper {
 ZipperedScans zipper_scans(std::span<const Scan> scans, const ZipperScansOptions& options) {
   require("ZipperScansOptions::reach", options.reach, above(0).finite());
   const std::vector<TriangleMesh> meshes = in_frame_of_object(scans, "zipper_scans");
-  for (std::size_t i = 0; i < meshes.size(); ++i) {
-    try {
-      (void)opposite_half_edges(meshes[i]);
-    } catch (const InvalidInput& error) {
-      throw InvalidInput("zipper_scans: scan " + std::to_string(i) + " is not manifold; " +
-                         error.what() + ". repair_mesh mends it");
-    }
-  }
+  require_manifold(meshes, "zipper_scans");
   ZipperedScans result;
   result.spacing = median_edge_length(meshes, "zipper_scans");
   Zipper zipper(result.spacing, options.reach);

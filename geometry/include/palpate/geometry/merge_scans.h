@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <optional>
 #include <span>
 
 #include "palpate/geometry/triangle_mesh.h"
@@ -13,34 +14,43 @@ namespace palpate::geometry {
 struct Scan {
   TriangleMesh mesh;  ///< triangles face the outside of the object
   Eigen::Isometry3d T_object_scan = Eigen::Isometry3d::Identity();  ///< from registration
+  /// [mm] standard deviations of the vertices, > 0 and finite; empty if they are not known. Only
+  /// `merge_scans` uses them.
+  Eigen::VectorXd sigma = {};
 };
 
 struct MergeScansOptions {
-  /// A triangle of the merged surface is kept iff all its corners are within this many point
-  /// spacings of a scan; > 0. Infinity keeps the closed surface.
+  /// [mm] > 0; spacing of the grid, and about the edge length of the merged mesh. Default: the
+  /// median edge length of the scans.
+  std::optional<double> spacing = {};
+  /// Scans that are within this many spacings of each other are averaged; >= 2 and finite.
   double reach = 3;
+  /// [GB] > 0; memory for the grid. A finer grid is refused before it is computed.
+  double max_memory = 4;
 };
 
 struct MergedScans {
-  TriangleMesh mesh;   ///< in the frame of the object
-  double spacing = 0;  ///< [mm] median edge length of the scans, the resolution of the merged mesh
-  int points = 0;      ///< number of scan vertices used: those with a normal
-  int trimmed = 0;     ///< number of triangles removed because no scan is near
+  TriangleMesh mesh;      ///< in the frame of the object
+  Eigen::VectorXd sigma;  ///< [mm] standard deviations of the vertices; empty unless all scans tell
+  double spacing = 0;     ///< [mm] of the grid
 };
 
-/// Merges registered, overlapping scans of one connected object into one surface.
+/// Merges registered, overlapping scans into one surface that averages them.
 ///
-/// The surface is the level set of the function whose gradient fits the scans' normals (Poisson
-/// reconstruction; Kazhdan, Bolitho and Hoppe 2006), solved on a Delaunay tetrahedralisation with
-/// the scans' point spacing instead of an octree (CGAL), and trimmed where no scan is near. It is
-/// oriented and manifold, and averages noise and steps between scans. Where the scans have no
-/// points, as between the roots of fingers, the surface within reach is a guess, wrong by one or
-/// two spacings (measured on a glove seen from six sides). Time: about 0.2 ms per vertex. Use
-/// `zipper_scans` to keep the measured vertices.
-/// \throws InvalidInput if there is no scan, a scan is not valid (see `check_mesh`) or its pose is
-/// not rigid and finite, no vertex has a normal, all edges have zero length, or unless reach > 0.
-/// \throws SolverError if there is no such surface or none of it is within reach.
-/// \throws Unavailable if the library was built without CGAL.
+/// Each scan tells its signed distance at the points of a cubic grid near it; where several scans
+/// tell, the mean is taken, weighted by 1 / sigma^2 and less at the border of a scan (Curless and
+/// Levoy 1996). The surface is where the mean is zero. It is oriented and manifold, open where no
+/// scan measured, and ends within one spacing of the border of the scans. It may consist of several
+/// parts. Walls should be thicker than two spacings. The standard deviations of the result
+/// are those of means of independent scans; what scans have in common, as errors of calibration and
+/// registration, is not in them. Use `zipper_scans` to keep the measured vertices.
+///
+/// The order of the scans does not matter but for rounding.
+/// \throws InvalidInput if there is no scan, a scan is not valid (see `check_mesh`), not manifold
+/// or not oriented (see `repair_mesh`), its pose is not rigid and finite, its standard deviations
+/// are not one for each vertex, all edges have zero length, an option is outside its range, or the
+/// grid needs more memory than allowed (the message names a spacing that does not).
+/// \throws SolverError if no cell of the grid has a surface: the spacing is too large for the scans.
 [[nodiscard]] MergedScans merge_scans(std::span<const Scan> scans,
                                       const MergeScansOptions& options = {});
 

@@ -1,0 +1,63 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "palpate/geometry/surface_query.h"
+#include "palpate/geometry/triangle_mesh.h"
+
+namespace palpate::geometry {
+
+/// What a scan tells about places.
+struct PlaceDistances {
+  Eigen::VectorXd distance;   ///< [mm] N, > 0 outside of the scan
+  Eigen::VectorXd weight;     ///< N, of the scan at the nearest point; 0 where it tells nothing
+  Eigen::VectorXd beyond;     ///< [mm] N, how far the place is beyond the border
+  Eigen::VectorXd precision;  ///< [mm^-2] N, 1 / sigma^2 of the scan at the nearest point
+};
+
+/// Signed distances to an oriented surface with border.
+///
+/// The side is that of the pseudonormal at the nearest point: the normal of the triangle, the mean
+/// of the two normals at an edge, or the mean weighted by the angles at a vertex, which is right
+/// everywhere for a surface that does not intersect itself (Baerentzen and Aanaes 2005). Of places
+/// whose nearest point is on the border, those beyond it by up to the overhang have the distance to
+/// the tangent plane there; about the others the scan tells nothing.
+///
+/// The weight is 1 / sigma^2, and falls within a few edges of the border, so that the surface does
+/// not step where a scan begins.
+class ScanDistance {
+ public:
+  /// \param sigma [mm] V, standard deviations of the vertices, > 0; empty if they are equal.
+  /// \param overhang [mm] how far the scan continues beyond its border.
+  /// \throws InvalidInput as `opposite_half_edges`.
+  ScanDistance(const TriangleMesh& mesh, const Eigen::VectorXd& sigma, double overhang);
+
+  /// \param places [mm] 3 x N, finite.
+  [[nodiscard]] PlaceDistances at(const Eigen::Ref<const Eigen::Matrix3Xd>& places) const;
+  /// [mm] unsigned distances.
+  [[nodiscard]] Eigen::VectorXd unsigned_at(const Eigen::Ref<const Eigen::Matrix3Xd>& places) const;
+  [[nodiscard]] const TriangleMesh& mesh() const { return mesh_; }
+
+ private:
+  /// The direction outside at a point, and whether that is on the border.
+  struct Side {
+    Eigen::Vector3d outward = Eigen::Vector3d::Zero();  ///< any length; zero if it is unknown
+    bool border = false;
+  };
+  [[nodiscard]] Side side_at(const SurfacePoint& at) const;
+
+  TriangleMesh mesh_;
+  SurfaceQuery query_;
+  Eigen::Matrix3Xi opposite_;          ///< of half-edges
+  Eigen::Matrix3Xd triangle_normals_;  ///< 3 x T, zero without area
+  Eigen::Matrix3Xd vertex_normals_;    ///< 3 x V, zero where they cancel
+  std::vector<bool> at_border_;        ///< of each vertex
+  Eigen::VectorXd feather_;            ///< V, factor of the weight, 1 away from the border
+  Eigen::VectorXd precision_;          ///< [mm^-2] V
+  double overhang_;                    ///< [mm]
+};
+
+}  // namespace palpate::geometry
