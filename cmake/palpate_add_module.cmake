@@ -1,12 +1,13 @@
 # SPDX-FileCopyrightText: Palpate contributors
 # SPDX-License-Identifier: Apache-2.0
 
-# palpate_add_module(name HEADERS ... CONVERTERS ... SOURCES ... PRECOMPILE ... PUBLIC ... PRIVATE ...)
+# palpate_add_module(name MAP ... HEADERS ... CONVERTERS ... SOURCES ... PRECOMPILE ... PUBLIC ... PRIVATE ...)
 # One folder, one shared library palpate::<name>, one installable component.
 # CONVERTERS are headers for users of another library: installed, but they compile only where that library is linked.
-# Shared, so that what a library uses inside never reaches the build of its users.
+# Shared, so that what a library uses inside never reaches the build of its users. MAP is the linker's version script that
+# says what the library exports; by default what is in namespace palpate.
 function(palpate_add_module name)
-  cmake_parse_arguments(ARG "" "" "HEADERS;CONVERTERS;SOURCES;PRECOMPILE;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ARG "" "MAP" "HEADERS;CONVERTERS;SOURCES;PRECOMPILE;PUBLIC;PRIVATE" ${ARGN})
   list(TRANSFORM ARG_HEADERS PREPEND include/)
   list(TRANSFORM ARG_CONVERTERS PREPEND include/)
   list(TRANSFORM ARG_SOURCES PREPEND src/)
@@ -21,6 +22,12 @@ function(palpate_add_module name)
   target_link_libraries(palpate_${name} PUBLIC ${ARG_PUBLIC}
                         PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:palpate_warnings>)
   palpate_precompile(palpate_${name} ${ARG_PRECOMPILE})
+  set(map ${PROJECT_SOURCE_DIR}/cmake/palpate.map)
+  if(ARG_MAP)
+    set(map ${CMAKE_CURRENT_SOURCE_DIR}/${ARG_MAP})
+  endif()
+  target_link_options(palpate_${name} PRIVATE -Wl,--version-script=${map})
+  set_target_properties(palpate_${name} PROPERTIES LINK_DEPENDS ${map})
   # Before 1.0 only versions with the same minor number are compatible.
   set_target_properties(palpate_${name} PROPERTIES
     EXPORT_NAME ${name} INSTALL_RPATH "$ORIGIN"
