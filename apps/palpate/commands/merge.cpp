@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "commands/pose_file.h"
+#include "commands/scan_registration.h"
 #include "palpate/error.h"
-#include "palpate/geometry/register_scans.h"
 #include "palpate/haptics/merge_models.h"
 #include "palpate/haptics/model_io.h"
 #include "palpate/output_file.h"
@@ -29,9 +29,8 @@ using Json = nlohmann::ordered_json;
 struct MergeCall {
   std::vector<fs::path> models, poses;
   fs::path output, picture;
-  bool register_here = false, average = false;
-  double search_rotation_deg = 45;
-  geometry::RegistrationOptions registration;
+  bool average = false;
+  ScanRegistration registration;
   haptics::MergeModelsOptions options;
 };
 
@@ -51,34 +50,16 @@ std::vector<haptics::SideModel> read_sides(const MergeCall& call) {
   return sides;
 }
 
-/// Registers each side to the sides before it. Throws if a pose is not accepted.
-/// \return the registration of each side but the first.
+/// Registers each side to the sides before it.
 Json register_sides(const MergeCall& call, std::vector<haptics::SideModel>& sides) {
   std::vector<geometry::Scan> scans;
-  scans.reserve(sides.size());
-  for (const haptics::SideModel& side : sides)
+  std::vector<std::string> names;
+  for (const haptics::SideModel& side : sides) {
     scans.push_back({.mesh = side.model.surface, .T_object_scan = side.T_object_model});
-  geometry::RegistrationOptions options = call.registration;
-  options.search_rotation = call.search_rotation_deg * kDegree;
-  const std::vector<geometry::Registration> moves = geometry::register_scans(scans, options);
-  Json figures = Json::array();
-  for (std::size_t i = 0; i < moves.size(); ++i) {
-    haptics::SideModel& side = sides[i + 1];
-    if (moves[i].verdict != geometry::RegistrationVerdict::accepted) {
-      throw SolverError(fmt::format(
-          "{} could not be registered to the models before it: {}: {}. Pass the poses with --pose "
-          "and omit --register, or pass closer start poses with --pose and their uncertainty with "
-          "--search-rotation and --search-translation.",
-          side.name, geometry::to_string(moves[i].verdict), moves[i].reason));
-    }
-    side.T_object_model = moves[i].T_target_source;
-    figures.push_back({{"model", side.name},
-                       {"verdict", geometry::to_string(moves[i].verdict)},
-                       {"reason", moves[i].reason},
-                       {"rms", moves[i].rms},
-                       {"overlap", moves[i].overlap}});
-    spdlog::info("{} was registered: {}", side.name, moves[i].reason);
+    names.push_back(side.name);
   }
+  Json figures = register_named_scans(scans, names, "model", call.registration);
+  for (std::size_t i = 0; i < sides.size(); ++i) sides[i].T_object_model = scans[i].T_object_scan;
   return figures;
 }
 
@@ -100,7 +81,7 @@ void merge(const Settings& settings, const MergeCall& call) {
   check_replaceable(call.output, haptics::model_entries());
   std::vector<haptics::SideModel> sides = read_sides(call);
   Json registered = Json::array();
-  if (call.register_here) registered = register_sides(call, sides);
+  if (call.registration.wanted) registered = register_sides(call, sides);
   haptics::MergeModelsOptions options = call.options;
   if (call.average) options.surface = haptics::MergedSurface::averaged;
   const haptics::MergedModel merged = merged_models(sides, options);
@@ -151,31 +132,6 @@ void merge(const Settings& settings, const MergeCall& call) {
                           merged.left_out.size(), merged.largest_distance, call.output.string()));
 }
 
-void add_registration_options(CLI::App& command, const std::shared_ptr<MergeCall>& call) {
-  CLI::Option* here = command.add_flag(
-      "--register", call->register_here,
-      "Register each model rigidly to those before it, starting from its pose; fails (exit status "
-      "1) if no pose is reliable");
-  command
-      .add_option("--search-rotation", call->search_rotation_deg,
-                  "With --register: largest rotation from the start pose [degrees]")
-      ->check(within(at_least(0).at_most(180)))
-      ->capture_default_str()
-      ->needs(here);
-  command
-      .add_option("--search-translation", call->registration.search_translation,
-                  "With --register: largest shift of a model's centroid from the start pose [mm]")
-      ->check(within(at_least(0)))
-      ->needs(here);
-  command
-      .add_option("--min-overlap", call->registration.min_overlap,
-                  "With --register: smallest share of a model's surface that the models before it "
-                  "must cover")
-      ->check(within(above(0).at_most(1)))
-      ->capture_default_str()
-      ->needs(here);
-}
-
 }  // namespace
 
 void add_merge(CLI::App& app, const Settings& settings) {
@@ -188,7 +144,7 @@ void add_merge(CLI::App& app, const Settings& settings) {
       "--pose", call->poses,
       "Pose of a model: a text file with its 4 x 4 matrix (rotation and translation "
       "[mm]), one per model in the same order (default: all models are in one frame)");
-  add_registration_options(*command, call);
+  add_scan_registration(*command, "model", call->registration);
   command->add_flag("--average", call->average,
                     "Fit one smooth surface to all, instead of joining the measured ones at seams");
   command

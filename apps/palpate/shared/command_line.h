@@ -54,6 +54,7 @@ void add_export(CLI::App& app, const Settings& settings);
 void add_fit(CLI::App& app, const Settings& settings);
 void add_identify(CLI::App& app, const Settings& settings);
 void add_info(CLI::App& app, const Settings& settings);
+void add_fuse(CLI::App& app, const Settings& settings);
 void add_merge(CLI::App& app, const Settings& settings);
 void add_mesh(CLI::App& app, const Settings& settings);
 void add_pattern(CLI::App& app, const Settings& settings);

@@ -114,6 +114,7 @@ MergedScans merge_scans(std::span<const Scan> scans, const MergeScansOptions& op
     const ScanDistance scan(meshes[i], know_sigma ? scans[i].sigma : Eigen::VectorXd(),
                             kOverhang * grid.spacing);
     volume = combine(volume, distances_around(scan, grid, options.reach * grid.spacing));
+    if (options.progress) options.progress(static_cast<int>(i + 1), static_cast<int>(scans.size()));
   }
   VolumeSurface surface = zero_surface(grid, volume);
   surface.mesh.triangles = measured_triangles(surface, kLargestBeyond * grid.spacing);

@@ -206,8 +206,8 @@ TEST(ZipperScans, KeepTheMeasuredVertices) {
   ASSERT_EQ(zippered.source.size(), static_cast<std::size_t>(zippered.mesh.vertices.cols()));
   for (std::size_t v = 0; v < zippered.source.size(); ++v) {
     const auto [scan, vertex] = zippered.source[v];
-    const auto& [mesh, T_object_scan] = scans[static_cast<std::size_t>(scan)];
-    EXPECT_LT((T_object_scan * mesh.vertices.col(vertex) -
+    const Scan& from = scans[static_cast<std::size_t>(scan)];
+    EXPECT_LT((from.T_object_scan * from.mesh.vertices.col(vertex) -
                zippered.mesh.vertices.col(static_cast<Eigen::Index>(v)))
                   .norm(),
               1e-12 * 700);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <functional>
 #include <optional>
 #include <span>
 
@@ -27,6 +28,8 @@ struct MergeScansOptions {
   double reach = 3;
   /// [GB] > 0; memory for the grid. A finer grid is refused before it is computed.
   double max_memory = 4;
+  /// Called after each scan with the number of scans done and of all. It may throw to cancel.
+  std::function<void(int done, int total)> progress = {};
 };
 
 struct MergedScans {

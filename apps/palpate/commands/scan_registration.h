@@ -1,0 +1,33 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "palpate/geometry/register_scans.h"
+
+namespace palpate::apps {
+
+/// Whether and how views of an object are registered to each other.
+struct ScanRegistration {
+  bool wanted = false;
+  double search_rotation_deg = 45;
+  geometry::RegistrationOptions options;
+};
+
+/// Adds `--register` and the options of the search. `noun` is what the command calls a scan.
+void add_scan_registration(CLI::App& command, const std::string& noun,
+                           ScanRegistration& registration);
+
+/// Registers each scan to those before it, starting from its pose, and sets its pose.
+/// \return name (as `noun`), verdict, reason, rms and overlap of each scan but the first.
+/// \throws SolverError naming the first scan whose pose is not accepted.
+[[nodiscard]] nlohmann::ordered_json register_named_scans(std::vector<geometry::Scan>& scans,
+                                                          const std::vector<std::string>& names,
+                                                          const std::string& noun,
+                                                          const ScanRegistration& registration);
+
+}  // namespace palpate::apps
