@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <chrono>
 #include <functional>
 #include <opencv2/core/mat.hpp>
 #include <string>
@@ -16,10 +17,20 @@ struct VideoCapture {
   std::function<double(int property)> property;
 };
 
-/// What the module `video_capture` does: OpenCV's reading of videos, which needs 244 shared
-/// libraries.
+/// A camera that is open in V4L2. Empty functions if it could not be opened.
+struct DeviceCapture {
+  VideoCapture capture;
+  /// As cv::VideoCapture::set().
+  std::function<bool(int property, double value)> set;
+  /// Whether a frame is there, after waiting for it at most so long. \throws cv::Exception.
+  std::function<bool(std::chrono::milliseconds)> wait;
+};
+
+/// What the module `video_capture` does: OpenCV's reading of videos and cameras, which needs 244
+/// shared libraries.
 struct VideoCaptures {
   VideoCapture (*open)(const std::string& path);
+  DeviceCapture (*open_device)(int number);
 };
 
 }  // namespace palpate::sensing

@@ -1,0 +1,105 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <opencv2/core/mat.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "palpate/sensing/bayer.h"
+#include "palpate/sensing/image_size.h"
+
+namespace palpate::sensing {
+
+/// A frame as a camera sent it.
+struct CameraFrame {
+  cv::Mat image;  ///< 8 or 16 bit; grey, a mosaic, or BGR. Nobody changes it afterwards.
+  /// Position among all frames that the camera took, from 0: where numbers are missing, frames were
+  /// lost.
+  std::uint64_t number = 0;
+  double time = 0;  ///< s since the first frame, by the camera's clock
+};
+
+/// What a camera is asked for. What is not given stays as it is.
+struct CameraSettings {
+  std::optional<ImageSize> size = {};
+  std::optional<double> rate = {};         ///< frames/s, > 0
+  std::optional<double> exposure_us = {};  ///< time of exposure [us], > 0
+  std::optional<double> gain = {};         ///< in the camera's unit, which is mostly dB
+  /// As GenICam names it: Mono8, BayerRG8, BayerRG12, RGB8; empty for the camera's own choice.
+  std::string pixel_format = {};
+};
+
+/// What a camera is, and how it is set now.
+struct CameraState {
+  std::string name;  ///< for messages: "aravis:Fake_1 (Aravis Fake)"
+  ImageSize size;
+  double rate = 0;  ///< frames/s; 0 if it is not known
+  std::optional<double> exposure_us = {};
+  std::optional<double> gain = {};
+  std::string pixel_format;                ///< as above
+  std::optional<BayerPattern> bayer = {};  ///< if its images are mosaics
+  int bits = 8;                            ///< 2^bits - 1 is full scale; above 8 in 16-bit images
+  bool counts_frames = true;               ///< false: `CameraFrame::number` comes from the times
+  std::vector<std::string> warnings = {};  ///< such as compression with losses
+};
+
+/// A camera that sends frames at its own pace, whether somebody takes them or not. Only one thread
+/// may use it at a time.
+class LiveCamera {
+ public:
+  LiveCamera() = default;
+  virtual ~LiveCamera() = default;
+  LiveCamera(const LiveCamera&) = delete;
+  LiveCamera& operator=(const LiveCamera&) = delete;
+
+  [[nodiscard]] virtual const CameraState& state() const = 0;
+  /// Changes the time of exposure [us], for the frames that are exposed from now on.
+  /// \throws InvalidInput if the camera does not offer it; DeviceError if it does not answer.
+  virtual void set_exposure(double microseconds) = 0;
+  /// Lets it send frames. To be called once.
+  /// \throws DeviceError.
+  virtual void start() = 0;
+  /// The oldest frame that was not taken yet; waits for it at most `wait`.
+  /// \pre `start` was called.
+  /// \return empty if there is none.
+  /// \throws DeviceError if the camera is gone, or sends what is no frame.
+  [[nodiscard]] virtual std::optional<CameraFrame> next(std::chrono::milliseconds wait) = 0;
+};
+
+/// Opens a camera by its name.
+///
+///     aravis:NAME       GenICam (GigE Vision, USB3 Vision) by Aravis; the NAME is what
+///                       `list_cameras` says, or an address. `aravis:Fake_1` is Aravis' own
+///                       simulation.
+///     v4l2:NUMBER       /dev/videoNUMBER, by OpenCV. It has no counter of frames.
+///     simulated:PATH    plays the images of a folder or a video again and again, at 30 frames/s
+///                       or the rate asked for. It keeps the last four frames for a late reader,
+///                       and loses older ones.
+///
+/// \throws InvalidInput if there is no such kind of camera, or it cannot be set as asked for; the
+/// message lists what it offers.
+/// \throws DeviceError if the camera cannot be opened.
+[[nodiscard]] std::unique_ptr<LiveCamera> open_camera(const std::string& name,
+                                                      const CameraSettings& settings = {});
+
+/// A camera that is connected.
+struct CameraEntry {
+  std::string name;   ///< for `open_camera`
+  std::string model;  ///< maker and model
+};
+
+/// What was found, and where no look could be taken.
+struct CameraList {
+  std::vector<CameraEntry> cameras;
+  std::vector<std::string> problems;
+};
+
+/// Lists the cameras that are connected: GenICam first, then V4L2.
+[[nodiscard]] CameraList list_cameras();
+
+}  // namespace palpate::sensing

@@ -1,0 +1,48 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/sensing/live_camera.h"
+
+#include "capture/aravis_camera.h"
+#include "capture/simulated_camera.h"
+#include "capture/v4l2_camera.h"
+#include "files/module.h"
+#include "palpate/error.h"
+#include "palpate/require.h"
+
+namespace palpate::sensing {
+
+const AravisCameras& aravis_cameras() {
+  static const void* const cameras = module_symbol("aravis_camera");
+  return *static_cast<const AravisCameras*>(cameras);
+}
+
+std::unique_ptr<LiveCamera> open_camera(const std::string& name, const CameraSettings& settings) {
+  require("CameraSettings::rate", settings.rate, above(0).finite(), "frames/s");
+  require("CameraSettings::exposure_us", settings.exposure_us, above(0).finite(), "us");
+  require("CameraSettings::gain", settings.gain, finite());
+  const std::size_t colon = name.find(':');
+  const std::string kind = name.substr(0, colon);
+  const std::string rest = colon == std::string::npos ? std::string() : name.substr(colon + 1);
+  if (colon != std::string::npos && !rest.empty()) {
+    if (kind == "aravis") return aravis_cameras().open(rest, settings);
+    if (kind == "v4l2") return open_v4l2_camera(rest, settings);
+    if (kind == "simulated") return open_simulated_camera(rest, settings);
+  }
+  throw InvalidInput(name +
+                     ": is no camera; it must be aravis:NAME, v4l2:NUMBER or simulated:PATH. "
+                     "palpate capture list shows which are connected.");
+}
+
+CameraList list_cameras() {
+  CameraList list;
+  try {
+    list.cameras = aravis_cameras().list();
+  } catch (const Error& error) {
+    list.problems.emplace_back(error.what());
+  }
+  const std::vector<CameraEntry> devices = list_v4l2_cameras();
+  list.cameras.insert(list.cameras.end(), devices.begin(), devices.end());
+  return list;
+}
+
+}  // namespace palpate::sensing
