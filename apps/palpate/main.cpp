@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "commands/capture.h"
 #include "palpate/error.h"
 #include "palpate/require.h"
 #include "shared/call_checks.h"
@@ -67,6 +68,7 @@ int run(int argc, char** argv) {
   add_demo(app, settings);
   add_pattern(app, settings);
   add_calibrate(app, settings);
+  add_capture(app, settings);
   add_simulate(app, settings);
   add_decode(app, settings);
   add_mesh(app, settings);

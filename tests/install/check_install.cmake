@@ -123,9 +123,9 @@ if((with_cgal MATCHES "ON" AND NOT notice MATCHES "CGAL") OR (with_cgal MATCHES 
   message(FATAL_ERROR "${with_cgal} and the installed NOTICE contradict each other:\n${notice}")
 endif()
 
-# 4. What reads videos and images by OpenCV is loaded when it is needed, from where the libraries lie now.
+# 4. What reads videos and images by OpenCV, and cameras, is loaded when it is needed, from where the libraries lie now.
 run(ldd ${prefix}/bin/palpate)
-if(output MATCHES "libopencv_(imgcodecs|videoio)")
+if(output MATCHES "libopencv_(imgcodecs|videoio)|libaravis|libglfw")
   message(FATAL_ERROR "palpate loads ${CMAKE_MATCH_0} at each start:\n${output}")
 endif()
 set(video ${SCRATCH_DIR}/broken.avi)

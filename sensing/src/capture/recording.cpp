@@ -3,6 +3,8 @@
 #include "palpate/sensing/recording.h"
 
 #include <fmt/format.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <exception>
@@ -21,6 +23,15 @@ using Clock = std::chrono::steady_clock;
 
 /// How long a camera is waited for before it is asked whether to go on.
 constexpr std::chrono::milliseconds kLook{50};
+
+/// Frames that nobody takes are lost, but decoding can wait: its threads get less of a busy
+/// processor. [steps of nice]
+constexpr int kDecodersNice = 10;
+
+/// Lets other threads go before this one. If that is not possible, it is as before.
+void step_back() {
+  static_cast<void>(::setpriority(PRIO_PROCESS, static_cast<id_t>(::gettid()), kDecodersNice));
+}
 
 double seconds_since(Clock::time_point time) {
   return std::chrono::duration<double>(Clock::now() - time).count();
@@ -159,6 +170,7 @@ Recording record(LiveCamera& camera, const RecordingOptions& options, const Reco
     }
   });
   workers.start(options.decoders, [&] {
+    step_back();
     while (const auto frame = queue.take_to_decode()) work.decode(*frame);
   });
   Recording recording;
