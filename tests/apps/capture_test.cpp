@@ -69,6 +69,11 @@ TEST_F(Capture, RecordsFramesAsTheCameraSendsThemWithNumbersAndTimes) {
                      (image.size() == first.size() && cv::norm(image, first, cv::NORM_INF) == 0);
   }
   EXPECT_TRUE(is_one_of_them);
+  const CommandResult described = run_palpate({"info", frames, "--json"});
+  ASSERT_EQ(described.status, kDone) << described.err;
+  EXPECT_EQ(json::parse(described.out)["kind"], "recording");
+  EXPECT_EQ(json::parse(described.out)["frames"], 3);
+  EXPECT_EQ(json::parse(described.out)["frames_lost"], figures["frames_lost"]);
 }
 
 TEST_F(Capture, WhatItSkippedIsDecodedAfterwards) {

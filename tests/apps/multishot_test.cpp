@@ -81,6 +81,14 @@ class MultishotCommands : public ::testing::Test {
   sensing::SceneTruth truth;
 };
 
+TEST_F(MultishotCommands, InfoTellsHowManyImagesAPatternHas) {
+  const CommandResult described = run_palpate({"info", scratch / "pattern/pattern.yaml", "--json"});
+  ASSERT_EQ(described.status, kDone) << described.err;
+  const auto figures = nlohmann::json::parse(described.out);
+  EXPECT_EQ(figures["shifts"], 5);
+  EXPECT_EQ(figures["shifts"].get<int>() + figures["code_bits"].get<int>(), images);
+}
+
 TEST_F(MultishotCommands, MeasureAStillSceneWithARigSideBySide) {
   take("frames", 500);
   const CommandResult done = decode({"frames"}, {"--multishot", "--sigma", "--reasons", "--json",

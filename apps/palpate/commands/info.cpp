@@ -4,28 +4,21 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <fstream>
-#include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 #include <optional>
 #include <vector>
 
-#include "commands/decode_record.h"
 #include "commands/describe_mesh.h"
+#include "commands/describe_text.h"
 #include "palpate/error.h"
 #include "palpate/geometry/error_statistics.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/haptics/model_io.h"
 #include "palpate/probing/acquisition_store.h"
 #include "palpate/sensing/frame.h"
-#include "palpate/sensing/pattern.h"
 #include "palpate/sensing/reason_image.h"
-#include "palpate/sensing/response.h"
-#include "palpate/sensing/rig.h"
-#include "palpate/sensing/trained_colors.h"
-#include "palpate/sensing/virtual_sensor.h"
 #include "shared/command_line.h"
 #include "shared/inputs.h"
 
@@ -221,119 +214,11 @@ Description describe_model(const fs::path& path) {
           prose};
 }
 
-Description describe_camera(const fs::path& path) {
-  const geometry::Camera camera = sensing::read_camera(path);
-  return {{{"kind", "camera"}, {"camera_size", {camera.width, camera.height}}},
-          fmt::format("camera, {} x {} px, focal lengths {:.1f} and {:.1f} px", camera.width,
-                      camera.height, camera.fx, camera.fy)};
-}
-
-Description describe_rig(const fs::path& path) {
-  const sensing::Rig rig = sensing::read_rig(path);
-  const double baseline = rig.T_projector_camera.translation().norm();
-  return {
-      {{"kind", "rig"},
-       {"camera_size", {rig.camera.width, rig.camera.height}},
-       {"projector_size", {rig.projector.width, rig.projector.height}},
-       {"baseline", baseline}},
-      fmt::format("rig, camera {} x {} px, projector {} x {} px, {:.1f} mm apart", rig.camera.width,
-                  rig.camera.height, rig.projector.width, rig.projector.height, baseline)};
-}
-
-Description describe_pattern(const fs::path& path) {
-  const sensing::Pattern pattern = sensing::read_pattern(path);
-  return {{{"kind", "pattern"},
-           {"colors", pattern.colors.size()},
-           {"stripes", pattern.stripes.size()},
-           {"period_px", pattern.period}},
-          fmt::format("pattern, {} stripes of {} colours, a sinusoid of {} px along {}",
-                      pattern.stripes.size(), pattern.colors.size(), pattern.period,
-                      pattern.axis == sensing::Axis::x ? "x" : "y")};
-}
-
-Description describe_colors(const fs::path& path) {
-  const sensing::TrainedColors trained = sensing::read_trained_colors(path);
-  return {{{"kind", "trained colors"}, {"colors", trained.colors.size()}},
-          fmt::format("trained colours, {} of them", trained.colors.size())};
-}
-
-Description describe_sensor(const fs::path& path) {
-  const sensing::VirtualSensor sensor = sensing::read_virtual_sensor(path);
-  return {{{"kind", "virtual sensor"},
-           {"bits", sensor.bits},
-           {"full_well", sensor.full_well},
-           {"read_noise", sensor.read_noise},
-           {"camera_blur_px", sensor.camera_blur}},
-          fmt::format("virtual sensor, {} bit, {} electrons at full scale, read noise {}, blur of "
-                      "{} px",
-                      sensor.bits, sensor.full_well, sensor.read_noise, sensor.camera_blur)};
-}
-
-Description describe_response(const fs::path& path) {
-  const sensing::Response response = sensing::read_response(path);
-  std::vector<double> gammas;
-  std::string prose;
-  for (const sensing::ResponseCurve& curve : response.channels) {
-    gammas.push_back(curve.gamma);
-    prose += fmt::format("{} {:.3f}", prose.empty() ? "" : ",", curve.gamma);
-  }
-  return {{{"kind", "response"}, {"channels", response.channels.size()}, {"gamma", gammas}},
-          fmt::format("response of projector and camera, {} channel(s), exponents{}",
-                      response.channels.size(), prose)};
-}
-
-std::string read_text(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  if (!in) throw FileError(path.string() + ": cannot be opened.");
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
-Description describe_record(const fs::path& path) {
-  const std::size_t frames = count_finished_frames(path);
-  return {{{"kind", "record of decode"}, {"frames", frames}},
-          fmt::format("frames that palpate decode has finished in this folder: {}", frames)};
-}
-
-Description describe_yaml(const fs::path& path) {
-  const std::string text = read_text(path);
-  if (text.find("projector_matrix") != std::string::npos) return describe_rig(path);
-  if (text.find("camera_matrix") != std::string::npos) return describe_camera(path);
-  if (text.find("period_px") != std::string::npos) return describe_pattern(path);
-  if (text.find("gamma_deviation") != std::string::npos) return describe_response(path);
-  if (text.find("variance") != std::string::npos) return describe_colors(path);
-  if (text.find("read_noise") != std::string::npos) return describe_sensor(path);
-  throw FileError(
-      path.string() +
-      ": neither a rig (projector_matrix), nor a camera (camera_matrix), nor a pattern "
-      "(period_px), nor trained colours "
-      "(variance), nor a response (gamma_deviation), nor a virtual sensor (read_noise).");
-}
-
-Description describe_csv(const fs::path& path) {
-  const std::string text = read_text(path);
-  const std::string header = text.substr(0, text.find_first_of("\r\n"));
-  if (text.empty()) throw FileError(path.string() + ": is empty.");
-  const auto lines =
-      std::count(text.begin(), text.end(), '\n') + (text.empty() || text.back() == '\n' ? 0 : 1);
-  const std::pair<const char*, const char*> kinds[] = {{"id,x,y,z,nx,ny,nz", "contacts"},
-                                                       {"id,contact,group_id", "samples"},
-                                                       {"cx,cy,cz,dx,dy,dz,fx,fy,fz", "queries"},
-                                                       {"t,x,y,z,cx,cy,cz,fx,fy,fz,state", "trace"},
-                                                       {"t,x,y,z", "trajectory"}};
-  for (const auto& [start, kind] : kinds) {
-    if (header.starts_with(start)) {
-      return {{{"kind", kind}, {"rows", lines - 1}},
-              fmt::format("{}, {} rows: {}", kind, lines - 1, header)};
-    }
-  }
-  return {{{"kind", "table"}, {"rows", lines - 1}},
-          fmt::format("a table unknown to Palpate, {} rows: {}", lines - 1, header)};
-}
-
 Description describe_folder(const fs::path& path) {
   std::error_code ignored;
   if (fs::exists(path / "field.json", ignored) || fs::exists(path / "field.cbor", ignored))
     return describe_model(path);
+  if (is_there(path / "capture.jsonl")) return describe_record(path / "capture.jsonl");
   if (fs::exists(path / "sensor.yaml", ignored) && fs::is_directory(path / "frames", ignored)) {
     const std::size_t frames = list_frames({path / "frames"}).size();
     return {{{"kind", "simulation"}, {"frames", frames}},
@@ -372,7 +257,8 @@ Description describe(const fs::path& path, const geometry::ReadOptions& options)
   if (is_range_map(path)) return describe_range_map(path);
   if (extension == ".db") return describe_acquisition(path);
   if (extension == ".yaml" || extension == ".yml") return describe_yaml(path);
-  if (path.filename() == "decode.jsonl") return describe_record(path);
+  if (path.filename() == "decode.jsonl" || path.filename() == "capture.jsonl")
+    return describe_record(path);
   if (extension == ".csv") return describe_csv(path);
   if (extension == ".pcd") return describe_points(path, options);
   if (path.filename() == "field.json" || path.filename() == "field.cbor")
