@@ -3,11 +3,15 @@
 // `palpate export` of surfaces for other programs.
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <opencv2/core.hpp>
 #include <string>
 
 #include "../haptics/sheet_model.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/haptics/model_io.h"
+#include "palpate/sensing/frame.h"
+#include "palpate/sensing/rig.h"
 #include "run_palpate.h"
 
 namespace palpate::apps {
@@ -38,6 +42,43 @@ TEST(ExportSurface, WritesModelsMeshesAndRangeMapsInAllFormats) {
         EXPECT_NEAR(read.vertices.row(2).mean(), 700, 1e-3);
       }
     }
+  }
+}
+
+TEST(ExportSurface, GivesTheColourOfARangeMapAndKeepsThatOfAMesh) {
+  const ScratchFolder scratch;
+  fs::copy_file(demo("truth/duck.tiff"), scratch / "duck.tiff");
+  const std::vector<std::string> call = {
+      "export", scratch / "duck.tiff", "--color", "--ply",
+      "--rig",  demo("rig.yaml"),      "-o",      scratch / "duck.ply"};
+  const CommandResult missing = run_palpate(call);
+  EXPECT_EQ(missing.status, kWrongCall);
+  EXPECT_NE(missing.err.find("duck_color.png: missing. --color needs"), std::string::npos);
+  // Left half red, right half blue; the camera looks along z, so the column tells the half.
+  const sensing::Rig rig = sensing::read_rig(demo("rig.yaml"));
+  cv::Mat picture(rig.camera.height, rig.camera.width, CV_8UC3, cv::Scalar(0, 0, 255));
+  picture.colRange(picture.cols / 2, picture.cols) = cv::Scalar(255, 0, 0);
+  sensing::write_png(scratch / "duck_color.png", picture);
+  const CommandResult done = run_palpate(call);
+  ASSERT_EQ(done.status, kDone) << done.err;
+  const CommandResult again =
+      run_palpate({"export", scratch / "duck.ply", "--ply", "-o", scratch / "again.ply"});
+  ASSERT_EQ(again.status, kDone) << again.err;
+  for (const char* name : {"duck.ply", "again.ply"}) {
+    const geometry::MeshFile file = geometry::read_mesh_file(scratch / name);
+    const auto rgb = geometry::colors(file.vertex_attributes);
+    ASSERT_TRUE(rgb);
+    Eigen::Index wrong = 0;
+    for (Eigen::Index i = 0; i < file.mesh.vertices.cols(); ++i) {
+      const Eigen::Vector3d p = file.mesh.vertices.col(i);
+      const double u = rig.camera.fx * p.x() / p.z() + rig.camera.cx;
+      const double border = picture.cols / 2 - 0.5;
+      if (std::abs(u - border) < 1) continue;  // either of the pixels beside it
+      const Eigen::Vector3d expected =
+          u < border ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitZ();
+      wrong += (rgb->col(i).head<3>() - expected).norm() < 1e-6 ? 0 : 1;
+    }
+    EXPECT_EQ(wrong, 0) << name;
   }
 }
 

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "commands/color_picture.h"
 #include "commands/export_page.h"
 #include "palpate/error.h"
 #include "palpate/geometry/mesh_io.h"
@@ -23,7 +24,8 @@ namespace fs = std::filesystem;
 constexpr int kMostEvery = 1'000'000;
 
 struct ExportCall {
-  PageCall page;  ///< its input and output are those of all formats
+  PageCall page;       ///< its input and output are those of all formats
+  bool color = false;  ///< of a range map
   bool ply = false, obj = false, vtk = false, glb = false, json = false, cbor = false, html = false;
 };
 
@@ -53,7 +55,7 @@ void write_document(const ExportCall& call, PageContent content) {
       call.json ? haptics::ModelEncoding::json : haptics::ModelEncoding::cbor);
 }
 
-geometry::MeshFile surface_of(const PageCall& call, PageContent content) {
+geometry::MeshFile surface_of(const PageCall& call, PageContent content, bool color) {
   geometry::MeshFile file;
   if (content == PageContent::model) {
     file.mesh = haptics::read_model(call.input).surface;
@@ -65,14 +67,19 @@ geometry::MeshFile surface_of(const PageCall& call, PageContent content) {
     file = geometry::read_mesh_file(call.input, call.meshes);
   } else {
     file.mesh = geometry::mesh_range_map(load_range_map(call.input, call.camera)).mesh;
+    if (color) file.vertex_attributes = colors_beside(call.input, file.mesh.vertices, call.camera);
   }
   return file;
 }
 
 void write_without_page(const ExportCall& call, PageContent content) {
   check_surface_options(call.page, content);
+  if (call.color && content != PageContent::range_maps) {
+    throw InvalidInput(call.page.input.string() +
+                       ": --color works for range maps; meshes keep the colours that they have.");
+  }
   if (call.json || call.cbor) return write_document(call, content);
-  geometry::write_mesh_file(call.page.output, surface_of(call.page, content));
+  geometry::write_mesh_file(call.page.output, surface_of(call.page, content, call.color));
 }
 
 void export_as(const Settings& settings, ExportCall call) {
@@ -118,6 +125,11 @@ void add_export(CLI::App& app, const Settings& settings) {
       "A page, one file for any browser: a model to press and to drag on, range maps in "
       "false colour and in space, or meshes");
   format->require_option(1);
+  command
+      ->add_flag("--color", call->color,
+                 "Colour the surface of a range map by the picture that palpate decode "
+                 "--surface-color has written beside it")
+      ->excludes("--html");
   add_friction_option(*command, page.friction);
   add_camera_options(*command, page.camera);
   add_unit_option(*command, page.meshes);
@@ -139,7 +151,7 @@ void add_export(CLI::App& app, const Settings& settings) {
       "rounded; the command and the page say to what.\n"
       "Examples:\n  palpate export model/ --obj -o model.obj\n"
       "  palpate export surface.ply --glb -o surface.glb\n"
-      "  palpate export range/000000.tiff --vtk -o frame.vtk\n"
+      "  palpate export range/000000.tiff --color --glb -o frame.glb\n"
       "  palpate export model/ --html -o model.html\n"
       "  palpate export range/ --html -o range.html\n"
       "  palpate export depth/ --html --scale 1 --intrinsics 600,600,320,240 --every 5 -o "

@@ -6,7 +6,7 @@
 
 #include <utility>
 
-#include "commands/surface_colors.h"
+#include "commands/color_picture.h"
 #include "palpate/error.h"
 #include "palpate/geometry/decimation.h"
 #include "palpate/geometry/hole_filling.h"
@@ -15,8 +15,6 @@
 #include "palpate/geometry/range_map_mesh.h"
 #include "palpate/geometry/range_map_smoothing.h"
 #include "palpate/geometry/smoothing.h"
-#include "palpate/sensing/frame.h"
-#include "palpate/sensing/rig.h"
 
 namespace palpate::apps {
 namespace {
@@ -46,27 +44,6 @@ void smooth_depths(const fs::path& input, geometry::RangeMap& map) {
                     "decode --sigma writes beside the range map.");
   }
   map.z = geometry::smooth_range_map(map.z, geometry::read_depth_tiff(file));
-}
-
-/// Colours of the finished mesh, from the picture that `decode --surface-color` has written beside
-/// the range map.
-geometry::Attributes find_colors(const fs::path& input, const geometry::TriangleMesh& mesh,
-                                 const MeshSteps& steps) {
-  const fs::path file = input.parent_path() / (input.stem().string() + "_color.png");
-  if (!is_range_map(input) || !is_there(file)) {
-    throw FileError(file.string() +
-                    ": missing. --color needs the colour of the surface, which palpate decode "
-                    "--surface-color writes beside the range map.");
-  }
-  const cv::Mat color = sensing::read_frame(file);
-  const geometry::Camera camera = sensing::read_camera(rig_of(input, steps.camera.rig));
-  if (color.depth() != CV_8U || color.cols != camera.width || color.rows != camera.height) {
-    throw FileError(fmt::format(
-        "{}: is {} x {} px of {} bit; 8 bit and the size of the range map, "
-        "{} x {} px, are expected",
-        file.string(), color.cols, color.rows, 8 * color.elemSize1(), camera.width, camera.height));
-  }
-  return colors_of(mesh.vertices, camera, color);
 }
 
 MadeMesh load(const fs::path& input, const MeshSteps& steps) {
@@ -157,7 +134,7 @@ MadeMesh make_mesh(const fs::path& input, const MeshSteps& steps) {
   if (steps.fill_holes) fill_holes(made, *steps.fill_holes);
   if (steps.smooth > 0) made.mesh = geometry::smooth(made.mesh, {.iterations = steps.smooth});
   if (steps.tolerance) decimate(input, made, steps);
-  if (steps.color) made.colors = find_colors(input, made.mesh, steps);
+  if (steps.color) made.colors = colors_beside(input, made.mesh.vertices, steps.camera);
   made.figures["vertices"] = made.mesh.vertices.cols();
   made.figures["triangles"] = made.mesh.triangles.cols();
   return made;
