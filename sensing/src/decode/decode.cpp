@@ -39,6 +39,10 @@ namespace {
 /// Known neighbours whose phases differ by more than this belong to different surfaces [rad];
 /// wrapped differences can show at most pi.
 constexpr double kBreak = 2;
+/// Slope of a surface's phase without the carrier [rad/px]: more between two pixels is a step.
+constexpr double kSteepestPhase = 0.2;
+/// Standard deviation of the phase [rad] beyond which a pixel beside a step sees both sides.
+constexpr double kMisfit = 0.15;
 /// Reach of blur beyond the edge of a surface [px].
 constexpr int kBlurRadius = 2;
 /// Half-widths of the squares in which colours are checked [px]: one that contains more than one
@@ -59,34 +63,6 @@ int break_columns(const DemodulationFilter& filter) {
 /// Half the width of a trough of the sinusoid, including its flanks [px].
 int trough_radius(const Carrier& carrier) {
   return (static_cast<int>(2 * std::numbers::pi / std::abs(carrier.along)) + 1) / 2;
-}
-
-/// Smallest period at half size [px]. For longer periods the alias of the sinusoid at the negative
-/// frequency is at least one carrier away, on a zero of the window's spectrum or beyond, like the
-/// second harmonic. For shorter periods it would disturb the phase wherever a slope moves the
-/// sinusoid off the carrier.
-constexpr double kLeastHalfPeriod = 3;
-
-/// The rig whose camera has the size of the decoded image.
-Rig decoded_rig(const Rig& rig, const Pattern& pattern, bool half) {
-  if (!half) return rig;
-  check_rig(rig, "rig");
-  check_pattern(pattern, "pattern");
-  const double period = std::numbers::pi / std::abs(expected_carrier(rig, pattern).along);
-  if (period < kLeastHalfPeriod) {
-    throw InvalidInput(
-        "DecodeOptions: half_resolution: a period of the sinusoid would have about " +
-        std::to_string(period) + " px at half the frame's size; at least " +
-        std::to_string(kLeastHalfPeriod) + " px are needed, decode at full size");
-  }
-  Rig decoded = rig;
-  decoded.camera = half_size(rig.camera);
-  if (decoded.covariance) {
-    // Of the camera's fx fy cx cy [px].
-    decoded.covariance->topRows<4>() /= 2;
-    decoded.covariance->leftCols<4>() /= 2;
-  }
-  return decoded;
 }
 
 /// Assigns to each pixel the entry of its label.
@@ -260,6 +236,7 @@ void Decoder::Impl::judge_light(Workspace& work) const {
                            .residual = work.demodulated.residual,
                            .modulated = work.modulated};
   predict_phase_sigma(signal, estimate_noise(signal, filter), filter, work.sigma);
+  unmix_neighbours(signal, filter, work.wrapped, work.sigma);
   drop_uncertain(work.sigma, options.max_phase_sigma, work.modulated);
   work.reasons.setZero(model.rows(), model.columns());
   find_clipped(work.channels, work.clipped);
@@ -307,7 +284,15 @@ void Decoder::Impl::drop_borders(Workspace& work) const {
   erode(work.lit, kBlurRadius, work.inner);
   give_reason_unless(work.inner, Reason::border, work.reasons);
   keep_reconstructed(work.reasons, work.phase);
-  find_breaks(work.phase, kBreak, {filter.radius / 2, break_columns(filter)}, work.breaks);
+  const Reach reach{filter.radius / 2, break_columns(filter)};
+  find_breaks(work.phase, kBreak, reach, work.breaks);
+  give_reason(work.breaks, Reason::border, work.reasons);
+  keep_reconstructed(work.reasons, work.phase);
+  // Beside a depth step a sinusoid that fits badly belongs to both surfaces.
+  find_steps(work.phase,
+             {.step = kBreak, .slope = kSteepestPhase, .gap = {2 * filter.radius, filter.radius}},
+             reach, work.breaks);
+  keep_above(work.sigma, kMisfit, work.breaks);
   give_reason(work.breaks, Reason::border, work.reasons);
   keep_reconstructed(work.reasons, work.phase);
 }

@@ -2,12 +2,25 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "decode/decode_options.h"
 
+#include <cmath>
 #include <numbers>
+#include <string>
 
+#include "decode/decoder_geometry.h"
+#include "image/half_size.h"
 #include "palpate/error.h"
 #include "palpate/require.h"
 
 namespace palpate::sensing {
+namespace {
+
+/// Smallest period at half size [px]. For longer periods the alias of the sinusoid at the negative
+/// frequency is at least one carrier away, on a zero of the window's spectrum or beyond, like the
+/// second harmonic. For shorter periods it would disturb the phase wherever a slope moves the
+/// sinusoid off the carrier.
+constexpr double kLeastHalfPeriod = 3;
+
+}  // namespace
 
 void check_options(const DecodeOptions& options) {
   require("DecodeOptions::window_periods", options.window_periods, at_least(1.25).at_most(8));
@@ -42,6 +55,27 @@ void check_anchors(const std::vector<Anchor>& anchors, const Pattern& pattern,
     require("Anchor::v_px", anchor.v_px, above(-0.5).below(camera.height - 0.5), "px");
     require("Anchor::z", anchor.z, above(0).finite(), "mm");
   }
+}
+
+Rig decoded_rig(const Rig& rig, const Pattern& pattern, bool half) {
+  if (!half) return rig;
+  check_rig(rig, "rig");
+  check_pattern(pattern, "pattern");
+  const double period = std::numbers::pi / std::abs(expected_carrier(rig, pattern).along);
+  if (period < kLeastHalfPeriod) {
+    throw InvalidInput(
+        "DecodeOptions: half_resolution: a period of the sinusoid would have about " +
+        std::to_string(period) + " px at half the frame's size; at least " +
+        std::to_string(kLeastHalfPeriod) + " px are needed, decode at full size");
+  }
+  Rig decoded = rig;
+  decoded.camera = half_size(rig.camera);
+  if (decoded.covariance) {
+    // Of the camera's fx fy cx cy [px].
+    decoded.covariance->topRows<4>() /= 2;
+    decoded.covariance->leftCols<4>() /= 2;
+  }
+  return decoded;
 }
 
 }  // namespace palpate::sensing

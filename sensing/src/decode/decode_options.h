@@ -16,4 +16,8 @@ void check_options(const DecodeOptions& options);
 void check_anchors(const std::vector<Anchor>& anchors, const Pattern& pattern,
                    const geometry::Camera& camera);
 
+/// The rig whose camera has the size of the decoded image.
+/// \throws InvalidInput if the sinusoid is too fine for half the size.
+[[nodiscard]] Rig decoded_rig(const Rig& rig, const Pattern& pattern, bool half);
+
 }  // namespace palpate::sensing

@@ -333,6 +333,9 @@ MultishotResult MultishotDecoder::Impl::decode(std::span<const cv::Mat> given) c
   find_phases(combined, totals, reoriented(sums.remainder, carrier.transposed), codes, phase, sigma,
               reasons);
 
+  Mask edges;
+  add_mixed_light(combined, totals.count, carrier.along, sigma, edges);
+  give_reason(edges, Reason::border, reasons);
   drop_chance_agreements(phase, reasons);
   keep_reconstructed(reasons, phase);
 

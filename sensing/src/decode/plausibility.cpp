@@ -32,6 +32,18 @@ PALPATE_HOT_LOOP bool break_row(const float* phase, const float* below, float li
   return any != 0;
 }
 
+void mark_around(long row, long column, const Reach& reach, Mask& marked) {
+  const long top = std::max<long>(0, row - reach.rows);
+  const long left = std::max<long>(0, column - reach.columns);
+  marked.block(top, left, std::min(marked.rows() - 1, row + reach.rows) - top + 1,
+               std::min(marked.cols() - 1, column + reach.columns) - left + 1) = 1;
+}
+
+PALPATE_HOT_LOOP void keep_larger(const float* values, float limit, long count,
+                                  std::uint8_t* __restrict marked) {
+  for (long i = 0; i < count; ++i) marked[i] = values[i] > limit ? marked[i] : 0;
+}
+
 /// Evidence of a pixel: `kCompared` if the colour of its stripe is known, and `kAgreeing` if it has
 /// this colour.
 constexpr std::uint32_t kCompared = 1;
@@ -126,12 +138,6 @@ void find_breaks(const Plane& phase, double max_step, const Reach& reach, Mask& 
   const long rows = phase.rows();
   const long columns = phase.cols();
   marked.setZero(rows, columns);
-  const auto mark = [&](long row, long column) {
-    const long top = std::max<long>(0, row - reach.rows);
-    const long left = std::max<long>(0, column - reach.columns);
-    marked.block(top, left, std::min(rows - 1, row + reach.rows) - top + 1,
-                 std::min(columns - 1, column + reach.columns) - left + 1) = 1;
-  };
   const auto limit = static_cast<float>(max_step);
   std::vector<std::uint8_t> breaks(static_cast<std::size_t>(columns));
   for (long row = 0; row < rows; ++row) {
@@ -140,12 +146,44 @@ void find_breaks(const Plane& phase, double max_step, const Reach& reach, Mask& 
     // The last pixel of a row has no next one.
     const long last = columns - 1;
     const bool at_last = std::abs(below[last] - here[last]) > limit;
-    if (at_last) mark(row, last);
+    if (at_last) mark_around(row, last, reach, marked);
     if (!break_row(here, below, limit, breaks.data(), last)) continue;
     for (long column = 0; column < last; ++column) {
-      if (breaks[static_cast<std::size_t>(column)] != 0) mark(row, column);
+      if (breaks[static_cast<std::size_t>(column)] != 0) mark_around(row, column, reach, marked);
     }
   }
+}
+
+void find_steps(const Plane& phase, const StepLimits& limits, const Reach& reach, Mask& marked) {
+  marked.setZero(phase.rows(), phase.cols());
+  const auto step = static_cast<float>(limits.step);
+  const auto slope = static_cast<float>(limits.slope);
+  const auto is_step = [&](float a, float b, long distance) {
+    return std::abs(a - b) > step + slope * static_cast<float>(distance);
+  };
+  std::vector<long> above(static_cast<std::size_t>(phase.cols()), -1 - limits.gap.rows);
+  for (long row = 0; row < phase.rows(); ++row) {
+    long left = -1 - limits.gap.columns;
+    for (long column = 0; column < phase.cols(); ++column) {
+      const float here = phase(row, column);
+      if (std::isnan(here)) continue;
+      if (column - left <= limits.gap.columns && is_step(here, phase(row, left), column - left)) {
+        mark_around(row, left, reach, marked);
+        mark_around(row, column, reach, marked);
+      }
+      left = column;
+      long& last = above[static_cast<std::size_t>(column)];
+      if (row - last <= limits.gap.rows && is_step(here, phase(last, column), row - last)) {
+        mark_around(last, column, reach, marked);
+        mark_around(row, column, reach, marked);
+      }
+      last = row;
+    }
+  }
+}
+
+void keep_above(const Plane& values, double limit, Mask& marked) {
+  keep_larger(values.data(), static_cast<float>(limit), values.size(), marked.data());
 }
 
 StripeColors::StripeColors(const Pattern& pattern) {

@@ -25,6 +25,19 @@ struct Reach {
 /// more than `max_step` [rad]. NaN is no discontinuity.
 void find_breaks(const Plane& phase, double max_step, const Reach& reach, Mask& marked);
 
+/// Two pixels with a phase, at most `gap` apart in a row or a column and with none in between, lie
+/// on different surfaces iff their phases differ by more than step + slope * distance [rad].
+struct StepLimits {
+  double step = 0;   ///< [rad]
+  double slope = 0;  ///< [rad/px]
+  Reach gap;
+};
+/// Marks the pixels within `reach` of both sides of each step, also across pixels without a phase.
+void find_steps(const Plane& phase, const StepLimits& limits, const Reach& reach, Mask& marked);
+
+/// Keeps the marks of pixels whose value is > limit.
+void keep_above(const Plane& values, double limit, Mask& marked);
+
 /// Maps a projector pixel well inside a stripe to the stripe's colour.
 class StripeColors {
  public:

@@ -22,6 +22,14 @@ constexpr long kDifferenceStep = 4;
 /// Approximate number of differences.
 constexpr long kDifferences = 8000;
 
+/// Variance of the blur by lens and demosaicing [px^2].
+constexpr float kMixingBlur = 2;
+/// The amplitude at the very edge of a surface, with such a blur, changes by this share per pixel
+/// [1/px]: sqrt(2 / (pi V)), a little more beyond.
+constexpr float kMostFade = 0.6F;
+/// A change of the amplitude counts from so many standard deviations on.
+constexpr float kClearFade = 3;
+
 /// Median of the mean square of `freedom` normal values of variance one (Wilson and Hilferty 1931).
 double median_of_chi2(int freedom) {
   const double k = freedom;
@@ -115,6 +123,39 @@ double beyond_chance(int freedom) {
   constexpr double kDeviations = 3.719;  // one in ten thousand
   const double k = freedom;
   return std::pow(1 - 2 / (9 * k) + kDeviations * std::sqrt(2 / (9 * k)), 3);
+}
+
+void add_mixed_light(const Combined& combined, const Plane& count, double along, Plane& sigma,
+                     Mask& edges) {
+  edges.setZero(sigma.rows(), sigma.cols());
+  for (long row = 1; row + 1 < sigma.rows(); ++row) {
+    for (long column = 1; column + 1 < sigma.cols(); ++column) {
+      if (std::isnan(sigma(row, column))) continue;
+      const auto phasor = [&](long down, long right) {
+        return std::complex<float>(combined.re(row + down, column + right),
+                                   combined.im(row + down, column + right));
+      };
+      const float power = std::norm(phasor(0, 0));
+      float off = 0, slopes = 0, fades = 0;
+      const auto add = [&](long down, long right, float carrier) {
+        if (count(row - down, column - right) != count(row + down, column + right)) return;
+        const auto before = phasor(-down, -right);
+        const auto after = phasor(down, right);
+        const float fade = (std::norm(after) - std::norm(before)) / (4 * power);
+        const float slope = std::arg(after * std::conj(before)) / 2 + carrier;
+        off += fade * slope;
+        slopes += slope * slope;
+        fades += fade * fade;
+      };
+      add(1, 0, static_cast<float>(along));
+      add(0, 1, 0);
+      edges(row, column) = fades > kMostFade * kMostFade ? 1 : 0;
+      // The noise of `off` is that of an amplitude, sigma, times slope / sqrt(2).
+      const float variance = sigma(row, column) * sigma(row, column);
+      if (off * off > kClearFade * kClearFade * slopes * variance / 2)
+        sigma(row, column) = std::sqrt(variance + kMixingBlur * kMixingBlur * off * off);
+    }
+  }
 }
 
 }  // namespace palpate::sensing

@@ -68,6 +68,37 @@ TEST(Plausibility, ABreakReachesAsFarAsTheWindowMixes) {
   EXPECT_TRUE((breaks_of(phase, 2) == 0).all());
 }
 
+TEST(Plausibility, AStepIsFoundAcrossPixelsWithoutAPhase) {
+  Plane phase = Plane::Zero(40, 30);
+  phase.bottomRows(20) = 5;
+  phase.middleRows(16, 8) = std::nanf("");
+  Mask marked;
+  const auto find = [&](int rows) {
+    find_steps(phase, {.step = 2, .slope = 0.2, .gap = {rows, 4}}, {.rows = 3, .columns = 2},
+               marked);
+  };
+  find(9);
+  for (long row = 0; row < 40; ++row) {
+    const bool above = row >= 12 && row <= 18, below = row >= 21 && row <= 27;
+    EXPECT_EQ(marked(row, 7) != 0, above || below) << row;
+  }
+  find(8);  // the two sides are 9 px apart
+  EXPECT_TRUE((marked == 0).all());
+  phase.bottomRows(20) *= 0.7F;  // 3.5 rad over 9 px: a slope may do that
+  find(9);
+  EXPECT_TRUE((marked == 0).all());
+}
+
+TEST(Plausibility, OnlyMarksAboveTheLimitAreKept) {
+  Plane values(1, 4);
+  values << 0.1F, 0.3F, std::nanf(""), 0.5F;
+  Mask marked(1, 4);
+  marked << 1, 1, 1, 0;
+  keep_above(values, 0.2, marked);
+  EXPECT_EQ(marked(0, 0) + marked(0, 2) + marked(0, 3), 0);
+  EXPECT_EQ(marked(0, 1), 1);
+}
+
 class Contradictions : public ::testing::Test {
  protected:
   /// Hues and projector pixels of a wall that shows stripes of 33 px, seen one to one.
