@@ -30,17 +30,23 @@ cv::Mat panel_light(const cv::Mat& image, const geometry::Camera& projector,
   for (int row = 0; row < image.rows; ++row) {
     const float* from = values.ptr<float>(row);
     float* to = light.ptr<float>(row);
+    float last = -1;  // no value of an image
     for (int i = 0; i < 3 * image.cols; ++i) {
-      const double value = from[channels == 1 ? i / 3 : i];
+      const float value = from[channels == 1 ? i / 3 : i];
+      if (value == last) {  // in most panels of a sequence, and a power takes long
+        to[i] = to[i - 1];
+        continue;
+      }
       require(
           [&] {
             return what + ": the value at row " + std::to_string(row) + ", column " +
                    std::to_string(i / 3);
           },
-          value, at_least(0).at_most(1));
-      to[i] =
-          static_cast<float>(sensor.projector_black + (1 - sensor.projector_black) *
-                                                          std::pow(value, sensor.projector_gamma));
+          static_cast<double>(value), at_least(0).at_most(1));
+      to[i] = static_cast<float>(sensor.projector_black +
+                                 (1 - sensor.projector_black) *
+                                     std::pow(static_cast<double>(value), sensor.projector_gamma));
+      last = value;
     }
   }
   return gaussian_blur(light, sensor.projector_blur, Border::black);

@@ -29,6 +29,16 @@ struct Echo {
   Illumination light;
 };
 
+/// What one colour of a camera pixel's sample receives: `white` times the panel's light at `panel`,
+/// and `dark` without it.
+struct TracedRay {
+  int column = 0;
+  int channel = 0;
+  std::optional<Eigen::Vector2d> panel;  ///< px; none in the shade
+  double white = 0;
+  double dark = 0;
+};
+
 struct Renderer {
   const geometry::Camera& camera;
   const VirtualSensor& sensor;
@@ -44,38 +54,53 @@ struct Renderer {
                 .light = path.illuminate(scene, *place)};
   }
 
-  /// Adds `weight` times the light of one colour to one pixel of each image.
-  void add(const Echo& echo, int channel, float weight, cv::Point pixel,
-           std::vector<cv::Mat>& images) const {
+  /// What one colour of an echo sends to a pixel in each image.
+  [[nodiscard]] TracedRay ray_of(const Echo& echo, int channel, int column) const {
     const auto panel =
         echo.light.lit ? path.shifted(echo.light.pixel, shifts[static_cast<std::size_t>(channel)])
                        : std::nullopt;
-    const double white = echo.reflectance[channel] * echo.light.diffuse + echo.light.highlight;
-    const double dark = echo.reflectance[channel] * sensor.ambient;
-    for (std::size_t i = 0; i < images.size(); ++i) {
-      const double light = panel ? static_cast<double>(light_at(lights[i], *panel, channel)) : 0;
-      images[i].at<cv::Vec3f>(pixel)[channel] += weight * static_cast<float>(white * light + dark);
+    return {.column = column,
+            .channel = channel,
+            .panel = panel,
+            .white = echo.reflectance[channel] * echo.light.diffuse + echo.light.highlight,
+            .dark = echo.reflectance[channel] * sensor.ambient};
+  }
+
+  /// The rays that end in a row of the camera, pixel by pixel.
+  void trace_row(const VirtualScene& scene, int v, std::vector<TracedRay>& rays) const {
+    const int samples = sensor.samples_per_axis;
+    const auto offset = [samples](int i) { return (i + 0.5) / samples - 0.5; };
+    rays.clear();
+    for (int u = 0; u < camera.width; ++u) {
+      for (int s = 0; s < samples * samples; ++s) {
+        const Eigen::Vector2d ray = geometry::undistort(
+            camera, Eigen::Vector2d(u + offset(s % samples), v + offset(s / samples)));
+        std::optional<Echo> echo;
+        for (std::size_t c = 0; c < 3; ++c) {
+          // Colours with the same path are traced once.
+          if (c == 0 || shifts[c].alpha != shifts[c - 1].alpha) {
+            echo = follow(scene, shifts[c].alpha * ray);
+          }
+          if (echo) rays.push_back(ray_of(*echo, static_cast<int>(c), u));
+        }
+      }
     }
   }
 
   /// Adds `weight` times the light at one time to each image.
   void add_moment(const VirtualScene& scene, float weight, std::vector<cv::Mat>& images) const {
-    const int samples = sensor.samples_per_axis;
-    const float share = weight / static_cast<float>(samples * samples);
-    const auto offset = [samples](int i) { return (i + 0.5) / samples - 0.5; };
+    const float share =
+        weight / static_cast<float>(sensor.samples_per_axis * sensor.samples_per_axis);
     parallel_for(camera.height, [&](int v) {
-      for (int u = 0; u < camera.width; ++u) {
-        for (int s = 0; s < samples * samples; ++s) {
-          const Eigen::Vector2d ray = geometry::undistort(
-              camera, Eigen::Vector2d(u + offset(s % samples), v + offset(s / samples)));
-          std::optional<Echo> echo;
-          for (std::size_t c = 0; c < 3; ++c) {
-            // Colours with the same path are traced once.
-            if (c == 0 || shifts[c].alpha != shifts[c - 1].alpha) {
-              echo = follow(scene, shifts[c].alpha * ray);
-            }
-            if (echo) add(*echo, static_cast<int>(c), share, {u, v}, images);
-          }
+      std::vector<TracedRay> rays;
+      trace_row(scene, v, rays);
+      // One panel after the other: all of them do not fit into the cache.
+      for (std::size_t i = 0; i < images.size(); ++i) {
+        auto* const row = images[i].ptr<cv::Vec3f>(v);
+        for (const TracedRay& ray : rays) {
+          const double light =
+              ray.panel ? static_cast<double>(light_at(lights[i], *ray.panel, ray.channel)) : 0;
+          row[ray.column][ray.channel] += share * static_cast<float>(ray.white * light + ray.dark);
         }
       }
     });
