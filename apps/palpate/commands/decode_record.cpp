@@ -45,6 +45,7 @@ Json to_json(const sensing::DecodeEvidence& evidence) {
           {"explained_edges", evidence.explained_edges},
           {"light", evidence.light},
           {"lit", evidence.lit},
+          {"across", evidence.across},
           {"hues", evidence.hues},
           {"trained_hues", evidence.trained_hues},
           {"steps_in_pairs", evidence.steps_in_pairs},
@@ -67,6 +68,7 @@ sensing::DecodeEvidence evidence_of(const Json& json) {
   json.at("explained_edges").get_to(evidence.explained_edges);
   json.at("light").get_to(evidence.light);
   json.at("lit").get_to(evidence.lit);
+  json.at("across").get_to(evidence.across);
   json.at("hues").get_to(evidence.hues);
   json.at("trained_hues").get_to(evidence.trained_hues);
   json.at("steps_in_pairs").get_to(evidence.steps_in_pairs);

@@ -35,6 +35,8 @@ constexpr double kLeastTrainedHues = 0.3;
 
 /// The sinusoid is missing iff less than this share of the lit pixels shows it.
 constexpr double kLeastSinusoid = 0.2;
+/// It runs the other way iff at least this share shows it there.
+constexpr double kMostAcross = 0.4;
 
 /// Squared steps of brightness within pairs of rows and between the pairs are alike up to this
 /// factor.
@@ -169,6 +171,7 @@ DecodeEvidence& DecodeEvidence::operator+=(const DecodeEvidence& other) {
   for (std::size_t i = 0; i < light.size(); ++i) light[i] += other.light[i];
   lit += other.lit;
   hues += other.hues;
+  across += other.across;
   trained_hues += other.trained_hues;
   steps_in_pairs += other.steps_in_pairs;
   steps_between_pairs += other.steps_between_pairs;
@@ -177,6 +180,17 @@ DecodeEvidence& DecodeEvidence::operator+=(const DecodeEvidence& other) {
 }
 
 DecodeJudgement judge(const DecodeEvidence& evidence) {
+  if (evidence.lit >= kLeastHues &&
+      evidence.edges +
+          evidence.off_panel<kLeastEdges&& static_cast<double>(evidence.across)> kMostAcross *
+              static_cast<double>(evidence.lit)) {
+    return {DecodeVerdict::wrong_pattern,
+            fmt::format(
+                "the sinusoid runs along the other axis of the image: {:.0f} % of the lit "
+                "pixels show it there. The pattern has another axis, or the frames are "
+                "turned by 90 degrees",
+                100 * static_cast<double>(evidence.across) / static_cast<double>(evidence.lit))};
+  }
   if (evidence.hues >= kLeastHues && has_wrong_rows(evidence)) {
     return {DecodeVerdict::wrong_rows,
             "rows of the frames are exchanged or doubled, as in interlaced video: try to record "

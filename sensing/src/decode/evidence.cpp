@@ -44,6 +44,10 @@ constexpr long kLeastInPart = 8;
 /// colours part.
 constexpr double kDisplaced = 0.35;
 
+/// With fewer stripe edges than these, the sinusoid may run the other way, which takes a
+/// millisecond to see.
+constexpr long kFewEdges = 60;
+
 /// An agreement below this needs an explanation, which takes a millisecond.
 constexpr double kNeedsExplanation = 0.6;
 
@@ -313,6 +317,10 @@ DecodeEvidence EvidenceFinder::find(const Workspace& work, const DecoderGeometry
   }
   const std::vector<Transition> edges = trusted_edges(work);
   compare(edges, work, model, evidence);
+  if (static_cast<long>(edges.size()) < kFewEdges) {
+    add_sinusoid_across(work, std::abs(model.carrier().along), step_for(work.hue.rows(), kHueLines),
+                        evidence);
+  }
   if (evidence.agreement >= kNeedsExplanation * static_cast<double>(edges.size())) return evidence;
   evidence.explained_edges = static_cast<long>(edges.size());
   for (std::size_t i = 0; i < changes_.size(); ++i) {

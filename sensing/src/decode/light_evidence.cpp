@@ -4,6 +4,8 @@
 
 #include <array>
 #include <cmath>
+#include <complex>
+#include <numbers>
 #include <optional>
 
 namespace palpate::sensing {
@@ -19,6 +21,14 @@ constexpr double kLeastSlope = 0.15;
 
 /// Of doubled rows, the steps within pairs are less than this share of those between them.
 constexpr double kDoubled = 0.05;
+
+/// Of swapped rows, which take one step back and three ahead, the mean product of successive steps
+/// is less than this times their mean square. It is above zero at blurred edges, about -0.3 beside
+/// the rims of sharpened ones, and -0.5 of noise alone, whose steps are alike everywhere.
+constexpr double kBackwards = -0.4;
+
+/// A sinusoid runs the other way iff its amplitude is at least this share of the mean.
+constexpr double kContrastAcross = 0.3;
 
 /// Steps of brightness from some rows to the next, in proportion to what a sinusoid of unit
 /// amplitude and the measured phase makes of them. A period of four pixels would otherwise show the
@@ -36,24 +46,32 @@ struct RowSteps {
 };
 
 /// The same for a sinusoid that runs along the rows of the frame, which are the columns of the
-/// working image. Its stripes alone vary across them, and show only whether rows are doubled.
+/// working image. Its stripes alone vary across them, and show only whether rows are doubled or
+/// swapped.
 void add_column_steps(const Workspace& work, DecodeEvidence& evidence) {
   const std::vector<Plane>& channels = work.whole.empty() ? work.channels : work.whole;
   const long scale = work.whole.empty() ? 1 : 2;
   const long rows = std::min(channels[0].rows(), scale * work.modulated.rows());
   const long columns = std::min(channels[0].cols(), scale * work.modulated.cols());
   std::array<double, 2> steps{};
+  double products = 0;
   for (long row = 0; row < rows; row += step_for(rows, kStepColumns)) {
+    float last = 0;
     for (long column = 0; column + 1 < columns; ++column) {
-      if (work.modulated(row / scale, column / scale) == 0) continue;
       float change = 0;
-      for (const Plane& channel : channels)
-        change += channel(row, column + 1) - channel(row, column);
+      if (work.modulated(row / scale, column / scale) != 0) {
+        for (const Plane& channel : channels)
+          change += channel(row, column + 1) - channel(row, column);
+      }
       steps[static_cast<std::size_t>(column % 2)] += static_cast<double>(change * change);
+      products += static_cast<double>(last * change);
+      last = change;
     }
   }
   // Sharp stripes may happen to begin at even columns, but not all of them.
-  if (std::min(steps[0], steps[1]) > kDoubled * std::max(steps[0], steps[1])) return;
+  const bool doubled = std::min(steps[0], steps[1]) <= kDoubled * std::max(steps[0], steps[1]);
+  const bool swapped = products < kBackwards * (steps[0] + steps[1]);
+  if (!doubled && !swapped) return;
   evidence.steps_in_pairs = steps[0];
   evidence.steps_between_pairs = steps[1];
 }
@@ -112,6 +130,36 @@ void add_row_steps(const Workspace& work, const Carrier& carrier, DecodeEvidence
     add_column_steps(work, evidence);
   } else {
     add_sinusoid_steps(work, carrier.along, evidence);
+  }
+}
+
+void add_sinusoid_across(const Workspace& work, double carrier, long step,
+                         DecodeEvidence& evidence) {
+  const long rows = work.lit.rows(), columns = work.lit.cols();
+  const auto period = std::max(2L, std::lround(2 * std::numbers::pi / carrier));
+  const long reach = 2 * period;  // of a Hann window
+  // Its period in the image is known only roughly, because it depends on the pattern's right axis.
+  constexpr std::array<double, 3> kFactors{0.8, 1, 1.25};
+  for (long row = 0; row < rows; row += step) {
+    for (long middle = reach; middle + reach < columns; middle += period) {
+      if (work.lit.row(row).segment(middle - reach, 2 * reach + 1).minCoeff() == 0) continue;
+      double mean = 0;
+      std::array<std::complex<double>, kFactors.size()> waves{};
+      for (long d = -reach; d <= reach; ++d) {
+        double light = 0;
+        for (const Plane& channel : work.channels)
+          light += static_cast<double>(channel(row, middle + d));
+        light *= 1 + std::cos(std::numbers::pi * static_cast<double>(d) /
+                              static_cast<double>(reach + 1));
+        mean += light;
+        for (std::size_t i = 0; i < waves.size(); ++i)
+          waves[i] += std::polar(light, kFactors[i] * carrier * static_cast<double>(d));
+      }
+      const auto strong = [&](const std::complex<double>& wave) {
+        return 2 * std::abs(wave) >= kContrastAcross * mean;
+      };
+      if (std::any_of(waves.begin(), waves.end(), strong)) evidence.across += period;
+    }
   }
 }
 

@@ -20,4 +20,10 @@ void add_light(const Workspace& work, DecodeEvidence& evidence);
 /// resolution.
 void add_row_steps(const Workspace& work, const Carrier& carrier, DecodeEvidence& evidence);
 
+/// Adds the lit pixels that show a sinusoid across the expected direction, on every `step`-th row
+/// of the working image.
+/// \param carrier of the expected one [rad/px].
+void add_sinusoid_across(const Workspace& work, double carrier, long step,
+                         DecodeEvidence& evidence);
+
 }  // namespace palpate::sensing

@@ -8,6 +8,7 @@
 #include <functional>
 #include <numbers>
 #include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 #include <string>
 #include <vector>
 
@@ -173,6 +174,37 @@ TEST(DecodeVerdict, TakesAPeriodOfFourPixelsNotForInterlacedRows) {
   inputs.frame = render(inputs.rig, inputs.pattern, plane({0, 0, 1}, 720)).frame;
   const DecodeEvidence evidence = evidence_of(inputs);
   EXPECT_EQ(judge(evidence).verdict, DecodeVerdict::accepted) << judge(evidence).reason;
+}
+
+// The stripes alone, which lie along the rows, show it then.
+TEST(DecodeVerdict, TellsSwappedFieldsUnderASinusoidAlongTheRows) {
+  for (const bool verging : {false, true}) {
+    Inputs inputs{.rig = make_rig(verging), .pattern = make_pattern(Axis::x, 20, 768), .frame = {}};
+    inputs.frame = render(inputs.rig, inputs.pattern, usual_surface()).frame;
+    cv::GaussianBlur(inputs.frame, inputs.frame, {0, 0}, 0.6);  // a lens
+    for (const double noise : {0.0, 0.01}) {
+      add_noise(inputs.frame, noise, 4);
+      EXPECT_EQ(judgement_of(inputs).verdict, DecodeVerdict::accepted);
+      Inputs swapped = inputs;
+      swapped.frame = inputs.frame.clone();
+      take_rows(swapped.frame, [](int row) { return row ^ 1; });
+      EXPECT_EQ(judgement_of(swapped).verdict, DecodeVerdict::wrong_rows)
+          << judgement_of(swapped).reason;
+    }
+  }
+}
+
+TEST(DecodeVerdict, TellsASinusoidAlongTheOtherAxisFromOneThatIsOutOfFocus) {
+  Inputs inputs = usual_inputs();
+  inputs.frame = render(make_rig(true), inputs.pattern, usual_surface()).frame;
+  inputs.rig = make_rig(true);
+  Inputs turned = inputs;
+  turned.pattern = make_pattern(Axis::x, 20, 768);
+  const DecodeJudgement judgement = judgement_of(turned);
+  EXPECT_EQ(judgement.verdict, DecodeVerdict::wrong_pattern) << judgement.reason;
+  EXPECT_NE(judgement.reason.find("other axis"), std::string::npos) << judgement.reason;
+  cv::GaussianBlur(inputs.frame, inputs.frame, {0, 0}, 5);
+  EXPECT_EQ(judgement_of(inputs).verdict, DecodeVerdict::too_little) << judgement_of(inputs).reason;
 }
 
 TEST(DecodeVerdict, RefusesNothingThatIsTooLittleToJudgeBy) {

@@ -45,6 +45,8 @@ struct DecodeEvidence {
   std::array<double, 3> light{};   ///< sums of the sinusoid's amplitude in red, green, blue
   long lit = 0;                    ///< lit pixels that were looked at
   long hues = 0;                   ///< those with a sinusoid
+  /// Those with a sinusoid across the expected direction; only of frames with few edges.
+  long across = 0;
   long trained_hues = 0;           ///< those with a sinusoid and the hue of a trained colour
   double steps_in_pairs = 0;       ///< squared differences of rows 0 and 1, 2 and 3, ...
   double steps_between_pairs = 0;  ///< and of rows 1 and 2, 3 and 4, ...
