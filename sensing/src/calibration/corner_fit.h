@@ -15,12 +15,13 @@ struct CornerGuess {
   double radius = 0;         ///< px, of the circle in which the image is used
 };
 
-/// Fits (c + a erf(d1 / s) erf(d2 / s)) (1 + g p), with the distances d from two lines through the
+/// Fits (c + a erf(d1 / s) erf(d2 / s)) (1 + g p), with the distances d from two curves through the
 /// corner, a blur s and a gradient g of the light, to the pixels within a circle (Gauss-Newton).
 ///
 /// This image is even about the corner, so that a response curve, glare or too small a circle do
-/// not move it. On simulated boards residuals fall from 0.025 px of the balance of gradients
-/// (`cornerSubPix`) to 0.003 px.
+/// not move it; the edges may be bent as by a lens, which would otherwise pull all corners towards
+/// the middle of the image. On simulated boards residuals fall from 0.025 px of the balance of
+/// gradients (`cornerSubPix`) to 0.003 px.
 /// \param image CV_32F.
 /// \return empty if the circle leaves the image, if there is no contrast, or if the fit does not
 /// converge within 0.3 px of the guess.

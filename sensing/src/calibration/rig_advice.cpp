@@ -114,6 +114,23 @@ std::vector<std::string> rig_advice(const RigFit& fit, const Eigen::VectorXd& de
   return advice;
 }
 
+std::vector<std::string> uneven_boards(const RigFit& fit, const std::vector<RigView>& views) {
+  constexpr double kLowWeight = 0.5;  // residuals above 4.2 standard deviations
+  constexpr double kFew = 0.05;       // of the corners
+  std::vector<std::string> warnings;
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    const Eigen::VectorXd& weight = fit.views[v].camera_weight;
+    const auto low = (weight.array() < kLowWeight).count();
+    if (static_cast<double>(low) <= kFew * static_cast<double>(weight.size())) continue;
+    const Eigen::Matrix2Xd residual = bundle_residuals(fit.bundle, fit.views[v], v).camera;
+    warnings.push_back(fmt::format(
+        "{}: {} of {} corners do not lie in the plane of the others, by up to {:.2g} px, and count "
+        "less; is the board flat, and nothing in front of it?",
+        views[v].name, low, weight.size(), residual.colwise().norm().maxCoeff()));
+  }
+  return warnings;
+}
+
 double relative_depth_deviation(const Rig& rig, const RigFit& fit) {
   constexpr int kAcross = 12;  // places along the image's width and height
   Eigen::Matrix2Xd pixels(2, kAcross * kAcross);

@@ -16,6 +16,11 @@ namespace palpate::sensing {
 [[nodiscard]] std::vector<std::string> rig_advice(const RigFit& fit,
                                                   const Eigen::VectorXd& deviation);
 
+/// One sentence for each view in which several corners do not lie in the plane of the others: the
+/// board is not flat, or something hides them. They count less in the fit.
+[[nodiscard]] std::vector<std::string> uneven_boards(const RigFit& fit,
+                                                     const std::vector<RigView>& views);
+
 /// Median standard deviation that the rig's covariance gives to depths, as a share of the depth:
 /// over the camera's image, where the projector lights it, at the distances of the boards.
 /// \pre the rig has a covariance.

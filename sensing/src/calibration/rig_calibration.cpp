@@ -176,6 +176,8 @@ RigCalibration result_of(const RigFit& fit, const std::vector<RigView>& views) {
   const Eigen::VectorXd sigmas = result.rig.covariance->diagonal().cwiseSqrt();
   result.depth_deviation = relative_depth_deviation(result.rig, fit);
   result.advice = rig_advice(fit, sigmas);
+  for (std::string& warning : uneven_boards(fit, views))
+    result.advice.push_back(std::move(warning));
   result.camera_deviation = deviation_of(sigmas.head<9>());
   result.projector_deviation = deviation_of(sigmas.segment<9>(9));
   result.rotation_deviation = sigmas.segment<3>(18);

@@ -97,7 +97,7 @@ void set_weights(const Bundle& bundle, std::vector<BundleView>& views) {
 ///
 /// What a board that is not flat or a lens of another kind leaves is alike in neighbouring points.
 double correlation_of(const Bundle& bundle, const std::vector<BundleView>& views) {
-  constexpr double kReach = 42;  // px: three and a half cells of a Gray code
+  constexpr double kNear = 42;  // px: three and a half cells of a Gray code
   double own = 0;
   double together = 0;
   for (std::size_t v = 0; v < views.size(); ++v) {
@@ -107,7 +107,7 @@ double correlation_of(const Bundle& bundle, const std::vector<BundleView>& views
       own += weight * weight * residual.col(i).squaredNorm();
       for (Eigen::Index j = 0; j < i; ++j) {
         const Eigen::Vector2d apart = views[v].lit_camera.col(i) - views[v].lit_camera.col(j);
-        if (apart.squaredNorm() > kReach * kReach) continue;
+        if (apart.squaredNorm() > kNear * kNear) continue;
         together +=
             2 * weight * views[v].projector_weight[j] * residual.col(i).dot(residual.col(j));
       }

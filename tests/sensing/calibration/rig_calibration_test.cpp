@@ -47,6 +47,26 @@ TEST(CalibrateRig, ExactPointsGiveTheExactRig) {
   EXPECT_TRUE(result.views[3].T_camera_board.isApprox(board_poses(8)[3], 1e-7));
 }
 
+// A sheet of paper that lifts from its support at a corner.
+TEST(CalibrateRig, SaysWhichBoardIsNotFlatAndIsHardlyMovedByIt) {
+  const Rig truth = make_board_rig();
+  std::vector<RigView> views = make_views(truth, board_poses(10), 0.03, 0.05);
+  const auto uneven = [](const RigCalibration& result) {
+    std::vector<std::string> found;
+    for (const std::string& advice : result.advice)
+      if (advice.find("is the board flat") != std::string::npos) found.push_back(advice);
+    return found;
+  };
+  EXPECT_TRUE(uneven(calibrate(views)).empty());
+  for (const int corner : {0, 1, 2, 9, 10, 18}) views[4].camera.col(corner).y() += 0.8;
+  const RigCalibration result = calibrate(views);
+  ASSERT_EQ(uneven(result).size(), 1U);
+  EXPECT_EQ(uneven(result)[0].find("view 4: 6 of 54 corners"), 0U) << uneven(result)[0];
+  EXPECT_LT(std::abs(result.rig.camera.fx - truth.camera.fx), 4 * result.camera_deviation.fx);
+  EXPECT_LT(std::abs(result.rig.projector.fy - truth.projector.fy),
+            4 * result.projector_deviation.fy);
+}
+
 TEST(CalibrateRig, ErrorsAndResidualsAreWhatTheNoiseMakesThem) {
   const Rig truth = make_board_rig();
   const auto squared = [](double value) { return value * value; };
