@@ -19,13 +19,26 @@ constexpr std::size_t kLeastGuesses = 5;
 constexpr double kNearTurns = 0.3;
 
 /// A single stripe edge is trusted iff the mean distance of its guesses from the whole number is at
-/// most this, as for an edge located to about a pixel over many scanlines.
-constexpr double kProvenTurns = 0.1;
+/// most this, as for an edge located to about half a pixel over many scanlines. One edge in eight
+/// that is misread as a whole passes by chance.
+constexpr double kProvenTurns = 0.06;
+
+/// Guesses are those of a single stripe edge if it has this much more of their weight than all
+/// others together: nine tenths of it. The rest is then misread here and there.
+constexpr double kSingleEdge = 0.8;
 
 /// Guesses on this many consecutive scanlines confirm each other iff their columns differ by at
 /// most kChainColumns from one to the next.
 constexpr int kChainLength = 5;
 constexpr int kChainColumns = 3;
+
+/// Counts a guess for its stripe edge against the leading one, after Boyer and Moore 1991.
+void vote(Tally& tally, const PhaseGuess& guess) {
+  tally.lead += guess.edge == tally.leading_edge ? guess.score : -guess.score;
+  if (tally.lead >= 0) return;
+  tally.lead = -tally.lead;
+  tally.leading_edge = guess.edge;
+}
 
 /// The offset that follows from the tallies of one region, sorted by turns.
 RegionOffset offset_of(const std::vector<Tally>& tallies, double min_agreement) {
@@ -44,7 +57,8 @@ RegionOffset offset_of(const std::vector<Tally>& tallies, double min_agreement) 
   if (tallies[median].weight < min_agreement * total) return {{}, Reason::ambiguous_offset};
   // The guesses of a misread edge are spread uniformly between two whole numbers.
   const Tally& best = tallies[median];
-  const bool proven = best.several_edges || best.residual <= kProvenTurns * best.weight;
+  const bool several_edges = best.lead < kSingleEdge * best.weight;
+  const bool proven = several_edges || best.residual <= kProvenTurns * best.weight;
   if (!proven) return {{}, Reason::no_transition};
   return {kFullTurn * tallies[median].turns, Reason::reconstructed};
 }
@@ -131,8 +145,7 @@ void region_offsets(const Regions& regions, const std::vector<PhaseGuess>& guess
     ++tally.guesses;
     tally.weight += guess.score;
     tally.residual += guess.score * std::abs(asked - turns);
-    if (tally.edge < 0) tally.edge = guess.edge;
-    tally.several_edges |= tally.edge != guess.edge;
+    vote(tally, guess);
   }
   offsets.clear();
   for (const int first : buffers.first_tally) {

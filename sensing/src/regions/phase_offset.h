@@ -34,9 +34,9 @@ struct Tally {
   int next = 0;  ///< index of another tally of the same region
   int guesses = 0;
   double weight = 0;
-  double residual = 0;         ///< weighted sum of the guesses' distances from `turns`
-  int edge = -1;               ///< stripe edge of the first guess
-  bool several_edges = false;  ///< the guesses come from more than one stripe edge
+  double residual = 0;    ///< weighted sum of the guesses' distances from `turns`
+  int leading_edge = -1;  ///< the stripe edge of most guesses, if one has more than half
+  double lead = 0;        ///< at most its weight, at least by how much it exceeds the others'
 };
 
 /// Buffers reused by the functions below from frame to frame; they carry no state between calls.
@@ -65,9 +65,9 @@ struct RegionOffset {
 /// Finds the multiple of 2 pi to be added to the unwrapped phase of each region (Eq. 3.12): the
 /// rounded weighted median of its guesses.
 ///
-/// A region gets no offset (no_transition) if it has too few guesses, or if all come from a single
-/// stripe edge, which may be misread as a whole, unless they are very close to the multiple. It
-/// gets none (ambiguous_offset) if less than `min_agreement` of its guesses, by weight, give the
+/// A region gets no offset (no_transition) if it has too few guesses, or if nearly all come from a
+/// single stripe edge, which may be misread as a whole, unless they are very close to the multiple.
+/// It gets none (ambiguous_offset) if less than `min_agreement` of its guesses, by weight, give the
 /// same multiple.
 /// \param offsets output, one per region.
 void region_offsets(const Regions& regions, const std::vector<PhaseGuess>& guesses,

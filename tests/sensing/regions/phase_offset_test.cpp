@@ -82,6 +82,21 @@ TEST(PhaseOffset, ASingleStripeEdgeMayHaveBeenMisreadAllAlong) {
   EXPECT_EQ(alone.reason, Reason::no_transition);
 }
 
+TEST(PhaseOffset, AFewGuessesOfAnotherEdgeProveNothing) {
+  // One guess in twenty of another edge, on the same number of turns by chance.
+  const auto guesses = column_of(3, 0, 20, 1.2);
+  const auto offset = [&](int others) {
+    std::vector<PhaseGuess> from = guesses;
+    for (int i = 0; i < others; ++i) from[static_cast<std::size_t>(7 * i % 20)].edge = 4;
+    OffsetBuffers buffers;
+    std::vector<RegionOffset> offsets;
+    region_offsets(two_regions(), from, kMinGuessAgreement, buffers, offsets);
+    return offsets[0];
+  };
+  EXPECT_FALSE(offset(1).phase);
+  EXPECT_TRUE(offset(5).phase);
+}
+
 TEST(PhaseOffset, GuessesOutsideEveryRegionDoNotCount) {
   EXPECT_FALSE(offsets_of(two_regions(), column_of(11, 0, 9, 1))[0].phase.has_value());
 }
