@@ -28,6 +28,11 @@ function(palpate_add_module name)
   endif()
   target_link_options(palpate_${name} PRIVATE -Wl,--version-script=${map})
   set_target_properties(palpate_${name} PROPERTIES LINK_DEPENDS ${map})
+  # A library that is not named above fails here, not in Python, which resolves every symbol at once. What sanitizers
+  # call is in the programs.
+  if(NOT CMAKE_CXX_FLAGS MATCHES "-fsanitize=")
+    target_link_options(palpate_${name} PRIVATE -Wl,-z,defs)
+  endif()
   # Before 1.0 only versions with the same minor number are compatible.
   set_target_properties(palpate_${name} PROPERTIES
     EXPORT_NAME ${name} INSTALL_RPATH "$ORIGIN"

@@ -181,7 +181,7 @@ TEST_F(WrongOptions, WhatPalpateWritesIsRecognised) {
       R"({"edges":0,"off_panel":0,"stripe_edges":0,"agreement":0,"shift":0,"steady_edges")"
       R"(:0,"displaced_edges":0,"neighbours":0,"smoothness":0,"explained":[0,0,0,0,0,0,0,)"
       R"(0],"explained_edges":0,"light":[0,0,0],"lit":0,"hues":0,"trained_hues":0,"steps_)"
-      R"(in_pairs":0,"steps_between_pairs":0,"colors_fit_pattern":false})"
+      R"(in_pairs":0,"steps_between_pairs":0,"colors_fit_pattern":false,"across":0})"
       "}"
       "\n");
   const auto figures = [](const std::string& path) {

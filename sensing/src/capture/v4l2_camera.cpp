@@ -29,6 +29,10 @@ namespace {
 constexpr double kExposureUnit = 100;
 constexpr double kByHand = 1;
 
+/// What V4L2 calls images that are compressed with losses: the letters of MJPG, the first one
+/// lowest.
+constexpr int kMotionJpeg = 'M' | 'J' << 8 | 'P' << 16 | 'G' << 24;
+
 /// A rate that differs by no more counts as the one asked for.
 constexpr double kSameRate = 0.01;
 
@@ -110,8 +114,7 @@ V4l2Camera::V4l2Camera(const std::string& number, const CameraSettings& settings
   state_.gain = settings.gain;
   state_.pixel_format = "BGR8";
   state_.counts_frames = false;
-  if (static_cast<int>(property(cv::CAP_PROP_FOURCC)) ==
-      cv::VideoWriter::fourcc('M', 'J', 'P', 'G'))
+  if (static_cast<int>(property(cv::CAP_PROP_FOURCC)) == kMotionJpeg)
     state_.warnings.push_back(state_.name +
                               ": compresses its images with losses (MJPG); stripe colours and "
                               "phase suffer. A smaller size or rate may come without");
