@@ -41,10 +41,10 @@ struct DecodeEvidence {
   double smoothness = 0;  ///< sum of cos(2 pi (difference of d)) over these
   /// Sums of cos(2 pi d) as if an explanation held; only of frames that disagree.
   std::array<double, kFrameExplanations> explained{};
-  long explained_edges = 0;        ///< `edges` plus `off_panel` of these frames
-  std::array<double, 3> light{};   ///< sums of the sinusoid's amplitude in red, green, blue
-  long lit = 0;                    ///< lit pixels that were looked at
-  long hues = 0;                   ///< those with a sinusoid
+  long explained_edges = 0;       ///< `edges` plus `off_panel` of these frames
+  std::array<double, 3> light{};  ///< sums of the sinusoid's amplitude in red, green, blue
+  long lit = 0;                   ///< lit pixels that were looked at
+  long hues = 0;                  ///< those with a sinusoid
   /// Those with a sinusoid across the expected direction; only of frames with few edges.
   long across = 0;
   long trained_hues = 0;           ///< those with a sinusoid and the hue of a trained colour
