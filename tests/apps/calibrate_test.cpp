@@ -83,6 +83,17 @@ TEST(Calibrate, ARigBeginsWithImagesToProject) {
   EXPECT_TRUE(fs::exists(scratch / "show/projected.png"));
 }
 
+TEST(Calibrate, ABoardIsDrawnInTrueSize) {
+  const ScratchFolder scratch;
+  const CommandResult result =
+      run_palpate({"calibrate", "rig", "--draw-board", scratch / "board.svg", "--board",
+                   "charuco:8x11", "--square", "20", "--marker", "15", "--json"});
+  EXPECT_EQ(result.status, 0) << result.err;
+  EXPECT_EQ(nlohmann::json::parse(result.out)["print_size"], nlohmann::json({200.0, 260.0}));
+  const std::string svg = read_text(scratch / "board.svg");
+  EXPECT_NE(svg.find("width=\"200mm\" height=\"260mm\""), std::string::npos) << svg.substr(0, 200);
+}
+
 TEST(Calibrate, WrongCallsAreRefused) {
   const ScratchFolder scratch;
   fs::create_directories(scratch.path() / "empty");
@@ -99,6 +110,21 @@ TEST(Calibrate, WrongCallsAreRefused) {
   refused({"rig", empty, "--projector-size", "64x48", "-o", out}, "--board");
   refused({"rig", empty, "--board", "7x9", "--square", "5", "--projector-size", "64x48", "-o", out},
           "no image");
+  const std::string board = scratch / "board.svg";
+  const auto no_board = [&](std::vector<std::string> more, const std::string& place) {
+    more.insert(more.begin(), {"rig", "--draw-board", board, "--square", "20"});
+    refused(more, place);
+  };
+  no_board({}, "--board");
+  no_board({"--board", "charuco:8x11"}, "--marker");
+  no_board({"--board", "charuco:8x11", "--marker", "20"}, "Board::marker");
+  no_board({"--board", "charuco:80x80", "--marker", "15"}, "markers");
+  no_board({"--board", "8x11", "--marker", "15"}, "chessboard");
+  no_board({"--board", "charuco:8", "--marker", "15"}, "'8'");
+  const std::string picture = scratch / "board.png";
+  refused({"rig", "--draw-board", picture, "--square", "20", "--board", "8x11"}, ".svg");
+  EXPECT_FALSE(fs::exists(picture));
+  EXPECT_FALSE(fs::exists(board));
   refused({"response", empty, "-o", out}, "grey_000.png");
   refused({"response", empty}, "-o");
   refused({"response"}, "--check");

@@ -8,6 +8,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <string_view>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -16,6 +17,7 @@
 #include "palpate/output_file.h"
 #include "palpate/pictures/draw_residuals.h"
 #include "palpate/require.h"
+#include "palpate/sensing/board_print.h"
 #include "palpate/sensing/rig_calibration.h"
 #include "palpate/sensing/rig_view_files.h"
 #include "shared/call_checks.h"
@@ -34,7 +36,7 @@ struct RigCall {
   sensing::Board printed;
   sensing::ImageSize projector;
   sensing::RigCalibrationOptions options;
-  fs::path output, picture, draw;
+  fs::path output, picture, draw, draw_board;
 };
 
 /// Parses two whole numbers such as 1024x768.
@@ -49,6 +51,41 @@ std::pair<int, int> parse_pair(const std::string& text, const char* option) {
     throw InvalidInput(fmt::format("{}: '{}' is not of the form 7x9.", option, text));
   }
   return {first, second};
+}
+
+/// Parses 7x9, a chessboard's inner corners, or charuco:8x11, a ChArUco board's squares, which is
+/// how other programs describe such boards.
+void parse_board(const std::string& text, sensing::Board& board) {
+  constexpr std::string_view kCharuco = "charuco:";
+  const bool has_markers = text.starts_with(kCharuco);
+  std::tie(board.columns, board.rows) =
+      parse_pair(has_markers ? text.substr(kCharuco.size()) : text, "--board");
+  if (!has_markers) {
+    if (board.marker > 0)
+      throw InvalidInput("--marker: only for --board charuco:...; a chessboard has no markers.");
+    return;
+  }
+  --board.columns;
+  --board.rows;
+  if (!(board.marker > 0)) {
+    throw InvalidInput(
+        "--board charuco:... needs --marker, the side of its markers in mm, outer edge to outer "
+        "edge of their black border.");
+  }
+}
+
+void draw_board(const Settings& settings, const RigCall& call) {
+  if (call.draw_board.extension() != ".svg") {
+    throw InvalidInput(call.draw_board.string() +
+                       ": boards are SVG drawings; choose a name that ends in .svg");
+  }
+  sensing::write_board_print(call.draw_board, call.printed);
+  const double width = (call.printed.columns + 3) * call.printed.square;
+  const double height = (call.printed.rows + 3) * call.printed.square;
+  print(settings, {{"file", call.draw_board.string()}, {"print_size", {width, height}}},
+        fmt::format("Board written to {}: {:.0f} x {:.0f} mm with its margin. Print it at 100 %, "
+                    "glue it onto something flat, and measure the squares",
+                    call.draw_board.string(), width, height));
 }
 
 void draw_patterns(const Settings& settings, const RigCall& call) {
@@ -179,10 +216,17 @@ void calibrate_rig(const Settings& settings, const RigCall& call) {
 }
 
 void run_call(const Settings& settings, RigCall call) {
+  if (!call.board.empty()) parse_board(call.board, call.printed);
+  if (!call.draw_board.empty()) {
+    if (call.board.empty() || !(call.printed.square > 0))
+      throw InvalidInput("calibrate rig: --draw-board needs --board and --square.");
+    draw_board(settings, call);
+    return;
+  }
+  if (call.projector_size.empty())
+    throw InvalidInput("calibrate rig: --projector-size is missing, such as 1024x768.");
   std::tie(call.projector.width, call.projector.height) =
       parse_pair(call.projector_size, "--projector-size");
-  if (!call.board.empty())
-    std::tie(call.printed.columns, call.printed.rows) = parse_pair(call.board, "--board");
   if (!call.draw.empty()) {
     draw_patterns(settings, call);
     return;
@@ -201,14 +245,22 @@ void run_call(const Settings& settings, RigCall call) {
 void add_calibrate_rig(CLI::App& calibrate, const Settings& settings) {
   auto call = std::make_shared<RigCall>();
   CLI::App* rig =
-      calibrate.add_subcommand("rig", "Calibrate camera, projector and pose from chessboard views");
+      calibrate.add_subcommand("rig", "Calibrate camera, projector and pose from views of a board");
   rig->add_option("FOLDER", call->folders,
                   "Folders of images, one per pose of the board, or a folder of such folders");
-  rig->add_option("--board", call->board, "Inner corners of the printed board, such as 7x9");
+  rig->add_option("--board", call->board,
+                  "Inner corners of the printed chessboard, such as 7x9; or the squares of a "
+                  "ChArUco board, such as charuco:8x11");
   rig->add_option("--square", call->printed.square, "Side of a square [mm]")
       ->check(within(above(0)));
-  rig->add_option("--projector-size", call->projector_size, "Projector size [px], such as 1024x768")
-      ->required();
+  rig->add_option("--marker", call->printed.marker, "Side of a ChArUco board's markers [mm]")
+      ->check(within(above(0)));
+  rig->add_option("--marker-bits", call->printed.marker_bits,
+                  "Bits along the side of such a marker: 4 for DICT_4X4, 5, 6 or 7")
+      ->capture_default_str()
+      ->check(one_of({"4", "5", "6", "7"}));
+  rig->add_option("--projector-size", call->projector_size,
+                  "Projector size [px], such as 1024x768");
   rig->add_option(
          "--distortion", call->options.distortion_terms,
          "Coefficients of each lens distortion to estimate: 0, 2 (k1 k2), 4 (also p1 p2) or 5 "
@@ -218,13 +270,17 @@ void add_calibrate_rig(CLI::App& calibrate, const Settings& settings) {
   rig->add_option("-o,--output", call->output, "Rig file to write (rig.yaml)");
   rig->add_option("--picture", call->picture, "Also draw the residuals (PNG)");
   rig->add_option("--draw", call->draw, "Only write the images to project, into this new folder");
+  rig->add_option("--draw-board", call->draw_board,
+                  "Only write the board in true size, to be printed (SVG)");
   rig->footer(
       "Each pose is a folder with the camera images of the board under the projected images of "
       "--draw:\nthe Gray code sequence in its order (PNG, TIFF or JPEG). If the projector can show "
       "only one still\nimage, project projected.png onto the same plane beside the printed board; "
       "each pose then consists of\ntwo images, board.png and projected.png. Take at least ten "
       "poses, tilted by 20 to 45 degrees about\nboth axes of the board.\n"
-      "Example:\n  palpate calibrate rig --draw show/ --projector-size 1024x768\n"
+      "Example:\n  palpate calibrate rig --draw-board board.svg --board charuco:8x11 --square 20 "
+      "--marker 15\n"
+      "  palpate calibrate rig --draw show/ --projector-size 1024x768\n"
       "  palpate calibrate rig poses/ --board 7x9 --square 25 --projector-size 1024x768 -o "
       "rig.yaml "
       "--picture residuals.png");

@@ -7,9 +7,11 @@
 #include <cmath>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
+#include <vector>
 
 #include "calibration/synthetic_board.h"
 #include "palpate/error.h"
+#include "palpate/sensing/board_print.h"
 #include "palpate/sensing/gray_code.h"
 
 namespace palpate::sensing {
@@ -28,7 +30,7 @@ TEST(BoardViews, GrayCodeFindsCornersBetweenThePixels) {
   const RigView truth = exact_view(rig, pose, "");
   ASSERT_EQ(view.camera.cols(), 54);
   EXPECT_TRUE(view.board == truth.board);
-  EXPECT_LT(rms(view.camera, truth.camera), 0.1);
+  EXPECT_LT(rms(view.camera, truth.camera), 0.03);
   // All over the board, 130 x 90 mm of which the camera sees some 30,000 pixels, not at corners
   // only.
   ASSERT_GT(view.projector.cols(), 100);
@@ -43,6 +45,95 @@ TEST(BoardViews, GrayCodeFindsCornersBetweenThePixels) {
     lamps.col(i) = seen_by(rig.projector, rig.T_projector_camera * pose * point);
   }
   EXPECT_LT(rms(view.projector, lamps), 0.04);
+}
+
+TEST(BoardViews, APartOfAChessboardIsNoBoard) {
+  // A wide panel, so that the light does not end on the board.
+  Rig wide = make_board_rig();
+  wide.projector = {.width = 512, .height = 384, .fx = 450, .fy = 450, .cx = 280, .cy = 200};
+  Eigen::Isometry3d pose = board_poses(3)[2];
+  pose.pretranslate(Eigen::Vector3d(-170, -25, 0));
+  ASSERT_GT((exact_view(wide, pose, "").camera.row(0).array() < 0).count(), 4);
+  const RigView view =
+      view_from_gray_code(photograph(wide, pose, draw_gray_code(kPanel)), kPrinted, kPanel);
+  EXPECT_EQ(view.camera.cols(), 0);
+}
+
+/// Draws a board as `write_board_print` does, on white paper, `per_mm` pixels a millimetre.
+cv::Mat_<uchar> draw_board(const Board& board, double per_mm) {
+  const auto px = [&](double mm) { return static_cast<int>(std::lround(mm * per_mm)); };
+  cv::Mat_<uchar> image(px((board.rows + 3) * board.square), px((board.columns + 3) * board.square),
+                        230);
+  for (const BoardPatch& patch : board_patches(board)) {
+    const int x = px(patch.x + board.square);
+    const int y = px(patch.y + board.square);
+    image(cv::Rect(x, y, px(patch.x + board.square + patch.width) - x,
+                   px(patch.y + board.square + patch.height) - y)) = 38;
+  }
+  return image;
+}
+
+/// Where a point of the board [mm] from its first inner corner is in that drawing [px].
+Eigen::Vector2d drawn_at(const Board& board, const Eigen::Vector2d& point, double per_mm) {
+  return ((point.array() + 2 * board.square) * per_mm - 0.5).matrix();
+}
+
+/// A board as it is printed, blurred by a third of a pixel of the camera.
+Print print_of(const Board& board) {
+  constexpr double kPerMm = 12;  // px
+  cv::Mat_<uchar> fine = draw_board(board, kPerMm);
+  cv::GaussianBlur(fine, fine, {0, 0}, 0.2 * kPerMm);
+  return [fine, board](const Eigen::Vector2d& point) {
+    const Eigen::Vector2d at = drawn_at(board, point, kPerMm);
+    if (at.x() < 0 || at.y() < 0 || at.x() > fine.cols - 1 || at.y() > fine.rows - 1) return 0.9;
+    return fine(static_cast<int>(std::lround(at.y())), static_cast<int>(std::lround(at.x()))) /
+           255.0;
+  };
+}
+
+TEST(BoardViews, AChArUcoBoardTellsWhichOfItsCornersAreSeen) {
+  const Rig rig = make_board_rig();
+  const Board board{.columns = 9, .rows = 6, .square = 15.5, .marker = 11.5};
+  Rig wide = rig;
+  wide.projector = {.width = 512, .height = 384, .fx = 450, .fy = 450, .cx = 280, .cy = 200};
+  for (const double aside : {0.0, -170.0}) {
+    Eigen::Isometry3d pose = board_poses(3)[2];
+    pose.pretranslate(Eigen::Vector3d(aside, aside / 7, 0));
+    const RigView truth = exact_view(rig, pose, "");
+    const RigView view = view_from_gray_code(
+        photograph(wide, pose, draw_gray_code({512, 384}), 1, print_of(board)), board, {512, 384});
+    EXPECT_GE(view.camera.cols(), aside == 0 ? 54 : 20);
+    Eigen::Matrix2Xd expected = view.camera;
+    for (Eigen::Index i = 0; i < view.board.cols(); ++i) {
+      const Eigen::Vector2d point = view.board.col(i);
+      expected.col(i) = seen_by(rig.camera, pose * Eigen::Vector3d(point.x(), point.y(), 0));
+    }
+    EXPECT_LT(rms(view.camera, expected), 0.1) << aside;
+    EXPECT_GT(view.projector.cols(), 30);
+  }
+}
+
+// OpenCV's boards with even counts of squares once began with a white square.
+TEST(BoardViews, CornersOfChArUcoBoardsAreTheirOwnWhateverTheCounts) {
+  constexpr double kScale = 2;  // px/mm
+  constexpr double kFiner = 4;
+  const cv::Mat nothing(100, 100, CV_8U, cv::Scalar(128));
+  for (Board board : {Board{.columns = 6, .rows = 8}, Board{.columns = 6, .rows = 9},
+                      Board{.columns = 7, .rows = 8}, Board{.columns = 7, .rows = 9}}) {
+    board.square = 20;
+    board.marker = 15;
+    board.marker_bits = board.columns + board.rows - 10;  // 4, 5, 5, 6
+    cv::Mat image;
+    cv::resize(draw_board(board, kFiner * kScale), image, {}, 1 / kFiner, 1 / kFiner,
+               cv::INTER_AREA);
+    cv::GaussianBlur(image, image, {0, 0}, 0.8);
+    const RigView view = view_from_still(image, nothing, board, kPanel);
+    ASSERT_EQ(view.camera.cols(), board.columns * board.rows);
+    Eigen::Matrix2Xd truth = view.board;
+    for (Eigen::Index i = 0; i < truth.cols(); ++i)
+      truth.col(i) = drawn_at(board, view.board.col(i), kScale);
+    EXPECT_LT(rms(view.camera, truth), 0.03) << board.columns << " x " << board.rows;
+  }
 }
 
 TEST(BoardViews, AViewWithoutABoardIsEmpty) {
@@ -125,6 +216,11 @@ TEST(BoardViews, RefuseWrongInput) {
   EXPECT_THROW((void)projected_board({60, 40}, kPrinted), InvalidInput);
   EXPECT_THROW((void)view_from_gray_code({gray}, kPrinted, {16, 16}), InvalidInput);
   EXPECT_FALSE(find_board(gray, kPrinted));
+  EXPECT_THROW((void)board_patches({.columns = 9, .rows = 6, .square = 5, .marker = 5}),
+               InvalidInput);
+  EXPECT_THROW(
+      (void)board_patches({.columns = 9, .rows = 6, .square = 5, .marker = 4, .marker_bits = 8}),
+      InvalidInput);
 }
 
 }  // namespace

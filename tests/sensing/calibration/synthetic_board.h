@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <opencv2/core.hpp>
 #include <random>
 #include <string>
@@ -111,29 +112,51 @@ inline double shine(const cv::Mat& shown, const Eigen::Vector2d& at) {
   return light;
 }
 
-/// What the camera sees of the printed board, which lies on a white sheet, under each image that
-/// the projector shows: edges blurred over about a pixel, room light, and noise of one grey level.
+/// What a print reflects at a place of the board [mm].
+using Print = std::function<double(const Eigen::Vector2d& point)>;
+
+/// `kPrinted` on a white sheet, with edges blurred on both sides by this share of a square.
+inline Print chessboard_print(double soft) {
+  return [soft](const Eigen::Vector2d& point) {
+    const Eigen::Vector2d square = point / kPrinted.square;
+    const bool on_board = square.x() > -1 && square.y() > -1 && square.x() < kPrinted.columns &&
+                          square.y() < kPrinted.rows;
+    const double wave =
+        on_board ? soft_square_wave(square.x(), soft) * soft_square_wave(square.y(), soft) : 1;
+    return 0.9 - 0.375 * (1 - wave);
+  };
+}
+
+/// What the camera sees of a printed board, by default `kPrinted`, under each image that the
+/// projector shows: edges blurred over about a pixel, room light, and noise of one grey level. A
+/// pixel has the mean of the print over 3 x 3 places: one place alone would displace its edges.
 inline std::vector<cv::Mat> photograph(const Rig& rig, const Eigen::Isometry3d& T_camera_board,
-                                       const std::vector<cv::Mat>& shown, unsigned seed = 1) {
+                                       const std::vector<cv::Mat>& shown, unsigned seed = 1,
+                                       Print print = {}) {
   const geometry::Camera& camera = rig.camera;
   const Eigen::Isometry3d T_board_camera = T_camera_board.inverse();
   const Eigen::Vector3d eye = T_board_camera.translation();
   const Eigen::Isometry3d T_projector_board = rig.T_projector_camera * T_camera_board;
-  const double soft = 0.8 * eye.norm() / (camera.fx * kPrinted.square);
+  if (!print) print = chessboard_print(0.8 * eye.norm() / (camera.fx * kPrinted.square));
   std::vector<cv::Mat> photos;
   for (std::size_t i = 0; i < shown.size(); ++i)
     photos.emplace_back(camera.height, camera.width, CV_32F, cv::Scalar(0));
+  const auto point_at = [&](int u, int v) -> Eigen::Vector3d {
+    const Eigen::Vector3d ray =
+        T_board_camera.linear() * geometry::undistort(camera, Eigen::Vector2d(u, v)).homogeneous();
+    return eye - eye.z() / ray.z() * ray;
+  };
   for (int v = 0; v < camera.height; ++v) {
     for (int u = 0; u < camera.width; ++u) {
-      const Eigen::Vector3d ray = T_board_camera.linear() *
-                                  geometry::undistort(camera, Eigen::Vector2d(u, v)).homogeneous();
-      const Eigen::Vector3d point = eye - eye.z() / ray.z() * ray;
-      const Eigen::Vector2d square = point.head<2>() / kPrinted.square;
-      const bool on_board = square.x() > -1 && square.y() > -1 && square.x() < kPrinted.columns &&
-                            square.y() < kPrinted.rows;
-      const double wave =
-          on_board ? soft_square_wave(square.x(), soft) * soft_square_wave(square.y(), soft) : 1;
-      const double albedo = 0.9 - 0.375 * (1 - wave);
+      const Eigen::Vector3d point = point_at(u, v);
+      const Eigen::Vector2d right = (point_at(u + 1, v) - point).head<2>();
+      const Eigen::Vector2d down = (point_at(u, v + 1) - point).head<2>();
+      double albedo = 0;
+      for (const int i : {-1, 0, 1}) {
+        for (const int j : {-1, 0, 1})
+          albedo += print(point.head<2>() + (i * right + j * down) / 3);
+      }
+      albedo /= 9;
       const Eigen::Vector2d lamp = seen_by(rig.projector, T_projector_board * point);
       for (std::size_t i = 0; i < shown.size(); ++i)
         photos[i].at<float>(v, u) = static_cast<float>(albedo * (20 + 0.8 * shine(shown[i], lamp)));
