@@ -1,8 +1,9 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-// Feeds the reader that PALPATE_READER names with what libFuzzer makes of the files it is given. A reader may refuse a file
-// with palpate::FileError or palpate::InvalidInput; anything else that leaves it ends the program, and so does a fault that
-// a sanitizer sees, a file that takes too long, or one that takes too much memory.
+// Feeds the reader that PALPATE_READER names with what libFuzzer makes of the files it is given. A
+// reader may refuse a file with palpate::FileError or palpate::InvalidInput; anything else that
+// leaves it ends the program, and so does a fault that a sanitizer sees, a file that takes too
+// long, or one that takes too much memory.
 #include <unistd.h>
 
 #include <cstdint>
@@ -31,7 +32,9 @@ struct Reader {
   std::function<void(const fs::path&)> read;
 };
 
-void read_mesh(const fs::path& path) { (void)geometry::read_mesh_file(path, {.keep_defects = true}); }
+void read_mesh(const fs::path& path) {
+  (void)geometry::read_mesh_file(path, {.keep_defects = true});
+}
 
 const std::map<std::string, Reader>& readers() {
   static const std::map<std::string, Reader> all = {
