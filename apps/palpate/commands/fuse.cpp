@@ -168,7 +168,8 @@ void fuse(const Settings& settings, const FuseCall& call) {
   const geometry::MergedScans merged = merge_named(call, scans, names);
   geometry::write_mesh_file(call.output, mesh_file(merged));
   if (!call.picture.empty()) {
-    pictures::draw_mesh(call.picture, merged.mesh, fmt::format("fused from {} scan(s)", scans.size()),
+    pictures::draw_mesh(call.picture, merged.mesh,
+                        fmt::format("fused from {} scan(s)", scans.size()),
                         pictures::MeshPart::whole);
   }
   const int components = geometry::connected_components(merged.mesh).count;
