@@ -189,7 +189,8 @@ void add_capture_calibration(CLI::App& capture, const Settings& settings) {
   CLI::App* command =
       capture.add_subcommand("calibration", "Take poses of a board for calibrate rig");
   add_stage_options(*command, call->stage, "graycode_00.png, ... (palpate calibrate rig --draw)");
-  command->add_option("--board", call->board, "Inner corners of the printed board, such as 7x9")
+  command
+      ->add_option("--board", call->board, "Inner corners of the printed chessboard, such as 7x9")
       ->delimiter('x')
       ->expected(2)
       ->check(within(at_least(3)))
@@ -201,9 +202,9 @@ void add_capture_calibration(CLI::App& capture, const Settings& settings) {
       ->check(within(at_least(1)));
   command->footer(
       "Says how to hold the board, shows the Gray code, and takes one image of each, into pose_00, "
-      "pose_01 and so on. A pose in which the board cannot be read is dropped at once. From the "
+      "pose_01 and so on. A pose in which the board is not found is dropped at once. From the "
       "fourth pose on the rig is calibrated after each, and what is still uncertain decides the "
-      "next pose. Poses that are in the folder already count.\n"
+      "next pose. Poses that the folder already holds count as well.\n"
       "Example:\n  palpate capture calibration aravis:Basler-21857625 --show show/ --board 7x9 "
       "--square 25 -o poses/");
   command->callback([call, &settings] { take_poses(settings, *call); });

@@ -259,7 +259,7 @@ void record_sequence(const Settings& settings, const SequenceCall& call) {
 void add_capture_sequence(CLI::App& capture, const Settings& settings) {
   auto call = std::make_shared<SequenceCall>();
   CLI::App* command = capture.add_subcommand(
-      "sequence", "Record a sequence of frames, and decode it while it is recorded");
+      "sequence", "Record a sequence of frames, and with --decode decode it meanwhile");
   add_live_camera_options(*command, call->camera);
   command->add_option("-o,--output", call->output, "New folder for the frames")->required();
   command->add_option("--count", call->count, "End after this number of frames")
@@ -296,8 +296,8 @@ void add_capture_sequence(CLI::App& capture, const Settings& settings) {
       "Frames are written as the camera sends them (frame_000000.tiff, ...); times.csv has the "
       "number and the time of each. The camera never waits: frames that writing does not keep up "
       "with wait in memory, and what is lost is listed by number. A recording is never replaced.\n"
-      "Decoding begins with frames that are at most two behind the newest, and skips others; "
-      "palpate decode --resume decodes those afterwards.\n"
+      "Only frames that are at most two behind the newest are decoded; palpate decode --resume "
+      "decodes the others afterwards.\n"
       "Examples:\n  palpate capture sequence aravis:Basler-21857625 --rate 100 --exposure 4000 "
       "--seconds 10 -o frames/\n"
       "  palpate capture sequence aravis:Basler-21857625 --show pattern/pattern.png -o frames/ "

@@ -211,9 +211,9 @@ void add_fuse(CLI::App& app, const Settings& settings) {
       ->required();
   command->add_option(
       "--pose", call->poses,
-      "Poses of the scans in one frame: text files with a 4 x 4 matrix (rotation and "
-      "translation [mm]), one per scan in the same order, or a folder that has "
-      "NAME.txt for the scan NAME (default: all scans are in one frame)");
+      "Poses of the scans in one coordinate system: text files with a 4 x 4 matrix (rotation "
+      "and translation [mm]) that maps the scan into it, one per scan in the same order, or a "
+      "folder that has NAME.txt for the scan NAME (default: all scans already are in one)");
   add_scan_registration(*command, "scan", call->registration);
   add_camera_options(*command, call->camera);
   add_unit_option(*command, call->meshes);
@@ -235,10 +235,9 @@ void add_fuse(CLI::App& app, const Settings& settings) {
   command->add_option("--picture", call->picture, "Also draw the surface (PNG)");
   command->footer(
       "The signed distances of all scans are averaged on a grid, and the surface is where they are "
-      "zero. It is open where no scan measured. If decode --sigma has written the deviations of "
-      "all range maps beside them, they weigh the scans, and a PLY gets the deviation of each "
-      "vertex "
-      "(sigma) that the noise of the scans leaves.\n"
+      "zero. It is open where no scan measured. If decode --sigma has written the standard "
+      "deviations of all range maps beside them, the mean is weighted by them, and a PLY file gets "
+      "the standard deviation of each vertex (sigma) that the noise of the scans leaves.\n"
       "Examples:\n  palpate fuse range/ -o still.ply                        # frames of a still "
       "scene\n"
       "  palpate fuse range/ --pose poses/ -o object.ply --spacing 0.5\n"

@@ -14,7 +14,7 @@ namespace palpate::geometry {
 /// A view of an object.
 struct Scan {
   TriangleMesh mesh;  ///< triangles face the outside of the object
-  Eigen::Isometry3d T_object_scan = Eigen::Isometry3d::Identity();  ///< from registration
+  Eigen::Isometry3d T_object_scan = Eigen::Isometry3d::Identity();  ///< scan to object
   /// [mm] standard deviations of the vertices, > 0 and finite; empty if they are not known. Only
   /// `merge_scans` uses them.
   Eigen::VectorXd sigma = {};
@@ -33,27 +33,30 @@ struct MergeScansOptions {
 };
 
 struct MergedScans {
-  TriangleMesh mesh;      ///< in the frame of the object
-  Eigen::VectorXd sigma;  ///< [mm] standard deviations of the vertices; empty unless all scans tell
-  double spacing = 0;     ///< [mm] of the grid
+  TriangleMesh mesh;  ///< in the frame of the object
+  /// [mm] standard deviations of the vertices; empty unless all scans have a `sigma`
+  Eigen::VectorXd sigma;
+  double spacing = 0;  ///< [mm] of the grid
 };
 
 /// Merges registered, overlapping scans into one surface that averages them.
 ///
-/// Each scan tells its signed distance at the points of a cubic grid near it; where several scans
-/// tell, the mean is taken, weighted by 1 / sigma^2 and less at the border of a scan (Curless and
-/// Levoy 1996). The surface is where the mean is zero. It is oriented and manifold, open where no
-/// scan measured, and ends within one spacing of the border of the scans. It may consist of several
-/// parts. Walls should be thicker than two spacings. The standard deviations of the result
-/// are those of means of independent scans; what scans have in common, as errors of calibration and
-/// registration, is not in them. Use `zipper_scans` to keep the measured vertices.
+/// For each scan, the signed distance to it is computed at the points of a cubic grid near it.
+/// Where there are distances to several scans, their mean is taken, weighted by 1 / sigma^2 and
+/// less at the border of a scan (Curless and Levoy 1996). The surface is where the mean is zero. It
+/// is oriented and manifold, open where no scan measured, and ends within one spacing of the border
+/// of the scans. It may consist of several parts. Walls should be thicker than two spacings. The
+/// standard deviations of the result are those of means of independent scans; they do not contain
+/// errors that scans have in common, such as those of calibration and registration. Use
+/// `zipper_scans` to keep the measured vertices.
 ///
-/// The order of the scans does not matter but for rounding.
+/// The order of the scans matters only for rounding.
 /// \throws InvalidInput if there is no scan, a scan is not valid (see `check_mesh`), not manifold
 /// or not oriented (see `repair_mesh`), its pose is not rigid and finite, its standard deviations
 /// are not one for each vertex, all edges have zero length, an option is outside its range, or the
-/// grid needs more memory than allowed (the message names a spacing that does not).
-/// \throws SolverError if no cell of the grid has a surface: the spacing is too large for the scans.
+/// grid has too many points or needs more memory than allowed (the message names a spacing that
+/// fits).
+/// \throws SolverError if no cell of the grid has a surface: the spacing is too large.
 [[nodiscard]] MergedScans merge_scans(std::span<const Scan> scans,
                                       const MergeScansOptions& options = {});
 
