@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "files/storage_file.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <fstream>
@@ -10,6 +11,7 @@
 #include <sstream>
 #include <utility>
 
+#include "files/yaml_documents.h"
 #include "palpate/error.h"
 
 namespace palpate::sensing {
@@ -17,6 +19,12 @@ namespace {
 
 cv::FileStorage open_storage(const std::filesystem::path& path) {
   const std::string bytes = read_bytes(path);
+  // OpenCV's parser does not return from some files of several documents.
+  if (const auto line = second_yaml_document(bytes)) {
+    throw FileError(path.string() + ": line " + std::to_string(*line) +
+                    ": the keys and values end here, but more follows; a closing bracket too many "
+                    "or a second document (--- or ...)?");
+  }
   const QuietOpenCv quiet;
   try {
     cv::FileStorage storage(bytes, cv::FileStorage::READ | cv::FileStorage::MEMORY);
@@ -125,6 +133,15 @@ std::vector<double> StorageFile::numbers(const cv::FileNode& node, const std::st
 
 cv::Mat_<double> StorageFile::matrix(const std::string& key) const {
   const cv::FileNode node = child(root(), key);
+  const auto count = [&](const char* entry) {
+    const cv::FileNode value = node.isMap() ? node[entry] : cv::FileNode();
+    return value.isInt() ? std::max(static_cast<int>(value), 0) : 0;
+  };
+  // OpenCV allocates rows x cols before it looks at the data.
+  const double size = static_cast<double>(count("rows")) * count("cols");
+  if (size == 0 || !node["data"].isSeq() || static_cast<double>(node["data"].size()) != size) {
+    fail(key, "a matrix is expected: rows, cols, dt, and data with rows x cols numbers");
+  }
   const QuietOpenCv quiet;
   cv::Mat matrix;
   try {
