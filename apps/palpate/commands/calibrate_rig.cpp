@@ -4,15 +4,14 @@
 #include <spdlog/spdlog.h>
 
 #include <array>
-#include <charconv>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
-#include <string_view>
 #include <tuple>
 #include <utility>
 #include <vector>
 
+#include "commands/printed_board.h"
 #include "palpate/error.h"
 #include "palpate/output_file.h"
 #include "palpate/pictures/draw_residuals.h"
@@ -32,56 +31,21 @@ namespace fs = std::filesystem;
 
 struct RigCall {
   std::vector<fs::path> folders;
-  std::string board, projector_size;
-  sensing::Board printed;
+  PrintedBoard board;
+  std::string projector_size;
   sensing::ImageSize projector;
   sensing::RigCalibrationOptions options;
   fs::path output, picture, draw, draw_board;
 };
-
-/// Parses two whole numbers such as 1024x768.
-std::pair<int, int> parse_pair(const std::string& text, const char* option) {
-  int first = 0;
-  int second = 0;
-  const char* const end = text.data() + text.size();
-  const auto one = std::from_chars(text.data(), end, first);
-  const bool has_two = one.ec == std::errc() && one.ptr != end && *one.ptr == 'x';
-  const auto two = has_two ? std::from_chars(one.ptr + 1, end, second) : one;
-  if (!has_two || two.ec != std::errc() || two.ptr != end) {
-    throw InvalidInput(fmt::format("{}: '{}' is not of the form 7x9.", option, text));
-  }
-  return {first, second};
-}
-
-/// Parses 7x9, a chessboard's inner corners, or charuco:8x11, a ChArUco board's squares, which is
-/// how other programs describe such boards.
-void parse_board(const std::string& text, sensing::Board& board) {
-  constexpr std::string_view kCharuco = "charuco:";
-  const bool has_markers = text.starts_with(kCharuco);
-  std::tie(board.columns, board.rows) =
-      parse_pair(has_markers ? text.substr(kCharuco.size()) : text, "--board");
-  if (!has_markers) {
-    if (board.marker > 0)
-      throw InvalidInput("--marker: only for --board charuco:...; a chessboard has no markers.");
-    return;
-  }
-  --board.columns;
-  --board.rows;
-  if (!(board.marker > 0)) {
-    throw InvalidInput(
-        "--board charuco:... needs --marker, the side of its markers in mm, outer edge to outer "
-        "edge of their black border.");
-  }
-}
 
 void draw_board(const Settings& settings, const RigCall& call) {
   if (call.draw_board.extension() != ".svg") {
     throw InvalidInput(call.draw_board.string() +
                        ": boards are SVG drawings; choose a name that ends in .svg");
   }
-  sensing::write_board_print(call.draw_board, call.printed);
-  const double width = (call.printed.columns + 3) * call.printed.square;
-  const double height = (call.printed.rows + 3) * call.printed.square;
+  sensing::write_board_print(call.draw_board, call.board.printed);
+  const double width = (call.board.printed.columns + 3) * call.board.printed.square;
+  const double height = (call.board.printed.rows + 3) * call.board.printed.square;
   print(settings, {{"file", call.draw_board.string()}, {"print_size", {width, height}}},
         fmt::format("Board written to {}: {:.0f} x {:.0f} mm with its margin. Print it at 100 %, "
                     "glue it onto something flat, and measure the squares",
@@ -89,11 +53,11 @@ void draw_board(const Settings& settings, const RigCall& call) {
 }
 
 void draw_patterns(const Settings& settings, const RigCall& call) {
-  const sensing::Board still = sensing::projected_board(call.projector, call.printed);
+  const sensing::Board still = sensing::projected_board(call.projector, call.board.printed);
   int images = 0;
   // The views of the camera have the same names, so fill in only what is empty.
   write_folder(call.draw, {}, [&](const fs::path& folder) {
-    images = sensing::write_projector_images(folder, call.projector, call.printed);
+    images = sensing::write_projector_images(folder, call.projector, call.board.printed);
   });
   print(settings,
         {{"folder", call.draw.string()},
@@ -206,7 +170,7 @@ void calibrate_rig(const Settings& settings, const RigCall& call) {
   check_pictures({call.picture});
   Progress progress("reading views");
   const sensing::RigViewFiles files =
-      sensing::read_rig_views(call.folders, call.printed, call.projector, {},
+      sensing::read_rig_views(call.folders, call.board.printed, call.projector, {},
                               [&](int done, int total) { progress.show(done, total); });
   const sensing::RigCalibration calibration =
       sensing::calibrate_rig(files.views, files.camera, call.projector, call.options);
@@ -216,9 +180,9 @@ void calibrate_rig(const Settings& settings, const RigCall& call) {
 }
 
 void run_call(const Settings& settings, RigCall call) {
-  if (!call.board.empty()) parse_board(call.board, call.printed);
+  call.board.parse();
   if (!call.draw_board.empty()) {
-    if (call.board.empty() || !(call.printed.square > 0))
+    if (call.board.text.empty() || !(call.board.printed.square > 0))
       throw InvalidInput("calibrate rig: --draw-board needs --board and --square.");
     draw_board(settings, call);
     return;
@@ -231,7 +195,7 @@ void run_call(const Settings& settings, RigCall call) {
     draw_patterns(settings, call);
     return;
   }
-  if (call.folders.empty() || call.board.empty() || !(call.printed.square > 0) ||
+  if (call.folders.empty() || call.board.text.empty() || !(call.board.printed.square > 0) ||
       call.output.empty()) {
     throw InvalidInput(
         "calibrate rig: pass folders of views, --board, --square and -o; or --draw to write the "
@@ -248,17 +212,7 @@ void add_calibrate_rig(CLI::App& calibrate, const Settings& settings) {
       calibrate.add_subcommand("rig", "Calibrate camera, projector and pose from views of a board");
   rig->add_option("FOLDER", call->folders,
                   "Folders of images, one per pose of the board, or a folder of such folders");
-  rig->add_option("--board", call->board,
-                  "Inner corners of the printed chessboard, such as 7x9; or the squares of a "
-                  "ChArUco board, such as charuco:8x11");
-  rig->add_option("--square", call->printed.square, "Side of a square [mm]")
-      ->check(within(above(0)));
-  rig->add_option("--marker", call->printed.marker, "Side of a ChArUco board's markers [mm]")
-      ->check(within(above(0)));
-  rig->add_option("--marker-bits", call->printed.marker_bits,
-                  "Bits along the side of such a marker: 4 for DICT_4X4, 5, 6 or 7")
-      ->capture_default_str()
-      ->check(one_of({"4", "5", "6", "7"}));
+  add_board_options(*rig, call->board);
   rig->add_option("--projector-size", call->projector_size,
                   "Projector size [px], such as 1024x768");
   rig->add_option(

@@ -12,6 +12,7 @@
 
 #include "commands/capture.h"
 #include "commands/capture_stage.h"
+#include "commands/printed_board.h"
 #include "palpate/error.h"
 #include "palpate/output_file.h"
 #include "palpate/require.h"
@@ -50,17 +51,15 @@ constexpr std::array<const char*, 12> kPoses{
 
 struct CalibrationCall {
   StageCall stage;
-  std::vector<int> board;
-  double square = 0;
+  PrintedBoard board;
   std::optional<std::size_t> poses;
 };
 
 /// The poses so far, and what they tell of the rig.
 class Poses {
  public:
-  Poses(const CalibrationCall& call, const sensing::ImageSize& panel)
-      : printed_{.columns = call.board[0], .rows = call.board[1], .square = call.square},
-        panel_(panel) {}
+  Poses(const sensing::Board& printed, const sensing::ImageSize& panel)
+      : printed_(printed), panel_(panel) {}
 
   /// Adds the poses of a folder.
   /// \throws InvalidInput if the board is not found in one, or images are missing.
@@ -93,8 +92,8 @@ class Poses {
     throw InvalidInput(fmt::format(
         "{}: {}", view.name,
         corners < kLeastPoints
-            ? std::string("the board was not found; it must be in the image as a whole, flat and "
-                          "sharp, and --board must be the number of its inner corners")
+            ? std::string("the board was not found; it must be flat, sharp and as --board says, "
+                          "and a chessboard must be in the image as a whole")
             : std::string("the projector does not light the board, or its image is too dark")));
   }
 
@@ -153,7 +152,8 @@ fs::path next_folder(const fs::path& output) {
   }
 }
 
-void take_poses(const Settings& settings, const CalibrationCall& call) {
+void take_poses(const Settings& settings, CalibrationCall call) {
+  call.board.parse();
   const StageCall& setup = call.stage;
   const std::vector<fs::path> shown =
       images_to_show(setup.show, {"graycode_"}, {},
@@ -161,7 +161,7 @@ void take_poses(const Settings& settings, const CalibrationCall& call) {
   const cv::Mat first = sensing::read_frame(shown.front());
   const sensing::ImageSize panel{first.cols, first.rows};
   check_outputs({setup.show}, {setup.output});
-  Poses poses(call, panel);
+  Poses poses(call.board.printed, panel);
   if (is_there(next_folder(setup.output).parent_path() / "pose_00")) poses.add(setup.output);
   Stage stage(setup);
   while (!call.poses || poses.count() < *call.poses) {
@@ -170,9 +170,9 @@ void take_poses(const Settings& settings, const CalibrationCall& call) {
   }
   stage.warn_of_clipping();
   if (poses.count() == 0) throw Error("no pose was taken");
-  const std::string next = fmt::format(
-      "palpate calibrate rig {} --board {}x{} --square {:g} --projector-size {}x{} -o rig.yaml",
-      setup.output.string(), call.board[0], call.board[1], call.square, panel.width, panel.height);
+  const std::string next =
+      fmt::format("palpate calibrate rig {} {} --projector-size {}x{} -o rig.yaml",
+                  setup.output.string(), call.board.options(), panel.width, panel.height);
   print(settings,
         {{"folder", setup.output.string()},
          {"camera", figures_of(stage.camera().state())},
@@ -189,15 +189,8 @@ void add_capture_calibration(CLI::App& capture, const Settings& settings) {
   CLI::App* command =
       capture.add_subcommand("calibration", "Take poses of a board for calibrate rig");
   add_stage_options(*command, call->stage, "graycode_00.png, ... (palpate calibrate rig --draw)");
-  command
-      ->add_option("--board", call->board, "Inner corners of the printed chessboard, such as 7x9")
-      ->delimiter('x')
-      ->expected(2)
-      ->check(within(at_least(3)))
-      ->required();
-  command->add_option("--square", call->square, "Side of a square [mm]")
-      ->check(within(above(0).finite()))
-      ->required();
+  add_board_options(*command, call->board);
+  for (const char* needed : {"--board", "--square"}) command->get_option(needed)->required();
   command->add_option("--poses", call->poses, "End after this number of poses")
       ->check(within(at_least(1)));
   command->footer(
@@ -206,7 +199,9 @@ void add_capture_calibration(CLI::App& capture, const Settings& settings) {
       "fourth pose on the rig is calibrated after each, and what is still uncertain decides the "
       "next pose. Poses that the folder already holds count as well.\n"
       "Example:\n  palpate capture calibration aravis:Basler-21857625 --show show/ --board 7x9 "
-      "--square 25 -o poses/");
+      "--square 25 -o poses/\n"
+      "  palpate capture calibration aravis:Basler-21857625 --show show/ --board charuco:8x11 "
+      "--square 20 --marker 15 -o poses/");
   command->callback([call, &settings] { take_poses(settings, *call); });
 }
 

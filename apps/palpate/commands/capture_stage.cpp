@@ -72,7 +72,8 @@ cv::Mat Stage::take(const fs::path& image) {
     projector_->show(image);
     std::this_thread::sleep_for(std::chrono::duration<double, std::milli>(call_.settle_ms));
   } else if (!Operator::ready("Show " + image.string() + " on the projector")) {
-    throw Error("ended at " + image.string() + "; what was taken so far is complete in itself");
+    throw Error("ended at " + image.string() +
+                "; the images of this series are not complete and were not kept");
   }
   const sensing::CameraFrame frame = sensing::take_fresh(*camera_, call_.camera.patience);
   const sensing::CameraState& state = camera_->state();

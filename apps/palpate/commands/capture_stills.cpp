@@ -56,9 +56,9 @@ void write_stills(const Settings& settings, const StageCall& call, const Stage& 
                     stills.size(), call.output.string(), 100 * stage.most_clipped(), next));
 }
 
-/// \throws Error if the user does not want to begin.
-void wait_for_start(const std::string& words) {
-  if (!Operator::ready(words)) throw Error("ended before the first image; nothing was written");
+/// \throws Error if the user does not want to go on.
+void wait_until_placed(const std::string& words) {
+  if (!Operator::ready(words)) throw Error("ended; nothing was written");
 }
 
 void take_training(const Settings& settings, const StillsCall& call) {
@@ -67,7 +67,7 @@ void take_training(const Settings& settings, const StillsCall& call) {
       images_to_show(setup.show, {"grey_", "projector_off"}, {"_flat", "_sin"}, kDrawn);
   check_replaceable(setup.output, {});
   Stage stage(setup);
-  wait_for_start(
+  wait_until_placed(
       "Place a white or grey surface where the object will be, and leave it there. The exposure "
       "must be that of the later frames.");
   std::vector<NamedStill> stills;
@@ -85,7 +85,7 @@ void take_multishot(const Settings& settings, const StillsCall& call) {
       images_to_show(setup.show, {"shot_"}, {}, "palpate pattern --multishot 8 -o multishot/");
   check_replaceable(setup.output, {});
   Stage stage(setup);
-  wait_for_start("Place the object; it must not move until all images are taken.");
+  wait_until_placed("Place the object; it must not move until all images are taken.");
   std::vector<NamedStill> stills;
   std::string folders;
   const std::size_t exposures = std::max<std::size_t>(call.exposures.size(), 1);
@@ -110,7 +110,7 @@ void take_planes(const Settings& settings, const StillsCall& call) {
   Stage stage(setup);
   std::vector<NamedStill> stills;
   for (int i = 0; i < call.planes; ++i) {
-    wait_for_start(fmt::format(
+    wait_until_placed(fmt::format(
         "Plane {} of {}: place a flat white board at another distance than before, from the "
         "nearest to the farthest that you use, and fill the image.",
         i + 1, call.planes));

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -13,6 +12,7 @@
 #include "commands/scan_registration.h"
 #include "palpate/error.h"
 #include "palpate/file_names.h"
+#include "palpate/geometry/median.h"
 #include "palpate/geometry/merge_scans.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/mesh_topology.h"
@@ -85,11 +85,7 @@ std::vector<Eigen::Isometry3d> read_poses(const FuseCall& call,
 /// The deviations that `decode --sigma` has written beside a range map, at the vertices of its
 /// mesh: those of the noise, if the rig's part, which scans have in common, is known apart.
 Eigen::VectorXd read_sigma(const fs::path& map, const geometry::RangeMapMesh& meshed) {
-  const auto beside = [&](const char* ending) {
-    return map.parent_path() / (map.stem().string() + ending);
-  };
-  const fs::path noise = beside("_noise.tiff");
-  const fs::path file = is_there(noise) ? noise : beside("_sigma.tiff");
+  const fs::path file = noise_beside(map);
   if (!is_range_map(map) || !is_there(file)) return {};
   const geometry::ImageF sigma = geometry::read_depth_tiff(file);
   if (sigma.cols() != meshed.width || sigma.rows() != meshed.height) {
@@ -180,13 +176,11 @@ void fuse(const Settings& settings, const FuseCall& call) {
                   {"components", components}};
   std::string prose;
   if (merged.sigma.size() > 0) {
-    std::vector<double> sigma(merged.sigma.begin(), merged.sigma.end());
-    std::nth_element(sigma.begin(), sigma.begin() + static_cast<std::ptrdiff_t>(sigma.size() / 2),
-                     sigma.end());
-    figures["median_sigma"] = sigma[sigma.size() / 2];
-    prose =
-        fmt::format("the noise of the scans leaves a standard deviation of {:.4f} mm (median)\n",
-                    sigma[sigma.size() / 2]);
+    const double sigma =
+        geometry::median(std::vector<double>(merged.sigma.begin(), merged.sigma.end()));
+    figures["median_sigma"] = sigma;
+    prose = fmt::format(
+        "the noise of the scans leaves a standard deviation of {:.4f} mm (median)\n", sigma);
   }
   figures["registered"] = registered;
   figures["file"] = call.output.string();

@@ -33,11 +33,7 @@ geometry::RangeMap load_map(const fs::path& input, const MeshSteps& steps) {
 /// Uses the deviations that `decode --sigma` has written beside the range map: those of the noise,
 /// if the rig's part, which moves neighbours alike, is known apart.
 void smooth_depths(const fs::path& input, geometry::RangeMap& map) {
-  const auto beside = [&](const char* ending) {
-    return input.parent_path() / (input.stem().string() + ending);
-  };
-  const fs::path noise = beside("_noise.tiff");
-  const fs::path file = is_there(noise) ? noise : beside("_sigma.tiff");
+  const fs::path file = noise_beside(input);
   if (!is_range_map(input) || !is_there(file)) {
     throw FileError(file.string() +
                     ": missing. --smooth-depths needs the predicted deviations, which palpate "

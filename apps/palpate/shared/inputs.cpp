@@ -176,6 +176,14 @@ fs::path rig_of(const fs::path& range_map, const fs::path& rig) {
   return beside;
 }
 
+fs::path noise_beside(const fs::path& range_map) {
+  const auto beside = [&](const char* ending) {
+    return range_map.parent_path() / (range_map.stem().string() + ending);
+  };
+  const fs::path noise = beside("_noise.tiff");
+  return is_there(noise) ? noise : beside("_sigma.tiff");
+}
+
 void add_camera_options(CLI::App& command, MapCamera& camera) {
   command.add_option("--rig", camera.rig,
                      "Rig of the range map, or camera of the depth image (default: rig.yaml "

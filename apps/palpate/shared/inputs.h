@@ -44,6 +44,10 @@ void check_camera_options(const std::filesystem::path& path, const MapCamera& ca
 [[nodiscard]] geometry::RangeMap load_range_map(const std::filesystem::path& path,
                                                 const MapCamera& camera);
 
+/// The deviations that `decode --sigma` writes beside a range map: those of the noise alone
+/// (NAME_noise.tiff), or of all (NAME_sigma.tiff) if the former is missing. The file may be missing.
+[[nodiscard]] std::filesystem::path noise_beside(const std::filesystem::path& range_map);
+
 /// Whether `path` is a folder.
 /// \throws FileError if it does not exist or is not accessible.
 [[nodiscard]] bool is_folder(const std::filesystem::path& path);

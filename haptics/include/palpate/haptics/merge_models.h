@@ -81,7 +81,7 @@ struct MergedModel {
 /// manifold, a pose is not rigid and finite, an option is outside its range, a contact is farther
 /// from the merged surface than `max_distance` or faces its inside, or fewer than three contacts
 /// are left.
-/// \throws SolverError or Unavailable as merging and triangulation do.
+/// \throws SolverError as triangulation does, and Unavailable as `fill_holes` does.
 [[nodiscard]] MergedModel merge_models(std::span<const SideModel> sides,
                                        const MergeModelsOptions& options = {});
 
