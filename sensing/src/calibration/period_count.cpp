@@ -25,6 +25,9 @@ constexpr double kMaxPlaneResidual = 0.3;
 /// The number of periods counts as known iff its standard deviation is at most this: the nearest
 /// whole number is the right one if the error is below half a period, two deviations.
 constexpr double kMaxCountDeviation = 0.25;
+/// The same if the rig has no covariance: then only what the surface's phases leave unexplained
+/// tells how wrong the rig is, in a few directions, and too small a value is frequent.
+constexpr double kMaxBlindDeviation = 0.1;
 /// Keeps the scale of a column of zeros defined.
 constexpr double kTiny = std::numeric_limits<double>::min();
 /// This share of the cells with a known depth must give the same number.
@@ -164,7 +167,7 @@ Count count_by_plane(const std::vector<PeriodSample>& samples, const Rig& rig,
       samples, *best, change,
       depths(samples, triangulation, pattern.axis, periods * pattern.period), rig, pattern);
   const double deviation = std::sqrt(std::max(rest.noise, rest.slow) + by_rig) / change.norm();
-  if (!(deviation <= kMaxCountDeviation)) {
+  if (!(deviation <= (rig.covariance ? kMaxCountDeviation : kMaxBlindDeviation))) {
     return {{},
             0,
             fmt::format("with this rig a plane tells the number of periods only to +- {:.1f}; its "

@@ -6,7 +6,9 @@
 
 #include <cmath>
 
+#include "calibration/synthetic_board.h"
 #include "palpate/error.h"
+#include "palpate/sensing/rig_calibration.h"
 #include "synthetic_scene.h"
 #include "test_files.h"
 
@@ -104,11 +106,29 @@ TEST(ChromaticCalibration, FindsThePeriodOfPlanesByItself) {
   const Pattern pattern = white_sinusoid(Axis::y, 20);
   std::vector<WhiteImage> images = views(rig, pattern, {420, 600, 900}, 0.001);
   for (WhiteImage& image : images) image.depth.reset();
-  const auto found = calibrate_chromatic(images, make_rig(true), pattern);
+  Rig exact = make_rig(true);
+  exact.covariance.emplace().setZero();
+  const auto found = calibrate_chromatic(images, exact, pattern);
   expect_found(found.red, kRed, rig.projector.fy);
   expect_found(found.blue, kBlue, rig.projector.fy);
   EXPECT_GT(found.images[1].period_deviation.value(), 0);
   EXPECT_NEAR(found.images[1].median_depth.value(), 600, 6);  // a period is about 40 mm
+}
+
+TEST(ChromaticCalibration, ACalibratedRigGivesTheRightPeriodOrNone) {
+  const Rig truth = make_board_rig();
+  Rig calibrated =
+      calibrate_rig(make_views(truth, board_poses(12), 0.02, 0.02, 21), {640, 480}, kPanel).rig;
+  const Pattern pattern = white_sinusoid(Axis::y, 20);
+  // The calibration's error makes another number of periods fit a plane better.
+  const Scene far = render(truth, pattern, plane({-0.01, 0.104, 1}, 813.2));
+  std::vector<WhiteImage> images = views(truth, pattern, {440, 600, 860});
+  images.push_back({.name = "far", .image = far.frame});
+  for (const bool with_covariance : {true, false}) {
+    if (!with_covariance) calibrated.covariance.reset();
+    const WhiteImageUse use = calibrate_chromatic(images, calibrated, pattern).images.back();
+    EXPECT_NEAR(use.median_depth.value_or(812.8), 812.8, 20);  // a period is about 130 mm
+  }
 }
 
 TEST(ChromaticCalibration, DeviationsShrinkWithNoiseAndWithTheNumberOfImages) {

@@ -54,8 +54,8 @@ struct WhiteImageUse {
   int cells = 0;                         ///< reliable phase measurements
   std::optional<double> median_depth{};  ///< [mm] of these measurements, if there are any
   /// Standard deviation of the number of periods found from a plane surface, including slowly
-  /// varying errors. Above about 1/2 the number is a guess that is right only if the rig is exact.
-  /// Not set if the depths were given.
+  /// varying errors and, if its covariance is known, those of the rig. Above 1/4, or above 1/10
+  /// without the covariance, the image is not used. Not set if the depths were given.
   std::optional<double> period_deviation{};
   std::string problem;  ///< why the image has no measurements; empty if it has some
 };
