@@ -87,6 +87,28 @@ TEST_F(Simulate, MakesFramesThatAreDecodedLikeACameras) {
   EXPECT_EQ(palpate({"info", scratch / "out/sensor.yaml"})["kind"], "virtual sensor");
 }
 
+TEST_F(Simulate, MakesTheImagesOfStillScenesThatDecodeMultishotReads) {
+  ASSERT_EQ(run_palpate(
+                {"pattern", "--rig", demo("rig.yaml"), "--multishot", "4", "-o", scratch / "shots"})
+                .status,
+            0);
+  pattern = scratch / "shots/pattern.yaml";
+  const nlohmann::json made = figures(run({hand()}, {"--wall", "900", "--distance", "600,700",
+                                                     "--decoder-rig", scratch / "shots/rig.yaml"}));
+  EXPECT_EQ(made["frames"], 2);
+  EXPECT_GT(made["images_of_each"], 4);
+  figures(run_palpate({"decode", scratch / "out/frames", "--multishot", "--rig",
+                       scratch / "out/rig.yaml", "--pattern", pattern, "-o", scratch / "range",
+                       "--json"}));
+  for (const std::string scene : {"000000.tiff", "000001.tiff"}) {
+    const nlohmann::json difference = figures(run_palpate(
+        {"compare", scratch / ("range/" + scene), scratch / ("out/truth/" + scene), "--json"}));
+    EXPECT_GT(difference["count"], 200000);
+    EXPECT_LT(difference["median"], 0.1);  // as of single images
+  }
+  EXPECT_NE(run({hand()}, {"--report"}).err.find("--multishot"), std::string::npos);
+}
+
 TEST_F(Simulate, MakesAFrameOfEachMeshOfASequence) {
   // A card goes from 700 to 706 mm. The shutter closes half way, in the middle of the exposure it
   // is a quarter of the way; the last mesh goes nowhere.

@@ -34,7 +34,7 @@ using Json = nlohmann::ordered_json;
 
 /// Files in a folder of simulated frames.
 const std::regex kOwnFiles(
-    R"((rig|sensor)\.yaml|frames/\d{6,}\.png|truth/(rig\.yaml|\d{6,}(\.tiff|_lit\.png|_id\.png)))"
+    R"((rig|sensor)\.yaml|frames/\d{6,}(_\d\d)?\.png|truth/(rig\.yaml|\d{6,}(\.tiff|_lit\.png|_id\.png)))"
     R"(|training/\d{6,}/[^/]+_flat\.png|report/\d{6,}\.png)");
 
 /// [mm] Range of the distances of objects.
@@ -62,7 +62,7 @@ struct Shot {
 struct Setup {
   sensing::Rig rig, decoder_rig;
   sensing::Pattern pattern;
-  cv::Mat panel;
+  std::vector<cv::Mat> panels;  ///< what the projector shows of each shot
   sensing::VirtualSensor sensor;
   std::vector<Shot> shots;
 };
@@ -81,22 +81,36 @@ sensing::VirtualSensor sensor_of(const SimulateCall& call) {
   return sensor;
 }
 
-/// The image beside the pattern file, which the projector of `rig` shows.
-cv::Mat read_panel(const fs::path& pattern, const fs::path& rig,
+/// An image of the pattern, which the projector of `rig` shows.
+cv::Mat read_panel(const SimulateCall& call, const fs::path& image,
                    const geometry::Camera& projector) {
-  const fs::path image = fs::path(pattern).replace_extension(".png");
   std::error_code cannot_look;
   if (!fs::exists(image, cannot_look)) {
-    throw FileError(image.string() + ": is missing; " + pattern.string() +
+    throw FileError(image.string() + ": is missing; " + call.pattern.string() +
                     " needs this image for the projector, as palpate pattern draws it");
   }
   cv::Mat panel = sensing::read_frame(image);
   if (panel.cols != projector.width || panel.rows != projector.height) {
     throw InvalidInput(fmt::format("{}: has {} x {} px, but the projector of {} has {} x {}",
-                                   image.string(), panel.cols, panel.rows, rig.string(),
+                                   image.string(), panel.cols, panel.rows, call.rig.string(),
                                    projector.width, projector.height));
   }
   return panel;
+}
+
+/// The images beside the pattern file: one, or those of a still scene.
+std::vector<cv::Mat> read_panels(const SimulateCall& call, const sensing::Pattern& pattern,
+                                 const geometry::Camera& projector) {
+  if (!pattern.multishot)
+    return {read_panel(call, fs::path(call.pattern).replace_extension(".png"), projector)};
+  const std::size_t count =
+      pattern.multishot->shifts.size() + static_cast<std::size_t>(pattern.multishot->code_bits);
+  std::vector<cv::Mat> panels;
+  for (std::size_t i = 0; i < count; ++i) {
+    const fs::path image = call.pattern.parent_path() / fmt::format("shot_{:02}.png", i);
+    panels.push_back(read_panel(call, image, projector));
+  }
+  return panels;
 }
 
 /// Checks the options as far as possible before reading files.
@@ -142,7 +156,13 @@ Setup read_setup(const SimulateCall& call) {
   setup.rig = sensing::read_rig(call.rig);
   setup.decoder_rig = call.decoder_rig.empty() ? setup.rig : sensing::read_rig(call.decoder_rig);
   setup.pattern = sensing::read_pattern(call.pattern);
-  setup.panel = read_panel(call.pattern, call.rig, setup.rig.projector);
+  if (call.report && setup.pattern.multishot) {
+    throw InvalidInput("--report: works for patterns of single images, and " +
+                       call.pattern.string() +
+                       " is for several images of a still scene; decode the frames with palpate "
+                       "decode --multishot, and compare them with palpate compare");
+  }
+  setup.panels = read_panels(call, setup.pattern, setup.rig.projector);
   sensing::check_pattern_fits(setup.pattern, setup.decoder_rig.projector, call.pattern.string());
   setup.sensor = sensor_of(call);
   sensing::check_virtual_sensor(setup.sensor, "the sensor");
@@ -157,11 +177,17 @@ void write_bytes(const fs::path& path, Bytes bytes) {
                                    CV_8UC1, bytes.data()));
 }
 
-/// Writes the frame with the given number, its truth, and its training images if there are any.
+/// Writes the frames with the given number, their truth, and their training images if there are
+/// any.
 void write_shot(const fs::path& output, std::size_t number, const sensing::Simulation& simulation,
                 const std::vector<sensing::NamedImages>& training) {
   const std::string name = fmt::format("{:06}", number);
-  sensing::write_png(output / "frames" / (name + ".png"), simulation.frames[0]);
+  for (std::size_t i = 0; i < simulation.frames.size(); ++i) {
+    sensing::write_png(
+        output / "frames" /
+            (simulation.frames.size() > 1 ? fmt::format("{}_{:02}.png", name, i) : name + ".png"),
+        simulation.frames[i]);
+  }
   const fs::path truth = output / "truth" / name;
   geometry::write_depth_tiff(truth.string() + ".tiff", simulation.truth.range.z);
   write_bytes(truth.string() + "_lit.png", simulation.truth.lit.cast<unsigned char>() * 255);
@@ -169,6 +195,27 @@ void write_shot(const fs::path& output, std::size_t number, const sensing::Simul
   for (const sensing::NamedImages& color : training) {
     sensing::write_png(output / "training" / name / (color.name + "_flat.png"), color.images[0]);
   }
+}
+
+/// Renders the frames of a shot, each shot with noise of its own; and decodes them for the report.
+sensing::RigTrial render(const SimulateCall& call, const Setup& setup,
+                         const std::vector<sensing::Body>& bodies, std::size_t number) {
+  if (setup.pattern.multishot) {
+    sensing::RigTrial trial;
+    trial.simulation = sensing::simulate(setup.rig, bodies, setup.panels, setup.sensor,
+                                         setup.pattern.axis, number * setup.panels.size());
+    return trial;
+  }
+  const std::uint64_t first_frame = number * (1 + setup.pattern.colors.size());
+  const cv::Mat& panel = setup.panels.front();
+  if (!call.report) {
+    return sensing::simulate_shot(setup.rig, setup.pattern, panel, bodies, setup.sensor,
+                                  {.training = number == 0, .first_frame = first_frame});
+  }
+  sensing::TrialOptions options;
+  options.decoder_rig = setup.decoder_rig;
+  options.first_frame = first_frame;
+  return sensing::try_rig(setup.rig, setup.pattern, panel, bodies, setup.sensor, options);
 }
 
 /// Simulates one shot and writes the results; returns its line of the report if there is one.
@@ -184,16 +231,7 @@ std::optional<ReportLine> do_shot(const SimulateCall& call, const Setup& setup,
         "the image. Use --distance for another position.",
         call.scene.meshes.front().string());
   }
-  // Each shot has its own noise.
-  const std::uint64_t first_frame = number * (1 + setup.pattern.colors.size());
-  sensing::TrialOptions options;
-  options.decoder_rig = setup.decoder_rig;
-  options.first_frame = first_frame;
-  const sensing::RigTrial trial =
-      call.report
-          ? sensing::try_rig(setup.rig, setup.pattern, setup.panel, bodies, setup.sensor, options)
-          : sensing::simulate_shot(setup.rig, setup.pattern, setup.panel, bodies, setup.sensor,
-                                   {.training = number == 0, .first_frame = first_frame});
+  const sensing::RigTrial trial = render(call, setup, bodies, number);
   if ((trial.simulation.truth.body != 0).all()) {
     throw InvalidInput(call.scene.meshes[shot.mesh].string() +
                        ": the camera sees nothing of it at this place; pass another --distance");
@@ -224,9 +262,12 @@ void simulate(const Settings& settings, const SimulateCall& call) {
     figures["report"] = Json::array();
     for (const ReportLine& line : lines) figures["report"].push_back(report_figures(line));
   }
+  if (setup.pattern.multishot) figures["images_of_each"] = setup.panels.size();
+  prose += setup.pattern.multishot
+               ? fmt::format("{} scene(s) of {} images", setup.shots.size(), setup.panels.size())
+               : fmt::format("{} frame(s)", setup.shots.size());
   print(settings, figures,
-        prose + fmt::format("{} frame(s) with their true range maps written to {}",
-                            setup.shots.size(), call.output.string()));
+        prose + " with their true range maps written to " + call.output.string());
 }
 
 void add_scene_options(CLI::App& command, SimulateCall& call) {
@@ -321,7 +362,8 @@ void add_simulate(CLI::App& app, const Settings& settings) {
   command->add_option("--rig", call->rig, "Camera and projector (rig.yaml)")->required();
   command
       ->add_option("--pattern", call->pattern,
-                   "Projected pattern (pattern.yaml, with its image pattern.png beside it)")
+                   "Projected pattern (pattern.yaml, with its image pattern.png, or its images "
+                   "shot_00.png, ... of a still scene, beside it)")
       ->required();
   command->add_option("-o,--output", call->output, "Folder to write")->required();
   command->add_flag("--report", call->report,
@@ -337,7 +379,10 @@ void add_simulate(CLI::App& app, const Settings& settings) {
       "Writes frames/NNNNNN.png; truth/NNNNNN.tiff, _id.png (1: the mesh, 2: the wall) and "
       "_lit.png;\n"
       "training/NNNNNN/ with images of each colour alone, for palpate calibrate colors (of the "
-      "first frame, with --report of all frames); rig.yaml and sensor.yaml.\n\n"
+      "first frame, with --report of all frames); rig.yaml and sensor.yaml. With a pattern for "
+      "several images of a still scene\n"
+      "(palpate pattern --multishot), frames/NNNNNN_00.png, ... in the order that palpate decode "
+      "--multishot reads.\n\n"
       "Examples:\n"
       "  palpate simulate meshes/hand.ply --rig demo/rig.yaml --pattern demo/pattern.yaml --report "
       "-o out\n"

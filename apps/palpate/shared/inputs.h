@@ -45,7 +45,8 @@ void check_camera_options(const std::filesystem::path& path, const MapCamera& ca
                                                 const MapCamera& camera);
 
 /// The deviations that `decode --sigma` writes beside a range map: those of the noise alone
-/// (NAME_noise.tiff), or of all (NAME_sigma.tiff) if the former is missing. The file may be missing.
+/// (NAME_noise.tiff), or of all (NAME_sigma.tiff) if the former is missing. The file may be
+/// missing.
 [[nodiscard]] std::filesystem::path noise_beside(const std::filesystem::path& range_map);
 
 /// Whether `path` is a folder.
