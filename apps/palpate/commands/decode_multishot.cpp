@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "commands/decode_input.h"
 #include "commands/decode_record.h"
 #include "palpate/error.h"
 #include "palpate/geometry/error_statistics.h"
@@ -57,19 +58,10 @@ Scene next_scene(const MultishotCall& call) {
   while (static_cast<int>(scene.size()) < call.decoder.images()) {
     auto frame = call.source.next();
     if (!frame) break;
+    if (call.linearizer != nullptr) linearize_when_read(*call.linearizer, *frame);
     scene.push_back(std::move(*frame));
   }
   return scene;
-}
-
-cv::Mat read_linear(const sensing::SourceFrame& frame, const sensing::Linearizer* linearizer) {
-  const cv::Mat image = frame.read();
-  if (linearizer == nullptr) return image;
-  try {
-    return (*linearizer)(image);
-  } catch (const InvalidInput& misfit) {
-    throw InvalidInput(frame.name + ": " + misfit.what());
-  }
 }
 
 /// "a.png ... r.png"
@@ -79,8 +71,7 @@ sensing::MultishotResult decode_scene(const MultishotCall& call, const Scene& sc
                                       SceneOutcome& outcome) {
   WallClock::time_point start = WallClock::now();
   std::vector<cv::Mat> images;
-  for (const sensing::SourceFrame& frame : scene)
-    images.push_back(read_linear(frame, call.linearizer));
+  for (const sensing::SourceFrame& frame : scene) images.push_back(frame.read());
   outcome.read_milliseconds = milliseconds_since(start);
   start = WallClock::now();
   sensing::MultishotResult result = call.decoder.decode(images);
