@@ -1,0 +1,30 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "palpate/eigen_alignment.h"
+
+namespace palpate::geometry {
+
+struct CloudClusterOptions {
+  double max_gap = 0;  ///< [mm] points at most this far apart are in one cluster; > 0
+  int min_points = 1;  ///< smaller clusters are left out; >= 1
+};
+
+struct CloudClusters {
+  std::vector<int> cluster;  ///< N: 0 is the largest; -1: in none, or not known
+  std::vector<int> sizes;    ///< points of each cluster, descending; ties by their first point
+};
+
+/// Divides a cloud (3 x N [mm]) into the connected components of the graph that joins points at
+/// most `max_gap` apart. Points with a coordinate that is not finite are in no cluster. The result
+/// does not depend on the order of the points (but for ties in size) or the number of threads.
+/// \throws InvalidInput if an option is outside its range, or max_gap is less than 2^-40 of the
+/// extent of the points.
+[[nodiscard]] CloudClusters cloud_clusters(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
+                                           const CloudClusterOptions& options);
+
+}  // namespace palpate::geometry

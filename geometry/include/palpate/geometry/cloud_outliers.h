@@ -1,0 +1,34 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "palpate/eigen_alignment.h"
+
+/// Points of a cloud (3 x N [mm]) that are not outliers. Points with a coordinate that is not
+/// finite are left out and are nobody's neighbours. Results do not depend on the order of the
+/// points (for statistics: up to rounding), the frame, or the number of threads.
+namespace palpate::geometry {
+
+struct OutlierOptions {
+  int neighbours = 16;  ///< in [1, kMostNeighbours]; fewer if there are not so many other points
+  /// A point is kept iff its mean distance from its neighbours is at most the mean of that of all
+  /// points plus this many of its standard deviations; > 0.
+  double max_deviations = 3;
+};
+
+/// Leaves out points that are unusually far from their neighbours (Rusu et al. 2008).
+/// \return indices of the kept points, ascending; all known ones if there are fewer than 3.
+/// \throws InvalidInput if an option is outside its range.
+[[nodiscard]] std::vector<int> without_outliers(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
+                                                const OutlierOptions& options = {});
+
+/// Leaves out points with fewer than `neighbours` other points within the distance `radius` [mm].
+/// \return indices of the kept points, ascending.
+/// \throws InvalidInput unless radius > 0 and `neighbours` is in [1, kMostNeighbours].
+[[nodiscard]] std::vector<int> without_isolated(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
+                                                double radius, int neighbours);
+
+}  // namespace palpate::geometry

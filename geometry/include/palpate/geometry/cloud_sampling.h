@@ -1,0 +1,35 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "palpate/eigen_alignment.h"
+
+/// Fewer points of a cloud (3 x N [mm]) that cover it as evenly. Points with a coordinate that is
+/// not finite are left out.
+namespace palpate::geometry {
+
+struct VoxelSample {
+  Eigen::Matrix3Xd points;  ///< [mm] 3 x V: the mean of the points in each voxel
+  std::vector<int> voxel;   ///< N: the voxel of each point, -1 if it is not known
+};
+
+/// Averages the points in each cube [i e, (i + 1) e) x [j e, (j + 1) e) x [k e, (k + 1) e), e being
+/// `edge` [mm], so that the voxels of several clouds in one frame are the same. Voxels are in the
+/// order of their first point; in another order of the points the means differ by rounding.
+/// \throws InvalidInput unless edge > 0 and at least 2^-40 of each coordinate.
+[[nodiscard]] VoxelSample voxel_sample(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
+                                       double edge);
+
+/// Chooses points of which no two are closer than `min_distance` [mm], and to one of which each
+/// point is closer than that (a maximal Poisson-disc sample): points are taken in an order that
+/// follows from a hash of their coordinates, unless they are too close to one before. The order of
+/// the points does not matter. Points that are equal count as one, the first.
+/// \return indices of the chosen points, ascending.
+/// \throws InvalidInput unless min_distance > 0 and at least 2^-40 of the extent of the points.
+[[nodiscard]] std::vector<int> poisson_sample(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
+                                              double min_distance);
+
+}  // namespace palpate::geometry

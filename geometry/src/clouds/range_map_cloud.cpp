@@ -1,0 +1,63 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "palpate/geometry/range_map_cloud.h"
+
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "palpate/error.h"
+
+namespace palpate::geometry {
+namespace {
+
+std::string size_of(Eigen::Index width, Eigen::Index height) {
+  return std::to_string(width) + " x " + std::to_string(height);
+}
+
+}  // namespace
+
+PointCloud organised_cloud(const RangeMap& map, const ImageF& sigma) {
+  PointCloud cloud;
+  cloud.points = back_project(map);
+  cloud.width = map.z.cols();
+  cloud.height = map.z.rows();
+  if (sigma.size() == 0) return cloud;
+  if (sigma.rows() != map.z.rows() || sigma.cols() != map.z.cols())
+    throw InvalidInput("organised_cloud: sigma is " + size_of(sigma.cols(), sigma.rows()) +
+                       " px, but the range map is " + size_of(map.z.cols(), map.z.rows()) + " px");
+  set_attribute(cloud.attributes,
+                {.name = "sigma",
+                 .values = std::vector<float>(sigma.data(), sigma.data() + sigma.size()),
+                 .list_sizes = {}});
+  return cloud;
+}
+
+RangeMap range_map_of(const PointCloud& cloud, const Camera& camera) {
+  const Eigen::Matrix2Xd rays = pixel_rays(camera);
+  if (cloud.width != camera.width || cloud.height != camera.height ||
+      cloud.points.cols() != rays.cols())
+    throw InvalidInput("range_map_of: the cloud is " + size_of(cloud.width, cloud.height) +
+                       " points, but the camera is " + size_of(camera.width, camera.height) +
+                       " px; an organised cloud has a point per pixel");
+  constexpr double kHalfPixel = 0.5;
+  RangeMap map{
+      .z = ImageF::Constant(camera.height, camera.width, std::numeric_limits<float>::quiet_NaN()),
+      .camera = camera};
+  for (Eigen::Index i = 0; i < cloud.points.cols(); ++i) {
+    const Eigen::Vector3d point = cloud.points.col(i);
+    if (!point.allFinite() || !(point.z() > 0)) continue;
+    const Eigen::Vector2d off = point.head<2>() / point.z() - rays.col(i);
+    if (!(std::abs(off.x()) * camera.fx <= kHalfPixel &&
+          std::abs(off.y()) * camera.fy <= kHalfPixel))
+      throw InvalidInput("range_map_of: the point of column " + std::to_string(i % cloud.width) +
+                         ", row " + std::to_string(i / cloud.width) +
+                         " is not where this pixel of the camera sees it; is the cloud in the "
+                         "camera's frame, in mm, and not undistorted?");
+    map.z.data()[i] = static_cast<float>(point.z());
+  }
+  return map;
+}
+
+}  // namespace palpate::geometry
