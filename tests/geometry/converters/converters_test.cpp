@@ -13,6 +13,7 @@
 #include "palpate/geometry/cgal_mesh.h"
 #include "palpate/geometry/eigen_views.h"
 #include "palpate/geometry/pcl_cloud.h"
+#include "palpate/geometry/range_map_cloud.h"
 #include "refusal.h"
 #include "test_surfaces.h"
 
@@ -103,6 +104,77 @@ TEST(PclCloud, ARangeMapBecomesAnOrganisedCloud) {
   EXPECT_FALSE(cloud.is_dense);
   EXPECT_FLOAT_EQ(cloud.at(0, 1).x, -7.001F);
   EXPECT_TRUE(std::isnan(cloud.at(2, 1).z));
+}
+
+/// A slope seen through a lens, with an unknown depth.
+RangeMap small_map() {
+  RangeMap map;
+  map.camera = {.width = 4, .height = 3, .fx = 100, .fy = 90, .cx = 1.4, .cy = 0.9};
+  map.camera.distortion[0] = -0.1;
+  map.z.resize(3, 4);
+  for (int i = 0; i < 12; ++i) map.z.data()[i] = 500.1F + 3.3F * static_cast<float>(i);
+  map.z(1, 2) = std::numeric_limits<float>::quiet_NaN();
+  return map;
+}
+
+TEST(PclCloud, OfARangeMapHasTheRoundedPointsOfItsBackProjection) {
+  const RangeMap map = small_map();
+  const auto cloud = to_point_cloud(map);
+  const Eigen::Matrix3Xf expected = back_project(map).cast<float>();
+  for (Eigen::Index i = 0; i < 12; ++i) {
+    if (i != 6) {
+      EXPECT_EQ(positions(cloud).col(i), expected.col(i));
+    } else {
+      EXPECT_TRUE(std::isnan(cloud[6].x) && std::isnan(cloud[6].z));
+    }
+  }
+  RangeMap wrong = map;
+  wrong.camera.width = 5;
+  EXPECT_EQ(refusal([&] { return to_point_cloud(wrong); }),
+            "range map: depths are 4 x 3 px, but the camera is 5 x 3 px");
+}
+
+TEST(PclCloud, ViewsAreTheMemoryOfTheCloud) {
+  const RangeMap map = small_map();
+  pcl::PointCloud<pcl::PointNormal> cloud =
+      to_point_cloud_of<pcl::PointNormal>(organised_cloud(map));
+  const auto depths = depths_in(cloud);
+  ASSERT_EQ(depths.rows(), 3);
+  ASSERT_EQ(depths.cols(), 4);
+  EXPECT_EQ(depths(2, 1), map.z(2, 1));
+  cloud.at(1, 2).z = 9;
+  EXPECT_EQ(depths(2, 1), 9);
+  positions(cloud)(1, 5) = 77;
+  EXPECT_EQ(cloud[5].y, 77);
+  cloud[5].normal_z = 3;
+  EXPECT_EQ(normals_in(std::as_const(cloud))(2, 5), 3);
+  pcl::PointCloud<pcl::PointXYZ> empty;
+  EXPECT_EQ(positions(empty).cols(), 0);
+  EXPECT_EQ(depths_in(empty).size(), 0);
+}
+
+TEST(PclCloud, ARoundTripKeepsGridNormalsAndColours) {
+  PointCloud cloud = organised_cloud(small_map());
+  Eigen::Matrix3Xd normals = Eigen::Matrix3Xd::Zero(3, 12);
+  normals.row(1).setLinSpaced(0, 0.5);
+  normals = normals.cast<float>().cast<double>();
+  set_normals(cloud.attributes, normals);
+  Eigen::Matrix3Xd rgb(3, 12);
+  for (int i = 0; i < 12; ++i) rgb.col(i) << i / 255.0, 1 - i / 255.0, 0.2;
+  set_colors(cloud.attributes, rgb);
+  const PointCloud back = from_point_cloud_of(to_point_cloud_of<pcl::PointXYZRGBNormal>(cloud));
+  EXPECT_EQ(back.width, 4);
+  EXPECT_EQ(back.height, 3);
+  EXPECT_EQ(*geometry::normals(back.attributes), normals);
+  EXPECT_EQ(*colors(back.attributes), *colors(cloud.attributes));
+  const RangeMap map = range_map_of(back, small_map().camera);
+  for (int i = 0; i < 12; ++i) {
+    if (i == 6) continue;
+    EXPECT_EQ(map.z.data()[i], small_map().z.data()[i]);
+  }
+  cloud.width = 5;
+  EXPECT_EQ(refusal([&] { return to_point_cloud_of<pcl::PointXYZ>(cloud); }),
+            "point cloud: is 5 x 3, but has 12 points");
 }
 
 TEST(PclCloud, AQuadrangleIsNamed) {
