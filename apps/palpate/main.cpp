@@ -72,6 +72,7 @@ int run(int argc, char** argv) {
   add_simulate(app, settings);
   add_decode(app, settings);
   add_mesh(app, settings);
+  add_cloud(app, settings);
   add_fuse(app, settings);
   add_track(app, settings);
   add_compare(app, settings);

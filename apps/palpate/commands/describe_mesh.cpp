@@ -9,10 +9,12 @@
 #include <utility>
 #include <vector>
 
+#include "commands/describe_cloud.h"
 #include "palpate/error.h"
 #include "palpate/geometry/mesh_defects.h"
 #include "palpate/geometry/mesh_measures.h"
 #include "palpate/geometry/mesh_topology.h"
+#include "shared/command_line.h"
 
 namespace palpate::apps {
 namespace {
@@ -81,6 +83,30 @@ Description describe_surface(const geometry::TriangleMesh& mesh) {
   }
 }
 
+/// Lengths of edges and angles of triangles; nothing if the mesh has bad corners.
+Description describe_triangles(const geometry::TriangleMesh& mesh) {
+  try {
+    const geometry::MeshShape shape = geometry::mesh_shape(mesh);
+    return {
+        {{"edges", shape.edges},
+         {"edge_lengths",
+          {{"min", shape.shortest_edge},
+           {"median", shape.median_edge},
+           {"mean", shape.mean_edge},
+           {"max", shape.longest_edge}}},
+         {"angles",
+          {{"min", shape.smallest_angle},
+           {"median_min", shape.median_smallest_angle},
+           {"max", shape.largest_angle}}}},
+        fmt::format("{} edges of {:.4g} to {:.4g} mm, {:.4g} mm in the median; angles of {:.2g} "
+                    "to {:.4g} degrees\n",
+                    shape.edges, shape.shortest_edge, shape.longest_edge, shape.median_edge,
+                    shape.smallest_angle / kDegree, shape.largest_angle / kDegree)};
+  } catch (const InvalidInput&) {
+    return {Json::object(), ""};  // the defects below tell why
+  }
+}
+
 /// Lists the defects, and how to repair them.
 Description describe_defects(const geometry::TriangleMesh& mesh) {
   Json figures = Json::object();
@@ -114,6 +140,7 @@ Description describe_mesh(const fs::path& path, geometry::ReadOptions options) {
   const auto [low, high] = extent(mesh);
   const Description defects = describe_defects(mesh);
   const Description surface = describe_surface(mesh);
+  const Description triangles = describe_triangles(mesh);
   Description result = {
       {{"kind", "mesh"},
        {"vertices", mesh.vertices.cols()},
@@ -130,26 +157,22 @@ Description describe_mesh(const fs::path& path, geometry::ReadOptions options) {
                   low.z(), high.z()) +
           unit_in_words(file.unit) + attributes_in_words("vertex", file.vertex_attributes) +
           attributes_in_words("triangle", file.triangle_attributes) + "\n" + surface.prose + "\n" +
-          defects.prose};
+          triangles.prose + defects.prose};
   result.figures.update(surface.figures);
+  result.figures.update(triangles.figures);
   result.figures.update(defects.figures);
   return result;
 }
 
 Description describe_points(const fs::path& path, const geometry::ReadOptions& options) {
   const geometry::PointCloud cloud = geometry::read_point_cloud(path, options);
-  const auto known = (cloud.points.array() == cloud.points.array()).colwise().all().count();
-  return {{{"kind", "points"},
-           {"points", cloud.points.cols()},
-           {"known", known},
-           {"width", cloud.width},
-           {"height", cloud.height},
-           {"unit", cloud.unit.length},
-           {"unit_source", name_of(cloud.unit.source)},
-           {"attributes", names_of(cloud.attributes)}},
-          fmt::format("point cloud, {} x {} points, {} of them known", cloud.width, cloud.height,
-                      known) +
-              unit_in_words(cloud.unit) + attributes_in_words("point", cloud.attributes)};
+  const Description points = describe_cloud(cloud);
+  Description result = {{{"kind", "points"},
+                         {"unit", cloud.unit.length},
+                         {"unit_source", name_of(cloud.unit.source)}},
+                        "point cloud, " + points.prose + unit_in_words(cloud.unit)};
+  result.figures.update(points.figures);
+  return result;
 }
 
 }  // namespace palpate::apps

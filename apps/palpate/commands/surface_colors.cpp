@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "palpate/geometry/range_map_cloud.h"
+
 namespace palpate::apps {
 namespace {
 
@@ -42,10 +44,7 @@ geometry::Attributes colors_of(const Eigen::Matrix3Xd& vertices, const geometry:
 }
 
 geometry::PointCloud organised_cloud(const geometry::RangeMap& map, const cv::Mat& color) {
-  geometry::PointCloud cloud;
-  cloud.points = geometry::back_project(map);
-  cloud.width = map.z.cols();
-  cloud.height = map.z.rows();
+  geometry::PointCloud cloud = geometry::organised_cloud(map);
   if (color.empty()) return cloud;
   ByteColumn rgb[3];
   for (int row = 0; row < color.rows; ++row) {

@@ -46,6 +46,7 @@ void refuse_empty_values(CLI::App& app);
 
 // Each function adds a subcommand; its callback does the work and throws exceptions on failure.
 void add_bake(CLI::App& app, const Settings& settings);
+void add_cloud(CLI::App& app, const Settings& settings);
 void add_compare(CLI::App& app, const Settings& settings);
 void add_decode(CLI::App& app, const Settings& settings);
 void add_demo(CLI::App& app, const Settings& settings);

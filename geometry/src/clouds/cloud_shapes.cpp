@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/geometry/cloud_shapes.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <span>
 #include <string>

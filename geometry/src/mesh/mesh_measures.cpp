@@ -3,8 +3,15 @@
 #include "palpate/geometry/mesh_measures.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <span>
 #include <string>
+#include <vector>
 
+#include "base/numbers.h"
+#include "mesh/edge_table.h"
 #include "mesh/triangle_primitives.h"
 #include "palpate/error.h"
 #include "palpate/geometry/mesh_topology.h"
@@ -39,6 +46,38 @@ double enclosed_volume(const TriangleMesh& mesh) {
     six_times += a.dot(b.cross(c));
   }
   return six_times / 6;
+}
+
+MeshShape mesh_shape(const TriangleMesh& mesh) {
+  check_mesh(mesh, "mesh");
+  std::vector<double> lengths;
+  for_each_edge(sort_sides(mesh.triangles), [&](std::span<const EdgeSide> sides) {
+    lengths.push_back(
+        (mesh.vertices.col(sides.front().high) - mesh.vertices.col(sides.front().low)).norm());
+  });
+  std::vector<double> smallest;
+  MeshShape shape{.edges = static_cast<Eigen::Index>(lengths.size())};
+  for (const auto& corners : mesh.triangles.colwise()) {
+    double least = kInfinity;
+    for (int k = 0; k < 3; ++k) {
+      const Eigen::Vector3d at = mesh.vertices.col(corners[k]);
+      const Eigen::Vector3d a = mesh.vertices.col(corners[(k + 1) % 3]) - at;
+      const Eigen::Vector3d b = mesh.vertices.col(corners[(k + 2) % 3]) - at;
+      const double angle = std::atan2(a.cross(b).norm(), a.dot(b));
+      least = std::min(least, angle);
+      shape.largest_angle = std::max(shape.largest_angle, angle);
+    }
+    smallest.push_back(least);
+  }
+  constexpr double kHalf = 0.5;
+  shape.shortest_edge = *std::min_element(lengths.begin(), lengths.end());
+  shape.median_edge = rank_quantile(lengths, kHalf);
+  shape.mean_edge =
+      std::accumulate(lengths.begin(), lengths.end(), 0.0) / static_cast<double>(lengths.size());
+  shape.longest_edge = *std::max_element(lengths.begin(), lengths.end());
+  shape.smallest_angle = *std::min_element(smallest.begin(), smallest.end());
+  shape.median_smallest_angle = rank_quantile(smallest, kHalf);
+  return shape;
 }
 
 }  // namespace palpate::geometry

@@ -38,8 +38,7 @@ TEST(WithoutOutliers, EqualsTheDefinition) {
     const std::vector<double> distances = test::sorted_distances(points, points.col(i));
     means[i] = std::accumulate(distances.begin(), distances.begin() + 6, 0.0) / 5;
   }
-  const double deviation =
-      std::sqrt((means.array() - means.mean()).square().sum() / 399);
+  const double deviation = std::sqrt((means.array() - means.mean()).square().sum() / 399);
   std::vector<int> expected;
   for (int i = 0; i < points.cols(); ++i) {
     if (means[i] <= means.mean() + 1.2 * deviation) expected.push_back(i);

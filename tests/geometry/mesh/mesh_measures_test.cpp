@@ -84,5 +84,34 @@ TEST(MeshMeasures, RefuseAVertexThatIsNotFinite) {
   EXPECT_THROWS_MESSAGE((void)enclosed_volume(mesh), InvalidInput, "vertex 7");
 }
 
+TEST(MeshShape, OfASquareHasItsSidesAndDiagonal) {
+  const MeshShape shape = mesh_shape(test::flat_sheet(1, 1, 2));
+  EXPECT_EQ(shape.edges, 5);
+  EXPECT_DOUBLE_EQ(shape.shortest_edge, 2);
+  EXPECT_DOUBLE_EQ(shape.median_edge, 2);
+  EXPECT_DOUBLE_EQ(shape.mean_edge, (8 + std::sqrt(8)) / 5);
+  EXPECT_DOUBLE_EQ(shape.longest_edge, std::sqrt(8));
+  EXPECT_DOUBLE_EQ(shape.smallest_angle, kPi / 4);
+  EXPECT_DOUBLE_EQ(shape.median_smallest_angle, kPi / 4);
+  EXPECT_DOUBLE_EQ(shape.largest_angle, kPi / 2);
+}
+
+TEST(MeshShape, OfAnIcosahedronIsEquilateralInAnyFrame) {
+  const MeshShape shape = mesh_shape(test::moved(test::icosphere(0, 10), far_away()));
+  EXPECT_EQ(shape.edges, 30);
+  EXPECT_NEAR(shape.shortest_edge, shape.longest_edge, 1e-11);
+  EXPECT_NEAR(shape.smallest_angle, kPi / 3, 1e-11);
+  EXPECT_NEAR(shape.largest_angle, kPi / 3, 1e-11);
+}
+
+TEST(MeshShape, OfATriangleWithEqualCornersHasAnAngleOfZero) {
+  TriangleMesh mesh = test::flat_sheet(1, 1, 2);
+  mesh.vertices.col(1) = mesh.vertices.col(0);
+  const MeshShape shape = mesh_shape(mesh);
+  EXPECT_EQ(shape.shortest_edge, 0);
+  EXPECT_EQ(shape.smallest_angle, 0);
+  EXPECT_THROW((void)mesh_shape({}), InvalidInput);
+}
+
 }  // namespace
 }  // namespace palpate::geometry

@@ -17,4 +17,21 @@ namespace palpate::geometry {
 /// if the mesh is open.
 [[nodiscard]] double enclosed_volume(const TriangleMesh& mesh);
 
+/// Lengths of the edges of a mesh, each counted once, and angles of its triangles.
+struct MeshShape {
+  Eigen::Index edges = 0;
+  double shortest_edge = 0;  ///< [mm]
+  double median_edge = 0;    ///< [mm] the lower one of two in the middle
+  double mean_edge = 0;      ///< [mm]
+  double longest_edge = 0;   ///< [mm]
+  /// [rad] in [0, pi]; equilateral triangles have pi/3. An angle at a vertex that is in the place
+  /// of another corner is 0.
+  double smallest_angle = 0;
+  double median_smallest_angle = 0;  ///< [rad] median of the smallest angle of each triangle
+  double largest_angle = 0;          ///< [rad]
+};
+
+/// \throws InvalidInput if the mesh is not valid.
+[[nodiscard]] MeshShape mesh_shape(const TriangleMesh& mesh);
+
 }  // namespace palpate::geometry

@@ -1,0 +1,74 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <Eigen/Geometry>
+#include <filesystem>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "palpate/geometry/mesh_io.h"
+#include "shared/inputs.h"
+
+namespace palpate::apps {
+
+/// What steps of `cloud` need besides their own value.
+struct CloudSettings {
+  MapCamera camera;                          ///< for range maps and depth images
+  geometry::ReadOptions points;              ///< for other files
+  bool color = false;                        ///< from the NNNNNN_color.png beside each range map
+  std::optional<Eigen::Vector3d> viewpoint;  ///< [mm] for normals
+  double min_share = 0.1;                    ///< of a shape
+  double max_radius = std::numeric_limits<double>::infinity();  ///< [mm] of spheres and cylinders
+  int min_points = 1;                                           ///< of a cluster
+};
+
+/// A cloud between two steps, and what the steps before did, in numbers and in words.
+struct WorkedCloud {
+  geometry::PointCloud cloud;
+  /// What the last step found, for --keep and --remove; empty if nothing.
+  std::string found_what = {};
+  std::vector<int> found = {};  ///< indices of its points
+  nlohmann::ordered_json steps = nlohmann::ordered_json::array();
+  std::string prose = {};
+};
+
+/// Reads range maps, depth images, clouds and the vertices of meshes as one cloud. A single range
+/// map stays organised and gets the deviations beside it; if all are range maps and no viewpoint is
+/// given, it is set to their camera.
+/// \throws FileError or InvalidInput.
+[[nodiscard]] WorkedCloud load_cloud(const std::vector<std::filesystem::path>& inputs,
+                                     CloudSettings& settings);
+
+// The steps. Each throws InvalidInput if it would leave no point. An organised cloud stays so where
+// points are only removed.
+void crop(WorkedCloud& worked, const Eigen::AlignedBox3d& box);
+void remove_outliers(WorkedCloud& worked, double max_deviations);
+void remove_isolated(WorkedCloud& worked, double radius, int neighbours);
+void average_voxels(WorkedCloud& worked, double edge);
+void sample_poisson(WorkedCloud& worked, double min_distance);
+void find_normals(WorkedCloud& worked, int neighbours, const CloudSettings& settings);
+void measure_from_mesh(WorkedCloud& worked, const std::filesystem::path& reference,
+                       const CloudSettings& settings);
+void measure_from_cloud(WorkedCloud& worked, const std::filesystem::path& reference,
+                        const CloudSettings& settings);
+
+// Steps that find something among the points, and mark it in an attribute.
+/// \throws SolverError if there is no such shape.
+void mark_plane(WorkedCloud& worked, double tolerance, const CloudSettings& settings);
+void mark_sphere(WorkedCloud& worked, double tolerance, const CloudSettings& settings);
+void mark_cylinder(WorkedCloud& worked, double tolerance, const CloudSettings& settings);
+void mark_clusters(WorkedCloud& worked, double max_gap, const CloudSettings& settings);
+
+/// Keeps or removes the points that were found last.
+/// \throws InvalidInput if nothing was found since the points changed.
+void keep_found(WorkedCloud& worked);
+void remove_found(WorkedCloud& worked);
+
+/// Points with finite coordinates.
+[[nodiscard]] Eigen::Index known_count(const geometry::PointCloud& cloud);
+
+}  // namespace palpate::apps

@@ -1,0 +1,78 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include "commands/describe_cloud.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <Eigen/Geometry>
+#include <string>
+#include <vector>
+
+#include "palpate/geometry/cloud_distance.h"
+#include "palpate/geometry/error_statistics.h"
+
+namespace palpate::apps {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json corner(const Eigen::Vector3d& corner) {
+  return corner.allFinite() ? Json{corner.x(), corner.y(), corner.z()} : Json(nullptr);
+}
+
+/// Where the points are, and how far each is from its nearest.
+std::string place_in_words(const Eigen::AlignedBox3d& box,
+                           const geometry::ErrorStatistics& nearest) {
+  if (box.isEmpty()) return "";
+  std::string prose =
+      fmt::format("; X {:.1f} to {:.1f}, Y {:.1f} to {:.1f}, Z {:.1f} to {:.1f} mm", box.min().x(),
+                  box.max().x(), box.min().y(), box.max().y(), box.min().z(), box.max().z());
+  if (nearest.count > 0)
+    prose += fmt::format("; the nearest other point is {:.4g} mm away (median; 90 %: {:.4g} mm)",
+                         nearest.median, nearest.p90);
+  return prose;
+}
+
+std::string attributes_in_words(const geometry::Attributes& attributes,
+                                const std::vector<std::string>& names) {
+  if (names.empty()) return "";
+  std::string prose = fmt::format("; point attributes: {}", fmt::join(names, " "));
+  if (geometry::normals(attributes)) prose += "; with normals";
+  if (geometry::colors(attributes)) prose += "; with colours";
+  return prose;
+}
+
+}  // namespace
+
+Description describe_cloud(const geometry::PointCloud& cloud) {
+  Eigen::AlignedBox3d box;
+  Eigen::Index known = 0;
+  for (const auto& point : cloud.points.colwise()) {
+    if (!point.allFinite()) continue;
+    box.extend(point);
+    ++known;
+  }
+  const Eigen::VectorXd distances = geometry::neighbour_distances(cloud.points);
+  const geometry::ErrorStatistics nearest =
+      geometry::error_statistics({distances.begin(), distances.end()});
+  const auto repeated = (distances.array() == 0).count();
+  std::vector<std::string> names;
+  for (const geometry::Attribute& attribute : cloud.attributes) names.push_back(attribute.name);
+  std::string prose = fmt::format("{} x {} points{}, {} of them known", cloud.width, cloud.height,
+                                  cloud.height > 1 ? " (organised)" : "", known) +
+                      place_in_words(box, nearest) + attributes_in_words(cloud.attributes, names);
+  if (repeated > 0) prose += fmt::format("; {} points are where another one is, too", repeated);
+  return {{{"points", cloud.points.cols()},
+           {"known", known},
+           {"width", cloud.width},
+           {"height", cloud.height},
+           {"min", corner(box.min())},
+           {"max", corner(box.max())},
+           {"nearest", {{"median", nearest.median}, {"p90", nearest.p90}, {"max", nearest.max}}},
+           {"repeated", repeated},
+           {"attributes", names}},
+          prose};
+}
+
+}  // namespace palpate::apps
