@@ -69,17 +69,27 @@ std::vector<int> near_box(const PointsRef& points, const std::vector<int>& some,
   return near;
 }
 
-bool have_pair_within(const PointsRef& points, const std::vector<int>& a, const std::vector<int>& b,
-                      double reach) {
-  const std::vector<int> near_b = near_box(points, a, box_of(points, b), reach);
-  if (near_b.empty()) return false;
-  const std::vector<int> near_a = near_box(points, b, box_of(points, near_b), reach);
-  for (const int i : near_b) {
-    for (const int j : near_a) {
+bool have_pair(const PointsRef& points, const std::vector<int>& a, const std::vector<int>& b,
+               double reach) {
+  for (const int i : a) {
+    for (const int j : b) {
       if ((points.col(i) - points.col(j)).squaredNorm() <= reach * reach) return true;
     }
   }
   return false;
+}
+
+bool have_pair_within(const PointsRef& points, const std::vector<int>& a, const std::vector<int>& b,
+                      double reach) {
+  // Of large cells only the points that face each other are compared.
+  constexpr std::size_t kFew = 256;  // pairs
+  if (a.size() * b.size() > kFew) {
+    const std::vector<int> near_b = near_box(points, a, box_of(points, b), reach);
+    if (near_b.empty()) return false;
+    const std::vector<int> near_a = near_box(points, b, box_of(points, near_b), reach);
+    return have_pair(points, near_b, near_a, reach);
+  }
+  return have_pair(points, a, b, reach);
 }
 
 /// Joins cells one of whose points is within reach of one of the other's.

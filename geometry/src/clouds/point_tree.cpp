@@ -3,7 +3,6 @@
 #include "clouds/point_tree.h"
 
 #include <algorithm>
-#include <array>
 #include <tuple>
 
 #include "base/numbers.h"
@@ -38,7 +37,7 @@ struct PointTree::Search {
   std::size_t count;
   std::vector<Neighbour>& found;  ///< nearest first
   double worst = kInfinity;       ///< squared distance beyond which nothing is wanted
-  std::array<double, 3> gap{};    ///< distances along each axis from the current node's box
+  Eigen::Vector3d gap = Eigen::Vector3d::Zero();  ///< along each axis from the current node's box
   double squared_gap = 0;
 
   void offer(double squared_distance, int index) {
@@ -55,10 +54,15 @@ PointTree::PointTree(const Eigen::Ref<const Eigen::Matrix3Xd>& points) {
   places_.reserve(known.size());
   for (const int i : known) places_.push_back({points.col(i), i});
   std::vector<int> bounds = {0, static_cast<int>(places_.size())};
+  low_.setConstant(kInfinity);
+  high_.setConstant(-kInfinity);
+  for (const Place& place : places_) {
+    low_ = low_.cwiseMin(place.position);
+    high_ = high_.cwiseMax(place.position);
+  }
   while (bounds[1] - bounds[0] > kLeafSize) {
-    const std::size_t first_node = split_.size();
-    split_.resize(first_node + bounds.size() - 1);
-    axis_.resize(split_.size());
+    const std::size_t first_node = nodes_.size();
+    nodes_.resize(first_node + bounds.size() - 1);
     split_level(bounds, first_node);
     std::vector<int> halved = {0};
     for (std::size_t i = 1; i < bounds.size(); ++i) {
@@ -78,8 +82,12 @@ void PointTree::split_level(const std::vector<int>& bounds, std::size_t first_no
     std::nth_element(begin, half, end, [axis](const Place& a, const Place& b) {
       return std::tie(a.position[axis], a.point) < std::tie(b.position[axis], b.point);
     });
-    axis_[first_node + i] = static_cast<std::uint8_t>(axis);
-    split_[first_node + i] = half->position[axis];
+    const Place* const last = std::max_element(begin, half, [axis](const Place& a, const Place& b) {
+      return a.position[axis] < b.position[axis];
+    });
+    nodes_[first_node + i] = {.low_end = last->position[axis],
+                              .high_begin = half->position[axis],
+                              .axis = static_cast<std::uint8_t>(axis)};
   });
 }
 
@@ -88,11 +96,13 @@ void PointTree::nearest(const Eigen::Vector3d& point, int count,
   found.clear();
   if (places_.empty() || count < 1) return;
   Search search{.point = point, .count = static_cast<std::size_t>(count), .found = found};
+  search.gap = (low_ - point).cwiseMax(point - high_).cwiseMax(0);
+  search.squared_gap = search.gap.squaredNorm();
   descend(search, 0, 0, static_cast<int>(places_.size()));
 }
 
 void PointTree::descend(Search& search, std::size_t node, int begin, int end) const {
-  if (node >= split_.size()) {
+  if (node >= nodes_.size()) {
     for (int i = begin; i < end; ++i) {
       const Place& place = places_[static_cast<std::size_t>(i)];
       const double squared = (place.position - search.point).squaredNorm();
@@ -101,21 +111,20 @@ void PointTree::descend(Search& search, std::size_t node, int begin, int end) co
     }
     return;
   }
-  const int axis = axis_[node];
-  const double offset = search.point[axis] - split_[node];
+  const auto [low_end, high_begin, axis] = nodes_[node];
+  const double past_low = search.point[axis] - low_end;
+  const double to_high = high_begin - search.point[axis];
   const int half = middle(begin, end);
-  const bool is_above = offset >= 0;
+  const bool is_above = past_low > to_high;  // nearer to the upper half
   const std::size_t below = 2 * node + 1, above = 2 * node + 2;
   if (is_above)
     descend(search, above, half, end);
   else
     descend(search, below, begin, half);
-  // The other side is beyond the plane of the split, and beyond the gaps of the other axes.
-  double& gap = search.gap[static_cast<std::size_t>(axis)];
+  double& gap = search.gap[axis];
   const double gap_here = gap, squared_here = search.squared_gap;
-  gap = offset;
-  search.squared_gap =
-      search.gap[0] * search.gap[0] + search.gap[1] * search.gap[1] + search.gap[2] * search.gap[2];
+  gap = is_above ? past_low : to_high;
+  search.squared_gap = search.gap.squaredNorm();
   if (search.found.size() < search.count || search.squared_gap < search.worst) {
     if (is_above)
       descend(search, below, begin, half);

@@ -42,9 +42,16 @@ class PointTree {
   void split_level(const std::vector<int>& bounds, std::size_t first_node);
   void descend(Search& search, std::size_t node, int begin, int end) const;
 
-  std::vector<Place> places_;       ///< those of a leaf side by side
-  std::vector<double> split_;       ///< of each inner node; below node i are 2 i + 1 and 2 i + 2
-  std::vector<std::uint8_t> axis_;  ///< of each inner node
+  /// An inner node; below node i are the nodes 2 i + 1 and 2 i + 2, or leaves.
+  struct Node {
+    double low_end;     ///< largest coordinate of the lower half along the axis
+    double high_begin;  ///< smallest coordinate of the upper half
+    std::uint8_t axis;
+  };
+
+  std::vector<Place> places_;  ///< those of a leaf side by side
+  std::vector<Node> nodes_;
+  Eigen::Vector3d low_, high_;  ///< corners of the box of all points
 };
 
 /// Calls `body(place, found)` for each point of the tree with the `count` points nearest to it
