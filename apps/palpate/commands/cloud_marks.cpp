@@ -40,7 +40,8 @@ Eigen::Matrix3Xd free_points(const geometry::PointCloud& cloud) {
 }
 
 void mark_shape(WorkedCloud& worked, const std::string& name,
-                const geometry::PointsOnShape& on_shape, Json figures, const std::string& words) {
+                const geometry::PointsOnShape& on_shape, const Json& figures,
+                const std::string& words) {
   std::vector<std::uint8_t> shapes = shapes_of(worked.cloud);
   const int number = shapes.empty() ? 1 : *std::max_element(shapes.begin(), shapes.end()) + 1;
   if (number > std::numeric_limits<std::uint8_t>::max())
@@ -53,7 +54,7 @@ void mark_shape(WorkedCloud& worked, const std::string& name,
   worked.found_what = name;
   Json note = {{"shape", number}, {"on_it", on_shape.inliers.size()}, {"rms", on_shape.rms}};
   note.update(figures);
-  note_step(worked, name, known_count(worked.cloud), std::move(note),
+  note_step(worked, name, known_count(worked.cloud), note,
             fmt::format("{}; {} points are on it, {:.4g} mm RMS from it", words,
                         on_shape.inliers.size(), on_shape.rms));
 }

@@ -16,7 +16,7 @@ Eigen::Index known_count(const geometry::PointCloud& cloud) {
 }
 
 void note_step(WorkedCloud& worked, const std::string& name, Eigen::Index known_before,
-               nlohmann::ordered_json figures, const std::string& words) {
+               const nlohmann::ordered_json& figures, const std::string& words) {
   const Eigen::Index known = known_count(worked.cloud);
   nlohmann::ordered_json note = {
       {"step", name}, {"known", known}, {"removed", known_before - known}};
