@@ -9,6 +9,7 @@ import sys as _sys
 try:
     from ._palpate import (
         Acquisition,
+        AllHits,
         ArmState,
         BlendedField,
         Camera,
@@ -42,6 +43,7 @@ try:
         TrainedColors,
         TriangleMesh,
         VirtualArm,
+        WindingNumber,
         __version__,
         bake,
         compare,
@@ -82,6 +84,7 @@ except ModuleNotFoundError as _error:
 
 __all__ = [
     "Acquisition",
+    "AllHits",
     "ArmState",
     "BlendedField",
     "Camera",
@@ -115,6 +118,7 @@ __all__ = [
     "TrainedColors",
     "TriangleMesh",
     "VirtualArm",
+    "WindingNumber",
     "__version__",
     "bake",
     "compare",

@@ -10,10 +10,12 @@
 #include "palpate/geometry/mesh_distance.h"
 #include "palpate/geometry/registration.h"
 #include "palpate/geometry/surface_query.h"
+#include "palpate/geometry/winding_number.h"
 
 namespace palpate::python {
 namespace {
 
+using geometry::AllHits;
 using geometry::ClosestPoints;
 using geometry::FirstHits;
 using geometry::GeodesicDistance;
@@ -23,6 +25,7 @@ using geometry::RegistrationMethod;
 using geometry::SurfacePoint;
 using geometry::SurfaceQuery;
 using geometry::TriangleMesh;
+using geometry::WindingNumber;
 
 void add_queries(py::module_& module) {
   py::class_<ClosestPoints>(module, "ClosestPoints",
@@ -73,8 +76,31 @@ void add_queries(py::module_& module) {
           "along",
           [](const py::object& self) { return vector_view(self.cast<FirstHits&>().along, self); },
           "(N,) share of the way; NaN without a crossing.");
+  py::class_<AllHits>(module, "AllHits",
+                      "All M crossings of N segments, in the order of the segments and along each; "
+                      "arrays are views that keep it alive.")
+      .def_property_readonly(
+          "segments",
+          [](const py::object& self) { return vector_view(self.cast<AllHits&>().segments, self); },
+          "(M,) int32, ascending: which segment crosses.")
+      .def_property_readonly(
+          "triangles",
+          [](const py::object& self) { return vector_view(self.cast<AllHits&>().triangles, self); },
+          "(M,) int32.")
+      .def_property_readonly(
+          "barycentric",
+          [](const py::object& self) { return rows_view(self.cast<AllHits&>().barycentric, self); },
+          "(M, 3) in the order of the triangle's vertices.")
+      .def_property_readonly(
+          "positions",
+          [](const py::object& self) { return rows_view(self.cast<AllHits&>().positions, self); },
+          "[mm] (M, 3).")
+      .def_property_readonly(
+          "along",
+          [](const py::object& self) { return vector_view(self.cast<AllHits&>().along, self); },
+          "(M,) share of the way.");
   py::class_<SurfaceQuery>(module, "SurfaceQuery",
-                           "Closest points on a mesh, and first crossings of it, exact in float64.")
+                           "Closest points on a mesh, and crossings of it, exact in float64.")
       .def(py::init([](const TriangleMesh& mesh) {
              const Unlocked unlocked;
              return SurfaceQuery(mesh);
@@ -104,7 +130,56 @@ A C-contiguous float64 array is read in place. Ctrl-C is not heard.)")
           arg("starts"), arg("ends"),
           R"(The first crossing of the surface on the way from each start to its end, (N, 3) each [mm].
 
-Raises InvalidInput unless there are as many ends as starts. Ctrl-C is not heard.)");
+Raises InvalidInput unless there are as many ends as starts. Ctrl-C is not heard.)")
+      .def(
+          "all_hits",
+          [](const SurfaceQuery& query, const py::object& starts, const py::object& ends) {
+            const Points from(starts, "starts"), to(ends, "ends");
+            const Unlocked unlocked;
+            return geometry::all_hits(query, from.columns(), to.columns());
+          },
+          arg("starts"), arg("ends"),
+          R"(All crossings of the surface on the way from each start to its end, (N, 3) each [mm].
+
+A segment exactly through an edge or a vertex counts as if it passed beside it, so that no crossing
+counts twice. Raises InvalidInput unless there are as many ends as starts. Ctrl-C is not heard.)");
+  py::class_<WindingNumber>(module, "WindingNumber",
+                            "Inside and outside of a surface, also of an open one such as a scan.")
+      .def(py::init([](const TriangleMesh& mesh) {
+             const Unlocked unlocked;
+             return WindingNumber(mesh);
+           }),
+           arg("mesh"),
+           R"(Prepares a copy of the mesh.
+
+Raises InvalidInput if the mesh has no triangle, a vertex that is not finite, or a wrong index.)")
+      .def(
+          "at",
+          [](const WindingNumber& winding, const py::object& points, double tolerance) {
+            const Points given(points, "points");
+            const Eigen::VectorXd numbers = [&] {
+              const Unlocked unlocked;
+              return geometry::winding_numbers(winding, given.columns(), tolerance);
+            }();
+            return py::array_t<double>(numbers.size(), numbers.data());
+          },
+          arg("points"), py::kw_only(), arg("tolerance") = 0.01,
+          R"(The winding number of each of (N, 3) points [mm], within the tolerance: (N,).
+
+1 inside and 0 outside of a closed surface, in between near a hole; NaN for a point that is not
+finite. tolerance=0 is the exact sum of all solid angles. Ctrl-C is not heard.)")
+      .def(
+          "contains",
+          [](const WindingNumber& winding, const py::object& points) {
+            const Points given(points, "points");
+            const Eigen::VectorX<bool> inside = [&] {
+              const Unlocked unlocked;
+              return geometry::contained(winding, given.columns());
+            }();
+            return py::array_t<bool>(inside.size(), inside.data());
+          },
+          arg("points"),
+          "Whether the winding number of each of (N, 3) points exceeds 1/2: (N,) bool.");
 }
 
 std::vector<SurfacePoint> surface_points(const TriangleMesh& mesh, const py::object& sources) {

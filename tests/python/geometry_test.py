@@ -95,6 +95,43 @@ class Surfaces(unittest.TestCase):
         with self.assertRaisesRegex(palpate.InvalidInput, "ends"):
             palpate.SurfaceQuery(grid(9, 7)).first_hits(starts, ends[1:])
 
+    def test_all_crossings_of_two_planes_are_in_their_order(self):
+        lower = grid(9, 7)
+        both = palpate.TriangleMesh(
+            np.vstack([lower.vertices, lower.vertices + [0, 0, 1]]),
+            np.vstack([lower.triangles, lower.triangles + len(lower.vertices)]),
+        )
+        starts = np.random.default_rng(2).uniform([1, 1, 2], [7, 5, 3], (50, 3))
+        ends = np.random.default_rng(3).uniform([1, 1, -3], [7, 5, -1], (50, 3))
+        ends[10] = starts[10] + [0, 0, 1]  # stays above
+        hits = palpate.SurfaceQuery(both).all_hits(starts, ends)
+        np.testing.assert_array_equal(hits.segments, np.repeat(np.delete(np.arange(50), 10), 2))
+        np.testing.assert_allclose(hits.positions[:, 2], np.tile([1, 0], 49), atol=1e-12)
+        from_start = (starts[hits.segments, 2] - hits.positions[:, 2]) / (starts - ends)[hits.segments, 2]
+        np.testing.assert_allclose(hits.along, from_start, atol=1e-12)
+        corners = both.vertices[both.triangles[hits.triangles]]
+        np.testing.assert_allclose(np.einsum("nc,ncd->nd", hits.barycentric, corners), hits.positions, atol=1e-12)
+        with self.assertRaisesRegex(palpate.InvalidInput, "all_hits"):
+            palpate.SurfaceQuery(both).all_hits(starts, ends[1:])
+
+    def test_the_winding_number_passes_one_half_at_a_sheet_that_seems_endless(self):
+        sheet = grid(201, 201, 10)  # the back of a triangle is inside
+        above, below = [1000, 1000, 1], [1000, 1000, -1]
+        winding = palpate.WindingNumber(sheet)
+        np.testing.assert_allclose(winding.at([below, above], tolerance=0), [0.5, -0.5], atol=1e-3)
+        np.testing.assert_allclose(winding.at([below, above]), winding.at([below, above], tolerance=0), atol=0.01)
+        self.assertTrue(np.isnan(winding.at([[np.nan, 0, 0]])[0]))
+        cube = palpate.TriangleMesh(
+            [[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)],
+            [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1]]
+            + [[2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3]],
+        )
+        points = np.random.default_rng(4).uniform(-1, 2, (300, 3))
+        inside = ((points > 0) & (points < 1)).all(axis=1)
+        np.testing.assert_array_equal(palpate.WindingNumber(cube).contains(points), inside)
+        with self.assertRaisesRegex(palpate.InvalidInput, "tolerance"):
+            winding.at(points, tolerance=-1)
+
     def test_distances_along_a_plane_are_euclidean(self):
         mesh = grid(31, 21, 0.5)
         source = 31 * 10 + 7

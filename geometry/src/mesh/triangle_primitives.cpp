@@ -28,6 +28,22 @@ Nearest nearest_on_edge(const Eigen::Vector3d& point, const Corners& corners, in
   return nearest;
 }
 
+/// a0 b1 - a1 b0 with one rounding and the exact sign (Kahan), unless products are below 1e-290.
+double exact_cross(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  const double left = a[0] * b[1], right = a[1] * b[0];
+  const double left_error = std::fma(a[0], b[1], -left), right_error = std::fma(a[1], b[0], -right);
+  return (left - right) + (left_error - right_error);
+}
+
+/// The side of the edge from a to b, seen along axis 2, on which the origin is, once it is moved by
+/// d on axis 0 and d^2 on axis 1 with an infinitesimal d (Edelsbrunner and Muecke 1990): 1, -1, or
+/// 0 if the edge is a point.
+int side_of_origin(double cross, const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  const auto sign = [](double x) { return x > 0 ? 1 : x < 0 ? -1 : 0; };
+  if (cross != 0) return sign(cross);
+  return a[1] != b[1] ? sign(a[1] - b[1]) : sign(b[0] - a[0]);
+}
+
 /// Foot of the perpendicular on the triangle's plane; at infinity if it is outside the triangle.
 Nearest nearest_inside(const Eigen::Vector3d& point, const Corners& corners) {
   const Eigen::Vector3d ab = corners[1] - corners[0];
@@ -105,6 +121,25 @@ Crossing cross_triangle(const ShearedSegment& segment, const Corners& corners) {
   if (!(fraction >= 0 && fraction <= 1)) return crossing;
   crossing.fraction = fraction;
   crossing.barycentric = barycentric;
+  return crossing;
+}
+
+Crossing cross_triangle_beside_edges(const ShearedSegment& segment, const Corners& corners) {
+  const Eigen::Vector3d a = segment.shear(corners[0]);
+  const Eigen::Vector3d b = segment.shear(corners[1]);
+  const Eigen::Vector3d c = segment.shear(corners[2]);
+  const Eigen::Vector3d areas(exact_cross(b, c), exact_cross(c, a), exact_cross(a, b));
+  Crossing crossing;
+  const int side = side_of_origin(areas[0], b, c);
+  if (side == 0 || side != side_of_origin(areas[1], c, a) ||
+      side != side_of_origin(areas[2], a, b)) {
+    return crossing;
+  }
+  const double total = areas.sum();
+  if (total == 0) return crossing;  // smaller than the smallest number
+  crossing.barycentric = areas / total;
+  crossing.fraction =
+      crossing.barycentric.dot(Eigen::Vector3d(a[2], b[2], c[2])) / segment.length();
   return crossing;
 }
 

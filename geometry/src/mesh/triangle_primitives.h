@@ -64,6 +64,14 @@ struct Crossing {
 /// Crossing from either side, border included; none if the segment lies in the triangle's plane.
 [[nodiscard]] Crossing cross_triangle(const ShearedSegment& segment, const Corners& corners);
 
+/// Where the line through a segment, shifted sideways by an infinitesimal distance, passes through
+/// the triangle; the fraction may be any number, infinite if it passes beside it. The shift is the
+/// same for all triangles and the sides of edges are exact, so that a line through an edge or a
+/// vertex crosses a closed surface as often outwards as inwards. None if the line lies in the plane
+/// of the triangle.
+[[nodiscard]] Crossing cross_triangle_beside_edges(const ShearedSegment& segment,
+                                                   const Corners& corners);
+
 /// Area of a triangle from the lengths of its sides, accurate also for needles (Kahan 2014); 0 if
 /// the lengths violate the triangle inequality.
 [[nodiscard]] double area_of_lengths(double a, double b, double c);

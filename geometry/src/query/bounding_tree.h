@@ -4,14 +4,18 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cstddef>
 #include <vector>
 
 #include "query/triangle_packet.h"
 
 namespace palpate::geometry {
 
-/// Four boxes side by side, one per child.
-struct TreeNode {
+/// Processors load memory in lines of this size.
+inline constexpr std::size_t kCacheLine = 64;
+
+/// Four boxes side by side, one per child; two cache lines.
+struct alignas(kCacheLine) TreeNode {
   /// [axis][0]: lower, [axis][1]: upper; lower > upper if there is no child
   std::array<std::array<Lanes, 2>, 3> sides;
   std::array<int, TrianglePacket::kSize> child;  ///< >= 0: node; < 0: packet ~child

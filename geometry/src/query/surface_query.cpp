@@ -42,11 +42,77 @@ Clip clip_to_cube(const Eigen::Vector3d& start, const Eigen::Vector3d& along, do
   return clip;
 }
 
+/// A segment or ray in the local frame, cut to the cube.
+struct LocalLine {
+  Eigen::Vector3d start, end;
+  Clip clip;
+  double unit;  ///< [mm] length of a ray to which `clip` is relative
+
+  /// Fraction of the segment, or multiple of the ray's unit, from the fraction of what is cut out.
+  [[nodiscard]] double along(double fraction) const {
+    return clip.begin + fraction * (clip.end - clip.begin);
+  }
+};
+
+/// None if the segment is not finite or outside the cube.
+std::optional<LocalLine> local_line(const SurfaceTree& tree, const Eigen::Vector3d& start,
+                                    const Eigen::Vector3d& end) {
+  const Eigen::Vector3d local_start = tree.to_local(start), local_end = tree.to_local(end);
+  if (!local_start.allFinite() || !local_end.allFinite()) return std::nullopt;
+  const Eigen::Vector3d along = local_end - local_start;
+  const Clip clip = clip_to_cube(local_start, along, 1);
+  if (clip.begin > clip.end) return std::nullopt;
+  return LocalLine{.start = clip.begin > 0 ? local_start + clip.begin * along : local_start,
+                   .end = clip.end < 1 ? local_start + clip.end * along : local_end,
+                   .clip = clip,
+                   .unit = 0};
+}
+
+/// None if it is no ray or outside the cube.
+std::optional<LocalLine> local_line(const SurfaceTree& tree, const Ray& ray) {
+  const Eigen::Vector3d origin = tree.to_local(ray.origin);
+  const double largest = ray.direction.cwiseAbs().maxCoeff();
+  if (!origin.allFinite() || !ray.direction.allFinite() || !(largest > 0) ||
+      !(ray.max_distance >= 0)) {
+    return std::nullopt;
+  }
+  // Scaled to 1 along its main axis, so that its squared length is finite for any length.
+  const Eigen::Vector3d along = ray.direction / largest;
+  const double unit = along.norm() / tree.scale();  // [mm] length of `along`
+  const Clip clip = clip_to_cube(origin, along, ray.max_distance / unit);
+  if (clip.begin > clip.end) return std::nullopt;
+  return LocalLine{.start = clip.begin > 0 ? origin + clip.begin * along : origin,
+                   .end = clip.end > 0 ? origin + clip.end * along : origin,
+                   .clip = clip,
+                   .unit = unit};
+}
+
+SegmentHit segment_hit(const TriangleMesh& mesh, const LocalLine& line,
+                       const CrossedTriangle& crossed) {
+  const SurfacePoint at{.triangle = crossed.triangle, .barycentric = crossed.at.barycentric};
+  return {.at = at, .position = position(mesh, at), .fraction = line.along(crossed.at.fraction)};
+}
+
+RayHit ray_hit(const TriangleMesh& mesh, const LocalLine& line, const CrossedTriangle& crossed) {
+  const SurfacePoint at{.triangle = crossed.triangle, .barycentric = crossed.at.barycentric};
+  return {.at = at,
+          .position = position(mesh, at),
+          .distance = line.along(crossed.at.fraction) * line.unit};
+}
+
 void set_hit(FirstHits& hits, Eigen::Index i, const auto& hit, double along) {
   hits.triangles[i] = hit.at.triangle;
   hits.barycentric.col(i) = hit.at.barycentric;
   hits.positions.col(i) = hit.position;
   hits.along[i] = along;
+}
+
+void check_ends(const std::string& function, const Eigen::Ref<const Eigen::Matrix3Xd>& starts,
+                const Eigen::Ref<const Eigen::Matrix3Xd>& ends) {
+  if (starts.cols() == ends.cols()) return;
+  throw InvalidInput(function + ": there are " + std::to_string(starts.cols()) +
+                     " starts of segments, but " + std::to_string(ends.cols()) +
+                     " ends; pass one end for each start");
 }
 
 /// \param ask sets the answer with this index if there is one.
@@ -86,43 +152,38 @@ ClosestPoint SurfaceQuery::closest_point(const Eigen::Vector3d& point) const noe
 
 std::optional<SegmentHit> SurfaceQuery::first_hit(const Eigen::Vector3d& start,
                                                   const Eigen::Vector3d& end) const noexcept {
-  const SurfaceTree& tree = *tree_;
-  const Eigen::Vector3d local_start = tree.to_local(start), local_end = tree.to_local(end);
-  if (!local_start.allFinite() || !local_end.allFinite()) return std::nullopt;
-  const Eigen::Vector3d along = local_end - local_start;
-  const Clip clip = clip_to_cube(local_start, along, 1);
-  if (clip.begin > clip.end) return std::nullopt;
-  const CrossedTriangle crossed =
-      tree.first_crossing(clip.begin > 0 ? local_start + clip.begin * along : local_start,
-                          clip.end < 1 ? local_start + clip.end * along : local_end);
+  const std::optional<LocalLine> line = local_line(*tree_, start, end);
+  if (!line) return std::nullopt;
+  const CrossedTriangle crossed = tree_->first_crossing(line->start, line->end);
   if (crossed.triangle < 0) return std::nullopt;
-  const SurfacePoint at{.triangle = crossed.triangle, .barycentric = crossed.at.barycentric};
-  return SegmentHit{.at = at,
-                    .position = position(tree.mesh(), at),
-                    .fraction = clip.begin + crossed.at.fraction * (clip.end - clip.begin)};
+  return segment_hit(tree_->mesh(), *line, crossed);
 }
 
 std::optional<RayHit> SurfaceQuery::first_hit(const Ray& ray) const noexcept {
-  const SurfaceTree& tree = *tree_;
-  const Eigen::Vector3d origin = tree.to_local(ray.origin);
-  const double largest = ray.direction.cwiseAbs().maxCoeff();
-  if (!origin.allFinite() || !ray.direction.allFinite() || !(largest > 0) ||
-      !(ray.max_distance >= 0)) {
-    return std::nullopt;
-  }
-  // Scaled to 1 along its main axis, so that its squared length is finite for any length.
-  const Eigen::Vector3d along = ray.direction / largest;
-  const double unit = along.norm() / tree.scale();  // [mm] length of `along`
-  const Clip clip = clip_to_cube(origin, along, ray.max_distance / unit);
-  if (clip.begin > clip.end) return std::nullopt;
-  const CrossedTriangle crossed =
-      tree.first_crossing(clip.begin > 0 ? origin + clip.begin * along : origin,
-                          clip.end > 0 ? origin + clip.end * along : origin);
+  const std::optional<LocalLine> line = local_line(*tree_, ray);
+  if (!line) return std::nullopt;
+  const CrossedTriangle crossed = tree_->first_crossing(line->start, line->end);
   if (crossed.triangle < 0) return std::nullopt;
-  const SurfacePoint at{.triangle = crossed.triangle, .barycentric = crossed.at.barycentric};
-  return RayHit{.at = at,
-                .position = position(tree.mesh(), at),
-                .distance = (clip.begin + crossed.at.fraction * (clip.end - clip.begin)) * unit};
+  return ray_hit(tree_->mesh(), *line, crossed);
+}
+
+std::vector<SegmentHit> SurfaceQuery::all_hits(const Eigen::Vector3d& start,
+                                               const Eigen::Vector3d& end) const {
+  std::vector<SegmentHit> hits;
+  const std::optional<LocalLine> line = local_line(*tree_, start, end);
+  if (!line) return hits;
+  for (const CrossedTriangle& crossed : tree_->all_crossings(line->start, line->end))
+    hits.push_back(segment_hit(tree_->mesh(), *line, crossed));
+  return hits;
+}
+
+std::vector<RayHit> SurfaceQuery::all_hits(const Ray& ray) const {
+  std::vector<RayHit> hits;
+  const std::optional<LocalLine> line = local_line(*tree_, ray);
+  if (!line) return hits;
+  for (const CrossedTriangle& crossed : tree_->all_crossings(line->start, line->end))
+    hits.push_back(ray_hit(tree_->mesh(), *line, crossed));
+  return hits;
 }
 
 void SurfaceQuery::move_vertices(const Eigen::Ref<const Eigen::Matrix3Xd>& vertices) {
@@ -159,11 +220,7 @@ ClosestPoints closest_points(const SurfaceQuery& query,
 
 FirstHits first_hits(const SurfaceQuery& query, const Eigen::Ref<const Eigen::Matrix3Xd>& starts,
                      const Eigen::Ref<const Eigen::Matrix3Xd>& ends) {
-  if (starts.cols() != ends.cols()) {
-    throw InvalidInput("first_hits: there are " + std::to_string(starts.cols()) +
-                       " starts of segments, but " + std::to_string(ends.cols()) +
-                       " ends; pass one end for each start");
-  }
+  check_ends("first_hits", starts, ends);
   return collect_hits(starts.cols(), [&](Eigen::Index i, FirstHits& hits) {
     if (const auto hit = query.first_hit(starts.col(i), ends.col(i))) {
       set_hit(hits, i, *hit, hit->fraction);
@@ -177,6 +234,36 @@ FirstHits first_hits(const SurfaceQuery& query, std::span<const Ray> rays) {
       set_hit(hits, i, *hit, hit->distance);
     }
   });
+}
+
+AllHits all_hits(const SurfaceQuery& query, const Eigen::Ref<const Eigen::Matrix3Xd>& starts,
+                 const Eigen::Ref<const Eigen::Matrix3Xd>& ends) {
+  check_ends("all_hits", starts, ends);
+  std::vector<std::vector<SegmentHit>> of_segment(static_cast<std::size_t>(starts.cols()));
+  parallel_for(starts.cols(), [&](Eigen::Index i) {
+    of_segment[static_cast<std::size_t>(i)] = query.all_hits(starts.col(i), ends.col(i));
+  });
+  Eigen::Index count = 0;
+  for (const std::vector<SegmentHit>& hits : of_segment) {
+    count += static_cast<Eigen::Index>(hits.size());
+  }
+  AllHits all{.segments = Eigen::VectorXi(count),
+              .triangles = Eigen::VectorXi(count),
+              .barycentric = Eigen::Matrix3Xd(3, count),
+              .positions = Eigen::Matrix3Xd(3, count),
+              .along = Eigen::VectorXd(count)};
+  Eigen::Index i = 0;
+  for (std::size_t segment = 0; segment < of_segment.size(); ++segment) {
+    for (const SegmentHit& hit : of_segment[segment]) {
+      all.segments[i] = static_cast<int>(segment);
+      all.triangles[i] = hit.at.triangle;
+      all.barycentric.col(i) = hit.at.barycentric;
+      all.positions.col(i) = hit.position;
+      all.along[i] = hit.fraction;
+      ++i;
+    }
+  }
+  return all;
 }
 
 }  // namespace palpate::geometry

@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "base/numbers.h"
 #include "query/local_frame.h"
@@ -62,16 +63,28 @@ class Stack {
     }
     entries_[i] = entry;
   }
-  /// Inserts the children of a node whose bits are set.
-  void push(const TreeNode& node, const Lanes& distances, unsigned bits) {
+  /// Inserts the children of a node whose bits are set, and begins to load them.
+  void push(const BoundingTree& tree, const TreeNode& node, const Lanes& distances, unsigned bits) {
     const std::size_t base = size_;
     for (; bits != 0; bits &= bits - 1) {
       const auto lane = static_cast<std::size_t>(std::countr_zero(bits));
-      push({.distance = distances.data()[lane], .child = node.child[lane]}, base);
+      const int child = node.child[lane];
+      if (child < 0) {
+        load(&tree.packets[static_cast<std::size_t>(~child)]);
+      } else {
+        load(&tree.nodes[static_cast<std::size_t>(child)]);
+      }
+      push({.distance = distances.data()[lane], .child = child}, base);
     }
   }
 
  private:
+  template <typename What>
+  static void load(const What* what) {
+    for (std::size_t line = 0; line < sizeof(What); line += kCacheLine)
+      __builtin_prefetch(reinterpret_cast<const char*>(what) + line);
+  }
+
   // Not zero-initialised, because that would cost as much as a short traversal.
   std::array<Entry, 3 * BoundingTree::kMaxDepth + TrianglePacket::kSize> entries_;
   std::size_t size_ = 0;
@@ -111,31 +124,28 @@ struct SlabSegment {
 
 }  // namespace
 
-SurfaceTree::SurfaceTree(const TriangleMesh& mesh) : mesh_(mesh) {
-  set_frame();
-  build();
-}
+SurfaceTree::SurfaceTree(const TriangleMesh& mesh) : mesh_(mesh) { build(set_frame()); }
 
-void SurfaceTree::build() {
-  tree_ = build_tree(local_, mesh_.triangles, 2 * margin_);
+void SurfaceTree::build(const Eigen::Matrix3Xd& local) {
+  tree_ = build_tree(local, mesh_.triangles, 2 * margin_);
   built_cost_ = walking_cost(tree_);
 }
 
 void SurfaceTree::move_vertices(const Eigen::Ref<const Eigen::Matrix3Xd>& vertices) {
   mesh_.vertices = vertices;
-  set_frame();
-  refit(tree_, local_, mesh_.triangles, 2 * margin_);
-  if (walking_cost(tree_) > kRebuildCost * built_cost_) build();
+  const Eigen::Matrix3Xd local = set_frame();
+  refit(tree_, local, mesh_.triangles, 2 * margin_);
+  if (walking_cost(tree_) > kRebuildCost * built_cost_) build(local);
 }
 
-void SurfaceTree::set_frame() {
+Eigen::Matrix3Xd SurfaceTree::set_frame() {
   const LocalFrame frame = local_frame(mesh_.vertices);
   centre_ = frame.centre;
   scale_ = frame.scale;
-  local_ = frame.to_local(mesh_.vertices);
   const double largest = mesh_.vertices.cwiseAbs().maxCoeff();
   on_surface_ = std::min(kOnSurface * largest * scale_, 1.0);
   margin_ = std::max(kFloatMargin, 4 * on_surface_);
+  return frame.to_local(mesh_.vertices);
 }
 
 /// State of a closest-point query.
@@ -195,7 +205,7 @@ NearestTriangle SurfaceTree::nearest(const Eigen::Vector3d& point, double radius
           (node.sides[axis][0] - p[axis]).max(p[axis] - node.sides[axis][1]).max(0.0F);
       squared += outside * outside;
     }
-    stack.push(node, squared,
+    stack.push(tree_, node, squared,
                where_not_above(squared, Lanes::Constant(search.squared_radius)) & node.children);
   }
   return search.best;
@@ -255,7 +265,7 @@ CrossedTriangle SurfaceTree::first_crossing(const Eigen::Vector3d& start,
   Lanes enter;
   const auto root_children = slabs.meet(tree_.nodes.front(), 1, enter);
   if (root_children == 0) return {};
-  stack.push(tree_.nodes.front(), enter, root_children);
+  stack.push(tree_, tree_.nodes.front(), enter, root_children);
   const ShearedSegment segment(start, end);
   CrossingSearch search{.start = start,
                         .end = end,
@@ -274,7 +284,7 @@ CrossedTriangle SurfaceTree::first_crossing(const Eigen::Vector3d& start,
     }
     const TreeNode& node = tree_.nodes[static_cast<std::size_t>(next.child)];
     const unsigned met = slabs.meet(node, search.far, enter);
-    stack.push(node, enter, met);
+    stack.push(tree_, node, enter, met);
   }
   if (search.at_start.triangle >= 0) {
     return {{.fraction = 0, .barycentric = search.at_start.at.barycentric},
@@ -284,6 +294,62 @@ CrossedTriangle SurfaceTree::first_crossing(const Eigen::Vector3d& start,
     return {{.fraction = 1, .barycentric = search.at_end.at.barycentric}, search.at_end.triangle};
   }
   return search.best;
+}
+
+bool SurfaceTree::touches(const Eigen::Vector3d& end, int triangle) const {
+  return std::sqrt(nearest_on_triangle(end, corners(triangle)).squared_distance) <= on_surface_;
+}
+
+std::vector<CrossedTriangle> SurfaceTree::all_crossings(const Eigen::Vector3d& start,
+                                                        const Eigen::Vector3d& end) const {
+  std::vector<CrossedTriangle> crossings;
+  if (start == end) {
+    const CrossedTriangle touched = first_crossing(start, end);
+    if (touched.triangle >= 0) crossings.push_back(touched);
+    return crossings;
+  }
+  const SlabSegment slabs(start, end);
+  const ShearedSegment segment(start, end);
+  const SegmentLanes lanes(start, segment, margin_);
+  const auto length = static_cast<float>(std::abs(segment.length()));
+  const auto look_at = [&](const TrianglePacket& packet) {
+    const Passing passing = lanes.pass(packet);
+    const Lanes away = passing.miss.max(-lanes.margin() - passing.end)
+                           .max(passing.begin - (length + lanes.margin()));
+    for (unsigned bits = where_not_above(away, Lanes::Zero()); bits != 0; bits &= bits - 1) {
+      const int triangle = packet.triangle[static_cast<std::size_t>(std::countr_zero(bits))];
+      if (triangle < 0) continue;
+      Crossing crossing = cross_triangle_beside_edges(segment, corners(triangle));
+      if (!(std::abs(crossing.fraction) < kInfinity)) continue;
+      if (crossing.fraction < 0) {
+        if (!touches(start, triangle)) continue;
+        crossing.fraction = 0;
+      } else if (crossing.fraction > 1) {
+        if (!touches(end, triangle)) continue;
+        crossing.fraction = 1;
+      }
+      crossings.push_back({.at = crossing, .triangle = triangle});
+    }
+  };
+  Stack stack;
+  stack.push({.distance = 0, .child = 0}, 0);
+  while (!stack.empty()) {
+    const int next = stack.pop().child;
+    if (next < 0) {
+      look_at(tree_.packets[static_cast<std::size_t>(~next)]);
+      continue;
+    }
+    const TreeNode& node = tree_.nodes[static_cast<std::size_t>(next)];
+    Lanes enter;
+    const unsigned met = slabs.meet(node, 1, enter);
+    stack.push(tree_, node, enter, met);
+  }
+  const auto place = [](const CrossedTriangle& one) {
+    return std::pair(one.at.fraction, one.triangle);
+  };
+  std::sort(crossings.begin(), crossings.end(),
+            [&](const auto& a, const auto& b) { return place(a) < place(b); });
+  return crossings;
 }
 
 }  // namespace palpate::geometry

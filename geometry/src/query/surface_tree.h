@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
 
 #include "mesh/triangle_primitives.h"
 #include "palpate/geometry/triangle_mesh.h"
@@ -53,23 +54,32 @@ class SurfaceTree {
   [[nodiscard]] CrossedTriangle first_crossing(const Eigen::Vector3d& start,
                                                const Eigen::Vector3d& end) const noexcept;
 
+  /// All crossings of a segment, local frame, sorted by fraction and then by triangle. The segment
+  /// counts as shifted sideways by an infinitesimal distance, so that it meets no edge and no
+  /// vertex. A triangle that it would cross beyond an end within rounding of the triangle is
+  /// crossed at that end. Precondition: within [-2, 2].
+  [[nodiscard]] std::vector<CrossedTriangle> all_crossings(const Eigen::Vector3d& start,
+                                                           const Eigen::Vector3d& end) const;
+
  private:
-  void set_frame();
-  void build();
+  /// Returns the vertices in the local frame.
+  [[nodiscard]] Eigen::Matrix3Xd set_frame();
+  void build(const Eigen::Matrix3Xd& local);
   [[nodiscard]] Corners corners(int triangle) const {
     const Eigen::Vector3i of = mesh_.triangles.col(triangle);
-    return {local_.col(of[0]), local_.col(of[1]), local_.col(of[2])};
+    return {to_local(mesh_.vertices.col(of[0])), to_local(mesh_.vertices.col(of[1])),
+            to_local(mesh_.vertices.col(of[2]))};
   }
   struct NearestSearch;
   struct CrossingSearch;
   void look_at(NearestSearch& search, const TrianglePacket& packet) const;
   void look_at(CrossingSearch& search, const TrianglePacket& packet) const;
   void touch(NearestTriangle& nearest, const Eigen::Vector3d& end, int triangle) const;
+  [[nodiscard]] bool touches(const Eigen::Vector3d& end, int triangle) const;
 
   TriangleMesh mesh_;
   Eigen::Vector3d centre_;
   double scale_ = 1;
-  Eigen::Matrix3Xd local_;
   double on_surface_ = 0;  ///< ends closer than this are on the surface; local frame
   double margin_ = 0;      ///< covers rounding in single precision and `on_surface_`
   BoundingTree tree_;

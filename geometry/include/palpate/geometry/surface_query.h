@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "palpate/geometry/triangle_mesh.h"
 
@@ -45,7 +46,7 @@ struct RayHit {
 /// rounding; the remaining triangles are compared in double. The results therefore equal those of
 /// an exhaustive search in double, also for a mesh 1 km from the origin. Among equally good
 /// triangles the one with the lowest index is returned. Queries are const, thread-safe, do not
-/// allocate and do not throw (batch queries allocate their results).
+/// allocate and do not throw (batch queries and `all_hits` allocate their results).
 class SurfaceQuery {
  public:
   /// \throws InvalidInput if the mesh is not valid (see `check_mesh`).
@@ -72,6 +73,24 @@ class SurfaceQuery {
   /// the surface is a crossing at distance 0. Also none if the origin is not finite, the direction
   /// is not finite or zero, or `max_distance` is NaN or negative.
   [[nodiscard]] std::optional<RayHit> first_hit(const Ray& ray) const noexcept;
+
+  /// All crossings on the way from `start` to `end`, from either side of the surface, sorted by
+  /// fraction and then by triangle. None if an end is not finite.
+  ///
+  /// No crossing counts twice: a segment exactly through an edge or a vertex counts as if it passed
+  /// beside it, at an infinitesimal distance, to the same side for all triangles. So where the
+  /// surface goes through it crosses one of the triangles there; at a fold, at which the surface
+  /// only touches the segment, two or none (then unlike `first_hit`), and at the border one or
+  /// none. A line that begins and ends outside a closed surface therefore crosses it an even number
+  /// of times, in turns inwards and outwards if the surface does not intersect itself (where two
+  /// crossings are equally far within rounding, in any order). A segment in the plane of a triangle
+  /// does not cross it. An end on the surface, within the rounding of its
+  /// coordinates, is a crossing at fraction 0 or 1. Allocates the result.
+  [[nodiscard]] std::vector<SegmentHit> all_hits(const Eigen::Vector3d& start,
+                                                 const Eigen::Vector3d& end) const;
+
+  /// All crossings along the ray by the same rules, from the nearest to the farthest.
+  [[nodiscard]] std::vector<RayHit> all_hits(const Ray& ray) const;
 
   /// Moves the vertices of the mesh; the triangles stay the same. Results equal those of a new
   /// SurfaceQuery. The hierarchy is refitted, which takes a fraction of the time of a new one, or
@@ -117,5 +136,21 @@ struct FirstHits {
 
 /// Computes `first_hit` of each ray, using all threads.
 [[nodiscard]] FirstHits first_hits(const SurfaceQuery& query, std::span<const Ray> rays);
+
+/// All crossings of many segments, M in all, in the order of the segments.
+struct AllHits {
+  Eigen::VectorXi segments;      ///< M; the segment that crosses; ascending
+  Eigen::VectorXi triangles;     ///< M
+  Eigen::Matrix3Xd barycentric;  ///< 3 x M
+  Eigen::Matrix3Xd positions;    ///< [mm] 3 x M
+  Eigen::VectorXd along;         ///< M; fraction of the segment; ascending for each segment
+};
+
+/// Computes `all_hits` of each segment, using all threads.
+/// \param starts, ends [mm] 3 x N each; a segment with an end that is not finite hits nothing.
+/// \throws InvalidInput unless there are as many ends as starts.
+[[nodiscard]] AllHits all_hits(const SurfaceQuery& query,
+                               const Eigen::Ref<const Eigen::Matrix3Xd>& starts,
+                               const Eigen::Ref<const Eigen::Matrix3Xd>& ends);
 
 }  // namespace palpate::geometry
