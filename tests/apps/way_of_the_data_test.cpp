@@ -224,6 +224,15 @@ TEST_F(WayOfTheData, InfoListsWhatIsWrongWithAMeshAndMeshMendsIt) {
   EXPECT_TRUE(figures({"info", scratch / "mended.ply"})["defects"].empty());
 }
 
+TEST_F(WayOfTheData, InfoCountsTrianglesThatPassThroughEachOther) {
+  write_text(scratch / "crossing.off",
+             "OFF\n9 3 0\n0 0 0\n4 0 0\n0 4 0\n1 1 -1\n1 1 1\n9 9 1\n0 0 5\n1 0 5\n0 1 5\n"
+             "3 0 1 2\n3 6 7 8\n3 3 4 5\n");
+  const auto defects = figures({"info", scratch / "crossing.off"})["defects"];
+  EXPECT_EQ(defects.size(), 1U);
+  EXPECT_EQ(defects["triangle_intersecting"], 2);
+}
+
 TEST_F(WayOfTheData, MeshFillsHolesUpToASize) {
   if (!geometry::test::has_cgal()) GTEST_SKIP() << "the library was built without CGAL";
   // An octahedron of 6 mm in radius without one of its faces, which has a box of 6 x 6 x 6 mm.

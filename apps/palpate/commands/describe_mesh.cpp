@@ -11,9 +11,9 @@
 
 #include "commands/describe_cloud.h"
 #include "palpate/error.h"
-#include "palpate/geometry/mesh_defects.h"
 #include "palpate/geometry/mesh_measures.h"
 #include "palpate/geometry/mesh_topology.h"
+#include "palpate/geometry/self_intersections.h"
 #include "shared/command_line.h"
 
 namespace palpate::apps {
@@ -111,14 +111,14 @@ Description describe_triangles(const geometry::TriangleMesh& mesh) {
 Description describe_defects(const geometry::TriangleMesh& mesh) {
   Json figures = Json::object();
   std::string prose;
-  for (const geometry::MeshDefect& defect : geometry::find_defects(mesh)) {
+  for (const geometry::MeshDefect& defect : geometry::find_all_defects(mesh)) {
     figures[geometry::to_string(defect.kind)] = defect.elements.size();
     prose += "\n  " + geometry::describe(defect);
   }
   return {{{"defects", figures}},
           prose.empty() ? "no defects"
                         : "defects (counted from 0; palpate mesh --repair repairs all that can be "
-                          "repaired; needles stay):" +
+                          "repaired; needles and intersections stay):" +
                               prose};
 }
 

@@ -10,10 +10,10 @@
 #include "palpate/error.h"
 #include "palpate/geometry/decimation.h"
 #include "palpate/geometry/hole_filling.h"
-#include "palpate/geometry/mesh_defects.h"
 #include "palpate/geometry/mesh_repair.h"
 #include "palpate/geometry/range_map_mesh.h"
 #include "palpate/geometry/range_map_smoothing.h"
+#include "palpate/geometry/self_intersections.h"
 #include "palpate/geometry/smoothing.h"
 
 namespace palpate::apps {
@@ -85,7 +85,7 @@ void repair(MadeMesh& made) {
       repaired.removed_triangles, repaired.flipped_edges, repaired.turned_triangles,
       repaired.welded_vertices, repaired.split_vertices, repaired.removed_vertices,
       repaired.cut_edges);
-  for (const geometry::MeshDefect& defect : geometry::find_defects(made.mesh))
+  for (const geometry::MeshDefect& defect : geometry::find_all_defects(made.mesh))
     made.prose += "  remaining: " + geometry::describe(defect) + "\n";
 }
 

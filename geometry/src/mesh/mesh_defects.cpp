@@ -144,6 +144,8 @@ const char* words(DefectKind kind) {
       return "triangles without area";
     case DefectKind::triangle_needle:
       return "needle triangles";
+    case DefectKind::triangle_intersecting:
+      return "triangles that intersect others";
   }
   return "";
 }
@@ -174,6 +176,8 @@ const char* to_string(DefectKind kind) {
       return "triangle_flat";
     case DefectKind::triangle_needle:
       return "triangle_needle";
+    case DefectKind::triangle_intersecting:
+      return "triangle_intersecting";
   }
   return "";
 }
