@@ -199,6 +199,23 @@ TEST_F(Cloud, IsDescribedByInfo) {
               testing::AllOf(HasSubstr("(organised)"), HasSubstr("with normals")));
 }
 
+TEST_F(Cloud, InAMeshFormatIsDescribedByInfo) {
+  (void)figures({scratch / "scene.tiff", "-o", scratch / "s.ply"});
+  const json said = json::parse(run_palpate({"info", scratch / "s.ply", "--json"}).out);
+  EXPECT_EQ(said["kind"], "points");
+  EXPECT_EQ(said["known"], 4799);
+  write_text(scratch / "face.obj", "v 0 0 0\nv 1 0 0\nf 1 2 x\n");  // a mesh, but a bad one
+  EXPECT_EQ(run_palpate({"info", scratch / "face.obj"}).status, kWrongCall);
+}
+
+TEST_F(Cloud, NamesTheFileAndPointThatIsTooFarAway) {
+  write_text(scratch / "far.obj", "v 0 0 0\nv 1e200 0 0\n");
+  const std::string expected =
+      "far.obj: point 1 has a coordinate beyond 1e100 mm; correct it, or state the unit (--unit)";
+  EXPECT_THAT(wrong({scratch / "far.obj", "-o", scratch / "x.pcd"}), HasSubstr(expected));
+  EXPECT_THAT(run_palpate({"info", scratch / "far.obj"}).err, HasSubstr(expected));
+}
+
 TEST_F(Cloud, WritesNothingWhereAStepFails) {
   const std::string out = scratch / "out.pcd";
   EXPECT_THAT(wrong({scratch / "scene.tiff", "--crop", "0,0,0,1,1,1", "-o", out}),

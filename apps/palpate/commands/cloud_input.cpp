@@ -6,6 +6,7 @@
 
 #include "commands/cloud_steps.h"
 #include "commands/color_picture.h"
+#include "commands/describe_cloud.h"
 #include "palpate/error.h"
 #include "palpate/geometry/cloud_selection.h"
 #include "palpate/geometry/range_map_cloud.h"
@@ -64,6 +65,7 @@ WorkedCloud load_cloud(const std::vector<fs::path>& inputs, CloudSettings& setti
   std::vector<geometry::PointCloud> clouds;
   for (const fs::path& input : inputs) {
     clouds.push_back(read_one(input, settings));
+    check_coordinates(input, clouds.back());
     if (known_count(clouds.back()) == 0)
       throw InvalidInput(input.string() + ": none of its " +
                          std::to_string(clouds.back().points.cols()) + " points is known");

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "palpate/error.h"
 #include "palpate/geometry/cloud_distance.h"
 #include "palpate/geometry/error_statistics.h"
 
@@ -44,6 +45,16 @@ std::string attributes_in_words(const geometry::Attributes& attributes,
 }
 
 }  // namespace
+
+void check_coordinates(const std::filesystem::path& path, const geometry::PointCloud& cloud) {
+  constexpr double kLargest = 1e100;  // [mm] of cloud_distance.h and the others
+  for (Eigen::Index i = 0; i < cloud.points.cols(); ++i) {
+    if (cloud.points.col(i).allFinite() && cloud.points.col(i).cwiseAbs().maxCoeff() > kLargest)
+      throw InvalidInput(fmt::format(
+          "{}: point {} has a coordinate beyond 1e100 mm; correct it, or state the unit (--unit)",
+          path.string(), i));
+  }
+}
 
 Description describe_cloud(const geometry::PointCloud& cloud) {
   Eigen::AlignedBox3d box;

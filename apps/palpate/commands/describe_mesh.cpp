@@ -13,6 +13,7 @@
 #include "palpate/error.h"
 #include "palpate/geometry/mesh_measures.h"
 #include "palpate/geometry/mesh_topology.h"
+#include "palpate/geometry/point_file.h"
 #include "palpate/geometry/self_intersections.h"
 #include "shared/command_line.h"
 
@@ -133,7 +134,7 @@ std::pair<Eigen::Vector3d, Eigen::Vector3d> extent(const geometry::TriangleMesh&
 
 }  // namespace
 
-Description describe_mesh(const fs::path& path, geometry::ReadOptions options) {
+Description describe_mesh(const fs::path& path, geometry::ReadOptions options) try {
   options.keep_defects = true;
   const geometry::MeshFile file = geometry::read_mesh_file(path, options);
   const geometry::TriangleMesh& mesh = file.mesh;
@@ -162,10 +163,15 @@ Description describe_mesh(const fs::path& path, geometry::ReadOptions options) {
   result.figures.update(triangles.figures);
   result.figures.update(defects.figures);
   return result;
+} catch (const FileError&) {
+  // Rather than before, so that meshes are read once.
+  if (!geometry::holds_points_alone(path)) throw;
+  return describe_points(path, options);
 }
 
 Description describe_points(const fs::path& path, const geometry::ReadOptions& options) {
   const geometry::PointCloud cloud = geometry::read_point_cloud(path, options);
+  check_coordinates(path, cloud);
   const Description points = describe_cloud(cloud);
   Description result = {{{"kind", "points"},
                          {"unit", cloud.unit.length},

@@ -16,6 +16,7 @@
 #include "files/polygon_mesh.h"
 #include "palpate/error.h"
 #include "palpate/file_names.h"
+#include "palpate/geometry/point_file.h"
 #include "palpate/output_file.h"
 
 namespace palpate::geometry {
@@ -134,6 +135,14 @@ PointCloud read_point_cloud(const fs::path& path, const ReadOptions& options) {
   cloud.unit = take_unit(options, declared, cloud.comments);
   convert_to_mm(cloud.points, cloud.unit, path.string());
   return cloud;
+}
+
+bool holds_points_alone(const fs::path& path) {
+  const std::string extension = lower_extension(path);
+  if (extension == ".pcd") return true;
+  if (extension != ".ply" && extension != ".obj" && extension != ".off") return false;
+  const PolygonMesh mesh = read_polygons(path);
+  return mesh.sizes.empty() && !mesh.vertices.empty();
 }
 
 Eigen::Matrix3Xd read_points(const fs::path& path, const ReadOptions& options) {
