@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <Eigen/Geometry>
+
 #include "cloud_testing.h"
 #include "mesh_corpus.h"
 #include "not_finite.h"
