@@ -194,7 +194,8 @@ TEST_F(WrongOptions, WhatPalpateWritesIsRecognised) {
   const CommandResult moved = run_palpate(simulate({"--ideal"}));
   ASSERT_EQ(moved.status, 0) << moved.err;
   EXPECT_NE(moved.err.find("not completely in view"), std::string::npos) << moved.err;
-  EXPECT_EQ(figures(scratch / "out")["frames"], 1);
+  const nlohmann::json out = figures(scratch / "out");
+  EXPECT_EQ(out["frames"], 1) << out;
 }
 
 }  // namespace

@@ -177,15 +177,15 @@ void write_bytes(const fs::path& path, Bytes bytes) {
                                    CV_8UC1, bytes.data()));
 }
 
-/// Writes the frames with the given number, their truth, and their training images if there are
-/// any.
-void write_shot(const fs::path& output, std::size_t number, const sensing::Simulation& simulation,
+/// Writes the first `images` frames as those of the given number, their truth, and the training
+/// images if there are any (their frames come after).
+void write_shot(const fs::path& output, std::size_t number, std::size_t images,
+                const sensing::Simulation& simulation,
                 const std::vector<sensing::NamedImages>& training) {
   const std::string name = fmt::format("{:06}", number);
-  for (std::size_t i = 0; i < simulation.frames.size(); ++i) {
+  for (std::size_t i = 0; i < images; ++i) {
     sensing::write_png(
-        output / "frames" /
-            (simulation.frames.size() > 1 ? fmt::format("{}_{:02}.png", name, i) : name + ".png"),
+        output / "frames" / (images > 1 ? fmt::format("{}_{:02}.png", name, i) : name + ".png"),
         simulation.frames[i]);
   }
   const fs::path truth = output / "truth" / name;
@@ -236,7 +236,7 @@ std::optional<ReportLine> do_shot(const SimulateCall& call, const Setup& setup,
     throw InvalidInput(call.scene.meshes[shot.mesh].string() +
                        ": the camera sees nothing of it at this place; pass another --distance");
   }
-  write_shot(output, number, trial.simulation, trial.training);
+  write_shot(output, number, setup.panels.size(), trial.simulation, trial.training);
   if (!call.report) return std::nullopt;
   return report_line(output / "report" / fmt::format("{:06}.png", number), trial);
 }
