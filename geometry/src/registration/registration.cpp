@@ -16,6 +16,7 @@
 #include "registration/pose_verdict.h"
 #include "registration/registration_pcl.h"
 #include "registration/registration_target.h"
+#include "registration/spatial_order.h"
 
 namespace palpate::geometry {
 namespace {
@@ -26,6 +27,11 @@ constexpr int kMinPoints = 3;
 constexpr Eigen::Index kSearchPoints = 200;
 constexpr Eigen::Index kCandidatePoints = 300;
 constexpr int kCandidateSteps = 12;
+
+/// Number of points for the steps before those with all points; taken iff these are so many times
+/// more.
+constexpr Eigen::Index kCoarsePoints = 2000;
+constexpr Eigen::Index kLeastGain = 4;
 
 /// Candidates are refined on the surface itself iff their score on the coarse map is at most this
 /// many times the best, or a quarter of a cell; and at most this many are.
@@ -39,10 +45,17 @@ constexpr double kEqualScore = 1.2;
 /// Like `kStayFar` of the search, but near the surface.
 constexpr double kStayNear = 1e-3;
 
-/// Refinement ends when a step moves the points by at most this (local frame), or by a hundredth of
-/// the standard error of their mean distance.
+/// Refinement ends when a step moves the points by at most this (local frame), or by a tenth of the
+/// standard error of their mean distance.
 constexpr double kConverged = 1e-10;
-constexpr double kOfMeanError = 0.01;
+constexpr double kOfMeanError = 0.1;
+
+/// A step that does not reduce the loss is divided by this.
+constexpr double kShorten = 4;
+
+/// The second derivative of the loss counts at least this share of the weights, so that steps are
+/// at most twice those of weighted least squares.
+constexpr double kLeastCurvature = 0.5;
 
 void check_options(const RegistrationOptions& options) {
   require("RegistrationOptions::max_iterations", options.max_iterations, at_least(1));
@@ -77,13 +90,14 @@ Eigen::Matrix3Xd finite_points(const Eigen::Ref<const Eigen::Matrix3Xd>& points)
 double mean_loss(const Eigen::VectorXd& distances, double deviation) {
   double sum = 0;
   for (const double distance : distances) {
-    sum += 1 - std::pow(tukey_weight(distance, deviation), 1.5);
+    const double weight = tukey_weight(distance, deviation);
+    sum += 1 - weight * std::sqrt(weight);
   }
   return sum / static_cast<double>(distances.size());
 }
 
-/// Point-to-plane steps to the triangles. A step that does not reduce the loss is halved, so that
-/// the iteration also ends where noise and facets would make it oscillate.
+/// Point-to-plane steps to the triangles. A step that does not reduce the loss is shortened, so
+/// that the iteration also ends where noise and facets would make it oscillate.
 SettledPose settle(const RegistrationTarget::Impl& target, const Eigen::Matrix3Xd& points,
                    const Eigen::Isometry3d& start, double fraction, int max_iterations) {
   SettledPose pose{.motion = start, .pairing = {}};
@@ -94,12 +108,14 @@ SettledPose settle(const RegistrationTarget::Impl& target, const Eigen::Matrix3X
     const RigidProblem problem = rigid_problem(moved, pose.pairing, pose.deviation);
     if (problem.used < kMinPoints) return pose;
     Vector6d x = solve(problem, kStayNear);
+    // Newton's step: Tukey's loss bends less than its weights say.
+    x *= problem.weight / std::max(problem.curvature, kLeastCurvature * problem.weight);
     if (!x.allFinite()) return pose;
     const double mean_error =
         rank_quantile(pose.pairing.distances, 0.5) / std::sqrt(static_cast<double>(points.cols()));
     const double least_step = std::max(kConverged, kOfMeanError * mean_error);
     const double loss = mean_loss(pose.pairing.distances, pose.deviation);
-    for (bool descends = false; !descends; x /= 2) {
+    for (bool descends = false; !descends; x /= kShorten) {
       if (x.norm() <= least_step) {
         pose.converged = true;
         return pose;
@@ -120,6 +136,17 @@ SettledPose settle(const RegistrationTarget::Impl& target, const Eigen::Matrix3X
         std::min(pose.deviation, inlier_deviation(target, pose.pairing.distances, fraction));
   }
   return pose;
+}
+
+/// The start of the refinement with all points: settled with some of them first, where most of the
+/// steps are taken, unless these lose the surface.
+Eigen::Isometry3d settle_some(const RegistrationTarget::Impl& target,
+                              const Eigen::Matrix3Xd& points, const Eigen::Isometry3d& start,
+                              const RegistrationOptions& options) {
+  if (points.cols() < kLeastGain * kCoarsePoints) return start;
+  const SettledPose pose = settle(target, spread_subset(points, kCoarsePoints), start,
+                                  options.min_overlap, options.max_iterations);
+  return pose.converged ? pose.motion : start;
 }
 
 /// PCL pairs a point with a vertex at most this many deviations away, beyond which Tukey's weight
@@ -196,7 +223,7 @@ Registration register_points(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
   check_options(options);
   const RegistrationTarget::Impl& surface = target.impl();
   Eigen::Matrix3Xd source = options.T_target_source_start * finite_points(points);
-  source = (source.colwise() - surface.centre) * surface.scale;
+  source = in_spatial_order((source.colwise() - surface.centre) * surface.scale);
 
   Registration result;
   const SearchRange range{.rotation = options.search_rotation,
@@ -211,7 +238,8 @@ Registration register_points(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
   }
   const SettledPose pose =
       options.method == RegistrationMethod::point_to_triangle
-          ? settle(surface, source, choice.best, options.min_overlap, options.max_iterations)
+          ? settle(surface, source, settle_some(surface, source, choice.best, options),
+                   options.min_overlap, options.max_iterations)
           : settle_with_pcl(surface, source, choice.best, options);
   result.T_target_source = surface.to_world(pose.motion) * options.T_target_source_start;
   result.iterations = pose.iterations;

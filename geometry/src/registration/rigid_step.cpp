@@ -34,6 +34,8 @@ void add_pairs(const Eigen::Matrix3Xd& points, const Pairing& pairing, double de
         weight * (arm.squaredNorm() * Eigen::Matrix3d::Identity() - arm * arm.transpose());
     sum.points.topRightCorner<3, 3>() += weight * cross_matrix(arm);
     sum.weight += weight;
+    const double root = std::sqrt(weight);
+    sum.curvature += root * (5 * root - 4);
     ++sum.used;
   }
 }
@@ -81,6 +83,7 @@ RigidProblem rigid_problem(const Eigen::Matrix3Xd& points, const Pairing& pairin
       problem.points += part.points;
       problem.slope += part.slope;
       problem.weight += part.weight;
+      problem.curvature += part.curvature;
       problem.used += part.used;
     }
   }

@@ -37,6 +37,7 @@ struct RigidProblem {
   Matrix6d points = Matrix6d::Zero();  ///< sum of w J^T J, J: derivative of the point
   Vector6d slope = Vector6d::Zero();   ///< sum of w j e, e: distance to the plane
   double weight = 0;                   ///< sum of w
+  double curvature = 0;                ///< sum of the second derivatives of Tukey's loss; <= weight
   int used = 0;                        ///< pairs with w > 0
 };
 
