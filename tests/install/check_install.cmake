@@ -10,10 +10,15 @@ function(run)
   set(output "${output}" PARENT_SCOPE)
 endfunction()
 
-function(configure_consumer build_dir prefix components)
+# One folder serves all configurations of a compiler, since looking for the compiler takes most of the time.
+function(configure_consumer compiler prefix components)
+  get_filename_component(name ${compiler} NAME)
+  set(build_dir ${SCRATCH_DIR}/consumer_${name})
+  set(build_dir ${build_dir} PARENT_SCOPE)
   execute_process(
-    COMMAND ${CMAKE_COMMAND} -G Ninja -S ${CONSUMER_DIR} -B ${build_dir} -DCMAKE_BUILD_TYPE=Release
-            "-DCMAKE_CXX_FLAGS=${CXX_FLAGS} ${ARGN}" -DCMAKE_PREFIX_PATH=${prefix} "-DCOMPONENTS=${components}"
+    COMMAND ${CMAKE_COMMAND} -G Ninja -S ${CONSUMER_DIR} -B ${build_dir} -U palpate_DIR -DCMAKE_BUILD_TYPE=Release
+            -DCMAKE_CXX_COMPILER=${compiler} "-DCMAKE_CXX_FLAGS=${CXX_FLAGS}" -DCMAKE_PREFIX_PATH=${prefix}
+            "-DCOMPONENTS=${components}" "-DVERTICES_FLAGS=${ARGN}"
             # Whoever asks for these would not find them:
             -DCMAKE_DISABLE_FIND_PACKAGE_VTK=ON -DCMAKE_DISABLE_FIND_PACKAGE_PCL=ON
             -DCMAKE_DISABLE_FIND_PACKAGE_assimp=ON -DCMAKE_DISABLE_FIND_PACKAGE_embree=ON
@@ -25,52 +30,53 @@ endfunction()
 
 file(REMOVE_RECURSE ${SCRATCH_DIR})
 
-# 1. Only geometry is installed: it is enough for a user of geometry.
+# 1. Only geometry is installed: it is enough for a user of geometry, whose flags change how Eigen aligns and allocates
+# matrices; they are exchanged all the same.
 set(prefix ${SCRATCH_DIR}/geometry_only)
 run(${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${prefix} --component geometry)
-configure_consumer(${SCRATCH_DIR}/consumer ${prefix} geometry)
-if(NOT status EQUAL 0)
-  message(FATAL_ERROR "the consumer of geometry does not configure:\n${output}")
+set(flags -march=native)
+set(compilers ${CXX})
+if(NOT CXX_FLAGS MATCHES "fsanitize")  # sanitizers of two compilers do not mix
+  list(PREPEND compilers ${CLANG})
 endif()
-run(${CMAKE_COMMAND} --build ${SCRATCH_DIR}/consumer)
-run(${SCRATCH_DIR}/consumer/consumer)
-if(NOT output MATCHES "12 triangles, 1.000 mm away")
-  message(FATAL_ERROR "the consumer printed: ${output}")
-endif()
-run(ldd ${SCRATCH_DIR}/consumer/consumer)
-if(output MATCHES "lib(ipopt|vtk|sqlite3|opencv)[^ ]*")
-  message(FATAL_ERROR "a user of geometry needs ${CMAKE_MATCH_0} at run time:\n${output}")
-endif()
-
-# Other flags change how Eigen aligns and allocates matrices; they are exchanged all the same.
-file(READ /proc/cpuinfo processor)
-foreach(flag "" -march=native -mavx -fsanitize=address)
-  set(folder ${SCRATCH_DIR}/flags${flag})
-  configure_consumer(${folder} ${prefix} geometry ${flag})
-  if(NOT status EQUAL 0 OR (flag STREQUAL "-mavx" AND NOT processor MATCHES " avx "))
-    message(STATUS "${flag}: this compiler or processor does not have it")
-    continue()
+foreach(compiler IN LISTS compilers)
+  if(compiler STREQUAL "${CXX}")
+    list(APPEND flags -fsanitize=address)
   endif()
-  run(${CMAKE_COMMAND} --build ${folder} --target vertices)
-  run(${folder}/vertices ${folder}/grid.ply)
-  if(NOT output MATCHES "every vertex came back")
-    message(FATAL_ERROR "a program compiled with '${flag}' printed: ${output}")
+  configure_consumer(${compiler} ${prefix} geometry ${flags})
+  if(NOT status EQUAL 0)
+    message(FATAL_ERROR "the consumer of geometry does not configure with ${compiler}:\n${output}")
+  endif()
+  run(${CMAKE_COMMAND} --build ${build_dir})
+  run(${build_dir}/consumer)
+  if(NOT output MATCHES "12 triangles, 1.000 mm away")
+    message(FATAL_ERROR "the consumer of ${compiler} printed: ${output}")
+  endif()
+  run(ldd ${build_dir}/consumer)
+  if(output MATCHES "lib(ipopt|vtk|sqlite3|opencv)[^ ]*")
+    message(FATAL_ERROR "a user of geometry needs ${CMAKE_MATCH_0} at run time:\n${output}")
+  endif()
+  foreach(flag IN LISTS flags)
+    string(MAKE_C_IDENTIFIER vertices${flag} vertices)
+    run(${build_dir}/${vertices} ${build_dir}/grid.ply)
+    if(NOT output MATCHES "every vertex came back")
+      message(FATAL_ERROR "a program of ${compiler} with '${flag}' printed: ${output}")
+    endif()
+  endforeach()
+  # Without the target's definitions the headers refuse what would crash.
+  execute_process(COMMAND ${CMAKE_COMMAND} --build ${build_dir} --target without_definitions
+                  RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  if(status EQUAL 0 OR NOT output MATCHES "-DEIGEN_MAX_ALIGN_BYTES=16")
+    message(FATAL_ERROR "a program with another alignment of matrices is not refused:\n${output}")
   endif()
 endforeach()
 
-# Without the target's definitions the headers refuse what would crash.
-execute_process(COMMAND ${CMAKE_COMMAND} --build ${SCRATCH_DIR}/flags-mavx --target without_definitions
-                RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
-if(status EQUAL 0 OR NOT output MATCHES "-DEIGEN_MAX_ALIGN_BYTES=16")
-  message(FATAL_ERROR "a program with another alignment of matrices is not refused:\n${output}")
-endif()
-
 # 2. A component that is not installed, or does not exist, is named.
-configure_consumer(${SCRATCH_DIR}/absent ${prefix} "geometry;probing")
+configure_consumer(${CXX} ${prefix} "geometry;probing")
 if(status EQUAL 0 OR NOT output MATCHES "'probing' is not.installed")
   message(FATAL_ERROR "a component that is not installed is not named:\n${output}")
 endif()
-configure_consumer(${SCRATCH_DIR}/misspelt ${prefix} "geometri")
+configure_consumer(${CXX} ${prefix} "geometri")
 if(status EQUAL 0 OR NOT output MATCHES "no component 'geometri'" OR NOT output MATCHES "geometry;sensing;probing;haptics")
   message(FATAL_ERROR "a misspelt component is not named:\n${output}")
 endif()
@@ -78,7 +84,7 @@ endif()
 # 3. Everything is installed: every component is found.
 set(prefix ${SCRATCH_DIR}/all)
 run(${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${prefix})
-configure_consumer(${SCRATCH_DIR}/all_components ${prefix} "geometry;sensing;probing;haptics")
+configure_consumer(${CXX} ${prefix} "geometry;sensing;probing;haptics")
 if(NOT status EQUAL 0)
   message(FATAL_ERROR "not every component is found after a full install:\n${output}")
 endif()
