@@ -15,12 +15,30 @@
 #include <map>
 #include <string>
 
+#include "fuzz_readers.h"
 #include "palpate/error.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/range_map.h"
+#include "palpate/haptics/evaluate.h"
+#include "palpate/haptics/loop_record.h"
+#include "palpate/haptics/model_io.h"
+#include "palpate/haptics/pose_path.h"
+#include "palpate/haptics/scene_file.h"
+#include "palpate/haptics/trajectory_file.h"
+#include "palpate/probing/acquisition_csv.h"
+#include "palpate/probing/acquisition_mapping.h"
+#include "palpate/probing/acquisition_store.h"
+#include "palpate/probing/arm_setup.h"
+#include "palpate/probing/contact_plan.h"
+#include "palpate/probing/finite_element_mesh.h"
+#include "palpate/probing/specimen_file.h"
+#include "palpate/sensing/depth_image.h"
 #include "palpate/sensing/frame.h"
 #include "palpate/sensing/pattern.h"
+#include "palpate/sensing/response.h"
 #include "palpate/sensing/rig.h"
+#include "palpate/sensing/trained_colors.h"
+#include "palpate/sensing/virtual_sensor.h"
 
 namespace {
 
@@ -28,26 +46,76 @@ namespace fs = std::filesystem;
 using namespace palpate;
 
 struct Reader {
-  const char* extension;
+  const char* file;  ///< name of what it reads, beside the files of PALPATE_FUZZ_MODEL
   std::function<void(const fs::path&)> read;
 };
 
 void read_mesh(const fs::path& path) {
-  (void)geometry::read_mesh_file(path, {.keep_defects = true});
+  geometry::ReadOptions options;
+  options.keep_defects = true;
+  (void)geometry::read_mesh_file(path, options);
+}
+
+/// A reader of a path.
+template <typename Result>
+std::function<void(const fs::path&)> of(Result (*read)(const fs::path&)) {
+  return [read](const fs::path& path) { (void)read(path); };
 }
 
 const std::map<std::string, Reader>& readers() {
   static const std::map<std::string, Reader> all = {
-      {"ply", {".ply", read_mesh}},
-      {"obj", {".obj", read_mesh}},
-      {"off", {".off", read_mesh}},
-      {"stl", {".stl", read_mesh}},
-      {"glb", {".glb", read_mesh}},
-      {"pcd", {".pcd", [](const fs::path& path) { (void)geometry::read_point_cloud(path); }}},
-      {"tiff", {".tiff", [](const fs::path& path) { (void)geometry::read_depth_tiff(path); }}},
-      {"png", {".png", [](const fs::path& path) { (void)sensing::read_frame(path); }}},
-      {"rig", {".yaml", [](const fs::path& path) { (void)sensing::read_rig(path); }}},
-      {"pattern", {".yaml", [](const fs::path& path) { (void)sensing::read_pattern(path); }}},
+      {"ply", {"a.ply", read_mesh}},
+      {"obj", {"a.obj", read_mesh}},
+      {"off", {"a.off", read_mesh}},
+      {"stl", {"a.stl", read_mesh}},
+      {"glb", {"a.glb", read_mesh}},
+      {"pcd", {"a.pcd", [](const fs::path& path) { (void)geometry::read_point_cloud(path); }}},
+      {"tiff", {"a.tiff", of(geometry::read_depth_tiff)}},
+      {"png", {"a.png", of(sensing::read_frame)}},
+      {"depth",
+       {"a.png",
+        [](const fs::path& path) {
+          constexpr double kMillimetre = 1;
+          const geometry::Camera camera{
+              .width = 8, .height = 6, .fx = 8, .fy = 8, .cx = 4, .cy = 3};
+          (void)sensing::read_depth_image(path, kMillimetre, camera);
+        }}},
+      {"rig", {"a.yaml", of(sensing::read_rig)}},
+      {"pattern", {"a.yaml", of(sensing::read_pattern)}},
+      {"colors", {"a.yaml", of(sensing::read_trained_colors)}},
+      {"response", {"a.yaml", of(sensing::read_response)}},
+      {"sensor", {"a.yaml", of(sensing::read_virtual_sensor)}},
+      {"contacts",
+       {"a.csv",
+        [](const fs::path& path) {
+          (void)probing::read_acquisition_csv(path, path.parent_path() / "samples.csv");
+        }}},
+      {"samples",
+       {"a.csv",
+        [](const fs::path& path) {
+          (void)probing::read_acquisition_csv(path.parent_path() / "contacts.csv", path);
+        }}},
+      {"database", {"a.db", of(probing::read_acquisition)}},
+      {"mapping", {"a.yaml", of(probing::read_mapping)}},
+      {"plan", {"a.json", of(probing::read_plan)}},
+      {"gmsh", {"a.msh", of(probing::read_gmsh)}},
+      {"specimen",
+       {"a.json",
+        [](const fs::path& path) {
+          (void)probing::parse_specimen(probing::read_specimen_text(path), path.string());
+        }}},
+      {"arm",
+       {"a.json",
+        [](const fs::path& path) {
+          (void)probing::parse_arm_setup(probing::read_arm_setup_text(path), path.string());
+        }}},
+      {"field",
+       {"field.json", [](const fs::path& path) { (void)haptics::read_model(path.parent_path()); }}},
+      {"queries", {"a.csv", of(haptics::read_queries)}},
+      {"trajectory", {"a.csv", of(haptics::read_trajectory_file)}},
+      {"poses", {"a.csv", of(haptics::read_pose_path)}},
+      {"record", {"a.bin", of(haptics::read_loop_record)}},
+      {"scene", {"a.json", of(haptics::read_scene)}},
   };
   return all;
 }
@@ -62,21 +130,45 @@ const Reader& wanted_reader() {
   std::exit(2);
 }
 
+/// A folder with the files that readers need besides; in memory, if there is such a folder.
+class Folder {
+ public:
+  Folder() {
+    fs::create_directory(path_);
+    fs::copy(PALPATE_FUZZ_MODEL, path_);
+  }
+  ~Folder() {
+    std::error_code left;
+    fs::remove_all(path_, left);
+  }
+  Folder(const Folder&) = delete;
+  Folder& operator=(const Folder&) = delete;
+  fs::path operator/(const char* name) const { return path_ / name; }
+
+ private:
+  fs::path path_ = (fs::exists("/dev/shm") ? fs::path("/dev/shm") : fs::temp_directory_path()) /
+                   std::to_string(getpid()).insert(0, "palpate-fuzz-");
+};
+
 }  // namespace
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+std::string refusal_of(const std::uint8_t* data, std::size_t size) {
   static const Reader& reader = wanted_reader();
-  // In memory, if there is such a folder.
-  static const fs::path file =
-      (fs::exists("/dev/shm") ? fs::path("/dev/shm") : fs::temp_directory_path()) /
-      ("palpate-fuzz-" + std::to_string(getpid()) + reader.extension);
+  static const Folder folder;
+  static const fs::path file = folder / reader.file;
   std::ofstream(file, std::ios::binary)
       .write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size));
   try {
     reader.read(file);
-  } catch (const FileError&) {
-  } catch (const InvalidInput&) {
+  } catch (const FileError& refusal) {
+    return refusal.what();
+  } catch (const InvalidInput& refusal) {
+    return refusal.what();
   }
-  fs::remove(file);
+  return {};
+}
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  (void)refusal_of(data, size);
   return 0;
 }
