@@ -4,7 +4,9 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <numbers>
 #include <string>
 
@@ -15,6 +17,7 @@ namespace palpate::probing {
 namespace {
 
 constexpr int kAngles = 15, kTilts = 11;  // cells of the grid along each unknown
+constexpr int kAxes = kTilts * kTilts;    // which are the same for all angles
 /// Half-width of the grid, in standard deviations.
 constexpr double kReach = 3.5;
 /// The outcome of a trial is blurred by a variance of the squared size of a cell over this. 12
@@ -34,10 +37,49 @@ constexpr double kAssumedSpread = 0.1;
 constexpr double kAssumedContacts = 2;
 constexpr double kLargestAngle = 1.55;  // [rad]: a coefficient of 48
 
-double normal_probability(double z) {
-  if (z > kCertain) return 1;
-  if (z < -kCertain) return 0;
-  return std::erfc(-z / std::numbers::sqrt2) / 2;
+/// The normal distribution function, interpolated linearly between 256 values a standard deviation:
+/// within 5e-7, which is little against `kLapse`, in a tenth of the time of std::erfc.
+class NormalTable {
+ public:
+  NormalTable() {
+    for (int i = 0; i < kSize; ++i)
+      values_[static_cast<std::size_t>(i)] =
+          std::erfc((kCertain - i / kPerDeviation) / std::numbers::sqrt2) / 2;
+  }
+  double operator()(double z) const {
+    if (z >= kCertain) return 1;
+    if (!(z > -kCertain)) return 0;
+    const double place = (z + kCertain) * kPerDeviation;
+    const auto below = static_cast<std::size_t>(place);
+    return values_[below] +
+           (place - static_cast<double>(below)) * (values_[below + 1] - values_[below]);
+  }
+
+ private:
+  static constexpr double kPerDeviation = 256;
+  static constexpr int kSize = static_cast<int>(2 * kCertain * kPerDeviation) + 1;
+  std::array<double, kSize> values_;
+};
+
+const NormalTable& normal_table() {
+  static const NormalTable table;
+  return table;
+}
+
+/// A force's parts along each axis of the grid and across it.
+struct AxisForces {
+  Eigen::Array<double, kAxes, 1> along, across;
+};
+
+AxisForces split_force(const Eigen::Vector3d& force, const Eigen::Matrix4Xd& cells) {
+  AxisForces parts;
+  for (int k = 0; k < kAxes; ++k) {
+    const double x = cells(2, k), y = cells(3, k);
+    parts.along[k] = (force.x() * x + force.y() * y + force.z()) / std::sqrt(1 + x * x + y * y);
+    parts.across[k] =
+        std::sqrt(std::max(force.squaredNorm() - parts.along[k] * parts.along[k], 0.0));
+  }
+  return parts;
 }
 
 /// Quantile of a distribution given by the weights of equal cells, uniform within each cell.
@@ -104,7 +146,7 @@ void ConePosterior::add(std::span<const ConeTrial> trials) {
 void ConePosterior::fill(const Eigen::Vector3d& low, const Eigen::Vector3d& high) {
   const Eigen::Vector3d step =
       (high - low).cwiseQuotient(Eigen::Vector3d(kAngles - 1, kTilts - 1, kTilts - 1));
-  cells_.resize(4, kAngles * kTilts * kTilts);
+  cells_.resize(4, kAngles * kAxes);
   angles_.setLinSpaced(kAngles, low[0], high[0]);
   Eigen::VectorXd cost(cells_.cols());
   Eigen::Index cell = 0;
@@ -119,21 +161,18 @@ void ConePosterior::fill(const Eigen::Vector3d& low, const Eigen::Vector3d& high
     }
   }
   const double blur = (step[0] * step[0] + std::max(step[1] * step[1], step[2] * step[2])) / kBlur;
-  // The axes are the same for all angles.
-  constexpr int kAxes = kTilts * kTilts;
-  const Eigen::ArrayXd x = cells_.row(2).head(kAxes), y = cells_.row(3).head(kAxes);
-  const Eigen::ArrayXd length = (1 + x.square() + y.square()).sqrt();
+  const NormalTable& normal_probability = normal_table();
   Eigen::ArrayXd product = Eigen::ArrayXd::Ones(cells_.cols());
   for (std::size_t t = 0; t < trials_.size(); ++t) {
     const Eigen::Vector3d& force = trials_[t].force;
     const double square = force.squaredNorm();
     const double noise = std::sqrt(prior_.force_noise * prior_.force_noise + blur * square);
-    const Eigen::ArrayXd along = (force.x() * x + force.y() * y + force.z()) / length;
-    const Eigen::ArrayXd across = (square - along.square()).max(0).sqrt();
+    const AxisForces parts = split_force(force, cells_);
     for (int i = 0; i < kAngles; ++i) {
       const double sine = cells_(0, i * kAxes), cosine = cells_(1, i * kAxes);
       for (int k = 0; k < kAxes; ++k) {
-        const double slips = normal_probability((cosine * across[k] - sine * along[k]) / noise);
+        const double slips =
+            normal_probability((cosine * parts.across[k] - sine * parts.along[k]) / noise);
         product[i * kAxes + k] *=
             kLapse + (1 - 2 * kLapse) * (trials_[t].slipped ? slips : 1 - slips);
       }
@@ -146,7 +185,7 @@ void ConePosterior::fill(const Eigen::Vector3d& low, const Eigen::Vector3d& high
   weights_ /= weights_.sum();
   Eigen::Vector3d mean = Eigen::Vector3d::Zero(), square = Eigen::Vector3d::Zero();
   for (cell = 0; cell < cells_.cols(); ++cell) {
-    const Eigen::Vector3d at(angles_[cell / (kTilts * kTilts)], cells_(2, cell), cells_(3, cell));
+    const Eigen::Vector3d at(angles_[cell / kAxes], cells_(2, cell), cells_(3, cell));
     mean += weights_[cell] * at;
     square += weights_[cell] * at.cwiseProduct(at);
   }
@@ -171,15 +210,15 @@ void ConePosterior::follow() {
 }
 
 double ConePosterior::slip_probability(const Eigen::Vector3d& force) const {
-  const Eigen::Vector3d f = frame_.transpose() * force;
+  const NormalTable& normal_probability = normal_table();
+  const AxisForces parts = split_force(frame_.transpose() * force, cells_);
   double probability = 0;
-  for (Eigen::Index cell = 0; cell < cells_.cols(); ++cell) {
-    const Eigen::Vector4d c = cells_.col(cell);
-    const double along =
-        (f.x() * c[2] + f.y() * c[3] + f.z()) / std::sqrt(1 + c[2] * c[2] + c[3] * c[3]);
-    const double across = std::sqrt(std::max(f.squaredNorm() - along * along, 0.0));
-    probability +=
-        weights_[cell] * normal_probability((c[1] * across - c[0] * along) / prior_.force_noise);
+  for (int i = 0; i < kAngles; ++i) {
+    const double sine = cells_(0, i * kAxes), cosine = cells_(1, i * kAxes);
+    for (int k = 0; k < kAxes; ++k) {
+      const double distance = cosine * parts.across[k] - sine * parts.along[k];
+      probability += weights_[i * kAxes + k] * normal_probability(distance / prior_.force_noise);
+    }
   }
   return probability;
 }
@@ -188,7 +227,7 @@ ConeEstimate ConePosterior::estimate() const {
   ConeEstimate result;
   Eigen::VectorXd of_angle(kAngles);
   for (int i = 0; i < kAngles; ++i)
-    of_angle[i] = weights_.segment(i * kTilts * kTilts, kTilts * kTilts).sum();
+    of_angle[i] = weights_.segment(i * kAxes, kAxes).sum();
   const double step = angles_[1] - angles_[0];
   const auto at = [&](double part) {
     return std::clamp(quantile(of_angle, angles_[0], step, part), 0.0, kLargestAngle);
