@@ -73,6 +73,7 @@ int run(int argc, char** argv) {
   add_decode(app, settings);
   add_mesh(app, settings);
   add_cloud(app, settings);
+  add_path(app, settings);
   add_fuse(app, settings);
   add_track(app, settings);
   add_compare(app, settings);

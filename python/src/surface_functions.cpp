@@ -6,7 +6,6 @@
 
 #include "arrays.h"
 #include "bindings.h"
-#include "palpate/geometry/geodesic_distance.h"
 #include "palpate/geometry/mesh_distance.h"
 #include "palpate/geometry/registration.h"
 #include "palpate/geometry/surface_query.h"
@@ -18,11 +17,8 @@ namespace {
 using geometry::AllHits;
 using geometry::ClosestPoints;
 using geometry::FirstHits;
-using geometry::GeodesicDistance;
-using geometry::GeodesicMethod;
 using geometry::Registration;
 using geometry::RegistrationMethod;
-using geometry::SurfacePoint;
 using geometry::SurfaceQuery;
 using geometry::TriangleMesh;
 using geometry::WindingNumber;
@@ -182,69 +178,6 @@ finite. tolerance=0 is the exact sum of all solid angles. Ctrl-C is not heard.)"
           "Whether the winding number of each of (N, 3) points exceeds 1/2: (N,) bool.");
 }
 
-std::vector<SurfacePoint> surface_points(const TriangleMesh& mesh, const py::object& sources) {
-  std::vector<SurfacePoint> points;
-  if (py::isinstance<ClosestPoints>(sources)) {
-    const auto& given = sources.cast<const ClosestPoints&>();
-    for (Eigen::Index i = 0; i < given.triangles.size(); ++i)
-      points.push_back({given.triangles[i], given.barycentric.col(i)});
-    return points;
-  }
-  const py::array_t<int> vertices = indices(sources, "sources", 1);
-  check_mesh(mesh, "geodesic_distance()");
-  const std::vector<SurfacePoint> all = vertex_points(mesh);
-  for (py::ssize_t i = 0; i < vertices.size(); ++i) {
-    const auto vertex = static_cast<std::size_t>(vertices.at(i));
-    const std::string place = "sources[" + std::to_string(i) + "]";
-    if (vertex >= all.size()) {
-      throw InvalidInput(place + " is " + std::to_string(vertex) + "; the mesh has " +
-                         std::to_string(all.size()) + " vertices");
-    }
-    if (all[vertex].triangle < 0)
-      throw InvalidInput(place + " is vertex " + std::to_string(vertex) +
-                         ", which is in no triangle");
-    points.push_back(all[vertex]);
-  }
-  return points;
-}
-
-void add_geodesics(py::module_& module) {
-  py::class_<GeodesicDistance>(module, "GeodesicDistance", "The result of geodesic_distance().")
-      .def_property_readonly(
-          "distance",
-          [](const py::object& self) {
-            return vector_view(self.cast<GeodesicDistance&>().distance, self);
-          },
-          "[mm] (V,) to the nearest source; infinity if not reached.")
-      .def_property_readonly(
-          "label",
-          [](const py::object& self) {
-            return vector_view(self.cast<GeodesicDistance&>().label, self);
-          },
-          "(V,) int32 index of the nearest source (its Voronoi cell); -1 if not reached.");
-  module.def(
-      "geodesic_distance",
-      [](const TriangleMesh& mesh, const py::object& sources, const std::string& method,
-         double stop_radius) {
-        const geometry::GeodesicOptions options{
-            .method = choose<GeodesicMethod>("method", method,
-                                             {{"fast_marching", GeodesicMethod::fast_marching},
-                                              {"exact", GeodesicMethod::exact}}),
-            .stop_radius = stop_radius};
-        const std::vector<SurfacePoint> points = surface_points(mesh, sources);
-        const Unlocked unlocked;
-        return geometry::geodesic_distance(mesh, points, options);
-      },
-      arg("mesh"), arg("sources"), kw_only(), arg("method") = "fast_marching",
-      arg("stop_radius") = std::numeric_limits<double>::infinity(),
-      R"(Distance along the surface of each vertex to the nearest of several sources.
-
-sources: (N,) indices of vertices, or ClosestPoints of this mesh.
-method: 'fast_marching' (errors of some tenths of a percent) or 'exact'.
-stop_radius: [mm] largest distance.
-Raises InvalidInput. Ctrl-C is not heard.)");
-}
-
 /// What `compare` tells: `palpate compare` prints the same figures.
 struct Comparison {
   geometry::SurfaceDistances spread;
@@ -401,7 +334,6 @@ Ctrl-C is not heard.)");
 
 void add_surface_functions(py::module_& module) {
   add_queries(module);
-  add_geodesics(module);
   add_comparison(module);
   add_registration(module);
 }

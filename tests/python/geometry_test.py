@@ -150,6 +150,36 @@ class Surfaces(unittest.TestCase):
         np.testing.assert_allclose(found.distance, straight.min(axis=1), atol=1e-9)
         np.testing.assert_array_equal(found.label, straight.argmin(axis=1))
 
+    def test_a_shortest_path_on_a_plane_is_the_straight_line(self):
+        mesh = grid(31, 21, 0.5)
+        places = palpate.SurfaceQuery(mesh).closest_points([[2.3, 4.1, 0], [8.6, 5.2, 0]])
+        targets = [0, 31 * 20 + 30, 31 * 7 + 3]
+        for place, path in zip(targets, palpate.shortest_paths(mesh, places, targets)):
+            straight = np.linalg.norm(mesh.vertices[place] - places.positions, axis=1)
+            self.assertAlmostEqual(path.length, straight.min(), 9)
+            self.assertEqual(path.source, straight.argmin())
+            steps = np.linalg.norm(np.diff(path.positions, axis=0), axis=1)
+            self.assertAlmostEqual(steps.sum(), path.length, 9)
+            corners = mesh.vertices[mesh.triangles[path.triangles]]
+            np.testing.assert_allclose(np.einsum("nk,nkd->nd", path.barycentric, corners), path.positions, atol=1e-12)
+
+    def test_a_path_along_edges_is_pulled_tight(self):
+        mesh = grid(31, 21, 0.5)
+        edges = [31 * 2 + x for x in range(4, 20)] + [31 * y + 19 for y in range(3, 12)]
+        straight = np.linalg.norm(mesh.vertices[edges[0]] - mesh.vertices[edges[-1]])
+        tight = palpate.straighten_path(mesh, edges)
+        self.assertAlmostEqual(tight.length, straight, 9)
+        there, on = palpate.shortest_paths(mesh, [edges[0]], [0])[0], palpate.shortest_paths(mesh, [0], [edges[-1]])[0]
+        self.assertAlmostEqual(palpate.straighten_path(mesh, [there, on]).length, straight, 9)
+        with self.assertRaisesRegex(palpate.InvalidInput, "point 1 "):
+            palpate.straighten_path(mesh, [0, 5])
+
+    def test_there_is_no_path_between_pieces(self):
+        one = grid(3, 3)
+        two = palpate.TriangleMesh(np.concatenate([one.vertices, one.vertices + [10, 0, 0]]),
+                                   np.concatenate([one.triangles, one.triangles + 9]))
+        self.assertEqual(palpate.shortest_paths(two, [0], [12]), [None])
+
     def test_a_plane_needs_two_triangles(self):
         seen = []
         result = palpate.decimate(grid(21, 21), tolerance=0.01, progress=lambda done, total: seen.append((done, total)))

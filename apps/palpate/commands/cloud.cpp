@@ -40,32 +40,7 @@ struct CloudCall {
   std::vector<CLI::Option*> references;  ///< steps whose values are files
 };
 
-/// The numbers of a list "1,2.5"; nullopt if one is none, or not finite.
-std::optional<std::vector<double>> numbers_of(const std::string& text) {
-  std::vector<double> numbers;
-  for (const char *at = text.data(), *const end = at + text.size();; ++at) {
-    double number = 0;
-    const auto [after, error] = std::from_chars(at, end, number);
-    if (error != std::errc() || !std::isfinite(number)) return std::nullopt;
-    numbers.push_back(number);
-    at = after;
-    if (at == end) return numbers;
-    if (*at != ',') return std::nullopt;
-  }
-}
-
 double number_of(const Value& value) { return numbers_of(value)->front(); }
-
-/// Accepts lists of numbers for which `is_right` holds.
-CLI::Validator list(std::function<bool(const std::vector<double>&)> is_right,
-                    const std::string& what) {
-  return {[is_right = std::move(is_right), what](const std::string& text) {
-            const std::optional<std::vector<double>> numbers = numbers_of(text);
-            return numbers && is_right(*numbers) ? std::string()
-                                                 : "is " + text + "; it must be " + what;
-          },
-          ""};
-}
 
 /// A step in the order of the command line; any step may be repeated.
 CLI::Option* add_step(CLI::App& command, CloudCall& call, const std::string& name,
@@ -85,7 +60,7 @@ void add_removing_steps(CLI::App& command, CloudCall& call) {
              crop(worked, {Eigen::Vector3d(ends[0], ends[1], ends[2]),
                            Eigen::Vector3d(ends[3], ends[4], ends[5])});
            })
-      ->check(list(
+      ->check(list_of_numbers(
           [](const std::vector<double>& ends) {
             return ends.size() == 6 && ends[0] <= ends[3] && ends[1] <= ends[4] &&
                    ends[2] <= ends[5];
@@ -104,7 +79,7 @@ void add_removing_steps(CLI::App& command, CloudCall& call) {
              const std::vector<double> numbers = *numbers_of(value);
              remove_isolated(worked, numbers[0], static_cast<int>(numbers[1]));
            })
-      ->check(list(
+      ->check(list_of_numbers(
           [](const std::vector<double>& numbers) {
             return numbers.size() == 2 && numbers[0] > 0 && numbers[1] >= 1 &&
                    numbers[1] <= geometry::kMostNeighbours && numbers[1] == std::floor(numbers[1]);
@@ -168,7 +143,7 @@ void add_measuring_steps(CLI::App& command, CloudCall& call) {
            [](WorkedCloud& worked, const Value& value, const CloudSettings& settings) {
              find_normals(worked, static_cast<int>(number_of(value)), settings);
            })
-      ->check(list(
+      ->check(list_of_numbers(
           [](const std::vector<double>& numbers) {
             return numbers.size() == 1 && numbers[0] >= 3 &&
                    numbers[0] <= geometry::kMostNeighbours && numbers[0] == std::floor(numbers[0]);
@@ -259,8 +234,8 @@ void add_cloud(CLI::App& app, const Settings& settings) {
   command
       ->add_option("--viewpoint", call->viewpoint,
                    "X,Y,Z from where the points were seen [mm]: normals point there")
-      ->check(list([](const std::vector<double>& place) { return place.size() == 3; },
-                   "three numbers X,Y,Z"));
+      ->check(list_of_numbers([](const std::vector<double>& place) { return place.size() == 3; },
+                              "three numbers X,Y,Z"));
   command
       ->add_option("--min-share", call->settings.min_share,
                    "Share of the points that a shape needs at least")

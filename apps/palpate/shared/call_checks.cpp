@@ -6,6 +6,8 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <charconv>
+#include <cmath>
 #include <string>
 
 #include "palpate/error.h"
@@ -32,6 +34,29 @@ CLI::Validator one_of(const std::vector<std::string>& words) {
             return is_right ? std::string() : "is " + text + "; it must be " + right;
           },
           fmt::format("{{{}}}", fmt::join(words, ","))};
+}
+
+std::optional<std::vector<double>> numbers_of(const std::string& text) {
+  std::vector<double> numbers;
+  for (const char *at = text.data(), *const end = at + text.size();; ++at) {
+    double number = 0;
+    const auto [after, error] = std::from_chars(at, end, number);
+    if (error != std::errc() || !std::isfinite(number)) return std::nullopt;
+    numbers.push_back(number);
+    at = after;
+    if (at == end) return numbers;
+    if (*at != ',') return std::nullopt;
+  }
+}
+
+CLI::Validator list_of_numbers(std::function<bool(const std::vector<double>&)> is_right,
+                               const std::string& what) {
+  return {[is_right = std::move(is_right), what](const std::string& text) {
+            const std::optional<std::vector<double>> numbers = numbers_of(text);
+            return numbers && is_right(*numbers) ? std::string()
+                                                 : "is " + text + "; it must be " + what;
+          },
+          ""};
 }
 
 void check_pictures(const std::vector<fs::path>& pictures) {

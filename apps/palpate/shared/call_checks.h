@@ -4,6 +4,8 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
+#include <functional>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -18,6 +20,14 @@ namespace palpate::apps {
 
 /// Accepts one of some words. The message is "--format: is stp; it must be ply, obj or stl".
 [[nodiscard]] CLI::Validator one_of(const std::vector<std::string>& words);
+
+/// The numbers of a list "1,2.5"; nullopt if one is none, or not finite.
+[[nodiscard]] std::optional<std::vector<double>> numbers_of(const std::string& text);
+
+/// Accepts lists of numbers for which `is_right` holds. The message is "--crop: is 1,2; it must be
+/// " and `what`.
+[[nodiscard]] CLI::Validator list_of_numbers(
+    std::function<bool(const std::vector<double>&)> is_right, const std::string& what);
 
 /// Adds an option whose words stand for values.
 template <typename Value, typename Variable>

@@ -46,6 +46,9 @@ class EdgeWindows {
   explicit EdgeWindows(size_t edge_count) : of_edge_(edge_count) {}
 
   [[nodiscard]] std::vector<Window>& of(int edge) { return of_edge_[static_cast<size_t>(edge)]; }
+  [[nodiscard]] const std::vector<Window>& of(int edge) const {
+    return of_edge_[static_cast<size_t>(edge)];
+  }
 
   /// Adds the parts of a window that are nearer than the known windows, and removes the parts of
   /// these that are farther.

@@ -1,0 +1,202 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include <limits>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "arrays.h"
+#include "bindings.h"
+#include "palpate/geometry/geodesic_distance.h"
+#include "palpate/geometry/geodesic_path.h"
+#include "palpate/geometry/surface_query.h"
+
+namespace palpate::python {
+namespace {
+
+using geometry::ClosestPoints;
+using geometry::GeodesicDistance;
+using geometry::GeodesicMethod;
+using geometry::GeodesicPath;
+using geometry::SurfacePoint;
+using geometry::TriangleMesh;
+
+/// Places on a mesh: closest points, or vertices by their indices.
+std::vector<SurfacePoint> surface_points(const TriangleMesh& mesh, const py::object& places,
+                                         const char* name) {
+  std::vector<SurfacePoint> points;
+  if (py::isinstance<ClosestPoints>(places)) {
+    const auto& given = places.cast<const ClosestPoints&>();
+    for (Eigen::Index i = 0; i < given.triangles.size(); ++i)
+      points.push_back({given.triangles[i], given.barycentric.col(i)});
+    return points;
+  }
+  const py::array_t<int> vertices = indices(places, name, 1);
+  check_mesh(mesh, name);
+  const std::vector<SurfacePoint> all = vertex_points(mesh);
+  for (py::ssize_t i = 0; i < vertices.size(); ++i) {
+    const auto vertex = static_cast<std::size_t>(vertices.at(i));
+    const std::string place = std::string(name) + "[" + std::to_string(i) + "]";
+    if (vertex >= all.size()) {
+      throw InvalidInput(place + " is " + std::to_string(vertex) + "; the mesh has " +
+                         std::to_string(all.size()) + " vertices");
+    }
+    if (all[vertex].triangle < 0)
+      throw InvalidInput(place + " is vertex " + std::to_string(vertex) +
+                         ", which is in no triangle");
+    points.push_back(all[vertex]);
+  }
+  return points;
+}
+
+void add_distances(py::module_& module) {
+  py::class_<GeodesicDistance>(module, "GeodesicDistance", "The result of geodesic_distance().")
+      .def_property_readonly(
+          "distance",
+          [](const py::object& self) {
+            return vector_view(self.cast<GeodesicDistance&>().distance, self);
+          },
+          "[mm] (V,) to the nearest source; infinity if not reached.")
+      .def_property_readonly(
+          "label",
+          [](const py::object& self) {
+            return vector_view(self.cast<GeodesicDistance&>().label, self);
+          },
+          "(V,) int32 index of the nearest source (its Voronoi cell); -1 if not reached.");
+  module.def(
+      "geodesic_distance",
+      [](const TriangleMesh& mesh, const py::object& sources, const std::string& method,
+         double stop_radius) {
+        const geometry::GeodesicOptions options{
+            .method = choose<GeodesicMethod>("method", method,
+                                             {{"fast_marching", GeodesicMethod::fast_marching},
+                                              {"exact", GeodesicMethod::exact}}),
+            .stop_radius = stop_radius};
+        const std::vector<SurfacePoint> points = surface_points(mesh, sources, "sources");
+        const Unlocked unlocked;
+        return geometry::geodesic_distance(mesh, points, options);
+      },
+      arg("mesh"), arg("sources"), kw_only(), arg("method") = "fast_marching",
+      arg("stop_radius") = std::numeric_limits<double>::infinity(),
+      R"(Distance along the surface of each vertex to the nearest of several sources.
+
+sources: (N,) indices of vertices, or ClosestPoints of this mesh.
+method: 'fast_marching' (errors of some tenths of a percent) or 'exact'.
+stop_radius: [mm] largest distance.
+Raises InvalidInput. Ctrl-C is not heard.)");
+}
+
+/// The places of a path in arrays.
+struct PathArrays {
+  Eigen::VectorXi triangles;
+  Eigen::Matrix3Xd barycentric, positions;
+  double length;
+  int source;
+};
+
+PathArrays arrays_of(const TriangleMesh& mesh, const GeodesicPath& path) {
+  const auto count = static_cast<Eigen::Index>(path.points.size());
+  PathArrays arrays{.triangles = Eigen::VectorXi(count),
+                    .barycentric = Eigen::Matrix3Xd(3, count),
+                    .positions = Eigen::Matrix3Xd(3, count),
+                    .length = path.length,
+                    .source = path.source};
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const SurfacePoint& point = path.points[static_cast<std::size_t>(i)];
+    arrays.triangles[i] = point.triangle;
+    arrays.barycentric.col(i) = point.barycentric;
+    arrays.positions.col(i) = position(mesh, point);
+  }
+  return arrays;
+}
+
+void append(std::vector<SurfacePoint>& points, const PathArrays& path) {
+  for (Eigen::Index i = 0; i < path.triangles.size(); ++i)
+    points.push_back({path.triangles[i], path.barycentric.col(i)});
+}
+
+/// One path, several that follow each other, or vertices.
+std::vector<SurfacePoint> way_of(const TriangleMesh& mesh, const py::object& way) {
+  std::vector<SurfacePoint> points;
+  if (py::isinstance<PathArrays>(way)) {
+    append(points, way.cast<const PathArrays&>());
+    return points;
+  }
+  if (py::isinstance<py::list>(way) || py::isinstance<py::tuple>(way)) {
+    for (const py::handle part : way) {
+      if (!py::isinstance<PathArrays>(part)) return surface_points(mesh, way, "path");
+      append(points, part.cast<const PathArrays&>());
+    }
+    return points;
+  }
+  return surface_points(mesh, way, "path");
+}
+
+void add_paths(py::module_& module) {
+  py::class_<PathArrays>(module, "GeodesicPath",
+                         "A path of N places on a surface; arrays are views that keep it alive.")
+      .def_property_readonly(
+          "triangles",
+          [](const py::object& self) {
+            return vector_view(self.cast<PathArrays&>().triangles, self);
+          },
+          "(N,) int32; the triangle of a place also has the place before it.")
+      .def_property_readonly(
+          "barycentric",
+          [](const py::object& self) {
+            return rows_view(self.cast<PathArrays&>().barycentric, self);
+          },
+          "(N, 3) in the order of the triangle's vertices.")
+      .def_property_readonly(
+          "positions",
+          [](const py::object& self) {
+            return rows_view(self.cast<PathArrays&>().positions, self);
+          },
+          "[mm] (N, 3).")
+      .def_readonly("length", &PathArrays::length, "[mm] along the surface.")
+      .def_readonly("source", &PathArrays::source, "Index of the source at which it begins.");
+  module.def(
+      "shortest_paths",
+      [](const TriangleMesh& mesh, const py::object& sources, const py::object& targets) {
+        const std::vector<SurfacePoint> from = surface_points(mesh, sources, "sources");
+        const std::vector<SurfacePoint> to = surface_points(mesh, targets, "targets");
+        const Unlocked unlocked;
+        std::vector<std::optional<PathArrays>> paths;
+        for (const std::optional<GeodesicPath>& path : geometry::shortest_paths(mesh, from, to)) {
+          paths.emplace_back();
+          if (path) paths.back() = arrays_of(mesh, *path);
+        }
+        return paths;
+      },
+      arg("mesh"), arg("sources"), arg("targets"),
+      R"(The shortest path along the surface to each target, from the source nearest to it; exact.
+
+sources, targets: (N,) indices of vertices, or ClosestPoints of this mesh.
+Returns a list with a GeodesicPath for each target; None where no source is connected with it.
+Raises InvalidInput, or SolverError if triangles are too thin. Ctrl-C is not heard.)");
+  module.def(
+      "straighten_path",
+      [](const TriangleMesh& mesh, const py::object& path) {
+        const std::vector<SurfacePoint> way = way_of(mesh, path);
+        const Unlocked unlocked;
+        return arrays_of(mesh, geometry::straighten_path(mesh, way));
+      },
+      arg("mesh"), arg("path"),
+      R"(Pulls a path tight between its ends, without leaving the side of holes and handles it is on.
+
+path: a GeodesicPath, a list of several that follow each other, or (N,) indices of vertices that are
+neighbours along edges. Returns a GeodesicPath.
+Raises InvalidInput naming the place that is in no triangle of the one before it. Ctrl-C is not
+heard.)");
+}
+
+}  // namespace
+
+void add_geodesics(py::module_& module) {
+  add_distances(module);
+  add_paths(module);
+}
+
+}  // namespace palpate::python
