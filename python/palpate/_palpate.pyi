@@ -59,6 +59,23 @@ def decimate(
     mesh: TriangleMesh, *, tolerance: float | None = ..., max_triangles: int | None = ..., progress: _Progress = ...
 ) -> Decimation: ...
 
+class Remeshing(_Result):
+    @property
+    def mesh(self) -> TriangleMesh: ...
+    @property
+    def triangles(self) -> _Int32: ...
+    @property
+    def barycentric(self) -> _Float64: ...
+
+def remesh(
+    mesh: TriangleMesh,
+    *,
+    edge_length: float,
+    feature_angle: float = ...,
+    iterations: int = ...,
+    progress: _Progress = ...,
+) -> Remeshing: ...
+
 class RepairedMesh(_Result):
     @property
     def mesh(self) -> TriangleMesh: ...

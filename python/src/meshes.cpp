@@ -8,6 +8,7 @@
 #include "palpate/geometry/mesh_repair.h"
 #include "palpate/geometry/range_map.h"
 #include "palpate/geometry/range_map_mesh.h"
+#include "palpate/geometry/remeshing.h"
 #include "palpate/geometry/triangle_mesh.h"
 
 namespace palpate::python {
@@ -169,6 +170,64 @@ Camera new_camera(int width, int height, double fx, double fy, double cx, double
   return camera;
 }
 
+/// Remeshing, with its places as arrays.
+struct RemeshedArrays {
+  TriangleMesh mesh;
+  Eigen::VectorXi triangles;
+  Eigen::Matrix3Xd barycentric;
+};
+
+RemeshedArrays arrays_of(geometry::Remeshing&& remeshed) {
+  const auto count = static_cast<Eigen::Index>(remeshed.places.size());
+  RemeshedArrays arrays{.mesh = std::move(remeshed.mesh),
+                        .triangles = Eigen::VectorXi(count),
+                        .barycentric = Eigen::Matrix3Xd(3, count)};
+  for (Eigen::Index v = 0; v < count; ++v) {
+    const geometry::SurfacePoint& place = remeshed.places[static_cast<std::size_t>(v)];
+    arrays.triangles[v] = place.triangle;
+    arrays.barycentric.col(v) = place.barycentric;
+  }
+  return arrays;
+}
+
+void add_remeshing(py::module_& module) {
+  py::class_<RemeshedArrays>(module, "Remeshing", "The result of remesh().")
+      .def_readonly("mesh", &RemeshedArrays::mesh, "The mesh with edges of one length.")
+      .def_property_readonly(
+          "triangles",
+          [](const py::object& self) {
+            return vector_view(self.cast<RemeshedArrays&>().triangles, self);
+          },
+          "(V,) int32: the input's triangle on which each vertex is.")
+      .def_property_readonly(
+          "barycentric",
+          [](const py::object& self) {
+            return rows_view(self.cast<RemeshedArrays&>().barycentric, self);
+          },
+          "(V, 3) coordinates in it: weights for values of the input's vertices.");
+  module.def(
+      "remesh",
+      [](const TriangleMesh& mesh, double edge_length, double feature_angle, int iterations,
+         const py::object& progress) {
+        const geometry::RemeshingOptions options{.edge_length = edge_length,
+                                                 .feature_angle = feature_angle,
+                                                 .iterations = iterations,
+                                                 .progress = reporting(progress)};
+        const Unlocked unlocked;
+        return arrays_of(geometry::remesh(mesh, options));
+      },
+      arg("mesh"), kw_only(), arg("edge_length"),
+      arg("feature_angle") = geometry::RemeshingOptions{}.feature_angle,
+      arg("iterations") = geometry::RemeshingOptions{}.iterations, arg("progress") = py::none(),
+      R"(Makes the triangles nearly equilateral; the border and sharp edges stay where they are.
+
+edge_length: [mm] that the edges shall have.
+feature_angle: [rad] an edge at which the surface bends by more is sharp; in (0, pi].
+iterations: >= 1.
+progress: called as progress(done, total) after each part of the work; Ctrl-C is heard then.
+Raises InvalidInput, also if more than 20 million triangles would be needed.)");
+}
+
 void add_range_map(py::module_& module) {
   py::class_<Camera>(module, "Camera", R"(A pinhole camera with the lens distortion of OpenCV.
 
@@ -262,6 +321,7 @@ Raises InvalidInput. Ctrl-C is not heard.)");
 void add_meshes(py::module_& module) {
   add_mesh(module);
   add_decimation(module);
+  add_remeshing(module);
   add_range_map(module);
 }
 

@@ -180,6 +180,20 @@ class Surfaces(unittest.TestCase):
                                    np.concatenate([one.triangles, one.triangles + 9]))
         self.assertEqual(palpate.shortest_paths(two, [0], [12]), [None])
 
+    def test_a_plane_is_remeshed_to_an_edge_length(self):
+        mesh = grid(31, 21, 0.5)
+        seen = []
+        result = palpate.remesh(mesh, edge_length=1.2, progress=lambda done, total: seen.append((done, total)))
+        corners = result.mesh.vertices[result.mesh.triangles]
+        edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2)
+        self.assertAlmostEqual(edges.mean(), 1.2, delta=0.2)
+        self.assertEqual(seen[-1][0], seen[-1][1])
+        # Values of the vertices, here x, follow by the weights.
+        values = mesh.vertices[:, 0][mesh.triangles[result.triangles]]
+        np.testing.assert_allclose((values * result.barycentric).sum(axis=1), result.mesh.vertices[:, 0], atol=1e-9)
+        with self.assertRaisesRegex(palpate.InvalidInput, "edge_length"):
+            palpate.remesh(mesh, edge_length=0)
+
     def test_a_plane_needs_two_triangles(self):
         seen = []
         result = palpate.decimate(grid(21, 21), tolerance=0.01, progress=lambda done, total: seen.append((done, total)))

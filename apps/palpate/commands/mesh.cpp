@@ -39,21 +39,26 @@ struct MeshCall {
   MeshSteps steps;
 };
 
-/// Shows a bar once decimation has begun, which is what may take long.
+/// Shows a bar once remeshing or decimation has begun, which is what may take long.
 MadeMesh make_with_bar(const MeshCall& call) {
-  std::optional<Progress> progress;
+  std::optional<Progress> remeshing, decimating;
   MeshSteps steps = call.steps;
-  steps.decimating = [&](int done, int total) {
-    if (!progress) progress.emplace("decimating");
-    progress->show(done, total);
+  const auto show = [](std::optional<Progress>& progress, const char* what) {
+    return [&progress, what](int done, int total) {
+      if (!progress) progress.emplace(what);
+      progress->show(done, total);
+      if (done == total) progress.reset();
+    };
   };
+  steps.remeshing = show(remeshing, "remeshing");
+  steps.decimating = show(decimating, "decimating");
   return make_mesh(call.inputs.front(), steps);
 }
 
 void write_made(const fs::path& output, const MadeMesh& made) {
   geometry::MeshFile file;
   file.mesh = made.mesh;
-  file.vertex_attributes = made.colors;
+  file.vertex_attributes = made.attributes;
   geometry::write_mesh_file(output, file);
 }
 
@@ -199,11 +204,12 @@ void mesh_sequence(const Settings& settings, const MeshCall& call) {
 void add_mesh(CLI::App& app, const Settings& settings) {
   auto call = std::make_shared<MeshCall>();
   CLI::App* command = app.add_subcommand(
-      "mesh", "Mesh range maps or depth images; repair, smooth or decimate a mesh");
+      "mesh", "Mesh range maps or depth images; repair, smooth, remesh or decimate a mesh");
   command
       ->add_option("RANGE", call->inputs,
                    "Range map (TIFF) or depth image (16-bit PNG), several or a folder of one of "
-                   "these, or a mesh file (of which only the surface is used)")
+                   "these, or a mesh file. Colours and other values of its vertices are carried "
+                   "along")
       ->required();
   command
       ->add_option(
@@ -235,6 +241,20 @@ void add_mesh(CLI::App& app, const Settings& settings) {
           "Iterations of smoothing without shrinking (Taubin), at most 1000; 20 remove most "
           "noise")
       ->check(within(at_least(0).at_most(kMostSmoothing)));
+  CLI::Option* remesh =
+      command
+          ->add_option("--remesh", call->steps.remesh,
+                       "Make the triangles nearly equilateral, with edges of this length [mm]; the "
+                       "border and sharp edges stay where they are")
+          ->check(within(above(0).finite()));
+  command
+      ->add_option_function<double>(
+          "--feature-angle",
+          [call](double degrees) { call->steps.feature_angle = degrees * kDegree; },
+          "With --remesh: edges at which the surface bends by more than this are sharp [degrees] "
+          "(default: 60)")
+      ->check(within(above(0).at_most(180)))
+      ->needs(remesh);
   command
       ->add_option(
           "--tolerance", call->steps.tolerance,
@@ -243,13 +263,15 @@ void add_mesh(CLI::App& app, const Settings& settings) {
       ->check(within(above(0)));
   command->add_option("--picture", call->picture, "Also draw the mesh (PNG)");
   command->footer(
-      "The steps are done in this order: smooth depths, repair, fill holes, smooth, decimate.\n"
+      "The steps are done in this order: smooth depths, repair, fill holes, smooth, remesh, "
+      "decimate.\n"
       "Several range maps or depth images, or a folder of them, give a sequence of meshes with the "
       "same names; one that cannot be meshed is reported and skipped, and the exit status is 1. "
       "Meshes of an earlier run are replaced as a whole when all are done.\n\n"
       "Examples:\n  palpate mesh range/000000.tiff -o surface.ply --tolerance 0.2\n"
       "  palpate mesh range/ -o meshes/ --format obj --fill-holes 10 --tolerance 0.2\n"
       "  palpate mesh broken.stl --repair --fill-holes 20 -o whole.ply\n"
+      "  palpate mesh scan.ply --remesh 2 -o even.ply\n"
       "  palpate mesh depth.png --scale 0.125 --intrinsics 476.007,476.007,313.683,242.755 -o "
       "hand.ply\n"
       "  palpate mesh depth/ --scale 1 --rig camera.yaml -o meshes/");

@@ -5,16 +5,20 @@
 #include <fmt/format.h>
 
 #include <utility>
+#include <vector>
 
 #include "commands/color_picture.h"
 #include "palpate/error.h"
+#include "palpate/geometry/attribute_transfer.h"
 #include "palpate/geometry/decimation.h"
 #include "palpate/geometry/hole_filling.h"
+#include "palpate/geometry/mesh_measures.h"
 #include "palpate/geometry/mesh_repair.h"
 #include "palpate/geometry/range_map_mesh.h"
 #include "palpate/geometry/range_map_smoothing.h"
 #include "palpate/geometry/self_intersections.h"
 #include "palpate/geometry/smoothing.h"
+#include "palpate/geometry/surface_query.h"
 
 namespace palpate::apps {
 namespace {
@@ -55,7 +59,8 @@ MadeMesh load(const fs::path& input, const MeshSteps& steps) {
     options.keep_defects = steps.repair;
     if (steps.color)
       throw InvalidInput(input.string() + ": --color works for range maps, not for meshes.");
-    return {geometry::read_mesh(input, options), {}, {}, ""};
+    geometry::MeshFile file = geometry::read_mesh_file(input, options);
+    return {std::move(file.mesh), std::move(file.vertex_attributes), {}, ""};
   }
   geometry::RangeMap map = load_map(input, steps);
   if (steps.smooth_depths) smooth_depths(input, map);
@@ -69,8 +74,16 @@ MadeMesh load(const fs::path& input, const MeshSteps& steps) {
   return made;
 }
 
+/// Normals of the vertices would no longer be those of the surface.
+void drop_normals(geometry::Attributes& attributes) {
+  std::erase_if(attributes, [](const geometry::Attribute& attribute) {
+    return attribute.name == "nx" || attribute.name == "ny" || attribute.name == "nz";
+  });
+}
+
 void repair(MadeMesh& made) {
   geometry::RepairedMesh repaired = geometry::repair_mesh(made.mesh);
+  made.attributes = geometry::selected_attributes(made.attributes, repaired.source);
   made.mesh = std::move(repaired.mesh);
   made.figures["repair"] = {{"removed_triangles", repaired.removed_triangles},
                             {"flipped_edges", repaired.flipped_edges},
@@ -91,9 +104,36 @@ void repair(MadeMesh& made) {
 
 void fill_holes(MadeMesh& made, double max_diameter) {
   geometry::FilledMesh filled = geometry::fill_holes(made.mesh, {.max_diameter = max_diameter});
+  if (!made.attributes.empty()) {
+    // Vertices of patches have what is nearest to them at the rim; the others are where they were.
+    const geometry::SurfaceQuery query(made.mesh);
+    std::vector<geometry::SurfacePoint> places = geometry::vertex_points(made.mesh);
+    places.resize(static_cast<std::size_t>(filled.mesh.vertices.cols()));
+    for (std::size_t v = 0; v < places.size(); ++v) {
+      if (places[v].triangle >= 0) continue;
+      places[v] = query.closest_point(filled.mesh.vertices.col(static_cast<Eigen::Index>(v))).at;
+    }
+    made.attributes = geometry::interpolated_attributes(made.attributes, made.mesh, places);
+  }
   made.mesh = std::move(filled.mesh);
   made.figures["holes"] = {{"filled", filled.filled}, {"left", filled.left}};
   made.prose += fmt::format("{} holes filled, {} border loops left\n", filled.filled, filled.left);
+}
+
+void remesh(MadeMesh& made, const MeshSteps& steps) {
+  geometry::Remeshing remeshed = geometry::remesh(made.mesh, {.edge_length = *steps.remesh,
+                                                              .feature_angle = steps.feature_angle,
+                                                              .progress = steps.remeshing});
+  made.attributes = geometry::interpolated_attributes(made.attributes, made.mesh, remeshed.places);
+  const geometry::MeshShape shape = geometry::mesh_shape(remeshed.mesh);
+  made.figures["remeshing"] = {{"edge_length", *steps.remesh},
+                               {"triangles_before", made.mesh.triangles.cols()},
+                               {"triangles_after", remeshed.mesh.triangles.cols()},
+                               {"mean_edge", shape.mean_edge}};
+  made.prose +=
+      fmt::format("{} triangles before, {} after remeshing; edges of {:.3g} mm on average\n",
+                  made.mesh.triangles.cols(), remeshed.mesh.triangles.cols(), shape.mean_edge);
+  made.mesh = std::move(remeshed.mesh);
 }
 
 void decimate(const fs::path& input, MadeMesh& made, const MeshSteps& steps) {
@@ -119,6 +159,7 @@ void decimate(const fs::path& input, MadeMesh& made, const MeshSteps& steps) {
         "{} triangles before, {} after; the Hausdorff distance is at most {:.4f} mm (verified)\n",
         made.mesh.triangles.cols(), decimated.mesh.triangles.cols(), decimated.distance);
   }
+  made.attributes = geometry::selected_attributes(made.attributes, decimated.source);
   made.mesh = std::move(decimated.mesh);
 }
 
@@ -126,11 +167,13 @@ void decimate(const fs::path& input, MadeMesh& made, const MeshSteps& steps) {
 
 MadeMesh make_mesh(const fs::path& input, const MeshSteps& steps) {
   MadeMesh made = load(input, steps);
+  drop_normals(made.attributes);
   if (steps.repair) repair(made);
   if (steps.fill_holes) fill_holes(made, *steps.fill_holes);
   if (steps.smooth > 0) made.mesh = geometry::smooth(made.mesh, {.iterations = steps.smooth});
+  if (steps.remesh) remesh(made, steps);
   if (steps.tolerance) decimate(input, made, steps);
-  if (steps.color) made.colors = colors_beside(input, made.mesh.vertices, steps.camera);
+  if (steps.color) made.attributes = colors_beside(input, made.mesh.vertices, steps.camera);
   made.figures["vertices"] = made.mesh.vertices.cols();
   made.figures["triangles"] = made.mesh.triangles.cols();
   return made;

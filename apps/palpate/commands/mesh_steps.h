@@ -9,6 +9,7 @@
 #include <string>
 
 #include "palpate/geometry/mesh_io.h"
+#include "palpate/geometry/remeshing.h"
 #include "palpate/geometry/triangle_mesh.h"
 #include "shared/inputs.h"
 
@@ -23,14 +24,18 @@ struct MeshSteps {
   bool repair = false;
   std::optional<double> fill_holes;  ///< [mm] greatest width of a hole to fill
   int smooth = 0;                    ///< iterations
-  std::optional<double> tolerance;   ///< [mm] of decimation
+  std::optional<double> remesh;      ///< [mm] length of the edges
+  double feature_angle = geometry::RemeshingOptions{}.feature_angle;  ///< [rad] of remeshing
+  std::optional<double> tolerance;                                    ///< [mm] of decimation
+  std::function<void(int done, int total)> remeshing = {};   ///< see RemeshingOptions::progress
   std::function<void(int done, int total)> decimating = {};  ///< see DecimationOptions::progress
 };
 
 /// A mesh, and a description of the steps in numbers and in words.
 struct MadeMesh {
   geometry::TriangleMesh mesh;
-  geometry::Attributes colors;  ///< of the vertices; empty unless asked for
+  /// Of the vertices: those of the mesh file, carried along, or the colours of --color.
+  geometry::Attributes attributes;
   nlohmann::ordered_json figures;
   std::string prose;
 };

@@ -99,8 +99,8 @@ double strip_angle(const FlatTriangles& flat, const TriangleStrip& strip,
   const auto along = [&](int p) -> Eigen::Vector2d {
     return sign * crossings.layout.portals[static_cast<size_t>(p)].direction;
   };
-  double angle = plane_angle(from - bend.at, along(bend.first)) +
-                 plane_angle(along(bend.last), to - bend.at);
+  double angle =
+      plane_angle(from - bend.at, along(bend.first)) + plane_angle(along(bend.last), to - bend.at);
   for (int p = bend.first; p < bend.last; ++p) {
     const int entered = flat[strip.crossed[static_cast<size_t>(p)]].opposite;
     angle += corner_angle(flat, bend.is_left ? entered : next_half_edge(entered));

@@ -130,8 +130,8 @@ WindowTrace::Step WindowTrace::follow(const Step& through,
                                       std::vector<SurfacePoint>& points) const {
   const FlatHalfEdge& entry = flat_[through.half_edge];
   TracedLine line{.half_edge = entry.opposite,
-            .at = {entry.length - through.place, 0},
-            .to = {entry.length - through.window.along, through.window.height}};
+                  .at = {entry.length - through.place, 0},
+                  .to = {entry.length - through.window.along, through.window.height}};
   const double near = kArrived * (line.to - line.at).norm();
   for (size_t steps = 0; steps <= flat_.half_edges.size(); ++steps) {
     const int h = line.half_edge;

@@ -1,0 +1,109 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+// `palpate mesh` carries colours and deviations of vertices through its steps, and remeshes.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "mesh_corpus.h"
+#include "palpate/geometry/mesh_io.h"
+#include "palpate/geometry/mesh_measures.h"
+#include "run_palpate.h"
+#include "test_surfaces.h"
+
+namespace palpate::apps {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// Colour and deviation of a place: they change evenly over the surface.
+double red_at(const Eigen::Vector3d& place) { return 3 * place.x() + 20; }
+double sigma_at(const Eigen::Vector3d& place) { return 0.1 + 0.01 * place.y(); }
+
+class MeshAttributes : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    geometry::MeshFile file;
+    file.mesh = geometry::test::height_field(
+        40, 30, 1.5, [](double x, double y) { return 4 * std::sin(x / 12) * std::cos(y / 9); });
+    std::vector<std::uint8_t> red, green;
+    std::vector<float> sigma, normal;
+    for (const auto& v : file.mesh.vertices.colwise()) {
+      red.push_back(static_cast<std::uint8_t>(std::round(red_at(v))));
+      green.push_back(77);
+      sigma.push_back(static_cast<float>(sigma_at(v)));
+      normal.push_back(1);
+    }
+    file.vertex_attributes = {{"nx", normal, {}},  {"ny", normal, {}},   {"nz", normal, {}},
+                              {"red", red, {}},    {"green", green, {}}, {"blue", green, {}},
+                              {"sigma", sigma, {}}};
+    geometry::write_mesh_file(scratch / "scan.ply", file);
+  }
+
+  /// The mesh after steps, with its attributes compared with those of the places of its vertices.
+  geometry::MeshFile after(std::vector<std::string> steps, double color_error) {
+    steps.insert(steps.begin(), {"mesh", scratch / "scan.ply", "-o", scratch / "out.ply"});
+    const CommandResult result = run_palpate(steps);
+    EXPECT_EQ(result.status, kDone) << result.err;
+    geometry::MeshFile file = geometry::read_mesh_file(scratch / "out.ply");
+    EXPECT_EQ(geometry::find_attribute(file.vertex_attributes, "nx"), nullptr);
+    const auto colors = geometry::colors(file.vertex_attributes);
+    const auto sigma = geometry::scalars(file.vertex_attributes, "sigma");
+    EXPECT_TRUE(colors && sigma);
+    if (!colors || !sigma) return file;
+    for (Eigen::Index v = 0; v < file.mesh.vertices.cols(); ++v) {
+      const Eigen::Vector3d at = file.mesh.vertices.col(v);
+      EXPECT_NEAR(255 * (*colors)(0, v), red_at(at), color_error);
+      EXPECT_NEAR(255 * (*colors)(1, v), 77, 1e-9);
+      EXPECT_NEAR((*sigma)[v], sigma_at(at), 1e-6 + 0.01 * color_error / 3);
+    }
+    return file;
+  }
+
+  ScratchFolder scratch;
+};
+
+/// Colours are rounded when they are made.
+constexpr double kRounded = 0.5 + 1e-9;
+
+TEST_F(MeshAttributes, AreThoseOfTheVerticesThatDecimationKeeps) {
+  const geometry::MeshFile file = after({"--tolerance", "0.2"}, kRounded);
+  EXPECT_LT(file.mesh.triangles.cols(), 1000);
+}
+
+TEST_F(MeshAttributes, AreInterpolatedWhereRemeshingPutsVertices) {
+  // Rounded once more, and linear in each triangle.
+  const geometry::MeshFile file = after({"--remesh", "3"}, 2 * kRounded);
+  EXPECT_NEAR(geometry::mesh_shape(file.mesh).mean_edge, 3, 0.4);
+}
+
+TEST_F(MeshAttributes, GoThroughAllStepsTogether) {
+  (void)after({"--repair", "--fill-holes", "5", "--remesh", "1", "--tolerance", "0.1"},
+              2 * kRounded);
+}
+
+TEST_F(MeshAttributes, RemeshingReportsFiguresAndRefusesWhatIsTooFine) {
+  const CommandResult result = run_palpate(
+      {"mesh", scratch / "scan.ply", "--remesh", "2", "-o", scratch / "even.ply", "--json"});
+  ASSERT_EQ(result.status, kDone) << result.err;
+  const auto figures = nlohmann::json::parse(result.out)["remeshing"];
+  EXPECT_EQ(figures["triangles_before"], 2400);
+  EXPECT_NEAR(figures["mean_edge"].get<double>(), 2, 0.3);
+  const CommandResult fine =
+      run_palpate({"mesh", scratch / "scan.ply", "--remesh", "1e-4", "-o", scratch / "fine.ply"});
+  EXPECT_EQ(fine.status, kWrongCall);
+  EXPECT_THAT(fine.err, HasSubstr("at least"));
+  const CommandResult alone = run_palpate(
+      {"mesh", scratch / "scan.ply", "--feature-angle", "30", "-o", scratch / "fine.ply"});
+  EXPECT_EQ(alone.status, kWrongCall);
+  EXPECT_THAT(alone.err, HasSubstr("--remesh"));
+}
+
+}  // namespace
+}  // namespace palpate::apps
