@@ -7,9 +7,10 @@
 #include <array>
 #include <bit>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <span>
-#include <unordered_map>
+#include <utility>
 #include <variant>
 
 #include "palpate/error.h"
@@ -92,13 +93,13 @@ void clip_ears(const PolygonMesh& mesh, std::vector<int> polygon,
 
 void check_polygon(const PolygonMesh& mesh, const std::string& file, std::size_t face,
                    Polygon corners) {
-  const std::string place = file + ": face " + std::to_string(face);
+  const auto place = [&] { return file + ": face " + std::to_string(face); };
   if (corners.size() < 3)
-    throw FileError(place + " has " + std::to_string(corners.size()) +
+    throw FileError(place() + " has " + std::to_string(corners.size()) +
                     " corners; at least 3 are needed");
   for (std::size_t i = 0; i < corners.size(); ++i)
     if (corners[i] < 0 || corners[i] >= static_cast<std::int64_t>(mesh.vertices.size()))
-      throw FileError(place + ", corner " + std::to_string(i) + ": there is no vertex " +
+      throw FileError(place() + ", corner " + std::to_string(i) + ": there is no vertex " +
                       std::to_string(corners[i]) + "; the file has " +
                       std::to_string(mesh.vertices.size()) + ", counted from 0");
 }
@@ -162,17 +163,36 @@ Attribute of_elements(const Attribute& attribute, const std::vector<std::size_t>
   return result;
 }
 
-using Coordinates = std::array<double, 3>;
+std::uint64_t hash_of(const Eigen::Vector3d& place) {
+  std::uint64_t hash = 0;
+  // + 0.0 because both zeros are equal and must hash alike. The multiplier is 2^64 / golden ratio.
+  for (const double x : place)
+    hash = (std::rotl(hash, 27) ^ std::bit_cast<std::uint64_t>(x + 0.0)) * 0x9e3779b97f4a7c15U;
+  return hash ^ (hash >> 32);
+}
 
-struct CoordinatesHash {
-  std::size_t operator()(const Coordinates& place) const {
-    std::uint64_t hash = 0;
-    // + 0.0 because both zeros are equal and must hash alike. The multiplier is 2^64 / golden
-    // ratio.
-    for (const double x : place)
-      hash = (std::rotl(hash, 27) ^ std::bit_cast<std::uint64_t>(x + 0.0)) * 0x9e3779b97f4a7c15U;
-    return hash ^ (hash >> 32);
+/// Numbers different places in the order in which they come. A table without links: places that
+/// hash alike are in the next free rows.
+class PlaceNumbers {
+ public:
+  explicit PlaceNumbers(std::size_t most_places)
+      : rows_(std::bit_ceil(2 * most_places + 1), kFree) {}
+
+  std::int64_t number(const Eigen::Vector3d& place) {
+    std::size_t row = hash_of(place) & (rows_.size() - 1);
+    for (; rows_[row] != kFree; row = (row + 1) & (rows_.size() - 1))
+      if (places_[static_cast<std::size_t>(rows_[row])] == place) return rows_[row];
+    rows_[row] = static_cast<std::int32_t>(places_.size());
+    places_.push_back(place);
+    return rows_[row];
   }
+
+  [[nodiscard]] std::vector<Eigen::Vector3d>& places() { return places_; }
+
+ private:
+  static constexpr std::int32_t kFree = -1;
+  std::vector<std::int32_t> rows_;
+  std::vector<Eigen::Vector3d> places_;
 };
 
 }  // namespace
@@ -196,7 +216,10 @@ MeshFile triangulate(PolygonMesh mesh, const std::string& file, bool keep_defect
     const Polygon corners(mesh.corners.data() + first, static_cast<std::size_t>(mesh.sizes[face]));
     first += corners.size();
     if (!keep_defects) check_polygon(mesh, file, face, corners);
-    if (corners.size() >= 3 && names_vertices(mesh, corners)) {
+    if (corners.size() == 3 && names_vertices(mesh, corners)) {
+      triangles.emplace_back(static_cast<int>(corners[0]), static_cast<int>(corners[1]),
+                             static_cast<int>(corners[2]));
+    } else if (corners.size() > 3 && names_vertices(mesh, corners)) {
       clip_ears(mesh, std::vector<int>(corners.begin(), corners.end()), triangles);
     } else if (!corners.empty()) {
       keep_broken(corners, triangles);
@@ -229,23 +252,20 @@ MeshFile triangulate(PolygonMesh mesh, const std::string& file, bool keep_defect
 
 void join_corners(PolygonMesh& mesh) {
   if (mesh.vertices.size() != mesh.corners.size()) return;
-  std::unordered_map<Coordinates, std::int64_t, CoordinatesHash> index_of;
-  index_of.reserve(mesh.vertices.size() / 4);  // a closed mesh has six corners at a vertex
+  // The check that follows reports this.
+  if (mesh.vertices.size() > static_cast<std::size_t>(std::numeric_limits<int>::max())) return;
+  PlaceNumbers numbers(mesh.vertices.size());
   std::vector<std::int64_t> joined;
   joined.reserve(mesh.corners.size());
-  std::vector<Eigen::Vector3d> vertices;
   for (const std::int64_t corner : mesh.corners) {
     if (corner < 0 || corner >= static_cast<std::int64_t>(mesh.vertices.size())) return;
     const Eigen::Vector3d& vertex = mesh.vertices[static_cast<std::size_t>(corner)];
     // NaN equals nothing; the check that follows reports the vertex.
     if (!vertex.allFinite()) return;
-    const auto [place, is_new] = index_of.try_emplace({vertex.x(), vertex.y(), vertex.z()},
-                                                      static_cast<std::int64_t>(vertices.size()));
-    if (is_new) vertices.push_back(vertex);
-    joined.push_back(place->second);
+    joined.push_back(numbers.number(vertex));
   }
-  if (vertices.size() == mesh.vertices.size()) return;  // no two vertices coincide
-  mesh.vertices = std::move(vertices);
+  if (numbers.places().size() == mesh.vertices.size()) return;  // no two vertices coincide
+  mesh.vertices = std::move(numbers.places());
   mesh.corners = std::move(joined);
   mesh.vertex_attributes.clear();
 }

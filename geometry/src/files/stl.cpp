@@ -53,6 +53,10 @@ PolygonMesh read_binary(std::string_view content, const std::string& file) {
                     std::to_string((announced - kHeaderBytes - kCountBytes) / kTriangleBytes) +
                     " triangles; it is truncated, or not an STL file");
   PolygonMesh mesh;
+  const std::size_t triangles = (announced - kHeaderBytes - kCountBytes) / kTriangleBytes;
+  mesh.vertices.reserve(3 * triangles);
+  mesh.corners.reserve(3 * triangles);
+  mesh.sizes.reserve(triangles);
   for (const char* end = content.data() + announced; bytes < end; bytes += kTriangleBytes) {
     for (std::size_t corner = 1; corner <= 3; ++corner) {
       Eigen::Vector3d place;
