@@ -16,6 +16,7 @@
 #include "decode/evidence.h"
 #include "decode/plausibility.h"
 #include "decode/rig_deviation.h"
+#include "decode/tinted_surfaces.h"
 #include "decode/workspace.h"
 #include "image/half_size.h"
 #include "image/hot_loop.h"
@@ -106,10 +107,12 @@ struct Decoder::Impl {
         : classifier(model.pattern(), trained),
           edges(model.pattern()),
           colors(model.pattern()),
+          tinted(model, classifier),
           evidence(model, trained) {}
     HueClassifier classifier;
     StripeEdges edges;
     StripeColors colors;
+    TintedSurfaces tinted;
     EvidenceFinder evidence;
   };
 
@@ -270,6 +273,9 @@ void Decoder::Impl::find_regions(Workspace& work) const {
                            .max_width = filter.radius - 1,  // a period is `radius` long
                            .min_agreement = options.min_agreement},
                           work.offsets);
+    stripes->tinted.solve(work.demodulated.channels, work.hue, stripes->classifier, stripes->colors,
+                          model, {filter.radius, filter.width() / 2}, work.regions, work.offsets,
+                          work.tinted);
   } else {
     anchor_regions({.max_variance = limits.max_variance + kAnchoredSigma * kAnchoredSigma,
                     .max_step = limits.max_step,
@@ -315,14 +321,23 @@ void Decoder::Impl::predict_sigma(Workspace& work) const {
 
 /// Removes the depths that the colours contradict.
 void Decoder::Impl::check_colors(Workspace& work) const {
+  const TintedSurfaces::Seen& tinted = work.tinted;
+  if (tinted.any) {
+    work.corrected_hue = work.hue;
+    stripes->tinted.correct_hues(tinted, work.surfaces.stripe_pixel, stripes->colors,
+                                 work.corrected_hue);
+  }
+  const Plane& hue = tinted.any ? work.corrected_hue : work.hue;
   for (const long nearby : kNearby) {
-    find_contradictions(work.surfaces.stripe_pixel, work.hue, stripes->colors, stripes->classifier,
+    find_contradictions(work.surfaces.stripe_pixel, hue, stripes->colors, stripes->classifier,
                         options.min_agreement, nearby, work.contradicting);
     give_reason(work.contradicting, Reason::color_mismatch, work.reasons);
   }
   keep_reconstructed(work.reasons, work.surfaces.z);
-  find_unproven_patches(work.surfaces.z, work.surfaces.stripe_pixel, work.hue, stripes->colors,
+  find_unproven_patches(work.surfaces.z, work.surfaces.stripe_pixel, hue, stripes->colors,
                         stripes->classifier, work.contradicting);
+  // A surface that reflects one channel shows one colour; other evidence proves its regions.
+  if (tinted.any) work.contradicting *= 1 - tinted.single;
   give_reason(work.contradicting, Reason::color_mismatch, work.reasons);
   keep_reconstructed(work.reasons, work.surfaces.z);
 }

@@ -121,30 +121,29 @@ std::optional<double> DecoderGeometry::phase_at_depth(long row, long column, dou
   return phase_of(pixel[axis_], row);
 }
 
-void DecoderGeometry::phases_at_edges(const std::vector<Transition>& transitions,
-                                      std::vector<PhaseGuess>& guesses) const {
-  // The same computation as for depths, with stripes instead of phases; a "row" is some
-  // transitions.
-  SurfaceConstants constants = surface_constants(rig_, 1 - axis_, 1);
+void DecoderGeometry::find_other_pixels(int axis, const std::vector<AxisPixel>& places,
+                                        std::vector<float>& pixels) const {
+  // The same computation as for the depths of a row; a "row" is some places.
+  SurfaceConstants constants = surface_constants(rig_, axis, 1);
   constants.max_sensitivity = std::numeric_limits<float>::infinity();
+  const Plane& rays_along = axis == axis_ ? rays_.along : rays_.across;
+  const Plane& rays_across = axis == axis_ ? rays_.across : rays_.along;
   constexpr std::size_t kChunk = 256;
   using Numbers = std::array<float, kChunk>;
-  Numbers edge, along, across, forward, z, pixel, z_per_phase;
+  Numbers known, along, across, forward, z, z_per_phase;
   const Numbers zero{};
   std::array<std::int32_t, kChunk> reason;
-  guesses.clear();
-  for (std::size_t start = 0; start < transitions.size(); start += kChunk) {
-    const std::size_t count = std::min(kChunk, transitions.size() - start);
+  pixels.resize(places.size());
+  for (std::size_t start = 0; start < places.size(); start += kChunk) {
+    const std::size_t count = std::min(kChunk, places.size() - start);
     for (std::size_t i = 0; i < count; ++i) {
-      const Transition& transition = transitions[start + i];
-      const long column = std::lround(transition.column);
-      edge[i] =
-          static_cast<float>(pattern_.stripe_edges[static_cast<std::size_t>(transition.edge)]);
-      along[i] = rays_.across(transition.row, column);
-      across[i] = rays_.along(transition.row, column);
-      forward[i] = rays_.forward(transition.row, column);
+      const AxisPixel& place = places[start + i];
+      known[i] = place.pixel;
+      along[i] = rays_along(place.row, place.column);
+      across[i] = rays_across(place.row, place.column);
+      forward[i] = rays_.forward(place.row, place.column);
     }
-    find_surface_of({.phase = edge.data(),
+    find_surface_of({.phase = known.data(),
                      .along_at_zero_phase = constants.along_offset,
                      .along = along.data(),
                      .across = across.data(),
@@ -153,21 +152,59 @@ void DecoderGeometry::phases_at_edges(const std::vector<Transition>& transitions
                      .red = zero.data(),
                      .blue = zero.data(),
                      .z = z.data(),
-                     .stripe_pixel = pixel.data(),
+                     .stripe_pixel = &pixels[start],
                      .z_per_phase = z_per_phase.data(),
                      .reason = reason.data(),
                      .columns = static_cast<long>(count)},
                     constants);
     for (std::size_t i = 0; i < count; ++i) {
-      if (reason[i] != static_cast<int>(Reason::reconstructed)) continue;
-      const Transition& transition = transitions[start + i];
-      guesses.push_back({.row = transition.row,
-                         .column = static_cast<int>(std::lround(transition.column)),
-                         .phase = phase_of(static_cast<double>(pixel[i]), transition.row),
-                         .score = static_cast<double>(transition.score),
-                         .edge = transition.edge});
+      if (reason[i] != static_cast<int>(Reason::reconstructed)) pixels[start + i] = kUnknown;
     }
   }
+}
+
+void DecoderGeometry::phases_at_edges(const std::vector<Transition>& transitions,
+                                      std::vector<PhaseGuess>& guesses) const {
+  std::vector<AxisPixel> places;
+  places.reserve(transitions.size());
+  for (const Transition& transition : transitions) {
+    const double edge = pattern_.stripe_edges[static_cast<std::size_t>(transition.edge)];
+    places.push_back({transition.row, std::lround(transition.column), static_cast<float>(edge)});
+  }
+  std::vector<float> pixels;
+  find_other_pixels(1 - axis_, places, pixels);
+  guesses.clear();
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    if (std::isnan(pixels[i])) continue;
+    const Transition& transition = transitions[i];
+    guesses.push_back({.row = transition.row,
+                       .column = static_cast<int>(places[i].column),
+                       .phase = phase_of(static_cast<double>(pixels[i]), transition.row),
+                       .score = static_cast<double>(transition.score),
+                       .edge = transition.edge});
+  }
+}
+
+std::pair<int, int> DecoderGeometry::turns_on_panel(const PhaseGuess& guess) const {
+  const int size = axis_ == 0 ? rig_.projector.width : rig_.projector.height;
+  const auto turns = [&](double pixel) {
+    return (phase_of(pixel, guess.row) - guess.phase) / kFullTurn;
+  };
+  return {static_cast<int>(std::ceil(turns(-0.5))),
+          static_cast<int>(std::floor(turns(size - 0.5)))};
+}
+
+void DecoderGeometry::stripes_at_phases(const std::vector<PhaseGuess>& phases, int turns,
+                                        std::vector<float>& pixels) const {
+  std::vector<AxisPixel> places;
+  places.reserve(phases.size());
+  for (const PhaseGuess& guess : phases) {
+    const double absolute = guess.phase + kFullTurn * turns - pattern_.phase +
+                            carrier_.along * static_cast<double>(guess.row);
+    places.push_back(
+        {guess.row, guess.column, static_cast<float>(absolute / kFullTurn * pattern_.period)});
+  }
+  find_other_pixels(axis_, places, pixels);
 }
 
 void DecoderGeometry::find_surfaces(const Plane& phase, const ChannelShares& shares,

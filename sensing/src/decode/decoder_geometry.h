@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "decode/surface_rows.h"
@@ -47,6 +48,15 @@ class DecoderGeometry {
   void phases_at_edges(const std::vector<Transition>& transitions,
                        std::vector<PhaseGuess>& guesses) const;
 
+  /// The first and the last number of turns to be added to a phase for it to lie on the panel.
+  [[nodiscard]] std::pair<int, int> turns_on_panel(const PhaseGuess& guess) const;
+
+  /// Projector pixels across the stripes that phases imply; NaN where the projector would not light
+  /// the surface.
+  /// \param turns multiple of 2 pi added to all phases.
+  void stripes_at_phases(const std::vector<PhaseGuess>& phases, int turns,
+                         std::vector<float>& pixels) const;
+
   /// Computes depth and projector pixel of each phase. A pixel that is still `reconstructed`
   /// becomes `off_panel` if the projector does not light the point, or `grazing` if |dz / dphase| >
   /// max_sensitivity * z per rad, which happens close to the line where the phase does not depend
@@ -63,9 +73,18 @@ class DecoderGeometry {
     Plane forward;
   };
 
+  /// A pixel of the working image and one coordinate of the projector pixel that lights it.
+  struct AxisPixel {
+    long row = 0;
+    long column = 0;
+    float pixel = 0;
+  };
+
   [[nodiscard]] Eigen::Vector3d direction(long row, long column) const;
   void prepare_chromatic(const Eigen::Matrix2Xd& rays);
   [[nodiscard]] double phase_of(double pixel, long row) const;
+  void find_other_pixels(int axis, const std::vector<AxisPixel>& places,
+                         std::vector<float>& pixels) const;
 
   Rig rig_;
   Pattern pattern_;

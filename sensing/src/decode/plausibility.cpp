@@ -10,10 +10,6 @@
 namespace palpate::sensing {
 namespace {
 
-/// A pixel is well inside a stripe iff it is this far from its edges [projector px]: farther than
-/// the blur of camera and projector and the lateral shift of their colour channels.
-constexpr double kEdgeMargin = 4;
-
 PALPATE_HOT_LOOP void keep_common(std::uint8_t* values, const std::uint8_t* other, long count) {
   for (long i = 0; i < count; ++i) values[i] = values[i] & other[i];
 }
@@ -186,16 +182,16 @@ void keep_above(const Plane& values, double limit, Mask& marked) {
   keep_larger(values.data(), static_cast<float>(limit), values.size(), marked.data());
 }
 
-StripeColors::StripeColors(const Pattern& pattern) {
+StripeColors::StripeColors(const Pattern& pattern, double margin) {
   const auto& edges = pattern.stripe_edges;
-  const double first = edges.front() - 2 * kEdgeMargin;
-  const double last = edges.back() + 2 * kEdgeMargin;
+  const double first = edges.front() - 2 * margin;
+  const double last = edges.back() + 2 * margin;
   first_ = static_cast<float>(first);
   for (double pixel = first + 0.5 / kEntriesPerPixel; pixel < last;
        pixel += 1.0 / kEntriesPerPixel) {
     const auto next = std::upper_bound(edges.begin(), edges.end(), pixel);
-    const bool near_next = next != edges.end() && *next - pixel < kEdgeMargin;
-    const bool near_last = next != edges.begin() && pixel - *(next - 1) < kEdgeMargin;
+    const bool near_next = next != edges.end() && *next - pixel < margin;
+    const bool near_last = next != edges.begin() && pixel - *(next - 1) < margin;
     const auto stripe = static_cast<std::size_t>(next - edges.begin());
     table_.push_back(near_next || near_last ? -1 : static_cast<int>(pattern.stripes[stripe]));
   }

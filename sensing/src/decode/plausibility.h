@@ -41,7 +41,12 @@ void keep_above(const Plane& values, double limit, Mask& marked);
 /// Maps a projector pixel well inside a stripe to the stripe's colour.
 class StripeColors {
  public:
-  explicit StripeColors(const Pattern& pattern);
+  /// A pixel is well inside a stripe iff it is this far from its edges [projector px]: farther than
+  /// the blur of camera and projector and the lateral shift of their colour channels.
+  static constexpr double kEdgeMargin = 4;
+
+  /// \param margin used instead of kEdgeMargin.
+  explicit StripeColors(const Pattern& pattern, double margin = kEdgeMargin);
   /// Index of the colour, or -1 near an edge.
   /// \param pixel across the stripes; finite.
   [[nodiscard]] int color(float pixel) const {

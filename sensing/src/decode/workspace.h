@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "decode/decoder_geometry.h"
+#include "decode/tinted_surfaces.h"
 #include "image/image_plane.h"
 #include "palpate/sensing/reason.h"
 #include "phase/chromatic.h"
@@ -35,9 +36,11 @@ struct Workspace {
   std::vector<Marker> markers;
   OffsetBuffers voting;
   std::vector<RegionOffset> offsets;
-  Plane phase;  ///< absolute; NaN where unknown
-  Mask inner;   ///< lit, with lit surroundings
-  Mask breaks;  ///< close to a discontinuity of the phase
+  TintedSurfaces::Seen tinted;
+  Plane corrected_hue;  ///< used if `tinted.any`: corrected where surfaces have a colour
+  Plane phase;          ///< absolute; NaN where unknown
+  Mask inner;           ///< lit, with lit surroundings
+  Mask breaks;          ///< close to a discontinuity of the phase
   SurfaceImages surfaces;
   Mask contradicting;  ///< contradicted by the colours around
   Plane sigma;         ///< [rad] of the phases, then [mm] of the depths

@@ -115,6 +115,7 @@ void draw(const fs::path& png, const std::vector<Experiment>& noises, const Expe
 void run_defaults(const std::vector<Scene>& scenes, int repeats) {
   write_scenes(std::cout, vary("smooth scenes", scenes, {{"default", {}}}, repeats));
   write_scenes(std::cout, vary("hard scenes", hard_scenes(), {{"default", {}}}, repeats));
+  write_scenes(std::cout, vary("painted scenes", painted_scenes(), {{"default", {}}}, repeats));
 }
 
 void run(const fs::path& rendered, const fs::path& output, int repeats, bool defaults) {
@@ -143,6 +144,8 @@ void run(const fs::path& rendered, const fs::path& output, int repeats, bool def
     all.push_back(vary("hard scenes, " + setting.name, hard, {setting}, repeats));
     write_scenes(std::cout, all.back());
   }
+  all.push_back(vary("painted scenes", painted_scenes(), {{"default", {}}}, repeats));
+  write_scenes(std::cout, all.back());
   write_file(output / "trade-sensing.csv", [&](std::ostream& out) { write_csv(out, all); });
   draw(output / "trade-sensing.png", noises, snakes);
 }

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <numbers>
@@ -110,6 +111,25 @@ Body printed(Body body, const cv::Mat& texture) {
   return body;
 }
 
+/// Its axis points down.
+Body cylinder(double z, double radius, double height) {
+  constexpr int kSides = 96;
+  Body body;
+  body.mesh.vertices.resize(3, 2 * kSides);
+  body.mesh.triangles.resize(3, 2 * kSides);
+  for (int i = 0; i < kSides; ++i) {
+    const double angle = 2 * std::numbers::pi * i / kSides;
+    for (const int end : {0, 1}) {
+      body.mesh.vertices.col(2 * i + end) = Eigen::Vector3d(
+          radius * std::cos(angle), height * (end - 0.5), z + radius * std::sin(angle));
+    }
+    const int next = 2 * ((i + 1) % kSides);
+    body.mesh.triangles.col(2 * i) << 2 * i, next, 2 * i + 1;
+    body.mesh.triangles.col(2 * i + 1) << 2 * i + 1, next, next + 1;
+  }
+  return body;
+}
+
 double folds(double x, double y) {
   constexpr double kFold = 95, kDepth = 18;  // mm: slopes of up to 50 degrees
   return 760 + kDepth * std::sin(2 * std::numbers::pi * (y + 0.35 * x) / kFold);
@@ -206,7 +226,7 @@ sensing::TrainedColors trained(const VirtualSensor& sensor) {
 }
 
 View simulated_view(const std::vector<Body>& bodies, const VirtualSensor& sensor,
-                    std::uint64_t number) {
+                    std::uint64_t number, sensing::PixelLabels* labels = nullptr) {
   const Bench& b = bench();
   const std::vector<cv::Mat> panels = {b.panel};
   sensing::Simulation seen = simulate(b.rig, bodies, panels, sensor, b.pattern.axis, number);
@@ -214,7 +234,33 @@ View simulated_view(const std::vector<Body>& bodies, const VirtualSensor& sensor
   view.frame = seen.frames[0];
   view.counted = seen.truth.lit && seen.truth.incidence <= static_cast<float>(kMaxIncidence);
   view.z = std::move(seen.truth.range.z);
+  if (labels != nullptr) *labels = std::move(seen.truth.body);
   return view;
+}
+
+/// Counts only pixels of the first body, and only where it reflects the stripe that its depth
+/// implies.
+void count_reflected(const Eigen::Vector3d& reflectance, const sensing::PixelLabels& body,
+                     View& view) {
+  constexpr double kLeastReflected = 0.1;
+  const Bench& b = bench();
+  const auto& edges = b.pattern.stripe_edges;
+  for (int v = 0; v < view.frame.rows; ++v) {
+    for (int u = 0; u < view.frame.cols; ++u) {
+      if (!view.counted(v, u)) continue;
+      const Eigen::Vector3d ray = geometry::undistort(b.rig.camera, {u, v}).homogeneous();
+      const Eigen::Vector3d point =
+          b.rig.T_projector_camera * (ray * static_cast<double>(view.z(v, u)));
+      const double across = geometry::distort(b.rig.projector, point.hnormalized()).x();
+      const auto stripe = static_cast<std::size_t>(
+          std::upper_bound(edges.begin(), edges.end(), across) - edges.begin());
+      const Eigen::Vector3d& light =
+          b.pattern.colors[static_cast<std::size_t>(b.pattern.stripes[stripe])].rgb;
+      const bool reflected =
+          light.cwiseProduct(reflectance).maxCoeff() >= kLeastReflected * reflectance.maxCoeff();
+      view.counted(v, u) = reflected && body(v, u) == 0;
+    }
+  }
 }
 
 Scene scene_of(const std::string& name, const std::vector<std::vector<Body>>& groups,
@@ -298,6 +344,37 @@ std::vector<Scene> hard_scenes() {
     add(fmt::format("defocus of {} px", defocus), usual_bodies, sensor);
   }
   add("motion", approaching(usual_bodies, kApproach), usual);
+  return scenes;
+}
+
+std::vector<Scene> painted_scenes() {
+  const VirtualSensor usual = camera_with(kUsualNoise);
+  const sensing::TrainedColors colors = trained(usual);
+  const struct {
+    const char* name;
+    Eigen::Vector3d reflectance;
+  } paints[] = {{"red", {0.8, 0.04, 0.04}},      {"purely red", {0.8, 0, 0}},
+                {"green", {0.04, 0.8, 0.04}},    {"purely green", {0, 0.8, 0}},
+                {"blue", {0.04, 0.04, 0.8}},     {"purely blue", {0, 0, 0.8}},
+                {"dark red", {0.3, 0.01, 0.01}}, {"dark blue", {0.02, 0.01, 0.25}},
+                {"orange", {0.8, 0.25, 0.03}},   {"skin", {0.8, 0.5, 0.4}}};
+  const auto tilted = [](double x, double y) { return 750 + 0.25 * x - 0.2 * y; };
+  std::vector<Scene> scenes;
+  for (const auto& paint : paints) {
+    Scene scene{paint.name, bench().rig, bench().pattern, colors, {}};
+    const std::vector<std::vector<Body>> groups = {{cylinder(760, 70, 260), wall(900)},
+                                                   {ball({0, 10, 720}, 80, {1, 1, 1}), wall(900)},
+                                                   {sheet(10, bulge)},
+                                                   {sheet(kSheetHeight / 4, tilted)}};
+    for (std::vector<Body> bodies : groups) {
+      bodies[0].reflectance = paint.reflectance;
+      sensing::PixelLabels body;
+      View view = simulated_view(bodies, usual, scene.views.size(), &body);
+      count_reflected(paint.reflectance, body, view);
+      scene.views.push_back(std::move(view));
+    }
+    scenes.push_back(std::move(scene));
+  }
   return scenes;
 }
 
