@@ -226,8 +226,7 @@ double ConePosterior::slip_probability(const Eigen::Vector3d& force) const {
 ConeEstimate ConePosterior::estimate() const {
   ConeEstimate result;
   Eigen::VectorXd of_angle(kAngles);
-  for (int i = 0; i < kAngles; ++i)
-    of_angle[i] = weights_.segment(i * kAxes, kAxes).sum();
+  for (int i = 0; i < kAngles; ++i) of_angle[i] = weights_.segment(i * kAxes, kAxes).sum();
   const double step = angles_[1] - angles_[0];
   const auto at = [&](double part) {
     return std::clamp(quantile(of_angle, angles_[0], step, part), 0.0, kLargestAngle);

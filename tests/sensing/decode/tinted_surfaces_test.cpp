@@ -116,8 +116,10 @@ TEST(TintedSurfaces, APaintedBallBeforeAWhiteWallHasDepths) {
   expect_measured(nearer(sphere({0, 0, 780}, 75), plane({0, 0, 1}, 900)), 850, 748, 0.65);
 }
 
-TEST(TintedSurfaces, APurelyRedStripOfAnyDepthIsNeverOffByPeriods) {
-  // Too narrow for its light and dark stripes to tell the period: no depth is right as well.
+TEST(TintedSurfaces, APurelyRedStripThatIsToldFromTheWallIsNotOffByPeriods) {
+  // Too narrow for its light and dark stripes to tell the period: no depth is right as well. At
+  // depths such as 600, where its phase goes on in the wall's, the strip would be one region with
+  // it and get the wall's depths, of whichever colour it is.
   const Rig rig = close_rig();
   const Pattern pattern = make_pattern(Axis::y, kTestPeriod, 1024);
   for (const double z : {560.0, 640.0, 680.0}) {
