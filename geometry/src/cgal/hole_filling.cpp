@@ -4,16 +4,18 @@
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/border.h>
-#include <CGAL/Polygon_mesh_processing/connected_components.h>
 #include <CGAL/Polygon_mesh_processing/triangulate_hole.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <iterator>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "palpate/error.h"
 #include "palpate/geometry/cgal_mesh.h"
+#include "palpate/geometry/mesh_topology.h"
 #include "palpate/require.h"
 
 namespace palpate::geometry {
@@ -28,9 +30,84 @@ using Surface = CGAL::Surface_mesh<Point>;
 /// component is at most this many times as large. That of a hemisphere is 1.06 times as large.
 constexpr double kOutline = 1.05;
 
-/// [mm]
-double diagonal(const CGAL::Bbox_3& box) {
-  return Eigen::Vector3d(box.x_span(), box.y_span(), box.z_span()).norm();
+/// Patches depend on the triangles that touch the border; these and their neighbours are copied.
+constexpr int kCopiedRings = 2;
+
+std::size_t at(Eigen::Index i) { return static_cast<std::size_t>(i); }
+
+/// Counts the half-edges that leave the start of `first`, from it on until the border or itself.
+int count_fan(const Eigen::Matrix3Xi& opposite, int first, std::vector<bool>& counted) {
+  int count = 0;
+  for (int h = first; h >= 0 && !counted[at(h)];) {
+    counted[at(h)] = true;
+    ++count;
+    h = opposite.data()[h % 3 == 0 ? h + 2 : h - 1];
+  }
+  return count;
+}
+
+/// \throws InvalidInput naming a vertex round which triangles close while it has others too.
+void check_fans(const TriangleMesh& mesh, const Eigen::Matrix3Xi& opposite) {
+  const int half_edges = static_cast<int>(opposite.size());
+  std::vector<int> left(at(mesh.vertices.cols()), 0);  // half-edges not counted yet
+  for (int h = 0; h < half_edges; ++h) ++left[at(mesh.triangles.data()[h])];
+  std::vector<bool> counted(at(half_edges), false);
+  std::vector<bool> is_open(left.size(), false);
+  for (int h = 0; h < half_edges; ++h) {
+    if (opposite.data()[h] >= 0) continue;
+    const std::size_t vertex = at(mesh.triangles.data()[h]);
+    left[vertex] -= count_fan(opposite, h, counted);
+    is_open[vertex] = true;
+  }
+  for (int h = 0; h < half_edges; ++h) {
+    if (counted[at(h)]) continue;
+    const std::size_t vertex = at(mesh.triangles.data()[h]);
+    left[vertex] -= count_fan(opposite, h, counted);
+    if (left[vertex] > 0 || is_open[vertex]) {
+      throw InvalidInput("mesh: vertex " + std::to_string(vertex) +
+                         " makes it non-manifold: triangles close round it, and others touch it");
+    }
+  }
+}
+
+/// The part of a mesh that patches depend on.
+struct BorderRegion {
+  TriangleMesh mesh;
+  std::vector<int> vertices;   ///< of the whole mesh, ascending
+  std::vector<int> triangles;  ///< of the whole mesh, ascending
+};
+
+BorderRegion border_region(const TriangleMesh& mesh, const Eigen::Matrix3Xi& opposite) {
+  std::vector<bool> is_near(at(mesh.vertices.cols()), false);
+  for (Eigen::Index t = 0; t < mesh.triangles.cols(); ++t) {
+    for (int k = 0; k < 3; ++k) {
+      if (opposite(k, t) >= 0) continue;
+      is_near[at(mesh.triangles(k, t))] = true;
+      is_near[at(mesh.triangles((k + 1) % 3, t))] = true;
+    }
+  }
+  BorderRegion region;
+  for (int ring = 0; ring < kCopiedRings; ++ring) {
+    region.triangles.clear();
+    for (int t = 0; t < mesh.triangles.cols(); ++t) {
+      const Eigen::Vector3i corners = mesh.triangles.col(t);
+      if (is_near[at(corners[0])] || is_near[at(corners[1])] || is_near[at(corners[2])])
+        region.triangles.push_back(t);
+    }
+    for (const int t : region.triangles) {
+      for (const int vertex : mesh.triangles.col(t)) is_near[at(vertex)] = true;
+    }
+  }
+  std::vector<int> index(is_near.size(), -1);
+  for (std::size_t v = 0; v < is_near.size(); ++v) {
+    if (!is_near[v]) continue;
+    index[v] = static_cast<int>(region.vertices.size());
+    region.vertices.push_back(static_cast<int>(v));
+  }
+  region.mesh.vertices = mesh.vertices(Eigen::all, region.vertices);
+  region.mesh.triangles = mesh.triangles(Eigen::all, region.triangles);
+  for (int& vertex : region.mesh.triangles.reshaped()) vertex = index[at(vertex)];
+  return region;
 }
 
 /// [mm] diagonal of the bounding box of a border loop.
@@ -38,20 +115,68 @@ double diameter(const Surface& surface, Surface::Halfedge_index border) {
   CGAL::Bbox_3 box;
   for (const auto h : CGAL::halfedges_around_face(border, surface))
     box += surface.point(surface.target(h)).bbox();
-  return diagonal(box);
+  return Eigen::Vector3d(box.x_span(), box.y_span(), box.z_span()).norm();
 }
 
-/// [mm] diagonal of the bounding box of the component of each triangle.
-std::vector<double> component_diameters(Surface& surface) {
-  const auto component = surface.add_property_map<Surface::Face_index, std::size_t>().first;
-  std::vector<CGAL::Bbox_3> boxes(pmp::connected_components(surface, component));
-  for (const auto face : surface.faces()) {
-    for (const auto vertex : CGAL::vertices_around_face(surface.halfedge(face), surface))
-      boxes[component[face]] += surface.point(vertex).bbox();
+/// Tells how large the components of a mesh are, at a cost that grows with the answer.
+class ComponentSizes {
+ public:
+  ComponentSizes(const TriangleMesh& mesh, const Eigen::Matrix3Xi& opposite)
+      : mesh_(mesh), opposite_(opposite), visit_(at(mesh.triangles.cols()), 0) {}
+
+  /// Whether the diagonal of the bounding box of the component of a triangle exceeds `limit` [mm].
+  [[nodiscard]] bool exceeds(int triangle, double limit) {
+    ++last_visit_;
+    Eigen::AlignedBox3d box;
+    std::vector<int> reached = {triangle};
+    visit_[at(triangle)] = last_visit_;
+    for (std::size_t i = 0; i < reached.size(); ++i) {
+      for (int k = 0; k < 3; ++k) {
+        box.extend(mesh_.vertices.col(mesh_.triangles(k, reached[i])));
+        const int across = opposite_(k, reached[i]);
+        if (across < 0 || visit_[at(across / 3)] == last_visit_) continue;
+        visit_[at(across / 3)] = last_visit_;
+        reached.push_back(across / 3);
+      }
+      if (box.diagonal().norm() > limit) return true;
+    }
+    return false;
   }
-  std::vector<double> diameters;
-  for (const auto face : surface.faces()) diameters.push_back(diagonal(boxes[component[face]]));
-  return diameters;
+
+ private:
+  const TriangleMesh& mesh_;
+  const Eigen::Matrix3Xi& opposite_;
+  std::vector<int> visit_;  ///< the last visit that reached each triangle
+  int last_visit_ = 0;
+};
+
+/// The triangle of the whole mesh at a border half-edge; none where the region was cut off.
+std::optional<int> triangle_at(const Surface& surface, Surface::Halfedge_index border,
+                               const BorderRegion& region, const Eigen::Matrix3Xi& opposite) {
+  const Eigen::Index face = static_cast<unsigned>(surface.face(surface.opposite(border)));
+  const int from = static_cast<int>(static_cast<unsigned>(surface.target(border)));
+  const int triangle = region.triangles[at(face)];
+  for (int k = 0; k < 3; ++k) {
+    if (region.mesh.triangles(k, face) == from && opposite(k, triangle) < 0) return triangle;
+  }
+  return std::nullopt;
+}
+
+/// The whole mesh with what the filled region has more.
+TriangleMesh with_patches(const TriangleMesh& mesh, const BorderRegion& region,
+                          const TriangleMesh& filled) {
+  const Eigen::Index old_vertices = region.mesh.vertices.cols();
+  const Eigen::Index new_vertices = filled.vertices.cols() - old_vertices;
+  const Eigen::Index new_triangles = filled.triangles.cols() - region.mesh.triangles.cols();
+  TriangleMesh result;
+  result.vertices.resize(3, mesh.vertices.cols() + new_vertices);
+  result.vertices << mesh.vertices, filled.vertices.rightCols(new_vertices);
+  result.triangles.resize(3, mesh.triangles.cols() + new_triangles);
+  result.triangles << mesh.triangles, filled.triangles.rightCols(new_triangles);
+  const auto shift = static_cast<int>(mesh.vertices.cols() - old_vertices);
+  for (int& vertex : result.triangles.rightCols(new_triangles).reshaped())
+    vertex = vertex < old_vertices ? region.vertices[at(vertex)] : vertex + shift;
+  return result;
 }
 
 bool fill(Surface& surface, Surface::Halfedge_index border) {
@@ -73,27 +198,33 @@ bool fill(Surface& surface, Surface::Halfedge_index border) {
 
 FilledMesh fill_holes(const TriangleMesh& mesh, const HoleFillingOptions& options) {
   require("HoleFillingOptions::max_diameter", options.max_diameter, above(0), "mm");
-  Surface surface = to_surface_mesh<Point>(mesh);
+  const Eigen::Matrix3Xi opposite = opposite_half_edges(mesh);
+  check_fans(mesh, opposite);
+  FilledMesh result;
+  const BorderRegion region = border_region(mesh, opposite);
+  if (region.triangles.empty()) {
+    result.mesh = mesh;
+    return result;
+  }
+  Surface surface = to_surface_mesh<Point>(region.mesh);
   std::vector<Surface::Halfedge_index> loops;
   pmp::extract_boundary_cycles(surface, std::back_inserter(loops));
-  FilledMesh result;
-  const std::vector<double> of_component = component_diameters(surface);
-  const auto is_hole = [&](Surface::Halfedge_index border) {
+  ComponentSizes components(mesh, opposite);
+  const auto is_hole = [&](Surface::Halfedge_index border, int triangle) {
     const double width = diameter(surface, border);
-    const auto face = static_cast<std::size_t>(surface.face(surface.opposite(border)));
-    const bool is_outline = of_component[face] <= kOutline * width;
-    return width <= options.max_diameter && (!is_outline || std::isinf(options.max_diameter));
+    return width <= options.max_diameter &&
+           (std::isinf(options.max_diameter) || components.exceeds(triangle, kOutline * width));
   };
   for (const auto border : loops) {
-    if (is_hole(border) && fill(surface, border)) {
+    const std::optional<int> triangle = triangle_at(surface, border, region, opposite);
+    if (!triangle) continue;
+    if (is_hole(border, *triangle) && fill(surface, border)) {
       ++result.filled;
     } else {
       ++result.left;
     }
   }
-  result.mesh = from_surface_mesh(surface);
-  // CGAL may start a triangle at another corner.
-  result.mesh.triangles.leftCols(mesh.triangles.cols()) = mesh.triangles;
+  result.mesh = with_patches(mesh, region, from_surface_mesh(surface));
   return result;
 }
 

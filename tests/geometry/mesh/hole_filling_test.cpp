@@ -130,5 +130,22 @@ TEST_F(HoleFilling, RefusesAMeshThatIsNotManifold) {
   EXPECT_THROW((void)fill_holes({}, {.max_diameter = 1}), InvalidInput);
 }
 
+TEST_F(HoleFilling, PartsThatMeetInAClosedVertexAreRefused) {
+  // Two tetrahedra with a common vertex 0; then the second one lacks a triangle.
+  TriangleMesh mesh;
+  mesh.vertices.resize(3, 7);
+  mesh.vertices << 0, 1, 0, 0, -1, 0, 0,  //
+      0, 0, 1, 0, 0, -1, 0,               //
+      0, 0, 0, 1, 0, 0, -1;
+  mesh.triangles.resize(3, 8);
+  mesh.triangles << 0, 0, 0, 1, 0, 0, 0, 4,  //
+      2, 3, 1, 2, 4, 5, 6, 6,                //
+      1, 2, 3, 3, 5, 6, 4, 5;
+  EXPECT_THROW((void)fill_holes(mesh, {.max_diameter = 5}), InvalidInput);
+  mesh.triangles(Eigen::all, 4).swap(mesh.triangles(Eigen::all, 7));
+  mesh.triangles.conservativeResize(3, 7);
+  EXPECT_THROW((void)fill_holes(mesh, {.max_diameter = 5}), InvalidInput);
+}
+
 }  // namespace
 }  // namespace palpate::geometry
