@@ -83,10 +83,13 @@ void take_columns(const std::array<const char*, N>& names,
 }
 
 /// Assimp believes the lengths in a binary glTF file, and takes up to 4 GB for each.
-void check_glb_lengths(std::string_view bytes, const std::string& file) {
+void check_glb_header(std::string_view bytes, const std::string& file) {
   constexpr std::size_t kChunkFrame = 8;                  // length, type
   constexpr std::size_t kFirstChunk = 12, kLengthAt = 8;  // after magic, version, length
-  if (bytes.size() < kFirstChunk || !bytes.starts_with("glTF")) return;
+  if (bytes.size() < kFirstChunk || !bytes.starts_with("glTF"))
+    throw FileError(file +
+                    ": does not begin with glTF and its length, as a binary glTF file does: it is "
+                    "damaged or of another format");
   const auto word = [&](std::size_t at) {
     std::uint32_t value = 0;
     for (std::size_t i = 4; i-- > 0;)
@@ -111,7 +114,8 @@ void check_glb_lengths(std::string_view bytes, const std::string& file) {
 }  // namespace
 
 PolygonMesh read_assimp_scene(const fs::path& path) {
-  check_glb_lengths(read_input_file(path), path.string());
+  const std::string extension = lower_extension(path);
+  if (extension == ".glb") check_glb_header(read_input_file(path), path.string());
   Assimp::Importer importer;
   if (!importer.IsExtensionSupported(path.extension().string()))
     throw FileError(path.string() + ": the ending \"" + path.extension().string() +
@@ -124,7 +128,6 @@ PolygonMesh read_assimp_scene(const fs::path& path) {
   append_node(*whole, *whole->mRootNode, aiMatrix4x4(), scene);
   take_columns<3>({"nx", "ny", "nz"}, scene.normals, scene.mesh);
   take_columns<4>({"red", "green", "blue", "alpha"}, scene.colors, scene.mesh);
-  const std::string extension = lower_extension(path);
   if (extension == ".gltf" || extension == ".glb") scene.mesh.unit = kMetre;
   join_corners(scene.mesh);
   return std::move(scene.mesh);

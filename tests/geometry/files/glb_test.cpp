@@ -77,6 +77,19 @@ TEST(Glb, LengthsBeyondTheFileAreRefusedBeforeMemoryIsTaken) {
                         "says that the file has " + std::to_string(right.size()));
 }
 
+// assimp reads beyond the bytes of some of these.
+TEST(Glb, WhatDoesNotBeginAsTheFormatDemandsIsRefused) {
+  const ScratchFolder folder;
+  write_mesh_file(folder / "sphere.glb", colored_sphere());
+  const std::string right = read_text(folder / "sphere.glb");
+  for (const std::string& wrong :
+       {right.substr(0, 11), right.substr(1), std::string("glT"), std::string("{\"asset\": {}}")}) {
+    write_text(folder / "wrong.glb", wrong);
+    EXPECT_THROWS_MESSAGE(static_cast<void>(read_mesh(folder / "wrong.glb")), FileError,
+                          "wrong.glb: does not begin with glTF");
+  }
+}
+
 TEST(Glb, RefusesWhatItCannotHold) {
   const ScratchFolder folder;
   MeshFile file = colored_sphere();
