@@ -228,13 +228,14 @@ TEST(CalibrateRig, ParallelBoardsAreRefused) {
     });
   };
   const std::string next_step = "tilted by 20 to 45 degrees";
-  for (const int terms : {0, 2, 4}) {
-    for (const double sigma : {0.0, 0.1}) {
-      EXPECT_NE(refusal(sigma, 0, terms).find(next_step), std::string::npos)
-          << terms << ' ' << sigma;
-      EXPECT_NE(refusal(sigma, 0.02, terms).find(next_step), std::string::npos);
-    }
-  }
+  struct Case {
+    double sigma, tilt;
+    int terms;
+  };
+  for (const auto& [sigma, tilt, terms] :
+       {Case{0, 0, 0}, {0.1, 0, 2}, {0, 0.02, 4}, {0.1, 0.02, 0}})
+    EXPECT_NE(refusal(sigma, tilt, terms).find(next_step), std::string::npos)
+        << sigma << ' ' << tilt;
   EXPECT_TRUE(refusal(0.1, 0.4, 4).empty());
 }
 
