@@ -115,7 +115,8 @@ void check_glb_header(std::string_view bytes, const std::string& file) {
 
 PolygonMesh read_assimp_scene(const fs::path& path) {
   const std::string extension = lower_extension(path);
-  if (extension == ".glb") check_glb_header(read_input_file(path), path.string());
+  const std::string bytes = read_input_file(path);
+  if (extension == ".glb") check_glb_header(bytes, path.string());
   Assimp::Importer importer;
   if (!importer.IsExtensionSupported(path.extension().string()))
     throw FileError(path.string() + ": the ending \"" + path.extension().string() +
