@@ -128,7 +128,7 @@ cv::Mat linearize(const cv::Mat& frame, const Response& response) {
 Response read_response(const std::filesystem::path& path) {
   const StorageFile file(path);
   Response response;
-  for (const cv::FileNode& item : file.items(file.child(file.root(), "response"), "response")) {
+  for (const YAML::Node& item : file.items(file.child(file.root(), "response"), "response")) {
     const std::string key = "response[" + std::to_string(response.channels.size()) + "]";
     const auto number = [&](const char* name) {
       return file.number(file.child(item, name, key + "."), key + "." + name);

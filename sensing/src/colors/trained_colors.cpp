@@ -160,7 +160,7 @@ TrainedColors read_trained_colors(const std::filesystem::path& path) {
   const StorageFile file(path);
   TrainedColors result;
   std::set<std::string> names;
-  for (const cv::FileNode& item : file.items(file.child(file.root(), "colors"), "colors")) {
+  for (const YAML::Node& item : file.items(file.child(file.root(), "colors"), "colors")) {
     const std::string key = "colors[" + std::to_string(result.colors.size()) + "]";
     TrainedColor color;
     color.name = file.text(file.child(item, "name", key + "."), key + ".name");

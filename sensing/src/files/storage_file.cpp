@@ -3,43 +3,75 @@
 #include "files/storage_file.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstdint>
 #include <fstream>
+#include <limits>
 #include <mutex>
 #include <opencv2/core/utils/logger.hpp>
 #include <sstream>
+#include <string_view>
+#include <type_traits>
 #include <utility>
 
-#include "files/yaml_documents.h"
 #include "palpate/error.h"
 
 namespace palpate::sensing {
 namespace {
 
-cv::FileStorage open_storage(const std::filesystem::path& path) {
-  const std::string bytes = read_bytes(path);
-  // OpenCV's parser does not return from some files of several documents.
-  if (const auto line = second_yaml_document(bytes)) {
-    throw FileError(path.string() + ": line " + std::to_string(*line) +
-                    ": the keys and values end here, but more follows; a closing bracket too many "
-                    "or a second document (--- or ...)?");
+/// OpenCV writes maps within a line as `{ name:R }`. YAML wants a space after the colon, which this
+/// inserts.
+std::string with_spaces_after_keys(std::string_view text) {
+  std::string result;
+  int braces = 0;
+  bool quoted = false;
+  bool in_key = false;  // may be: only letters since a brace or comma
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    result += c;
+    if (c == '"' && (i == 0 || text[i - 1] != '\\')) quoted = !quoted;
+    if (quoted) continue;
+    if (c == '{') ++braces;
+    if (c == '}') --braces;
+    if (c == ':' && in_key && braces > 0) result += ' ';
+    const auto letter = static_cast<unsigned char>(c);
+    in_key = c == '{' || c == ',' ||
+             (in_key && (std::isalnum(letter) || std::isspace(letter) || c == '_'));
   }
-  const QuietOpenCv quiet;
+  return result;
+}
+
+YAML::Node parse(const std::filesystem::path& path) {
+  const std::string expected =
+      "a YAML file that begins with %YAML:1.0 and holds keys and values is expected";
+  std::vector<YAML::Node> documents;
   try {
-    cv::FileStorage storage(bytes, cv::FileStorage::READ | cv::FileStorage::MEMORY);
-    if (storage.isOpened() && storage.root().isMap()) return storage;
-  } catch (const cv::Exception& error) {
-    throw FileError(path.string() + ": not an OpenCV FileStorage file (" + error.err +
-                    "); a YAML file that begins with %YAML:1.0 is expected");
-  } catch (const std::exception&) {  // OpenCV's parser passes on those of std::string
-    throw FileError(path.string() +
-                    ": is damaged; a YAML file that begins with %YAML:1.0 is expected");
+    documents = YAML::LoadAll(with_spaces_after_keys(read_bytes(path)));
+  } catch (const YAML::Exception& error) {
+    const std::string line =
+        error.mark.is_null() ? "" : "line " + std::to_string(error.mark.line + 1) + ": ";
+    throw FileError(path.string() + ": " + line + "not an OpenCV FileStorage file (" + error.msg +
+                    "); " + expected);
   }
-  throw FileError(
-      path.string() +
-      ": not an OpenCV FileStorage file; a YAML file that begins with %YAML:1.0 and holds "
-      "keys and values is expected");
+  if (documents.size() > 1)
+    throw FileError(path.string() + ": line " + std::to_string(documents[1].Mark().line + 1) +
+                    ": the keys and values end before this line, but more follows; a second "
+                    "document (--- or ...)?");
+  if (documents.empty() || !documents[0].IsMap())
+    throw FileError(path.string() + ": not an OpenCV FileStorage file; " + expected);
+  return documents[0];
+}
+
+/// False if the node is not the text of such a number. Texts in quotes are none.
+template <typename Number>
+bool decode(const YAML::Node& node, Number& value) {
+  if (!node.IsScalar() || node.Tag() == "!") return false;
+  if constexpr (std::is_floating_point_v<Number>) {
+    value = std::numeric_limits<Number>::quiet_NaN();
+    if (node.Scalar() == ".Nan") return true;  // as OpenCV writes it, not as YAML does
+  }
+  return YAML::convert<Number>::decode(node, value);
 }
 
 /// The log level of OpenCV while any QuietOpenCv exists.
@@ -85,74 +117,74 @@ std::string read_bytes(const std::filesystem::path& path) {
 }
 
 StorageFile::StorageFile(std::filesystem::path path)
-    : path_(std::move(path)), storage_(open_storage(path_)) {}
+    : path_(std::move(path)), root_(parse(path_)) {}
 
 void StorageFile::fail(const std::string& key, const std::string& message) const {
   throw FileError(path_.string() + ": " + key + ": " + message);
 }
 
-cv::FileNode StorageFile::child(const cv::FileNode& parent, const std::string& key,
-                                const std::string& place) const {
-  const cv::FileNode node = parent.isMap() ? parent[key] : cv::FileNode();
-  if (node.empty()) fail(place + key, "is missing");
+YAML::Node StorageFile::find(const YAML::Node& parent, const std::string& key) {
+  return parent.IsMap() ? parent[key] : YAML::Node(YAML::NodeType::Undefined);
+}
+
+YAML::Node StorageFile::child(const YAML::Node& parent, const std::string& key,
+                              const std::string& place) const {
+  YAML::Node node = find(parent, key);
+  if (!node.IsDefined()) fail(place + key, "is missing");
   return node;
 }
 
-double StorageFile::number(const cv::FileNode& node, const std::string& key) const {
-  if (!node.isInt() && !node.isReal()) fail(key, "a number is expected");
-  const double value = static_cast<double>(node);
+double StorageFile::number(const YAML::Node& node, const std::string& key) const {
+  double value = 0;
+  if (!decode(node, value)) fail(key, "a number is expected");
   if (!std::isfinite(value)) fail(key, "is not finite");
   return value;
 }
 
-long StorageFile::whole_number(const cv::FileNode& node, const std::string& key) const {
-  if (!node.isInt()) fail(key, "a whole number is expected");
-  return static_cast<int>(node);
+int StorageFile::whole_number(const YAML::Node& node, const std::string& key) const {
+  int value = 0;
+  if (!decode(node, value)) fail(key, "a whole number is expected");
+  return value;
 }
 
-std::string StorageFile::text(const cv::FileNode& node, const std::string& key) const {
-  if (!node.isString()) fail(key, "a text is expected");
-  return static_cast<std::string>(node);
+std::string StorageFile::text(const YAML::Node& node, const std::string& key) const {
+  double number = 0;
+  if (!node.IsScalar() || decode(node, number)) fail(key, "a text is expected");
+  return node.Scalar();
 }
 
-std::vector<cv::FileNode> StorageFile::items(const cv::FileNode& node,
-                                             const std::string& key) const {
-  if (!node.isSeq()) fail(key, "a list is expected");
-  std::vector<cv::FileNode> result;
-  for (const cv::FileNode& item : node) result.push_back(item);
-  return result;
+std::vector<YAML::Node> StorageFile::items(const YAML::Node& node, const std::string& key) const {
+  if (!node.IsSequence()) fail(key, "a list is expected");
+  return {node.begin(), node.end()};
 }
 
-std::vector<double> StorageFile::numbers(const cv::FileNode& node, const std::string& key) const {
+std::vector<double> StorageFile::numbers(const YAML::Node& node, const std::string& key) const {
   std::vector<double> values;
-  for (const cv::FileNode& item : items(node, key)) {
+  for (const YAML::Node& item : items(node, key)) {
     values.push_back(number(item, key + "[" + std::to_string(values.size()) + "]"));
   }
   return values;
 }
 
 cv::Mat_<double> StorageFile::matrix(const std::string& key) const {
-  const cv::FileNode node = child(root(), key);
+  const YAML::Node node = child(root(), key);
   const auto count = [&](const char* entry) {
-    const cv::FileNode value = node.isMap() ? node[entry] : cv::FileNode();
-    return value.isInt() ? std::max(static_cast<int>(value), 0) : 0;
+    int value = 0;
+    const YAML::Node found = find(node, entry);
+    return found.IsDefined() && decode(found, value) ? std::max(value, 0) : 0;
   };
-  // OpenCV allocates rows x cols before it looks at the data.
-  const double size = static_cast<double>(count("rows")) * count("cols");
-  if (size == 0 || !node["data"].isSeq() || static_cast<double>(node["data"].size()) != size) {
+  const int rows = count("rows");
+  const int columns = count("cols");
+  const YAML::Node data = find(node, "data");
+  const YAML::Node type = find(node, "dt");
+  const double size = static_cast<double>(rows) * columns;
+  if (size == 0 || !type.IsDefined() || !type.IsScalar() || !data.IsDefined() ||
+      !data.IsSequence() || static_cast<double>(data.size()) != size) {
     fail(key, "a matrix is expected: rows, cols, dt, and data with rows x cols numbers");
   }
-  const QuietOpenCv quiet;
-  cv::Mat matrix;
-  try {
-    node >> matrix;
-  } catch (const cv::Exception& error) {
-    fail(key, "not an OpenCV matrix (" + error.err + ")");
-  }
-  if (matrix.dims != 2 || matrix.channels() != 1) fail(key, "a matrix of one channel is expected");
-  cv::Mat_<double> values = matrix;
-  if (!cv::checkRange(values)) fail(key, "is not finite");
-  return values;
+  if (type.Scalar().size() != 1) fail(key, "a matrix of one channel is expected");
+  const std::vector<double> values = numbers(data, key + ".data");
+  return cv::Mat_<double>(values, true).reshape(1, rows);
 }
 
 }  // namespace palpate::sensing

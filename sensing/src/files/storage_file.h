@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <yaml-cpp/yaml.h>
 #include <filesystem>
 #include <opencv2/core.hpp>
 #include <string>
@@ -23,31 +24,33 @@ class QuietOpenCv {
   QuietOpenCv& operator=(const QuietOpenCv&) = delete;
 };
 
-/// An OpenCV FileStorage file for reading, with messages that name the file and the key. Every
-/// function throws FileError if the value is missing or has another type.
+/// A YAML file of OpenCV's FileStorage for reading, with messages that name the file and the key.
+/// Every function throws FileError if the value is missing or has another type. yaml-cpp parses the
+/// text, because OpenCV's parser does not return from some damaged files.
 class StorageFile {
  public:
   explicit StorageFile(std::filesystem::path path);
 
-  [[nodiscard]] cv::FileNode root() const { return storage_.root(); }
+  [[nodiscard]] const YAML::Node& root() const { return root_; }  ///< a map
+  /// Undefined if `parent` is not a map or does not hold the key.
+  [[nodiscard]] static YAML::Node find(const YAML::Node& parent, const std::string& key);
   /// `place` precedes the key in messages.
-  [[nodiscard]] cv::FileNode child(const cv::FileNode& parent, const std::string& key,
-                                   const std::string& place = {}) const;
-  [[nodiscard]] double number(const cv::FileNode& node, const std::string& key) const;  ///< finite
-  [[nodiscard]] long whole_number(const cv::FileNode& node, const std::string& key) const;
-  [[nodiscard]] std::string text(const cv::FileNode& node, const std::string& key) const;
-  [[nodiscard]] std::vector<double> numbers(const cv::FileNode& node, const std::string& key) const;
+  [[nodiscard]] YAML::Node child(const YAML::Node& parent, const std::string& key,
+                                 const std::string& place = {}) const;
+  [[nodiscard]] double number(const YAML::Node& node, const std::string& key) const;  ///< finite
+  [[nodiscard]] int whole_number(const YAML::Node& node, const std::string& key) const;
+  [[nodiscard]] std::string text(const YAML::Node& node, const std::string& key) const;
+  [[nodiscard]] std::vector<double> numbers(const YAML::Node& node, const std::string& key) const;
   /// A matrix of doubles or floats, finite.
   [[nodiscard]] cv::Mat_<double> matrix(const std::string& key) const;
   /// The items of a sequence.
-  [[nodiscard]] std::vector<cv::FileNode> items(const cv::FileNode& node,
-                                                const std::string& key) const;
+  [[nodiscard]] std::vector<YAML::Node> items(const YAML::Node& node, const std::string& key) const;
   /// Throws a FileError with file, key, and what is wrong.
   [[noreturn]] void fail(const std::string& key, const std::string& message) const;
 
  private:
   std::filesystem::path path_;
-  cv::FileStorage storage_;
+  YAML::Node root_;
 };
 
 }  // namespace palpate::sensing

@@ -190,7 +190,7 @@ void check_pattern_fits(const Pattern& pattern, const geometry::Camera& projecto
 
 namespace {
 
-Multishot read_multishot(const StorageFile& file, const cv::FileNode& node) {
+Multishot read_multishot(const StorageFile& file, const YAML::Node& node) {
   const std::string place = "multishot.";
   const auto number = [&](const char* key) {
     return file.number(file.child(node, key, place), place + key);
@@ -198,10 +198,10 @@ Multishot read_multishot(const StorageFile& file, const cv::FileNode& node) {
   Multishot shots;
   shots.shifts = file.numbers(file.child(node, "shifts", place), place + "shifts");
   shots.code_bits = static_cast<int>(
-      std::min<long>(file.whole_number(file.child(node, "code_bits", place), place + "code_bits"),
-                     kMostCodeBits + 1));
+      std::min(file.whole_number(file.child(node, "code_bits", place), place + "code_bits"),
+               kMostCodeBits + 1));
   shots.code_cell = number("code_cell_px");
-  if (!node["code_start_px"].empty()) shots.code_start = number("code_start_px");
+  if (file.find(node, "code_start_px").IsDefined()) shots.code_start = number("code_start_px");
   return shots;
 }
 
@@ -209,11 +209,11 @@ Multishot read_multishot(const StorageFile& file, const cv::FileNode& node) {
 
 Pattern read_pattern(const std::filesystem::path& path) {
   const StorageFile file(path);
-  const cv::FileNode root = file.root();
+  const YAML::Node& root = file.root();
   const auto number = [&](const char* key) { return file.number(file.child(root, key), key); };
   Pattern pattern;
-  if (!root["colors"].empty()) {
-    for (const cv::FileNode& item : file.items(root["colors"], "colors")) {
+  if (const YAML::Node node = file.find(root, "colors")) {
+    for (const YAML::Node& item : file.items(node, "colors")) {
       const std::string key = at("colors", pattern.colors.size());
       const auto rgb = file.numbers(file.child(item, "rgb", key + "."), key + ".rgb");
       if (rgb.size() != 3) file.fail(key + ".rgb", "three values are expected");
@@ -221,14 +221,14 @@ Pattern read_pattern(const std::filesystem::path& path) {
                                 Eigen::Vector3d(rgb[0], rgb[1], rgb[2])});
     }
   }
-  if (!root["stripes"].empty()) {
-    for (const cv::FileNode& item : file.items(root["stripes"], "stripes")) {
+  if (const YAML::Node node = file.find(root, "stripes")) {
+    for (const YAML::Node& item : file.items(node, "stripes")) {
       const std::string key = at("stripes", pattern.stripes.size());
       pattern.stripes.push_back(static_cast<int>(file.whole_number(item, key)));
     }
   }
-  if (!root["stripe_edges_px"].empty()) {
-    pattern.stripe_edges = file.numbers(root["stripe_edges_px"], "stripe_edges_px");
+  if (const YAML::Node node = file.find(root, "stripe_edges_px")) {
+    pattern.stripe_edges = file.numbers(node, "stripe_edges_px");
   }
   const std::string axis = file.text(file.child(root, "axis"), "axis");
   if (axis != "x" && axis != "y") file.fail("axis", "x or y is expected, not '" + axis + "'");
@@ -237,14 +237,15 @@ Pattern read_pattern(const std::filesystem::path& path) {
   pattern.phase = number("phase");
   pattern.mean = number("mean");
   pattern.amplitude = number("amplitude");
-  if (!root["projector_size"].empty()) {
-    const auto sizes = file.items(root["projector_size"], "projector_size");
+  if (const YAML::Node node = file.find(root, "projector_size")) {
+    const auto sizes = file.items(node, "projector_size");
     if (sizes.size() != 2) file.fail("projector_size", "columns and rows are expected");
     pattern.projector_size =
         Eigen::Vector2i(static_cast<int>(file.whole_number(sizes[0], "projector_size[0]")),
                         static_cast<int>(file.whole_number(sizes[1], "projector_size[1]")));
   }
-  if (!root["multishot"].empty()) pattern.multishot = read_multishot(file, root["multishot"]);
+  if (const YAML::Node node = file.find(root, "multishot"))
+    pattern.multishot = read_multishot(file, node);
   try {
     check_pattern(pattern, path.string());
   } catch (const InvalidInput& error) {

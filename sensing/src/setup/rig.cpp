@@ -36,9 +36,9 @@ void check_chromatic(const ChromaticShift& shift, const std::string& what) {
 
 std::array<double, 8> read_distortion(const StorageFile& file, const std::string& key) {
   std::array<double, 8> distortion{};
-  const cv::FileNode node = file.child(file.root(), key);
+  const YAML::Node node = file.child(file.root(), key);
   // FileStorage cannot write an empty matrix; an empty list also means no lens distortion.
-  if (node.isSeq() && node.size() == 0) return distortion;
+  if (node.IsSequence() && node.size() == 0) return distortion;
   const cv::Mat_<double> values = file.matrix(key);
   const int count = static_cast<int>(values.total());
   const bool is_vector = count == 0 || values.rows == 1 || values.cols == 1;
@@ -76,14 +76,15 @@ geometry::Camera read_lens(const StorageFile& file, const std::string& name) {
 }
 
 ChromaticShift read_chromatic(const StorageFile& file, const std::string& channel) {
-  const cv::FileNode chromatic = file.root()["chromatic"];
-  if (chromatic.empty()) return {};
-  if (!chromatic.isMap())
+  const YAML::Node chromatic = file.find(file.root(), "chromatic");
+  if (!chromatic) return {};
+  if (!chromatic.IsMap())
     file.fail("chromatic", "red and blue, each with alpha, beta and gamma, are expected");
-  if (chromatic[channel].empty()) return {};
+  const YAML::Node found = file.find(chromatic, channel);
+  if (!found) return {};
   const std::string key = "chromatic." + channel;
   const auto value = [&](const char* name) {
-    return file.number(file.child(chromatic[channel], name, key + "."), key + "." + name);
+    return file.number(file.child(found, name, key + "."), key + "." + name);
   };
   const ChromaticShift shift{
       .alpha = value("alpha"), .beta = value("beta"), .gamma = value("gamma")};
@@ -93,10 +94,11 @@ ChromaticShift read_chromatic(const StorageFile& file, const std::string& channe
 
 Eigen::Matrix3d read_mixing(const StorageFile& file) {
   Eigen::Matrix3d mixing = Eigen::Matrix3d::Identity();
-  const cv::FileNode chromatic = file.root()["chromatic"];
-  if (chromatic.empty() || chromatic["mixing"].empty()) return mixing;
+  const YAML::Node chromatic = file.find(file.root(), "chromatic");
+  const YAML::Node found = chromatic ? file.find(chromatic, "mixing") : chromatic;
+  if (!found) return mixing;
   const std::string key = "chromatic.mixing";
-  const std::vector<double> values = file.numbers(chromatic["mixing"], key);
+  const std::vector<double> values = file.numbers(found, key);
   if (values.size() != 9) file.fail(key, "nine numbers, row by row, are expected");
   for (int i = 0; i < 9; ++i) mixing(i / 3, i % 3) = values[static_cast<std::size_t>(i)];
   return mixing;
@@ -116,7 +118,7 @@ Eigen::Isometry3d read_pose(const StorageFile& file) {
 }
 
 std::optional<RigCovariance> read_covariance(const StorageFile& file) {
-  if (file.root()["covariance"].empty()) return std::nullopt;
+  if (!file.find(file.root(), "covariance")) return std::nullopt;
   const cv::Mat_<double> values = file.matrix("covariance");
   if (values.rows != kRigParameters || values.cols != kRigParameters) {
     file.fail("covariance", "has " + std::to_string(values.rows) + " x " +

@@ -51,7 +51,8 @@ void check_keys(const StorageFile& file) {
   std::set<std::string> known = {"readout", "seed", "exposure_distance"};
   VirtualSensor sensor;
   for_each_number(sensor, [&](const char* name, double) { known.insert(name); });
-  for (const std::string& key : file.root().keys()) {
+  for (const auto& entry : file.root()) {
+    const std::string& key = entry.first.Scalar();
     if (!known.contains(key)) file.fail(key, "no value of a sensor has this name");
   }
 }
@@ -98,22 +99,23 @@ VirtualSensor ideal(VirtualSensor sensor) {
 
 VirtualSensor read_virtual_sensor(const std::filesystem::path& path) {
   const StorageFile file(path);
-  const cv::FileNode root = file.root();
+  const YAML::Node& root = file.root();
   check_keys(file);
   VirtualSensor sensor;
   for_each_number(sensor, [&](const char* name, auto& value) {
-    if (root[name].empty()) return;
+    const YAML::Node node = file.find(root, name);
+    if (!node) return;
     if constexpr (std::is_same_v<std::remove_reference_t<decltype(value)>, int>) {
-      value = static_cast<int>(file.whole_number(root[name], name));
+      value = static_cast<int>(file.whole_number(node, name));
     } else {
-      value = file.number(root[name], name);
+      value = file.number(node, name);
     }
   });
-  if (!root["exposure_distance"].empty())
-    sensor.exposure_distance = file.number(root["exposure_distance"], "exposure_distance");
-  if (!root["readout"].empty()) sensor.readout = read_readout(file);
-  if (!root["seed"].empty()) {
-    const long seed = file.whole_number(root["seed"], "seed");
+  if (const YAML::Node node = file.find(root, "exposure_distance"))
+    sensor.exposure_distance = file.number(node, "exposure_distance");
+  if (file.find(root, "readout")) sensor.readout = read_readout(file);
+  if (const YAML::Node node = file.find(root, "seed")) {
+    const int seed = file.whole_number(node, "seed");
     if (seed < 0) file.fail("seed", "must be >= 0");
     sensor.seed = static_cast<std::uint64_t>(seed);
   }
