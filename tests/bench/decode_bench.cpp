@@ -69,9 +69,10 @@ struct Stages {
   void judge() {
     sensing::erode(work.lit, 2, work.inner);
     sensing::find_breaks(work.regions.phase, 2, {filter.radius / 2, 2}, work.breaks);
+    sensing::compare_colors(work.surfaces.stripe_pixel, work.hue, colors, classifier, work.says);
     for (const long nearby : {16L, 6L}) {
-      sensing::find_contradictions(work.surfaces.stripe_pixel, work.hue, colors, classifier,
-                                   options.min_agreement, nearby, work.contradicting);
+      sensing::find_contradictions(work.surfaces.stripe_pixel, work.says, options.min_agreement,
+                                   nearby, work.contradicting);
     }
   }
 

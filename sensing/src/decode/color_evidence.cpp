@@ -3,6 +3,8 @@
 #include "decode/color_evidence.h"
 
 #include <opencv2/imgproc.hpp>
+#include <span>
+#include <vector>
 
 namespace palpate::sensing {
 namespace {
@@ -19,9 +21,7 @@ struct Evidence {
 
 }  // namespace
 
-void find_unproven_patches(const Plane& z, const Plane& stripe_pixel, const Plane& hue,
-                           const StripeColors& stripes, const HueClassifier& classifier,
-                           Mask& marked) {
+void find_unproven_patches(const Plane& z, const ColorSays& says, int colors, Mask& marked) {
   const long rows = z.rows();
   const long columns = z.cols();
   marked = (z == z).cast<std::uint8_t>();
@@ -30,29 +30,27 @@ void find_unproven_patches(const Plane& z, const Plane& stripe_pixel, const Plan
   constexpr int kNeighbours = 4;
   const int patches = cv::connectedComponents(known, patch, kNeighbours, CV_32S);
 
-  const auto colors = static_cast<std::size_t>(classifier.colors());
-  std::vector<Evidence> evidence(static_cast<std::size_t>(patches) * colors);
+  std::vector<Evidence> evidence(static_cast<std::size_t>(patches * colors));
   for (long row = 0; row < rows; ++row) {
     const int* const labels = patch[static_cast<int>(row)];
+    const std::uint8_t* const said = &says(row, 0);
     for (long column = 0; column < columns; ++column) {
-      if (labels[column] == 0) continue;
-      const int color = stripes.color(stripe_pixel(row, column));
-      if (color < 0) continue;
-      Evidence& one = evidence[static_cast<std::size_t>(labels[column]) * colors +
-                               static_cast<std::size_t>(color)];
+      if (labels[column] == 0 || said[column] == kSilent) continue;
+      const int color = said[column] % kConfirms;
+      Evidence& one = evidence[static_cast<std::size_t>(labels[column] * colors + color)];
       ++one.wanted;
-      if (classifier.best(hue(row, column)) == color) ++one.agreeing;
+      one.agreeing += said[column] / kConfirms;
     }
   }
 
   std::vector<std::uint8_t> unproven(static_cast<std::size_t>(patches), 0);
   for (std::size_t k = 1; k < unproven.size(); ++k) {
-    const Evidence* const of_patch = &evidence[k * colors];
+    const std::span<const Evidence> of_patch(&evidence[k * static_cast<std::size_t>(colors)],
+                                             static_cast<std::size_t>(colors));
     int all = 0;
-    for (std::size_t color = 0; color < colors; ++color) all += of_patch[color].wanted;
+    for (const Evidence& one : of_patch) all += one.wanted;
     int speaking = 0;
-    for (std::size_t color = 0; color < colors; ++color) {
-      const Evidence& one = of_patch[color];
+    for (const Evidence& one : of_patch) {
       if (one.wanted >= kLeastEvidenceShare * all && one.wanted > 0 &&
           2 * one.agreeing > one.wanted)
         ++speaking;

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include "colors/hue_classifier.h"
 #include "decode/plausibility.h"
 #include "image/image_plane.h"
 
@@ -13,9 +12,7 @@ namespace palpate::sensing {
 /// mostly where its depths predict them. One colour is no evidence: on a saturated red surface
 /// every visible stripe looks red, so a prediction of red always agrees.
 /// \param z      [mm] NaN where unknown.
-/// \param stripe_pixel projector pixel across the stripes that the depth implies; NaN if unknown.
-void find_unproven_patches(const Plane& z, const Plane& stripe_pixel, const Plane& hue,
-                           const StripeColors& stripes, const HueClassifier& classifier,
-                           Mask& marked);
+/// \param colors number of colours of the pattern.
+void find_unproven_patches(const Plane& z, const ColorSays& says, int colors, Mask& marked);
 
 }  // namespace palpate::sensing

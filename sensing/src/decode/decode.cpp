@@ -328,14 +328,15 @@ void Decoder::Impl::check_colors(Workspace& work) const {
                                  work.corrected_hue);
   }
   const Plane& hue = tinted.any ? work.corrected_hue : work.hue;
+  compare_colors(work.surfaces.stripe_pixel, hue, stripes->colors, stripes->classifier, work.says);
   for (const long nearby : kNearby) {
-    find_contradictions(work.surfaces.stripe_pixel, hue, stripes->colors, stripes->classifier,
-                        options.min_agreement, nearby, work.contradicting);
+    find_contradictions(work.surfaces.stripe_pixel, work.says, options.min_agreement, nearby,
+                        work.contradicting);
     give_reason(work.contradicting, Reason::color_mismatch, work.reasons);
   }
   keep_reconstructed(work.reasons, work.surfaces.z);
-  find_unproven_patches(work.surfaces.z, work.surfaces.stripe_pixel, hue, stripes->colors,
-                        stripes->classifier, work.contradicting);
+  find_unproven_patches(work.surfaces.z, work.says, stripes->classifier.colors(),
+                        work.contradicting);
   // A surface that reflects one channel shows one colour; other evidence proves its regions.
   if (tinted.any) work.contradicting *= 1 - tinted.single;
   give_reason(work.contradicting, Reason::color_mismatch, work.reasons);

@@ -28,6 +28,18 @@ PALPATE_HOT_LOOP bool break_row(const float* phase, const float* below, float li
   return any != 0;
 }
 
+/// Finds the pixels of a row with a phase that is not known to be near both the one to the left and
+/// the one above.
+PALPATE_HOT_LOOP void find_apart(const float* phase, const float* above, float limit,
+                                 std::uint8_t* apart, long columns) {
+  apart[0] = phase[0] == phase[0] ? 1 : 0;
+  for (long i = 1; i < columns; ++i) {
+    const bool near =
+        (std::abs(phase[i] - phase[i - 1]) <= limit) & (std::abs(phase[i] - above[i]) <= limit);
+    apart[i] = (phase[i] == phase[i]) & !near ? 1 : 0;
+  }
+}
+
 void mark_around(long row, long column, const Reach& reach, Mask& marked) {
   const long top = std::max<long>(0, row - reach.rows);
   const long left = std::max<long>(0, column - reach.columns);
@@ -40,18 +52,9 @@ PALPATE_HOT_LOOP void keep_larger(const float* values, float limit, long count,
   for (long i = 0; i < count; ++i) marked[i] = values[i] > limit ? marked[i] : 0;
 }
 
-/// Evidence of a pixel: `kCompared` if the colour of its stripe is known, and `kAgreeing` if it has
-/// this colour.
+/// Evidence of a pixel: `kCompared` if its colour says anything, and `kAgreeing` if it confirms.
 constexpr std::uint32_t kCompared = 1;
 constexpr std::uint32_t kAgreeing = 1 << 16;
-
-/// For a row of pixels, first table entries, then colours: of their hue, and of the stripe there.
-struct ColorRow {
-  explicit ColorRow(long columns)
-      : seen(static_cast<std::size_t>(columns)), expected(static_cast<std::size_t>(columns)) {}
-  std::vector<int> seen;
-  std::vector<int> expected;
-};
 
 PALPATE_HOT_LOOP void look_up(const int* table, int* __restrict entries, long count) {
   for (long i = 0; i < count; ++i) entries[i] = table[entries[i]];
@@ -66,24 +69,21 @@ PALPATE_HOT_LOOP void find_entries(const float* stripe_pixel, const float* hue,
   }
 }
 
-PALPATE_HOT_LOOP void compare_colors(const float* stripe_pixel, const int* expected,
-                                     const int* seen, std::uint32_t* __restrict said,
-                                     long columns) {
+PALPATE_HOT_LOOP void say_row(const float* stripe_pixel, const int* expected, const int* seen,
+                              std::uint8_t* __restrict says, long columns) {
   for (long i = 0; i < columns; ++i) {
     const bool known = (stripe_pixel[i] == stripe_pixel[i]) & (expected[i] >= 0);
-    const std::uint32_t agreeing = seen[i] == expected[i] ? kAgreeing : 0;
-    said[i] = known ? kCompared + agreeing : 0;
+    const int color = expected[i] + (seen[i] == expected[i] ? kConfirms : 0);
+    says[i] = static_cast<std::uint8_t>(known ? color : kSilent);
   }
 }
 
-/// Compares the stripes' colours with the hues.
-void compare_row(const float* stripe_pixel, const float* hue, const StripeColors& stripes,
-                 const HueClassifier& classifier, ColorRow& colors, std::uint32_t* said) {
-  const auto columns = static_cast<long>(colors.seen.size());
-  find_entries(stripe_pixel, hue, stripes, colors.expected.data(), colors.seen.data(), columns);
-  look_up(stripes.color_of_entries(), colors.expected.data(), columns);
-  look_up(classifier.best_of_steps(), colors.seen.data(), columns);
-  compare_colors(stripe_pixel, colors.expected.data(), colors.seen.data(), said, columns);
+PALPATE_HOT_LOOP void count_row(const std::uint8_t* says, std::uint32_t* __restrict said,
+                                long columns) {
+  for (long i = 0; i < columns; ++i) {
+    const std::uint32_t agreeing = (says[i] & kConfirms) != 0 ? kAgreeing : 0;
+    said[i] = says[i] == kSilent ? 0 : kCompared + agreeing;
+  }
 }
 
 PALPATE_HOT_LOOP void add_row(std::uint32_t* __restrict sums, const std::uint32_t* row,
@@ -151,29 +151,34 @@ void find_breaks(const Plane& phase, double max_step, const Reach& reach, Mask& 
 }
 
 void find_steps(const Plane& phase, const StepLimits& limits, const Reach& reach, Mask& marked) {
-  marked.setZero(phase.rows(), phase.cols());
+  const long columns = phase.cols();
+  marked.setZero(phase.rows(), columns);
   const auto step = static_cast<float>(limits.step);
   const auto slope = static_cast<float>(limits.slope);
-  const auto is_step = [&](float a, float b, long distance) {
-    return std::abs(a - b) > step + slope * static_cast<float>(distance);
+  std::vector<std::uint8_t> apart(static_cast<std::size_t>(columns));
+  // Looks from a pixel for the next one with a phase, at most `gap` away.
+  const auto look = [&](long row, long column, long down, long right, long gap) {
+    for (long distance = 1; distance <= gap; ++distance) {
+      const long other_row = row - distance * down;
+      const long other_column = column - distance * right;
+      if (other_row < 0 || other_column < 0) return;
+      const float there = phase(other_row, other_column);
+      if (std::isnan(there)) continue;
+      const float difference = std::abs(phase(row, column) - there);
+      if (difference > step + slope * static_cast<float>(distance)) {
+        mark_around(other_row, other_column, reach, marked);
+        mark_around(row, column, reach, marked);
+      }
+      return;
+    }
   };
-  std::vector<long> above(static_cast<std::size_t>(phase.cols()), -1 - limits.gap.rows);
   for (long row = 0; row < phase.rows(); ++row) {
-    long left = -1 - limits.gap.columns;
-    for (long column = 0; column < phase.cols(); ++column) {
-      const float here = phase(row, column);
-      if (std::isnan(here)) continue;
-      if (column - left <= limits.gap.columns && is_step(here, phase(row, left), column - left)) {
-        mark_around(row, left, reach, marked);
-        mark_around(row, column, reach, marked);
-      }
-      left = column;
-      long& last = above[static_cast<std::size_t>(column)];
-      if (row - last <= limits.gap.rows && is_step(here, phase(last, column), row - last)) {
-        mark_around(last, column, reach, marked);
-        mark_around(row, column, reach, marked);
-      }
-      last = row;
+    const float* const here = &phase(row, 0);
+    find_apart(here, row > 0 ? here - columns : here, step + slope, apart.data(), columns);
+    for (long column = 0; column < columns; ++column) {
+      if (apart[static_cast<std::size_t>(column)] == 0) continue;
+      look(row, column, 0, 1, limits.gap.columns);
+      look(row, column, 1, 0, limits.gap.rows);
     }
   }
 }
@@ -198,11 +203,26 @@ StripeColors::StripeColors(const Pattern& pattern, double margin) {
   last_ = static_cast<float>(table_.size() - 1);
 }
 
-void find_contradictions(const Plane& stripe_pixel, const Plane& hue, const StripeColors& stripes,
-                         const HueClassifier& classifier, double min_agreement, long nearby,
-                         Mask& marked) {
-  const long rows = hue.rows();
+void compare_colors(const Plane& stripe_pixel, const Plane& hue, const StripeColors& stripes,
+                    const HueClassifier& classifier, ColorSays& says) {
   const long columns = hue.cols();
+  says.resize(hue.rows(), columns);
+  // For a row of pixels, first table entries, then colours: of the stripe there, and of the hue.
+  std::vector<int> expected(static_cast<std::size_t>(columns));
+  std::vector<int> seen(expected.size());
+  for (long row = 0; row < hue.rows(); ++row) {
+    find_entries(&stripe_pixel(row, 0), &hue(row, 0), stripes, expected.data(), seen.data(),
+                 columns);
+    look_up(stripes.color_of_entries(), expected.data(), columns);
+    look_up(classifier.best_of_steps(), seen.data(), columns);
+    say_row(&stripe_pixel(row, 0), expected.data(), seen.data(), &says(row, 0), columns);
+  }
+}
+
+void find_contradictions(const Plane& stripe_pixel, const ColorSays& says, double min_agreement,
+                         long nearby, Mask& marked) {
+  const long rows = says.rows();
+  const long columns = says.cols();
   marked.resize(rows, columns);
   // Evidence of the rows nearby, row by row in a ring buffer; its sum over these rows; and the
   // prefix sums of that over the columns, padded with `nearby` empty columns on either side.
@@ -211,14 +231,12 @@ void find_contradictions(const Plane& stripe_pixel, const Plane& hue, const Stri
   Numbers said = Numbers::Zero(width, columns);
   Numbers sums = Numbers::Zero(1, columns);
   Numbers until = Numbers::Zero(1, columns + width);
-  ColorRow colors(columns);
   for (long row = -nearby; row < rows; ++row) {
     const long entering = row + nearby;
     std::uint32_t* const place = &said(entering % width, 0);
     take_row(sums.data(), place, columns);
     if (entering < rows) {
-      compare_row(&stripe_pixel(entering, 0), &hue(entering, 0), stripes, classifier, colors,
-                  place);
+      count_row(&says(entering, 0), place, columns);
       add_row(sums.data(), place, columns);
     } else {
       std::fill_n(place, columns, 0U);

@@ -68,13 +68,22 @@ class StripeColors {
   std::vector<int> table_;
 };
 
-/// Marks the pixels around which the stripe colours contradict the depths: of the pixels nearby
-/// that are well inside a stripe, a share below `min_agreement` has the hue of the stripe that its
-/// depth implies.
+/// What the colour of each pixel says of its depth: kSilent, or the index of the colour of the
+/// stripe that the depth implies there, plus kConfirms if the pixel has the hue of that colour.
+using ColorSays = Mask;
+inline constexpr std::uint8_t kSilent = 255;  ///< no depth, or near the edge of a stripe
+inline constexpr std::uint8_t kConfirms = 64;
+
 /// \param stripe_pixel projector pixel across the stripes that the depth implies; NaN if unknown.
+/// \param hue [rad]
+void compare_colors(const Plane& stripe_pixel, const Plane& hue, const StripeColors& stripes,
+                    const HueClassifier& classifier, ColorSays& says);
+
+/// Marks the pixels around which the stripe colours contradict the depths: of the pixels nearby
+/// whose colours say anything, a share below `min_agreement` confirms the depth.
+/// \param stripe_pixel as above; pixels where it is NaN are not marked.
 /// \param nearby half-width [px] of the square of nearby pixels.
-void find_contradictions(const Plane& stripe_pixel, const Plane& hue, const StripeColors& stripes,
-                         const HueClassifier& classifier, double min_agreement, long nearby,
-                         Mask& marked);
+void find_contradictions(const Plane& stripe_pixel, const ColorSays& says, double min_agreement,
+                         long nearby, Mask& marked);
 
 }  // namespace palpate::sensing

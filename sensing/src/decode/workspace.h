@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "decode/decoder_geometry.h"
+#include "decode/plausibility.h"
 #include "decode/tinted_surfaces.h"
 #include "image/image_plane.h"
 #include "palpate/sensing/reason.h"
@@ -42,6 +43,7 @@ struct Workspace {
   Mask inner;           ///< lit, with lit surroundings
   Mask breaks;          ///< close to a discontinuity of the phase
   SurfaceImages surfaces;
+  ColorSays says;
   Mask contradicting;  ///< contradicted by the colours around
   Plane sigma;         ///< [rad] of the phases, then [mm] of the depths
   Plane noise;         ///< [mm] the part of sigma that is not the rig's; empty without

@@ -22,8 +22,9 @@ constexpr double kLeastPivot = 0.05;
 /// middle of what remains that a slope of the brightness or of the phase changes the phase.
 constexpr double kLeastWeight = 0.85;
 
-/// Sixteen columns at once: one register of recent processors, or several of others.
-constexpr long kLanes = 16;
+/// Eight columns at once: one register of processors with AVX2. GCC 12 splits larger vectors into
+/// pieces that it moves to memory and back.
+constexpr long kLanes = 8;
 using Lanes = float __attribute__((vector_size(kLanes * sizeof(float))));
 using MaskLanes = std::uint8_t __attribute__((vector_size(kLanes)));
 

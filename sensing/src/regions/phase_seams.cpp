@@ -35,27 +35,19 @@ struct Crossing {
   double turns = 0;  ///< to be added to the phase of `from` to continue that of `to`
 };
 
-/// Searches a line of `length` pixels, `stride` apart, for crossings between two regions of which
-/// at least one is unsolved.
+/// A line of `length` pixels, `stride` apart.
 class PixelLine {
  public:
   PixelLine(const int* label, const float* phase, long stride, int length)
       : label_(label), phase_(phase), stride_(stride), length_(length) {}
 
-  template <typename Wanted, typename Add>
-  void find(const SeamLimits& limits, const Wanted& wanted, const Add& add) const {
-    int last = -1;  // pixel of a region
-    for (int i = 0; i < length_; ++i) {
-      const int here = label(i);
-      if (here < 0) continue;
-      const int before = last < 0 ? here : label(last);
-      const int width = i - last - 1;
-      const bool seam = before != here && width >= limits.min_width && width <= limits.max_width;
-      if (seam && wanted(before, here)) {
-        if (const auto turns = turns_between(last, i)) add(Crossing{before, here, *turns});
-      }
-      last = i;
-    }
+  /// The turns from the region of pixel `a` to that of pixel `b`, if the seam between them is even.
+  [[nodiscard]] std::optional<double> turns_between(int a, int b) const {
+    const auto left = slope(a, a - kSlopePixels);
+    const auto right = slope(b, b + kSlopePixels);
+    if (!left || !right) return std::nullopt;
+    if (std::abs(*left - *right) * (b - a) > kMaxBend * kFullTurn) return std::nullopt;
+    return (phase(b) - phase(a) - (*left + *right) / 2 * (b - a)) / kFullTurn;
   }
 
  private:
@@ -69,13 +61,6 @@ class PixelLine {
       if (label(k) != label(i)) return std::nullopt;
     }
     return (phase(far) - phase(i)) / (far - i);
-  }
-  [[nodiscard]] std::optional<double> turns_between(int a, int b) const {
-    const auto left = slope(a, a - kSlopePixels);
-    const auto right = slope(b, b + kSlopePixels);
-    if (!left || !right) return std::nullopt;
-    if (std::abs(*left - *right) * (b - a) > kMaxBend * kFullTurn) return std::nullopt;
-    return (phase(b) - phase(a) - (*left + *right) / 2 * (b - a)) / kFullTurn;
   }
 
   const int* label_;
@@ -95,18 +80,32 @@ std::vector<Crossing> find_crossings(const Regions& regions, const SeamLimits& l
       crossings.push_back({crossing.to, crossing.from, -crossing.turns});
     }
   };
-  const long rows = regions.label.rows();
-  const long columns = regions.label.cols();
-  for (long row = 0; row < rows; ++row) {
-    const long first = row * columns;
-    PixelLine(regions.label.data() + first, regions.phase.data() + first, 1,
-              static_cast<int>(columns))
-        .find(limits, wanted, add);
-  }
-  for (long column = 0; column < columns; ++column) {
-    PixelLine(regions.label.data() + column, regions.phase.data() + column, columns,
-              static_cast<int>(rows))
-        .find(limits, wanted, add);
+  const int rows = static_cast<int>(regions.label.rows());
+  const int columns = static_cast<int>(regions.label.cols());
+  // Row by row, as the pixels lie in memory; -1 before the first pixel of a region.
+  std::vector<int> above(static_cast<std::size_t>(columns), -1);
+  const auto cross = [&](int before, int here, int width, const PixelLine& line, int a, int b) {
+    if (before == here || width < limits.min_width || width > limits.max_width) return;
+    if (!wanted(before, here)) return;
+    if (const auto turns = line.turns_between(a, b)) add(Crossing{before, here, *turns});
+  };
+  for (int row = 0; row < rows; ++row) {
+    const int* const label = &regions.label(row, 0);
+    const PixelLine along(label, &regions.phase(row, 0), 1, columns);
+    int left = -1;
+    for (int column = 0; column < columns; ++column) {
+      const int here = label[column];
+      if (here < 0) continue;
+      if (left >= 0) cross(label[left], here, column - left - 1, along, left, column);
+      left = column;
+      int& top = above[static_cast<std::size_t>(column)];
+      if (top >= 0) {
+        const PixelLine down(regions.label.data() + column, regions.phase.data() + column, columns,
+                             rows);
+        cross(regions.label(top, column), here, row - top - 1, down, top, row);
+      }
+      top = row;
+    }
   }
   std::stable_sort(crossings.begin(), crossings.end(),
                    [](const Crossing& a, const Crossing& b) { return a.from < b.from; });

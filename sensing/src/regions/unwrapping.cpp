@@ -79,11 +79,10 @@ class Parts {
     parts.emplace_back(kUnknownTurns, new_label(region));
     return parts.back().second;
   }
-  /// For each region whether it has several parts.
-  [[nodiscard]] std::vector<bool> several() const {
-    std::vector<bool> result(of_region_.size());
-    std::transform(of_region_.begin(), of_region_.end(), result.begin(),
-                   [](const auto& parts) { return parts.size() > 1; });
+  /// For label -1 and then for each region whether it has several parts.
+  [[nodiscard]] std::vector<int> several() const {
+    std::vector<int> result(1, 0);
+    for (const auto& parts : of_region_) result.push_back(parts.size() > 1 ? 1 : 0);
     return result;
   }
   [[nodiscard]] bool any_several() const {
@@ -130,7 +129,7 @@ void doubt_cores(const Labels& label, const std::vector<SmoothRuns::Extent>& cor
 constexpr std::uint8_t kApart = 255;
 constexpr std::uint8_t kSeed = 254;
 static_assert(VarianceQueue::kRanks < kSeed);
-bool waits(std::uint8_t role) { return role < kSeed; }
+constexpr bool waits(std::uint8_t role) { return role < kSeed; }
 
 /// Ranks have equal width in the square root of the variance; larger variances get any rank.
 PALPATE_HOT_LOOP void rank_pixels(const float* variance, float max_variance, std::uint8_t* ranks,
@@ -144,37 +143,46 @@ PALPATE_HOT_LOOP void rank_pixels(const float* variance, float max_variance, std
 
 /// Assigns a role to the pixels of regions with several parts, and a label to the pixels of cores
 /// that belong to a part.
-void assign_roles(const Labels& core, const std::vector<int>& core_parts, const Parts& parts,
-                  Labels& labels, Mask& roles) {
-  const std::vector<bool> several = parts.several();
-  int* label = labels.data();
-  std::uint8_t* role = roles.data();
-  for (long i = 0; i < labels.size(); ++i) {
-    if (label[i] < 0 || !several[static_cast<std::size_t>(label[i])]) {
-      role[i] = kApart;
-      continue;
-    }
-    const int of_core = core.data()[i];
-    const int part = of_core < 0 ? kNoMarker : core_parts[static_cast<std::size_t>(of_core)];
-    if (part < 0) continue;
-    role[i] = kSeed;
-    label[i] = part;
+/// \param several of each label, from -1
+/// \param part of each core, from -1; negative without
+PALPATE_HOT_LOOP void assign_roles(const int* core, const int* part, const int* several,
+                                   int* __restrict label, std::uint8_t* __restrict role,
+                                   long pixels) {
+  for (long i = 0; i < pixels; ++i) {
+    const int apart = several[label[i] + 1] == 0 ? 1 : 0;
+    const int of_core = part[core[i] + 1];
+    const bool seed = (apart == 0) & (of_core >= 0);
+    const int with_seeds = seed ? kSeed : static_cast<int>(role[i]);
+    role[i] = static_cast<std::uint8_t>(apart != 0 ? static_cast<int>(kApart) : with_seeds);
+    label[i] = seed ? of_core : label[i];
   }
+}
+
+/// Finds the seeds of a row, between those above and below, that have waiting neighbours.
+PALPATE_HOT_LOOP void find_borders(const std::uint8_t* role, const std::uint8_t* above,
+                                   const std::uint8_t* below, std::uint8_t* __restrict border,
+                                   long columns) {
+  const auto is_border = [&](long i, long left, long right) {
+    const bool waiting = waits(role[left]) | waits(role[right]) | waits(above[i]) | waits(below[i]);
+    return static_cast<std::uint8_t>((role[i] == kSeed) & waiting ? 1 : 0);
+  };
+  const long last = columns - 1;
+  border[0] = is_border(0, 0, last > 0 ? 1 : 0);
+  for (long i = 1; i < last; ++i) border[i] = is_border(i, i - 1, i + 1);
+  border[last] = is_border(last, last > 0 ? last - 1 : 0, last);
 }
 
 /// Queues the seeds that have waiting neighbours.
 void queue_seeds(const Mask& ranks, const Mask& roles, VarianceQueue& queue) {
   const long columns = roles.cols();
-  const long last_row = roles.size() - columns;
-  const std::uint8_t* role = roles.data();
+  std::vector<std::uint8_t> border(static_cast<std::size_t>(columns));
   for (long row = 0; row < roles.rows(); ++row) {
-    for (long i = row * columns; i < (row + 1) * columns; ++i) {
-      if (role[i] != kSeed) continue;
-      const bool border = (i > row * columns && waits(role[i - 1])) ||
-                          (i + 1 < (row + 1) * columns && waits(role[i + 1])) ||
-                          (i >= columns && waits(role[i - columns])) ||
-                          (i < last_row && waits(role[i + columns]));
-      if (border) queue.push(static_cast<int>(i), ranks.data()[i]);
+    const std::uint8_t* const role = &roles(row, 0);
+    find_borders(role, row > 0 ? role - columns : role,
+                 row + 1 < roles.rows() ? role + columns : role, border.data(), columns);
+    for (long column = 0; column < columns; ++column) {
+      if (border[static_cast<std::size_t>(column)] == 0) continue;
+      queue.push(static_cast<int>(row * columns + column), ranks(row, column));
     }
   }
 }
@@ -239,7 +247,9 @@ void split_regions(const Plane& wrapped, const Plane& variance, const FloodLimit
   rank_pixels(variance.data(), static_cast<float>(limits.max_variance), buffers.roles.data(),
               pixels);
   buffers.ranks = buffers.roles;
-  assign_roles(buffers.cores, buffers.core_parts, parts, regions.label, buffers.roles);
+  buffers.core_parts.insert(buffers.core_parts.begin(), kNoMarker);
+  assign_roles(buffers.cores.data(), buffers.core_parts.data(), parts.several().data(),
+               regions.label.data(), buffers.roles.data(), pixels);
   buffers.queue.reset();
   queue_seeds(buffers.ranks, buffers.roles, buffers.queue);
   for (const Marker& marker : markers) {

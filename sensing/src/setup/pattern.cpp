@@ -28,6 +28,10 @@ std::string at(const char* list, std::size_t index) {
 }
 
 void check_colors(const Pattern& pattern, const std::string& what) {
+  if (pattern.colors.size() > kMostPatternColors) {
+    throw InvalidInput(what + ": colors: there are " + std::to_string(pattern.colors.size()) +
+                       "; at most " + std::to_string(kMostPatternColors) + " are possible");
+  }
   std::set<std::string> names;
   for (std::size_t i = 0; i < pattern.colors.size(); ++i) {
     const PatternColor& color = pattern.colors[i];

@@ -33,7 +33,9 @@ class ColorEvidence : public ::testing::Test {
   }
   Mask unproven() const {
     Mask marked;
-    find_unproven_patches(z_, pixel_, hue_, StripeColors(pattern_), classifier_, marked);
+    ColorSays says;
+    compare_colors(pixel_, hue_, StripeColors(pattern_), classifier_, says);
+    find_unproven_patches(z_, says, classifier_.colors(), marked);
     return marked;
   }
   Pattern pattern_ = make_pattern(Axis::y, 10, 1024);

@@ -115,8 +115,9 @@ class Contradictions : public ::testing::Test {
   Mask contradicting() const {
     constexpr long kNearby = 16;  // px
     Mask marked;
-    find_contradictions(pixel_, hue_, StripeColors(pattern_), classifier_, kMinAgreement, kNearby,
-                        marked);
+    ColorSays says;
+    compare_colors(pixel_, hue_, StripeColors(pattern_), classifier_, says);
+    find_contradictions(pixel_, says, kMinAgreement, kNearby, marked);
     return marked;
   }
   Pattern pattern_ = make_pattern(Axis::y, 10, 1024);

@@ -6,6 +6,7 @@
 
 #include "not_finite.h"
 #include "palpate/error.h"
+#include "synthetic_scene.h"
 #include "test_files.h"
 
 namespace palpate::sensing {
@@ -115,6 +116,14 @@ TEST(Pattern, FitsItsProjectorAlone) {
 TEST(Pattern, IsNotWrittenIfItIsWrong) {
   const ScratchFolder folder;
   EXPECT_THROW(write_pattern(folder / "p.yaml", {.period = 0}), InvalidInput);
+  Pattern colorful = make_pattern(Axis::y, 10, 1024);
+  for (std::size_t i = colorful.colors.size(); i <= kMostPatternColors; ++i) {
+    colorful.colors.push_back({"color " + std::to_string(i), {1, 0.5, 0}});
+  }
+  const std::string message =
+      message_of<InvalidInput>([&] { write_pattern(folder / "p.yaml", colorful); });
+  EXPECT_NE(message.find("colors: there are 64; at most 63 are possible"), std::string::npos)
+      << message;
   EXPECT_FALSE(std::filesystem::exists(folder / "p.yaml"));
 }
 

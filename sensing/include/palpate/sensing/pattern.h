@@ -18,6 +18,9 @@ struct PatternColor {
   Eigen::Vector3d rgb;  ///< red, green, blue in [0, 1]
 };
 
+/// Largest number of colours of a pattern; hues of more than about a dozen cannot be told apart.
+inline constexpr std::size_t kMostPatternColors = 63;
+
 /// Axis of the projector image: x counts columns, y counts rows.
 enum class Axis { x, y };
 
