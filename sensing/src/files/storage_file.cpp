@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "files/storage_file.h"
 
+#include <yaml-cpp/eventhandler.h>
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -10,6 +11,7 @@
 #include <limits>
 #include <mutex>
 #include <opencv2/core/utils/logger.hpp>
+#include <optional>
 #include <sstream>
 #include <string_view>
 #include <type_traits>
@@ -42,25 +44,64 @@ std::string with_spaces_after_keys(std::string_view text) {
   return result;
 }
 
+/// yaml-cpp quotes characters of the file, which may be anything.
+std::string printable(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(),
+      [](char c) { return std::isprint(static_cast<unsigned char>(c)) == 0; }, '?');
+  return text;
+}
+
+/// Looks for the place where a document begins, and at nothing else.
+struct DocumentStart : YAML::EventHandler {
+  void OnDocumentStart(const YAML::Mark& mark) override { line = mark.line + 1; }
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnAlias(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnScalar(const YAML::Mark&, const std::string&, YAML::anchor_t,
+                const std::string&) override {}
+  void OnSequenceStart(const YAML::Mark&, const std::string&, YAML::anchor_t,
+                       YAML::EmitterStyle::value) override {}
+  void OnSequenceEnd() override {}
+  void OnMapStart(const YAML::Mark&, const std::string&, YAML::anchor_t,
+                  YAML::EmitterStyle::value) override {}
+  void OnMapEnd() override {}
+
+  int line = 0;  ///< from 1
+};
+
+/// The line at which a second document begins. YAML::LoadAll() would find documents without end in
+/// some damaged files.
+std::optional<int> second_document(const std::string& text) {
+  std::istringstream stream(text);
+  YAML::Parser parser(stream);
+  DocumentStart start;
+  const bool second = parser.HandleNextDocument(start) && parser.HandleNextDocument(start);
+  return second ? std::optional(start.line) : std::nullopt;
+}
+
 YAML::Node parse(const std::filesystem::path& path) {
   const std::string expected =
       "a YAML file that begins with %YAML:1.0 and holds keys and values is expected";
-  std::vector<YAML::Node> documents;
+  const std::string text = with_spaces_after_keys(read_bytes(path));
+  YAML::Node root;
+  std::optional<int> second;
   try {
-    documents = YAML::LoadAll(with_spaces_after_keys(read_bytes(path)));
+    root = YAML::Load(text);
+    second = second_document(text);
   } catch (const YAML::Exception& error) {
     const std::string line =
         error.mark.is_null() ? "" : "line " + std::to_string(error.mark.line + 1) + ": ";
-    throw FileError(path.string() + ": " + line + "not an OpenCV FileStorage file (" + error.msg +
-                    "); " + expected);
+    throw FileError(path.string() + ": " + line + "not an OpenCV FileStorage file (" +
+                    printable(error.msg) + "); " + expected);
   }
-  if (documents.size() > 1)
-    throw FileError(path.string() + ": line " + std::to_string(documents[1].Mark().line + 1) +
+  if (second)
+    throw FileError(path.string() + ": line " + std::to_string(*second) +
                     ": the keys and values end before this line, but more follows; a second "
                     "document (--- or ...)?");
-  if (documents.empty() || !documents[0].IsMap())
+  if (!root.IsMap())
     throw FileError(path.string() + ": not an OpenCV FileStorage file; " + expected);
-  return documents[0];
+  return root;
 }
 
 /// False if the node is not the text of such a number. Texts in quotes are none.

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <opencv2/core.hpp>
@@ -11,6 +12,7 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "palpate/error.h"
@@ -47,10 +49,12 @@ TEST(QuietOpenCv, WorksInSeveralThreadsAtOnce) {
 
 TEST(StorageFile, RefusesASecondDocumentWithItsLine) {
   const ScratchFolder folder;
-  for (const char* rest : {"---\nb: 2\n", "...\n- 3\n"}) {  // OpenCV's parser hangs at the second
+  // OpenCV's parser hangs at the second.
+  for (const auto& [rest, line] : {std::pair("---\nb: 2\n", 4), std::pair("...\n- 3\n", 5)}) {
     const auto path = written(folder, "file.yaml", std::string("%YAML:1.0\n---\na: 1\n") + rest);
     const std::string message = message_of<FileError>([&] { const StorageFile file(path); });
-    EXPECT_NE(message.find("file.yaml: line 5: the keys and values end"), std::string::npos)
+    EXPECT_NE(message.find("file.yaml: line " + std::to_string(line) + ": the keys and values end"),
+              std::string::npos)
         << message;
   }
 }
@@ -63,12 +67,17 @@ TEST(StorageFile, RefusesDamagedTexts) {
            "%YAML:1.0\n---\na: 1\nb: 1 }\n- 2\n",
            "%YAML:1.0\n---\na: [ 1, 2\n",
            "%YAML:1.0\n---\n- 1\n",
+           "%YAML:1.0\n---\na: 1\n]\n",
            "<?xml version=\"1.0\"?>\n<opencv_storage>\n<a>1</a\n",
            "solid mesh\n",
+           "\x89PNG\r\n\"\\\x1b\x01",
        }) {
     const auto path = written(folder, "file.yaml", text);
     const std::string message = message_of<FileError>([&] { const StorageFile file(path); });
     EXPECT_NE(message.find("not an OpenCV FileStorage file"), std::string::npos) << text << message;
+    EXPECT_TRUE(std::all_of(message.begin(), message.end(), [](unsigned char c) {
+      return c >= ' ' && c <= '~';
+    })) << message;
   }
 }
 
