@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 
+#include "image/hot_loop.h"
 #include "image/hue.h"
 
 namespace palpate::sensing {
@@ -69,6 +71,16 @@ class PixelLine {
   int length_;
 };
 
+/// Finds the pixels of a row in a region other than that of the pixel to the left or the one above.
+PALPATE_HOT_LOOP void find_entered(const int* label, const int* above, std::uint8_t* entered,
+                                   long columns) {
+  entered[0] = label[0] >= 0 ? 1 : 0;
+  for (long i = 1; i < columns; ++i) {
+    const bool other = (label[i] != label[i - 1]) | (label[i] != above[i]);
+    entered[i] = (label[i] >= 0) & other ? 1 : 0;
+  }
+}
+
 std::vector<Crossing> find_crossings(const Regions& regions, const SeamLimits& limits,
                                      const std::vector<RegionOffset>& offsets) {
   std::vector<Crossing> crossings;
@@ -82,29 +94,27 @@ std::vector<Crossing> find_crossings(const Regions& regions, const SeamLimits& l
   };
   const int rows = static_cast<int>(regions.label.rows());
   const int columns = static_cast<int>(regions.label.cols());
-  // Row by row, as the pixels lie in memory; -1 before the first pixel of a region.
-  std::vector<int> above(static_cast<std::size_t>(columns), -1);
-  const auto cross = [&](int before, int here, int width, const PixelLine& line, int a, int b) {
-    if (before == here || width < limits.min_width || width > limits.max_width) return;
-    if (!wanted(before, here)) return;
-    if (const auto turns = line.turns_between(a, b)) add(Crossing{before, here, *turns});
+  // Looks from a pixel back along a line for the next one in a region.
+  const auto look = [&](const int* label, const PixelLine& line, long stride, int at) {
+    for (int other = at - 1; other >= 0 && at - other - 1 <= limits.max_width; --other) {
+      const int before = label[other * stride];
+      if (before < 0) continue;
+      const int here = label[at * stride];
+      if (before == here || at - other - 1 < limits.min_width || !wanted(before, here)) return;
+      if (const auto turns = line.turns_between(other, at)) add({before, here, *turns});
+      return;
+    }
   };
+  std::vector<std::uint8_t> entered(static_cast<std::size_t>(columns));
   for (int row = 0; row < rows; ++row) {
     const int* const label = &regions.label(row, 0);
+    find_entered(label, row > 0 ? label - columns : label, entered.data(), columns);
     const PixelLine along(label, &regions.phase(row, 0), 1, columns);
-    int left = -1;
     for (int column = 0; column < columns; ++column) {
-      const int here = label[column];
-      if (here < 0) continue;
-      if (left >= 0) cross(label[left], here, column - left - 1, along, left, column);
-      left = column;
-      int& top = above[static_cast<std::size_t>(column)];
-      if (top >= 0) {
-        const PixelLine down(regions.label.data() + column, regions.phase.data() + column, columns,
-                             rows);
-        cross(regions.label(top, column), here, row - top - 1, down, top, row);
-      }
-      top = row;
+      if (entered[static_cast<std::size_t>(column)] == 0) continue;
+      look(label, along, 1, column);
+      const int* const top = regions.label.data() + column;
+      look(top, PixelLine(top, regions.phase.data() + column, columns, rows), columns, row);
     }
   }
   std::stable_sort(crossings.begin(), crossings.end(),
