@@ -4,6 +4,7 @@
 // overwritten.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <nlohmann/json.hpp>
 #include <regex>
@@ -195,6 +196,14 @@ TEST_F(BadInput, ARigWithNumbersThatCannotBe) {
   expect_refused(decode_call(demo("frames/duck.png"), truncated("rig.yaml"), demo("pattern.yaml"),
                              scratch / "colors.yaml"),
                  "rig.yaml");
+}
+
+TEST_F(BadInput, APipeWhereAFileIsReadTwice) {
+  const std::string pipe = scratch / "pipe";
+  ASSERT_EQ(mkfifo(pipe.c_str(), S_IRUSR | S_IWUSR), 0);
+  expect_refused(
+      decode_call(demo("frames/duck.png"), pipe, demo("pattern.yaml"), scratch / "colors.yaml"),
+      "--rig: " + pipe + " is a pipe; write its content to a file");
 }
 
 TEST_F(BadInput, AColourThatWasNeverSeenInTraining) {

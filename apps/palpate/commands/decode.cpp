@@ -222,6 +222,10 @@ void decode_scenes(const Settings& settings, const DecodeCall& call, sensing::Fr
 }
 
 void decode(const Settings& settings, DecodeCall call) {
+  refuse_pipes({{"--rig", call.rig},
+                {"--pattern", call.pattern},
+                {"--colors", call.colors},
+                {"--response", call.response}});
   if (call.half && lies_in_output(call)) {
     throw InvalidInput("--half: " + call.rig.string() +
                        " would be replaced by the rig of the smaller range maps; choose another "

@@ -125,4 +125,13 @@ sensing::FrameSource open_frames(const std::vector<fs::path>& frames, const std:
   return source;
 }
 
+void refuse_pipes(const std::vector<std::pair<const char*, fs::path>>& files) {
+  for (const auto& [option, file] : files) {
+    std::error_code not_there;
+    if (!fs::is_fifo(file, not_there)) continue;
+    throw InvalidInput(std::string(option) + ": " + file.string() +
+                       " is a pipe; write its content to a file, which can be read twice");
+  }
+}
+
 }  // namespace palpate::apps

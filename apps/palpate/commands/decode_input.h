@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "palpate/sensing/decode.h"
@@ -40,5 +41,10 @@ void linearize_when_read(const sensing::Linearizer& linearize, sensing::SourceFr
 /// Makes the function that reads the frame warn if the sinusoid is so distorted that depths get
 /// waves. A pattern without stripes is often not Palpate's own, and its projector not linear.
 void examine_when_read(sensing::SourceFrame& frame);
+
+/// Settings are read twice, the second time for their fingerprints in the record of the run.
+/// \param files options and what was given for them.
+/// \throws InvalidInput if one is a pipe.
+void refuse_pipes(const std::vector<std::pair<const char*, std::filesystem::path>>& files);
 
 }  // namespace palpate::apps

@@ -144,16 +144,17 @@ QuietOpenCv::~QuietOpenCv() {
 
 std::string read_bytes(const std::filesystem::path& path) {
   std::error_code error;
-  if (!std::filesystem::exists(path, error)) throw FileError(path.string() + ": no such file");
-  if (!std::filesystem::is_regular_file(path, error)) {
-    throw FileError(path.string() + ": not a file");
-  }
-  const std::uintmax_t size = std::filesystem::file_size(path, error);
-  if (!error && size == 0) throw FileError(path.string() + ": the file is empty");
+  const std::filesystem::file_status status = std::filesystem::status(path, error);
+  const auto fail = [&](const char* what) { throw FileError(path.string() + ": " + what); };
+  if (!std::filesystem::exists(status)) fail("no such file");
+  if (std::filesystem::is_directory(status)) fail("is a folder; expected a file");
+  const bool is_file = std::filesystem::is_regular_file(status);
+  if (!is_file && !std::filesystem::is_fifo(status)) fail("is neither a file nor a pipe");
+  if (is_file && std::filesystem::file_size(path, error) == 0 && !error) fail("the file is empty");
   std::ifstream stream(path, std::ios::binary);
   std::ostringstream bytes;
-  // Fails if the file cannot be opened or is truncated.
-  if (!stream || !(bytes << stream.rdbuf())) throw FileError(path.string() + ": cannot be read");
+  // Fails if it cannot be opened, is truncated, or nothing comes through a pipe.
+  if (!stream || !(bytes << stream.rdbuf())) fail("cannot be read");
   return std::move(bytes).str();
 }
 

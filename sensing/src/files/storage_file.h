@@ -11,7 +11,7 @@
 namespace palpate::sensing {
 
 /// The bytes of a file.
-/// \throws FileError if it is missing, not a file, or empty.
+/// \throws FileError if it is missing, neither a file nor a pipe, or empty.
 [[nodiscard]] std::string read_bytes(const std::filesystem::path& path);
 
 /// Prevents OpenCV from writing to the terminal while an object of this type exists in any thread.

@@ -3,6 +3,7 @@
 #include "files/storage_file.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <array>
@@ -110,6 +111,25 @@ TEST(StorageFile, ReadsWhatOpenCvWrites) {
   ASSERT_EQ(maps.size(), 1U);
   EXPECT_EQ(file.text(file.child(maps[0], "name"), "name"), "R");
   EXPECT_EQ(file.numbers(file.child(maps[0], "rgb"), "rgb"), (std::vector<double>{255, 0, 1.5}));
+}
+
+TEST(StorageFile, ReadsAPipe) {
+  const ScratchFolder folder;
+  const std::filesystem::path pipe = folder / "pipe";
+  ASSERT_EQ(mkfifo(pipe.c_str(), S_IRUSR | S_IWUSR), 0);
+  const std::string text = read_text(demo_path("rig.yaml"));
+  std::jthread writer([&] { write_text(pipe, text); });
+  const StorageFile file(pipe);
+  EXPECT_EQ(file.matrix("camera_matrix").rows, 3);
+}
+
+TEST(StorageFile, RefusesWhatIsNoFile) {
+  const ScratchFolder folder;
+  const auto refusal = [](const std::filesystem::path& path) {
+    return message_of<FileError>([&] { const StorageFile file(path); });
+  };
+  EXPECT_EQ(refusal(folder.path()), folder.path().string() + ": is a folder; expected a file");
+  EXPECT_EQ(refusal("/dev/zero"), "/dev/zero: is neither a file nor a pipe");
 }
 
 TEST(StorageFile, NamesTheKeyOfAValueOfAnotherKind) {
