@@ -10,6 +10,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "palpate/geometry/range_map_score.h"
+#include "surface_detail.h"
 
 namespace palpate::bench {
 namespace {
@@ -50,15 +51,18 @@ struct Counts {
   long measurable_away = 0, covered_away = 0, measured_away = 0, wrong_away = 0;
   std::vector<double> errors;  ///< relative to the distance
   std::vector<double> scores;  ///< relative to the predicted deviation
+  SurfaceDetail detail;
 };
 
-void add_view(const View& view, const sensing::DecodeResult& result, Counts& counts) {
+void add_view(const Scene& scene, const View& view, const sensing::DecodeResult& result,
+              Counts& counts) {
   const geometry::ImageF& measured = result.range.z;
   const geometry::RangeMapScore score = geometry::score_range_map(measured, view.z, view.counted);
   counts.measurable += score.measurable;
   counts.covered += score.covered;
   counts.measured += score.measured;
   counts.wrong += score.wrong;
+  counts.detail.add(scene, view, score.difference);
   const cv::Mat steps = near_steps(view.z);
   for (int v = 0; v < steps.rows; ++v) {
     for (int u = 0; u < steps.cols; ++u) {
@@ -98,7 +102,7 @@ Figures measure(const Scene& scene, const sensing::DecodeOptions& options, int r
   sensing::DecodeResult result;
   for (const View& view : scene.views) {
     decoder.decode(view.frame, result);  // buffers and caches get warm
-    add_view(view, result, counts);
+    add_view(scene, view, result, counts);
     double least = std::numeric_limits<double>::infinity();
     for (int i = 0; i < repeats; ++i) {
       const double start = thread_ms();
@@ -115,6 +119,8 @@ Figures measure(const Scene& scene, const sensing::DecodeOptions& options, int r
           .wrong = percent(counts.wrong, counts.measured),
           .wrong_away = percent(counts.wrong_away, counts.measured_away),
           .score = geometry::error_statistics(std::move(counts.scores)).rms,
+          .ripple = counts.detail.ripple(),
+          .normals = counts.detail.normals(),
           .ms = median(std::move(times))};
 }
 

@@ -19,7 +19,9 @@ struct Figures {
   /// Root mean square of error / predicted standard deviation of the depths that are not wrong: 1
   /// if the prediction is right.
   double score = 0;
-  double ms = 0;  ///< [ms] processor time of one frame on one thread
+  double ripple = 0;   ///< [%] of the distance, see SurfaceDetail
+  double normals = 0;  ///< [degrees] see SurfaceDetail
+  double ms = 0;       ///< [ms] processor time of one frame on one thread
 };
 
 /// [px] A pixel this close to a depth step sees both sides.

@@ -72,27 +72,32 @@ void write_scenes(std::ostream& out, const Experiment& experiment) {
   fmt::print(
       out,
       "\n| {} | median [%] | RMS [%] | coverage [%] | coverage away from steps [%] | wrong [%] "
-      "| wrong away from steps [%] | error / sigma | ms |\n|---|---|---|---|---|---|---|---|---|\n",
+      "| wrong away from steps [%] | error / sigma | ripple [%] | normals [deg] | ms "
+      "|\n|---|---|---|---|---|---|---|---|---|---|---|\n",
       experiment.name);
   for (const Row& row : experiment.rows) {
     const Figures& f = row.figures;
-    fmt::print(out,
-               "| {} | {:.4f} | {:.3f} | {:.1f} | {:.1f} | {:.2f} | {:.2f} | {:.2f} | {:.1f} |\n",
-               row.scene, f.median, f.rms, f.coverage, f.coverage_away, f.wrong, f.wrong_away,
-               f.score, f.ms);
+    fmt::print(
+        out,
+        "| {} | {:.4f} | {:.3f} | {:.1f} | {:.1f} | {:.2f} | {:.2f} | {:.2f} | {:.4f} | {:.2f} "
+        "| {:.1f} |\n",
+        row.scene, f.median, f.rms, f.coverage, f.coverage_away, f.wrong, f.wrong_away, f.score,
+        f.ripple, f.normals, f.ms);
   }
 }
 
 void write_csv(std::ostream& out, const std::vector<Experiment>& experiments) {
   fmt::print(out,
              "experiment,setting,scene,median_percent,rms_percent,coverage_percent,"
-             "coverage_away_percent,wrong_percent,wrong_away_percent,error_per_sigma,ms\n");
+             "coverage_away_percent,wrong_percent,wrong_away_percent,error_per_sigma,"
+             "ripple_percent,normals_degrees,ms\n");
   for (const Experiment& experiment : experiments) {
     for (const Row& row : experiment.rows) {
       const Figures& f = row.figures;
-      fmt::print(out, "{},{},{},{:.5f},{:.5f},{:.3f},{:.3f},{:.4f},{:.4f},{:.3f},{:.2f}\n",
+      fmt::print(out,
+                 "{},{},{},{:.5f},{:.5f},{:.3f},{:.3f},{:.4f},{:.4f},{:.3f},{:.5f},{:.4f},{:.2f}\n",
                  experiment.name, row.setting, row.scene, f.median, f.rms, f.coverage,
-                 f.coverage_away, f.wrong, f.wrong_away, f.score, f.ms);
+                 f.coverage_away, f.wrong, f.wrong_away, f.score, f.ripple, f.normals, f.ms);
     }
   }
 }
