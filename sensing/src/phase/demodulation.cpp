@@ -9,19 +9,11 @@
 
 #include "image/hot_loop.h"
 #include "phase/local_frequency.h"
+#include "phase/row_average.h"
 #include "phase/window_fit.h"
 
 namespace palpate::sensing {
 namespace {
-/// Binomial mean of five pixels with this spacing in columns.
-PALPATE_HOT_LOOP void average_five(const float* in, long step, float* __restrict out,
-                                   long columns) {
-  for (long i = 2 * step; i + 2 * step < columns; ++i) {
-    out[i] =
-        (in[i - 2 * step] + in[i + 2 * step] + 4 * (in[i - step] + in[i + step]) + 6 * in[i]) / 16;
-  }
-}
-
 PALPATE_HOT_LOOP void change_counts(const std::uint8_t* entering, const std::uint8_t* leaving,
                                     int* __restrict count, long columns) {
   for (long i = 0; i < columns; ++i) count[i] += entering[i] - leaving[i];
@@ -55,20 +47,6 @@ class WindowCount {
   std::vector<std::uint8_t> nothing_;
   std::vector<int> count_;
 };
-
-/// Averages a row with binomial weights over five pixels, repeatedly with twice the spacing; values
-/// whose pixels are not all in the row stay unchanged.
-void smooth_row(const float* in, int averages, float* out, long columns) {
-  const long edge = std::min<long>(2, columns);
-  std::copy_n(in, edge, out);
-  std::copy_n(in + columns - edge, edge, out + columns - edge);
-  average_five(in, 1, out, columns);
-  std::vector<float> before;
-  for (int i = 1; i < averages; ++i) {
-    before.assign(out, out + columns);
-    average_five(before.data(), 1L << i, out, columns);
-  }
-}
 
 /// Method for fitting the windows of some columns; the most general one that any of them needs.
 enum class FitMethod : std::uint8_t { nothing, whole, cut };
@@ -110,10 +88,10 @@ class UnsmoothedRow {
   }
   static void smooth(const FittedRow& fitted, long row, int averages, Demodulation& out) {
     const long columns = out.residual.cols();
-    smooth_row(fitted.residual, averages, &out.residual(row, 0), columns);
+    average_row(fitted.residual, averages, &out.residual(row, 0), columns);
     for (std::size_t i = 0; i < out.channels.size(); ++i) {
-      smooth_row(fitted.channels[i].re, averages, &out.channels[i].re(row, 0), columns);
-      smooth_row(fitted.channels[i].im, averages, &out.channels[i].im(row, 0), columns);
+      average_row(fitted.channels[i].re, averages, &out.channels[i].re(row, 0), columns);
+      average_row(fitted.channels[i].im, averages, &out.channels[i].im(row, 0), columns);
     }
   }
 

@@ -9,18 +9,19 @@
 #include <numbers>
 
 #include "image/hot_loop.h"
+#include "phase/row_average.h"
 
 namespace palpate::sensing {
 namespace {
 
-/// Response of the fit to cos((carrier + delta) k + phase), averaged over the phase.
+/// Response to cos((carrier + delta) k + phase), averaged over the phase.
 struct FitResponse {
   double own = 0;       ///< G
   double mirror = 0;    ///< H
   double residual = 0;  ///< remaining part of its power
 };
 
-/// The fit of mean and sinusoid as sums over the window.
+/// The fit of mean and sinusoid as sums over the window, k = -radius ... radius.
 class SinusoidFit {
  public:
   explicit SinusoidFit(const DemodulationFilter& filter) : carrier_(filter.carrier) {
@@ -35,32 +36,64 @@ class SinusoidFit {
     const Eigen::MatrixXd weighted = weight_.cwiseSqrt().asDiagonal() * basis_;
     solve_ = weighted.householderQr().solve(Eigen::MatrixXd(weight_.cwiseSqrt().asDiagonal()));
   }
-  [[nodiscard]] FitResponse response(double delta) const {
-    const Eigen::Index middle = weight_.size() / 2;
-    const auto radius = static_cast<double>(middle);
+  /// [px] Quadrature of light that changes by one per row.
+  [[nodiscard]] double leak() const {
+    const auto radius = static_cast<double>(weight_.size() / 2);
+    return solve_.row(2).dot(Eigen::RowVectorXd::LinSpaced(weight_.size(), -radius, radius));
+  }
+  /// Of the fit, with shading removed as its means `reach` rows up and down tell.
+  [[nodiscard]] FitResponse response(double delta, int reach) const {
     FitResponse result;
     for (const double phase : {0.0, std::numbers::pi / 2}) {
-      Eigen::VectorXd wave(weight_.size());
-      for (long i = 0; i < wave.size(); ++i)
-        wave[i] = std::cos((carrier_ + delta) * (static_cast<double>(i) - radius) + phase);
-      const Eigen::Vector3d fit = solve_ * wave;
+      const Eigen::VectorXd here = wave(delta, phase, 0);
+      Eigen::Vector3d fit = solve_ * here;
+      result.residual += (here - basis_ * fit).cwiseAbs2().dot(weight_) / 2;
+      const double change =
+          solve_.row(0).dot(wave(delta, phase, reach) - wave(delta, phase, -reach));
+      fit[2] -= leak() * change / (2 * reach);
       // G exp(i phase) + H exp(-i phase), twice the half amplitudes being the fit's.
       const std::complex<double> found =
           std::complex<double>(fit[1], fit[2]) * std::polar(1.0, -phase);
       result.own += found.real() / 2;
       result.mirror += (phase == 0 ? 1 : -1) * found.real() / 2;
-      const Eigen::VectorXd left = wave - basis_ * fit;
-      result.residual += left.cwiseAbs2().dot(weight_) / 2;
     }
     return result;
   }
 
  private:
+  /// The sinusoid in the window `rows` rows further down.
+  [[nodiscard]] Eigen::VectorXd wave(double delta, double phase, int rows) const {
+    const double first = static_cast<double>(rows) - static_cast<double>(weight_.size() / 2);
+    Eigen::VectorXd values(weight_.size());
+    for (long i = 0; i < values.size(); ++i)
+      values[i] = std::cos((carrier_ + delta) * (static_cast<double>(i) + first) + phase);
+    return values;
+  }
+
   double carrier_;
   Eigen::MatrixXd basis_;
   Eigen::VectorXd weight_;
   Eigen::MatrixXd solve_;
 };
+
+/// `scale` times the change of the mean from one row to another; zero unless both and the row in
+/// the middle are known.
+PALPATE_HOT_LOOP void find_shading(const float* above, const float* here, const float* below,
+                                   float scale, long columns, float* __restrict shading) {
+  for (long i = 0; i < columns; ++i) {
+    const bool known = (above[i] != 0) & (here[i] != 0) & (below[i] != 0);
+    shading[i] = known ? scale * (below[i] - above[i]) : 0.0F;
+  }
+}
+
+/// Subtracts i shading * (cosine - i sine) from re + i im.
+PALPATE_HOT_LOOP void subtract_shading(const float* shading, float cosine, float sine, long columns,
+                                       float* __restrict re, float* __restrict im) {
+  for (long i = 0; i < columns; ++i) {
+    re[i] -= sine * shading[i];
+    im[i] -= cosine * shading[i];
+  }
+}
 
 PALPATE_HOT_LOOP void add_product(const float* re_above, const float* im_above,
                                   const float* re_below, const float* im_below, const float* re,
@@ -135,9 +168,11 @@ Polynomials coefficients(const LocalFrequency::Polynomial& polynomial) {
 
 LocalFrequency::LocalFrequency(const DemodulationFilter& filter)
     : reach_(static_cast<int>(std::lround(std::numbers::pi / std::abs(filter.carrier)))),
-      carrier_(filter.carrier) {
+      carrier_(filter.carrier),
+      averages_(filter.averages) {
   constexpr int kNodes = 8 * kDegree;
   const SinusoidFit fit(filter);
+  leak_ = fit.leak() / 2;
   const double largest = kLargestDeviation * std::abs(carrier_);
   Eigen::MatrixXd powers(kNodes,
                          kDegree);  // of delta, from the first: both polynomials vanish at 0
@@ -147,7 +182,7 @@ LocalFrequency::LocalFrequency(const DemodulationFilter& filter)
     const double delta = largest * std::cos(std::numbers::pi * (i + 0.5) / kNodes);
     for (int degree = 1; degree <= kDegree; ++degree)
       powers(i, degree - 1) = std::pow(delta / largest, degree);
-    const FitResponse response = fit.response(delta);
+    const FitResponse response = fit.response(delta, reach_);
     ripple[i] = response.mirror / response.own;
     // An amplitude a leaves the residual a^2 residual and is measured as re^2 + im^2 = (a own /
     // 2)^2.
@@ -164,6 +199,22 @@ LocalFrequency::LocalFrequency(const DemodulationFilter& filter)
   power_ = scaled(qr.solve(power));
 }
 
+void LocalFrequency::remove_shading(long row, Demodulation& signal) {
+  const long columns = signal.residual.cols();
+  shading_.resize(columns);
+  smooth_shading_.resize(columns);
+  const double turn = carrier_ * static_cast<double>(row);
+  for (Demodulated& channel : signal.channels) {
+    find_shading(&channel.mean(row - reach_, 0), &channel.mean(row, 0),
+                 &channel.mean(row + reach_, 0), static_cast<float>(leak_ / (2 * reach_)), columns,
+                 shading_.data());
+    average_row(shading_.data(), averages_, smooth_shading_.data(), columns);
+    subtract_shading(smooth_shading_.data(), static_cast<float>(std::cos(turn)),
+                     static_cast<float>(std::sin(turn)), columns, &channel.re(row, 0),
+                     &channel.im(row, 0));
+  }
+}
+
 void LocalFrequency::adapt(long row, Demodulation& signal) {
   const long columns = signal.residual.cols();
   for (Eigen::ArrayXf* sum : {&product_re_, &product_im_, &squares_}) sum->setZero(columns);
@@ -177,6 +228,7 @@ void LocalFrequency::adapt(long row, Demodulation& signal) {
               1.0F / static_cast<float>(2 * reach_),
               static_cast<float>(kLargestDeviation * std::abs(carrier_)), coefficients(ripple_),
               coefficients(power_), columns, &signal.residual(row, 0));
+  remove_shading(row, signal);
   const double turn = 2 * carrier_ * static_cast<double>(row);
   for (Demodulated& channel : signal.channels) {
     remove_ripple(product_re_.data(), static_cast<float>(std::cos(turn)),

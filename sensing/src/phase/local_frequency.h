@@ -8,10 +8,18 @@
 
 namespace palpate::sensing {
 
-/// Corrects a demodulation at the carrier frequency for the actual local frequency.
+/// Corrects a demodulation at the carrier frequency for what the fit of a constant mean and of a
+/// sinusoid leaves out: shading that changes evenly, and the actual local frequency.
 ///
-/// A surface that slopes, or whose depth differs from the carrier's, shows the sinusoid at the
-/// frequency carrier + delta. For z exp(i delta k), to first order in the window, the fit gives
+/// *Shading.* Where the light changes by s per row, s k leaks into the fit's quadrature as L s, a
+/// ripple of one period in the phase (L is about period / (3 pi) for Hann's window of two periods).
+/// s is the change of the fitted mean over `reach` rows up and down, in which the sinusoid itself
+/// almost cancels. The residual keeps what the shading leaves in it: next to a step of the
+/// brightness, where s means little, the phase stays as uncertain as it is.
+///
+/// *Frequency.* A surface that slopes, or whose depth differs from the carrier's, shows the
+/// sinusoid at the frequency carrier + delta. For z exp(i delta k), to first order in the window,
+/// the fit and the correction of the shading give
 ///   G(delta) z + H(delta) conj(z) exp(-2 i carrier row):
 /// the mirror image leaks in as a ripple of half the period, and a part epsilon(delta) of the
 /// sinusoid's power remains in the residual. This class removes both. It measures the frequency
@@ -34,13 +42,19 @@ class LocalFrequency {
   using Polynomial = Eigen::Array<float, kDegree + 1, 1>;
 
  private:
+  void remove_shading(long row, Demodulation& signal);
+
   int reach_;
   double carrier_;
+  int averages_;       ///< along the rows
+  double leak_ = 0;    ///< [px] half of the quadrature from shading of slope one
   Polynomial ripple_;  ///< H / G
   Polynomial power_;   ///< residual divided by the measured sum of re^2 + im^2
   Eigen::ArrayXf product_re_;
   Eigen::ArrayXf product_im_;
   Eigen::ArrayXf squares_;
+  Eigen::ArrayXf shading_;
+  Eigen::ArrayXf smooth_shading_;
 };
 
 }  // namespace palpate::sensing
