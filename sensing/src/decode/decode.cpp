@@ -27,6 +27,7 @@
 #include "palpate/error.h"
 #include "phase/demodulation.h"
 #include "phase/modulation.h"
+#include "phase/neighbour_mixing.h"
 #include "phase/phase_noise.h"
 #include "phase/unmixing.h"
 #include "phase/wrapped_phase.h"
@@ -54,12 +55,6 @@ constexpr int kLeastAnchoredCore = 50;
 /// Standard deviation of the phase [rad] beyond which an anchored region ends. Steps of depth have
 /// more; relief under a coarse sinusoid, whose shading does not fit it, has up to about 0.1.
 constexpr double kAnchoredSigma = 0.15;
-
-/// Reach of a phase discontinuity across the sinusoid [px]: two standard deviations of the average
-/// along the rows, whose steps 1, 2, 4, ... have variances of 1, 4, 16, ... px^2.
-int break_columns(const DemodulationFilter& filter) {
-  return static_cast<int>(std::lround(2 * std::sqrt((std::pow(4, filter.averages) - 1) / 3)));
-}
 
 /// Half the width of a trough of the sinusoid, including its flanks [px].
 int trough_radius(const Carrier& carrier) {
@@ -290,7 +285,9 @@ void Decoder::Impl::drop_borders(Workspace& work) const {
   erode(work.lit, kBlurRadius, work.inner);
   give_reason_unless(work.inner, Reason::border, work.reasons);
   keep_reconstructed(work.reasons, work.phase);
-  const Reach reach{filter.radius / 2, break_columns(filter)};
+  // Across the sinusoid, two standard deviations of the average along the rows.
+  const Reach reach{filter.radius / 2,
+                    static_cast<int>(std::lround(2 * std::sqrt(filter.row_variance())))};
   find_breaks(work.phase, kBreak, reach, work.breaks);
   give_reason(work.breaks, Reason::border, work.reasons);
   keep_reconstructed(work.reasons, work.phase);

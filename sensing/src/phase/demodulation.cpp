@@ -110,6 +110,13 @@ void resize(std::size_t channels, const Mask& mask, Demodulation& out) {
 
 }  // namespace
 
+double DemodulationFilter::window_variance() const {
+  double variance = 0;
+  for (std::size_t k = 1; k < weight.size(); ++k)
+    variance += 2 * static_cast<double>(weight[k]) * static_cast<double>(k * k);
+  return variance;
+}
+
 DemodulationFilter make_filter(double carrier, double periods) {
   const double half_length = periods * std::numbers::pi / std::abs(carrier);
   DemodulationFilter filter{

@@ -26,11 +26,6 @@ constexpr std::size_t kBrightnessGroups = 8;
 constexpr std::size_t kLeastSamples = 50;
 /// The residual of a few pixels scatters: up to this many medians it counts as noise.
 constexpr float kUsualResidual = 2;
-/// Curvature of the phase counts if its effect is beyond so many standard deviations.
-constexpr float kClearBend = 3;
-/// Variance of the lens' blur [px^2].
-constexpr float kLensBlur = 1;
-
 struct NoiseSample {
   float light = 0;
   float quadrature = 0;  ///< absolute value
@@ -143,37 +138,6 @@ PALPATE_HOT_LOOP void find_sigma(const SigmaInputRow& row, const Coefficients& c
   }
 }
 
-/// In [-pi, pi] for angles in [-3 pi, 3 pi].
-[[gnu::always_inline]] inline float turned_back(float angle) {
-  constexpr float kPi = std::numbers::pi_v<float>;
-  const float down = angle > kPi ? angle - 2 * kPi : angle;
-  return down < -kPi ? down + 2 * kPi : down;
-}
-
-/// One row; `phase` is the input of `out`.
-PALPATE_HOT_LOOP void unmix_row(const float* re, const float* im, const float* phase, float average,
-                                long columns, float* __restrict out, float* __restrict sigma) {
-  const float steepest = 1 / std::sqrt(average);
-  for (long i = 1; i < columns - 1; ++i) {
-    const float left = re[i - 1] * re[i - 1] + im[i - 1] * im[i - 1];
-    const float here = re[i] * re[i] + im[i] * im[i];
-    const float right = re[i + 1] * re[i + 1] + im[i + 1] * im[i + 1];
-    const bool known = (left > 0) & (here > 0) & (right > 0);
-    const float fade = (right - left) / (4 * here);
-    const float upper = fade < steepest ? fade : steepest;
-    const float limited = upper > -steepest ? upper : -steepest;
-    const float before = turned_back(phase[i] - phase[i - 1]);
-    const float after = turned_back(phase[i + 1] - phase[i]);
-    const float bend = (after - before) / 2;
-    const float s = sigma[i];
-    const bool bent = average * std::abs(bend) > kClearBend * s;
-    const float mixed = limited * (before + after) / 2 + (bent ? bend : 0.0F);
-    const float counted = known ? mixed : 0.0F;
-    out[i] = turned_back(phase[i] - average * counted);
-    sigma[i] = std::sqrt(s * s + kLensBlur * kLensBlur * counted * counted);
-  }
-}
-
 PALPATE_HOT_LOOP void add_variance(const float* red, const float* blue, float of_red, float of_blue,
                                    long count, float* __restrict sigma) {
   for (long i = 0; i < count; ++i) {
@@ -234,19 +198,6 @@ void predict_phase_sigma(const PhaseSignal& signal, const FrameNoise& noise,
       values.means.at(i) = &signal.channels[i].mean(row, 0);
     }
     find_sigma(values, model, sigma.cols(), &sigma(row, 0));
-  }
-}
-
-void unmix_neighbours(const PhaseSignal& signal, const DemodulationFilter& filter, Plane& wrapped,
-                      Plane& sigma) {
-  // Binomial means of five pixels, 1, 2, 4, ... px apart, have variances of 1, 4, 16, ... px^2.
-  const auto average = static_cast<float>((std::pow(4, filter.averages) - 1) / 3);
-  const long columns = wrapped.cols();
-  std::vector<float> before(static_cast<std::size_t>(columns));
-  for (long row = 0; row < wrapped.rows(); ++row) {
-    std::copy_n(&wrapped(row, 0), columns, before.data());
-    unmix_row(&signal.combined.re(row, 0), &signal.combined.im(row, 0), before.data(), average,
-              columns, &wrapped(row, 0), &sigma(row, 0));
   }
 }
 

@@ -48,18 +48,6 @@ struct PhaseSignal {
 void predict_phase_sigma(const PhaseSignal& signal, const FrameNoise& noise,
                          const DemodulationFilter& filter, Plane& sigma);
 
-/// Takes what the average along the rows mixes into each phase out of it, and adds what the lens
-/// mixes to its standard deviation.
-///
-/// A mean over pixels with variance V [px^2] sees the phase of where the light is: with the
-/// amplitude A and the phase phi, it is off by V (A' / A phi' + phi'' / 2). This matters at limbs,
-/// at the edges of bright prints, and where a surface ends. V is known for the average, and taken
-/// to be 1 px^2 for the lens. The second term counts only where it is beyond the noise.
-/// \param wrapped [rad] input and output; `signal.wrapped` may be the same image.
-/// \param sigma   [rad] input and output
-void unmix_neighbours(const PhaseSignal& signal, const DemodulationFilter& filter, Plane& wrapped,
-                      Plane& sigma);
-
 /// Adds the remaining chromatic error where red or blue replaces green to the standard deviation of
 /// each phase; its variance is (share of red)^2 error.red + (share of blue)^2 error.blue.
 void add_chromatic_error(const ChannelShares& shares, const ChromaticError& error, Plane& sigma);

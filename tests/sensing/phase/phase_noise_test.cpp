@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <numbers>
 #include <random>
 #include <vector>
@@ -141,80 +140,6 @@ TEST(PhaseNoise, OfTooSmallAFrameIsTheWholeResidual) {
   predict_phase_sigma(signal, noise, filter, sigma);
   // Hann's squared weights sum to 3 / (4 period).
   EXPECT_NEAR(sigma(20, 6), std::sqrt(3 / (8 * kPeriod) * 0.04) / 0.5, 2e-3);
-}
-
-/// A row of phasors that were averaged over five pixels: amplitude and phase by the column.
-class AveragedRows {
- public:
-  template <typename Amplitude, typename Phase>
-  AveragedRows(const Amplitude& amplitude, const Phase& phase)
-      : truth_(Plane::Zero(3, kColumns)), sigma(Plane::Constant(3, kColumns, kSigma)) {
-    constexpr double kWeights[] = {1 / 16.0, 4 / 16.0, 6 / 16.0, 4 / 16.0, 1 / 16.0};
-    combined.re = combined.im = wrapped = truth_;
-    for (long column = 0; column < kColumns; ++column) {
-      std::complex<double> sum = 0;
-      for (long i = -2; i <= 2; ++i) {
-        const auto place = static_cast<double>(column + i);
-        sum += kWeights[i + 2] * std::polar<double>(amplitude(place), phase(place));
-      }
-      combined.re.col(column) = static_cast<float>(sum.real());
-      combined.im.col(column) = static_cast<float>(sum.imag());
-      wrapped.col(column) = static_cast<float>(std::arg(sum));
-      truth_.col(column) = static_cast<float>(phase(static_cast<double>(column)));
-    }
-    before = wrapped;
-    const Mask modulated = Mask::Ones(3, kColumns);
-    const std::vector<Demodulated> channels;
-    const PhaseSignal signal{.wrapped = wrapped,
-                             .combined = combined,
-                             .channels = channels,
-                             .residual = truth_,
-                             .modulated = modulated};
-    unmix_neighbours(signal, make_filter(kCarrier), wrapped, sigma);
-  }
-  /// [rad] wrapped
-  [[nodiscard]] double error(const Plane& of, long column) const {
-    return std::remainder(static_cast<double>(of(1, column) - truth_(1, column)),
-                          2 * std::numbers::pi);
-  }
-  static constexpr long kColumns = 60;
-  static constexpr float kSigma = 0.001F;
-
- private:
-  Plane truth_;
-  Combined combined;
-
- public:
-  Plane before, wrapped, sigma;
-};
-
-TEST(UnmixedNeighbours, WhereTheLightFadesASlopeIsNotMovedTowardsTheLight) {
-  const AveragedRows rows([](double u) { return std::exp(-0.3 * u); },
-                          [](double u) { return 0.3 * u; });
-  for (long column = 5; column < 55; ++column) {
-    EXPECT_NEAR(rows.error(rows.before, column), -0.09, 0.01) << column;  // V A' / A phi'
-    EXPECT_NEAR(rows.error(rows.wrapped, column), 0, 0.01) << column;
-    // The lens mixes as much.
-    EXPECT_NEAR(static_cast<double>(rows.sigma(1, column)), 0.09, 0.01) << column;
-  }
-}
-
-TEST(UnmixedNeighbours, ALimbKeepsItsCurvature) {
-  const AveragedRows rows([](double) { return 0.2; },
-                          [](double u) { return 3 * std::sqrt(std::max(70 - u, 0.0)); });
-  for (long column = 50; column < 57; ++column) {
-    EXPECT_LT(std::abs(rows.error(rows.wrapped, column)),
-              0.3 * std::abs(rows.error(rows.before, column)))
-        << column;
-  }
-}
-
-TEST(UnmixedNeighbours, EvenLightChangesNothing) {
-  const AveragedRows rows([](double) { return 0.2; }, [](double u) { return 0.2 * u; });
-  for (long column = 5; column < 55; ++column) {
-    EXPECT_NEAR(static_cast<double>(rows.wrapped(1, column) - rows.before(1, column)), 0, 1e-5);
-    EXPECT_NEAR(static_cast<double>(rows.sigma(1, column)), 0.001, 1e-6);
-  }
 }
 
 }  // namespace

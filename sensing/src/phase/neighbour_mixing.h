@@ -1,0 +1,33 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "phase/phase_noise.h"
+
+namespace palpate::sensing {
+
+/// Takes what the averages along the rows and down the window mix into each phase out of it, and
+/// adds what they may still contain to its standard deviation.
+///
+/// A mean over pixels with variance V [px^2] sees the phase of where the light is: with the
+/// amplitude A and the phase phi, it is off by V (A' / A phi' + phi'' / 2). V is known for both
+/// averages.
+///
+/// *Along the rows* this matters at limbs, at the edges of bright prints, and where a surface ends.
+/// The derivatives come from the next pixels; the second term counts only where it is beyond the
+/// noise. The lens mixes as well; its variance is taken to be 1 px^2 and adds to the deviation.
+///
+/// *Down the window* surfaces that bend are rounded off. The derivatives come from `mixing_reach`
+/// rows up and down. What they say of the phase over this reach, b, counts by the share
+/// b^2 / (b^2 + (6 s)^2), where s is its standard deviation: noise stays as it is. Higher
+/// derivatives and the lens are not known, so as much as is subtracted adds to the deviation.
+/// \param wrapped [rad] input and output; `signal.wrapped` may be the same image.
+/// \param sigma   [rad] input and output
+void unmix_neighbours(const PhaseSignal& signal, const DemodulationFilter& filter, Plane& wrapped,
+                      Plane& sigma);
+
+/// [px] The number of whole periods that is next to the length of the window, so that a ripple of
+/// one cycle a period does not look like a bend.
+[[nodiscard]] long mixing_reach(const DemodulationFilter& filter);
+
+}  // namespace palpate::sensing
