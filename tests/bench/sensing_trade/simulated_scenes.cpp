@@ -9,13 +9,13 @@
 #include <cmath>
 #include <filesystem>
 #include <numbers>
-#include <random>
 
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/sensing/frame.h"
 #include "palpate/sensing/rig_assessment.h"
 #include "repository.h"
 #include "test_surfaces.h"
+#include "textures.h"
 
 namespace palpate::bench {
 namespace {
@@ -85,26 +85,8 @@ Body hand() {
   return body;
 }
 
-/// Rectangles of random colours, darkest `darkest`, one over the other; `tint` 0: grey, 1: any.
-cv::Mat print(double darkest, double tint) {
-  constexpr int kPrintWidth = 1600, kPrintHeight = 1200, kRectangles = 900;
-  std::mt19937 random(5);
-  // Not std::uniform_real_distribution, whose numbers are not the same everywhere.
-  const auto unit = [&random] { return static_cast<double>(random()) / 4294967296.0; };
-  cv::Mat image(kPrintHeight, kPrintWidth, CV_8UC3, cv::Scalar::all(200));
-  for (int i = 0; i < kRectangles; ++i) {
-    const cv::Rect box(static_cast<int>(kPrintWidth * unit()) - 40,
-                       static_cast<int>(kPrintHeight * unit()) - 40,
-                       8 + static_cast<int>(120 * unit()), 8 + static_cast<int>(120 * unit()));
-    const double grey = unit();
-    cv::Scalar color;
-    for (int c = 0; c < 3; ++c) {
-      color[c] = 255 * (darkest + (1 - darkest) * ((1 - tint) * grey + tint * unit()));
-    }
-    image(box & cv::Rect(0, 0, kPrintWidth, kPrintHeight)).setTo(color);
-  }
-  return image;
-}
+/// [mm] Length of a period of the sinusoid on a wall at this distance that faces the rig.
+double period_at(double z) { return bench().pattern.period * z / bench().rig.projector.fy; }
 
 Body printed(Body body, const cv::Mat& texture) {
   body.texture = texture;
@@ -284,7 +266,7 @@ std::vector<Scene> smooth_scenes(const CameraNoise& noise) {
                    sensor, colors),
           scene_of("folds", {{sheet(2.5, folds)}}, sensor, colors),
           scene_of("hand", {{hand(), wall(900)}}, sensor, colors),
-          scene_of("print", {{printed(sheet(10, bulge), print(0.25, 0.3))}}, sensor, colors)};
+          scene_of("print", {{printed(sheet(10, bulge), print({0.25, 0.3}))}}, sensor, colors)};
 }
 
 std::vector<Scene> hard_scenes() {
@@ -316,7 +298,13 @@ std::vector<Scene> hard_scenes() {
         return std::vector<Body>{red};
       }(),
       usual);
-  add("strong print", {printed(sheet(10, bulge), print(0.03, 1))}, usual);
+  add("strong print", {printed(sheet(10, bulge), print({0.03, 1}))}, usual);
+  constexpr double kTiled = 750;
+  const Body tiled = sheet(10, [](double x, double y) { return kTiled + 0.15 * x - 0.1 * y; });
+  add("grey tiles",
+      {printed(tiled, tiles({kSheetWidth, kSheetHeight}, period_at(kTiled), {0.25, 0}))}, usual);
+  add("coloured tiles",
+      {printed(tiled, tiles({kSheetWidth, kSheetHeight}, period_at(kTiled), {0.25, 0.5}))}, usual);
   add("steps of whole periods", period_steps(), usual);
   add("wires", wires(), usual);
   add(
