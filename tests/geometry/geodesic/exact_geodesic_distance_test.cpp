@@ -95,6 +95,31 @@ TEST(ExactGeodesicDistance, OnNeedlesInAnyPositionIsTheStraightOne) {
   }
 }
 
+TEST(ExactGeodesicDistance, OnNeedlesAndCapsOfHardlyAnyWidthIsTheStraightOne) {
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> any(0, 1);
+  for (const double width : {1e-6, 1e-8, 1e-10}) {
+    for (const bool caps : {false, true}) {
+      TriangleMesh sheet = test::flat_sheet(24, 18, 1);
+      for (Eigen::Index v = 0; v < sheet.vertices.cols(); ++v) {
+        const Eigen::Index col = v % 25, row = v / 25;
+        // Whole lines of vertices onto the next ones, or every third vertex of them.
+        if (caps && row % 2 == 1) sheet.vertices(1, v) -= 1 - width;
+        if (!caps && col % 3 == 1) sheet.vertices(0, v) -= 1 - width;
+      }
+      const Eigen::Isometry3d turn(
+          Eigen::AngleAxisd(6 * any(random), Vector3d(any(random), any(random), 1).normalized()));
+      for (const TriangleMesh& mesh : {sheet, test::moved(sheet, turn)}) {
+        const SurfacePoint source{.triangle = 555, .barycentric = {0.2, 0.3, 0.5}};
+        const Eigen::VectorXd truth = straight_distances(mesh, source);
+        const GeodesicDistance geodesic = exact(mesh, {source});
+        EXPECT_TRUE((geodesic.distance.array() > 0 || truth.array() < 1e-6).all());
+        EXPECT_LT(largest_error(mesh, geodesic.distance, truth), kAccuracy) << width << caps;
+      }
+    }
+  }
+}
+
 TEST(ExactGeodesicDistance, InTheShadowOfAHoleIsThatRoundItsCorners) {
   constexpr int kCells = 9;
   constexpr double kSpacing = 0.7;

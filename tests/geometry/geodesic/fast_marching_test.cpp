@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <random>
 #include <vector>
 
@@ -97,6 +98,77 @@ TEST(FastMarching, InTheShadowOfAHoleIsThatRoundItsCorners) {
   // The sheet is flat: all there is comes from the edges of the shadow.
   EXPECT_LT(errors.mean, 0.1 * kMeanError);
   EXPECT_LT(errors.max, 0.15 * kMaxError);
+}
+
+/// Flat sheets that share one side, at equal angles about it. The first vertices are those of that
+/// side, which is along y.
+TriangleMesh book(int sheets, int cols, int rows) {
+  TriangleMesh mesh;
+  mesh.vertices.resize(3, (1 + sheets * cols) * (rows + 1));
+  mesh.triangles.resize(3, 2 * sheets * cols * rows);
+  const auto vertex = [&](int sheet, int col, int row) {
+    return (col == 0 ? 0 : 1 + sheet * cols + col - 1) * (rows + 1) + row;
+  };
+  Eigen::Index triangle = 0;
+  for (int sheet = 0; sheet < sheets; ++sheet) {
+    const double angle = 2 * std::numbers::pi * sheet / sheets;
+    const Vector3d outwards(std::cos(angle), 0, std::sin(angle));
+    for (int col = 0; col <= cols; ++col) {
+      for (int row = 0; row <= rows; ++row) {
+        const double aside = row == 0 || row == rows ? 0 : 0.2 * std::sin(3.0 * col);
+        mesh.vertices.col(vertex(sheet, col, row)) =
+            col * outwards + (row + aside) * Vector3d::UnitY();
+        if (col == cols || row == rows) continue;
+        const int right = vertex(sheet, col + 1, row), above = vertex(sheet, col + 1, row + 1);
+        mesh.triangles.col(triangle++) << vertex(sheet, col, row), right, above;
+        mesh.triangles.col(triangle++) << vertex(sheet, col, row), above,
+            vertex(sheet, col, row + 1);
+      }
+    }
+  }
+  return mesh;
+}
+
+TEST(FastMarching, OnABookIsTheStraightWayOnItsTwoOpenPages) {
+  constexpr int kCols = 9, kRows = 14;
+  for (const int sheets : {3, 5}) {
+    const TriangleMesh mesh = book(sheets, kCols, kRows);
+    for (const int triangle : {3, 100, 170, 251}) {  // on the first sheet
+      const SurfacePoint source{.triangle = triangle, .barycentric = {0.2, 0.3, 0.5}};
+      const Vector3d from = position(mesh, source);  // on the half-plane of positive x
+      const GeodesicDistance geodesic = geodesic_distance(mesh, std::vector{source});
+      for (Eigen::Index v = 0; v < mesh.vertices.cols(); ++v) {
+        const Vector3d to = mesh.vertices.col(v);
+        const bool same_sheet = v < (1 + kCols) * (kRows + 1);
+        const double aside = std::hypot(to.x(), to.z());
+        const double truth =
+            std::hypot(same_sheet ? from.x() - aside : from.x() + aside, from.y() - to.y());
+        EXPECT_NEAR(geodesic.distance[v], truth, test::kWayRounding * 100) << sheets << ' ' << v;
+      }
+    }
+  }
+}
+
+TEST(FastMarching, TrianglesThatAreThereTwiceChangeNothing) {
+  const TriangleMesh mesh = test::bumpy(3000, 0.25);
+  std::mt19937 random(9);
+  std::vector<int> twice;  // from single ones to large parts
+  for (int t = 0; t < mesh.triangles.cols(); ++t) {
+    if (random() % 20 == 0 || t > 0.7 * static_cast<double>(mesh.triangles.cols()))
+      twice.push_back(t);
+  }
+  TriangleMesh repeated = mesh;
+  repeated.triangles.resize(3, mesh.triangles.cols() + static_cast<Eigen::Index>(twice.size()));
+  repeated.triangles << mesh.triangles, mesh.triangles(Eigen::all, twice);
+  for (const int triangle : {7, 901, 1777, 2600}) {
+    const std::vector<SurfacePoint> source = {{triangle, {0.2, 0.3, 0.5}}};
+    // A wave that passes a triangle twice is not rounded otherwise, but may take another of two
+    // ways that are equally long to kWorthPassingOn.
+    EXPECT_LT(test::relative_errors(geodesic_distance(repeated, source).distance,
+                                    geodesic_distance(mesh, source).distance, 0)
+                  .max,
+              1e-9);
+  }
 }
 
 }  // namespace
