@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <variant>
@@ -14,6 +15,8 @@
 #include "mesh_corpus.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/mesh_measures.h"
+#include "palpate/geometry/mesh_topology.h"
+#include "palpate/geometry/texture.h"
 #include "run_palpate.h"
 #include "test_surfaces.h"
 
@@ -103,6 +106,66 @@ TEST_F(MeshAttributes, RemeshingReportsFiguresAndRefusesWhatIsTooFine) {
       {"mesh", scratch / "scan.ply", "--feature-angle", "30", "-o", scratch / "fine.ply"});
   EXPECT_EQ(alone.status, kWrongCall);
   EXPECT_THAT(alone.err, HasSubstr("--remesh"));
+}
+
+/// A sheet whose picture is cut in the middle: the halves are at two places of two pictures.
+geometry::MeshFile cut_sheet() {
+  geometry::MeshFile file;
+  file.mesh = geometry::test::height_field(
+      40, 30, 1.5, [](double x, double y) { return 4 * std::sin(x / 12) * std::cos(y / 9); });
+  geometry::CornerTexture texture;
+  texture.coordinates.resize(6, file.mesh.triangles.cols());
+  texture.number.resize(file.mesh.triangles.cols());
+  for (Eigen::Index t = 0; t < file.mesh.triangles.cols(); ++t) {
+    const Eigen::Matrix3d corners = file.mesh.vertices(Eigen::all, file.mesh.triangles.col(t));
+    const bool right = corners.row(0).mean() > 30;
+    texture.number[t] = right ? 1 : 0;
+    for (int k = 0; k < 3; ++k)
+      texture.coordinates.block<2, 1>(2 * k, t) =
+          0.01 * (corners.col(k).head<2>() + Eigen::Vector2d(right ? 500 : 0, 0));
+  }
+  geometry::set_corner_texture(file.triangle_attributes, texture);
+  file.materials = {"left", "right"};
+  file.material_files = {"scan.mtl"};
+  return file;
+}
+
+TEST_F(MeshAttributes, TheTextureOfAnObjGoesThroughAllStepsButRemeshing) {
+  std::filesystem::create_directory(scratch / "made");
+  const geometry::MeshFile sheet = cut_sheet();
+  geometry::write_mesh_file(scratch / "scan.obj", sheet);
+  const CommandResult result =
+      run_palpate({"mesh", scratch / "scan.obj", "--repair", "--fill-holes", "1", "--tolerance",
+                   "0.2", "-o", scratch / "made/out.obj"});
+  ASSERT_EQ(result.status, kDone) << result.err;
+  const geometry::MeshFile file = geometry::read_mesh_file(scratch / "made/out.obj");
+  EXPECT_EQ(file.materials, sheet.materials);
+  EXPECT_EQ(file.material_files, std::vector<std::string>{"../scan.mtl"});
+  EXPECT_LT(file.mesh.triangles.cols(), sheet.mesh.triangles.cols() / 2);
+  EXPECT_EQ(geometry::boundary_loops(file.mesh).size(), 1U);  // no crack at the cut
+  const auto texture = geometry::corner_texture(file.triangle_attributes);
+  ASSERT_TRUE(texture);
+  for (Eigen::Index t = 0; t < file.mesh.triangles.cols(); ++t) {
+    const Eigen::Matrix3d corners = file.mesh.vertices(Eigen::all, file.mesh.triangles.col(t));
+    const bool right = texture->number[t] == 1;
+    EXPECT_GT(right ? corners.row(0).mean() : 60 - corners.row(0).mean(), 30 - 0.2);
+    for (int k = 0; k < 3; ++k) {
+      const Eigen::Vector2d expected =
+          0.01 * (corners.col(k).head<2>() + Eigen::Vector2d(right ? 500 : 0, 0));
+      EXPECT_LT((texture->coordinates.block<2, 1>(2 * k, t) - expected).norm(), 1e-9);
+    }
+  }
+  const CommandResult even =
+      run_palpate({"mesh", scratch / "scan.obj", "--remesh", "2", "-o", scratch / "even.obj"});
+  EXPECT_EQ(even.status, kDone);
+  EXPECT_THAT(even.err, HasSubstr("the texture is left out"));
+  EXPECT_TRUE(geometry::read_mesh_file(scratch / "even.obj").triangle_attributes.empty());
+  const CommandResult ply = run_palpate({"mesh", scratch / "scan.obj", "-o", scratch / "out.ply"});
+  EXPECT_THAT(ply.err, HasSubstr("PLY has no materials, so those of scan.mtl"));
+  EXPECT_EQ(
+      geometry::corner_texture(geometry::read_mesh_file(scratch / "out.ply").triangle_attributes)
+          ->coordinates,
+      geometry::corner_texture(sheet.triangle_attributes)->coordinates);
 }
 
 }  // namespace

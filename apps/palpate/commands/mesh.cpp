@@ -55,10 +55,31 @@ MadeMesh make_with_bar(const MeshCall& call) {
   return make_mesh(call.inputs.front(), steps);
 }
 
-void write_made(const fs::path& output, const MadeMesh& made) {
+/// A file that the input names, as the output has to name it.
+std::string seen_from(const fs::path& output, const fs::path& input, const std::string& name) {
+  const fs::path from = fs::absolute(output).lexically_normal().parent_path();
+  const fs::path folder = fs::absolute(input).lexically_normal().parent_path();
+  return folder == from ? name
+                        : (folder / name).lexically_normal().lexically_relative(from).string();
+}
+
+void write_made(const fs::path& output, const fs::path& input, const MadeMesh& made) {
   geometry::MeshFile file;
   file.mesh = made.mesh;
   file.vertex_attributes = made.attributes;
+  if (made.texture) {
+    const std::string extension = lower_extension(output);
+    if (extension == ".ply" && !made.material_files.empty())
+      spdlog::warn("{}: PLY has no materials, so those of {} are left out; write OBJ to keep them",
+                   output.string(), made.material_files.front());
+    if (extension != ".ply" && extension != ".obj")
+      spdlog::warn("{}: the texture is left out; write OBJ or PLY to keep it", output.string());
+    geometry::set_corner_texture(file.triangle_attributes, *made.texture);
+    file.materials = made.materials;
+    for (const std::string& name : made.material_files)
+      file.material_files.push_back(seen_from(output, input, name));
+    file.comments = made.comments;
+  }
   geometry::write_mesh_file(output, file);
 }
 
@@ -74,7 +95,7 @@ void mesh(const Settings& settings, const MeshCall& call) {
   check_outputs({input}, {call.output, call.picture});
   check_pictures({call.picture});
   MadeMesh made = make_with_bar(call);
-  write_made(call.output, made);
+  write_made(call.output, input, made);
   if (!call.picture.empty())
     pictures::draw_mesh(call.picture, made.mesh, input.filename().string(),
                         is_image(input) ? pictures::MeshPart::object : pictures::MeshPart::whole);
@@ -126,7 +147,7 @@ std::vector<fs::path> earlier_meshes(const MeshCall& call, const std::vector<fs:
 void make_one(const MeshCall& call, SequenceItem& item) {
   try {
     MadeMesh made = make_mesh(item.input, call.steps);
-    write_made(item.output, made);
+    write_made(item.output, item.input, made);
     item.figures = std::move(made.figures);
   } catch (const OutputError&) {
     throw;  // if there is no space for this file, there is none for the others
@@ -209,7 +230,7 @@ void add_mesh(CLI::App& app, const Settings& settings) {
       ->add_option("RANGE", call->inputs,
                    "Range map (TIFF) or depth image (16-bit PNG), several or a folder of one of "
                    "these, or a mesh file. Colours and other values of its vertices are carried "
-                   "along")
+                   "along, and its texture through all steps but --remesh")
       ->required();
   command
       ->add_option(

@@ -3,7 +3,11 @@
 #include "commands/mesh_steps.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
+#include <numeric>
+#include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -46,6 +50,29 @@ void smooth_depths(const fs::path& input, geometry::RangeMap& map) {
   map.z = geometry::smooth_range_map(map.z, geometry::read_depth_tiff(file));
 }
 
+/// How MeshLab names the pictures of a texture in PLY files.
+constexpr const char* kTextureComment = "TextureFile ";
+
+MadeMesh from_file(geometry::MeshFile file) {
+  MadeMesh made;
+  made.mesh = std::move(file.mesh);
+  made.attributes = std::move(file.vertex_attributes);
+  made.texture = geometry::corner_texture(file.triangle_attributes);
+  made.material_files = std::move(file.material_files);
+  made.materials = std::move(file.materials);
+  for (std::string& comment : file.comments)
+    if (comment.starts_with(kTextureComment)) made.comments.push_back(std::move(comment));
+  return made;
+}
+
+/// Takes the texture to the mesh that a step has made.
+/// \param source of its vertices among those of `made`, or -1.
+void carry_texture(MadeMesh& made, const geometry::TriangleMesh& after,
+                   std::span<const int> source) {
+  if (made.texture)
+    made.texture = geometry::carried_texture(*made.texture, made.mesh, after, source);
+}
+
 MadeMesh load(const fs::path& input, const MeshSteps& steps) {
   if (!is_range_map(input) && !is_image(input)) {
     if (steps.smooth_depths)
@@ -59,16 +86,15 @@ MadeMesh load(const fs::path& input, const MeshSteps& steps) {
     options.keep_defects = steps.repair;
     if (steps.color)
       throw InvalidInput(input.string() + ": --color works for range maps, not for meshes.");
-    geometry::MeshFile file = geometry::read_mesh_file(input, options);
-    return {std::move(file.mesh), std::move(file.vertex_attributes), {}, ""};
+    return from_file(geometry::read_mesh_file(input, options));
   }
   geometry::RangeMap map = load_map(input, steps);
   if (steps.smooth_depths) smooth_depths(input, map);
   const auto known = (map.z == map.z).count();
-  MadeMesh made = {geometry::mesh_range_map(map).mesh,
-                   {},
-                   {{"pixels", known}},
-                   fmt::format("{} pixels with a depth\n", known)};
+  MadeMesh made;
+  made.mesh = geometry::mesh_range_map(map).mesh;
+  made.figures["pixels"] = known;
+  made.prose = fmt::format("{} pixels with a depth\n", known);
   if (made.mesh.triangles.cols() == 0)
     throw InvalidInput(input.string() + ": no two neighbouring pixels have a depth.");
   return made;
@@ -84,6 +110,7 @@ void drop_normals(geometry::Attributes& attributes) {
 void repair(MadeMesh& made) {
   geometry::RepairedMesh repaired = geometry::repair_mesh(made.mesh);
   made.attributes = geometry::selected_attributes(made.attributes, repaired.source);
+  carry_texture(made, repaired.mesh, repaired.source);
   made.mesh = std::move(repaired.mesh);
   made.figures["repair"] = {{"removed_triangles", repaired.removed_triangles},
                             {"flipped_edges", repaired.flipped_edges},
@@ -115,6 +142,9 @@ void fill_holes(MadeMesh& made, double max_diameter) {
     }
     made.attributes = geometry::interpolated_attributes(made.attributes, made.mesh, places);
   }
+  std::vector<int> source(static_cast<std::size_t>(filled.mesh.vertices.cols()), -1);
+  std::iota(source.begin(), source.begin() + made.mesh.vertices.cols(), 0);
+  carry_texture(made, filled.mesh, source);
   made.mesh = std::move(filled.mesh);
   made.figures["holes"] = {{"filled", filled.filled}, {"left", filled.left}};
   made.prose += fmt::format("{} holes filled, {} border loops left\n", filled.filled, filled.left);
@@ -133,6 +163,12 @@ void remesh(MadeMesh& made, const MeshSteps& steps) {
   made.prose +=
       fmt::format("{} triangles before, {} after remeshing; edges of {:.3g} mm on average\n",
                   made.mesh.triangles.cols(), remeshed.mesh.triangles.cols(), shape.mean_edge);
+  if (made.texture) {
+    spdlog::warn("--remesh: the texture is left out: the new vertices are not at its seams");
+    made.texture.reset();
+    made.material_files.clear();
+    made.comments.clear();
+  }
   made.mesh = std::move(remeshed.mesh);
 }
 
@@ -145,8 +181,16 @@ void decimate(const fs::path& input, MadeMesh& made, const MeshSteps& steps) {
         "would remain",
         input.string(), tolerance, diagonal));
   }
-  geometry::Decimation decimated =
-      geometry::decimate(made.mesh, {.tolerance = tolerance, .progress = steps.decimating});
+  const geometry::DecimationOptions options = {.tolerance = tolerance,
+                                               .progress = steps.decimating};
+  geometry::Decimation decimated;
+  if (made.texture) {
+    geometry::TexturedDecimation textured = geometry::decimate(made.mesh, *made.texture, options);
+    decimated = std::move(textured.decimation);
+    made.texture = std::move(textured.texture);
+  } else {
+    decimated = geometry::decimate(made.mesh, options);
+  }
   made.figures["decimation"] = {{"tolerance", tolerance},
                                 {"triangles_before", made.mesh.triangles.cols()},
                                 {"triangles_after", decimated.mesh.triangles.cols()},

@@ -7,9 +7,11 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/remeshing.h"
+#include "palpate/geometry/texture.h"
 #include "palpate/geometry/triangle_mesh.h"
 #include "shared/inputs.h"
 
@@ -36,6 +38,9 @@ struct MadeMesh {
   geometry::TriangleMesh mesh;
   /// Of the vertices: those of the mesh file, carried along, or the colours of --color.
   geometry::Attributes attributes;
+  std::optional<geometry::CornerTexture> texture = {};  ///< of the mesh file
+  /// See MeshFile; of the comments those that name a texture.
+  std::vector<std::string> material_files = {}, materials = {}, comments = {};
   nlohmann::ordered_json figures;
   std::string prose;
 };

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "base/disjoint_sets.h"
 #include "clouds/cell_numbers.h"
-#include "clouds/disjoint_sets.h"
 #include "clouds/known_points.h"
 #include "palpate/require.h"
 

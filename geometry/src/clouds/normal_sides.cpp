@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "clouds/disjoint_sets.h"
+#include "base/disjoint_sets.h"
 
 namespace palpate::geometry {
 namespace {

@@ -2,12 +2,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "files/file_formats.h"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <numeric>
 #include <optional>
-#include <ostream>
 #include <string>
 #include <string_view>
 
@@ -48,18 +48,24 @@ struct Numbers {
   int count = 0;
 };
 
+std::string needs(const char* what, int numbers) {
+  return std::string(what) +
+         (numbers == 1 ? " needs a number, not " : " needs three numbers, not ");
+}
+
+/// \param least numbers that there must be.
 template <int N>
-Numbers<N> parse_numbers(std::string_view words, const char* what, const FilePosition& place) {
+Numbers<N> parse_numbers(std::string_view words, const char* what, const FilePosition& place,
+                         int least = 3) {
   Numbers<N> numbers;
   for (std::string_view word = next_word(words); !word.empty() && numbers.count < N;
        word = next_word(words)) {
     if (word.starts_with('#')) break;
     const std::optional<double> number = parse_number<double>(word);
-    if (!number) place.fail(std::string(what) + " needs three numbers, not " + quoted(word));
+    if (!number) place.fail(needs(what, least) + quoted(word));
     numbers.values[numbers.count++] = *number;
   }
-  if (numbers.count < 3)
-    place.fail(std::string(what) + " needs three numbers, not " + std::to_string(numbers.count));
+  if (numbers.count < least) place.fail(needs(what, least) + std::to_string(numbers.count));
   return numbers;
 }
 
@@ -89,13 +95,17 @@ class Reader {
     const std::string_view keyword = next_word(line);
     if (keyword == "v") take_vertex(line, place);
     if (keyword == "vn") normals_.push_back(parse_numbers<3>(line, "a normal", place).values);
+    if (keyword == "vt") take_texture(line, place);
     if (keyword == "f") take_face(line, place);
+    if (keyword == "mtllib") mesh_.material_files.emplace_back(rest_of_line(line));
+    if (keyword == "usemtl") take_material(std::string(rest_of_line(line)));
   }
 
   PolygonMesh result() {
     if (mesh_.vertices.empty())
       throw FileError(file_ + ": is not an OBJ file: it has no line \"v x y z\"");
     keep_normals();
+    keep_texture();
     if (colors_.size() == mesh_.vertices.size()) {
       for (std::size_t channel = 0; channel < kColors.size(); ++channel)
         mesh_.vertex_attributes.push_back(column(kColors[channel], colors_, channel));
@@ -107,6 +117,25 @@ class Reader {
   static constexpr std::array<const char*, 3> kNormals{"nx", "ny", "nz"};
   static constexpr std::array<const char*, 3> kColors{"red", "green", "blue"};
   static constexpr std::int64_t kNoNormal = -1, kSeveralNormals = -2;
+  static constexpr std::int64_t kNoTexture = -1;
+
+  static std::string_view rest_of_line(std::string_view line) {
+    const std::size_t begin = line.find_first_not_of(" \t");
+    const std::size_t end = line.find_last_not_of(" \t\r");
+    return begin == std::string_view::npos ? "" : line.substr(begin, end - begin + 1);
+  }
+
+  /// u v, or u v w with a depth that is not used; one number is a place in a strip.
+  void take_texture(std::string_view words, const FilePosition& place) {
+    const Numbers<3> numbers = parse_numbers<3>(words, "a texture coordinate", place, 1);
+    texture_.emplace_back(numbers.values[0], numbers.count > 1 ? numbers.values[1] : 0);
+  }
+
+  void take_material(const std::string& name) {
+    const auto known = std::ranges::find(mesh_.materials, name);
+    material_ = static_cast<std::int32_t>(known - mesh_.materials.begin());
+    if (known == mesh_.materials.end()) mesh_.materials.push_back(name);
+  }
 
   /// x y z, or x y z w with a weight that is not used, or x y z and a colour.
   void take_vertex(std::string_view words, const FilePosition& place) {
@@ -123,6 +152,7 @@ class Reader {
     }
     if (size < 3) place.fail("a face needs at least 3 corners, not " + std::to_string(size));
     mesh_.sizes.push_back(size);
+    material_of_.push_back(material_);
   }
 
   /// `7`, `7/1`, `7/1/3` or `7//3`: vertex, texture coordinate, normal.
@@ -132,6 +162,12 @@ class Reader {
         parse_index(word.substr(0, slash), mesh_.vertices.size(), "vertex", place);
     mesh_.corners.push_back(vertex);
     const std::size_t last = word.find('/', slash + 1);
+    // Some programs refer to coordinates that they do not write.
+    if (slash != std::string_view::npos && last != slash + 1 && !texture_.empty()) {
+      texture_of_.resize(mesh_.corners.size() - 1, kNoTexture);
+      texture_of_.push_back(parse_index(word.substr(slash + 1, last - slash - 1), texture_.size(),
+                                        "texture coordinate", place));
+    }
     if (slash == std::string_view::npos || last == std::string_view::npos) return;
     const std::int64_t normal =
         parse_index(word.substr(last + 1), normals_.size(), "normal", place);
@@ -162,6 +198,28 @@ class Reader {
       mesh_.vertex_attributes.push_back(column(kNormals[axis], of_vertices, axis));
   }
 
+  /// As in PLY files: a list of u and v of each corner for each face that has all of them.
+  void keep_texture() {
+    if (!mesh_.materials.empty())
+      mesh_.face_attributes.push_back({"texnumber", std::move(material_of_), {}});
+    if (texture_of_.empty()) return;
+    texture_of_.resize(mesh_.corners.size(), kNoTexture);
+    std::vector<double> numbers;
+    std::vector<int> sizes;
+    auto corner = texture_of_.begin();
+    for (const int size : mesh_.sizes) {
+      const auto end = corner + size;
+      const bool is_known = std::find(corner, end, kNoTexture) == end;
+      sizes.push_back(is_known ? 2 * size : 0);
+      for (; corner != end; ++corner) {
+        if (!is_known) continue;
+        const Eigen::Vector2d& at = texture_[static_cast<std::size_t>(*corner)];
+        numbers.insert(numbers.end(), at.begin(), at.end());
+      }
+    }
+    mesh_.face_attributes.push_back({"texcoord", std::move(numbers), std::move(sizes)});
+  }
+
   static Attribute column(const char* name, const std::vector<Eigen::Vector3d>& rows,
                           std::size_t axis) {
     std::vector<double> values;
@@ -174,6 +232,10 @@ class Reader {
   PolygonMesh mesh_;
   std::vector<Eigen::Vector3d> normals_, colors_;
   std::vector<std::int64_t> normal_of_;  ///< of each vertex
+  std::vector<Eigen::Vector2d> texture_;
+  std::vector<std::int64_t> texture_of_;   ///< of the corners so far; without those at the end
+  std::vector<std::int32_t> material_of_;  ///< of each face
+  std::int32_t material_ = -1;
 };
 
 }  // namespace
@@ -189,41 +251,6 @@ PolygonMesh read_obj(const fs::path& path) {
     reader.take(next_line(rest), place);
   }
   return reader.result();
-}
-
-void write_obj(std::ostream& stream, const MeshFile& file) {
-  std::string text = "# " + std::string(kUnitComment) + "\n";
-  for (const std::string& comment : file.comments) text += "# " + comment + "\n";
-  const auto put = [&](const auto& numbers) {
-    for (const double number : numbers) {
-      text += ' ';
-      append_digits(text, number);
-    }
-  };
-  const std::optional<Eigen::Matrix4Xd> color = colors(file.vertex_attributes);
-  const std::optional<Eigen::Matrix3Xd> normal = normals(file.vertex_attributes);
-  const TriangleMesh& mesh = file.mesh;
-  for (Eigen::Index i = 0; i < mesh.vertices.cols(); ++i) {
-    text += 'v';
-    put(mesh.vertices.col(i));
-    if (color) put(color->col(i).head<3>());
-    text += '\n';
-  }
-  for (Eigen::Index i = 0; normal && i < normal->cols(); ++i) {
-    text += "vn";
-    put(normal->col(i));
-    text += '\n';
-  }
-  for (const auto& triangle : mesh.triangles.colwise()) {
-    text += 'f';
-    for (const int corner : triangle) {
-      const std::string number = std::to_string(std::int64_t{corner} + 1);
-      text += ' ' + number;
-      if (normal) text += "//" + number;
-    }
-    text += '\n';
-  }
-  stream.write(text.data(), static_cast<std::streamsize>(text.size()));
 }
 
 }  // namespace palpate::geometry

@@ -163,6 +163,41 @@ Attribute of_elements(const Attribute& attribute, const std::vector<std::size_t>
   return result;
 }
 
+/// The places of the triangles' corners in the texture, from those of the corners of polygons. None
+/// where the list does not fit the polygon.
+Attribute texture_of_corners(const Attribute& attribute, const PolygonMesh& mesh,
+                             const std::vector<Eigen::Vector3i>& triangles,
+                             const std::vector<std::size_t>& face_of) {
+  std::vector<std::ptrdiff_t> first_corner{0}, first_number{0};
+  for (std::size_t face = 0; face < mesh.sizes.size(); ++face) {
+    first_corner.push_back(first_corner.back() + mesh.sizes[face]);
+    first_number.push_back(first_number.back() + attribute.list_sizes[face]);
+  }
+  Attribute result{attribute.name, {}, {}};
+  std::visit(
+      [&](const auto& numbers) {
+        std::decay_t<decltype(numbers)> chosen;
+        for (std::size_t t = 0; t < triangles.size(); ++t) {
+          const std::size_t face = face_of[t];
+          const bool fits =
+              mesh.sizes[face] >= 3 && attribute.list_sizes[face] == 2 * mesh.sizes[face];
+          result.list_sizes.push_back(fits ? 6 : 0);
+          const auto begin = mesh.corners.begin() + first_corner[face];
+          const auto end = mesh.corners.begin() + first_corner[face + 1];
+          for (int k = 0; fits && k < 3; ++k) {
+            const auto corner = std::find(begin, end, triangles[t][k]);
+            // A corner that is no vertex is not found; the triangle is a defect anyway.
+            const auto place = corner == end ? 0 : corner - begin;
+            const auto number = numbers.begin() + first_number[face] + 2 * place;
+            chosen.insert(chosen.end(), number, number + 2);
+          }
+        }
+        result.values = std::move(chosen);
+      },
+      attribute.values);
+  return result;
+}
+
 std::uint64_t hash_of(const Eigen::Vector3d& place) {
   std::uint64_t hash = 0;
   // + 0.0 because both zeros are equal and must hash alike. The multiplier is 2^64 / golden ratio.
@@ -241,12 +276,18 @@ MeshFile triangulate(PolygonMesh mesh, const std::string& file, bool keep_defect
     result.mesh.triangles.col(static_cast<Eigen::Index>(i)) = triangles[i];
   result.vertex_attributes = std::move(mesh.vertex_attributes);
   result.triangle_attributes = std::move(mesh.face_attributes);
+  result.material_files = std::move(mesh.material_files);
+  result.materials = std::move(mesh.materials);
   // If there is one triangle per face, in order, the attributes stay as they are. Equal counts are
   // not enough: one face may give no triangle and another one two.
-  if (triangles.size() != mesh.sizes.size() ||
-      std::adjacent_find(face_of.begin(), face_of.end()) != face_of.end())
-    for (Attribute& attribute : result.triangle_attributes)
-      attribute = of_elements(attribute, face_of);
+  if (triangles.size() == mesh.sizes.size() &&
+      std::adjacent_find(face_of.begin(), face_of.end()) == face_of.end())
+    return result;
+  for (Attribute& attribute : result.triangle_attributes) {
+    const bool is_texture = attribute.name == "texcoord" && !attribute.list_sizes.empty();
+    attribute = is_texture ? texture_of_corners(attribute, mesh, triangles, face_of)
+                           : of_elements(attribute, face_of);
+  }
   return result;
 }
 

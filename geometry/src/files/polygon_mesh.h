@@ -19,15 +19,17 @@ struct PolygonMesh {
   std::vector<int> sizes;                 ///< number of corners of each polygon
   Attributes vertex_attributes;
   Attributes face_attributes;
-  std::vector<std::string> comments;  ///< including those that declare a unit
-  std::optional<double> unit;         ///< [mm] if the format itself declares one
+  std::vector<std::string> comments;                   ///< including those that declare a unit
+  std::optional<double> unit;                          ///< [mm] if the format itself declares one
+  std::vector<std::string> material_files, materials;  ///< see MeshFile
 };
 
 /// The vertices, 3 x V.
 [[nodiscard]] Eigen::Matrix3Xd vertex_matrix(const PolygonMesh& mesh);
 
 /// Triangulates polygons by ear clipping, so that concave polygons keep their outline. Attributes
-/// of a polygon go to each of its triangles. A triangle that uses a vertex twice has no area and is
+/// of a polygon go to each of its triangles; of `texcoord`, a list of two numbers for each corner,
+/// those of the triangle's corners. A triangle that uses a vertex twice has no area and is
 /// left out. The caller handles unit and comments.
 /// \throws FileError naming `file`, the polygon and its corner if an index is out of range, a
 /// polygon has fewer than 3 corners, a vertex is not finite, or there is no triangle. With

@@ -4,7 +4,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -12,6 +11,7 @@
 #include <utility>
 
 #include "mesh/edge_table.h"
+#include "mesh/same_places.h"
 #include "mesh/triangle_primitives.h"
 #include "palpate/error.h"
 
@@ -27,7 +27,10 @@ using Pair = std::pair<EdgeSide, EdgeSide>;
 class Repair {
  public:
   explicit Repair(const TriangleMesh& mesh)
-      : input_(mesh), triangles_(mesh.triangles), use_(count(mesh), true), place_(weld()) {}
+      : input_(mesh),
+        triangles_(mesh.triangles),
+        use_(count(mesh), true),
+        place_(first_at_same_place(mesh.vertices)) {}
 
   RepairedMesh run() {
     drop_broken_corners();
@@ -53,23 +56,6 @@ class Repair {
   }
 
   [[nodiscard]] Eigen::Vector3d at(int vertex) const { return input_.vertices.col(vertex); }
-
-  /// The first vertex at the same place; the vertex itself if it is not finite.
-  [[nodiscard]] std::vector<int> weld() const {
-    std::vector<int> order(static_cast<size_t>(input_.vertices.cols()));
-    std::iota(order.begin(), order.end(), 0);
-    std::vector<int> place = order;
-    std::erase_if(order, [&](int v) { return !at(v).allFinite(); });
-    const auto key = [&](int v) { return std::array{at(v).x(), at(v).y(), at(v).z()}; };
-    std::sort(order.begin(), order.end(),
-              [&](int a, int b) { return std::pair(key(a), a) < std::pair(key(b), b); });
-    for (size_t i = 1; i < order.size(); ++i) {
-      if (key(order[i]) == key(order[i - 1])) {
-        place[static_cast<size_t>(order[i])] = place[static_cast<size_t>(order[i - 1])];
-      }
-    }
-    return place;
-  }
 
   void drop_broken_corners() {
     for (int t = 0; t < triangles_.cols(); ++t) {

@@ -20,6 +20,7 @@
 #include "palpate/require.h"
 #include "query/decimation_check.h"
 #include "query/local_frame.h"
+#include "query/texture_seams.h"
 
 namespace palpate::geometry {
 namespace {
@@ -210,7 +211,7 @@ std::optional<TriangleMesh> pass(Draft draft, const FloatPositions& positions, c
   int in_vain = 0;
   for (int round = 0; round < kMostRounds && in_vain < kPatience; ++round) {
     TriangleMesh mesh = simplify(draft, positions, aim.error, aim.target_triangles);
-    mend_slivers(mesh, draft.fixed);
+    mend_slivers(mesh, draft.fixed, standard.at_seam);
     tries.add();
     const auto count = static_cast<double>(mesh.triangles.cols());
     if (count == 0 || count > most) return std::nullopt;
@@ -280,12 +281,10 @@ TriangleMesh to_count(const TriangleMesh& mesh, const DecimationStandard& standa
   return best;
 }
 
-}  // namespace
-
-Decimation decimate(const TriangleMesh& mesh, const DecimationOptions& options) {
-  check(options);
-  check_mesh(mesh, "decimate(): mesh");
-  const DecimationStandard standard(mesh);
+/// \param seamed the mesh if it has a texture, or null.
+Decimation decimate_seamed(const TriangleMesh& mesh, const SeamedMesh* seamed,
+                           const DecimationOptions& options) {
+  const DecimationStandard standard(mesh, seamed);
   Tries tries(options.progress);
   const TriangleMesh best = options.tolerance
                                 ? to_tolerance(mesh, standard, *options.tolerance, tries)
@@ -308,6 +307,57 @@ Decimation decimate(const TriangleMesh& mesh, const DecimationOptions& options) 
   // Both bounds hold; the one by which the mesh passed may be tighter.
   result.distance = options.tolerance ? std::min(distance, *options.tolerance) : distance;
   tries.end();
+  return result;
+}
+
+/// Joins the vertices that were split at seams, and takes their places in the texture to the
+/// corners.
+TexturedDecimation join_seams(Decimation decimated, const SeamedMesh& seamed) {
+  TexturedDecimation result;
+  const Eigen::Matrix3Xi& triangles = decimated.mesh.triangles;
+  result.texture.coordinates.resize(6, triangles.cols());
+  result.texture.number.resize(triangles.cols());
+  for (Eigen::Index t = 0; t < triangles.cols(); ++t) {
+    for (int k = 0; k < 3; ++k) {
+      const int split = decimated.source[static_cast<std::size_t>(triangles(k, t))];
+      result.texture.coordinates.block<2, 1>(2 * k, t) = seamed.texture.col(split);
+      result.texture.number[t] = seamed.number[static_cast<std::size_t>(split)];
+    }
+  }
+  std::vector<int> joined, source;
+  std::vector<int> first;  // of the split vertices at each place
+  for (int v = 0; v < static_cast<int>(decimated.source.size()); ++v) {
+    const int former =
+        seamed.source[static_cast<std::size_t>(decimated.source[static_cast<std::size_t>(v)])];
+    if (source.empty() || source.back() != former) {
+      source.push_back(former);
+      first.push_back(v);
+    }
+    joined.push_back(static_cast<int>(source.size()) - 1);
+  }
+  decimated.mesh.triangles =
+      triangles.unaryExpr([&](int v) { return joined[static_cast<std::size_t>(v)]; }).eval();
+  decimated.mesh.vertices = decimated.mesh.vertices(Eigen::all, first).eval();
+  decimated.source = std::move(source);
+  result.decimation = std::move(decimated);
+  return result;
+}
+
+}  // namespace
+
+Decimation decimate(const TriangleMesh& mesh, const DecimationOptions& options) {
+  check(options);
+  check_mesh(mesh, "decimate(): mesh");
+  return decimate_seamed(mesh, nullptr, options);
+}
+
+TexturedDecimation decimate(const TriangleMesh& mesh, const CornerTexture& texture,
+                            const DecimationOptions& options) {
+  check(options);
+  check_mesh(mesh, "decimate(): mesh");
+  const SeamedMesh seamed = split_at_seams(mesh, texture);
+  TexturedDecimation result = join_seams(decimate_seamed(seamed.mesh, &seamed, options), seamed);
+  if (texture.number.size() == 0) result.texture.number.resize(0);
   return result;
 }
 

@@ -5,12 +5,14 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
+#include <numeric>
 #include <span>
 #include <utility>
 
 #include "base/numbers.h"
 #include "mesh/compact_mesh.h"
 #include "mesh/edge_table.h"
+#include "mesh/same_places.h"
 #include "mesh/triangle_primitives.h"
 #include "palpate/parallel_for.h"
 
@@ -58,13 +60,17 @@ std::vector<bool> triangles_around(const TriangleMesh& mesh, const std::vector<i
 /// edge. This moves the surface by at most the sliver's height. False if it cannot be done in this
 /// pass.
 bool mend(TriangleMesh& mesh, int half_edge, int other, const auto& edge_exists,
-          const std::vector<char>& fixed, std::vector<char>& touched, std::vector<char>& drop) {
+          const std::vector<char>& fixed, const std::vector<char>& at_seam,
+          std::vector<char>& touched, std::vector<char>& drop) {
   const int sliver = half_edge / 3;
   const int a = mesh.triangles(half_edge % 3, sliver);
   const int c = mesh.triangles((half_edge + 1) % 3, sliver);
   const int b = mesh.triangles((half_edge + 2) % 3, sliver);
   const auto is_fixed = [&fixed](int v) { return fixed[static_cast<std::size_t>(v)] != 0; };
   if (is_fixed(a) && is_fixed(b) && is_fixed(c)) return false;
+  if (other == kNone && at_seam[static_cast<std::size_t>(a)] != 0 &&
+      at_seam[static_cast<std::size_t>(c)] != 0)
+    return false;
   const int d = other == kNone ? b : mesh.triangles((other + 2) % 3, other / 3);
   for (const int v : {a, b, c, d}) {
     if (touched[static_cast<std::size_t>(v)] != 0) return false;
@@ -104,11 +110,13 @@ bool turned_over(const TriangleMesh& candidate, int triangle, const DecimationSt
 
 }  // namespace
 
-Gluing gluing(const TriangleMesh& mesh) {
+Gluing gluing(const TriangleMesh& mesh, const std::vector<int>& joined) {
+  const Eigen::Matrix3Xi triangles =
+      mesh.triangles.unaryExpr([&](int v) { return joined[static_cast<std::size_t>(v)]; });
   Gluing found{.bad_edge = std::vector<char>(static_cast<std::size_t>(mesh.triangles.cols()), 0),
                .fans = std::vector<int>(static_cast<std::size_t>(mesh.vertices.cols()), 0)};
-  CornerClasses corners(mesh.triangles.size());
-  for_each_edge(sort_sides(mesh.triangles), [&](std::span<const EdgeSide> sides) {
+  CornerClasses corners(triangles.size());
+  for_each_edge(sort_sides(triangles), [&](std::span<const EdgeSide> sides) {
     const bool bad =
         sides.size() > 2 || (sides.size() == 2 && sides[0].upwards == sides[1].upwards);
     for (const EdgeSide& side : sides) {
@@ -116,14 +124,15 @@ Gluing gluing(const TriangleMesh& mesh) {
       corners.join(sides.front(), side);
     }
   });
-  for (int corner = 0; corner < static_cast<int>(mesh.triangles.size()); ++corner) {
+  for (int corner = 0; corner < static_cast<int>(triangles.size()); ++corner) {
     if (corners.find(corner) == corner)
-      ++found.fans[static_cast<std::size_t>(mesh.triangles.reshaped()[corner])];
+      ++found.fans[static_cast<std::size_t>(triangles.reshaped()[corner])];
   }
   return found;
 }
 
-void mend_slivers(TriangleMesh& mesh, const std::vector<char>& fixed) {
+void mend_slivers(TriangleMesh& mesh, const std::vector<char>& fixed,
+                  const std::vector<char>& at_seam) {
   std::vector<char> drop(static_cast<std::size_t>(mesh.triangles.cols()), 0);
   std::vector<int> longest(drop.size(), kNone);  // see `sliver_side`
   std::vector<int> slivers;
@@ -155,7 +164,9 @@ void mend_slivers(TriangleMesh& mesh, const std::vector<char>& fixed) {
       const bool waits = pass % 2 == 0 && other != kNone &&
                          longest[static_cast<std::size_t>(other / 3)] != kNone &&
                          longest[static_cast<std::size_t>(other / 3)] != other;
-      if (waits || !mend(mesh, sliver->half_edge, other, edge_exists, fixed, touched, drop)) return;
+      if (waits ||
+          !mend(mesh, sliver->half_edge, other, edge_exists, fixed, at_seam, touched, drop))
+        return;
       changed.push_back(sliver->triangle());
       if (other != kNone) changed.push_back(other / 3);
     });
@@ -174,12 +185,26 @@ void mend_slivers(TriangleMesh& mesh, const std::vector<char>& fixed) {
   mesh.triangles.conservativeResize(3, kept);
 }
 
-DecimationStandard::DecimationStandard(const TriangleMesh& mesh)
-    : input(mesh),
-      input_gluing(gluing(mesh)),
-      manifold_edges(std::count(input_gluing.bad_edge.begin(), input_gluing.bad_edge.end(), 1) ==
-                     0),
-      normals(triangle_normals(mesh)) {}
+DecimationStandard::DecimationStandard(const TriangleMesh& mesh, const SeamedMesh* seamed)
+    : input(mesh), normals(triangle_normals(mesh)) {
+  const std::vector<int> places = first_at_same_place(mesh.vertices);
+  at_seam.assign(places.size(), 0);
+  joined.resize(places.size());
+  std::iota(joined.begin(), joined.end(), 0);
+  for (int v = 0; v < static_cast<int>(places.size()); ++v) {
+    const int first = places[static_cast<std::size_t>(v)];
+    if (first != v)
+      at_seam[static_cast<std::size_t>(v)] = at_seam[static_cast<std::size_t>(first)] = 1;
+    // The vertices that were split from one are beside each other.
+    if (seamed != nullptr && v > 0 &&
+        seamed->source[static_cast<std::size_t>(v)] ==
+            seamed->source[static_cast<std::size_t>(v) - 1])
+      joined[static_cast<std::size_t>(v)] = joined[static_cast<std::size_t>(v) - 1];
+  }
+  input_gluing = gluing(mesh, joined);
+  manifold_edges = std::ranges::count(input_gluing.bad_edge, 1) == 0;
+  if (seamed != nullptr) texture.emplace(*seamed);
+}
 
 const DistanceTarget& Candidate::target() {
   if (!target_) target_.emplace(compact(mesh_).mesh);
@@ -189,7 +214,7 @@ const DistanceTarget& Candidate::target() {
 KnownTriangles::KnownTriangles(const TriangleMesh& input)
     : newest_(static_cast<std::size_t>(input.vertices.cols()), kNone) {
   enter(input);
-  std::ranges::fill(facts_, Facts{.facing = Facing::right, .near = true});
+  std::ranges::fill(facts_, Facts{.lie = Lie::right, .near = true});
   for (const int entry : present_) cover_.push_back({.triangles = {entry}, .count = 1});
 }
 
@@ -236,34 +261,34 @@ void KnownTriangles::set_covered(std::size_t input_triangle, const Witnesses& wi
 
 namespace {
 
-/// Triangles of the candidate that are badly connected, or flipped without being slivers.
+/// Triangles of the candidate that are badly connected, or lie wrong.
 std::vector<int> bad_shapes(const TriangleMesh& candidate, const DecimationStandard& standard,
-                            KnownTriangles& known) {
-  using Facing = KnownTriangles::Facing;
+                            double tolerance, KnownTriangles& known) {
+  using Lie = KnownTriangles::Lie;
   const auto count = static_cast<std::size_t>(candidate.triangles.cols());
   std::vector<int> open;
   for (std::size_t t = 0; t < count; ++t) {
-    Facing& facing = known.facts(t).facing;
-    if (facing != Facing::unknown) continue;
-    facing = Facing::right;  // until it is judged below
+    Lie& lie = known.facts(t).lie;
+    if (lie != Lie::unknown) continue;
+    lie = Lie::right;  // until it is judged below
     open.push_back(static_cast<int>(t));
   }
-  std::vector<char> is_turned(open.size(), 0);
+  std::vector<char> is_wrong(open.size(), 0);
   parallel_for(open.size(), [&](std::size_t i) {
-    is_turned[i] =
-        sliver_side(candidate, open[i]) == kNone && turned_over(candidate, open[i], standard);
+    is_wrong[i] =
+        (sliver_side(candidate, open[i]) == kNone && turned_over(candidate, open[i], standard)) ||
+        (standard.texture && standard.texture->slips(candidate, open[i], tolerance));
   });
   for (std::size_t i = 0; i < open.size(); ++i) {
-    if (is_turned[i] != 0)
-      known.facts(static_cast<std::size_t>(open[i])).facing = Facing::turned_over;
+    if (is_wrong[i] != 0) known.facts(static_cast<std::size_t>(open[i])).lie = Lie::wrong;
   }
-  const Gluing glued = gluing(candidate);
+  const Gluing glued = gluing(candidate, standard.joined);
   std::vector<int> found;
   for (std::size_t t = 0; t < count; ++t) {
-    bool bad = known.facts(t).facing == Facing::turned_over ||
-               (standard.manifold_edges && glued.bad_edge[t] != 0);
+    bool bad =
+        known.facts(t).lie == Lie::wrong || (standard.manifold_edges && glued.bad_edge[t] != 0);
     for (const int v : candidate.triangles.col(static_cast<Eigen::Index>(t))) {
-      const auto vertex = static_cast<std::size_t>(v);
+      const auto vertex = static_cast<std::size_t>(standard.joined[static_cast<std::size_t>(v)]);
       bad = bad || glued.fans[vertex] > standard.input_gluing.fans[vertex];
     }
     if (bad) found.push_back(static_cast<int>(t));
@@ -317,7 +342,7 @@ Unfit find_unfit(Candidate& candidate, const DecimationStandard& standard, doubl
                  KnownTriangles& known) {
   known.enter(candidate.mesh());
   Unfit unfit;
-  unfit.shapes = bad_shapes(candidate.mesh(), standard, known);
+  unfit.shapes = bad_shapes(candidate.mesh(), standard, tolerance, known);
   if (unfit.count() > 0 || !(tolerance < kInfinity)) return unfit;
   const BoundGoal goal{.ignore_below = tolerance, .stop_above = tolerance};
   find_lost(candidate, standard, goal, known, unfit);

@@ -11,6 +11,7 @@
 
 #include "palpate/geometry/triangle_mesh.h"
 #include "query/distance_bound.h"
+#include "query/texture_seams.h"
 
 namespace palpate::geometry {
 
@@ -23,21 +24,29 @@ struct Gluing {
   std::vector<int> fans;
 };
 
-[[nodiscard]] Gluing gluing(const TriangleMesh& mesh);
+/// \param joined of each vertex: the one whose place and neighbours it shares; itself if it is no
+/// seam.
+[[nodiscard]] Gluing gluing(const TriangleMesh& mesh, const std::vector<int>& joined);
 
 /// Removes almost degenerate triangles as far as this moves the surface by no more than their
 /// height: at the border they are dropped, elsewhere their longest edge is flipped. Since the
-/// height may exceed the tolerance, triangles with three `fixed` vertices stay.
-void mend_slivers(TriangleMesh& mesh, const std::vector<char>& fixed);
+/// height may exceed the tolerance, triangles with three `fixed` vertices stay. So do those whose
+/// longest edge is between vertices at a seam, which would open.
+void mend_slivers(TriangleMesh& mesh, const std::vector<char>& fixed,
+                  const std::vector<char>& at_seam);
 
 /// The reference for checking a decimated mesh.
 struct DecimationStandard {
   DistanceTarget input;
+  std::vector<int> joined;  ///< see `gluing`
   Gluing input_gluing;
-  bool manifold_edges;       ///< whether the input's edges are manifold
-  Eigen::Matrix3Xd normals;  ///< of the input's triangles
+  bool manifold_edges;        ///< whether the input's edges are manifold
+  Eigen::Matrix3Xd normals;   ///< of the input's triangles
+  std::vector<char> at_seam;  ///< of each vertex: whether another one is at exactly its place
+  std::optional<TextureStandard> texture;
 
-  explicit DecimationStandard(const TriangleMesh& mesh);
+  /// \param seamed the mesh that is decimated if it has a texture, or null.
+  explicit DecimationStandard(const TriangleMesh& mesh, const SeamedMesh* seamed);
 };
 
 /// A decimated mesh to be checked. Its vertices are a subset of the input's.
@@ -57,13 +66,13 @@ class Candidate {
 /// candidate were in an earlier one, so that little is left to check.
 class KnownTriangles {
  public:
-  enum class Facing { unknown, right, turned_over };
+  enum class Lie { unknown, right, wrong };
   struct Facts {
-    Facing facing = Facing::unknown;
-    bool near = false;  ///< within the tolerance of the input
+    Lie lie = Lie::unknown;  ///< wrong: turned over, or the texture slips
+    bool near = false;       ///< within the tolerance of the input
   };
 
-  /// The input's triangles face right and are near.
+  /// The input's triangles lie right and are near.
   explicit KnownTriangles(const TriangleMesh& input);
 
   /// Sets the current candidate, whose triangle indices `facts` refers to.
@@ -98,7 +107,9 @@ class KnownTriangles {
 /// Violations of what `Decimation` promises. Cheaper checks come first, and the others run only if
 /// these find nothing.
 struct Unfit {
-  std::vector<int> shapes;  ///< badly connected triangles, or flipped ones that are not slivers
+  /// Triangles that are badly connected, or flipped without being slivers, or on which the texture
+  /// slips.
+  std::vector<int> shapes;
   /// Triangles whose distance from the input exceeds the tolerance, or those nearest to `lost`.
   std::vector<int> far;
   std::vector<Eigen::Vector3d> lost;  ///< input points whose distance exceeds the tolerance

@@ -53,19 +53,19 @@ TriangleMesh box(double x, double y, double z) {
   return mesh;
 }
 
-struct Case {
+struct Remeshed {
   const char* name;
   TriangleMesh mesh;
   double length;
 };
 
 TEST(Remeshing, MakesNearlyEquilateralTrianglesOfTheSameTopology) {
-  for (const Case& c : {Case{"finer sphere", test::icosphere(3, 50), 4},
-                        Case{"coarser sphere", test::icosphere(4, 50), 8},
-                        Case{"finer range map", test::bumpy(1500, 0), 12},
-                        Case{"coarser range map", test::bumpy(4000, 0.25), 16},
-                        Case{"sheet", test::closed_sheet(40, 30), 2},
-                        Case{"torus", test::torus(40, 20, 20, 3), 1.1}}) {
+  for (const Remeshed& c : {Remeshed{"finer sphere", test::icosphere(3, 50), 4},
+                            Remeshed{"coarser sphere", test::icosphere(4, 50), 8},
+                            Remeshed{"finer range map", test::bumpy(1500, 0), 12},
+                            Remeshed{"coarser range map", test::bumpy(4000, 0.25), 16},
+                            Remeshed{"sheet", test::closed_sheet(40, 30), 2},
+                            Remeshed{"torus", test::torus(40, 20, 20, 3), 1.1}}) {
     const Remeshing result = remesh(c.mesh, {.edge_length = c.length});
     EXPECT_TRUE(find_all_defects(result.mesh).empty()) << c.name;
     EXPECT_EQ(euler_characteristic(result.mesh), euler_characteristic(c.mesh)) << c.name;

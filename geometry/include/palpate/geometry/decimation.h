@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "palpate/geometry/texture.h"
 #include "palpate/geometry/triangle_mesh.h"
 
 namespace palpate::geometry {
@@ -46,5 +47,21 @@ struct Decimation {
 /// if no mesh tried passes.
 /// \throws InvalidInput if the mesh is not valid or an option is outside its range.
 [[nodiscard]] Decimation decimate(const TriangleMesh& mesh, const DecimationOptions& options);
+
+struct TexturedDecimation {
+  Decimation decimation;
+  CornerTexture texture;  ///< of the triangles of `decimation.mesh`
+};
+
+/// The same for a mesh with a texture. Charts stay apart: the surface may lose vertices of a seam,
+/// but does not open there, and each corner keeps a place in the texture that its vertex had in the
+/// input.
+///
+/// With a tolerance, a mesh passes iff also the texture is displaced by no more than that, as seen
+/// at seven places of each new triangle: its centre, half-way from there to its corners, and the
+/// middle of its sides.
+/// \throws InvalidInput also if the texture has another number of triangles.
+[[nodiscard]] TexturedDecimation decimate(const TriangleMesh& mesh, const CornerTexture& texture,
+                                          const DecimationOptions& options);
 
 }  // namespace palpate::geometry

@@ -43,6 +43,8 @@ struct MeshFile {
   Attributes triangle_attributes;     ///< a polygon passes them on to each of its triangles
   std::vector<std::string> comments;  ///< one per line, without those that declare a unit
   FileUnit unit;                      ///< unit of the file that was read; files are written in mm
+  std::vector<std::string> material_files = {};  ///< OBJ: of `mtllib`, relative to the file
+  std::vector<std::string> materials = {};       ///< OBJ: of `usemtl`, see `CornerTexture::number`
 };
 
 /// Content of a point file. Clouds of a depth camera are organised: the point of column u and row v
@@ -72,8 +74,9 @@ struct WriteOptions {
 ///
 /// Other content, by format:
 /// - PLY: all properties of vertices and faces, and comments; elements other than vertex, face and
-///   tristrips are skipped.
-/// - OBJ: normals and colours, if every vertex has exactly one; comments.
+///   tristrips are skipped. A list `texcoord` of a polygon is divided among its triangles.
+/// - OBJ: normals and colours, if every vertex has exactly one; texture coordinates of corners (see
+///   `corner_texture`) and the names of materials; comments.
 /// - OFF: normals and colours of vertices; comments.
 /// - STL: has no shared vertices, so exactly equal corners are joined. Attribute bytes are skipped.
 /// - glTF and other formats of assimp: read in float. The parts of a scene are combined at their
