@@ -7,6 +7,7 @@
 
 #include <Eigen/Geometry>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "commands/describe_cloud.h"
@@ -132,11 +133,25 @@ std::pair<Eigen::Vector3d, Eigen::Vector3d> extent(const geometry::TriangleMesh&
   return {box.min(), box.max()};
 }
 
+Description describe_points(const fs::path& path, const geometry::PointCloud& cloud) {
+  check_coordinates(path, cloud);
+  const Description points = describe_cloud(cloud);
+  Description result = {{{"kind", "points"},
+                         {"unit", cloud.unit.length},
+                         {"unit_source", name_of(cloud.unit.source)}},
+                        "point cloud, " + points.prose + unit_in_words(cloud.unit)};
+  result.figures.update(points.figures);
+  return result;
+}
+
 }  // namespace
 
-Description describe_mesh(const fs::path& path, geometry::ReadOptions options) try {
+Description describe_mesh(const fs::path& path, geometry::ReadOptions options) {
   options.keep_defects = true;
-  const geometry::MeshFile file = geometry::read_mesh_file(path, options);
+  const auto content = geometry::read_mesh_or_points(path, options);
+  if (const auto* cloud = std::get_if<geometry::PointCloud>(&content))
+    return describe_points(path, *cloud);
+  const auto& file = std::get<geometry::MeshFile>(content);
   const geometry::TriangleMesh& mesh = file.mesh;
   const auto [low, high] = extent(mesh);
   const Description defects = describe_defects(mesh);
@@ -162,22 +177,6 @@ Description describe_mesh(const fs::path& path, geometry::ReadOptions options) t
   result.figures.update(surface.figures);
   result.figures.update(triangles.figures);
   result.figures.update(defects.figures);
-  return result;
-} catch (const FileError&) {
-  // Rather than before, so that meshes are read once.
-  if (!geometry::holds_points_alone(path)) throw;
-  return describe_points(path, options);
-}
-
-Description describe_points(const fs::path& path, const geometry::ReadOptions& options) {
-  const geometry::PointCloud cloud = geometry::read_point_cloud(path, options);
-  check_coordinates(path, cloud);
-  const Description points = describe_cloud(cloud);
-  Description result = {{{"kind", "points"},
-                         {"unit", cloud.unit.length},
-                         {"unit_source", name_of(cloud.unit.source)}},
-                        "point cloud, " + points.prose + unit_in_words(cloud.unit)};
-  result.figures.update(points.figures);
   return result;
 }
 

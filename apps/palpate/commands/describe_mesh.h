@@ -16,14 +16,10 @@ struct Description {
   std::string prose;
 };
 
-/// Describes a mesh file: size, unit and attributes, defects, and measures of its surface.
-/// \throws FileError if it cannot be read as a mesh, even a defective one.
+/// Describes a mesh file: size, unit and attributes, defects, and measures of its surface; or a
+/// file of points.
+/// \throws FileError if it can be read as neither, even a defective mesh.
 [[nodiscard]] Description describe_mesh(const std::filesystem::path& path,
                                         geometry::ReadOptions options);
-
-/// Describes a file of points.
-/// \throws FileError if it cannot be read.
-[[nodiscard]] Description describe_points(const std::filesystem::path& path,
-                                          const geometry::ReadOptions& options);
 
 }  // namespace palpate::apps

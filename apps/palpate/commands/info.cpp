@@ -260,7 +260,6 @@ Description describe(const fs::path& path, const geometry::ReadOptions& options)
   if (path.filename() == "decode.jsonl" || path.filename() == "capture.jsonl")
     return describe_record(path);
   if (extension == ".csv") return describe_csv(path);
-  if (extension == ".pcd") return describe_points(path, options);
   if (path.filename() == "field.json" || path.filename() == "field.cbor")
     return describe_model(path.parent_path());
   if (is_image(path)) return describe_image(path);
@@ -275,7 +274,7 @@ void add_info(CLI::App& app, const Settings& settings) {
   command->add_option("FILE", call->path, "Any file or folder that Palpate reads or writes")
       ->required();
   add_unit_option(*command, call->meshes);
-  command->footer("Example:\n  palpate info model/");
+  command->footer("Examples:\n  palpate info model/\n  cat scan.ply | palpate info /dev/stdin");
   command->callback([call, &settings] {
     const Description description = describe(call->path, call->meshes);
     print(settings, description.figures, call->path.string() + ": " + description.prose);

@@ -3,7 +3,9 @@
 #include "base/input_file.h"
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
+#include <iterator>
 
 #include "palpate/error.h"
 
@@ -16,13 +18,26 @@ namespace {
 // Not find_first_of, which searches a string of blanks for each character.
 constexpr bool is_blank(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
 
+std::string read_pipe(const fs::path& path) {
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) throw FileError(path.string() + ": cannot be opened for reading");
+  std::string content(std::istreambuf_iterator<char>(stream), {});
+  if (stream.bad()) throw FileError(path.string() + ": cannot be read to its end");
+  if (content.empty()) throw FileError(path.string() + ": is a pipe through which nothing came");
+  return content;
+}
+
 }  // namespace
 
 std::string read_input_file(const fs::path& path) {
   std::error_code error;
   if (fs::is_directory(path, error))
     throw FileError(path.string() + ": is a folder; expected a file");
-  if (!fs::is_regular_file(path, error)) throw FileError(path.string() + ": no such file");
+  const fs::file_status status = fs::status(path, error);
+  if (!fs::exists(status)) throw FileError(path.string() + ": no such file");
+  if (fs::is_fifo(status) || fs::is_socket(status)) return read_pipe(path);
+  if (!fs::is_regular_file(status))
+    throw FileError(path.string() + ": is neither a file nor a pipe");
   const std::uintmax_t size = fs::file_size(path, error);
   std::ifstream stream(path, std::ios::binary);
   if (error || !stream) throw FileError(path.string() + ": cannot be opened for reading");
@@ -31,6 +46,16 @@ std::string read_input_file(const fs::path& path) {
   stream.read(content.data(), static_cast<std::streamsize>(size));
   if (!stream) throw FileError(path.string() + ": cannot be read to its end");
   return content;
+}
+
+void check_memory_to_read(double needed, double file_size, const std::string& file) {
+  const double most = kMemoryOfFile * file_size + kMemoryAllowance;
+  if (needed <= most) return;
+  constexpr double kMegabyte = 1e6;
+  throw FileError(file + ": its content is so compressed that reading it takes " +
+                  std::to_string(std::llround(needed / kMegabyte)) + " MB; the limit is " +
+                  std::to_string(std::llround(most / kMegabyte)) +
+                  " MB, 64 times the file and 512 MB more. Write it without compression");
 }
 
 std::size_t line_number(std::string_view content, std::size_t offset) {

@@ -113,23 +113,27 @@ void check_glb_header(std::string_view bytes, const std::string& file) {
 
 }  // namespace
 
-PolygonMesh read_assimp_scene(const fs::path& path) {
-  const std::string extension = lower_extension(path);
-  const std::string bytes = read_input_file(path);
-  if (extension == ".glb") check_glb_header(bytes, path.string());
+PolygonMesh read_assimp_scene(const fs::path& path, std::string_view content,
+                              const std::string& ending) {
+  if (ending == ".glb") check_glb_header(content, path.string());
   Assimp::Importer importer;
-  if (!importer.IsExtensionSupported(path.extension().string()))
+  if (!importer.IsExtensionSupported(ending))
     throw FileError(path.string() + ": the ending \"" + path.extension().string() +
                     "\" is not that of a mesh; .ply, .obj, .stl, .off or .glb is");
   // Validate first, because assimp's other steps trust the indices in the file.
-  const aiScene* whole = importer.ReadFile(path.string(), aiProcess_ValidateDataStructure);
+  constexpr unsigned kSteps = aiProcess_ValidateDataStructure;
+  std::error_code ignored;
+  const aiScene* whole =
+      fs::is_regular_file(path, ignored) && !path.extension().empty()
+          ? importer.ReadFile(path.string(), kSteps)
+          : importer.ReadFileFromMemory(content.data(), content.size(), kSteps, ending.c_str() + 1);
   if (whole == nullptr)
     throw FileError(path.string() + ": is damaged or truncated: " + importer.GetErrorString());
   Scene scene;
   append_node(*whole, *whole->mRootNode, aiMatrix4x4(), scene);
   take_columns<3>({"nx", "ny", "nz"}, scene.normals, scene.mesh);
   take_columns<4>({"red", "green", "blue", "alpha"}, scene.colors, scene.mesh);
-  if (extension == ".gltf" || extension == ".glb") scene.mesh.unit = kMetre;
+  if (ending == ".gltf" || ending == ".glb") scene.mesh.unit = kMetre;
   join_corners(scene.mesh);
   return std::move(scene.mesh);
 }

@@ -6,11 +6,13 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <ostream>
 #include <string>
 #include <utility>
 
 #include "base/input_file.h"
+#include "files/ending.h"
 #include "files/file_formats.h"
 #include "files/file_unit.h"
 #include "files/polygon_mesh.h"
@@ -24,13 +26,26 @@ namespace {
 
 namespace fs = std::filesystem;
 
-PolygonMesh read_polygons(const fs::path& path) {
-  const std::string extension = lower_extension(path);
-  if (extension == ".ply") return read_ply(path);
-  if (extension == ".obj") return read_obj(path);
-  if (extension == ".off") return read_off(path);
-  if (extension == ".stl") return read_stl(path);
-  return read_assimp_scene(path);
+struct InputFile {
+  std::string name;
+  std::string content;
+  std::string ending;  ///< of the format, in lower case
+};
+
+/// Pipes such as /dev/stdin have no ending.
+InputFile read_input(const fs::path& path) {
+  InputFile input{
+      .name = path.string(), .content = read_input_file(path), .ending = lower_extension(path)};
+  if (input.ending.empty()) input.ending = ending_by_content(input.content);
+  return input;
+}
+
+PolygonMesh read_polygons(const fs::path& path, const InputFile& input) {
+  if (input.ending == ".ply") return read_ply(input.content, input.name);
+  if (input.ending == ".obj") return read_obj(input.content, input.name);
+  if (input.ending == ".off") return read_off(input.content, input.name);
+  if (input.ending == ".stl") return read_stl(input.content, input.name);
+  return read_assimp_scene(path, input.content, input.ending);
 }
 
 /// Multiplying by 1 keeps every bit. A product beyond the range of double is refused.
@@ -42,6 +57,34 @@ void convert_to_mm(Eigen::Matrix3Xd& points, const FileUnit& unit, const std::st
       throw FileError(file + ": vertex " + std::to_string(i) + " times " +
                       std::to_string(unit.length) + " mm is beyond the range of numbers");
   }
+}
+
+MeshFile mesh_of(PolygonMesh polygons, const std::string& name, const ReadOptions& options) {
+  std::vector<std::string> comments = std::move(polygons.comments);
+  const FileUnit unit = take_unit(options, polygons.unit, comments);
+  MeshFile file = triangulate(std::move(polygons), name, options.keep_defects);
+  file.comments = std::move(comments);
+  file.unit = unit;
+  convert_to_mm(file.mesh.vertices, unit, name);
+  return file;
+}
+
+/// \param declared [mm] unit of the file.
+PointCloud cloud_in_mm(PointCloud cloud, const std::optional<double>& declared,
+                       const std::string& name, const ReadOptions& options) {
+  cloud.unit = take_unit(options, declared, cloud.comments);
+  convert_to_mm(cloud.points, cloud.unit, name);
+  return cloud;
+}
+
+PointCloud cloud_of(PolygonMesh polygons, const std::string& name, const ReadOptions& options) {
+  if (polygons.vertices.empty()) throw FileError(name + ": holds no points");
+  PointCloud cloud;
+  cloud.points = vertex_matrix(polygons);
+  cloud.width = cloud.points.cols();
+  cloud.attributes = std::move(polygons.vertex_attributes);
+  cloud.comments = std::move(polygons.comments);
+  return cloud_in_mm(std::move(cloud), polygons.unit, name, options);
 }
 
 [[noreturn]] void refuse_ending(const fs::path& path, const char* what, const char* endings) {
@@ -101,16 +144,10 @@ void write_checked(const fs::path& path, const MeshFile& file, const WriteOption
 
 MeshFile read_mesh_file(const fs::path& path, const ReadOptions& options) {
   check_options(options);
-  if (lower_extension(path) == ".pcd")
+  const InputFile input = read_input(path);
+  if (input.ending == ".pcd")
     throw FileError(path.string() + ": holds points without a surface; a mesh is needed");
-  PolygonMesh polygons = read_polygons(path);
-  std::vector<std::string> comments = std::move(polygons.comments);
-  const FileUnit unit = take_unit(options, polygons.unit, comments);
-  MeshFile file = triangulate(std::move(polygons), path.string(), options.keep_defects);
-  file.comments = std::move(comments);
-  file.unit = unit;
-  convert_to_mm(file.mesh.vertices, unit, path.string());
-  return file;
+  return mesh_of(read_polygons(path, input), input.name, options);
 }
 
 TriangleMesh read_mesh(const fs::path& path, const ReadOptions& options) {
@@ -119,30 +156,22 @@ TriangleMesh read_mesh(const fs::path& path, const ReadOptions& options) {
 
 PointCloud read_point_cloud(const fs::path& path, const ReadOptions& options) {
   check_options(options);
-  PointCloud cloud;
-  std::optional<double> declared;
-  if (lower_extension(path) == ".pcd") {
-    cloud = read_pcd(path);
-  } else {
-    PolygonMesh mesh = read_polygons(path);
-    if (mesh.vertices.empty()) throw FileError(path.string() + ": holds no points");
-    cloud.points = vertex_matrix(mesh);
-    cloud.width = cloud.points.cols();
-    cloud.attributes = std::move(mesh.vertex_attributes);
-    cloud.comments = std::move(mesh.comments);
-    declared = mesh.unit;
-  }
-  cloud.unit = take_unit(options, declared, cloud.comments);
-  convert_to_mm(cloud.points, cloud.unit, path.string());
-  return cloud;
+  const InputFile input = read_input(path);
+  if (input.ending == ".pcd")
+    return cloud_in_mm(read_pcd(input.content, input.name), std::nullopt, input.name, options);
+  return cloud_of(read_polygons(path, input), input.name, options);
 }
 
-bool holds_points_alone(const fs::path& path) {
-  const std::string extension = lower_extension(path);
-  if (extension == ".pcd") return true;
-  if (extension != ".ply" && extension != ".obj" && extension != ".off") return false;
-  const PolygonMesh mesh = read_polygons(path);
-  return mesh.sizes.empty() && !mesh.vertices.empty();
+std::variant<MeshFile, PointCloud> read_mesh_or_points(const fs::path& path,
+                                                       const ReadOptions& options) {
+  check_options(options);
+  const InputFile input = read_input(path);
+  if (input.ending == ".pcd")
+    return cloud_in_mm(read_pcd(input.content, input.name), std::nullopt, input.name, options);
+  PolygonMesh polygons = read_polygons(path, input);
+  if (polygons.sizes.empty() && !polygons.vertices.empty())
+    return cloud_of(std::move(polygons), input.name, options);
+  return mesh_of(std::move(polygons), input.name, options);
 }
 
 Eigen::Matrix3Xd read_points(const fs::path& path, const ReadOptions& options) {

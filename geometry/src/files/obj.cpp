@@ -240,10 +240,8 @@ class Reader {
 
 }  // namespace
 
-PolygonMesh read_obj(const fs::path& path) {
-  const std::string content = read_input_file(path);
-  const std::string joined = join_continued_lines(content);
-  const std::string file = path.string();
+PolygonMesh read_obj(std::string_view content, const std::string& file) {
+  const std::string joined = join_continued_lines(std::string(content));
   Reader reader(file);
   std::string_view rest = joined;
   while (!rest.empty()) {

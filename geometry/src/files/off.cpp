@@ -159,9 +159,7 @@ class VertexColumns {
 
 }  // namespace
 
-PolygonMesh read_off(const fs::path& path) {
-  const std::string content = read_input_file(path);
-  const std::string file = path.string();
+PolygonMesh read_off(std::string_view content, const std::string& file) {
   PolygonMesh mesh;  // grows as the file is read: the counts may be wrong
   OffLines lines(content, file, mesh.comments);
   std::string_view counts = lines.next();

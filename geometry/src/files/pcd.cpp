@@ -232,6 +232,10 @@ Attributes read_compressed(std::string_view body, const Header& header, const st
   if (size > compressed * kMaxCompression)
     throw FileError(file + ": " + std::to_string(compressed) + " compressed bytes cannot hold " +
                     std::to_string(size) + "; the file is damaged");
+  // Bytes, columns and coordinates in double.
+  check_memory_to_read(
+      3 * static_cast<double>(size) + 3 * sizeof(double) * static_cast<double>(header.points),
+      static_cast<double>(body.size()), file);
   std::string points(size, '\0');
   if (lzf_decompress(body.data() + kSizes, static_cast<unsigned>(compressed), points.data(),
                      static_cast<unsigned>(size)) != size)
@@ -259,9 +263,7 @@ void check_coordinates(const Header& header, const std::string& file) {
 
 }  // namespace
 
-PointCloud read_pcd(const fs::path& path) {
-  const std::string content = read_input_file(path);
-  const std::string file = path.string();
+PointCloud read_pcd(std::string_view content, const std::string& file) {
   Header header = parse_header(content, file);
   check_coordinates(header, file);
   if (header.points == 0) throw FileError(file + ": holds no points");

@@ -243,9 +243,7 @@ void take_strips(const Attribute& strips, PolygonMesh& mesh) {
 
 }  // namespace
 
-PolygonMesh read_ply(const fs::path& path) {
-  const std::string content = read_input_file(path);
-  const std::string file = path.string();
+PolygonMesh read_ply(std::string_view content, const std::string& file) {
   PlyHeader header = parse_ply_header(content, file);
   Body body(content, header, file);
   PolygonMesh mesh;

@@ -182,12 +182,14 @@ std::string text(const TriangleMesh& mesh, const Eigen::Matrix3Xd& normals) {
 
 }  // namespace
 
-PolygonMesh read_stl(const fs::path& path) {
-  const std::string content = read_input_file(path);
-  const std::string file = path.string();
-  // Many binary files start with "solid" as well, but they have the size that they announce.
+bool is_binary_stl(std::string_view content) {
+  const std::uint64_t announced = announced_bytes(content);
+  return announced > 0 && announced == content.size();
+}
+
+PolygonMesh read_stl(std::string_view content, const std::string& file) {
   std::string_view rest = content;
-  const bool is_text = announced_bytes(content) != content.size() && next_word(rest) == "solid";
+  const bool is_text = !is_binary_stl(content) && next_word(rest) == "solid";
   PolygonMesh mesh = is_text ? read_text(content, file) : read_binary(content, file);
   join_corners(mesh);
   return mesh;

@@ -3,6 +3,7 @@
 #include "palpate/geometry/range_map.h"
 
 #include <tiffio.h>
+#include <unistd.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -17,6 +18,7 @@
 #include <string>
 #include <system_error>
 
+#include "base/input_file.h"
 #include "palpate/error.h"
 #include "palpate/output_file.h"
 #include "palpate/parallel_for.h"
@@ -52,13 +54,33 @@ int ignore_message(TIFF* /*file*/, void* /*user*/, const char* /*module*/, const
 
 using TiffFile = std::unique_ptr<TIFF, decltype(&TIFFClose)>;
 
-/// Null if it cannot be opened. `message` must outlive the file.
-TiffFile open_tiff(const fs::path& path, const char* mode, TiffMessage& message) {
-  const std::unique_ptr<TIFFOpenOptions, decltype(&TIFFOpenOptionsFree)> options(
-      TIFFOpenOptionsAlloc(), &TIFFOpenOptionsFree);
+using TiffOptions = std::unique_ptr<TIFFOpenOptions, decltype(&TIFFOpenOptionsFree)>;
+
+TiffOptions options_with(TiffMessage& message) {
+  TiffOptions options(TIFFOpenOptionsAlloc(), &TIFFOpenOptionsFree);
   TIFFOpenOptionsSetErrorHandlerExtR(options.get(), keep_first_message, &message);
   TIFFOpenOptionsSetWarningHandlerExtR(options.get(), ignore_message, nullptr);
-  return {TIFFOpenExt(path.c_str(), mode, options.get()), &TIFFClose};
+  return options;
+}
+
+/// Null if it cannot be opened. `message` must outlive the file.
+TiffFile open_tiff(const fs::path& path, const char* mode, TiffMessage& message) {
+  return {TIFFOpenExt(path.c_str(), mode, options_with(message).get()), &TIFFClose};
+}
+
+/// The same for what comes through a pipe, by a temporary file, because libtiff seeks.
+TiffFile open_piped_tiff(const fs::path& path, TiffMessage& message) {
+  const std::string content = read_input_file(path);
+  const std::unique_ptr<std::FILE, decltype(&std::fclose)> copy(std::tmpfile(), &std::fclose);
+  if (!copy || std::fwrite(content.data(), 1, content.size(), copy.get()) != content.size() ||
+      std::fflush(copy.get()) != 0)
+    throw FileError(path.string() + ": cannot be kept in a temporary file: " +
+                    std::generic_category().message(errno));
+  const int descriptor = ::dup(::fileno(copy.get()));  // closed by libtiff
+  if (descriptor < 0 || ::lseek(descriptor, 0, SEEK_SET) != 0)
+    throw FileError(path.string() +
+                    ": cannot be read again: " + std::generic_category().message(errno));
+  return {TIFFFdOpenExt(descriptor, path.c_str(), "rm", options_with(message).get()), &TIFFClose};
 }
 
 std::string sample_name(int bits, int format, int channels) {
@@ -88,6 +110,10 @@ ImageF checked_image(TIFF* file, const fs::path& path) {
   if (width == 0 || height == 0 || std::uint64_t{width} * height > kMaxPixels)
     throw FileError(path.string() + ": has a size of " + std::to_string(width) + " x " +
                     std::to_string(height) + " px; a range map has 1 to 2^28 pixels");
+  // The image, and a copy in which unknown pixels are NaN.
+  check_memory_to_read(2 * sizeof(float) * static_cast<double>(width) * height,
+                       static_cast<double>(TIFFGetSizeProc(file)(TIFFClientdata(file))),
+                       path.string());
   return ImageF(static_cast<Eigen::Index>(height), static_cast<Eigen::Index>(width));
 }
 
@@ -104,7 +130,7 @@ void check_parts(TIFF* file, const fs::path& path) {
   const bool is_tiled = TIFFIsTiled(file) != 0;
   const std::uint32_t parts = is_tiled ? TIFFNumberOfTiles(file) : TIFFNumberOfStrips(file);
   const char* const kind = is_tiled ? "tile" : "strip";
-  const std::uintmax_t size = fs::file_size(path);
+  const std::uintmax_t size = TIFFGetSizeProc(file)(TIFFClientdata(file));
   std::uintmax_t total = 0;
   for (std::uint32_t part = 0; part < parts && total <= size; ++part) {
     const std::uint64_t bytes = TIFFGetStrileByteCount(file, part);
@@ -212,10 +238,12 @@ Eigen::Matrix3Xd back_project(const RangeMap& map) {
 
 ImageF read_depth_tiff(const fs::path& path) {
   std::error_code error;
-  if (!fs::is_regular_file(path, error))
+  const fs::file_status status = fs::status(path, error);
+  if (!fs::is_regular_file(status) && !fs::is_fifo(status))
     throw FileError(path.string() + ": no such file; a range map is a TIFF file");
   TiffMessage message;
-  const TiffFile file = open_tiff(path, "rm", message);
+  const TiffFile file =
+      fs::is_fifo(status) ? open_piped_tiff(path, message) : open_tiff(path, "rm", message);
   if (!file)
     throw FileError(path.string() + ": is not a TIFF file, or it is truncated (" + message.str() +
                     "); a range map is a TIFF of 1 channel of 32 bit floating-point");

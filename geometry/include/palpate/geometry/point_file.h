@@ -3,12 +3,16 @@
 #pragma once
 
 #include <filesystem>
+#include <variant>
+
+#include "palpate/geometry/mesh_io.h"
 
 namespace palpate::geometry {
 
-/// Whether a file holds points without any face, for `read_point_cloud` rather than `read_mesh`: a
-/// PCD file (which is not read), or a PLY, OBJ or OFF file with vertices alone.
-/// \throws FileError if such a file is missing, truncated or damaged.
-[[nodiscard]] bool holds_points_alone(const std::filesystem::path& path);
+/// Reads what a file holds, in one go: points if it is a PCD file or has vertices alone, else a
+/// mesh.
+/// \throws FileError, InvalidInput as `read_mesh_file` and `read_point_cloud`.
+[[nodiscard]] std::variant<MeshFile, PointCloud> read_mesh_or_points(
+    const std::filesystem::path& path, const ReadOptions& options = {});
 
 }  // namespace palpate::geometry

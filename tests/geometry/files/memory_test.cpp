@@ -1,0 +1,115 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+// How much memory readers take for files that need the most of each format.
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <tiffio.h>
+#include <unistd.h>
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/input_file.h"
+#include "file_testing.h"
+#include "palpate/error.h"
+#include "palpate/geometry/mesh_io.h"
+#include "palpate/geometry/range_map.h"
+
+namespace palpate::geometry {
+namespace {
+
+/// Of each file: so much that what the process has without it does not matter.
+constexpr std::size_t kFileBytes = 2'000'000;
+
+std::string repeated(const std::string& head, const std::string& line) {
+  std::string content = head;
+  while (content.size() < kFileBytes) content += line;
+  return content;
+}
+
+/// [bytes] The most that a process of its own takes for the work.
+double peak_of(const std::function<void()>& work) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    try {
+      work();
+    } catch (const Error&) {  // what is refused must not take more either
+    }
+    ::_exit(0);
+  }
+  int status = 0;
+  struct rusage usage = {};
+  ::wait4(child, &status, 0, &usage);
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+  return 1024.0 * static_cast<double>(usage.ru_maxrss);
+}
+
+TEST(Memory, OfEachReaderIsWithinTheLimit) {
+  const ScratchFolder folder;
+  const std::string ply =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty double x\n"
+      "property double y\nproperty double z\n";
+  const std::vector<std::pair<std::string, std::string>> files = {
+      {"vertices.obj", repeated("", "v 0 0 0\n") + "f 1 2 3\n"},
+      {"faces.obj", repeated("v 0 0 0\nv 1 0 0\nv 0 1 0\n", "f 1 2 3\n")},
+      {"comments.obj", repeated("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "#\n")},
+      {"texture.obj", repeated("v 0 0 0\nv 1 0 0\nv 0 1 0\n", "vt 0\nf 1/1 2/1 3/1\n")},
+      {"materials.obj", repeated("v 0 0 0\nv 1 0 0\nv 0 1 0\n", "mtllib a\n") + "f 1 2 3\n"},
+      {"normals.obj", repeated("v 0 0 0\nv 1 0 0\nv 0 1 0\n", "vn 0 0 1\n") + "f 1 2 3\n"},
+      {"text.stl", "solid\n" +
+                       repeated("",
+                                "facet normal 0 0 1 outer loop vertex 0 0 0 vertex 1 0 0 "
+                                "vertex 0 1 0 endloop endfacet\n") +
+                       "endsolid\n"},
+      {"faces.off", repeated("OFF\n3 300000 0\n0 0 0\n1 0 0\n0 1 0\n", "3 0 1 2\n")},
+      {"comments.ply", repeated("ply\nformat ascii 1.0\n", "comment\n")},
+      {"lists.ply", repeated(ply + "property list uchar uchar a\nproperty list uchar uchar b\n"
+                                   "element face 1000000\n"
+                                   "property list uchar int vertex_indices\nend_header\n"
+                                   "0 0 0 0 0\n0 1 0 0 0\n1 0 0 0 0\n",
+                             "0\n")},
+      {"points.pcd", repeated("FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\n"
+                              "WIDTH 333000\nHEIGHT 1\nPOINTS 333000\nDATA ascii\n",
+                              "0 0 0\n")}};
+  const double nothing = peak_of([] {});
+  for (const auto& [name, content] : files) {
+    write_text(folder / name, content);
+    const double taken = peak_of([&] {
+      if (name.ends_with(".pcd"))
+        static_cast<void>(read_point_cloud(folder / name));
+      else
+        static_cast<void>(read_mesh_file(folder / name));
+    });
+    EXPECT_LT(taken - nothing, kMemoryOfFile * static_cast<double>(content.size())) << name;
+  }
+}
+
+TEST(Memory, OfContentThatIsCompressedBeyondTheLimitIsRefused) {
+  const ScratchFolder folder;
+  const std::string path = folder / "plain.tiff";
+  TIFF* file = TIFFOpen(path.c_str(), "w");
+  constexpr std::uint32_t kWidth = 12000, kHeight = 6000;  // 72 million pixels, 576 MB
+  TIFFSetField(file, TIFFTAG_IMAGEWIDTH, kWidth);
+  TIFFSetField(file, TIFFTAG_IMAGELENGTH, kHeight);
+  TIFFSetField(file, TIFFTAG_BITSPERSAMPLE, 32);
+  TIFFSetField(file, TIFFTAG_SAMPLEFORMAT, SAMPLEFORMAT_IEEEFP);
+  TIFFSetField(file, TIFFTAG_SAMPLESPERPIXEL, 1);
+  TIFFSetField(file, TIFFTAG_COMPRESSION, COMPRESSION_ADOBE_DEFLATE);
+  constexpr std::uint32_t kRows = 10;
+  TIFFSetField(file, TIFFTAG_ROWSPERSTRIP, kRows);
+  std::vector<float> strip(std::size_t{kRows} * kWidth, 0.0F);
+  // It is refused before the other strips are missed.
+  TIFFWriteEncodedStrip(file, 0, strip.data(), static_cast<tmsize_t>(strip.size() * sizeof(float)));
+  TIFFClose(file);
+  EXPECT_THROWS_MESSAGE(static_cast<void>(read_depth_tiff(path)), FileError,
+                        "plain.tiff: its content is so compressed that reading it takes 576 MB");
+  EXPECT_NO_THROW(check_memory_to_read(kMemoryAllowance + kMemoryOfFile * 10, 10, "a"));
+  EXPECT_THROW(check_memory_to_read(kMemoryAllowance + kMemoryOfFile * 10 + 1, 10, "a"), FileError);
+}
+
+}  // namespace
+}  // namespace palpate::geometry
