@@ -5,7 +5,10 @@
 #include <cmath>
 #include <vector>
 
+#include "contacts/contact_testing.h"
+#include "mesh_corpus.h"
 #include "palpate/geometry/contact_triangulation.h"
+#include "palpate/geometry/mesh_topology.h"
 #include "test_surfaces.h"
 
 namespace palpate::geometry {
@@ -30,6 +33,18 @@ TEST(CoarseTriangulation, ContactsNextToAVertexNeedNoMoreHelpersThanContactsAtIt
     EXPECT_EQ(triangulate(offset).intrinsic.helpers.cols(), at_vertices.intrinsic.helpers.cols())
         << offset;
     EXPECT_EQ(triangulate(offset).mesh.triangles, at_vertices.mesh.triangles) << offset;
+  }
+}
+
+TEST(CoarseTriangulation, OfManyContactsOnARangeMapHasItsHolesAndNoOther) {
+  for (const double noise : {0.0, 0.25}) {
+    const TriangleMesh surface = test::bumpy(8000, noise);
+    for (const unsigned seed : {1U, 2U, 3U, 4U}) {
+      const ContactTriangulation result =
+          triangulate_contacts(surface, test::random_contacts(surface, 300, seed));
+      EXPECT_EQ(test::check_manifold(result.mesh).euler(), euler_characteristic(surface)) << seed;
+      EXPECT_EQ(boundary_loops(result.mesh).size(), boundary_loops(surface).size()) << seed;
+    }
   }
 }
 
