@@ -28,22 +28,24 @@ Eigen::Matrix3Xd centres(const Grid& grid, const Cubes& cubes, std::size_t first
   return places;
 }
 
-/// Calls `visit(first, places)` for batches of the cubes' centres.
-void for_each_batch(const Grid& grid, const Cubes& cubes, int level, auto&& visit) {
+/// Calls `visit(first, places)` for batches of the cubes' centres, and `check` after each.
+void for_each_batch(const Grid& grid, const Cubes& cubes, int level,
+                    const std::function<void()>& check, auto&& visit) {
   for (std::size_t first = 0; first < cubes.size(); first += kBatch) {
     const auto count =
         std::min<Eigen::Index>(kBatch, static_cast<Eigen::Index>(cubes.size() - first));
     visit(first, centres(grid, cubes, first, count, level));
+    if (check) check();
   }
 }
 
 /// The eighths of the cubes that may have a grid point within reach.
 Cubes divide(const ScanDistance& scan, const Grid& grid, const Cubes& cubes, int level,
-             double reach) {
+             double reach, const std::function<void()>& check) {
   const double to_corner = std::numbers::sqrt3 * (std::ldexp(1.0, level) - 1) / 2 * grid.spacing;
   const std::int64_t half = std::int64_t{1} << (level - 1);
   Cubes eighths;
-  for_each_batch(grid, cubes, level, [&](std::size_t first, const Eigen::Matrix3Xd& places) {
+  for_each_batch(grid, cubes, level, check, [&](std::size_t first, const Eigen::Matrix3Xd& places) {
     const Eigen::VectorXd distances = scan.unsigned_at(places);
     for (Eigen::Index i = 0; i < places.cols(); ++i) {
       if (distances[i] > reach + to_corner) continue;
@@ -65,17 +67,17 @@ Eigen::Vector3d grid_position(const Grid& grid, std::int64_t key) {
   return grid.origin.array() + grid.spacing * index;
 }
 
-std::vector<GridDistance> distances_around(const ScanDistance& scan, const Grid& grid,
-                                           double reach) {
+std::vector<GridDistance> distances_around(const ScanDistance& scan, const Grid& grid, double reach,
+                                           const std::function<void()>& check) {
   const Eigen::Vector3d far = scan.mesh().vertices.rowwise().maxCoeff().array() + reach;
   const double extent = (far - grid.origin).maxCoeff() / grid.spacing + 1;
   const int root = std::max(0, static_cast<int>(std::ceil(std::log2(extent))));
   Cubes cubes = {0};
-  for (int level = root; level > 0; --level) cubes = divide(scan, grid, cubes, level, reach);
+  for (int level = root; level > 0; --level) cubes = divide(scan, grid, cubes, level, reach, check);
   // Order the grid points before they are evaluated, and the result is ordered.
   std::sort(cubes.begin(), cubes.end());
   std::vector<GridDistance> known;
-  for_each_batch(grid, cubes, 0, [&](std::size_t first, const Eigen::Matrix3Xd& places) {
+  for_each_batch(grid, cubes, 0, check, [&](std::size_t first, const Eigen::Matrix3Xd& places) {
     const PlaceDistances there = scan.at(places);
     for (Eigen::Index i = 0; i < places.cols(); ++i) {
       const double d = there.distance[i] / grid.spacing;

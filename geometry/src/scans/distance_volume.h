@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "scans/scan_distance.h"
@@ -43,8 +44,10 @@ struct GridDistance {
 /// The weight of a distance d is that of the scan there, times (1 + (d / spacing)^2)^-2: the scan
 /// that is nearest to a place decides there, so that the far side of a thin wall does not erase
 /// the near one.
+/// \param check called after every quarter of a million places or less; may throw.
 [[nodiscard]] std::vector<GridDistance> distances_around(const ScanDistance& scan, const Grid& grid,
-                                                         double reach);
+                                                         double reach,
+                                                         const std::function<void()>& check = {});
 
 /// Combines what different scans tell: weighted means. Both sorted by key, as is the result.
 [[nodiscard]] std::vector<GridDistance> combine(const std::vector<GridDistance>& a,

@@ -113,8 +113,13 @@ MergedScans merge_scans(std::span<const Scan> scans, const MergeScansOptions& op
     check_memory(meshes[i], volume.size(), grid, options, "merge_scans: scan " + std::to_string(i));
     const ScanDistance scan(meshes[i], know_sigma ? scans[i].sigma : Eigen::VectorXd(),
                             kOverhang * grid.spacing);
-    volume = combine(volume, distances_around(scan, grid, options.reach * grid.spacing));
-    if (options.progress) options.progress(static_cast<int>(i + 1), static_cast<int>(scans.size()));
+    const auto report = [&](std::size_t done) {
+      if (options.progress)
+        options.progress(static_cast<int>(done), static_cast<int>(scans.size()));
+    };
+    volume = combine(
+        volume, distances_around(scan, grid, options.reach * grid.spacing, [&] { report(i); }));
+    report(i + 1);
   }
   VolumeSurface surface = zero_surface(grid, volume);
   surface.mesh.triangles = measured_triangles(surface, kLargestBeyond * grid.spacing);

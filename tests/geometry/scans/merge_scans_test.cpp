@@ -318,6 +318,25 @@ TEST(MergeScans, DoNotDependOnTheirOrder) {
   EXPECT_LT((there.vertices - back.vertices).cwiseAbs().maxCoeff(), 1e-9);
 }
 
+TEST(MergeScans, TellTheirProgressDuringEachScanAndEndWhenTold) {
+  const std::vector<Scan> scans(3, Scan{.mesh = test::flat_sheet(30, 30, 1)});
+  std::vector<int> done;
+  MergeScansOptions options{.progress = [&](int scan, int total) {
+    EXPECT_EQ(total, 3);
+    done.push_back(scan);
+  }};
+  (void)merge_scans(scans, options);
+  EXPECT_TRUE(std::ranges::is_sorted(done));
+  for (const int scan : {0, 1, 2}) EXPECT_GT(std::ranges::count(done, scan), 1) << scan;
+  EXPECT_EQ(std::ranges::count(done, 3), 1);
+  struct Stopped {};
+  options.progress = [](int scan, int) {
+    EXPECT_EQ(scan, 0);
+    throw Stopped();
+  };
+  EXPECT_THROW((void)merge_scans(scans, options), Stopped);
+}
+
 TEST(MergeScans, RefuseAGridThatDoesNotFitIntoMemory) {
   const std::vector<Scan> scans = {{.mesh = test::icosphere(3, 1000)}};
   EXPECT_THAT([&] { (void)merge_scans(scans, {.spacing = 0.5}); },

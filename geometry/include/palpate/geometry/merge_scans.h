@@ -28,7 +28,8 @@ struct MergeScansOptions {
   double reach = 3;
   /// [GB] > 0; memory for the grid. A finer grid is refused before it is computed.
   double max_memory = 4;
-  /// Called after each scan with the number of scans done and of all. It may throw to cancel.
+  /// Called in the calling thread several times during each scan, and after it, with the number of
+  /// scans done and of all. What it throws ends the merging.
   std::function<void(int done, int total)> progress = {};
 };
 
