@@ -160,6 +160,11 @@ TEST_F(MeshAttributes, TheTextureOfAnObjGoesThroughAllStepsButRemeshing) {
   EXPECT_EQ(even.status, kDone);
   EXPECT_THAT(even.err, HasSubstr("the texture is left out"));
   EXPECT_TRUE(geometry::read_mesh_file(scratch / "even.obj").triangle_attributes.empty());
+  const CommandResult exported =
+      run_palpate({"export", scratch / "scan.obj", "--obj", "-o", scratch / "made/exported.obj"});
+  ASSERT_EQ(exported.status, kDone) << exported.err;
+  EXPECT_EQ(geometry::read_mesh_file(scratch / "made/exported.obj").material_files,
+            std::vector<std::string>{"../scan.mtl"});
   const CommandResult ply = run_palpate({"mesh", scratch / "scan.obj", "-o", scratch / "out.ply"});
   EXPECT_THAT(ply.err, HasSubstr("PLY has no materials, so those of scan.mtl"));
   EXPECT_EQ(

@@ -3,9 +3,11 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 
 #include "commands/color_picture.h"
 #include "commands/export_page.h"
+#include "commands/mesh_steps.h"
 #include "palpate/error.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/range_map_mesh.h"
@@ -65,6 +67,7 @@ geometry::MeshFile surface_of(const PageCall& call, PageContent content, bool co
                        "and palpate track write a mesh a frame.");
   } else if (content == PageContent::meshes) {
     file = geometry::read_mesh_file(call.input, call.meshes);
+    file.material_files = seen_from(call.output, call.input, std::move(file.material_files));
   } else {
     file.mesh = geometry::mesh_range_map(load_range_map(call.input, call.camera)).mesh;
     if (color) file.vertex_attributes = colors_beside(call.input, file.mesh.vertices, call.camera);

@@ -55,14 +55,6 @@ MadeMesh make_with_bar(const MeshCall& call) {
   return make_mesh(call.inputs.front(), steps);
 }
 
-/// A file that the input names, as the output has to name it.
-std::string seen_from(const fs::path& output, const fs::path& input, const std::string& name) {
-  const fs::path from = fs::absolute(output).lexically_normal().parent_path();
-  const fs::path folder = fs::absolute(input).lexically_normal().parent_path();
-  return folder == from ? name
-                        : (folder / name).lexically_normal().lexically_relative(from).string();
-}
-
 void write_made(const fs::path& output, const fs::path& input, const MadeMesh& made) {
   geometry::MeshFile file;
   file.mesh = made.mesh;
@@ -76,8 +68,7 @@ void write_made(const fs::path& output, const fs::path& input, const MadeMesh& m
       spdlog::warn("{}: the texture is left out; write OBJ or PLY to keep it", output.string());
     geometry::set_corner_texture(file.triangle_attributes, *made.texture);
     file.materials = made.materials;
-    for (const std::string& name : made.material_files)
-      file.material_files.push_back(seen_from(output, input, name));
+    file.material_files = seen_from(output, input, made.material_files);
     file.comments = made.comments;
   }
   geometry::write_mesh_file(output, file);

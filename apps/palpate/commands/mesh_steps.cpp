@@ -223,4 +223,14 @@ MadeMesh make_mesh(const fs::path& input, const MeshSteps& steps) {
   return made;
 }
 
+std::vector<std::string> seen_from(const fs::path& output, const fs::path& input,
+                                   std::vector<std::string> names) {
+  const fs::path from = fs::absolute(output).lexically_normal().parent_path();
+  const fs::path folder = fs::absolute(input).lexically_normal().parent_path();
+  if (folder == from) return names;
+  for (std::string& name : names)
+    name = (folder / name).lexically_normal().lexically_relative(from).string();
+  return names;
+}
+
 }  // namespace palpate::apps

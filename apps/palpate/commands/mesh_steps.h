@@ -49,4 +49,10 @@ struct MadeMesh {
 /// \throws FileError, InvalidInput, SolverError or Unavailable, as the steps do.
 [[nodiscard]] MadeMesh make_mesh(const std::filesystem::path& input, const MeshSteps& steps);
 
+/// The names of files that the input names, such as `MeshFile::material_files`, as the output has
+/// to name them.
+[[nodiscard]] std::vector<std::string> seen_from(const std::filesystem::path& output,
+                                                 const std::filesystem::path& input,
+                                                 std::vector<std::string> names);
+
 }  // namespace palpate::apps
