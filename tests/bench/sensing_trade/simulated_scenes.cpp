@@ -50,7 +50,11 @@ VirtualSensor camera_with(const CameraNoise& noise) { return {.full_well = noise
 constexpr double kSheetWidth = 1000;
 constexpr double kSheetHeight = 760;
 
+/// [mm] Spacing of flat sheets: a divisor of both.
+constexpr double kFlatSpacing = 20;
+
 /// z(x, y) about the camera's axis, with a print whose picture spans the whole sheet.
+/// \param spacing [mm] of the vertices; what is left of the width and height is missing.
 Body sheet(double spacing, const std::function<double(double, double)>& depth) {
   Body body;
   body.mesh = height_field(
@@ -65,7 +69,7 @@ Body sheet(double spacing, const std::function<double(double, double)>& depth) {
 }
 
 Body wall(double z) {
-  return sheet(kSheetHeight, [z](double, double) { return z; });
+  return sheet(kFlatSpacing, [z](double, double) { return z; });
 }
 
 Body ball(const Eigen::Vector3d& center, double radius, const Eigen::Vector3d& reflectance) {
@@ -260,7 +264,7 @@ std::vector<Scene> smooth_scenes(const CameraNoise& noise) {
   const VirtualSensor sensor = camera_with(noise);
   const sensing::TrainedColors colors = trained(sensor);
   const auto plane = [](double z, double across, double down) {
-    return sheet(kSheetHeight, [=](double x, double y) { return z + across * x + down * y; });
+    return sheet(kFlatSpacing, [=](double x, double y) { return z + across * x + down * y; });
   };
   return {scene_of("planes", {{plane(560, 0.2, 0)}, {plane(700, 0, -0.35)}, {plane(900, 0.1, 0.2)}},
                    sensor, colors),
