@@ -282,7 +282,8 @@ void Decoder::Impl::find_regions(Workspace& work) const {
 
 /// Removes the phases of windows that mix two surfaces, or a surface and the dark beside it.
 void Decoder::Impl::drop_borders(Workspace& work) const {
-  erode(work.lit, kBlurRadius, work.inner);
+  bridge_gaps(work.lit, work.phase, kBlurRadius, kBreak, work.breaks);
+  erode(work.breaks, kBlurRadius, work.inner);
   give_reason_unless(work.inner, Reason::border, work.reasons);
   keep_reconstructed(work.reasons, work.phase);
   // Across the sinusoid, two standard deviations of the average along the rows.

@@ -130,6 +130,27 @@ void erode(const Mask& mask, int radius, Mask& inner) {
   }
 }
 
+void bridge_gaps(const Mask& mask, const Plane& phase, long width, double max_step, Mask& bridged) {
+  bridged = mask;
+  const auto limit = static_cast<float>(max_step);
+  for (long row = 0; row < mask.rows(); ++row) {
+    const std::uint8_t* const known = &mask(row, 0);
+    long column = 1;
+    while (column < mask.cols()) {
+      if (known[column] != 0 || known[column - 1] == 0) {
+        ++column;
+        continue;
+      }
+      long end = column;
+      while (end < mask.cols() && known[end] == 0) ++end;
+      const bool continues = end < mask.cols() && end - column <= width &&
+                             std::abs(phase(row, end) - phase(row, column - 1)) <= limit;
+      if (continues) bridged.row(row).segment(column, end - column).setOnes();
+      column = end + 1;
+    }
+  }
+}
+
 void find_breaks(const Plane& phase, double max_step, const Reach& reach, Mask& marked) {
   const long rows = phase.rows();
   const long columns = phase.cols();

@@ -15,6 +15,11 @@ namespace palpate::sensing {
 /// beyond the edge of a surface.
 void erode(const Mask& mask, int radius, Mask& inner);
 
+/// Adds to a mask the gaps of at most `width` pixels in its rows across which a surface goes on:
+/// the phases beside the gap are known, and differ by at most `max_step` [rad]. In little light,
+/// the edges between stripes are such gaps.
+void bridge_gaps(const Mask& mask, const Plane& phase, long width, double max_step, Mask& bridged);
+
 /// Reach of a phase discontinuity: the demodulation window mixes both sides.
 struct Reach {
   int rows = 0;     ///< px, along the sinusoid

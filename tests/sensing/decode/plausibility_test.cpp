@@ -48,6 +48,26 @@ Mask breaks_of(const Plane& phase, double max_step) {
   return marked;
 }
 
+TEST(Plausibility, GapsAreBridgedWhereTheSurfaceGoesOn) {
+  constexpr float kUnknown = std::numeric_limits<float>::quiet_NaN();
+  Mask mask = Mask::Ones(5, 10);
+  mask.block(0, 4, 5, 2) = 0;
+  mask.row(3).segment(3, 4) = 0;
+  mask.row(4).setZero();
+  mask.row(4).segment(4, 3) = 1;
+  Plane phase = Plane::Constant(5, 10, 1);
+  phase.row(1).tail(4) = 4;  // another surface
+  phase(2, 6) = kUnknown;
+  Mask bridged;
+  bridge_gaps(mask, phase, 2, 2, bridged);
+  Mask expected = mask;
+  expected.row(0) = 1;
+  EXPECT_TRUE((bridged == expected).all());
+  bridge_gaps(mask, phase, 4, 3.5, bridged);
+  expected.row(1) = expected.row(3) = 1;
+  EXPECT_TRUE((bridged == expected).all());
+}
+
 TEST(Plausibility, ABreakReachesAsFarAsTheWindowMixes) {
   Plane phase = Plane::Zero(12, 20);
   phase.rightCols(10) = 3;
