@@ -3,11 +3,11 @@
 #include "base/input_file.h"
 
 #include <algorithm>
-#include <cmath>
 #include <fstream>
 #include <iterator>
 
 #include "palpate/error.h"
+#include "palpate/memory_limit.h"
 
 namespace palpate::geometry {
 
@@ -49,13 +49,8 @@ std::string read_input_file(const fs::path& path) {
 }
 
 void check_memory_to_read(double needed, double file_size, const std::string& file) {
-  const double most = kMemoryOfFile * file_size + kMemoryAllowance;
-  if (needed <= most) return;
-  constexpr double kMegabyte = 1e6;
-  throw FileError(file + ": its content is so compressed that reading it takes " +
-                  std::to_string(std::llround(needed / kMegabyte)) + " MB; the limit is " +
-                  std::to_string(std::llround(most / kMegabyte)) +
-                  " MB, 64 times the file and 512 MB more. Write it without compression");
+  if (const auto wrong = beyond_memory_limit(needed, file_size))
+    throw FileError(file + ": " + *wrong);
 }
 
 std::size_t line_number(std::string_view content, std::size_t offset) {

@@ -15,13 +15,7 @@ namespace palpate::geometry {
 /// \throws FileError if it is missing, neither a regular file nor a pipe, empty or unreadable.
 [[nodiscard]] std::string read_input_file(const std::filesystem::path& path);
 
-/// Reading takes at most this many times the size of the file ...
-inline constexpr double kMemoryOfFile = 64;
-/// ... and this more [bytes].
-inline constexpr double kMemoryAllowance = 512e6;
-
-/// Before memory is taken for compressed content. What is not compressed needs less.
-/// \throws FileError naming `file` if `needed` bytes are beyond the limit.
+/// \throws FileError naming `file` if `needed` bytes are beyond the limit (`memory_limit.h`).
 void check_memory_to_read(double needed, double file_size, const std::string& file);
 
 /// Line number, from 1, of the character at `offset`.

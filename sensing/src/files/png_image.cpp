@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "palpate/error.h"
+#include "palpate/memory_limit.h"
 
 namespace palpate::sensing {
 namespace {
@@ -99,6 +100,10 @@ std::vector<Byte> inflate(std::string_view packed, std::size_t size) {
   if (size / kMaxExpansion > packed.size())  // before memory is taken
     throw InvalidInput("is damaged: " + std::to_string(packed.size()) +
                        " packed bytes cannot hold its pixels");
+  // The rows and the image made of them.
+  if (const auto wrong =
+          beyond_memory_limit(2 * static_cast<double>(size), static_cast<double>(packed.size())))
+    throw InvalidInput(*wrong);
   const std::unique_ptr<libdeflate_decompressor, decltype(&libdeflate_free_decompressor)>
       decompressor(libdeflate_alloc_decompressor(), &libdeflate_free_decompressor);
   if (!decompressor) throw std::bad_alloc();

@@ -6,6 +6,7 @@
 #include <libdeflate.h>
 
 #include <opencv2/imgcodecs.hpp>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -116,6 +117,17 @@ TEST(PngImage, RefusesDamageThatChecksumsDoNotShow) {
   EXPECT_NE(refusal(grey_file(0, 1, "\0"s)).find("0 x 1 px"), std::string::npos);
   EXPECT_NE(refusal(grey_file(1 << 20, 1 << 20, "\0"s)).find("2^28"), std::string::npos);
   EXPECT_NE(refusal("\x89PNG\r\n\x1a\n" + chunk("IEND", "")).find("no header"), std::string::npos);
+}
+
+TEST(PngImage, RefusesWhatUnpacksToHundredsOfMegabytesBeforeItTakesThem) {
+  std::mt19937 random(1);
+  std::string rows(300'000, '\0');  // as many bytes when packed, which could hold 300 MB
+  for (char& byte : rows) byte = static_cast<char>(random());
+  const std::string message =
+      message_of<InvalidInput>([&] { (void)decode_png(grey_file(1 << 14, 1 << 14, rows)); });
+  EXPECT_NE(message.find("so compressed that reading it takes 537 MB; the limit is 531 MB"),
+            std::string::npos)
+      << message;
 }
 
 TEST(PngDamage, FindsNothingInWholeFiles) {

@@ -1,0 +1,21 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <string>
+
+namespace palpate {
+
+/// Reading a file takes at most this many times its size as memory ...
+inline constexpr double kMemoryOfFile = 64;
+/// ... and this more [bytes].
+inline constexpr double kMemoryAllowance = 512e6;
+
+/// For compressed content, before memory is taken; what is not compressed needs less.
+/// \param needed [bytes] to read the file.
+/// \param file_size [bytes]
+/// \return what is wrong, as the end of a sentence about the file, if that is beyond the limit.
+[[nodiscard]] std::optional<std::string> beyond_memory_limit(double needed, double file_size);
+
+}  // namespace palpate
