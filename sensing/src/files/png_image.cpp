@@ -4,14 +4,13 @@
 
 #include <libdeflate.h>
 
-#include <array>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
+#include <cstring>
 #include <memory>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "palpate/error.h"
@@ -96,6 +95,10 @@ Layout read_layout(std::string_view header) {
 // Of unpacked bytes to packed ones: deflate codes at most 258 bytes by two bits.
 constexpr std::size_t kMaxExpansion = 1032;
 
+/// A pixel has at most this many bytes; so many more are readable behind the rows.
+constexpr std::size_t kLongestPixel = 8;
+
+/// `size` bytes of rows, and kLongestPixel behind them.
 std::vector<Byte> inflate(std::string_view packed, std::size_t size) {
   if (size / kMaxExpansion > packed.size())  // before memory is taken
     throw InvalidInput("is damaged: " + std::to_string(packed.size()) +
@@ -107,70 +110,91 @@ std::vector<Byte> inflate(std::string_view packed, std::size_t size) {
   const std::unique_ptr<libdeflate_decompressor, decltype(&libdeflate_free_decompressor)>
       decompressor(libdeflate_alloc_decompressor(), &libdeflate_free_decompressor);
   if (!decompressor) throw std::bad_alloc();
-  std::vector<Byte> rows(size);
+  std::vector<Byte> rows(size + kLongestPixel);
   // Because no output size is passed, anything but exactly `size` bytes is an error.
   if (libdeflate_zlib_decompress(decompressor.get(), packed.data(), packed.size(), rows.data(),
-                                 rows.size(), nullptr) != LIBDEFLATE_SUCCESS) {
+                                 size, nullptr) != LIBDEFLATE_SUCCESS) {
     throw InvalidInput("is damaged: its pixels cannot be unpacked");
   }
   return rows;
 }
 
+using PixelBytes = Byte __attribute__((vector_size(kLongestPixel)));
+using PixelVector = std::int16_t __attribute__((vector_size(2 * kLongestPixel)));
+
+/// What the bytes of a pixel are computed in; a vector is slower for a single one.
+template <std::size_t kPixelBytes>
+using Pixel = std::conditional_t<kPixelBytes == 1, int, PixelVector>;
+
+template <typename Values>
+Values load_pixel(const Byte* bytes) {
+  if constexpr (std::is_same_v<Values, int>) {
+    return *bytes;
+  } else {
+    PixelBytes pixel;
+    std::memcpy(&pixel, bytes, sizeof pixel);
+    return __builtin_convertvector(pixel, Values);
+  }
+}
+
+template <std::size_t kPixelBytes>
+void store_pixel(Pixel<kPixelBytes> values, Byte* bytes) {
+  if constexpr (kPixelBytes == 1) {
+    *bytes = static_cast<Byte>(values);
+  } else {
+    const PixelBytes pixel = __builtin_convertvector(values, PixelBytes);
+    std::memcpy(bytes, &pixel, kPixelBytes);
+  }
+}
+
+template <typename Values>
+Values absolute(Values values) {
+  return values > 0 ? values : -values;
+}
+
 /// The one of left, above and above left that is nearest to left + above - above left (Paeth; PNG
 /// specification, 9.4).
-Byte paeth(int left, int above, int corner) {
-  const int to_left = std::abs(above - corner);
-  const int to_above = std::abs(left - corner);
-  const int to_corner = std::abs(left + above - 2 * corner);
-  const int nearer = to_above <= to_corner ? above : corner;
-  return static_cast<Byte>(to_left <= to_above && to_left <= to_corner ? left : nearer);
+template <typename Values>
+Values paeth(Values left, Values above, Values corner) {
+  const Values to_left = absolute<Values>(above - corner);
+  const Values to_above = absolute<Values>(left - corner);
+  const Values to_corner = absolute<Values>(left + above - 2 * corner);
+  const Values nearer = to_above <= to_corner ? above : corner;
+  return ((to_left <= to_above) & (to_left <= to_corner)) ? left : nearer;
 }
 
 /// Reverses the filter of one row (PNG specification, 9.2), whose bytes are differences from what
 /// the pixel to the left and the row above predict. `above` is zero for the first row.
-template <std::size_t kPixelBytes>
-void undo_filter(int filter, Byte* row, const Byte* above, std::size_t size) {
-  std::array<Byte, kPixelBytes> left{}, corner{};
+template <std::size_t kPixelBytes, int kFilter>
+void undo_filter(Byte* row, const Byte* above, std::size_t size) {
+  using Values = Pixel<kPixelBytes>;
+  Values left{}, corner{};
   for (std::size_t i = 0; i < size; i += kPixelBytes) {
-    for (std::size_t k = 0; k < kPixelBytes; ++k) {
-      const int up = above[i + k];
-      int predicted = 0;
-      switch (filter) {
-        case 1:
-          predicted = left[k];
-          break;
-        case 2:
-          predicted = up;
-          break;
-        case 3:
-          predicted = (left[k] + up) / 2;
-          break;
-        case 4:
-          predicted = paeth(left[k], up, corner[k]);
-          break;
-        default:
-          break;
-      }
-      left[k] = row[i + k] = static_cast<Byte>(row[i + k] + predicted);
-      corner[k] = static_cast<Byte>(up);
-    }
+    const auto up = load_pixel<Values>(above + i);
+    auto value = load_pixel<Values>(row + i);
+    if constexpr (kFilter == 1) value += left;
+    if constexpr (kFilter == 2) value += up;
+    if constexpr (kFilter == 3) value += (left + up) / 2;
+    if constexpr (kFilter == 4) value += paeth<Values>(left, up, corner);
+    left = value & 255;
+    store_pixel<kPixelBytes>(left, row + i);
+    corner = up;
   }
 }
 
-/// Each filter has its own loop, so that the choice is made outside.
 template <std::size_t kPixelBytes>
 void undo_filter_of_row(int filter, Byte* row, const Byte* above, std::size_t size) {
   switch (filter) {
     case 0:
       return;
     case 1:
-      return undo_filter<kPixelBytes>(1, row, above, size);
+      return undo_filter<kPixelBytes, 1>(row, above, size);
     case 2:
-      return undo_filter<kPixelBytes>(2, row, above, size);
+      return undo_filter<kPixelBytes, 2>(row, above, size);
     case 3:
-      return undo_filter<kPixelBytes>(3, row, above, size);
+      return undo_filter<kPixelBytes, 3>(row, above, size);
     case 4:
-      return undo_filter<kPixelBytes>(4, row, above, size);
+      return undo_filter<kPixelBytes, 4>(row, above, size);
     default:
       throw InvalidInput("is damaged: a row has a filter that does not exist");
   }
@@ -261,7 +285,7 @@ cv::Mat decode_png(const std::string& bytes) {
   cv::Mat image(layout.height, layout.width,
                 CV_MAKETYPE(layout.sample_bytes == 1 ? CV_8U : CV_16U, channels));
   const UndoFilter undo = undo_filter_for(layout.pixel_bytes());
-  const std::vector<Byte> nothing(row_bytes, 0);
+  const std::vector<Byte> nothing(row_bytes + kLongestPixel, 0);
   const Byte* above = nothing.data();
   for (int v = 0; v < layout.height; ++v) {
     Byte* row = rows.data() + static_cast<std::size_t>(v) * (row_bytes + 1);
