@@ -35,7 +35,7 @@ SurfaceWeights project_weights(const TriangleMesh& /*surface*/, const TriangleMe
 
 GeodesicDistance exact_geodesic_distance(const TriangleMesh& /*mesh*/,
                                          std::span<const SurfacePoint> /*sources*/,
-                                         double /*stop_radius*/) {
+                                         const GeodesicOptions& /*options*/) {
   throw Unavailable("");
 }
 

@@ -39,9 +39,9 @@ struct MeshCall {
   MeshSteps steps;
 };
 
-/// Shows a bar once remeshing or decimation has begun, which is what may take long.
+/// Shows a bar once filling, remeshing or decimation has begun, which is what may take long.
 MadeMesh make_with_bar(const MeshCall& call) {
-  std::optional<Progress> remeshing, decimating;
+  std::optional<Progress> filling, remeshing, decimating;
   MeshSteps steps = call.steps;
   const auto show = [](std::optional<Progress>& progress, const char* what) {
     return [&progress, what](int done, int total) {
@@ -50,6 +50,7 @@ MadeMesh make_with_bar(const MeshCall& call) {
       if (done == total) progress.reset();
     };
   };
+  steps.filling = show(filling, "filling holes");
   steps.remeshing = show(remeshing, "remeshing");
   steps.decimating = show(decimating, "decimating");
   return make_mesh(call.inputs.front(), steps);

@@ -129,8 +129,9 @@ void repair(MadeMesh& made) {
     made.prose += "  remaining: " + geometry::describe(defect) + "\n";
 }
 
-void fill_holes(MadeMesh& made, double max_diameter) {
-  geometry::FilledMesh filled = geometry::fill_holes(made.mesh, {.max_diameter = max_diameter});
+void fill_holes(MadeMesh& made, const MeshSteps& steps) {
+  geometry::FilledMesh filled = geometry::fill_holes(
+      made.mesh, {.max_diameter = *steps.fill_holes, .progress = steps.filling});
   if (!made.attributes.empty()) {
     // Vertices of patches have what is nearest to them at the rim; the others are where they were.
     const geometry::SurfaceQuery query(made.mesh);
@@ -213,7 +214,7 @@ MadeMesh make_mesh(const fs::path& input, const MeshSteps& steps) {
   MadeMesh made = load(input, steps);
   drop_normals(made.attributes);
   if (steps.repair) repair(made);
-  if (steps.fill_holes) fill_holes(made, *steps.fill_holes);
+  if (steps.fill_holes) fill_holes(made, steps);
   if (steps.smooth > 0) made.mesh = geometry::smooth(made.mesh, {.iterations = steps.smooth});
   if (steps.remesh) remesh(made, steps);
   if (steps.tolerance) decimate(input, made, steps);

@@ -215,14 +215,17 @@ FilledMesh fill_holes(const TriangleMesh& mesh, const HoleFillingOptions& option
     return width <= options.max_diameter &&
            (std::isinf(options.max_diameter) || components.exceeds(triangle, kOutline * width));
   };
-  for (const auto border : loops) {
-    const std::optional<int> triangle = triangle_at(surface, border, region, opposite);
-    if (!triangle) continue;
-    if (is_hole(border, *triangle) && fill(surface, border)) {
+  std::erase_if(loops,
+                [&](const auto border) { return !triangle_at(surface, border, region, opposite); });
+  const int total = static_cast<int>(loops.size());
+  for (int i = 0; i < total; ++i) {
+    const auto border = loops[at(i)];
+    if (is_hole(border, *triangle_at(surface, border, region, opposite)) && fill(surface, border)) {
       ++result.filled;
     } else {
       ++result.left;
     }
+    if (options.progress) options.progress(i + 1, total);
   }
   result.mesh = with_patches(mesh, region, from_surface_mesh(surface));
   return result;

@@ -22,7 +22,7 @@ GeodesicDistance geodesic_distance(const TriangleMesh& mesh, std::span<const Sur
     check_surface_point(mesh, sources[i], what.c_str());
   }
   if (options.method == GeodesicMethod::exact) {
-    return exact_geodesic_distance(mesh, sources, options.stop_radius);
+    return exact_geodesic_distance(mesh, sources, options);
   }
   return fast_marching_distance(mesh, sources, options.stop_radius);
 }

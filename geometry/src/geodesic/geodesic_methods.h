@@ -16,12 +16,12 @@ namespace palpate::geometry {
                                                       std::span<const SurfacePoint> sources,
                                                       double stop_radius);
 
-/// Implements `geodesic_distance` for GeodesicMethod::exact. Precondition: mesh, sources and radius
-/// are valid.
+/// Implements `geodesic_distance` for GeodesicMethod::exact. Precondition: mesh, sources and
+/// options are valid.
 /// \throws InvalidInput naming a triangle without area, or an edge that is not manifold.
 [[nodiscard]] GeodesicDistance exact_geodesic_distance(const TriangleMesh& mesh,
                                                        std::span<const SurfacePoint> sources,
-                                                       double stop_radius);
+                                                       const GeodesicOptions& options);
 
 /// Adds sources one by one: `next` gets the distances of `fast_marching_distance` to those so far
 /// ([mm] V; infinity without a source), and gives another one, or none to end. A new source changes

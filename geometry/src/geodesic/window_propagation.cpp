@@ -88,9 +88,13 @@ bool WindowPropagation::step() {
   return true;
 }
 
-void WindowPropagation::run() {
-  while (step()) {
+void WindowPropagation::run(const std::function<void(int done, int total)>& progress) {
+  constexpr std::size_t kSteps = 4096;  // between two calls
+  const int total = static_cast<int>(distance_.size());
+  for (std::size_t i = 1; step(); ++i) {
+    if (progress && i % kSteps == 0) progress(std::min(reached_, total - 1), total);
   }
+  if (progress) progress(total, total);
 }
 
 void WindowPropagation::run_to(std::span<const SurfacePoint> targets) {
@@ -118,6 +122,7 @@ void WindowPropagation::run_to(std::span<const SurfacePoint> targets) {
 bool WindowPropagation::improve(int vertex, double distance, int source) {
   double& known = distance_[static_cast<size_t>(vertex)];
   if (!(distance < known)) return false;
+  if (known == kInfinity) ++reached_;
   known = distance;
   source_[static_cast<size_t>(vertex)] = source;
   return true;

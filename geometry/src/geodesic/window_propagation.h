@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -29,7 +30,8 @@ class WindowPropagation {
   void start(const SurfacePoint& at, int source);
 
   /// Passes all windows on, up to the radius.
-  void run();
+  /// \param progress see `GeodesicOptions`; may be empty.
+  void run(const std::function<void(int done, int total)>& progress);
 
   /// Passes windows on until those that arrive are farther than each of the targets.
   void run_to(std::span<const SurfacePoint> targets);
@@ -70,6 +72,7 @@ class WindowPropagation {
   double stop_radius_;
   double together_;
   std::vector<double> distance_;  ///< of each vertex
+  int reached_ = 0;               ///< number of vertices
   std::vector<int> source_;       ///< of each vertex
   std::vector<char> bends_;       ///< whether paths can bend at a vertex
   EdgeWindows windows_;

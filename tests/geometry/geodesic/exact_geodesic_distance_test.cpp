@@ -2,11 +2,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
 #include <random>
+#include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "geodesic/geodesic_testing.h"
@@ -361,6 +364,23 @@ TEST(ExactGeodesicDistance, RefusesWhatIsNoManifoldOrHasNoArea) {
   TriangleMesh turned = test::flat_sheet(3, 3, 1);
   turned.triangles.col(4).reverseInPlace();
   EXPECT_NE(refused(turned).find("turned over"), std::string::npos);
+}
+
+TEST(ExactGeodesicDistance, TellsItsProgressAndEndsWhenTold) {
+  const TriangleMesh mesh = test::icosphere(5, 30);
+  const std::vector<SurfacePoint> source = {{0, {1, 0, 0}}};
+  std::vector<std::pair<int, int>> seen;
+  GeodesicOptions options{.method = GeodesicMethod::exact,
+                          .progress = [&](int done, int total) { seen.emplace_back(done, total); }};
+  const Eigen::VectorXd distance = geodesic_distance(mesh, source, options).distance;
+  EXPECT_EQ(distance, exact(mesh, source).distance);
+  ASSERT_GT(seen.size(), 3U);
+  EXPECT_TRUE(std::is_sorted(seen.begin(), seen.end()));
+  EXPECT_LT(seen.front().first, mesh.vertices.cols() / 2);
+  for (const auto& [done, total] : seen) EXPECT_EQ(total, mesh.vertices.cols());
+  EXPECT_EQ(seen.back().first, seen.back().second);
+  options.progress = [](int, int) { throw std::domain_error("stop"); };
+  EXPECT_THROW((void)geodesic_distance(mesh, source, options), std::domain_error);
 }
 
 }  // namespace

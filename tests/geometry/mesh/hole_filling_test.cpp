@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "cgal_availability.h"
@@ -54,6 +56,19 @@ TEST_F(HoleFilling, WhatWasThereKeepsItsPlaceAndOrder) {
   const FilledMesh filled = fill_holes(open, {.max_diameter = 200});
   EXPECT_EQ(filled.mesh.vertices.leftCols(open.vertices.cols()), open.vertices);
   EXPECT_EQ(filled.mesh.triangles.leftCols(open.triangles.cols()), open.triangles);
+}
+
+TEST_F(HoleFilling, TellsItsProgressAndEndsWhenTold) {
+  TriangleMesh open = with_hole(test::icosphere(3, 30), {0, 0, 30}, 8);
+  for (const Eigen::Vector3d& at : {Eigen::Vector3d(30, 0, 0), Eigen::Vector3d(0, -30, 0)})
+    open = with_hole(open, at, 8);
+  std::vector<std::pair<int, int>> seen;
+  HoleFillingOptions options{
+      .max_diameter = 40, .progress = [&](int done, int total) { seen.emplace_back(done, total); }};
+  EXPECT_EQ(fill_holes(open, options).filled, 3);
+  EXPECT_EQ(seen, (std::vector<std::pair<int, int>>{{1, 3}, {2, 3}, {3, 3}}));
+  options.progress = [](int, int) { throw std::domain_error("stop"); };
+  EXPECT_THROW((void)fill_holes(open, options), std::domain_error);
 }
 
 TEST_F(HoleFilling, OnlyHolesUpToTheSizeAreFilled) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <limits>
 #include <span>
 
@@ -18,6 +19,9 @@ enum class GeodesicMethod {
 struct GeodesicOptions {
   GeodesicMethod method = GeodesicMethod::fast_marching;
   double stop_radius = std::numeric_limits<double>::infinity();  ///< [mm] largest distance; > 0
+  /// Called by `exact` in the calling thread now and then, with the number of vertices that were
+  /// reached and of all; the last call has done == total. What it throws ends the work.
+  std::function<void(int done, int total)> progress = {};
 };
 
 struct GeodesicDistance {

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
+
 #include "palpate/geometry/triangle_mesh.h"
 
 namespace palpate::geometry {
@@ -11,6 +13,9 @@ struct HoleFillingOptions {
   /// this and it is a hole. It is not a hole, but the outline of its part of the surface, iff the
   /// bounding box of that part is at most 1.05 times as large. Infinity also fills outlines.
   double max_diameter = 0;
+  /// Called in the calling thread after each border loop; the last call has done == total. What it
+  /// throws ends the filling.
+  std::function<void(int done, int total)> progress = {};
 };
 
 struct FilledMesh {
