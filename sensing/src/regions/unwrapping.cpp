@@ -247,7 +247,7 @@ void split_regions(const Plane& wrapped, const Plane& variance, const FloodLimit
   rank_pixels(variance.data(), static_cast<float>(limits.max_variance), buffers.roles.data(),
               pixels);
   buffers.ranks = buffers.roles;
-  buffers.core_parts.insert(buffers.core_parts.begin(), kNoMarker);
+  buffers.core_parts.insert(buffers.core_parts.begin(), kNoMarker);  // of pixels in no core, -1
   assign_roles(buffers.cores.data(), buffers.core_parts.data(), parts.several().data(),
                regions.label.data(), buffers.roles.data(), pixels);
   buffers.queue.reset();
