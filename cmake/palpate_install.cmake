@@ -28,9 +28,9 @@ foreach(name IN ITEMS geometry sensing probing haptics c)
 endforeach()
 # What the licences of this build ask for.
 if(PALPATE_CGAL)
-  set(licence_of_build "This build of libpalpate_geometry contains CGAL's hole filling, which is under the GNU General Public License,
-version 3 or later, or a commercial licence of GeometryFactory. Whoever distributes a program with this build
-has to do so under one of them. A build with -DPALPATE_CGAL=OFF does not contain it.")
+  set(licence_of_build "This build of libpalpate_geometry contains CGAL's hole filling and removal of self-intersections, which are
+under the GNU General Public License, version 3 or later, or a commercial licence of GeometryFactory. Whoever distributes
+a program with this build has to do so under one of them. A build with -DPALPATE_CGAL=OFF does not contain it.")
 else()
   set(licence_of_build "This build contains no code under the GNU General Public License.")
 endif()

@@ -12,10 +12,12 @@
 #include <variant>
 #include <vector>
 
+#include "cgal_availability.h"
 #include "mesh_corpus.h"
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/mesh_measures.h"
 #include "palpate/geometry/mesh_topology.h"
+#include "palpate/geometry/self_intersections.h"
 #include "palpate/geometry/texture.h"
 #include "run_palpate.h"
 #include "test_surfaces.h"
@@ -106,6 +108,32 @@ TEST_F(MeshAttributes, RemeshingReportsFiguresAndRefusesWhatIsTooFine) {
       {"mesh", scratch / "scan.ply", "--feature-angle", "30", "-o", scratch / "fine.ply"});
   EXPECT_EQ(alone.status, kWrongCall);
   EXPECT_THAT(alone.err, HasSubstr("--remesh"));
+}
+
+TEST_F(MeshAttributes, VerticesOfASpikeThatIsRemovedTakeThemFromTheSurfaceAround) {
+  if (!geometry::test::has_cgal()) GTEST_SKIP() << "the library was built without CGAL";
+  geometry::MeshFile file = geometry::read_mesh_file(scratch / "scan.ply");
+  const geometry::TriangleMesh sheet = file.mesh;
+  const int spike = 15 * 41 + 20;  // near the middle
+  file.mesh.vertices.col(spike) += Eigen::Vector3d(7, 3, 2);
+  file.mesh.vertices.col(spike + 3) += Eigen::Vector3d(0, 0, 3);  // through the first one's side
+  geometry::write_mesh_file(scratch / "scan.ply", file);
+  const CommandResult result = run_palpate({"mesh", scratch / "scan.ply", "--remove-intersections",
+                                            "-o", scratch / "out.ply", "--json"});
+  ASSERT_EQ(result.status, kDone) << result.err;
+  const auto figures = nlohmann::json::parse(result.out)["self_intersections"];
+  EXPECT_GT(figures["found"], 1);
+  EXPECT_EQ(figures["left"], 0);
+  file = geometry::read_mesh_file(scratch / "out.ply");
+  EXPECT_TRUE(geometry::intersecting_triangles(file.mesh).empty());
+  const auto colors = geometry::colors(file.vertex_attributes);
+  ASSERT_TRUE(colors);
+  const double reach = 12;  // [mm] of the spike and the triangles around it
+  for (Eigen::Index v = 0; v < file.mesh.vertices.cols(); ++v) {
+    const Eigen::Vector3d at = file.mesh.vertices.col(v);
+    const bool is_near = (at - sheet.vertices.col(spike)).norm() < reach;
+    EXPECT_NEAR(255 * (*colors)(0, v), red_at(at), is_near ? 3 * reach : kRounded);
+  }
 }
 
 /// A sheet whose picture is cut in the middle: the halves are at two places of two pictures.

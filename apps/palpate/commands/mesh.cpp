@@ -39,9 +39,9 @@ struct MeshCall {
   MeshSteps steps;
 };
 
-/// Shows a bar once filling, remeshing or decimation has begun, which is what may take long.
+/// Shows a bar once one of the steps that may take long has begun.
 MadeMesh make_with_bar(const MeshCall& call) {
-  std::optional<Progress> filling, remeshing, decimating;
+  std::optional<Progress> filling, removing, remeshing, decimating;
   MeshSteps steps = call.steps;
   const auto show = [](std::optional<Progress>& progress, const char* what) {
     return [&progress, what](int done, int total) {
@@ -51,6 +51,7 @@ MadeMesh make_with_bar(const MeshCall& call) {
     };
   };
   steps.filling = show(filling, "filling holes");
+  steps.removing_intersections = show(removing, "removing self-intersections");
   steps.remeshing = show(remeshing, "remeshing");
   steps.decimating = show(decimating, "decimating");
   return make_mesh(call.inputs.front(), steps);
@@ -254,6 +255,10 @@ void add_mesh(CLI::App& app, const Settings& settings) {
           "Iterations of smoothing without shrinking (Taubin), at most 1000; 20 remove most "
           "noise")
       ->check(within(at_least(0).at_most(kMostSmoothing)));
+  command->add_flag(
+      "--remove-intersections", call->steps.remove_intersections,
+      "Mend the places where neighbouring parts of the surface pass through each other, as noise, "
+      "spikes and folds leave them; where distant parts do, they stay, and are counted");
   CLI::Option* remesh =
       command
           ->add_option("--remesh", call->steps.remesh,
@@ -276,14 +281,15 @@ void add_mesh(CLI::App& app, const Settings& settings) {
       ->check(within(above(0)));
   command->add_option("--picture", call->picture, "Also draw the mesh (PNG)");
   command->footer(
-      "The steps are done in this order: smooth depths, repair, fill holes, smooth, remesh, "
-      "decimate.\n"
+      "The steps are done in this order: smooth depths, repair, fill holes, smooth, remove "
+      "intersections, remesh, decimate.\n"
       "Several range maps or depth images, or a folder of them, give a sequence of meshes with the "
       "same names; one that cannot be meshed is reported and skipped, and the exit status is 1. "
       "Meshes of an earlier run are replaced as a whole when all are done.\n\n"
       "Examples:\n  palpate mesh range/000000.tiff -o surface.ply --tolerance 0.2\n"
       "  palpate mesh range/ -o meshes/ --format obj --fill-holes 10 --tolerance 0.2\n"
       "  palpate mesh broken.stl --repair --fill-holes 20 -o whole.ply\n"
+      "  palpate mesh noisy.ply --repair --remove-intersections -o clean.ply\n"
       "  palpate mesh scan.ply --remesh 2 -o even.ply\n"
       "  palpate mesh depth.png --scale 0.125 --intrinsics 476.007,476.007,313.683,242.755 -o "
       "hand.ply\n"

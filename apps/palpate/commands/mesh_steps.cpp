@@ -20,6 +20,7 @@
 #include "palpate/geometry/mesh_repair.h"
 #include "palpate/geometry/range_map_mesh.h"
 #include "palpate/geometry/range_map_smoothing.h"
+#include "palpate/geometry/self_intersection_removal.h"
 #include "palpate/geometry/self_intersections.h"
 #include "palpate/geometry/smoothing.h"
 #include "palpate/geometry/surface_query.h"
@@ -129,26 +130,44 @@ void repair(MadeMesh& made) {
     made.prose += "  remaining: " + geometry::describe(defect) + "\n";
 }
 
-void fill_holes(MadeMesh& made, const MeshSteps& steps) {
-  geometry::FilledMesh filled = geometry::fill_holes(
-      made.mesh, {.max_diameter = *steps.fill_holes, .progress = steps.filling});
+/// Takes on the mesh of a step that replaces places by patches. New vertices have what is nearest
+/// to them of the mesh before.
+/// \param source of its vertices among those of `made`, or -1.
+void take_patched(MadeMesh& made, geometry::TriangleMesh after, std::span<const int> source) {
   if (!made.attributes.empty()) {
-    // Vertices of patches have what is nearest to them at the rim; the others are where they were.
     const geometry::SurfaceQuery query(made.mesh);
-    std::vector<geometry::SurfacePoint> places = geometry::vertex_points(made.mesh);
-    places.resize(static_cast<std::size_t>(filled.mesh.vertices.cols()));
-    for (std::size_t v = 0; v < places.size(); ++v) {
-      if (places[v].triangle >= 0) continue;
-      places[v] = query.closest_point(filled.mesh.vertices.col(static_cast<Eigen::Index>(v))).at;
+    const std::vector<geometry::SurfacePoint> of_vertices = geometry::vertex_points(made.mesh);
+    std::vector<geometry::SurfacePoint> places;
+    for (std::size_t v = 0; v < source.size(); ++v) {
+      const bool kept =
+          source[v] >= 0 && of_vertices[static_cast<std::size_t>(source[v])].triangle >= 0;
+      places.push_back(
+          kept ? of_vertices[static_cast<std::size_t>(source[v])]
+               : query.closest_point(after.vertices.col(static_cast<Eigen::Index>(v))).at);
     }
     made.attributes = geometry::interpolated_attributes(made.attributes, made.mesh, places);
   }
+  carry_texture(made, after, source);
+  made.mesh = std::move(after);
+}
+
+void fill_holes(MadeMesh& made, const MeshSteps& steps) {
+  geometry::FilledMesh filled = geometry::fill_holes(
+      made.mesh, {.max_diameter = *steps.fill_holes, .progress = steps.filling});
   std::vector<int> source(static_cast<std::size_t>(filled.mesh.vertices.cols()), -1);
   std::iota(source.begin(), source.begin() + made.mesh.vertices.cols(), 0);
-  carry_texture(made, filled.mesh, source);
-  made.mesh = std::move(filled.mesh);
+  take_patched(made, std::move(filled.mesh), source);
   made.figures["holes"] = {{"filled", filled.filled}, {"left", filled.left}};
   made.prose += fmt::format("{} holes filled, {} border loops left\n", filled.filled, filled.left);
+}
+
+void remove_intersections(MadeMesh& made, const MeshSteps& steps) {
+  geometry::SelfIntersectionRemoval removal =
+      geometry::remove_self_intersections(made.mesh, {.progress = steps.removing_intersections});
+  take_patched(made, std::move(removal.mesh), removal.source);
+  made.figures["self_intersections"] = {{"found", removal.found}, {"left", removal.left}};
+  made.prose +=
+      fmt::format("{} triangles passed through others, {} still do\n", removal.found, removal.left);
 }
 
 void remesh(MadeMesh& made, const MeshSteps& steps) {
@@ -216,6 +235,7 @@ MadeMesh make_mesh(const fs::path& input, const MeshSteps& steps) {
   if (steps.repair) repair(made);
   if (steps.fill_holes) fill_holes(made, steps);
   if (steps.smooth > 0) made.mesh = geometry::smooth(made.mesh, {.iterations = steps.smooth});
+  if (steps.remove_intersections) remove_intersections(made, steps);
   if (steps.remesh) remesh(made, steps);
   if (steps.tolerance) decimate(input, made, steps);
   if (steps.color) made.attributes = colors_beside(input, made.mesh.vertices, steps.camera);

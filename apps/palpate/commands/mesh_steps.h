@@ -26,10 +26,13 @@ struct MeshSteps {
   bool repair = false;
   std::optional<double> fill_holes;  ///< [mm] greatest width of a hole to fill
   int smooth = 0;                    ///< iterations
-  std::optional<double> remesh;      ///< [mm] length of the edges
+  bool remove_intersections = false;
+  std::optional<double> remesh;                                       ///< [mm] length of the edges
   double feature_angle = geometry::RemeshingOptions{}.feature_angle;  ///< [rad] of remeshing
   std::optional<double> tolerance;                                    ///< [mm] of decimation
-  std::function<void(int done, int total)> filling = {};     ///< see HoleFillingOptions::progress
+  std::function<void(int done, int total)> filling = {};  ///< see HoleFillingOptions::progress
+  /// See SelfIntersectionRemovalOptions::progress.
+  std::function<void(int done, int total)> removing_intersections = {};
   std::function<void(int done, int total)> remeshing = {};   ///< see RemeshingOptions::progress
   std::function<void(int done, int total)> decimating = {};  ///< see DecimationOptions::progress
 };
