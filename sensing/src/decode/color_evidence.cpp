@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "decode/color_evidence.h"
 
-#include <opencv2/imgproc.hpp>
-#include <span>
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <utility>
 #include <vector>
 
 namespace palpate::sensing {
@@ -13,55 +15,102 @@ namespace {
 /// are well inside a stripe; a smaller share may be a stripe edge displaced by blur.
 constexpr double kLeastEvidenceShare = 0.05;
 
-/// Counts of the pixels for which a patch's depths predict one colour.
-struct Evidence {
-  int wanted = 0;
-  int agreeing = 0;
+/// Pixels of a row with a depth, none missing between them.
+struct Run {
+  long row = 0;
+  long begin = 0;
+  long end = 0;
 };
+
+void add_runs(const std::uint8_t* known, long row, long columns, std::vector<Run>& runs) {
+  const auto next = [&](long from, int value) {
+    const void* const found =
+        std::memchr(known + from, value, static_cast<std::size_t>(columns - from));
+    return found == nullptr ? columns : static_cast<const std::uint8_t*>(found) - known;
+  };
+  for (long begin = next(0, 1); begin < columns;) {
+    const long end = next(begin, 0);
+    runs.push_back({row, begin, end});
+    begin = next(end, 1);
+  }
+}
+
+/// Connected sets of runs.
+class Patches {
+ public:
+  explicit Patches(const std::vector<Run>& runs) : parent_(runs.size()) {
+    for (std::size_t i = 0; i < parent_.size(); ++i) parent_[i] = i;
+    std::size_t above = 0;
+    for (std::size_t here = 0; here < runs.size(); ++here) {
+      const Run& run = runs[here];
+      while (runs[above].row < run.row - 1 ||
+             (runs[above].row == run.row - 1 && runs[above].end <= run.begin))
+        ++above;
+      // The last of the runs above may also touch the next run of this row.
+      for (std::size_t i = above; runs[i].row == run.row - 1 && runs[i].begin < run.end; ++i)
+        parent_[root(here)] = root(i);
+    }
+  }
+  [[nodiscard]] std::size_t root(std::size_t run) {
+    while (parent_[run] != run) run = parent_[run] = parent_[parent_[run]];
+    return run;
+  }
+
+ private:
+  std::vector<std::size_t> parent_;
+};
+
+/// How many pixels of a patch say each of the things that ColorSays can be.
+using Counts = std::array<int, 256>;
+
+bool is_proven(const Counts& counts, int colors) {
+  int all = 0;
+  for (int color = 0; color < colors; ++color) {
+    const auto at = static_cast<std::size_t>(color);
+    all += counts[at] + counts[at + kConfirms];
+  }
+  int speaking = 0;
+  for (int color = 0; color < colors; ++color) {
+    const auto at = static_cast<std::size_t>(color);
+    const int agreeing = counts[at + kConfirms];
+    const int wanted = counts[at] + agreeing;
+    if (wanted >= kLeastEvidenceShare * all && wanted > 0 && 2 * agreeing > wanted) ++speaking;
+  }
+  return speaking >= 2;
+}
 
 }  // namespace
 
 void find_unproven_patches(const Plane& z, const ColorSays& says, int colors, Mask& marked) {
-  const long rows = z.rows();
   const long columns = z.cols();
   marked = (z == z).cast<std::uint8_t>();
-  const cv::Mat known(static_cast<int>(rows), static_cast<int>(columns), CV_8U, marked.data());
-  cv::Mat_<int> patch;
-  constexpr int kNeighbours = 4;
-  const int patches = cv::connectedComponents(known, patch, kNeighbours, CV_32S);
+  std::vector<Run> runs;
+  for (long row = 0; row < z.rows(); ++row) add_runs(&marked(row, 0), row, columns, runs);
+  Patches patches(runs);
+  // The runs of each patch one after the other.
+  std::vector<std::pair<std::size_t, std::size_t>> order;
+  for (std::size_t i = 0; i < runs.size(); ++i) order.emplace_back(patches.root(i), i);
+  std::sort(order.begin(), order.end());
 
-  std::vector<Evidence> evidence(static_cast<std::size_t>(patches * colors));
-  for (long row = 0; row < rows; ++row) {
-    const int* const labels = patch[static_cast<int>(row)];
-    const std::uint8_t* const said = &says(row, 0);
-    for (long column = 0; column < columns; ++column) {
-      if (labels[column] == 0 || said[column] == kSilent) continue;
-      const int color = said[column] % kConfirms;
-      Evidence& one = evidence[static_cast<std::size_t>(labels[column] * colors + color)];
-      ++one.wanted;
-      one.agreeing += said[column] / kConfirms;
+  marked.setZero();
+  for (auto first = order.begin(); first != order.end();) {
+    const auto last = std::find_if(first, order.end(),
+                                   [&](const auto& other) { return other.first != first->first; });
+    // Neighbours mostly say the same; two tables, or each count would wait for the one before.
+    std::array<Counts, 2> counts{};
+    for (auto at = first; at != last; ++at) {
+      const Run& run = runs[at->second];
+      const std::uint8_t* const said = &says(run.row, 0);
+      for (long i = run.begin; i < run.end; ++i) ++counts[static_cast<std::size_t>(i % 2)][said[i]];
     }
-  }
-
-  std::vector<std::uint8_t> unproven(static_cast<std::size_t>(patches), 0);
-  for (std::size_t k = 1; k < unproven.size(); ++k) {
-    const std::span<const Evidence> of_patch(&evidence[k * static_cast<std::size_t>(colors)],
-                                             static_cast<std::size_t>(colors));
-    int all = 0;
-    for (const Evidence& one : of_patch) all += one.wanted;
-    int speaking = 0;
-    for (const Evidence& one : of_patch) {
-      if (one.wanted >= kLeastEvidenceShare * all && one.wanted > 0 &&
-          2 * one.agreeing > one.wanted)
-        ++speaking;
+    for (std::size_t i = 0; i < counts[0].size(); ++i) counts[0][i] += counts[1][i];
+    if (!is_proven(counts[0], colors)) {
+      for (auto at = first; at != last; ++at) {
+        const Run& run = runs[at->second];
+        marked.row(run.row).segment(run.begin, run.end - run.begin).setOnes();
+      }
     }
-    unproven[k] = speaking < 2 ? 1 : 0;
-  }
-  for (long row = 0; row < rows; ++row) {
-    const int* const labels = patch[static_cast<int>(row)];
-    for (long column = 0; column < columns; ++column) {
-      marked(row, column) = unproven[static_cast<std::size_t>(labels[column])];
-    }
+    first = last;
   }
 }
 

@@ -4,7 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cstdint>
 #include <numbers>
+#include <opencv2/imgproc.hpp>
+#include <random>
+#include <vector>
 
 #include "not_finite.h"
 #include "synthetic_scene.h"
@@ -70,6 +75,43 @@ TEST_F(ColorEvidence, APatchWithinOneStripeIsNotProven) {
 TEST_F(ColorEvidence, WhatIsNotKnownIsNotMarked) {
   z_.setConstant(kFloatNaN);
   EXPECT_EQ(unproven().count(), 0);
+}
+
+TEST_F(ColorEvidence, PatchesAreTheConnectedSetsThatOpenCvFinds) {
+  std::mt19937 random(1);
+  for (const unsigned percent_known : {45U, 60U, 75U}) {
+    Plane z = Plane::Constant(61, 83, kFloatNaN);
+    ColorSays says(z.rows(), z.cols());
+    for (long i = 0; i < z.size(); ++i) {
+      if (random() % 100 < percent_known) z.data()[i] = 700;
+      // Mostly silent or the first colour, so that the second one decides.
+      const unsigned color = random() % 12 == 0 ? 1 : 0;
+      says.data()[i] = static_cast<std::uint8_t>(random() % 4 == 0 ? kSilent : color + kConfirms);
+    }
+    Mask known = (z == z).cast<std::uint8_t>();
+    cv::Mat_<int> label;
+    const cv::Mat image(static_cast<int>(z.rows()), static_cast<int>(z.cols()), CV_8U,
+                        known.data());
+    const int count = cv::connectedComponents(image, label, 4, CV_32S);
+    std::vector<std::array<int, 2>> speaking(static_cast<std::size_t>(count));
+    const auto patch_of = [&](long i) { return static_cast<std::size_t>(label.ptr<int>()[i]); };
+    for (long i = 0; i < z.size(); ++i) {
+      if (says.data()[i] != kSilent) ++speaking[patch_of(i)][says.data()[i] - kConfirms];
+    }
+    Mask marked;
+    find_unproven_patches(z, says, 2, marked);
+    int proven = 0;
+    for (long i = 0; i < z.size(); ++i) {
+      const auto [first, second] = speaking[patch_of(i)];
+      const bool both =
+          20 * first >= first + second && 20 * second >= first + second && first > 0 && second > 0;
+      const bool unproven = known.data()[i] != 0 && !both;
+      EXPECT_EQ(marked.data()[i] != 0, unproven) << percent_known << ", pixel " << i;
+      proven += known.data()[i] != 0 && both ? 1 : 0;
+    }
+    EXPECT_GT(proven, 20) << percent_known;
+    EXPECT_GT(marked.count(), 10) << percent_known;
+  }
 }
 
 }  // namespace
