@@ -41,6 +41,8 @@ constexpr int kFiguresPrinted = 1;
     const rlimit limit{*options.max_file_size, *options.max_file_size};
     setrlimit(RLIMIT_FSIZE, &limit);
   }
+  for (const std::string& variable : options.environment)
+    putenv(const_cast<char*>(variable.c_str()));
   std::vector<char*> argv;
   std::string program = PALPATE_COMMAND;
   argv.push_back(program.data());

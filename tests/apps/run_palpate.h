@@ -27,6 +27,8 @@ struct CommandOptions {
   std::optional<std::filesystem::path> interrupt_when_there_is = {};
   /// Limit of the file size [bytes], which looks like a full disk to the program.
   std::optional<unsigned long> max_file_size = {};
+  /// Variables of the environment, NAME=VALUE.
+  std::vector<std::string> environment = {};
 };
 
 /// Runs the `palpate` of this build and waits for it. Figures that it prints in JSON are compared

@@ -290,7 +290,7 @@ cv::Mat AravisCamera::image_of(ArvBuffer* buffer) const {
 }
 
 std::optional<CameraFrame> AravisCamera::next(std::chrono::milliseconds wait) {
-  if (gone_) throw DeviceError(state_.name + ": the camera no longer answers; is it plugged in?");
+  if (gone_) throw DeviceError(state_.name + ": the camera no longer answers; it may be unplugged");
   using std::chrono::microseconds;
   ArvBuffer* const buffer = arv_stream_timeout_pop_buffer(
       stream_.get(), static_cast<guint64>(std::chrono::duration_cast<microseconds>(wait).count()));

@@ -78,6 +78,7 @@ class V4l2Camera : public LiveCamera {
 
  private:
   void ask(int property, double value, const char* what, double tolerance);
+  void check(int property, double value, const char* what, double tolerance) const;
 
   CameraState state_;
   DeviceCapture device_;
@@ -101,8 +102,11 @@ V4l2Camera::V4l2Camera(const std::string& number, const CameraSettings& settings
                       "an output.");
   }
   if (settings.size) {
-    ask(cv::CAP_PROP_FRAME_WIDTH, settings.size->width, "width [px]", 0);
-    ask(cv::CAP_PROP_FRAME_HEIGHT, settings.size->height, "height [px]", 0);
+    // OpenCV sets the width together with the height.
+    device_.set(cv::CAP_PROP_FRAME_WIDTH, settings.size->width);
+    device_.set(cv::CAP_PROP_FRAME_HEIGHT, settings.size->height);
+    check(cv::CAP_PROP_FRAME_WIDTH, settings.size->width, "width [px]", 0);
+    check(cv::CAP_PROP_FRAME_HEIGHT, settings.size->height, "height [px]", 0);
   }
   if (settings.rate) ask(cv::CAP_PROP_FPS, *settings.rate, "rate [frames/s]", kSameRate);
   if (settings.exposure_us) set_exposure(*settings.exposure_us);
@@ -120,9 +124,13 @@ V4l2Camera::V4l2Camera(const std::string& number, const CameraSettings& settings
                               "phase suffer. A smaller size or rate may come without");
 }
 
-/// \throws InvalidInput unless the device then has the value.
 void V4l2Camera::ask(int property, double value, const char* what, double tolerance) {
   device_.set(property, value);
+  check(property, value, what, tolerance);
+}
+
+/// \throws InvalidInput unless the device has the value.
+void V4l2Camera::check(int property, double value, const char* what, double tolerance) const {
   const double has = device_.capture.property(property);
   if (std::abs(has - value) <= tolerance * std::abs(value)) return;
   throw InvalidInput(fmt::format("{}: does not offer the {} {:g}; the nearest is {:g}.",
@@ -141,11 +149,12 @@ std::optional<CameraFrame> V4l2Camera::next(std::chrono::milliseconds wait) {
   cv::Mat image;
   try {
     if (!device_.wait(wait)) return std::nullopt;
-    if (!device_.capture.read(image))
-      throw DeviceError(state_.name + ": the camera no longer sends frames; is it plugged in?");
-  } catch (const cv::Exception& error) {
-    throw DeviceError(state_.name + ": the camera no longer answers (" + error.err + ").");
+    (void)device_.capture.read(image);
+  } catch (const cv::Exception&) {  // one of OpenCV's assertions
+    image.release();
   }
+  if (image.empty())
+    throw DeviceError(state_.name + ": the camera no longer sends frames; it may be unplugged");
   const double time = device_.capture.property(cv::CAP_PROP_POS_MSEC) / 1000;
   if (!numbers_) {
     numbers_.emplace(state_.rate);
