@@ -59,38 +59,6 @@ TEST(BoardViews, APartOfAChessboardIsNoBoard) {
   EXPECT_EQ(view.camera.cols(), 0);
 }
 
-/// Draws a board as `write_board_print` does, on white paper, `per_mm` pixels a millimetre.
-cv::Mat_<uchar> draw_board(const Board& board, double per_mm) {
-  const auto px = [&](double mm) { return static_cast<int>(std::lround(mm * per_mm)); };
-  cv::Mat_<uchar> image(px((board.rows + 3) * board.square), px((board.columns + 3) * board.square),
-                        230);
-  for (const BoardPatch& patch : board_patches(board)) {
-    const int x = px(patch.x + board.square);
-    const int y = px(patch.y + board.square);
-    image(cv::Rect(x, y, px(patch.x + board.square + patch.width) - x,
-                   px(patch.y + board.square + patch.height) - y)) = 38;
-  }
-  return image;
-}
-
-/// Where a point of the board [mm] from its first inner corner is in that drawing [px].
-Eigen::Vector2d drawn_at(const Board& board, const Eigen::Vector2d& point, double per_mm) {
-  return ((point.array() + 2 * board.square) * per_mm - 0.5).matrix();
-}
-
-/// A board as it is printed, blurred by a third of a pixel of the camera.
-Print print_of(const Board& board) {
-  constexpr double kPerMm = 12;  // px
-  cv::Mat_<uchar> fine = draw_board(board, kPerMm);
-  cv::GaussianBlur(fine, fine, {0, 0}, 0.2 * kPerMm);
-  return [fine, board](const Eigen::Vector2d& point) {
-    const Eigen::Vector2d at = drawn_at(board, point, kPerMm);
-    if (at.x() < 0 || at.y() < 0 || at.x() > fine.cols - 1 || at.y() > fine.rows - 1) return 0.9;
-    return fine(static_cast<int>(std::lround(at.y())), static_cast<int>(std::lround(at.x()))) /
-           255.0;
-  };
-}
-
 TEST(BoardViews, AChArUcoBoardTellsWhichOfItsCornersAreSeen) {
   const Rig rig = make_board_rig();
   const Board board{.columns = 9, .rows = 6, .square = 15.5, .marker = 11.5};

@@ -57,6 +57,36 @@ TEST(RigViewFiles, FoldersOfImagesBecomeARig) {
       10);
 }
 
+TEST(RigViewFiles, FoldersOfChArUcoImagesBecomeARigAlsoWhereThePictureEndsInTheBoard) {
+  const ScratchFolder folder;
+  Rig truth = make_board_rig();
+  truth.projector = {.width = 512, .height = 384, .fx = 450, .fy = 450, .cx = 280, .cy = 200};
+  const Board board{.columns = 9, .rows = 6, .square = 15.5, .marker = 11.5};
+  std::vector<Eigen::Isometry3d> poses = board_poses(5);
+  poses[1].pretranslate(Eigen::Vector3d(-150, 0, 0));
+  poses[3].pretranslate(Eigen::Vector3d(150, 40, 0));
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    write_pose(folder / ("pose" + std::to_string(i)),
+               photograph(truth, poses[i], draw_gray_code(kPanel), static_cast<unsigned>(i),
+                          print_of(board)),
+               ".png");
+  }
+  const RigViewFiles files = read_rig_views({folder.path()}, board, kPanel);
+  ASSERT_EQ(files.views.size(), 5U);
+  for (std::size_t i = 0; i < poses.size(); ++i)
+    EXPECT_EQ(files.views[i].camera.cols() < 54, i % 2 == 1) << i;
+  const RigCalibration result =
+      calibrate_rig(files.views, files.camera, kPanel, {.distortion_terms = 2});
+  EXPECT_EQ(result.views.size(), 5U);
+  EXPECT_LT(result.camera_rms, 0.15);
+  EXPECT_LT(result.projector_rms, 0.15);
+  EXPECT_NEAR(result.rig.camera.fx, truth.camera.fx, 0.005 * truth.camera.fx);
+  EXPECT_NEAR(result.rig.projector.fx, truth.projector.fx, 0.005 * truth.projector.fx);
+  EXPECT_LT(
+      (result.rig.T_projector_camera.translation() - truth.T_projector_camera.translation()).norm(),
+      3);
+}
+
 TEST(RigViewFiles, ProjectorImagesAreWrittenInTheOrderTheyAreRead) {
   const ScratchFolder folder;
   const int count = write_projector_images(folder / "show", kPanel, kPrinted);
