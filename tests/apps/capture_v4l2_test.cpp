@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 #include <sstream>
@@ -92,6 +92,26 @@ TEST_F(CaptureV4l2, ACameraThatIsUnpluggedEndsTheRecordingAndWhatThereIsStays) {
   EXPECT_THAT(done.err, HasSubstr("no longer sends frames; it may be unplugged"));
   EXPECT_GE(json::parse(done.out)["frames"], 1);
   EXPECT_FALSE(sensing::read_frame(scratch / "frames/frame_000000.tiff").empty());
+}
+
+TEST_F(CaptureV4l2, StillsAreTakenOneForEachImageThatIsShown) {
+  ASSERT_EQ(run_palpate(
+                {"pattern", "--size", "320", "240", "--grey-steps", "3", "-o", scratch / "pattern"})
+                .status,
+            kDone);
+  const CommandResult done = run_palpate(
+      {"capture", "training", "v4l2:97", "--size", "64", "48", "--rate", "60", "--by-hand",
+       "--show", scratch / "pattern", "-o", scratch / "training", "--json"},
+      {.answers = std::string(100, '\n'), .environment = {"LD_PRELOAD=" PALPATE_SIMULATED_V4L2}});
+  ASSERT_EQ(done.status, kDone) << done.err;
+  std::size_t images = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(scratch / "training")) {
+    EXPECT_TRUE(std::filesystem::exists(scratch.path() / "pattern" / entry.path().filename()));
+    EXPECT_EQ(sensing::read_frame(entry.path()).size(), cv::Size(64, 48));
+    ++images;
+  }
+  EXPECT_EQ(json::parse(done.out)["images"], images);
+  EXPECT_GT(images, 10U);
 }
 
 TEST_F(CaptureV4l2, WhatTheCameraDoesNotOfferIsRefusedWithTheNearest) {

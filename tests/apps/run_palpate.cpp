@@ -29,11 +29,11 @@ constexpr int kFiguresPrinted = 1;
 
 /// In the child: limits, redirections, and the program itself.
 [[noreturn]] void become_palpate(const std::vector<std::string>& arguments,
-                                 const CommandOptions& options, const std::string& out,
-                                 const std::string& err) {
+                                 const CommandOptions& options, const std::string& in,
+                                 const std::string& out, const std::string& err) {
   dup2(open(out.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), STDOUT_FILENO);
   dup2(open(err.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600), STDERR_FILENO);
-  dup2(open("/dev/null", O_RDONLY), STDIN_FILENO);
+  dup2(open(in.c_str(), O_RDONLY), STDIN_FILENO);
   setpgid(0, 0);
   signal(SIGINT, SIG_DFL);  // a shell may have started the tests with SIGINT ignored
   if (options.max_file_size) {
@@ -57,10 +57,11 @@ constexpr int kFiguresPrinted = 1;
 CommandResult run_palpate(const std::vector<std::string>& arguments,
                           const CommandOptions& options) {
   const ScratchFolder scratch;
-  const std::string out = scratch / "out", err = scratch / "err";
+  const std::string in = scratch / "in", out = scratch / "out", err = scratch / "err";
+  write_text(in, options.answers);
   const pid_t child = fork();
   if (child < 0) throw std::runtime_error("fork failed");
-  if (child == 0) become_palpate(arguments, options, out, err);
+  if (child == 0) become_palpate(arguments, options, in, out, err);
   int status = 0;
   if (options.interrupt_when_there_is) {
     // Ends with the child, which then is left for the wait below.

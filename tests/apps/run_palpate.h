@@ -27,6 +27,7 @@ struct CommandOptions {
   std::optional<std::filesystem::path> interrupt_when_there_is = {};
   /// Limit of the file size [bytes], which looks like a full disk to the program.
   std::optional<unsigned long> max_file_size = {};
+  std::string answers = {};  ///< what the program reads from its standard input
   /// Variables of the environment, NAME=VALUE.
   std::vector<std::string> environment = {};
 };

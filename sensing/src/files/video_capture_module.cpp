@@ -1,6 +1,7 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
 // The whole of the module `video_capture`.
+#include <algorithm>
 #include <chrono>
 #include <memory>
 #include <opencv2/videoio.hpp>
@@ -30,9 +31,10 @@ palpate::sensing::DeviceCapture open_device(int number) {
           .wait =
               [capture](std::chrono::milliseconds most) {
                 std::vector<int> ready;
-                return cv::VideoCapture::waitAny(
-                    {*capture}, ready,
-                    std::chrono::duration_cast<std::chrono::nanoseconds>(most).count());
+                // OpenCV takes 0 for "without end".
+                const std::chrono::nanoseconds wait =
+                    std::max<std::chrono::nanoseconds>(most, std::chrono::nanoseconds(1));
+                return cv::VideoCapture::waitAny({*capture}, ready, wait.count());
               }};
 }
 
