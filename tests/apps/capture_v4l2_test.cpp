@@ -94,6 +94,19 @@ TEST_F(CaptureV4l2, ACameraThatIsUnpluggedEndsTheRecordingAndWhatThereIsStays) {
   EXPECT_FALSE(sensing::read_frame(scratch / "frames/frame_000000.tiff").empty());
 }
 
+TEST_F(CaptureV4l2, ColoursAtHalfTheResolutionAreWarnedOf) {
+  const CommandResult done =
+      sequence({"--size", "64", "48", "--rate", "20", "--count", "1"}, {"SIMULATED_V4L2_YUYV=1"});
+  ASSERT_EQ(done.status, kDone) << done.err;
+  EXPECT_THAT(done.err, HasSubstr("v4l2:97: sends colours at half the resolution (YUYV)"));
+  const cv::Mat frame = sensing::read_frame(scratch / "frames/frame_000000.tiff");
+  ASSERT_EQ(frame.type(), CV_8UC3);
+  std::vector<cv::Mat> channels;
+  cv::split(frame, channels);
+  EXPECT_EQ(cv::norm(channels[0], channels[2], cv::NORM_INF), 0);
+  EXPECT_GT(cv::norm(channels[0], cv::NORM_INF), 100);
+}
+
 TEST_F(CaptureV4l2, StillsAreTakenOneForEachImageThatIsShown) {
   ASSERT_EQ(run_palpate(
                 {"pattern", "--size", "320", "240", "--grey-steps", "3", "-o", scratch / "pattern"})

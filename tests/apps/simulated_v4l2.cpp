@@ -5,6 +5,7 @@
 // have a size of up to 640 x 480 px and are those of simulated_v4l2.h.
 //   SIMULATED_V4L2_LOSES=N      frame N is never delivered
 //   SIMULATED_V4L2_UNPLUGGED=N  the camera is gone from frame N on
+//   SIMULATED_V4L2_YUYV=1       grey frames in the format YUYV, of the first channel
 #include "simulated_v4l2.h"
 
 #include <dlfcn.h>
@@ -114,13 +115,14 @@ class Camera {
   }
 
  private:
-  [[nodiscard]] std::uint32_t frame_bytes() const { return 3 * columns_ * rows_; }
+  [[nodiscard]] std::uint32_t pixel_bytes() const { return yuyv_ ? 2 : 3; }
+  [[nodiscard]] std::uint32_t frame_bytes() const { return pixel_bytes() * columns_ * rows_; }
 
   void describe_format(v4l2_format& format) const {
     format.fmt.pix.width = columns_;
     format.fmt.pix.height = rows_;
-    format.fmt.pix.pixelformat = V4L2_PIX_FMT_BGR24;
-    format.fmt.pix.bytesperline = 3 * columns_;
+    format.fmt.pix.pixelformat = yuyv_ ? V4L2_PIX_FMT_YUYV : V4L2_PIX_FMT_BGR24;
+    format.fmt.pix.bytesperline = pixel_bytes() * columns_;
     format.fmt.pix.sizeimage = frame_bytes();
   }
   int set_format(v4l2_format& format) {
@@ -178,11 +180,16 @@ class Camera {
     if (frame >= frame_of("SIMULATED_V4L2_UNPLUGGED")) return fail(ENODEV);
     buffer.index = queued_.front();
     queued_.pop_front();
-    std::uint8_t* pixel = buffers_[buffer.index];
+    std::uint8_t* value = buffers_[buffer.index];
     for (std::uint32_t row = 0; row < rows_; ++row) {
       for (std::uint32_t column = 0; column < columns_; ++column) {
-        for (std::uint32_t channel = 0; channel < 3; ++channel)
-          *pixel++ = simulated_value(frame, row, column, channel);
+        *value++ = simulated_value(frame, row, column, 0);
+        if (yuyv_) {
+          *value++ = 128;  // no colour
+        } else {
+          for (const std::uint32_t channel : {1U, 2U})
+            *value++ = simulated_value(frame, row, column, channel);
+        }
       }
     }
     buffer.bytesused = buffer.length = frame_bytes();
@@ -194,6 +201,7 @@ class Camera {
   }
 
   int timer_ = -1;
+  bool yuyv_ = std::getenv("SIMULATED_V4L2_YUYV") != nullptr;
   bool running_ = false;
   std::uint32_t columns_ = kMostColumns, rows_ = kMostRows, rate_ = 30;
   int by_hand_ = V4L2_EXPOSURE_APERTURE_PRIORITY, exposure_ = 100;

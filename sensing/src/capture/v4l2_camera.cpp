@@ -6,12 +6,14 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <charconv>
 #include <cmath>
 #include <fstream>
 #include <opencv2/core.hpp>
 #include <opencv2/videoio.hpp>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -29,9 +31,18 @@ namespace {
 constexpr double kExposureUnit = 100;
 constexpr double kByHand = 1;
 
-/// What V4L2 calls images that are compressed with losses: the letters of MJPG, the first one
-/// lowest.
-constexpr int kMotionJpeg = 'M' | 'J' << 8 | 'P' << 16 | 'G' << 24;
+/// What V4L2 calls images that are compressed with losses.
+constexpr std::string_view kMotionJpeg = "MJPG";
+/// Images whose colours have half the resolution of their brightness.
+constexpr std::array<std::string_view, 6> kCoarseColors{"YUYV", "UYVY", "YU12",
+                                                        "YV12", "NV12", "NV21"};
+
+/// The letters of a format, of which V4L2 makes one number, the first one lowest.
+std::string letters_of(int format) {
+  std::string letters;
+  for (int i = 0; i < 4; ++i) letters.push_back(static_cast<char>(format >> (8 * i) & 0xff));
+  return letters;
+}
 
 /// A rate that differs by no more counts as the one asked for.
 constexpr double kSameRate = 0.01;
@@ -118,10 +129,15 @@ V4l2Camera::V4l2Camera(const std::string& number, const CameraSettings& settings
   state_.gain = settings.gain;
   state_.pixel_format = "BGR8";
   state_.counts_frames = false;
-  if (static_cast<int>(property(cv::CAP_PROP_FOURCC)) == kMotionJpeg)
-    state_.warnings.push_back(state_.name +
-                              ": compresses its images with losses (MJPG); stripe colours and "
-                              "phase suffer. A smaller size or rate may come without");
+  const std::string sent = letters_of(static_cast<int>(property(cv::CAP_PROP_FOURCC)));
+  if (sent == kMotionJpeg) {
+    state_.warnings.push_back(state_.name + ": compresses its images with losses (" + sent +
+                              "); stripe colours and phase suffer. A smaller size or rate may "
+                              "come without");
+  } else if (std::ranges::find(kCoarseColors, sent) != kCoarseColors.end()) {
+    state_.warnings.push_back(state_.name + ": sends colours at half the resolution (" + sent +
+                              "); stripe colours and phase suffer");
+  }
 }
 
 void V4l2Camera::ask(int property, double value, const char* what, double tolerance) {
