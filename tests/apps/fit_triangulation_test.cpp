@@ -35,7 +35,7 @@ class FitTriangulation : public ::testing::Test {
   }
 
   CommandResult fit(const std::vector<std::string>& more) const {
-    std::vector<std::string> call = {"fit",       scratch / "a.db", surface, "--max-bases",    "2",
+    std::vector<std::string> call = {"fit",       scratch / "a.db", surface, "--max-bases",    "1",
                                      "--passive", "local",          "-o",    scratch / "model"};
     call.insert(call.end(), more.begin(), more.end());
     return run_palpate(call);

@@ -54,8 +54,7 @@ class Measurements : public ::testing::Test {
     probing::write_acquisition(scratch.path() / "a.db", acquisition);
   }
   CommandResult fit(const std::vector<std::string>& more = {}) const {
-    std::vector<std::string> call = {"fit",       scratch / "a.db", surface, "--max-bases",    "2",
-                                     "--passive", "local",          "-o",    scratch / "model"};
+    std::vector<std::string> call = {"fit", scratch / "a.db", surface, "-o", scratch / "model"};
     call.insert(call.end(), more.begin(), more.end());
     return run_palpate(call);
   }
@@ -343,7 +342,8 @@ TEST_F(Measurements, AreFittedWithFindingsInPlainWords) {
   probing::Acquisition acquisition = sheet();
   std::erase_if(acquisition.samples, [](const auto& sample) { return sample.slipped; });
   write_store(acquisition);
-  const CommandResult prose = fit();
+  const std::vector<std::string> few_bases = {"--max-bases", "1", "--passive", "local"};
+  const CommandResult prose = fit(few_bases);
   EXPECT_EQ(prose.status, kDone) << prose.err;
   EXPECT_THAT(prose.err, AllOf(HasSubstr("no sample slipped"), Not(HasSubstr("never_slipped"))));
   for (const char* const code :
