@@ -25,6 +25,7 @@ from page_checks import (Checks, canvas_box, canvas_of, check_sentence, check_si
 
 kSeconds = 240         # for everything, on a machine that is busy with other work
 kForceTolerance = 1e-9  # [N] the same program on another processor: its sums are rounded in another order
+kSmall = (500, 400)     # [px] of the window where many frames are waited for: software draws them
 kSameFrames = 6        # in each of which the force changes by less than kSameShare when the tool is nearly at rest
 kSameShare = 0.03
 kTurnFrames = 6        # pairs of frames in which a stick turns the view
@@ -208,6 +209,7 @@ def run(arguments, checks):
         page.evaluate("palpate.ready")
         check_forces(checks, page, arguments.folder)
         check_desktop(checks, page, save)
+        page.set_size(*kSmall)
         check_pen(checks, page)
         check_gamepad(checks, page)
         check_phone(checks, page, save)
