@@ -94,7 +94,7 @@ class Decode(Command):
     def prepare(self):
         frames = self.work / "frames"
         frames.mkdir()
-        for i in range(3):
+        for i in range(2):
             shutil.copy(DEMO / "frames/flag_a.png", frames / f"{i}.png")
         self.run("calibrate", "colors", DEMO / "training", "-o", self.work / "colors.yaml")
 
