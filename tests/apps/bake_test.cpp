@@ -133,7 +133,7 @@ TEST_F(Bake, RefusesWrongCallsBeforeItComputes) {
 
 TEST_F(Bake, InterruptedKeepsTheEarlierModel) {
   write_text(specimen, R"({"type": "elastic_body", "size": 40})");
-  ASSERT_EQ(run_palpate(call({"--queries", "0"})).status, kDone);
+  ASSERT_EQ(run_palpate(call({"--queries", "0", "--contacts", "4"})).status, kDone);
   const std::string before = read_text(model + "/field.json");
   write_text(specimen, R"({"type": "sheet"})");
   // The samples are written before the model is fitted.
