@@ -34,6 +34,12 @@ cv::Mat3b contacts_picture(const Scene& scene) {
   });
 }
 
+/// The picture of the scene as it is, drawn once for all tests.
+const cv::Mat3b& plain_picture() {
+  static const cv::Mat3b picture = contacts_picture({});
+  return picture;
+}
+
 /// Two places of the surface without edges, contacts or numbers, in the left and in the right half.
 Rgb left_color(const cv::Mat3b& picture) { return pixel(picture, 350, 700); }
 Rgb right_color(const cv::Mat3b& picture) { return pixel(picture, 850, 700); }
@@ -43,15 +49,13 @@ int black_pixels(const cv::Mat3b& picture) {
 }
 
 TEST(DrawContacts, GivesNeighbouringCellsDifferentColours) {
-  const cv::Mat3b picture = contacts_picture({});
-  EXPECT_EQ(picture.size(), cv::Size(1200, 900));
-  EXPECT_GT(color_distance(left_color(picture), right_color(picture)), 60);
+  EXPECT_EQ(plain_picture().size(), cv::Size(1200, 900));
+  EXPECT_GT(color_distance(left_color(plain_picture()), right_color(plain_picture())), 60);
 }
 
 TEST(DrawContacts, ColoursFollowTheLabels) {
+  const Rgb right = right_color(plain_picture());
   Scene scene;
-  const cv::Mat3b picture = contacts_picture(scene);
-  const Rgb right = right_color(picture);
   scene.labels = 1 - scene.labels.array();
   EXPECT_LE(color_distance(left_color(contacts_picture(scene)), right), 12) << "but for the light";
 }
@@ -66,8 +70,8 @@ TEST(DrawContacts, ShowsVerticesWithoutCellInGrey) {
 }
 
 TEST(DrawContacts, DrawsEdgesAboveASurfaceThatBulges) {
+  const int on_flat = black_pixels(plain_picture());
   Scene scene;
-  const int on_flat = black_pixels(contacts_picture(scene));
   for (auto vertex : scene.surface.vertices.colwise()) {
     vertex.z() -= 5 * std::cos(vertex.x() / 50) * std::cos(vertex.y() / 50);
   }
@@ -89,8 +93,8 @@ TEST(DrawContacts, MarksEachContactWhereItIs) {
 }
 
 TEST(DrawContacts, HidesWhatIsBehind) {
+  const Rgb left = left_color(plain_picture());
   Scene scene;
-  const Rgb left = left_color(contacts_picture(scene));
   const geometry::TriangleMesh behind = make_square({-50, -50, 760}, 100, 2);
   scene.labels.conservativeResize(scene.labels.size() + behind.vertices.cols());
   scene.labels.tail(behind.vertices.cols()).setConstant(2);

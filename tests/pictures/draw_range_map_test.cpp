@@ -49,8 +49,14 @@ cv::Mat3b range_map_picture(const geometry::RangeMap& map) {
       [&](const std::filesystem::path& png) { draw_range_map(png, map, "A plane"); });
 }
 
+/// The picture of a map at one depth, drawn once for all tests.
+const cv::Mat3b& level_picture() {
+  static const cv::Mat3b picture = range_map_picture(make_plane(0, 0));
+  return picture;
+}
+
 TEST(DrawRangeMap, GivesAPictureOfTheStatedSize) {
-  EXPECT_EQ(range_map_picture(make_plane(1, 0)).size(), cv::Size(1200, 900));
+  EXPECT_EQ(level_picture().size(), cv::Size(1200, 900));
 }
 
 TEST(DrawRangeMap, ColoursFollowTheDepthFromLeftToRight) {
@@ -100,12 +106,11 @@ TEST(DrawRangeMap, ViewAndColoursAreThoseOfAnObjectBeforeAWall) {
   // The wall is beyond the scale, which says so.
   const Region mark(1038, 80, 60, 60);
   EXPECT_GT(cv::countNonZero(mask_of(picture, {40, 40, 40}, 60, mark)), 20);
-  EXPECT_EQ(cv::countNonZero(mask_of(range_map_picture(make_plane(0, 0)), {40, 40, 40}, 60, mark)),
-            0);
+  EXPECT_EQ(cv::countNonZero(mask_of(level_picture(), {40, 40, 40}, 60, mark)), 0);
 }
 
 TEST(DrawRangeMap, DrawsAMapAtOneDepthAndOneOfOnePixel) {
-  EXPECT_NEAR(place_on_map(range_map_picture(make_plane(0, 0)), 0.5, 0.5), 0.5, 0.01);
+  EXPECT_NEAR(place_on_map(level_picture(), 0.5, 0.5), 0.5, 0.01);
   geometry::RangeMap point;
   point.z.setConstant(1, 1, 812.3F);
   EXPECT_NEAR(place_on_map(range_map_picture(point), 0.5, 0.5), 0.5, 0.01);
