@@ -19,18 +19,29 @@ constexpr int kContacts = 30, kDense = 6;
 
 class FitSharedLocal : public ::testing::Test {
  protected:
-  void SetUp() override {
-    const palpate::testing::Beam beam;
-    probing::write_acquisition(scratch.path() / "a.db",
-                               palpate::testing::beam_acquisition(
-                                   beam, 5, {.directions = 6, .resolution = 0.4, .seed = 41}));
-    geometry::write_mesh(scratch.path() / "surface.ply", palpate::testing::beam_surface(beam));
+  /// Measurements, their surface, and the model of a fit that nothing stopped, made once.
+  struct Whole {
+    ScratchFolder folder;
+    std::string store = folder / "a.db", surface = folder / "surface.ply", model = folder / "model";
+    CommandResult result;
+
+    Whole() {
+      const palpate::testing::Beam beam;
+      probing::write_acquisition(store,
+                                 palpate::testing::beam_acquisition(
+                                     beam, 5, {.directions = 6, .resolution = 0.4, .seed = 41}));
+      geometry::write_mesh(surface, palpate::testing::beam_surface(beam));
+      result = run_palpate({"fit", store, surface, "-o", model, "--json", "--shared-local"});
+    }
+  };
+  static const Whole& whole() {
+    static const Whole made;
+    return made;
   }
 
-  CommandResult fit(const std::string& output, std::vector<std::string> more = {},
-                    const CommandOptions& options = {}) const {
-    std::vector<std::string> call = {"fit", scratch / "a.db", scratch / "surface.ply",
-                                     "-o",  scratch / output, "--json"};
+  CommandResult fit(std::vector<std::string> more = {}, const CommandOptions& options = {}) const {
+    std::vector<std::string> call = {"fit", whole().store,     whole().surface,
+                                     "-o",  scratch / "model", "--json"};
     call.insert(call.end(), more.begin(), more.end());
     return run_palpate(call, options);
   }
@@ -39,7 +50,7 @@ class FitSharedLocal : public ::testing::Test {
 };
 
 TEST_F(FitSharedLocal, FitsSparseContactsWithWhatDenseOnesHaveInCommonAndTellsSo) {
-  const CommandResult result = fit("model", {"--shared-local"});
+  const CommandResult& result = whole().result;
   ASSERT_EQ(result.status, kDone) << result.err;
   const nlohmann::json figures = nlohmann::json::parse(result.out);
   const nlohmann::json& sharing = figures["shared_local"];
@@ -47,7 +58,7 @@ TEST_F(FitSharedLocal, FitsSparseContactsWithWhatDenseOnesHaveInCommonAndTellsSo
   EXPECT_EQ(sharing["dense"], kDense);
   EXPECT_EQ(sharing["sparse"], kContacts - kDense);
   EXPECT_LT(sharing["gain"], -0.3);
-  const nlohmann::json model = nlohmann::json::parse(read_text(scratch / "model/field.json"));
+  const nlohmann::json model = nlohmann::json::parse(read_text(whole().model + "/field.json"));
   int count = 0;
   for (int i = 0; i < kContacts; ++i) {
     const bool shares = figures["per_contact"][i]["shared_local"];
@@ -58,11 +69,11 @@ TEST_F(FitSharedLocal, FitsSparseContactsWithWhatDenseOnesHaveInCommonAndTellsSo
   EXPECT_GE(count, 22);  // noise may make one keep its own fit
   const std::string made = model["made"]["local part"];
   EXPECT_TRUE(made.starts_with(std::to_string(count) + " share the local part")) << made;
-  EXPECT_EQ(run_palpate({"info", scratch / "model"}).status, kDone);
+  EXPECT_EQ(run_palpate({"info", whole().model}).status, kDone);
 }
 
 TEST_F(FitSharedLocal, SaysWhyEachContactIsFittedOnItsOwn) {
-  const CommandResult result = fit("model", {"--shared-local", "--dense-samples", "500"});
+  const CommandResult result = fit({"--shared-local", "--dense-samples", "500"});
   ASSERT_EQ(result.status, kDone) << result.err;
   EXPECT_NE(result.err.find("each contact is fitted on its own"), std::string::npos);
   EXPECT_NE(result.err.find("lower --dense-samples"), std::string::npos);
@@ -74,19 +85,18 @@ TEST_F(FitSharedLocal, SaysWhyEachContactIsFittedOnItsOwn) {
 
 TEST_F(FitSharedLocal, IsResumedWithTheSameSharingOnly) {
   const CommandResult cut =
-      fit("model", {"--shared-local"}, {.interrupt_when_there_is = scratch / "model.fits"});
+      fit({"--shared-local"}, {.interrupt_when_there_is = scratch / "model.fits"});
   ASSERT_EQ(cut.status, kInterrupted) << cut.err;
-  const CommandResult other = fit("model", {"--resume"});
+  const CommandResult other = fit({"--resume"});
   EXPECT_EQ(other.status, kWrongCall);
   EXPECT_NE(other.err.find("another --shared-local"), std::string::npos) << other.err;
-  ASSERT_EQ(fit("model", {"--shared-local", "--resume"}).status, kDone);
-  ASSERT_EQ(fit("whole", {"--shared-local"}).status, kDone);
-  EXPECT_EQ(read_text(scratch / "model/field.json"), read_text(scratch / "whole/field.json"));
+  ASSERT_EQ(fit({"--shared-local", "--resume"}).status, kDone);
+  EXPECT_EQ(read_text(scratch / "model/field.json"), read_text(whole().model + "/field.json"));
 }
 
 TEST_F(FitSharedLocal, RefusesWrongNumbers) {
-  EXPECT_EQ(fit("model", {"--dense-samples", "40"}).status, kWrongCall);
-  EXPECT_EQ(fit("model", {"--shared-local", "--dense-samples", "3"}).status, kWrongCall);
+  EXPECT_EQ(fit({"--dense-samples", "40"}).status, kWrongCall);
+  EXPECT_EQ(fit({"--shared-local", "--dense-samples", "3"}).status, kWrongCall);
 }
 
 }  // namespace
