@@ -162,8 +162,8 @@ void write_right(std::ostream& out, const std::string& title, const std::vector<
 void write_faults(std::ostream& out, const std::string& title, const Result& right,
                   const std::vector<Result>& results) {
   fmt::print(out,
-             "\n| {} | coverage [%] | confident wrong [%] | the same, most in an accepted frame | "
-             "frames told | scenes told | what it said |\n",
+             "\n| {} | coverage [%] | confident wrong [%] | largest confident wrong of an accepted "
+             "frame [%] | frames noticed | scenes noticed | verdicts |\n",
              title);
   fmt::print(out, "|---|---|---|---|---|---|---|\n");
   for (const Result& result : results) {
