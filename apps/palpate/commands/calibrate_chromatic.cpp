@@ -148,7 +148,10 @@ void add_calibrate_chromatic(CLI::App& calibrate, const Settings& settings) {
                    "Images (or folders of images) of surfaces at several distances under the "
                    "pattern's sinusoid in white (white_sin.png)")
       ->required();
-  command->add_option("--rig", call->rig, "Rig; its chromatic values are not used")->required();
+  command
+      ->add_option("--rig", call->rig,
+                   "Rig (rig.yaml); of its chromatic values, only the mixing is used")
+      ->required();
   command->add_option("--pattern", call->pattern, "Pattern; its stripes are not used")->required();
   command->add_option("-o,--output", call->output, "Rig file to write, with the result")
       ->required();

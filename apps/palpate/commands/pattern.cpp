@@ -319,7 +319,9 @@ void add_pattern(CLI::App& app, const Settings& settings) {
       "training:\n"
       "R_flat.png, R_sin.png, ... (calibrate colors), white_sin.png (calibrate chromatic),\n"
       "white_flat.png, projector_off.png, grey_000.png ... grey_255.png (calibrate response).\n"
-      "All images are linear in the light: use a projector without a gamma curve.\n"
+      "All images are linear in the light: use a projector without a gamma curve, or decode with "
+      "the\n"
+      "response of projector and camera (calibrate response).\n"
       "Examples:\n  palpate pattern --rig rig.yaml --distances 500 900 -o pattern/\n"
       "  palpate pattern --rig rig.yaml --distances 500 900 --multishot 8 -o multishot/");
   command->callback([call, &settings] { make_pattern(settings, *call); });

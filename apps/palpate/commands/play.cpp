@@ -185,43 +185,50 @@ void add_device_options(CLI::App& command, PlayCall& call) {
                      "rate [Hz]");
   command.add_option("--device-number", device.number, "Which of a driver's devices, from 0");
   command.add_flag("--in-process", device.in_process,
-                   "Run the driver in this process: faster, but its crash is that of the loop");
+                   "Run the driver in this process: faster, but if it crashes, so does the loop");
   command.add_flag("--realtime", device.real_time,
                    "On the host's clock, with real-time scheduling if that is allowed");
   command
       .add_option("--duration", device.duration,
-                  "[s] (default: that of the trajectory; of a driver, until Ctrl-C)")
+                  "Duration [s] (default: that of the trajectory; with a driver, until Ctrl-C)")
       ->check(within(above(0).finite()));
   command.add_option("--session", device.session,
-                     "Record of all that the loop reads and commands, which --replay takes");
+                     "Record to write of all that the loop reads and commands, for --replay");
   command.add_option("--replay", call.replay, "Compute a session again and compare every bit");
   command.add_option("--pose", device.pose,
-                     "Where the device's frame lies in the model's: a file with a 3 x 4 matrix");
+                     "Pose of the device's frame in the model's: a file with a 3 x 4 matrix");
   command
       .add_option("--scale", device.scale,
-                  "[mm/mm] of the model for one of the device (default: as it declares, or 1)")
+                  "Length in the model per length at the device [mm/mm] (default: as the device "
+                  "declares, or 1)")
       ->check(within(above(0).finite()));
   command
       .add_option("--clutch-button", device.clutch_buttons,
-                  "Numbers of buttons, from 0, while which the tool stands still")
+                  "Buttons (numbers from 0) that hold the tool still while they are pressed")
       ->check(within(at_least(0).at_most(31)));
-  command.add_option("--coupling", device.coupling,
-                     "Virtual coupling: auto (by the device's damping and delay), off, or N/mm");
-  command.add_option("--max-force", device.force, "[N] Longer forces are shortened")
+  command.add_option(
+      "--coupling", device.coupling,
+      "Stiffness of the virtual coupling: auto (from the device's damping and delay), off, "
+      "or a number [N/mm]");
+  command
+      .add_option("--max-force", device.force, "Largest force [N]; larger ones are reduced to it")
       ->check(within(above(0).finite()));
-  command.add_option("--slew", device.slew, "[N/s] by which a force may grow")
+  command.add_option("--slew", device.slew, "Largest growth of a force [N/s]")
       ->check(within(above(0).finite()));
   command
-      .add_option("--ramp", device.ramp, "[s] in which the force grows after a start or a fault")
+      .add_option("--ramp", device.ramp,
+                  "Time in which the force grows after a start or a fault [s]")
       ->check(within(above(0).finite()));
   command
       .add_option("--heating-time", device.heating_time,
-                  "[s] time constant of the motors' heat, which limits how long a force is above "
+                  "Time constant of the motors' heat [s], which limits how long a force is above "
                   "the continuous one that the device declares (default: 10)")
       ->check(within(at_least(0.1).finite()));
-  command.add_option("--exchange", device.exchange, "Another model, which replaces the first ...");
+  command.add_option("--exchange", device.exchange,
+                     "Another model, which replaces the first after the time --exchange-at");
   command
-      .add_option("--exchange-at", device.exchange_at, "... after this time [s], without a pause")
+      .add_option("--exchange-at", device.exchange_at,
+                  "Time after which --exchange replaces the model, without a pause [s]")
       ->check(within(at_least(0).finite()))
       ->needs("--exchange");
   command.add_flag("--stability", call.stability,
@@ -249,15 +256,16 @@ void add_play(CLI::App& app, const Settings& settings) {
                       "a scene, a folder with the traces of its tools and objects");
   command->add_option("--picture", call->picture, "Also draw the forces over time (PNG)");
   add_friction_option(*command, call->device.friction);
-  CLI::Option* tool_radius =
-      command
-          ->add_option("--tool-radius", call->tool_radius,
-                       "[mm] of a ball; if the probe was another one, say how wrong the forces are")
-          ->check(within(above(0).finite()));
+  CLI::Option* tool_radius = command
+                                 ->add_option("--tool-radius", call->tool_radius,
+                                              "Radius of the tool, a ball [mm]; if it is not the "
+                                              "probe's, say how wrong the forces are")
+                                 ->check(within(above(0).finite()));
   command
-      ->add_option("--probe-radius", call->probe_radius,
-                   "[mm] of the ball with which the object was measured, if the model does not say "
-                   "it")
+      ->add_option(
+          "--probe-radius", call->probe_radius,
+          "Radius of the ball with which the object was measured [mm], if the model does not say "
+          "it")
       ->check(within(above(0).finite()))
       ->needs(tool_radius);
   add_device_options(*command, *call);

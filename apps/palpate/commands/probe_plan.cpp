@@ -120,7 +120,8 @@ void add_probe_plan(CLI::App& probe, const Settings& settings) {
   command->add_option("--spacing", options.spacing, "Least distance of contacts [mm]")
       ->check(within(above(0).finite()))
       ->capture_default_str();
-  command->add_option("--contacts", options.contacts, "Most contacts (default: no limit)")
+  command
+      ->add_option("--contacts", options.contacts, "Largest number of contacts (default: no limit)")
       ->check(within(above(0)));
   command->add_option("--tip-radius", options.tip_radius, "Radius of the tip, a ball [mm]")
       ->check(within(above(0).finite()))
@@ -146,10 +147,12 @@ void add_probe_plan(CLI::App& probe, const Settings& settings) {
   command->add_option("--levels", options.levels, "Number of normal forces")
       ->check(within(above(0)))
       ->capture_default_str();
-  command->add_option("--directions", options.directions, "Of the tangential force at each level")
+  command
+      ->add_option("--directions", options.directions,
+                   "Number of directions of the tangential force at each level")
       ->check(within(at_least(0)))
       ->capture_default_str();
-  command->add_option("--max-force", options.max_force, "Most force that the arm applies [N]")
+  command->add_option("--max-force", options.max_force, "Largest force that the arm applies [N]")
       ->check(within(above(0).finite()))
       ->capture_default_str();
   command->add_option("--picture", call->picture, "Also draw the contacts and their parts (PNG)");

@@ -298,7 +298,8 @@ void add_probe_run(CLI::App& probe, const Settings& settings) {
       "Choice of tangential forces: pooled: where they tell most about friction, with what other "
       "contacts have shown (default); bisection: halve the interval in each direction; adaptive: "
       "where trials reduce the error of the model most per second, until a limit below");
-  run->add_option("--resolution", options.resolution, "At which a bisection ends [N]")
+  run->add_option("--resolution", options.resolution,
+                  "Interval of forces at which a bisection ends [N]")
       ->check(within(above(0).finite()))
       ->capture_default_str();
   run->add_option("--friction-accuracy", options.friction_accuracy,
@@ -319,7 +320,8 @@ void add_probe_run(CLI::App& probe, const Settings& settings) {
                   "contact, to see whether the object or the arm changes; 0: none")
       ->check(within(at_least(0)))
       ->capture_default_str();
-  run->add_option("--seed", options.seed, "Of the order of directions and the errors of the arm")
+  run->add_option("--seed", options.seed,
+                  "Seed of the order of directions and of the errors of the arm")
       ->capture_default_str();
   run->footer(
       "Each trial is stored at once: after Ctrl-C, a crash or a loss of power 'palpate probe "
@@ -347,7 +349,7 @@ void add_probe_run(CLI::App& probe, const Settings& settings) {
                      "In place of the arm: the record of this part of the campaign");
   resume
       ->add_option("--moved-limit", call->moved_limit,
-                   "Most that the object may have moved along the normals before a device goes on "
+                   "Largest motion of the object along the normals with which a device goes on "
                    "[mm]")
       ->check(within(above(0).finite()))
       ->capture_default_str();

@@ -102,7 +102,7 @@ void add_probe_truth(CLI::App& probe, const Settings& settings) {
   command->add_option("--max-force", call->options.max_force, "Largest of the forces [N]")
       ->check(within(above(0.1).finite()))
       ->capture_default_str();
-  command->add_option("--seed", call->options.seed, "Of the random places and forces")
+  command->add_option("--seed", call->options.seed, "Seed of the random places and forces")
       ->capture_default_str();
   command->footer(
       "Example:\n  palpate probe truth sheet.json -o truth/\n"
