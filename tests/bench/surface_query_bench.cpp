@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-// Closest points, rays and segments, one by one on one thread, against Embree used directly in
-// single precision and against CGAL's tree; moving the vertices against Embree.
+// Closest points, first and all hits of rays and segments, one by one on one thread, against Embree
+// used directly in single precision and against CGAL's tree; moving the vertices against Embree.
 #include "palpate/geometry/surface_query.h"
 
 #include <cmath>
@@ -152,6 +152,46 @@ void first_hit_against(benchmark::State& state) {
   compare_answers(state, our_answers, peer_answers, kSinglePrecision);
 }
 
+/// Rays cross the surface a few dozen times at most.
+constexpr double kSumPrecision = 50 * kSinglePrecision;
+
+/// All crossings of a ray, whose numbers and sums are compared.
+void all_hits_against_embree(benchmark::State& state) {
+  const TriangleMesh mesh = mesh_number(state.range(0));
+  const std::vector<Line> lines = make_lines(mesh, state.range(1) != 0);
+  const SurfaceQuery query(mesh);
+  const EmbreePeer peer(mesh, EmbreePeer::Purpose::all_hits);
+  std::vector<double> our_answers(lines.size()), peer_answers(lines.size());
+  double crossings = 0;
+  palpate::bench::run_paired(
+      state,
+      [&] {
+        crossings = 0;
+        for (std::size_t i = 0; i < lines.size(); ++i) {
+          const auto& [from, along] = lines[i];
+          const auto hits =
+              query.all_hits(palpate::geometry::Ray{.origin = from, .direction = along});
+          our_answers[i] = 0;
+          for (const auto& hit : hits) our_answers[i] += 1 + hit.distance / along.norm();
+          crossings += static_cast<double>(hits.size());
+        }
+      },
+      [&] {
+        for (std::size_t i = 0; i < lines.size(); ++i) {
+          peer_answers[i] = 0;
+          for (const double t : peer.all_crossings(lines[i].origin, lines[i].along)) {
+            peer_answers[i] += 1 + t;
+          }
+        }
+      });
+  compare_answers(state, our_answers, peer_answers, kSumPrecision);
+  state.counters["crossings"] = crossings / static_cast<double>(lines.size());
+}
+BENCHMARK(all_hits_against_embree)
+    ->ArgNames({"mesh", "coherent"})
+    ->ArgsProduct({{0, 1}, {0, 1}})
+    ->Unit(benchmark::kMillisecond);
+
 /// The mesh bends and straightens: the boxes are fitted anew by both.
 void move_vertices_against_embree(benchmark::State& state) {
   const TriangleMesh mesh = mesh_number(state.range(0));
@@ -159,7 +199,7 @@ void move_vertices_against_embree(benchmark::State& state) {
   const double size = palpate::geometry::bounding_diagonal(mesh);
   for (auto v : bent.colwise()) v.z() += 0.05 * size * std::sin(10 * v.x() / size);
   SurfaceQuery query(mesh);
-  EmbreePeer peer(mesh, true);
+  EmbreePeer peer(mesh, EmbreePeer::Purpose::moves);
   bool ours_bent = false, peer_bent = false;
   palpate::bench::run_paired(
       state,

@@ -2,10 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <embree3/rtcore.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <limits>
 #include <stdexcept>
+#include <utility>
+#include <vector>
 
 #include "surface_query_peers.h"
 
@@ -58,6 +61,39 @@ bool visit(RTCPointQueryFunctionArguments* args) {
   return true;
 }
 
+RTCRayHit ray_hit(const Eigen::Vector3d& origin, const Eigen::Vector3d& along, float far) {
+  const Vector3f o = origin.cast<float>(), d = along.cast<float>();
+  RTCRayHit hit{};
+  hit.ray = {.org_x = o[0],
+             .org_y = o[1],
+             .org_z = o[2],
+             .tnear = 0,
+             .dir_x = d[0],
+             .dir_y = d[1],
+             .dir_z = d[2],
+             .time = 0,
+             .tfar = far,
+             .mask = ~0U,
+             .id = 0,
+             .flags = 0};
+  hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  hit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  return hit;
+}
+
+/// A query that collects crossings.
+struct Collection {
+  RTCIntersectContext context;  // first, as Embree passes on its address
+  std::vector<double> crossings;
+};
+
+/// Refuses each crossing, so that the ray goes on.
+void collect(const RTCFilterFunctionNArguments* args) {
+  args->valid[0] = 0;
+  reinterpret_cast<Collection*>(args->context)
+      ->crossings.push_back(static_cast<double>(RTCRayN_tfar(args->ray, args->N, 0)));
+}
+
 }  // namespace
 
 struct EmbreePeer::Impl {
@@ -68,9 +104,12 @@ struct EmbreePeer::Impl {
   unsigned* triangles = nullptr;
 };
 
-EmbreePeer::EmbreePeer(const geometry::TriangleMesh& mesh, bool moves)
+EmbreePeer::EmbreePeer(const geometry::TriangleMesh& mesh, Purpose purpose)
     : impl_(std::make_unique<Impl>()) {
-  if (moves) rtcSetSceneFlags(impl_->scene, RTC_SCENE_FLAG_DYNAMIC);
+  if (purpose == Purpose::moves) rtcSetSceneFlags(impl_->scene, RTC_SCENE_FLAG_DYNAMIC);
+  if (purpose == Purpose::all_hits) {
+    rtcSetSceneFlags(impl_->scene, RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
+  }
   impl_->vertices = static_cast<float*>(
       rtcSetNewGeometryBuffer(impl_->geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
                               3 * sizeof(float), static_cast<std::size_t>(mesh.vertices.cols())));
@@ -110,25 +149,21 @@ double EmbreePeer::first_crossing(const Eigen::Vector3d& origin, const Eigen::Ve
                                   float far) const {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  RTCRayHit hit{};
-  const Vector3f o = origin.cast<float>(), d = along.cast<float>();
-  hit.ray = {.org_x = o[0],
-             .org_y = o[1],
-             .org_z = o[2],
-             .tnear = 0,
-             .dir_x = d[0],
-             .dir_y = d[1],
-             .dir_z = d[2],
-             .time = 0,
-             .tfar = far,
-             .mask = ~0U,
-             .id = 0,
-             .flags = 0};
-  hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  hit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  RTCRayHit hit = ray_hit(origin, along, far);
   rtcIntersect1(impl_->scene, &context, &hit);
   if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::numeric_limits<double>::quiet_NaN();
   return static_cast<double>(hit.ray.tfar);
+}
+
+std::vector<double> EmbreePeer::all_crossings(const Eigen::Vector3d& origin,
+                                              const Eigen::Vector3d& along) const {
+  Collection collection;
+  rtcInitIntersectContext(&collection.context);
+  collection.context.filter = collect;
+  RTCRayHit hit = ray_hit(origin, along, std::numeric_limits<float>::infinity());
+  rtcIntersect1(impl_->scene, &collection.context, &hit);
+  std::sort(collection.crossings.begin(), collection.crossings.end());
+  return std::move(collection.crossings);
 }
 
 void EmbreePeer::move(const Eigen::Matrix3Xd& vertices) {

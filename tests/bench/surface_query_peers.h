@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <vector>
 
 #include "palpate/geometry/triangle_mesh.h"
 
@@ -12,13 +13,18 @@ namespace palpate::bench {
 /// Plain Embree, with its own triangles in single precision.
 class EmbreePeer {
  public:
-  explicit EmbreePeer(const geometry::TriangleMesh& mesh, bool moves = false);
+  /// What slows down other queries is asked of Embree only for its purpose.
+  enum class Purpose { first_hits, all_hits, moves };
+  explicit EmbreePeer(const geometry::TriangleMesh& mesh, Purpose purpose = Purpose::first_hits);
   ~EmbreePeer();
   /// [mm] to the nearest point.
   [[nodiscard]] double distance(const Eigen::Vector3d& point) const;
   /// First crossing origin + t along with t in [0, far]; NaN if there is none.
   [[nodiscard]] double first_crossing(const Eigen::Vector3d& origin, const Eigen::Vector3d& along,
                                       float far) const;
+  /// All crossings origin + t along with t >= 0, in ascending order.
+  [[nodiscard]] std::vector<double> all_crossings(const Eigen::Vector3d& origin,
+                                                  const Eigen::Vector3d& along) const;
   /// Moves the vertices and fits the tree to them.
   void move(const Eigen::Matrix3Xd& vertices);
 

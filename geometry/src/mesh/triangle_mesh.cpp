@@ -8,6 +8,7 @@
 #include <string>
 
 #include "base/numbers.h"
+#include "mesh/triangle_primitives.h"
 #include "palpate/error.h"
 
 namespace palpate::geometry {
@@ -83,11 +84,9 @@ void check_surface_point(const TriangleMesh& mesh, const SurfacePoint& point, co
 
 Eigen::Vector3d position(const TriangleMesh& mesh, const SurfacePoint& point) {
   const Eigen::Vector3i corners = mesh.triangles.col(point.triangle);
-  // Computed relative to one corner: far from the origin a weighted sum of the corners would lose
-  // digits.
-  const Eigen::Vector3d a = mesh.vertices.col(corners[0]);
-  return a + (point.barycentric[1] * (mesh.vertices.col(corners[1]) - a) +
-              point.barycentric[2] * (mesh.vertices.col(corners[2]) - a));
+  return point_on(
+      {mesh.vertices.col(corners[0]), mesh.vertices.col(corners[1]), mesh.vertices.col(corners[2])},
+      point.barycentric);
 }
 
 SurfacePoint corner_point(int triangle, int corner) {

@@ -84,8 +84,10 @@ Nearest nearest_on_triangle(const Eigen::Vector3d& point, const Corners& corners
 ShearedSegment::ShearedSegment(const Eigen::Vector3d& start, const Eigen::Vector3d& end)
     : start_(start) {
   const Eigen::Vector3d along = end - start;
-  int largest = 0;
-  along.cwiseAbs().maxCoeff(&largest);
+  // Without branches, which a processor could only guess.
+  const Eigen::Array3d extent = along.cwiseAbs();
+  const int larger = extent[1] > extent[0] ? 1 : 0;
+  const int largest = extent[2] > std::max(extent[0], extent[1]) ? 2 : larger;
   axis_ = {(largest + 1) % 3, (largest + 2) % 3, largest};
   length_ = along[axis_[2]];
   shear_0_ = along[axis_[0]] / length_;

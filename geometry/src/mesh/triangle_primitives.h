@@ -11,6 +11,14 @@ namespace palpate::geometry {
 /// The three corners of a triangle.
 using Corners = std::array<Eigen::Vector3d, 3>;
 
+/// The point with these barycentric coordinates. Computed relative to one corner: far from the
+/// origin a weighted sum of the corners would lose digits.
+[[nodiscard]] inline Eigen::Vector3d point_on(const Corners& corners,
+                                              const Eigen::Vector3d& barycentric) {
+  const auto& [a, b, c] = corners;
+  return a + (barycentric[1] * (b - a) + barycentric[2] * (c - a));
+}
+
 /// A contact is snapped to a corner or an edge iff its barycentric coordinates are this close to 1
 /// or 0. This moves it by less than any measurement error, and avoids thinner triangles.
 inline constexpr double kContactOnEdge = 1e-4;

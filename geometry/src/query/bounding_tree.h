@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "query/huge_pages.h"
 #include "query/triangle_packet.h"
 
 namespace palpate::geometry {
@@ -14,23 +15,35 @@ namespace palpate::geometry {
 /// Processors load memory in lines of this size.
 inline constexpr std::size_t kCacheLine = 64;
 
-/// Four boxes side by side, one per child; two cache lines.
+/// One number for each of eight boxes.
+using BoxLanes = Eigen::Array<float, 8, 1>;
+
+/// Bit i is set iff a[i] <= b[i].
+inline unsigned where_not_above(const BoxLanes& a, const BoxLanes& b) {
+  const auto half = [&](int first) {
+    return where_not_above(Lanes(a.segment<4>(first)), Lanes(b.segment<4>(first)));
+  };
+  return half(0) | half(4) << 4;
+}
+
+/// Eight boxes side by side, one per child; four cache lines.
 struct alignas(kCacheLine) TreeNode {
+  static constexpr int kSize = 8;
   /// [axis][0]: lower, [axis][1]: upper; lower > upper if there is no child
-  std::array<std::array<Lanes, 2>, 3> sides;
-  std::array<int, TrianglePacket::kSize> child;  ///< >= 0: node; < 0: packet ~child
-  unsigned children = 0;                         ///< bit i is set iff there is a child i
+  std::array<std::array<BoxLanes, 2>, 3> sides;
+  std::array<int, kSize> child;  ///< >= 0: node; < 0: packet ~child
+  unsigned children = 0;         ///< bit i is set iff there is a child i
 };
 
 /// A bounding volume hierarchy whose leaves are packets of triangles. Embree builds it (surface
-/// area heuristic); our own traversal tests four boxes or four triangles per step without
+/// area heuristic); our own traversal tests eight boxes or four triangles per step without
 /// callbacks.
 struct BoundingTree {
-  /// A traversal defers at most 3 children per level on the way down.
+  /// A traversal defers at most 7 children per level on the way down.
   static constexpr int kMaxDepth = 64;
 
-  std::vector<TreeNode> nodes;  ///< root first, parents before their children
-  std::vector<TrianglePacket> packets;
+  std::vector<TreeNode, HugePages<TreeNode>> nodes;  ///< root first, parents before their children
+  std::vector<TrianglePacket, HugePages<TrianglePacket>> packets;
 };
 
 /// Builds the tree.

@@ -14,8 +14,6 @@
 namespace palpate::geometry {
 namespace {
 
-constexpr int kWidth = TrianglePacket::kSize;
-
 struct ReleaseDevice {
   void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
 };
@@ -27,8 +25,8 @@ using Bvh = std::unique_ptr<std::remove_pointer_t<RTCBVH>, ReleaseBvh>;
 
 /// A node built by Embree, in Embree's memory: an inner node, or a leaf with `triangle` set.
 struct BuiltNode {
-  std::array<const BuiltNode*, kWidth> child;
-  std::array<int, kWidth> triangle;
+  std::array<const BuiltNode*, TreeNode::kSize> child;
+  std::array<int, TrianglePacket::kSize> triangle;
   bool is_leaf;
 };
 
@@ -99,10 +97,10 @@ BoundingTree build_tree(const Eigen::Matrix3Xd& vertices, const Eigen::Matrix3Xi
   const Bvh bvh(rtcNewBVH(device.get()));
   std::vector<RTCBuildPrimitive> boxes = triangle_boxes(vertices, triangles);
   RTCBuildArguments arguments = rtcDefaultBuildArguments();
-  arguments.maxBranchingFactor = kWidth;
-  arguments.sahBlockSize = kWidth;
-  arguments.minLeafSize = kWidth;
-  arguments.maxLeafSize = kWidth;
+  arguments.maxBranchingFactor = TreeNode::kSize;
+  arguments.sahBlockSize = TrianglePacket::kSize;
+  arguments.minLeafSize = TrianglePacket::kSize;
+  arguments.maxLeafSize = TrianglePacket::kSize;
   arguments.bvh = bvh.get();
   arguments.primitives = boxes.data();
   arguments.primitiveCount = boxes.size();

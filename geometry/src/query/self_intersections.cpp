@@ -168,8 +168,8 @@ unsigned overlapping(const TreeNode& node, const Eigen::Array3f& lower,
   unsigned bits = node.children;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const auto k = static_cast<Eigen::Index>(axis);
-    bits &= where_not_above(node.sides[axis][0], Lanes::Constant(upper[k]));
-    bits &= where_not_above(Lanes::Constant(lower[k]), node.sides[axis][1]);
+    bits &= where_not_above(node.sides[axis][0], BoxLanes::Constant(upper[k]));
+    bits &= where_not_above(BoxLanes::Constant(lower[k]), node.sides[axis][1]);
   }
   return bits;
 }

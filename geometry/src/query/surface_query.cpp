@@ -46,7 +46,6 @@ Clip clip_to_cube(const Eigen::Vector3d& start, const Eigen::Vector3d& along, do
 struct LocalLine {
   Eigen::Vector3d start, end;
   Clip clip;
-  double unit;  ///< [mm] length of a ray to which `clip` is relative
 
   /// Fraction of the segment, or multiple of the ray's unit, from the fraction of what is cut out.
   [[nodiscard]] double along(double fraction) const {
@@ -64,9 +63,17 @@ std::optional<LocalLine> local_line(const SurfaceTree& tree, const Eigen::Vector
   if (clip.begin > clip.end) return std::nullopt;
   return LocalLine{.start = clip.begin > 0 ? local_start + clip.begin * along : local_start,
                    .end = clip.end < 1 ? local_start + clip.end * along : local_end,
-                   .clip = clip,
-                   .unit = 0};
+                   .clip = clip};
 }
+
+/// The direction of a ray, scaled to 1 along its main axis, so that its squared length is finite
+/// for any length.
+Eigen::Vector3d along_ray(const Ray& ray) {
+  return ray.direction / ray.direction.cwiseAbs().maxCoeff();
+}
+
+/// [mm] length of a ray's `along_ray`.
+double ray_unit(const Eigen::Vector3d& along, double scale) { return along.norm() / scale; }
 
 /// None if it is no ray or outside the cube.
 std::optional<LocalLine> local_line(const SurfaceTree& tree, const Ray& ray) {
@@ -76,28 +83,31 @@ std::optional<LocalLine> local_line(const SurfaceTree& tree, const Ray& ray) {
       !(ray.max_distance >= 0)) {
     return std::nullopt;
   }
-  // Scaled to 1 along its main axis, so that its squared length is finite for any length.
-  const Eigen::Vector3d along = ray.direction / largest;
-  const double unit = along.norm() / tree.scale();  // [mm] length of `along`
-  const Clip clip = clip_to_cube(origin, along, ray.max_distance / unit);
+  const Eigen::Vector3d along = along_ray(ray);
+  // An endless ray does not wait for its unit.
+  const double far =
+      ray.max_distance < kInfinity ? ray.max_distance / ray_unit(along, tree.scale()) : kInfinity;
+  const Clip clip = clip_to_cube(origin, along, far);
   if (clip.begin > clip.end) return std::nullopt;
   return LocalLine{.start = clip.begin > 0 ? origin + clip.begin * along : origin,
                    .end = clip.end > 0 ? origin + clip.end * along : origin,
-                   .clip = clip,
-                   .unit = unit};
+                   .clip = clip};
 }
 
-SegmentHit segment_hit(const TriangleMesh& mesh, const LocalLine& line,
+SegmentHit segment_hit(const SurfaceTree& tree, const LocalLine& line,
                        const CrossedTriangle& crossed) {
   const SurfacePoint at{.triangle = crossed.triangle, .barycentric = crossed.at.barycentric};
-  return {.at = at, .position = position(mesh, at), .fraction = line.along(crossed.at.fraction)};
+  return {.at = at,
+          .position = tree.position(crossed.place, at.barycentric),
+          .fraction = line.along(crossed.at.fraction)};
 }
 
-RayHit ray_hit(const TriangleMesh& mesh, const LocalLine& line, const CrossedTriangle& crossed) {
+RayHit ray_hit(const SurfaceTree& tree, const Ray& ray, const LocalLine& line,
+               const CrossedTriangle& crossed) {
   const SurfacePoint at{.triangle = crossed.triangle, .barycentric = crossed.at.barycentric};
   return {.at = at,
-          .position = position(mesh, at),
-          .distance = line.along(crossed.at.fraction) * line.unit};
+          .position = tree.position(crossed.place, at.barycentric),
+          .distance = line.along(crossed.at.fraction) * ray_unit(along_ray(ray), tree.scale())};
 }
 
 void set_hit(FirstHits& hits, Eigen::Index i, const auto& hit, double along) {
@@ -145,7 +155,7 @@ ClosestPoint SurfaceQuery::closest_point(const Eigen::Vector3d& point) const noe
   const NearestTriangle nearest = tree.nearest(local, kInfinity);
   if (nearest.triangle < 0) return closest;
   closest.at = {.triangle = nearest.triangle, .barycentric = nearest.at.barycentric};
-  closest.position = position(tree.mesh(), closest.at);
+  closest.position = tree.position(nearest.place, nearest.at.barycentric);
   closest.distance = std::sqrt(nearest.at.squared_distance) / tree.scale();
   return closest;
 }
@@ -156,7 +166,7 @@ std::optional<SegmentHit> SurfaceQuery::first_hit(const Eigen::Vector3d& start,
   if (!line) return std::nullopt;
   const CrossedTriangle crossed = tree_->first_crossing(line->start, line->end);
   if (crossed.triangle < 0) return std::nullopt;
-  return segment_hit(tree_->mesh(), *line, crossed);
+  return segment_hit(*tree_, *line, crossed);
 }
 
 std::optional<RayHit> SurfaceQuery::first_hit(const Ray& ray) const noexcept {
@@ -164,7 +174,7 @@ std::optional<RayHit> SurfaceQuery::first_hit(const Ray& ray) const noexcept {
   if (!line) return std::nullopt;
   const CrossedTriangle crossed = tree_->first_crossing(line->start, line->end);
   if (crossed.triangle < 0) return std::nullopt;
-  return ray_hit(tree_->mesh(), *line, crossed);
+  return ray_hit(*tree_, ray, *line, crossed);
 }
 
 std::vector<SegmentHit> SurfaceQuery::all_hits(const Eigen::Vector3d& start,
@@ -173,7 +183,7 @@ std::vector<SegmentHit> SurfaceQuery::all_hits(const Eigen::Vector3d& start,
   const std::optional<LocalLine> line = local_line(*tree_, start, end);
   if (!line) return hits;
   for (const CrossedTriangle& crossed : tree_->all_crossings(line->start, line->end))
-    hits.push_back(segment_hit(tree_->mesh(), *line, crossed));
+    hits.push_back(segment_hit(*tree_, *line, crossed));
   return hits;
 }
 
@@ -182,7 +192,7 @@ std::vector<RayHit> SurfaceQuery::all_hits(const Ray& ray) const {
   const std::optional<LocalLine> line = local_line(*tree_, ray);
   if (!line) return hits;
   for (const CrossedTriangle& crossed : tree_->all_crossings(line->start, line->end))
-    hits.push_back(ray_hit(tree_->mesh(), *line, crossed));
+    hits.push_back(ray_hit(*tree_, ray, *line, crossed));
   return hits;
 }
 

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/numbers.h"
+#include "palpate/parallel_for.h"
 #include "query/local_frame.h"
 #include "query/triangle_packet.h"
 
@@ -45,6 +46,13 @@ float squared_radius(double distance, double reach) {
   return round_up(radius * radius);
 }
 
+/// Begins to load what will be read soon.
+template <typename What>
+void load(const What* first, std::size_t count = 1) {
+  for (std::size_t byte = 0; byte < count * sizeof(What); byte += kCacheLine)
+    __builtin_prefetch(reinterpret_cast<const char*>(first) + byte);
+}
+
 /// Children deferred by a traversal, with their distances.
 class Stack {
  public:
@@ -54,46 +62,66 @@ class Stack {
   };
   [[nodiscard]] bool empty() const { return size_ == 0; }
   Entry pop() { return entries_[--size_]; }
-  [[nodiscard]] std::size_t size() const { return size_; }
-  /// Inserts an entry above all farther ones from `base` on.
-  void push(Entry entry, std::size_t base) {
-    std::size_t i = size_++;
-    for (; i > base && entries_[i - 1].distance < entry.distance; --i) {
-      entries_[i] = entries_[i - 1];
-    }
-    entries_[i] = entry;
-  }
-  /// Inserts the children of a node whose bits are set, and begins to load them.
-  void push(const BoundingTree& tree, const TreeNode& node, const Lanes& distances, unsigned bits) {
-    const std::size_t base = size_;
-    for (; bits != 0; bits &= bits - 1) {
+  /// Defers all children of a node whose bits are set but the nearest, which is returned, and
+  /// begins to load them. Precondition: a bit is set.
+  int defer_others(const BoundingTree& tree, const TreeNode& node, const BoxLanes& distances,
+                   unsigned bits) {
+    const auto first_entry = [&] {
       const auto lane = static_cast<std::size_t>(std::countr_zero(bits));
-      const int child = node.child[lane];
-      if (child < 0) {
-        load(&tree.packets[static_cast<std::size_t>(~child)]);
+      bits &= bits - 1;
+      return Entry{.distance = distances.data()[lane], .child = node.child[lane]};
+    };
+    Entry nearest = first_entry();
+    while (bits != 0) {
+      Entry other = first_entry();
+      if (other.distance < nearest.distance) std::swap(nearest, other);
+      if (other.child < 0) {
+        load(&tree.packets[static_cast<std::size_t>(~other.child)]);
       } else {
-        load(&tree.nodes[static_cast<std::size_t>(child)]);
+        load(&tree.nodes[static_cast<std::size_t>(other.child)]);
       }
-      push({.distance = distances.data()[lane], .child = child}, base);
+      entries_[size_++] = other;
     }
+    return nearest.child;
   }
 
  private:
-  template <typename What>
-  static void load(const What* what) {
-    for (std::size_t line = 0; line < sizeof(What); line += kCacheLine)
-      __builtin_prefetch(reinterpret_cast<const char*>(what) + line);
-  }
-
   // Not zero-initialised, because that would cost as much as a short traversal.
-  std::array<Entry, 3 * BoundingTree::kMaxDepth + TrianglePacket::kSize> entries_;
+  std::array<Entry, std::size_t{TreeNode::kSize - 1} * BoundingTree::kMaxDepth> entries_;
   std::size_t size_ = 0;
 };
+
+/// Walks down the tree, to the nearest child first.
+/// \param meet finds the children of a node that matter, and their distances.
+/// \param look_at looks at the packet with this number.
+/// \param limit is asked for the distance beyond which nothing matters any more.
+void walk(const BoundingTree& tree, const auto& meet, const auto& look_at, const auto& limit) {
+  Stack stack;
+  int at = 0;  // the root
+  while (true) {
+    if (at < 0) {
+      look_at(~at);
+    } else {
+      const TreeNode& node = tree.nodes[static_cast<std::size_t>(at)];
+      BoxLanes distances;
+      if (const unsigned bits = meet(node, distances); bits != 0) {
+        at = stack.defer_others(tree, node, distances, bits);
+        continue;
+      }
+    }
+    Stack::Entry next{};
+    do {
+      if (stack.empty()) return;
+      next = stack.pop();
+    } while (next.distance > limit());
+    at = next.child;
+  }
+}
 
 /// A segment in float that meets the side of a box at the fraction (side - origin) * inverse of its
 /// length.
 struct SlabSegment {
-  std::array<Lanes, 3> origin, inverse;
+  std::array<BoxLanes, 3> origin, inverse;
   std::array<std::size_t, 3> near_side;  ///< index of the side where it enters a box
 
   SlabSegment(const Eigen::Vector3d& start, const Eigen::Vector3d& end) {
@@ -104,17 +132,17 @@ struct SlabSegment {
       const auto axis = static_cast<int>(k);
       const bool backwards = along[axis] < 0;
       near_side[k] = backwards ? 1 : 0;
-      origin[k] = Lanes::Constant(static_cast<float>(start[axis]));
+      origin[k] = BoxLanes::Constant(static_cast<float>(start[axis]));
       const float length = std::max(std::abs(along[axis]), kLeast);
-      inverse[k] = Lanes::Constant(1 / (backwards ? -length : length));
+      inverse[k] = BoxLanes::Constant(1 / (backwards ? -length : length));
     }
   }
   /// Finds the boxes that it enters before `far`, and where.
-  [[nodiscard]] unsigned meet(const TreeNode& node, float far, Lanes& enter) const {
-    enter = Lanes::Zero();
-    Lanes leave = Lanes::Constant(far);
+  [[nodiscard]] unsigned meet(const TreeNode& node, float far, BoxLanes& enter) const {
+    enter = BoxLanes::Zero();
+    BoxLanes leave = BoxLanes::Constant(far);
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const std::array<Lanes, 2>& sides = node.sides[axis];
+      const std::array<BoxLanes, 2>& sides = node.sides[axis];
       enter = enter.max((sides[near_side[axis]] - origin[axis]) * inverse[axis]);
       leave = leave.min((sides[1 - near_side[axis]] - origin[axis]) * inverse[axis]);
     }
@@ -128,6 +156,7 @@ SurfaceTree::SurfaceTree(const TriangleMesh& mesh) : mesh_(mesh) { build(set_fra
 
 void SurfaceTree::build(const Eigen::Matrix3Xd& local) {
   tree_ = build_tree(local, mesh_.triangles, 2 * margin_);
+  set_corners();
   built_cost_ = walking_cost(tree_);
 }
 
@@ -135,7 +164,21 @@ void SurfaceTree::move_vertices(const Eigen::Ref<const Eigen::Matrix3Xd>& vertic
   mesh_.vertices = vertices;
   const Eigen::Matrix3Xd local = set_frame();
   refit(tree_, local, mesh_.triangles, 2 * margin_);
+  set_corners();
   if (walking_cost(tree_) > kRebuildCost * built_cost_) build(local);
+}
+
+void SurfaceTree::set_corners() {
+  constexpr std::size_t kSize = TrianglePacket::kSize;
+  corners_.resize(kSize * tree_.packets.size());
+  parallel_for(corners_.size(), [&](std::size_t place) {
+    const int triangle = tree_.packets[place / kSize].triangle[place % kSize];
+    if (triangle < 0) return;
+    for (int k = 0; k < 3; ++k) {
+      corners_[place][static_cast<std::size_t>(k)] =
+          mesh_.vertices.col(mesh_.triangles(k, triangle));
+    }
+  });
 }
 
 Eigen::Matrix3Xd SurfaceTree::set_frame() {
@@ -157,7 +200,8 @@ struct SurfaceTree::NearestSearch {
   NearestTriangle best;
 };
 
-void SurfaceTree::look_at(NearestSearch& search, const TrianglePacket& packet) const {
+void SurfaceTree::look_at(NearestSearch& search, int number) const {
+  const TrianglePacket& packet = tree_.packets[static_cast<std::size_t>(number)];
   Lanes squared = squared_distances(search.float_point, packet);
   for (int i = 0; i < TrianglePacket::kSize; ++i) {
     int lane = 0;
@@ -166,12 +210,13 @@ void SurfaceTree::look_at(NearestSearch& search, const TrianglePacket& packet) c
     squared[lane] = std::numeric_limits<float>::infinity();
     const int triangle = packet.triangle[static_cast<std::size_t>(lane)];
     if (triangle < 0) continue;
-    const Nearest candidate = nearest_on_triangle(search.point, corners(triangle));
+    const int place = TrianglePacket::kSize * number + lane;
+    const Nearest candidate = nearest_on_triangle(search.point, local_corners(place));
     if (!improves(candidate.squared_distance, triangle, search.best.at.squared_distance,
                   search.best.triangle)) {
       continue;
     }
-    search.best = {.at = candidate, .triangle = triangle};
+    search.best = {.at = candidate, .triangle = triangle, .place = place};
     search.squared_radius = std::min(
         search.squared_radius, squared_radius(std::sqrt(candidate.squared_distance), search.reach));
   }
@@ -186,29 +231,29 @@ NearestTriangle SurfaceTree::nearest(const Eigen::Vector3d& point, double radius
       .reach = reach,
       .squared_radius = squared_radius(radius, reach),
       .best = {}};
-  const std::array<Lanes, 3> p = {Lanes::Constant(search.float_point[0]),
-                                  Lanes::Constant(search.float_point[1]),
-                                  Lanes::Constant(search.float_point[2])};
-  Stack stack;
-  stack.push({.distance = 0, .child = 0}, 0);
-  while (!stack.empty()) {
-    const Stack::Entry next = stack.pop();
-    if (next.distance > search.squared_radius) continue;
-    if (next.child < 0) {
-      look_at(search, tree_.packets[static_cast<std::size_t>(~next.child)]);
-      continue;
-    }
-    const TreeNode& node = tree_.nodes[static_cast<std::size_t>(next.child)];
-    Lanes squared = Lanes::Zero();
+  const std::array<BoxLanes, 3> p = {BoxLanes::Constant(search.float_point[0]),
+                                     BoxLanes::Constant(search.float_point[1]),
+                                     BoxLanes::Constant(search.float_point[2])};
+  const auto meet = [&](const TreeNode& node, BoxLanes& squared) {
+    squared = BoxLanes::Zero();
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const Lanes outside =
+      const BoxLanes outside =
           (node.sides[axis][0] - p[axis]).max(p[axis] - node.sides[axis][1]).max(0.0F);
       squared += outside * outside;
     }
-    stack.push(tree_, node, squared,
-               where_not_above(squared, Lanes::Constant(search.squared_radius)) & node.children);
-  }
+    return where_not_above(squared, BoxLanes::Constant(search.squared_radius)) & node.children;
+  };
+  walk(
+      tree_, meet, [&](int packet) { look_at(search, packet); },
+      [&] { return search.squared_radius; });
   return search.best;
+}
+
+/// The packet with this number; begins to load the exact corners of its triangles too.
+const TrianglePacket& SurfaceTree::start_packet(int number) const {
+  const auto packet = static_cast<std::size_t>(number);
+  load(&corners_[packet * TrianglePacket::kSize], TrianglePacket::kSize);
+  return tree_.packets[packet];
 }
 
 /// State of a segment query.
@@ -221,19 +266,28 @@ struct SurfaceTree::CrossingSearch {
   CrossedTriangle best;      ///< between the ends
   NearestTriangle at_start;  ///< triangles on which an end lies
   NearestTriangle at_end;
+
+  CrossingSearch(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double margin)
+      : start(from),
+        end(to),
+        segment(from, to),
+        lanes(from, segment, margin),
+        length(static_cast<float>(std::abs(segment.length()))) {}
 };
 
 /// Keeps the triangle if it is the nearest to `end` of those that touch it.
-void SurfaceTree::touch(NearestTriangle& nearest, const Eigen::Vector3d& end, int triangle) const {
-  const Nearest candidate = nearest_on_triangle(end, corners(triangle));
+void SurfaceTree::touch(NearestTriangle& nearest, const Eigen::Vector3d& end, int triangle,
+                        int place) const {
+  const Nearest candidate = nearest_on_triangle(end, local_corners(place));
   if (std::sqrt(candidate.squared_distance) <= on_surface_ &&
       improves(candidate.squared_distance, triangle, nearest.at.squared_distance,
                nearest.triangle)) {
-    nearest = {.at = candidate, .triangle = triangle};
+    nearest = {.at = candidate, .triangle = triangle, .place = place};
   }
 }
 
-void SurfaceTree::look_at(CrossingSearch& search, const TrianglePacket& packet) const {
+void SurfaceTree::look_at(CrossingSearch& search, int number) const {
+  const TrianglePacket& packet = start_packet(number);
   const float margin = search.lanes.margin();
   const Passing passing = search.lanes.pass(packet);
   const Lanes away = passing.miss.max(-margin - passing.end)
@@ -243,13 +297,15 @@ void SurfaceTree::look_at(CrossingSearch& search, const TrianglePacket& packet) 
     const int lane = std::countr_zero(bits);
     const int triangle = packet.triangle[static_cast<std::size_t>(lane)];
     if (triangle < 0) continue;
-    const Crossing candidate = cross_triangle(search.segment, corners(triangle));
+    const int place = TrianglePacket::kSize * number + lane;
+    const Crossing candidate = cross_triangle(search.segment, local_corners(place));
     if (improves(candidate.fraction, triangle, search.best.at.fraction, search.best.triangle)) {
-      search.best = {.at = candidate, .triangle = triangle};
+      search.best = {.at = candidate, .triangle = triangle, .place = place};
       search.far = std::min(search.far, round_up(candidate.fraction));
     }
-    if (passing.begin[lane] <= margin) touch(search.at_start, search.start, triangle);
-    if (passing.end[lane] >= search.length - margin) touch(search.at_end, search.end, triangle);
+    if (passing.begin[lane] <= margin) touch(search.at_start, search.start, triangle, place);
+    if (passing.end[lane] >= search.length - margin)
+      touch(search.at_end, search.end, triangle, place);
   }
 }
 
@@ -258,46 +314,30 @@ CrossedTriangle SurfaceTree::first_crossing(const Eigen::Vector3d& start,
   if (start == end) {
     const NearestTriangle touched = nearest(start, on_surface_);
     if (std::sqrt(touched.at.squared_distance) > on_surface_) return {};
-    return {{.fraction = 0, .barycentric = touched.at.barycentric}, touched.triangle};
+    return {
+        {.fraction = 0, .barycentric = touched.at.barycentric}, touched.triangle, touched.place};
   }
   const SlabSegment slabs(start, end);
-  Stack stack;
-  Lanes enter;
-  const auto root_children = slabs.meet(tree_.nodes.front(), 1, enter);
-  if (root_children == 0) return {};
-  stack.push(tree_, tree_.nodes.front(), enter, root_children);
-  const ShearedSegment segment(start, end);
-  CrossingSearch search{.start = start,
-                        .end = end,
-                        .segment = segment,
-                        .lanes = SegmentLanes(start, segment, margin_),
-                        .length = static_cast<float>(std::abs(segment.length())),
-                        .best = {},
-                        .at_start = {},
-                        .at_end = {}};
-  while (!stack.empty()) {
-    const Stack::Entry next = stack.pop();
-    if (next.distance > search.far) continue;
-    if (next.child < 0) {
-      look_at(search, tree_.packets[static_cast<std::size_t>(~next.child)]);
-      continue;
-    }
-    const TreeNode& node = tree_.nodes[static_cast<std::size_t>(next.child)];
-    const unsigned met = slabs.meet(node, search.far, enter);
-    stack.push(tree_, node, enter, met);
-  }
+  CrossingSearch search(start, end, margin_);
+  walk(
+      tree_,
+      [&](const TreeNode& node, BoxLanes& enter) { return slabs.meet(node, search.far, enter); },
+      [&](int packet) { look_at(search, packet); }, [&] { return search.far; });
   if (search.at_start.triangle >= 0) {
     return {{.fraction = 0, .barycentric = search.at_start.at.barycentric},
-            search.at_start.triangle};
+            search.at_start.triangle,
+            search.at_start.place};
   }
   if (search.best.triangle < 0 && search.at_end.triangle >= 0) {
-    return {{.fraction = 1, .barycentric = search.at_end.at.barycentric}, search.at_end.triangle};
+    return {{.fraction = 1, .barycentric = search.at_end.at.barycentric},
+            search.at_end.triangle,
+            search.at_end.place};
   }
   return search.best;
 }
 
-bool SurfaceTree::touches(const Eigen::Vector3d& end, int triangle) const {
-  return std::sqrt(nearest_on_triangle(end, corners(triangle)).squared_distance) <= on_surface_;
+bool SurfaceTree::touches(const Eigen::Vector3d& end, int place) const {
+  return std::sqrt(nearest_on_triangle(end, local_corners(place)).squared_distance) <= on_surface_;
 }
 
 std::vector<CrossedTriangle> SurfaceTree::all_crossings(const Eigen::Vector3d& start,
@@ -312,38 +352,31 @@ std::vector<CrossedTriangle> SurfaceTree::all_crossings(const Eigen::Vector3d& s
   const ShearedSegment segment(start, end);
   const SegmentLanes lanes(start, segment, margin_);
   const auto length = static_cast<float>(std::abs(segment.length()));
-  const auto look_at = [&](const TrianglePacket& packet) {
+  const auto look_at = [&](int number) {
+    const TrianglePacket& packet = start_packet(number);
     const Passing passing = lanes.pass(packet);
     const Lanes away = passing.miss.max(-lanes.margin() - passing.end)
                            .max(passing.begin - (length + lanes.margin()));
     for (unsigned bits = where_not_above(away, Lanes::Zero()); bits != 0; bits &= bits - 1) {
-      const int triangle = packet.triangle[static_cast<std::size_t>(std::countr_zero(bits))];
+      const int lane = std::countr_zero(bits);
+      const int triangle = packet.triangle[static_cast<std::size_t>(lane)];
       if (triangle < 0) continue;
-      Crossing crossing = cross_triangle_beside_edges(segment, corners(triangle));
+      const int place = TrianglePacket::kSize * number + lane;
+      Crossing crossing = cross_triangle_beside_edges(segment, local_corners(place));
       if (!(std::abs(crossing.fraction) < kInfinity)) continue;
       if (crossing.fraction < 0) {
-        if (!touches(start, triangle)) continue;
+        if (!touches(start, place)) continue;
         crossing.fraction = 0;
       } else if (crossing.fraction > 1) {
-        if (!touches(end, triangle)) continue;
+        if (!touches(end, place)) continue;
         crossing.fraction = 1;
       }
-      crossings.push_back({.at = crossing, .triangle = triangle});
+      crossings.push_back({.at = crossing, .triangle = triangle, .place = place});
     }
   };
-  Stack stack;
-  stack.push({.distance = 0, .child = 0}, 0);
-  while (!stack.empty()) {
-    const int next = stack.pop().child;
-    if (next < 0) {
-      look_at(tree_.packets[static_cast<std::size_t>(~next)]);
-      continue;
-    }
-    const TreeNode& node = tree_.nodes[static_cast<std::size_t>(next)];
-    Lanes enter;
-    const unsigned met = slabs.meet(node, 1, enter);
-    stack.push(tree_, node, enter, met);
-  }
+  walk(
+      tree_, [&](const TreeNode& node, BoxLanes& enter) { return slabs.meet(node, 1, enter); },
+      look_at, [] { return 1.0F; });
   const auto place = [](const CrossedTriangle& one) {
     return std::pair(one.at.fraction, one.triangle);
   };

@@ -15,12 +15,14 @@ namespace palpate::geometry {
 struct NearestTriangle {
   Nearest at;
   int triangle = -1;
+  int place = -1;  ///< in the tree: kSize * packet + lane
 };
 
 /// A triangle crossed by a segment; -1 if there is none.
 struct CrossedTriangle {
   Crossing at;
   int triangle = -1;
+  int place = -1;  ///< in the tree: kSize * packet + lane
 };
 
 /// A mesh in its local frame (centred on its bounding box and scaled by a power of two to [-1, 1],
@@ -39,6 +41,11 @@ class SurfaceTree {
   [[nodiscard]] double scale() const { return scale_; }
   [[nodiscard]] Eigen::Vector3d to_local(const Eigen::Vector3d& world) const {
     return (world - centre_) * scale_;
+  }
+
+  /// The point of the triangle at a place of the tree; in the frame of the mesh.
+  [[nodiscard]] Eigen::Vector3d position(int place, const Eigen::Vector3d& barycentric) const {
+    return point_on(corners_[static_cast<std::size_t>(place)], barycentric);
   }
 
   /// Moves all vertices. Precondition: as many as before, all finite.
@@ -65,23 +72,27 @@ class SurfaceTree {
   /// Returns the vertices in the local frame.
   [[nodiscard]] Eigen::Matrix3Xd set_frame();
   void build(const Eigen::Matrix3Xd& local);
-  [[nodiscard]] Corners corners(int triangle) const {
-    const Eigen::Vector3i of = mesh_.triangles.col(triangle);
-    return {to_local(mesh_.vertices.col(of[0])), to_local(mesh_.vertices.col(of[1])),
-            to_local(mesh_.vertices.col(of[2]))};
+  void set_corners();
+  [[nodiscard]] Corners local_corners(int place) const {
+    const auto& [a, b, c] = corners_[static_cast<std::size_t>(place)];
+    return {to_local(a), to_local(b), to_local(c)};
   }
   struct NearestSearch;
   struct CrossingSearch;
-  void look_at(NearestSearch& search, const TrianglePacket& packet) const;
-  void look_at(CrossingSearch& search, const TrianglePacket& packet) const;
-  void touch(NearestTriangle& nearest, const Eigen::Vector3d& end, int triangle) const;
-  [[nodiscard]] bool touches(const Eigen::Vector3d& end, int triangle) const;
+  void look_at(NearestSearch& search, int number) const;
+  void look_at(CrossingSearch& search, int number) const;
+  [[nodiscard]] const TrianglePacket& start_packet(int number) const;
+  void touch(NearestTriangle& nearest, const Eigen::Vector3d& end, int triangle, int place) const;
+  [[nodiscard]] bool touches(const Eigen::Vector3d& end, int place) const;
 
   TriangleMesh mesh_;
   Eigen::Vector3d centre_;
   double scale_ = 1;
   double on_surface_ = 0;  ///< ends closer than this are on the surface; local frame
   double margin_ = 0;      ///< covers rounding in single precision and `on_surface_`
+  /// At each place of the tree the corners of its triangle, because to gather them from the mesh
+  /// would be to wait for memory twice more.
+  std::vector<Corners, HugePages<Corners>> corners_;
   BoundingTree tree_;
   double built_cost_ = 0;  ///< traversal cost of the tree when it was built
 };
