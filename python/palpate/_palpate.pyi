@@ -96,7 +96,7 @@ class RepairedMesh(_Result):
     @property
     def cut_edges(self) -> int: ...
 
-def repair(mesh: TriangleMesh) -> RepairedMesh: ...
+def repair(mesh: TriangleMesh, *, progress: _Progress = ...) -> RepairedMesh: ...
 
 class Camera(metaclass=_Class):
     def __init__(
@@ -261,6 +261,7 @@ def register_points(
     min_overlap: float = ...,
     max_rms: float = ...,
     max_iterations: int = ...,
+    progress: _Progress = ...,
 ) -> Registration: ...
 
 class Rig(_Result):

@@ -148,14 +148,16 @@ Raises InvalidInput.)");
                     "Edges at which triangles that cannot form one surface were separated.");
   module.def(
       "repair",
-      [](const TriangleMesh& mesh) {
+      [](const TriangleMesh& mesh, const py::object& progress) {
+        const geometry::RepairOptions options{.progress = reporting(progress)};
         const Unlocked unlocked;
-        return geometry::repair_mesh(mesh);
+        return geometry::repair_mesh(mesh, options);
       },
-      arg("mesh"),
+      arg("mesh"), kw_only(), arg("progress") = py::none(),
       R"(Repairs a copy of a mesh: the result is oriented and manifold. Holes stay open.
 
-Raises InvalidInput if no triangle can be kept. Ctrl-C is not heard.)");
+progress: called as progress(done, total) after each part of the work; Ctrl-C is heard then.
+Raises InvalidInput if no triangle can be kept.)");
 }
 
 Camera new_camera(int width, int height, double fx, double fy, double cx, double cy,

@@ -293,7 +293,7 @@ void add_registration(py::module_& module) {
       "register_points",
       [](const py::object& points, const TriangleMesh& target, const std::string& method,
          const py::object& start, double search_rotation, double search_translation,
-         double min_overlap, double max_rms, int max_iterations) {
+         double min_overlap, double max_rms, int max_iterations, const py::object& progress) {
         const Points given(points, "points");
         const geometry::RegistrationOptions options{
             .method = choose<RegistrationMethod>(
@@ -306,7 +306,8 @@ void add_registration(py::module_& module) {
             .search_translation = search_translation,
             .min_overlap = min_overlap,
             .max_rms = max_rms,
-            .max_iterations = max_iterations};
+            .max_iterations = max_iterations,
+            .progress = reporting(progress)};
         const Unlocked unlocked;
         return geometry::register_points(given.columns(), target, options);
       },
@@ -317,6 +318,7 @@ void add_registration(py::module_& module) {
       arg("min_overlap") = geometry::RegistrationOptions{}.min_overlap,
       arg("max_rms") = geometry::RegistrationOptions{}.max_rms,
       arg("max_iterations") = geometry::RegistrationOptions{}.max_iterations,
+      arg("progress") = py::none(),
       R"(Registers (N, 3) points [mm] rigidly to a mesh, and judges the result.
 
 points: those that are not finite are ignored. A C-contiguous float64 array is read in place.
@@ -326,8 +328,8 @@ search_rotation: [rad] largest rotation error of the start, in [0, pi].
 search_translation: [mm] largest position error of the points' centroid in the start.
 min_overlap: share of the points that belong to the target.
 max_rms: [mm] a pose with a larger rms is not accepted.
-Raises InvalidInput. A pose that cannot be relied on is a result, not an error: see `accepted`.
-Ctrl-C is not heard.)");
+progress: called as progress(done, total) after each part of the work; Ctrl-C is heard then.
+Raises InvalidInput. A pose that cannot be relied on is a result, not an error: see `accepted`.)");
 }
 
 }  // namespace

@@ -208,6 +208,10 @@ class Surfaces(unittest.TestCase):
 
         with self.assertRaisesRegex(KeyError, "enough"):
             palpate.decimate(grid(21, 21), tolerance=0.01, progress=stop)
+        with self.assertRaisesRegex(KeyError, "enough"):
+            palpate.repair(grid(3, 3), progress=stop)
+        with self.assertRaisesRegex(KeyError, "enough"):
+            palpate.register_points(grid(3, 3).vertices, grid(21, 21), progress=stop)
 
     def test_a_repeated_triangle_is_removed(self):
         mesh = grid(3, 3)

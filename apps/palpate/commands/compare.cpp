@@ -27,6 +27,7 @@
 #include "shared/command_line.h"
 #include "shared/depth_score.h"
 #include "shared/inputs.h"
+#include "shared/progress.h"
 
 namespace palpate::apps {
 namespace {
@@ -155,9 +156,12 @@ Eigen::Matrix3Xd thinned(const Eigen::Matrix3Xd& points) {
 /// a sensor saw of it and its surroundings, but not vice versa.
 geometry::Registration register_smaller(const CompareCall& call, const geometry::TriangleMesh& a,
                                         const geometry::TriangleMesh& b) {
-  const geometry::RegistrationOptions options{.method = call.method,
-                                              .search_rotation = call.search_rotation_deg * kDegree,
-                                              .search_translation = call.search_translation};
+  Progress progress("aligning");
+  const geometry::RegistrationOptions options{
+      .method = call.method,
+      .search_rotation = call.search_rotation_deg * kDegree,
+      .search_translation = call.search_translation,
+      .progress = [&](int done, int total) { progress.show(done, total); }};
   if (geometry::surface_area(a) <= geometry::surface_area(b))
     return geometry::register_points(thinned(a.vertices), b, options);
   geometry::Registration found = geometry::register_points(thinned(b.vertices), a, options);

@@ -41,7 +41,7 @@ struct MeshCall {
 
 /// Shows a bar once one of the steps that may take long has begun.
 MadeMesh make_with_bar(const MeshCall& call) {
-  std::optional<Progress> filling, removing, remeshing, decimating;
+  std::optional<Progress> repairing, filling, removing, remeshing, decimating;
   MeshSteps steps = call.steps;
   const auto show = [](std::optional<Progress>& progress, const char* what) {
     return [&progress, what](int done, int total) {
@@ -50,6 +50,7 @@ MadeMesh make_with_bar(const MeshCall& call) {
       if (done == total) progress.reset();
     };
   };
+  steps.repairing = show(repairing, "repairing");
   steps.filling = show(filling, "filling holes");
   steps.removing_intersections = show(removing, "removing self-intersections");
   steps.remeshing = show(remeshing, "remeshing");

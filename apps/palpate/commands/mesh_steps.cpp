@@ -108,8 +108,8 @@ void drop_normals(geometry::Attributes& attributes) {
   });
 }
 
-void repair(MadeMesh& made) {
-  geometry::RepairedMesh repaired = geometry::repair_mesh(made.mesh);
+void repair(MadeMesh& made, const MeshSteps& steps) {
+  geometry::RepairedMesh repaired = geometry::repair_mesh(made.mesh, {.progress = steps.repairing});
   made.attributes = geometry::selected_attributes(made.attributes, repaired.source);
   carry_texture(made, repaired.mesh, repaired.source);
   made.mesh = std::move(repaired.mesh);
@@ -232,7 +232,7 @@ void decimate(const fs::path& input, MadeMesh& made, const MeshSteps& steps) {
 MadeMesh make_mesh(const fs::path& input, const MeshSteps& steps) {
   MadeMesh made = load(input, steps);
   drop_normals(made.attributes);
-  if (steps.repair) repair(made);
+  if (steps.repair) repair(made, steps);
   if (steps.fill_holes) fill_holes(made, steps);
   if (steps.smooth > 0) made.mesh = geometry::smooth(made.mesh, {.iterations = steps.smooth});
   if (steps.remove_intersections) remove_intersections(made, steps);

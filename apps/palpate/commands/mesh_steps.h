@@ -30,7 +30,8 @@ struct MeshSteps {
   std::optional<double> remesh;                                       ///< [mm] length of the edges
   double feature_angle = geometry::RemeshingOptions{}.feature_angle;  ///< [rad] of remeshing
   std::optional<double> tolerance;                                    ///< [mm] of decimation
-  std::function<void(int done, int total)> filling = {};  ///< see HoleFillingOptions::progress
+  std::function<void(int done, int total)> repairing = {};  ///< see RepairOptions::progress
+  std::function<void(int done, int total)> filling = {};    ///< see HoleFillingOptions::progress
   /// See SelfIntersectionRemovalOptions::progress.
   std::function<void(int done, int total)> removing_intersections = {};
   std::function<void(int done, int total)> remeshing = {};   ///< see RemeshingOptions::progress

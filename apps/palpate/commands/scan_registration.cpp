@@ -6,11 +6,13 @@
 #include <spdlog/spdlog.h>
 
 #include <cstddef>
+#include <optional>
 
 #include "palpate/error.h"
 #include "palpate/require.h"
 #include "shared/call_checks.h"
 #include "shared/command_line.h"
+#include "shared/progress.h"
 
 namespace palpate::apps {
 
@@ -51,7 +53,10 @@ nlohmann::ordered_json register_named_scans(std::vector<geometry::Scan>& scans,
                                             const ScanRegistration& registration) {
   geometry::RegistrationOptions options = registration.options;
   options.search_rotation = registration.search_rotation_deg * kDegree;
+  std::optional<Progress> progress("registering");
+  options.progress = [&](int done, int total) { progress->show(done, total); };
   const std::vector<geometry::Registration> moves = geometry::register_scans(scans, options);
+  progress.reset();
   nlohmann::ordered_json figures = nlohmann::ordered_json::array();
   for (std::size_t i = 0; i < moves.size(); ++i) {
     const std::string& name = names[i + 1];

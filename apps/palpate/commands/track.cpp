@@ -33,11 +33,9 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-/// More nodes than a graph can be solved with, steps than a frame can need, and distances that
-/// reach from one end of the surface to the other.
+/// More nodes than a graph can be solved with, and steps than a frame can need.
 constexpr int kMostNodes = 100000;
 constexpr int kMostSteps = 10000;
-constexpr Interval kReaches = at_least(geometry::NonRigidOptions{}.min_correspondence).at_most(1);
 
 struct TrackCall {
   fs::path input, reference, output;
@@ -359,7 +357,7 @@ void add_track(CLI::App& app, const Settings& settings) {
                    "Largest distance of the surface from the reference in the first frame, as a "
                    "fraction of the reference's diagonal; from frame to frame it may move by about "
                    "a third of it")
-      ->check(within(kReaches))
+      ->check(within(at_least(geometry::NonRigidOptions{}.min_correspondence).at_most(1)))
       ->capture_default_str();
   command
       ->add_option("--iterations", call->tracking.registration.max_iterations,

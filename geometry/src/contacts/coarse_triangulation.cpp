@@ -49,13 +49,17 @@ std::vector<int> parts(const IntrinsicTriangulation& surface, int& count) {
 class CoarseTriangulation {
  public:
   CoarseTriangulation(const TriangleMesh& mesh, std::span<const SurfacePoint> contacts,
-                      const Eigen::Matrix3Xd& places)
-      : mesh_(mesh), contacts_(contacts), places_(places), surface_(parts_with_contacts()) {}
+                      const Eigen::Matrix3Xd& places, WorkSteps& steps)
+      : mesh_(mesh),
+        contacts_(contacts),
+        places_(places),
+        steps_(steps),
+        surface_(parts_with_contacts()) {}
 
   TrianglesOfContacts run() {
     insert_contacts();
     pin_helpers();
-    coarsen(surface_, pinned_);
+    coarsen(surface_, pinned_, steps_);
     const bool is_simplicial = make_simplicial(surface_, [this](int id, int a, int b) {
       list_new_ids();
       positions_[static_cast<size_t>(id)] =
@@ -239,6 +243,7 @@ class CoarseTriangulation {
   const TriangleMesh& mesh_;
   std::span<const SurfacePoint> contacts_;
   const Eigen::Matrix3Xd& places_;
+  WorkSteps& steps_;
   std::vector<int> slot_;  ///< slot of each triangle of the mesh; kNone if left out
   IntrinsicTriangulation surface_;
   int fans_end_ = 0;  ///< lower ids are vertices of the mesh and their additional fans
@@ -252,8 +257,8 @@ class CoarseTriangulation {
 
 TrianglesOfContacts coarsen_to_contacts(const TriangleMesh& surface,
                                         std::span<const SurfacePoint> contacts,
-                                        const Eigen::Matrix3Xd& places) {
-  return CoarseTriangulation(surface, contacts, places).run();
+                                        const Eigen::Matrix3Xd& places, WorkSteps& steps) {
+  return CoarseTriangulation(surface, contacts, places, steps).run();
 }
 
 }  // namespace palpate::geometry

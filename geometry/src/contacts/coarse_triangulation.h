@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "base/work_steps.h"
 #include "palpate/geometry/contact_triangulation.h"
 
 namespace palpate::geometry {
@@ -18,11 +19,12 @@ struct TrianglesOfContacts {
   IntrinsicDelaunay intrinsic;
 };
 
-/// Pinned intrinsic coarsening. `places`: positions of the contacts [mm]. Precondition: valid
-/// input.
+/// Pinned intrinsic coarsening. `places`: positions of the contacts [mm]. `steps` counts the
+/// vertices removed. Precondition: valid input.
 [[nodiscard]] TrianglesOfContacts coarsen_to_contacts(const TriangleMesh& surface,
                                                       std::span<const SurfacePoint> contacts,
-                                                      const Eigen::Matrix3Xd& places);
+                                                      const Eigen::Matrix3Xd& places,
+                                                      WorkSteps& steps);
 
 /// Dual of geodesic Voronoi cells, with edges already manifold. Precondition: valid input.
 [[nodiscard]] TrianglesOfContacts voronoi_dual(const TriangleMesh& surface,

@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/work_steps.h"
 #include "contacts/coarse_triangulation.h"
 #include "palpate/error.h"
 #include "palpate/geometry/surface_query.h"
@@ -161,10 +162,13 @@ ContactTriangulation triangulate_contacts(const TriangleMesh& surface,
   }
   check_apart(result.mesh.vertices, bounding_diagonal(surface));
 
+  // The vertices to be removed, and what follows.
+  WorkSteps steps(options.progress, static_cast<int>(surface.vertices.cols()) + 1);
   const bool by_dual = options.method == ContactTriangulationMethod::voronoi_dual;
-  TrianglesOfContacts found = by_dual
-                                  ? voronoi_dual(surface, contacts, result.mesh.vertices)
-                                  : coarsen_to_contacts(surface, contacts, result.mesh.vertices);
+  TrianglesOfContacts found =
+      by_dual ? voronoi_dual(surface, contacts, result.mesh.vertices)
+              : coarsen_to_contacts(surface, contacts, result.mesh.vertices, steps);
+  steps.tell(0);
   const Triangles triangles =
       keep_vertices_manifold(found.triangles, static_cast<int>(contacts.size()));
   if (by_dual && triangles.empty()) {
@@ -189,6 +193,7 @@ ContactTriangulation triangulate_contacts(const TriangleMesh& surface,
   result.weights = by_dual ? project_weights(surface, result.mesh) : std::move(found.weights);
   result.surface_labels = std::move(found.surface_labels);
   result.intrinsic = std::move(found.intrinsic);
+  steps.end();
   return result;
 }
 

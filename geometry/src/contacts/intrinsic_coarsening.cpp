@@ -22,6 +22,9 @@ constexpr double kFlat = 1e-11;
 /// Margin of a flattened vertex's triangles from zero area, as a fraction of their squared sides.
 constexpr double kTriangleMargin = 1e-9;
 
+/// Vertices removed between two reports.
+constexpr int kReport = 1000;
+
 /// Newton's method with bisection at least halves its bracket.
 constexpr int kMaxIterations = 60;
 
@@ -92,7 +95,8 @@ std::optional<double> flattening_stretch(const Star& star) {
 
 class Coarsening {
  public:
-  explicit Coarsening(IntrinsicTriangulation& surface) : surface_(surface) {}
+  Coarsening(IntrinsicTriangulation& surface, WorkSteps& steps)
+      : surface_(surface), steps_(steps) {}
 
   void run(const std::vector<char>& pinned) {
     push_all();
@@ -140,6 +144,7 @@ class Coarsening {
       limit = *middle;
     }
     size_t kept = 0;
+    int removed = 0;
     for (size_t i = 0; i < candidates.size(); ++i) {
       const int v = candidates[i];
       const bool wait = last_change_[static_cast<size_t>(v)] == round || !(costs_[i] <= limit);
@@ -150,7 +155,9 @@ class Coarsening {
       for (size_t n = 0; n + 1 < patch_.nodes.size(); ++n) {
         last_change_[static_cast<size_t>(patch_.nodes[n].vertex)] = round;
       }
+      if (++removed % kReport == 0) steps_.tell(kReport);
     }
+    steps_.tell(removed % kReport);
     candidates.resize(kept);
   }
 
@@ -275,6 +282,7 @@ class Coarsening {
   }
 
   IntrinsicTriangulation& surface_;
+  WorkSteps& steps_;
   Star star_;
   IntrinsicTriangulation::Patch patch_;
   std::vector<int> ring_;
@@ -286,8 +294,8 @@ class Coarsening {
 
 }  // namespace
 
-void coarsen(IntrinsicTriangulation& surface, const std::vector<char>& pinned) {
-  Coarsening(surface).run(pinned);
+void coarsen(IntrinsicTriangulation& surface, const std::vector<char>& pinned, WorkSteps& steps) {
+  Coarsening(surface, steps).run(pinned);
 }
 
 }  // namespace palpate::geometry

@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "base/work_steps.h"
 #include "contacts/intrinsic_triangulation.h"
 
 namespace palpate::geometry {
@@ -16,6 +17,7 @@ namespace palpate::geometry {
 /// Chislett, Sharp, Jacobson and Crane 2023). A flat surface keeps its metric. Vertices that cannot
 /// be flattened, which is rare, stay.
 /// \param pinned one entry per id.
-void coarsen(IntrinsicTriangulation& surface, const std::vector<char>& pinned);
+/// \param steps counts the vertices removed.
+void coarsen(IntrinsicTriangulation& surface, const std::vector<char>& pinned, WorkSteps& steps);
 
 }  // namespace palpate::geometry

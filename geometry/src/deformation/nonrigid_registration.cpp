@@ -9,6 +9,7 @@
 #include <string>
 
 #include "base/numbers.h"
+#include "base/work_steps.h"
 #include "deformation/deformation_equations.h"
 #include "deformation/measured_surface.h"
 #include "palpate/error.h"
@@ -167,6 +168,7 @@ class Fit {
       std::vector<Eigen::Isometry3d> start)
       : graph_(graph),
         options_(options),
+        steps_(options.progress, options.max_iterations + 1),
         diagonal_(bounding_diagonal(graph.mesh())),
         surface_(map),
         equations_(graph, choose_samples(graph)) {
@@ -176,6 +178,7 @@ class Fit {
   DeformedSurface run(bool is_tracked) {
     iterate(is_tracked);
     look_at_all_vertices();
+    steps_.end();
     return std::move(result_);
   }
 
@@ -201,6 +204,7 @@ class Fit {
           options_.stiffness * (is_tracked ? 1 : between(kStiffStart, 1, level));
       const double move = equations_.step(pairs, stiffness, anchors, result_.node_motions);
       ++result_.iterations;
+      steps_.tell();
       ++steps_of_level;
       if (level + 1 < kLevels) {
         if (move <= kLevelSettled * graph_.spacing() || steps_of_level >= kMaxStepsOfLevel) {
@@ -278,6 +282,7 @@ class Fit {
 
   const DeformationGraph& graph_;
   const NonRigidOptions& options_;
+  WorkSteps steps_;
   double diagonal_;  ///< [mm]
   MeasuredSurface surface_;
   DeformationEquations equations_;

@@ -10,6 +10,7 @@
 #include <span>
 #include <utility>
 
+#include "base/work_steps.h"
 #include "mesh/edge_table.h"
 #include "mesh/same_places.h"
 #include "mesh/triangle_primitives.h"
@@ -22,26 +23,37 @@ namespace {
 /// row the remaining flat triangles are folded onto themselves.
 constexpr int kIdleRounds = 16;
 
+/// Parts of the work in `Repair::run`.
+constexpr int kParts = 7;
+
 using Pair = std::pair<EdgeSide, EdgeSide>;
 
 class Repair {
  public:
-  explicit Repair(const TriangleMesh& mesh)
-      : input_(mesh),
+  Repair(const TriangleMesh& mesh, const RepairOptions& options)
+      : steps_(options.progress, kParts),
+        input_(mesh),
         triangles_(mesh.triangles),
         use_(count(mesh), true),
         place_(first_at_same_place(mesh.vertices)) {}
 
   RepairedMesh run() {
     drop_broken_corners();
+    steps_.tell();
     flip_flat();
+    steps_.tell();
     drop_repeated();
+    steps_.tell();
     std::vector<Pair> pairs = pair_sides_of_two();
     turn(pairs);
+    steps_.tell();
     pair_sides_of_more(pairs);
+    steps_.tell();
     turn(pairs);
     for (const bool turned : turned_) result_.turned_triangles += turned;
+    steps_.tell();
     rebuild(pairs);
+    steps_.end();
     return std::move(result_);
   }
 
@@ -82,6 +94,7 @@ class Repair {
     size_t fewest = flat.size();
     for (int idle = 0; !flat.empty() && idle < kIdleRounds;) {
       const std::vector<int> changed = flip_once(flat);
+      steps_.tell(0);
       if (changed.empty()) return;
       std::vector<bool> is_changed(use_.size());
       for (const int t : changed) is_changed[static_cast<size_t>(t)] = true;
@@ -372,6 +385,7 @@ class Repair {
     }
   }
 
+  WorkSteps steps_;
   const TriangleMesh& input_;
   Eigen::Matrix3Xi triangles_;
   std::vector<bool> use_;
@@ -382,6 +396,8 @@ class Repair {
 
 }  // namespace
 
-RepairedMesh repair_mesh(const TriangleMesh& mesh) { return Repair(mesh).run(); }
+RepairedMesh repair_mesh(const TriangleMesh& mesh, const RepairOptions& options) {
+  return Repair(mesh, options).run();
+}
 
 }  // namespace palpate::geometry

@@ -27,7 +27,9 @@ struct Round {
   int steps;
   double kept;
 };
-constexpr std::array<Round, 3> kRounds = {{{2, 0.34}, {4, 0.5}, {6, 1}}};
+constexpr std::array<Round, kSearchRounds> kRounds = {{{2, 0.34}, {4, 0.5}, {6, 1}}};
+/// Candidates between two reports.
+constexpr size_t kReport = 1000;
 /// Smallest number of candidates kept.
 constexpr size_t kLeastKept = 12;
 
@@ -120,7 +122,7 @@ double mean_displacement(const Eigen::Isometry3d& one, const Eigen::Isometry3d& 
 }
 
 PoseSearch search_poses(const RegistrationTarget::Impl& target, const Eigen::Matrix3Xd& points,
-                        const SearchRange& range) {
+                        const SearchRange& range, WorkSteps& steps) {
   const Eigen::Vector3d centroid = points.rowwise().mean();
   std::vector<PoseCandidate> candidates;
   for (const Eigen::Vector3d& shift :
@@ -136,9 +138,13 @@ PoseSearch search_poses(const RegistrationTarget::Impl& target, const Eigen::Mat
   PoseSearch search;
   search.starts = static_cast<int>(candidates.size());
   for (const Round& round : kRounds) {
-    parallel_for(candidates.size(), [&](size_t i) {
-      descend(target, points, range.quantile, round.steps, candidates[i]);
-    });
+    for (size_t first = 0; first < candidates.size(); first += kReport) {
+      parallel_for(std::min(kReport, candidates.size() - first), [&](size_t i) {
+        descend(target, points, range.quantile, round.steps, candidates[first + i]);
+      });
+      steps.tell(0);
+    }
+    steps.tell();
     sort_by_score(candidates);
     const auto kept =
         static_cast<size_t>(std::ceil(round.kept * static_cast<double>(candidates.size())));

@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <vector>
 
+#include "base/work_steps.h"
 #include "registration/registration_target.h"
 
 namespace palpate::geometry {
@@ -40,8 +41,12 @@ struct SearchRange {
                                        const Eigen::Isometry3d& another,
                                        const Eigen::Matrix3Xd& points);
 
+/// Number of rounds of a search, each of which is a step of its work.
+inline constexpr int kSearchRounds = 3;
+
 /// Finds minima of the distance of points from the target on its coarse map, from many starts.
 [[nodiscard]] PoseSearch search_poses(const RegistrationTarget::Impl& target,
-                                      const Eigen::Matrix3Xd& points, const SearchRange& range);
+                                      const Eigen::Matrix3Xd& points, const SearchRange& range,
+                                      WorkSteps& steps);
 
 }  // namespace palpate::geometry

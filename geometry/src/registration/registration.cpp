@@ -10,6 +10,7 @@
 
 #include "base/numbers.h"
 #include "base/rigid_motion.h"
+#include "base/work_steps.h"
 #include "palpate/error.h"
 #include "palpate/require.h"
 #include "registration/pose_search.h"
@@ -22,6 +23,10 @@ namespace palpate::geometry {
 namespace {
 
 constexpr int kMinPoints = 3;
+
+/// Steps of the work: the rounds of the search, its choice, the refinement with some points and
+/// with all, and the verdict.
+constexpr int kSteps = kSearchRounds + 4;
 
 /// Numbers of points for the search, and for refining candidates.
 constexpr Eigen::Index kSearchPoints = 200;
@@ -99,7 +104,8 @@ double mean_loss(const Eigen::VectorXd& distances, double deviation) {
 /// Point-to-plane steps to the triangles. A step that does not reduce the loss is shortened, so
 /// that the iteration also ends where noise and facets would make it oscillate.
 SettledPose settle(const RegistrationTarget::Impl& target, const Eigen::Matrix3Xd& points,
-                   const Eigen::Isometry3d& start, double fraction, int max_iterations) {
+                   const Eigen::Isometry3d& start, double fraction, int max_iterations,
+                   WorkSteps& steps) {
   SettledPose pose{.motion = start, .pairing = {}};
   Eigen::Matrix3Xd moved = start * points;
   pose.pairing = target.pair(moved);
@@ -122,6 +128,7 @@ SettledPose settle(const RegistrationTarget::Impl& target, const Eigen::Matrix3X
       }
       if (pose.iterations == max_iterations) return pose;
       ++pose.iterations;
+      steps.tell(0);
       const Eigen::Isometry3d motion = to_motion(x, problem) * pose.motion;
       const Eigen::Matrix3Xd tried = motion * points;
       Pairing pairing = target.pair(tried);
@@ -142,10 +149,10 @@ SettledPose settle(const RegistrationTarget::Impl& target, const Eigen::Matrix3X
 /// steps are taken, unless these lose the surface.
 Eigen::Isometry3d settle_some(const RegistrationTarget::Impl& target,
                               const Eigen::Matrix3Xd& points, const Eigen::Isometry3d& start,
-                              const RegistrationOptions& options) {
+                              const RegistrationOptions& options, WorkSteps& steps) {
   if (points.cols() < kLeastGain * kCoarsePoints) return start;
   const SettledPose pose = settle(target, spread_subset(points, kCoarsePoints), start,
-                                  options.min_overlap, options.max_iterations);
+                                  options.min_overlap, options.max_iterations, steps);
   return pose.converged ? pose.motion : start;
 }
 
@@ -180,7 +187,7 @@ struct Choice {
 
 /// Refines the promising candidates on the surface itself and takes the best.
 Choice choose(const RegistrationTarget::Impl& target, const Eigen::Matrix3Xd& points,
-              const PoseSearch& search, double fraction) {
+              const PoseSearch& search, double fraction, WorkSteps& steps) {
   const double cell = target.grid.cell_size();
   const double bound = std::max(kRival * search.candidates.front().score, cell / 4);
   const Eigen::Matrix3Xd some = spread_subset(points, kCandidatePoints);
@@ -189,7 +196,8 @@ Choice choose(const RegistrationTarget::Impl& target, const Eigen::Matrix3Xd& po
   Choice choice;
   for (const PoseCandidate& candidate : search.candidates) {
     if (candidate.score > bound || settled.size() == kMaxRivals) break;
-    const SettledPose pose = settle(target, some, candidate.motion, fraction, kCandidateSteps);
+    const SettledPose pose =
+        settle(target, some, candidate.motion, fraction, kCandidateSteps, steps);
     settled.push_back({pose.motion, rank_quantile(pose.pairing.distances, fraction)});
     medians.push_back(rank_quantile(pose.pairing.distances, 0.5));
   }
@@ -229,21 +237,29 @@ Registration register_points(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
   const SearchRange range{.rotation = options.search_rotation,
                           .translation = options.search_translation * surface.scale,
                           .quantile = options.min_overlap};
+  WorkSteps steps(options.progress, kSteps);
   Choice choice;
   result.starts = 1;
   if (range.rotation > 0 || range.translation > 0) {
-    const PoseSearch search = search_poses(surface, spread_subset(source, kSearchPoints), range);
+    const PoseSearch search =
+        search_poses(surface, spread_subset(source, kSearchPoints), range, steps);
     result.starts = search.starts;
-    choice = choose(surface, source, search, options.min_overlap);
+    choice = choose(surface, source, search, options.min_overlap, steps);
+    steps.tell();
   }
-  const SettledPose pose =
-      options.method == RegistrationMethod::point_to_triangle
-          ? settle(surface, source, settle_some(surface, source, choice.best, options),
-                   options.min_overlap, options.max_iterations)
-          : settle_with_pcl(surface, source, choice.best, options);
+  SettledPose pose;
+  if (options.method == RegistrationMethod::point_to_triangle) {
+    const Eigen::Isometry3d start = settle_some(surface, source, choice.best, options, steps);
+    steps.tell();
+    pose = settle(surface, source, start, options.min_overlap, options.max_iterations, steps);
+  } else {
+    pose = settle_with_pcl(surface, source, choice.best, options);
+  }
+  steps.tell();
   result.T_target_source = surface.to_world(pose.motion) * options.T_target_source_start;
   result.iterations = pose.iterations;
   judge(surface, source, pose, choice.runner_up, options, result);
+  steps.end();
   return result;
 }
 

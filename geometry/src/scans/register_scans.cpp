@@ -38,6 +38,10 @@ std::vector<Registration> register_scans(std::span<const Scan> scans,
   for (std::size_t i = 1; i < scans.size(); ++i) {
     RegistrationOptions from_pose = options;
     from_pose.T_target_source_start = scans[i].T_object_scan;
+    from_pose.progress = [&](int done, int total) {
+      const auto before_it = static_cast<int>(i) - 1, all = static_cast<int>(scans.size()) - 1;
+      if (options.progress) options.progress(before_it * total + done, all * total);
+    };
     moves.push_back(register_points(thinned(scans[i].mesh.vertices), before, from_pose));
     if (moves.back().verdict != RegistrationVerdict::accepted) break;
     append(before, {.vertices = moves.back().T_target_source * scans[i].mesh.vertices,

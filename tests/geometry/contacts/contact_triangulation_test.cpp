@@ -16,6 +16,7 @@
 #include "refusal.h"
 #include "repository.h"
 #include "test_surfaces.h"
+#include "told_progress.h"
 
 namespace palpate::geometry {
 namespace {
@@ -367,6 +368,18 @@ TEST(TriangulateContacts, AcceptsContactsOnOneLine) {
       sheet, nearest_places(sheet, {{3, 10, 0}, {8, 10, 0}, {12, 10, 0}, {17, 10, 0}}));
   check_weights(sheet, result.weights);
   EXPECT_GE(result.weights.contacts.row(0).minCoeff(), 0);
+}
+
+TEST(TriangulateContacts, TellsItsProgress) {
+  const TriangleMesh sheet = test::flat_sheet(60, 60, 1);
+  const std::vector<SurfacePoint> contacts = nearest_places(sheet, jittered_grid(6, 6, 10, 0.3));
+  const auto work = [&](ContactTriangulationMethod method) {
+    return [&, method](const auto& progress) {
+      (void)triangulate_contacts(sheet, contacts, {.method = method, .progress = progress});
+    };
+  };
+  check_progress(work(ContactTriangulationMethod::delaunay), 10);
+  check_progress(work(ContactTriangulationMethod::voronoi_dual), 1);
 }
 
 TEST(TriangulateContacts, RefusesBadInputAndNamesIt) {

@@ -19,6 +19,7 @@
 #include "palpate/geometry/error_statistics.h"
 #include "range_map_scene.h"
 #include "test_surfaces.h"
+#include "told_progress.h"
 
 namespace palpate::geometry {
 namespace {
@@ -249,6 +250,15 @@ TEST(RegisterDeformed, StopsWhenItMayGoNoFurther) {
   const DeformedSurface found = register_deformed(rest_graph(), map, {.max_iterations = 3});
   EXPECT_EQ(found.stop, NonRigidStop::max_iterations);
   EXPECT_EQ(found.iterations, 3);
+}
+
+TEST(RegisterDeformed, TellsItsProgress) {
+  const RangeMap map = test::render(rest_mesh(), test::bumpy_camera(kWidth));
+  check_progress(
+      [&](const auto& progress) {
+        (void)register_deformed(rest_graph(), map, {.progress = progress});
+      },
+      3);
 }
 
 TEST(RegisterDeformed, DoesNotDependOnTheUnitOfLength) {

@@ -19,6 +19,7 @@
 #include "palpate/geometry/mesh_measures.h"
 #include "palpate/geometry/mesh_topology.h"
 #include "test_surfaces.h"
+#include "told_progress.h"
 
 namespace palpate::geometry {
 namespace {
@@ -259,6 +260,14 @@ TEST(MeshRepair, RandomTrianglesBecomeManifold) {
     }
     expect_sound(repair_mesh(mesh).mesh, "run " + std::to_string(run));
   }
+}
+
+TEST(MeshRepair, TellsItsProgress) {
+  // A flat triangle takes a round of flips, which is told too.
+  TriangleMesh mesh = test::flat_sheet(4, 4, 1);
+  mesh.vertices.col(6) = (mesh.vertices.col(5) + mesh.vertices.col(7)) / 2;
+  mesh.vertices.col(11) = mesh.vertices.col(6) * 2 - mesh.vertices.col(1);
+  check_progress([&](const auto& progress) { (void)repair_mesh(mesh, {.progress = progress}); }, 7);
 }
 
 TEST(MeshRepair, RefusesWhenNothingCanBeKept) {

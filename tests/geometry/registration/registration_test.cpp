@@ -17,6 +17,7 @@
 #include "refusal.h"
 #include "registration/registration_testing.h"
 #include "test_surfaces.h"
+#include "told_progress.h"
 
 namespace palpate::geometry {
 namespace {
@@ -242,6 +243,20 @@ TEST(RegisterPoints, WorksOneKilometreAway) {
   const Matrix3Xd moved = motion * truth;
   EXPECT_LT(largest_distance(register_points(moved, target).T_target_source * moved, truth),
             kFound);
+}
+
+TEST(RegisterPoints, TellsItsProgress) {
+  const TriangleMesh surface = test::bumpy(4000, 0.25);
+  const RegistrationTarget target(surface);
+  const Matrix3Xd points = points_on(surface, 50, 1).colwise() + Vector3d(5, -4, 3);
+  for (const auto method :
+       {RegistrationMethod::point_to_triangle, RegistrationMethod::point_to_plane}) {
+    check_progress(
+        [&](const auto& progress) {
+          (void)register_points(points, target, {.method = method, .progress = progress});
+        },
+        7);
+  }
 }
 
 TEST(RegisterPoints, RefusesBadInputAndNamesIt) {

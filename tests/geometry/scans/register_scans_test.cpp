@@ -11,6 +11,7 @@
 
 #include "palpate/error.h"
 #include "test_surfaces.h"
+#include "told_progress.h"
 
 namespace palpate::geometry {
 namespace {
@@ -99,6 +100,13 @@ TEST(RegisterScans, EndsWithTheFirstThatIsNotAccepted) {
                      {.search_rotation = 0.1, .search_translation = 1});
   ASSERT_EQ(apart.size(), 1u);
   EXPECT_NE(apart[0].verdict, RegistrationVerdict::accepted);
+}
+
+TEST(RegisterScans, TellsTheProgressOfAllScans) {
+  const TriangleMesh object = hilly_object();
+  const std::vector<Scan> scans(3, {.mesh = object});
+  check_progress([&](const auto& progress) { (void)register_scans(scans, {.progress = progress}); },
+                 14);
 }
 
 TEST(RegisterScans, RefusesNoScanAndBadPoses) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -24,6 +25,9 @@ enum class ContactTriangulationMethod {
 
 struct ContactTriangulationOptions {
   ContactTriangulationMethod method = ContactTriangulationMethod::delaunay;
+  /// Called in the calling thread after each part of the work, and by `delaunay` now and then while
+  /// vertices are removed; the last call has done == total. What it throws ends the work.
+  std::function<void(int done, int total)> progress = {};
 };
 
 /// Weights of contacts at each vertex of a surface. Inside a triangle of the surface they are

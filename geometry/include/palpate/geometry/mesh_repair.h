@@ -2,11 +2,18 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "palpate/geometry/triangle_mesh.h"
 
 namespace palpate::geometry {
+
+struct RepairOptions {
+  /// Called in the calling thread after each part of the work, and while triangles without area are
+  /// removed; the last call has done == total. What it throws ends the repair.
+  std::function<void(int done, int total)> progress = {};
+};
 
 struct RepairedMesh {
   TriangleMesh mesh;  ///< oriented and manifold, with border where the surface was open or cut
@@ -32,6 +39,6 @@ struct RepairedMesh {
 /// triangle that meets such an edge at both ends without being joined there is cut free of its
 /// neighbours. A mesh without defects is returned unchanged.
 /// \throws InvalidInput if no triangle can be kept.
-[[nodiscard]] RepairedMesh repair_mesh(const TriangleMesh& mesh);
+[[nodiscard]] RepairedMesh repair_mesh(const TriangleMesh& mesh, const RepairOptions& options = {});
 
 }  // namespace palpate::geometry

@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -28,6 +29,9 @@ struct NonRigidOptions {
   /// `stop` is `poor_match` iff the surface converged and less than this fraction of the vertices
   /// whose pixels have a measurement are on the measured surface; in [0, 1].
   double min_matched = 0.3;
+  /// Called in the calling thread after each iteration, of which there are often fewer than
+  /// `total`; the last call has done == total. What it throws ends the registration.
+  std::function<void(int done, int total)> progress = {};
 };
 
 /// Visibility of a vertex of the deformed surface in the range map.

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <numbers>
@@ -45,6 +46,9 @@ struct RegistrationOptions {
   /// [mm] a pose with a larger `rms` is not accepted; > 0.
   double max_rms = std::numeric_limits<double>::infinity();
   int max_iterations = 100;  ///< of the refinement; >= 1
+  /// Called in the calling thread after each part of the work and each of its own iterations (not
+  /// those of PCL); the last call has done == total. What it throws ends the registration.
+  std::function<void(int done, int total)> progress = {};
 };
 
 enum class RegistrationVerdict {
