@@ -5,8 +5,10 @@
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
+#include <algorithm>
 #include <array>
 #include <assimp/Importer.hpp>
+#include <charconv>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -82,8 +84,27 @@ void take_columns(const std::array<const char*, N>& names,
       mesh.vertex_attributes.push_back({names[i], std::move(columns[i]), {}});
 }
 
-/// Assimp believes the lengths in a binary glTF file, and takes up to 4 GB for each.
-void check_glb_header(std::string_view bytes, const std::string& file) {
+/// Assimp takes memory for all elements of a sparse accessor of glTF, though the file may have few.
+/// \throws FileError if that is beyond the limit.
+void check_sparse_accessors(std::string_view json, std::size_t file_size, const std::string& file) {
+  if (json.find("\"sparse\"") == std::string_view::npos) return;
+  constexpr std::string_view kCount = "\"count\"";
+  constexpr double kElement = 64;  // [bytes] the largest, a matrix of 4 x 4 floats
+  double needed = 0;
+  for (std::size_t at = json.find(kCount); at != std::string_view::npos;
+       at = json.find(kCount, at)) {
+    at = std::min(json.find_first_not_of(": \t\r\n", at + kCount.size()), json.size());
+    double count = 0;
+    std::from_chars(json.data() + at, json.data() + json.size(), count);
+    needed += kElement * count;
+  }
+  check_memory_to_read(needed, static_cast<double>(file_size), file);
+}
+
+/// Returns the JSON of a binary glTF file. Assimp believes the lengths in it, and takes up to 4 GB
+/// for each.
+/// \throws FileError if they are not those of the file.
+std::string_view checked_glb_json(std::string_view bytes, const std::string& file) {
   constexpr std::size_t kChunkFrame = 8;                  // length, type
   constexpr std::size_t kFirstChunk = 12, kLengthAt = 8;  // after magic, version, length
   if (bytes.size() < kFirstChunk || !bytes.starts_with("glTF"))
@@ -109,13 +130,19 @@ void check_glb_header(std::string_view bytes, const std::string& file) {
     check("a part of it", at, length);
     at += length;
   }
+  if (bytes.size() - kFirstChunk < kChunkFrame) return {};
+  return bytes.substr(kFirstChunk + kChunkFrame, word(kFirstChunk));
 }
 
 }  // namespace
 
 PolygonMesh read_assimp_scene(const fs::path& path, std::string_view content,
                               const std::string& ending) {
-  if (ending == ".glb") check_glb_header(content, path.string());
+  if (ending == ".glb" || ending == ".gltf") {
+    const std::string file = path.string();
+    check_sparse_accessors(ending == ".glb" ? checked_glb_json(content, file) : content,
+                           content.size(), file);
+  }
   Assimp::Importer importer;
   if (!importer.IsExtensionSupported(ending))
     throw FileError(path.string() + ": the ending \"" + path.extension().string() +

@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include <cstdint>
+#include <cstdlib>
 #include <functional>
 #include <string>
 #include <utility>
@@ -18,6 +19,7 @@
 #include "palpate/geometry/mesh_io.h"
 #include "palpate/geometry/range_map.h"
 #include "palpate/memory_limit.h"
+#include "refusal.h"
 
 namespace palpate::geometry {
 namespace {
@@ -107,8 +109,55 @@ TEST(Memory, OfContentThatIsCompressedBeyondTheLimitIsRefused) {
   TIFFClose(file);
   EXPECT_THROWS_MESSAGE(static_cast<void>(read_depth_tiff(path)), FileError,
                         "plain.tiff: its content is so compressed that reading it takes 576 MB");
+}
+
+TEST(Memory, OfAnnouncedElementsOfGltfBeyondTheLimitIsRefused) {
+  // Of the elements of a sparse accessor, the file has only those that are not zero.
+  const ScratchFolder folder;
+  const std::string json = R"({"accessors": [{"count": 200000000, "sparse": {"count" :3 }}]})";
+  const auto refused = [&](const std::string& name, const std::string& content) {
+    write_text(folder / name, content);
+    EXPECT_THROWS_MESSAGE(static_cast<void>(read_mesh(folder / name)), FileError,
+                          name + ": its content is so compressed that reading it takes 12800 MB");
+  };
+  refused("sparse.gltf", json);
+  const auto word = [](std::size_t value) {
+    std::string bytes;
+    for (int i = 0; i < 4; ++i, value >>= 8U) bytes += static_cast<char>(value & 0xffU);
+    return bytes;
+  };
+  refused("sparse.glb",
+          "glTF" + word(2) + word(20 + json.size()) + word(json.size()) + "JSON" + json);
+  write_text(folder / "small.gltf", R"({"asset": {"version": "2.0"}, "scene": 0,
+    "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+    "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+    "buffers": [{"byteLength": 44, "uri":
+      "data:application/octet-stream;base64,AAABAAIAAAAAAAAAAAAAAAAAAAAAAIA/AAAAAAAAAAAAAAAAAACAPwAAAAA="}],
+    "bufferViews": [{"buffer": 0, "byteLength": 6}, {"buffer": 0, "byteOffset": 8, "byteLength": 36}],
+    "accessors": [{"componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0],
+      "max": [1, 1, 0], "sparse": {"count": 3, "values": {"bufferView": 1},
+      "indices": {"bufferView": 0, "componentType": 5123}}}]})");
+  EXPECT_EQ(read_mesh(folder / "small.gltf").triangles.cols(), 1);
+}
+
+TEST(Memory, IsLimitedByTheFileAndByWhatTheUserAllows) {
   EXPECT_FALSE(beyond_memory_limit(kMemoryAllowance + kMemoryOfFile * 10, 10));
   EXPECT_TRUE(beyond_memory_limit(kMemoryAllowance + kMemoryOfFile * 10 + 1, 10));
+  const auto allowed = [](const char* gigabytes, double needed) {
+    ::setenv(kMemoryVariable, gigabytes, 1);
+    const bool is_allowed = !beyond_memory_limit(needed, 10);
+    ::unsetenv(kMemoryVariable);
+    return is_allowed;
+  };
+  EXPECT_TRUE(allowed("1.5", 1.5e9));
+  EXPECT_FALSE(allowed("1.5", 1.5e9 + 1));
+  EXPECT_TRUE(allowed("0.001", kMemoryAllowance));  // it only raises the limit
+  for (const char* wrong : {"", "much", "8 GB", "0", "-1", "nan"}) {
+    EXPECT_NE(refusal([&] { return allowed(wrong, 1e9); }).find(kMemoryVariable), std::string::npos)
+        << wrong;
+    ::unsetenv(kMemoryVariable);
+  }
+  EXPECT_NE(beyond_memory_limit(2.1e9, 10)->find("PALPATE_MAX_READ_GB to 3"), std::string::npos);
 }
 
 }  // namespace

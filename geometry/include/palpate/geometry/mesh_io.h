@@ -85,7 +85,9 @@ struct WriteOptions {
 ///   vertex, exactly equal corners are joined and lose normals and colours. Assimp may repair some
 ///   damage without a message.
 /// Formats of our own (all but glTF and others of assimp) take at most 64 times the size of the
-/// file as memory.
+/// file as memory. What glTF announces is held against the limit of `memory_limit.h`. What else
+/// assimp reads is not limited: how much a compressed file holds (FBX, 3MF, X, BLEND, ZGL) only
+/// assimp learns, and it asks nobody.
 /// \throws FileError if the file is missing, truncated, empty or not a mesh, or has a bad index or
 /// a vertex that is not finite.
 /// \throws InvalidInput if an option is not valid.
