@@ -39,11 +39,14 @@ Eigen::VectorXd neighbour_distances(const Eigen::Ref<const Eigen::Matrix3Xd>& po
   Eigen::VectorXd distances = Eigen::VectorXd::Constant(points.cols(), kNan);
   // One more, because each point is the nearest to itself, or another one at the same place is.
   const auto others = static_cast<std::size_t>(count);
-  for_each_neighbourhood(
-      tree, count + 1, [&](const PointTree::Place& place, const std::vector<Neighbour>& found) {
-        distances[place.point] =
-            found.size() > others ? std::sqrt(found[others].squared_distance) : kInfinity;
-      });
+  const WorkSteps::Progress nobody_asks;
+  WorkSteps steps(nobody_asks, 1);
+  for_each_neighbourhood(tree, count + 1, steps,
+                         [&](const PointTree::Place& place, const std::vector<Neighbour>& found) {
+                           distances[place.point] = found.size() > others
+                                                        ? std::sqrt(found[others].squared_distance)
+                                                        : kInfinity;
+                         });
   return distances;
 }
 

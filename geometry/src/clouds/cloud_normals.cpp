@@ -58,7 +58,10 @@ CloudNormals cloud_normals(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
   const PointTree tree(points);
   CloudNormals result{.normals = Eigen::Matrix3Xd::Constant(3, points.cols(), kNan)};
   const Eigen::Index views = options.viewpoints.cols();
-  for_each_neighbourhood(tree, options.neighbours,
+  // The neighbours of each point are looked for once more to turn the normals to one side.
+  const auto count = static_cast<int>(tree.places().size());
+  WorkSteps steps(options.progress, (views > 0 ? count : 2 * count) + 1);
+  for_each_neighbourhood(tree, options.neighbours, steps,
                          [&](const PointTree::Place& place, const std::vector<Neighbour>& found) {
                            Eigen::Vector3d normal = normal_of(points, place.position, found);
                            if (views > 0) {
@@ -68,8 +71,9 @@ CloudNormals cloud_normals(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
                            }
                            result.normals.col(place.point) = normal;
                          });
-  if (views == 0) turn_to_one_side(tree, points, options.neighbours, result.normals);
+  if (views == 0) turn_to_one_side(tree, points, options.neighbours, result.normals, steps);
   result.unknown = static_cast<int>((!result.normals.row(0).array().isFinite()).count());
+  steps.end();
   return result;
 }
 

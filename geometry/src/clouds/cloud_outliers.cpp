@@ -13,9 +13,10 @@ namespace palpate::geometry {
 namespace {
 
 /// Mean distance of each point from its neighbours; NaN for unknown points.
-Eigen::VectorXd mean_distances(const PointTree& tree, Eigen::Index points, int neighbours) {
+Eigen::VectorXd mean_distances(const PointTree& tree, Eigen::Index points, int neighbours,
+                               WorkSteps& steps) {
   Eigen::VectorXd means = Eigen::VectorXd::Constant(points, kNan);
-  for_each_neighbourhood(tree, neighbours + 1,
+  for_each_neighbourhood(tree, neighbours + 1, steps,
                          [&](const PointTree::Place& place, const std::vector<Neighbour>& found) {
                            double sum = 0;  // with the distance from itself, which is 0
                            for (const Neighbour& other : found)
@@ -42,7 +43,9 @@ std::vector<int> without_outliers(const Eigen::Ref<const Eigen::Matrix3Xd>& poin
   const PointTree tree(points);
   constexpr std::size_t kFewest = 3;  // two points are each other's neighbours: equally far
   if (tree.places().size() < kFewest) return up_to(neighbour_distances(points), kInfinity);
-  const Eigen::VectorXd distances = mean_distances(tree, points.cols(), options.neighbours);
+  WorkSteps steps(options.progress, static_cast<int>(tree.places().size()) + 1);
+  const Eigen::VectorXd distances = mean_distances(tree, points.cols(), options.neighbours, steps);
+  steps.end();
   double sum = 0, count = 0;
   for (const double distance : distances) {
     if (std::isnan(distance)) continue;

@@ -22,12 +22,13 @@ struct Link {
   int a, b;               ///< points, a < b
 };
 
-std::vector<Link> links_of(const PointTree& tree, int neighbours, const Eigen::Matrix3Xd& normals) {
+std::vector<Link> links_of(const PointTree& tree, int neighbours, const Eigen::Matrix3Xd& normals,
+                           WorkSteps& steps) {
   const int count = std::min(neighbours, kMostLinks) + 1;
   const auto stride = static_cast<std::size_t>(count);
   std::vector<Link> links(static_cast<std::size_t>(normals.cols()) * stride, Link{0, 0, 0, 0});
   for_each_neighbourhood(
-      tree, count, [&](const PointTree::Place& place, const std::vector<Neighbour>& found) {
+      tree, count, steps, [&](const PointTree::Place& place, const std::vector<Neighbour>& found) {
         Link* link = links.data() + static_cast<std::size_t>(place.point) * stride;
         for (const Neighbour& other : found) {
           const double alike = std::abs(normals.col(place.point).dot(normals.col(other.point)));
@@ -68,8 +69,8 @@ std::vector<Part> join_parts(const std::vector<Link>& links, const Eigen::Matrix
 }  // namespace
 
 void turn_to_one_side(const PointTree& tree, const Eigen::Ref<const Eigen::Matrix3Xd>& points,
-                      int neighbours, Eigen::Matrix3Xd& normals) {
-  const std::vector<Part> parts = join_parts(links_of(tree, neighbours, normals), normals);
+                      int neighbours, Eigen::Matrix3Xd& normals, WorkSteps& steps) {
+  const std::vector<Part> parts = join_parts(links_of(tree, neighbours, normals, steps), normals);
   const auto part_of = [&](Eigen::Index i) { return parts[static_cast<std::size_t>(i)]; };
   Eigen::Matrix3Xd centroid = Eigen::Matrix3Xd::Zero(3, points.cols());
   Eigen::VectorXd count = Eigen::VectorXd::Zero(points.cols());

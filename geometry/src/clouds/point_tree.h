@@ -3,10 +3,12 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
+#include "base/work_steps.h"
 #include "palpate/parallel_for.h"
 
 namespace palpate::geometry {
@@ -56,18 +58,23 @@ class PointTree {
 
 /// Calls `body(place, found)` for each point of the tree with the `count` points nearest to it
 /// (itself among them), on all threads.
+/// \param steps counts the points.
 template <typename Body>
-void for_each_neighbourhood(const PointTree& tree, int count, const Body& body) {
-  constexpr std::ptrdiff_t kGrain = 256;
-  parallel_ranges(static_cast<std::ptrdiff_t>(tree.places().size()), kGrain,
-                  [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
-                    std::vector<Neighbour> found;
-                    for (std::ptrdiff_t i = begin; i < end; ++i) {
-                      const PointTree::Place& place = tree.places()[static_cast<std::size_t>(i)];
-                      tree.nearest(place.position, count, found);
-                      body(place, found);
-                    }
-                  });
+void for_each_neighbourhood(const PointTree& tree, int count, WorkSteps& steps, const Body& body) {
+  constexpr std::ptrdiff_t kGrain = 256, kReport = 50'000;
+  const auto all = static_cast<std::ptrdiff_t>(tree.places().size());
+  for (std::ptrdiff_t first = 0; first < all; first += kReport) {
+    const std::ptrdiff_t part = std::min(kReport, all - first);
+    parallel_ranges(part, kGrain, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+      std::vector<Neighbour> found;
+      for (std::ptrdiff_t i = begin; i < end; ++i) {
+        const PointTree::Place& place = tree.places()[static_cast<std::size_t>(first + i)];
+        tree.nearest(place.position, count, found);
+        body(place, found);
+      }
+    });
+    steps.tell(static_cast<int>(part));
+  }
 }
 
 }  // namespace palpate::geometry

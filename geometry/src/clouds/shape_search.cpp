@@ -18,7 +18,8 @@ ShapeSearch prepare_search(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
                      .points = {},
                      .judges = {},
                      .min_share = options.min_share,
-                     .seed = options.seed};
+                     .seed = options.seed,
+                     .progress = options.progress};
   const int count = search.size();
   search.least = std::max(sample, static_cast<int>(std::ceil(options.min_share * count)));
   if (count < sample) return search;

@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/work_steps.h"
 #include "palpate/geometry/cloud_shapes.h"
 #include "palpate/parallel_for.h"
 #include "query/local_frame.h"
@@ -47,6 +48,7 @@ struct ShapeSearch {
   int least = 0;  ///< points that a shape needs
   double min_share = 0;
   std::uint64_t seed = 0;
+  WorkSteps::Progress progress;
 
   [[nodiscard]] int size() const { return static_cast<int>(known.size()); }
 };
@@ -117,6 +119,7 @@ template <typename Model, typename Propose>
   };
   Trial best;
   double needed = trials_needed(search.min_share, sample);
+  WorkSteps steps(search.progress, static_cast<int>(std::ceil(needed / kBatch)) + 1);
   std::array<Trial, kBatch> batch;
   for (double done = 0; done < needed; done += kBatch) {
     // Number 0 has chosen the judges.
@@ -130,10 +133,12 @@ template <typename Model, typename Propose>
     // The score counts each inlier as at most one.
     const double share = best.score / static_cast<double>(search.judges.cols());
     if (share > search.min_share) needed = std::min(needed, trials_needed(share, sample));
+    steps.tell();
   }
-  if (!best.model) return std::nullopt;
-  FoundShape<Model> shape = refined(search, *best.model);
-  if (static_cast<int>(shape.inliers.size()) < search.least) return std::nullopt;
+  std::optional<FoundShape<Model>> shape;
+  if (best.model) shape = refined(search, *best.model);
+  steps.end();
+  if (shape && static_cast<int>(shape->inliers.size()) < search.least) return std::nullopt;
   return shape;
 }
 

@@ -12,6 +12,7 @@
 #include "not_finite.h"
 #include "refusal.h"
 #include "test_surfaces.h"
+#include "told_progress.h"
 
 namespace palpate::geometry {
 namespace {
@@ -111,6 +112,18 @@ TEST(CloudNormals, IgnoreUnknownPoints) {
   const CloudNormals found = cloud_normals(more);
   EXPECT_EQ(found.unknown, 50);
   EXPECT_EQ(found.normals.leftCols(600), alone);
+}
+
+TEST(CloudNormals, TellTheirProgress) {
+  const Matrix3Xd points = test::sphere_cloud(60000, {0, 0, 0}, 10);
+  for (const Matrix3Xd& viewpoints : {Matrix3Xd(3, 0), Matrix3Xd(Matrix3Xd::Zero(3, 1))}) {
+    check_progress(
+        [&](const auto& progress) {
+          (void)cloud_normals(points,
+                              {.neighbours = 3, .viewpoints = viewpoints, .progress = progress});
+        },
+        3);
+  }
 }
 
 TEST(CloudNormals, RefuseWrongOptions) {

@@ -7,6 +7,7 @@
 #include "cloud_testing.h"
 #include "not_finite.h"
 #include "refusal.h"
+#include "told_progress.h"
 
 namespace palpate::geometry {
 namespace {
@@ -45,6 +46,15 @@ TEST(WithoutOutliers, EqualsTheDefinition) {
   }
   EXPECT_LT(expected.size(), 380U);
   EXPECT_EQ(without_outliers(points, options), expected);
+}
+
+TEST(WithoutOutliers, TellsItsProgress) {
+  const Matrix3Xd points = test::sphere_cloud(60000, {0, 0, 0}, 10);
+  check_progress(
+      [&](const auto& progress) {
+        (void)without_outliers(points, {.neighbours = 2, .progress = progress});
+      },
+      3);
 }
 
 TEST(WithoutOutliers, DependsOnNeitherFrameNorOrderNorScale) {

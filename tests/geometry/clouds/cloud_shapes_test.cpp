@@ -12,6 +12,7 @@
 #include "not_finite.h"
 #include "palpate/geometry/cloud_normals.h"
 #include "refusal.h"
+#include "told_progress.h"
 
 namespace palpate::geometry {
 namespace {
@@ -179,6 +180,22 @@ TEST(FindShapes, AreTheSameWithOneThread) {
   ASSERT_TRUE(plane && alone);
   EXPECT_EQ(alone->normal, plane->normal);
   EXPECT_EQ(alone->point, plane->point);
+}
+
+TEST(FindShapes, TellTheirProgress) {
+  // Of the cylinder none is found, and all trials are needed.
+  const PlaneInClutter truth(kNoise);
+  const Matrix3Xd normals = test::random_cloud(1000, 5, {1, 1, 1});
+  check_progress(
+      [&](const auto& progress) {
+        (void)find_plane(truth.points, {.tolerance = 3 * kNoise, .progress = progress});
+      },
+      2);
+  check_progress(
+      [&](const auto& progress) {
+        (void)find_cylinder(truth.points, normals, {.tolerance = 1e-9, .progress = progress});
+      },
+      4);
 }
 
 TEST(FindShapes, IgnoreUnknownPoints) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 
 #include "palpate/eigen_alignment.h"
 
@@ -14,6 +15,9 @@ struct CloudNormalOptions {
   /// [mm] Where the points were seen from: normals point there. 3 x 0: unknown; 3 x 1: one place;
   /// 3 x N: a place for each point.
   Eigen::Matrix3Xd viewpoints = {};
+  /// Called in the calling thread after each part of the points; the last call has done == total.
+  /// What it throws ends the work.
+  std::function<void(int done, int total)> progress = {};
 };
 
 struct CloudNormals {

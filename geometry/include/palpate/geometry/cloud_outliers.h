@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <vector>
 
 #include "palpate/eigen_alignment.h"
@@ -17,6 +18,9 @@ struct OutlierOptions {
   /// A point is kept iff its mean distance from its neighbours is at most the mean of that of all
   /// points plus this many of its standard deviations; > 0.
   double max_deviations = 3;
+  /// Called in the calling thread after each part of the points; the last call has done == total.
+  /// What it throws ends the work.
+  std::function<void(int done, int total)> progress = {};
 };
 
 /// Leaves out points that are unusually far from their neighbours (Rusu et al. 2008).

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <vector>
@@ -33,6 +34,10 @@ struct CloudShapeOptions {
   /// bounding box. A plane is nearly a sphere of a large radius.
   double max_radius = std::numeric_limits<double>::infinity();
   std::uint64_t seed = 1;
+  /// Called in the calling thread after each batch of trials, of which there are often fewer than
+  /// `total`; the last call has done == total, and a cloud with too few points has none. What it
+  /// throws ends the search.
+  std::function<void(int done, int total)> progress = {};
 };
 
 struct PointsOnShape {
