@@ -62,19 +62,24 @@ class MedianTree {
   int add_node(Part part) {
     const std::size_t node = tree_.nodes.size();
     tree_.nodes.emplace_back();
-    const auto [left, right] = halves(part);
-    std::size_t lane = 0;
-    for (const Part half : {left, right}) {
-      if (half.empty()) continue;
-      const bool splits = half.size() > kLeaf;
-      const auto [first, second] = splits ? halves(half) : std::pair(half, Part());
-      for (const Part quarter : {first, second}) {
-        if (quarter.empty()) continue;
-        const int child = add(quarter);
-        tree_.nodes[node].child[lane] = child;
-        tree_.nodes[node].children |= 1U << lane;
-        ++lane;
+    std::vector<Part> parts = {part};
+    while (2 * parts.size() <= TreeNode::kSize) {
+      std::vector<Part> halved;
+      for (const Part one : parts) {
+        if (one.size() <= kLeaf) {
+          halved.push_back(one);
+          continue;
+        }
+        const auto [left, right] = halves(one);
+        halved.insert(halved.end(), {left, right});
       }
+      if (halved.size() == parts.size()) break;
+      parts = std::move(halved);
+    }
+    for (std::size_t lane = 0; lane < parts.size(); ++lane) {
+      const int child = add(parts[lane]);
+      tree_.nodes[node].child[lane] = child;
+      tree_.nodes[node].children |= 1U << lane;
     }
     return static_cast<int>(node);
   }
@@ -86,7 +91,7 @@ class MedianTree {
 }  // namespace
 
 BoundingTree build_tree(const Eigen::Matrix3Xd& vertices, const Eigen::Matrix3Xi& triangles,
-                        double margin) {
+                        double margin, TreeBuild /*build*/) {
   BoundingTree tree = MedianTree(vertices, triangles).build();
   refit(tree, vertices, triangles, margin);
   return tree;

@@ -91,12 +91,14 @@ int copy(BoundingTree& tree, const BuiltNode& built, int depth) {
 }  // namespace
 
 BoundingTree build_tree(const Eigen::Matrix3Xd& vertices, const Eigen::Matrix3Xi& triangles,
-                        double margin) {
+                        double margin, TreeBuild build) {
   const Device device(rtcNewDevice(nullptr));
   if (!device) throw SolverError("SurfaceQuery: Embree gave no device to build a search tree with");
   const Bvh bvh(rtcNewBVH(device.get()));
   std::vector<RTCBuildPrimitive> boxes = triangle_boxes(vertices, triangles);
   RTCBuildArguments arguments = rtcDefaultBuildArguments();
+  arguments.buildQuality =
+      build == TreeBuild::quick ? RTC_BUILD_QUALITY_LOW : RTC_BUILD_QUALITY_MEDIUM;
   arguments.maxBranchingFactor = TreeNode::kSize;
   arguments.sahBlockSize = TrianglePacket::kSize;
   arguments.minLeafSize = TrianglePacket::kSize;

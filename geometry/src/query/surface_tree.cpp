@@ -152,10 +152,13 @@ struct SlabSegment {
 
 }  // namespace
 
-SurfaceTree::SurfaceTree(const TriangleMesh& mesh) : mesh_(mesh) { build(set_frame()); }
+SurfaceTree::SurfaceTree(const TriangleMesh& mesh, TreeBuild build_as)
+    : mesh_(mesh), build_(build_as) {
+  build(set_frame());
+}
 
 void SurfaceTree::build(const Eigen::Matrix3Xd& local) {
-  tree_ = build_tree(local, mesh_.triangles, 2 * margin_);
+  tree_ = build_tree(local, mesh_.triangles, 2 * margin_, build_);
   set_corners();
   built_cost_ = walking_cost(tree_);
 }

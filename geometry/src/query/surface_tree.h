@@ -34,7 +34,7 @@ class SurfaceTree {
  public:
   /// Precondition: the mesh is valid.
   /// \throws SolverError if Embree fails.
-  explicit SurfaceTree(const TriangleMesh& mesh);
+  explicit SurfaceTree(const TriangleMesh& mesh, TreeBuild build = TreeBuild::thorough);
 
   [[nodiscard]] const TriangleMesh& mesh() const { return mesh_; }
   /// local = (world - centre) * scale; a power of two
@@ -86,6 +86,7 @@ class SurfaceTree {
   [[nodiscard]] bool touches(const Eigen::Vector3d& end, int place) const;
 
   TriangleMesh mesh_;
+  TreeBuild build_;
   Eigen::Vector3d centre_;
   double scale_ = 1;
   double on_surface_ = 0;  ///< ends closer than this are on the surface; local frame

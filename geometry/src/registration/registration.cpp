@@ -224,12 +224,10 @@ Choice choose(const RegistrationTarget::Impl& target, const Eigen::Matrix3Xd& po
   return choice;
 }
 
-}  // namespace
-
-Registration register_points(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
-                             const RegistrationTarget& target, const RegistrationOptions& options) {
-  check_options(options);
-  const RegistrationTarget::Impl& surface = target.impl();
+/// Precondition: the options are valid.
+Registration register_to(const RegistrationTarget::Impl& surface,
+                         const Eigen::Ref<const Eigen::Matrix3Xd>& points,
+                         const RegistrationOptions& options) {
   Eigen::Matrix3Xd source = options.T_target_source_start * finite_points(points);
   source = in_spatial_order((source.colwise() - surface.centre) * surface.scale);
 
@@ -263,10 +261,19 @@ Registration register_points(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
   return result;
 }
 
+}  // namespace
+
+Registration register_points(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
+                             const RegistrationTarget& target, const RegistrationOptions& options) {
+  check_options(options);
+  return register_to(target.impl(), points, options);
+}
+
 Registration register_points(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
                              const TriangleMesh& target, const RegistrationOptions& options) {
   check_options(options);
-  return register_points(points, RegistrationTarget(target), options);
+  // Its points are too few to pay for a better tree.
+  return register_to(RegistrationTarget::Impl(target, TreeBuild::quick), points, options);
 }
 
 const char* to_string(RegistrationVerdict verdict) {

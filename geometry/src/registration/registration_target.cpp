@@ -3,9 +3,9 @@
 #include "registration/registration_target.h"
 
 #include <cmath>
-#include <limits>
 #include <span>
 
+#include "base/numbers.h"
 #include "mesh/edge_table.h"
 #include "palpate/error.h"
 #include "palpate/parallel_for.h"
@@ -32,16 +32,17 @@ const TriangleMesh& checked(const TriangleMesh& mesh) {
 
 }  // namespace
 
-RegistrationTarget::Impl::Impl(const TriangleMesh& surface)
-    : Impl(surface, local_frame(checked(surface).vertices)) {}
+RegistrationTarget::Impl::Impl(const TriangleMesh& surface, TreeBuild build)
+    : Impl(surface, local_frame(checked(surface).vertices), build) {}
 
-RegistrationTarget::Impl::Impl(const TriangleMesh& surface, const LocalFrame& frame)
+RegistrationTarget::Impl::Impl(const TriangleMesh& surface, const LocalFrame& frame,
+                               TreeBuild build)
     : centre(frame.centre),
       scale(frame.scale),
       mesh{.vertices = frame.to_local(surface.vertices), .triangles = surface.triangles},
       diagonal(bounding_diagonal(mesh)),
       normals(triangle_normals(mesh)),
-      query(mesh),
+      tree(mesh, build),
       grid(mesh) {
   find_border();
 }
@@ -79,16 +80,21 @@ Pairing RegistrationTarget::Impl::pair(const Eigen::Matrix3Xd& points) const {
   pairing.resize(points.cols());
   parallel_ranges(points.cols(), kPointsPerTask, [&](Eigen::Index begin, Eigen::Index end) {
     for (Eigen::Index i = begin; i < end; ++i) {
-      const ClosestPoint closest = query.closest_point(points.col(i));
-      pairing.feet.col(i) = closest.position;
-      pairing.distances[i] = closest.distance;
-      if (closest.at.triangle < 0) {  // so far away that the distance overflows
-        pairing.distances[i] = std::numeric_limits<double>::infinity();
+      const Eigen::Vector3d point = tree.to_local(points.col(i));
+      const NearestTriangle nearest =
+          point.allFinite() ? tree.nearest(point, kInfinity) : NearestTriangle{};
+      if (nearest.triangle < 0) {  // so far away that the distance overflows
+        pairing.feet.col(i).setConstant(kNan);
+        pairing.distances[i] = kInfinity;
         pairing.usable[i] = false;
         continue;
       }
-      pairing.normals.col(i) = normals.col(closest.at.triangle);
-      pairing.usable[i] = pairing.normals.col(i).allFinite() && !is_on_border(closest.at);
+      pairing.feet.col(i) = tree.position(nearest.place, nearest.at.barycentric);
+      pairing.distances[i] = std::sqrt(nearest.at.squared_distance) / tree.scale();
+      pairing.normals.col(i) = normals.col(nearest.triangle);
+      pairing.usable[i] =
+          pairing.normals.col(i).allFinite() &&
+          !is_on_border({.triangle = nearest.triangle, .barycentric = nearest.at.barycentric});
     }
   });
   return pairing;
@@ -124,6 +130,6 @@ Eigen::Isometry3d RegistrationTarget::Impl::to_world(const Eigen::Isometry3d& lo
 }
 
 RegistrationTarget::RegistrationTarget(const TriangleMesh& mesh)
-    : impl_(std::make_shared<const Impl>(mesh)) {}
+    : impl_(std::make_shared<const Impl>(mesh, TreeBuild::thorough)) {}
 
 }  // namespace palpate::geometry

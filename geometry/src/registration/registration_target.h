@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "palpate/geometry/registration.h"
-#include "palpate/geometry/surface_query.h"
 #include "query/local_frame.h"
+#include "query/surface_tree.h"
 #include "registration/rigid_step.h"
 #include "registration/surfel_grid.h"
 
@@ -22,7 +22,7 @@ namespace palpate::geometry {
 class VertexCloud;  // registration_pcl.h
 
 struct RegistrationTarget::Impl {
-  explicit Impl(const TriangleMesh& mesh);
+  Impl(const TriangleMesh& mesh, TreeBuild build);
   ~Impl();
 
   /// Nearest points of the surface. A point is beside the surface if its nearest point is on the
@@ -39,11 +39,11 @@ struct RegistrationTarget::Impl {
   TriangleMesh mesh;         ///< local frame
   double diagonal;           ///< local frame
   Eigen::Matrix3Xd normals;  ///< of the triangles
-  SurfaceQuery query;
+  SurfaceTree tree;
   SurfelGrid grid;
 
  private:
-  Impl(const TriangleMesh& surface, const LocalFrame& frame);
+  Impl(const TriangleMesh& surface, const LocalFrame& frame, TreeBuild build);
   void find_border();
   [[nodiscard]] bool is_on_border(const SurfacePoint& foot) const;
 
