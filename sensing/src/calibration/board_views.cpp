@@ -162,8 +162,8 @@ RigView view_from_gray_code(const std::vector<cv::Mat>& images, const Board& pri
   if (!found) return view;
   view.board = found->board;
   view.camera = found->corners;
-  const auto grid =
-      find_lit_grid(images, places, squares_of(*found, printed.square, places.size()), projector);
+  const auto grid = find_lit_grid(images, places, squares_of(*found, printed.square, places.size()),
+                                  found->blur, projector);
   if (!grid) return view;
   view.lit_camera = grid->camera;
   view.projector = grid->projector;

@@ -13,6 +13,7 @@
 
 #include "calibration/found_board.h"
 #include "files/storage_file.h"
+#include "palpate/geometry/median.h"
 #include "palpate/sensing/board_print.h"
 
 namespace palpate::sensing {
@@ -99,7 +100,8 @@ std::optional<FoundBoard> find_charuco_board(const cv::Mat& gray, const cv::Mat_
   homography = homography.inverse().eval();
   // A marker's corner is the nearest point that does not belong to the board's corner.
   const double nearest = (board.square - board.marker) / 2 * std::numbers::sqrt2 / board.square;
-  FoundBoard result{all, all, 0};
+  FoundBoard result{.board = all, .corners = all};
+  std::vector<double> blurs;
   Eigen::Index count = 0;
   for (std::size_t i = 0; i < ids.size(); ++i) {
     if (fits[i] == 0) continue;
@@ -108,8 +110,11 @@ std::optional<FoundBoard> find_charuco_board(const cv::Mat& gray, const cv::Mat_
     const CornerGuess guess = corner_guess({seen[i].x, seen[i].y}, along, down, nearest);
     result.window = std::max(result.window, static_cast<int>(guess.radius));
     result.board.col(count) = corner;
-    result.corners.col(count++) = refine_corner(fine, guess);
+    const CornerFit fit = refine_corner(fine, guess);
+    result.corners.col(count++) = fit.place;
+    blurs.push_back(fit.blur);
   }
+  result.blur = geometry::median(std::move(blurs));
   result.board.conservativeResize(Eigen::NoChange, count);
   result.corners.conservativeResize(Eigen::NoChange, count);
   return result;

@@ -82,9 +82,17 @@ Unknowns start_of(const cv::Mat_<float>& image, const CornerGuess& guess) {
   return p;
 }
 
+/// The blurred product of light L and board B is L(x) B(x + v grad L / L) for a blur of variance v,
+/// to first order: the image of the corner is moved by that much against the light's gradient.
+CornerFit fit_of(const Eigen::Vector2d& guess, const Unknowns& p) {
+  const double blur = std::exp(p[4]) / std::numbers::sqrt2;
+  const Eigen::Vector2d gradient = p.segment<2>(7);
+  return {guess + p.head<2>() + blur * blur / (1 + gradient.dot(p.head<2>())) * gradient, blur};
+}
+
 }  // namespace
 
-std::optional<Eigen::Vector2d> fit_corner(const cv::Mat_<float>& image, const CornerGuess& guess) {
+std::optional<CornerFit> fit_corner(const cv::Mat_<float>& image, const CornerGuess& guess) {
   constexpr int kMostSteps = 30;
   constexpr double kLastStep = 1e-5;      // px, far below a corner's noise
   constexpr double kFarthest = 0.3;       // px from the guess: another minimum
@@ -123,7 +131,7 @@ std::optional<Eigen::Vector2d> fit_corner(const cv::Mat_<float>& image, const Co
     if (!p.allFinite() || !(p.head<2>().norm() <= kFarthest)) return std::nullopt;
     if (step.head<2>().norm() > kLastStep) continue;
     if (!(std::abs(p[6]) >= kLeastContrast * p[5])) return std::nullopt;
-    return guess.place + p.head<2>();
+    return fit_of(guess.place, p);
   }
   return std::nullopt;
 }

@@ -15,17 +15,24 @@ struct CornerGuess {
   double radius = 0;         ///< px, of the circle in which the image is used
 };
 
+/// A corner where its image says it is.
+struct CornerFit {
+  Eigen::Vector2d place;  ///< px
+  double blur = 0;        ///< px, standard deviation of the image's blur
+};
+
 /// Fits (c + a erf(d1 / s) erf(d2 / s)) (1 + g p), with the distances d from two curves through the
 /// corner, a blur s and a gradient g of the light, to the pixels within a circle (Gauss-Newton).
 ///
 /// This image is even about the corner, so that a response curve, glare or too small a circle do
 /// not move it; the edges may be bent as by a lens, which would otherwise pull all corners towards
-/// the middle of the image. On simulated boards residuals fall from 0.025 px of the balance of
+/// the middle of the image. Light that falls off across blurred edges moves them against its
+/// gradient; this is taken back. On simulated boards residuals fall from 0.025 px of the balance of
 /// gradients (`cornerSubPix`) to 0.003 px.
 /// \param image CV_32F.
 /// \return empty if the circle leaves the image, if there is no contrast, or if the fit does not
 /// converge within 0.3 px of the guess.
-[[nodiscard]] std::optional<Eigen::Vector2d> fit_corner(const cv::Mat_<float>& image,
-                                                        const CornerGuess& guess);
+[[nodiscard]] std::optional<CornerFit> fit_corner(const cv::Mat_<float>& image,
+                                                  const CornerGuess& guess);
 
 }  // namespace palpate::sensing

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "files/storage_file.h"
+#include "palpate/geometry/median.h"
 
 namespace palpate::sensing {
 namespace {
@@ -78,7 +79,7 @@ CornerGuess corner_guess(const Eigen::Vector2d& place, const Eigen::Vector2d& al
       place, {along, down}, corner_radius(nearest * area / std::max(along.norm(), down.norm()))};
 }
 
-Eigen::Vector2d refine_corner(const cv::Mat_<float>& image, CornerGuess guess) {
+CornerFit refine_corner(const cv::Mat_<float>& image, CornerGuess guess) {
   const int half = std::max(2, static_cast<int>(0.6 * guess.radius));
   constexpr int kMostSteps = 50;
   constexpr double kLastStep = 1e-4;  // px, far below a corner's noise
@@ -87,7 +88,7 @@ Eigen::Vector2d refine_corner(const cv::Mat_<float>& image, CornerGuess guess) {
   cv::cornerSubPix(image, corner, {half, half}, {-1, -1},
                    {cv::TermCriteria::COUNT + cv::TermCriteria::EPS, kMostSteps, kLastStep});
   guess.place << corner[0].x, corner[0].y;
-  return fit_corner(image, guess).value_or(guess.place);
+  return fit_corner(image, guess).value_or(CornerFit{guess.place});
 }
 
 std::optional<FoundBoard> find_chessboard(const cv::Mat& gray, const cv::Mat_<float>& fine,
@@ -100,17 +101,21 @@ std::optional<FoundBoard> find_chessboard(const cv::Mat& gray, const cv::Mat_<fl
     return std::nullopt;
   }
   set_order(gray, found, board);
-  FoundBoard result{board_corners(board), board_corners(board), 0};
+  FoundBoard result{.board = board_corners(board), .corners = board_corners(board)};
   for (std::size_t i = 0; i < found.size(); ++i)
     result.corners.col(static_cast<Eigen::Index>(i)) << found[i].x, found[i].y;
   Eigen::Matrix2Xd refined = result.corners;
+  std::vector<double> blurs;
   for (Eigen::Index i = 0; i < refined.cols(); ++i) {
     const auto [along, down] = steps_from(result.corners, board, i);
     constexpr double kNextEdge = 1;  // squares
     const CornerGuess guess = corner_guess(refined.col(i), along, down, kNextEdge);
     result.window = std::max(result.window, static_cast<int>(guess.radius));
-    refined.col(i) = refine_corner(fine, guess);
+    const CornerFit fit = refine_corner(fine, guess);
+    refined.col(i) = fit.place;
+    blurs.push_back(fit.blur);
   }
+  result.blur = geometry::median(std::move(blurs));
   result.corners = refined;
   return result;
 }

@@ -16,6 +16,7 @@ struct FoundBoard {
   Eigen::Matrix2Xd board;    ///< 2 x N [mm] in the plane of the board
   Eigen::Matrix2Xd corners;  ///< 2 x N [px]
   int window = 0;            ///< px, half the side of the squares that tell where the corners are
+  double blur = 0;           ///< px, standard deviation; 0 if unknown
 };
 
 /// Finds a board without markers, which must be complete, in `gray` (8 bit), and refines its
@@ -44,6 +45,7 @@ struct FoundBoard {
 
 /// Refines a corner from a third of a pixel, the error of the detector, to some hundredths of one
 /// by the balance of gradients around it, and then by `fit_corner`, if that can be applied.
-[[nodiscard]] Eigen::Vector2d refine_corner(const cv::Mat_<float>& image, CornerGuess guess);
+/// \return with blur 0 if not.
+[[nodiscard]] CornerFit refine_corner(const cv::Mat_<float>& image, CornerGuess guess);
 
 }  // namespace palpate::sensing

@@ -33,6 +33,7 @@ struct BorderPlace {
   double border = 0;  ///< px
   double weight = 0;  ///< inverse variance, in any unit
   double residual = 0;
+  Eigen::Vector2d rise = Eigen::Vector2d::Zero();  ///< relative gradient of the light [1/px]
 };
 
 /// Pixels of the board whose light is even and not saturated.
@@ -108,6 +109,22 @@ void collect(const cv::Mat_<float>& difference, const cv::Mat_<float>& light,
   }
 }
 
+/// Relative gradient of the light at each crossing.
+void set_rises(const cv::Mat_<float>& light, std::vector<BorderPlace>& crossings) {
+  cv::Mat_<float> smooth;
+  cv::blur(light, smooth, {3, 3});
+  for (BorderPlace& crossing : crossings) {
+    const auto column = static_cast<int>(std::lround(crossing.camera.x()));
+    const auto row = static_cast<int>(std::lround(crossing.camera.y()));
+    if (column < kReach || row < kReach || column + kReach >= light.cols ||
+        row + kReach >= light.rows)
+      continue;
+    const Eigen::Vector2f rise(smooth(row, column + kReach) - smooth(row, column - kReach),
+                               smooth(row + kReach, column) - smooth(row - kReach, column));
+    crossing.rise = (rise / (2 * kReach * smooth(row, column))).cast<double>();
+  }
+}
+
 using Cubic = Eigen::Matrix<double, 10, 1>;
 Cubic cubic_terms(const Eigen::Vector2d& p) {
   const double x = p.x(), y = p.y();
@@ -152,6 +169,7 @@ void fit_correction(const std::vector<BorderPlace>& crossings, SmoothMap& map) {
 struct CellMean {
   Eigen::Vector2d camera = Eigen::Vector2d::Zero();
   double residual = 0;
+  Eigen::Vector2d rise = Eigen::Vector2d::Zero();  ///< median
 };
 std::optional<CellMean> mean_of(const std::vector<const BorderPlace*>& cell) {
   if (cell.size() < kLeastBorders) return std::nullopt;
@@ -169,6 +187,10 @@ std::optional<CellMean> mean_of(const std::vector<const BorderPlace*>& cell) {
     sum += crossing->weight;
     mean.camera += crossing->weight * crossing->camera;
     mean.residual += crossing->weight * crossing->residual;
+  }
+  for (int axis = 0; axis < 2; ++axis) {
+    for (std::size_t i = 0; i < cell.size(); ++i) values[i] = cell[i]->rise[axis];
+    mean.rise[axis] = geometry::median(values);
   }
   mean.camera /= sum;
   mean.residual /= sum;
@@ -207,7 +229,8 @@ bool runs_along_rows(const Eigen::Matrix3d& homography, int axis, const Eigen::V
 
 std::optional<LitGrid> find_lit_grid(const std::vector<cv::Mat>& images,
                                      const cv::Mat_<cv::Vec2f>& places,
-                                     const cv::Mat_<uchar>& on_board, const ImageSize& panel) {
+                                     const cv::Mat_<uchar>& on_board, double blur,
+                                     const ImageSize& panel) {
   cv::Mat_<float> light;
   const cv::Mat_<uchar> even = even_pixels(images, on_board, light);
   const auto homography = fit_homography(places, even);
@@ -230,6 +253,7 @@ std::optional<LitGrid> find_lit_grid(const std::vector<cv::Mat>& images,
       collect(difference, light, places, even, bit, axis,
               along_rows ? cv::Point(1, 0) : cv::Point(0, 1), crossings);
     }
+    set_rises(light, crossings);
     maps[a] = {*homography, axis, middle, scale};
     if (crossings.size() < kLeastBorders) return std::nullopt;
     fit_correction(crossings, maps[a]);
@@ -241,7 +265,8 @@ std::optional<LitGrid> find_lit_grid(const std::vector<cv::Mat>& images,
     const auto& y = means[1][cell];
     if (!x || !y) continue;
     const Eigen::Vector2d at = (x->camera + y->camera) / 2;
-    camera.push_back(at);
+    // See `fit_corner`.
+    camera.push_back(at + blur * blur * (x->rise + y->rise) / 2);
     projector.emplace_back(maps[0](at) + x->residual, maps[1](at) + y->residual);
   }
   LitGrid grid{Eigen::Matrix2Xd(2, camera.size()), Eigen::Matrix2Xd(2, camera.size()), *homography};

@@ -26,14 +26,16 @@ struct LitGrid {
 /// two pixels of the panel, whatever the colour of the board. All such crossings within a cell are
 /// compared with a smooth map from camera to panel (a homography with cubic corrections), and their
 /// robust weighted mean is one point. Pixels beside edges of the board's print or of the light are
-/// left out, because blur moves the crossings there.
+/// left out, because blur moves the crossings there. What blur moves them where the light falls off
+/// evenly is taken back.
 /// \param images   of `draw_gray_code`, checked by `decode_gray_code`.
 /// \param places   what `decode_gray_code` returned for them.
 /// \param on_board 8 bit: non-zero where the board is flat.
+/// \param blur     standard deviation of the camera's blur [px]; 0 if unknown.
 /// \return empty if the board has too few lit pixels.
 [[nodiscard]] std::optional<LitGrid> find_lit_grid(const std::vector<cv::Mat>& images,
                                                    const cv::Mat_<cv::Vec2f>& places,
-                                                   const cv::Mat_<uchar>& on_board,
+                                                   const cv::Mat_<uchar>& on_board, double blur,
                                                    const ImageSize& panel);
 
 }  // namespace palpate::sensing

@@ -13,6 +13,10 @@ namespace {
 
 const Eigen::Vector2d kPlace(20.37, 19.72);
 
+/// Relative gradient of the light [1/px], which falls onto the squares before the lens blurs them.
+const Eigen::Vector2d kRise(0.01, -0.004);
+constexpr double kBlur = 1.1;  // px
+
 /// Four squares that meet in kPlace, in pixels of finite size, blurred; edges along two angles,
 /// with a curvature [1/px].
 cv::Mat_<float> corner_image(double first, double second, double gamma = 1, double curvature = 0) {
@@ -31,19 +35,15 @@ cv::Mat_<float> corner_image(double first, double second, double gamma = 1, doub
             std::cos(angle) * y - std::sin(angle) * x - curvature / 2 * along * along;
         return std::clamp(beyond * kParts, -1.0, 1.0);
       };
-      fine(row, column) = static_cast<float>(100 + 80 * side(first) * side(second));
+      const double light = 1 + kRise.x() * x + kRise.y() * y;
+      fine(row, column) = static_cast<float>(light * (100 + 80 * side(first) * side(second)) / 255);
     }
   }
-  cv::GaussianBlur(fine, fine, {0, 0}, 1.1 * kParts);
+  cv::GaussianBlur(fine, fine, {0, 0}, kBlur * kParts);
   cv::Mat_<float> image;
   cv::resize(fine, image, {kSize, kSize}, 0, 0, cv::INTER_AREA);
-  for (int row = 0; row < kSize; ++row) {
-    for (int column = 0; column < kSize; ++column) {
-      const double light = (1 + 0.01 * (column - 20) - 0.004 * (row - 20)) / 255;
-      image(row, column) = static_cast<float>(
-          255 * std::pow(static_cast<double>(image(row, column)) * light, gamma));
-    }
-  }
+  cv::pow(image, gamma, image);
+  image *= 255;
   return image;
 }
 
@@ -60,15 +60,24 @@ TEST(CornerFit, FindsCornersOfAnyDirectionToAHundredthOfAPixel) {
       const auto found = fit_corner(corner_image(turn, turn + opening),
                                     guess_of(turn + 0.05, turn + opening - 0.04, {0.15, -0.12}));
       ASSERT_TRUE(found) << turn << ' ' << opening;
-      EXPECT_LT((*found - kPlace).norm(), 0.01) << turn << ' ' << opening;
+      EXPECT_LT((found->place - kPlace).norm(), 0.01) << turn << ' ' << opening;
     }
   }
+}
+
+TEST(CornerFit, LightThatFallsOffDoesNotMoveTheCorner) {
+  const auto found = fit_corner(corner_image(0.4, 1.8), guess_of(0.4, 1.8, {0.1, 0.1}));
+  ASSERT_TRUE(found);
+  const double pixel = 1.0 / 12;  // px^2, the variance of a pixel's area
+  EXPECT_NEAR(found->blur, std::sqrt(kBlur * kBlur + pixel), 0.01);
+  const double moved = found->blur * found->blur * kRise.norm();  // px, if it were not taken back
+  EXPECT_LT((found->place - kPlace).norm(), 0.1 * moved);
 }
 
 TEST(CornerFit, AResponseCurveDoesNotMoveTheCorner) {
   const auto found = fit_corner(corner_image(0.4, 1.8, 1 / 2.2), guess_of(0.4, 1.8, {0.12, 0.1}));
   ASSERT_TRUE(found);
-  EXPECT_LT((*found - kPlace).norm(), 0.02);
+  EXPECT_LT((found->place - kPlace).norm(), 0.02);
 }
 
 // As by a wide-angle lens (k1 = -0.2 at 520 px) near the border of the image: over this circle, the
@@ -78,7 +87,7 @@ TEST(CornerFit, EdgesBentByALensDoNotMoveTheCorner) {
     const auto found = fit_corner(corner_image(turn, turn + 1.5, 1, 0.002),
                                   guess_of(turn, turn + 1.5, {0.1, -0.1}, 15));
     ASSERT_TRUE(found) << turn;
-    EXPECT_LT((*found - kPlace).norm(), 0.01) << turn;
+    EXPECT_LT((found->place - kPlace).norm(), 0.01) << turn;
   }
 }
 
