@@ -26,6 +26,7 @@
 #include "image/reasons.h"
 #include "palpate/error.h"
 #include "phase/demodulation.h"
+#include "phase/edge_blur.h"
 #include "phase/modulation.h"
 #include "phase/neighbour_mixing.h"
 #include "phase/phase_noise.h"
@@ -235,6 +236,7 @@ void Decoder::Impl::judge_light(Workspace& work) const {
                            .modulated = work.modulated};
   predict_phase_sigma(signal, estimate_noise(signal, filter), filter, work.sigma);
   unmix_neighbours(signal, filter, work.wrapped, work.sigma);
+  add_edge_blur(work.lit, filter, work.sigma);
   drop_uncertain(work.sigma, options.max_phase_sigma, work.modulated);
   work.reasons.setZero(model.rows(), model.columns());
   find_clipped(work.channels, work.clipped);

@@ -20,7 +20,7 @@ constexpr double kLeastPivot = 0.05;
 
 /// The window must also keep this share of its weight. With less, the pixel is so far from the
 /// middle of what remains that a slope of the brightness or of the phase changes the phase.
-constexpr double kLeastWeight = 0.85;
+constexpr double kLeastWeight = 0.75;
 
 /// Eight columns at once: one register of processors with AVX2. GCC 12 splits larger vectors into
 /// pieces that it moves to memory and back.
