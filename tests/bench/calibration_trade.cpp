@@ -108,7 +108,7 @@ std::vector<Setup> setups(unsigned seed) {
   Setup close{"close, small board", below.rig, 230, 9};
   close.rig.camera.fx = close.rig.camera.fy = 900;
   close.rig.camera.distortion = {-0.06, 0.1, -0.0003, -0.0009};
-  close.rig.projector = {.width = 640, .height = 360, .fx = 1000, .fy = 1000, .cx = 325, .cy = 300};
+  close.rig.projector = {.width = 640, .height = 360, .fx = 1000, .fy = 1000, .cx = 325, .cy = 190};
   close.rig.projector.distortion = {-0.1, 0.08, -0.0002, 0.0006};
   aim(close.rig, {70, 40, 0}, 240);
   std::vector<Setup> all{below, aside, wide, tele, rolled, close};
