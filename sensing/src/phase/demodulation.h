@@ -21,7 +21,7 @@ struct DemodulationFilter {
   [[nodiscard]] int width() const { return 4 * ((1 << averages) - 1) + 1; }
   /// [px^2] Variances of the weights along the rows and down the window: binomial means of five
   /// pixels that are 1, 2, 4, ... px apart have variances of 1, 4, 16, ... px^2.
-  [[nodiscard]] double row_variance() const { return ((1 << 2 * averages) - 1) / 3; }
+  [[nodiscard]] double row_variance() const { return ((1 << 2 * averages) - 1) / 3.0; }
   [[nodiscard]] double window_variance() const;
 };
 
