@@ -77,17 +77,17 @@ TEST_F(CaptureV4l2, WritesTheFramesOfTheCameraBitForBit) {
 }
 
 TEST_F(CaptureV4l2, AFrameThatTheCameraLostIsCountedByItsTime) {
-  const CommandResult done =
-      sequence({"--size", "64", "48", "--rate", "10", "--count", "10"}, {"SIMULATED_V4L2_LOSES=6"});
+  const CommandResult done = sequence({"--size", "64", "48", "--rate", "10", "--count", "20"},
+                                      {"SIMULATED_V4L2_LOSES=12"});
   ASSERT_EQ(done.status, kDone) << done.err;
   const json figures = json::parse(done.out);
   EXPECT_GE(figures["frames_lost"], 1);
-  EXPECT_EQ(numbers().back() - numbers().front(), 9 + figures["frames_lost"].get<std::uint64_t>());
+  EXPECT_EQ(numbers().back() - numbers().front(), 19 + figures["frames_lost"].get<std::uint64_t>());
 }
 
 TEST_F(CaptureV4l2, ACameraThatIsUnpluggedEndsTheRecordingAndWhatThereIsStays) {
   const CommandResult done =
-      sequence({"--size", "64", "48", "--rate", "20"}, {"SIMULATED_V4L2_UNPLUGGED=8"});
+      sequence({"--size", "64", "48", "--rate", "20"}, {"SIMULATED_V4L2_UNPLUGGED=25"});
   EXPECT_EQ(done.status, kWorkFailed);
   EXPECT_THAT(done.err, HasSubstr("no longer sends frames; it may be unplugged"));
   EXPECT_GE(json::parse(done.out)["frames"], 1);
