@@ -228,18 +228,20 @@ int open(const char* path, int flags, ...) {
   if (std::strcmp(path, kDevice) == 0) return camera().open();
   va_list more;
   va_start(more, flags);
-  const mode_t mode = (flags & (O_CREAT | O_TMPFILE)) != 0 ? va_arg(more, mode_t) : 0;
+  const bool creates = (flags & O_CREAT) != 0 || (flags & O_TMPFILE) == O_TMPFILE;
+  const mode_t mode = creates ? va_arg(more, mode_t) : 0;
   va_end(more);
   return next<int(const char*, int, ...)>("open")(path, flags, mode);
 }
 
+// Where files of any size have 64-bit offsets, both are the same.
 int open64(const char* path, int flags, ...) {
-  if (std::strcmp(path, kDevice) == 0) return camera().open();
   va_list more;
   va_start(more, flags);
-  const mode_t mode = (flags & (O_CREAT | O_TMPFILE)) != 0 ? va_arg(more, mode_t) : 0;
+  const bool creates = (flags & O_CREAT) != 0 || (flags & O_TMPFILE) == O_TMPFILE;
+  const mode_t mode = creates ? va_arg(more, mode_t) : 0;
   va_end(more);
-  return next<int(const char*, int, ...)>("open64")(path, flags, mode);
+  return open(path, flags, mode);
 }
 
 int access(const char* path, int mode) noexcept {
