@@ -145,41 +145,31 @@ const char* to_string(ContactTriangulationMethod method) {
   return "unknown";
 }
 
-ContactTriangulation triangulate_contacts(const TriangleMesh& surface,
-                                          std::span<const SurfacePoint> contacts,
-                                          const ContactTriangulationOptions& options) {
+Eigen::Matrix3Xd places_of_contacts(const TriangleMesh& surface,
+                                    std::span<const SurfacePoint> contacts) {
   check_mesh(surface, "triangulate_contacts");
   if (contacts.size() < 3) {
     throw InvalidInput("triangulate_contacts: got " + std::to_string(contacts.size()) +
                        " contacts; a triangulation needs at least three");
   }
-  ContactTriangulation result;
-  result.mesh.vertices.resize(3, static_cast<Eigen::Index>(contacts.size()));
+  Eigen::Matrix3Xd places(3, static_cast<Eigen::Index>(contacts.size()));
   for (size_t i = 0; i < contacts.size(); ++i) {
     const std::string what = "triangulate_contacts: contact " + std::to_string(i);
     check_surface_point(surface, contacts[i], what.c_str());
-    result.mesh.vertices.col(static_cast<Eigen::Index>(i)) = position(surface, contacts[i]);
+    places.col(static_cast<Eigen::Index>(i)) = position(surface, contacts[i]);
   }
-  check_apart(result.mesh.vertices, bounding_diagonal(surface));
+  check_apart(places, bounding_diagonal(surface));
+  return places;
+}
 
-  // The vertices to be removed, and what follows.
-  WorkSteps steps(options.progress, static_cast<int>(surface.vertices.cols()) + 1);
-  const bool by_dual = options.method == ContactTriangulationMethod::voronoi_dual;
-  TrianglesOfContacts found =
-      by_dual ? voronoi_dual(surface, contacts, result.mesh.vertices)
-              : coarsen_to_contacts(surface, contacts, result.mesh.vertices, steps);
-  steps.tell(0);
+ContactTriangulation with_manifold_vertices(TrianglesOfContacts found, Eigen::Matrix3Xd places) {
+  const auto contact_count = static_cast<size_t>(places.cols());
   const Triangles triangles =
-      keep_vertices_manifold(found.triangles, static_cast<int>(contacts.size()));
-  if (by_dual && triangles.empty()) {
-    throw InvalidInput(
-        "triangulate_contacts: nowhere on the surface do the cells of three of the " +
-        std::to_string(contacts.size()) +
-        " contacts meet; contacts on one line, on separate parts or closer together "
-        "than the surface's vertices give no triangle");
-  }
+      keep_vertices_manifold(found.triangles, static_cast<int>(contact_count));
+  ContactTriangulation result;
+  result.mesh.vertices = std::move(places);
   result.mesh.triangles.resize(3, static_cast<Eigen::Index>(triangles.size()));
-  std::vector<bool> used(contacts.size(), false);
+  std::vector<bool> used(contact_count, false);
   for (size_t t = 0; t < triangles.size(); ++t) {
     for (size_t k = 0; k < 3; ++k) {
       result.mesh.triangles(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(t)) =
@@ -190,9 +180,32 @@ ContactTriangulation triangulate_contacts(const TriangleMesh& surface,
   for (size_t i = 0; i < used.size(); ++i) {
     if (!used[i]) result.isolated.push_back(static_cast<int>(i));
   }
-  result.weights = by_dual ? project_weights(surface, result.mesh) : std::move(found.weights);
+  result.weights = std::move(found.weights);
   result.surface_labels = std::move(found.surface_labels);
   result.intrinsic = std::move(found.intrinsic);
+  return result;
+}
+
+ContactTriangulation triangulate_contacts(const TriangleMesh& surface,
+                                          std::span<const SurfacePoint> contacts,
+                                          const ContactTriangulationOptions& options) {
+  Eigen::Matrix3Xd places = places_of_contacts(surface, contacts);
+  // The vertices to be removed, and what follows.
+  WorkSteps steps(options.progress, static_cast<int>(surface.vertices.cols()) + 1);
+  const bool by_dual = options.method == ContactTriangulationMethod::voronoi_dual;
+  TrianglesOfContacts found = by_dual
+                                  ? voronoi_dual(surface, contacts, places)
+                                  : CoarsenedSurface(surface, contacts, places, steps).triangles();
+  steps.tell(0);
+  ContactTriangulation result = with_manifold_vertices(std::move(found), std::move(places));
+  if (by_dual && result.mesh.triangles.cols() == 0) {
+    throw InvalidInput(
+        "triangulate_contacts: nowhere on the surface do the cells of three of the " +
+        std::to_string(contacts.size()) +
+        " contacts meet; contacts on one line, on separate parts or closer together "
+        "than the surface's vertices give no triangle");
+  }
+  if (by_dual) result.weights = project_weights(surface, result.mesh);
   steps.end();
   return result;
 }

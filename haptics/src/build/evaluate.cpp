@@ -308,13 +308,14 @@ LeaveOneOut leave_one_out(const Model& model, const probing::CheckedAcquisition&
   const bool by_compliance = model.interpolation.rule == BlendRule::compliances;
   const ComplianceKriging kriging = by_compliance ? learn_kriging(model) : ComplianceKriging{};
   std::vector<bool> at_border = border_contacts(model);
+  const LeftOutModels left_out(model, points);
   LeaveOneOut result;
   result.per_contact.resize(model.contacts.size());
   std::mutex reporting;
   int done = 0;
   parallel_for(model.contacts.size(), [&](std::size_t i) {
     const ContactModel& contact = model.contacts[i];
-    const BlendedField field(without_contact(model, points, i));
+    const BlendedField field(left_out.without(i));
     const Blend at = field.blend(contact.position);
     ContactError& error = result.per_contact[i];
     error = predict_contact(field, at, contact.position, model.noise, samples[i]);

@@ -4,33 +4,41 @@
 
 #include <algorithm>
 #include <map>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "build/made.h"
 #include "palpate/error.h"
-#include "palpate/geometry/contact_triangulation.h"
 #include "palpate/haptics/contact_compliance.h"
 
 namespace palpate::haptics {
 
-Model without_contact(const Model& model, std::vector<geometry::SurfacePoint> points,
-                      std::size_t index) {
-  if (points.size() != model.contacts.size() || index >= points.size()) {
-    throw InvalidInput("without_contact(): the model has " + std::to_string(model.contacts.size()) +
-                       " contacts, but there are " + std::to_string(points.size()) +
-                       " points, and contact " + std::to_string(index) + " was to be left out");
-  }
-  Model rest = model;
-  rest.contacts.erase(rest.contacts.begin() + static_cast<std::ptrdiff_t>(index));
-  points.erase(points.begin() + static_cast<std::ptrdiff_t>(index));
-  geometry::ContactTriangulation triangulation = geometry::triangulate_contacts(
-      model.surface, points, {.method = triangulation_method(model)});
+namespace {
+
+std::span<const geometry::SurfacePoint> checked(const Model& model,
+                                                std::span<const geometry::SurfacePoint> points) {
+  if (points.size() == model.contacts.size()) return points;
+  throw InvalidInput("LeftOutModels: the model has " + std::to_string(model.contacts.size()) +
+                     " contacts, but there are " + std::to_string(points.size()) + " points");
+}
+
+}  // namespace
+
+LeftOutModels::LeftOutModels(const Model& model, std::span<const geometry::SurfacePoint> points)
+    : model_(model),
+      triangulations_(model.surface, checked(model, points),
+                      {.method = triangulation_method(model)}) {}
+
+Model LeftOutModels::without(std::size_t contact) const {
+  geometry::ContactTriangulation triangulation = triangulations_.without(contact);
+  Model rest = model_;
+  rest.contacts.erase(rest.contacts.begin() + static_cast<std::ptrdiff_t>(contact));
   rest.triangles = std::move(triangulation.mesh.triangles);
   rest.surface_weights = std::move(triangulation.weights);
   if (rest.interpolation.rule == BlendRule::compliances)
-    rest = with_compliances(std::move(rest), model.interpolation.reference_force);
+    rest = with_compliances(std::move(rest), model_.interpolation.reference_force);
   return rest;
 }
 

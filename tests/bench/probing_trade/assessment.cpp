@@ -57,8 +57,9 @@ void predict_left_out(const PreparedObject& object, const haptics::Model& model,
     points.push_back(surface.closest_point(contact.position).at);
   const std::vector<bool> border = haptics::border_contacts(model);
   std::vector<double> sums(model.contacts.size()), counts(model.contacts.size());
+  const haptics::LeftOutModels left_out(model, points);
   parallel_for(model.contacts.size(), [&](std::size_t i) {
-    const haptics::BlendedField field(haptics::without_contact(model, points, i));
+    const haptics::BlendedField field(left_out.without(i));
     for (const haptics::Query& truth : truths_at(object, model.contacts[i].position)) {
       sums[i] += (field.force(truth.contact, truth.displacement) - truth.force).squaredNorm();
       counts[i] += 1;

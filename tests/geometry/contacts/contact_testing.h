@@ -21,6 +21,9 @@
 /// What tests of contact triangulations share.
 namespace palpate::geometry::test {
 
+/// Weights: some tens of operations on values of the order of one, after a chain of flips.
+inline constexpr double kWeightRounding = 1e-9;
+
 inline std::array<int, 3> sorted_corners(const Eigen::Vector3i& triangle) {
   std::array<int, 3> corners = {triangle[0], triangle[1], triangle[2]};
   std::ranges::sort(corners);

@@ -26,11 +26,9 @@ using test::check_manifold;
 using test::Counts;
 using test::euler_characteristic_of_fans;
 using test::jittered_grid;
+using test::kWeightRounding;
 using test::nearest_places;
 using test::random_contacts;
-
-/// Weights: some tens of operations on values of the order of one, after a chain of flips.
-constexpr double kWeightRounding = 1e-9;
 
 /// The parts of the surface that have a contact, as the weights say.
 TriangleMesh parts_with_contacts(const TriangleMesh& surface, const SurfaceWeights& weights) {

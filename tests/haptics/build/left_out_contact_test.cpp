@@ -27,7 +27,7 @@ std::vector<geometry::SurfacePoint> places_of(const Model& model) {
 
 TEST(LeftOutContact, LeavesOneTriangleOfASquare) {
   const Model model = sheet_model();
-  const Model rest = without_contact(model, places_of(model), 1);
+  const Model rest = LeftOutModels(model, places_of(model)).without(1);
   ASSERT_EQ(rest.contacts.size(), 3u);
   EXPECT_EQ(rest.contacts[0].id, 10);
   EXPECT_EQ(rest.contacts[1].id, 12);
@@ -39,9 +39,10 @@ TEST(LeftOutContact, LeavesOneTriangleOfASquare) {
 TEST(LeftOutContact, RefusesPointsOfOtherContacts) {
   const Model model = sheet_model();
   std::vector<geometry::SurfacePoint> places = places_of(model);
-  EXPECT_THAT(refusal([&] { return without_contact(model, places, 4); }), HasSubstr("contact 4"));
+  EXPECT_THAT(refusal([&] { return LeftOutModels(model, places).without(4); }),
+              HasSubstr("contact 4"));
   places.pop_back();
-  EXPECT_THAT(refusal([&] { return without_contact(model, places, 0); }), HasSubstr("3 points"));
+  EXPECT_THAT(refusal([&] { return LeftOutModels(model, places); }), HasSubstr("3 points"));
 }
 
 TEST(LeftOutContact, TellsWhichContactsAreAtTheBorder) {

@@ -99,12 +99,12 @@ struct LeaveOneOutOptions {
 
 /// Predicts the samples of each contact from the other contacts (thesis 5.3.3) and compares the
 /// prediction with the measurement. Where the model depends on the rate, its part of the measured
-/// forces, by the contact's own field, is taken off first. For each contact, the model without it
-/// is triangulated again, by the method that the model was made with, and its compliances are
-/// learnt again. What all contacts were estimated with together stays: the offsets and the noise of
-/// contacts that were only pressed and how far their curves were smoothed, and the stated errors
-/// between contacts. Errors are therefore somewhat smaller than those of a model that was fitted
-/// without the contact.
+/// forces, by the contact's own field, is taken off first. For each contact, the others
+/// are triangulated without it, as `LeftOutModels` says, and their compliances are learnt again.
+/// What all contacts were estimated with together stays: the offsets and the noise of contacts that
+/// were only pressed and how far their curves were smoothed, and the stated errors between
+/// contacts. Errors are therefore somewhat smaller than those of a model that was fitted without
+/// the contact.
 ///
 /// \throws InvalidInput if a contact of the model is missing, at another place or without samples
 /// in the acquisition, if the model was fitted to other samples, if the model has fewer than four
