@@ -45,3 +45,16 @@ function(palpate_add_module name)
   install(EXPORT palpate_${name} NAMESPACE palpate:: FILE palpate_${name}.cmake
           DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/palpate COMPONENT ${name})
 endfunction()
+
+# palpate_add_loaded_module(name COMPONENT ... SOURCES ... LIBRARIES ...)
+# A part of one of the libraries or programs that is loaded when it is used first: palpate/sensing/module.h. All lie beside
+# the sensing library.
+set(PALPATE_MODULE_ENDING -${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}${CMAKE_SHARED_MODULE_SUFFIX})
+function(palpate_add_loaded_module name)
+  cmake_parse_arguments(ARG "" "COMPONENT" "SOURCES;LIBRARIES" ${ARGN})
+  add_library(palpate_${name}_module MODULE ${ARG_SOURCES})
+  target_link_libraries(palpate_${name}_module PRIVATE ${ARG_LIBRARIES} palpate_warnings)
+  set_target_properties(palpate_${name}_module PROPERTIES
+    OUTPUT_NAME palpate_${name} SUFFIX ${PALPATE_MODULE_ENDING} LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/sensing)
+  install(TARGETS palpate_${name}_module LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT ${ARG_COMPONENT})
+endfunction()

@@ -129,9 +129,9 @@ if((with_cgal MATCHES "ON" AND NOT notice MATCHES "CGAL") OR (with_cgal MATCHES 
   message(FATAL_ERROR "${with_cgal} and the installed NOTICE contradict each other:\n${notice}")
 endif()
 
-# 4. What reads videos and images by OpenCV, and cameras, is loaded when it is needed, from where the libraries lie now.
+# 4. What reads videos and images by OpenCV, cameras, and what draws pictures, is loaded when it is needed, from where the libraries lie now.
 run(ldd ${prefix}/bin/palpate)
-if(output MATCHES "libopencv_(imgcodecs|videoio)|libaravis|libglfw")
+if(output MATCHES "libopencv_(imgcodecs|videoio)|libaravis|libglfw|libvtk")
   message(FATAL_ERROR "palpate loads ${CMAKE_MATCH_0} at each start:\n${output}")
 endif()
 set(video ${SCRATCH_DIR}/broken.avi)
@@ -144,6 +144,11 @@ function(decode_video)
   set(status ${status} PARENT_SCOPE)
   set(output "${output}" PARENT_SCOPE)
 endfunction()
+run(${prefix}/bin/palpate compare ${prefix}/share/palpate/demo/truth/plane.tiff ${prefix}/share/palpate/demo/truth/plane.tiff
+    --picture ${SCRATCH_DIR}/differences.png)
+if(NOT EXISTS ${SCRATCH_DIR}/differences.png)
+  message(FATAL_ERROR "the installed palpate draws no picture:\n${output}")
+endif()
 decode_video()
 if(NOT status EQUAL 2 OR NOT output MATCHES "broken.avi: cannot be opened as a video")
   message(FATAL_ERROR "the installed palpate cannot open videos (${status}):\n${output}")

@@ -5,9 +5,9 @@
 #include "capture/aravis_camera.h"
 #include "capture/simulated_camera.h"
 #include "capture/v4l2_camera.h"
-#include "files/module.h"
 #include "palpate/error.h"
 #include "palpate/require.h"
+#include "palpate/sensing/module.h"
 
 namespace palpate::sensing {
 

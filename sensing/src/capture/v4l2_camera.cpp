@@ -18,11 +18,11 @@
 #include <utility>
 
 #include "capture/frame_numbers.h"
-#include "files/module.h"
 #include "files/storage_file.h"
 #include "files/video_capture.h"
 #include "palpate/error.h"
 #include "palpate/file_names.h"
+#include "palpate/sensing/module.h"
 
 namespace palpate::sensing {
 namespace {

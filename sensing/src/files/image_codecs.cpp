@@ -5,10 +5,10 @@
 #include <opencv2/core.hpp>
 #include <ostream>
 
-#include "files/module.h"
 #include "files/storage_file.h"
 #include "palpate/error.h"
 #include "palpate/output_file.h"
+#include "palpate/sensing/module.h"
 
 namespace palpate::sensing {
 namespace {

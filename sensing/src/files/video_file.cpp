@@ -8,10 +8,10 @@
 #include <string>
 #include <string_view>
 
-#include "files/module.h"
 #include "files/storage_file.h"
 #include "palpate/error.h"
 #include "palpate/file_names.h"
+#include "palpate/sensing/module.h"
 
 namespace palpate::sensing {
 namespace {

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "files/module.h"
+#include "palpate/sensing/module.h"
 
 #include <gtest/gtest.h>
 
