@@ -14,22 +14,6 @@
 namespace palpate::geometry {
 namespace {
 
-/// A triangle has an area iff |ab x ac| > kMinSine |ab| |ac|; below this, rounding determines the
-/// normal.
-constexpr double kMinSine = 8 * std::numeric_limits<double>::epsilon();
-
-/// Twice the area vector in units of the square of the longest coordinate difference, so that
-/// neither huge nor tiny triangles over- or underflow; NaN for a triangle without area.
-Eigen::Vector3d scaled_area_vector(const Eigen::Vector3d& a, const Eigen::Vector3d& b,
-                                   const Eigen::Vector3d& c) {
-  const double length = std::max((b - a).cwiseAbs().maxCoeff(), (c - a).cwiseAbs().maxCoeff());
-  const Eigen::Vector3d ab = (b - a) / length;
-  const Eigen::Vector3d ac = (c - a) / length;
-  Eigen::Vector3d normal = ab.cross(ac);
-  if (normal.norm() > kMinSine * ab.norm() * ac.norm()) return normal;
-  return Eigen::Vector3d::Constant(kNan);
-}
-
 /// Angle between two edges; unlike the arc cosine it is accurate for all angles.
 double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b));
@@ -108,10 +92,8 @@ Eigen::Matrix3Xd triangle_normals(const TriangleMesh& mesh) {
   Eigen::Matrix3Xd normals(3, mesh.triangles.cols());
   for (Eigen::Index t = 0; t < mesh.triangles.cols(); ++t) {
     const Eigen::Vector3i corners = mesh.triangles.col(t);
-    normals.col(t) =
-        scaled_area_vector(mesh.vertices.col(corners[0]), mesh.vertices.col(corners[1]),
-                           mesh.vertices.col(corners[2]))
-            .normalized();
+    normals.col(t) = unit_normal({mesh.vertices.col(corners[0]), mesh.vertices.col(corners[1]),
+                                  mesh.vertices.col(corners[2])});
   }
   return normals;
 }

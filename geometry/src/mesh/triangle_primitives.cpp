@@ -10,6 +10,10 @@
 namespace palpate::geometry {
 namespace {
 
+/// A triangle has an area iff |ab x ac| > kMinSine |ab| |ac|; below this, rounding determines the
+/// normal.
+constexpr double kMinSine = 8 * std::numeric_limits<double>::epsilon();
+
 /// Nearest point of the edge from corner `i` to the next one.
 Nearest nearest_on_edge(const Eigen::Vector3d& point, const Corners& corners, int i) {
   const int j = (i + 1) % 3;
@@ -44,21 +48,32 @@ int side_of_origin(double cross, const Eigen::Vector3d& a, const Eigen::Vector3d
   return a[1] != b[1] ? sign(a[1] - b[1]) : sign(b[0] - a[0]);
 }
 
-/// Foot of the perpendicular on the triangle's plane; at infinity if it is outside the triangle.
-Nearest nearest_inside(const Eigen::Vector3d& point, const Corners& corners) {
+/// Foot of the perpendicular on a triangle's plane.
+struct PlaneFoot {
+  Nearest nearest;              ///< at infinity if it is outside the triangle
+  bool is_well_inside = false;  ///< no edge can be nearer
+};
+
+PlaneFoot foot_on_plane(const Eigen::Vector3d& point, const Corners& corners) {
+  // Rounding moves the foot by less than kInside of the triangle's heights unless the triangle is a
+  // needle, with a sine less than the root of kFlat.
+  constexpr double kInside = 1e-9;
+  constexpr double kFlat = 1e-8;
   const Eigen::Vector3d ab = corners[1] - corners[0];
   const Eigen::Vector3d ac = corners[2] - corners[0];
   const Eigen::Vector3d offset = point - corners[0];
   const Eigen::Vector3d normal = ab.cross(ac);
   const double area_squared = normal.squaredNorm();
-  Nearest nearest;
-  if (!(area_squared > 0)) return nearest;
+  PlaneFoot foot;
+  if (!(area_squared > 0)) return foot;
   const double v = offset.cross(ac).dot(normal) / area_squared;
   const double w = ab.cross(offset).dot(normal) / area_squared;
-  if (!(v >= 0 && w >= 0 && v + w <= 1)) return nearest;
-  nearest.barycentric = Eigen::Vector3d(1 - v - w, v, w);
-  nearest.squared_distance = (offset - v * ab - w * ac).squaredNorm();
-  return nearest;
+  if (!(v >= 0 && w >= 0 && v + w <= 1)) return foot;
+  foot.nearest.barycentric = Eigen::Vector3d(1 - v - w, v, w);
+  foot.nearest.squared_distance = (offset - v * ab - w * ac).squaredNorm();
+  foot.is_well_inside = v > kInside && w > kInside && v + w < 1 - kInside &&
+                        area_squared > kFlat * ab.squaredNorm() * ac.squaredNorm();
+  return foot;
 }
 
 }  // namespace
@@ -70,10 +85,24 @@ Eigen::Vector3d area_vector(const Eigen::Matrix3Xd& vertices, const Eigen::Vecto
   return ab.cross(ac) / 2;
 }
 
+Eigen::Vector3d unit_normal(const Corners& corners) {
+  const auto& [a, b, c] = corners;
+  // Lengths in units of the longest coordinate difference, so that neither huge nor tiny triangles
+  // over- or underflow.
+  const double length = std::max((b - a).cwiseAbs().maxCoeff(), (c - a).cwiseAbs().maxCoeff());
+  const Eigen::Vector3d ab = (b - a) / length;
+  const Eigen::Vector3d ac = (c - a) / length;
+  const Eigen::Vector3d normal = ab.cross(ac);
+  if (normal.norm() > kMinSine * ab.norm() * ac.norm()) return normal.normalized();
+  return Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
+}
+
 // All four candidates are compared by the distance to the point that their barycentric coordinates
 // give, so that a needle, whose normal is mostly rounding error, still has a valid nearest point.
 Nearest nearest_on_triangle(const Eigen::Vector3d& point, const Corners& corners) {
-  Nearest best = nearest_inside(point, corners);
+  const PlaneFoot foot = foot_on_plane(point, corners);
+  if (foot.is_well_inside) return foot.nearest;
+  Nearest best = foot.nearest;
   for (int i = 0; i < 3; ++i) {
     const Nearest candidate = nearest_on_edge(point, corners, i);
     if (candidate.squared_distance < best.squared_distance) best = candidate;

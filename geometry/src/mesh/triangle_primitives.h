@@ -31,6 +31,10 @@ inline constexpr double kContactOnEdge = 1e-4;
 [[nodiscard]] Eigen::Vector3d area_vector(const Eigen::Matrix3Xd& vertices,
                                           const Eigen::Vector3i& triangle);
 
+/// Unit normal of a triangle; NaN for one without area (the sine of the angle at its first corner
+/// is zero within rounding).
+[[nodiscard]] Eigen::Vector3d unit_normal(const Corners& corners);
+
 /// The nearest point on a triangle.
 struct Nearest {
   double squared_distance = std::numeric_limits<double>::infinity();

@@ -49,7 +49,7 @@ struct BoundingTree {
 /// How much care is taken of a tree, whose answers are the same either way.
 enum class TreeBuild {
   thorough,  ///< for many queries
-  quick      ///< in a third of the time, for queries that take 1.4 times as long
+  quick      ///< for few: see quick_tree.h
 };
 
 /// Builds the tree.

@@ -10,6 +10,7 @@
 
 #include "palpate/error.h"
 #include "palpate/parallel_for.h"
+#include "query/quick_tree.h"
 
 namespace palpate::geometry {
 namespace {
@@ -92,13 +93,12 @@ int copy(BoundingTree& tree, const BuiltNode& built, int depth) {
 
 BoundingTree build_tree(const Eigen::Matrix3Xd& vertices, const Eigen::Matrix3Xi& triangles,
                         double margin, TreeBuild build) {
+  if (build == TreeBuild::quick) return build_quick_tree(vertices, triangles, margin);
   const Device device(rtcNewDevice(nullptr));
   if (!device) throw SolverError("SurfaceQuery: Embree gave no device to build a search tree with");
   const Bvh bvh(rtcNewBVH(device.get()));
   std::vector<RTCBuildPrimitive> boxes = triangle_boxes(vertices, triangles);
   RTCBuildArguments arguments = rtcDefaultBuildArguments();
-  arguments.buildQuality =
-      build == TreeBuild::quick ? RTC_BUILD_QUALITY_LOW : RTC_BUILD_QUALITY_MEDIUM;
   arguments.maxBranchingFactor = TreeNode::kSize;
   arguments.sahBlockSize = TrianglePacket::kSize;
   arguments.minLeafSize = TrianglePacket::kSize;

@@ -172,6 +172,7 @@ void SurfaceTree::move_vertices(const Eigen::Ref<const Eigen::Matrix3Xd>& vertic
 }
 
 void SurfaceTree::set_corners() {
+  if (build_ == TreeBuild::quick) return;
   constexpr std::size_t kSize = TrianglePacket::kSize;
   corners_.resize(kSize * tree_.packets.size());
   parallel_for(corners_.size(), [&](std::size_t place) {
@@ -199,8 +200,31 @@ struct SurfaceTree::NearestSearch {
   Eigen::Vector3d point;
   Eigen::Vector3f float_point;
   double reach;  ///< largest coordinate of the point
+  double slack;  ///< triangles matter iff they are at most this much farther away than the nearest
   float squared_radius;
   NearestTriangle best;
+  double squared_others = kInfinity;  ///< of the second nearest triangle, if it matters
+
+  NearestSearch(const Eigen::Vector3d& at, double radius, double more)
+      : point(at),
+        // Far away every triangle is visited for any finite float point.
+        float_point(at.cwiseMax(-kCullingReach).cwiseMin(kCullingReach).cast<float>()),
+        reach(at.cwiseAbs().maxCoeff()),
+        slack(more),
+        squared_radius(geometry::squared_radius(radius, reach)) {}
+
+  void look_at(const Nearest& candidate, int triangle, int place) {
+    if (!improves(candidate.squared_distance, triangle, best.at.squared_distance, best.triangle)) {
+      if (triangle != best.triangle)
+        squared_others = std::min(squared_others, candidate.squared_distance);
+      return;
+    }
+    squared_others = best.at.squared_distance;
+    best = {.at = candidate, .triangle = triangle, .place = place};
+    squared_radius =
+        std::min(squared_radius,
+                 geometry::squared_radius(std::sqrt(candidate.squared_distance) + slack, reach));
+  }
 };
 
 void SurfaceTree::look_at(NearestSearch& search, int number) const {
@@ -214,26 +238,11 @@ void SurfaceTree::look_at(NearestSearch& search, int number) const {
     const int triangle = packet.triangle[static_cast<std::size_t>(lane)];
     if (triangle < 0) continue;
     const int place = TrianglePacket::kSize * number + lane;
-    const Nearest candidate = nearest_on_triangle(search.point, local_corners(place));
-    if (!improves(candidate.squared_distance, triangle, search.best.at.squared_distance,
-                  search.best.triangle)) {
-      continue;
-    }
-    search.best = {.at = candidate, .triangle = triangle, .place = place};
-    search.squared_radius = std::min(
-        search.squared_radius, squared_radius(std::sqrt(candidate.squared_distance), search.reach));
+    search.look_at(nearest_on_triangle(search.point, local_corners(place)), triangle, place);
   }
 }
 
-NearestTriangle SurfaceTree::nearest(const Eigen::Vector3d& point, double radius) const noexcept {
-  const double reach = point.cwiseAbs().maxCoeff();
-  // Far away every triangle is visited for any finite float point.
-  NearestSearch search{
-      .point = point,
-      .float_point = point.cwiseMax(-kCullingReach).cwiseMin(kCullingReach).cast<float>(),
-      .reach = reach,
-      .squared_radius = squared_radius(radius, reach),
-      .best = {}};
+void SurfaceTree::find(NearestSearch& search) const {
   const std::array<BoxLanes, 3> p = {BoxLanes::Constant(search.float_point[0]),
                                      BoxLanes::Constant(search.float_point[1]),
                                      BoxLanes::Constant(search.float_point[2])};
@@ -249,13 +258,30 @@ NearestTriangle SurfaceTree::nearest(const Eigen::Vector3d& point, double radius
   walk(
       tree_, meet, [&](int packet) { look_at(search, packet); },
       [&] { return search.squared_radius; });
+}
+
+NearestTriangle SurfaceTree::nearest(const Eigen::Vector3d& point, double radius) const noexcept {
+  NearestSearch search(point, radius, 0);
+  find(search);
   return search.best;
+}
+
+LoneNearest SurfaceTree::lone_nearest(const Eigen::Vector3d& point, int guess,
+                                      double slack) const noexcept {
+  NearestSearch search(point, kInfinity, slack);
+  if (guess >= 0) {
+    search.look_at(nearest_on_triangle(point, local_corners(guess)), triangle_at(guess), guess);
+  }
+  find(search);
+  const double distance = std::sqrt(search.best.at.squared_distance);
+  return {.nearest = search.best,
+          .others = std::min(std::sqrt(search.squared_others), distance + slack)};
 }
 
 /// The packet with this number; begins to load the exact corners of its triangles too.
 const TrianglePacket& SurfaceTree::start_packet(int number) const {
   const auto packet = static_cast<std::size_t>(number);
-  load(&corners_[packet * TrianglePacket::kSize], TrianglePacket::kSize);
+  if (!corners_.empty()) load(&corners_[packet * TrianglePacket::kSize], TrianglePacket::kSize);
   return tree_.packets[packet];
 }
 

@@ -18,6 +18,12 @@ struct NearestTriangle {
   int place = -1;  ///< in the tree: kSize * packet + lane
 };
 
+/// The nearest triangle, and how far away all others are.
+struct LoneNearest {
+  NearestTriangle nearest;
+  double others = 0;  ///< no other triangle is nearer than this
+};
+
 /// A triangle crossed by a segment; -1 if there is none.
 struct CrossedTriangle {
   Crossing at;
@@ -45,7 +51,7 @@ class SurfaceTree {
 
   /// The point of the triangle at a place of the tree; in the frame of the mesh.
   [[nodiscard]] Eigen::Vector3d position(int place, const Eigen::Vector3d& barycentric) const {
-    return point_on(corners_[static_cast<std::size_t>(place)], barycentric);
+    return point_on(corners(place), barycentric);
   }
 
   /// Moves all vertices. Precondition: as many as before, all finite.
@@ -54,6 +60,24 @@ class SurfaceTree {
 
   /// Nearest point within `radius` (or slightly beyond), local frame.
   [[nodiscard]] NearestTriangle nearest(const Eigen::Vector3d& point, double radius) const noexcept;
+
+  /// Nearest point at any distance, local frame, and the distance of the second nearest triangle if
+  /// this is at most `slack` farther away. The answer does not depend on the guess.
+  /// \param guess place of a triangle near the point, which shortens the search; -1 if none is
+  /// known.
+  [[nodiscard]] LoneNearest lone_nearest(const Eigen::Vector3d& point, int guess,
+                                         double slack) const noexcept;
+
+  /// The triangle at a place of the tree, local frame.
+  [[nodiscard]] Corners local_corners(int place) const {
+    const auto& [a, b, c] = corners(place);
+    return {to_local(a), to_local(b), to_local(c)};
+  }
+  [[nodiscard]] int triangle_at(int place) const {
+    constexpr int kSize = TrianglePacket::kSize;
+    return tree_.packets[static_cast<std::size_t>(place / kSize)]
+        .triangle[static_cast<std::size_t>(place % kSize)];
+  }
 
   /// First crossing of a segment, local frame. An end within rounding of the surface is a crossing:
   /// the start precedes all others; the end counts if there is no other. Precondition: within
@@ -73,12 +97,15 @@ class SurfaceTree {
   [[nodiscard]] Eigen::Matrix3Xd set_frame();
   void build(const Eigen::Matrix3Xd& local);
   void set_corners();
-  [[nodiscard]] Corners local_corners(int place) const {
-    const auto& [a, b, c] = corners_[static_cast<std::size_t>(place)];
-    return {to_local(a), to_local(b), to_local(c)};
+  [[nodiscard]] Corners corners(int place) const {
+    if (!corners_.empty()) return corners_[static_cast<std::size_t>(place)];
+    const auto named = mesh_.triangles.col(triangle_at(place));
+    return {mesh_.vertices.col(named[0]), mesh_.vertices.col(named[1]),
+            mesh_.vertices.col(named[2])};
   }
   struct NearestSearch;
   struct CrossingSearch;
+  void find(NearestSearch& search) const;
   void look_at(NearestSearch& search, int number) const;
   void look_at(CrossingSearch& search, int number) const;
   [[nodiscard]] const TrianglePacket& start_packet(int number) const;
@@ -92,7 +119,7 @@ class SurfaceTree {
   double on_surface_ = 0;  ///< ends closer than this are on the surface; local frame
   double margin_ = 0;      ///< covers rounding in single precision and `on_surface_`
   /// At each place of the tree the corners of its triangle, because to gather them from the mesh
-  /// would be to wait for memory twice more.
+  /// would be to wait for memory twice more. Empty in a quick tree.
   std::vector<Corners, HugePages<Corners>> corners_;
   BoundingTree tree_;
   double built_cost_ = 0;  ///< traversal cost of the tree when it was built

@@ -82,7 +82,7 @@ void descend(const RegistrationTarget::Impl& target, const Eigen::Matrix3Xd& poi
   candidate.score = rank_quantile(pairing.distances, fraction);
   for (int step = 0; step < steps; ++step) {
     const double deviation =
-        std::max(deviation_of_median(candidate.score), target.grid.cell_size() / 2);
+        std::max(deviation_of_median(candidate.score), target.grid().cell_size() / 2);
     const RigidProblem problem = rigid_problem(moved, pairing, deviation);
     if (problem.used < 3) return;
     const Vector6d x = solve(problem, kStayFar);
@@ -91,7 +91,7 @@ void descend(const RegistrationTarget::Impl& target, const Eigen::Matrix3Xd& poi
     moved = candidate.motion * points;
     target.pair_coarsely(moved, pairing);
     candidate.score = rank_quantile(pairing.distances, fraction);
-    if (x.norm() < target.grid.cell_size() / 100) return;
+    if (x.norm() < target.grid().cell_size() / 100) return;
   }
 }
 
@@ -126,7 +126,7 @@ PoseSearch search_poses(const RegistrationTarget::Impl& target, const Eigen::Mat
   const Eigen::Vector3d centroid = points.rowwise().mean();
   std::vector<PoseCandidate> candidates;
   for (const Eigen::Vector3d& shift :
-       start_shifts(target.grid.centroid() - centroid, range.translation, target.diagonal)) {
+       start_shifts(target.grid().centroid() - centroid, range.translation, target.diagonal)) {
     for (const Eigen::Vector3d& turn : lattice(range.rotation, kRotationStep)) {
       const Eigen::Matrix3d rotation = rotation_of(turn);
       PoseCandidate start;
@@ -154,7 +154,7 @@ PoseSearch search_poses(const RegistrationTarget::Impl& target, const Eigen::Mat
     const bool is_new = std::none_of(
         search.candidates.begin(), search.candidates.end(), [&](const PoseCandidate& known) {
           return mean_displacement(known.motion, candidate.motion, points) <
-                 kSamePose * target.grid.cell_size();
+                 kSamePose * target.grid().cell_size();
         });
     if (is_new) search.candidates.push_back(candidate);
   }

@@ -192,7 +192,8 @@ void judge(const RegistrationTarget::Impl& target, const Eigen::Matrix3Xd& point
   }
   result.overlap = static_cast<double>(result.inliers) / static_cast<double>(distances.size());
   result.rms = result.inliers > 0 ? std::sqrt(squares / result.inliers) / target.scale : kNan;
-  result.median = rank_quantile(distances, 0.5) / target.scale;
+  const double median = rank_quantile(distances, 0.5);
+  result.median = median / target.scale;
   if (runner_up) result.runner_up = *runner_up / target.scale;
 
   const RigidProblem problem = rigid_problem(moved, pose.pairing, pose.deviation);
@@ -201,7 +202,6 @@ void judge(const RegistrationTarget::Impl& target, const Eigen::Matrix3Xd& point
   std::vector<Vector6d> free;
   if (problem.used >= 3) {
     trials = try_weak_motions(target, spread_subset(moved, kTrialPoints), problem);
-    const double median = rank_quantile(distances, 0.5);
     const double length = kTrialLength * problem.radius;
     for (const Trial& trial : trials) {
       if (trial.median > median + kFreeGrowth * length || median > kFreeMedian * length) continue;

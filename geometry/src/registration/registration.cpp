@@ -58,6 +58,11 @@ constexpr double kOfMeanError = 0.1;
 /// A step that does not reduce the loss is divided by this.
 constexpr double kShorten = 4;
 
+/// Motions to come are foretold, for `RegistrationTarget::Impl::pair`, as this share of the step
+/// before, and after the refinement with some points as this share of the distances' deviation.
+constexpr double kNextStep = 0.5;
+constexpr double kFirstStep = 0.5;
+
 /// The second derivative of the loss counts at least this share of the weights, so that steps are
 /// at most twice those of weighted least squares.
 constexpr double kLeastCurvature = 0.5;
@@ -101,59 +106,67 @@ double mean_loss(const Eigen::VectorXd& distances, double deviation) {
   return sum / static_cast<double>(distances.size());
 }
 
+/// Where a refinement starts.
+struct Start {
+  Eigen::Isometry3d motion;
+  double slack = 0;  ///< see `RegistrationTarget::Impl::pair`, for the first step
+};
+
 /// Point-to-plane steps to the triangles. A step that does not reduce the loss is shortened, so
 /// that the iteration also ends where noise and facets would make it oscillate.
 SettledPose settle(const RegistrationTarget::Impl& target, const Eigen::Matrix3Xd& points,
-                   const Eigen::Isometry3d& start, double fraction, int max_iterations,
-                   WorkSteps& steps) {
-  SettledPose pose{.motion = start, .pairing = {}};
-  Eigen::Matrix3Xd moved = start * points;
-  pose.pairing = target.pair(moved);
-  pose.deviation = inlier_deviation(target, pose.pairing.distances, fraction);
+                   const Start& start, double fraction, int max_iterations, WorkSteps& steps) {
+  SettledPose pose{.motion = start.motion, .pairing = {}};
+  TrackedPairing tracked;
+  const Pairing& pairing = tracked.pairing;
+  Eigen::Matrix3Xd moved = start.motion * points, tried;
+  target.pair(moved, start.slack, tracked);
+  pose.deviation = inlier_deviation(target, pairing.distances, fraction);
+  bool descends = true;
   while (pose.iterations < max_iterations) {
-    const RigidProblem problem = rigid_problem(moved, pose.pairing, pose.deviation);
-    if (problem.used < kMinPoints) return pose;
+    const RigidProblem problem = rigid_problem(moved, pairing, pose.deviation);
+    if (problem.used < kMinPoints) break;
     Vector6d x = solve(problem, kStayNear);
     // Newton's step: Tukey's loss bends less than its weights say.
     x *= problem.weight / std::max(problem.curvature, kLeastCurvature * problem.weight);
-    if (!x.allFinite()) return pose;
+    if (!x.allFinite()) break;
     const double mean_error =
-        rank_quantile(pose.pairing.distances, 0.5) / std::sqrt(static_cast<double>(points.cols()));
+        rank_quantile(pairing.distances, 0.5) / std::sqrt(static_cast<double>(points.cols()));
     const double least_step = std::max(kConverged, kOfMeanError * mean_error);
-    const double loss = mean_loss(pose.pairing.distances, pose.deviation);
-    for (bool descends = false; !descends; x /= kShorten) {
-      if (x.norm() <= least_step) {
-        pose.converged = true;
-        return pose;
-      }
-      if (pose.iterations == max_iterations) return pose;
+    const double loss = mean_loss(pairing.distances, pose.deviation);
+    Eigen::Isometry3d motion;
+    for (descends = false; !descends; x /= kShorten) {
+      pose.converged = x.norm() <= least_step;
+      if (pose.converged || pose.iterations == max_iterations) break;
       ++pose.iterations;
       steps.tell(0);
-      const Eigen::Isometry3d motion = to_motion(x, problem) * pose.motion;
-      const Eigen::Matrix3Xd tried = motion * points;
-      Pairing pairing = target.pair(tried);
+      motion = to_motion(x, problem) * pose.motion;
+      tried = motion * points;
+      target.pair(tried, kNextStep * x.norm(), tracked);
       descends = mean_loss(pairing.distances, pose.deviation) < loss;
-      if (!descends) continue;
-      pose.motion = motion;
-      pose.pairing = std::move(pairing);
-      moved = tried;
     }
+    if (!descends) break;
+    pose.motion = motion;
+    moved.swap(tried);
     // Never increase the scale: a loss that keeps changing has no minimum.
     pose.deviation =
-        std::min(pose.deviation, inlier_deviation(target, pose.pairing.distances, fraction));
+        std::min(pose.deviation, inlier_deviation(target, pairing.distances, fraction));
   }
+  if (!descends) target.pair(moved, 0, tracked);  // back from where it does not descend
+  pose.pairing = std::move(tracked.pairing);
   return pose;
 }
 
 /// The start of the refinement with all points: settled with some of them first, where most of the
 /// steps are taken, unless these lose the surface.
-Eigen::Isometry3d settle_some(const RegistrationTarget::Impl& target,
-                              const Eigen::Matrix3Xd& points, const Eigen::Isometry3d& start,
-                              const RegistrationOptions& options, WorkSteps& steps) {
-  if (points.cols() < kLeastGain * kCoarsePoints) return start;
-  const SettledPose pose = settle(target, spread_subset(points, kCoarsePoints), start,
+Start settle_some(const RegistrationTarget::Impl& target, const Eigen::Matrix3Xd& points,
+                  const Eigen::Isometry3d& start, const RegistrationOptions& options,
+                  WorkSteps& steps) {
+  if (points.cols() < kLeastGain * kCoarsePoints) return {start};
+  const SettledPose pose = settle(target, spread_subset(points, kCoarsePoints), {start},
                                   options.min_overlap, options.max_iterations, steps);
-  return pose.converged ? pose.motion : start;
+  if (!pose.converged) return {start};
+  return {pose.motion, kFirstStep * pose.deviation};
 }
 
 /// PCL pairs a point with a vertex at most this many deviations away, beyond which Tukey's weight
@@ -169,7 +182,7 @@ SettledPose settle_with_pcl(const RegistrationTarget::Impl& target, const Eigen:
   const Eigen::Matrix3Xd moved = start * points;
   const double deviation =
       inlier_deviation(target, target.pair(moved).distances, options.min_overlap);
-  const double max_distance = kPclDeviations * deviation + kPclCells * target.grid.cell_size();
+  const double max_distance = kPclDeviations * deviation + kPclCells * target.grid().cell_size();
   const VertexCloud::Outcome outcome =
       target.vertex_cloud().align(moved, options.method, max_distance, options.max_iterations);
   SettledPose pose{.motion = outcome.motion * start, .pairing = {}};
@@ -188,7 +201,7 @@ struct Choice {
 /// Refines the promising candidates on the surface itself and takes the best.
 Choice choose(const RegistrationTarget::Impl& target, const Eigen::Matrix3Xd& points,
               const PoseSearch& search, double fraction, WorkSteps& steps) {
-  const double cell = target.grid.cell_size();
+  const double cell = target.grid().cell_size();
   const double bound = std::max(kRival * search.candidates.front().score, cell / 4);
   const Eigen::Matrix3Xd some = spread_subset(points, kCandidatePoints);
   std::vector<PoseCandidate> settled;
@@ -197,7 +210,7 @@ Choice choose(const RegistrationTarget::Impl& target, const Eigen::Matrix3Xd& po
   for (const PoseCandidate& candidate : search.candidates) {
     if (candidate.score > bound || settled.size() == kMaxRivals) break;
     const SettledPose pose =
-        settle(target, some, candidate.motion, fraction, kCandidateSteps, steps);
+        settle(target, some, {candidate.motion}, fraction, kCandidateSteps, steps);
     settled.push_back({pose.motion, rank_quantile(pose.pairing.distances, fraction)});
     medians.push_back(rank_quantile(pose.pairing.distances, 0.5));
   }
@@ -247,7 +260,7 @@ Registration register_to(const RegistrationTarget::Impl& surface,
   }
   SettledPose pose;
   if (options.method == RegistrationMethod::point_to_triangle) {
-    const Eigen::Isometry3d start = settle_some(surface, source, choice.best, options, steps);
+    const Start start = settle_some(surface, source, choice.best, options, steps);
     steps.tell();
     pose = settle(surface, source, start, options.min_overlap, options.max_iterations, steps);
   } else {
@@ -272,8 +285,12 @@ Registration register_points(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
 Registration register_points(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
                              const TriangleMesh& target, const RegistrationOptions& options) {
   check_options(options);
-  // Its points are too few to pay for a better tree.
-  return register_to(RegistrationTarget::Impl(target, TreeBuild::quick), points, options);
+  // PCL's methods need the size of a cell of the coarse map.
+  const bool search = options.search_rotation > 0 || options.search_translation > 0 ||
+                      options.method != RegistrationMethod::point_to_triangle;
+  return register_to(
+      RegistrationTarget::Impl(target, search ? TargetUse::once : TargetUse::once_without_search),
+      points, options);
 }
 
 const char* to_string(RegistrationVerdict verdict) {

@@ -2,8 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "registration/registration_target.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <span>
+#include <utility>
+#include <vector>
 
 #include "base/numbers.h"
 #include "mesh/edge_table.h"
@@ -23,40 +28,78 @@ constexpr double kAlongNormal = 0.7;
 
 const TriangleMesh& checked(const TriangleMesh& mesh) {
   check_mesh(mesh, "register_points: the target");
-  if (!(triangle_normals(mesh).array() == triangle_normals(mesh).array()).any()) {
+  const auto has_area = [&](const auto& triangle) {
+    return unit_normal({mesh.vertices.col(triangle[0]), mesh.vertices.col(triangle[1]),
+                        mesh.vertices.col(triangle[2])})
+        .allFinite();
+  };
+  const auto triangles = mesh.triangles.colwise();
+  if (std::none_of(triangles.begin(), triangles.end(), has_area)) {
     throw InvalidInput(
         "register_points: the target: no triangle has an area; a surface is needed to register to");
   }
   return mesh;
 }
 
+/// The vertices that may be on the border, in which few are not: around a vertex inside a surface
+/// each neighbour follows as often as it precedes, so that the sum of scrambled neighbours is 0.
+std::vector<bool> maybe_on_border(const TriangleMesh& mesh) {
+  constexpr std::uint64_t kScramble = 0x9e3779b97f4a7c15U;  // odd, 2^64 over the golden ratio
+  const auto scrambled = [](int vertex) {
+    std::uint64_t x = (static_cast<std::uint64_t>(vertex) + 1) * kScramble;
+    x ^= x >> 32U;
+    return x * kScramble;
+  };
+  std::vector<std::uint64_t> sums(static_cast<size_t>(mesh.vertices.cols()));
+  for (const auto& triangle : mesh.triangles.colwise()) {
+    const std::array<std::uint64_t, 3> names = {scrambled(triangle[0]), scrambled(triangle[1]),
+                                                scrambled(triangle[2])};
+    sums[static_cast<size_t>(triangle[0])] += names[1] - names[2];
+    sums[static_cast<size_t>(triangle[1])] += names[2] - names[0];
+    sums[static_cast<size_t>(triangle[2])] += names[0] - names[1];
+  }
+  std::vector<bool> maybe(sums.size());
+  std::transform(sums.begin(), sums.end(), maybe.begin(),
+                 [](std::uint64_t sum) { return sum != 0; });
+  return maybe;
+}
+
 }  // namespace
 
-RegistrationTarget::Impl::Impl(const TriangleMesh& surface, TreeBuild build)
-    : Impl(surface, local_frame(checked(surface).vertices), build) {}
+RegistrationTarget::Impl::Impl(const TriangleMesh& surface, TargetUse use)
+    : Impl(surface, local_frame(checked(surface).vertices), use) {}
 
-RegistrationTarget::Impl::Impl(const TriangleMesh& surface, const LocalFrame& frame,
-                               TreeBuild build)
+RegistrationTarget::Impl::Impl(const TriangleMesh& surface, const LocalFrame& frame, TargetUse use)
     : centre(frame.centre),
       scale(frame.scale),
-      mesh{.vertices = frame.to_local(surface.vertices), .triangles = surface.triangles},
-      diagonal(bounding_diagonal(mesh)),
-      normals(triangle_normals(mesh)),
-      tree(mesh, build),
-      grid(mesh) {
+      // The points of a single use are too few to pay for a better tree.
+      tree({.vertices = frame.to_local(surface.vertices), .triangles = surface.triangles},
+           use == TargetUse::often ? TreeBuild::thorough : TreeBuild::quick),
+      diagonal(bounding_diagonal(tree.mesh())) {
+  if (use != TargetUse::once_without_search) grid_.emplace(tree.mesh());
   find_border();
 }
 
 RegistrationTarget::Impl::~Impl() = default;
 
 void RegistrationTarget::Impl::find_border() {
+  const TriangleMesh& mesh = tree.mesh();
   border_sides_.assign(static_cast<size_t>(mesh.triangles.size()), false);
   border_vertices_.assign(static_cast<size_t>(mesh.vertices.cols()), false);
-  for_each_edge(sort_sides(mesh.triangles), [&](std::span<const EdgeSide> sides) {
-    if (sides.size() != 1) return;
+  // Both ends of a side on the border are, and only triangles with two such have to be sorted.
+  const std::vector<bool> maybe = maybe_on_border(mesh);
+  std::vector<bool> use(static_cast<size_t>(mesh.triangles.cols()));
+  for (size_t t = 0; t < use.size(); ++t) {
+    const auto corners = mesh.triangles.col(static_cast<Eigen::Index>(t));
+    use[t] = std::count_if(corners.begin(), corners.end(),
+                           [&](int vertex) { return maybe[static_cast<size_t>(vertex)]; }) >= 2;
+  }
+  for_each_edge(sort_sides(mesh.triangles, use), [&](std::span<const EdgeSide> sides) {
+    const auto low = static_cast<size_t>(sides[0].low), high = static_cast<size_t>(sides[0].high);
+    if (sides.size() != 1 || !maybe[low] || !maybe[high]) return;
     border_sides_[static_cast<size_t>(sides[0].half_edge)] = true;
-    border_vertices_[static_cast<size_t>(sides[0].low)] = true;
-    border_vertices_[static_cast<size_t>(sides[0].high)] = true;
+    border_vertices_[low] = true;
+    border_vertices_[high] = true;
   });
 }
 
@@ -67,7 +110,7 @@ bool RegistrationTarget::Impl::is_on_border(const SurfacePoint& foot) const {
     // At a corner of this side the border may belong to other triangles.
     for (const int corner : {k, (k + 1) % 3}) {
       if (foot.barycentric[corner] == 1 &&
-          border_vertices_[static_cast<size_t>(mesh.triangles(corner, foot.triangle))]) {
+          border_vertices_[static_cast<size_t>(tree.mesh().triangles(corner, foot.triangle))]) {
         return true;
       }
     }
@@ -76,50 +119,84 @@ bool RegistrationTarget::Impl::is_on_border(const SurfacePoint& foot) const {
 }
 
 Pairing RegistrationTarget::Impl::pair(const Eigen::Matrix3Xd& points) const {
-  Pairing pairing;
-  pairing.resize(points.cols());
+  TrackedPairing tracked;
+  pair(points, 0, tracked);
+  return std::move(tracked.pairing);
+}
+
+Nearest RegistrationTarget::Impl::search(const Eigen::Vector3d& point, int guess, double slack,
+                                         TrackedTriangle& tracked) const {
+  const LoneNearest found =
+      point.allFinite() ? tree.lone_nearest(point, guess, slack) : LoneNearest{};
+  tracked.searched_at = point;
+  tracked.others = found.others;
+  tracked.triangle = found.nearest.triangle;
+  tracked.place = found.nearest.place;
+  if (tracked.place >= 0) tracked.corners = tree.local_corners(tracked.place);
+  return found.nearest.at;
+}
+
+void RegistrationTarget::Impl::pair(const Eigen::Matrix3Xd& points, double slack,
+                                    TrackedPairing& tracked) const {
+  Pairing& pairing = tracked.pairing;
+  if (tracked.triangles.empty()) {
+    pairing.resize(points.cols());
+    tracked.triangles.resize(static_cast<std::size_t>(points.cols()));
+  }
   parallel_ranges(points.cols(), kPointsPerTask, [&](Eigen::Index begin, Eigen::Index end) {
+    int guess = -1;  // neighbours in the order of the points are near
     for (Eigen::Index i = begin; i < end; ++i) {
+      TrackedTriangle& known = tracked.triangles[static_cast<std::size_t>(i)];
       const Eigen::Vector3d point = tree.to_local(points.col(i));
-      const NearestTriangle nearest =
-          point.allFinite() ? tree.nearest(point, kInfinity) : NearestTriangle{};
-      if (nearest.triangle < 0) {  // so far away that the distance overflows
-        pairing.feet.col(i).setConstant(kNan);
+      Nearest nearest;
+      bool stays = false;
+      if (known.triangle >= 0) {
+        nearest = nearest_on_triangle(point, known.corners);
+        const double moved = (point - known.searched_at).norm();
+        stays = std::sqrt(nearest.squared_distance) + moved < known.others;
+        guess = known.place;
+      }
+      if (!stays) {
+        nearest = search(point, guess, slack * tree.scale(), known);
+        if (known.triangle >= 0) pairing.normals.col(i) = unit_normal(known.corners);
+      }
+      guess = known.place;
+      if (known.triangle < 0) {  // so far away that the distance overflows
         pairing.distances[i] = kInfinity;
         pairing.usable[i] = false;
         continue;
       }
-      pairing.feet.col(i) = tree.position(nearest.place, nearest.at.barycentric);
-      pairing.distances[i] = std::sqrt(nearest.at.squared_distance) / tree.scale();
-      pairing.normals.col(i) = normals.col(nearest.triangle);
-      pairing.usable[i] =
-          pairing.normals.col(i).allFinite() &&
-          !is_on_border({.triangle = nearest.triangle, .barycentric = nearest.at.barycentric});
+      const Eigen::Vector3d normal = pairing.normals.col(i);
+      const Eigen::Vector3d foot = point_on(known.corners, nearest.barycentric);
+      pairing.heights[i] = normal.dot(point - foot) / tree.scale();
+      pairing.distances[i] = std::sqrt(nearest.squared_distance) / tree.scale();
+      pairing.usable[i] = normal.allFinite() && !is_on_border({.triangle = known.triangle,
+                                                               .barycentric = nearest.barycentric});
     }
   });
-  return pairing;
 }
 
 void RegistrationTarget::Impl::pair_coarsely(const Eigen::Matrix3Xd& points,
                                              Pairing& pairing) const {
   for (Eigen::Index i = 0; i < points.cols(); ++i) {
-    const Surfel& surfel = grid.nearest(points.col(i));
+    const Surfel& surfel = grid().nearest(points.col(i));
     const Eigen::Vector3d foot = surfel.position.cast<double>();
     const Eigen::Vector3d normal = surfel.normal.cast<double>();
     const Eigen::Vector3d way = points.col(i) - foot;
-    const double along = std::abs(normal.dot(way));
+    const double height = normal.dot(way);
     const double distance = way.norm();
-    const bool is_far = distance > 2 * grid.cell_size();
-    pairing.feet.col(i) = foot;
+    const bool is_far = distance > 2 * grid().cell_size();
     pairing.normals.col(i) = normal;
+    pairing.heights[i] = height;
     // At close range the surfel's plane approximates the surface better than its centre.
-    pairing.distances[i] = is_far ? distance : along;
-    pairing.usable[i] = !is_far || along > kAlongNormal * distance;
+    pairing.distances[i] = is_far ? distance : std::abs(height);
+    pairing.usable[i] = !is_far || std::abs(height) > kAlongNormal * distance;
   }
 }
 
 const VertexCloud& RegistrationTarget::Impl::vertex_cloud() const {
-  std::call_once(cloud_made_, [this] { cloud_ = std::make_unique<const VertexCloud>(mesh); });
+  std::call_once(cloud_made_,
+                 [this] { cloud_ = std::make_unique<const VertexCloud>(tree.mesh()); });
   return *cloud_;
 }
 
@@ -130,6 +207,6 @@ Eigen::Isometry3d RegistrationTarget::Impl::to_world(const Eigen::Isometry3d& lo
 }
 
 RegistrationTarget::RegistrationTarget(const TriangleMesh& mesh)
-    : impl_(std::make_shared<const Impl>(mesh, TreeBuild::thorough)) {}
+    : impl_(std::make_shared<const Impl>(mesh, TargetUse::often)) {}
 
 }  // namespace palpate::geometry

@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <vector>
 
 #include "palpate/geometry/registration.h"
@@ -21,32 +22,59 @@ namespace palpate::geometry {
 
 class VertexCloud;  // registration_pcl.h
 
+/// What is known of the nearest triangle of a point since it was searched, in the frame of the
+/// tree.
+struct TrackedTriangle {
+  Corners corners;
+  Eigen::Vector3d searched_at;  ///< where the point was
+  double others = 0;            ///< no other triangle was nearer than this then
+  int triangle = -1;            ///< -1 if there is none
+  int place = -1;               ///< in the tree
+};
+
+/// A pairing, and what often saves the search when its points are paired again a little later on
+/// their way.
+struct TrackedPairing {
+  Pairing pairing;
+  std::vector<TrackedTriangle> triangles;
+};
+
+/// What a target is made for.
+enum class TargetUse { once_without_search, once, often };
+
 struct RegistrationTarget::Impl {
-  Impl(const TriangleMesh& mesh, TreeBuild build);
+  Impl(const TriangleMesh& mesh, TargetUse use);
   ~Impl();
 
   /// Nearest points of the surface. A point is beside the surface if its nearest point is on the
   /// border.
   [[nodiscard]] Pairing pair(const Eigen::Matrix3Xd& points) const;
+  /// The same for points on their way.
+  /// \param slack other triangles are looked for up to this much farther away than the nearest.
+  /// About twice the length of the motions to come, few of these need a search.
+  /// \param tracked the pairing before; empty at first.
+  void pair(const Eigen::Matrix3Xd& points, double slack, TrackedPairing& tracked) const;
   /// Approximation from the coarse map, in constant time.
   void pair_coarsely(const Eigen::Matrix3Xd& points, Pairing& pairing) const;
+  /// The coarse map. Precondition: the target is not made for use without a search.
+  [[nodiscard]] const SurfelGrid& grid() const { return *grid_; }
   [[nodiscard]] const VertexCloud& vertex_cloud() const;  ///< created at the first call
 
   [[nodiscard]] Eigen::Isometry3d to_world(const Eigen::Isometry3d& local) const;
 
   Eigen::Vector3d centre;
-  double scale;              ///< local = (world - centre) * scale
-  TriangleMesh mesh;         ///< local frame
-  double diagonal;           ///< local frame
-  Eigen::Matrix3Xd normals;  ///< of the triangles
-  SurfaceTree tree;
-  SurfelGrid grid;
+  double scale;      ///< local = (world - centre) * scale
+  SurfaceTree tree;  ///< of the target in the local frame
+  double diagonal;   ///< local frame
 
  private:
-  Impl(const TriangleMesh& surface, const LocalFrame& frame, TreeBuild build);
+  Impl(const TriangleMesh& surface, const LocalFrame& frame, TargetUse use);
   void find_border();
+  [[nodiscard]] Nearest search(const Eigen::Vector3d& point, int guess, double slack,
+                               TrackedTriangle& tracked) const;
   [[nodiscard]] bool is_on_border(const SurfacePoint& foot) const;
 
+  std::optional<SurfelGrid> grid_;
   std::vector<bool> border_sides_;  ///< side k of triangle t: 3 t + k, from corner k to the next
   std::vector<bool> border_vertices_;
   mutable std::once_flag cloud_made_;

@@ -19,6 +19,8 @@ constexpr Eigen::Index kBlock = 2048;
 /// Part of a problem: pairs [begin, end).
 void add_pairs(const Eigen::Matrix3Xd& points, const Pairing& pairing, double deviation,
                Eigen::Index begin, Eigen::Index end, RigidProblem& sum) {
+  Eigen::Vector3d arms = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
   for (Eigen::Index i = begin; i < end; ++i) {
     if (!pairing.usable[i]) continue;
     const double weight = tukey_weight(pairing.distances[i], deviation);
@@ -27,24 +29,25 @@ void add_pairs(const Eigen::Matrix3Xd& points, const Pairing& pairing, double de
     const Eigen::Vector3d normal = pairing.normals.col(i);
     Vector6d row;
     row << arm.cross(normal), normal;
-    const double error = normal.dot(points.col(i) - pairing.feet.col(i));
-    sum.planes.noalias() += weight * row * row.transpose();
-    sum.slope += weight * error * row;
-    sum.points.topLeftCorner<3, 3>() +=
-        weight * (arm.squaredNorm() * Eigen::Matrix3d::Identity() - arm * arm.transpose());
-    sum.points.topRightCorner<3, 3>() += weight * cross_matrix(arm);
+    const Vector6d weighted = weight * row;
+    sum.planes.noalias() += weighted * row.transpose();
+    sum.slope += weight * pairing.heights[i] * row;
+    arms += weight * arm;
+    spread.noalias() += (weight * arm).eval() * arm.transpose();
     sum.weight += weight;
     const double root = std::sqrt(weight);
     sum.curvature += root * (5 * root - 4);
     ++sum.used;
   }
+  sum.points.topLeftCorner<3, 3>() += spread.trace() * Eigen::Matrix3d::Identity() - spread;
+  sum.points.topRightCorner<3, 3>() += cross_matrix(arms);
 }
 
 }  // namespace
 
 void Pairing::resize(Eigen::Index count) {
-  feet.resize(3, count);
   normals.resize(3, count);
+  heights.resize(count);
   distances.resize(count);
   usable.resize(count);
 }

@@ -10,10 +10,10 @@ namespace palpate::geometry {
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 using Vector6d = Eigen::Vector<double, 6>;
 
-/// Points with their nearest surface points (feet), one column per point.
+/// Points with the planes of the surface at their nearest points (feet), one column per point.
 struct Pairing {
-  Eigen::Matrix3Xd feet;
   Eigen::Matrix3Xd normals;                      ///< of the surface at the feet
+  Eigen::VectorXd heights;                       ///< of the points above the planes, signed
   Eigen::VectorXd distances;                     ///< from the points to the feet
   Eigen::Array<bool, Eigen::Dynamic, 1> usable;  ///< false if the point lies beside the surface
 
