@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "colors/hue_classifier.h"
@@ -21,6 +22,7 @@
 #include "image/half_size.h"
 #include "image/hot_loop.h"
 #include "image/hue.h"
+#include "image/image_part.h"
 #include "image/image_plane.h"
 #include "image/pool.h"
 #include "image/reasons.h"
@@ -94,6 +96,43 @@ PALPATE_HOT_LOOP void scale_sigma(const float* z, const float* z_per_phase, floa
   for (long i = 0; i < pixels; ++i) sigma[i] = z[i] == z[i] ? sigma[i] * z_per_phase[i] : kUnknown;
 }
 
+/// Reasons of pixels outside the part, where too few are lit for a window.
+PALPATE_HOT_LOOP void give_reasons_around(const std::uint8_t* clipped, const std::uint8_t* lit,
+                                          std::uint8_t* __restrict reasons, long pixels) {
+  for (long i = 0; i < pixels; ++i) {
+    const std::uint8_t dark = lit[i] != 0 ? code(Reason::low_modulation) : code(Reason::unlit);
+    reasons[i] = clipped[i] != 0 ? code(Reason::saturated) : dark;
+  }
+}
+
+/// Reasons of the whole working image as if nothing of it had been decoded.
+void find_reasons_around(Workspace& work) {
+  const Mask& lit = work.image_lit;
+  find_clipped(work.image, work.clipped);
+  work.reasons_around.resize(lit.rows(), lit.cols());
+  give_reasons_around(work.clipped.data(), lit.data(), work.reasons_around.data(), lit.size());
+}
+
+/// Writes an image of the part into the result's image of the frame. If the part is all of it, they
+/// exchange their memory.
+/// \param around of the size of the working image.
+template <typename Image, typename Around>
+void deliver(Image& image, const Workspace& work, const Around& around, bool transposed,
+             Image& result) {
+  const ImagePart& part = work.part;
+  if (work.part_model && transposed) {
+    result = around.transpose();
+    result.block(part.column, part.row, part.columns, part.rows) = image.transpose();
+  } else if (work.part_model) {
+    result = around;
+    result.block(part.row, part.column, part.rows, part.columns) = image;
+  } else if (transposed) {
+    result = image.transpose();
+  } else {
+    result.swap(image);
+  }
+}
+
 }  // namespace
 
 struct Decoder::Impl {
@@ -116,7 +155,8 @@ struct Decoder::Impl {
        const DecodeOptions& the_options);
 
   void check_frame(const cv::Mat& frame) const;
-  void demodulate_frame(const cv::Mat& frame, Workspace& work) const;
+  void find_part(const cv::Mat& frame, Workspace& work) const;
+  void demodulate_part(Workspace& work) const;
   void judge_light(Workspace& work) const;
   void find_regions(Workspace& work) const;
   void predict_sigma(Workspace& work) const;
@@ -175,7 +215,7 @@ void Decoder::Impl::find_guesses(Workspace& work) const {
                     .min_color_score = options.min_color_score,
                     .reversed = model.carrier().stripes_reversed},
                    work.transitions);
-  model.phases_at_edges(work.transitions, work.guesses);
+  work.model(model).phases_at_edges(work.transitions, work.guesses);
 }
 
 /// The phases at the anchors.
@@ -187,7 +227,12 @@ void Decoder::Impl::find_anchors(Workspace& work) const {
   for (const Anchor& anchor : options.anchors) {
     PhaseGuess guess{.row = decoded(anchor.v_px), .column = decoded(anchor.u_px), .score = 1};
     if (model.carrier().transposed) std::swap(guess.row, guess.column);
-    const auto phase = model.phase_at_depth(guess.row, guess.column, anchor.z);
+    guess.row -= static_cast<int>(work.part.row);
+    guess.column -= static_cast<int>(work.part.column);
+    const bool inside = guess.row >= 0 && guess.row < work.part.rows && guess.column >= 0 &&
+                        guess.column < work.part.columns;
+    if (!inside) continue;
+    const auto phase = work.model(model).phase_at_depth(guess.row, guess.column, anchor.z);
     if (!phase) continue;
     guess.phase = *phase;
     const auto near = nearest_in_region(work.regions, guess, filter.radius);
@@ -207,22 +252,38 @@ void Decoder::Impl::anchor_regions(const FloodLimits& limits, Workspace& work) c
   anchored_offsets(work.regions, work.guesses, work.offsets);
 }
 
-/// Finds the sinusoid in the frame.
-void Decoder::Impl::demodulate_frame(const cv::Mat& frame, Workspace& work) const {
+/// Finds the part of the frame that is lit, with a margin in which windows and anchors reach it.
+void Decoder::Impl::find_part(const cv::Mat& frame, Workspace& work) const {
   if (options.half_resolution) {
-    split_frame(frame, model.carrier().transposed, work.whole);
-    half_size(work.whole, work.channels);
+    split_frame(frame, model.carrier().transposed, work.full_size);
+    half_size(work.full_size, work.image);
   } else {
-    split_frame(frame, model.carrier().transposed, work.channels);
+    split_frame(frame, model.carrier().transposed, work.image);
   }
-  find_lit(work.channels,
+  find_lit(work.image,
            {.colored = stripes.has_value(),
             .radius = trough_radius(model.carrier()),
             .min_signal = options.min_signal},
-           work.lit);
+           work.image_lit);
+  work.part = lit_part(work.image_lit, filter.radius);
+  if (work.part.is_whole(work.image_lit)) {
+    work.part_model.reset();
+    work.channels.swap(work.image);
+    work.lit.swap(work.image_lit);
+    return;
+  }
+  work.part_model.emplace(model, work.part);
+  work.channels.resize(work.image.size());
+  for (std::size_t i = 0; i < work.image.size(); ++i)
+    work.channels[i] = part_of(work.image[i], work.part);
+  work.lit = part_of(work.image_lit, work.part);
+}
+
+/// Finds the sinusoid in the part.
+void Decoder::Impl::demodulate_part(Workspace& work) const {
   demodulate(work.channels, work.lit, filter, work.demodulated);
   unmix(model.rig().color_mixing, work.demodulated.channels);
-  combine_channels(work.demodulated.channels, model.chromatic(), work.combined);
+  combine_channels(work.demodulated.channels, work.model(model).chromatic(), work.combined);
 }
 
 /// Finds where there is enough light, and the sinusoid is strong enough for the noise.
@@ -238,7 +299,7 @@ void Decoder::Impl::judge_light(Workspace& work) const {
   unmix_neighbours(signal, filter, work.wrapped, work.sigma);
   add_edge_blur(work.lit, filter, work.sigma);
   drop_uncertain(work.sigma, options.max_phase_sigma, work.modulated);
-  work.reasons.setZero(model.rows(), model.columns());
+  work.reasons.setZero(work.part.rows, work.part.columns);
   find_clipped(work.channels, work.clipped);
   work.clipped *= 1 - work.modulated;
   give_reason(work.clipped, Reason::saturated, work.reasons);
@@ -271,8 +332,8 @@ void Decoder::Impl::find_regions(Workspace& work) const {
                            .min_agreement = options.min_agreement},
                           work.offsets);
     stripes->tinted.solve(work.demodulated.channels, work.hue, stripes->classifier, stripes->colors,
-                          model, {filter.radius, filter.width() / 2}, work.regions, work.offsets,
-                          work.tinted);
+                          work.model(model), {filter.radius, filter.width() / 2}, work.regions,
+                          work.offsets, work.tinted);
   } else {
     anchor_regions({.max_variance = limits.max_variance + kAnchoredSigma * kAnchoredSigma,
                     .max_step = limits.max_step,
@@ -311,12 +372,12 @@ void Decoder::Impl::predict_sigma(Workspace& work) const {
                             .per_pixel = 2 * std::numbers::pi / pattern.period};
   add_chromatic_error(
       work.combined.shares,
-      remaining_error(work.demodulated.channels, model.chromatic(), work.phase, pixels),
+      remaining_error(work.demodulated.channels, work.model(model).chromatic(), work.phase, pixels),
       work.sigma);
   scale_sigma(work.surfaces.z.data(), work.surfaces.z_per_phase.data(), work.sigma.data(),
               work.sigma.size());
-  work.noise.resize(0, 0);
-  if (rig_deviation.is_known()) rig_deviation.add(work.surfaces.z, work.sigma, work.noise);
+  if (rig_deviation.is_known())
+    rig_deviation.add(work.surfaces.z, work.part, work.sigma, work.noise);
 }
 
 /// Removes the depths that the colours contradict.
@@ -352,28 +413,31 @@ void Decoder::Impl::fill_result(Workspace& work, DecodeResult& result) const {
       static_cast<int>(std::count_if(work.offsets.begin(), work.offsets.end(),
                                      [](const RegionOffset& offset) { return !offset.phase; }));
   result.range.camera = model.rig().camera;
-  if (model.carrier().transposed) {
-    result.range.z = work.surfaces.z.transpose();
-    result.reasons = work.reasons.transpose();
-    result.sigma = work.sigma.transpose();
-    result.noise = work.noise.transpose();
+  if (work.part_model) find_reasons_around(work);
+  const bool transposed = model.carrier().transposed;
+  const auto deliver_plane = [&](Plane& image, Plane& to) {
+    deliver(image, work, Plane::Constant(model.rows(), model.columns(), kUnknown), transposed, to);
+  };
+  deliver_plane(work.surfaces.z, result.range.z);
+  deliver(work.reasons, work, work.reasons_around, transposed, result.reasons);
+  deliver_plane(work.sigma, result.sigma);
+  if (rig_deviation.is_known()) {
+    deliver_plane(work.noise, result.noise);
   } else {
-    result.range.z.swap(work.surfaces.z);
-    result.reasons.swap(work.reasons);
-    result.sigma.swap(work.sigma);
-    result.noise.swap(work.noise);
+    result.noise.resize(0, 0);
   }
 }
 
 void Decoder::Impl::decode(const cv::Mat& frame, DecodeResult& result) const {
   check_frame(frame);
   const auto work = workspaces.borrow();
-  demodulate_frame(frame, *work);
+  find_part(frame, *work);
+  demodulate_part(*work);
   judge_light(*work);
   find_regions(*work);
   drop_borders(*work);
-  model.find_surfaces(work->phase, work->combined.shares, options.max_sensitivity, work->surfaces,
-                      work->reasons);
+  work->model(model).find_surfaces(work->phase, work->combined.shares, options.max_sensitivity,
+                                   work->surfaces, work->reasons);
   if (stripes) check_colors(*work);
   predict_sigma(*work);
   fill_result(*work, result);

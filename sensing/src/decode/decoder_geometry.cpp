@@ -85,6 +85,18 @@ DecoderGeometry::DecoderGeometry(const Rig& rig, const Pattern& pattern)
   prepare_chromatic(rays);
 }
 
+DecoderGeometry::DecoderGeometry(const DecoderGeometry& whole, const ImagePart& part)
+    : rig_(whole.rig_),
+      pattern_(whole.pattern_),
+      triangulation_(whole.triangulation_),
+      carrier_(whole.carrier_),
+      rows_(part.rows),
+      columns_(part.columns),
+      axis_(whole.axis_),
+      rays_{part_of(whole.rays_.along, part), part_of(whole.rays_.across, part),
+            part_of(whole.rays_.forward, part)},
+      chromatic_(part_of(whole.chromatic_, part)) {}
+
 Eigen::Vector3d DecoderGeometry::direction(long row, long column) const {
   Eigen::Vector3f d;
   d[axis_] = rays_.along(row, column);

@@ -33,6 +33,9 @@ class DecoderGeometry {
  public:
   /// \throws InvalidInput if rig or pattern are not valid or the two views do not overlap.
   DecoderGeometry(const Rig& rig, const Pattern& pattern);
+  /// The same for a part of the working image: rows, columns and phases are those of the part. The
+  /// rig stays that of the whole image.
+  DecoderGeometry(const DecoderGeometry& whole, const ImagePart& part);
 
   [[nodiscard]] const Rig& rig() const { return rig_; }
   [[nodiscard]] const Pattern& pattern() const { return pattern_; }

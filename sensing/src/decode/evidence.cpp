@@ -186,8 +186,8 @@ std::vector<Transition> EvidenceFinder::trusted_edges(const Workspace& work) con
 }
 
 std::vector<Transition> EvidenceFinder::changed(const std::vector<Transition>& edges,
-                                                const Change& change, long rows,
-                                                long columns) const {
+                                                const Change& change, const ImagePart& part,
+                                                const DecoderGeometry& whole) const {
   std::vector<Transition> moved;
   for (Transition edge : edges) {
     int first = stripes_[static_cast<std::size_t>(edge.edge)];
@@ -200,8 +200,11 @@ std::vector<Transition> EvidenceFinder::changed(const std::vector<Transition>& e
     edge.edge = by_colors_.find(first, second);
     if (edge.edge < 0) continue;
     if (change.reverse) edge.edge = static_cast<int>(stripes_.size()) - 2 - edge.edge;
-    if (change.mirror) edge.column = static_cast<float>(columns - 1 - std::lround(edge.column));
-    if (change.flip) edge.row = static_cast<int>(rows) - 1 - edge.row;
+    edge.row += static_cast<int>(part.row);
+    edge.column += static_cast<float>(part.column);
+    if (change.mirror)
+      edge.column = static_cast<float>(whole.columns() - 1 - std::lround(edge.column));
+    if (change.flip) edge.row = static_cast<int>(whole.rows()) - 1 - edge.row;
     moved.push_back(edge);
   }
   return moved;
@@ -209,7 +212,7 @@ std::vector<Transition> EvidenceFinder::changed(const std::vector<Transition>& e
 
 std::vector<EvidenceFinder::Comparison> EvidenceFinder::compared(
     const std::vector<Transition>& edges, const Workspace& work,
-    const DecoderGeometry& model) const {
+    const DecoderGeometry& whole) const {
   // An edge lies between two pixels, at both of which its phase is known.
   std::vector<Transition> both;
   for (Transition edge : edges) {
@@ -220,7 +223,7 @@ std::vector<EvidenceFinder::Comparison> EvidenceFinder::compared(
     }
   }
   std::vector<PhaseGuess> guesses;
-  model.phases_at_edges(both, guesses);
+  work.model(whole).phases_at_edges(both, guesses);
   std::vector<Comparison> comparisons;
   auto edge = edges.begin();
   for (std::size_t i = 0; i + 1 < guesses.size(); ++i) {
@@ -243,8 +246,8 @@ std::vector<EvidenceFinder::Comparison> EvidenceFinder::compared(
 }
 
 void EvidenceFinder::compare(const std::vector<Transition>& edges, const Workspace& work,
-                             const DecoderGeometry& model, DecodeEvidence& evidence) const {
-  const std::vector<Comparison> comparisons = compared(edges, work, model);
+                             const DecoderGeometry& whole, DecodeEvidence& evidence) const {
+  const std::vector<Comparison> comparisons = compared(edges, work, whole);
   evidence.edges = static_cast<long>(comparisons.size());
   evidence.off_panel = static_cast<long>(edges.size() - comparisons.size());
   std::set<int> different;
@@ -253,8 +256,8 @@ void EvidenceFinder::compare(const std::vector<Transition>& edges, const Workspa
   for (const Comparison& one : comparisons) {
     const double cosine = std::cos(kFullTurn * one.turns);
     const double sine = std::sin(kFullTurn * one.turns);
-    const long row = one.row * kPartRows / model.rows();
-    const long column = one.column * kPartColumns / model.columns();
+    const long row = (work.part.row + one.row) * kPartRows / whole.rows();
+    const long column = (work.part.column + one.column) * kPartColumns / whole.columns();
     Part& part = parts[static_cast<std::size_t>(row * kPartColumns + column)];
     part.cosine += cosine;
     part.sine += sine;
@@ -282,17 +285,16 @@ void EvidenceFinder::compare(const std::vector<Transition>& edges, const Workspa
 }
 
 double EvidenceFinder::explained(const std::vector<Transition>& edges, const Change& change,
-                                 const Workspace& work, const DecoderGeometry& model) const {
-  const long rows = model.rows();
-  const long columns = model.columns();
+                                 const Workspace& work, const DecoderGeometry& whole) const {
   std::vector<PhaseGuess> guesses;
-  model.phases_at_edges(changed(edges, change, rows, columns), guesses);
+  whole.phases_at_edges(changed(edges, change, work.part, whole), guesses);
   double sum = 0;
   for (const PhaseGuess& guess : guesses) {
-    const long row = change.flip ? rows - 1 - guess.row : guess.row;
-    const long column = change.mirror ? columns - 1 - guess.column : guess.column;
+    const long row = (change.flip ? whole.rows() - 1 - guess.row : guess.row) - work.part.row;
+    const long column =
+        (change.mirror ? whole.columns() - 1 - guess.column : guess.column) - work.part.column;
     // Both phases with their carrier, which is opposite in a flipped image.
-    const double carrier = model.carrier().along;
+    const double carrier = whole.carrier().along;
     const double expected = guess.phase + carrier * static_cast<double>(guess.row);
     const double seen =
         static_cast<double>(work.regions.phase(row, column)) + carrier * static_cast<double>(row);
@@ -301,11 +303,11 @@ double EvidenceFinder::explained(const std::vector<Transition>& edges, const Cha
   return sum;
 }
 
-DecodeEvidence EvidenceFinder::find(const Workspace& work, const DecoderGeometry& model) const {
+DecodeEvidence EvidenceFinder::find(const Workspace& work, const DecoderGeometry& whole) const {
   DecodeEvidence evidence;
   evidence.colors_fit_pattern = colors_fit_;
   add_light(work, evidence);
-  add_row_steps(work, model.carrier(), evidence);
+  add_row_steps(work, whole.carrier(), evidence);
   for (long row = 0; row < work.hue.rows(); row += step_for(work.hue.rows(), kHueLines)) {
     for (long column = 0; column < work.hue.cols(); ++column) {
       evidence.lit += work.lit(row, column);
@@ -316,9 +318,9 @@ DecodeEvidence EvidenceFinder::find(const Workspace& work, const DecoderGeometry
     }
   }
   const std::vector<Transition> edges = trusted_edges(work);
-  compare(edges, work, model, evidence);
+  compare(edges, work, whole, evidence);
   if (static_cast<long>(edges.size()) < kFewEdges) {
-    add_sinusoid_across(work, std::abs(model.carrier().along), step_for(work.hue.rows(), kHueLines),
+    add_sinusoid_across(work, std::abs(whole.carrier().along), step_for(work.hue.rows(), kHueLines),
                         evidence);
   }
   if (evidence.agreement >= kNeedsExplanation * static_cast<double>(edges.size())) return evidence;
@@ -326,7 +328,7 @@ DecodeEvidence EvidenceFinder::find(const Workspace& work, const DecoderGeometry
   for (std::size_t i = 0; i < changes_.size(); ++i) {
     const Change& change = changes_[i];
     const bool changes_nothing = change.color.empty() && !change.exchange && !change.flip;
-    if (!changes_nothing) evidence.explained[i] = explained(edges, change, work, model);
+    if (!changes_nothing) evidence.explained[i] = explained(edges, change, work, whole);
   }
   return evidence;
 }

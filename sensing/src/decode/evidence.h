@@ -22,7 +22,8 @@ class EvidenceFinder {
   EvidenceFinder(const DecoderGeometry& model, const TrainedColors& colors);
 
   /// \param work of a frame that has been decoded up to its depths.
-  [[nodiscard]] DecodeEvidence find(const Workspace& work, const DecoderGeometry& model) const;
+  /// \param whole of the whole working image.
+  [[nodiscard]] DecodeEvidence find(const Workspace& work, const DecoderGeometry& whole) const;
 
  private:
   /// Hues that count as one of the trained colours.
@@ -50,16 +51,17 @@ class EvidenceFinder {
 
   [[nodiscard]] bool has_hue(float hue, int color) const;
   [[nodiscard]] std::vector<Transition> trusted_edges(const Workspace& work) const;
+  /// The edges where and as they would be, in the whole image.
   [[nodiscard]] std::vector<Transition> changed(const std::vector<Transition>& edges,
-                                                const Change& change, long rows,
-                                                long columns) const;
+                                                const Change& change, const ImagePart& part,
+                                                const DecoderGeometry& whole) const;
   [[nodiscard]] std::vector<Comparison> compared(const std::vector<Transition>& edges,
                                                  const Workspace& work,
-                                                 const DecoderGeometry& model) const;
+                                                 const DecoderGeometry& whole) const;
   void compare(const std::vector<Transition>& edges, const Workspace& work,
-               const DecoderGeometry& model, DecodeEvidence& evidence) const;
+               const DecoderGeometry& whole, DecodeEvidence& evidence) const;
   [[nodiscard]] double explained(const std::vector<Transition>& edges, const Change& change,
-                                 const Workspace& work, const DecoderGeometry& model) const;
+                                 const Workspace& work, const DecoderGeometry& whole) const;
 
   std::vector<int> stripes_;
   StripeEdges by_colors_;

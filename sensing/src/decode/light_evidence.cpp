@@ -30,6 +30,35 @@ constexpr double kBackwards = -0.4;
 /// A sinusoid runs the other way iff its amplitude is at least this share of the mean.
 constexpr double kContrastAcross = 0.3;
 
+/// The decoded part of the frame at full size.
+struct FullSize {
+  explicit FullSize(const Workspace& work)
+      : halved(!work.full_size.empty()),
+        channels(halved ? work.full_size : work.channels),
+        scale(halved ? 2 : 1),
+        top(halved ? scale * work.part.row : 0),
+        left(halved ? scale * work.part.column : 0),
+        rows(scale * work.modulated.rows()),
+        columns(scale * work.modulated.cols()) {}
+
+  /// Change of all channels together from a pixel to another one.
+  [[nodiscard]] float change(long row, long column, long down, long right) const {
+    float change = 0;
+    for (const Plane& channel : channels)
+      change +=
+          channel(top + row + down, left + column + right) - channel(top + row, left + column);
+    return change;
+  }
+
+  bool halved;  ///< for decoding
+  const std::vector<Plane>& channels;
+  long scale;
+  long top;  ///< of the part in the channels [px]
+  long left;
+  long rows;  ///< of the part
+  long columns;
+};
+
 /// Steps of brightness from some rows to the next, in proportion to what a sinusoid of unit
 /// amplitude and the measured phase makes of them. A period of four pixels would otherwise show the
 /// same at every other step.
@@ -49,20 +78,14 @@ struct RowSteps {
 /// working image. Its stripes alone vary across them, and show only whether rows are doubled or
 /// swapped.
 void add_column_steps(const Workspace& work, DecodeEvidence& evidence) {
-  const std::vector<Plane>& channels = work.whole.empty() ? work.channels : work.whole;
-  const long scale = work.whole.empty() ? 1 : 2;
-  const long rows = std::min(channels[0].rows(), scale * work.modulated.rows());
-  const long columns = std::min(channels[0].cols(), scale * work.modulated.cols());
+  const FullSize frame(work);
   std::array<double, 2> steps{};
   double products = 0;
-  for (long row = 0; row < rows; row += step_for(rows, kStepColumns)) {
+  for (long row = 0; row < frame.rows; row += step_for(frame.rows, kStepColumns)) {
     float last = 0;
-    for (long column = 0; column + 1 < columns; ++column) {
-      float change = 0;
-      if (work.modulated(row / scale, column / scale) != 0) {
-        for (const Plane& channel : channels)
-          change += channel(row, column + 1) - channel(row, column);
-      }
+    for (long column = 0; column + 1 < frame.columns; ++column) {
+      const bool seen = work.modulated(row / frame.scale, column / frame.scale) != 0;
+      const float change = seen ? frame.change(row, column, 0, 1) : 0;
       steps[static_cast<std::size_t>(column % 2)] += static_cast<double>(change * change);
       products += static_cast<double>(last * change);
       last = change;
@@ -78,22 +101,19 @@ void add_column_steps(const Workspace& work, DecodeEvidence& evidence) {
 
 /// Compares the steps of brightness between rows, of the whole frame also at half resolution.
 void add_sinusoid_steps(const Workspace& work, double carrier, DecodeEvidence& evidence) {
-  const std::vector<Plane>& channels = work.whole.empty() ? work.channels : work.whole;
-  const long scale = work.whole.empty() ? 1 : 2;
-  const long rows = std::min(channels[0].rows(), scale * work.modulated.rows());
-  const long columns = std::min(channels[0].cols(), scale * work.modulated.cols());
-  const long step = step_for(columns, kStepColumns);
+  const FullSize frame(work);
+  const long step = step_for(frame.columns, kStepColumns);
   std::array<RowSteps, 2> steps;  // in pairs, and between them
-  for (long row = 0; row + 1 < rows; ++row) {
+  for (long row = 0; row + 1 < frame.rows; ++row) {
     RowSteps& sum = steps[static_cast<std::size_t>(row % 2)];
     const double middle =
-        scale == 1 ? static_cast<double>(row) + 0.5 : static_cast<double>(row) / 2;
-    for (long column = 0; column < columns; column += step) {
-      if (work.modulated(row / scale, column / scale) == 0) continue;
-      float change = 0;
-      for (const Plane& channel : channels)
-        change += channel(row + 1, column) - channel(row, column);
-      const double slope = std::sin(static_cast<double>(work.wrapped(row / scale, column / scale)) +
+        frame.halved ? static_cast<double>(row) / 2 : static_cast<double>(row) + 0.5;
+    const long decoded_row = row / frame.scale;
+    for (long column = 0; column < frame.columns; column += step) {
+      const long decoded_column = column / frame.scale;
+      if (work.modulated(decoded_row, decoded_column) == 0) continue;
+      const float change = frame.change(row, column, 1, 0);
+      const double slope = std::sin(static_cast<double>(work.wrapped(decoded_row, decoded_column)) +
                                     carrier * middle);
       sum.squares += static_cast<double>(change * change);
       sum.expected += slope * slope;

@@ -26,17 +26,19 @@ void fill_levels(float* levels) {
     if (std::isnan(levels[i - 1])) levels[i - 1] = levels[i];
 }
 
-/// sigma and noise of a row; `levels` holds the variances of each node of the row.
-PALPATE_HOT_LOOP void add_row(const float* levels, const float* z, float first, float per_step,
-                              float* __restrict sigma, float* __restrict noise, long columns) {
+/// sigma and noise of a row; `levels` holds the variances of each node of the row, whose first
+/// pixel is `offset` px to the right of the first node.
+PALPATE_HOT_LOOP void add_row(const float* levels, long offset, const float* z, float first,
+                              float per_step, float* __restrict sigma, float* __restrict noise,
+                              long columns) {
   constexpr float kPerPixel = 1.0F / static_cast<float>(kSpacing);
   for (long i = 0; i < columns; ++i) {
     const float at = (1 / z[i] - first) * per_step;
     const float level = at > 0 ? (at < kLevels - 1.001F ? at : kLevels - 1.001F) : 0;  // NaN: 0
     const auto low = static_cast<int>(level);
     const float part = level - static_cast<float>(low);
-    const float across = static_cast<float>(i % kSpacing) * kPerPixel;
-    const float* const node = levels + i / kSpacing * kLevels + low;
+    const float across = static_cast<float>((offset + i) % kSpacing) * kPerPixel;
+    const float* const node = levels + (offset + i) / kSpacing * kLevels + low;
     const float* const next = node + kLevels;
     const float left = node[0] + part * (node[1] - node[0]);
     const float right = next[0] + part * (next[1] - next[0]);
@@ -104,17 +106,18 @@ void RigDeviation::fill_nodes() {
   }
 }
 
-void RigDeviation::add(const Plane& z, Plane& sigma, Plane& noise) const {
+void RigDeviation::add(const Plane& z, const ImagePart& part, Plane& sigma, Plane& noise) const {
   noise.resize(sigma.rows(), sigma.cols());
   std::vector<float> between(static_cast<std::size_t>(columns_ * kLevels));
   for (long row = 0; row < z.rows(); ++row) {
     const auto nodes = static_cast<std::size_t>(columns_ * kLevels);
-    const float part = static_cast<float>(row % kSpacing) / static_cast<float>(kSpacing);
-    const float* const above = &table_[static_cast<std::size_t>(row / kSpacing) * nodes];
+    const long down = part.row + row;
+    const float share = static_cast<float>(down % kSpacing) / static_cast<float>(kSpacing);
+    const float* const above = &table_[static_cast<std::size_t>(down / kSpacing) * nodes];
     for (std::size_t i = 0; i < nodes; ++i)
-      between[i] = above[i] + part * (above[nodes + i] - above[i]);
-    add_row(between.data(), &z(row, 0), static_cast<float>(first_), static_cast<float>(1 / step_),
-            &sigma(row, 0), &noise(row, 0), z.cols());
+      between[i] = above[i] + share * (above[nodes + i] - above[i]);
+    add_row(between.data(), part.column, &z(row, 0), static_cast<float>(first_),
+            static_cast<float>(1 / step_), &sigma(row, 0), &noise(row, 0), z.cols());
   }
 }
 

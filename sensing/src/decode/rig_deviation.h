@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "image/image_part.h"
 #include "image/image_plane.h"
 #include "palpate/sensing/pattern.h"
 #include "palpate/sensing/rig.h"
@@ -29,7 +30,8 @@ class RigDeviation {
 
   /// Moves `sigma` [mm], the deviations of the depths `z` [mm] by noise, to `noise`, and sets
   /// `sigma` to the root of the sum of squares of both parts. NaN stays NaN.
-  void add(const Plane& z, Plane& sigma, Plane& noise) const;
+  /// \param part of the image, to which z and sigma belong.
+  void add(const Plane& z, const ImagePart& part, Plane& sigma, Plane& noise) const;
 
  private:
   void fill_nodes();  ///< those that the projector does not light, with the nearest one's values

@@ -2,11 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "decode/decoder_geometry.h"
 #include "decode/plausibility.h"
 #include "decode/tinted_surfaces.h"
+#include "image/image_part.h"
 #include "image/image_plane.h"
 #include "palpate/sensing/reason.h"
 #include "phase/chromatic.h"
@@ -15,10 +17,19 @@
 
 namespace palpate::sensing {
 
-/// Images of one decode, of the size of the working image, in the order of computation. They keep
-/// their memory from frame to frame, and every stage overwrites its outputs.
+/// Images of one decode, in the order of computation: first some of the working image, then those
+/// of its part that is lit, which alone is decoded. They keep their memory from frame to frame, and
+/// every stage overwrites its outputs.
 struct Workspace {
-  std::vector<Plane> whole;  ///< channels of the frame, if it is decoded at half its size
+  std::vector<Plane> full_size;  ///< channels of the frame, if it is decoded at half its size
+  std::vector<Plane> image;      ///< channels of the working image; empty if the part is all of it
+  Mask image_lit;
+  ImagePart part;
+  std::optional<DecoderGeometry> part_model;  ///< empty if the part is the whole image
+  /// The model of the part.
+  [[nodiscard]] const DecoderGeometry& model(const DecoderGeometry& whole) const {
+    return part_model ? *part_model : whole;
+  }
   std::vector<Plane> channels;
   Mask lit;
   Demodulation demodulated;
@@ -26,6 +37,7 @@ struct Workspace {
   Mask modulated;  ///< lit, and the phase is precise enough
   Mask clipped;    ///< a channel is at full scale
   ReasonImage reasons;
+  ReasonImage reasons_around;  ///< of the working image, if the part is not all of it
   Plane wrapped;
   Plane variance;
   Plane doubt;  ///< [rad^2] variance plus sigma^2, for a pattern without stripes

@@ -208,6 +208,42 @@ void extend(std::vector<ChannelShift::Run>& runs, const ChannelShift::Run& pixel
   runs.push_back(pixel);
 }
 
+static_assert(kPartSpacing % kNodeSpacing == 0, "the nodes of a part are nodes of the image");
+
+Nodes nodes_in(const Nodes& nodes, const ImagePart& part) {
+  const long count = (part.columns - 1 + kNodeSpacing - 1) / kNodeSpacing + 2;
+  return nodes.block(part.row, part.column / kNodeSpacing, part.rows, count);
+}
+
+/// The runs of a row of a part.
+std::vector<ChannelShift::Run> runs_in(const std::vector<ChannelShift::Run>& runs,
+                                       const ImagePart& part) {
+  std::vector<ChannelShift::Run> inside;
+  for (ChannelShift::Run run : runs) {
+    run.row -= part.row;
+    if (run.row < 0 || run.row + 1 >= part.rows) continue;
+    const long right = run.column - run.begin;  // of the four pixels
+    run.begin = std::max({run.begin - part.column, 0L, -right});
+    run.end = std::min({run.end - part.column, part.columns, part.columns - 1 - right});
+    run.column = run.begin + right;
+    if (run.begin < run.end) inside.push_back(run);
+  }
+  return inside;
+}
+
+ChannelModel part_of(const ChannelModel& model, const ImagePart& part) {
+  ChannelModel inside{.shift = {},
+                      .lag = model.lag,
+                      .cosine = nodes_in(model.cosine, part),
+                      .sine = nodes_in(model.sine, part)};
+  if (model.shift.none()) return inside;
+  inside.shift.right = nodes_in(model.shift.right, part);
+  inside.shift.down = nodes_in(model.shift.down, part);
+  for (long row = part.row; row < part.row + part.rows; ++row)
+    inside.shift.runs.push_back(runs_in(model.shift.runs[static_cast<std::size_t>(row)], part));
+  return inside;
+}
+
 }  // namespace
 
 ChromaticLag chromatic_lag(const ChromaticShift& shift, const geometry::Camera& projector,
@@ -269,6 +305,11 @@ ChannelModel channel_model(ChannelShift shift, const ChromaticLag& lag,
   Plane turn = expected_pixel * static_cast<float>(lag.slope) + static_cast<float>(lag.offset);
   if (!shift.none()) turn += shift.turn;
   return {std::move(shift), lag, nodes_of(turn.cos()), nodes_of(turn.sin())};
+}
+
+ChromaticModel part_of(const ChromaticModel& model, const ImagePart& part) {
+  return {part_of(model.expected_pixel, part),
+          {part_of(model.channels[0], part), part_of(model.channels[1], part)}};
 }
 
 void combine_channels(const std::vector<Demodulated>& channels, const ChromaticModel& model,

@@ -5,6 +5,7 @@
 #include <array>
 #include <vector>
 
+#include "image/image_part.h"
 #include "palpate/sensing/pattern.h"
 #include "palpate/sensing/rig.h"
 #include "phase/demodulation.h"
@@ -69,6 +70,9 @@ struct ChromaticModel {
   Plane expected_pixel;
   std::array<ChannelModel, 2> channels;
 };
+/// The model of a part of the image, without the shifts' turns, which are in its cosines and sines.
+/// A pixel whose place is outside the part has none.
+[[nodiscard]] ChromaticModel part_of(const ChromaticModel& model, const ImagePart& part);
 
 /// Share of red and of blue in the sum of all channels: Re(channel conj(sum)) / |sum|^2. Empty for
 /// frames of one channel.

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <future>
+#include <opencv2/imgproc.hpp>
 #include <vector>
 
 #include "image/image_plane.h"
@@ -238,6 +239,41 @@ TEST(Decoder, ReachesItsTargetsOnTheBundledFrames) {
     check(decoder, std::string("frames/") + name + ".png", std::string("truth/") + name);
   }
   check(verging, "verging/frame.png", "verging/truth");
+}
+
+TEST(Decoder, AnObjectHasTheSameDepthsWhateverElseIsLit) {
+  Rig rig = make_rig(true);
+  rig.camera = {.width = 640, .height = 480, .fx = 1100, .fy = 1100, .cx = 319.5, .cy = 239.5};
+  rig.red.alpha = 1.003;
+  rig.blue.alpha = 0.997;
+  rig.covariance = Eigen::MatrixXd::Identity(kRigParameters, kRigParameters) * 1e-8;
+  const Surface ball = sphere({-40, 35, 620}, 45);
+  for (const Axis axis : {Axis::x, Axis::y}) {
+    const Pattern pattern = make_pattern(axis, 20, axis == Axis::x ? 768 : 1024);
+    Scene alone = render(rig, pattern, ball);
+    add_noise(alone.frame, 0.005, 1);
+    // Lights without a sinusoid; with them, the decoder cannot leave out any part of the frame.
+    cv::Mat lights = alone.frame.clone();
+    const cv::Point corners[] = {{10, 10}, {rig.camera.width - 10, rig.camera.height - 10}};
+    for (const cv::Point& corner : corners)
+      cv::circle(lights, corner, 8, cv::Scalar(0, 0, 40000), cv::FILLED);
+    for (const bool half : {false, true}) {
+      const Decoder decoder(rig, pattern, ideal_colors(), {.half_resolution = half});
+      const DecodeResult expected = decoder.decode(lights);
+      const DecodeResult result = decoder.decode(alone.frame);
+      const auto in_both = result.range.z.isFinite() && expected.range.z.isFinite();
+      const auto in_one = result.range.z.isFinite() != expected.range.z.isFinite();
+      EXPECT_GT(in_both.count(), half ? 2500 : 10000);
+      EXPECT_LE(in_one.count(), in_both.count() / 50);
+      // What is estimated from samples of the frame decides how doubtful pixels are corrected.
+      const auto change = (result.range.z - expected.range.z) / expected.noise;
+      EXPECT_LE(
+          std::sqrt(in_both.select(change.square(), 0).sum() / static_cast<float>(in_both.count())),
+          0.2F);
+      const auto ratio = result.noise / expected.noise;
+      EXPECT_NEAR(in_both.select(ratio, 0).sum() / static_cast<float>(in_both.count()), 1, 0.15F);
+    }
+  }
 }
 
 TEST(Decoder, NothingOfAnEarlierFrameIsLeftInAResult) {

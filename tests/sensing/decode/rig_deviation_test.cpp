@@ -38,7 +38,7 @@ TEST(RigDeviation, IsTheScatterOfDepthsWhenEachParameterChanges) {
     z(301, 77) = 431;
     Plane sigma = Plane::Constant(rows, columns, 0.03F);
     Plane noise;
-    deviation.add(z, sigma, noise);
+    deviation.add(z, {}, sigma, noise);
     EXPECT_TRUE((noise == 0.03F).all());
     const Triangulation exact(rig);
     for (const auto& [row, column] : {std::pair{100, 200}, {301, 77}, {240, 400}, {333, 311}}) {
@@ -63,6 +63,18 @@ TEST(RigDeviation, IsTheScatterOfDepthsWhenEachParameterChanges) {
   }
 }
 
+TEST(RigDeviation, IsTheSameInAPartOfTheImage) {
+  const Rig rig = uncertain_rig();
+  const RigDeviation deviation(rig, Axis::y, {.z = 500}, 480, 640);
+  const ImagePart part{.row = 16, .column = 48, .rows = 101, .columns = 333};
+  const Plane z = 480 + 30 * Plane::Random(480, 640);
+  Plane sigma = Plane::Constant(480, 640, 0.03F), noise;
+  deviation.add(z, {}, sigma, noise);
+  Plane of_part = Plane::Constant(part.rows, part.columns, 0.03F);
+  deviation.add(part_of(z, part), part, of_part, noise);
+  EXPECT_TRUE((of_part == part_of(sigma, part)).all());
+}
+
 TEST(RigDeviation, UnknownDepthsStayUnknown) {
   const Rig rig = uncertain_rig();
   const RigDeviation deviation(rig, Axis::y, {.z = 500}, 480, 640);
@@ -72,7 +84,7 @@ TEST(RigDeviation, UnknownDepthsStayUnknown) {
   z(479, 639) = 1e6F;  // far beyond the table
   z(0, 0) = 1;         // far before it
   Plane noise;
-  deviation.add(z, sigma, noise);
+  deviation.add(z, {}, sigma, noise);
   EXPECT_TRUE(std::isnan(sigma(7, 9)) && std::isnan(noise(7, 9)));
   EXPECT_TRUE(std::isfinite(sigma(479, 639)) && std::isfinite(sigma(0, 0)));
   EXPECT_EQ(sigma.isFinite().count(), sigma.size() - 1);

@@ -74,6 +74,41 @@ TEST(Chromatic, ResamplingBringsARescaledChannelBack) {
   }
 }
 
+TEST(Chromatic, APartIsCombinedAsInTheWholeImage) {
+  geometry::Camera camera{
+      .width = 130, .height = 120, .fx = 200, .fy = 200, .cx = 64.5, .cy = 59.5};
+  camera.distortion = {-0.1, 0.02, 1e-3, -1e-3, 0, 0, 0, 0};
+  const Plane pixel = Plane::Random(120, 130);
+  std::vector<Demodulated> channels(3);
+  for (Demodulated& channel : channels)
+    channel = {Plane::Random(120, 130), Plane::Random(120, 130), Plane::Zero(120, 130)};
+  ChromaticModel model{.expected_pixel = pixel, .channels = {}};
+  for (const std::size_t i : {0U, 1U}) {
+    model.channels[i] = channel_model(
+        channel_shift(camera, i == 0 ? 1.02 : 0.985, geometry::pixel_rays(camera), {.along = 0.8}),
+        {.slope = 0.1, .offset = 0.2}, pixel);
+  }
+  Combined whole;
+  combine_channels(channels, model, whole);
+  for (const ImagePart part : {ImagePart{32, 16, 61, 77}, ImagePart{0, 48, 120, 82}}) {
+    std::vector<Demodulated> of_part;
+    for (const Demodulated& channel : channels)
+      of_part.push_back({part_of(channel.re, part), part_of(channel.im, part), {}});
+    Combined combined;
+    combine_channels(of_part, part_of(model, part), combined);
+    // Beside the border, a channel's place may be outside the part.
+    const auto inner = [](const auto& image) {
+      return image.block(3, 3, image.rows() - 6, image.cols() - 6).eval();
+    };
+    for (const auto& [image, expected] : {std::pair{&combined.re, &whole.re},
+                                          {&combined.im, &whole.im},
+                                          {&combined.shares.red, &whole.shares.red},
+                                          {&combined.shares.blue, &whole.shares.blue}}) {
+      EXPECT_TRUE((inner(*image) == inner(Plane(part_of(*expected, part)))).all());
+    }
+  }
+}
+
 TEST(Chromatic, SharesSumToOneWithGreen) {
   const Plane one = Plane::Constant(4, 5, 1.0F);
   ChromaticModel model;
