@@ -15,6 +15,7 @@
 #include "decode/decode_options.h"
 #include "decode/decoder_geometry.h"
 #include "decode/evidence.h"
+#include "decode/hidden_steps.h"
 #include "decode/plausibility.h"
 #include "decode/rig_deviation.h"
 #include "decode/tinted_surfaces.h"
@@ -345,6 +346,10 @@ void Decoder::Impl::find_regions(Workspace& work) const {
 
 /// Removes the phases of windows that mix two surfaces, or a surface and the dark beside it.
 void Decoder::Impl::drop_borders(Workspace& work) const {
+  if (stripes) {
+    find_hidden_steps(work.demodulated.channels, work.phase, work.hue, stripes->classifier,
+                      stripes->colors, work.model(model), work.either_surface);
+  }
   bridge_gaps(work.lit, work.phase, kBlurRadius, kBreak, work.breaks);
   erode(work.breaks, kBlurRadius, work.inner);
   give_reason_unless(work.inner, Reason::border, work.reasons);
@@ -361,6 +366,7 @@ void Decoder::Impl::drop_borders(Workspace& work) const {
              reach, work.breaks);
   keep_above(work.sigma, kMisfit, work.breaks);
   give_reason(work.breaks, Reason::border, work.reasons);
+  if (stripes) give_reason(work.either_surface, Reason::border, work.reasons);
   keep_reconstructed(work.reasons, work.phase);
 }
 

@@ -54,6 +54,7 @@ struct Workspace {
   Plane phase;          ///< absolute; NaN where unknown
   Mask inner;           ///< lit, with lit surroundings
   Mask breaks;          ///< close to a discontinuity of the phase
+  Mask either_surface;  ///< beside a discontinuity by whole turns, on one side or the other
   SurfaceImages surfaces;
   ColorSays says;
   Mask contradicting;  ///< contradicted by the colours around
