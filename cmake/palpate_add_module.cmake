@@ -47,14 +47,25 @@ function(palpate_add_module name)
 endfunction()
 
 # palpate_add_loaded_module(name COMPONENT ... SOURCES ... LIBRARIES ...)
-# A part of one of the libraries or programs that is loaded when it is used first: palpate/sensing/module.h. All lie beside
-# the sensing library.
+# A part of one of the libraries or programs that is loaded when it is used first: palpate/module.h. All lie beside the
+# geometry library.
 set(PALPATE_MODULE_ENDING -${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}${CMAKE_SHARED_MODULE_SUFFIX})
 function(palpate_add_loaded_module name)
   cmake_parse_arguments(ARG "" "COMPONENT" "SOURCES;LIBRARIES" ${ARGN})
   add_library(palpate_${name}_module MODULE ${ARG_SOURCES})
   target_link_libraries(palpate_${name}_module PRIVATE ${ARG_LIBRARIES} palpate_warnings)
   set_target_properties(palpate_${name}_module PROPERTIES
-    OUTPUT_NAME palpate_${name} SUFFIX ${PALPATE_MODULE_ENDING} LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/sensing)
+    OUTPUT_NAME palpate_${name} SUFFIX ${PALPATE_MODULE_ENDING} LIBRARY_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/geometry)
   install(TARGETS palpate_${name}_module LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT ${ARG_COMPONENT})
+endfunction()
+
+# palpate_add_library_module(library name SOURCES ... LIBRARIES ...)
+# A module of palpate::<library>, which it cannot link: what it shares with it is in headers, or compiled once more.
+function(palpate_add_library_module library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LIBRARIES" ${ARGN})
+  list(TRANSFORM ARG_SOURCES PREPEND src/)
+  palpate_add_loaded_module(${name} COMPONENT ${library} SOURCES ${ARG_SOURCES} LIBRARIES ${ARG_LIBRARIES})
+  target_include_directories(palpate_${name}_module PRIVATE src include)
+  target_compile_options(palpate_${name}_module PRIVATE -ffp-contract=off)
+  add_dependencies(palpate_${library} palpate_${name}_module)
 endfunction()

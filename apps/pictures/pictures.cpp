@@ -2,13 +2,13 @@
 // SPDX-License-Identifier: Apache-2.0
 // Each function calls the one of the same name in the module `pictures`, which loads VTK.
 #include "drawings.h"
-#include "palpate/sensing/module.h"
+#include "palpate/module.h"
 
 namespace palpate::pictures {
 namespace {
 
 const Drawings& drawings() {
-  static const void* const loaded = sensing::module_symbol("pictures");
+  static const void* const loaded = module_symbol("pictures");
   return *static_cast<const Drawings*>(loaded);
 }
 

@@ -58,10 +58,12 @@ foreach(compiler IN LISTS compilers)
   endif()
   foreach(flag IN LISTS flags)
     string(MAKE_C_IDENTIFIER vertices${flag} vertices)
-    run(${build_dir}/${vertices} ${build_dir}/grid.ply)
-    if(NOT output MATCHES "every vertex came back")
-      message(FATAL_ERROR "a program of ${compiler} with '${flag}' printed: ${output}")
-    endif()
+    foreach(ending IN ITEMS ply glb)  # the latter by a module
+      run(${build_dir}/${vertices} ${build_dir}/grid.${ending})
+      if(NOT output MATCHES "every vertex came back")
+        message(FATAL_ERROR "a program of ${compiler} with '${flag}' printed: ${output}")
+      endif()
+    endforeach()
   endforeach()
   # Without the target's definitions the headers refuse what would crash.
   execute_process(COMMAND ${CMAKE_COMMAND} --build ${build_dir} --target without_definitions
@@ -129,9 +131,10 @@ if((with_cgal MATCHES "ON" AND NOT notice MATCHES "CGAL") OR (with_cgal MATCHES 
   message(FATAL_ERROR "${with_cgal} and the installed NOTICE contradict each other:\n${notice}")
 endif()
 
-# 4. What reads videos and images by OpenCV, cameras, and what draws pictures, is loaded when it is needed, from where the libraries lie now.
+# 4. What reads videos and images by OpenCV, cameras, PCL, assimp and what draws pictures are loaded when they are needed, from
+# where the libraries lie now.
 run(ldd ${prefix}/bin/palpate)
-if(output MATCHES "libopencv_(imgcodecs|videoio)|libaravis|libglfw|libvtk")
+if(output MATCHES "libopencv_(imgcodecs|videoio)|libaravis|libglfw|libvtk|libassimp|libpcl")
   message(FATAL_ERROR "palpate loads ${CMAKE_MATCH_0} at each start:\n${output}")
 endif()
 set(video ${SCRATCH_DIR}/broken.avi)
@@ -144,6 +147,8 @@ function(decode_video)
   set(status ${status} PARENT_SCOPE)
   set(output "${output}" PARENT_SCOPE)
 endfunction()
+set(hand ${CONSUMER_DIR}/../../../meshes/hand.ply)
+run(${prefix}/bin/palpate compare ${hand} ${hand} --align --method point_to_plane)
 run(${prefix}/bin/palpate compare ${prefix}/share/palpate/demo/truth/plane.tiff ${prefix}/share/palpate/demo/truth/plane.tiff
     --picture ${SCRATCH_DIR}/differences.png)
 if(NOT EXISTS ${SCRATCH_DIR}/differences.png)
@@ -156,7 +161,7 @@ endif()
 file(GLOB_RECURSE module ${prefix}/libpalpate_video_capture*)
 file(REMOVE ${module})
 decode_video()
-if(NOT status EQUAL 1 OR NOT output MATCHES "libpalpate_video_capture.*cannot be loaded.*beside libpalpate_sensing")
+if(NOT status EQUAL 1 OR NOT output MATCHES "libpalpate_video_capture.*cannot be loaded.*beside libpalpate_geometry")
   message(FATAL_ERROR "a module that is missing is not named (${status}):\n${output}")
 endif()
 

@@ -7,15 +7,13 @@
 #include <memory>
 
 #include "palpate/geometry/registration.h"
-#include "palpate/geometry/triangle_mesh.h"
 
 namespace palpate::geometry {
 
-/// A mesh's vertices with normals, and PCL's search tree for them.
+/// Points with normals, and PCL's search tree for them.
 class VertexCloud {
  public:
-  explicit VertexCloud(const TriangleMesh& mesh);
-  ~VertexCloud();
+  virtual ~VertexCloud() = default;
   VertexCloud(const VertexCloud&) = delete;
   VertexCloud& operator=(const VertexCloud&) = delete;
 
@@ -26,12 +24,20 @@ class VertexCloud {
   };
   /// PCL's iterated closest points with pairs at most `max_distance` apart. Preconditions: finite
   /// points, and one of PCL's methods.
-  [[nodiscard]] Outcome align(const Eigen::Matrix3Xd& points, RegistrationMethod method,
-                              double max_distance, int max_iterations) const;
+  [[nodiscard]] virtual Outcome align(const Eigen::Matrix3Xd& points, RegistrationMethod method,
+                                      double max_distance, int max_iterations) const = 0;
 
- private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+ protected:
+  VertexCloud() = default;
+};
+
+/// What the module `registration_pcl` does.
+struct VertexClouds {
+  /// Of the points whose normals are finite; both are 3 x V.
+  std::unique_ptr<const VertexCloud> (*create)(const Eigen::Matrix3Xd& points,
+                                               const Eigen::Matrix3Xd& normals);
 };
 
 }  // namespace palpate::geometry
+
+extern "C" const palpate::geometry::VertexClouds palpate_registration_pcl;

@@ -13,6 +13,7 @@
 #include "base/numbers.h"
 #include "mesh/edge_table.h"
 #include "palpate/error.h"
+#include "palpate/module.h"
 #include "palpate/parallel_for.h"
 #include "registration/registration_pcl.h"
 
@@ -62,6 +63,11 @@ std::vector<bool> maybe_on_border(const TriangleMesh& mesh) {
   std::transform(sums.begin(), sums.end(), maybe.begin(),
                  [](std::uint64_t sum) { return sum != 0; });
   return maybe;
+}
+
+const VertexClouds& vertex_clouds() {
+  static const void* const clouds = module_symbol("registration_pcl");
+  return *static_cast<const VertexClouds*>(clouds);
 }
 
 }  // namespace
@@ -195,8 +201,9 @@ void RegistrationTarget::Impl::pair_coarsely(const Eigen::Matrix3Xd& points,
 }
 
 const VertexCloud& RegistrationTarget::Impl::vertex_cloud() const {
-  std::call_once(cloud_made_,
-                 [this] { cloud_ = std::make_unique<const VertexCloud>(tree.mesh()); });
+  std::call_once(cloud_made_, [this] {
+    cloud_ = vertex_clouds().create(tree.mesh().vertices, vertex_normals(tree.mesh()));
+  });
   return *cloud_;
 }
 

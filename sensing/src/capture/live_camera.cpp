@@ -6,8 +6,8 @@
 #include "capture/simulated_camera.h"
 #include "capture/v4l2_camera.h"
 #include "palpate/error.h"
+#include "palpate/module.h"
 #include "palpate/require.h"
-#include "palpate/sensing/module.h"
 
 namespace palpate::sensing {
 

@@ -22,7 +22,7 @@
 #include "files/video_capture.h"
 #include "palpate/error.h"
 #include "palpate/file_names.h"
-#include "palpate/sensing/module.h"
+#include "palpate/module.h"
 
 namespace palpate::sensing {
 namespace {

@@ -7,8 +7,8 @@
 
 #include "files/storage_file.h"
 #include "palpate/error.h"
+#include "palpate/module.h"
 #include "palpate/output_file.h"
-#include "palpate/sensing/module.h"
 
 namespace palpate::sensing {
 namespace {

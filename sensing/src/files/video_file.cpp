@@ -11,7 +11,7 @@
 #include "files/storage_file.h"
 #include "palpate/error.h"
 #include "palpate/file_names.h"
-#include "palpate/sensing/module.h"
+#include "palpate/module.h"
 
 namespace palpate::sensing {
 namespace {

@@ -1,26 +1,16 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/sensing/module.h"
-
 #include <gtest/gtest.h>
 
 #include <atomic>
 #include <thread>
 #include <vector>
 
-#include "palpate/error.h"
 #include "palpate/sensing/frame.h"
 #include "test_files.h"
 
 namespace palpate::sensing {
 namespace {
-
-TEST(Module, OneThatIsMissingIsNamedWithTheFolderWhereItHasToBe) {
-  const std::string message = message_of<Error>([] { (void)module_symbol("nowhere"); });
-  EXPECT_NE(message.find("/libpalpate_nowhere-"), std::string::npos) << message;
-  EXPECT_NE(message.find("cannot open shared object file"), std::string::npos) << message;
-  EXPECT_NE(message.find("installed beside libpalpate_sensing.so"), std::string::npos) << message;
-}
 
 TEST(Module, ThreadsMayNeedItForTheFirstTimeAtOnce) {
   const ScratchFolder folder;

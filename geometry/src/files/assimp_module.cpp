@@ -1,29 +1,28 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "files/file_formats.h"
-
+// The whole of the module `assimp`.
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
 #include <algorithm>
 #include <array>
+#include <assimp/Exporter.hpp>
 #include <assimp/Importer.hpp>
-#include <charconv>
-#include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <ostream>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
-#include "base/input_file.h"
+#include "files/assimp_files.h"
 #include "palpate/error.h"
-#include "palpate/file_names.h"
 
 namespace palpate::geometry {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr double kMetre = 1000;  // [mm]
 
 /// Accumulates the parts of a scene.
 struct Scene {
@@ -84,65 +83,7 @@ void take_columns(const std::array<const char*, N>& names,
       mesh.vertex_attributes.push_back({names[i], std::move(columns[i]), {}});
 }
 
-/// Assimp takes memory for all elements of a sparse accessor of glTF, though the file may have few.
-/// \throws FileError if that is beyond the limit.
-void check_sparse_accessors(std::string_view json, std::size_t file_size, const std::string& file) {
-  if (json.find("\"sparse\"") == std::string_view::npos) return;
-  constexpr std::string_view kCount = "\"count\"";
-  constexpr double kElement = 64;  // [bytes] the largest, a matrix of 4 x 4 floats
-  double needed = 0;
-  for (std::size_t at = json.find(kCount); at != std::string_view::npos;
-       at = json.find(kCount, at)) {
-    at = std::min(json.find_first_not_of(": \t\r\n", at + kCount.size()), json.size());
-    double count = 0;
-    std::from_chars(json.data() + at, json.data() + json.size(), count);
-    needed += kElement * count;
-  }
-  check_memory_to_read(needed, static_cast<double>(file_size), file);
-}
-
-/// Returns the JSON of a binary glTF file. Assimp believes the lengths in it, and takes up to 4 GB
-/// for each.
-/// \throws FileError if they are not those of the file.
-std::string_view checked_glb_json(std::string_view bytes, const std::string& file) {
-  constexpr std::size_t kChunkFrame = 8;                  // length, type
-  constexpr std::size_t kFirstChunk = 12, kLengthAt = 8;  // after magic, version, length
-  if (bytes.size() < kFirstChunk || !bytes.starts_with("glTF"))
-    throw FileError(file +
-                    ": does not begin with glTF and its length, as a binary glTF file does: it is "
-                    "damaged or of another format");
-  const auto word = [&](std::size_t at) {
-    std::uint32_t value = 0;
-    for (std::size_t i = 4; i-- > 0;)
-      value = value << 8U | static_cast<unsigned char>(bytes[at + i]);
-    return std::size_t{value};
-  };
-  const auto check = [&](const char* what, std::size_t from, std::size_t length) {
-    if (length <= bytes.size() - from) return;
-    throw FileError(file + ": says that " + what + " has " + std::to_string(length) +
-                    " bytes; the file has " + std::to_string(bytes.size() - from) +
-                    " there: it is damaged or truncated");
-  };
-  check("the file", 0, word(kLengthAt));
-  for (std::size_t at = kFirstChunk; bytes.size() - at >= kChunkFrame;) {
-    const std::size_t length = word(at);
-    at += kChunkFrame;
-    check("a part of it", at, length);
-    at += length;
-  }
-  if (bytes.size() - kFirstChunk < kChunkFrame) return {};
-  return bytes.substr(kFirstChunk + kChunkFrame, word(kFirstChunk));
-}
-
-}  // namespace
-
-PolygonMesh read_assimp_scene(const fs::path& path, std::string_view content,
-                              const std::string& ending) {
-  if (ending == ".glb" || ending == ".gltf") {
-    const std::string file = path.string();
-    check_sparse_accessors(ending == ".glb" ? checked_glb_json(content, file) : content,
-                           content.size(), file);
-  }
+PolygonMesh read(const fs::path& path, std::string_view content, const std::string& ending) {
   Assimp::Importer importer;
   if (!importer.IsExtensionSupported(ending))
     throw FileError(path.string() + ": the ending \"" + path.extension().string() +
@@ -160,9 +101,77 @@ PolygonMesh read_assimp_scene(const fs::path& path, std::string_view content,
   append_node(*whole, *whole->mRootNode, aiMatrix4x4(), scene);
   take_columns<3>({"nx", "ny", "nz"}, scene.normals, scene.mesh);
   take_columns<4>({"red", "green", "blue", "alpha"}, scene.colors, scene.mesh);
-  if (ending == ".gltf" || ending == ".glb") scene.mesh.unit = kMetre;
-  join_corners(scene.mesh);
   return std::move(scene.mesh);
 }
 
+constexpr float kMillimetre = 1e-3F;  // [m] glTF is in metres
+
+aiVector3D vector_of(const Eigen::Vector3d& from) {
+  return {static_cast<float>(from.x()), static_cast<float>(from.y()), static_cast<float>(from.z())};
+}
+
+// The destructors of assimp's classes free what their members point to.
+std::unique_ptr<aiMesh> mesh_of(const GlbMesh& file) {
+  auto part = std::make_unique<aiMesh>();
+  part->mPrimitiveTypes = aiPrimitiveType_TRIANGLE;
+  const Eigen::Matrix3Xd& vertices = file.mesh.vertices;
+  part->mNumVertices = static_cast<unsigned>(vertices.cols());
+  part->mVertices = new aiVector3D[part->mNumVertices];
+  for (Eigen::Index v = 0; v < vertices.cols(); ++v)
+    part->mVertices[v] = vector_of(vertices.col(v)) * kMillimetre;
+  if (const auto& normal = file.normals) {
+    part->mNormals = new aiVector3D[part->mNumVertices];
+    for (Eigen::Index v = 0; v < vertices.cols(); ++v)
+      part->mNormals[v] = vector_of(normal->col(v).normalized());
+  }
+  if (const auto& color = file.colors) {
+    part->mColors[0] = new aiColor4D[part->mNumVertices];
+    for (Eigen::Index v = 0; v < vertices.cols(); ++v) {
+      const Eigen::Vector4f rgba = color->col(v).cast<float>();
+      part->mColors[0][v] = {rgba[0], rgba[1], rgba[2], rgba[3]};
+    }
+  }
+  part->mNumFaces = static_cast<unsigned>(file.mesh.triangles.cols());
+  part->mFaces = new aiFace[part->mNumFaces];
+  for (unsigned t = 0; t < part->mNumFaces; ++t) {
+    aiFace& face = part->mFaces[t];
+    face.mNumIndices = 3;
+    face.mIndices = new unsigned[3];
+    for (unsigned k = 0; k < 3; ++k)
+      face.mIndices[k] = static_cast<unsigned>(
+          file.mesh.triangles(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(t)));
+  }
+  return part;
+}
+
+template <typename T>
+T** array_of(std::unique_ptr<T> only) {
+  auto** array = new T*[1];
+  array[0] = only.release();
+  return array;
+}
+
+void write_glb(std::ostream& stream, const GlbMesh& file, const char* what) {
+  aiScene scene;
+  scene.mMaterials = array_of(std::make_unique<aiMaterial>());
+  scene.mNumMaterials = 1;
+  scene.mMeshes = array_of(mesh_of(file));
+  scene.mNumMeshes = 1;
+  auto root = std::make_unique<aiNode>();
+  root->mMeshes = new unsigned[1]{0};
+  root->mNumMeshes = 1;
+  scene.mRootNode = root.release();
+  Assimp::Exporter exporter;
+  const aiExportDataBlob* const blob = exporter.ExportToBlob(&scene, "glb2", 0U);
+  if (blob == nullptr)
+    throw OutputError(std::string(what) + ": cannot be written: " + exporter.GetErrorString());
+  stream.write(static_cast<const char*>(blob->data), static_cast<std::streamsize>(blob->size));
+}
+
+}  // namespace
 }  // namespace palpate::geometry
+
+const palpate::geometry::AssimpFiles palpate_assimp{
+    .read = &palpate::geometry::read,
+    .write_glb = &palpate::geometry::write_glb,
+};

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-#include "palpate/sensing/module.h"
+#include "palpate/module.h"
 
 #include <dlfcn.h>
 
@@ -9,7 +9,7 @@
 
 #include "palpate/error.h"
 
-namespace palpate::sensing {
+namespace palpate {
 namespace {
 
 /// The file of this library.
@@ -38,4 +38,4 @@ const void* module_symbol(const std::string& name) {
   return symbol;
 }
 
-}  // namespace palpate::sensing
+}  // namespace palpate

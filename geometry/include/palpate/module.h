@@ -4,7 +4,7 @@
 
 #include <string>
 
-namespace palpate::sensing {
+namespace palpate {
 
 /// The address of the symbol `palpate_<name>` in the module `name` of palpate. Modules hold what
 /// needs many shared libraries that most runs do not use. They lie beside this library, and stay
@@ -12,4 +12,4 @@ namespace palpate::sensing {
 /// \throws Error if the module is missing, or a library that it needs.
 [[nodiscard]] const void* module_symbol(const std::string& name);
 
-}  // namespace palpate::sensing
+}  // namespace palpate

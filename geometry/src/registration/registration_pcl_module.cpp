@@ -1,5 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
+// The whole of the module `registration_pcl`.
 #include "registration/registration_pcl.h"
 
 #include <pcl/point_cloud.h>
@@ -51,44 +52,49 @@ VertexCloud::Outcome align_with(const Cloud::Ptr& source, const Cloud::Ptr& targ
   return outcome;
 }
 
-}  // namespace
+class PclCloud : public VertexCloud {
+ public:
+  PclCloud(const Eigen::Matrix3Xd& points, const Eigen::Matrix3Xd& normals) {
+    for (Eigen::Index v = 0; v < points.cols(); ++v) {
+      if (!normals.col(v).allFinite()) continue;
+      Point point;
+      point.getVector3fMap() = points.col(v).cast<float>();
+      point.getNormalVector3fMap() = normals.col(v).cast<float>();
+      cloud_->push_back(point);
+    }
+    tree_->setInputCloud(cloud_);
+  }
 
-struct VertexCloud::Impl {
-  Cloud::Ptr cloud{new Cloud};
-  pcl::search::KdTree<Point>::Ptr tree{new pcl::search::KdTree<Point>};
+  [[nodiscard]] Outcome align(const Eigen::Matrix3Xd& points, RegistrationMethod method,
+                              double max_distance, int max_iterations) const override {
+    const Cloud::Ptr source(new Cloud);
+    for (const auto& point : points.colwise()) {
+      Point p;
+      p.getVector3fMap() = point.cast<float>();
+      // The point-to-plane step uses only the target's normals, but PCL ignores sources without
+      // normals.
+      p.getNormalVector3fMap() = Eigen::Vector3f::UnitZ();
+      source->push_back(p);
+    }
+    if (method == RegistrationMethod::point_to_plane) {
+      return align_with<pcl::IterativeClosestPointWithNormals<Point, Point>>(
+          source, cloud_, tree_, max_distance, max_iterations);
+    }
+    return align_with<pcl::IterativeClosestPoint<Point, Point>>(source, cloud_, tree_, max_distance,
+                                                                max_iterations);
+  }
+
+ private:
+  Cloud::Ptr cloud_{new Cloud};
+  pcl::search::KdTree<Point>::Ptr tree_{new pcl::search::KdTree<Point>};
 };
 
-VertexCloud::VertexCloud(const TriangleMesh& mesh) : impl_(std::make_unique<Impl>()) {
-  const Eigen::Matrix3Xd normals = vertex_normals(mesh);
-  for (Eigen::Index v = 0; v < mesh.vertices.cols(); ++v) {
-    if (!normals.col(v).allFinite()) continue;
-    Point point;
-    point.getVector3fMap() = mesh.vertices.col(v).cast<float>();
-    point.getNormalVector3fMap() = normals.col(v).cast<float>();
-    impl_->cloud->push_back(point);
-  }
-  impl_->tree->setInputCloud(impl_->cloud);
+std::unique_ptr<const VertexCloud> create(const Eigen::Matrix3Xd& points,
+                                          const Eigen::Matrix3Xd& normals) {
+  return std::make_unique<const PclCloud>(points, normals);
 }
 
-VertexCloud::~VertexCloud() = default;
-
-VertexCloud::Outcome VertexCloud::align(const Eigen::Matrix3Xd& points, RegistrationMethod method,
-                                        double max_distance, int max_iterations) const {
-  const Cloud::Ptr source(new Cloud);
-  for (const auto& point : points.colwise()) {
-    Point p;
-    p.getVector3fMap() = point.cast<float>();
-    // The point-to-plane step uses only the target's normals, but PCL ignores sources without
-    // normals.
-    p.getNormalVector3fMap() = Eigen::Vector3f::UnitZ();
-    source->push_back(p);
-  }
-  if (method == RegistrationMethod::point_to_plane) {
-    return align_with<pcl::IterativeClosestPointWithNormals<Point, Point>>(
-        source, impl_->cloud, impl_->tree, max_distance, max_iterations);
-  }
-  return align_with<pcl::IterativeClosestPoint<Point, Point>>(source, impl_->cloud, impl_->tree,
-                                                              max_distance, max_iterations);
-}
-
+}  // namespace
 }  // namespace palpate::geometry
+
+const palpate::geometry::VertexClouds palpate_registration_pcl{&palpate::geometry::create};

@@ -1,0 +1,103 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+// What is checked before assimp reads a file, and done with what it read.
+#include "files/assimp_files.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "base/input_file.h"
+#include "files/file_formats.h"
+#include "palpate/error.h"
+#include "palpate/module.h"
+
+namespace palpate::geometry {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kMetre = 1000;  // [mm]
+
+const AssimpFiles& assimp_files() {
+  static const void* const files = module_symbol("assimp");
+  return *static_cast<const AssimpFiles*>(files);
+}
+
+/// Assimp takes memory for all elements of a sparse accessor of glTF, though the file may have few.
+/// \throws FileError if that is beyond the limit.
+void check_sparse_accessors(std::string_view json, std::size_t file_size, const std::string& file) {
+  if (json.find("\"sparse\"") == std::string_view::npos) return;
+  constexpr std::string_view kCount = "\"count\"";
+  constexpr double kElement = 64;  // [bytes] the largest, a matrix of 4 x 4 floats
+  double needed = 0;
+  for (std::size_t at = json.find(kCount); at != std::string_view::npos;
+       at = json.find(kCount, at)) {
+    at = std::min(json.find_first_not_of(": \t\r\n", at + kCount.size()), json.size());
+    double count = 0;
+    std::from_chars(json.data() + at, json.data() + json.size(), count);
+    needed += kElement * count;
+  }
+  check_memory_to_read(needed, static_cast<double>(file_size), file);
+}
+
+/// Returns the JSON of a binary glTF file. Assimp believes the lengths in it, and takes up to 4 GB
+/// for each.
+/// \throws FileError if they are not those of the file.
+std::string_view checked_glb_json(std::string_view bytes, const std::string& file) {
+  constexpr std::size_t kChunkFrame = 8;                  // length, type
+  constexpr std::size_t kFirstChunk = 12, kLengthAt = 8;  // after magic, version, length
+  if (bytes.size() < kFirstChunk || !bytes.starts_with("glTF"))
+    throw FileError(file +
+                    ": does not begin with glTF and its length, as a binary glTF file does: it is "
+                    "damaged or of another format");
+  const auto word = [&](std::size_t at) {
+    std::uint32_t value = 0;
+    for (std::size_t i = 4; i-- > 0;)
+      value = value << 8U | static_cast<unsigned char>(bytes[at + i]);
+    return std::size_t{value};
+  };
+  const auto check = [&](const char* what, std::size_t from, std::size_t length) {
+    if (length <= bytes.size() - from) return;
+    throw FileError(file + ": says that " + what + " has " + std::to_string(length) +
+                    " bytes; the file has " + std::to_string(bytes.size() - from) +
+                    " there: it is damaged or truncated");
+  };
+  check("the file", 0, word(kLengthAt));
+  for (std::size_t at = kFirstChunk; bytes.size() - at >= kChunkFrame;) {
+    const std::size_t length = word(at);
+    at += kChunkFrame;
+    check("a part of it", at, length);
+    at += length;
+  }
+  if (bytes.size() - kFirstChunk < kChunkFrame) return {};
+  return bytes.substr(kFirstChunk + kChunkFrame, word(kFirstChunk));
+}
+
+}  // namespace
+
+PolygonMesh read_assimp_scene(const fs::path& path, std::string_view content,
+                              const std::string& ending) {
+  if (ending == ".glb" || ending == ".gltf") {
+    const std::string file = path.string();
+    check_sparse_accessors(ending == ".glb" ? checked_glb_json(content, file) : content,
+                           content.size(), file);
+  }
+  PolygonMesh mesh = assimp_files().read(path, content, ending);
+  if (ending == ".gltf" || ending == ".glb") mesh.unit = kMetre;
+  join_corners(mesh);
+  return mesh;
+}
+
+void write_glb(std::ostream& stream, const MeshFile& file, const char* what) {
+  assimp_files().write_glb(stream,
+                           {.mesh = file.mesh,
+                            .normals = normals(file.vertex_attributes),
+                            .colors = colors(file.vertex_attributes)},
+                           what);
+}
+
+}  // namespace palpate::geometry
