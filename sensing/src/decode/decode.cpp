@@ -14,6 +14,7 @@
 #include "decode/color_evidence.h"
 #include "decode/decode_options.h"
 #include "decode/decoder_geometry.h"
+#include "decode/delivery.h"
 #include "decode/evidence.h"
 #include "decode/hidden_steps.h"
 #include "decode/plausibility.h"
@@ -95,43 +96,6 @@ void add_offsets(const Regions& regions, const std::vector<RegionOffset>& offset
 PALPATE_HOT_LOOP void scale_sigma(const float* z, const float* z_per_phase, float* __restrict sigma,
                                   long pixels) {
   for (long i = 0; i < pixels; ++i) sigma[i] = z[i] == z[i] ? sigma[i] * z_per_phase[i] : kUnknown;
-}
-
-/// Reasons of pixels outside the part, where too few are lit for a window.
-PALPATE_HOT_LOOP void give_reasons_around(const std::uint8_t* clipped, const std::uint8_t* lit,
-                                          std::uint8_t* __restrict reasons, long pixels) {
-  for (long i = 0; i < pixels; ++i) {
-    const std::uint8_t dark = lit[i] != 0 ? code(Reason::low_modulation) : code(Reason::unlit);
-    reasons[i] = clipped[i] != 0 ? code(Reason::saturated) : dark;
-  }
-}
-
-/// Reasons of the whole working image as if nothing of it had been decoded.
-void find_reasons_around(Workspace& work) {
-  const Mask& lit = work.image_lit;
-  find_clipped(work.image, work.clipped);
-  work.reasons_around.resize(lit.rows(), lit.cols());
-  give_reasons_around(work.clipped.data(), lit.data(), work.reasons_around.data(), lit.size());
-}
-
-/// Writes an image of the part into the result's image of the frame. If the part is all of it, they
-/// exchange their memory.
-/// \param around of the size of the working image.
-template <typename Image, typename Around>
-void deliver(Image& image, const Workspace& work, const Around& around, bool transposed,
-             Image& result) {
-  const ImagePart& part = work.part;
-  if (work.part_model && transposed) {
-    result = around.transpose();
-    result.block(part.column, part.row, part.columns, part.rows) = image.transpose();
-  } else if (work.part_model) {
-    result = around;
-    result.block(part.row, part.column, part.rows, part.columns) = image;
-  } else if (transposed) {
-    result = image.transpose();
-  } else {
-    result.swap(image);
-  }
 }
 
 }  // namespace
