@@ -22,7 +22,7 @@ namespace palpate::sensing {
 /// every stage overwrites its outputs.
 struct Workspace {
   std::vector<Plane> full_size;  ///< channels of the frame, if it is decoded at half its size
-  std::vector<Plane> image;      ///< channels of the working image; empty if the part is all of it
+  std::vector<Plane> image;      ///< channels of the working image; any if the part is all of it
   Mask image_lit;
   ImagePart part;
   std::optional<DecoderGeometry> part_model;  ///< empty if the part is the whole image
