@@ -11,6 +11,7 @@
 #include "palpate/geometry/cloud_clusters.h"
 #include "palpate/geometry/cloud_normals.h"
 #include "palpate/geometry/cloud_shapes.h"
+#include "shared/progress.h"
 
 namespace palpate::apps {
 namespace {
@@ -67,8 +68,10 @@ SolverError not_found(const std::string& name, double tolerance, const CloudSett
 }
 
 geometry::CloudShapeOptions shape_options(double tolerance, const CloudSettings& settings) {
-  return {
-      .tolerance = tolerance, .min_share = settings.min_share, .max_radius = settings.max_radius};
+  return {.tolerance = tolerance,
+          .min_share = settings.min_share,
+          .max_radius = settings.max_radius,
+          .progress = shown_as("looking for shapes")};
 }
 
 /// \throws InvalidInput if nothing was found since the points changed.
@@ -105,7 +108,8 @@ void mark_sphere(WorkedCloud& worked, double tolerance, const CloudSettings& set
 void mark_cylinder(WorkedCloud& worked, double tolerance, const CloudSettings& settings) {
   const Eigen::Matrix3Xd points = free_points(worked.cloud);
   std::optional<Eigen::Matrix3Xd> normals = geometry::normals(worked.cloud.attributes);
-  if (!normals) normals = geometry::cloud_normals(points).normals;
+  if (!normals)
+    normals = geometry::cloud_normals(points, {.progress = shown_as("finding normals")}).normals;
   const auto cylinder =
       geometry::find_cylinder(points, *normals, shape_options(tolerance, settings));
   if (!cylinder) throw not_found("cylinder", tolerance, settings);

@@ -16,6 +16,7 @@
 #include "palpate/geometry/error_statistics.h"
 #include "palpate/geometry/mesh_distance.h"
 #include "palpate/geometry/range_map_mesh.h"
+#include "shared/progress.h"
 
 namespace palpate::apps {
 namespace {
@@ -56,7 +57,9 @@ void crop(WorkedCloud& worked, const Eigen::AlignedBox3d& box) {
 
 void remove_outliers(WorkedCloud& worked, double max_deviations) {
   keep_only(worked, "outliers",
-            geometry::without_outliers(worked.cloud.points, {.max_deviations = max_deviations}),
+            geometry::without_outliers(
+                worked.cloud.points,
+                {.max_deviations = max_deviations, .progress = shown_as("looking for outliers")}),
             fmt::format("at most {:g} standard deviations farther than usual from their neighbours",
                         max_deviations));
 }
@@ -89,7 +92,8 @@ void sample_poisson(WorkedCloud& worked, double min_distance) {
 }
 
 void find_normals(WorkedCloud& worked, int neighbours, const CloudSettings& settings) {
-  geometry::CloudNormalOptions options{.neighbours = neighbours};
+  geometry::CloudNormalOptions options{.neighbours = neighbours,
+                                       .progress = shown_as("finding normals")};
   if (settings.viewpoint) options.viewpoints = *settings.viewpoint;
   const geometry::CloudNormals found = geometry::cloud_normals(worked.cloud.points, options);
   geometry::set_normals(worked.cloud.attributes, found.normals);

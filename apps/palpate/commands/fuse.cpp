@@ -118,12 +118,8 @@ geometry::Scan read_scan(const FuseCall& call, const fs::path& file) {
 /// Merges, with the names of files and options in messages.
 geometry::MergedScans merge_named(const FuseCall& call, const std::vector<geometry::Scan>& scans,
                                   const std::vector<std::string>& names) {
-  std::optional<Progress> progress("fusing");
   geometry::MergeScansOptions options = call.options;
-  options.progress = [&](int done, int total) {
-    progress->show(done, total);
-    if (done == total) progress.reset();  // then Ctrl-C ends the program at once
-  };
+  options.progress = shown_as("fusing");
   try {
     return geometry::merge_scans(scans, options);
   } catch (const InvalidInput& error) {

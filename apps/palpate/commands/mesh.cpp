@@ -41,20 +41,12 @@ struct MeshCall {
 
 /// Shows a bar once one of the steps that may take long has begun.
 MadeMesh make_with_bar(const MeshCall& call) {
-  std::optional<Progress> repairing, filling, removing, remeshing, decimating;
   MeshSteps steps = call.steps;
-  const auto show = [](std::optional<Progress>& progress, const char* what) {
-    return [&progress, what](int done, int total) {
-      if (!progress) progress.emplace(what);
-      progress->show(done, total);
-      if (done == total) progress.reset();
-    };
-  };
-  steps.repairing = show(repairing, "repairing");
-  steps.filling = show(filling, "filling holes");
-  steps.removing_intersections = show(removing, "removing self-intersections");
-  steps.remeshing = show(remeshing, "remeshing");
-  steps.decimating = show(decimating, "decimating");
+  steps.repairing = shown_as("repairing");
+  steps.filling = shown_as("filling holes");
+  steps.removing_intersections = shown_as("removing self-intersections");
+  steps.remeshing = shown_as("remeshing");
+  steps.decimating = shown_as("decimating");
   return make_mesh(call.inputs.front(), steps);
 }
 

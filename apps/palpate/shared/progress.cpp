@@ -8,6 +8,8 @@
 
 #include <cmath>
 #include <cstdio>
+#include <memory>
+#include <optional>
 #include <utility>
 
 namespace palpate::apps {
@@ -72,6 +74,15 @@ void Progress::print_line(int done, int total, const std::string& left) {
   if (tenths <= tenths_) return;
   tenths_ = tenths;
   std::fputs(fmt::format("palpate: {}: {} of {}{}\n", what_, done, total, left).c_str(), stderr);
+}
+
+std::function<void(int done, int total)> shown_as(const std::string& what) {
+  // Shared, because the callback of an option can be copied.
+  return [progress = std::make_shared<std::optional<Progress>>(), what](int done, int total) {
+    if (!*progress) progress->emplace(what);
+    (*progress)->show(done, total);
+    if (done == total) progress->reset();  // then Ctrl-C ends the program at once
+  };
 }
 
 }  // namespace palpate::apps

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
 #include <mutex>
 #include <string>
 
@@ -45,5 +46,9 @@ class Progress {
   long long tenths_ = 0;  ///< of the work, for which there are lines
   std::mutex mutex_;
 };
+
+/// For an option `progress` of the library: shows the progress from the first call to the one with
+/// done == total, after which there may be another. See `Progress`.
+[[nodiscard]] std::function<void(int done, int total)> shown_as(const std::string& what);
 
 }  // namespace palpate::apps

@@ -42,5 +42,16 @@ TEST(Progress, SaysNothingOfShortWorkOrWhereThereAreNoWarnings) {
   spdlog::set_level(level);
 }
 
+TEST(Progress, OfAnOptionEndsWithTheWorkAndBeginsAnewWithTheNext) {
+  testing::internal::CaptureStderr();
+  const auto progress = shown_as("finding normals");
+  progress(0, 2);
+  std::this_thread::sleep_for(std::chrono::milliseconds(1100));
+  progress(2, 2);
+  progress(0, 2);  // short work, of which nothing is said
+  progress(2, 2);
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "palpate: finding normals: 2 of 2\n");
+}
+
 }  // namespace
 }  // namespace palpate::apps
