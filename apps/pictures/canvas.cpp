@@ -8,13 +8,14 @@
 #include <vtkImageData.h>
 #include <vtkImageMapper.h>
 #include <vtkLogger.h>
+#include <vtkOpenGLRenderWindow.h>
 #include <vtkPNGWriter.h>
 #include <vtkPoints.h>
 #include <vtkPolyData.h>
 #include <vtkPolyDataMapper2D.h>
 #include <vtkProperty2D.h>
-#include <vtkRenderWindow.h>
 #include <vtkRenderer.h>
+#include <vtkRendererCollection.h>
 #include <vtkStringOutputWindow.h>
 #include <vtkTextActor.h>
 #include <vtkTextProperty.h>
@@ -125,6 +126,22 @@ void add_band(const std::vector<Eigen::Vector2d>& points, double half_width, vtk
   }
 }
 
+/// The window of all pictures on a connection. Its OpenGL context and the programs that this
+/// compiles take longer than most drawings: it stays until the process ends.
+vtkOpenGLRenderWindow* window_on(void* connection) {
+  static vtkOpenGLRenderWindow* window = nullptr;
+  if (window == nullptr || window->GetGenericDisplayId() != connection) {
+    window = dynamic_cast<vtkOpenGLRenderWindow*>(vtkRenderWindow::New());
+    window->SetDisplayId(connection);
+    window->SetOffScreenRendering(1);
+    window->SetShowWindow(false);
+    window->SetMultiSamples(kSamples);
+    window->SetNumberOfLayers(2);
+    window->SetFrameBlitModeToNoBlit();  // nobody looks at the window itself
+  }
+  return window;
+}
+
 }  // namespace
 
 Canvas::Canvas(int height, const std::string& title, const std::string& subtitle)
@@ -134,13 +151,8 @@ Canvas::Canvas(int height, const std::string& title, const std::string& subtitle
   // VTK reports on the console; a library does not. Messages are read in `write`.
   vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);
   vtkOutputWindow::SetInstance(messages_);
-  window_ = vtkSmartPointer<vtkRenderWindow>::New();
-  window_->SetDisplayId(display_.handle());
-  window_->SetOffScreenRendering(1);
-  window_->SetShowWindow(false);
+  window_ = window_on(display_.handle());
   window_->SetSize(kWidth, height);
-  window_->SetMultiSamples(kSamples);
-  window_->SetNumberOfLayers(2);
   const vtkNew<vtkRenderer> paper;
   paper->SetBackground(1, 1, 1);
   window_->AddRenderer(paper);
@@ -160,7 +172,10 @@ Canvas::Canvas(int height, const std::string& title, const std::string& subtitle
 }
 
 Canvas::~Canvas() {
-  window_ = nullptr;
+  while (vtkRenderer* renderer = window_->GetRenderers()->GetFirstRenderer()) {
+    window_->RemoveRenderer(renderer);
+  }
+  window_->ReleaseCurrent();  // another thread may draw the next picture
   vtkOutputWindow::SetInstance(previous_messages_);
 }
 

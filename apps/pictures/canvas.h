@@ -13,8 +13,8 @@
 #include "color_map.h"
 #include "offscreen_display.h"
 
+class vtkOpenGLRenderWindow;
 class vtkRenderer;
-class vtkRenderWindow;
 class vtkStringOutputWindow;
 class vtkOutputWindow;
 
@@ -90,10 +90,10 @@ class Canvas {
   void write(const std::filesystem::path& png);
 
  private:
-  OffscreenDisplay display_;  // first member: the window must be destroyed before its connection
+  OffscreenDisplay display_;  // first member: until the last one is gone it is this one's turn
   vtkSmartPointer<vtkOutputWindow> previous_messages_;
   vtkNew<vtkStringOutputWindow> messages_;
-  vtkSmartPointer<vtkRenderWindow> window_;
+  vtkOpenGLRenderWindow* window_;  // that of all pictures
   vtkNew<vtkRenderer> flat_;
   int height_;
   double top_;

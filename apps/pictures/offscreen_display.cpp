@@ -142,7 +142,7 @@ Server start_server() {
   return {child, ":" + number};
 }
 
-/// The X server in memory, one for the process: the static object in `connect` ends it.
+/// The X server in memory, one for the process: the static object in `memory_server` ends it.
 class MemoryServer {
  public:
   MemoryServer() = default;
@@ -156,15 +156,20 @@ class MemoryServer {
     }
   }
 
-  /// The server's name, started now unless it runs.
-  const std::string& name() {
+  /// Whether the server that was started still runs.
+  [[nodiscard]] bool runs() {
     const bool has_ended =
         server_.process > 0 && waitpid(server_.process, nullptr, WNOHANG) == server_.process;
     if (has_ended) {
       server_.process = -1;
       stop();
     }
-    if (server_.process < 0) {
+    return server_.process > 0;
+  }
+
+  /// The server's name, started now unless it runs.
+  const std::string& name() {
+    if (!runs()) {
       start();
     }
     return server_.name;
@@ -216,17 +221,25 @@ bool has_opengl(Display* connection) {
   return XQueryExtension(connection, "GLX", &opcode, &event, &error) != 0;
 }
 
-Display* connect() {
-  if (Display* desktop = XOpenDisplay(nullptr)) {
-    if (has_opengl(desktop)) {
-      return desktop;
-    }
-    XCloseDisplay(desktop);
-  }
+MemoryServer& memory_server() {
   static MemoryServer server;
-  Display* memory = XOpenDisplay(server.name().c_str());
+  return server;
+}
+
+Display* connect_to_desktop() {
+  Display* desktop = XOpenDisplay(nullptr);
+  if (desktop != nullptr && !has_opengl(desktop)) {
+    XCloseDisplay(desktop);
+    return nullptr;
+  }
+  return desktop;
+}
+
+Display* connect_to_memory() {
+  const std::string& name = memory_server().name();
+  Display* memory = XOpenDisplay(name.c_str());
   if (memory == nullptr) {
-    throw OutputError("pictures: Xvfb runs as " + server.name() + " but refuses the connection");
+    throw OutputError("pictures: Xvfb runs as " + name + " but refuses the connection");
   }
   if (!has_opengl(memory)) {
     XCloseDisplay(memory);
@@ -237,6 +250,21 @@ Display* connect() {
   return memory;
 }
 
+/// The connection of the process. One to a server in memory that has ended is left as it is, since
+/// Xlib ends the process that closes it.
+Display* connection() {
+  static Display* kept = nullptr;
+  static bool in_memory = false;
+  if (kept == nullptr || (in_memory && !memory_server().runs())) {
+    kept = connect_to_desktop();
+    in_memory = kept == nullptr;
+    if (in_memory) {
+      kept = connect_to_memory();
+    }
+  }
+  return kept;
+}
+
 std::mutex& drawing() {
   static std::mutex mutex;
   return mutex;
@@ -244,8 +272,6 @@ std::mutex& drawing() {
 
 }  // namespace
 
-OffscreenDisplay::OffscreenDisplay() : turn_(drawing()), connection_(connect()) {}
-
-OffscreenDisplay::~OffscreenDisplay() { XCloseDisplay(static_cast<Display*>(connection_)); }
+OffscreenDisplay::OffscreenDisplay() : turn_(drawing()), connection_(connection()) {}
 
 }  // namespace palpate::pictures

@@ -6,17 +6,17 @@
 
 namespace palpate::pictures {
 
-/// A connection to an X server on which VTK draws without showing a window.
+/// The process's connection to an X server, on which VTK draws without showing a window.
 ///
 /// If DISPLAY names a server with OpenGL, that one is used. Otherwise (on a server, in a container,
-/// in CI) the first connection of the process starts Debian's Xvfb, which draws in memory and ends
-/// with the process in all cases. Pictures are drawn one at a time: a second thread waits until the
-/// first one closes its connection.
+/// in CI) the first object of this kind starts Debian's Xvfb, which draws in memory and ends with
+/// the process in all cases. Pictures are drawn one at a time: a second thread waits until the
+/// object of the first one is gone. The connection stays for the next one, unless its Xvfb ended.
 class OffscreenDisplay {
  public:
   /// \throws OutputError, saying what to install, if there is no server and none can be started.
   OffscreenDisplay();
-  ~OffscreenDisplay();
+  ~OffscreenDisplay() = default;
   OffscreenDisplay(const OffscreenDisplay&) = delete;
   OffscreenDisplay& operator=(const OffscreenDisplay&) = delete;
 
