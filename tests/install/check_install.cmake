@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: Palpate contributors
 # SPDX-License-Identifier: Apache-2.0
 # Installs, then configures, builds and runs the consumer beside this file for several choices of components and flags.
+# LAUNCHER: of the compilers; ccache keeps what they made of the same installed headers.
 
 function(run)
   execute_process(COMMAND ${ARGV} RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
@@ -17,7 +18,7 @@ function(configure_consumer compiler prefix components)
   set(build_dir ${build_dir} PARENT_SCOPE)
   execute_process(
     COMMAND ${CMAKE_COMMAND} -G Ninja -S ${CONSUMER_DIR} -B ${build_dir} -U palpate_DIR -DCMAKE_BUILD_TYPE=Release
-            -DCMAKE_CXX_COMPILER=${compiler} "-DCMAKE_CXX_FLAGS=${CXX_FLAGS}" -DCMAKE_PREFIX_PATH=${prefix}
+            -DCMAKE_CXX_COMPILER=${compiler} "-DCMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER}" "-DCMAKE_CXX_FLAGS=${CXX_FLAGS}" -DCMAKE_PREFIX_PATH=${prefix}
             "-DCOMPONENTS=${components}" "-DVERTICES_FLAGS=${ARGN}"
             # Whoever asks for these would not find them:
             -DCMAKE_DISABLE_FIND_PACKAGE_VTK=ON -DCMAKE_DISABLE_FIND_PACKAGE_PCL=ON
@@ -116,7 +117,8 @@ endif()
 file(GLOB pkgconfig ${prefix}/lib*/pkgconfig ${prefix}/lib/*/pkgconfig)
 run(${CMAKE_COMMAND} -E env PKG_CONFIG_PATH=${pkgconfig} pkg-config --cflags --libs palpate_geometry)
 separate_arguments(flags UNIX_COMMAND "${CXX_FLAGS} ${output}")
-run(${CXX} -std=c++20 ${CONSUMER_DIR}/consumer.cpp -o ${SCRATCH_DIR}/by_pkgconfig ${flags})
+run(${LAUNCHER} ${CXX} -std=c++20 -c ${CONSUMER_DIR}/consumer.cpp -o ${SCRATCH_DIR}/by_pkgconfig.o ${flags})
+run(${CXX} ${SCRATCH_DIR}/by_pkgconfig.o -o ${SCRATCH_DIR}/by_pkgconfig ${flags})
 get_filename_component(library_dir ${pkgconfig} DIRECTORY)
 run(${CMAKE_COMMAND} -E env LD_LIBRARY_PATH=${library_dir} ${SCRATCH_DIR}/by_pkgconfig)
 if(NOT output MATCHES "12 triangles, 1.000 mm away")
