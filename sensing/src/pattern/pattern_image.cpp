@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <limits>
 #include <numbers>
+#include <vector>
 
 #include "palpate/error.h"
 #include "palpate/require.h"
@@ -87,6 +88,8 @@ class PanelMap {
     const Eigen::Vector2d direction = direction_in_camera(real_, as_green);
     return {drawn_.fx * direction.x() + drawn_.cx, drawn_.fy * direction.y() + drawn_.cy};
   }
+  /// Whether the first coordinate depends on u alone and the second on v alone.
+  [[nodiscard]] bool is_separable() const { return !rectify_; }
 
  private:
   const Rig& real_;
@@ -143,12 +146,29 @@ void draw_channel(const Pattern& pattern, const Light& light, int channel, const
   const Eigen::Index along = pattern.axis == Axis::x ? 0 : 1;
   const Eigen::Index across = 1 - along;
   const Eigen::Vector2d half_pixel = 0.5 * Eigen::Vector2d::Unit(across);
+  const auto light_at = [&](int u, int v) { return light(map(u, v)[along]); };
+  const auto color_at = [&](int u, int v) {
+    return stripes.mean(map(u - half_pixel.x(), v - half_pixel.y())[across],
+                        map(u + half_pixel.x(), v + half_pixel.y())[across]);
+  };
+  const auto set = [&](int u, int v, double value) {
+    image.ptr<T>(v)[3 * u + 2 - channel] = level<T>(value);
+  };
+  if (!map.is_separable()) {
+    for (int v = 0; v < image.rows; ++v) {
+      for (int u = 0; u < image.cols; ++u) set(u, v, color_at(u, v) * light_at(u, v));
+    }
+    return;
+  }
+  const std::array<int, 2> size = {image.cols, image.rows};
+  std::vector<double> lights, colors;
+  for (int i = 0; i < size[static_cast<std::size_t>(along)]; ++i) lights.push_back(light_at(i, i));
+  for (int i = 0; i < size[static_cast<std::size_t>(across)]; ++i) colors.push_back(color_at(i, i));
+  const std::vector<double>& of_columns = along == 0 ? lights : colors;
+  const std::vector<double>& of_rows = along == 0 ? colors : lights;
   for (int v = 0; v < image.rows; ++v) {
     for (int u = 0; u < image.cols; ++u) {
-      const double pixel = map(u, v)[along];
-      const double color = stripes.mean(map(u - half_pixel.x(), v - half_pixel.y())[across],
-                                        map(u + half_pixel.x(), v + half_pixel.y())[across]);
-      image.ptr<T>(v)[3 * u + 2 - channel] = level<T>(color * light(pixel));
+      set(u, v, of_columns[static_cast<std::size_t>(u)] * of_rows[static_cast<std::size_t>(v)]);
     }
   }
 }
@@ -205,10 +225,11 @@ class CodeBit {
 };
 
 /// Panels whose pixels are those of the pattern.
-auto straight() {
-  const auto identity = [](double u, double v) { return Eigen::Vector2d(u, v); };
-  return std::array{identity, identity, identity};
-}
+struct StraightMap {
+  [[nodiscard]] Eigen::Vector2d operator()(double u, double v) const { return {u, v}; }
+  [[nodiscard]] bool is_separable() const { return true; }
+};
+constexpr std::array<StraightMap, 3> kStraight = {};
 
 template <typename Light>
 cv::Mat draw_on(const Rig& rig, const DrawOptions& options, const Pattern& pattern,
@@ -268,7 +289,7 @@ cv::Mat draw_pattern(const Pattern& pattern, int width, int height, int bits) {
   check_pattern(pattern, "pattern");
   require_one_of("bits", bits, {8, 16});
   check_size(width, height);
-  return draw(pattern, Sinusoid(pattern, 0), width, height, bits, straight());
+  return draw(pattern, Sinusoid(pattern, 0), width, height, bits, kStraight);
 }
 
 std::vector<cv::Mat> draw_multishot(const Pattern& pattern, const Rig& rig,
@@ -284,7 +305,7 @@ std::vector<cv::Mat> draw_multishot(const Pattern& pattern, int width, int heigh
   require_one_of("bits", bits, {8, 16});
   check_size(width, height);
   return each_shot(pattern, [&](const auto& light) {
-    return draw(pattern, light, width, height, bits, straight());
+    return draw(pattern, light, width, height, bits, kStraight);
   });
 }
 
