@@ -3,6 +3,7 @@
 #include "palpate/sensing/frame.h"
 
 #include <opencv2/imgcodecs.hpp>
+#include <ostream>
 #include <string>
 
 #include "files/image_codecs.h"
@@ -11,6 +12,7 @@
 #include "files/storage_file.h"
 #include "palpate/error.h"
 #include "palpate/file_names.h"
+#include "palpate/output_file.h"
 
 namespace palpate::sensing {
 namespace {
@@ -87,7 +89,10 @@ void write_png(const std::filesystem::path& path, const cv::Mat& image) {
     throw InvalidInput("write_png(" + path.string() +
                        "): an image of 8 or 16 bit with 1 or 3 channels is expected");
   }
-  write_image(path, ".png", image);
+  const std::string bytes = encode_png(image);
+  write_file(path, [&](std::ostream& out) {
+    out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  });
 }
 
 }  // namespace palpate::sensing

@@ -19,4 +19,9 @@ namespace palpate::sensing {
 /// \throws InvalidInput saying what is damaged.
 [[nodiscard]] cv::Mat decode_png(const std::string& bytes);
 
+/// The bytes of a PNG file with an image of 1 or 3 channels (BGR) of 8 or 16 bit that is not empty,
+/// which is not checked. OpenCV's codecs, which take longer to load than most images to write, are
+/// not needed.
+[[nodiscard]] std::string encode_png(const cv::Mat& image);
+
 }  // namespace palpate::sensing

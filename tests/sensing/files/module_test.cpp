@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <opencv2/core.hpp>
 #include <thread>
 #include <vector>
 
+#include "files/image_codecs.h"
 #include "palpate/sensing/frame.h"
 #include "test_files.h"
 
@@ -19,8 +21,8 @@ TEST(Module, ThreadsMayNeedItForTheFirstTimeAtOnce) {
   std::atomic<int> same = 0;
   std::vector<std::thread> threads;
   for (int i = 0; i < 8; ++i) {
-    threads.emplace_back([&, file = folder / (std::to_string(i) + ".png")] {
-      write_png(file, image);
+    threads.emplace_back([&, file = folder / (std::to_string(i) + ".tiff")] {
+      sensing::write_image(file, ".tiff", image);
       same += cv::norm(read_frame(file), image, cv::NORM_INF) == 0 ? 1 : 0;
     });
   }

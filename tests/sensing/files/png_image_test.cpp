@@ -77,6 +77,25 @@ TEST(PngImage, AgreesWithOpenCvForEveryFilterDepthAndNumberOfChannels) {
   }
 }
 
+TEST(PngImage, WritesWhatOpenCvReads) {
+  for (const int type : {CV_8UC1, CV_8UC3, CV_16UC1, CV_16UC3}) {
+    for (const int width : {1, 2, 61}) {
+      const cv::Mat whole = scene(type, width);
+      // The second one is not continuous in memory.
+      for (const cv::Mat& image : {whole, whole(cv::Rect(width / 2, 3, width - width / 2, 40))}) {
+        const std::string bytes = encode_png(image);
+        EXPECT_EQ(find_png_damage(bytes), "");
+        const cv::Mat buffer(1, static_cast<int>(bytes.size()), CV_8U,
+                             const_cast<char*>(bytes.data()));
+        const cv::Mat read = cv::imdecode(buffer, cv::IMREAD_UNCHANGED);
+        ASSERT_EQ(read.type(), type);
+        ASSERT_EQ(read.size(), image.size());
+        EXPECT_EQ(cv::norm(read, image, cv::NORM_INF), 0);
+      }
+    }
+  }
+}
+
 TEST(PngImage, UndoesEachFilterAsTheStandardSays) {
   using namespace std::string_literals;
   // Rows of three pixels, each row with another filter: 10 20 30 | left | above | mean | Paeth.
