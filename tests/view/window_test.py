@@ -27,6 +27,7 @@ SIZE = ("--width", WIDTH, "--height", HEIGHT)
 LONGEST = 20          # s for anything
 TICK_BYTES, TOOL, CONTACT, STATE = 224, 160, 184, 208  # of a session: see haptics/loop_record.h
 STATES = ["free", "stick", "slip"]
+PRESSED = 700         # ticks of 1 ms, in which a tool sinks in
 
 
 class Server:
@@ -96,6 +97,11 @@ def ticks_of(session):
     for at in range(0, len(data) - TICK_BYTES + 1, TICK_BYTES):
         yield (struct.unpack_from("<3d", data, at + TOOL), struct.unpack_from("<3d", data, at + CONTACT),
                STATES[struct.unpack_from("<I", data, at + STATE)[0]])
+
+
+def touching(session):
+    """The number of ticks that touch, in a session that may still be written."""
+    return sum(state != "free" for _, _, state in ticks_of(session)) if b"\n" in session.read_bytes() else 0
 
 
 def wait_for(what, condition):
@@ -169,7 +175,7 @@ class WindowTest(unittest.TestCase):
 
             free = shot()
             self.server.do("mousemove", "--window", number, x, y, "mousedown", 1)
-            time.sleep(0.7)
+            wait_for("the press in the session", lambda: touching(session) > PRESSED)
             pressed = shot_when(lambda seen: arrow(seen) > 40 and different(free, seen) > 400)
             for step in range(1, 9):
                 self.server.do("mousemove", "--window", number, x + 8 * step, y)
@@ -199,7 +205,7 @@ class WindowTest(unittest.TestCase):
         self.assertEqual(replayed["different"], 0)
         ticks = list(ticks_of(session))
         self.assertEqual(len(ticks), replayed["replayed"])
-        self.assertGreater(sum(state != "free" for _, _, state in ticks), 300)
+        self.assertGreater(touching(session), PRESSED)
         self.check_trace(ticks)
         # The window plays it as well, to the middle of the press.
         pressing = [i for i, (_, _, state) in enumerate(ticks) if state != "free"]
