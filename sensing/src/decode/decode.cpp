@@ -34,6 +34,7 @@
 #include "phase/modulation.h"
 #include "phase/neighbour_mixing.h"
 #include "phase/phase_noise.h"
+#include "phase/texture_error.h"
 #include "phase/unmixing.h"
 #include "phase/wrapped_phase.h"
 #include "regions/phase_seams.h"
@@ -344,6 +345,7 @@ void Decoder::Impl::predict_sigma(Workspace& work) const {
       work.combined.shares,
       remaining_error(work.demodulated.channels, work.model(model).chromatic(), work.phase, pixels),
       work.sigma);
+  add_texture_error(work.demodulated.channels, work.combined, filter, work.sigma);
   scale_sigma(work.surfaces.z.data(), work.surfaces.z_per_phase.data(), work.sigma.data(),
               work.sigma.size());
   if (rig_deviation.is_known())
