@@ -110,24 +110,6 @@ Nearest nearest_on_triangle(const Eigen::Vector3d& point, const Corners& corners
   return best;
 }
 
-ShearedSegment::ShearedSegment(const Eigen::Vector3d& start, const Eigen::Vector3d& end)
-    : start_(start) {
-  const Eigen::Vector3d along = end - start;
-  // Without branches, which a processor could only guess.
-  const Eigen::Array3d extent = along.cwiseAbs();
-  const int larger = extent[1] > extent[0] ? 1 : 0;
-  const int largest = extent[2] > std::max(extent[0], extent[1]) ? 2 : larger;
-  axis_ = {(largest + 1) % 3, (largest + 2) % 3, largest};
-  length_ = along[axis_[2]];
-  shear_0_ = along[axis_[0]] / length_;
-  shear_1_ = along[axis_[1]] / length_;
-}
-
-Eigen::Vector3d ShearedSegment::shear(const Eigen::Vector3d& point) const {
-  const Eigen::Vector3d q = point - start_;
-  return {q[axis_[0]] - shear_0_ * q[axis_[2]], q[axis_[1]] - shear_1_ * q[axis_[2]], q[axis_[2]]};
-}
-
 Eigen::Vector3d ShearedSegment::direction() const {
   const double sign = length_ < 0 ? -1 : 1;
   Eigen::Vector3d direction;

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <limits>
 
 namespace palpate::geometry {
@@ -50,8 +52,23 @@ struct Nearest {
 /// exactly opposite signs, so no segment passes between them. Precondition: the ends differ.
 class ShearedSegment {
  public:
-  ShearedSegment(const Eigen::Vector3d& start, const Eigen::Vector3d& end);
-  [[nodiscard]] Eigen::Vector3d shear(const Eigen::Vector3d& point) const;
+  ShearedSegment(const Eigen::Vector3d& start, const Eigen::Vector3d& end) : start_(start) {
+    const Eigen::Vector3d along = end - start;
+    // Without branches, which a processor could only guess, and without divisions by 3.
+    const Eigen::Array3d extent = along.cwiseAbs();
+    const int larger = extent[1] > extent[0] ? 1 : 0;
+    const int largest = extent[2] > std::max(extent[0], extent[1]) ? 2 : larger;
+    constexpr std::array<std::array<int, 3>, 3> kOrders = {{{1, 2, 0}, {2, 0, 1}, {0, 1, 2}}};
+    axis_ = kOrders[static_cast<std::size_t>(largest)];
+    length_ = along[axis_[2]];
+    shear_0_ = along[axis_[0]] / length_;
+    shear_1_ = along[axis_[1]] / length_;
+  }
+  [[nodiscard]] Eigen::Vector3d shear(const Eigen::Vector3d& point) const {
+    const Eigen::Vector3d q = point - start_;
+    return {q[axis_[0]] - shear_0_ * q[axis_[2]], q[axis_[1]] - shear_1_ * q[axis_[2]],
+            q[axis_[2]]};
+  }
   [[nodiscard]] double length() const { return length_; }                 ///< signed, along axis 2
   [[nodiscard]] const std::array<int, 3>& axis() const { return axis_; }  ///< new order of the axes
   [[nodiscard]] double shear_0() const { return shear_0_; }

@@ -45,11 +45,13 @@ Clip clip_to_cube(const Eigen::Vector3d& start, const Eigen::Vector3d& along, do
 /// A segment or ray in the local frame, cut to the cube.
 struct LocalLine {
   Eigen::Vector3d start, end;
-  Clip clip;
+  /// No Clip, which would be copied as one piece just after it was stored in two; processors wait
+  /// long for that.
+  double clip_begin, clip_end;
 
   /// Fraction of the segment, or multiple of the ray's unit, from the fraction of what is cut out.
   [[nodiscard]] double along(double fraction) const {
-    return clip.begin + fraction * (clip.end - clip.begin);
+    return clip_begin + fraction * (clip_end - clip_begin);
   }
 };
 
@@ -63,7 +65,8 @@ std::optional<LocalLine> local_line(const SurfaceTree& tree, const Eigen::Vector
   if (clip.begin > clip.end) return std::nullopt;
   return LocalLine{.start = clip.begin > 0 ? local_start + clip.begin * along : local_start,
                    .end = clip.end < 1 ? local_start + clip.end * along : local_end,
-                   .clip = clip};
+                   .clip_begin = clip.begin,
+                   .clip_end = clip.end};
 }
 
 /// The direction of a ray, scaled to 1 along its main axis, so that its squared length is finite
@@ -91,7 +94,8 @@ std::optional<LocalLine> local_line(const SurfaceTree& tree, const Ray& ray) {
   if (clip.begin > clip.end) return std::nullopt;
   return LocalLine{.start = clip.begin > 0 ? origin + clip.begin * along : origin,
                    .end = clip.end > 0 ? origin + clip.end * along : origin,
-                   .clip = clip};
+                   .clip_begin = clip.begin,
+                   .clip_end = clip.end};
 }
 
 SegmentHit segment_hit(const SurfaceTree& tree, const LocalLine& line,
@@ -102,12 +106,13 @@ SegmentHit segment_hit(const SurfaceTree& tree, const LocalLine& line,
           .fraction = line.along(crossed.at.fraction)};
 }
 
-RayHit ray_hit(const SurfaceTree& tree, const Ray& ray, const LocalLine& line,
+/// \param unit [mm] length of the ray's `along_ray`.
+RayHit ray_hit(const SurfaceTree& tree, double unit, const LocalLine& line,
                const CrossedTriangle& crossed) {
   const SurfacePoint at{.triangle = crossed.triangle, .barycentric = crossed.at.barycentric};
   return {.at = at,
           .position = tree.position(crossed.place, at.barycentric),
-          .distance = line.along(crossed.at.fraction) * ray_unit(along_ray(ray), tree.scale())};
+          .distance = line.along(crossed.at.fraction) * unit};
 }
 
 void set_hit(FirstHits& hits, Eigen::Index i, const auto& hit, double along) {
@@ -174,7 +179,7 @@ std::optional<RayHit> SurfaceQuery::first_hit(const Ray& ray) const noexcept {
   if (!line) return std::nullopt;
   const CrossedTriangle crossed = tree_->first_crossing(line->start, line->end);
   if (crossed.triangle < 0) return std::nullopt;
-  return ray_hit(*tree_, ray, *line, crossed);
+  return ray_hit(*tree_, ray_unit(along_ray(ray), tree_->scale()), *line, crossed);
 }
 
 std::vector<SegmentHit> SurfaceQuery::all_hits(const Eigen::Vector3d& start,
@@ -182,8 +187,11 @@ std::vector<SegmentHit> SurfaceQuery::all_hits(const Eigen::Vector3d& start,
   std::vector<SegmentHit> hits;
   const std::optional<LocalLine> line = local_line(*tree_, start, end);
   if (!line) return hits;
-  for (const CrossedTriangle& crossed : tree_->all_crossings(line->start, line->end))
+  const std::vector<CrossedTriangle> crossings = tree_->all_crossings(line->start, line->end);
+  hits.reserve(crossings.size());
+  for (const CrossedTriangle& crossed : crossings) {
     hits.push_back(segment_hit(*tree_, *line, crossed));
+  }
   return hits;
 }
 
@@ -191,8 +199,12 @@ std::vector<RayHit> SurfaceQuery::all_hits(const Ray& ray) const {
   std::vector<RayHit> hits;
   const std::optional<LocalLine> line = local_line(*tree_, ray);
   if (!line) return hits;
-  for (const CrossedTriangle& crossed : tree_->all_crossings(line->start, line->end))
-    hits.push_back(ray_hit(*tree_, ray, *line, crossed));
+  const std::vector<CrossedTriangle> crossings = tree_->all_crossings(line->start, line->end);
+  hits.reserve(crossings.size());
+  const double unit = ray_unit(along_ray(ray), tree_->scale());
+  for (const CrossedTriangle& crossed : crossings) {
+    hits.push_back(ray_hit(*tree_, unit, *line, crossed));
+  }
   return hits;
 }
 

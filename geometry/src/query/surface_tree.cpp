@@ -28,8 +28,13 @@ constexpr double kOnSurface = 8 * std::numeric_limits<double>::epsilon();
 /// A refitted tree is rebuilt if traversing it costs this many times as much as when it was built.
 constexpr double kRebuildCost = 1.5;
 
+/// Few lines cross a surface more often, so that memory for the crossings is asked for only once.
+constexpr std::size_t kUsualCrossings = 8;
+
+/// At least x, and little more; without the branches of std::nextafter. Precondition: x >= 0.
 float round_up(double x) {
-  return std::nextafter(static_cast<float>(x), std::numeric_limits<float>::infinity());
+  return static_cast<float>(x) * (1 + 2 * std::numeric_limits<float>::epsilon()) +
+         std::numeric_limits<float>::min();
 }
 
 /// Ties go to the lower index.
@@ -127,14 +132,12 @@ struct SlabSegment {
   SlabSegment(const Eigen::Vector3d& start, const Eigen::Vector3d& end) {
     // A segment parallel to a side of a box is tilted by less than its rounding.
     constexpr float kLeast = 1e-18F;
-    const Eigen::Array3f along = (end - start).cast<float>();
     for (std::size_t k = 0; k < 3; ++k) {
       const auto axis = static_cast<int>(k);
-      const bool backwards = along[axis] < 0;
-      near_side[k] = backwards ? 1 : 0;
+      const auto along = static_cast<float>(end[axis] - start[axis]);
+      near_side[k] = std::signbit(along) ? 1 : 0;
       origin[k] = BoxLanes::Constant(static_cast<float>(start[axis]));
-      const float length = std::max(std::abs(along[axis]), kLeast);
-      inverse[k] = BoxLanes::Constant(1 / (backwards ? -length : length));
+      inverse[k] = BoxLanes::Constant(1 / std::copysign(std::max(std::abs(along), kLeast), along));
     }
   }
   /// Finds the boxes that it enters before `far`, and where.
@@ -287,7 +290,7 @@ const TrianglePacket& SurfaceTree::start_packet(int number) const {
 
 /// State of a segment query.
 struct SurfaceTree::CrossingSearch {
-  Eigen::Vector3d start, end;
+  const Eigen::Vector3d &start, &end;
   ShearedSegment segment;
   SegmentLanes lanes;
   float length;              ///< along the main axis
@@ -400,6 +403,7 @@ std::vector<CrossedTriangle> SurfaceTree::all_crossings(const Eigen::Vector3d& s
         if (!touches(end, place)) continue;
         crossing.fraction = 1;
       }
+      if (crossings.empty()) crossings.reserve(kUsualCrossings);
       crossings.push_back({.at = crossing, .triangle = triangle, .place = place});
     }
   };

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "query/triangle_packet.h"
 
+#include <cmath>
 #include <cstddef>
 
 namespace palpate::geometry {
@@ -80,7 +81,8 @@ SegmentLanes::SegmentLanes(const Eigen::Vector3d& start, const ShearedSegment& s
              static_cast<float>(start[axis_[2]])),
       shear_0_(static_cast<float>(segment.shear_0())),
       shear_1_(static_cast<float>(segment.shear_1())),
-      sign_(segment.length() < 0 ? -1.0F : 1.0F),
+      // Without a branch, which a processor could only guess.
+      sign_(static_cast<float>(std::copysign(1.0, segment.length()))),
       margin_(static_cast<float>(margin)) {}
 
 // The three areas of Woop, Benthin and Wald have the same sign where the segment meets the
