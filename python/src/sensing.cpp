@@ -232,7 +232,12 @@ void add_multishot(py::module_& module) {
       .def_readonly("disagreement", &MultishotResult::disagreement,
                     R"([rad] error of the phases that is not noise; NaN for three steps.
 
-From 0.02 on the images do not show one still scene under one steady light.)");
+From 0.02 on the images do not show one still scene under one steady light.)")
+      .def_readonly(
+          "code_jumps", &MultishotResult::code_jumps,
+          R"(Jumps of the phase by whole turns between neighbours, per turn that it runs on.
+
+From 0.02 on the images of the code are not those of the pattern, in its order.)");
   module.def(
       "decode_multishot",
       [](const std::vector<py::object>& images, const Rig& rig, const Pattern& pattern,

@@ -37,6 +37,7 @@ struct SceneOutcome {
   std::string error;  ///< empty if there is a range map
   FinishedFrame frame;
   double disagreement = 0;  ///< [rad]
+  double code_jumps = 0;    ///< per turn
   double read_milliseconds = 0;
   double write_milliseconds = 0;
 };
@@ -77,6 +78,7 @@ sensing::MultishotResult decode_scene(const MultishotCall& call, const Scene& sc
   sensing::MultishotResult result = call.decoder.decode(images);
   outcome.frame.milliseconds = milliseconds_since(start);
   outcome.disagreement = result.disagreement;
+  outcome.code_jumps = result.code_jumps;
   return result;
 }
 
@@ -90,6 +92,13 @@ void warn_of_scene(const SceneOutcome& outcome) {
         "{:.3f} rad. Object, camera or projector moved, the light flickered (expose for whole "
         "cycles of the projector), or the response is not linear (--response, or more steps).",
         outcome.frame.name, outcome.disagreement);
+  }
+  if (outcome.code_jumps >= sensing::kOrderedCodeJumps) {
+    spdlog::warn(
+        "{}: the code contradicts the sinusoid: between neighbours it jumps by whole periods, {:.2f} "
+        "times a period, so depths are likely to be wrong. Give the images in the order in which "
+        "the pattern was drawn, and the --pattern that was projected.",
+        outcome.frame.name, outcome.code_jumps);
   }
 }
 
@@ -115,7 +124,8 @@ void report(const Settings& settings, const MultishotCall& call,
                          {"median_depth", frame.median_depth},
                          {"ms", frame.milliseconds},
                          {"kept", false},
-                         {"disagreement", outcome.disagreement}});
+                         {"disagreement", outcome.disagreement},
+                         {"code_jumps", outcome.code_jumps}});
     prose += fmt::format("{} -> {}: {} pixels, median depth {}, {:.0f} ms\n", frame.name,
                          map.string(), frame.pixels,
                          frame.pixels > 0 ? fmt::format("{:.1f} mm", frame.median_depth) : "none",

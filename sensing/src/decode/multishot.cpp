@@ -32,6 +32,11 @@ constexpr double kLeastStep = 0.4;
 /// A pixel this far from such a step sees both surfaces [px].
 constexpr int kMixedPixels = 2;
 
+/// [rad] Such a step, where the carrier runs on by `along` [rad].
+float break_limit(double along) {
+  return static_cast<float>(std::max(kSteepest * std::abs(along), kLeastStep));
+}
+
 /// Checks the images; three equal channels become one.
 std::vector<cv::Mat> checked(std::span<const cv::Mat> images, int expected,
                              const geometry::Camera& camera) {
@@ -128,6 +133,24 @@ void drop_chance_agreements(const Plane& phase, ReasonImage& reasons) {
         reasons(row, column) = code(Reason::ambiguous_offset);
     }
   }
+}
+
+/// Jumps by whole turns from row to row beyond those that steps of the surface make by chance, per
+/// turn that the phase runs on.
+/// \param phase minus the carrier [rad], NaN where unknown
+/// \param along [rad] of the carrier from row to row
+double jumps_per_turn(const Plane& phase, double along) {
+  constexpr auto kTurn = static_cast<float>(kFullTurn);
+  constexpr double kWholeByChance = 2 * kLeastStep / kFullTurn;  // share of steps of any height
+  const long last = phase.rows() - 1;
+  const Plane step = phase.bottomRows(last) - phase.topRows(last);
+  const Plane turns = (step / kTurn).round();
+  const auto whole = (step - turns * kTurn).abs() < static_cast<float>(kLeastStep);
+  const auto jumps = static_cast<double>((whole && turns != 0).count());
+  const auto steps = static_cast<double>((step.abs() > break_limit(along) && !whole).count());
+  const auto pairs = static_cast<double>((step == step).count());
+  const double by_chance = steps * kWholeByChance / (1 - kWholeByChance);
+  return std::max(0.0, jumps - by_chance) / (pairs * std::abs(along) / kFullTurn);
 }
 
 /// Mean of the sinusoids of the first exposure where there is a depth.
@@ -338,10 +361,10 @@ MultishotResult MultishotDecoder::Impl::decode(std::span<const cv::Mat> given) c
   give_reason(edges, Reason::border, reasons);
   drop_chance_agreements(phase, reasons);
   keep_reconstructed(reasons, phase);
+  result.code_jumps = jumps_per_turn(phase, carrier.along);
 
   Mask breaks;
-  find_breaks(phase, std::max(kSteepest * std::abs(carrier.along), kLeastStep),
-              {kMixedPixels, kMixedPixels}, breaks);
+  find_breaks(phase, break_limit(carrier.along), {kMixedPixels, kMixedPixels}, breaks);
   give_reason(breaks, Reason::border, reasons);
   keep_reconstructed(reasons, phase);
   const ChromaticError chromatic =

@@ -241,6 +241,31 @@ TEST(Multishot, NoticesThatTheSceneMoved) {
       MultishotDecoder(rig, three).decode(take(rig, three, surface).images).disagreement));
 }
 
+TEST(Multishot, NoticesThatTheImagesOfTheCodeAreInAnotherOrder) {
+  for (const bool verging : {false, true}) {
+    const Rig rig = small_rig(verging);
+    const Pattern pattern = shots(rig, verging ? Axis::y : Axis::x, 16, 4);
+    // Two depths: a step is no jump of the code, though at a few pixels it may look like one.
+    const Surface surface = [](const Eigen::Vector2d& ray) {
+      return (ray.x() + ray.y() < 0 ? 600.0 : 640.0) + 40 * ray.x();
+    };
+    const Shots right = take(rig, pattern, surface, {.noise = true});
+    const MultishotDecoder decoder(rig, pattern);
+    EXPECT_LT(decoder.decode(right.images).code_jumps, kOrderedCodeJumps / 4);
+    const auto sinusoids = static_cast<long>(pattern.multishot->shifts.size());
+    std::vector<cv::Mat> reversed = right.images;
+    std::reverse(reversed.begin() + sinusoids, reversed.end());
+    EXPECT_GT(decoder.decode(reversed).code_jumps, 10 * kOrderedCodeJumps);
+    // The bits that are swapped must differ within the picture.
+    for (int bit = 2; bit + 1 < pattern.multishot->code_bits; ++bit) {
+      std::vector<cv::Mat> swapped = right.images;
+      std::swap(swapped[static_cast<std::size_t>(sinusoids + bit)],
+                swapped[static_cast<std::size_t>(sinusoids + bit + 1)]);
+      EXPECT_GT(decoder.decode(swapped).code_jumps, kOrderedCodeJumps) << "bit " << bit;
+    }
+  }
+}
+
 TEST(Multishot, GivesNoDepthWhereThereIsNoLightOrTheCodeContradictsThePhase) {
   const Rig rig = small_rig(false);
   const Pattern pattern = shots(rig, Axis::y, 30, 4);

@@ -32,6 +32,10 @@ struct MultishotResult {
   /// that flickers, or a response that is not linear. NaN for three steps, which leave no
   /// remainder.
   double disagreement = 0;
+  /// Jumps of the phase by whole turns between neighbours along the sinusoid, per turn that it runs
+  /// on. A depth step is hardly ever a whole number of turns, but a code of another order is wrong
+  /// by whole turns. NaN if no neighbours have phases.
+  double code_jumps = 0;
   /// Float in [0, 1], linear in the light, with the channels of the images: the surface under the
   /// mean light of the first exposure, which has no fringes; 0 where the depth is unknown.
   cv::Mat color;
@@ -39,6 +43,8 @@ struct MultishotResult {
 
 /// `disagreement` [rad] from which on the images do not show one still scene.
 inline constexpr double kStillDisagreement = 0.02;
+/// `code_jumps` from which on the images of the code are not those of the pattern, in its order.
+inline constexpr double kOrderedCodeJumps = 0.02;
 
 /// Decodes several images of a scene that holds still (`Multishot`) into one range map, pixel by
 /// pixel, with the same rig, reasons and depths as `Decoder`.
