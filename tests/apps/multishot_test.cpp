@@ -159,6 +159,11 @@ TEST_F(MultishotCommands, SayWhatIsWrongWithTheImages) {
   EXPECT_THAT(result.err, HasSubstr("do not show one still scene"));
 
   write_text(scratch / "frames/03.png", "broken");
+  result = decode({"frames"}, {"--multishot"});
+  EXPECT_EQ(result.status, kWrongCall);
+  const std::size_t said = result.err.find("03.png: ");
+  ASSERT_NE(said, std::string::npos) << result.err;
+  EXPECT_EQ(result.err.find("03.png: ", said + 1), std::string::npos) << result.err;
   take("other", 500);
   result = decode({"frames", "other"}, {"--multishot"});
   EXPECT_EQ(result.status, kWorkFailed);

@@ -95,7 +95,8 @@ void warn_of_scene(const SceneOutcome& outcome) {
   }
   if (outcome.code_jumps >= sensing::kOrderedCodeJumps) {
     spdlog::warn(
-        "{}: the code contradicts the sinusoid: between neighbours it jumps by whole periods, {:.2f} "
+        "{}: the code contradicts the sinusoid: between neighbours it jumps by whole periods, "
+        "{:.2f} "
         "times a period, so depths are likely to be wrong. Give the images in the order in which "
         "the pattern was drawn, and the --pattern that was projected.",
         outcome.frame.name, outcome.code_jumps);
@@ -195,12 +196,13 @@ void decode_multishot(const Settings& settings, MultishotCall call) {
       record.add(outcome.frame);
       outcome.write_milliseconds = milliseconds_since(writing);
       warn_of_scene(outcome);
-    } else {
-      spdlog::error("{}", outcome.error);
     }
     progress.show(static_cast<int>(outcomes.size()), scenes);
   }
   if (decoded == 0) throw FileError(outcomes.front().error);
+  for (const SceneOutcome& outcome : outcomes) {
+    if (!outcome.error.empty()) spdlog::error("{}", outcome.error);
+  }
   record.write_table();
   folder.finish([](const fs::path&) { return true; });
   const std::chrono::duration<double> seconds = WallClock::now() - start;
