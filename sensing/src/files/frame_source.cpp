@@ -185,8 +185,10 @@ std::vector<fs::path> list_images(const fs::path& folder) {
   for (fs::directory_iterator entry(folder, error); entry != fs::directory_iterator();
        entry.increment(error)) {
     std::error_code ignored;  // an inaccessible entry is not an image
-    if (entry->is_regular_file(ignored) && has_frame_name(entry->path()) &&
-        !is_hidden(entry->path()))
+    const fs::file_type type = entry->status(ignored).type();
+    // A link that leads nowhere is a frame that is missing; its reader says so.
+    if ((type == fs::file_type::regular || type == fs::file_type::not_found) &&
+        has_frame_name(entry->path()) && !is_hidden(entry->path()))
       images.push_back(entry->path());
   }
   if (error)

@@ -105,6 +105,19 @@ TEST(FrameSource, ABrokenImageDoesNotStopTheOthers) {
   EXPECT_EQ(frames[1].read().size(), cv::Size(64, 48));
 }
 
+TEST(FrameSource, ALinkThatLeadsNowhereIsAFrameThatCannotBeRead) {
+  const ScratchFolder folder;
+  std::filesystem::create_directory(folder / "images");
+  const auto original = write_image(folder, "original.png", 0);
+  std::filesystem::create_symlink(folder / "gone.png", folder / "images/0.png");
+  std::filesystem::create_symlink(original, folder / "images/1.png");
+  const auto frames = all_of(FrameSource({folder / "images"}));
+  ASSERT_EQ(frames.size(), 2u);
+  EXPECT_NE(message_of<FileError>([&] { (void)frames[0].read(); }).find("0.png: no such file"),
+            std::string::npos);
+  EXPECT_EQ(frames[1].read().size(), cv::Size(64, 48));
+}
+
 TEST(FrameSource, AVideoThatBreaksOffSaysWhere) {
   const ScratchFolder folder;
   const auto whole = write_video(folder, "whole.avi", "HFYU", 10);
