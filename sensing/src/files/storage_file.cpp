@@ -12,6 +12,7 @@
 #include <mutex>
 #include <opencv2/core/utils/logger.hpp>
 #include <optional>
+#include <set>
 #include <sstream>
 #include <string_view>
 #include <type_traits>
@@ -80,6 +81,17 @@ std::optional<int> second_document(const std::string& text) {
   return second ? std::optional(start.line) : std::nullopt;
 }
 
+/// Refuses a key that is there twice: only the first would be read.
+void refuse_repeated_keys(const std::filesystem::path& path, const YAML::Node& map) {
+  std::set<std::string> keys;
+  for (const auto& entry : map) {
+    const YAML::Node& key = entry.first;
+    if (!key.IsScalar() || keys.insert(key.Scalar()).second) continue;
+    throw FileError(path.string() + ": line " + std::to_string(key.Mark().line + 1) + ": " +
+                    printable(key.Scalar()) + " is there twice; keep one");
+  }
+}
+
 YAML::Node parse(const std::filesystem::path& path) {
   const std::string expected =
       "a YAML file that begins with %YAML:1.0 and holds keys and values is expected";
@@ -101,6 +113,7 @@ YAML::Node parse(const std::filesystem::path& path) {
                     "document (--- or ...)?");
   if (!root.IsMap())
     throw FileError(path.string() + ": not an OpenCV FileStorage file; " + expected);
+  refuse_repeated_keys(path, root);
   return root;
 }
 

@@ -48,6 +48,13 @@ TEST(QuietOpenCv, WorksInSeveralThreadsAtOnce) {
   EXPECT_EQ(getLogLevel(), before);
 }
 
+TEST(StorageFile, RefusesAKeyThatIsThereTwiceWithItsLine) {
+  const ScratchFolder folder;
+  const auto path = written(folder, "file.yaml", "%YAML:1.0\n---\na: 1\nb: 2\na: 3\n");
+  const std::string message = message_of<FileError>([&] { const StorageFile file(path); });
+  EXPECT_NE(message.find("file.yaml: line 5: a is there twice"), std::string::npos) << message;
+}
+
 TEST(StorageFile, RefusesASecondDocumentWithItsLine) {
   const ScratchFolder folder;
   // OpenCV's parser hangs at the second.
