@@ -113,7 +113,11 @@ RigView read_pose(const fs::path& folder, const Board& printed, const ImageSize&
     if (images.back().type() != images.front().type())
       throw FileError(file.string() + ": 8 and 16 bit are mixed in this folder");
   }
-  return view_from_gray_code(images, printed, projector, options);
+  try {
+    return view_from_gray_code(images, printed, projector, options);
+  } catch (const InvalidInput& error) {
+    throw FileError(folder.string() + ": " + error.what());
+  }
 }
 
 }  // namespace

@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "palpate/sensing/gray_code.h"
 
+#include <algorithm>
 #include <bit>
+#include <cmath>
 #include <limits>
 #include <opencv2/core.hpp>
 #include <string>
@@ -62,6 +64,20 @@ cv::Mat_<int> read_codes(const std::vector<cv::Mat>& images, std::size_t first, 
   return codes;
 }
 
+/// Codes beyond the panel come from misread bits, at up to 0.0001 % of the lit pixels of a real
+/// capture, or from a panel whose width and height are exchanged, at 6 to 8 %.
+constexpr double kMostBeyond = 0.02;
+
+void check_beyond(long beyond, long lit, const ImageSize& panel) {
+  const double share = static_cast<double>(beyond) / static_cast<double>(std::max(lit, 1L));
+  if (share <= kMostBeyond) return;
+  throw InvalidInput("Gray code: " + std::to_string(std::lround(100 * share)) +
+                     " % of the lit pixels name a place that a projector of " +
+                     std::to_string(panel.width) + " x " + std::to_string(panel.height) +
+                     " px (width x height) does not have. Pass the size of the projector that "
+                     "showed the images, and the images in their order.");
+}
+
 }  // namespace
 
 unsigned gray_code_of(unsigned number) { return number ^ (number >> 1); }
@@ -113,15 +129,21 @@ cv::Mat_<cv::Vec2f> decode_gray_code(const std::vector<cv::Mat>& images, const I
   const auto least = static_cast<float>(options.min_contrast * full_scale);
 
   cv::Mat_<cv::Vec2f> places(images[0].size(), cv::Vec2f(kUnknown, kUnknown));
+  long lit = 0;
+  long beyond = 0;
   for (int row = 0; row < places.rows; ++row) {
     for (int column = 0; column < places.cols; ++column) {
       if (!(contrast(row, column) >= least)) continue;
+      ++lit;
       const unsigned x = number_of_gray_code(static_cast<unsigned>(x_codes(row, column)));
       const unsigned y = number_of_gray_code(static_cast<unsigned>(y_codes(row, column)));
       if (x < static_cast<unsigned>(panel.width) && y < static_cast<unsigned>(panel.height))
         places(row, column) = cv::Vec2f(static_cast<float>(x), static_cast<float>(y));
+      else
+        ++beyond;
     }
   }
+  check_beyond(beyond, lit, panel);
   return places;
 }
 

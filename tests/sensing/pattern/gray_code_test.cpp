@@ -7,9 +7,11 @@
 #include <cmath>
 #include <opencv2/core.hpp>
 #include <opencv2/structured_light.hpp>
+#include <string>
 #include <vector>
 
 #include "palpate/error.h"
+#include "test_files.h"
 
 namespace palpate::sensing {
 namespace {
@@ -86,6 +88,16 @@ TEST(GrayCode, DarkPixelsAndCodesBesideThePanelAreUnknown) {
   EXPECT_TRUE(std::isnan(places(3, 36)[0]) && std::isnan(places(0, 0)[1]));
   EXPECT_TRUE(std::isnan(places(10, 20)[0]));
   expect_identity(places, {0, 4, 37, 6});
+}
+
+TEST(GrayCode, RefusesAPanelOfExchangedWidthAndHeight) {
+  const ImageSize panel{60, 40};  // as many bits for either
+  const std::vector<cv::Mat> images = draw_gray_code(panel);
+  const std::string message = message_of<InvalidInput>([&] {
+    (void)decode_gray_code(images, {40, 60});
+  });
+  EXPECT_NE(message.find("33 % of the lit pixels"), std::string::npos) << message;
+  EXPECT_NE(message.find("40 x 60 px (width x height)"), std::string::npos) << message;
 }
 
 TEST(GrayCode, RefusesWrongInput) {

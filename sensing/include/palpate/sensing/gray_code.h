@@ -39,8 +39,8 @@ struct GrayCodeOptions {
 /// \param images camera images of `draw_gray_code` in its order; 8 or 16 bit, 1 channel.
 /// \return a pair (x, y) per camera pixel, in whole projector pixels; NaN where the pixel is too
 /// dark or the code lies outside the panel.
-/// \throws InvalidInput if the number, size or type of the images is wrong, or an option is outside
-/// its range.
+/// \throws InvalidInput if the number, size or type of the images is wrong, an option is outside its
+/// range, or so many codes lie outside that the panel must be another.
 [[nodiscard]] cv::Mat_<cv::Vec2f> decode_gray_code(const std::vector<cv::Mat>& images,
                                                    const ImageSize& panel,
                                                    const GrayCodeOptions& options = {});
