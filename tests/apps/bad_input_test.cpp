@@ -206,6 +206,15 @@ TEST_F(BadInput, APipeWhereAFileIsReadTwice) {
       "--rig: " + pipe + " is a pipe; write its content to a file");
 }
 
+TEST_F(BadInput, AFrameMayComeThroughAPipe) {
+  train();
+  std::vector<std::string> call =
+      decode_call("/dev/stdin", demo("rig.yaml"), demo("pattern.yaml"), scratch / "colors.yaml");
+  const CommandResult result = run_palpate(call, {.answers = read_text(demo("frames/flag_a.png"))});
+  EXPECT_EQ(result.status, kDone) << result.err;
+  EXPECT_NE(read_text(kept), "kept");
+}
+
 TEST_F(BadInput, AColourThatWasNeverSeenInTraining) {
   train();
   const std::string pattern = changed("pattern.yaml", "name: M", "name: Pink");

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Options and files that do not belong together, or make no sense: refused by name, never ignored.
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <nlohmann/json.hpp>
 #include <string>
@@ -98,6 +99,14 @@ TEST_F(WrongOptions, OfSimulate) {
                   {simulate({"--ambient", "nan"}), "--ambient"},
                   {simulate({"--seed", "3000000000"}), "--seed"},
                   {simulate({"--seed", "-1"}), "--seed"}});
+}
+
+TEST_F(WrongOptions, AMeshThatIsReadTwiceThroughAPipe) {
+  const std::string pipe = scratch / "pipe";
+  ASSERT_EQ(mkfifo(pipe.c_str(), S_IRUSR | S_IWUSR), 0);
+  expect_refused({{with_output({"simulate", pipe, "--rig", demo("rig.yaml"), "--pattern",
+                                demo("pattern.yaml")}),
+                   "MESH: " + pipe + " is a pipe; write its content to a file"}});
 }
 
 TEST_F(WrongOptions, OfPattern) {

@@ -116,7 +116,8 @@ sensing::FrameSource open_frames(const std::vector<fs::path>& frames, const std:
   check_outputs(frames, {output});
   for (const fs::path& file : source.files()) {
     std::error_code not_there;
-    if (!fs::equivalent(fs::canonical(file).parent_path(), output, not_there)) continue;
+    if (!fs::equivalent(fs::weakly_canonical(file, not_there).parent_path(), output, not_there))
+      continue;
     throw InvalidInput(file.string() + ": lies in " + output.string() +
                        ", the output folder, so results could replace frames of the same "
                        "name. Choose another --output.");

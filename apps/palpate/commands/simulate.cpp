@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "commands/decode_input.h"
 #include "commands/simulate_report.h"
 #include "commands/simulate_scene.h"
 #include "palpate/error.h"
@@ -148,6 +149,8 @@ std::vector<fs::path> check_places(const SimulateCall& call) {
   inputs.insert(inputs.end(),
                 {call.rig, call.pattern, call.decoder_rig, call.sensor, call.scene.texture});
   check_output_folder(inputs, call.output);
+  // The scene is looked at before its frames are rendered.
+  for (const fs::path& mesh : call.scene.meshes) refuse_pipes({{"MESH", mesh}});
   return own_entries(call.output, "sensor.yaml", kOwnFiles);
 }
 
