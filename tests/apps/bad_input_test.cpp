@@ -237,7 +237,7 @@ TEST_F(BadInput, AWindowShorterThanItCanBe) {
   std::vector<std::string> call = decode_call(demo("frames/duck.png"), demo("rig.yaml"),
                                               demo("pattern.yaml"), scratch / "colors.yaml");
   call.insert(call.end(), {"--window", "1"});
-  expect_refused(call, "window_periods");
+  expect_refused(call, "--window: is 1; it must be in [1.25, 8]");
 }
 
 TEST_F(BadInput, ADepthImageWithoutAPositiveScaleOrACamera) {

@@ -309,6 +309,7 @@ void add_decode(CLI::App& app, const Settings& settings) {
               "--window", call->window_periods,
               "Length of the demodulation window in periods of the sinusoid, 1.25 to 8: a longer "
               "window has less noise; a shorter one resolves finer relief, closer to edges")
+          ->check(within(at_least(1.25).at_most(8)))
           ->capture_default_str();
   CLI::Option* half = command->add_flag(
       "--half", call->half,

@@ -207,7 +207,15 @@ void make_pattern(const Settings& settings, PatternCall call) {
   check_output_folder({call.rig, call.colors}, call.output);
   if (!call.colors.empty()) call.design.trained = sensing::read_trained_colors(call.colors);
   if (call.axis) call.design.axis = *call.axis == "x" ? sensing::Axis::x : sensing::Axis::y;
-  if (!call.distances.empty()) call.design.range = {call.distances[0], call.distances[1]};
+  if (!call.distances.empty()) {
+    if (call.distances[0] > call.distances[1]) {
+      throw InvalidInput(fmt::format(
+          "--distances: the nearest object, at {} mm, is farther away than the farthest, at {} mm; "
+          "give the nearest first",
+          call.distances[0], call.distances[1]));
+    }
+    call.design.range = {call.distances[0], call.distances[1]};
+  }
   call.drawing.compensate = !call.no_compensation;
   // Without stripes no trough has to show a hue.
   if (call.multishot) call.design.mean = call.design.amplitude = kFullContrast;
@@ -233,11 +241,13 @@ void make_pattern(const Settings& settings, PatternCall call) {
 
 void add_design_options(CLI::App& command, PatternCall& call) {
   command.add_option("--number-of-colors", call.design.colors, "Number of stripe colours")
+      ->check(within(at_least(2).at_most(24)))
       ->capture_default_str();
-  command.add_option(
-      "--stripes", call.design.stripes,
-      "Number of stripes (default: the maximum, with each ordered pair of colours as "
-      "neighbours once)");
+  command
+      .add_option("--stripes", call.design.stripes,
+                  "Number of stripes (default: the maximum, with each ordered pair of colours as "
+                  "neighbours once)")
+      ->check(within(at_least(2)));
   command.add_option("--colors", call.colors,
                      "Trained colours (colors.yaml): choose the colours that the camera "
                      "distinguishes best");
@@ -310,9 +320,11 @@ void add_pattern(CLI::App& app, const Settings& settings) {
                  "Do not shift the red and blue panels by the rig's chromatic values (by default "
                  "they are shifted, and rig.yaml has no shift)")
       ->needs(rig);
-  command->add_option("--bits", call->drawing.bits, "Bits per channel of the images: 8 or 16")
+  command->add_option("--bits", call->drawing.bits, "Bits per channel of the images")
+      ->check(CLI::IsMember({8, 16}))
       ->capture_default_str();
   command->add_option("--grey-steps", call->grey_steps, "Number of grey images for the response")
+      ->check(within(at_least(2).at_most(256)))
       ->capture_default_str();
   command->footer(
       "Writes pattern.yaml, pattern.png, rig.yaml (with --rig) and the images to project for "
