@@ -174,6 +174,7 @@ void calibrate_rig(const Settings& settings, const RigCall& call) {
                               [&](int done, int total) { progress.show(done, total); });
   const sensing::RigCalibration calibration =
       sensing::calibrate_rig(files.views, files.camera, call.projector, call.options);
+  doubt_unit(call.output, calibration.rig);
   sensing::write_rig(call.output, calibration.rig);
   if (!call.picture.empty()) draw_picture(call.picture, calibration);
   report(settings, call, calibration);

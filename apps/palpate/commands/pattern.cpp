@@ -224,6 +224,7 @@ void make_pattern(const Settings& settings, PatternCall call) {
   Drawer draw{.rig = {}, .width = call.size[0], .height = call.size[1], .options = call.drawing};
   if (!call.rig.empty()) {
     draw.rig = sensing::read_rig(call.rig);
+    doubt_unit(call.rig, *draw.rig);
     draw.width = draw.rig->projector.width;
     draw.height = draw.rig->projector.height;
   }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "shared/inputs.h"
 
+#include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -235,6 +236,17 @@ geometry::RangeMap load_range_map(const fs::path& path, const MapCamera& camera)
                        ". Pass the rig that this range map was made with.");
   }
   return map;
+}
+
+void doubt_unit(const fs::path& path, const sensing::Rig& rig) {
+  constexpr double kLeastBaseline = 2;  // [mm] less than two lenses leave; 2 m if it is metres
+  const double baseline = rig.T_projector_camera.translation().norm();
+  if (baseline >= kLeastBaseline) return;
+  spdlog::warn(
+      "{}: the projector is only {:.3g} mm from the camera (t), as if the rig were in metres. If "
+      "so, "
+      "multiply t by 1000: lengths are in mm, and depths get the unit of t",
+      path.string(), baseline);
 }
 
 bool is_folder(const fs::path& path) {

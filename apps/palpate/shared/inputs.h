@@ -11,6 +11,7 @@
 
 #include "palpate/geometry/range_map.h"
 #include "palpate/geometry/triangle_mesh.h"
+#include "palpate/sensing/rig.h"
 
 namespace palpate::apps {
 
@@ -48,6 +49,9 @@ void check_camera_options(const std::filesystem::path& path, const MapCamera& ca
 /// (NAME_noise.tiff), or of all (NAME_sigma.tiff) if the former is missing. The file may be
 /// missing.
 [[nodiscard]] std::filesystem::path noise_beside(const std::filesystem::path& range_map);
+
+/// Warns if camera and projector are so close to each other that the rig seems to be in metres.
+void doubt_unit(const std::filesystem::path& path, const sensing::Rig& rig);
 
 /// Whether `path` is a folder.
 /// \throws FileError if it does not exist or is not accessible.
