@@ -10,6 +10,7 @@
 #include <regex>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "repository.h"
@@ -226,6 +227,21 @@ TEST_F(BadInput, ARigInMetresIsDoubted) {
     EXPECT_NE(result.err.find("rig.yaml: the projector is only 0.224 mm from the camera"),
               std::string::npos)
         << result.err;
+  }
+}
+
+TEST_F(BadInput, AnAnchorThatIsOnNoSurface) {
+  const std::string pattern = written(
+      "sine.yaml",
+      "%YAML:1.0\n---\naxis: y\nperiod_px: 10.0\nphase: 0.0\nmean: 0.575\namplitude: 0.425\n");
+  for (const auto& [anchor, warned] : {std::pair("320,240,690.75", false),  // mm
+                                       std::pair("320,240,0.69075", true)}) {
+    const CommandResult result =
+        run_palpate({"decode", demo("frames/plane.png"), "--rig", demo("rig.yaml"), "--pattern",
+                     pattern, "--anchor", anchor, "-o", scratch / "range"});
+    EXPECT_EQ(result.status, kDone) << result.err;
+    EXPECT_EQ(result.err.find("on surfaces without an anchor, only") != std::string::npos, warned)
+        << anchor << result.err;
   }
 }
 

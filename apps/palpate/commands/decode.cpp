@@ -99,6 +99,18 @@ cv::Mat color_of(const DecodeCall& call, const sensing::Rig& rig,
   return sensing::srgb_of(sensing::surface_color(image, decoded.result.range, rig, call.shown));
 }
 
+/// Warns if most phases are of no use because their surfaces have no anchor.
+void warn_of_pixels_without_anchor(const std::string& frame, const sensing::ReasonImage& reasons) {
+  const long without = sensing::count(reasons, sensing::Reason::no_transition);
+  const long decoded = sensing::count(reasons, sensing::Reason::reconstructed);
+  if (without <= decoded) return;
+  spdlog::warn(
+      "{}: {} pixels show the sinusoid on surfaces without an anchor, only {} on surfaces with "
+      "one. "
+      "Give an --anchor on each surface, at its depth in mm, and away from edges and holes.",
+      frame, without, decoded);
+}
+
 /// Writes the data of a decoded frame, and measures the time.
 void write_frame(const DecodeCall& call, const sensing::Rig& rig, FrameItem& item) {
   const Clock::time_point start = Clock::now();
@@ -115,6 +127,7 @@ void write_frame(const DecodeCall& call, const sensing::Rig& rig, FrameItem& ite
   measure_depths(result.range.z, item.finished);
   if (item.finished.pixels == 0)
     spdlog::warn("{}: no pixel has a depth; run with -v to see why.", source.name);
+  if (!call.anchor.empty()) warn_of_pixels_without_anchor(source.name, result.reasons);
   const cv::Mat color = call.outputs.color ? color_of(call, rig, item.decoded) : cv::Mat();
   item.decoded.image.release();
   write_outputs(call.outputs, source.number, result, color);
