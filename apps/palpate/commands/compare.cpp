@@ -1,7 +1,9 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <limits>
 #include <memory>
@@ -70,6 +72,8 @@ geometry::TriangleMesh load_surface(const fs::path& path, const CompareCall& cal
         (is_range_map(path) ? ": no two neighbouring pixels have a depth" : ": has no triangles") +
         "; there is no surface to compare");
   }
+  if (!(geometry::surface_area(mesh) > 0))
+    throw InvalidInput(path.string() + ": its triangles have no area; there is nothing to compare");
   return mesh;
 }
 
@@ -233,6 +237,26 @@ std::string compare_common_parts(const CompareCall& call, const geometry::Triang
   return words + ".\n";
 }
 
+double diagonal(const geometry::TriangleMesh& mesh) {
+  return Eigen::AlignedBox3d(mesh.vertices.rowwise().minCoeff(), mesh.vertices.rowwise().maxCoeff())
+      .diagonal()
+      .norm();
+}
+
+/// Warns if the surfaces cannot be two of one object.
+void doubt_places(const CompareCall& call, const geometry::TriangleMesh& a,
+                  const geometry::TriangleMesh& b, const geometry::SurfaceDistances& spread) {
+  constexpr double kOtherUnit = 100;  // of sizes: as m to cm; other wrong units are off by more
+  const double small = std::min(diagonal(a), diagonal(b));
+  const double large = std::max(diagonal(a), diagonal(b));
+  const double apart = spread.distance.cwiseAbs().minCoeff();
+  if (large < kOtherUnit * small && apart <= large) return;
+  spdlog::warn(
+      "{} is {:.4g} mm large, {} {:.4g} mm, and they are {:.4g} mm apart or more: are they in the "
+      "same unit (--unit) and frame? --align brings surfaces together that are only displaced",
+      call.a.string(), diagonal(a), call.b.string(), diagonal(b), apart);
+}
+
 /// Other inputs: the distance of A's surface from B's, over its area, and the largest distance.
 void compare_surfaces(const Settings& settings, const CompareCall& call) {
   geometry::TriangleMesh a = load_surface(call.a, call);
@@ -244,6 +268,7 @@ void compare_surfaces(const Settings& settings, const CompareCall& call) {
   if (!call.aligned.empty()) geometry::write_mesh(call.aligned, a);
   prose += compare_common_parts(call, a, b, depths, figures);
   const geometry::SurfaceDistances spread = geometry::surface_distances(a, b);
+  doubt_places(call, a, b, spread);
   const geometry::HausdorffDistance largest = geometry::hausdorff_distance(a, b);
   if (!call.section.empty()) {
     const std::vector<pictures::SectionSeries> series = {
