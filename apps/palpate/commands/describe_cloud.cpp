@@ -6,6 +6,8 @@
 #include <fmt/ranges.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -26,9 +28,7 @@ Json corner(const Eigen::Vector3d& corner) {
 std::string place_in_words(const Eigen::AlignedBox3d& box,
                            const geometry::ErrorStatistics& nearest) {
   if (box.isEmpty()) return "";
-  std::string prose =
-      fmt::format("; X {:.1f} to {:.1f}, Y {:.1f} to {:.1f}, Z {:.1f} to {:.1f} mm", box.min().x(),
-                  box.max().x(), box.min().y(), box.max().y(), box.min().z(), box.max().z());
+  std::string prose = "; " + in_words(box);
   if (nearest.count > 0)
     prose += fmt::format("; the nearest other point is {:.4g} mm away (median; 90 %: {:.4g} mm)",
                          nearest.median, nearest.p90);
@@ -44,7 +44,25 @@ std::string attributes_in_words(const geometry::Attributes& attributes,
   return prose;
 }
 
+/// "1.5", or "1e+30" where all digits would be many.
+std::string coordinate(double value, int decimals) {
+  constexpr double kLongest = 1e15;  // [mm] doubles hold no more digits
+  return std::abs(value) < kLongest ? fmt::format("{:.{}f}", value, decimals)
+                                    : fmt::format("{:.6g}", value);
+}
+
 }  // namespace
+
+std::string in_words(const Eigen::AlignedBox3d& box) {
+  constexpr int kDigits = 3;
+  constexpr int kMost = 12;
+  const double exponent = std::floor(std::log10(box.diagonal().stableNorm()));
+  const int decimals = static_cast<int>(std::clamp(kDigits - 1 - exponent, 1.0, 1.0 * kMost));
+  const auto range = [&](int axis) {
+    return coordinate(box.min()[axis], decimals) + " to " + coordinate(box.max()[axis], decimals);
+  };
+  return "X " + range(0) + ", Y " + range(1) + ", Z " + range(2) + " mm";
+}
 
 void check_coordinates(const std::filesystem::path& path, const geometry::PointCloud& cloud) {
   constexpr double kLargest = 1e100;  // [mm] of cloud_distance.h and the others

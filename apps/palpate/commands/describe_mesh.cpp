@@ -6,6 +6,7 @@
 #include <fmt/ranges.h>
 
 #include <Eigen/Geometry>
+#include <cmath>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -56,6 +57,12 @@ std::string unit_in_words(const geometry::FileUnit& unit) {
                      unit.length);
 }
 
+/// An area or a volume: with one decimal, or with four digits if that would be fewer, or too long.
+std::string quantity(double value) {
+  const bool usual = std::abs(value) >= 100 && std::abs(value) < 1e15;
+  return usual ? fmt::format("{:.1f}", value) : fmt::format("{:.4g}", value);
+}
+
 /// Area, volume and topology of a mesh, or why they are undefined.
 Description describe_surface(const geometry::TriangleMesh& mesh) {
   try {
@@ -69,13 +76,13 @@ Description describe_surface(const geometry::TriangleMesh& mesh) {
          {"components", components},
          {"boundary_loops", loops},
          {"euler_characteristic", euler}},
-        fmt::format(
-            "area {:.1f} mm^2, {} component(s), {} boundary loop(s), Euler characteristic {}", area,
-            components, loops, euler)};
+        fmt::format("area {} mm^2, {} component(s), {} boundary loop(s), Euler characteristic {}",
+                    quantity(area), components, loops, euler)};
     if (loops == 0) {
       const double volume = geometry::enclosed_volume(mesh);
       surface.figures["volume"] = volume;
-      surface.prose += fmt::format(", volume {:.1f} mm^3", volume);
+      surface.prose += fmt::format(", volume {} mm^3", quantity(volume));
+      if (volume < 0) surface.prose += ", as the triangles face inwards";
     }
     return surface;
   } catch (const InvalidInput& refused) {
@@ -124,13 +131,13 @@ Description describe_defects(const geometry::TriangleMesh& mesh) {
                               prose};
 }
 
-/// Bounding box of the finite vertices; from infinity to minus infinity if there are none.
-std::pair<Eigen::Vector3d, Eigen::Vector3d> extent(const geometry::TriangleMesh& mesh) {
+/// Bounding box of the finite vertices; empty if there are none.
+Eigen::AlignedBox3d extent(const geometry::TriangleMesh& mesh) {
   Eigen::AlignedBox3d box;
   for (const auto& vertex : mesh.vertices.colwise()) {
     if (vertex.allFinite()) box.extend(vertex);
   }
-  return {box.min(), box.max()};
+  return box;
 }
 
 Description describe_points(const fs::path& path, const geometry::PointCloud& cloud) {
@@ -153,27 +160,27 @@ Description describe_mesh(const fs::path& path, geometry::ReadOptions options) {
     return describe_points(path, *cloud);
   const auto& file = std::get<geometry::MeshFile>(content);
   const geometry::TriangleMesh& mesh = file.mesh;
-  const auto [low, high] = extent(mesh);
+  const Eigen::AlignedBox3d box = extent(mesh);
+  const Eigen::Vector3d& low = box.min();
+  const Eigen::Vector3d& high = box.max();
   const Description defects = describe_defects(mesh);
   const Description surface = describe_surface(mesh);
   const Description triangles = describe_triangles(mesh);
-  Description result = {
-      {{"kind", "mesh"},
-       {"vertices", mesh.vertices.cols()},
-       {"triangles", mesh.triangles.cols()},
-       {"min", {low.x(), low.y(), low.z()}},
-       {"max", {high.x(), high.y(), high.z()}},
-       {"unit", file.unit.length},
-       {"unit_source", name_of(file.unit.source)},
-       {"vertex_attributes", names_of(file.vertex_attributes)},
-       {"triangle_attributes", names_of(file.triangle_attributes)}},
-      fmt::format("mesh, {} vertices, {} triangles; X {:.1f} to {:.1f}, Y {:.1f} to {:.1f}, Z "
-                  "{:.1f} to {:.1f} mm",
-                  mesh.vertices.cols(), mesh.triangles.cols(), low.x(), high.x(), low.y(), high.y(),
-                  low.z(), high.z()) +
-          unit_in_words(file.unit) + attributes_in_words("vertex", file.vertex_attributes) +
-          attributes_in_words("triangle", file.triangle_attributes) + "\n" + surface.prose + "\n" +
-          triangles.prose + defects.prose};
+  Description result = {{{"kind", "mesh"},
+                         {"vertices", mesh.vertices.cols()},
+                         {"triangles", mesh.triangles.cols()},
+                         {"min", {low.x(), low.y(), low.z()}},
+                         {"max", {high.x(), high.y(), high.z()}},
+                         {"unit", file.unit.length},
+                         {"unit_source", name_of(file.unit.source)},
+                         {"vertex_attributes", names_of(file.vertex_attributes)},
+                         {"triangle_attributes", names_of(file.triangle_attributes)}},
+                        fmt::format("mesh, {} vertices, {} triangles; {}", mesh.vertices.cols(),
+                                    mesh.triangles.cols(), in_words(box)) +
+                            unit_in_words(file.unit) +
+                            attributes_in_words("vertex", file.vertex_attributes) +
+                            attributes_in_words("triangle", file.triangle_attributes) + "\n" +
+                            surface.prose + "\n" + triangles.prose + defects.prose};
   result.figures.update(surface.figures);
   result.figures.update(triangles.figures);
   result.figures.update(defects.figures);

@@ -32,6 +32,12 @@ struct InfoCall {
   geometry::ReadOptions meshes;
 };
 
+/// "700.0 mm", or with four digits if it is small or huge.
+std::string depth_in_words(double depth) {
+  return depth >= 10 && depth < 1e9 ? fmt::format("{:.1f} mm", depth)
+                                    : fmt::format("{:.4g} mm", depth);
+}
+
 Description describe_range_map(const fs::path& path) {
   const geometry::ImageF z = geometry::read_depth_tiff(path);
   const geometry::ErrorStatistics depth =
@@ -42,11 +48,13 @@ Description describe_range_map(const fs::path& path) {
            {"pixels", depth.count},
            {"median", depth.median},
            {"max", depth.max}},
-          fmt::format("range map, {} x {} px; depth known at {} ({:.1f} %), median {:.1f} mm, "
-                      "farthest {:.1f} mm",
-                      z.cols(), z.rows(), depth.count,
-                      100.0 * static_cast<double>(depth.count) / static_cast<double>(z.size()),
-                      depth.median, depth.max)};
+          fmt::format("range map, {} x {} px; ", z.cols(), z.rows()) +
+              (depth.count == 0
+                   ? std::string("no pixel has a depth, which is finite and above 0")
+                   : fmt::format(
+                         "depth known at {} ({:.1f} %), median {}, farthest {}", depth.count,
+                         100.0 * static_cast<double>(depth.count) / static_cast<double>(z.size()),
+                         depth_in_words(depth.median), depth_in_words(depth.max)))};
 }
 
 Description describe_sigma(const fs::path& path) {

@@ -1,0 +1,63 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+// What `palpate info` says of sizes, whatever the unit of a file was.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <string>
+
+#include "palpate/geometry/range_map.h"
+#include "run_palpate.h"
+
+namespace palpate::apps {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+class Info : public ::testing::Test {
+ protected:
+  /// A tetrahedron with three edges of length `size` along the axes.
+  std::string described(double size, bool outwards = true) {
+    const std::string s = std::to_string(size);
+    std::string text = "v 0 0 0\nv " + s + " 0 0\nv 0 " + s + " 0\nv 0 0 " + s + "\n";
+    for (const char* face : {"1 3 2", "1 2 4", "1 4 3", "2 3 4"}) {
+      std::string corners = face;
+      if (!outwards) std::swap(corners[2], corners[4]);
+      text += "f " + corners + "\n";
+    }
+    write_text(scratch / "solid.obj", text);
+    const CommandResult result = run_palpate({"info", scratch / "solid.obj"});
+    EXPECT_EQ(result.status, kDone) << result.err;
+    return result.out;
+  }
+
+  ScratchFolder scratch;
+};
+
+TEST_F(Info, TellsTheSizeOfSmallSurfacesToo) {
+  EXPECT_THAT(described(60), AllOf(HasSubstr("X 0.0 to 60.0, Y 0.0 to 60.0, Z 0.0 to 60.0 mm"),
+                                   HasSubstr("volume 36000.0 mm^3")));
+  // As a file in metres looks that is read as mm. 0.012^3 / 6 = 2.88e-07.
+  EXPECT_THAT(described(0.012), AllOf(HasSubstr("X 0.0000 to 0.0120, Y 0.0000 to 0.0120"),
+                                      HasSubstr("volume 2.88e-07 mm^3")));
+}
+
+TEST_F(Info, TellsThatASolidIsInsideOut) {
+  EXPECT_THAT(described(6), AllOf(HasSubstr("volume 36 mm^3"), Not(HasSubstr("inwards"))));
+  EXPECT_THAT(described(6, false), HasSubstr("volume -36 mm^3, as the triangles face inwards"));
+}
+
+TEST_F(Info, TellsThatARangeMapHasNoDepth) {
+  geometry::ImageF depths = geometry::ImageF::Constant(4, 6, -700);
+  depths(0, 0) = std::numeric_limits<float>::quiet_NaN();
+  geometry::write_depth_tiff(scratch / "behind.tiff", depths);
+  EXPECT_THAT(
+      run_palpate({"info", scratch / "behind.tiff"}).out,
+      AllOf(HasSubstr("no pixel has a depth, which is finite and above 0"), Not(HasSubstr("nan"))));
+}
+
+}  // namespace
+}  // namespace palpate::apps
