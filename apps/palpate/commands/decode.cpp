@@ -106,8 +106,7 @@ void warn_of_pixels_without_anchor(const std::string& frame, const sensing::Reas
   if (without <= decoded) return;
   spdlog::warn(
       "{}: {} pixels show the sinusoid on surfaces without an anchor, only {} on surfaces with "
-      "one. "
-      "Give an --anchor on each surface, at its depth in mm, and away from edges and holes.",
+      "one. Give an --anchor on each surface, at its depth in mm, away from edges and holes.",
       frame, without, decoded);
 }
 

@@ -96,9 +96,8 @@ void warn_of_scene(const SceneOutcome& outcome) {
   if (outcome.code_jumps >= sensing::kOrderedCodeJumps) {
     spdlog::warn(
         "{}: the code contradicts the sinusoid: between neighbours it jumps by whole periods, "
-        "{:.2f} "
-        "times a period, so depths are likely to be wrong. Give the images in the order in which "
-        "the pattern was drawn, and the --pattern that was projected.",
+        "{:.2f} times a period, so depths are likely to be wrong. Give the images in the order in "
+        "which the pattern was drawn, and the --pattern that was projected.",
         outcome.frame.name, outcome.code_jumps);
   }
 }

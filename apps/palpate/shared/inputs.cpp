@@ -244,8 +244,7 @@ void doubt_unit(const fs::path& path, const sensing::Rig& rig) {
   if (baseline >= kLeastBaseline) return;
   spdlog::warn(
       "{}: the projector is only {:.3g} mm from the camera (t), as if the rig were in metres. If "
-      "so, "
-      "multiply t by 1000: lengths are in mm, and depths get the unit of t",
+      "so, multiply t by 1000: lengths are in mm, and depths get the unit of t",
       path.string(), baseline);
 }
 
