@@ -15,8 +15,10 @@ namespace palpate::geometry {
 /// Processors load memory in lines of this size.
 inline constexpr std::size_t kCacheLine = 64;
 
-/// One number for each of eight boxes.
-using BoxLanes = Eigen::Array<float, 8, 1>;
+/// One number for each of eight boxes, the children of a node.
+template <typename Number>
+using ChildLanes = Eigen::Array<Number, 8, 1>;
+using BoxLanes = ChildLanes<float>;
 
 /// Bit i is set iff a[i] <= b[i].
 inline unsigned where_not_above(const BoxLanes& a, const BoxLanes& b) {
@@ -24,6 +26,12 @@ inline unsigned where_not_above(const BoxLanes& a, const BoxLanes& b) {
     return where_not_above(Lanes(a.segment<4>(first)), Lanes(b.segment<4>(first)));
   };
   return half(0) | half(4) << 4;
+}
+
+inline unsigned where_not_above(const ChildLanes<double>& a, const ChildLanes<double>& b) {
+  unsigned bits = 0;
+  for (int i = 0; i < 8; ++i) bits |= static_cast<unsigned>(a[i] <= b[i]) << i;
+  return bits;
 }
 
 /// Eight boxes side by side, one per child; four cache lines.

@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <type_traits>
 #include <utility>
 
 #include "base/numbers.h"
@@ -16,9 +17,19 @@
 namespace palpate::geometry {
 namespace {
 
-/// Beyond this distance from the mesh (local frame) the margin approaches the mesh's own size:
-/// single precision can no longer cull, and every triangle is visited.
-constexpr double kCullingReach = 0x1p16;
+/// Points with a larger coordinate (local frame) are culled in double: from farther away the margin
+/// of single precision lets ever more boxes pass, first those of flat surfaces.
+constexpr double kFloatReach = 16;
+
+/// Points with a larger coordinate (local frame) are first moved this near, towards the mesh, where
+/// double still tells triangles apart. Compared with each other, the distances of triangles change
+/// by less than they are rounded. An exception remains: the triangles of a flat surface seen
+/// straight from its front are equally far away within rounding from about 1e6 on, and more and
+/// more of them are tested.
+constexpr double kFarthest = 0x1p30;
+
+/// Bound of the rounding of squared distances in double, relative to them.
+constexpr double kDoubleMargin = 16 * std::numeric_limits<double>::epsilon();
 
 /// An end of a segment is on the surface iff its distance from it is at most this fraction of the
 /// largest coordinate of the mesh, but never more than the mesh's size. This is the rounding of a
@@ -42,13 +53,18 @@ bool improves(double candidate, int triangle, double best, int best_triangle) {
   return candidate < best || (candidate == best && best_triangle >= 0 && triangle < best_triangle);
 }
 
-/// A squared search radius in float that includes every triangle within `distance`.
-float squared_radius(double distance, double reach) {
-  if (!(distance < kInfinity) || reach > kCullingReach) {
-    return std::numeric_limits<float>::infinity();
+/// A squared search radius that includes every triangle within `distance`, if squared distances are
+/// computed with such numbers.
+/// \param reach largest coordinate of the point.
+template <typename Number>
+Number squared_radius(double distance, double reach) {
+  if (!(distance < kInfinity)) return std::numeric_limits<Number>::infinity();
+  if constexpr (std::is_same_v<Number, double>) {
+    return distance * distance * (1 + kDoubleMargin);
+  } else {
+    const double radius = distance * (1 + kFloatMargin) + kFloatMargin * (1 + reach);
+    return round_up(radius * radius);
   }
-  const double radius = distance * (1 + kFloatMargin) + kFloatMargin * (1 + reach);
-  return round_up(radius * radius);
 }
 
 /// Begins to load what will be read soon.
@@ -59,26 +75,26 @@ void load(const What* first, std::size_t count = 1) {
 }
 
 /// Children deferred by a traversal, with their distances.
+template <typename Number>
 class Stack {
  public:
   struct Entry {
-    float distance;
+    Number distance;
     int child;
   };
   [[nodiscard]] bool empty() const { return size_ == 0; }
   Entry pop() { return entries_[--size_]; }
   /// Defers all children of a node whose bits are set but the nearest, which is returned, and
   /// begins to load them. Precondition: a bit is set.
-  int defer_others(const BoundingTree& tree, const TreeNode& node, const BoxLanes& distances,
-                   unsigned bits) {
-    const auto first_entry = [&] {
-      const auto lane = static_cast<std::size_t>(std::countr_zero(bits));
-      bits &= bits - 1;
+  int defer_others(const BoundingTree& tree, const TreeNode& node,
+                   const ChildLanes<Number>& distances, unsigned bits) {
+    const auto first_entry = [&](unsigned set) {
+      const auto lane = static_cast<std::size_t>(std::countr_zero(set));
       return Entry{.distance = distances.data()[lane], .child = node.child[lane]};
     };
-    Entry nearest = first_entry();
-    while (bits != 0) {
-      Entry other = first_entry();
+    Entry nearest = first_entry(bits);
+    for (bits &= bits - 1; bits != 0; bits &= bits - 1) {
+      Entry other = first_entry(bits);
       if (other.distance < nearest.distance) std::swap(nearest, other);
       if (other.child < 0) {
         load(&tree.packets[static_cast<std::size_t>(~other.child)]);
@@ -96,25 +112,26 @@ class Stack {
   std::size_t size_ = 0;
 };
 
-/// Walks down the tree, to the nearest child first.
+/// Walks down the tree, to the nearest child first. Distances are such numbers.
 /// \param meet finds the children of a node that matter, and their distances.
 /// \param look_at looks at the packet with this number.
 /// \param limit is asked for the distance beyond which nothing matters any more.
+template <typename Number>
 void walk(const BoundingTree& tree, const auto& meet, const auto& look_at, const auto& limit) {
-  Stack stack;
+  Stack<Number> stack;
   int at = 0;  // the root
   while (true) {
     if (at < 0) {
       look_at(~at);
     } else {
       const TreeNode& node = tree.nodes[static_cast<std::size_t>(at)];
-      BoxLanes distances;
+      ChildLanes<Number> distances;
       if (const unsigned bits = meet(node, distances); bits != 0) {
         at = stack.defer_others(tree, node, distances, bits);
         continue;
       }
     }
-    Stack::Entry next{};
+    typename Stack<Number>::Entry next{};
     do {
       if (stack.empty()) return;
       next = stack.pop();
@@ -198,46 +215,54 @@ Eigen::Matrix3Xd SurfaceTree::set_frame() {
   return frame.to_local(mesh_.vertices);
 }
 
-/// State of a closest-point query.
-struct SurfaceTree::NearestSearch {
-  Eigen::Vector3d point;
-  Eigen::Vector3f float_point;
-  double reach;  ///< largest coordinate of the point
-  double slack;  ///< triangles matter iff they are at most this much farther away than the nearest
-  float squared_radius;
+/// What a closest-point query has found.
+struct SurfaceTree::FoundNearest {
   NearestTriangle best;
   double squared_others = kInfinity;  ///< of the second nearest triangle, if it matters
+};
 
-  NearestSearch(const Eigen::Vector3d& at, double radius, double more)
+/// State of a closest-point query that culls with such numbers.
+template <typename Number>
+struct SurfaceTree::NearestSearch {
+  Eigen::Vector3d point;
+  Eigen::Matrix<Number, 3, 1> culling_point;
+  double reach;  ///< largest coordinate of the point
+  double slack;  ///< triangles matter iff they are at most this much farther away than the nearest
+  Number squared_radius;
+  FoundNearest& found;
+
+  NearestSearch(FoundNearest& result, const Eigen::Vector3d& at, double radius, double more)
       : point(at),
-        // Far away every triangle is visited for any finite float point.
-        float_point(at.cwiseMax(-kCullingReach).cwiseMin(kCullingReach).cast<float>()),
+        culling_point(at.cast<Number>()),
         reach(at.cwiseAbs().maxCoeff()),
         slack(more),
-        squared_radius(geometry::squared_radius(radius, reach)) {}
+        squared_radius(geometry::squared_radius<Number>(radius, reach)),
+        found(result) {}
 
   void look_at(const Nearest& candidate, int triangle, int place) {
+    NearestTriangle& best = found.best;
     if (!improves(candidate.squared_distance, triangle, best.at.squared_distance, best.triangle)) {
       if (triangle != best.triangle)
-        squared_others = std::min(squared_others, candidate.squared_distance);
+        found.squared_others = std::min(found.squared_others, candidate.squared_distance);
       return;
     }
-    squared_others = best.at.squared_distance;
+    found.squared_others = best.at.squared_distance;
     best = {.at = candidate, .triangle = triangle, .place = place};
-    squared_radius =
-        std::min(squared_radius,
-                 geometry::squared_radius(std::sqrt(candidate.squared_distance) + slack, reach));
+    squared_radius = std::min(
+        squared_radius,
+        geometry::squared_radius<Number>(std::sqrt(candidate.squared_distance) + slack, reach));
   }
 };
 
-void SurfaceTree::look_at(NearestSearch& search, int number) const {
+template <typename Number>
+void SurfaceTree::look_at(NearestSearch<Number>& search, int number) const {
   const TrianglePacket& packet = tree_.packets[static_cast<std::size_t>(number)];
-  Lanes squared = squared_distances(search.float_point, packet);
+  auto squared = squared_distances(search.culling_point, packet);
   for (int i = 0; i < TrianglePacket::kSize; ++i) {
     int lane = 0;
     // Usually the nearest of the four makes testing the others unnecessary.
     if (!(squared.minCoeff(&lane) <= search.squared_radius)) break;
-    squared[lane] = std::numeric_limits<float>::infinity();
+    squared[lane] = std::numeric_limits<Number>::infinity();
     const int triangle = packet.triangle[static_cast<std::size_t>(lane)];
     if (triangle < 0) continue;
     const int place = TrianglePacket::kSize * number + lane;
@@ -245,40 +270,72 @@ void SurfaceTree::look_at(NearestSearch& search, int number) const {
   }
 }
 
-void SurfaceTree::find(NearestSearch& search) const {
-  const std::array<BoxLanes, 3> p = {BoxLanes::Constant(search.float_point[0]),
-                                     BoxLanes::Constant(search.float_point[1]),
-                                     BoxLanes::Constant(search.float_point[2])};
-  const auto meet = [&](const TreeNode& node, BoxLanes& squared) {
-    squared = BoxLanes::Zero();
+template <typename Number>
+SurfaceTree::FoundNearest SurfaceTree::find(const Eigen::Vector3d& point, int guess, double radius,
+                                            double slack) const {
+  FoundNearest found;
+  NearestSearch<Number> search(found, point, radius, slack);
+  if (guess >= 0) {
+    search.look_at(nearest_on_triangle(point, local_corners(guess)), triangle_at(guess), guess);
+  }
+  const std::array<ChildLanes<Number>, 3> p = {
+      ChildLanes<Number>::Constant(search.culling_point[0]),
+      ChildLanes<Number>::Constant(search.culling_point[1]),
+      ChildLanes<Number>::Constant(search.culling_point[2])};
+  // In double a box needs no margin but for the rounding of its sides.
+  constexpr double kSideRounding = std::numeric_limits<float>::epsilon();
+  const double spare = 2 * margin_ - (1 + 2 * margin_) * kSideRounding;
+  const auto meet = [&](const TreeNode& node, ChildLanes<Number>& squared) {
+    squared = ChildLanes<Number>::Zero();
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      const BoxLanes outside =
-          (node.sides[axis][0] - p[axis]).max(p[axis] - node.sides[axis][1]).max(0.0F);
+      const auto& [lower, upper] = node.sides[axis];
+      ChildLanes<Number> outside =
+          (lower.template cast<Number>() - p[axis]).max(p[axis] - upper.template cast<Number>());
+      if constexpr (std::is_same_v<Number, double>) outside += spare;
+      outside = outside.max(Number{0});
       squared += outside * outside;
     }
-    return where_not_above(squared, BoxLanes::Constant(search.squared_radius)) & node.children;
+    return where_not_above(squared, ChildLanes<Number>::Constant(search.squared_radius)) &
+           node.children;
   };
-  walk(
+  walk<Number>(
       tree_, meet, [&](int packet) { look_at(search, packet); },
       [&] { return search.squared_radius; });
+  return found;
+}
+
+SurfaceTree::FoundNearest SurfaceTree::find_from_beyond(const Eigen::Vector3d& point, int guess,
+                                                        double radius, double slack) const {
+  const double nearer = kFarthest / point.cwiseAbs().maxCoeff();
+  FoundNearest found = find<double>(nearer * point, guess, radius, slack);
+  NearestTriangle& best = found.best;
+  if (best.triangle < 0) return found;
+  best.at.squared_distance =
+      (point - point_on(local_corners(best.place), best.at.barycentric)).squaredNorm();
+  if (!(best.at.squared_distance < kInfinity)) return {};
+  // The others are as far away, except for rounding.
+  found.squared_others = best.at.squared_distance;
+  return found;
+}
+
+SurfaceTree::FoundNearest SurfaceTree::find(const Eigen::Vector3d& point, int guess, double radius,
+                                            double slack) const {
+  const double reach = point.cwiseAbs().maxCoeff();
+  if (reach <= kFloatReach) return find<float>(point, guess, radius, slack);
+  if (reach <= kFarthest) return find<double>(point, guess, radius, slack);
+  return find_from_beyond(point, guess, radius, slack);
 }
 
 NearestTriangle SurfaceTree::nearest(const Eigen::Vector3d& point, double radius) const noexcept {
-  NearestSearch search(point, radius, 0);
-  find(search);
-  return search.best;
+  return find(point, -1, radius, 0).best;
 }
 
 LoneNearest SurfaceTree::lone_nearest(const Eigen::Vector3d& point, int guess,
                                       double slack) const noexcept {
-  NearestSearch search(point, kInfinity, slack);
-  if (guess >= 0) {
-    search.look_at(nearest_on_triangle(point, local_corners(guess)), triangle_at(guess), guess);
-  }
-  find(search);
-  const double distance = std::sqrt(search.best.at.squared_distance);
-  return {.nearest = search.best,
-          .others = std::min(std::sqrt(search.squared_others), distance + slack)};
+  const FoundNearest found = find(point, guess, kInfinity, slack);
+  const double distance = std::sqrt(found.best.at.squared_distance);
+  return {.nearest = found.best,
+          .others = std::min(std::sqrt(found.squared_others), distance + slack)};
 }
 
 /// The packet with this number; begins to load the exact corners of its triangles too.
@@ -351,7 +408,7 @@ CrossedTriangle SurfaceTree::first_crossing(const Eigen::Vector3d& start,
   }
   const SlabSegment slabs(start, end);
   CrossingSearch search(start, end, margin_);
-  walk(
+  walk<float>(
       tree_,
       [&](const TreeNode& node, BoxLanes& enter) { return slabs.meet(node, search.far, enter); },
       [&](int packet) { look_at(search, packet); }, [&] { return search.far; });
@@ -407,7 +464,7 @@ std::vector<CrossedTriangle> SurfaceTree::all_crossings(const Eigen::Vector3d& s
       crossings.push_back({.at = crossing, .triangle = triangle, .place = place});
     }
   };
-  walk(
+  walk<float>(
       tree_, [&](const TreeNode& node, BoxLanes& enter) { return slabs.meet(node, 1, enter); },
       look_at, [] { return 1.0F; });
   const auto place = [](const CrossedTriangle& one) {

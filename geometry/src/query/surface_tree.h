@@ -34,8 +34,9 @@ struct CrossedTriangle {
 /// A mesh in its local frame (centred on its bounding box and scaled by a power of two to [-1, 1],
 /// which is exact) with a tree of boxes slightly larger than the triangles.
 ///
-/// Boxes and packets of triangles cull in single precision; the nearest or first triangle is
-/// decided in double. Among equals the lowest index wins, so the traversal order does not matter.
+/// Boxes and packets of triangles cull in single precision, or for closest points from far away in
+/// double; the nearest or first triangle is decided in double. Among equals the lowest index wins,
+/// so the traversal order does not matter.
 class SurfaceTree {
  public:
   /// Precondition: the mesh is valid.
@@ -103,10 +104,19 @@ class SurfaceTree {
     return {mesh_.vertices.col(named[0]), mesh_.vertices.col(named[1]),
             mesh_.vertices.col(named[2])};
   }
+  struct FoundNearest;
+  template <typename Number>
   struct NearestSearch;
   struct CrossingSearch;
-  void find(NearestSearch& search) const;
-  void look_at(NearestSearch& search, int number) const;
+  [[nodiscard]] FoundNearest find(const Eigen::Vector3d& point, int guess, double radius,
+                                  double slack) const;
+  template <typename Number>
+  [[nodiscard]] FoundNearest find(const Eigen::Vector3d& point, int guess, double radius,
+                                  double slack) const;
+  [[nodiscard]] FoundNearest find_from_beyond(const Eigen::Vector3d& point, int guess,
+                                              double radius, double slack) const;
+  template <typename Number>
+  void look_at(NearestSearch<Number>& search, int number) const;
   void look_at(CrossingSearch& search, int number) const;
   [[nodiscard]] const TrianglePacket& start_packet(int number) const;
   void touch(NearestTriangle& nearest, const Eigen::Vector3d& end, int triangle, int place) const;

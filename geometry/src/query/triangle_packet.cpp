@@ -74,6 +74,20 @@ Lanes squared_distances(const Eigen::Vector3f& point, const TrianglePacket& pack
   return to_plane.min(to_edges);
 }
 
+DoubleLanes squared_distances(const Eigen::Vector3d& point, const TrianglePacket& packet) {
+  // By which a corner in [-1, 1] moves at most when it is rounded to float.
+  constexpr double kRounding = static_cast<double>(std::numeric_limits<float>::epsilon()) / 2;
+  const auto& [a, b, c] = packet.corner;
+  DoubleLanes squared = DoubleLanes::Zero();
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double p = point[static_cast<int>(axis)];
+    const DoubleLanes lower = a[axis].min(b[axis]).min(c[axis]).cast<double>();
+    const DoubleLanes upper = a[axis].max(b[axis]).max(c[axis]).cast<double>();
+    squared += ((lower - p).max(p - upper) - kRounding).max(0.0).square();
+  }
+  return squared;
+}
+
 SegmentLanes::SegmentLanes(const Eigen::Vector3d& start, const ShearedSegment& segment,
                            double margin)
     : axis_(segment.axis()),

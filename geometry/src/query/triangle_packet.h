@@ -16,6 +16,7 @@ namespace palpate::geometry {
 
 /// One number for each of four triangles, in one register.
 using Lanes = Eigen::Array4f;
+using DoubleLanes = Eigen::Array4d;
 
 /// Bit i is set iff a[i] <= b[i].
 inline unsigned where_not_above(const Lanes& a, const Lanes& b) {
@@ -50,6 +51,11 @@ inline constexpr double kFloatMargin =
 /// `kFloatMargin` times (1 + largest coordinate of the point) in the distance. The bound is lower
 /// for a triangle that is degenerate in single precision.
 [[nodiscard]] Lanes squared_distances(const Eigen::Vector3f& point, const TrianglePacket& packet);
+
+/// Lower bounds of the squared distances from a point to the triangles: to their boxes, up to a few
+/// roundings in double. From far away these are close, and float bounds are of no use.
+[[nodiscard]] DoubleLanes squared_distances(const Eigen::Vector3d& point,
+                                            const TrianglePacket& packet);
 
 /// How a segment passes the triangles, lane by lane. Coordinates along the segment are measured on
 /// its main axis, 0 at its start.

@@ -75,5 +75,53 @@ TEST(SurfaceTree, FindsTheTwoNearestTrianglesWhateverTheTreeAndTheGuess) {
   }
 }
 
+TEST(SurfaceTree, FindsTheTwoNearestTrianglesFromFarAway) {
+  std::mt19937 random(7);
+  std::normal_distribution<double> normal;
+  const auto relief = [](double x, double y) { return std::sin(x / 3.1) * std::cos(y / 2.3); };
+  for (const TriangleMesh& mesh :
+       {test::random_triangles(400, 10, 3), test::height_field(20, 15, 0.7, relief),
+        test::flat_sheet(20, 15, 0.7), test::icosphere(3, 10), repeated_triangle(100)}) {
+    const SurfaceTree tree(mesh);
+    for (const double away : {1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9}) {
+      for (int i = 0; i < 12; ++i) {
+        Vector3d direction(normal(random), normal(random), normal(random));
+        if (i < 6) direction = (i < 3 ? 1 : -1) * Vector3d::Unit(i % 3);  // straight from before it
+        const Vector3d point = away * direction.normalized() + Vector3d(0.03, -0.05, 0.02);
+        const LoneNearest expected = exhaustive(tree, point);
+        EXPECT_EQ(tree.nearest(point, kInf).triangle, expected.nearest.triangle);
+        const double distance = std::sqrt(expected.nearest.at.squared_distance);
+        for (const double slack : {0.0, 0.1, kInf}) {
+          const LoneNearest found = tree.lone_nearest(point, i % 2 - 1, slack);
+          EXPECT_EQ(found.nearest.triangle, expected.nearest.triangle);
+          EXPECT_EQ(found.nearest.at.squared_distance, expected.nearest.at.squared_distance);
+          EXPECT_EQ(found.others, std::min(expected.others, distance + slack));
+        }
+      }
+    }
+  }
+}
+
+TEST(SurfaceTree, FindsAnExtremeTriangleFromWhereAllDistancesRoundToTheSame) {
+  const SurfaceTree tree(test::icosphere(4, 10));
+  std::mt19937 random(8);
+  std::normal_distribution<double> normal;
+  const double radius = tree.scale() * 10;
+  // Of triangles whose sides are at most 1 / 12 of the radius.
+  const double sagitta = radius / (12 * 12 * 2);
+  for (const double away : {1e10, 1e12, 1e15, 1e30, 1e150}) {
+    for (int i = 0; i < 20; ++i) {
+      const Vector3d direction =
+          Vector3d(normal(random), normal(random), normal(random)).normalized();
+      const NearestTriangle found = tree.nearest(away * direction, kInf);
+      ASSERT_GE(found.triangle, 0);
+      EXPECT_NEAR(std::sqrt(found.at.squared_distance), away - radius, sagitta + 1e-15 * away);
+      const Vector3d at = point_on(tree.local_corners(found.place), found.at.barycentric);
+      EXPECT_NEAR(at.dot(direction), radius, sagitta);
+    }
+  }
+  EXPECT_EQ(tree.nearest(Vector3d(1e200, 0, 0), kInf).triangle, -1);
+}
+
 }  // namespace
 }  // namespace palpate::geometry
