@@ -14,7 +14,8 @@ namespace palpate::sensing {
 /// Texture shows in the light L, the sum of the channels' means, by the second difference
 ///   d = L(row - P) - 2 L(row) + L(row + P),
 /// P being the carrier's period, in which light that changes evenly and the ripple that the
-/// sinusoid leaves in the means cancel. The variance of the phase is at least
+/// sinusoid leaves in the means cancel. With |sum|, the length of the channels' common phasor (half
+/// an amplitude), the variance of the phase is at least
 ///   0.04 max(0, (d / |sum|)^2 - 0.2^2).
 /// An edge anywhere in the window, of the same brightness along the rows, would ask for 0.11
 /// (Hann's window of two periods, RMS over its places and the phases) and smooth shading of three

@@ -33,22 +33,8 @@ Plane noisy_wave(double mean, double amplitude, double read, double shot, unsign
   return image;
 }
 
-/// A frame of one channel from which everything comes.
-struct Decoded {
-  explicit Decoded(const Plane& image) : modulated(Mask::Ones(kNoisyRows, kNoisyColumns)) {
-    const DemodulationFilter filter = make_filter(kCarrier);
-    demodulate({image}, modulated, filter, demodulation);
-    combine_channels(demodulation.channels, {}, combined);
-    wrapped =
-        combined.re.binaryExpr(combined.im, [](float re, float im) { return std::atan2(im, re); });
-    const PhaseSignal signal{.wrapped = wrapped,
-                             .combined = combined,
-                             .channels = demodulation.channels,
-                             .residual = demodulation.residual,
-                             .modulated = modulated};
-    noise = estimate_noise(signal, filter);
-    predict_phase_sigma(signal, noise, filter, sigma);
-  }
+struct Decoded : PredictedPhases {
+  using PredictedPhases::PredictedPhases;
   /// Root mean square of error / sigma, away from the upper and lower border.
   [[nodiscard]] double score(long first_column, long columns) const {
     const auto inner = [&](const Plane& plane) {
@@ -56,12 +42,6 @@ struct Decoded {
     };
     return std::sqrt(((inner(wrapped) - kPhase) / inner(sigma)).square().mean());
   }
-  Mask modulated;
-  Demodulation demodulation;
-  Combined combined;
-  Plane wrapped;
-  Plane sigma;
-  FrameNoise noise;
 };
 
 /// Samples of 20,000 pixels of which each eightieth is independent: a few per cent.

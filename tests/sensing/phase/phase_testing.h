@@ -2,8 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cmath>
 #include <numbers>
 
+#include "phase/phase_noise.h"
 #include "phase/wrapped_phase.h"
 
 /// What tests of the phase share.
@@ -23,5 +25,30 @@ inline Plane variance_of(const Plane& wrapped, const Mask& mask) {
 inline Plane variance_of(const Plane& wrapped) {
   return variance_of(wrapped, Mask::Ones(wrapped.rows(), wrapped.cols()));
 }
+
+/// The phases of an image of one channel that is lit everywhere, and their predicted deviations.
+struct PredictedPhases {
+  explicit PredictedPhases(const Plane& image)
+      : filter(make_filter(kCarrier)), lit(Mask::Ones(image.rows(), image.cols())) {
+    demodulate({image}, lit, filter, demodulation);
+    combine_channels(demodulation.channels, {}, combined);
+    wrapped =
+        combined.re.binaryExpr(combined.im, [](float re, float im) { return std::atan2(im, re); });
+    const PhaseSignal signal{.wrapped = wrapped,
+                             .combined = combined,
+                             .channels = demodulation.channels,
+                             .residual = demodulation.residual,
+                             .modulated = lit};
+    noise = estimate_noise(signal, filter);
+    predict_phase_sigma(signal, noise, filter, sigma);
+  }
+  DemodulationFilter filter;
+  Mask lit;
+  Demodulation demodulation;
+  Combined combined;
+  Plane wrapped;  ///< [rad]
+  FrameNoise noise;
+  Plane sigma;  ///< [rad]
+};
 
 }  // namespace palpate::sensing

@@ -8,7 +8,6 @@
 #include <functional>
 #include <random>
 
-#include "phase/phase_noise.h"
 #include "phase/phase_testing.h"
 
 namespace palpate::sensing {
@@ -19,46 +18,34 @@ constexpr long kTexturedColumns = 320;
 constexpr double kTextureNoise = 0.002;  // of full scale
 constexpr long kAwayFromBorder = 20;     // px
 
-/// The phases of a sinusoid on a surface of some brightness at each row and column, with noise.
-struct OnTexture {
+/// A sinusoid on a surface of some brightness at each row and column, with noise.
+Plane wave_on(const std::function<double(long, long)>& brightness, double mean) {
+  std::mt19937 random(1);
+  std::normal_distribution<double> noise(0, kTextureNoise);
+  Plane image(kTexturedRows, kTexturedColumns);
+  for (long row = 0; row < image.rows(); ++row) {
+    const double wave = mean + 0.3 * std::cos(kCarrier * static_cast<double>(row) + kPhase);
+    for (long column = 0; column < image.cols(); ++column)
+      image(row, column) = static_cast<float>(brightness(row, column) * wave + noise(random));
+  }
+  return image;
+}
+
+struct OnTexture : PredictedPhases {
   OnTexture(const std::function<double(long, long)>& brightness, double mean)
-      : filter(make_filter(kCarrier)) {
-    std::mt19937 random(1);
-    std::normal_distribution<double> noise(0, kTextureNoise);
-    Plane image(kTexturedRows, kTexturedColumns);
-    for (long row = 0; row < image.rows(); ++row) {
-      const double wave = mean + 0.3 * std::cos(kCarrier * static_cast<double>(row) + kPhase);
-      for (long column = 0; column < image.cols(); ++column)
-        image(row, column) = static_cast<float>(brightness(row, column) * wave + noise(random));
-    }
-    const Mask lit = Mask::Ones(image.rows(), image.cols());
-    demodulate({image}, lit, filter, demodulation);
-    combine_channels(demodulation.channels, {}, combined);
-    wrapped =
-        combined.re.binaryExpr(combined.im, [](float re, float im) { return std::atan2(im, re); });
-    const PhaseSignal signal{.wrapped = wrapped,
-                             .combined = combined,
-                             .channels = demodulation.channels,
-                             .residual = demodulation.residual,
-                             .modulated = lit};
-    predict_phase_sigma(signal, estimate_noise(signal, filter), filter, without);
-    with = without;
+      : PredictedPhases(wave_on(brightness, mean)), without(sigma), with(sigma) {
     add_texture_error(demodulation.channels, combined, filter, with);
   }
-  /// Root mean square of error / sigma.
-  [[nodiscard]] double score(const Plane& sigma) const {
+  /// Root mean square of error / deviation.
+  [[nodiscard]] double score(const Plane& deviation) const {
     const auto inner = [](const Plane& plane) {
       return plane
           .block(kAwayFromBorder, kAwayFromBorder, kTexturedRows - 2 * kAwayFromBorder,
                  kTexturedColumns - 2 * kAwayFromBorder)
           .cast<double>();
     };
-    return std::sqrt(((inner(wrapped) - kPhase) / inner(sigma)).square().mean());
+    return std::sqrt(((inner(wrapped) - kPhase) / inner(deviation)).square().mean());
   }
-  DemodulationFilter filter;
-  Demodulation demodulation;
-  Combined combined;
-  Plane wrapped;
   Plane without, with;  ///< texture error; [rad]
 };
 
@@ -94,13 +81,13 @@ TEST(TextureError, IsNoneWithoutTextureAndWhereTheLightChangesEvenly) {
 TEST(TextureError, NeverLowersADeviationAndDoesNotDependOnTheUnitOfTheLight) {
   OnTexture phases(tiles(14), 0.4);
   EXPECT_TRUE((phases.with >= phases.without).all());
-  Plane sigma = phases.without;
+  Plane again = phases.without;
   for (Demodulated& channel : phases.demodulation.channels) {
     for (Plane* plane : {&channel.mean, &channel.re, &channel.im}) *plane *= 4;
   }
   combine_channels(phases.demodulation.channels, {}, phases.combined);
-  add_texture_error(phases.demodulation.channels, phases.combined, phases.filter, sigma);
-  EXPECT_TRUE((sigma == phases.with).all());
+  add_texture_error(phases.demodulation.channels, phases.combined, phases.filter, again);
+  EXPECT_TRUE((again == phases.with).all());
 }
 
 TEST(TextureError, NeedsNoMoreRowsThanThereAre) {
