@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "files/storage_file.h"
 
+#include <fmt/format.h>
 #include <yaml-cpp/eventhandler.h>
+
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -187,6 +189,15 @@ YAML::Node StorageFile::child(const YAML::Node& parent, const std::string& key,
   YAML::Node node = find(parent, key);
   if (!node.IsDefined()) fail(place + key, "is missing");
   return node;
+}
+
+void StorageFile::allow_only(const YAML::Node& map, const std::set<std::string>& keys,
+                             const std::string& place) const {
+  for (const auto& entry : map) {
+    const std::string& key = entry.first.Scalar();
+    if (!keys.contains(key))
+      fail(place + key, fmt::format("is not known; known are {}", fmt::join(keys, ", ")));
+  }
 }
 
 double StorageFile::number(const YAML::Node& node, const std::string& key) const {

@@ -5,6 +5,7 @@
 #include <yaml-cpp/yaml.h>
 #include <filesystem>
 #include <opencv2/core.hpp>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -45,6 +46,9 @@ class StorageFile {
   [[nodiscard]] cv::Mat_<double> matrix(const std::string& key) const;
   /// The items of a sequence.
   [[nodiscard]] std::vector<YAML::Node> items(const YAML::Node& node, const std::string& key) const;
+  /// Throws if `map` holds another key: a misspelt one would count as one that was left out.
+  void allow_only(const YAML::Node& map, const std::set<std::string>& keys,
+                  const std::string& place = {}) const;
   /// Throws a FileError with file, key, and what is wrong.
   [[noreturn]] void fail(const std::string& key, const std::string& message) const;
 

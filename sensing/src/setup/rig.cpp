@@ -75,11 +75,18 @@ geometry::Camera read_lens(const StorageFile& file, const std::string& name) {
   return camera;
 }
 
-ChromaticShift read_chromatic(const StorageFile& file, const std::string& channel) {
+/// Empty if there is none.
+YAML::Node find_chromatic(const StorageFile& file) {
   const YAML::Node chromatic = file.find(file.root(), "chromatic");
-  if (!chromatic) return {};
+  if (!chromatic) return YAML::Node(YAML::NodeType::Map);
   if (!chromatic.IsMap())
     file.fail("chromatic", "red and blue, each with alpha, beta and gamma, are expected");
+  file.allow_only(chromatic, {"red", "blue", "mixing"}, "chromatic.");
+  return chromatic;
+}
+
+ChromaticShift read_chromatic(const StorageFile& file, const YAML::Node& chromatic,
+                              const std::string& channel) {
   const YAML::Node found = file.find(chromatic, channel);
   if (!found) return {};
   const std::string key = "chromatic." + channel;
@@ -92,10 +99,9 @@ ChromaticShift read_chromatic(const StorageFile& file, const std::string& channe
   return shift;
 }
 
-Eigen::Matrix3d read_mixing(const StorageFile& file) {
+Eigen::Matrix3d read_mixing(const StorageFile& file, const YAML::Node& chromatic) {
   Eigen::Matrix3d mixing = Eigen::Matrix3d::Identity();
-  const YAML::Node chromatic = file.find(file.root(), "chromatic");
-  const YAML::Node found = chromatic ? file.find(chromatic, "mixing") : chromatic;
+  const YAML::Node found = file.find(chromatic, "mixing");
   if (!found) return mixing;
   const std::string key = "chromatic.mixing";
   const std::vector<double> values = file.numbers(found, key);
@@ -208,9 +214,10 @@ Rig read_rig(const std::filesystem::path& path) {
   rig.camera = read_lens(file, "camera");
   rig.projector = read_lens(file, "projector");
   rig.T_projector_camera = read_pose(file);
-  rig.red = read_chromatic(file, "red");
-  rig.blue = read_chromatic(file, "blue");
-  rig.color_mixing = read_mixing(file);
+  const YAML::Node chromatic = find_chromatic(file);
+  rig.red = read_chromatic(file, chromatic, "red");
+  rig.blue = read_chromatic(file, chromatic, "blue");
+  rig.color_mixing = read_mixing(file, chromatic);
   rig.covariance = read_covariance(file);
   try {
     check_rig(rig, path.string());

@@ -173,6 +173,8 @@ TEST(Rig, RefusesWrongFilesAndNamesTheKey) {
   }
   EXPECT_NE(refusal("gamma: 0.0002", "gama: 0.0002").find("chromatic.red.gamma"),
             std::string::npos);
+  EXPECT_NE(refusal("blue:", "bleu:").find("chromatic.bleu: is not known; known are blue"),
+            std::string::npos);
 }
 
 TEST(Rig, DamageIsAFileErrorUnlessItLeavesARig) {

@@ -77,7 +77,7 @@ TEST(VirtualSensorFile, RefusesMisspeltAndImpossibleValues) {
     const auto path = written(folder, "s.yaml", "%YAML:1.0\n---\n" + line + "\n");
     return message_of<FileError>([&] { (void)read_virtual_sensor(path); });
   };
-  EXPECT_NE(refusal("readnoise: 5").find("readnoise: no value"), std::string::npos);
+  EXPECT_NE(refusal("readnoise: 5").find("readnoise: is not known"), std::string::npos);
   EXPECT_NE(refusal("readout: rgb").find("demosaiced is expected"), std::string::npos);
   EXPECT_NE(refusal("bits: 12").find("bits is 12; it must be 8 or 16"), std::string::npos);
   EXPECT_NE(refusal("bits: 8.5").find("whole number"), std::string::npos);
