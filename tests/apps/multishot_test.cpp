@@ -173,6 +173,20 @@ TEST_F(MultishotCommands, SayWhatIsWrongWithTheImages) {
   EXPECT_FALSE(fs::exists(scratch / "range/000000.tiff"));
 }
 
+TEST_F(MultishotCommands, WarnIfTheSinusoidsAreInReverseOrder) {
+  take("frames", 500);
+  for (int i = 0; i < 2; ++i) {
+    const fs::path one = scratch / fmt::format("frames/{:02}.png", i);
+    const fs::path other = scratch / fmt::format("frames/{:02}.png", 4 - i);
+    fs::rename(one, scratch / "moved.png");
+    fs::rename(other, one);
+    fs::rename(scratch / "moved.png", other);
+  }
+  const CommandResult done = decode({"frames"}, {"--multishot"});
+  EXPECT_EQ(done.status, kDone) << done.err;
+  EXPECT_THAT(done.err, HasSubstr("the code contradicts the sinusoid at"));
+}
+
 TEST(SurfaceColorCommands, WriteWhatFramesShowWithoutTheStripes) {
   const ScratchFolder scratch;
   write_text(scratch / "colors.yaml", trained_colors());

@@ -15,6 +15,7 @@
 #include "commands/decode_record.h"
 #include "palpate/error.h"
 #include "palpate/geometry/error_statistics.h"
+#include "palpate/sensing/reason.h"
 #include "palpate/sensing/rig.h"
 #include "palpate/sensing/surface_color.h"
 #include "shared/progress.h"
@@ -38,6 +39,7 @@ struct SceneOutcome {
   FinishedFrame frame;
   double disagreement = 0;  ///< [rad]
   double code_jumps = 0;    ///< per turn
+  long contradictions = 0;  ///< pixels whose code and phase contradict each other
   double read_milliseconds = 0;
   double write_milliseconds = 0;
 };
@@ -79,6 +81,8 @@ sensing::MultishotResult decode_scene(const MultishotCall& call, const Scene& sc
   outcome.frame.milliseconds = milliseconds_since(start);
   outcome.disagreement = result.disagreement;
   outcome.code_jumps = result.code_jumps;
+  outcome.contradictions =
+      sensing::count(result.decoded.reasons, sensing::Reason::ambiguous_offset);
   return result;
 }
 
@@ -99,6 +103,12 @@ void warn_of_scene(const SceneOutcome& outcome) {
         "{:.2f} times a period, so depths are likely to be wrong. Give the images in the order in "
         "which the pattern was drawn, and the --pattern that was projected.",
         outcome.frame.name, outcome.code_jumps);
+  }
+  if (outcome.contradictions > outcome.frame.pixels) {
+    spdlog::warn(
+        "{}: the code contradicts the sinusoid at {} pixels, and only {} have a depth. Give the "
+        "images in the order in which the pattern was drawn, and the --pattern that was projected.",
+        outcome.frame.name, outcome.contradictions, outcome.frame.pixels);
   }
 }
 
