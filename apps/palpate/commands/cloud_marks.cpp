@@ -126,8 +126,10 @@ void mark_cylinder(WorkedCloud& worked, double tolerance, const CloudSettings& s
 }
 
 void mark_clusters(WorkedCloud& worked, double max_gap, const CloudSettings& settings) {
-  const geometry::CloudClusters clusters = geometry::cloud_clusters(
-      worked.cloud.points, {.max_gap = max_gap, .min_points = settings.min_points});
+  const geometry::CloudClusters clusters =
+      geometry::cloud_clusters(worked.cloud.points, {.max_gap = max_gap,
+                                                     .min_points = settings.min_points,
+                                                     .progress = shown_as("joining points")});
   if (clusters.sizes.empty())
     throw InvalidInput(
         fmt::format("--cluster: no cluster has {} points; lower --min-points or "

@@ -65,7 +65,9 @@ void remove_outliers(WorkedCloud& worked, double max_deviations) {
 }
 
 void remove_isolated(WorkedCloud& worked, double radius, int neighbours) {
-  keep_only(worked, "isolated", geometry::without_isolated(worked.cloud.points, radius, neighbours),
+  keep_only(worked, "isolated",
+            geometry::without_isolated(worked.cloud.points, radius, neighbours,
+                                       shown_as("looking for isolated points")),
             fmt::format("with {} others within {:g} mm", neighbours, radius));
 }
 
@@ -84,7 +86,8 @@ void average_voxels(WorkedCloud& worked, double edge) {
 
 void sample_poisson(WorkedCloud& worked, double min_distance) {
   const Eigen::Index before = known_count(worked.cloud);
-  const std::vector<int> chosen = geometry::poisson_sample(worked.cloud.points, min_distance);
+  const std::vector<int> chosen =
+      geometry::poisson_sample(worked.cloud.points, min_distance, shown_as("sampling"));
   worked.cloud = geometry::selected(worked.cloud, chosen);
   worked.found_what.clear();
   note_step(worked, "poisson", before, Json::object(),
@@ -117,7 +120,8 @@ void measure_from_cloud(WorkedCloud& worked, const fs::path& reference,
   for_reference.color = false;
   const WorkedCloud other = load_cloud({reference}, for_reference);
   note_distances(worked, "from-cloud", reference,
-                 geometry::distances_to_cloud(worked.cloud.points, other.cloud.points));
+                 geometry::distances_to_cloud(worked.cloud.points, other.cloud.points,
+                                              shown_as("measuring distances")));
 }
 
 }  // namespace palpate::apps

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "base/disjoint_sets.h"
+#include "base/work_steps.h"
 #include "clouds/cell_numbers.h"
 #include "clouds/known_points.h"
 #include "palpate/require.h"
@@ -93,7 +94,8 @@ bool have_pair_within(const PointsRef& points, const std::vector<int>& a, const 
 }
 
 /// Joins cells one of whose points is within reach of one of the other's.
-SignedSets joined_cells(const PointsRef& points, const FilledCells& filled, double max_gap) {
+SignedSets joined_cells(const PointsRef& points, const FilledCells& filled, double max_gap,
+                        const WorkSteps::Progress& progress) {
   struct Numbered {
     Cell cell;
     int number;
@@ -107,7 +109,10 @@ SignedSets joined_cells(const PointsRef& points, const FilledCells& filled, doub
   std::sort(sorted.begin(), sorted.end(),
             [&](const Numbered& a, const Numbered& b) { return comes_before(a.cell, b.cell); });
   SignedSets sets(static_cast<int>(sorted.size()));
-  for (const Cell& offset : later_neighbours()) {
+  const std::vector<Cell> offsets = later_neighbours();
+  WorkSteps steps(progress, static_cast<int>(offsets.size()) + 1);
+  for (const Cell& offset : offsets) {
+    steps.tell();
     // The neighbours at one offset have the order of the cells: no search, and memory in a row.
     auto other = sorted.begin();
     for (const Numbered& each : sorted) {
@@ -122,6 +127,7 @@ SignedSets joined_cells(const PointsRef& points, const FilledCells& filled, doub
         sets.join(each.number, other->number);
     }
   }
+  steps.end();
   return sets;
 }
 
@@ -149,7 +155,7 @@ CloudClusters cloud_clusters(const PointsRef& points, const CloudClusterOptions&
   require("CloudClusterOptions::max_gap", options.max_gap, above(0).finite(), "mm");
   require("CloudClusterOptions::min_points", options.min_points, at_least(1));
   const FilledCells filled = fill_cells(points, options.max_gap);
-  SignedSets sets = joined_cells(points, filled, options.max_gap);
+  SignedSets sets = joined_cells(points, filled, options.max_gap, options.progress);
   std::vector<int> count(filled.points.size(), 0);
   for (std::size_t cell = 0; cell < filled.points.size(); ++cell) {
     count[static_cast<std::size_t>(sets.root_of(static_cast<int>(cell)).root)] +=

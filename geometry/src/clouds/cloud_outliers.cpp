@@ -64,9 +64,9 @@ std::vector<int> without_outliers(const Eigen::Ref<const Eigen::Matrix3Xd>& poin
 }
 
 std::vector<int> without_isolated(const Eigen::Ref<const Eigen::Matrix3Xd>& points, double radius,
-                                  int neighbours) {
+                                  int neighbours, const WorkSteps::Progress& progress) {
   require("without_isolated: radius", radius, above(0).finite(), "mm");
-  return up_to(neighbour_distances(points, neighbours), radius);
+  return up_to(neighbour_distances(points, neighbours, progress), radius);
 }
 
 }  // namespace palpate::geometry

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "base/work_steps.h"
 #include "clouds/cell_numbers.h"
 #include "clouds/known_points.h"
 #include "palpate/require.h"
@@ -108,7 +109,8 @@ VoxelSample voxel_sample(const PointsRef& points, double edge) {
   return sample;
 }
 
-std::vector<int> poisson_sample(const PointsRef& points, double min_distance) {
+std::vector<int> poisson_sample(const PointsRef& points, double min_distance,
+                                const WorkSteps::Progress& progress) {
   require("poisson_sample: min_distance", min_distance, above(0).finite(), "mm");
   const std::vector<int> order = shuffled(points);
   if (order.empty()) return {};
@@ -116,9 +118,13 @@ std::vector<int> poisson_sample(const PointsRef& points, double min_distance) {
   for (const int i : order) origin = origin.cwiseMin(points.col(i));
   ChosenPoints taken(points, origin, min_distance);
   std::vector<int> chosen;
-  for (const int i : order) {
-    if (taken.takes(i)) chosen.push_back(i);
+  constexpr int kReport = 50'000;
+  WorkSteps steps(progress, static_cast<int>(order.size()) / kReport + 1);
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    if (taken.takes(order[k])) chosen.push_back(order[k]);
+    if ((k + 1) % kReport == 0) steps.tell();
   }
+  steps.end();
   std::sort(chosen.begin(), chosen.end());
   return chosen;
 }

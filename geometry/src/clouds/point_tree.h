@@ -56,25 +56,35 @@ class PointTree {
   Eigen::Vector3d low_, high_;  ///< corners of the box of all points
 };
 
+/// Calls `body(begin, end)` for ranges of [0, count), on all threads, and reports after each part.
+/// \param steps counts to `count`.
+template <typename Body>
+void in_reported_parts(std::ptrdiff_t count, WorkSteps& steps, const Body& body) {
+  constexpr std::ptrdiff_t kGrain = 256, kReport = 50'000;
+  for (std::ptrdiff_t first = 0; first < count; first += kReport) {
+    const std::ptrdiff_t part = std::min(kReport, count - first);
+    parallel_ranges(part, kGrain, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+      body(first + begin, first + end);
+    });
+    steps.tell(static_cast<int>(part));
+  }
+}
+
 /// Calls `body(place, found)` for each point of the tree with the `count` points nearest to it
 /// (itself among them), on all threads.
 /// \param steps counts the points.
 template <typename Body>
 void for_each_neighbourhood(const PointTree& tree, int count, WorkSteps& steps, const Body& body) {
-  constexpr std::ptrdiff_t kGrain = 256, kReport = 50'000;
-  const auto all = static_cast<std::ptrdiff_t>(tree.places().size());
-  for (std::ptrdiff_t first = 0; first < all; first += kReport) {
-    const std::ptrdiff_t part = std::min(kReport, all - first);
-    parallel_ranges(part, kGrain, [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
-      std::vector<Neighbour> found;
-      for (std::ptrdiff_t i = begin; i < end; ++i) {
-        const PointTree::Place& place = tree.places()[static_cast<std::size_t>(first + i)];
-        tree.nearest(place.position, count, found);
-        body(place, found);
-      }
-    });
-    steps.tell(static_cast<int>(part));
-  }
+  const std::vector<PointTree::Place>& places = tree.places();
+  in_reported_parts(static_cast<std::ptrdiff_t>(places.size()), steps,
+                    [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+                      std::vector<Neighbour> found;
+                      for (std::ptrdiff_t i = begin; i < end; ++i) {
+                        const PointTree::Place& place = places[static_cast<std::size_t>(i)];
+                        tree.nearest(place.position, count, found);
+                        body(place, found);
+                      }
+                    });
 }
 
 }  // namespace palpate::geometry

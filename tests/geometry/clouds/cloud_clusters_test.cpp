@@ -7,6 +7,7 @@
 #include "cloud_testing.h"
 #include "not_finite.h"
 #include "refusal.h"
+#include "told_progress.h"
 
 namespace palpate::geometry {
 namespace {
@@ -94,6 +95,15 @@ TEST(CloudClusters, OfEqualPointsAreOneAndQuick) {
       cloud_clusters(Matrix3Xd::Constant(3, 100'000, 1e9), {.max_gap = 0.01});
   EXPECT_EQ(clusters.sizes, std::vector<int>{100'000});
   EXPECT_TRUE(cloud_clusters(Matrix3Xd(3, 0), {.max_gap = 1}).sizes.empty());
+}
+
+TEST(CloudClusters, TellTheirProgress) {
+  const Matrix3Xd points = test::random_cloud(100, 2, {9, 9, 9});
+  check_progress(
+      [&](const auto& progress) {
+        (void)cloud_clusters(points, {.max_gap = 1, .progress = progress});
+      },
+      3);
 }
 
 TEST(CloudClusters, RefuseOptionsOutOfRange) {

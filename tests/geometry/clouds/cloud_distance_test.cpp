@@ -7,6 +7,7 @@
 #include "cloud_testing.h"
 #include "not_finite.h"
 #include "refusal.h"
+#include "told_progress.h"
 
 namespace palpate::geometry {
 namespace {
@@ -89,6 +90,18 @@ TEST(NeighbourDistances, AreInfiniteWithoutSoManyOthers) {
   EXPECT_TRUE(std::isnan(one[1]));
   EXPECT_EQ(two[2], kInf);
   EXPECT_EQ(neighbour_distances(Matrix3Xd(3, 0)).size(), 0);
+}
+
+TEST(DistancesToCloud, TellTheirProgress) {
+  const Matrix3Xd points = test::random_cloud(60000, 2, {9, 9, 9});
+  check_progress(
+      [&](const auto& progress) { (void)distances_to_cloud(points, points.leftCols(9), progress); },
+      3);
+}
+
+TEST(NeighbourDistances, TellTheirProgress) {
+  const Matrix3Xd points = test::random_cloud(60000, 2, {9, 9, 9});
+  check_progress([&](const auto& progress) { (void)neighbour_distances(points, 1, progress); }, 3);
 }
 
 TEST(NeighbourDistances, RefuseACountOutOfRange) {

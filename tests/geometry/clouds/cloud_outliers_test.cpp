@@ -57,6 +57,11 @@ TEST(WithoutOutliers, TellsItsProgress) {
       3);
 }
 
+TEST(WithoutIsolated, TellsItsProgress) {
+  const Matrix3Xd points = test::sphere_cloud(60000, {0, 0, 0}, 10);
+  check_progress([&](const auto& progress) { (void)without_isolated(points, 1, 2, progress); }, 3);
+}
+
 TEST(WithoutOutliers, DependsOnNeitherFrameNorOrderNorScale) {
   const Matrix3Xd points = test::random_cloud(400, 2, {9, 9, 9});
   const std::vector<int> kept = without_outliers(points, {.max_deviations = 1});

@@ -10,6 +10,7 @@
 #include "cloud_testing.h"
 #include "not_finite.h"
 #include "refusal.h"
+#include "told_progress.h"
 
 namespace palpate::geometry {
 namespace {
@@ -118,6 +119,11 @@ TEST(PoissonSample, TakesEqualPointsOnceAndUnknownOnesNever) {
   Matrix3Xd zeros = Matrix3Xd::Zero(3, 2);
   zeros(0, 0) = -0.0;  // in the place of zero
   EXPECT_EQ(poisson_sample(zeros, 1), std::vector<int>{0});
+}
+
+TEST(PoissonSample, TellsItsProgress) {
+  const Matrix3Xd points = test::random_cloud(120000, 2, {9, 9, 9});
+  check_progress([&](const auto& progress) { (void)poisson_sample(points, 5, progress); }, 3);
 }
 
 TEST(PoissonSample, RefusesADistanceThatIsNotOneOrTooSmall) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 
 #include "palpate/eigen_alignment.h"
 
@@ -11,6 +12,8 @@
 ///
 /// In all functions on point clouds a point with a coordinate that is not finite is unknown: it is
 /// nobody's neighbour, and its own results are NaN. Results are the same for any number of threads.
+/// `progress` is called in the calling thread after each part of the points; the last call has
+/// done == total. What it throws ends the work.
 namespace palpate::geometry {
 
 /// Most neighbours of a point that a function looks at.
@@ -19,13 +22,16 @@ inline constexpr int kMostNeighbours = 1000;
 /// Distance [mm] >= 0 of each point (3 x N) from the nearest point of `cloud` (3 x M); NaN for an
 /// unknown point.
 /// \throws InvalidInput if no point of the cloud is known, or a coordinate exceeds 1e100.
-[[nodiscard]] Eigen::VectorXd distances_to_cloud(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
-                                                 const Eigen::Ref<const Eigen::Matrix3Xd>& cloud);
+[[nodiscard]] Eigen::VectorXd distances_to_cloud(
+    const Eigen::Ref<const Eigen::Matrix3Xd>& points,
+    const Eigen::Ref<const Eigen::Matrix3Xd>& cloud,
+    const std::function<void(int done, int total)>& progress = {});
 
 /// Distance [mm] of each point (3 x N) from its `count`-th nearest other point; 0 if so many others
 /// are at the same place, infinity if there are not so many others, and NaN for an unknown point.
 /// \throws InvalidInput unless `count` is in [1, kMostNeighbours], or if a coordinate exceeds 1e100.
-[[nodiscard]] Eigen::VectorXd neighbour_distances(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
-                                                  int count = 1);
+[[nodiscard]] Eigen::VectorXd neighbour_distances(
+    const Eigen::Ref<const Eigen::Matrix3Xd>& points, int count = 1,
+    const std::function<void(int done, int total)>& progress = {});
 
 }  // namespace palpate::geometry

@@ -30,9 +30,11 @@ struct OutlierOptions {
                                                 const OutlierOptions& options = {});
 
 /// Leaves out points with fewer than `neighbours` other points within the distance `radius` [mm].
+/// \param progress as in `OutlierOptions`.
 /// \return indices of the kept points, ascending.
 /// \throws InvalidInput unless radius > 0 and `neighbours` is in [1, kMostNeighbours].
-[[nodiscard]] std::vector<int> without_isolated(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
-                                                double radius, int neighbours);
+[[nodiscard]] std::vector<int> without_isolated(
+    const Eigen::Ref<const Eigen::Matrix3Xd>& points, double radius, int neighbours,
+    const std::function<void(int done, int total)>& progress = {});
 
 }  // namespace palpate::geometry

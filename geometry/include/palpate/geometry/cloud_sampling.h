@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <vector>
 
 #include "palpate/eigen_alignment.h"
@@ -27,9 +28,12 @@ struct VoxelSample {
 /// point is closer than that (a maximal Poisson-disc sample): points are taken in an order that
 /// follows from a hash of their coordinates, unless they are too close to one before. The order of
 /// the points does not matter. Points that are equal count as one, the first.
+/// \param progress called after each part of the points; the last call has done == total. What it
+/// throws ends the work.
 /// \return indices of the chosen points, ascending.
 /// \throws InvalidInput unless min_distance > 0 and at least 2^-40 of the extent of the points.
-[[nodiscard]] std::vector<int> poisson_sample(const Eigen::Ref<const Eigen::Matrix3Xd>& points,
-                                              double min_distance);
+[[nodiscard]] std::vector<int> poisson_sample(
+    const Eigen::Ref<const Eigen::Matrix3Xd>& points, double min_distance,
+    const std::function<void(int done, int total)>& progress = {});
 
 }  // namespace palpate::geometry
