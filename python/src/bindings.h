@@ -20,6 +20,7 @@ namespace py = pybind11;
 void add_errors(py::module_& module);
 void add_meshes(py::module_& module);
 void add_surface_functions(py::module_& module);
+void add_clouds(py::module_& module);
 void add_geodesics(py::module_& module);
 void add_sensing(py::module_& module);
 void add_probing(py::module_& module);
