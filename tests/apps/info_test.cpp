@@ -50,6 +50,14 @@ TEST_F(Info, TellsThatASolidIsInsideOut) {
   EXPECT_THAT(described(6, false), HasSubstr("volume -36 mm^3, as the triangles face inwards"));
 }
 
+TEST_F(Info, TellsThatTrianglesAreNotJoined) {
+  write_text(scratch / "soup.obj",
+             "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 4 5 6\n");
+  EXPECT_THAT(run_palpate({"info", scratch / "soup.obj"}).out,
+              HasSubstr("4 vertices are where another one is, too"));
+  EXPECT_THAT(described(6), Not(HasSubstr("another one")));
+}
+
 TEST_F(Info, TellsThatARangeMapHasNoDepth) {
   geometry::ImageF depths = geometry::ImageF::Constant(4, 6, -700);
   depths(0, 0) = std::numeric_limits<float>::quiet_NaN();

@@ -13,6 +13,7 @@
 
 #include "commands/describe_cloud.h"
 #include "palpate/error.h"
+#include "palpate/geometry/cloud_distance.h"
 #include "palpate/geometry/mesh_measures.h"
 #include "palpate/geometry/mesh_topology.h"
 #include "palpate/geometry/point_file.h"
@@ -78,6 +79,14 @@ Description describe_surface(const geometry::TriangleMesh& mesh) {
          {"euler_characteristic", euler}},
         fmt::format("area {} mm^2, {} component(s), {} boundary loop(s), Euler characteristic {}",
                     quantity(area), components, loops, euler)};
+    const auto repeated = (geometry::neighbour_distances(mesh.vertices).array() == 0).count();
+    surface.figures["repeated"] = repeated;
+    if (repeated > 0) {
+      surface.prose += fmt::format(
+          "; {} vertices are where another one is, too, so triangles that meet there may be apart "
+          "(palpate mesh --repair joins them)",
+          repeated);
+    }
     if (loops == 0) {
       const double volume = geometry::enclosed_volume(mesh);
       surface.figures["volume"] = volume;
