@@ -6,6 +6,7 @@
 #include <pybind11/pybind11.h>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -37,6 +38,9 @@ class Points {
 
 /// A vector of three numbers: an array, tuple or list. \throws InvalidInput
 [[nodiscard]] Eigen::Vector3d vector3(py::handle object, const char* name);
+
+/// A rigid motion: an array of shape (4, 4), or the identity for None. \throws InvalidInput
+[[nodiscard]] Eigen::Isometry3d isometry(py::handle pose, const char* name);
 
 /// Whole numbers from 0 to 2^31 - 1 of the given number of dimensions, of any type that holds whole
 /// numbers; also of a floating type, if they are whole. \throws InvalidInput naming the first

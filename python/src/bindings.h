@@ -22,6 +22,7 @@ void add_meshes(py::module_& module);
 void add_surface_functions(py::module_& module);
 void add_clouds(py::module_& module);
 void add_geodesics(py::module_& module);
+void add_scans(py::module_& module);
 void add_sensing(py::module_& module);
 void add_probing(py::module_& module);
 void add_simulation(py::module_& module);

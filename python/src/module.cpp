@@ -75,6 +75,7 @@ PYBIND11_MODULE(_palpate, module) {
   python::add_surface_functions(module);
   python::add_geodesics(module);
   python::add_clouds(module);
+  python::add_scans(module);
   python::add_sensing(module);
   python::add_probing(module);
   python::add_fitting(module);

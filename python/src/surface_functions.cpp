@@ -232,26 +232,6 @@ void add_comparison(py::module_& module) {
 Raises InvalidInput. Ctrl-C is not heard.)");
 }
 
-Eigen::Isometry3d isometry(const py::object& pose, const char* name) {
-  if (pose.is_none()) return Eigen::Isometry3d::Identity();
-  const py::array_t<double> numbers = real_numbers(pose, name);
-  const bool fits = numbers.ndim() == 2 && numbers.shape(0) == 4 && numbers.shape(1) == 4;
-  if (!fits) throw InvalidInput(std::string(name) + ": must be a matrix of shape (4, 4)");
-  const Eigen::Matrix4d matrix =
-      Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(numbers.data());
-  const Eigen::Matrix3d rotation = matrix.topLeftCorner<3, 3>();
-  // As in files: rounding of six printed digits.
-  constexpr double kRotationTolerance = 1e-6;
-  const double off =
-      (rotation.transpose() * rotation - Eigen::Matrix3d::Identity()).lpNorm<Eigen::Infinity>();
-  if (!matrix.allFinite() || off > kRotationTolerance || rotation.determinant() < 0 ||
-      matrix.row(3) != Eigen::RowVector4d(0, 0, 0, 1)) {
-    throw InvalidInput(std::string(name) +
-                       ": must be finite, a rotation and a translation, with 0 0 0 1 below");
-  }
-  return Eigen::Isometry3d(matrix);
-}
-
 void add_registration(py::module_& module) {
   py::class_<Registration>(module, "Registration", "The result of register_points().")
       .def_property_readonly(

@@ -1,0 +1,132 @@
+// SPDX-FileCopyrightText: Palpate contributors
+// SPDX-License-Identifier: Apache-2.0
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "arrays.h"
+#include "bindings.h"
+#include "palpate/geometry/hole_filling.h"
+#include "palpate/geometry/merge_scans.h"
+#include "palpate/geometry/smoothing.h"
+
+// From scans to one clean surface.
+namespace palpate::python {
+namespace {
+
+using geometry::FilledMesh;
+using geometry::MergedScans;
+using geometry::MergeScansOptions;
+using geometry::Scan;
+using geometry::SmoothingOptions;
+using geometry::TriangleMesh;
+
+/// One for each mesh, or none at all.
+void check_count(const char* name, const std::vector<py::object>& given, std::size_t meshes) {
+  if (given.empty() || given.size() == meshes) return;
+  throw InvalidInput(std::string(name) + ": there are " + std::to_string(given.size()) +
+                     "; there must be one for each of the " + std::to_string(meshes) + " meshes");
+}
+
+std::vector<Scan> scans_of(const std::vector<TriangleMesh>& meshes,
+                           const std::vector<py::object>& poses,
+                           const std::vector<py::object>& sigmas) {
+  check_count("poses", poses, meshes.size());
+  check_count("sigmas", sigmas, meshes.size());
+  std::vector<Scan> scans;
+  for (std::size_t i = 0; i < meshes.size(); ++i) {
+    Scan& scan = scans.emplace_back(Scan{.mesh = meshes[i]});
+    const std::string place = "[" + std::to_string(i) + "]";
+    if (!poses.empty()) scan.T_object_scan = isometry(poses[i], ("poses" + place).c_str());
+    if (sigmas.empty()) continue;
+    const py::array_t<double> numbers = real_numbers(sigmas[i], ("sigmas" + place).c_str());
+    scan.sigma = Eigen::Map<const Eigen::VectorXd>(numbers.data(), numbers.size());
+  }
+  return scans;
+}
+
+void add_merging(py::module_& module) {
+  py::class_<MergedScans>(module, "MergedScans", "The result of merge_scans().")
+      .def_readonly("mesh", &MergedScans::mesh, "The surface, in the frame of the object.")
+      .def_property_readonly(
+          "sigma",
+          [](const py::object& self) { return vector_view(self.cast<MergedScans&>().sigma, self); },
+          "[mm] (V,) standard deviations of the vertices; empty unless all scans have sigmas.")
+      .def_readonly("spacing", &MergedScans::spacing, "[mm] of the grid.");
+  module.def(
+      "merge_scans",
+      [](const std::vector<TriangleMesh>& meshes, const std::vector<py::object>& poses,
+         const std::vector<py::object>& sigmas, const std::optional<double>& spacing, double reach,
+         double max_memory, const py::object& progress) {
+        const std::vector<Scan> scans = scans_of(meshes, poses, sigmas);
+        const MergeScansOptions options{.spacing = spacing,
+                                        .reach = reach,
+                                        .max_memory = max_memory,
+                                        .progress = reporting(progress)};
+        const Unlocked unlocked;
+        return geometry::merge_scans(scans, options);
+      },
+      arg("meshes"), kw_only(), arg("poses") = py::tuple(), arg("sigmas") = py::tuple(),
+      arg("spacing") = py::none(), arg("reach") = MergeScansOptions{}.reach,
+      arg("max_memory") = MergeScansOptions{}.max_memory, arg("progress") = py::none(),
+      R"(Merges overlapping scans into one surface that averages them.
+
+meshes: their triangles face the outside of the object.
+poses: a (4, 4) matrix for each mesh, from its frame to that of the object, as
+Registration.T_target_source; without them, all meshes are in one frame.
+sigmas: [mm] for each mesh the standard deviations of its vertices, (V,); without them, all weigh
+the same.
+spacing: [mm] about the edge length of the result; None: the median edge length of the meshes.
+reach: scans within this many spacings of each other are averaged.
+max_memory: [GB] a finer grid is refused before it is computed.
+progress: called as progress(done, total), several times for each mesh; Ctrl-C is heard then.
+Raises InvalidInput or SolverError.)");
+}
+
+void add_hole_filling(py::module_& module) {
+  py::class_<FilledMesh>(module, "FilledMesh", "The result of fill_holes().")
+      .def_readonly("mesh", &FilledMesh::mesh, "The mesh, and then the patches.")
+      .def_readonly("filled", &FilledMesh::filled, "Number of holes filled.")
+      .def_readonly("left", &FilledMesh::left, "Number of borders that stay.");
+  module.def(
+      "fill_holes",
+      [](const TriangleMesh& mesh, double max_diameter, const py::object& progress) {
+        const geometry::HoleFillingOptions options{.max_diameter = max_diameter,
+                                                   .progress = reporting(progress)};
+        const Unlocked unlocked;
+        return geometry::fill_holes(mesh, options);
+      },
+      arg("mesh"), arg("max_diameter"), kw_only(), arg("progress") = py::none(),
+      R"(Fills holes with patches that are as dense as their rim and continue the surface smoothly.
+
+max_diameter: [mm] diagonal of the bounding box of the largest hole to be filled. The outline of an
+open surface stays, unless this is infinite.
+progress: called as progress(done, total) after each border; Ctrl-C is heard then.
+Raises InvalidInput unless the mesh is manifold and oriented: see repair().)");
+}
+
+}  // namespace
+
+void add_scans(py::module_& module) {
+  add_merging(module);
+  add_hole_filling(module);
+  module.def(
+      "smooth",
+      [](const TriangleMesh& mesh, int iterations, double pass_band, bool keep_border) {
+        const SmoothingOptions options{
+            .iterations = iterations, .pass_band = pass_band, .keep_border = keep_border};
+        const Unlocked unlocked;
+        return geometry::smooth(mesh, options);
+      },
+      arg("mesh"), kw_only(), arg("iterations") = SmoothingOptions{}.iterations,
+      arg("pass_band") = SmoothingOptions{}.pass_band,
+      arg("keep_border") = SmoothingOptions{}.keep_border,
+      R"(Smooths a copy of a mesh without shrinking it (Taubin 1995).
+
+iterations: 20 remove most noise.
+pass_band: in (0, 1): waves of lower frequency are kept. The highest frequency of a mesh is 2.
+keep_border: keeps the border in its place; otherwise it is smoothed along itself.
+Raises InvalidInput. Ctrl-C is not heard.)");
+}
+
+}  // namespace palpate::python
