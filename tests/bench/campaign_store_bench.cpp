@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "paired.h"
+#include "palpate/probing/campaign_options_text.h"
 #include "palpate/probing/campaign_store.h"
 #include "palpate/probing/closed_form.h"
 #include "scratch_folder.h"

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
 // Compares finite elements with closed forms and with another program, on larger meshes than tests
-// have time for, and counts how random paths end. Prints the figures of docs/probing.md.
+// have time for, and counts how random paths end. Prints the figures of docs/probing-validation.md.
 #include "validation.h"
 
 #include <cstdio>

@@ -1,6 +1,6 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
-// Prints the figures of docs/probing.md on touches, slips, forces and faults, which need more
+// Prints the figures of docs/probing-validation.md on touches, slips, forces and faults, which need more
 // trials than tests have time for. Without arguments all; otherwise those that are named.
 #include <algorithm>
 #include <array>

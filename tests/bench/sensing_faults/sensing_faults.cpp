@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: Palpate contributors
 // SPDX-License-Identifier: Apache-2.0
 // What decoding says of frames, rigs, patterns and colours that do not fit each other, and of those
-// that do: the figures of docs/trade-sensing.md.
+// that do: the figures of docs/sensing-faults.md.
 #include <fmt/format.h>
 #include <fmt/ostream.h>
 #include <tbb/global_control.h>
