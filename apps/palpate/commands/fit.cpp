@@ -93,7 +93,8 @@ Json settings_of(const FitCall& call) {
 }
 
 // Steady error of tangential forces over their noise, 0.01 N: with 0.01 N of it, 34 of 36 lower
-// bounds hold that the virtual arm measured, with 0.015 N all; without, 15 (docs/probing.md).
+// bounds hold that the virtual arm measured, with 0.015 N all; without, 15
+// (docs/probing-validation.md).
 constexpr double kSteadyErrorPerNoise = 1.5;
 
 // A rendered force blends the fields of three contacts.

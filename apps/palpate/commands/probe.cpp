@@ -278,7 +278,7 @@ void add_probe(CLI::App& app, const Settings& settings) {
         [call](const std::string& sign) {
           change(*call, &probing::AcquisitionMapping::decimal_comma, sign == "comma");
         },
-        "Sign before the decimals of all numbers: point or comma (default: point)")
+        "Decimal separator of all numbers: point or comma (default: point)")
       ->check(one_of({"point", "comma"}));
   in->add_option_function<double>(
         "--probe-radius",
