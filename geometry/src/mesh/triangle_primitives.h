@@ -58,7 +58,10 @@ class ShearedSegment {
     const Eigen::Array3d extent = along.cwiseAbs();
     const int larger = extent[1] > extent[0] ? 1 : 0;
     const int largest = extent[2] > std::max(extent[0], extent[1]) ? 2 : larger;
-    constexpr std::array<std::array<int, 3>, 3> kOrders = {{{1, 2, 0}, {2, 0, 1}, {0, 1, 2}}};
+    // Static: a table on the stack would be read in other pieces than it was just written in, and
+    // processors wait long for that.
+    static constexpr std::array<std::array<int, 3>, 3> kOrders = {
+        {{1, 2, 0}, {2, 0, 1}, {0, 1, 2}}};
     axis_ = kOrders[static_cast<std::size_t>(largest)];
     length_ = along[axis_[2]];
     shear_0_ = along[axis_[0]] / length_;

@@ -100,18 +100,16 @@ std::optional<LocalLine> local_line(const SurfaceTree& tree, const Ray& ray) {
 
 SegmentHit segment_hit(const SurfaceTree& tree, const LocalLine& line,
                        const CrossedTriangle& crossed) {
-  const SurfacePoint at{.triangle = crossed.triangle, .barycentric = crossed.at.barycentric};
-  return {.at = at,
-          .position = tree.position(crossed.place, at.barycentric),
+  return {.at = {.triangle = crossed.triangle, .barycentric = crossed.at.barycentric},
+          .position = tree.position(crossed.place, crossed.at.barycentric),
           .fraction = line.along(crossed.at.fraction)};
 }
 
 /// \param unit [mm] length of the ray's `along_ray`.
 RayHit ray_hit(const SurfaceTree& tree, double unit, const LocalLine& line,
                const CrossedTriangle& crossed) {
-  const SurfacePoint at{.triangle = crossed.triangle, .barycentric = crossed.at.barycentric};
-  return {.at = at,
-          .position = tree.position(crossed.place, at.barycentric),
+  return {.at = {.triangle = crossed.triangle, .barycentric = crossed.at.barycentric},
+          .position = tree.position(crossed.place, crossed.at.barycentric),
           .distance = line.along(crossed.at.fraction) * unit};
 }
 
