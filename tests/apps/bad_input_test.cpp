@@ -398,13 +398,15 @@ TEST_F(BadInput, AFrameThatDoesNotFitTheRigIsNamed) {
 }
 
 TEST_F(BadInput, AFullDiskIsAFailureThatLeavesTheOldResult) {
-  const std::string store = written("a.db", "kept");
-  const CommandResult result = run_palpate(
-      {"probe", "import", demo("sheet/contacts.csv"), demo("sheet/samples.csv"), "-o", store},
-      {.max_file_size = 100000});
+  const std::string store = scratch / "a.db";
+  const std::vector<std::string> import = {
+      "probe", "import", demo("sheet/contacts.csv"), demo("sheet/samples.csv"), "-o", store};
+  ASSERT_EQ(run_palpate(import).status, kDone);
+  const std::string before = read_text(store);
+  const CommandResult result = run_palpate(import, {.max_file_size = 100000});
   EXPECT_EQ(result.status, kWorkFailed) << result.err;
   EXPECT_NE(result.err.find("a.db"), std::string::npos) << result.err;
-  EXPECT_EQ(read_text(store), "kept");
+  EXPECT_EQ(read_text(store), before);
   const CommandResult mesh = run_palpate(
       {"mesh", demo("truth/plane.tiff"), "--rig", demo("rig.yaml"), "-o", scratch / "x.ply"},
       {.max_file_size = 100000});

@@ -112,6 +112,27 @@ TEST_F(KeptFiles, NoOutputIsOrLiesInAnInput) {
   }
 }
 
+TEST_F(KeptFiles, MeasurementsAreNotReplacedByOthers) {
+  const std::string contacts = demo("sheet/contacts.csv"), samples = demo("sheet/samples.csv"),
+                    campaign = scratch / "campaign.db", plan = scratch / "plan.json",
+                    specimen = scratch / "sheet.json";
+  write_text(specimen, R"({"type": "sheet"})");
+  ASSERT_EQ(run_palpate({"probe", "plan", "--specimen", specimen, "-o", plan, "--contacts", "1",
+                         "--levels", "1", "--directions", "1"})
+                .status,
+            kDone);
+  ASSERT_EQ(run_palpate({"probe", "run", plan, "--specimen", specimen, "-o", campaign}).status,
+            kDone);
+  expect_refused({"probe", "import", contacts, samples, "-o", campaign}, "campaign.db: holds a");
+  expect_refused({"bake", specimen, "-o", scratch / "model", "--acquisition", campaign},
+                 "campaign.db: holds a");
+  put("scan.ply", "a mesh");
+  expect_refused({"probe", "import", contacts, samples, "-o", scratch / "scan.ply"},
+                 "scan.ply: is no database");
+  put("own/samples.csv", "raw data");
+  expect_refused({"probe", "export", campaign, "-o", scratch / "own"}, "own/samples.csv: is there");
+}
+
 TEST_F(KeptFiles, SimulateReplacesOnlyAFolderOfItsOwn) {
   const std::string out = scratch / "real";
   put("real/frames/000000.png");

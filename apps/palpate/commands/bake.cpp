@@ -173,6 +173,7 @@ void report(const Settings& settings, const BakeCall& call, const probing::Speci
 
 void bake(const Settings& settings, const BakeCall& call) {
   check_outputs({call.specimen}, {call.output, call.acquisition});
+  if (!call.acquisition.empty()) probing::check_acquisition_output(call.acquisition);
   check_output_folder({call.specimen}, call.output);
   check_replaceable(call.output, haptics::model_entries());
   const auto specimen = read_specimen(call.specimen);

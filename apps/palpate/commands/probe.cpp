@@ -175,6 +175,7 @@ void import_data(const Settings& settings, const ProbeCall& call) {
   std::vector<fs::path> inputs = call.data;
   if (!call.mapping.empty()) inputs.push_back(call.mapping);
   check_outputs(inputs, {call.output, call.surface});
+  probing::check_acquisition_output(call.output);
   const probing::ImportedAcquisition imported = read_data(call);
   if (imported.series.presses > 0) tell_series(imported.series);
   Json warnings = Json::array();
@@ -196,6 +197,12 @@ void import_data(const Settings& settings, const ProbeCall& call) {
 void export_csv(const Settings& settings, const ProbeCall& call) {
   const fs::path contacts = call.output / "contacts.csv", samples = call.output / "samples.csv";
   check_outputs({call.store}, {contacts, samples});
+  for (const fs::path& table : {contacts, samples}) {
+    if (is_there(table))
+      throw InvalidInput(table.string() +
+                         ": is there already; measurements are not overwritten. Choose another "
+                         "folder, or remove it first.");
+  }
   const probing::CheckedAcquisition acquisition = probing::read_acquisition(call.store);
   probing::write_acquisition_csv(acquisition, contacts, samples);
   report(settings, acquisition, call.output.string());
@@ -310,7 +317,8 @@ void add_probe(CLI::App& app, const Settings& settings) {
 
   CLI::App* out = probe->add_subcommand("export", "Convert such a database to two CSV files");
   out->add_option("ACQUISITION", call->store, "Database to read (acquisition.db)")->required();
-  out->add_option("-o,--output", call->output, "Folder for contacts.csv and samples.csv")
+  out->add_option("-o,--output", call->output,
+                  "Folder for contacts.csv and samples.csv, in which neither is yet")
       ->required();
   out->footer("Example:\n  palpate probe export acquisition.db -o csv/");
   out->callback([call, &settings] { export_csv(settings, *call); });

@@ -100,6 +100,19 @@ void write_tables(sqlite3* database, const Acquisition& acquisition) {
   execute(database, "COMMIT");
 }
 
+// In words; empty if the database holds the three tables of `write_tables` alone.
+std::string more_than_an_acquisition(sqlite3* database) {
+  constexpr const char* kOwn =
+      "SELECT count(*) FROM sqlite_master WHERE name IN ('contact', 'sample', 'meta')";
+  constexpr const char* kOther =
+      "SELECT count(*) FROM sqlite_master WHERE type = 'table' AND name NOT IN ('contact', "
+      "'sample', 'meta')";
+  constexpr const char* kCampaign = "SELECT count(*) FROM sqlite_master WHERE name = 'run'";
+  if (number_of(database, kCampaign) > 0) return "holds a campaign of 'palpate probe run'";
+  if (number_of(database, kOwn) < 3) return "is no database of measurements";
+  return number_of(database, kOther) > 0 ? "holds further tables" : "";
+}
+
 }  // namespace
 
 CheckedAcquisition read_acquisition(const std::filesystem::path& path) {
@@ -126,7 +139,23 @@ CheckedAcquisition read_acquisition(const std::filesystem::path& path) {
   }
 }
 
+void check_acquisition_output(const std::filesystem::path& path) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) return;
+  if (std::filesystem::file_size(path, error) == 0) return;
+  std::string lost;
+  try {
+    lost = more_than_an_acquisition(open_database(path, SQLITE_OPEN_READONLY).get());
+  } catch (const DatabaseError&) {
+    lost = "is no database of measurements";
+  }
+  if (lost.empty()) return;
+  throw InvalidInput(path.string() + ": " + lost +
+                     ", and would be lost; choose another name, or remove it first");
+}
+
 void write_acquisition(const std::filesystem::path& path, const CheckedAcquisition& acquisition) {
+  check_acquisition_output(path);
   write_file_by_path(path, [&](const std::filesystem::path& temporary) {
     try {
       // The temporary is renamed or thrown away as a whole: no journal is needed beside it.

@@ -111,6 +111,27 @@ TEST(AcquisitionStore, NamesTheRowThatIsWrong) {
               AllOf(HasSubstr("a.db"), HasSubstr("sample 7"), HasSubstr("no contact 5")));
 }
 
+TEST(AcquisitionStore, ReplacesNothingButAnAcquisition) {
+  const ScratchFolder scratch;
+  const std::filesystem::path path = scratch / "a.db";
+  const auto expect_kept = [&](const char* what) {
+    const std::string before = read_text(path);
+    EXPECT_THAT(refusal([&] { write_acquisition(path, small_acquisition()); }),
+                AllOf(HasSubstr("a.db: "), HasSubstr(what), HasSubstr("would be lost")));
+    EXPECT_EQ(read_text(path), before);
+  };
+  write_text(path, "ply\nformat ascii 1.0\n");
+  expect_kept("no database of measurements");
+  write_text(path, "");
+  write_acquisition(path, small_acquisition());
+  execute(path, "CREATE TABLE notes(text)");
+  expect_kept("further tables");
+  execute(path, "DROP TABLE notes; CREATE TABLE run(key, value)");
+  expect_kept("holds a campaign of 'palpate probe run'");
+  execute(path, "DROP TABLE run; DROP TABLE meta");
+  expect_kept("no database of measurements");
+}
+
 TEST(AcquisitionStore, KeepsTheOldFileIfTheAcquisitionIsWrong) {
   const ScratchFolder scratch;
   const std::filesystem::path path = scratch / "a.db";

@@ -17,8 +17,15 @@ namespace palpate::probing {
 /// holds what `CheckedAcquisition` refuses.
 [[nodiscard]] CheckedAcquisition read_acquisition(const std::filesystem::path& path);
 
+/// Checks that `write_acquisition` destroys nothing at `path`: that there is no file, an empty one,
+/// or a database that it wrote. For callers that compute for long before they write.
+///
+/// \throws InvalidInput for any other file, such as the store of a campaign.
+void check_acquisition_output(const std::filesystem::path& path);
+
 /// Writes such a database beside `path`, then renames it.
 ///
+/// \throws InvalidInput as `check_acquisition_output` does.
 /// \throws OutputError if it cannot be written.
 void write_acquisition(const std::filesystem::path& path, const CheckedAcquisition& acquisition);
 
