@@ -31,6 +31,59 @@ std::string unit_guess(double ratio) {
   return "as positions in a smaller unit would";
 }
 
+/// Contacts whose tool is at another one. The places are sorted, so that only those whose x is near
+/// that of the tool are looked at.
+std::vector<long long> at_another_contact(const std::vector<ProbedContact>& contacts) {
+  std::vector<Eigen::Vector3d> places;
+  for (const ProbedContact& probed : contacts) places.push_back(probed.contact->position);
+  const auto x_of = [](const Eigen::Vector3d& place) { return place.x(); };
+  std::ranges::sort(places, {}, x_of);
+  std::vector<long long> ids;
+  for (const ProbedContact& probed : contacts) {
+    const Eigen::Vector3d& tool = probed.lightest;
+    const double own = (tool - probed.contact->position).norm(), radius = own / kTimesNearer;
+    if (!(own > kTouchError)) continue;
+    const auto first = std::ranges::lower_bound(places, tool.x() - radius, {}, x_of);
+    const auto last = std::ranges::upper_bound(places, tool.x() + radius, {}, x_of);
+    const bool is_at_another = std::any_of(
+        first, last, [&](const Eigen::Vector3d& place) { return (place - tool).norm() < radius; });
+    if (is_at_another) ids.push_back(probed.contact->id);
+  }
+  return ids;
+}
+
+void find_distant_tools(const std::vector<ProbedContact>& contacts, double size,
+                        std::vector<Finding>& findings) {
+  std::vector<long long> far;
+  std::vector<double> distances;
+  for (const ProbedContact& probed : contacts) {
+    distances.push_back((probed.lightest - probed.contact->position).norm());
+    if (distances.back() > kSuspiciousDistance * size) far.push_back(probed.contact->id);
+  }
+  if (!far.empty()) {
+    findings.push_back(
+        {Implausibility::distant_tool, median(distances) > kImpossibleDistance * size,
+         "the tool is up to " + figure(*std::ranges::max_element(distances)) + " mm away from " +
+             named("contact", far) + ", while the contacts are spread over " + figure(size) +
+             " mm (median from their middle)",
+         "contacts and tool positions are in one frame and one unit, mm: check these contacts, or "
+         "the frames"});
+    return;
+  }
+  const std::vector<long long> exchanged = at_another_contact(contacts);
+  if (exchanged.empty()) return;
+  findings.push_back(
+      {Implausibility::distant_tool, 2 * exchanged.size() > contacts.size(),
+       "at " + count_of(exchanged.size(), contacts.size()) + " contacts (" +
+           named("contact", exchanged) +
+           ") the tool is, under the least force, less than half as far from another contact as "
+           "from its own, up to " +
+           figure(*std::ranges::max_element(distances)) + " mm",
+       "x,y,z, ax,ay,az and bx,by,bz are positions in one frame, and contact names the contact of "
+       "the sample: check the order and the signs of these columns, the numbers of the contacts, "
+       "or the frames"});
+}
+
 }  // namespace
 
 void find_length_units(const std::vector<ProbedContact>& contacts, std::vector<Finding>& findings) {
@@ -53,21 +106,7 @@ void find_length_units(const std::vector<ProbedContact>& contacts, std::vector<F
          "unit of a whole file see probe import --length-unit)"});
     return;
   }
-  std::vector<long long> far;
-  std::vector<double> distances;
-  for (const ProbedContact& probed : contacts) {
-    distances.push_back((probed.lightest - probed.contact->position).norm());
-    if (distances.back() > kSuspiciousDistance * size) far.push_back(probed.contact->id);
-  }
-  if (far.empty()) return;
-  const double typical = median(distances);
-  findings.push_back(
-      {Implausibility::distant_tool, typical > kImpossibleDistance * size,
-       "the tool is up to " + figure(*std::ranges::max_element(distances)) + " mm away from " +
-           named("contact", far) + ", while the contacts are spread over " + figure(size) +
-           " mm (median from their middle)",
-       "contacts and tool positions are in one frame and one unit, mm: check these contacts, or "
-       "the frames"});
+  find_distant_tools(contacts, size, findings);
 }
 
 void find_scales(const std::vector<ProbedContact>& contacts, std::vector<Finding>& findings) {

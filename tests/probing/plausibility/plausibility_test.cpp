@@ -381,6 +381,51 @@ TEST(Plausibility, NamesAContactThatIsFarFromItsTool) {
   EXPECT_TRUE(another_frame.impossible);
 }
 
+/// Which finding says that the tool is at other contacts, if noise and late touches hide it or not.
+/// Exchanged samples also contradict their groups.
+Finding tool_at_others(const Change& change) {
+  Finding result;
+  for (Acquisition a : {dragged({.noise = 0.1, .late = 1}), dragged({.noise = 0.1}), dragged()}) {
+    change(a);
+    const std::vector<Finding> findings = find_implausible(a);
+    const auto found = std::ranges::find(findings, Implausibility::distant_tool, &Finding::kind);
+    EXPECT_NE(found, findings.end()) << testing::PrintToString(messages(a));
+    if (found != findings.end()) result = *found;
+  }
+  return result;
+}
+
+TEST(Plausibility, RefusesToolsThatAreAtOtherContacts) {
+  const auto expect_impossible = [](const Change& change) {
+    const Finding found = tool_at_others(change);
+    EXPECT_TRUE(found.impossible);
+    EXPECT_THAT(message(found), HasSubstr("half as far from another contact"));
+  };
+  expect_impossible([](Acquisition& a) {  // contacts numbered from 1, not from 0
+    for (Sample& sample : a.samples) sample.contact = 10 + (sample.contact - 10 + 1) % 9;
+  });
+  const auto turn_tools = [](Acquisition& a, const Eigen::Matrix3d& turn) {
+    for (Sample& sample : a.samples) {
+      sample.a = turn * sample.a;
+      sample.b = turn * sample.b;
+    }
+  };
+  Eigen::Matrix3d exchanged;  // columns
+  exchanged << 0, 1, 0, 1, 0, 0, 0, 0, 1;
+  expect_impossible([&](Acquisition& a) { turn_tools(a, exchanged); });
+  const Eigen::Vector3d signs(-1, -1, 1);
+  expect_impossible([&](Acquisition& a) { turn_tools(a, signs.asDiagonal()); });
+}
+
+TEST(Plausibility, SuspectsTwoContactsWhoseSamplesAreExchanged) {
+  const Finding found = tool_at_others([](Acquisition& a) {
+    for (Sample& sample : a.samples)
+      if (sample.contact == 12 || sample.contact == 13) sample.contact = 25 - sample.contact;
+  });
+  EXPECT_FALSE(found.impossible);
+  EXPECT_THAT(message(found), HasSubstr("contacts 12, 13"));
+}
+
 TEST(Plausibility, SuspectsSizesThatNoArmMeasures) {
   for (const double factor : {1e-3, 1e3}) {
     const Finding lengths =

@@ -22,7 +22,7 @@ enum class Implausibility {
   mixed_groups,      ///< the normal force differs within groups
   scattered_groups,  ///< `a` differs within groups
   length_units,      ///< tool positions do not scale as the contacts do
-  distant_tool,      ///< the tool is further from its contact than the contacts are from each other
+  distant_tool,      ///< the tool is far from its contact, or at another one
   length_scale,      ///< the object, or all displacements, have an unlikely size
   force_scale,       ///< forces have an unlikely size
   tilted_forces,     ///< forces that held are nearly tangential
@@ -70,6 +70,10 @@ inline constexpr double kLargestSpread = 8;
 /// Distance from tool to contact relative to the spread of the contacts: suspicious, impossible.
 inline constexpr double kSuspiciousDistance = 4;
 inline constexpr double kImpossibleDistance = 100;
+/// A tool is at another contact iff, under the least force, it is further from its own than
+/// `kTouchError` and than this many times the distance from another. A press is along the normal,
+/// away from all others.
+inline constexpr double kTimesNearer = 2;
 /// [mm] Extent of the contacts: below the reach of a finger tip, beyond that of any arm.
 inline constexpr double kSmallestExtent = 1;
 inline constexpr double kLargestExtent = 5000;
