@@ -16,6 +16,7 @@
 #include "palpate/output_file.h"
 #include "palpate/probing/acquisition.h"
 #include "palpate/probing/contact_surface.h"
+#include "plausible.h"
 
 namespace palpate::python {
 namespace {
@@ -177,6 +178,7 @@ geometry::TriangleMesh surface_of(const CheckedAcquisition& acquisition,
 
 BuildResult fit(const CheckedAcquisition& acquisition, const geometry::TriangleMesh* surface,
                 const haptics::BuildOptions& options) {
+  check_plausible("fit()", acquisition);
   const Unlocked unlocked;
   BuildResult built = haptics::build_model(acquisition, surface_of(acquisition, surface), options);
   built.model.made["program"] = "palpate " PALPATE_VERSION " (Python)";
@@ -258,7 +260,8 @@ rate: where all contacts were only pressed, fit how forces depend on the rate.
 progress: called as progress(done, total) after each contact, from any thread, one at a time.
 
 All processors are used, and other threads of Python run meanwhile. Ctrl-C is heard when the main
-thread has fitted its contact. Raises InvalidInput or SolverError.)");
+thread has fitted its contact. Raises InvalidInput, also if `acquisition` cannot be measurements of an
+object, or SolverError; warns (UserWarning) of what is suspicious.)");
 }
 
 }  // namespace

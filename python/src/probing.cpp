@@ -12,6 +12,7 @@
 #include "palpate/probing/acquisition_import.h"
 #include "palpate/probing/acquisition_mapping.h"
 #include "palpate/probing/acquisition_store.h"
+#include "plausible.h"
 
 namespace palpate::python {
 namespace {
@@ -108,6 +109,14 @@ CheckedAcquisition new_acquisition(const py::object& contacts, const py::object&
   return made;
 }
 
+CheckedAcquisition imported(const std::vector<fs::path>& files,
+                            const std::optional<fs::path>& mapping) {
+  const Unlocked unlocked;
+  return probing::import_acquisition(
+             files, mapping ? probing::read_mapping(*mapping) : probing::AcquisitionMapping{})
+      .acquisition;
+}
+
 void add_acquisition(py::module_& module) {
   py::class_<CheckedAcquisition>(module, "Acquisition",
                                  R"(What an arm measured of one object: C contacts and S samples.
@@ -176,17 +185,17 @@ Raises InvalidInput naming the contact or the sample that is wrong.)")
   module.def(
       "import_acquisition",
       [](const std::vector<fs::path>& files, const std::optional<fs::path>& mapping) {
-        const Unlocked unlocked;
-        return probing::import_acquisition(
-                   files, mapping ? probing::read_mapping(*mapping) : probing::AcquisitionMapping{})
-            .acquisition;
+        const CheckedAcquisition acquisition = imported(files, mapping);
+        check_plausible("import_acquisition()", acquisition);
+        return acquisition;
       },
       arg("files"), arg("mapping") = py::none(),
       R"(Reads contacts and samples from CSV or MAT files, as `palpate probe import` does.
 
 files: usually two tables, of contacts and of samples (docs/measurements.md).
 mapping: file (YAML) that says how files of another laboratory are to be read.
-Raises FileError or InvalidInput. Ctrl-C is not heard.)");
+Raises FileError, or InvalidInput if these cannot be measurements of an object; warns (UserWarning)
+of what is suspicious. Ctrl-C is not heard.)");
 }
 
 }  // namespace

@@ -136,6 +136,27 @@ class Models(unittest.TestCase):
 
 
 class Acquisitions(unittest.TestCase):
+    def test_what_cannot_be_measured_is_refused_and_what_is_suspicious_warned_of(self):
+        right = sheet_acquisition()
+
+        def changed(**change):
+            arrays = {name: getattr(right, name) for name in ("contacts", "normals", "contact", "force", "a", "b")}
+            options = {name: getattr(right, name) for name in ("contact_ids", "slipped")}
+            return palpate.Acquisition(**{**arrays, **options, **change})
+
+        surface = palpate.read_mesh(DEMO / "sheet/surface.ply")
+        with self.assertRaisesRegex(palpate.InvalidInput, "those of the object on the tool"):
+            palpate.fit(changed(force=-right.force), surface)
+        some = right.normals.copy()
+        some[:3] *= -1
+        with self.assertWarnsRegex(UserWarning, "3 of 46 contacts"), self.assertRaises(palpate.InvalidInput):
+            palpate.fit(changed(normals=some), surface)    # three are too many to be left out
+        with tempfile.TemporaryDirectory() as folder:
+            mapping = pathlib.Path(folder) / "wrong.yaml"
+            mapping.write_text("forces_on: tool\n")
+            with self.assertRaisesRegex(palpate.InvalidInput, "those of the object on the tool"):
+                palpate.import_acquisition([DEMO / "sheet/contacts.csv", DEMO / "sheet/samples.csv"], mapping)
+
     def test_samples_are_those_of_the_files(self):
         acquisition = sheet_acquisition()
         rows = np.genfromtxt(DEMO / "sheet/samples.csv", delimiter=",", names=True, dtype=None, encoding="utf-8")
